@@ -1,0 +1,125 @@
+use crate::Window;
+
+/// Largest width and height of a picture, in pixels.
+pub const MAX_SIDE: u32 = 1 << 20;
+/// Largest number of pixels of a picture.
+pub const MAX_PIXELS: u64 = 1 << 31;
+
+/// The size of a document's pictures and how many samples each pixel averages.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Format {
+    width: u32,
+    height: u32,
+    samples: u32,
+}
+
+/// Why a picture's format is refused.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum FormatError {
+    /// A side is 0 or too large.
+    #[error("a picture of {width} × {height} pixels is refused: each side is 1 to {MAX_SIDE} pixels")]
+    Side {
+        /// Width found.
+        width: u32,
+        /// Height found.
+        height: u32,
+    },
+    /// Too many pixels in all.
+    #[error("a picture of {width} × {height} pixels is refused: at most {MAX_PIXELS} pixels in all")]
+    Area {
+        /// Width found.
+        width: u32,
+        /// Height found.
+        height: u32,
+    },
+    /// Not a number of samples that has a pattern.
+    #[error("{samples} samples a pixel are refused: 1, 4 or 16")]
+    Samples {
+        /// Number found.
+        samples: u32,
+    },
+}
+
+impl Format {
+    /// A format of `width` × `height` pixels with 1, 4 or 16 samples a pixel.
+    ///
+    /// # Errors
+    /// A side or the area is outside the limits, or the number of samples has no pattern.
+    pub fn new(width: u32, height: u32, samples: u32) -> Result<Self, FormatError> {
+        if width == 0 || height == 0 || width > MAX_SIDE || height > MAX_SIDE {
+            return Err(FormatError::Side { width, height });
+        }
+        if u64::from(width) * u64::from(height) > MAX_PIXELS {
+            return Err(FormatError::Area { width, height });
+        }
+        if !matches!(samples, 1 | 4 | 16) {
+            return Err(FormatError::Samples { samples });
+        }
+        Ok(Self { width, height, samples })
+    }
+
+    /// Width in pixels.
+    pub fn width(self) -> u32 {
+        self.width
+    }
+
+    /// Height in pixels.
+    pub fn height(self) -> u32 {
+        self.height
+    }
+
+    /// Samples a pixel.
+    pub fn samples(self) -> u32 {
+        self.samples
+    }
+
+    /// The display window, at the origin.
+    pub fn window(self) -> Window {
+        Window::sized(self.width, self.height)
+    }
+
+    /// Offset of sample `index` from its pixel's upper left corner, in pixels.
+    ///
+    /// One sample stands at the center. 4 and 16 samples form a rotated grid: every row and every column of
+    /// the pixel's finer raster holds exactly one, so that edges near the axes come out in as many steps
+    /// as there are samples.
+    pub fn sample_offset(self, index: u32) -> [f64; 2] {
+        match self.samples {
+            1 => [0.5, 0.5],
+            n => {
+                // Sample (i, j) of an m × m grid, shifted by the other index: all n rows and columns differ.
+                let m = if n == 4 { 2 } else { 4 };
+                let (i, j) = (index % m, index / m);
+                let fine = f64::from(n);
+                [(f64::from(i * m + j) + 0.5) / fine, (f64::from(j * m + (m - 1 - i)) + 0.5) / fine]
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_fine_row_and_column_holds_one_sample() {
+        for n in [4, 16] {
+            let format = Format::new(8, 8, n).expect("valid");
+            for axis in 0..2 {
+                let mut cells: Vec<u32> =
+                    (0..n).map(|i| (format.sample_offset(i)[axis] * f64::from(n)).floor() as u32).collect();
+                cells.sort_unstable();
+                assert_eq!(cells, (0..n).collect::<Vec<_>>());
+            }
+        }
+    }
+
+    #[test]
+    fn limits_hold() {
+        assert!(Format::new(0, 1, 1).is_err());
+        assert!(Format::new(MAX_SIDE + 1, 1, 1).is_err());
+        assert!(Format::new(MAX_SIDE, MAX_SIDE, 1).is_err());
+        assert!(Format::new(MAX_SIDE, 2048, 16).is_ok());
+        assert!(Format::new(1, 1, 3).is_err());
+    }
+}

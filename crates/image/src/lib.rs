@@ -1,0 +1,18 @@
+//! Windows, planes, tiles, formats and working spaces: what the rest of Trochoid agrees on about pixels.
+//!
+//! Conventions: y points down, windows are half-open, the center of pixel `x` lies at `x + ½`.
+
+mod color;
+mod format;
+mod plane;
+mod space;
+mod window;
+
+pub use color::{HexError, parse_hex};
+pub use format::{Format, FormatError, MAX_PIXELS, MAX_SIDE};
+pub use plane::{Plane, PlaneError};
+pub use space::{Chromaticities, WorkingSpace, srgb_decode, srgb_encode};
+pub use window::{Tiles, Window};
+
+/// A color in the working space: red, green, blue.
+pub type Rgb = [f32; 3];
