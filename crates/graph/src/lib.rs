@@ -1,1 +1,43 @@
-//! placeholder
+//! What a graph means: kinds of value, the contract of nodes, documents and their validation.
+//!
+//! A *document* is JSON: nodes by name, each with a type, knobs and connections, and outputs. Checking it
+//! against a [`Registry`] of node types gives a [`CheckedGraph`], or every fault as a [`Diagnostic`].
+//!
+//! A graph is evaluated frame by frame. At a frame every knob has one value. A node's output is a value of one
+//! of a closed set of [`Kind`]s. Front-end nodes make Fields and masks by any mathematics; back-end nodes make
+//! Colors by convex operations only, which they express as a [`Program`] of a closed set of operations. There
+//! is no way to make a weight from a color, and no way to combine colors but by weights that are ≥ 0 and sum
+//! to 1. So every color of an output lies in the convex hull of the control colors, whatever the passes hold.
+
+mod animated;
+mod check;
+mod checked;
+mod declare;
+mod diagnostic;
+mod document;
+mod kind;
+mod node;
+mod program;
+mod record;
+mod refusal;
+mod registry;
+mod schema;
+mod spanned;
+
+pub use animated::{Animated, Interpolation};
+pub use check::{check, expected};
+pub use checked::{CheckedGraph, CheckedNode, Guarantee, OutputSpec, Precision};
+pub use declare::{Arity, Declaration, Default, End, Item, Knob, List, Output, Port, Takes};
+pub use diagnostic::{Diagnostic, Severity, nearest};
+pub use document::{Document, MAX_BYTES, MAX_NODES};
+pub use kind::{Accepts, ChannelSet, Kind, ViewChannel};
+pub use node::{
+    Block, Body, Check, Connection, Fault, FrameContext, Handle, Inputs, Lowering, NodeError, NodeType, Outputs,
+    Pointwise, Prepare, Prepared, Reference, References, Stage, Variance, expand_frame,
+};
+pub use program::{Builder, Color, Op, Partition, Program, Scalar, Slot, Type, Value, Weights};
+pub use record::{NodeId, Record, Setting, Settled, Source};
+pub use refusal::{REFUSALS, Refusal, refusal};
+pub use registry::Registry;
+pub use schema::schema;
+pub use spanned::{MAX_DEPTH, MAX_VALUES};

@@ -1,0 +1,308 @@
+//! From a document to a checked graph: every fault at once, and no evaluation can fail afterwards but by
+//! input and output, bad input data, memory or cancellation.
+
+mod items;
+mod outputs;
+mod top;
+mod wiring;
+
+use crate::spanned::{Entry, Json, Spanned, shorten};
+use crate::{
+    Check, CheckedGraph, CheckedNode, Diagnostic, Document, Kind, NodeType, Record, Registry, Severity, Source,
+    nearest, refusal,
+};
+use items::Names;
+pub use items::expected;
+use std::collections::HashMap;
+use std::path::Path;
+
+/// Checks a document against the node types of a registry.
+///
+/// `folder` is what paths in the document are relative to. The result holds the graph, if no diagnostic is an
+/// error, and all diagnostics in the order of the text.
+pub fn check(document: &Document, registry: &Registry, folder: &Path) -> (Option<CheckedGraph>, Vec<Diagnostic>) {
+    let mut checker = Checker { document, registry, diagnostics: Vec::new(), space: Default::default() };
+    let graph = checker.graph(folder);
+    let mut diagnostics = checker.diagnostics;
+    diagnostics.sort_by(|a, b| (&a.file, a.line, a.column).cmp(&(&b.file, b.line, b.column)));
+    diagnostics.dedup();
+    let valid = diagnostics.iter().all(|diagnostic| diagnostic.severity == Severity::Warning);
+    (graph.filter(|_| valid), diagnostics)
+}
+
+/// Walks a document and collects diagnostics.
+struct Checker<'a> {
+    document: &'a Document,
+    registry: &'a Registry,
+    diagnostics: Vec<Diagnostic>,
+    space: trochoid_image::WorkingSpace,
+}
+
+/// Where a fault lies: byte offset, node, port or knob.
+#[derive(Clone, Copy)]
+struct Place<'a> {
+    offset: usize,
+    node: Option<&'a str>,
+    port: Option<&'a str>,
+}
+
+impl<'a> Place<'a> {
+    fn top(offset: usize, port: &'a str) -> Self {
+        Self { offset, node: None, port: Some(port) }
+    }
+
+    fn at(self, offset: usize) -> Self {
+        Self { offset, ..self }
+    }
+}
+
+/// A node between parsing and wiring.
+struct Draft<'a> {
+    name: &'a str,
+    offset: usize,
+    /// `None` where the type is unknown: references to the node are then not held against it.
+    ty: Option<&'static dyn NodeType>,
+    disabled: bool,
+    record: Record,
+    /// Where each item stands in the text.
+    offsets: HashMap<&'static str, usize>,
+    /// Items within are faulty, so that checks across knobs would only repeat it.
+    faulty: bool,
+    kinds: Vec<Kind>,
+}
+
+impl<'a> Checker<'a> {
+    fn report(&mut self, severity: Severity, place: Place<'_>, found: String, expected: String, remedy: String) {
+        // A document full of faults is not worth listing to the end.
+        if self.diagnostics.len() >= 1000 {
+            return;
+        }
+        let (file, line, column) = self.document.place(place.offset);
+        self.diagnostics.push(Diagnostic {
+            severity,
+            file,
+            line,
+            column,
+            node: place.node.map(shorten),
+            port: place.port.map(shorten),
+            found,
+            expected,
+            remedy,
+        });
+    }
+
+    fn error(&mut self, place: Place<'_>, found: impl ToString, expected: impl ToString, remedy: impl ToString) {
+        self.report(Severity::Error, place, found.to_string(), expected.to_string(), remedy.to_string());
+    }
+
+    /// The entries of an object by key; reports anything else, and duplicate keys.
+    fn object(&mut self, value: &'a Spanned, place: Place<'_>, expected: &str) -> Option<Vec<&'a Entry>> {
+        let Json::Object(entries) = &value.json else {
+            self.error(place.at(value.offset), value.brief(), expected, "write a JSON object: { … }");
+            return None;
+        };
+        let mut seen = HashMap::new();
+        let mut kept: Vec<&Entry> = Vec::with_capacity(entries.len());
+        for entry in entries {
+            if let Some(first) = seen.insert(entry.key.as_str(), entry.offset) {
+                let (_, line, column) = self.document.place(first);
+                self.error(
+                    place.at(entry.offset),
+                    format!("\"{}\" a second time", shorten(&entry.key)),
+                    format!("each name once; the first stands at {line}:{column}"),
+                    "rename or remove one of them",
+                );
+            } else {
+                kept.push(entry);
+            }
+        }
+        Some(kept)
+    }
+
+    /// Reports a key that is none of `known`.
+    fn unknown_key(&mut self, place: Place<'_>, key: &str, known: &[&str]) {
+        let remedy = match nearest(key, known.iter().copied()) {
+            Some(near) => format!("did you mean \"{near}\"?"),
+            None => format!("remove it; known: {}", known.join(", ")),
+        };
+        self.error(place, format!("unknown key \"{}\"", shorten(key)), "a known key", remedy);
+    }
+
+    fn graph(&mut self, folder: &Path) -> Option<CheckedGraph> {
+        let document = self.document;
+        let root = self.object(
+            &document.root,
+            Place::top(0, "document"),
+            "an object with \"trochoid\", \"format\", \"nodes\" and \"outputs\"",
+        )?;
+        let top = self.top(&root);
+        let entries = match root.iter().find(|entry| entry.key == "nodes") {
+            Some(entry) => {
+                self.object(&entry.value, Place::top(entry.value.offset, "nodes"), "an object of nodes by name")
+            }
+            None => {
+                self.error(
+                    Place::top(0, "nodes"),
+                    "no \"nodes\"",
+                    "an object of nodes by name",
+                    "add \"nodes\": { … }",
+                );
+                None
+            }
+        };
+        let entries = entries.unwrap_or_default();
+        if entries.len() > crate::document::MAX_NODES {
+            let found = format!("{} nodes", entries.len());
+            self.error(
+                Place::top(0, "nodes"),
+                found,
+                format!("at most {} nodes", crate::document::MAX_NODES),
+                "split the scene into several documents",
+            );
+            return None;
+        }
+        let mut drafts: Vec<Draft<'a>> = entries.iter().map(|entry| self.draft(entry)).collect();
+        let names: Names<'a> =
+            drafts.iter().enumerate().map(|(i, d)| (d.name, (i, d.ty.map(NodeType::declaration)))).collect();
+        for (draft, entry) in drafts.iter_mut().zip(&entries) {
+            self.fill_in(draft, entry, &names);
+        }
+        for draft in &mut drafts {
+            if let Some(ty) = draft.ty {
+                draft.kinds = ty.outputs(&draft.record.settle(top.first as f64));
+            }
+        }
+        self.bypass_disabled(&mut drafts);
+        self.connections(&drafts);
+        let order = self.order(&drafts)?;
+        self.node_rules(&drafts, top.first, top.last);
+        let outputs = match root.iter().find(|entry| entry.key == "outputs") {
+            Some(entry) => self.outputs(&entry.value, &drafts, &names),
+            None => {
+                let place = Place::top(0, "outputs");
+                self.error(
+                    place,
+                    "no \"outputs\"",
+                    "at least one output",
+                    "add \"outputs\": { \"beauty\": { \"color\": … } }",
+                );
+                Vec::new()
+            }
+        };
+        self.unused(&drafts, &outputs);
+        if self.diagnostics.iter().any(|diagnostic| diagnostic.severity == Severity::Error) {
+            return None;
+        }
+        let nodes = drafts
+            .into_iter()
+            .map(|draft| {
+                let ty = draft.ty?;
+                let Draft { name, disabled, record, kinds, .. } = draft;
+                Some(CheckedNode { name: name.into(), ty, record, kinds, disabled })
+            })
+            .collect::<Option<Vec<_>>>()?;
+        Some(CheckedGraph {
+            name: document.name().into(),
+            folder: folder.into(),
+            format: top.format?,
+            space: self.space,
+            first: top.first,
+            last: top.last,
+            fps: top.fps,
+            nodes,
+            outputs,
+            order,
+            canonical: document.canonical(),
+        })
+    }
+
+    /// Reads a node's name and type.
+    fn draft(&mut self, entry: &'a Entry) -> Draft<'a> {
+        let name = entry.key.as_str();
+        let place = Place { offset: entry.offset, node: Some(name), port: None };
+        let legal = name.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_')
+            && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
+        if !legal {
+            let found = format!("the name \"{}\"", shorten(name));
+            self.error(place, found, "letters, digits and _, not starting with a digit", "rename the node");
+        }
+        let mut draft = Draft {
+            name,
+            offset: entry.offset,
+            ty: None,
+            disabled: false,
+            record: Record::default(),
+            offsets: HashMap::new(),
+            faulty: false,
+            kinds: Vec::new(),
+        };
+        let Json::Object(items) = &entry.value.json else {
+            self.error(place, entry.value.brief(), "an object with a \"type\"", "write { \"type\": … }");
+            return draft;
+        };
+        match items.iter().find(|item| item.key == "type") {
+            None => {
+                self.error(place, "no \"type\"", "the type of the node", "add \"type\"; `trochoid nodes` lists them");
+            }
+            Some(Entry { value: Spanned { json: Json::String(ty), offset }, .. }) => {
+                draft.ty = self.registry.get(ty);
+                if draft.ty.is_none() {
+                    self.unknown_type(Place { offset: *offset, node: Some(name), port: Some("type") }, ty);
+                }
+            }
+            Some(item) => {
+                let place = Place { offset: item.value.offset, node: Some(name), port: Some("type") };
+                self.error(place, item.value.brief(), "the name of a node type", "`trochoid nodes` lists them");
+            }
+        }
+        draft
+    }
+
+    fn unknown_type(&mut self, place: Place<'_>, ty: &str) {
+        if let Some(refusal) = refusal(ty) {
+            let found = format!("the operation {}", shorten(ty));
+            let expected = format!("a convex operation: {}; {}", refusal.reason, refusal.witness);
+            return self.error(place, found, expected, refusal.rewrite);
+        }
+        let remedy = match nearest(ty, self.registry.names()) {
+            Some(near) => format!("did you mean \"{near}\"?"),
+            None => "`trochoid nodes` lists the types".into(),
+        };
+        self.error(place, format!("unknown node type \"{}\"", shorten(ty)), "a node type", remedy);
+    }
+
+    /// Runs each node's own checks at the first and last frame and at every key.
+    fn node_rules(&mut self, drafts: &[Draft<'_>], first: i64, last: i64) {
+        for draft in drafts.iter().filter(|draft| !draft.faulty && !draft.disabled) {
+            let Some(ty) = draft.ty else { continue };
+            let mut frames = draft.record.key_frames();
+            frames.extend([first as f64, last as f64]);
+            frames.sort_by(f64::total_cmp);
+            frames.dedup();
+            let kinds = |source: &Source<Vec<f64>>| kind_of(source, drafts);
+            let mut faults = Vec::new();
+            for frame in frames {
+                let mut check = Check::new(&kinds);
+                ty.check(&draft.record.settle(frame), &mut check);
+                faults.extend(check.into_faults());
+            }
+            faults.dedup();
+            for fault in faults {
+                let offset = draft.offsets.get(fault.item).copied().unwrap_or(draft.offset);
+                let place = Place { offset, node: Some(draft.name), port: Some(fault.item) };
+                let severity = if fault.warning { Severity::Warning } else { Severity::Error };
+                self.report(severity, place, fault.found, fault.expected, fault.remedy);
+            }
+        }
+    }
+}
+
+/// The kind of a source, where its node has a known type.
+fn kind_of<N>(source: &Source<N>, drafts: &[Draft<'_>]) -> Option<Kind> {
+    match source {
+        Source::Output { node, output } => drafts.get(node.0)?.kinds.get(*output).copied(),
+        Source::Number(_) => Some(Kind::MASK),
+        Source::Color(_) => Some(Kind::Color),
+        Source::Numbers(numbers) => Some(Kind::Weights(numbers.len())),
+    }
+}

@@ -1,0 +1,196 @@
+//! The `outputs` of a document: what is rendered, into which files, under which requirements.
+
+use super::items::Names;
+use super::{Checker, Draft, Place, kind_of};
+use crate::spanned::{Entry, Json, Spanned, shorten};
+use crate::{Guarantee, Kind, OutputSpec, Precision, Source};
+
+const KEYS: [&str; 8] = ["color", "weights", "field", "file", "layer", "precision", "require", "notes"];
+
+impl<'a> Checker<'a> {
+    pub(super) fn outputs(&mut self, value: &'a Spanned, drafts: &[Draft<'a>], names: &Names<'a>) -> Vec<OutputSpec> {
+        let place = Place::top(value.offset, "outputs");
+        let Some(entries) = self.object(value, place, "an object of outputs by name") else { return Vec::new() };
+        if entries.is_empty() {
+            let remedy = "add for example \"beauty\": { \"color\": \"node\" }";
+            self.error(place, "a document without outputs, which has nothing to render", "at least one output", remedy);
+        }
+        if entries.len() > 1024 {
+            self.error(place, format!("{} outputs", entries.len()), "at most 1024 outputs", "split the document");
+            return Vec::new();
+        }
+        entries.into_iter().filter_map(|entry| self.output(entry, drafts, names)).collect()
+    }
+
+    fn output(&mut self, entry: &'a Entry, drafts: &[Draft<'a>], names: &Names<'a>) -> Option<OutputSpec> {
+        let place = Place::top(entry.offset, &entry.key);
+        let legal =
+            !entry.key.is_empty() && entry.key.chars().all(|c| c.is_ascii_alphanumeric() || c == '_' || c == '-');
+        if !legal {
+            let found = format!("the output name \"{}\"", shorten(&entry.key));
+            self.error(place, found, "letters, digits, _ and -", "rename the output");
+        }
+        let entries = self.object(&entry.value, place, "an object with \"color\", \"weights\" or \"field\"")?;
+        let mut spec = OutputSpec {
+            name: entry.key.clone(),
+            node: crate::NodeId(0),
+            output: 0,
+            kind: Kind::Color,
+            file: None,
+            layer: None,
+            precision: None,
+            require: None,
+        };
+        let mut source = None;
+        for item in entries {
+            let place = place.at(item.value.offset);
+            match (item.key.as_str(), &item.value.json) {
+                ("color" | "weights" | "field", Json::String(text)) => {
+                    if source.is_some() {
+                        self.error(
+                            place,
+                            "a second thing to render",
+                            "one of \"color\", \"weights\" and \"field\"",
+                            "make it an output of its own",
+                        );
+                    }
+                    source = Some((item, self.reference(text, place, names)));
+                }
+                ("color" | "weights" | "field", _) => {
+                    self.error(
+                        place,
+                        item.value.brief(),
+                        "a reference to a node",
+                        "write the name of a node in quotes",
+                    );
+                    return None;
+                }
+                ("file", Json::String(text)) if !text.is_empty() && !text.contains('\0') => {
+                    spec.file = Some(text.clone());
+                }
+                ("layer", Json::String(text)) if is_layer(text) => spec.layer = Some(text.clone()),
+                ("precision", Json::String(text)) if Precision::from_name(text).is_some() => {
+                    spec.precision = Precision::from_name(text);
+                }
+                ("require", _) => spec.require = self.require(&item.value, place),
+                ("notes", _) => {}
+                ("file", _) => {
+                    self.error(place, item.value.brief(), "a path with the ending .exr or .png", "write a path");
+                }
+                ("layer", _) => {
+                    self.error(
+                        place,
+                        item.value.brief(),
+                        "a layer name of letters, digits, _, - and spaces",
+                        "write a name",
+                    );
+                }
+                ("precision", _) => {
+                    let expected = format!("one of {}", Precision::NAMES.join(", "));
+                    self.error(place, item.value.brief(), expected, "choose one of them");
+                }
+                (key, _) => self.unknown_key(place.at(item.offset), key, &KEYS),
+            }
+        }
+        self.file(&mut spec, place);
+        let Some((item, resolved)) = source else {
+            let remedy = "add for example \"color\": \"node\"";
+            self.error(place, "an output that renders nothing", "one of \"color\", \"weights\" and \"field\"", remedy);
+            return None;
+        };
+        let resolved = resolved?;
+        let Source::Output { node, output } = resolved else { return None };
+        (spec.node, spec.output) = (node, output);
+        let place = place.at(item.value.offset);
+        if drafts[node.0].disabled {
+            return self.bypassed(spec, &drafts[node.0], place, drafts);
+        }
+        spec.kind = kind_of(&resolved, drafts)?;
+        let fits = matches!(
+            (item.key.as_str(), spec.kind),
+            ("color", Kind::Color) | ("weights", Kind::Weights(_)) | ("field", Kind::Field(_) | Kind::MASK)
+        );
+        if !fits {
+            let remedy = match spec.kind {
+                Kind::Color => "write it as \"color\"",
+                Kind::Weights(_) => "write it as \"weights\"",
+                Kind::Field(_) => "write it as \"field\"",
+                _ => "connect a pass of it, for example Depth",
+            };
+            let found = format!("\"{}\", a {}", drafts[node.0].name, spec.kind);
+            self.error(place, found, format!("a {}", item.key), remedy);
+        }
+        Some(spec)
+    }
+
+    /// An output of a disabled node shows what that node hands on.
+    fn bypassed(
+        &mut self,
+        mut spec: OutputSpec,
+        draft: &Draft<'a>,
+        place: Place<'_>,
+        drafts: &[Draft<'a>],
+    ) -> Option<OutputSpec> {
+        // Edges have been led past disabled nodes already, so the first source is enabled.
+        let first = draft.record.sources().into_iter().next();
+        match first {
+            Some(source @ Source::Output { node, output })
+                if kind_of(source, drafts) == draft.kinds.first().copied() =>
+            {
+                (spec.node, spec.output) = (*node, *output);
+                spec.kind = kind_of(source, drafts)?;
+                Some(spec)
+            }
+            _ => {
+                let found = format!("the disabled node \"{}\", which hands on nothing", draft.name);
+                self.error(place, found, "an enabled node", "enable it, or render another");
+                None
+            }
+        }
+    }
+
+    fn require(&mut self, value: &'a Spanned, place: Place<'_>) -> Option<Guarantee> {
+        let entries = self.object(value, place, "an object with \"guarantee\"")?;
+        let mut guarantee = None;
+        for entry in entries {
+            let place = place.at(entry.value.offset);
+            match (entry.key.as_str(), &entry.value.json) {
+                ("guarantee", Json::String(name)) if Guarantee::from_name(name).is_some() => {
+                    guarantee = Guarantee::from_name(name);
+                }
+                ("guarantee", _) => self.error(place, entry.value.brief(), "hull or box", "choose one of them"),
+                (key, _) => self.unknown_key(place.at(entry.offset), key, &["guarantee"]),
+            }
+        }
+        guarantee
+    }
+
+    /// The file's ending must be one that can be written, and its precision one that the format has.
+    fn file(&mut self, spec: &mut OutputSpec, place: Place<'_>) {
+        let Some(file) = &spec.file else { return };
+        let lower = file.to_lowercase();
+        let (png, exr) = (lower.ends_with(".png"), lower.ends_with(".exr"));
+        if !png && !exr {
+            let found = format!("the file \"{}\"", shorten(file));
+            self.error(
+                place,
+                found,
+                "a path with the ending .exr or .png",
+                "EXR keeps every value; PNG is for looking",
+            );
+        }
+        if let Some(precision) = spec.precision
+            && (png != precision.is_integer())
+            && (png || exr)
+        {
+            let found = format!("precision {} for \"{}\"", precision.name(), shorten(file));
+            self.error(place, found, "half or float for EXR, uint8 or uint16 for PNG", "change one of them");
+        }
+    }
+}
+
+fn is_layer(text: &str) -> bool {
+    !text.is_empty()
+        && text.len() <= 64
+        && text.chars().all(|c| c.is_ascii_alphanumeric() || matches!(c, '_' | '-' | ' '))
+}

@@ -1,0 +1,143 @@
+//! Everything outside `nodes` and `outputs`: version, format, working space, frames.
+
+use super::{Checker, Place};
+use crate::spanned::{Entry, Json, Spanned};
+use trochoid_image::{Format, WorkingSpace};
+
+/// What the top of a document says.
+pub(super) struct Top {
+    pub(super) format: Option<Format>,
+    pub(super) first: i64,
+    pub(super) last: i64,
+    pub(super) fps: f64,
+}
+
+const KEYS: [&str; 8] = ["trochoid", "format", "working_space", "frames", "nodes", "outputs", "ui", "notes"];
+/// Frames are numbered within this range, so that times stay exact.
+const MAX_FRAME: f64 = 1e7;
+
+impl<'a> Checker<'a> {
+    pub(super) fn top(&mut self, root: &[&'a Entry]) -> Top {
+        let mut top = Top { format: None, first: 1, last: 1, fps: 24.0 };
+        let mut versioned = false;
+        for entry in root {
+            let place = Place::top(entry.value.offset, &entry.key);
+            match entry.key.as_str() {
+                "trochoid" => {
+                    versioned = true;
+                    if entry.value.json != Json::Number(1.0) {
+                        self.error(
+                            place,
+                            entry.value.brief(),
+                            "1, the version of the document format",
+                            "write \"trochoid\": 1",
+                        );
+                    }
+                }
+                "format" => top.format = self.format(&entry.value),
+                "working_space" => self.working_space(&entry.value),
+                "frames" => self.frames(&entry.value, &mut top),
+                "nodes" | "outputs" | "ui" | "notes" => {}
+                key => self.unknown_key(Place::top(entry.offset, key), key, &KEYS),
+            }
+        }
+        if !versioned {
+            let place = Place::top(0, "trochoid");
+            self.error(place, "no \"trochoid\"", "the version of the document format", "add \"trochoid\": 1");
+        }
+        if !root.iter().any(|entry| entry.key == "format") {
+            let remedy = "add \"format\": { \"width\": 1920, \"height\": 1080 }";
+            self.error(Place::top(0, "format"), "no \"format\"", "the size of the pictures", remedy);
+        }
+        top
+    }
+
+    fn format(&mut self, value: &'a Spanned) -> Option<Format> {
+        let place = Place::top(value.offset, "format");
+        let entries = self.object(value, place, "an object with \"width\" and \"height\"")?;
+        let (mut width, mut height, mut samples) = (None, None, Some(1));
+        for entry in entries {
+            let slot = match entry.key.as_str() {
+                "width" => &mut width,
+                "height" => &mut height,
+                "samples" => &mut samples,
+                key => {
+                    self.unknown_key(Place::top(entry.offset, "format"), key, &["width", "height", "samples"]);
+                    continue;
+                }
+            };
+            *slot = match entry.value.json {
+                // The format checks its own limits; here numbers only have to fit.
+                Json::Number(n) if n.fract() == 0.0 && (0.0..=f64::from(u32::MAX)).contains(&n) => Some(n as u32),
+                _ => {
+                    let place = Place::top(entry.value.offset, &entry.key);
+                    self.error(
+                        place,
+                        entry.value.brief(),
+                        "a whole number of pixels or samples",
+                        "write a positive whole number",
+                    );
+                    return None;
+                }
+            };
+        }
+        let (Some(width), Some(height), Some(samples)) = (width, height, samples) else {
+            self.error(place, "a format without \"width\" or \"height\"", "both", "add the missing one");
+            return None;
+        };
+        Format::new(width, height, samples)
+            .map_err(|error| {
+                let found = format!("{width} × {height} pixels, {samples} samples");
+                self.error(place, found, error, "choose a size and a number of samples within the limits");
+            })
+            .ok()
+    }
+
+    fn working_space(&mut self, value: &'a Spanned) {
+        let names = WorkingSpace::ALL.map(WorkingSpace::name);
+        match &value.json {
+            Json::String(name) if names.contains(&name.as_str()) => {
+                self.space = WorkingSpace::from_name(name).unwrap_or_default();
+            }
+            _ => {
+                let place = Place::top(value.offset, "working_space");
+                self.error(place, value.brief(), format!("one of {}", names.join(", ")), "choose one of them");
+            }
+        }
+    }
+
+    fn frames(&mut self, value: &'a Spanned, top: &mut Top) {
+        let place = Place::top(value.offset, "frames");
+        let Some(entries) = self.object(value, place, "an object with \"first\", \"last\" and \"fps\"") else { return };
+        let mut last = None;
+        for entry in entries {
+            let place = Place::top(entry.value.offset, &entry.key);
+            match (entry.key.as_str(), &entry.value.json) {
+                ("first", Json::Number(n)) if n.fract() == 0.0 && n.abs() <= MAX_FRAME => top.first = *n as i64,
+                ("last", Json::Number(n)) if n.fract() == 0.0 && n.abs() <= MAX_FRAME => last = Some(*n as i64),
+                ("fps", Json::Number(n)) if *n > 0.0 && *n <= 1e6 => top.fps = *n,
+                ("first" | "last", _) => {
+                    let expected = format!("a whole number from −{MAX_FRAME} to {MAX_FRAME}");
+                    self.error(place, entry.value.brief(), expected, "write a frame number");
+                }
+                ("fps", _) => {
+                    self.error(
+                        place,
+                        entry.value.brief(),
+                        "frames per second, above 0 and at most 1e6",
+                        "write for example 24",
+                    );
+                }
+                (key, _) => {
+                    self.unknown_key(Place::top(entry.offset, "frames"), key, &["first", "last", "fps"]);
+                }
+            }
+        }
+        top.last = last.unwrap_or(top.first);
+        if top.last < top.first {
+            let found = format!("first {} after last {}", top.first, top.last);
+            self.error(place, found, "first ≤ last", "exchange them");
+            top.last = top.first;
+        }
+    }
+}

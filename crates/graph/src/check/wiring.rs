@@ -1,0 +1,268 @@
+//! Edges: disabled nodes, kinds, views, cycles, and what no output needs.
+
+use super::{Checker, Draft, Place, kind_of};
+use crate::{Accepts, Arity, Body, ChannelSet, Item, Kind, NodeId, OutputSpec, Port, Record, Severity, Source};
+use petgraph::algo::{tarjan_scc, toposort};
+use petgraph::graph::{DiGraph, NodeIndex};
+
+impl<'a> Checker<'a> {
+    /// Leads every edge from a disabled node to what it hands on, or removes the edge.
+    pub(super) fn bypass_disabled(&mut self, drafts: &mut [Draft<'a>]) {
+        if drafts.iter().all(|draft| !draft.disabled) {
+            return;
+        }
+        let resolved: Vec<Option<(NodeId, usize)>> = (0..drafts.len())
+            .map(|start| {
+                let mut at = (NodeId(start), 0);
+                // A loop of disabled nodes hands on nothing; the cycle is reported elsewhere.
+                for _ in 0..=drafts.len() {
+                    let draft = &drafts[at.0.0];
+                    if !draft.disabled {
+                        return Some(at);
+                    }
+                    let first = draft.record.sources().into_iter().next()?;
+                    match first {
+                        Source::Output { node, output } if kind_of(first, drafts) == draft.kinds.first().copied() => {
+                            at = (*node, *output);
+                        }
+                        _ => return None,
+                    }
+                }
+                None
+            })
+            .collect();
+        for draft in drafts.iter_mut() {
+            bypass(&mut draft.record, &resolved);
+        }
+        // What a disabled node left open must be reported where it is missing.
+        for draft in drafts.iter().filter(|draft| !draft.disabled) {
+            let Some(ty) = draft.ty.filter(|_| !draft.faulty) else { continue };
+            self.open_ports(ty.declaration().items, &draft.record, draft);
+        }
+        for draft in drafts.iter_mut() {
+            let Some(ty) = draft.ty else { continue };
+            if !complete(ty.declaration().items, &draft.record) {
+                draft.faulty = true;
+            }
+        }
+    }
+
+    fn open_ports(&mut self, items: &'static [Item], record: &Record, draft: &Draft<'_>) {
+        for item in items {
+            match item {
+                Item::Port(port) if is_short(port, record) => {
+                    let offset = draft.offsets.get(port.name).copied().unwrap_or(draft.offset);
+                    let place = Place { offset, node: Some(draft.name), port: Some(port.name) };
+                    let found = "a disabled node that hands on nothing";
+                    self.error(place, found, format!("a {}", port.accepts), "enable the node, or connect another");
+                }
+                Item::List(list) => {
+                    for record in record.list(list.name) {
+                        self.open_ports(list.items, record, draft);
+                    }
+                }
+                _ => {}
+            }
+        }
+    }
+
+    /// Checks the kind of every connection, and what is asked of views.
+    pub(super) fn connections(&mut self, drafts: &[Draft<'a>]) {
+        for draft in drafts.iter().filter(|draft| !draft.disabled) {
+            let Some(ty) = draft.ty else { continue };
+            self.kinds(ty.declaration().items, &draft.record, draft, drafts);
+            let Body::Stage(stage) = ty.body() else { continue };
+            if draft.faulty {
+                continue;
+            }
+            let settled = draft.record.settle(0.0);
+            let asks = stage.asks(&settled, &vec![true; draft.kinds.len()]);
+            for (port, sources) in settled.ports() {
+                for source in sources {
+                    let Source::Output { node, .. } = source else { continue };
+                    if kind_of(source, drafts) != Some(Kind::View) || drafts[node.0].faulty {
+                        continue;
+                    }
+                    let Some(Body::Stage(view)) = drafts[node.0].ty.map(|ty| ty.body()) else { continue };
+                    let missing = asks.minus(view.supplies(&drafts[node.0].record.settle(0.0)));
+                    self.missing_channels(missing, port, draft, &drafts[node.0]);
+                }
+            }
+        }
+    }
+
+    fn missing_channels(&mut self, missing: ChannelSet, port: &'static str, draft: &Draft<'_>, view: &Draft<'_>) {
+        if missing.is_empty() {
+            return;
+        }
+        let mut names: Vec<&str> = missing.iter().map(|channel| channel.name()).collect();
+        names.dedup();
+        let offset = draft.offsets.get(port).copied().unwrap_or(draft.offset);
+        let place = Place { offset, node: Some(draft.name), port: Some(port) };
+        let found = format!("the view \"{}\", which has no {}", view.name, names.join(", no "));
+        let remedy = format!("give \"{}\" the pass that holds it, or use another pass here", view.name);
+        self.error(place, found, format!("a view with {}", names.join(", ")), remedy);
+    }
+
+    fn kinds(&mut self, items: &'static [Item], record: &Record, draft: &Draft<'_>, drafts: &[Draft<'a>]) {
+        for item in items {
+            match item {
+                Item::Port(port) => {
+                    for source in record.all(port.name) {
+                        if matches!(source, Source::Output { .. }) {
+                            self.kind(port.accepts, port.name, source, draft, drafts);
+                        }
+                    }
+                }
+                Item::List(list) => {
+                    for record in record.list(list.name) {
+                        self.kinds(list.items, record, draft, drafts);
+                    }
+                }
+                Item::Knob(_) => {}
+            }
+        }
+    }
+
+    fn kind(&mut self, accepts: Accepts, port: &'static str, source: &Source, draft: &Draft<'_>, drafts: &[Draft<'a>]) {
+        let Some(found) = kind_of(source, drafts) else { return };
+        if accepts.takes(found) {
+            return;
+        }
+        let Source::Output { node, .. } = source else { return };
+        let offset = draft.offsets.get(port).copied().unwrap_or(draft.offset);
+        let place = Place { offset, node: Some(draft.name), port: Some(port) };
+        let found_text = format!("\"{}\", a {found}", drafts[node.0].name);
+        self.error(place, found_text, format!("a {accepts}"), accepts.remedy(found));
+    }
+
+    /// The nodes, inputs before outputs; reports every loop.
+    pub(super) fn order(&mut self, drafts: &[Draft<'_>]) -> Option<Vec<NodeId>> {
+        let mut graph: DiGraph<(), ()> = DiGraph::with_capacity(drafts.len(), drafts.len());
+        for _ in drafts {
+            graph.add_node(());
+        }
+        for (to, draft) in drafts.iter().enumerate() {
+            for source in draft.record.sources() {
+                if let Source::Output { node, .. } = source {
+                    graph.add_edge(NodeIndex::new(node.0), NodeIndex::new(to), ());
+                }
+            }
+        }
+        if let Ok(order) = toposort(&graph, None) {
+            return Some(order.into_iter().map(|index| NodeId(index.index())).collect());
+        }
+        for component in tarjan_scc(&graph) {
+            let first = component[0];
+            if component.len() == 1 && graph.find_edge(first, first).is_none() {
+                continue;
+            }
+            let inside = |node: NodeId| component.contains(&NodeIndex::new(node.0));
+            let start = component.iter().map(|index| index.index()).min().unwrap_or(0);
+            let path = walk_loop(start, drafts, &inside);
+            let names: Vec<&str> = path.iter().map(|&node| drafts[node].name).collect();
+            let place = Place { offset: drafts[start].offset, node: Some(drafts[start].name), port: None };
+            let shown = if names.len() > 12 {
+                format!("{} ← … ({} nodes) … ← {}", names[..6].join(" ← "), names.len() - 1, names[names.len() - 1])
+            } else {
+                names.join(" ← ")
+            };
+            self.error(place, format!("the loop {shown}"), "a graph without loops", "remove one of these connections");
+        }
+        None
+    }
+
+    /// Warns of nodes that no output needs.
+    pub(super) fn unused(&mut self, drafts: &[Draft<'_>], outputs: &[OutputSpec]) {
+        if outputs.is_empty() {
+            return;
+        }
+        let mut used = vec![false; drafts.len()];
+        let mut open: Vec<usize> = outputs.iter().map(|output| output.node.0).collect();
+        while let Some(node) = open.pop() {
+            if std::mem::replace(&mut used[node], true) {
+                continue;
+            }
+            open.extend(drafts[node].record.sources().into_iter().filter_map(|source| match source {
+                Source::Output { node, .. } => Some(node.0),
+                _ => None,
+            }));
+        }
+        for (draft, _) in drafts.iter().zip(used).filter(|(draft, used)| !used && !draft.disabled) {
+            let place = Place { offset: draft.offset, node: Some(draft.name), port: None };
+            let remedy = "it is not evaluated; connect it, or remove it";
+            self.report(
+                Severity::Warning,
+                place,
+                "a node that no output needs".into(),
+                "every node to be used".into(),
+                remedy.into(),
+            );
+        }
+    }
+}
+
+fn bypass(record: &mut Record, resolved: &[Option<(NodeId, usize)>]) {
+    for (_, sources) in &mut record.ports {
+        sources.retain_mut(|source| {
+            let Source::Output { node, output } = source else { return true };
+            match resolved[node.0] {
+                Some((to, to_output)) if to != *node => {
+                    (*node, *output) = (to, to_output);
+                    true
+                }
+                kept => kept.is_some(),
+            }
+        });
+    }
+    for (_, records) in &mut record.lists {
+        records.iter_mut().for_each(|record| bypass(record, resolved));
+    }
+}
+
+fn is_short(port: &Port, record: &Record) -> bool {
+    let connected = record.all(port.name).len();
+    match port.arity {
+        Arity::One => connected == 0,
+        Arity::Optional => false,
+        Arity::Many { min, .. } => connected < min,
+    }
+}
+
+fn complete(items: &'static [Item], record: &Record) -> bool {
+    items.iter().all(|item| match item {
+        Item::Port(port) => record.ports.is_empty() || !is_short(port, record),
+        Item::List(list) => record.lists.is_empty() || record.list(list.name).iter().all(|r| complete(list.items, r)),
+        Item::Knob(_) => true,
+    })
+}
+
+/// A loop through `start` within a strongly connected component, back to `start`.
+fn walk_loop(start: usize, drafts: &[Draft<'_>], inside: &dyn Fn(NodeId) -> bool) -> Vec<usize> {
+    // Breadth first against the edges: the shortest way from `start` upstream to itself.
+    let mut from = vec![usize::MAX; drafts.len()];
+    let mut queue = std::collections::VecDeque::from([start]);
+    while let Some(node) = queue.pop_front() {
+        for source in drafts[node].record.sources() {
+            let Source::Output { node: up, .. } = source else { continue };
+            if up.0 == start {
+                let mut path = vec![start, node];
+                let mut at = node;
+                while at != start {
+                    at = from[at];
+                    path.push(at);
+                }
+                path.reverse();
+                if node == start {
+                    path = vec![start, start];
+                }
+                return path;
+            }
+            if inside(*up) && from[up.0] == usize::MAX {
+                from[up.0] = node;
+                queue.push_back(up.0);
+            }
+        }
+    }
+    vec![start]
+}

@@ -1,0 +1,266 @@
+//! A validated graph: having one is the proof that only input and output, bad data, memory or cancellation
+//! can stop its evaluation.
+
+use crate::{Body, FrameContext, Kind, NodeId, NodeType, Record, Settled, Source};
+use std::path::{Path, PathBuf};
+use trochoid_image::{Format, WorkingSpace};
+
+/// A checked node.
+#[derive(Clone)]
+pub struct CheckedNode {
+    /// Name in the document.
+    pub name: String,
+    /// Its type.
+    pub ty: &'static dyn NodeType,
+    /// Knobs and connections.
+    pub record: Record,
+    /// Kinds of its outputs.
+    pub kinds: Vec<Kind>,
+    /// Whether the document disables it; nothing is connected to it then.
+    pub disabled: bool,
+}
+
+impl std::fmt::Debug for CheckedNode {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{} \"{}\"", self.ty.declaration().name, self.name)
+    }
+}
+
+/// What cannot be left by an output's colors.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Guarantee {
+    /// Each channel stays between its least and greatest control.
+    Box,
+    /// Colors stay in the convex hull of the controls.
+    Hull,
+}
+
+impl Guarantee {
+    /// The word in documents and reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Box => "box",
+            Self::Hull => "hull",
+        }
+    }
+
+    /// The guarantee of that name.
+    pub fn from_name(name: &str) -> Option<Self> {
+        [Self::Box, Self::Hull].into_iter().find(|guarantee| guarantee.name() == name)
+    }
+}
+
+/// How an output's samples are stored.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Precision {
+    /// 16-bit float, EXR.
+    Half,
+    /// 32-bit float, EXR.
+    Float,
+    /// 8-bit, PNG.
+    Uint8,
+    /// 16-bit, PNG.
+    Uint16,
+}
+
+impl Precision {
+    /// The words in documents.
+    pub const NAMES: [&str; 4] = ["half", "float", "uint8", "uint16"];
+
+    /// The word in documents.
+    pub fn name(self) -> &'static str {
+        Self::NAMES[self as usize]
+    }
+
+    /// The precision of that name.
+    pub fn from_name(name: &str) -> Option<Self> {
+        [Self::Half, Self::Float, Self::Uint8, Self::Uint16].into_iter().find(|precision| precision.name() == name)
+    }
+
+    /// Whether it is one of PNG's.
+    pub fn is_integer(self) -> bool {
+        matches!(self, Self::Uint8 | Self::Uint16)
+    }
+}
+
+/// One output of a document.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OutputSpec {
+    /// Its name.
+    pub name: String,
+    /// The node that it shows.
+    pub node: NodeId,
+    /// Index of that node's output.
+    pub output: usize,
+    /// Kind of the value.
+    pub kind: Kind,
+    /// Where it is written, relative to the document.
+    pub file: Option<String>,
+    /// Name of its layer in the file.
+    pub layer: Option<String>,
+    /// How it is stored; by default half for EXR, 8 bits for PNG.
+    pub precision: Option<Precision>,
+    /// What must hold, or the command fails.
+    pub require: Option<Guarantee>,
+}
+
+/// A validated graph. Made by [`crate::check()`] only.
+#[derive(Clone, Debug)]
+pub struct CheckedGraph {
+    pub(crate) name: String,
+    pub(crate) folder: PathBuf,
+    pub(crate) format: Format,
+    pub(crate) space: WorkingSpace,
+    pub(crate) first: i64,
+    pub(crate) last: i64,
+    pub(crate) fps: f64,
+    pub(crate) nodes: Vec<CheckedNode>,
+    pub(crate) outputs: Vec<OutputSpec>,
+    pub(crate) order: Vec<NodeId>,
+    pub(crate) canonical: String,
+}
+
+impl CheckedGraph {
+    /// The document's name.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The folder that paths are relative to.
+    pub fn folder(&self) -> &Path {
+        &self.folder
+    }
+
+    /// The pictures' format.
+    pub fn format(&self) -> Format {
+        self.format
+    }
+
+    /// The same graph at another format, for proxies and previews.
+    pub fn with_format(mut self, format: Format) -> Self {
+        self.format = format;
+        self
+    }
+
+    /// The space in which colors mix.
+    pub fn space(&self) -> WorkingSpace {
+        self.space
+    }
+
+    /// First and last frame.
+    pub fn frames(&self) -> (i64, i64) {
+        (self.first, self.last)
+    }
+
+    /// Frames per second.
+    pub fn fps(&self) -> f64 {
+        self.fps
+    }
+
+    /// All nodes; a [`NodeId`] is an index here.
+    pub fn nodes(&self) -> &[CheckedNode] {
+        &self.nodes
+    }
+
+    /// A node.
+    pub fn node(&self, id: NodeId) -> &CheckedNode {
+        &self.nodes[id.0]
+    }
+
+    /// The node of that name.
+    pub fn find(&self, name: &str) -> Option<NodeId> {
+        self.nodes.iter().position(|node| node.name == name).map(NodeId)
+    }
+
+    /// All outputs.
+    pub fn outputs(&self) -> &[OutputSpec] {
+        &self.outputs
+    }
+
+    /// All nodes, inputs before those that use them.
+    pub fn order(&self) -> &[NodeId] {
+        &self.order
+    }
+
+    /// A hash of everything in the document that evaluation depends on, 64 hexadecimal digits.
+    pub fn document_hash(&self) -> String {
+        blake3::hash(self.canonical.as_bytes()).to_hex().to_string()
+    }
+
+    /// What all nodes share at a frame.
+    pub fn frame_context(&self, frame: i64, memory_limit: u64) -> FrameContext {
+        FrameContext {
+            frame,
+            time: (frame - self.first) as f64 / self.fps,
+            format: self.format,
+            space: self.space,
+            folder: self.folder.clone(),
+            memory_limit,
+        }
+    }
+
+    /// A node's knobs at a frame.
+    pub fn settle(&self, id: NodeId, frame: i64) -> Settled {
+        self.nodes[id.0].record.settle(frame as f64)
+    }
+
+    /// Everything that an output needs, itself included, before any pruning.
+    pub fn upstream(&self, roots: impl IntoIterator<Item = NodeId>) -> Vec<bool> {
+        let mut needed = vec![false; self.nodes.len()];
+        let mut open: Vec<NodeId> = roots.into_iter().collect();
+        while let Some(id) = open.pop() {
+            if std::mem::replace(&mut needed[id.0], true) {
+                continue;
+            }
+            open.extend(self.nodes[id.0].record.sources().into_iter().filter_map(|source| match source {
+                Source::Output { node, .. } => Some(*node),
+                _ => None,
+            }));
+        }
+        needed
+    }
+
+    /// Files that any node in `needed` reads at a frame.
+    pub fn files(&self, needed: &[bool], context: &FrameContext) -> Vec<PathBuf> {
+        let mut files = Vec::new();
+        for (index, node) in self.nodes.iter().enumerate().filter(|(index, _)| needed[*index]) {
+            if let Body::Stage(stage) = node.ty.body() {
+                files.extend(stage.files(&self.settle(NodeId(index), context.frame), context));
+            }
+        }
+        files.sort();
+        files.dedup();
+        files
+    }
+
+    /// Content keys of all nodes at a frame: equal keys mean equal results.
+    ///
+    /// A key covers type and its revision, knobs at the frame, the keys of everything connected, and, where
+    /// the node says that it depends on them, time and format. Files count by path, length and time of change.
+    pub fn keys(&self, context: &FrameContext) -> Vec<String> {
+        let mut keys = vec![String::new(); self.nodes.len()];
+        for &id in &self.order {
+            let node = &self.nodes[id.0];
+            let declaration = node.ty.declaration();
+            let settled = self.settle(id, context.frame);
+            let mut hasher = blake3::Hasher::new();
+            let described = settled.describe(&|id| keys[id.0].clone()).to_string();
+            hasher.update(format!("{} {} {described}", declaration.name, declaration.revision).as_bytes());
+            hasher.update(self.space.name().as_bytes());
+            if let Body::Stage(stage) = node.ty.body() {
+                if stage.timed() {
+                    hasher.update(&context.time.to_bits().to_le_bytes());
+                }
+                if stage.formatted() {
+                    hasher.update(format!("{:?}", context.format).as_bytes());
+                }
+                for file in stage.files(&settled, context) {
+                    let state = std::fs::metadata(&file).map(|data| (data.len(), data.modified().ok()));
+                    hasher.update(format!("{} {state:?}", file.display()).as_bytes());
+                }
+            }
+            keys[id.0] = hasher.finalize().to_hex().to_string();
+        }
+        keys
+    }
+}

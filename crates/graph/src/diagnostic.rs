@@ -1,0 +1,104 @@
+//! What validation has to say: every fault, with its place, what was found, what was expected, and a remedy.
+
+use std::fmt;
+
+/// Whether a diagnostic stops the document from being evaluated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Severity {
+    /// The document is valid, but something is probably not meant so.
+    Warning,
+    /// The document is invalid.
+    Error,
+}
+
+/// One fault or warning.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Diagnostic {
+    /// Error or warning.
+    pub severity: Severity,
+    /// The document's name, or the command-line option that holds the fault.
+    pub file: String,
+    /// Line, from 1; 0 where no place can be named.
+    pub line: usize,
+    /// Column in characters, from 1; 0 where no place can be named.
+    pub column: usize,
+    /// The node, where the fault lies in one.
+    pub node: Option<String>,
+    /// The port or knob, where the fault lies in one.
+    pub port: Option<String>,
+    /// What was found.
+    pub found: String,
+    /// What was expected.
+    pub expected: String,
+    /// What to do.
+    pub remedy: String,
+}
+
+impl Diagnostic {
+    /// The diagnostic as a JSON object, one key per field.
+    pub fn to_json(&self) -> serde_json::Value {
+        serde_json::json!({
+            "severity": self.severity.to_string(),
+            "file": self.file,
+            "line": self.line,
+            "column": self.column,
+            "node": self.node,
+            "port": self.port,
+            "found": self.found,
+            "expected": self.expected,
+            "remedy": self.remedy,
+        })
+    }
+}
+
+impl fmt::Display for Severity {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Error => "error",
+            Self::Warning => "warning",
+        })
+    }
+}
+
+impl fmt::Display for Diagnostic {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: {}", self.severity, self.file)?;
+        if self.line > 0 {
+            write!(f, ":{}:{}", self.line, self.column)?;
+        }
+        match (&self.node, &self.port) {
+            (Some(node), Some(port)) => write!(f, ": node \"{node}\", {port}")?,
+            (Some(node), None) => write!(f, ": node \"{node}\"")?,
+            (None, Some(port)) => write!(f, ": {port}")?,
+            (None, None) => {}
+        }
+        write!(f, ": found {}; expected {}", self.found, self.expected)?;
+        if !self.remedy.is_empty() {
+            write!(f, "\n  remedy: {}", self.remedy)?;
+        }
+        Ok(())
+    }
+}
+
+/// The name nearest to `name`, where one is near enough to be a slip of the keyboard.
+pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    let lower = name.to_lowercase();
+    candidates
+        .into_iter()
+        .map(|candidate| (strsim::jaro_winkler(&lower, &candidate.to_lowercase()), candidate))
+        .filter(|(likeness, _)| *likeness > 0.75)
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .map(|(_, candidate)| candidate)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn slips_are_recognized_and_strangers_are_not() {
+        assert_eq!(nearest("wieght", ["a", "b", "weight"]), Some("weight"));
+        assert_eq!(nearest("gerstnersea", ["GerstnerSea", "Render"]), Some("GerstnerSea"));
+        assert_eq!(nearest("zzz", ["weight", "color"]), None);
+    }
+}

@@ -1,0 +1,216 @@
+//! A document as typed: syntax only, every value with its place.
+
+use crate::spanned::{Entry, Json, Spanned, line_and_column, parse, shorten};
+use crate::{Diagnostic, Severity};
+
+/// Largest document, bytes.
+pub const MAX_BYTES: usize = 64 << 20;
+/// Most nodes of a document.
+pub const MAX_NODES: usize = 100_000;
+
+/// A parsed document.
+#[derive(Clone, Debug)]
+pub struct Document {
+    name: String,
+    text: String,
+    pub(crate) root: Spanned,
+    /// Texts of `--set`, in order; values from them carry places beyond the text.
+    overrides: Vec<String>,
+}
+
+/// Places from here on are indices into the overrides.
+const OVERRIDE: usize = usize::MAX / 2;
+
+impl Document {
+    /// Parses a JSON text; `name` stands for it in diagnostics.
+    ///
+    /// # Errors
+    /// Not JSON, or larger or deeper than the limits.
+    pub fn parse(name: &str, text: &str) -> Result<Self, Box<Diagnostic>> {
+        let fault = |line, column, found: String, expected: String, remedy: &str| {
+            Box::new(Diagnostic {
+                severity: Severity::Error,
+                file: name.into(),
+                line,
+                column,
+                node: None,
+                port: None,
+                found,
+                expected,
+                remedy: remedy.into(),
+            })
+        };
+        if text.len() > MAX_BYTES {
+            let found = format!("a document of {} bytes", text.len());
+            return Err(fault(
+                0,
+                0,
+                found,
+                format!("at most {MAX_BYTES} bytes"),
+                "split the scene into several documents",
+            ));
+        }
+        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+        let root = parse(text).map_err(|error| {
+            let (line, column) = line_and_column(text, error.offset);
+            let near: String = text[floor(text, error.offset)..].chars().take(20).collect();
+            let remedy = if near.starts_with("NaN") || near.starts_with("Inf") || near.starts_with("-Inf") {
+                "JSON has no NaN and no infinity: write a finite number"
+            } else if near.is_empty() {
+                "the text ends too early: close every bracket and quote"
+            } else {
+                "correct the syntax there; JSON has no comments and no trailing commas"
+            };
+            fault(line, column, error.message, "JSON".into(), remedy)
+        })?;
+        Ok(Self { name: name.into(), text: text.into(), root, overrides: Vec::new() })
+    }
+
+    /// The document's name.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Sets a knob or port of a node, as `--set NODE.KNOB=VALUE` does; `VALUE` is JSON, or a bare word that
+    /// stands for a string.
+    ///
+    /// # Errors
+    /// The assignment has another form, or names no node of the document.
+    pub fn set(&mut self, assignment: &str) -> Result<(), Box<Diagnostic>> {
+        let mut fault = Diagnostic {
+            severity: Severity::Error,
+            file: format!("--set {}", shorten(assignment)),
+            line: 0,
+            column: 0,
+            node: None,
+            port: None,
+            found: format!("\"{}\"", shorten(assignment)),
+            expected: "NODE.KNOB=VALUE, for example storm.height=3".into(),
+            remedy: "name a node of the document, a dot, one of its knobs, and a JSON value".into(),
+        };
+        let Some(((node, knob), value)) =
+            assignment.split_once('=').and_then(|(path, value)| Some((path.split_once('.')?, value)))
+        else {
+            return Err(Box::new(fault));
+        };
+        let mut value = match parse(value) {
+            Ok(value) => value,
+            // A bare word or color; anything that looks like JSON must be JSON.
+            Err(_) if !value.is_empty() && !value.starts_with(['{', '[', '"', '-']) => {
+                Spanned { offset: 0, json: Json::String(value.into()) }
+            }
+            Err(error) => {
+                fault.found = error.message;
+                return Err(Box::new(fault));
+            }
+        };
+        let place = OVERRIDE + self.overrides.len();
+        relocate(&mut value, place);
+        let entries = match &mut self.root.json {
+            Json::Object(entries) => entries.iter_mut().find(|entry| entry.key == "nodes"),
+            _ => None,
+        };
+        let mut names = Vec::new();
+        if let Some(Entry { value: Spanned { json: Json::Object(nodes), .. }, .. }) = entries {
+            names = nodes.iter().map(|entry| entry.key.clone()).collect();
+            if let Some(entry) = nodes.iter_mut().find(|entry| entry.key == node)
+                && let Json::Object(items) = &mut entry.value.json
+            {
+                items.retain(|item| item.key != knob);
+                items.push(Entry { key: knob.into(), offset: place, value });
+                self.overrides.push(assignment.into());
+                return Ok(());
+            }
+        }
+        fault.found = format!("node \"{}\"", shorten(node));
+        fault.expected = "a node of the document".into();
+        if let Some(near) = crate::nearest(node, names.iter().map(String::as_str)) {
+            fault.remedy = format!("did you mean \"{near}\"?");
+        }
+        Err(Box::new(fault))
+    }
+
+    /// File, line and column of a place.
+    pub(crate) fn place(&self, offset: usize) -> (String, usize, usize) {
+        match offset.checked_sub(OVERRIDE) {
+            Some(index) => {
+                let text = self.overrides.get(index).map_or("", String::as_str);
+                (format!("--set {}", shorten(text)), 0, 0)
+            }
+            None => {
+                let (line, column) = line_and_column(&self.text, offset);
+                (self.name.clone(), line, column)
+            }
+        }
+    }
+
+    /// The document's meaning as text: keys sorted, `ui` and notes left out, `--set` applied. Two documents
+    /// with the same canonical text evaluate alike.
+    pub fn canonical(&self) -> String {
+        canonical(&self.root.json, true).to_string()
+    }
+}
+
+fn relocate(value: &mut Spanned, place: usize) {
+    value.offset = place;
+    match &mut value.json {
+        Json::Array(items) => items.iter_mut().for_each(|item| relocate(item, place)),
+        Json::Object(entries) => {
+            for entry in entries {
+                entry.offset = place;
+                relocate(&mut entry.value, place);
+            }
+        }
+        _ => {}
+    }
+}
+
+fn canonical(json: &Json, top: bool) -> serde_json::Value {
+    use serde_json::Value;
+    match json {
+        Json::Null => Value::Null,
+        Json::Bool(value) => Value::Bool(*value),
+        Json::Number(number) => Value::from(*number),
+        Json::String(text) => Value::from(text.as_str()),
+        Json::Array(items) => items.iter().map(|item| canonical(&item.json, false)).collect(),
+        Json::Object(entries) => {
+            let mut sorted: Vec<&Entry> =
+                entries.iter().filter(|entry| entry.key != "ui" && !(top && entry.key == "notes")).collect();
+            sorted.sort_by(|a, b| a.key.cmp(&b.key));
+            Value::Object(sorted.into_iter().map(|e| (e.key.clone(), canonical(&e.value.json, false))).collect())
+        }
+    }
+}
+
+/// The nearest character boundary at or before a byte offset.
+fn floor(text: &str, offset: usize) -> usize {
+    let mut offset = offset.min(text.len());
+    while !text.is_char_boundary(offset) {
+        offset -= 1;
+    }
+    offset
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn canonical_text_ignores_order_and_ui() {
+        let a = Document::parse("a", r##"{"b": 1, "a": {"y": [1, 2], "x": "#fff"}, "ui": {"q": 1}}"##).expect("valid");
+        let b = Document::parse("b", r##"{"a": {"x": "#fff", "y": [1.0, 2]}, "b": 1, "notes": "n"}"##).expect("valid");
+        assert_eq!(a.canonical(), b.canonical());
+    }
+
+    #[test]
+    fn set_replaces_a_knob_and_names_strangers() {
+        let mut document = Document::parse("d", r#"{"nodes": {"storm": {"height": 1}}}"#).expect("valid");
+        document.set("storm.height=2.5").expect("known node");
+        document.set("storm.word=deep").expect("bare word");
+        assert_eq!(document.canonical(), r#"{"nodes":{"storm":{"height":2.5,"word":"deep"}}}"#);
+        let fault = document.set("strom.height=1").expect_err("unknown node");
+        assert!(fault.remedy.contains("storm"), "{fault}");
+        assert!(document.set("nonsense").is_err());
+        assert!(document.set("storm.height={").is_err());
+    }
+}

@@ -1,0 +1,309 @@
+//! The closed pointwise program to which back-end nodes lower.
+//!
+//! A program is a list of operations in single assignment: each names its operands by earlier positions.
+//! There are three types of value: a *scalar* (a mask or one component of a field), a *color* (three channels
+//! that always share their weights), and a *partition* (n weights that sum to exactly 1). No operation takes
+//! a color to a scalar or a partition, so weights never depend on control colors; no operation adds colors
+//! but with the weights of one partition. What a program can express is therefore convex, and its output
+//! linear in its control colors.
+//!
+//! The engine owns, for each operation, its kernel, interval, error, blame and variance. A node that lowers
+//! gets all of them for nothing.
+
+use crate::NodeId;
+
+/// A scalar's position in the program.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Scalar(pub u32);
+/// A color's position in the program.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Color(pub u32);
+/// A partition's position in the program.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Partition(pub u32);
+
+/// A plane that something outside the program fills: one channel of one output of a node.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Slot {
+    /// The node.
+    pub node: NodeId,
+    /// Index of its output.
+    pub output: usize,
+    /// Index of the channel within the output.
+    pub channel: usize,
+}
+
+/// One operation. Numbers are f32 because that is what kernels see.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Op {
+    /// A scalar from outside.
+    Load(Slot),
+    /// A scalar constant.
+    Constant(f32),
+    /// 1 where max ≤ x; (x − min)/(max − min) where min ≤ x; else 0. A mask.
+    Clamp {
+        /// Any field.
+        x: Scalar,
+        /// Where 0 ends.
+        min: f32,
+        /// Where 1 begins; `max = min` is a step.
+        max: f32,
+    },
+    /// t²(3 − 2t). A mask.
+    Smooth(Scalar),
+    /// tᵖ. A mask.
+    Power {
+        /// A mask.
+        t: Scalar,
+        /// At least 1.
+        p: f32,
+    },
+    /// 1 where x ≥ threshold, else 0. A mask.
+    Step {
+        /// Any field.
+        x: Scalar,
+        /// The side of 1 includes it.
+        threshold: f32,
+    },
+    /// 1 − t. A mask.
+    Complement(Scalar),
+    /// t·u. A mask.
+    Product(Scalar, Scalar),
+    /// Weights that sum to 1 up to rounding, made to sum to exactly 1.
+    Partition(Vec<Scalar>),
+    /// v/max(S, τ) over n fields (negative counts as 0), the remainder as weight n + 1.
+    Normalize {
+        /// Finite fields.
+        values: Vec<Scalar>,
+        /// τ > 0.
+        floor: f32,
+    },
+    /// One weight of a partition, as a mask.
+    Weight(Partition, usize),
+    /// A color from outside: channels 0 to 2 of the slot's output, `channel` being 0.
+    LoadColor(Slot),
+    /// A control color.
+    ConstantColor([f32; 3]),
+    /// (1 − t)·a + t·b in the form that never leaves the operands' box.
+    Mix {
+        /// Where t = 0.
+        a: Color,
+        /// Where t = 1.
+        b: Color,
+        /// A mask.
+        t: Scalar,
+    },
+    /// Σ wᵢ·cᵢ.
+    Blend {
+        /// As many as the partition has weights.
+        colors: Vec<Color>,
+        /// The weights.
+        weights: Partition,
+    },
+}
+
+/// The type of an operation's result.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Type {
+    /// One row.
+    Scalar,
+    /// Three rows.
+    Color,
+    /// As many rows as weights.
+    Partition(usize),
+}
+
+impl Op {
+    /// The type of the result.
+    pub fn ty(&self) -> Type {
+        match self {
+            Self::LoadColor(_) | Self::ConstantColor(_) | Self::Mix { .. } | Self::Blend { .. } => Type::Color,
+            Self::Partition(weights) => Type::Partition(weights.len()),
+            Self::Normalize { values, .. } => Type::Partition(values.len() + 1),
+            _ => Type::Scalar,
+        }
+    }
+
+    /// Calls `f` with the position of every operand.
+    pub fn operands(&self, mut f: impl FnMut(u32)) {
+        match self {
+            Self::Load(_) | Self::Constant(_) | Self::LoadColor(_) | Self::ConstantColor(_) => {}
+            Self::Clamp { x, .. } | Self::Step { x, .. } => f(x.0),
+            Self::Smooth(t) | Self::Power { t, .. } | Self::Complement(t) => f(t.0),
+            Self::Product(t, u) => [t, u].into_iter().for_each(|s| f(s.0)),
+            Self::Partition(weights) => weights.iter().for_each(|s| f(s.0)),
+            Self::Normalize { values, .. } => values.iter().for_each(|s| f(s.0)),
+            Self::Weight(partition, _) => f(partition.0),
+            Self::Mix { a, b, t } => [a.0, b.0, t.0].into_iter().for_each(f),
+            Self::Blend { colors, weights } => {
+                colors.iter().for_each(|c| f(c.0));
+                f(weights.0);
+            }
+        }
+    }
+
+    /// The same operation with every operand's position replaced.
+    pub fn renumbered(&self, new: impl Fn(u32) -> u32) -> Self {
+        let s = |scalar: Scalar| Scalar(new(scalar.0));
+        let c = |color: Color| Color(new(color.0));
+        match self {
+            Self::Load(_) | Self::Constant(_) | Self::LoadColor(_) | Self::ConstantColor(_) => self.clone(),
+            Self::Clamp { x, min, max } => Self::Clamp { x: s(*x), min: *min, max: *max },
+            Self::Step { x, threshold } => Self::Step { x: s(*x), threshold: *threshold },
+            Self::Smooth(t) => Self::Smooth(s(*t)),
+            Self::Power { t, p } => Self::Power { t: s(*t), p: *p },
+            Self::Complement(t) => Self::Complement(s(*t)),
+            Self::Product(t, u) => Self::Product(s(*t), s(*u)),
+            Self::Partition(weights) => Self::Partition(weights.iter().map(|w| s(*w)).collect()),
+            Self::Normalize { values, floor } => {
+                Self::Normalize { values: values.iter().map(|v| s(*v)).collect(), floor: *floor }
+            }
+            Self::Weight(partition, i) => Self::Weight(Partition(new(partition.0)), *i),
+            Self::Mix { a, b, t } => Self::Mix { a: c(*a), b: c(*b), t: s(*t) },
+            Self::Blend { colors, weights } => Self::Blend {
+                colors: colors.iter().map(|color| c(*color)).collect(),
+                weights: Partition(new(weights.0)),
+            },
+        }
+    }
+}
+
+/// Operations in order, each with the node that it came from.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Program {
+    ops: Vec<(Op, NodeId)>,
+}
+
+impl Program {
+    /// The operations, each with the node that it came from.
+    pub fn ops(&self) -> &[(Op, NodeId)] {
+        &self.ops
+    }
+
+    /// Appends an operation and returns its position.
+    pub fn push(&mut self, op: Op, origin: NodeId) -> u32 {
+        debug_assert!({
+            let mut earlier = true;
+            op.operands(|operand| earlier &= (operand as usize) < self.ops.len());
+            earlier
+        });
+        self.ops.push((op, origin));
+        (self.ops.len() - 1) as u32
+    }
+}
+
+/// Weights as a node hands them on.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Weights {
+    /// One mask t: weight 1 − t for the first control, t for the second.
+    Mask(Scalar),
+    /// n masks, first on top: n + 1 weights, the last is what all masks leave.
+    Stack(Vec<Scalar>),
+    /// An explicit partition.
+    Partition(Partition, usize),
+}
+
+/// A value during lowering.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Value {
+    /// A color.
+    Color(Color),
+    /// Weights.
+    Weights(Weights),
+    /// The components of a field.
+    Field(Vec<Scalar>),
+}
+
+/// Builds a program on behalf of one node.
+#[derive(Debug)]
+pub struct Builder<'p> {
+    program: &'p mut Program,
+    origin: NodeId,
+}
+
+impl<'p> Builder<'p> {
+    /// Appends to `program` in the name of node `origin`.
+    pub fn new(program: &'p mut Program, origin: NodeId) -> Self {
+        Self { program, origin }
+    }
+
+    fn push(&mut self, op: Op) -> u32 {
+        self.program.push(op, self.origin)
+    }
+
+    /// Appends an operation whose result is a scalar.
+    pub fn scalar(&mut self, op: Op) -> Scalar {
+        debug_assert_eq!(op.ty(), Type::Scalar);
+        Scalar(self.push(op))
+    }
+
+    /// Appends an operation whose result is a color.
+    pub fn color(&mut self, op: Op) -> Color {
+        debug_assert_eq!(op.ty(), Type::Color);
+        Color(self.push(op))
+    }
+
+    /// Appends an operation whose result is a partition.
+    pub fn partition(&mut self, op: Op) -> Partition {
+        debug_assert!(matches!(op.ty(), Type::Partition(_)));
+        Partition(self.push(op))
+    }
+
+    /// A scalar constant.
+    pub fn constant(&mut self, value: f32) -> Scalar {
+        self.scalar(Op::Constant(value))
+    }
+
+    /// (1 − t)·a + t·b.
+    pub fn mix(&mut self, a: Color, b: Color, t: Scalar) -> Color {
+        self.color(Op::Mix { a, b, t })
+    }
+
+    /// Σ wᵢ·cᵢ. A stack is laid from the bottom up, one Mix a mask: a mask of 0 then costs no bit.
+    pub fn blend(&mut self, colors: &[Color], weights: &Weights) -> Color {
+        match weights {
+            Weights::Mask(t) => self.mix(colors[0], colors[1], *t),
+            Weights::Stack(masks) => {
+                let bottom = colors[masks.len()];
+                masks.iter().zip(colors).rev().fold(bottom, |below, (mask, color)| self.mix(below, *color, *mask))
+            }
+            Weights::Partition(partition, _) => self.color(Op::Blend { colors: colors.to_vec(), weights: *partition }),
+        }
+    }
+
+    /// Weight `index` of any weights, as a mask.
+    pub fn weight(&mut self, weights: &Weights, index: usize) -> Scalar {
+        match weights {
+            Weights::Mask(t) if index == 0 => self.scalar(Op::Complement(*t)),
+            Weights::Mask(t) => *t,
+            Weights::Partition(partition, _) => self.scalar(Op::Weight(*partition, index)),
+            Weights::Stack(masks) => {
+                let mut left: Option<Scalar> = None;
+                for mask in &masks[..index.min(masks.len())] {
+                    let open = self.scalar(Op::Complement(*mask));
+                    left = Some(match left {
+                        Some(left) => self.scalar(Op::Product(left, open)),
+                        None => open,
+                    });
+                }
+                match (left, masks.get(index)) {
+                    (Some(left), Some(mask)) => self.scalar(Op::Product(left, *mask)),
+                    (None, Some(mask)) => *mask,
+                    (Some(left), None) => left,
+                    (None, None) => self.constant(1.0),
+                }
+            }
+        }
+    }
+}
+
+impl Weights {
+    /// Number of controls.
+    pub fn ways(&self) -> usize {
+        match self {
+            Self::Mask(_) => 2,
+            Self::Stack(masks) => masks.len() + 1,
+            Self::Partition(_, n) => *n,
+        }
+    }
+}

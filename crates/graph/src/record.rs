@@ -1,0 +1,275 @@
+//! A node's knobs and connections: as checked, and as they stand at one frame.
+
+use crate::Animated;
+use serde_json::{Value as Json, json};
+
+/// Index of a node in its graph.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct NodeId(pub usize);
+
+/// Where a port's value comes from.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Source<N = Animated> {
+    /// An output of another node.
+    Output {
+        /// The node.
+        node: NodeId,
+        /// Index of its output.
+        output: usize,
+    },
+    /// A literal number.
+    Number(N),
+    /// A literal color in the working space.
+    Color(N),
+    /// Literal weights of a partition.
+    Numbers(Vec<f64>),
+}
+
+/// A knob's value; numbers are `N`: keyed in a checked graph, plain at one frame.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Setting<N = Animated> {
+    /// Number, whole number, color or vector.
+    Numeric(N),
+    /// Truth value.
+    Bool(bool),
+    /// Word, text or path.
+    Text(String),
+    /// List of numbers.
+    Numbers(Vec<f64>),
+    /// List of texts.
+    Texts(Vec<String>),
+    /// Not set, and without a default.
+    Unset,
+}
+
+/// The knobs, ports and lists of a node or of one record of a list, in declaration order.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Record<N = Animated> {
+    pub(crate) knobs: Vec<(&'static str, Setting<N>)>,
+    pub(crate) ports: Vec<(&'static str, Vec<Source<N>>)>,
+    pub(crate) lists: Vec<(&'static str, Vec<Record<N>>)>,
+}
+
+impl<N> Default for Record<N> {
+    fn default() -> Self {
+        Self { knobs: Vec::new(), ports: Vec::new(), lists: Vec::new() }
+    }
+}
+
+/// A record with every key evaluated at one frame. What nodes see.
+pub type Settled = Record<Vec<f64>>;
+
+impl<N> Record<N> {
+    /// The ports and what is connected to them; not those within lists.
+    pub fn ports(&self) -> impl Iterator<Item = (&'static str, &[Source<N>])> {
+        self.ports.iter().map(|(name, sources)| (*name, sources.as_slice()))
+    }
+
+    /// Every connection, those within lists included, in declaration order.
+    pub fn sources(&self) -> Vec<&Source<N>> {
+        let own = self.ports.iter().flat_map(|(_, sources)| sources);
+        let listed = self.lists.iter().flat_map(|(_, records)| records).flat_map(Record::sources);
+        own.chain(listed).collect()
+    }
+
+    /// The connections of a port: none where an optional port is open.
+    ///
+    /// # Panics
+    /// The node type declares no such port.
+    pub fn all(&self, port: &str) -> &[Source<N>] {
+        find::<Vec<_>>(&self.ports, port)
+    }
+
+    /// The one connection of a port.
+    ///
+    /// # Panics
+    /// The node type declares no such port, or declares it optional and it is open.
+    pub fn source(&self, port: &str) -> &Source<N> {
+        &self.all(port)[0]
+    }
+
+    /// The records of a list.
+    ///
+    /// # Panics
+    /// The node type declares no such list.
+    pub fn list(&self, name: &str) -> &[Self] {
+        find::<Vec<_>>(&self.lists, name)
+    }
+
+    fn setting(&self, knob: &str) -> &Setting<N> {
+        find(&self.knobs, knob)
+    }
+
+    /// Whether the knob has a value.
+    pub fn is_set(&self, knob: &str) -> bool {
+        !matches!(self.setting(knob), Setting::Unset)
+    }
+
+    /// A truth value; `false` where unset.
+    pub fn bool(&self, knob: &str) -> bool {
+        matches!(self.setting(knob), Setting::Bool(true))
+    }
+
+    /// A word, text or path; empty where unset.
+    pub fn text(&self, knob: &str) -> &str {
+        if let Setting::Text(text) = self.setting(knob) { text } else { "" }
+    }
+
+    /// A list of numbers; empty where unset.
+    pub fn numbers(&self, knob: &str) -> &[f64] {
+        if let Setting::Numbers(numbers) = self.setting(knob) { numbers } else { &[] }
+    }
+
+    /// A list of texts; empty where unset.
+    pub fn texts(&self, knob: &str) -> &[String] {
+        if let Setting::Texts(texts) = self.setting(knob) { texts } else { &[] }
+    }
+}
+
+/// Looks a declared name up. Checking fills in every declared item, so a miss is a node asking for what it
+/// does not declare: a bug in that node, caught by its first test.
+fn find<'a, T>(items: &'a [(&'static str, T)], name: &str) -> &'a T {
+    match items.iter().find(|item| item.0 == name) {
+        Some((_, value)) => value,
+        None => unreachable!("the node type does not declare \"{name}\""),
+    }
+}
+
+impl Record {
+    /// Evaluates every key at a frame.
+    pub fn settle(&self, frame: f64) -> Settled {
+        Record {
+            knobs: self.knobs.iter().map(|(name, setting)| (*name, setting.settle(frame))).collect(),
+            ports: self
+                .ports
+                .iter()
+                .map(|(name, sources)| (*name, sources.iter().map(|source| source.settle(frame)).collect()))
+                .collect(),
+            lists: self
+                .lists
+                .iter()
+                .map(|(name, records)| (*name, records.iter().map(|record| record.settle(frame)).collect()))
+                .collect(),
+        }
+    }
+
+    /// Every frame at which a key of this record stands.
+    pub(crate) fn key_frames(&self) -> Vec<f64> {
+        let knobs = self.knobs.iter().filter_map(|(_, setting)| match setting {
+            Setting::Numeric(animated) => Some(animated),
+            _ => None,
+        });
+        let literals = self.ports.iter().flat_map(|(_, sources)| sources).filter_map(|source| match source {
+            Source::Number(animated) | Source::Color(animated) => Some(animated),
+            _ => None,
+        });
+        let mut frames: Vec<f64> = knobs.chain(literals).flat_map(Animated::frames).collect();
+        frames.extend(self.lists.iter().flat_map(|(_, records)| records).flat_map(Record::key_frames));
+        frames
+    }
+}
+
+impl Settled {
+    fn numeric(&self, knob: &str) -> &[f64] {
+        if let Setting::Numeric(values) = self.setting(knob) { values } else { &[] }
+    }
+
+    /// A number; 0 where unset.
+    pub fn number(&self, knob: &str) -> f64 {
+        self.numeric(knob).first().copied().unwrap_or(0.0)
+    }
+
+    /// A whole number; a keyed one is rounded to the nearest.
+    pub fn integer(&self, knob: &str) -> i64 {
+        self.number(knob).round() as i64
+    }
+
+    /// A color in the working space, or a vector of three; 0 where unset.
+    pub fn vector3(&self, knob: &str) -> [f64; 3] {
+        let values = self.numeric(knob);
+        [0, 1, 2].map(|i| values.get(i).copied().unwrap_or(0.0))
+    }
+
+    /// A description in JSON that two records share only if they mean the same, given the keys of the nodes
+    /// that they are connected to.
+    pub fn describe(&self, key_of: &dyn Fn(NodeId) -> String) -> Json {
+        let knobs: Vec<Json> = self.knobs.iter().map(|(name, setting)| json!([name, setting.describe()])).collect();
+        let ports: Vec<Json> = self
+            .ports
+            .iter()
+            .map(|(name, sources)| {
+                let sources: Vec<Json> = sources.iter().map(|source| source.describe(key_of)).collect();
+                json!([name, sources])
+            })
+            .collect();
+        let lists: Vec<Json> = self
+            .lists
+            .iter()
+            .map(|(name, records)| {
+                let records: Vec<Json> = records.iter().map(|record| record.describe(key_of)).collect();
+                json!([name, records])
+            })
+            .collect();
+        json!([knobs, ports, lists])
+    }
+}
+
+impl Setting {
+    fn settle(&self, frame: f64) -> Setting<Vec<f64>> {
+        match self {
+            Self::Numeric(animated) => Setting::Numeric(animated.at(frame)),
+            Self::Bool(value) => Setting::Bool(*value),
+            Self::Text(text) => Setting::Text(text.clone()),
+            Self::Numbers(numbers) => Setting::Numbers(numbers.clone()),
+            Self::Texts(texts) => Setting::Texts(texts.clone()),
+            Self::Unset => Setting::Unset,
+        }
+    }
+}
+
+impl Setting<Vec<f64>> {
+    fn describe(&self) -> Json {
+        match self {
+            Self::Numeric(numbers) | Self::Numbers(numbers) => bits(numbers),
+            Self::Bool(value) => json!(value),
+            Self::Text(text) => json!(text),
+            Self::Texts(texts) => json!(texts),
+            Self::Unset => Json::Null,
+        }
+    }
+}
+
+impl Source {
+    fn settle(&self, frame: f64) -> Source<Vec<f64>> {
+        match self {
+            Self::Output { node, output } => Source::Output { node: *node, output: *output },
+            Self::Number(animated) => Source::Number(animated.at(frame)),
+            Self::Color(animated) => Source::Color(animated.at(frame)),
+            Self::Numbers(numbers) => Source::Numbers(numbers.clone()),
+        }
+    }
+}
+
+impl Source<Vec<f64>> {
+    /// The literal number, where the source is one.
+    pub fn number(&self) -> Option<f64> {
+        if let Self::Number(values) = self { values.first().copied() } else { None }
+    }
+
+    /// The literal color, where the source is one.
+    pub fn color(&self) -> Option<[f64; 3]> {
+        if let Self::Color(values) = self { Some([values[0], values[1], values[2]]) } else { None }
+    }
+
+    fn describe(&self, key_of: &dyn Fn(NodeId) -> String) -> Json {
+        match self {
+            Self::Output { node, output } => json!([key_of(*node), output]),
+            Self::Number(numbers) | Self::Color(numbers) | Self::Numbers(numbers) => bits(numbers),
+        }
+    }
+}
+
+/// Bit patterns, so that numbers that print alike but differ stay apart.
+fn bits(numbers: &[f64]) -> Json {
+    numbers.iter().map(|number| json!(number.to_bits())).collect()
+}

@@ -1,0 +1,43 @@
+//! The node types that a document may use.
+
+use crate::{Item, NodeType};
+use std::collections::BTreeMap;
+
+/// Node types by name. The facade makes one and hands it to everything that needs it.
+#[derive(Clone, Default)]
+pub struct Registry {
+    types: BTreeMap<&'static str, &'static dyn NodeType>,
+}
+
+impl Registry {
+    /// A registry of these types; of two with one name, the later counts.
+    pub fn new(types: impl IntoIterator<Item = &'static dyn NodeType>) -> Self {
+        Self { types: types.into_iter().map(|ty| (ty.declaration().name, ty)).collect() }
+    }
+
+    /// The type of that name.
+    pub fn get(&self, name: &str) -> Option<&'static dyn NodeType> {
+        self.types.get(name).copied()
+    }
+
+    /// All types, by name.
+    pub fn iter(&self) -> impl Iterator<Item = &'static dyn NodeType> {
+        self.types.values().copied()
+    }
+
+    /// All names.
+    pub fn names(&self) -> impl Iterator<Item = &'static str> {
+        self.types.keys().copied()
+    }
+}
+
+impl std::fmt::Debug for Registry {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_set().entries(self.types.keys()).finish()
+    }
+}
+
+/// The items of a declaration that hold ports, in order, with the list they stand in.
+pub(crate) fn item_names(items: &'static [Item]) -> impl Iterator<Item = &'static str> {
+    items.iter().map(Item::name)
+}

@@ -1,0 +1,209 @@
+//! The JSON Schema of documents, generated from the declarations.
+
+use crate::{Accepts, Arity, Default, Item, Knob, Precision, Registry, Takes};
+use serde_json::{Map, Value, json};
+use trochoid_image::{MAX_SIDE, WorkingSpace};
+
+/// The JSON Schema (draft 2020-12) of documents that use the node types of a registry.
+pub fn schema(registry: &Registry) -> Value {
+    let types: Vec<Value> = registry
+        .iter()
+        .map(|ty| {
+            let declaration = ty.declaration();
+            let mut object = object(declaration.items);
+            object["description"] = json!(declaration.summary);
+            object["properties"]["type"] = json!({ "const": declaration.name });
+            object["properties"]["disabled"] = json!({ "type": "boolean", "default": false });
+            object["properties"]["ui"] = json!(true);
+            object["properties"]["notes"] = json!(true);
+            if let Some(required) = object["required"].as_array_mut() {
+                required.insert(0, json!("type"));
+            }
+            object
+        })
+        .collect();
+    json!({
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": "Trochoid document",
+        "type": "object",
+        "required": ["trochoid", "format", "nodes", "outputs"],
+        "additionalProperties": false,
+        "properties": {
+            "trochoid": { "const": 1 },
+            "format": {
+                "type": "object",
+                "required": ["width", "height"],
+                "additionalProperties": false,
+                "properties": {
+                    "width": { "type": "integer", "minimum": 1, "maximum": MAX_SIDE },
+                    "height": { "type": "integer", "minimum": 1, "maximum": MAX_SIDE },
+                    "samples": { "enum": [1, 4, 16], "default": 1 }
+                }
+            },
+            "working_space": { "enum": WorkingSpace::ALL.map(WorkingSpace::name), "default": "linear-srgb" },
+            "frames": {
+                "type": "object",
+                "additionalProperties": false,
+                "properties": {
+                    "first": { "type": "integer", "default": 1 },
+                    "last": { "type": "integer" },
+                    "fps": { "type": "number", "exclusiveMinimum": 0, "default": 24 }
+                }
+            },
+            "nodes": {
+                "type": "object",
+                "propertyNames": { "pattern": "^[A-Za-z_][A-Za-z0-9_]*$" },
+                "additionalProperties": { "oneOf": types }
+            },
+            "outputs": {
+                "type": "object",
+                "minProperties": 1,
+                "propertyNames": { "pattern": "^[A-Za-z0-9_-]+$" },
+                "additionalProperties": { "$ref": "#/$defs/output" }
+            },
+            "ui": true,
+            "notes": true
+        },
+        "$defs": {
+            "reference": { "type": "string", "pattern": "^[A-Za-z_][A-Za-z0-9_]*(\\.[A-Za-z0-9_]+)?$" },
+            "color": {
+                "oneOf": [
+                    { "type": "string", "pattern": "^#([0-9A-Fa-f]{3}|[0-9A-Fa-f]{6})$" },
+                    { "type": "array", "items": { "type": "number", "minimum": 0 }, "minItems": 3, "maxItems": 3 }
+                ]
+            },
+            "output": {
+                "type": "object",
+                "additionalProperties": false,
+                "properties": {
+                    "color": { "$ref": "#/$defs/reference" },
+                    "weights": { "$ref": "#/$defs/reference" },
+                    "field": { "$ref": "#/$defs/reference" },
+                    "file": { "type": "string" },
+                    "layer": { "type": "string" },
+                    "precision": { "enum": Precision::NAMES },
+                    "require": {
+                        "type": "object",
+                        "additionalProperties": false,
+                        "properties": { "guarantee": { "enum": ["hull", "box"] } }
+                    },
+                    "notes": true
+                },
+                "oneOf": [{ "required": ["color"] }, { "required": ["weights"] }, { "required": ["field"] }]
+            }
+        }
+    })
+}
+
+fn object(items: &[Item]) -> Value {
+    let mut properties = Map::new();
+    let mut required = Vec::new();
+    for item in items {
+        let (schema, needed) = match item {
+            Item::Port(port) => {
+                let one = connection(port.accepts);
+                let schema = match port.arity {
+                    Arity::Many { min, max } => {
+                        json!({ "type": "array", "items": one, "minItems": min, "maxItems": max })
+                    }
+                    Arity::One | Arity::Optional => one,
+                };
+                let needed = !matches!(port.arity, Arity::Optional | Arity::Many { min: 0, .. });
+                (described(schema, port.help, ""), needed)
+            }
+            Item::Knob(knob) => (described(knob_schema(knob), knob.help, knob.unit), knob.default.is_none()),
+            Item::List(list) => {
+                let items = object(list.items);
+                let schema = json!({ "type": "array", "items": items, "minItems": list.min, "maxItems": list.max });
+                (described(schema, list.help, ""), list.min > 0)
+            }
+        };
+        properties.insert(item.name().into(), schema);
+        if needed {
+            required.push(json!(item.name()));
+        }
+    }
+    json!({ "type": "object", "required": required, "additionalProperties": false, "properties": properties })
+}
+
+fn described(mut schema: Value, help: &str, unit: &str) -> Value {
+    let text = if unit.is_empty() { help.to_string() } else { format!("{help} Unit: {unit}.") };
+    schema["description"] = json!(text);
+    schema
+}
+
+fn connection(accepts: Accepts) -> Value {
+    let reference = json!({ "$ref": "#/$defs/reference" });
+    match accepts {
+        Accepts::Color => {
+            let color = json!({ "$ref": "#/$defs/color" });
+            json!({ "anyOf": [reference, color, keyed(color.clone())] })
+        }
+        Accepts::Mask => {
+            let number = json!({ "type": "number", "minimum": 0, "maximum": 1 });
+            json!({ "anyOf": [reference, number, keyed(number.clone())] })
+        }
+        Accepts::Scalar | Accepts::Field => {
+            let number = json!({ "type": "number" });
+            json!({ "anyOf": [reference, number, keyed(number.clone())] })
+        }
+        Accepts::Weights => {
+            json!({ "anyOf": [reference, { "type": "array", "items": { "type": "number", "minimum": 0 } }] })
+        }
+        Accepts::Surface | Accepts::Camera | Accepts::Light | Accepts::View => reference,
+    }
+}
+
+fn keyed(value: Value) -> Value {
+    json!({
+        "type": "object",
+        "required": ["keys"],
+        "additionalProperties": false,
+        "properties": {
+            "keys": {
+                "type": "array",
+                "minItems": 1,
+                "items": { "type": "array", "prefixItems": [{ "type": "number" }, value], "minItems": 2, "maxItems": 2 }
+            },
+            "interpolation": { "enum": crate::Interpolation::NAMES, "default": "linear" }
+        }
+    })
+}
+
+fn knob_schema(knob: &Knob) -> Value {
+    let plain = match knob.takes {
+        Takes::Number { min, max } => range(json!({ "type": "number" }), min, max),
+        Takes::Integer { min, max } => json!({ "type": "integer", "minimum": min, "maximum": max }),
+        Takes::Bool => json!({ "type": "boolean" }),
+        Takes::Choice(words) => json!({ "enum": words }),
+        Takes::Color => json!({ "$ref": "#/$defs/color" }),
+        Takes::Vector(n) => json!({ "type": "array", "items": { "type": "number" }, "minItems": n, "maxItems": n }),
+        Takes::Text | Takes::Path => json!({ "type": "string", "minLength": 1 }),
+        Takes::Numbers { min, max } => {
+            json!({ "type": "array", "items": { "type": "number" }, "minItems": min, "maxItems": max })
+        }
+        Takes::Texts { max } => {
+            json!({ "type": "array", "items": { "type": "string" }, "minItems": 1, "maxItems": max })
+        }
+    };
+    let mut schema = if knob.animated { json!({ "anyOf": [plain, keyed(plain.clone())] }) } else { plain };
+    match knob.default {
+        Some(Default::Number(number)) => schema["default"] = json!(number),
+        Some(Default::Bool(value)) => schema["default"] = json!(value),
+        Some(Default::Text(text)) => schema["default"] = json!(text),
+        Some(Default::Vector(values)) => schema["default"] = json!(values),
+        Some(Default::Unset) | None => {}
+    }
+    schema
+}
+
+fn range(mut schema: Value, min: f64, max: f64) -> Value {
+    // Bounds that only say "finite in f32" would be noise.
+    if min > -1e30 {
+        schema["minimum"] = json!(min);
+    }
+    if max < 1e30 {
+        schema["maximum"] = json!(max);
+    }
+    schema
+}
