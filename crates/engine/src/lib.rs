@@ -1,1 +1,33 @@
-//! placeholder
+//! Plans and evaluates checked graphs: demand, pruning, fusion, tiles on all cores, and the count of what
+//! left the hull.
+//!
+//! The engine knows no node. It sees the pointwise program to which back-end nodes lower, and stages that
+//! prepare once a frame and fill tiles. [`Plan::new`] decides what is needed, in which order, and why the
+//! rest is left out; [`Plan::evaluate`] gives a [`Frame`]. Output is bit-identical for every tile size, number
+//! of threads, and switch of [`Switches`]. [`ReferenceFrame`] is the slow f64 evaluator that all of this is
+//! held against.
+
+mod buffers;
+mod frame;
+mod inspect;
+mod kernel;
+mod lower;
+mod optimize;
+mod plan;
+mod points;
+mod prepare;
+mod reference;
+mod rules;
+mod run;
+mod settings;
+mod tile;
+
+pub use buffers::Buffers;
+pub use frame::{EvalError, Frame, Monitor, NodeReport, Phases, Picture, Silent, State};
+pub use inspect::{Blame, Inspection};
+pub use plan::{LeftOut, Plan, PlanError};
+pub use points::ShadingPlan;
+pub use prepare::Cache;
+pub use reference::{ReferenceError, ReferenceFrame};
+pub use rules::interval::Interval;
+pub use settings::{Settings, Switches};

@@ -79,18 +79,18 @@ pub enum Accepts {
 impl Accepts {
     /// Whether a value of `kind` may be connected: like to like, and mask → Field.
     pub fn takes(self, kind: Kind) -> bool {
-        match (self, kind) {
+        matches!(
+            (self, kind),
             (Self::Color, Kind::Color)
-            | (Self::Mask | Self::Scalar | Self::Field, Kind::MASK)
-            | (Self::Weights, Kind::Weights(_))
-            | (Self::Scalar, Kind::Field(1))
-            | (Self::Field, Kind::Field(_))
-            | (Self::Surface, Kind::Surface)
-            | (Self::Camera, Kind::Camera)
-            | (Self::Light, Kind::Light)
-            | (Self::View, Kind::View) => true,
-            _ => false,
-        }
+                | (Self::Mask | Self::Scalar | Self::Field, Kind::MASK)
+                | (Self::Weights, Kind::Weights(_))
+                | (Self::Scalar, Kind::Field(1))
+                | (Self::Field, Kind::Field(_))
+                | (Self::Surface, Kind::Surface)
+                | (Self::Camera, Kind::Camera)
+                | (Self::Light, Kind::Light)
+                | (Self::View, Kind::View)
+        )
     }
 
     /// Whether a literal number may stand in for a connection.

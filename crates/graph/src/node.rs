@@ -271,6 +271,14 @@ impl<'a> Prepare<'a> {
             .collect()
     }
 
+    /// The handle of the first node connected to a port, whatever it holds; `None` where the port is open.
+    pub fn handle_of(&self, node: &Settled, port: &str) -> Option<Handle> {
+        match node.all(port).first() {
+            Some(Source::Output { node, .. }) => (self.handles)(*node),
+            _ => None,
+        }
+    }
+
     /// Whether the user has asked to stop.
     pub fn cancelled(&self) -> bool {
         (self.cancelled)()

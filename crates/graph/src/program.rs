@@ -199,6 +199,8 @@ pub enum Weights {
     Mask(Scalar),
     /// n masks, first on top: n + 1 weights, the last is what all masks leave.
     Stack(Vec<Scalar>),
+    /// n masks, last on top: n + 1 weights, the first is what all masks leave, weight k + 1 belongs to mask k.
+    Ladder(Vec<Scalar>),
     /// An explicit partition.
     Partition(Partition, usize),
 }
@@ -259,13 +261,16 @@ impl<'p> Builder<'p> {
         self.color(Op::Mix { a, b, t })
     }
 
-    /// Σ wᵢ·cᵢ. A stack is laid from the bottom up, one Mix a mask: a mask of 0 then costs no bit.
+    /// Σ wᵢ·cᵢ. A stack or ladder is laid from the bottom up, one Mix a mask: a mask of 0 then costs no bit.
     pub fn blend(&mut self, colors: &[Color], weights: &Weights) -> Color {
         match weights {
             Weights::Mask(t) => self.mix(colors[0], colors[1], *t),
             Weights::Stack(masks) => {
                 let bottom = colors[masks.len()];
                 masks.iter().zip(colors).rev().fold(bottom, |below, (mask, color)| self.mix(below, *color, *mask))
+            }
+            Weights::Ladder(masks) => {
+                masks.iter().zip(&colors[1..]).fold(colors[0], |below, (mask, color)| self.mix(below, *color, *mask))
             }
             Weights::Partition(partition, _) => self.color(Op::Blend { colors: colors.to_vec(), weights: *partition }),
         }
@@ -277,6 +282,11 @@ impl<'p> Builder<'p> {
             Weights::Mask(t) if index == 0 => self.scalar(Op::Complement(*t)),
             Weights::Mask(t) => *t,
             Weights::Partition(partition, _) => self.scalar(Op::Weight(*partition, index)),
+            // A ladder is a stack read from the other end.
+            Weights::Ladder(masks) => {
+                let stack = Weights::Stack(masks.iter().rev().copied().collect());
+                self.weight(&stack, masks.len().saturating_sub(index))
+            }
             Weights::Stack(masks) => {
                 let mut left: Option<Scalar> = None;
                 for mask in &masks[..index.min(masks.len())] {
@@ -302,7 +312,7 @@ impl Weights {
     pub fn ways(&self) -> usize {
         match self {
             Self::Mask(_) => 2,
-            Self::Stack(masks) => masks.len() + 1,
+            Self::Stack(masks) | Self::Ladder(masks) => masks.len() + 1,
             Self::Partition(_, n) => *n,
         }
     }

@@ -170,6 +170,16 @@ impl Record {
 }
 
 impl Settled {
+    /// Leads every connection to the node that `to` names in its stead.
+    pub fn redirect(&mut self, to: &dyn Fn(NodeId) -> NodeId) {
+        for source in self.ports.iter_mut().flat_map(|(_, sources)| sources) {
+            if let Source::Output { node, .. } = source {
+                *node = to(*node);
+            }
+        }
+        self.lists.iter_mut().flat_map(|(_, records)| records).for_each(|record| record.redirect(to));
+    }
+
     fn numeric(&self, knob: &str) -> &[f64] {
         if let Setting::Numeric(values) = self.setting(knob) { values } else { &[] }
     }

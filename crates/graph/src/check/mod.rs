@@ -167,12 +167,10 @@ impl<'a> Checker<'a> {
         for (draft, entry) in drafts.iter_mut().zip(&entries) {
             self.fill_in(draft, entry, &names);
         }
-        for draft in &mut drafts {
-            if let Some(ty) = draft.ty {
-                draft.kinds = ty.outputs(&draft.record.settle(top.first as f64));
-            }
-        }
+        name_kinds(&mut drafts, top.first);
         self.bypass_disabled(&mut drafts);
+        // Where a disabled node left a list of connections shorter, the number of weights changes with it.
+        name_kinds(&mut drafts, top.first);
         self.connections(&drafts);
         let order = self.order(&drafts)?;
         self.node_rules(&drafts, top.first, top.last);
@@ -293,6 +291,15 @@ impl<'a> Checker<'a> {
                 let severity = if fault.warning { Severity::Warning } else { Severity::Error };
                 self.report(severity, place, fault.found, fault.expected, fault.remedy);
             }
+        }
+    }
+}
+
+/// Asks each node of known type for the kinds of its outputs.
+fn name_kinds(drafts: &mut [Draft<'_>], first: i64) {
+    for draft in drafts {
+        if let Some(ty) = draft.ty {
+            draft.kinds = ty.outputs(&draft.record.settle(first as f64));
         }
     }
 }

@@ -1,0 +1,157 @@
+//! What an evaluation gives: pictures, what was counted on them, and where the time went.
+
+use crate::LeftOut;
+use trochoid_graph::{Guarantee, Kind};
+use trochoid_image::{Plane, Rgb, Window};
+use trochoid_weights::Audit;
+
+/// Why a plan could not be evaluated.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum EvalError {
+    /// A node could not read its files, or its input data are illegal.
+    #[error("node \"{node}\" ({ty}): {message}")]
+    Node {
+        /// The node's name.
+        node: String,
+        /// Its type.
+        ty: String,
+        /// What it says.
+        message: String,
+    },
+    /// A bound buffer does not fit.
+    #[error("buffer bound to \"{node}\": {reason}")]
+    Buffer {
+        /// The node's name.
+        node: String,
+        /// What does not fit.
+        reason: String,
+    },
+    /// Memory for the pictures could not be had.
+    #[error("out of memory for {bytes} bytes of pictures: evaluate a smaller region")]
+    Memory {
+        /// Bytes asked for.
+        bytes: usize,
+    },
+    /// The threads could not be started.
+    #[error("threads could not be started: {0}")]
+    Threads(String),
+    /// The monitor asked to stop.
+    #[error("cancelled")]
+    Cancelled,
+}
+
+/// Observes an evaluation; called from many threads.
+pub trait Monitor: Sync {
+    /// A node is about to prepare.
+    fn preparing(&self, node: &str) {
+        let _ = node;
+    }
+
+    /// So many of all tiles are done.
+    fn progress(&self, done: usize, total: usize) {
+        let _ = (done, total);
+    }
+
+    /// Whether the evaluation should stop as soon as it can.
+    fn cancelled(&self) -> bool {
+        false
+    }
+}
+
+/// A monitor that observes nothing.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Silent;
+
+impl Monitor for Silent {}
+
+/// An evaluated frame.
+#[derive(Clone, Debug)]
+pub struct Frame {
+    /// The frame's number.
+    pub number: i64,
+    /// The pixels evaluated.
+    pub window: Window,
+    /// One picture an output.
+    pub pictures: Vec<Picture>,
+    /// What each node of the graph did.
+    pub nodes: Vec<NodeReport>,
+    /// Seconds by phase.
+    pub seconds: Phases,
+    /// Threads used.
+    pub threads: usize,
+}
+
+/// Seconds by phase.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Phases {
+    /// Preparing stages: simulate, build, decode.
+    pub prepare: f64,
+    /// Building the convex hulls of the control colors.
+    pub hull: f64,
+    /// Filling tiles and running the pointwise program.
+    pub tiles: f64,
+}
+
+/// One output's picture.
+#[derive(Clone, Debug)]
+pub struct Picture {
+    /// The output's index in the graph.
+    pub output: usize,
+    /// Its kind.
+    pub kind: Kind,
+    /// One plane a channel, in the working space for colors.
+    pub planes: Vec<Plane>,
+    /// What cannot be left; `None` for pictures that are no colors.
+    pub guarantee: Option<Guarantee>,
+    /// What was counted on the f32 pixels, before any rounding or encoding.
+    pub audit: Audit,
+    /// Number of distinct control colors: vertices of the hull where an image is among them.
+    pub control_count: usize,
+    /// Up to 64 of them.
+    pub control_colors: Vec<Rgb>,
+    /// The printed margin of rounding within which a pixel counts as inside.
+    pub margin: f64,
+}
+
+/// What a node did.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NodeReport {
+    /// Its name.
+    pub name: String,
+    /// Its type.
+    pub ty: &'static str,
+    /// What became of it.
+    pub state: State,
+    /// Seconds on all threads together.
+    pub seconds: f64,
+    /// Whether the seconds are shared out within the fused program rather than measured.
+    pub estimated: bool,
+    /// Samples that it computed.
+    pub pixels: u64,
+    /// Memory that it holds, bytes.
+    pub bytes: usize,
+    /// Illegal input values set to the nearest legal one.
+    pub repaired: u64,
+}
+
+/// What became of a node.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum State {
+    /// It was evaluated.
+    Evaluated,
+    /// Its result of an earlier frame was used.
+    Cached,
+    /// It was left out.
+    LeftOut(LeftOut),
+}
+
+impl State {
+    /// The word in reports.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Evaluated => "evaluated",
+            Self::Cached => "cached",
+            Self::LeftOut(_) => "left_out",
+        }
+    }
+}

@@ -1,0 +1,100 @@
+//! From checked nodes to one pointwise program and the stages around it.
+
+use trochoid_graph::{
+    Body, Builder, CheckedGraph, Kind, Lowering, NodeId, Op, Program, Scalar, Settled, Slot, Source, Value, Weights,
+};
+
+/// All pointwise nodes as one program, and the value of every node output.
+pub(crate) struct Lowered {
+    pub(crate) program: Program,
+    /// By node, by output; `None` for handles, views, and nodes that are not needed.
+    pub(crate) values: Vec<Vec<Option<Value>>>,
+    /// Knobs at the frame; `None` for nodes that are not needed.
+    pub(crate) settled: Vec<Option<Settled>>,
+    /// The node that computes in a node's stead: the first with the same content key, or itself.
+    pub(crate) stands_in: Vec<NodeId>,
+}
+
+/// Lowers the nodes in `needed`; a node in `bound` is filled from outside and asks for nothing.
+///
+/// `keys` are content keys: nodes with equal keys are computed once. Empty to compute each.
+pub(crate) fn lower(graph: &CheckedGraph, frame: i64, needed: &[bool], bound: &[bool], keys: &[String]) -> Lowered {
+    let count = graph.nodes().len();
+    let mut lowered = Lowered {
+        program: Program::default(),
+        values: vec![Vec::new(); count],
+        settled: vec![None; count],
+        stands_in: (0..count).map(NodeId).collect(),
+    };
+    let mut first_of = std::collections::HashMap::new();
+    for &id in graph.order().iter().filter(|id| needed[id.0]) {
+        if let Some(key) = keys.get(id.0).filter(|_| !bound[id.0]) {
+            lowered.stands_in[id.0] = *first_of.entry(key.as_str()).or_insert(id);
+        }
+        let node = graph.node(id);
+        let mut settled = graph.settle(id, frame);
+        settled.redirect(&|node| lowered.stands_in[node.0]);
+        if lowered.stands_in[id.0] != id {
+            lowered.values[id.0] = lowered.values[lowered.stands_in[id.0].0].clone();
+            lowered.settled[id.0] = Some(settled);
+            continue;
+        }
+        let values = match node.ty.body() {
+            Body::Pointwise(pointwise) if !bound[id.0] => {
+                let values = &lowered.values;
+                let inputs = |source: &Source<Vec<f64>>| match source {
+                    Source::Output { node, output } => match &values[node.0][*output] {
+                        Some(value) => value.clone(),
+                        None => unreachable!("checked to be an image"),
+                    },
+                    _ => unreachable!("literals are lowered where they stand"),
+                };
+                let mut lowering = Lowering::new(Builder::new(&mut lowered.program, id), &inputs);
+                vec![Some(pointwise.lower(&settled, &mut lowering))]
+            }
+            _ => node
+                .kinds
+                .iter()
+                .enumerate()
+                .map(|(output, kind)| load(&mut lowered.program, id, output, *kind))
+                .collect(),
+        };
+        lowered.values[id.0] = values;
+        lowered.settled[id.0] = Some(settled);
+    }
+    lowered
+}
+
+/// The value of an output that something outside the program fills.
+fn load(program: &mut Program, node: NodeId, output: usize, kind: Kind) -> Option<Value> {
+    let mut build = Builder::new(program, node);
+    let mut scalars = |n: usize| -> Vec<Scalar> {
+        (0..n).map(|channel| build.scalar(Op::Load(Slot { node, output, channel }))).collect()
+    };
+    match kind {
+        Kind::Color => Some(Value::Color(build.color(Op::LoadColor(Slot { node, output, channel: 0 })))),
+        Kind::Weights(2) => Some(Value::Weights(Weights::Mask(scalars(1)[0]))),
+        Kind::Weights(n) => {
+            let raw = scalars(n);
+            let partition = build.partition(Op::Partition(raw));
+            Some(Value::Weights(Weights::Partition(partition, n)))
+        }
+        Kind::Field(n) => Some(Value::Field(scalars(n))),
+        Kind::Surface | Kind::Camera | Kind::Light | Kind::View => None,
+    }
+}
+
+/// The program positions that hold a value's channels, in the order of its kind's planes. Appends what is
+/// needed to make weights explicit.
+pub(crate) fn positions(program: &mut Program, origin: NodeId, value: &Value) -> Vec<u32> {
+    match value {
+        Value::Color(color) => vec![color.0],
+        Value::Field(components) => components.iter().map(|component| component.0).collect(),
+        Value::Weights(weights) if weights.ways() == 2 => {
+            vec![Builder::new(program, origin).weight(weights, 1).0]
+        }
+        Value::Weights(weights) => {
+            (0..weights.ways()).map(|i| Builder::new(program, origin).weight(weights, i).0).collect()
+        }
+    }
+}

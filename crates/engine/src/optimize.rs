@@ -1,0 +1,247 @@
+//! Rewrites a program into a shorter one with the same bits.
+
+use crate::Switches;
+use crate::rules::interval::{Bounds, Interval, interval};
+use std::collections::HashMap;
+use trochoid_graph::{Color, NodeId, Op, Partition, Program, Scalar, Slot};
+use trochoid_weights::arithmetic as a;
+
+/// A rewritten program.
+#[derive(Debug, Default)]
+pub(crate) struct Optimized {
+    pub(crate) program: Program,
+    /// Where each operation of the original went.
+    pub(crate) map: Vec<u32>,
+    /// Why branches were cut: the node whose weight is constant, its operand, and the weight's value.
+    pub(crate) cuts: Vec<Cut>,
+}
+
+/// A branch that a constant weight cut off.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Cut {
+    /// The operand, as a position in the original program.
+    pub(crate) operand: u32,
+    /// The node that mixes.
+    pub(crate) at: NodeId,
+    /// The weight of the operand's rival: 0 or 1.
+    pub(crate) weight: f64,
+}
+
+/// Folds constants, cuts branches of constant weight, and merges equal operations, in one walk.
+///
+/// Every rewrite keeps the bits: folding calls the functions that kernels inline; Mix is exact at t = 0, 1 and
+/// for equal operands; a zero weight adds nothing to a Blend; products with 0 and 1 are exact.
+pub(crate) fn optimize(source: &Program, switches: Switches, slot: &dyn Fn(&Slot, usize) -> Interval) -> Optimized {
+    let mut walk = Walk { out: Optimized::default(), bounds: Vec::new(), seen: HashMap::new(), switches, slot };
+    for (op, origin) in source.ops() {
+        let op = op.renumbered(|operand| walk.out.map[operand as usize]);
+        let position = walk.rewrite(op, *origin, source);
+        walk.out.map.push(position);
+    }
+    walk.out
+}
+
+struct Walk<'a> {
+    out: Optimized,
+    bounds: Vec<Bounds>,
+    seen: HashMap<Vec<u32>, u32>,
+    switches: Switches,
+    slot: &'a dyn Fn(&Slot, usize) -> Interval,
+}
+
+impl Walk<'_> {
+    fn op(&self, position: u32) -> &Op {
+        &self.out.program.ops()[position as usize].0
+    }
+
+    fn rewrite(&mut self, op: Op, origin: NodeId, source: &Program) -> u32 {
+        let op = match self.shorter(&op, origin, source) {
+            Some(Shorter::Existing(position)) => return position,
+            Some(Shorter::New(op)) => op,
+            None => op,
+        };
+        if self.switches.merge {
+            let key = key(&op);
+            if let Some(&position) = self.seen.get(&key) {
+                return position;
+            }
+            let position = self.push(op, origin);
+            self.seen.insert(key, position);
+            return position;
+        }
+        self.push(op, origin)
+    }
+
+    fn push(&mut self, op: Op, origin: NodeId) -> u32 {
+        let bounds = interval(&op, &|position| self.bounds[position as usize].clone(), self.slot);
+        self.bounds.push(bounds);
+        self.out.program.push(op, origin)
+    }
+
+    fn shorter(&mut self, op: &Op, origin: NodeId, source: &Program) -> Option<Shorter> {
+        if self.switches.fold
+            && let Some(folded) = self.folded(op)
+        {
+            return Some(Shorter::New(folded));
+        }
+        if !self.switches.prune {
+            return None;
+        }
+        let constant = |s: Scalar| self.bounds[s.0 as usize][0].constant();
+        match op {
+            Op::Mix { a, b, .. } if a == b => Some(Shorter::Existing(a.0)),
+            Op::Mix { a, b, t } => {
+                let weight = constant(*t)?;
+                let (kept, lost) = if weight == 0.0 {
+                    (*a, *b)
+                } else if weight == 1.0 {
+                    (*b, *a)
+                } else {
+                    return None;
+                };
+                self.cut(lost, origin, weight, source);
+                Some(Shorter::Existing(kept.0))
+            }
+            Op::Product(t, u) => match (constant(*t), constant(*u)) {
+                (Some(0.0), _) | (_, Some(1.0)) => Some(Shorter::Existing(t.0)),
+                (Some(1.0), _) | (_, Some(0.0)) => Some(Shorter::Existing(u.0)),
+                _ => None,
+            },
+            Op::Blend { colors, weights } => {
+                let bounds = &self.bounds[weights.0 as usize];
+                let used: Vec<bool> = bounds.iter().map(|w| w.high > 0.0).collect();
+                if used.iter().all(|&used| used) {
+                    return None;
+                }
+                // Positions of the weights stay; colors of weight 0 give way to one that is used anyway.
+                let kept = colors.iter().zip(&used).find(|(_, used)| **used).map(|(color, _)| *color)?;
+                for (color, _) in colors.iter().zip(&used).filter(|(color, used)| !**used && **color != kept) {
+                    self.cut(*color, origin, 0.0, source);
+                }
+                let replaced: Vec<Color> =
+                    colors.iter().zip(&used).map(|(color, used)| if *used { *color } else { kept }).collect();
+                if replaced == *colors {
+                    return None;
+                }
+                Some(Shorter::New(Op::Blend { colors: replaced, weights: *weights }))
+            }
+            // Proved constant by interval although made from fields.
+            Op::Clamp { .. } | Op::Step { .. } | Op::Weight(..) => {
+                let bounds = interval(op, &|position| self.bounds[position as usize].clone(), self.slot);
+                bounds[0].constant().map(|value| Shorter::New(Op::Constant(value as f32)))
+            }
+            _ => None,
+        }
+    }
+
+    fn cut(&mut self, operand: Color, at: NodeId, weight: f64, source: &Program) {
+        // Name the operand by its last position in the original, where its node stands.
+        if let Some(position) = self.out.map.iter().rposition(|&new| new == operand.0)
+            && position < source.ops().len()
+        {
+            self.out.cuts.push(Cut { operand: position as u32, at, weight });
+        }
+    }
+
+    /// The operation's value, where every operand is a constant.
+    fn folded(&self, op: &Op) -> Option<Op> {
+        let scalar = |s: &Scalar| if let Op::Constant(value) = self.op(s.0) { Some(*value) } else { None };
+        let color = |c: &Color| if let Op::ConstantColor(value) = self.op(c.0) { Some(*value) } else { None };
+        let partition = |p: &Partition| -> Option<Vec<f32>> {
+            match self.op(p.0) {
+                Op::Partition(weights) => {
+                    let mut values = weights.iter().map(scalar).collect::<Option<Vec<_>>>()?;
+                    a::round_partition(&mut values);
+                    Some(values)
+                }
+                Op::Normalize { values, floor } => {
+                    let values = values.iter().map(scalar).collect::<Option<Vec<_>>>()?;
+                    let mut out = vec![0.0; values.len() + 1];
+                    a::normalize(&values, *floor, &mut out);
+                    Some(out)
+                }
+                _ => None,
+            }
+        };
+        match op {
+            Op::Clamp { x, min, max } => Some(Op::Constant(a::clamp(scalar(x)?, *min, *max))),
+            Op::Smooth(t) => Some(Op::Constant(a::smooth(scalar(t)?))),
+            Op::Power { t, p } => Some(Op::Constant(a::power(scalar(t)?, *p))),
+            Op::Step { x, threshold } => Some(Op::Constant(a::step(scalar(x)?, *threshold))),
+            Op::Complement(t) => Some(Op::Constant(a::complement(scalar(t)?))),
+            Op::Product(t, u) => Some(Op::Constant(a::product(scalar(t)?, scalar(u)?))),
+            Op::Weight(p, i) => Some(Op::Constant(partition(p)?[*i])),
+            Op::Mix { a: from, b: to, t } => {
+                let (from, to, t) = (color(from)?, color(to)?, scalar(t)?);
+                Some(Op::ConstantColor([0, 1, 2].map(|c| a::mix(from[c], to[c], t))))
+            }
+            Op::Blend { colors, weights } => {
+                let weights = partition(weights)?;
+                let colors = colors.iter().map(color).collect::<Option<Vec<_>>>()?;
+                Some(Op::ConstantColor([0, 1, 2].map(|c| {
+                    let channel: Vec<f32> = colors.iter().map(|color| color[c]).collect();
+                    a::blend(&channel, &weights)
+                })))
+            }
+            Op::Load(_)
+            | Op::Constant(_)
+            | Op::Partition(_)
+            | Op::Normalize { .. }
+            | Op::LoadColor(_)
+            | Op::ConstantColor(_) => None,
+        }
+    }
+}
+
+enum Shorter {
+    Existing(u32),
+    New(Op),
+}
+
+/// Numbers that two operations share exactly if they compute the same.
+fn key(op: &Op) -> Vec<u32> {
+    let slot = |tag: u32, s: &Slot| vec![tag, s.node.0 as u32, s.output as u32, s.channel as u32];
+    match op {
+        Op::Load(s) => slot(0, s),
+        Op::Constant(value) => vec![1, value.to_bits()],
+        Op::Clamp { x, min, max } => vec![2, x.0, min.to_bits(), max.to_bits()],
+        Op::Smooth(t) => vec![3, t.0],
+        Op::Power { t, p } => vec![4, t.0, p.to_bits()],
+        Op::Step { x, threshold } => vec![5, x.0, threshold.to_bits()],
+        Op::Complement(t) => vec![6, t.0],
+        // Products commute to the bit.
+        Op::Product(t, u) => vec![7, t.0.min(u.0), t.0.max(u.0)],
+        Op::Partition(weights) => std::iter::once(8).chain(weights.iter().map(|w| w.0)).collect(),
+        Op::Normalize { values, floor } => [9, floor.to_bits()].into_iter().chain(values.iter().map(|v| v.0)).collect(),
+        Op::Weight(p, i) => vec![10, p.0, *i as u32],
+        Op::LoadColor(s) => slot(11, s),
+        Op::ConstantColor(color) => std::iter::once(12).chain(color.iter().map(|c| c.to_bits())).collect(),
+        Op::Mix { a, b, t } => vec![13, a.0, b.0, t.0],
+        Op::Blend { colors, weights } => [14, weights.0].into_iter().chain(colors.iter().map(|c| c.0)).collect(),
+    }
+}
+
+/// The positions that `roots` depend on, themselves included.
+pub(crate) fn cone(program: &Program, roots: impl IntoIterator<Item = u32>) -> Vec<bool> {
+    let mut needed = vec![false; program.ops().len()];
+    for root in roots {
+        needed[root as usize] = true;
+    }
+    for position in (0..needed.len()).rev() {
+        if needed[position] {
+            program.ops()[position].0.operands(|operand| needed[operand as usize] = true);
+        }
+    }
+    needed
+}
+
+/// The program of exactly the `kept` positions, and where each went.
+pub(crate) fn extract(program: &Program, kept: &[bool]) -> (Program, Vec<u32>) {
+    let mut out = Program::default();
+    let mut map = vec![u32::MAX; kept.len()];
+    for (position, (op, origin)) in program.ops().iter().enumerate().filter(|(position, _)| kept[*position]) {
+        let op = op.renumbered(|operand| map[operand as usize]);
+        map[position] = out.push(op, *origin);
+    }
+    (out, map)
+}

@@ -1,0 +1,83 @@
+//! Batches of shading samples, for renderers that shade points and not images.
+
+use crate::kernel::{Machine, Plane};
+use crate::{Buffers, EvalError, Plan, PlanError, Settings};
+use trochoid_graph::{CheckedGraph, Kind};
+
+/// An output's pointwise program with every front-end node bound to a buffer of the caller.
+#[derive(Debug)]
+pub struct ShadingPlan<'g> {
+    plan: Plan<'g>,
+}
+
+/// Samples that run through the program at once.
+const BATCH: usize = 256;
+
+impl<'g> ShadingPlan<'g> {
+    /// Plans an output whose front-end inputs the caller supplies: `bound` names the nodes.
+    ///
+    /// # Errors
+    /// As [`Plan::new`], and where the output needs a node that is neither pointwise nor bound.
+    pub fn new(
+        graph: &'g CheckedGraph,
+        output: &str,
+        frame: i64,
+        bound: &[&str],
+        settings: &Settings,
+    ) -> Result<Self, PlanError> {
+        let plan = Plan::new(graph, &[output], frame, bound, settings)?;
+        let mut fills = plan.passes.iter().flat_map(|pass| &pass.fills);
+        if let Some(fill) = fills.find(|fill| !plan.bound[fill.node.0]) {
+            let node = graph.node(fill.node);
+            return Err(PlanError::Unbound { name: node.name.clone(), ty: node.ty.declaration().name.into() });
+        }
+        Ok(Self { plan })
+    }
+
+    /// Number of channels of the output: 3 for a Color.
+    pub fn channels(&self) -> usize {
+        self.plan.outputs[0].kind.channels()
+    }
+
+    /// Evaluates `count` samples, structure of arrays in and out: one slice a channel.
+    ///
+    /// Single-threaded and reentrant: call it from as many threads as there are batches.
+    ///
+    /// # Errors
+    /// A buffer does not fit its node's kind, or an output slice is not `count` long.
+    pub fn evaluate(&self, buffers: &Buffers<'_>, count: usize, outputs: &mut [&mut [f32]]) -> Result<(), EvalError> {
+        let graph = self.plan.graph;
+        let name = &graph.outputs()[self.plan.outputs[0].index].name;
+        if outputs.len() != self.channels() || outputs.iter().any(|output| output.len() != count) {
+            let reason =
+                format!("found {} output slices; expected {} of {count} samples", outputs.len(), self.channels());
+            return Err(EvalError::Buffer { node: name.clone(), reason });
+        }
+        let pass = &self.plan.passes[0];
+        let mut sources = Vec::with_capacity(pass.program.planes.len());
+        for slot in &pass.program.planes {
+            let node = graph.node(slot.node);
+            let kind: Kind = node.kinds[slot.output];
+            if slot.channel == 0 {
+                buffers.validate(&node.name, kind, count)?;
+            }
+            let planes = buffers.get(&node.name).unwrap_or_default();
+            sources.push(planes.get(slot.channel).copied().unwrap_or_default());
+        }
+        let mut machine = Machine::new(&pass.program);
+        let mut start = 0;
+        while start < count {
+            let length = BATCH.min(count - start);
+            let planes: Vec<Plane<'_>> = sources
+                .iter()
+                .map(|source| Plane { samples: &source[start..start + length], one_row: false })
+                .collect();
+            machine.tile(&planes, length, 1, &mut |root, channel, _, row| {
+                let first = pass.roots[root].1;
+                outputs[first + channel][start..start + length].copy_from_slice(row);
+            });
+            start += length;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,9 @@
+//! What the engine knows of each operation of the pointwise program besides how to compute it.
+//!
+//! Each rule is one exhaustive match, so an operation cannot be added without all of them.
+
+pub(crate) mod blame;
+pub(crate) mod error;
+pub(crate) mod evaluate;
+pub(crate) mod interval;
+pub(crate) mod variance;

@@ -1,0 +1,91 @@
+use trochoid_image::Rgb;
+
+/// The smallest box around control colors: what per-channel operations cannot leave.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BoxHull {
+    min: Rgb,
+    max: Rgb,
+}
+
+impl Default for BoxHull {
+    /// The empty box.
+    fn default() -> Self {
+        Self { min: [f32::INFINITY; 3], max: [f32::NEG_INFINITY; 3] }
+    }
+}
+
+impl BoxHull {
+    /// The box of a set of points. Points that are not finite are left out.
+    #[must_use]
+    pub fn new(points: &[Rgb]) -> Self {
+        let mut hull = Self::default();
+        hull.add(points);
+        hull
+    }
+
+    /// Grows the box to hold more points; those that are not finite are left out.
+    pub fn add(&mut self, points: &[Rgb]) {
+        for point in points.iter().filter(|point| point.iter().all(|v| v.is_finite())) {
+            self.min = std::array::from_fn(|i| self.min[i].min(point[i]));
+            self.max = std::array::from_fn(|i| self.max[i].max(point[i]));
+        }
+    }
+
+    /// The box around two boxes.
+    #[must_use]
+    pub fn union(self, other: Self) -> Self {
+        let merge = |a: Rgb, b: Rgb, pick: fn(f32, f32) -> f32| std::array::from_fn(|i| pick(a[i], b[i]));
+        Self { min: merge(self.min, other.min, f32::min), max: merge(self.max, other.max, f32::max) }
+    }
+
+    /// The least value of each channel; +∞ if the box is empty.
+    #[must_use]
+    pub fn min(&self) -> Rgb {
+        self.min
+    }
+
+    /// The largest value of each channel; −∞ if the box is empty.
+    #[must_use]
+    pub fn max(&self) -> Rgb {
+        self.max
+    }
+
+    /// How far the channel that is farthest out lies outside the box, if by more than the margin (≥ 0).
+    ///
+    /// Exact at margin 0. A pixel that is not finite is an exit at distance +∞; so is every pixel of the empty box.
+    #[must_use]
+    pub fn exit(&self, pixel: &[f32; 3], margin: f64) -> Option<f64> {
+        if !pixel.iter().all(|v| v.is_finite()) {
+            return Some(f64::INFINITY);
+        }
+        let mut distance = 0.0_f64;
+        for ((&v, &min), &max) in pixel.iter().zip(&self.min).zip(&self.max) {
+            let (v, min, max) = (f64::from(v), f64::from(min), f64::from(max));
+            distance = distance.max(min - v).max(v - max);
+        }
+        (distance > margin).then_some(distance)
+    }
+
+    /// Counts the pixels of a row that are outside by more than the margin (≥ 0), and finds the largest distance among
+    /// them (0 if there is none).
+    ///
+    /// # Panics
+    ///
+    /// If the three channels differ in length.
+    #[must_use]
+    pub fn exits(&self, r: &[f32], g: &[f32], b: &[f32], margin: f64) -> (u64, f64) {
+        assert!(r.len() == g.len() && g.len() == b.len(), "channels of equal length");
+        let mut count = 0;
+        let mut worst = 0.0_f64;
+        for ((&r, &g), &b) in r.iter().zip(g).zip(b) {
+            let pixel = [r, g, b];
+            // False for NaN as well.
+            let inside = (0..3).fold(true, |all, i| all & (pixel[i] >= self.min[i]) & (pixel[i] <= self.max[i]));
+            if !inside && let Some(distance) = self.exit(&pixel, margin) {
+                count += 1;
+                worst = worst.max(distance);
+            }
+        }
+        (count, worst)
+    }
+}
