@@ -1,1 +1,51 @@
-//! placeholder
+//! A compositor whose pictures cannot leave their palette, with the sea built in.
+//!
+//! Load a document, plan an output at a frame, evaluate it:
+//!
+//! ```
+//! use trochoid::{Buffers, Cache, Plan, Settings, Silent, parse};
+//!
+//! let document = r##"{
+//!   "trochoid": 1,
+//!   "format": { "width": 4, "height": 1 },
+//!   "nodes": {
+//!     "across": { "type": "ScreenX" },
+//!     "ramp": { "type": "Mix", "a": "#000000", "b": "#ffffff", "weight": "across" }
+//!   },
+//!   "outputs": { "beauty": { "color": "ramp" } }
+//! }"##;
+//! let loaded = parse("ramp.json", document, std::path::Path::new("."), &[])?;
+//! let plan = Plan::new(&loaded.graph, &["beauty"], 1, &[], &Settings::default())?;
+//! let frame = plan.evaluate(&Buffers::new(), &mut Cache::new(), &Silent)?;
+//! let picture = &frame.pictures[0];
+//! assert_eq!(picture.planes[0].samples(), [0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0]);
+//! assert_eq!(picture.audit.hull_exits, 0);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! Another renderer binds its own passes ([`Buffers`]) in place of nodes, or evaluates batches of shading
+//! samples ([`ShadingPlan`]).
+
+mod load;
+mod output;
+mod report;
+mod resume;
+
+pub use load::{LoadError, Loaded, load, parse, registry};
+pub use output::{OutputError, OutputFile, output_files, write_output};
+pub use report::{RunReport, frame_report};
+pub use resume::Fingerprints;
+pub use trochoid_engine::{
+    Buffers, Cache, EvalError, Frame, LeftOut, Monitor, NodeReport, Phases, Picture, Plan, PlanError, ReferenceError,
+    ReferenceFrame, Settings, ShadingPlan, Silent, State, Switches,
+};
+pub use trochoid_graph::{
+    Accepts, Arity, CheckedGraph, Declaration, Default as KnobDefault, Diagnostic, End, Guarantee, Item, Kind, NodeId,
+    NodeType, OutputSpec, Precision, REFUSALS, Refusal, Registry, Severity, Takes, expected, nearest, schema,
+};
+pub use trochoid_image::{Format, Plane, Rgb, Window, WorkingSpace};
+pub use trochoid_io as io;
+pub use trochoid_weights::Audit;
+
+/// The version of Trochoid.
+pub const VERSION: &str = env!("CARGO_PKG_VERSION");

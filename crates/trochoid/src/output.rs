@@ -1,0 +1,226 @@
+//! From evaluated frames to files.
+
+use std::path::{Path, PathBuf};
+use trochoid_engine::{Frame, Picture};
+use trochoid_graph::{CheckedGraph, Kind, OutputSpec, Precision, expand_frame};
+use trochoid_image::{Plane, Window, WorkingSpace, srgb_encode};
+use trochoid_io::{ExrChannel, ExrImage, PngImage, Samples, write_exr, write_png8, write_png16};
+
+/// A file to be written for one frame, and the outputs that go into it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct OutputFile {
+    /// Where.
+    pub path: PathBuf,
+    /// Indices of outputs of the graph, each a layer of the file.
+    pub outputs: Vec<usize>,
+}
+
+/// Why files cannot be named or written.
+#[derive(Debug, thiserror::Error)]
+pub enum OutputError {
+    /// The pattern gives several pictures the same name.
+    #[error("{0}")]
+    Pattern(String),
+    /// The file cannot be written.
+    #[error(transparent)]
+    Io(#[from] trochoid_io::Error),
+    /// The folder cannot be made.
+    #[error("{}: the folder cannot be made: {reason}", path.display())]
+    Folder {
+        /// The folder.
+        path: PathBuf,
+        /// Why.
+        reason: String,
+    },
+}
+
+/// Names the files of some outputs at a frame.
+///
+/// `pattern` is relative to the current folder and knows `{output}` and `####` or `%04d`; without one, each
+/// output's own `file` counts, relative to the document, or else `{output}.####.exr`. Outputs of a document
+/// that name the same file share it as layers.
+///
+/// # Errors
+/// A pattern that gives several outputs, or several frames, one name; an ending that cannot be written.
+pub fn output_files(
+    graph: &CheckedGraph,
+    outputs: &[usize],
+    frame: i64,
+    several_frames: bool,
+    pattern: Option<&str>,
+) -> Result<Vec<OutputFile>, OutputError> {
+    let refuse = |text: String| Err(OutputError::Pattern(text));
+    if let Some(pattern) = pattern
+        && outputs.len() > 1
+        && !pattern.contains("{output}")
+    {
+        return refuse(format!(
+            "the pattern \"{pattern}\" gives {} outputs one name: add {{output}}, or choose one with --output",
+            outputs.len()
+        ));
+    }
+    let mut files: Vec<OutputFile> = Vec::new();
+    for &index in outputs {
+        let spec = &graph.outputs()[index];
+        let own = spec.file.as_deref();
+        let template = pattern.or(own).unwrap_or("{output}.####.exr").replace("{output}", &spec.name);
+        let lower = template.to_lowercase();
+        if !lower.ends_with(".exr") && !lower.ends_with(".png") {
+            return refuse(format!("\"{template}\" has an ending that cannot be written: use .exr or .png"));
+        }
+        if several_frames && expand_frame(&template, 0) == expand_frame(&template, 1) {
+            return refuse(format!("\"{template}\" gives all frames one name: add #### or %04d"));
+        }
+        if lower.ends_with(".png") && !matches!(spec.kind, Kind::Color | Kind::Weights(2)) {
+            return refuse(format!(
+                "output \"{}\" is a {}, which PNG cannot hold: write it as .exr",
+                spec.name, spec.kind
+            ));
+        }
+        let relative = PathBuf::from(expand_frame(&template, frame));
+        let path = if pattern.is_none() && own.is_some() { graph.folder().join(relative) } else { relative };
+        match files.iter_mut().find(|file| file.path == path) {
+            Some(_) if lower.ends_with(".png") => {
+                return refuse(format!("\"{template}\" is the file of several outputs; PNG holds one: use .exr"));
+            }
+            Some(file) => file.outputs.push(index),
+            None => files.push(OutputFile { path, outputs: vec![index] }),
+        }
+    }
+    for file in &files {
+        let mut layers: Vec<&str> = file.outputs.iter().map(|index| layer(&graph.outputs()[*index], file)).collect();
+        layers.sort_unstable();
+        if let Some(pair) = layers.windows(2).find(|pair| pair[0] == pair[1]) {
+            return refuse(format!("{}: two outputs are the layer \"{}\": name another", file.path.display(), pair[0]));
+        }
+    }
+    Ok(files)
+}
+
+/// The layer of an output: its own name for one, else the output's name where several share the file.
+fn layer<'s>(spec: &'s OutputSpec, file: &OutputFile) -> &'s str {
+    match &spec.layer {
+        Some(layer) => layer,
+        None if file.outputs.len() > 1 => &spec.name,
+        None => "",
+    }
+}
+
+/// Writes one file of an evaluated frame; it appears whole or not at all. Folders are made.
+///
+/// EXR holds linear light in the primaries of the working space (a display-encoded `srgb` is decoded), so that
+/// any reader shows it right. PNG is encoded as sRGB.
+///
+/// # Errors
+/// A value that the file's precision cannot hold, or input and output.
+pub fn write_output(
+    graph: &CheckedGraph,
+    frame: &Frame,
+    file: &OutputFile,
+    metadata: &[(String, String)],
+) -> Result<(), OutputError> {
+    if let Some(folder) = file.path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
+        std::fs::create_dir_all(folder)
+            .map_err(|error| OutputError::Folder { path: folder.into(), reason: error.to_string() })?;
+    }
+    let is_png = file.path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("png"));
+    if is_png { write_png(graph, frame, file, metadata) } else { write_layers(graph, frame, file, metadata) }
+}
+
+fn pictures<'f>(graph: &'f CheckedGraph, frame: &'f Frame, file: &OutputFile) -> Vec<(&'f OutputSpec, &'f Picture)> {
+    let chosen = frame.pictures.iter().filter(|picture| file.outputs.contains(&picture.output));
+    chosen.map(|picture| (&graph.outputs()[picture.output], picture)).collect()
+}
+
+fn write_layers(
+    graph: &CheckedGraph,
+    frame: &Frame,
+    file: &OutputFile,
+    metadata: &[(String, String)],
+) -> Result<(), OutputError> {
+    let chosen = pictures(graph, frame, file);
+    let encoded = graph.space() == WorkingSpace::Srgb;
+    let linear: Vec<Vec<Plane>> = chosen
+        .iter()
+        .map(|(_, picture)| {
+            if picture.kind == Kind::Color && encoded {
+                convert(picture, |color| graph.space().to_linear_srgb(color))
+            } else {
+                Vec::new()
+            }
+        })
+        .collect();
+    let mut channels = Vec::new();
+    for ((spec, picture), linear) in chosen.iter().zip(&linear) {
+        let planes = if linear.is_empty() { &picture.planes } else { linear };
+        let layer = layer(spec, file);
+        for (name, plane) in channel_names(picture.kind).into_iter().zip(planes) {
+            let name = if layer.is_empty() { name } else { format!("{layer}.{name}") };
+            let samples = Samples::plane(plane);
+            let float = spec.precision == Some(Precision::Float);
+            channels.push(if float { ExrChannel::float(name, samples) } else { ExrChannel::half(name, samples) });
+        }
+    }
+    let image = ExrImage {
+        display: graph.format().window(),
+        data: frame.window,
+        channels,
+        metadata: metadata.to_vec(),
+        chromaticities: chosen.iter().any(|(_, p)| p.kind == Kind::Color).then(|| graph.space().chromaticities()),
+    };
+    Ok(write_exr(&file.path, &image)?)
+}
+
+fn write_png(
+    graph: &CheckedGraph,
+    frame: &Frame,
+    file: &OutputFile,
+    metadata: &[(String, String)],
+) -> Result<(), OutputError> {
+    let Some((spec, picture)) = pictures(graph, frame, file).into_iter().next() else { return Ok(()) };
+    let space = graph.space();
+    let encoded: Vec<Plane> = match (picture.kind, space) {
+        (Kind::Color, WorkingSpace::LinearSrgb | WorkingSpace::AcesCg) => {
+            convert(picture, |color| space.to_linear_srgb(color).map(srgb_encode))
+        }
+        _ => picture.planes.clone(),
+    };
+    let window: Window = frame.window;
+    let channels: Vec<Samples<'_>> = encoded.iter().map(Samples::plane).collect();
+    let mut image = PngImage::new(window.width() as u32, window.height() as u32, channels);
+    image.metadata = metadata.to_vec();
+    match spec.precision {
+        Some(Precision::Uint16) => write_png16(&file.path, &image)?,
+        _ => write_png8(&file.path, &image)?,
+    }
+    Ok(())
+}
+
+/// A color picture with every pixel converted in f64.
+fn convert(picture: &Picture, f: impl Fn([f64; 3]) -> [f64; 3]) -> Vec<Plane> {
+    let mut planes = picture.planes.clone();
+    if let [r, g, b] = planes.as_mut_slice() {
+        for ((r, g), b) in r.samples_mut().iter_mut().zip(g.samples_mut()).zip(b.samples_mut()) {
+            let color = f([f64::from(*r), f64::from(*g), f64::from(*b)]);
+            [*r, *g, *b] = color.map(|v| v as f32);
+        }
+    }
+    planes
+}
+
+/// EXR's names of a value's channels; `Y` is what viewers show as gray.
+fn channel_names(kind: Kind) -> Vec<String> {
+    match kind {
+        Kind::Color => ["R", "G", "B"].map(String::from).into(),
+        Kind::Weights(2) | Kind::Field(1) => vec!["Y".into()],
+        Kind::Field(n) => ["X", "Y", "Z", "W"].iter().take(n).map(|name| (*name).into()).collect(),
+        Kind::Weights(n) => (0..n).map(|i| format!("w{i}")).collect(),
+        _ => Vec::new(),
+    }
+}
+
+/// Whether a file exists that was written with exactly this fingerprint.
+pub(crate) fn carries(path: &Path, fingerprint: &str) -> bool {
+    let metadata = trochoid_io::read_metadata(path).unwrap_or_default();
+    metadata.iter().any(|(key, value)| key == crate::resume::KEY && value == fingerprint)
+}

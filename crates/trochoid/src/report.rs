@@ -1,0 +1,111 @@
+//! The report of a run, as JSON.
+
+use serde_json::{Value, json};
+use trochoid_engine::{Frame, State};
+use trochoid_graph::CheckedGraph;
+
+/// What a run reports: one entry a frame.
+#[derive(Clone, Debug)]
+pub struct RunReport {
+    document: String,
+    hash: String,
+    frames: Vec<Value>,
+}
+
+impl RunReport {
+    /// A report of a graph's run, without frames yet.
+    pub fn new(graph: &CheckedGraph) -> Self {
+        Self { document: graph.name().into(), hash: graph.document_hash(), frames: Vec::new() }
+    }
+
+    /// Adds a frame's report, as made by [`frame_report`].
+    pub fn push(&mut self, frame: Value) {
+        self.frames.push(frame);
+    }
+
+    /// The whole report.
+    pub fn to_json(&self) -> Value {
+        json!({
+            "trochoid": crate::VERSION,
+            "document": self.document,
+            "document_hash": self.hash,
+            "frames": self.frames,
+            "peak_memory_bytes": peak_memory_bytes(),
+        })
+    }
+}
+
+/// One frame's report: outputs with their guarantee and counts, nodes with their state and time.
+pub fn frame_report(graph: &CheckedGraph, frame: &Frame, write_seconds: f64) -> Value {
+    let repaired: u64 = frame.nodes.iter().map(|node| node.repaired).sum();
+    let outputs: serde_json::Map<String, Value> = frame
+        .pictures
+        .iter()
+        .map(|picture| {
+            let audit = &picture.audit;
+            let value = json!({
+                "kind": picture.kind.to_string(),
+                "guarantee": picture.guarantee.map(trochoid_graph::Guarantee::name),
+                "control_colors": { "count": picture.control_count, "values": picture.control_colors },
+                "hull_exits": audit.hull_exits,
+                "worst_exit": number(audit.worst_exit),
+                "margin": picture.margin,
+                "weight_sum_max_deviation": number(audit.weight_sum_max_deviation),
+                "weight_min": number(audit.weight_min),
+                "nan_count": audit.nan_count,
+                "repaired": repaired,
+                "pixels": audit.pixels,
+            });
+            (graph.outputs()[picture.output].name.clone(), value)
+        })
+        .collect();
+    let nodes: serde_json::Map<String, Value> = frame
+        .nodes
+        .iter()
+        .map(|node| {
+            let why = if let State::LeftOut(why) = &node.state { Some(why.to_string()) } else { None };
+            let value = json!({
+                "type": node.ty,
+                "state": node.state.name(),
+                "why": why,
+                "seconds": node.seconds,
+                "estimated": node.estimated,
+                "pixels": node.pixels,
+                "bytes": node.bytes,
+            });
+            (node.name.clone(), value)
+        })
+        .collect();
+    json!({
+        "frame": frame.number,
+        "outputs": outputs,
+        "nodes": nodes,
+        "seconds": {
+            "prepare": frame.seconds.prepare,
+            "hull": frame.seconds.hull,
+            "tiles": frame.seconds.tiles,
+            "write": write_seconds,
+        },
+        "threads": frame.threads,
+    })
+}
+
+/// What was evaluated, cached and left out, for a picture's metadata.
+pub(crate) fn plan_summary(frame: &Frame) -> String {
+    let count = |name: &str| frame.nodes.iter().filter(|node| node.state.name() == name).count();
+    let (evaluated, cached, left_out) = (count("evaluated"), count("cached"), count("left_out"));
+    format!("{evaluated} nodes evaluated, {cached} cached, {left_out} left out")
+}
+
+/// JSON has no infinity: the smallest weight of a picture without weights, and the like, become null.
+fn number(value: f64) -> Value {
+    if value.is_finite() { json!(value) } else { Value::Null }
+}
+
+/// Most memory that this process has held, bytes; `None` where the system does not tell.
+fn peak_memory_bytes() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find(|line| line.starts_with("VmHWM:"))?;
+    let kilobytes: u64 = line.split_whitespace().nth(1)?.parse().ok()?;
+    Some(kilobytes * 1024)
+}

@@ -1,0 +1,72 @@
+//! What a picture was made from, as a hash: the key of `--resume`.
+
+use crate::output::carries;
+use crate::{OutputFile, VERSION};
+use std::collections::HashMap;
+use std::path::PathBuf;
+use trochoid_graph::CheckedGraph;
+
+/// The metadata entry that holds the fingerprint.
+pub(crate) const KEY: &str = "trochoid:fingerprint";
+
+/// Fingerprints of the files of a run; hashes every input file once.
+#[derive(Debug, Default)]
+pub struct Fingerprints {
+    inputs: HashMap<PathBuf, String>,
+}
+
+impl Fingerprints {
+    /// No file hashed yet.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// The hash of everything that a file's pixels depend on: version, document (`--set` included), frame,
+    /// outputs, and the contents of all input files. An input that cannot be read counts as such.
+    pub fn of(&mut self, graph: &CheckedGraph, file: &OutputFile, frame: i64) -> String {
+        let context = graph.frame_context(frame, u64::MAX);
+        let roots = file.outputs.iter().map(|index| graph.outputs()[*index].node);
+        let files = graph.files(&graph.upstream(roots), &context);
+        let mut hasher = blake3::Hasher::new();
+        hasher.update(format!("{VERSION} {} {frame} {:?}", graph.document_hash(), file.outputs).as_bytes());
+        hasher.update(format!("{:?}", graph.format()).as_bytes());
+        for path in files {
+            let hash = self.inputs.entry(path.clone()).or_insert_with(|| {
+                let mut hasher = blake3::Hasher::new();
+                let read = std::fs::File::open(&path).and_then(|mut file| std::io::copy(&mut file, &mut hasher));
+                read.map_or_else(|error| error.to_string(), |_| hasher.finalize().to_hex().to_string())
+            });
+            hasher.update(hash.as_bytes());
+        }
+        hasher.finalize().to_hex().to_string()
+    }
+
+    /// Whether the file is there already, made from exactly this.
+    pub fn is_current(&mut self, graph: &CheckedGraph, file: &OutputFile, frame: i64) -> bool {
+        file.path.exists() && carries(&file.path, &self.of(graph, file, frame))
+    }
+
+    /// The metadata of a file: what it was made from and what was found on its pixels.
+    pub fn metadata(&mut self, graph: &CheckedGraph, file: &OutputFile, frame: &crate::Frame) -> Vec<(String, String)> {
+        let guarantees: Vec<String> = frame
+            .pictures
+            .iter()
+            .filter(|picture| file.outputs.contains(&picture.output))
+            .filter_map(|picture| {
+                let name = &graph.outputs()[picture.output].name;
+                let guarantee = picture.guarantee?;
+                Some(format!("{name}: {}, {} exits", guarantee.name(), picture.audit.hull_exits))
+            })
+            .collect();
+        let entry = |key: &str, value: String| (format!("trochoid:{key}"), value);
+        vec![
+            entry("version", VERSION.into()),
+            entry("document", graph.document_hash()),
+            entry("frame", frame.number.to_string()),
+            entry("workingSpace", graph.space().name().into()),
+            entry("plan", crate::report::plan_summary(frame)),
+            entry("guarantee", guarantees.join("; ")),
+            (KEY.into(), self.of(graph, file, frame.number)),
+        ]
+    }
+}
