@@ -1,1 +1,59 @@
-//! placeholder
+//! Image files: EXR with layers, parts, tiles and windows; PNG, JPEG and TIFF; metadata and atomic writing.
+//!
+//! [`info`] reads a header, [`read`] decodes what a [`Selection`] asks for, [`write_exr`], [`write_png8`] and
+//! [`write_png16`] write, [`read_metadata`] hands back what they were given as metadata.
+//!
+//! Every header is checked against [`Limits`] before anything is allocated for pixels: a file of a few hundred bytes
+//! can claim a picture of many gigabytes. A damaged file is an [`Error`] that names the place, never a panic.
+//!
+//! Values are handed over as stored: integers of EXR as f32, PNG, JPEG and TIFF divided by 255 or 65535 and still
+//! encoded for display ([`Encoding::Srgb`]). Orientation tags are applied, embedded color profiles are not.
+//!
+//! ```
+//! use trochoid_image::{Plane, Window};
+//! use trochoid_io::{ExrChannel, ExrImage, Limits, Samples, Selection, read, write_exr};
+//!
+//! let folder = tempfile::tempdir()?;
+//! let path = folder.path().join("depth.exr");
+//! let depth = Plane::filled(Window::sized(4, 2), 12.5);
+//! write_exr(&path, &ExrImage {
+//!     channels: vec![ExrChannel::float("depth.Z", Samples::plane(&depth))],
+//!     metadata: vec![("trochoid:frame".into(), "17".into())],
+//!     ..ExrImage::new(Window::sized(4, 2))
+//! })?;
+//!
+//! let picture = read(&path, &Selection::layer("depth"), &Limits::default())?;
+//! assert_eq!(picture.channel("Z"), Some(&depth));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+#![cfg_attr(test, allow(clippy::unwrap_used, reason = "a test may panic"))]
+
+mod atomic;
+mod error;
+mod exr_file;
+mod info;
+mod limits;
+mod metadata;
+mod names;
+mod picture;
+mod png_file;
+mod raster;
+mod samples;
+mod selection;
+mod source;
+mod statistics;
+
+pub use error::Error;
+pub use exr_file::{ExrChannel, ExrImage, write_exr};
+pub use info::{ChannelInfo, Compression, FileKind, Info, Levels, PartInfo, SampleType, Storage, info};
+pub use limits::Limits;
+pub use metadata::read_metadata;
+pub use picture::{Encoding, Picture, PictureChannel, read};
+pub use png_file::{PngImage, write_png8, write_png16};
+pub use samples::Samples;
+pub use selection::{PartName, Selection};
+pub use statistics::{Statistics, statistics};
+
+#[cfg(test)]
+mod tests;

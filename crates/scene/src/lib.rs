@@ -1,1 +1,36 @@
-//! placeholder
+//! Cameras, lights, surfaces, what a camera sees of them, and the quantities that shading needs.
+//!
+//! # Conventions
+//! The world is right-handed with Y up, in meters. A camera looks along its own −Z. Pixels are those of
+//! `trochoid-image`: y points down, the center of pixel (x, y) lies at (x + ½, y + ½). Depth is planar: along the
+//! view axis. Angles are in radians.
+//!
+//! # Visibility
+//! [`Visible::prepare`] tessellates every surface for one camera, once per frame and only for the channels that
+//! will be asked for; [`Visible::fill`] answers for the samples of any window of pixels. Its results depend neither
+//! on how the picture is cut into windows nor on the number of threads. [`reference::trace`] answers the same
+//! questions in f64 from the continuous surfaces, without any tessellation.
+
+mod camera;
+mod channel;
+mod extent;
+mod footprint;
+mod light;
+mod project;
+mod raster;
+pub mod reference;
+mod sea_surface;
+pub mod shading;
+mod spacing;
+mod surface;
+mod tessellate;
+mod visible;
+
+pub use camera::{Camera, Projection, Projector, Ray};
+pub use channel::{Channel, ChannelSet, Samples};
+pub use footprint::{GRAZING, footprint};
+pub use glam::DVec3;
+pub use light::{Illumination, Light};
+pub use sea_surface::SeaSurface;
+pub use surface::{Hit, Mesh, Surface, Topology};
+pub use visible::{Stats, Visible};

@@ -1,1 +1,43 @@
-//! placeholder
+//! Wave models on plain slices: sums of trochoidal waves, their footprint filter and their folds.
+//!
+//! # The model
+//! A point of the resting sea p₀ = (x₀, z₀) is carried to
+//!
+//! ```text
+//! x = x₀ − Σ hᵢ dᵢ.x sin θᵢ      θᵢ = kᵢ (dᵢ · p₀) − ωᵢ t + φᵢ
+//! y =      Σ aᵢ cos θᵢ
+//! z = z₀ − Σ hᵢ dᵢ.z sin θᵢ
+//! ```
+//!
+//! with amplitude aᵢ, horizontal amplitude hᵢ, unit direction of travel dᵢ and k = 2π/L. Crests are sharp and
+//! troughs flat where h > 0. A wave alone reaches its cusp at q = h·k = 1 (Gerstner 1802; Hinsinger, Neyret and
+//! Cani, *Interactive Animation of Ocean Waves*, 2002).
+//!
+//! # Conventions
+//! Meters, seconds, radians. Y is up. A direction is an azimuth of travel: 0 is +X, and it grows toward +Z.
+//!
+//! # The footprint filter
+//! Waves that a pixel cannot resolve are attenuated by exp(−(k·σ)²/2), σ = footprint/2, and the slope variance
+//! that they lose is reported, so that shading can widen its highlights instead. The filter belongs to the sea's
+//! definition: the f64 reference has it too.
+//!
+//! # Evaluation
+//! [`SeaFrame::evaluate`] is the plain f64 sum. [`SeaFrame::direct`] does the same in f32 at any points, and
+//! [`SeaFrame::grid`] on a regular grid, both with every phase reduced to one turn in f64 first. Results do not
+//! depend on the processor: only additions, multiplications and exact roundings are used, never fused.
+
+mod direct;
+mod fields;
+mod folding;
+mod frame;
+mod grid;
+mod kernel;
+mod spectrum;
+mod wave;
+
+pub use fields::{Fields, Points, Sample, Wanted};
+pub use folding::{FoldOptions, Folding};
+pub use frame::{Sea, SeaFrame};
+pub use grid::Grid;
+pub use spectrum::{Convention, Dispersion, GerstnerSpectrum, MAX_WAVES, SpectrumError};
+pub use wave::{ExplicitWave, GRAVITY, Wave, WaveError, attenuation};

@@ -1,0 +1,107 @@
+//! Files that appear whole or not at all.
+
+use std::fs::{self, File};
+use std::io::{BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+use crate::Error;
+
+/// Writes a file through a temporary one in the same folder, which then takes its place.
+///
+/// Whoever looks at `path` sees the old file or the new one. If `fill` or any step fails, the old file is untouched and
+/// no partial file remains.
+pub(crate) fn write_atomically(
+    path: &Path,
+    fill: impl FnOnce(&mut BufWriter<File>) -> Result<(), Error>,
+) -> Result<(), Error> {
+    let target = destination(path)?;
+    let folder = match target.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    };
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".trochoid-").suffix(".partial");
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        // A temporary file is private by default; a picture is as readable as the user's other files (umask applies).
+        builder.permissions(fs::Permissions::from_mode(0o666));
+    }
+    let temporary = builder.tempfile_in(folder).map_err(Error::io(path, "create a file in the folder"))?;
+    let (file, name) = temporary.into_parts();
+    let mut writer = BufWriter::new(file);
+    fill(&mut writer)?;
+    writer.flush().map_err(Error::io(path, "write the file"))?;
+    // On disk before the name changes: after a power cut the name must not lead to missing bytes.
+    writer.get_ref().sync_all().map_err(Error::io(path, "write the file to disk"))?;
+    drop(writer);
+    name.persist(&target).map_err(|error| Error::io(path, "rename the finished file")(error.error))?;
+    #[cfg(unix)]
+    if let Ok(folder) = File::open(folder) {
+        // Makes the new name itself durable. Some file systems refuse; the picture is complete either way.
+        let _ = folder.sync_all();
+    }
+    Ok(())
+}
+
+/// Where the file really goes: a link keeps pointing at its target, and only a regular file is ever replaced.
+fn destination(path: &Path) -> Result<PathBuf, Error> {
+    match fs::metadata(path) {
+        Ok(found) if found.is_file() => fs::canonicalize(path).map_err(Error::io(path, "follow the path")),
+        // A rename would replace a device such as /dev/null by a file.
+        Ok(_) => Err(Error::unwritable(path, "something that is not a regular file", "give the path of a file")),
+        Err(_) => Ok(path.into()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names(folder: &Path) -> Vec<String> {
+        let entries = fs::read_dir(folder).unwrap();
+        entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect()
+    }
+
+    #[test]
+    fn a_failed_write_leaves_the_old_file_and_nothing_else() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.bin");
+        fs::write(&path, "old").unwrap();
+        let failed = write_atomically(&path, |writer| {
+            writer.write_all(b"half").unwrap();
+            Err(Error::unwritable(&path, "x", "y"))
+        });
+        assert!(failed.is_err());
+        assert_eq!(fs::read(&path).unwrap(), b"old");
+        assert_eq!(names(folder.path()), ["a.bin"]);
+        write_atomically(&path, |writer| writer.write_all(b"new").map_err(Error::io(&path, "write"))).unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"new");
+        assert_eq!(names(folder.path()), ["a.bin"]);
+    }
+
+    #[test]
+    fn folders_and_missing_folders_are_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        assert!(matches!(write_atomically(folder.path(), |_| Ok(())), Err(Error::Unwritable { .. })));
+        let missing = folder.path().join("no/such/a.bin");
+        assert!(matches!(write_atomically(&missing, |_| Ok(())), Err(Error::Io { .. })));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn links_are_followed_and_files_are_as_readable_as_others() {
+        use std::os::unix::fs::PermissionsExt;
+        let folder = tempfile::tempdir().unwrap();
+        let (target, link) = (folder.path().join("target"), folder.path().join("link"));
+        fs::write(&target, "old").unwrap();
+        std::os::unix::fs::symlink(&target, &link).unwrap();
+        write_atomically(&link, |writer| writer.write_all(b"new").map_err(Error::io(&link, "write"))).unwrap();
+        assert_eq!(fs::read(&target).unwrap(), b"new");
+        assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+        let plain = folder.path().join("plain");
+        fs::write(&plain, "").unwrap();
+        let mode = |path: &Path| fs::metadata(path).unwrap().permissions().mode() & 0o777;
+        assert_eq!(mode(&target), mode(&plain));
+    }
+}

@@ -1,0 +1,26 @@
+//! EXR: headers read here, so that every claim is checked before it is believed; pixels through the `exr` crate.
+
+mod attribute;
+mod chunks;
+mod codec;
+mod decode;
+mod header;
+mod layout;
+mod write;
+mod write_header;
+
+pub(crate) use decode::read_planes;
+pub(crate) use header::Header;
+pub use write::{ExrChannel, ExrImage, write_exr};
+
+/// The first bytes of every EXR file.
+const MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
+/// Flags of the version field.
+const TILED: u32 = 0x200;
+const LONG_NAMES: u32 = 0x400;
+const NON_IMAGE: u32 = 0x800;
+const MULTI_PART: u32 = 0x1000;
+/// Longest name of an attribute or channel, in bytes.
+const NAME_LENGTH: usize = 255;
+/// Windows lie within ± this, as in the reference implementation.
+const MAX_COORDINATE: i64 = (i32::MAX / 2) as i64;

@@ -1,0 +1,300 @@
+use std::fmt;
+use std::io::{BufRead, Seek};
+use std::path::Path;
+
+use trochoid_image::{Chromaticities, Window};
+
+use crate::source::{self, Source};
+use crate::{Encoding, Error, Limits, exr_file, raster};
+
+/// Kind of picture file, told by its first bytes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum FileKind {
+    /// OpenEXR.
+    Exr,
+    /// PNG.
+    Png,
+    /// JPEG.
+    Jpeg,
+    /// TIFF.
+    Tiff,
+}
+
+impl FileKind {
+    pub(crate) fn of(magic: &[u8]) -> Option<Self> {
+        match magic {
+            [0x76, 0x2f, 0x31, 0x01, ..] => Some(Self::Exr),
+            [0x89, b'P', b'N', b'G', ..] => Some(Self::Png),
+            [0xff, 0xd8, 0xff, ..] => Some(Self::Jpeg),
+            [b'I', b'I', 42, 0, ..] | [b'M', b'M', 0, 42, ..] => Some(Self::Tiff),
+            _ => None,
+        }
+    }
+}
+
+impl fmt::Display for FileKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Exr => "EXR",
+            Self::Png => "PNG",
+            Self::Jpeg => "JPEG",
+            Self::Tiff => "TIFF",
+        })
+    }
+}
+
+/// What a file's header says.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Info {
+    /// Kind of file.
+    pub kind: FileKind,
+    /// Its parts: one, but for multi-part EXR.
+    pub parts: Vec<PartInfo>,
+}
+
+/// One picture of a file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PartInfo {
+    /// Name; parts of single-part files often have none.
+    pub name: Option<String>,
+    /// The frame the viewer sees.
+    pub display: Window,
+    /// Where pixels are stored; may be smaller, larger, negative or disjoint.
+    pub data: Window,
+    /// How pixels are compressed.
+    pub compression: Compression,
+    /// How pixels are laid out.
+    pub storage: Storage,
+    /// Canonical layer names, in the order of the channels; `""` is the unnamed layer.
+    pub layers: Vec<String>,
+    /// All channels, in the file's order.
+    pub channels: Vec<ChannelInfo>,
+    /// All other attributes as text, in the file's order.
+    pub attributes: Vec<(String, String)>,
+    /// Primaries and white point, if the file states them.
+    pub chromaticities: Option<Chromaticities>,
+    /// How values relate to light.
+    pub encoding: Encoding,
+}
+
+/// One channel of a part.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ChannelInfo {
+    /// Name as stored, such as `Ocean.Combined.R`.
+    pub full_name: String,
+    /// Canonical layer: what stands before the last dot, else the name of the part in a multi-part file, else `""`.
+    pub layer: String,
+    /// What stands after the last dot: R, G, B, A, Y, X, Z, V…, in the file's case.
+    pub base: String,
+    /// Type of the stored samples.
+    pub sample_type: SampleType,
+    /// Pixels per stored sample, across and down; other than 1 only for subsampled chroma, which is not read.
+    pub sampling: [i32; 2],
+}
+
+/// Type of a channel's stored samples.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum SampleType {
+    /// 16-bit floating point.
+    Half,
+    /// 32-bit floating point.
+    Float,
+    /// 32-bit unsigned integer.
+    Uint,
+    /// 8-bit unsigned integer, read as value / 255.
+    U8,
+    /// 16-bit unsigned integer, read as value / 65535.
+    U16,
+}
+
+impl SampleType {
+    /// Bytes of one stored sample.
+    pub fn bytes(self) -> usize {
+        match self {
+            Self::U8 => 1,
+            Self::Half | Self::U16 => 2,
+            Self::Float | Self::Uint => 4,
+        }
+    }
+}
+
+impl fmt::Display for SampleType {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Half => "half",
+            Self::Float => "float",
+            Self::Uint => "uint",
+            Self::U8 => "u8",
+            Self::U16 => "u16",
+        })
+    }
+}
+
+/// How the pixels of a part are laid out.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Storage {
+    /// Rows.
+    Scanline,
+    /// Tiles, perhaps at several resolutions, of which the largest is read.
+    Tiled {
+        /// Width of a tile, in pixels.
+        width: u32,
+        /// Height of a tile, in pixels.
+        height: u32,
+        /// Resolutions stored.
+        levels: Levels,
+    },
+    /// Any number of samples a pixel; not read.
+    Deep,
+    /// A type of part that this version does not know; not read.
+    Other(String),
+}
+
+impl fmt::Display for Storage {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Scanline => f.write_str("scanline"),
+            Self::Tiled { width, height, levels } => {
+                write!(f, "tiled {width} × {height}")?;
+                match levels {
+                    Levels::One => Ok(()),
+                    Levels::Mip => f.write_str(", mip map"),
+                    Levels::Rip => f.write_str(", rip map"),
+                }
+            }
+            Self::Deep => f.write_str("deep"),
+            Self::Other(kind) => write!(f, "\"{kind}\""),
+        }
+    }
+}
+
+/// Which resolutions a tiled part holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Levels {
+    /// Full resolution only.
+    One,
+    /// Halved again and again in both directions.
+    Mip,
+    /// Halved again and again in each direction on its own.
+    Rip,
+}
+
+/// How a part's pixels are compressed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Compression {
+    /// Not compressed.
+    None,
+    /// Run lengths.
+    Rle,
+    /// Deflate, one row at a time.
+    Zips,
+    /// Deflate, 16 rows at a time.
+    Zip,
+    /// Wavelets.
+    Piz,
+    /// Deflate of floats cut to 24 bits.
+    Pxr24,
+    /// Blocks of 4 × 4 pixels, lossy for half.
+    B44,
+    /// B44 with smaller flat blocks.
+    B44a,
+    /// Lossy cosine transform, 32 rows at a time.
+    Dwaa,
+    /// Lossy cosine transform, 256 rows at a time.
+    Dwab,
+    /// JPEG 2000, 256 rows at a time; not read.
+    Htj2k256,
+    /// JPEG 2000, 32 rows at a time; not read.
+    Htj2k32,
+    /// A number of EXR that this version does not know; not read.
+    Other(u8),
+    /// The compression of PNG.
+    Png,
+    /// The compression of JPEG.
+    Jpeg,
+    /// Any compression of TIFF.
+    Tiff,
+}
+
+impl Compression {
+    /// The method of that number in an EXR file.
+    pub(crate) fn of_exr(number: u8) -> Self {
+        match number {
+            0 => Self::None,
+            1 => Self::Rle,
+            2 => Self::Zips,
+            3 => Self::Zip,
+            4 => Self::Piz,
+            5 => Self::Pxr24,
+            6 => Self::B44,
+            7 => Self::B44a,
+            8 => Self::Dwaa,
+            9 => Self::Dwab,
+            10 => Self::Htj2k256,
+            11 => Self::Htj2k32,
+            other => Self::Other(other),
+        }
+    }
+}
+
+impl fmt::Display for Compression {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::None => "none",
+            Self::Rle => "RLE",
+            Self::Zips => "ZIPS",
+            Self::Zip => "ZIP",
+            Self::Piz => "PIZ",
+            Self::Pxr24 => "PXR24",
+            Self::B44 => "B44",
+            Self::B44a => "B44A",
+            Self::Dwaa => "DWAA",
+            Self::Dwab => "DWAB",
+            Self::Htj2k256 => "HTJ2K256",
+            Self::Htj2k32 => "HTJ2K32",
+            Self::Other(number) => return write!(f, "method {number}"),
+            Self::Png => "PNG",
+            Self::Jpeg => "JPEG",
+            Self::Tiff => "TIFF",
+        })
+    }
+}
+
+/// Reads a file's header, without decoding pixels.
+///
+/// Parts that cannot be decoded (deep, HTJ2K) are described all the same.
+///
+/// # Errors
+/// The file cannot be opened, is not a picture, its header is damaged, or a window exceeds the limits.
+pub fn info(path: impl AsRef<Path>, limits: &Limits) -> Result<Info, Error> {
+    info_of(&mut source::open(path.as_ref())?, limits)
+}
+
+pub(crate) fn info_of<R: BufRead + Seek>(source: &mut Source<R>, limits: &Limits) -> Result<Info, Error> {
+    let kind = source.kind()?;
+    let parts = match kind {
+        FileKind::Exr => exr_file::Header::read(source)?.into_parts(),
+        _ => vec![raster::info(source, kind, limits)?],
+    };
+    for (index, part) in parts.iter().enumerate() {
+        part.check_windows(&source.path, index, limits)?;
+    }
+    Ok(Info { kind, parts })
+}
+
+impl PartInfo {
+    /// How messages call the part.
+    pub(crate) fn place(&self, index: usize) -> String {
+        match &self.name {
+            Some(name) => format!("part {index} \"{}\"", crate::error::printable(name)),
+            None => format!("part {index}"),
+        }
+    }
+
+    pub(crate) fn check_windows(&self, path: &Path, index: usize, limits: &Limits) -> Result<(), Error> {
+        for (name, window) in [("data", self.data), ("display", self.display)] {
+            limits.check_window(path, &format!("{}, {name} window {window}", self.place(index)), window)?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,110 @@
+use std::io::{BufRead, Seek};
+use std::path::Path;
+
+use trochoid_image::{Chromaticities, Plane, Window};
+
+use crate::source::{self, Source};
+use crate::{Error, FileKind, Limits, PartInfo, SampleType, Selection, exr_file, raster};
+
+/// How the values of a picture relate to light.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Encoding {
+    /// Proportional to light, or plain data.
+    Linear,
+    /// Encoded for display by the sRGB curve; [`trochoid_image::srgb_decode`] gives linear light.
+    Srgb,
+}
+
+/// Decoded channels of one part of a file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Picture {
+    /// Number of the part they come from.
+    pub part: usize,
+    /// The frame the viewer sees.
+    pub display: Window,
+    /// Where pixels are stored: the window of every plane.
+    pub data: Window,
+    /// How values relate to light.
+    pub encoding: Encoding,
+    /// Primaries and white point, if the file states them.
+    pub chromaticities: Option<Chromaticities>,
+    /// The channels: in the order of the selection, or R, G, B, A, X, Y, Z, W and then as in the file.
+    pub channels: Vec<PictureChannel>,
+}
+
+/// One decoded channel.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PictureChannel {
+    /// Base name, such as `R`, in the file's case.
+    pub name: String,
+    /// Name as stored, such as `Ocean.Combined.R`.
+    pub full_name: String,
+    /// Type of the samples in the file.
+    pub sample_type: SampleType,
+    /// The values, as stored.
+    pub plane: Plane,
+}
+
+impl Picture {
+    /// The channel of that base or full name; in any case if no other fits.
+    pub fn channel(&self, name: &str) -> Option<&Plane> {
+        let exact = |channel: &&PictureChannel| channel.name == name || channel.full_name == name;
+        let folded = |channel: &&PictureChannel| channel.name.eq_ignore_ascii_case(name);
+        if let Some(found) = self.channels.iter().find(exact) {
+            return Some(&found.plane);
+        }
+        let mut fitting = self.channels.iter().filter(folded);
+        match (fitting.next(), fitting.next()) {
+            (Some(only), None) => Some(&only.plane),
+            _ => None,
+        }
+    }
+}
+
+/// Decodes what a selection asks for; other parts are not decoded.
+///
+/// # Errors
+/// The file cannot be opened, is not a picture, is damaged, holds something that is not supported, lacks what is
+/// selected, or exceeds the limits.
+pub fn read(path: impl AsRef<Path>, selection: &Selection, limits: &Limits) -> Result<Picture, Error> {
+    read_of(&mut source::open(path.as_ref())?, selection, limits)
+}
+
+pub(crate) fn read_of<R: BufRead + Seek>(
+    source: &mut Source<R>,
+    selection: &Selection,
+    limits: &Limits,
+) -> Result<Picture, Error> {
+    match source.kind()? {
+        FileKind::Exr => {
+            let header = exr_file::Header::read(source)?;
+            let found = selection.resolve(&source.path, &header.parts)?;
+            let planes = exr_file::read_planes(source, &header, found.part, &found.channels, limits)?;
+            Ok(assemble(&header.parts[found.part], found.part, &found.channels, planes))
+        }
+        kind => {
+            let info = raster::info(source, kind, limits)?;
+            let found = selection.resolve(&source.path, std::slice::from_ref(&info))?;
+            let planes = raster::read_planes(source, kind, &info, &found.channels, limits)?;
+            Ok(assemble(&info, found.part, &found.channels, planes))
+        }
+    }
+}
+
+fn assemble(info: &PartInfo, part: usize, channels: &[usize], planes: Vec<Plane>) -> Picture {
+    let described = channels.iter().map(|&index| &info.channels[index]);
+    let channels = described.zip(planes).map(|(channel, plane)| PictureChannel {
+        name: channel.base.clone(),
+        full_name: channel.full_name.clone(),
+        sample_type: channel.sample_type,
+        plane,
+    });
+    Picture {
+        part,
+        display: info.display,
+        data: info.data,
+        encoding: info.encoding,
+        chromaticities: info.chromaticities,
+        channels: channels.collect(),
+    }
+}

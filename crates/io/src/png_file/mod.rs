@@ -1,0 +1,213 @@
+//! Writing PNG, with metadata as text.
+
+mod text;
+
+use std::io::Write;
+use std::path::Path;
+
+use image::codecs::png::{CompressionType, FilterType, PngEncoder};
+use image::{ExtendedColorType, ImageEncoder};
+
+pub(crate) use text::read_text;
+
+use crate::atomic::write_atomically;
+use crate::{Error, Samples};
+
+/// A picture to be written as PNG: display-encoded values in 0 to 1.
+#[derive(Clone, Debug)]
+pub struct PngImage<'a> {
+    /// Width in pixels.
+    pub width: u32,
+    /// Height in pixels.
+    pub height: u32,
+    /// Gray, gray and alpha, RGB, or RGBA: one to four channels of width × height samples.
+    pub channels: Vec<Samples<'a>>,
+    /// Whether values outside 0 to 1 become the nearest legal value; otherwise they are refused. NaN always is.
+    pub clamp: bool,
+    /// Keywords and texts, in order; keywords have 1 to 79 printable Latin-1 characters.
+    pub metadata: Vec<(String, String)>,
+}
+
+impl<'a> PngImage<'a> {
+    /// A picture without metadata that refuses values outside 0 to 1.
+    pub fn new(width: u32, height: u32, channels: impl Into<Vec<Samples<'a>>>) -> Self {
+        Self { width, height, channels: channels.into(), clamp: false, metadata: Vec::new() }
+    }
+}
+
+/// Writes 8 bits a channel, rounded to nearest, atomically and marked as sRGB.
+///
+/// ```
+/// use trochoid_io::{Limits, PngImage, Samples, Selection, read, write_png8};
+/// let folder = tempfile::tempdir()?;
+/// let path = folder.path().join("swatch.png");
+/// write_png8(&path, &PngImage::new(2, 1, Samples::rgb(&[[1.0, 0.0, 0.2], [0.0, 0.4, 1.0]])))?;
+/// let picture = read(&path, &Selection::default(), &Limits::default())?;
+/// assert_eq!(picture.channel("B").map(|plane| plane.samples()), Some(&[0.2, 1.0][..]));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// The samples do not fill the picture, a value is NaN, or outside 0 to 1 without `clamp`, the metadata do not fit PNG,
+/// or the file cannot be written. An existing file is then left as it was.
+pub fn write_png8(path: impl AsRef<Path>, image: &PngImage<'_>) -> Result<(), Error> {
+    let path = path.as_ref();
+    let bytes = quantize(path, image, 1, |value, bytes| bytes.push((value * 255.0).round() as u8))?;
+    let colors = [ExtendedColorType::L8, ExtendedColorType::La8, ExtendedColorType::Rgb8, ExtendedColorType::Rgba8];
+    write(path, image, &bytes, colors)
+}
+
+/// Writes 16 bits a channel, rounded to nearest, atomically and marked as sRGB.
+///
+/// # Errors
+/// As [`write_png8`].
+pub fn write_png16(path: impl AsRef<Path>, image: &PngImage<'_>) -> Result<(), Error> {
+    let path = path.as_ref();
+    let push = |value: f64, bytes: &mut Vec<u8>| bytes.extend(((value * 65535.0).round() as u16).to_ne_bytes());
+    let bytes = quantize(path, image, 2, push)?;
+    let colors = [ExtendedColorType::L16, ExtendedColorType::La16, ExtendedColorType::Rgb16, ExtendedColorType::Rgba16];
+    write(path, image, &bytes, colors)
+}
+
+/// Checks every value and stores it, pixel by pixel.
+fn quantize(
+    path: &Path,
+    image: &PngImage<'_>,
+    bytes_per_sample: usize,
+    push: impl Fn(f64, &mut Vec<u8>),
+) -> Result<Vec<u8>, Error> {
+    let count = image.channels.len();
+    let area = image.width as usize * image.height as usize;
+    if !(1..=4).contains(&count) || area == 0 {
+        let found = format!("a PNG of {} × {} pixels with {count} channels", image.width, image.height);
+        return Err(Error::unwritable(path, found, "it has at least one pixel and 1 to 4 channels"));
+    }
+    for (index, samples) in image.channels.iter().enumerate() {
+        if samples.len() != area {
+            let found = format!("channel {} with {} samples for {area} pixels", name(count, index), samples.len());
+            return Err(Error::unwritable(path, found, "pass one sample a pixel"));
+        }
+    }
+    let mut bytes = crate::limits::reserve(path, "the picture", area * count * bytes_per_sample)?;
+    for pixel in 0..area {
+        for (index, samples) in image.channels.iter().enumerate() {
+            let value = samples.get(pixel).unwrap_or(f32::NAN);
+            let legal = (0.0..=1.0).contains(&value);
+            if value.is_nan() || !(legal || image.clamp) {
+                return Err(Error::Unrepresentable {
+                    path: path.into(),
+                    channel: name(count, index).into(),
+                    x: (pixel % image.width as usize) as i64,
+                    y: (pixel / image.width as usize) as i64,
+                    value,
+                    expected: if value.is_nan() {
+                        "a number; find the node that makes NaN"
+                    } else {
+                        "0 to 1; clamp it, or write EXR"
+                    },
+                });
+            }
+            push(f64::from(value.clamp(0.0, 1.0)), &mut bytes);
+        }
+    }
+    Ok(bytes)
+}
+
+fn name(count: usize, index: usize) -> &'static str {
+    let names: &[&str] = if count < 3 { &["Y", "A"] } else { &["R", "G", "B", "A"] };
+    names.get(index).copied().unwrap_or("?")
+}
+
+fn write(path: &Path, image: &PngImage<'_>, bytes: &[u8], colors: [ExtendedColorType; 4]) -> Result<(), Error> {
+    let text = text::chunks(path, &image.metadata)?;
+    let mut png = Vec::new();
+    let color = colors[image.channels.len() - 1];
+    PngEncoder::new_with_quality(&mut png, CompressionType::Fast, FilterType::Adaptive)
+        .write_image(bytes, image.width, image.height, color)
+        .map_err(|error| {
+            Error::unwritable(path, format!("a picture that the PNG encoder refuses ({error})"), "a smaller one")
+        })?;
+    // Text stands before the pixels, so that reading it back does not pass over them.
+    let (head, pixels) = png.split_at(text::HEADER.min(png.len()));
+    write_atomically(path, |file| {
+        [head, &text, pixels]
+            .into_iter()
+            .try_for_each(|bytes| file.write_all(bytes))
+            .map_err(Error::io(path, "write the file"))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Limits, Selection, read, read_metadata};
+
+    #[test]
+    fn every_value_of_both_depths_survives() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("a.png");
+        for (steps, write) in [(255_u16, write_png8 as fn(_, &PngImage<'_>) -> _), (65535, write_png16)] {
+            let values: Vec<f32> = (0..=steps).map(|v| f32::from(v) / f32::from(steps)).collect();
+            let (width, height) = (256, values.len() as u32 / 256);
+            let reversed: Vec<f32> = values.iter().rev().copied().collect();
+            let channels = [Samples::contiguous(&values), Samples::contiguous(&reversed), Samples::contiguous(&values)];
+            for count in 1..=3 {
+                write(&path, &PngImage::new(width, height, &channels[..count])).expect("written");
+                let picture = read(&path, &Selection::default(), &Limits::default()).expect("read");
+                assert_eq!(picture.channels.len(), count);
+                assert_eq!(picture.channels[0].plane.samples(), values);
+                if count > 1 {
+                    assert_eq!(picture.channels[1].plane.samples(), reversed);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn values_outside_are_refused_with_their_place_or_clamped() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("a.png");
+        std::fs::write(&path, "old").expect("written");
+        for bad in [1.0001, -0.1, f32::INFINITY, f32::NAN] {
+            let pixels = [[0.0, 0.5, 1.0], [0.1, 0.2, bad]];
+            let mut image = PngImage::new(1, 2, Samples::rgb(&pixels));
+            let error = write_png8(&path, &image).expect_err("refused");
+            assert!(matches!(&error, Error::Unrepresentable { channel, x: 0, y: 1, .. } if channel == "B"), "{error}");
+            assert_eq!(std::fs::read(&path).expect("there"), b"old");
+            image.clamp = true;
+            assert_eq!(write_png8(folder.path().join("b.png"), &image).is_ok(), !bad.is_nan());
+        }
+    }
+
+    #[test]
+    fn metadata_come_back_in_order() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("a.png");
+        let pairs = [("trochoid:frame", "17"), ("Title", "stürmische See 波"), ("empty", ""), ("Größe", "é")];
+        let metadata: Vec<(String, String)> = pairs.map(|(k, v)| (k.into(), v.into())).to_vec();
+        let mut image = PngImage::new(1, 1, Samples::rgb(&[[0.0; 3]]));
+        image.metadata = metadata.clone();
+        write_png16(&path, &image).expect("written");
+        assert_eq!(read_metadata(&path).expect("read"), metadata);
+        for key in ["", "波", " a", "a\nb", &"x".repeat(80)] {
+            image.metadata = vec![(key.into(), String::new())];
+            assert!(matches!(write_png8(&path, &image), Err(Error::Unwritable { .. })), "{key:?}");
+        }
+        image.metadata = vec![("a".into(), "nul\0".into())];
+        assert!(write_png8(&path, &image).is_err());
+        assert_eq!(read_metadata(&path).expect("still there"), metadata);
+    }
+
+    #[test]
+    fn samples_must_fill_the_picture() {
+        let path = Path::new("never.png");
+        for image in [
+            PngImage::new(2, 2, [Samples::contiguous(&[0.0; 3])]),
+            PngImage::new(0, 2, [Samples::contiguous(&[])]),
+            PngImage::new(1, 1, []),
+            PngImage::new(1, 1, [Samples::contiguous(&[0.0]); 5]),
+        ] {
+            assert!(matches!(write_png8(path, &image), Err(Error::Unwritable { .. })));
+        }
+    }
+}

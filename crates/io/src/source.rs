@@ -1,0 +1,67 @@
+//! Opening files, and reading from them with the place in every error.
+
+use std::fs::File;
+use std::io::{BufReader, Read, Seek, SeekFrom};
+use std::path::{Path, PathBuf};
+
+use crate::{Error, FileKind};
+
+/// A file or bytes in memory, with the name for messages and the length that every claim is held against.
+pub(crate) struct Source<R> {
+    pub(crate) path: PathBuf,
+    pub(crate) length: u64,
+    pub(crate) reader: R,
+}
+
+/// Opens a regular file.
+pub(crate) fn open(path: &Path) -> Result<Source<BufReader<File>>, Error> {
+    // Asked before opening: opening a pipe would wait for its writer.
+    let found = std::fs::metadata(path).map_err(Error::io(path, "open the file"))?;
+    if !found.is_file() {
+        let source = std::io::Error::new(std::io::ErrorKind::InvalidInput, "not a regular file");
+        return Err(Error::io(path, "open the file")(source));
+    }
+    let file = File::open(path).map_err(Error::io(path, "open the file"))?;
+    Ok(Source { path: path.into(), length: found.len(), reader: BufReader::new(file) })
+}
+
+impl<R: Read + Seek> Source<R> {
+    /// What kind of picture the first bytes announce, whatever the file's name.
+    pub(crate) fn kind(&mut self) -> Result<FileKind, Error> {
+        let mut magic = Vec::new();
+        self.seek(0)?;
+        let read = (&mut self.reader).take(8).read_to_end(&mut magic);
+        read.map_err(Error::io(&self.path, "read the file"))?;
+        self.seek(0)?;
+        FileKind::of(&magic).ok_or_else(|| {
+            let found = if magic.is_empty() { "an empty file".into() } else { format!("bytes {magic:02x?}") };
+            Error::invalid(&self.path, "first bytes", found, "an EXR, PNG, JPEG or TIFF file")
+        })
+    }
+
+    pub(crate) fn seek(&mut self, position: u64) -> Result<(), Error> {
+        self.reader.seek(SeekFrom::Start(position)).map_err(Error::io(&self.path, "read the file"))?;
+        Ok(())
+    }
+
+    /// Reads exactly `count` bytes; memory grows with the bytes that are there, not with `count`.
+    pub(crate) fn bytes(&mut self, count: u64, place: &str) -> Result<Vec<u8>, Error> {
+        let mut bytes = Vec::new();
+        let read = (&mut self.reader).take(count).read_to_end(&mut bytes);
+        read.map_err(Error::io(&self.path, "read the file"))?;
+        if (bytes.len() as u64) < count {
+            let found = format!("the end of the file after {} bytes", bytes.len());
+            return Err(Error::invalid(&self.path, place, found, format!("{count} bytes")));
+        }
+        Ok(bytes)
+    }
+}
+
+#[cfg(test)]
+impl Source<std::io::Cursor<Vec<u8>>> {
+    /// Bytes in memory, under a name for messages.
+    pub(crate) fn of_bytes(bytes: Vec<u8>) -> Self {
+        let length = bytes.len() as u64;
+        Self { path: "memory".into(), length, reader: std::io::Cursor::new(bytes) }
+    }
+}

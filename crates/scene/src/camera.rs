@@ -1,0 +1,152 @@
+use glam::DVec3;
+use trochoid_image::Format;
+
+/// How a camera maps the world to its picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Projection {
+    /// Rays through one point; `fov` is the horizontal angle of view in radians, more than 0 and less than π.
+    Perspective {
+        /// Horizontal angle of view.
+        fov: f64,
+    },
+    /// Parallel rays; `height` is that of the picture in meters, more than 0.
+    Orthographic {
+        /// Height of the picture.
+        height: f64,
+    },
+}
+
+/// A camera that looks from `position` to `target`.
+///
+/// Where both coincide it looks along −Z; where it looks straight up or down, −Z or +Z is up in the picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Camera {
+    /// Where it stands.
+    pub position: DVec3,
+    /// What stands at the center of its picture.
+    pub target: DVec3,
+    /// Turn about the view axis in radians: positive turns the camera clockwise, and the picture the other way.
+    pub roll: f64,
+    /// Its projection.
+    pub projection: Projection,
+}
+
+/// A half-line in the world.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ray {
+    /// Where it begins.
+    pub origin: DVec3,
+    /// Unit direction.
+    pub direction: DVec3,
+}
+
+impl Ray {
+    /// The point at a distance in meters.
+    pub fn at(&self, distance: f64) -> DVec3 {
+        self.origin + self.direction * distance
+    }
+}
+
+/// A camera fitted to a format: turns pixel positions into rays and points into pixel positions.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Projector {
+    /// Where the camera stands.
+    pub position: DVec3,
+    /// Unit vector to the right of the picture.
+    pub right: DVec3,
+    /// Unit vector to the top of the picture.
+    pub up: DVec3,
+    /// Unit vector along the view axis.
+    pub forward: DVec3,
+    /// Whether rays are parallel.
+    pub orthographic: bool,
+    /// Pixels for a tangent of 1 (perspective), or for one meter (orthographic).
+    pub scale: f64,
+    /// Width and height in pixels.
+    pub size: [f64; 2],
+}
+
+impl Camera {
+    /// This camera for pictures of one format; pixels are square.
+    pub fn projector(&self, format: Format) -> Projector {
+        let view = self.target - self.position;
+        let forward = view.try_normalize().unwrap_or(DVec3::NEG_Z);
+        let level_right = forward.cross(DVec3::Y);
+        // Within 1e-6 of the vertical the horizon gives no direction: look along −Z turned up or down instead.
+        let right = if level_right.length() > 1e-6 { level_right.normalize() } else { DVec3::X };
+        let up = right.cross(forward);
+        let (sin, cos) = libm::sincos(self.roll);
+        let size = [f64::from(format.width()), f64::from(format.height())];
+        let (orthographic, scale) = match self.projection {
+            Projection::Perspective { fov } => (false, size[0] / 2.0 / libm::tan(fov / 2.0)),
+            Projection::Orthographic { height } => (true, size[1] / height),
+        };
+        Projector {
+            position: self.position,
+            right: right * cos - up * sin,
+            up: up * cos + right * sin,
+            forward,
+            orthographic,
+            scale,
+            size,
+        }
+    }
+}
+
+impl Projector {
+    /// The ray through a position in pixels, measured from the upper left corner of the picture.
+    ///
+    /// Orthographic rays begin in the plane through the camera.
+    pub fn ray(&self, x: f64, y: f64) -> Ray {
+        let (across, upward) = self.plane(x, y);
+        if self.orthographic {
+            Ray { origin: self.position + across + upward, direction: self.forward }
+        } else {
+            Ray { origin: self.position, direction: (self.forward + across + upward).normalize() }
+        }
+    }
+
+    /// Offsets across and upward of a pixel position, for a depth of 1 (perspective) or in meters (orthographic).
+    pub(crate) fn plane(&self, x: f64, y: f64) -> (DVec3, DVec3) {
+        let across = (x - self.size[0] / 2.0) / self.scale;
+        let upward = (self.size[1] / 2.0 - y) / self.scale;
+        (self.right * across, self.up * upward)
+    }
+
+    /// Pixel position and planar depth of a world point; a perspective point at depth 0 or less has no position.
+    pub fn project(&self, point: DVec3) -> Option<([f64; 2], f64)> {
+        let offset = point - self.position;
+        let depth = offset.dot(self.forward);
+        let scale = if self.orthographic {
+            self.scale
+        } else if depth > 0.0 {
+            self.scale / depth
+        } else {
+            return None;
+        };
+        let x = self.size[0] / 2.0 + offset.dot(self.right) * scale;
+        let y = self.size[1] / 2.0 - offset.dot(self.up) * scale;
+        Some(([x, y], depth))
+    }
+
+    /// Width in meters of what a pixel at the picture's center covers, face on, at a distance in meters.
+    pub fn pixel_size(&self, distance: f64) -> f64 {
+        if self.orthographic { 1.0 / self.scale } else { distance / self.scale }
+    }
+
+    /// Directions of the rays along the picture's border, clockwise, as (origin, direction of any length).
+    pub(crate) fn border(&self) -> Vec<Ray> {
+        const STEPS: u32 = 64;
+        let [w, h] = self.size;
+        let corners = [[0.0, 0.0], [w, 0.0], [w, h], [0.0, h], [0.0, 0.0]];
+        let mut rays = Vec::new();
+        for side in corners.windows(2) {
+            for step in 0..STEPS {
+                let part = f64::from(step) / f64::from(STEPS);
+                let at = |axis: usize| side[0][axis] + (side[1][axis] - side[0][axis]) * part;
+                rays.push(self.ray(at(0), at(1)));
+            }
+        }
+        rays
+    }
+}

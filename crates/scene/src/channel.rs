@@ -1,0 +1,181 @@
+use trochoid_image::Window;
+
+/// One scalar that a view can answer for each sample.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[repr(u8)]
+pub enum Channel {
+    /// 1 where a surface is seen, else 0.
+    Coverage,
+    /// Planar depth in meters; +∞ where nothing is seen.
+    Depth,
+    /// World x of the point in meters; 0 where nothing is seen.
+    PositionX,
+    /// World y.
+    PositionY,
+    /// World z.
+    PositionZ,
+    /// Unit normal, x; (0, 1, 0) where nothing is seen. It stands on the outer side, a sea's in the air: toward a
+    /// camera outside, away from one inside. Where a sea folds over itself the side that is seen counts, not the
+    /// one that was up at rest.
+    NormalX,
+    /// Unit normal, y.
+    NormalY,
+    /// Unit normal, z.
+    NormalZ,
+    /// World x of the rest point in meters; 0 where nothing is seen.
+    RestX,
+    /// World z of the rest point.
+    RestZ,
+    /// Height above the surface's rest level in meters; 0 where nothing is seen.
+    Height,
+    /// Distance from the rest point in meters; 0 where nothing is seen.
+    RestDistance,
+    /// Slope variance that the pixel's footprint took away: roughness to add; 0 where nothing is seen.
+    SlopeVariance,
+    /// Area ratio of displaced and resting surface, det J: below 1 where crests gather, negative in folds; 1 where
+    /// nothing is seen.
+    Jacobian,
+    /// Index of the surface; −1 where nothing is seen.
+    Surface,
+}
+
+impl Channel {
+    /// All channels, in order.
+    pub const ALL: [Self; 15] = [
+        Self::Coverage,
+        Self::Depth,
+        Self::PositionX,
+        Self::PositionY,
+        Self::PositionZ,
+        Self::NormalX,
+        Self::NormalY,
+        Self::NormalZ,
+        Self::RestX,
+        Self::RestZ,
+        Self::Height,
+        Self::RestDistance,
+        Self::SlopeVariance,
+        Self::Jacobian,
+        Self::Surface,
+    ];
+
+    /// What the channel holds where nothing is seen.
+    pub const fn background(self) -> f32 {
+        match self {
+            Self::Depth => f32::INFINITY,
+            Self::NormalY | Self::Jacobian => 1.0,
+            Self::Surface => -1.0,
+            _ => 0.0,
+        }
+    }
+}
+
+/// A set of channels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
+pub struct ChannelSet(u16);
+
+impl ChannelSet {
+    /// None.
+    pub const NONE: Self = Self(0);
+    /// Coverage.
+    pub const COVERAGE: Self = Self::of(&[Channel::Coverage]);
+    /// Depth.
+    pub const DEPTH: Self = Self::of(&[Channel::Depth]);
+    /// Position, three channels.
+    pub const POSITION: Self = Self::of(&[Channel::PositionX, Channel::PositionY, Channel::PositionZ]);
+    /// Normal, three channels.
+    pub const NORMAL: Self = Self::of(&[Channel::NormalX, Channel::NormalY, Channel::NormalZ]);
+    /// What a mesh's normals are needed for.
+    pub(crate) const NORMALS: Self = Self::NORMAL.union(Self::of(&[Channel::Jacobian]));
+    /// What a mesh's rest points are needed for.
+    pub(crate) const RESTS: Self = Self::REST.union(Self::of(&[Channel::RestDistance]));
+    /// Rest point, two channels.
+    pub const REST: Self = Self::of(&[Channel::RestX, Channel::RestZ]);
+    /// Every channel.
+    pub const ALL: Self = Self::of(&Channel::ALL);
+
+    /// The set of these channels.
+    pub const fn of(channels: &[Channel]) -> Self {
+        let (mut bits, mut index) = (0, 0);
+        while index < channels.len() {
+            bits |= 1 << channels[index] as u16;
+            index += 1;
+        }
+        Self(bits)
+    }
+
+    /// Whether the channel is in the set.
+    pub const fn contains(self, channel: Channel) -> bool {
+        self.0 & (1 << channel as u16) != 0
+    }
+
+    /// Whether the sets share a channel.
+    pub const fn intersects(self, other: Self) -> bool {
+        self.0 & other.0 != 0
+    }
+
+    /// The channels of either set.
+    pub const fn union(self, other: Self) -> Self {
+        Self(self.0 | other.0)
+    }
+
+    /// Whether all channels of `other` are in this set.
+    pub const fn includes(self, other: Self) -> bool {
+        self.0 & other.0 == other.0
+    }
+
+    /// The channels, in order.
+    pub fn iter(self) -> impl Iterator<Item = Channel> {
+        Channel::ALL.into_iter().filter(move |&channel| self.contains(channel))
+    }
+}
+
+impl FromIterator<Channel> for ChannelSet {
+    fn from_iter<T: IntoIterator<Item = Channel>>(channels: T) -> Self {
+        channels.into_iter().fold(Self::NONE, |set, channel| set.union(Self::of(&[channel])))
+    }
+}
+
+/// The answers for one sample of each pixel of a window: a plane for each channel that was asked for.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Samples {
+    window: Window,
+    planes: [Vec<f32>; Channel::ALL.len()],
+}
+
+impl Samples {
+    /// No answers yet; a buffer that `fill` reuses.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// The pixels answered for.
+    pub fn window(&self) -> Window {
+        self.window
+    }
+
+    /// One channel row by row; empty where it was not asked for.
+    pub fn channel(&self, channel: Channel) -> &[f32] {
+        &self.planes[channel as usize]
+    }
+
+    /// Background everywhere, in the wanted channels only.
+    pub(crate) fn reset(&mut self, window: Window, wanted: ChannelSet) {
+        self.window = window;
+        for channel in Channel::ALL {
+            let plane = &mut self.planes[channel as usize];
+            plane.clear();
+            if wanted.contains(channel) {
+                plane.resize(window.area(), channel.background());
+            }
+        }
+    }
+
+    /// Writes a value where the channel was asked for.
+    #[inline]
+    pub(crate) fn set(&mut self, channel: Channel, index: usize, value: f64) {
+        if let Some(sample) = self.planes[channel as usize].get_mut(index) {
+            *sample = value as f32;
+        }
+    }
+}

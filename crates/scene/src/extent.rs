@@ -1,0 +1,208 @@
+//! Which part of the resting sea a camera may see.
+
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+use glam::DVec3;
+
+use crate::{Projector, Ray};
+
+/// Where the sea ends, in meters: its edge lies within 1e-5 pixel of the horizon of any picture.
+pub(crate) const HORIZON_M: f64 = 1e7;
+
+/// Bounds of the displacement: how far a point rises or falls, and how far it moves sideways, in meters.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Bounds {
+    pub(crate) rise: f64,
+    pub(crate) reach: f64,
+}
+
+/// A sector of the resting sea: polar coordinates around `apex`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Sector {
+    pub(crate) apex: [f64; 2],
+    /// Azimuth of the first column and angle to the last, in radians.
+    pub(crate) start: f64,
+    pub(crate) width: f64,
+    /// Distance of the apex behind the camera's foot.
+    pub(crate) setback: f64,
+    /// First and last radius around the apex.
+    pub(crate) radii: [f64; 2],
+}
+
+/// A rectangle of the resting sea along two unit vectors.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Strip {
+    pub(crate) across: [f64; 2],
+    pub(crate) along: [f64; 2],
+    pub(crate) u: [f64; 2],
+    pub(crate) v: [f64; 2],
+}
+
+/// Horizontal distances, or any other measure along a ray, at which height `start` + `slope`·s stays within ±`rise`;
+/// `None` where it never does for s ≥ 0.
+fn slab(start: f64, slope: f64, rise: f64) -> Option<[f64; 2]> {
+    if slope == 0.0 {
+        return (start.abs() <= rise).then_some([0.0, f64::INFINITY]);
+    }
+    let (a, b) = ((-rise - start) / slope, (rise - start) / slope);
+    let (near, far) = (a.min(b).max(0.0), a.max(b));
+    (far >= 0.0).then_some([near, far])
+}
+
+/// Whether the picture of a perspective camera holds a direction.
+fn sees(projector: &Projector, direction: DVec3) -> bool {
+    projector.project(projector.position + direction).is_some_and(|([x, y], _)| {
+        x >= -1.0 && y >= -1.0 && x <= projector.size[0] + 1.0 && y <= projector.size[1] + 1.0
+    })
+}
+
+impl Sector {
+    /// The sector whose displaced points may fall into a perspective camera's picture; `None` if it sees only sky.
+    ///
+    /// The points that are seen lie in a wedge of azimuths around the camera's foot, and come from rest points at
+    /// most `reach` from it. A wedge of the same angle whose apex stands back by reach/sin(width/2) holds all of
+    /// these: its sides run parallel to the first one's at just that distance.
+    pub(crate) fn new(projector: &Projector, level: f64, bounds: Bounds) -> Option<Self> {
+        let eye = projector.position;
+        let height = eye.y - level;
+        let vertical = sees(projector, DVec3::NEG_Y) || sees(projector, DVec3::Y);
+        let ahead = if projector.forward.y.abs() < 0.999 { projector.forward } else { projector.up };
+        let center = libm::atan2(ahead.z, ahead.x);
+        let (mut near, mut far) = (f64::INFINITY, 0.0_f64);
+        let (mut left, mut right) = (f64::INFINITY, f64::NEG_INFINITY);
+        let border = projector.border();
+        for (index, ray) in border.iter().enumerate() {
+            let direction = ray.direction;
+            let next = border[(index + 1) % border.len()].direction;
+            let slope = direction.y / horizontal(direction).max(1e-300);
+            if let Some(seen) = slab(height, slope, bounds.rise) {
+                near = near.min(seen[0] * 0.98);
+                far = far.max(seen[1] * 1.02);
+                widen(&mut left, &mut right, turn(direction, center));
+            }
+            // Where the border crosses the horizon, or nearly touches it, the sea is seen to its end.
+            let crosses = (direction.y <= 0.0) != (next.y <= 0.0);
+            if crosses || slope.abs() < 2e-3 {
+                // A sum with positive weights lies between the two rays; these weights make its y vanish.
+                let level = if crosses { direction * next.y.abs() + next * direction.y.abs() } else { direction };
+                far = f64::INFINITY;
+                near = near.min(HORIZON_M / 2.0);
+                widen(&mut left, &mut right, turn(level, center));
+            }
+        }
+        if left > right {
+            return None;
+        }
+        if vertical {
+            // The nearest point stands right below or above.
+            near = 0.0;
+        }
+        let far = (far + bounds.reach).min(HORIZON_M);
+        let foot = [eye.x, eye.z];
+        // A little more on both sides than the border rays, between which the true border runs.
+        let width = (right - left) * 1.02 + 1e-4;
+        if vertical || width > FRAC_PI_2 * 1.6 {
+            let first = (near - bounds.reach).max(0.0);
+            return Some(Self { apex: foot, start: -PI, width: TAU, setback: 0.0, radii: [first, far] });
+        }
+        let middle = center + (left + right) / 2.0;
+        let setback = bounds.reach / libm::sin(width / 2.0);
+        let apex = [foot[0] - setback * libm::cos(middle), foot[1] - setback * libm::sin(middle)];
+        // A point at distance `near` from the foot and at the wedge's side is this far from the apex: law of cosines.
+        let first = libm::sqrt(setback * setback + near * near + 2.0 * setback * near * libm::cos(width / 2.0));
+        Some(Self {
+            apex,
+            start: middle - width / 2.0,
+            width,
+            setback,
+            radii: [(first - bounds.reach).max(0.0), (far + setback).min(HORIZON_M)],
+        })
+    }
+
+    /// Whether the last column is the first one again.
+    pub(crate) fn closed(&self) -> bool {
+        self.width >= TAU
+    }
+}
+
+fn horizontal(direction: DVec3) -> f64 {
+    libm::sqrt(direction.x * direction.x + direction.z * direction.z)
+}
+
+/// Azimuth relative to `center`, −π to π.
+fn turn(direction: DVec3, center: f64) -> f64 {
+    let angle = libm::atan2(direction.z, direction.x) - center;
+    angle - TAU * (angle / TAU).round()
+}
+
+fn widen(left: &mut f64, right: &mut f64, value: f64) {
+    *left = left.min(value);
+    *right = right.max(value);
+}
+
+impl Strip {
+    /// The rectangle whose displaced points may fall into an orthographic camera's picture, at most `depth` meters
+    /// deep; `None` if it sees none.
+    pub(crate) fn new(projector: &Projector, level: f64, bounds: Bounds, depth: f64) -> Option<Self> {
+        let ahead = if projector.forward.y.abs() < 0.999 { projector.forward } else { projector.up };
+        let length = horizontal(ahead).max(1e-300);
+        let along = [ahead.x / length, ahead.z / length];
+        let across = [-along[1], along[0]];
+        let (mut u, mut v) = ([f64::INFINITY, f64::NEG_INFINITY], [f64::INFINITY, f64::NEG_INFINITY]);
+        for Ray { origin, direction } in projector.border() {
+            let Some(seen) = slab(origin.y - level, direction.y, bounds.rise) else { continue };
+            for distance in seen {
+                // A horizontal ray stays in the slab for good: its end is cut below.
+                let point = origin + direction * distance.min(HORIZON_M);
+                let ([u_low, u_high], [v_low, v_high]) = (&mut u, &mut v);
+                widen(u_low, u_high, point.x * across[0] + point.z * across[1]);
+                widen(v_low, v_high, point.x * along[0] + point.z * along[1]);
+            }
+        }
+        if u[0] > u[1] {
+            return None;
+        }
+        let margin = |[low, high]: [f64; 2]| [low - bounds.reach, high + bounds.reach];
+        let (u, mut v) = (margin(u), margin(v));
+        v[1] = v[1].min(v[0] + depth);
+        Some(Self { across, along, u, v })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use trochoid_image::Format;
+
+    use super::*;
+    use crate::{Camera, Projection};
+
+    fn projector(position: DVec3, target: DVec3) -> Projector {
+        let projection = Projection::Perspective { fov: 0.7 };
+        Camera { position, target, roll: 0.0, projection }.projector(Format::new(160, 90, 1).expect("valid"))
+    }
+
+    #[test]
+    fn the_sky_holds_no_sea() {
+        let up = projector(DVec3::new(0.0, 6.0, 0.0), DVec3::new(0.0, 26.0, -20.0));
+        let bounds = Bounds { rise: 2.0, reach: 2.0 };
+        assert_eq!(Sector::new(&up, 0.0, bounds), None);
+        // From within the waves, the same view may hold a crest that towers nearby.
+        let inside = projector(DVec3::new(0.0, 1.0, 0.0), DVec3::new(0.0, 21.0, -20.0));
+        assert!(Sector::new(&inside, 0.0, bounds).is_some());
+    }
+
+    #[test]
+    fn looking_down_takes_the_full_circle_but_not_the_horizon() {
+        let down = projector(DVec3::new(0.0, 50.0, 0.0), DVec3::ZERO);
+        let sector = Sector::new(&down, 0.0, Bounds { rise: 1.0, reach: 1.0 }).expect("sea");
+        assert!(sector.closed() && sector.radii[0] == 0.0 && sector.radii[1] < 50.0);
+    }
+
+    #[test]
+    fn the_wedge_holds_the_frustum() {
+        let ahead = projector(DVec3::new(3.0, 6.0, 30.0), DVec3::new(0.0, 2.0, 0.0));
+        let sector = Sector::new(&ahead, 0.0, Bounds { rise: 2.0, reach: 3.0 }).expect("sea");
+        assert!(!sector.closed() && sector.width > 0.7 && sector.width < 0.85);
+        assert_eq!(sector.radii[1], HORIZON_M);
+    }
+}

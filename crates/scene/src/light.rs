@@ -1,0 +1,85 @@
+use glam::DVec3;
+
+/// A light, as far as geometry is concerned: color is the back end's business.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Light {
+    /// Parallel light; `direction` points toward the light and need not be a unit vector.
+    Directional {
+        /// Toward the light.
+        direction: DVec3,
+    },
+    /// Light from a point to all sides, without falloff.
+    Point {
+        /// Where it stands.
+        position: DVec3,
+    },
+    /// Light from a point into a cone.
+    Spot {
+        /// Where it stands.
+        position: DVec3,
+        /// What it is aimed at.
+        target: DVec3,
+        /// Half angle of the cone in radians, 0 to π.
+        angle: f64,
+        /// Width of the soft edge inside the cone in radians, ≥ 0; 0 is a hard edge.
+        soft: f64,
+    },
+}
+
+/// What a light sends to a point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Illumination {
+    /// Unit vector from the point to the light; +Y where the light stands in the point or has no direction.
+    pub direction: DVec3,
+    /// Share of the light that arrives, in [0, 1].
+    pub intensity: f64,
+}
+
+impl Light {
+    /// What arrives at a point of the world, shadows left aside.
+    pub fn illuminate(&self, point: DVec3) -> Illumination {
+        let unit = |vector: DVec3| vector.try_normalize().unwrap_or(DVec3::Y);
+        match *self {
+            Self::Directional { direction } => Illumination { direction: unit(direction), intensity: 1.0 },
+            Self::Point { position } => Illumination { direction: unit(position - point), intensity: 1.0 },
+            Self::Spot { position, target, angle, soft } => {
+                let direction = unit(position - point);
+                let axis = (target - position).try_normalize().unwrap_or(DVec3::NEG_Y);
+                // atan2 of sine and cosine: exact near 0, where the arc cosine is not.
+                let off_axis = libm::atan2(axis.cross(-direction).length(), axis.dot(-direction));
+                let inside = angle - off_axis;
+                let intensity = if inside < 0.0 {
+                    0.0
+                } else if inside >= soft {
+                    1.0
+                } else {
+                    let t = inside / soft;
+                    t * t * (3.0 - 2.0 * t)
+                };
+                Illumination { direction, intensity }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn spot_is_full_inside_and_dark_outside() {
+        let spot = Light::Spot { position: DVec3::Y * 10.0, target: DVec3::ZERO, angle: 0.5, soft: 0.1 };
+        assert_eq!(spot.illuminate(DVec3::ZERO), Illumination { direction: DVec3::Y, intensity: 1.0 });
+        assert_eq!(spot.illuminate(DVec3::X * 50.0).intensity, 0.0);
+        let edge = spot.illuminate(DVec3::X * 10.0 * f64::tan(0.45)).intensity;
+        assert!((edge - 0.5).abs() < 1e-9, "{edge}");
+        let hard = Light::Spot { position: DVec3::Y, target: DVec3::ZERO, angle: 0.0, soft: 0.0 };
+        assert_eq!(hard.illuminate(DVec3::ZERO).intensity, 1.0);
+    }
+
+    #[test]
+    fn degenerate_directions_point_up() {
+        assert_eq!(Light::Directional { direction: DVec3::ZERO }.illuminate(DVec3::ONE).direction, DVec3::Y);
+        assert_eq!(Light::Point { position: DVec3::ONE }.illuminate(DVec3::ONE).direction, DVec3::Y);
+    }
+}

@@ -1,0 +1,338 @@
+//! From meshes to triangles on the picture: projection in fixed point, clipping, bins.
+
+use rayon::prelude::*;
+
+use crate::Projector;
+use crate::surface::{Mesh, Topology};
+
+/// Nearest depth that a perspective camera sees, in meters.
+const NEAR_M: f64 = 1e-4;
+/// Size of a bin in pixels: wide and low, as the far sea is.
+pub(crate) const BIN: [i64; 2] = [64, 16];
+/// Primitives that one task projects.
+const TASK: usize = 1 << 14;
+
+/// The fixed-point raster of a picture.
+///
+/// Coordinates are whole multiples of 2^−`bits` pixels below 2^29 in size, so that edge functions are exact in i64:
+/// differences below 2^30, products below 2^60. Exact edge functions leave no cracks between triangles and count no
+/// sample twice.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Raster {
+    pub(crate) bits: u32,
+    /// Greatest coordinate in pixels.
+    limit: f64,
+}
+
+impl Raster {
+    pub(crate) fn new(projector: &Projector) -> Self {
+        let side = projector.size[0].max(projector.size[1]);
+        // Room for twice the picture to each side of its origin.
+        let whole = libm::log2(side * 4.0).ceil() as u32;
+        let bits = (28 - whole.min(24)).min(12);
+        Self { bits, limit: f64::from(1_u32 << (28 - bits)) }
+    }
+
+    /// Pixels to fixed point, to nearest.
+    pub(crate) fn fix(self, pixels: f64) -> i64 {
+        (pixels * f64::from(1_u32 << self.bits)).round_ties_even() as i64
+    }
+}
+
+/// A vertex on the picture: x and y in fixed point, and a key that is linear over a triangle's picture and grows
+/// toward the camera (1/depth in perspective, −depth otherwise).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct ScreenVertex {
+    pub(crate) x: i32,
+    pub(crate) y: i32,
+    pub(crate) key: f32,
+}
+
+/// Sides of the view volume that a point lies beyond.
+mod outside {
+    pub(crate) const LEFT: u8 = 1;
+    pub(crate) const RIGHT: u8 = 2;
+    pub(crate) const TOP: u8 = 4;
+    pub(crate) const BOTTOM: u8 = 8;
+    pub(crate) const NEAR: u8 = 16;
+    /// Not representable in fixed point: such triangles are clipped.
+    pub(crate) const LIMIT: u8 = 32;
+}
+
+/// A mesh on the picture.
+#[derive(Debug)]
+pub(crate) struct Layer {
+    pub(crate) mesh: Mesh,
+    pub(crate) screen: Vec<ScreenVertex>,
+    /// Triangles that clipping made, after the mesh's own primitives.
+    pub(crate) clipped: Vec<[u32; 3]>,
+    /// Number of the mesh's own primitives.
+    pub(crate) primitives: usize,
+}
+
+/// A primitive in a bin.
+type Binned = (u32, u32);
+
+/// What clips and projects.
+struct Stage<'a> {
+    projector: &'a Projector,
+    raster: Raster,
+    bins: [i64; 2],
+}
+
+/// A vertex of a clipped polygon: weights of the triangle's three corners, and its place in view space.
+#[derive(Clone, Copy)]
+struct Corner {
+    position: [f64; 3],
+    weights: [f64; 3],
+}
+
+impl Layer {
+    /// Projects a mesh and sorts its primitives into bins. `first` numbers its first primitive; bins get pairs of
+    /// bin and number.
+    pub(crate) fn new(mesh: Mesh, projector: &Projector, bins: [i64; 2], first: u32, out: &mut Vec<Binned>) -> Self {
+        let stage = Stage { projector, raster: Raster::new(projector), bins };
+        let (screen, codes): (Vec<ScreenVertex>, Vec<u8>) =
+            mesh.positions.par_iter().map(|&position| stage.vertex(stage.view(position))).unzip();
+        let primitives = mesh.primitives();
+        let mut layer = Self { mesh, screen, clipped: Vec::new(), primitives };
+        let tasks: Vec<(Vec<Binned>, Vec<Clipped>)> = (0..primitives.div_ceil(TASK))
+            .into_par_iter()
+            .map(|task| {
+                let (mut binned, mut clipped) = (Vec::new(), Vec::new());
+                for primitive in task * TASK..((task + 1) * TASK).min(primitives) {
+                    let triangles = layer.triangles(primitive);
+                    let corners = triangles.iter().flatten();
+                    let fold = corners.map(|&vertex| codes[vertex as usize]);
+                    let (all, any) = fold.fold((u8::MAX, 0), |(all, any), code| (all & code, any | code));
+                    if all & !outside::LIMIT != 0 {
+                        continue;
+                    }
+                    if any & (outside::NEAR | outside::LIMIT) == 0 {
+                        let corners = triangles.iter().flatten().map(|&vertex| layer.screen[vertex as usize]);
+                        stage.bin(corners, first + primitive as u32, &mut binned);
+                    } else {
+                        for triangle in &triangles {
+                            stage.clip(&layer.mesh, *triangle, &mut clipped);
+                        }
+                    }
+                }
+                (binned, clipped)
+            })
+            .collect();
+        for (binned, clipped) in tasks {
+            out.extend(binned);
+            for polygon in clipped {
+                layer.append(&stage, &polygon, first, out);
+            }
+        }
+        layer
+    }
+
+    /// The triangles of a primitive.
+    #[inline]
+    pub(crate) fn triangles(&self, primitive: usize) -> Triangles {
+        if primitive >= self.primitives {
+            return Triangles::one(self.clipped[primitive - self.primitives]);
+        }
+        match &self.mesh.topology {
+            Topology::Triangles(triangles) => Triangles::one(triangles[primitive]),
+            Topology::Grid { columns, .. } => {
+                let cells = columns - 1;
+                let (row, column) = (primitive / cells, primitive % cells);
+                let a = (row * columns + column) as u32;
+                let (b, c) = (a + 1, a + *columns as u32);
+                Triangles { list: [[a, b, c], [b, c + 1, c]], len: 2 }
+            }
+        }
+    }
+
+    /// Adds a clipped polygon's vertices, with interpolated attributes, and its fan of triangles.
+    fn append(&mut self, stage: &Stage<'_>, polygon: &Clipped, first: u32, out: &mut Vec<Binned>) {
+        let start = self.mesh.positions.len() as u32;
+        for corner in &polygon.corners {
+            self.screen.push(stage.vertex(corner.position).0);
+            let vertices = polygon.triangle.map(|vertex| vertex as usize);
+            let blend = |values: [f32; 3]| {
+                values.iter().zip(corner.weights).map(|(&value, weight)| f64::from(value) * weight).sum::<f64>() as f32
+            };
+            let Mesh { positions, normals, rests, slope_variances, .. } = &mut self.mesh;
+            positions.push(std::array::from_fn(|axis| blend(vertices.map(|vertex| positions[vertex][axis]))));
+            if !normals.is_empty() {
+                normals.push(std::array::from_fn(|axis| blend(vertices.map(|vertex| normals[vertex][axis]))));
+            }
+            if !rests.is_empty() {
+                rests.push(std::array::from_fn(|axis| blend(vertices.map(|vertex| rests[vertex][axis]))));
+            }
+            if !slope_variances.is_empty() {
+                slope_variances.push(blend(vertices.map(|vertex| slope_variances[vertex])));
+            }
+        }
+        for next in 1..polygon.corners.len() as u32 - 1 {
+            let triangle = [start, start + next, start + next + 1];
+            let primitive = first + (self.primitives + self.clipped.len()) as u32;
+            self.clipped.push(triangle);
+            stage.bin(triangle.into_iter().map(|vertex| self.screen[vertex as usize]), primitive, out);
+        }
+    }
+}
+
+/// One or two triangles.
+#[derive(Clone, Copy)]
+pub(crate) struct Triangles {
+    list: [[u32; 3]; 2],
+    len: usize,
+}
+
+impl Triangles {
+    fn one(triangle: [u32; 3]) -> Self {
+        Self { list: [triangle, [0; 3]], len: 1 }
+    }
+}
+
+impl std::ops::Deref for Triangles {
+    type Target = [[u32; 3]];
+
+    #[inline]
+    fn deref(&self) -> &Self::Target {
+        &self.list[..self.len]
+    }
+}
+
+impl<'a> IntoIterator for &'a Triangles {
+    type Item = &'a [u32; 3];
+    type IntoIter = std::slice::Iter<'a, [u32; 3]>;
+
+    fn into_iter(self) -> Self::IntoIter {
+        self.iter()
+    }
+}
+
+/// What is left of a triangle inside the view volume.
+struct Clipped {
+    triangle: [u32; 3],
+    corners: Vec<Corner>,
+}
+
+impl Stage<'_> {
+    /// A point relative to the camera in view space: right, up, depth.
+    #[inline]
+    fn view(&self, position: [f32; 3]) -> [f64; 3] {
+        let offset = glam::Vec3::from(position).as_dvec3();
+        let p = self.projector;
+        [offset.dot(p.right), offset.dot(p.up), offset.dot(p.forward)]
+    }
+
+    /// Signed distances, up to positive factors, to the planes of the view volume at `margin` pixels from the
+    /// picture.
+    #[inline]
+    fn planes(&self, [x, y, depth]: [f64; 3], reach: [f64; 2]) -> [f64; 5] {
+        let (scale, near, depth_or_1) = if self.projector.orthographic {
+            (self.projector.scale, depth, 1.0)
+        } else {
+            (self.projector.scale, depth - NEAR_M, depth)
+        };
+        let (x, y) = (x * scale, y * scale);
+        let (right, top) = (reach[0] * depth_or_1, reach[1] * depth_or_1);
+        [near, x + right, right - x, top - y, y + top]
+    }
+
+    /// Reach of the clipping planes from the picture's center, in pixels.
+    fn clip_reach(&self) -> [f64; 2] {
+        [0, 1].map(|axis| self.raster.limit - self.projector.size[axis] / 2.0 - 1.0)
+    }
+
+    #[inline]
+    fn vertex(&self, view: [f64; 3]) -> (ScreenVertex, u8) {
+        let p = self.projector;
+        let half = [p.size[0] / 2.0, p.size[1] / 2.0];
+        let [near, left, right, top, bottom] = self.planes(view, half);
+        let mut code = 0;
+        for (distance, bit) in [
+            (near, outside::NEAR),
+            (left, outside::LEFT),
+            (right, outside::RIGHT),
+            (top, outside::TOP),
+            (bottom, outside::BOTTOM),
+        ] {
+            code |= if distance < 0.0 { bit } else { 0 };
+        }
+        let (scale, key) = if p.orthographic {
+            (p.scale, -view[2])
+        } else {
+            (p.scale / view[2].max(NEAR_M), 1.0 / view[2].max(NEAR_M))
+        };
+        let (x, y) = (half[0] + view[0] * scale, half[1] - view[1] * scale);
+        if x.abs() >= self.raster.limit || y.abs() >= self.raster.limit {
+            code |= outside::LIMIT;
+        }
+        // Values past the limit saturate; only clipped triangles would read them.
+        (ScreenVertex { x: self.raster.fix(x) as i32, y: self.raster.fix(y) as i32, key: key as f32 }, code)
+    }
+
+    /// Sutherland–Hodgman against the near plane, then against what fixed point can hold.
+    ///
+    /// Where an edge meets a plane is worked out from its ends in an order that depends on the ends alone, so both
+    /// triangles at an edge get the same point.
+    fn clip(&self, mesh: &Mesh, triangle: [u32; 3], out: &mut Vec<Clipped>) {
+        let reach = self.clip_reach();
+        let mut polygon: Vec<Corner> = (0..3)
+            .map(|index| Corner {
+                position: self.view(mesh.positions[triangle[index] as usize]),
+                weights: std::array::from_fn(|corner| if corner == index { 1.0 } else { 0.0 }),
+            })
+            .collect();
+        for plane in 0..5 {
+            let distance = |corner: &Corner| self.planes(corner.position, reach)[plane];
+            let mut kept = Vec::with_capacity(polygon.len() + 1);
+            for (index, a) in polygon.iter().enumerate() {
+                let b = &polygon[(index + 1) % polygon.len()];
+                let (at_a, at_b) = (distance(a), distance(b));
+                if at_a >= 0.0 {
+                    kept.push(*a);
+                }
+                if (at_a >= 0.0) != (at_b >= 0.0) {
+                    kept.push(if precedes(a, b) { cross(a, b, at_a, at_b) } else { cross(b, a, at_b, at_a) });
+                }
+            }
+            polygon = kept;
+            if polygon.len() < 3 {
+                return;
+            }
+        }
+        out.push(Clipped { triangle, corners: polygon });
+    }
+
+    /// Puts a primitive into all bins that its bounding box touches.
+    fn bin(&self, corners: impl Iterator<Item = ScreenVertex>, primitive: u32, out: &mut Vec<Binned>) {
+        let (mut low, mut high) = ([i32::MAX; 2], [i32::MIN; 2]);
+        for corner in corners {
+            for (axis, value) in [corner.x, corner.y].into_iter().enumerate() {
+                low[axis] = low[axis].min(value);
+                high[axis] = high[axis].max(value);
+            }
+        }
+        let range = |axis: usize| {
+            let bin = |value: i32| (i64::from(value) >> self.raster.bits).div_euclid(BIN[axis]);
+            (bin(low[axis]).max(0), bin(high[axis]).min(self.bins[axis] - 1))
+        };
+        let ((x0, x1), (y0, y1)) = (range(0), range(1));
+        for y in y0..=y1 {
+            for x in x0..=x1 {
+                out.push(((y * self.bins[0] + x) as u32, primitive));
+            }
+        }
+    }
+}
+
+fn precedes(a: &Corner, b: &Corner) -> bool {
+    let order = a.position.iter().zip(&b.position).map(|(a, b)| a.total_cmp(b));
+    order.fold(std::cmp::Ordering::Equal, std::cmp::Ordering::then).is_lt()
+}
+
+/// The point between a and b where the distance to a plane is 0.
+fn cross(a: &Corner, b: &Corner, at_a: f64, at_b: f64) -> Corner {
+    let t = at_a / (at_a - at_b);
+    let mix = |a: [f64; 3], b: [f64; 3]| std::array::from_fn(|index| a[index] + (b[index] - a[index]) * t);
+    Corner { position: mix(a.position, b.position), weights: mix(a.weights, b.weights) }
+}

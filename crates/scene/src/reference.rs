@@ -1,0 +1,148 @@
+//! The slow f64 definition of what a camera sees: the continuous surfaces, without any tessellation.
+
+use glam::DVec3;
+use trochoid_image::Format;
+
+use crate::extent::HORIZON_M;
+use crate::shading::unit_or_up;
+use crate::surface::{Hit, Surface};
+use crate::{Camera, Projector, Ray, SeaSurface, footprint};
+
+/// What a camera sees at (`x`, `y`) pixels from the upper left corner: the nearest hit of all surfaces.
+pub fn trace(camera: &Camera, surfaces: &[&dyn Surface], format: Format, x: f64, y: f64) -> Option<Hit> {
+    let projector = camera.projector(format);
+    let ray = projector.ray(x, y);
+    let hits = surfaces
+        .iter()
+        .enumerate()
+        .filter_map(|(surface, object)| object.trace(&projector, &ray).map(|hit| Hit { surface, ..hit }));
+    hits.min_by(|a, b| a.distance.total_cmp(&b.distance))
+}
+
+/// Steps between two heights of which one is above and one below the sea, halved this often.
+const HALVINGS: usize = 60;
+/// Newton steps that invert the horizontal displacement at one point.
+const INVERSIONS: usize = 24;
+/// Steps for each shortest wave or footprint, whichever is longer.
+const STEPS_PER_LENGTH: f64 = 10.0;
+
+/// The first point where the ray passes through the displaced sea.
+///
+/// The sea is a height over displaced places: the height at a place is that of the rest point which is carried
+/// there. The ray is marched in steps that are short against the shortest wave that the footprint leaves, until its
+/// height over the sea changes sign, and the crossing is bisected. Valid where the sea does not fold; inside folds
+/// it finds one of the sheets.
+pub(crate) fn trace_sea(sea: &SeaSurface, projector: &Projector, ray: &Ray) -> Option<Hit> {
+    let (rise, height) = (sea.summit, ray.origin.y - sea.level);
+    let slope = ray.direction.y;
+    // Nothing happens outside the slab of heights that waves reach.
+    let (start, end) = if slope == 0.0 {
+        if height.abs() > rise {
+            return None;
+        }
+        (0.0, HORIZON_M)
+    } else {
+        let (a, b) = ((-rise - height) / slope, (rise - height) / slope);
+        (a.min(b).max(0.0), a.max(b))
+    };
+    let horizontal = libm::sqrt((ray.direction.x * ray.direction.x + ray.direction.z * ray.direction.z).max(0.0));
+    let end = end.min(HORIZON_M / horizontal.max(1e-9));
+    if end < start {
+        return None;
+    }
+    let gap = |distance: f64, guess: &mut [f64; 2]| {
+        let point = ray.at(distance);
+        *guess = rest_below(sea, projector, point, *guess);
+        let print = footprint(projector, DVec3::new(guess[0], sea.level, guess[1]));
+        point.y - sea.level - sea.frame.evaluate(*guess, print).displacement[1]
+    };
+    let mut guess = [ray.at(start).x, ray.at(start).z];
+    let mut near = start;
+    let mut at_near = gap(near, &mut guess);
+    while near < end {
+        let rest = DVec3::new(guess[0], sea.level, guess[1]);
+        let length = sea.shortest.max(footprint(projector, rest)) / STEPS_PER_LENGTH;
+        let mut far = (near + length.max(1e-9 * near)).min(end);
+        if rise == 0.0 {
+            far = end;
+        }
+        let before = guess;
+        let at_far = gap(far, &mut guess);
+        if (at_near > 0.0) != (at_far > 0.0) || at_far == 0.0 {
+            let mut inner = before;
+            for _ in 0..HALVINGS {
+                let middle = (near + far) / 2.0;
+                let at_middle = gap(middle, &mut inner);
+                if (at_middle > 0.0) == (at_near > 0.0) {
+                    near = middle;
+                } else {
+                    far = middle;
+                }
+            }
+            return Some(hit(sea, projector, ray, far, inner, at_near < 0.0));
+        }
+        (near, at_near) = (far, at_far);
+    }
+    // A flat sea, or waves that the footprint took: the rest level itself.
+    let flat = -height / slope;
+    (rise == 0.0 && flat >= 0.0 && flat.is_finite() && flat * horizontal <= HORIZON_M).then(|| {
+        let point = ray.at(flat);
+        hit(sea, projector, ray, flat, [point.x, point.z], height < 0.0)
+    })
+}
+
+/// Whether a camera stands under water: below the point of the sea that is carried above or below it.
+pub(crate) fn submerged(sea: &SeaSurface, projector: &Projector) -> bool {
+    let eye = projector.position;
+    if (eye.y - sea.level).abs() > sea.summit {
+        return eye.y < sea.level;
+    }
+    let rest = rest_below(sea, projector, eye, [eye.x, eye.z]);
+    let print = footprint(projector, DVec3::new(rest[0], sea.level, rest[1]));
+    eye.y - sea.level < sea.frame.evaluate(rest, print).displacement[1]
+}
+
+/// The rest point that is carried above or below `point`: Newton's method on p₀ + D(p₀) = p, from a guess.
+fn rest_below(sea: &SeaSurface, projector: &Projector, point: DVec3, guess: [f64; 2]) -> [f64; 2] {
+    let mut rest = guess;
+    for _ in 0..INVERSIONS {
+        let print = footprint(projector, DVec3::new(rest[0], sea.level, rest[1]));
+        let sample = sea.frame.evaluate(rest, print);
+        let error = [rest[0] + sample.displacement[0] - point.x, rest[1] + sample.displacement[2] - point.z];
+        if libm::hypot(error[0], error[1]) <= 1e-11 * (1.0 + libm::hypot(point.x, point.z)) {
+            break;
+        }
+        // Steps of the inverse Jacobian, which near a fold would grow without bound: there, plain steps.
+        let [xx, xz, zz] = sample.strain;
+        let jacobian = sample.jacobian();
+        let step = if jacobian > 0.1 {
+            [((1.0 + zz) * error[0] - xz * error[1]) / jacobian, ((1.0 + xx) * error[1] - xz * error[0]) / jacobian]
+        } else {
+            [error[0] * 0.5, error[1] * 0.5]
+        };
+        rest = [rest[0] - step[0], rest[1] - step[1]];
+    }
+    rest
+}
+
+fn hit(sea: &SeaSurface, projector: &Projector, ray: &Ray, distance: f64, rest: [f64; 2], from_below: bool) -> Hit {
+    let rest_point = DVec3::new(rest[0], sea.level, rest[1]);
+    let (_, normal, slope_variance) = sea.point(rest, footprint(projector, rest_point));
+    let position = ray.at(distance);
+    // The side in the air: toward a ray that comes from there, along one that comes from the water.
+    let jacobian = normal.y;
+    let normal = unit_or_up(normal);
+    let normal = if (normal.dot(ray.direction) > 0.0) == from_below { normal } else { -normal };
+    Hit {
+        surface: 0,
+        distance,
+        depth: (position - projector.position).dot(projector.forward),
+        position,
+        normal,
+        rest: rest_point,
+        height: position.y - sea.level,
+        rest_distance: (position - rest_point).length(),
+        slope_variance,
+        jacobian,
+    }
+}

@@ -1,0 +1,67 @@
+//! Fresnel reflectance after Schlick, *An Inexpensive BRDF Model for Physically-based Rendering*, 1994; thesis
+//! §3.2.3.3.
+//!
+//! F = F₀ + (1 − F₀)(1 − cos θ)⁵ with F₀ = ((η − 1)/(η + 1))², η the ratio of refractive indices.
+
+use glam::DVec3;
+
+use super::{Vectors, pick, unit_or_up, unit_or_up_f32};
+
+/// Which cosine decides.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Cosine {
+    /// N·V: what the surface mirrors toward the eye.
+    #[default]
+    View,
+    /// H·V, as printed in the thesis: what it mirrors of one light.
+    Half,
+}
+
+/// F₀ of a ratio of refractive indices η > 0; 1.333 is air to water.
+pub fn normal_reflectance(eta: f64) -> f64 {
+    let ratio = (eta - 1.0) / (eta + 1.0);
+    ratio * ratio
+}
+
+/// The reflectance at a cosine, which is clamped to [0, 1]; in [F₀, 1].
+pub fn schlick(cosine: f64, eta: f64) -> f64 {
+    let f0 = normal_reflectance(eta);
+    let away = 1.0 - cosine.clamp(0.0, 1.0);
+    f0 + (1.0 - f0) * (away * away * away * away * away)
+}
+
+/// The reflectance for unit V, and for [`Cosine::Half`] unit L, which is ignored otherwise. Where L + V = 0 the
+/// cosine is 0.
+///
+/// A degenerate normal counts as (0, 1, 0).
+pub fn reference(normal: DVec3, light: DVec3, view: DVec3, eta: f64, cosine: Cosine) -> f64 {
+    let v = unit_or_up(view);
+    let cosine = match cosine {
+        Cosine::View => unit_or_up(normal).dot(v),
+        Cosine::Half => (unit_or_up(light) + v).try_normalize().map_or(0.0, |half| half.dot(v)),
+    };
+    schlick(cosine, eta)
+}
+
+/// [`reference()`] at many points; `lights` is read for [`Cosine::Half`] only and may be empty otherwise.
+///
+/// # Panics
+/// The slices that are read differ in length.
+pub fn fill(normals: Vectors<'_>, lights: Vectors<'_>, views: Vectors<'_>, eta: f64, cosine: Cosine, out: &mut [f32]) {
+    let f0 = normal_reflectance(eta) as f32;
+    for (index, out) in out.iter_mut().enumerate() {
+        let v = unit_or_up_f32(pick(views, index));
+        let cosine = match cosine {
+            Cosine::View => unit_or_up_f32(pick(normals, index)).dot(v),
+            Cosine::Half => {
+                let half = unit_or_up_f32(pick(lights, index)) + v;
+                half.try_normalize().map_or(0.0, |half| half.dot(v))
+            }
+        };
+        let away = 1.0 - cosine.clamp(0.0, 1.0);
+        let power = away * away * away * away * away;
+        // Mix(F₀, 1, power) in the form that never leaves [F₀, 1] and is exact at both ends.
+        let range = 1.0 - f0;
+        *out = if power < 0.5 { f0 + power * range } else { 1.0 + (power - 1.0) * range };
+    }
+}

@@ -1,0 +1,104 @@
+use glam::DVec3;
+
+use crate::{ChannelSet, Projector, Ray};
+
+/// Something that a camera can see.
+///
+/// `tessellate` and `trace` describe one and the same surface: the first fast and faceted, finely enough for the
+/// given camera, the second in f64 without facets.
+pub trait Surface: Send + Sync {
+    /// A mesh of whatever part of the surface the camera may see, fine enough for its pixels.
+    ///
+    /// Must compute nothing that `wanted` does not ask for, and must not depend on the number of threads. An empty
+    /// mesh is right where nothing can be seen.
+    fn tessellate(&self, projector: &Projector, wanted: ChannelSet) -> Mesh;
+
+    /// The first point of the continuous surface along a ray from the camera, in f64.
+    fn trace(&self, projector: &Projector, ray: &Ray) -> Option<Hit>;
+}
+
+/// How the vertices of a mesh hang together.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Topology {
+    /// Row by row; each cell of four neighbors is two triangles. Seen from the outer side, a step to the next row
+    /// and then one to the next column turn clockwise.
+    Grid {
+        /// Vertices in a row.
+        columns: usize,
+        /// Number of rows.
+        rows: usize,
+    },
+    /// Three vertices for each triangle, counterclockwise seen from the outer side.
+    Triangles(Vec<[u32; 3]>),
+}
+
+/// A tessellated surface. All positions are relative to the camera's, so that f32 is exact where it is near.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mesh {
+    /// Vertices relative to the camera in meters.
+    pub positions: Vec<[f32; 3]>,
+    /// Normals ∂P/∂z₀ × ∂P/∂x₀ by the rest point, so that y is the Jacobian, or empty where neither is wanted.
+    /// Surfaces without rest points have normals of any length.
+    pub normals: Vec<[f32; 3]>,
+    /// Rest points x, z relative to the camera, or empty where they are not wanted.
+    pub rests: Vec<[f32; 2]>,
+    /// Slope variance that the footprint took, or empty where it is not wanted.
+    pub slope_variances: Vec<f32>,
+    /// World y of the rest level in meters.
+    pub level: f64,
+    /// Whether the surface has rest points, which give its normals their length.
+    pub displaced: bool,
+    /// Whether the camera stands on the inner side of the surface, such as under water.
+    pub inside: bool,
+    /// How vertices hang together.
+    pub topology: Topology,
+}
+
+impl Mesh {
+    /// A mesh without vertices.
+    pub fn empty(level: f64) -> Self {
+        Self {
+            positions: Vec::new(),
+            normals: Vec::new(),
+            rests: Vec::new(),
+            slope_variances: Vec::new(),
+            level,
+            displaced: false,
+            inside: false,
+            topology: Topology::Triangles(Vec::new()),
+        }
+    }
+
+    /// Number of cells of a grid, or of triangles.
+    pub(crate) fn primitives(&self) -> usize {
+        match &self.topology {
+            Topology::Grid { columns, rows } => columns.saturating_sub(1) * rows.saturating_sub(1),
+            Topology::Triangles(triangles) => triangles.len(),
+        }
+    }
+}
+
+/// What a ray meets, in f64.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hit {
+    /// Index of the surface.
+    pub surface: usize,
+    /// Distance along the ray in meters.
+    pub distance: f64,
+    /// Planar depth in meters.
+    pub depth: f64,
+    /// World point.
+    pub position: DVec3,
+    /// Unit normal of the outer side, as in [`Channel::NormalX`](crate::Channel::NormalX).
+    pub normal: DVec3,
+    /// Rest point, on the rest level.
+    pub rest: DVec3,
+    /// Height above the rest level in meters.
+    pub height: f64,
+    /// Distance from the rest point in meters.
+    pub rest_distance: f64,
+    /// Slope variance that the footprint took.
+    pub slope_variance: f64,
+    /// Area ratio of displaced and resting surface.
+    pub jacobian: f64,
+}

@@ -1,0 +1,138 @@
+use trochoid_image::{Format, Window};
+
+use crate::project::{BIN, Layer, Raster};
+use crate::{Camera, ChannelSet, Projector, Samples, Surface};
+
+/// What a camera sees of some surfaces: made once per frame, then asked for any pixels from any thread.
+///
+/// ```
+/// use trochoid_image::Format;
+/// use trochoid_scene::{Camera, Channel, ChannelSet, DVec3, Projection, Samples, SeaSurface, Visible};
+/// use trochoid_sea::{GerstnerSpectrum, Sea};
+///
+/// let sea = Sea::new(GerstnerSpectrum { count: 20, ..GerstnerSpectrum::default() }.waves()?);
+/// let surface = SeaSurface::new(&sea, 0.0, 0.0);
+/// let camera = Camera {
+///     position: DVec3::new(0.0, 6.0, 30.0),
+///     target: DVec3::new(0.0, 2.0, 0.0),
+///     roll: 0.0,
+///     projection: Projection::Perspective { fov: 0.7 },
+/// };
+/// let format = Format::new(64, 36, 1)?;
+/// let visible = Visible::prepare(&camera, &[&surface], format, ChannelSet::DEPTH);
+/// let mut samples = Samples::new();
+/// visible.fill(format.window(), format.sample_offset(0), ChannelSet::DEPTH, &mut samples);
+/// let depth = samples.channel(Channel::Depth);
+/// assert!(depth[0] == f32::INFINITY && depth[35 * 64] < 60.0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug)]
+pub struct Visible {
+    pub(crate) projector: Projector,
+    pub(crate) raster: Raster,
+    pub(crate) layers: Vec<Layer>,
+    /// Number of the first primitive of each layer.
+    pub(crate) firsts: Vec<u32>,
+    /// Columns and rows of bins.
+    pub(crate) bins: [i64; 2],
+    /// Where each bin's primitives begin; one more entry than there are bins.
+    pub(crate) starts: Vec<u32>,
+    pub(crate) binned: Vec<u32>,
+    wanted: ChannelSet,
+}
+
+/// What a preparation cost.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Stats {
+    /// Vertices of all meshes.
+    pub vertices: usize,
+    /// Cells and triangles that may be seen.
+    pub primitives: usize,
+    /// Bytes held.
+    pub bytes: usize,
+}
+
+impl Visible {
+    /// Tessellates the surfaces for a camera and a format, for the channels that any `fill` will ask for.
+    ///
+    /// # Panics
+    /// The surfaces have 2³² vertices or cells together.
+    pub fn prepare(camera: &Camera, surfaces: &[&dyn Surface], format: Format, wanted: ChannelSet) -> Self {
+        let projector = camera.projector(format);
+        let bins =
+            [i64::from(format.width()).div_euclid(BIN[0]) + 1, i64::from(format.height()).div_euclid(BIN[1]) + 1];
+        let mut pairs = Vec::new();
+        let (mut layers, mut firsts, mut first) = (Vec::new(), Vec::new(), 0_usize);
+        for surface in surfaces {
+            let mesh = surface.tessellate(&projector, wanted);
+            let number = u32::try_from(first).expect("fewer than 2³² primitives");
+            let layer = Layer::new(mesh, &projector, bins, number, &mut pairs);
+            first += layer.primitives + layer.clipped.len();
+            layers.push(layer);
+            firsts.push(number);
+        }
+        assert!(u32::try_from(first.max(pairs.len())).is_ok(), "fewer than 2³² primitives");
+        let (starts, binned) = sort((bins[0] * bins[1]) as usize, &pairs);
+        let raster = Raster::new(&projector);
+        Self { projector, raster, layers, firsts, bins, starts, binned, wanted }
+    }
+
+    /// The camera's projection.
+    pub fn projector(&self) -> &Projector {
+        &self.projector
+    }
+
+    /// What this view holds.
+    pub fn stats(&self) -> Stats {
+        let bytes = |layer: &Layer| {
+            let mesh = &layer.mesh;
+            mesh.positions.len() * 12
+                + mesh.normals.len() * 12
+                + mesh.rests.len() * 8
+                + mesh.slope_variances.len() * 4
+                + layer.screen.len() * 12
+                + layer.clipped.len() * 12
+        };
+        Stats {
+            vertices: self.layers.iter().map(|layer| layer.mesh.positions.len()).sum(),
+            primitives: self.binned.len(),
+            bytes: self.layers.iter().map(bytes).sum::<usize>() + (self.binned.len() + self.starts.len()) * 4,
+        }
+    }
+
+    /// Answers for one sample of each pixel of a window, which stands at `offset` from the pixel's upper left
+    /// corner, each part 0 to 1 and rounded to the raster: exactly the channels of `wanted`.
+    ///
+    /// Windows of 16 rows or more are fastest; any give the same bits.
+    ///
+    /// # Panics
+    /// A channel is wanted that was not prepared.
+    pub fn fill(&self, window: Window, offset: [f64; 2], wanted: ChannelSet, out: &mut Samples) {
+        assert!(self.wanted.includes(wanted), "a view is asked only for the channels it was prepared for");
+        out.reset(window, wanted);
+        if window.is_empty() || wanted == ChannelSet::NONE {
+            return;
+        }
+        let seen = self.rasterize(window, offset);
+        self.resolve(&seen, window, offset, wanted, out);
+    }
+}
+
+/// Counting sort of (bin, primitive): where each bin begins, and the primitives bin by bin.
+fn sort(bins: usize, pairs: &[(u32, u32)]) -> (Vec<u32>, Vec<u32>) {
+    let mut starts = vec![0_u32; bins + 1];
+    for &(bin, _) in pairs {
+        starts[bin as usize + 1] += 1;
+    }
+    for bin in 0..bins {
+        starts[bin + 1] += starts[bin];
+    }
+    let mut next = starts.clone();
+    let mut binned = vec![0; pairs.len()];
+    for &(bin, primitive) in pairs {
+        let place = &mut next[bin as usize];
+        binned[*place as usize] = primitive;
+        *place += 1;
+    }
+    (starts, binned)
+}

@@ -1,0 +1,92 @@
+/// Which quantities an evaluation computes; what is not asked for costs nothing.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Wanted {
+    /// Displacement from the rest point.
+    pub displacement: bool,
+    /// Derivatives of the displacement by the rest point: normals, Jacobian.
+    pub derivatives: bool,
+    /// Slope variance that the footprint took away.
+    pub slope_variance: bool,
+}
+
+impl Wanted {
+    /// Everything.
+    pub const ALL: Self = Self { displacement: true, derivatives: true, slope_variance: true };
+}
+
+/// Rest points in meters, with the footprint at each in meters (0 leaves every wave whole).
+#[derive(Clone, Copy, Debug)]
+pub struct Points<'a> {
+    /// World x of the rest points.
+    pub x: &'a [f64],
+    /// World z of the rest points.
+    pub z: &'a [f64],
+    /// Footprints, ≥ 0.
+    pub footprint: &'a [f64],
+}
+
+/// The displaced surface at one rest point, in f64.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Sample {
+    /// Displacement x, y, z in meters.
+    pub displacement: [f64; 3],
+    /// ∂y/∂x₀ and ∂y/∂z₀.
+    pub slope: [f64; 2],
+    /// ∂Δx/∂x₀, ∂Δx/∂z₀ = ∂Δz/∂x₀, ∂Δz/∂z₀.
+    pub strain: [f64; 3],
+    /// Slope variance ½Σ(a·k)²(1 − attenuation²) taken by the footprint, both directions together.
+    pub slope_variance: f64,
+}
+
+impl Sample {
+    /// Jacobian determinant of (x₀, z₀) → (x, z): area ratio, negative where the sea is folded.
+    pub fn jacobian(&self) -> f64 {
+        let [xx, xz, zz] = self.strain;
+        (1.0 + xx) * (1.0 + zz) - xz * xz
+    }
+
+    /// The normal ∂P/∂z₀ × ∂P/∂x₀, not normalized; its y is the [`jacobian`](Self::jacobian).
+    ///
+    /// With ∂P/∂x₀ = (1+xx, yx, xz) and ∂P/∂z₀ = (xz, yz, 1+zz).
+    pub fn normal(&self) -> [f64; 3] {
+        let ([yx, yz], [xx, xz, zz]) = (self.slope, self.strain);
+        [yz * xz - (1.0 + zz) * yx, self.jacobian(), xz * yx - yz * (1.0 + xx)]
+    }
+}
+
+/// Results at many rest points: one vector for each quantity, empty where it was not asked for.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Fields {
+    /// Displacement x, y, z in meters.
+    pub displacement: [Vec<f32>; 3],
+    /// ∂y/∂x₀ and ∂y/∂z₀.
+    pub slope: [Vec<f32>; 2],
+    /// ∂Δx/∂x₀, ∂Δx/∂z₀ = ∂Δz/∂x₀, ∂Δz/∂z₀.
+    pub strain: [Vec<f32>; 3],
+    /// Slope variance taken by the footprint, as in [`Sample::slope_variance`].
+    pub slope_variance: Vec<f32>,
+}
+
+impl Fields {
+    /// Makes room for `len` points of what is wanted, all 0, and empties the rest.
+    pub fn reset(&mut self, wanted: Wanted, len: usize) {
+        let size = |wanted: bool| if wanted { len } else { 0 };
+        let fill = |values: &mut Vec<f32>, len: usize| {
+            values.clear();
+            values.resize(len, 0.0);
+        };
+        for values in &mut self.displacement {
+            fill(values, size(wanted.displacement));
+        }
+        for values in self.slope.iter_mut().chain(&mut self.strain) {
+            fill(values, size(wanted.derivatives));
+        }
+        fill(&mut self.slope_variance, size(wanted.slope_variance));
+    }
+
+    /// The eight sums of waves, in the order of the kernel's outputs.
+    pub(crate) fn sums_mut(&mut self) -> [&mut Vec<f32>; 8] {
+        let ([dx, dy, dz], [yx, yz], [xx, xz, zz]) = (&mut self.displacement, &mut self.slope, &mut self.strain);
+        [dx, dy, dz, yx, yz, xx, xz, zz]
+    }
+}

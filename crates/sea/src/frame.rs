@@ -1,0 +1,203 @@
+use std::f64::consts::TAU;
+
+use crate::fields::Sample;
+use crate::wave::{Wave, attenuation};
+
+/// A sea: the sum of its waves. No wave at all is a flat sea.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Sea {
+    waves: Vec<Wave>,
+}
+
+impl Sea {
+    /// The sum of these waves.
+    pub fn new(waves: Vec<Wave>) -> Self {
+        Self { waves }
+    }
+
+    /// The waves, in the order in which the reference adds them.
+    pub fn waves(&self) -> &[Wave] {
+        &self.waves
+    }
+
+    /// Root mean square of the surface height in meters, over independent phases.
+    pub fn height_rms(&self) -> f64 {
+        libm::sqrt(self.waves.iter().map(|wave| wave.amplitude * wave.amplitude / 2.0).sum())
+    }
+
+    /// Root mean square of the horizontal displacement in meters, over independent phases.
+    pub fn horizontal_rms(&self) -> f64 {
+        libm::sqrt(self.waves.iter().map(|wave| wave.horizontal * wave.horizontal / 2.0).sum())
+    }
+
+    /// Root mean square of the nth derivative of the height, along the waves and by the rest point, under this
+    /// footprint in meters and over independent phases: n = 0 is the height, 1 the slope, 2 the curvature in 1/m.
+    pub fn derivative_rms(&self, n: i32, footprint: f64) -> f64 {
+        let square = |wave: &Wave| {
+            let k = wave.wave_number();
+            let value = wave.amplitude * libm::pow(k, f64::from(n)) * attenuation(k, footprint);
+            value * value / 2.0
+        };
+        libm::sqrt(self.waves.iter().map(square).sum())
+    }
+
+    /// Greatest height over the rest level that any phases could give: Σ|a| in meters.
+    pub fn height_bound(&self) -> f64 {
+        self.waves.iter().map(|wave| wave.amplitude.abs()).sum()
+    }
+
+    /// Greatest horizontal displacement that any phases could give: Σ|h| in meters.
+    pub fn horizontal_bound(&self) -> f64 {
+        self.waves.iter().map(|wave| wave.horizontal.abs()).sum()
+    }
+
+    /// The sea at one time in seconds: what does not depend on the place is worked out once.
+    pub fn at(&self, time: f64) -> SeaFrame {
+        SeaFrame::new(&self.waves, time)
+    }
+}
+
+/// A sea at one time, ready for evaluation anywhere.
+#[derive(Clone, Debug)]
+pub struct SeaFrame {
+    /// In the order of the sea, for the reference: each wave and the phase of its origin in turns.
+    reference: Vec<(Wave, Phase)>,
+    /// In the order of falling wavelength, so that the waves that a footprint leaves are a prefix.
+    pub(crate) phases: Phases,
+    pub(crate) terms: Vec<Term>,
+    /// k²/8 of each term: attenuation is exp(−`filters`·footprint²).
+    pub(crate) filters: Vec<f32>,
+    /// Slope variance of all waves from this index on; one more entry than there are waves.
+    pub(crate) variance_from: Vec<f64>,
+}
+
+/// 1.5·2⁵²: adding and subtracting it rounds |v| < 2⁵¹ to the nearest whole number, ties to even, exactly.
+const ROUNDER: f64 = 6_755_399_441_055_744.0;
+
+/// Phase of a wave in turns: `x`·x₀ + `z`·z₀ + `origin`.
+#[derive(Clone, Copy, Debug)]
+struct Phase {
+    x: f64,
+    z: f64,
+    origin: f64,
+}
+
+impl Phase {
+    /// Phase at a rest point, reduced to −½…½ turn.
+    ///
+    /// The reduction stands in f64: at x = t = 1e5 the phase of a wave of 1 m is 1e5 turns, which f32 knows to
+    /// 1/128 turn only.
+    #[inline(always)]
+    fn at(&self, x: f64, z: f64) -> f64 {
+        let turns = self.x * x + self.z * z + self.origin;
+        turns - ((turns + ROUNDER) - ROUNDER)
+    }
+}
+
+/// Phases of all waves, one array for each factor.
+#[derive(Clone, Debug)]
+pub(crate) struct Phases {
+    x: Vec<f64>,
+    z: Vec<f64>,
+    origin: Vec<f64>,
+}
+
+impl Phases {
+    /// The phases of the first waves at a rest point, reduced in f64 to −½…½ turn: as many as `out` holds.
+    #[inline(always)]
+    pub(crate) fn at(&self, x: f64, z: f64, out: &mut [f32]) {
+        let factors = self.x.iter().zip(&self.z).zip(&self.origin);
+        for (out, ((&turns_x, &turns_z), &origin)) in out.iter_mut().zip(factors) {
+            *out = Phase { x: turns_x, z: turns_z, origin }.at(x, z) as f32;
+        }
+    }
+
+    /// Turns per meter of one wave.
+    pub(crate) fn turns(&self, wave: usize) -> [f64; 2] {
+        [self.x[wave], self.z[wave]]
+    }
+}
+
+/// What the f32 kernels read of a wave.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Term {
+    /// Turns per meter along x and z.
+    pub(crate) turns: [f32; 2],
+    /// Factors of sin θ in Δx, Δz, ∂y/∂x, ∂y/∂z.
+    pub(crate) sines: [f32; 4],
+    /// Factors of cos θ in Δy, ∂Δx/∂x, ∂Δx/∂z, ∂Δz/∂z.
+    pub(crate) cosines: [f32; 4],
+    /// Slope variance ½(a·k)² of the whole wave.
+    pub(crate) variance: f32,
+}
+
+impl Term {
+    fn new(wave: &Wave) -> Self {
+        let k = wave.wave_number();
+        let ([x, z], a, h) = (wave.direction, wave.amplitude, wave.horizontal);
+        let f32s = |values: [f64; 4]| values.map(|value| value as f32);
+        Self {
+            turns: [(x / wave.wavelength) as f32, (z / wave.wavelength) as f32],
+            sines: f32s([-h * x, -h * z, -a * k * x, -a * k * z]),
+            cosines: f32s([a, -h * k * x * x, -h * k * x * z, -h * k * z * z]),
+            variance: ((a * k) * (a * k) / 2.0) as f32,
+        }
+    }
+}
+
+impl SeaFrame {
+    fn new(waves: &[Wave], time: f64) -> Self {
+        let phase = |wave: &Wave| {
+            let elapsed = wave.angular_frequency * time / TAU;
+            let start = wave.phase / TAU;
+            let origin = (start - start.round_ties_even()) - (elapsed - elapsed.round_ties_even());
+            Phase { x: wave.direction[0] / wave.wavelength, z: wave.direction[1] / wave.wavelength, origin }
+        };
+        let mut sorted: Vec<&Wave> = waves.iter().collect();
+        sorted.sort_by(|a, b| b.wavelength.total_cmp(&a.wavelength));
+        let phases: Vec<Phase> = sorted.iter().map(|wave| phase(wave)).collect();
+        let mut variance_from = vec![0.0; waves.len() + 1];
+        for (index, wave) in sorted.iter().enumerate().rev() {
+            variance_from[index] = variance_from[index + 1] + wave.steepness() * wave.steepness() / 2.0;
+        }
+        Self {
+            reference: waves.iter().map(|wave| (*wave, phase(wave))).collect(),
+            phases: Phases {
+                x: phases.iter().map(|phase| phase.x).collect(),
+                z: phases.iter().map(|phase| phase.z).collect(),
+                origin: phases.iter().map(|phase| phase.origin).collect(),
+            },
+            terms: sorted.iter().map(|wave| Term::new(wave)).collect(),
+            filters: sorted.iter().map(|wave| (wave.wave_number() * wave.wave_number() / 8.0) as f32).collect(),
+            variance_from,
+        }
+    }
+
+    /// The surface at a rest point (x₀, z₀) under a footprint in meters: the plain f64 sum, straight from the model.
+    ///
+    /// Source: thesis §3.2.1 with the signs of the crate's model; Hinsinger, Neyret and Cani 2002, eq. 1.
+    pub fn evaluate(&self, rest: [f64; 2], footprint: f64) -> Sample {
+        let mut sample = Sample::default();
+        for (wave, phase) in &self.reference {
+            let k = wave.wave_number();
+            let share = attenuation(k, footprint);
+            let (sin, cos) = libm::sincos(TAU * phase.at(rest[0], rest[1]));
+            let ([x, z], a, h) = (wave.direction, wave.amplitude * share, wave.horizontal * share);
+            sample.displacement[0] -= h * x * sin;
+            sample.displacement[1] += a * cos;
+            sample.displacement[2] -= h * z * sin;
+            sample.slope[0] -= a * k * x * sin;
+            sample.slope[1] -= a * k * z * sin;
+            sample.strain[0] -= h * k * x * x * cos;
+            sample.strain[1] -= h * k * x * z * cos;
+            sample.strain[2] -= h * k * z * z * cos;
+            sample.slope_variance += (wave.amplitude * k) * (wave.amplitude * k) / 2.0 * (1.0 - share * share);
+        }
+        sample
+    }
+
+    /// Whether no wave moves this sea.
+    pub fn is_flat(&self) -> bool {
+        self.reference.is_empty()
+    }
+}

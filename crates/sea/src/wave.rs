@@ -1,0 +1,127 @@
+use std::f64::consts::TAU;
+
+/// Acceleration of gravity in m/s².
+pub const GRAVITY: f64 = 9.81;
+
+/// One trochoidal wave of a sea, ready for summation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Wave {
+    /// Crest-to-crest length L in meters, > 0.
+    pub wavelength: f64,
+    /// Unit direction of travel in the plane of the resting sea: x, z.
+    pub direction: [f64; 2],
+    /// Vertical amplitude a in meters.
+    pub amplitude: f64,
+    /// Horizontal amplitude h in meters; negative where the printed thesis' signs are kept.
+    pub horizontal: f64,
+    /// Angular frequency ω in rad/s.
+    pub angular_frequency: f64,
+    /// Phase φ in radians: a crest stands at the origin at t = 0 where it is 0.
+    pub phase: f64,
+}
+
+impl Wave {
+    /// Wave number k = 2π/L in rad/m.
+    pub fn wave_number(&self) -> f64 {
+        TAU / self.wavelength
+    }
+
+    /// Horizontal compression q = h·k at a crest: 1 is the cusp of a wave that stands alone.
+    pub fn compression(&self) -> f64 {
+        self.horizontal * self.wave_number()
+    }
+
+    /// Greatest steepness a·k.
+    pub fn steepness(&self) -> f64 {
+        self.amplitude * self.wave_number()
+    }
+}
+
+/// Share of a wave that a footprint leaves: exp(−(k·σ)²/2) with σ = `footprint`/2, both in meters.
+///
+/// A Gaussian of standard deviation σ over the resting sea, applied to a plane wave, multiplies it by just that.
+pub fn attenuation(wave_number: f64, footprint: f64) -> f64 {
+    libm::exp(-(wave_number * footprint) * (wave_number * footprint) / 8.0)
+}
+
+/// One wave that is placed by hand.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ExplicitWave {
+    /// Crest-to-crest length in meters, > 0.
+    pub wavelength: f64,
+    /// Vertical amplitude in meters.
+    pub amplitude: f64,
+    /// Azimuth of travel in radians: 0 is +X, growing toward +Z.
+    pub direction: f64,
+    /// Share of the cusp that this wave alone takes, q = h·k: 0 is a sinusoid, 1 a cusp, more folds.
+    pub sharpness: f64,
+    /// Phase in radians.
+    pub phase: f64,
+    /// Speed of the crests in m/s; deep water decides where it is left out.
+    pub speed: Option<f64>,
+}
+
+/// Why a wave is refused.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WaveError {
+    /// Which quantity.
+    pub quantity: &'static str,
+    /// Its value.
+    pub found: f64,
+    /// What is accepted instead.
+    pub expected: &'static str,
+}
+
+impl std::fmt::Display for WaveError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{} {} is refused: {}", self.quantity, self.found, self.expected)
+    }
+}
+
+impl std::error::Error for WaveError {}
+
+/// Finite values within closed bounds pass; anything else, NaN too, is refused by name.
+pub(crate) fn within(
+    quantity: &'static str,
+    found: f64,
+    (low, high): (f64, f64),
+    expected: &'static str,
+) -> Result<(), WaveError> {
+    if found.is_finite() && found >= low && found <= high {
+        Ok(())
+    } else {
+        Err(WaveError { quantity, found, expected })
+    }
+}
+
+/// Shortest and longest wave in meters: phases stay exact in f64, and squares of wave numbers finite in f32.
+pub(crate) const LENGTHS_M: (f64, f64) = (1e-6, 1e9);
+
+impl TryFrom<ExplicitWave> for Wave {
+    type Error = WaveError;
+
+    fn try_from(wave: ExplicitWave) -> Result<Self, WaveError> {
+        let any = (f64::MIN, f64::MAX);
+        within("wavelength", wave.wavelength, LENGTHS_M, "1e-6 to 1e9 meters")?;
+        within("amplitude", wave.amplitude, any, "a finite number of meters")?;
+        within("direction", wave.direction, any, "a finite azimuth")?;
+        within("sharpness", wave.sharpness, (0.0, f64::MAX), "0 or more, finite")?;
+        within("phase", wave.phase, any, "a finite angle")?;
+        let k = TAU / wave.wavelength;
+        let angular_frequency = match wave.speed {
+            Some(speed) => {
+                within("speed", speed, any, "a finite number of m/s")?;
+                k * speed
+            }
+            None => libm::sqrt(GRAVITY * k),
+        };
+        Ok(Self {
+            wavelength: wave.wavelength,
+            direction: [libm::cos(wave.direction), libm::sin(wave.direction)],
+            amplitude: wave.amplitude,
+            horizontal: wave.sharpness / k,
+            angular_frequency,
+            phase: wave.phase,
+        })
+    }
+}

@@ -1,0 +1,210 @@
+//! The fast evaluations against the f64 reference, on ordinary and on extreme parameters.
+
+use trochoid_sea::{
+    ExplicitWave, Fields, GerstnerSpectrum, Grid, Points, Sample, Sea, SeaFrame, Wanted, Wave, attenuation,
+};
+
+/// Deterministic numbers in [0, 1).
+struct Random(u64);
+
+impl Random {
+    fn unit(&mut self) -> f64 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        (self.0 >> 11) as f64 / (1_u64 << 53) as f64
+    }
+}
+
+fn sea(spectrum: GerstnerSpectrum) -> Sea {
+    Sea::new(spectrum.waves().expect("valid knobs"))
+}
+
+fn values(sample: &Sample) -> [f64; 9] {
+    let ([dx, dy, dz], [yx, yz], [xx, xz, zz]) = (sample.displacement, sample.slope, sample.strain);
+    [dx, dy, dz, yx, yz, xx, xz, zz, sample.slope_variance]
+}
+
+fn fast(fields: &Fields, index: usize) -> [f64; 9] {
+    let ([dx, dy, dz], [yx, yz], [xx, xz, zz]) = (&fields.displacement, &fields.slope, &fields.strain);
+    [dx, dy, dz, yx, yz, xx, xz, zz, &fields.slope_variance].map(|values| f64::from(values[index]))
+}
+
+/// Largest root-mean-square error of a quantity over the root mean square of that quantity.
+fn error(frame: &SeaFrame, x: &[f64], z: &[f64], footprint: &[f64], fields: &Fields) -> f64 {
+    let (mut errors, mut sizes) = ([0.0; 9], [0.0; 9]);
+    for index in 0..x.len() {
+        let exact = values(&frame.evaluate([x[index], z[index]], footprint[index]));
+        for (quantity, value) in fast(fields, index).into_iter().enumerate() {
+            errors[quantity] += (value - exact[quantity]).powi(2);
+            sizes[quantity] += exact[quantity].powi(2);
+        }
+    }
+    let ratio = |(error, size): (f64, f64)| if size > 0.0 { (error / size).sqrt() } else { error.sqrt() };
+    errors.into_iter().zip(sizes).map(ratio).fold(0.0, f64::max)
+}
+
+/// Error over points around `center` whose neighbors are `step` apart, with footprints up to `footprint`.
+fn around(sea: &Sea, time: f64, center: f64, step: f64, footprint: f64) -> f64 {
+    let frame = sea.at(time);
+    let mut random = Random(42);
+    let count = 200;
+    let mut place = |index: usize| center + step * (index as f64 + random.unit());
+    let x: Vec<f64> = (0..count).map(&mut place).collect();
+    let z: Vec<f64> = (0..count).map(&mut place).collect();
+    let prints: Vec<f64> = (0..count).map(|_| footprint * random.unit()).collect();
+    let mut fields = Fields::default();
+    frame.direct(Points { x: &x, z: &z, footprint: &prints }, Wanted::ALL, &mut fields);
+    error(&frame, &x, &z, &prints, &fields)
+}
+
+#[test]
+fn direct_agrees_with_the_reference_near_and_far() {
+    let sea = sea(GerstnerSpectrum { count: 300, height: 4.0, sharpness: 0.7, ..GerstnerSpectrum::default() });
+    for far in [0.0, 1e5, 1e7] {
+        for footprint in [0.0, 3.0, 40.0] {
+            let error = around(&sea, far, far, 0.5, footprint);
+            assert!(error < 2e-6, "at {far}, footprint {footprint}: {error:e}");
+        }
+    }
+}
+
+#[test]
+fn direct_agrees_where_neighbors_lie_many_waves_apart() {
+    let sea = sea(GerstnerSpectrum { count: 100, ..GerstnerSpectrum::default() });
+    assert!(around(&sea, 10.0, 0.0, 1e4, 0.0) < 2e-6);
+}
+
+#[test]
+fn direct_agrees_for_waves_of_any_length() {
+    for (wavelength, tolerance) in [(1e-3, 2e-5), (1.0, 2e-6), (1e5, 2e-6)] {
+        let sea = sea(GerstnerSpectrum { count: 100, wavelength, spread: 0.3, ..GerstnerSpectrum::default() });
+        // At 1e7 m a wave of 1 mm is 1e10 turns away, of which f64 leaves 2e-6 turns.
+        let error = around(&sea, 1e3, 1e7, wavelength * 0.1, wavelength);
+        assert!(error < tolerance, "wavelength {wavelength}: {error:e}");
+    }
+}
+
+#[test]
+fn footprints_that_hardly_vary_are_as_exact() {
+    let sea = sea(GerstnerSpectrum { count: 200, ..GerstnerSpectrum::default() });
+    let frame = sea.at(1.0);
+    let x: Vec<f64> = (0..64).map(f64::from).collect();
+    let prints: Vec<f64> = (0..64).map(|index| 6.0 * (1.0 + 1e-5 * f64::from(index))).collect();
+    let mut fields = Fields::default();
+    frame.direct(Points { x: &x, z: &x, footprint: &prints }, Wanted::ALL, &mut fields);
+    assert!(error(&frame, &x, &x, &prints, &fields) < 2e-6);
+}
+
+#[test]
+fn grid_agrees_with_the_reference() {
+    let sea = sea(GerstnerSpectrum { count: 150, sharpness: 2.0, ..GerstnerSpectrum::default() });
+    let frame = sea.at(1e5);
+    let grid = Grid { origin: [1e5, -2e5], step: [0.7, 1.3], columns: 37, rows: 9, footprint: 5.0 };
+    let mut fields = Fields::default();
+    frame.grid(grid, Wanted::ALL, &mut fields);
+    let points = || (0..grid.rows).flat_map(|row| (0..grid.columns).map(move |column| (column as f64, row as f64)));
+    let x: Vec<f64> = points().map(|(column, _)| grid.origin[0] + column * grid.step[0]).collect();
+    let z: Vec<f64> = points().map(|(_, row)| grid.origin[1] + row * grid.step[1]).collect();
+    let error = error(&frame, &x, &z, &vec![5.0; x.len()], &fields);
+    assert!(error < 2e-6, "{error:e}");
+}
+
+#[test]
+fn only_what_is_wanted_is_there_and_it_does_not_change() {
+    let sea = sea(GerstnerSpectrum { count: 50, ..GerstnerSpectrum::default() });
+    let frame = sea.at(2.0);
+    let x: Vec<f64> = (0..40).map(f64::from).collect();
+    let points = Points { x: &x, z: &x, footprint: &x };
+    let (mut all, mut some) = (Fields::default(), Fields::default());
+    frame.direct(points, Wanted::ALL, &mut all);
+    frame.direct(points, Wanted { displacement: true, ..Wanted::default() }, &mut some);
+    assert_eq!(all.displacement, some.displacement);
+    assert!(some.slope[0].is_empty() && some.strain[2].is_empty() && some.slope_variance.is_empty());
+    frame.direct(points, Wanted { derivatives: true, ..Wanted::default() }, &mut some);
+    assert_eq!((&all.slope, &all.strain), (&some.slope, &some.strain));
+    assert!(some.displacement[1].is_empty());
+}
+
+#[test]
+fn a_sea_without_waves_is_flat() {
+    let frame = Sea::default().at(5.0);
+    assert_eq!(frame.evaluate([3.0, 4.0], 0.0), Sample::default());
+    let mut fields = Fields::default();
+    frame.direct(Points { x: &[1.0], z: &[2.0], footprint: &[0.0] }, Wanted::ALL, &mut fields);
+    assert_eq!(fast(&fields, 0), [0.0; 9]);
+    let grid = Grid { origin: [0.0; 2], step: [1.0; 2], columns: 2, rows: 2, footprint: 0.0 };
+    frame.grid(grid, Wanted::ALL, &mut fields);
+    assert_eq!(fields.displacement[1], [0.0; 4]);
+}
+
+fn single(sharpness: f64) -> Sea {
+    let wave = ExplicitWave { wavelength: 10.0, amplitude: 1.0, direction: 0.0, sharpness, phase: 0.0, speed: None };
+    Sea::new(vec![Wave::try_from(wave).expect("valid")])
+}
+
+#[test]
+fn one_wave_is_a_trochoid() {
+    let frame = single(0.8).at(0.0);
+    // Crest above the origin, trough half a wave on, both unmoved sideways; between them a quarter wave moves by h.
+    assert_eq!(frame.evaluate([0.0, 0.0], 0.0).displacement[1], 1.0);
+    assert!((frame.evaluate([5.0, 9.0], 0.0).displacement[1] + 1.0).abs() < 1e-12);
+    let quarter = frame.evaluate([2.5, 0.0], 0.0).displacement;
+    let h = 0.8 / (std::f64::consts::TAU / 10.0);
+    assert!((quarter[0] + h).abs() < 1e-12 && quarter[1].abs() < 1e-12 && quarter[2].abs() < 1e-12);
+    // Sharp crests, flat troughs: compressed at the crest, stretched in the trough.
+    assert!((frame.evaluate([0.0, 0.0], 0.0).jacobian() - 0.2).abs() < 1e-12);
+    assert!((frame.evaluate([5.0, 0.0], 0.0).jacobian() - 1.8).abs() < 1e-12);
+}
+
+#[test]
+fn sharpness_one_is_the_cusp() {
+    let crest = |sharpness: f64| single(sharpness).at(0.0).evaluate([0.0, 0.0], 0.0).jacobian();
+    assert!(crest(1.0).abs() < 1e-12);
+    assert!(crest(0.999) > 0.0 && crest(1.001) < 0.0 && (crest(10.0) + 9.0).abs() < 1e-9);
+    assert_eq!(crest(0.0), 1.0);
+}
+
+#[test]
+fn waves_travel_along_their_direction() {
+    let wave = ExplicitWave {
+        wavelength: 10.0,
+        amplitude: 1.0,
+        direction: std::f64::consts::FRAC_PI_2,
+        sharpness: 0.5,
+        phase: 0.0,
+        speed: Some(3.0),
+    };
+    // Azimuth ½π travels toward +Z: after one second the crest stands 3 m on.
+    let frame = Sea::new(vec![Wave::try_from(wave).expect("valid")]).at(1.0);
+    assert!((frame.evaluate([0.0, 3.0], 0.0).displacement[1] - 1.0).abs() < 1e-12);
+}
+
+#[test]
+fn the_normal_is_that_of_finite_differences() {
+    let sea = sea(GerstnerSpectrum { count: 30, sharpness: 0.6, ..GerstnerSpectrum::default() });
+    let frame = sea.at(3.0);
+    let at = |x: f64, z: f64| {
+        let [dx, dy, dz] = frame.evaluate([x, z], 0.0).displacement;
+        [x + dx, dy, z + dz]
+    };
+    let step = 1e-5;
+    let difference = |a: [f64; 3], b: [f64; 3]| [0, 1, 2].map(|axis| (a[axis] - b[axis]) / (2.0 * step));
+    let u = difference(at(7.0 + step, 8.0), at(7.0 - step, 8.0));
+    let v = difference(at(7.0, 8.0 + step), at(7.0, 8.0 - step));
+    let cross = [v[1] * u[2] - v[2] * u[1], v[2] * u[0] - v[0] * u[2], v[0] * u[1] - v[1] * u[0]];
+    for (exact, found) in frame.evaluate([7.0, 8.0], 0.0).normal().into_iter().zip(cross) {
+        assert!((exact - found).abs() < 1e-8);
+    }
+}
+
+#[test]
+fn the_footprint_attenuates_and_its_loss_is_reported() {
+    let sea = single(0.5);
+    let k = sea.waves()[0].wave_number();
+    let sample = sea.at(0.0).evaluate([0.0, 0.0], 4.0);
+    assert!((sample.displacement[1] - (-(k * 2.0) * (k * 2.0) / 2.0).exp()).abs() < 1e-15);
+    let lost = k * k / 2.0 * (1.0 - attenuation(k, 4.0).powi(2));
+    assert!((sample.slope_variance - lost).abs() < 1e-15);
+    assert_eq!(sea.at(0.0).evaluate([0.0, 0.0], 0.0).slope_variance, 0.0);
+}
