@@ -31,3 +31,4 @@ pub use prepare::Cache;
 pub use reference::{ReferenceError, ReferenceFrame};
 pub use rules::interval::Interval;
 pub use settings::{Settings, Switches};
+pub use trochoid_weights::Audit;

@@ -554,11 +554,16 @@ impl Scheduler<'_, '_, '_> {
         own[slot.output][slot.channel] = true;
     }
 
-    fn channels(&self, id: NodeId, wanted: bool) -> Vec<Vec<bool>> {
-        let supplied = match (self.planner.stage(id), &self.lowered.settled[id.0]) {
+    /// What a view can supply.
+    fn supplies(&self, id: NodeId) -> ChannelSet {
+        match (self.planner.stage(id), &self.lowered.settled[id.0]) {
             (Some(stage), Some(settled)) => stage.supplies(settled),
             _ => ChannelSet::EMPTY,
-        };
+        }
+    }
+
+    fn channels(&self, id: NodeId, wanted: bool) -> Vec<Vec<bool>> {
+        let supplied = self.supplies(id);
         let channel =
             |kind: &Kind, index: usize| wanted && (*kind != Kind::View || supplied.contains(ViewChannel::ALL[index]));
         let kinds = &self.planner.graph.node(id).kinds;
@@ -576,10 +581,11 @@ impl Scheduler<'_, '_, '_> {
     ) -> Fill {
         let outputs_wanted: Vec<bool> = own.iter().map(|channels| channels.iter().any(|&channel| channel)).collect();
         let asks = stage.asks(settled, &outputs_wanted);
+        let prefers = stage.prefers(settled, &outputs_wanted);
         let mut tap_roots: Vec<u32> = Vec::new();
         let mut inputs = Vec::new();
         for (port, sources) in settled.ports() {
-            let feeds = sources.iter().map(|source| self.feed(source, asks, &mut tap_roots, wanted)).collect();
+            let feeds = sources.iter().map(|source| self.feed(source, asks, prefers, &mut tap_roots, wanted)).collect();
             inputs.push((port, feeds));
         }
         let taps = (!tap_roots.is_empty()).then(|| {
@@ -598,6 +604,7 @@ impl Scheduler<'_, '_, '_> {
         &self,
         source: &Source<Vec<f64>>,
         asks: ChannelSet,
+        prefers: ChannelSet,
         tap_roots: &mut Vec<u32>,
         wanted: &mut HashMap<NodeId, Vec<Vec<bool>>>,
     ) -> Vec<Feed> {
@@ -619,6 +626,7 @@ impl Scheduler<'_, '_, '_> {
                 }
                 // A camera, light or surface still has to be prepared.
                 wanted.entry(*node).or_insert_with(|| self.channels(*node, false));
+                let asks = asks.union(prefers.intersect(self.supplies(*node)));
                 (0..kind.channels())
                     .map(|channel| {
                         if kind == Kind::View && !asks.contains(ViewChannel::ALL[channel]) {

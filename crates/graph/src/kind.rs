@@ -184,14 +184,18 @@ view_channels! {
     NormalY "normal" 1.0,
     /// Unit normal z.
     NormalZ "normal" 0.0,
-    /// Rest point x of the seen particle, m.
+    /// World x of the seen particle's rest point, m.
     RestX "rest point" 0.0,
-    /// Rest point y, m.
-    RestY "rest point" 0.0,
-    /// Rest point z, m.
+    /// World z of the rest point, m.
     RestZ "rest point" 0.0,
+    /// Height above the surface's rest level, m.
+    Height "height" 0.0,
+    /// Distance from the rest point, m.
+    RestDistance "distance from rest" 0.0,
     /// Slope variance of the waves that the footprint filtered out.
     SlopeVariance "slope variance" 0.0,
+    /// Area ratio of displaced and resting surface, det J: below 1 where crests gather, negative in folds.
+    Jacobian "Jacobian" 1.0,
     /// Index of the seen surface in the Render's list; −1 where nothing is seen.
     Surface "surface" -1.0,
 }
@@ -228,6 +232,11 @@ impl ChannelSet {
     /// The channels in this set but not in the other.
     pub fn minus(self, other: Self) -> Self {
         Self(self.0 & !other.0)
+    }
+
+    /// The channels in both sets.
+    pub fn intersect(self, other: Self) -> Self {
+        Self(self.0 & other.0)
     }
 
     /// Whether no channel is in the set.

@@ -30,6 +30,12 @@ pub trait NodeType: Send + Sync + 'static {
         let _ = (node, check);
     }
 
+    /// What a user may want to know of the node at a frame, in sentences: shown by `trochoid check`.
+    fn notes(&self, node: &Settled) -> Vec<String> {
+        let _ = node;
+        Vec::new()
+    }
+
     /// How the node computes.
     fn body(&self) -> Body<'_>;
 }
@@ -55,6 +61,12 @@ pub trait Pointwise {
 pub trait Stage {
     /// Channels that the node asks of its view, where the given outputs are wanted.
     fn asks(&self, node: &Settled, wanted: &[bool]) -> ChannelSet {
+        let _ = (node, wanted);
+        ChannelSet::EMPTY
+    }
+
+    /// Channels that the node uses where its view supplies them, and does without elsewhere.
+    fn prefers(&self, node: &Settled, wanted: &[bool]) -> ChannelSet {
         let _ = (node, wanted);
         ChannelSet::EMPTY
     }
@@ -317,6 +329,11 @@ impl<'a> Inputs<'a> {
             Some((_, connections)) => &connections[index],
             None => unreachable!("the node type does not declare \"{port}\""),
         }
+    }
+
+    /// A channel of the view connected to a port that the node prefers, where the view supplies it.
+    pub fn view_if_any(&self, port: &str, channel: ViewChannel) -> Option<&'a [f32]> {
+        self.planes(port, 0)[channel as usize]
     }
 
     /// A channel of the view connected to a port.

@@ -57,20 +57,32 @@ impl Spanned {
         match &self.json {
             Json::Null => "null".into(),
             Json::Bool(value) => value.to_string(),
-            Json::Number(number) => number.to_string(),
-            Json::String(text) => format!("{:?}", shorten(text)),
+            Json::Number(number) => number_text(*number),
+            Json::String(text) => format!("\"{}\"", shorten(text)),
             Json::Array(items) => format!("a list of {}", items.len()),
             Json::Object(entries) => format!("an object with {} keys", entries.len()),
         }
     }
 }
 
-/// At most 60 characters of a text, so that no message grows with its input.
+/// At most 60 characters of a text, so that no message grows with its input; control characters escaped, so that none
+/// of them breaks its lines or steers a terminal.
 pub(crate) fn shorten(text: &str) -> String {
-    if text.chars().count() <= 60 {
-        return text.into();
+    let length = if text.chars().nth(60).is_some() { 57 } else { 60 };
+    let mut short = String::new();
+    for c in text.chars().take(length) {
+        if c.is_control() { short.extend(c.escape_default()) } else { short.push(c) }
     }
-    text.chars().take(57).chain("...".chars()).collect()
+    if length < 60 {
+        short.push_str("...");
+    }
+    short
+}
+
+/// A number for messages, with an exponent where digits would be many.
+pub(crate) fn number_text(number: f64) -> String {
+    let plain = number == 0.0 || !number.is_finite() || (1e-5..1e15).contains(&number.abs());
+    if plain { number.to_string() } else { format!("{number:e}") }
 }
 
 /// Why a text is not JSON within the limits.

@@ -4,6 +4,7 @@
 mod items;
 mod outputs;
 mod top;
+mod values;
 mod wiring;
 
 use crate::spanned::{Entry, Json, Spanned, shorten};
@@ -12,9 +13,9 @@ use crate::{
     nearest, refusal,
 };
 use items::Names;
-pub use items::expected;
 use std::collections::HashMap;
 use std::path::Path;
+pub use values::expected;
 
 /// Checks a document against the node types of a registry.
 ///

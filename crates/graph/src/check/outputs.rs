@@ -41,7 +41,7 @@ impl<'a> Checker<'a> {
             precision: None,
             require: None,
         };
-        let mut source = None;
+        let (mut source, mut required_at) = (None, None);
         for item in entries {
             let place = place.at(item.value.offset);
             match (item.key.as_str(), &item.value.json) {
@@ -72,7 +72,10 @@ impl<'a> Checker<'a> {
                 ("precision", Json::String(text)) if Precision::from_name(text).is_some() => {
                     spec.precision = Precision::from_name(text);
                 }
-                ("require", _) => spec.require = self.require(&item.value, place),
+                ("require", _) => {
+                    spec.require = self.require(&item.value, place);
+                    required_at = Some(item.value.offset);
+                }
                 ("notes", _) => {}
                 ("file", _) => {
                     self.error(place, item.value.brief(), "a path with the ending .exr or .png", "write a path");
@@ -98,6 +101,10 @@ impl<'a> Checker<'a> {
             self.error(place, "an output that renders nothing", "one of \"color\", \"weights\" and \"field\"", remedy);
             return None;
         };
+        if let Some(offset) = required_at.filter(|_| item.key != "color") {
+            let found = format!("a requirement on \"{}\"", item.key);
+            self.error(place.at(offset), found, "one on \"color\": only colors have a palette", "remove it");
+        }
         let resolved = resolved?;
         let Source::Output { node, output } = resolved else { return None };
         (spec.node, spec.output) = (node, output);

@@ -2,7 +2,7 @@
 
 use super::{Checker, Place};
 use crate::spanned::{Entry, Json, Spanned};
-use trochoid_image::{Format, WorkingSpace};
+use trochoid_image::{Format, FormatError, MAX_PIXELS, MAX_SIDE, WorkingSpace};
 
 /// What the top of a document says.
 pub(super) struct Top {
@@ -87,8 +87,22 @@ impl<'a> Checker<'a> {
         };
         Format::new(width, height, samples)
             .map_err(|error| {
-                let found = format!("{width} × {height} pixels, {samples} samples");
-                self.error(place, found, error, "choose a size and a number of samples within the limits");
+                let (found, expected, remedy) = match error {
+                    FormatError::Side { .. } => (
+                        format!("{width} × {height} pixels"),
+                        format!("a width and a height from 1 to {MAX_SIDE} pixels"),
+                        "choose a size within the limits",
+                    ),
+                    FormatError::Area { .. } => (
+                        format!("{width} × {height} = {} pixels", u64::from(width) * u64::from(height)),
+                        format!("at most {MAX_PIXELS} pixels in all"),
+                        "choose a size within the limits",
+                    ),
+                    FormatError::Samples { .. } => {
+                        (format!("{samples} samples a pixel"), "1, 4 or 16".into(), "choose one of them")
+                    }
+                };
+                self.error(place, found, expected, remedy);
             })
             .ok()
     }

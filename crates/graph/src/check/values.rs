@@ -1,0 +1,183 @@
+//! Values as typed: numbers, lists, colors, literal weights, and what is keyed over frames.
+
+use super::{Checker, Place};
+use crate::declare::Takes;
+use crate::spanned::{Json, Spanned, number_text};
+use crate::{Animated, Interpolation, Source};
+use trochoid_image::{parse_hex, srgb_decode};
+
+impl<'a> Checker<'a> {
+    /// Numbers as weights: ≥ 0, with sum 1 up to the rounding of decimal fractions.
+    pub(super) fn literal_weights(&mut self, items: &'a [Spanned], place: Place<'_>) -> Option<Source> {
+        let mut numbers = Vec::with_capacity(items.len());
+        for item in items {
+            numbers.push(self.number(item, f64::MIN, f64::MAX, place.at(item.offset))?);
+        }
+        let sum: f64 = numbers.iter().sum();
+        let lowest = numbers.iter().copied().fold(f64::INFINITY, f64::min);
+        if lowest < 0.0 {
+            let found = format!("the weight {}", number_text(lowest));
+            let remedy = "a negative weight pushes the color out of the palette on the far side: use 0, or another control color";
+            self.error(place, found, "weights ≥ 0 that sum to 1", remedy);
+            return None;
+        }
+        if (sum - 1.0).abs() > 1e-6 {
+            let scaled: Vec<String> = numbers.iter().map(|w| format!("{:.4}", w / sum)).collect();
+            let found = format!("weights that sum to {sum}: equal colors of 0.6 would give {}", 0.6 * sum);
+            let remedy = if sum > 0.0 {
+                format!("divide by the sum: [{}]", scaled.join(", "))
+            } else {
+                "one weight must be above 0".into()
+            };
+            self.error(place, found, "weights ≥ 0 that sum to 1", remedy);
+            return None;
+        }
+        Some(Source::Numbers(numbers))
+    }
+
+    pub(super) fn number(&mut self, value: &Spanned, min: f64, max: f64, place: Place<'_>) -> Option<f64> {
+        match value.json {
+            Json::Number(n) if (min..=max).contains(&n) => Some(n),
+            Json::Number(n) if !n.is_finite() => {
+                self.error(place, "a number beyond the range of f64", "a finite number", "write a smaller number");
+                None
+            }
+            Json::Number(n) => {
+                let remedy = format!("the nearest legal value is {}", number_text(n.clamp(min, max)));
+                self.error(place, number_text(n), expected(&Takes::Number { min, max }), remedy);
+                None
+            }
+            _ => {
+                self.error(place, value.brief(), expected(&Takes::Number { min, max }), "write a number");
+                None
+            }
+        }
+    }
+
+    pub(super) fn vector(&mut self, value: &Spanned, min: usize, max: usize, place: Place<'_>) -> Option<Vec<f64>> {
+        match &value.json {
+            Json::Array(items) if (min..=max).contains(&items.len()) => {
+                // The largest f32 bounds every number that reaches a kernel.
+                let limit = f64::from(f32::MAX);
+                items.iter().map(|item| self.number(item, -limit, limit, place.at(item.offset))).collect()
+            }
+            _ => {
+                let expected = format!("a list of {}", count(min, max, "number"));
+                self.error(place, value.brief(), expected, "write the numbers in brackets: [ … ]");
+                None
+            }
+        }
+    }
+
+    /// A color as `"#rrggbb"` in sRGB or `[r, g, b]` in the working space, in the working space.
+    pub(super) fn color(&mut self, value: &Spanned, place: Place<'_>) -> Option<Vec<f64>> {
+        match &value.json {
+            Json::String(text) => match parse_hex(text) {
+                Ok(color) => Some(self.space.from_linear_srgb(color.map(srgb_decode)).map(|v| v.max(0.0)).to_vec()),
+                Err(error) => {
+                    self.error(place, value.brief(), "a color", error);
+                    None
+                }
+            },
+            Json::Array(items) if items.len() == 3 => {
+                items.iter().map(|item| self.number(item, 0.0, f64::from(f32::MAX), place.at(item.offset))).collect()
+            }
+            _ => {
+                let expected = "a color: \"#rrggbb\" in sRGB, or [r, g, b] in the working space";
+                self.error(place, value.brief(), expected, "write a color");
+                None
+            }
+        }
+    }
+
+    /// A value, or `{"keys": [[frame, value], …], "interpolation": …}`.
+    pub(super) fn animated(
+        &mut self,
+        value: &'a Spanned,
+        place: Place<'_>,
+        mut read: impl FnMut(&mut Self, &'a Spanned, Place<'_>) -> Option<Vec<f64>>,
+    ) -> Option<Animated> {
+        if !matches!(value.json, Json::Object(_)) {
+            return read(self, value, place).map(Animated::constant);
+        }
+        let entries = self.object(value, place, "a keyed value")?;
+        let mut interpolation = Interpolation::default();
+        let mut keys = None;
+        for entry in entries {
+            match (entry.key.as_str(), &entry.value.json) {
+                ("keys", Json::Array(items)) if !items.is_empty() => {
+                    let mut list = Vec::with_capacity(items.len());
+                    for item in items {
+                        let place = place.at(item.offset);
+                        match &item.json {
+                            Json::Array(pair) if pair.len() == 2 => {
+                                let frame = self.number(&pair[0], -1e7, 1e7, place.at(pair[0].offset))?;
+                                list.push((frame, read(self, &pair[1], place.at(pair[1].offset))?));
+                            }
+                            _ => {
+                                self.error(place, item.brief(), "a key: [frame, value]", "write [frame, value]");
+                                return None;
+                            }
+                        }
+                    }
+                    keys = Some(list);
+                }
+                ("interpolation", Json::String(name)) => match Interpolation::from_name(name) {
+                    Some(known) => interpolation = known,
+                    None => {
+                        let expected = format!("one of {}", Interpolation::NAMES.join(", "));
+                        self.error(place.at(entry.value.offset), entry.value.brief(), expected, "choose one of them");
+                        return None;
+                    }
+                },
+                ("keys" | "interpolation", _) => {
+                    let expected = "\"keys\": [[frame, value], …], \"interpolation\": a word";
+                    self.error(place.at(entry.value.offset), entry.value.brief(), expected, "correct the keyed value");
+                    return None;
+                }
+                (key, _) => self.unknown_key(place.at(entry.offset), key, &["keys", "interpolation"]),
+            }
+        }
+        let Some(keys) = keys else {
+            self.error(place, "a keyed value without \"keys\"", "\"keys\": [[frame, value], …]", "add the keys");
+            return None;
+        };
+        let animated = Animated::keyed(keys, interpolation);
+        if animated.is_none() {
+            self.error(place, "keys out of order", "frames that ascend, each once", "sort the keys by frame");
+        }
+        animated
+    }
+}
+
+/// What a knob takes, in words.
+pub fn expected(takes: &Takes) -> String {
+    match takes {
+        Takes::Number { min, max } => match (*min > -1e30, *max < 1e30) {
+            (true, true) => format!("a number from {} to {}", number_text(*min), number_text(*max)),
+            (true, false) => format!("a number, at least {}", number_text(*min)),
+            (false, true) => format!("a number, at most {}", number_text(*max)),
+            (false, false) => "a finite number".into(),
+        },
+        Takes::Integer { min, max } => format!("a whole number from {min} to {max}"),
+        Takes::Bool => "true or false".into(),
+        Takes::Choice(words) => format!("one of {}", words.join(", ")),
+        Takes::Color => "a color: \"#rrggbb\" in sRGB, or [r, g, b] in the working space".into(),
+        Takes::Vector(n) => format!("a list of {n} numbers"),
+        Takes::Text => "a text".into(),
+        Takes::Path => "a path relative to the document".into(),
+        Takes::Numbers { min, max } => format!("a list of {}", count(*min, *max, "number")),
+        Takes::Texts { max } => format!("a list of {}", count(1, *max, "text")),
+    }
+}
+
+pub(super) fn count(min: usize, max: usize, what: &str) -> String {
+    let plural = if max == 1 || what == "Weights" { "" } else { "s" };
+    if min == max {
+        format!("{min} {what}{plural}")
+    } else if max > 4096 {
+        format!("at least {min} {what}{plural}")
+    } else {
+        format!("{min} to {max} {what}{plural}")
+    }
+}

@@ -1,0 +1,92 @@
+//! Normalize: from fields to a partition of unity.
+
+use trochoid_graph::*;
+
+pub(crate) static NODE: &dyn NodeType = &Normalize;
+
+struct Normalize;
+
+static DECLARATION: Declaration = Declaration {
+    name: "Normalize",
+    end: End::Back,
+    summary: "Divides fields by their sum; what is missing from 1 goes to one more weight, the last.",
+    formula: "wᵢ = vᵢ/max(S, τ) with vᵢ = max(fieldᵢ, 0), S = Σ vᵢ, τ = `floor`; the last weight is 1 − S/max(S, τ).",
+    edge_cases: "Negative values count as 0. Where all fields are 0 the last weight is 1; where their sum is at least \
+                 `floor` it is 0. Infinity, which fields here should not hold, counts as the largest finite f32.",
+    source: "Shepard's weights with a floor, so that no quotient has a slope beyond 2/τ.",
+    items: &[
+        Port::many("fields", Accepts::Scalar, 1, 255, "Finite fields, one a weight."),
+        Knob::number(
+            "floor",
+            0.001,
+            f32::MIN_POSITIVE as f64,
+            f32::MAX as f64,
+            "Sum below which weight is handed to the last.",
+        )
+        .item(),
+    ],
+    outputs: &[Output::new("weights", Kind::MASK, "One weight a field, and the remainder.")],
+    revision: 1,
+};
+
+impl NodeType for Normalize {
+    fn declaration(&self) -> &'static Declaration {
+        &DECLARATION
+    }
+
+    fn outputs(&self, node: &Settled) -> Vec<Kind> {
+        vec![Kind::Weights(node.all("fields").len() + 1)]
+    }
+
+    fn body(&self) -> Body<'_> {
+        Body::Pointwise(self)
+    }
+}
+
+impl Pointwise for Normalize {
+    fn lower(&self, node: &Settled, lowering: &mut Lowering<'_>) -> Value {
+        let values: Vec<_> = node.all("fields").iter().map(|source| lowering.scalar(source)).collect();
+        let ways = values.len() + 1;
+        let floor = node.number("floor") as f32;
+        let partition = lowering.build.partition(Op::Normalize { values, floor });
+        let weights = Weights::Partition(partition, ways);
+        if ways == 2 {
+            // A mask is written as the weight of its second control: the remainder.
+            return Value::Weights(Weights::Mask(lowering.build.weight(&weights, 1)));
+        }
+        Value::Weights(weights)
+    }
+
+    fn reference(&self, node: &Settled, inputs: &References<'_>) -> Reference {
+        let fields = node.all("fields").iter().map(|source| inputs.scalar(source));
+        let values: Vec<f64> = fields.map(|v| v.max(0.0).min(f64::from(f32::MAX))).collect();
+        let sum: f64 = values.iter().sum();
+        let divisor = sum.max(node.number("floor"));
+        let remainder = (divisor - sum) / divisor;
+        if values.len() == 1 {
+            return Reference::Mask(remainder);
+        }
+        Reference::Weights(values.iter().map(|v| v / divisor).chain([remainder]).collect())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::testing::{agrees, frame};
+
+    #[test]
+    fn weights_agree_with_the_formula() {
+        let xy = r#""x": { "type": "ScreenX" }, "y": { "type": "ScreenY" }"#;
+        for fields in [r#""x""#, r#""x", "y""#, r#""x", "y", -3, 0.2"#] {
+            let out = format!(r#"{xy}, "out": {{ "type": "Normalize", "fields": [{fields}], "floor": 0.5 }}"#);
+            agrees("weights", &out);
+        }
+    }
+
+    #[test]
+    fn nothing_goes_to_the_last() {
+        let frame = frame("weights", r#""out": { "type": "Normalize", "fields": [-1, 0] }"#);
+        assert_eq!(frame.lowered([0.5, 0.5]), [0.0, 0.0, 1.0]);
+        assert_eq!(frame.truth([0.5, 0.5]), [0.0, 0.0, 1.0]);
+    }
+}

@@ -1,0 +1,79 @@
+//! Stack: masks laid over each other.
+
+use trochoid_graph::*;
+
+pub(crate) static NODE: &dyn NodeType = &Stack;
+
+struct Stack;
+
+static DECLARATION: Declaration = Declaration {
+    name: "Stack",
+    end: End::Back,
+    summary: "Lays masks over each other, the first on top; one more weight takes what they leave.",
+    formula: "wᵢ = tᵢ·Πⱼ₍ⱼ<ᵢ₎(1 − tⱼ); the last weight is Π(1 − tⱼ).",
+    edge_cases: "A mask of 1 leaves exactly nothing to those below. A mask of 0 changes nothing. \
+                 With one mask, the first weight is t and the second 1 − t.",
+    source: "Porter, Duff, Compositing Digital Images, 1984: over, written with straight colors.",
+    items: &[Port::many("weights", Accepts::Mask, 1, 255, "The masks, the uppermost first.")],
+    outputs: &[Output::new("weights", Kind::MASK, "One weight a mask, and the remainder.")],
+    revision: 1,
+};
+
+impl NodeType for Stack {
+    fn declaration(&self) -> &'static Declaration {
+        &DECLARATION
+    }
+
+    fn outputs(&self, node: &Settled) -> Vec<Kind> {
+        vec![Kind::Weights(node.all("weights").len() + 1)]
+    }
+
+    fn body(&self) -> Body<'_> {
+        Body::Pointwise(self)
+    }
+}
+
+impl Pointwise for Stack {
+    fn lower(&self, node: &Settled, lowering: &mut Lowering<'_>) -> Value {
+        let masks: Vec<_> = node.all("weights").iter().map(|source| lowering.scalar(source)).collect();
+        if let [only] = masks[..] {
+            // A mask is written as the weight of its second control: what the only layer leaves.
+            return Value::Weights(Weights::Mask(lowering.build.scalar(Op::Complement(only))));
+        }
+        Value::Weights(Weights::Stack(masks))
+    }
+
+    fn reference(&self, node: &Settled, inputs: &References<'_>) -> Reference {
+        let mut left = 1.0;
+        let mut weights = Vec::with_capacity(node.all("weights").len() + 1);
+        for source in node.all("weights") {
+            let t = inputs.scalar(source);
+            weights.push(left * t);
+            left *= 1.0 - t;
+        }
+        if weights.len() == 1 {
+            return Reference::Mask(left);
+        }
+        weights.push(left);
+        Reference::Weights(weights)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::testing::{agrees, frame};
+
+    #[test]
+    fn weights_agree_with_the_formula() {
+        let xy = r#""x": { "type": "ScreenX" }, "y": { "type": "ScreenY" }"#;
+        for weights in [r#""x""#, r#""x", "y""#, r#""x", 0.25, "y", 0.5"#] {
+            agrees("weights", &format!(r#"{xy}, "out": {{ "type": "Stack", "weights": [{weights}] }}"#));
+        }
+    }
+
+    #[test]
+    fn the_first_lies_on_top() {
+        let frame = frame("weights", r#""out": { "type": "Stack", "weights": [0.75, 1, 1] }"#);
+        assert_eq!(frame.lowered([0.5, 0.5]), [0.75, 0.25, 0.0, 0.0]);
+    }
+}

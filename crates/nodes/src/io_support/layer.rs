@@ -1,0 +1,242 @@
+//! One plane of a file, laid over the document's picture.
+
+use std::path::Path;
+use trochoid_graph::{Block, NodeError};
+use trochoid_image::{Format, Plane, Window};
+use trochoid_weights::arithmetic;
+
+/// How pixels of the document find their place in a picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Fit {
+    way: Way,
+    /// Corner of the picture's display window.
+    origin: [i64; 2],
+    /// Pixels of the picture for each of the document, across and down.
+    scale: [f64; 2],
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Way {
+    /// Pixel by pixel, corner on corner.
+    Pixel,
+    /// Scaled; the pixel that the sample falls into.
+    Nearest,
+    /// Scaled; a blend of the four pixels around the sample.
+    Bilinear,
+}
+
+/// The two neighbors of a sample along an axis, and how far it lies toward the second.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Tap {
+    low: i64,
+    t: f64,
+}
+
+impl Fit {
+    /// Lays a picture with this display window over a format as the knob says.
+    ///
+    /// # Errors
+    /// Their sizes differ, and the knob is unset.
+    pub(crate) fn new(knob: &str, display: Window, format: Format, path: &Path) -> Result<Self, NodeError> {
+        let (width, height) = (display.width(), display.height());
+        let same = (width, height) == (format.width() as usize, format.height() as usize);
+        let way = match knob {
+            _ if same => Way::Pixel,
+            "crop" => Way::Pixel,
+            "nearest" => Way::Nearest,
+            "bilinear" => Way::Bilinear,
+            _ => {
+                return Err(NodeError::new(format!(
+                    "{}: the picture has {width} × {height} pixels, the document {} × {}: say how to \"fit\" it: \
+                     \"nearest\" or \"bilinear\" scale it, \"crop\" lays the upper left corners on each other",
+                    path.display(),
+                    format.width(),
+                    format.height()
+                )));
+            }
+        };
+        let scale = [width as f64 / f64::from(format.width()), height as f64 / f64::from(format.height())];
+        Ok(Self { way, origin: [display.x0, display.y0], scale })
+    }
+
+    /// Where a sample falls, given its position in the document along an axis, in pixels.
+    fn tap(&self, axis: usize, at: f64) -> Tap {
+        let origin = self.origin[axis];
+        match self.way {
+            Way::Pixel => Tap { low: origin + at.floor() as i64, t: 0.0 },
+            Way::Nearest => Tap { low: origin + (at * self.scale[axis]).floor() as i64, t: 0.0 },
+            Way::Bilinear => {
+                let center = at * self.scale[axis] - 0.5;
+                Tap { low: origin + center.floor() as i64, t: center - center.floor() }
+            }
+        }
+    }
+}
+
+/// One plane of a file, laid over the document's picture.
+#[derive(Clone, Debug)]
+pub(crate) struct Layer {
+    plane: Plane,
+    fit: Fit,
+    /// The value outside the plane's window; without it the nearest pixel repeats.
+    outside: Option<f32>,
+}
+
+impl Layer {
+    pub(crate) fn new(plane: Plane, fit: Fit, outside: Option<f32>) -> Self {
+        Self { plane, fit, outside }
+    }
+
+    /// The samples of a block, row by row.
+    pub(crate) fn fill(&self, block: &Block, out: &mut [f32]) {
+        let window = block.window;
+        if window.is_empty() {
+            return;
+        }
+        let down = |y: i64| self.fit.tap(1, y as f64 + block.offset[1]);
+        let rows = out.chunks_mut(window.width()).zip(window.y0..);
+        if self.fit.way == Way::Pixel {
+            let left = self.fit.tap(0, window.x0 as f64 + block.offset[0]).low;
+            rows.for_each(|(row, y)| self.copy(left, down(y).low, row));
+            return;
+        }
+        let columns: Vec<Tap> = (window.x0..window.x1).map(|x| self.fit.tap(0, x as f64 + block.offset[0])).collect();
+        for (row, y) in rows {
+            let down = down(y);
+            for (out, across) in row.iter_mut().zip(&columns) {
+                *out = self.sample(*across, down);
+            }
+        }
+    }
+
+    /// The pixels from (`left`, `y`) on: what lies within the plane in one piece.
+    fn copy(&self, left: i64, y: i64, out: &mut [f32]) {
+        let data = self.plane.window();
+        let stored = match self.outside {
+            Some(_) => self.plane.row(y),
+            None => self.plane.row(y.clamp(data.y0, data.y1 - 1)),
+        };
+        let within = |x: i64| (x - left).clamp(0, out.len() as i64) as usize;
+        let (first, last) = (within(data.x0), within(data.x1));
+        if let Some(row) = stored.filter(|_| first < last) {
+            let start = (left + first as i64 - data.x0) as usize;
+            out[first..last].copy_from_slice(&row[start..start + last - first]);
+            out[..first].fill(self.texel(data.x0 - 1, y));
+            out[last..].fill(self.texel(data.x1, y));
+        } else {
+            // Above, below, or on one side of the plane: one value, but for rows that repeat.
+            out.iter_mut().zip(left..).for_each(|(out, x)| *out = self.texel(x, y));
+        }
+    }
+
+    /// The weights of the four pixels are multiples of 2⁻²⁴ that sum to exactly 1, so the value stays between them.
+    fn sample(&self, across: Tap, down: Tap) -> f32 {
+        let nearest = self.texel(across.low, down.low);
+        if across.t == 0.0 && down.t == 0.0 {
+            return nearest;
+        }
+        let values = [
+            nearest,
+            self.texel(across.low + 1, down.low),
+            self.texel(across.low, down.low + 1),
+            self.texel(across.low + 1, down.low + 1),
+        ];
+        let (u, v) = (across.t, down.t);
+        let mut weights = [(1.0 - u) * (1.0 - v), u * (1.0 - v), (1.0 - u) * v, u * v].map(|w| w as f32);
+        arithmetic::round_partition(&mut weights);
+        let blended = arithmetic::blend(&values, &weights);
+        // Between +∞ and −∞ there is no average.
+        if blended.is_nan() { nearest } else { blended }
+    }
+
+    /// The value at a place of the document, in pixels, in f64.
+    pub(crate) fn reference(&self, at: [f64; 2]) -> f64 {
+        let texel = |x: i64, y: i64| f64::from(self.texel(x, y));
+        let (across, down) = (self.fit.tap(0, at[0]), self.fit.tap(1, at[1]));
+        let nearest = texel(across.low, down.low);
+        let mut sum = 0.0;
+        for (dy, v) in [(0, 1.0 - down.t), (1, down.t)] {
+            for (dx, u) in [(0, 1.0 - across.t), (1, across.t)] {
+                if u * v > 0.0 {
+                    sum += u * v * texel(across.low + dx, down.low + dy);
+                }
+            }
+        }
+        if sum.is_nan() { nearest } else { sum }
+    }
+
+    fn texel(&self, x: i64, y: i64) -> f32 {
+        match self.outside {
+            Some(outside) if !self.plane.window().contains(x, y) => outside,
+            _ => self.plane.nearest(x, y),
+        }
+    }
+
+    /// All samples of the file.
+    pub(crate) fn samples(&self) -> &[f32] {
+        self.plane.samples()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn layer(knob: &str, format: [u32; 2], outside: Option<f32>) -> Layer {
+        let window = Window::new(-1, 0, 1, 2);
+        let plane = Plane::new(window, vec![0.0, 1.0, 2.0, 3.0]).unwrap();
+        let format = Format::new(format[0], format[1], 1).unwrap();
+        Layer::new(plane, Fit::new(knob, window, format, Path::new("a.exr")).unwrap(), outside)
+    }
+
+    fn filled(layer: &Layer, window: Window) -> Vec<f32> {
+        let mut out = vec![f32::NAN; window.area()];
+        let block = Block { window, offset: [0.5, 0.5] };
+        layer.fill(&block, &mut out);
+        for (index, value) in out.iter().enumerate() {
+            let (x, y) = super::super::legal::place(window, index);
+            let truth = layer.reference([x as f64 + 0.5, y as f64 + 0.5]);
+            assert!((f64::from(*value) - truth).abs() < 1e-6, "({x}, {y}): {value} and {truth}");
+        }
+        out
+    }
+
+    #[test]
+    fn equal_sizes_lie_pixel_on_pixel() {
+        assert_eq!(filled(&layer("", [2, 2], None), Window::sized(2, 2)), [0.0, 1.0, 2.0, 3.0]);
+    }
+
+    #[test]
+    fn other_sizes_need_a_fit() {
+        let format = Format::new(4, 2, 1).unwrap();
+        let error = Fit::new("", Window::sized(2, 2), format, Path::new("a.exr")).unwrap_err();
+        assert!(error.message.contains("2 × 2") && error.message.contains("\"fit\""), "{error}");
+    }
+
+    #[test]
+    fn crop_repeats_the_edge_or_takes_the_outside() {
+        let window = Window::sized(3, 1);
+        assert_eq!(filled(&layer("crop", [3, 3], None), window), [0.0, 1.0, 1.0]);
+        assert_eq!(filled(&layer("crop", [3, 3], Some(9.0)), window), [0.0, 1.0, 9.0]);
+    }
+
+    #[test]
+    fn rows_are_copied_from_any_place() {
+        for outside in [None, Some(9.0)] {
+            let layer = layer("crop", [3, 3], outside);
+            for (x0, x1) in [(-9, -5), (-3, 1), (-2, 5), (0, 2), (1, 2), (2, 7), (8, 9)] {
+                for y0 in -3..4 {
+                    filled(&layer, Window::new(x0, y0, x1, y0 + 2));
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn scaling_up_repeats_or_blends() {
+        let window = Window::sized(4, 1);
+        assert_eq!(filled(&layer("nearest", [4, 4], None), window), [0.0, 0.0, 1.0, 1.0]);
+        assert_eq!(filled(&layer("bilinear", [4, 2], None), window), [0.0, 0.25, 0.75, 1.0]);
+        assert_eq!(filled(&layer("bilinear", [1, 1], None), Window::sized(1, 1)), [1.5]);
+    }
+}

@@ -1,0 +1,102 @@
+//! Bad data: what each kind of value refuses, and the nearest legal value.
+
+use std::path::Path;
+use trochoid_graph::NodeError;
+use trochoid_image::{Plane, Window};
+use trochoid_io::Picture;
+
+/// What the samples of a channel must be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Rule {
+    /// Finite and ≥ 0.
+    Color,
+    /// In [0, 1].
+    Mask,
+    /// Not NaN.
+    Field,
+}
+
+impl Rule {
+    /// The nearest legal value; of NaN 0.
+    pub(crate) fn nearest(self, value: f32) -> f32 {
+        match self {
+            _ if value.is_nan() => 0.0,
+            Self::Color => value.clamp(0.0, f32::MAX),
+            Self::Mask => value.clamp(0.0, 1.0),
+            Self::Field => value,
+        }
+    }
+
+    fn expected(self) -> &'static str {
+        match self {
+            Self::Color => "a finite number, at least 0",
+            Self::Mask => "a number from 0 to 1",
+            Self::Field => "a number (NaN is none)",
+        }
+    }
+}
+
+/// Takes the plane of channel `at` out of a picture, with every sample held against a rule: the first illegal one is
+/// refused or, with `repair`, each is set to the nearest legal value. Returns how many were.
+pub(crate) fn take(
+    path: &Path,
+    picture: &mut Picture,
+    at: usize,
+    rule: Rule,
+    repair: bool,
+) -> Result<(Plane, u64), NodeError> {
+    let channel = &mut picture.channels[at];
+    let window = channel.plane.window();
+    let mut repaired = 0;
+    for (index, sample) in channel.plane.samples_mut().iter_mut().enumerate() {
+        let legal = rule.nearest(*sample);
+        // NaN differs from every number, itself included.
+        if *sample == legal {
+            continue;
+        }
+        if !repair {
+            let (x, y) = place(window, index);
+            return Err(NodeError::new(format!(
+                "{}: part {}, channel \"{}\", pixel ({x}, {y}): found {sample}, expected {}; \
+                 correct the file, or set \"repair\": true to take the nearest legal value",
+                path.display(),
+                picture.part,
+                channel.full_name,
+                rule.expected()
+            )));
+        }
+        *sample = legal;
+        repaired += 1;
+    }
+    let empty = Plane::filled(Window::new(0, 0, 0, 0), 0.0);
+    Ok((std::mem::replace(&mut channel.plane, empty), repaired))
+}
+
+/// The pixel of sample `index` of a plane.
+pub(crate) fn place(window: Window, index: usize) -> (i64, i64) {
+    let width = window.width().max(1);
+    (window.x0 + (index % width) as i64, window.y0 + (index / width) as i64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn repair_takes_the_nearest_legal_value() {
+        for (rule, found, legal) in [
+            (Rule::Color, f32::NAN, 0.0),
+            (Rule::Color, -0.5, 0.0),
+            (Rule::Color, f32::INFINITY, f32::MAX),
+            (Rule::Color, f32::NEG_INFINITY, 0.0),
+            (Rule::Color, 7.5, 7.5),
+            (Rule::Mask, 1.25, 1.0),
+            (Rule::Mask, -1e-9, 0.0),
+            (Rule::Mask, f32::NAN, 0.0),
+            (Rule::Field, f32::NAN, 0.0),
+            (Rule::Field, f32::NEG_INFINITY, f32::NEG_INFINITY),
+        ] {
+            assert_eq!(rule.nearest(found), legal, "{rule:?} of {found}");
+        }
+    }
+}

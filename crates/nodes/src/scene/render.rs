@@ -1,0 +1,157 @@
+//! Render: what a camera sees of surfaces.
+
+use crate::scene_support::SurfaceHandle;
+use std::cell::RefCell;
+use trochoid_graph::*;
+use trochoid_image::Format;
+use trochoid_scene as scene;
+
+pub(crate) static NODE: &dyn NodeType = &Render;
+
+struct Render;
+
+static DECLARATION: Declaration = Declaration {
+    name: "Render",
+    end: End::Front,
+    summary: "Makes a view: what a camera sees of surfaces, sample by sample, to the horizon.",
+    formula: "Each sample sees the nearest surface along its ray. Only the fields that passes ask for are computed.",
+    edge_cases: "Where nothing is seen, coverage is 0, depth +∞, the normal (0, 1, 0), the surface −1, all else 0.",
+    source: "Tessellation adapted to the view after Hinsinger, Neyret and Cani, Interactive Animation of Ocean \
+             Waves, 2002; the reference traces the continuous surfaces.",
+    items: &[
+        Port::one("camera", Accepts::Camera, "The point of view."),
+        Port::many("surfaces", Accepts::Surface, 1, 64, "What is to be seen."),
+    ],
+    outputs: &[
+        Output::new("view", Kind::View, "The view, for passes."),
+        Output::new("coverage", Kind::MASK, "1 where a surface is seen, else 0."),
+    ],
+    revision: 1,
+};
+
+impl NodeType for Render {
+    fn declaration(&self) -> &'static Declaration {
+        &DECLARATION
+    }
+
+    fn body(&self) -> Body<'_> {
+        Body::Stage(self)
+    }
+}
+
+/// A view's channels as the scene crate names them, in the same order.
+const CHANNELS: [scene::Channel; ViewChannel::COUNT] = scene::Channel::ALL;
+
+impl Stage for Render {
+    fn interval(&self, _node: &Settled, output: usize, channel: usize) -> Option<(f64, f64)> {
+        let is_coverage = output == 1 || channel == ViewChannel::Coverage as usize;
+        is_coverage.then_some((0.0, 1.0))
+    }
+
+    fn prepare(&self, node: &Settled, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
+        let camera: scene::Camera = prepare.handles(node, "camera")?[0];
+        let surfaces: Vec<SurfaceHandle> = prepare.handles(node, "surfaces")?;
+        let mut wanted: scene::ChannelSet = CHANNELS
+            .into_iter()
+            .zip(&prepare.wanted[0])
+            .filter(|(_, wanted)| **wanted)
+            .map(|(channel, _)| channel)
+            .collect();
+        if prepare.wanted[1][0] {
+            wanted = wanted.union(scene::ChannelSet::COVERAGE);
+        }
+        let format = prepare.frame.format;
+        let visible = (wanted != scene::ChannelSet::NONE).then(|| {
+            let surfaces: Vec<&dyn scene::Surface> = surfaces.iter().map(|surface| surface.as_ref()).collect();
+            scene::Visible::prepare(&camera, &surfaces, format, wanted)
+        });
+        Ok(Box::new(Seen { camera, surfaces, format, visible }))
+    }
+}
+
+struct Seen {
+    camera: scene::Camera,
+    surfaces: Vec<SurfaceHandle>,
+    format: Format,
+    /// `None` where no channel is wanted.
+    visible: Option<scene::Visible>,
+}
+
+thread_local! {
+    /// Reused from tile to tile.
+    static SAMPLES: RefCell<scene::Samples> = RefCell::default();
+}
+
+impl Prepared for Seen {
+    fn handle(&self) -> Option<Handle> {
+        Some(std::sync::Arc::new(self.camera))
+    }
+
+    fn fill(&self, block: &Block, _inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
+        let Some(visible) = &self.visible else { return Ok(()) };
+        let planes: Vec<_> =
+            CHANNELS.into_iter().enumerate().filter_map(|(i, c)| Some((c, outputs.take(0, i)?))).collect();
+        let coverage = outputs.take(1, 0);
+        let mut wanted: scene::ChannelSet = planes.iter().map(|(channel, _)| *channel).collect();
+        if coverage.is_some() {
+            wanted = wanted.union(scene::ChannelSet::COVERAGE);
+        }
+        SAMPLES.with_borrow_mut(|samples| {
+            visible.fill(block.window, block.offset, wanted, samples);
+            for (channel, plane) in planes {
+                plane.copy_from_slice(samples.channel(channel));
+            }
+            if let Some(plane) = coverage {
+                plane.copy_from_slice(samples.channel(scene::Channel::Coverage));
+            }
+        });
+        Ok(())
+    }
+
+    fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
+        let surfaces: Vec<&dyn scene::Surface> = self.surfaces.iter().map(|surface| surface.as_ref()).collect();
+        let hit = scene::reference::trace(&self.camera, &surfaces, self.format, inputs.at[0], inputs.at[1]);
+        let channels = match &hit {
+            None => ViewChannel::ALL.iter().map(|channel| f64::from(channel.background())).collect(),
+            Some(hit) => ViewChannel::ALL
+                .iter()
+                .map(|channel| match channel {
+                    ViewChannel::Coverage => 1.0,
+                    ViewChannel::Depth => hit.depth,
+                    ViewChannel::PositionX => hit.position.x,
+                    ViewChannel::PositionY => hit.position.y,
+                    ViewChannel::PositionZ => hit.position.z,
+                    ViewChannel::NormalX => hit.normal.x,
+                    ViewChannel::NormalY => hit.normal.y,
+                    ViewChannel::NormalZ => hit.normal.z,
+                    ViewChannel::RestX => hit.rest.x,
+                    ViewChannel::RestZ => hit.rest.z,
+                    ViewChannel::Height => hit.height,
+                    ViewChannel::RestDistance => hit.rest_distance,
+                    ViewChannel::SlopeVariance => hit.slope_variance,
+                    ViewChannel::Jacobian => hit.jacobian,
+                    ViewChannel::Surface => hit.surface as f64,
+                })
+                .collect(),
+        };
+        let coverage = if hit.is_some() { 1.0 } else { 0.0 };
+        Ok(vec![Reference::View(channels), Reference::Mask(coverage)])
+    }
+
+    fn bytes(&self) -> usize {
+        self.visible.as_ref().map_or(0, |visible| visible.stats().bytes)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn channels_agree_with_the_scene_crate() {
+        for (ours, theirs) in ViewChannel::ALL.iter().zip(CHANNELS) {
+            assert_eq!(format!("{ours:?}"), format!("{theirs:?}"));
+            assert_eq!(ours.background(), theirs.background());
+        }
+    }
+}

@@ -1,0 +1,100 @@
+//! Specular: where a light is mirrored toward the eye.
+
+use crate::scene_support::{
+    COMBINE, Lights, NORMAL, POSITION, eye, is_covered, nothing, uncover, view_directions, view_planes, view_vector,
+};
+use trochoid_graph::*;
+use trochoid_scene::Projector;
+use trochoid_scene::shading::blinn::{self, Model};
+
+pub(crate) static NODE: &dyn NodeType = &Specular;
+
+struct Specular;
+
+static DECLARATION: Declaration = Declaration {
+    name: "Specular",
+    end: End::Front,
+    summary: "A mask of the lights' mirror image in the surface.",
+    formula: "half: exp(s · log1p(−½|N − H|²)), H halfway between light and eye, which is (N · H)ˢ; reflection: \
+              (R · V)ˢ. s = `shininess`, lowered where the footprint took waves away.",
+    edge_cases: "0 where nothing is seen, where the surface faces away from the light, and where light and eye are \
+                 opposite.",
+    source: "Thesis 3.2.3.1, R = I − 2N(N · I); Blinn, Models of Light Reflection, 1977.",
+    items: &[
+        Port::one("view", Accepts::View, "What mirrors."),
+        Port::many("lights", Accepts::Light, 1, 64, "What is mirrored."),
+        Knob::choice("combine", COMBINE, "How several lights become one mask.").item(),
+        Knob::number("shininess", 60.0, 0.0, 1e6, "Exponent: the higher, the sharper.").item(),
+        Knob::choice("model", &["half", "reflection"], "Blinn's half vector, or the thesis' mirror form.").item(),
+    ],
+    outputs: &[Output::new("mask", Kind::MASK, "How much of the lights is mirrored.")],
+    revision: 1,
+};
+
+impl NodeType for Specular {
+    fn declaration(&self) -> &'static Declaration {
+        &DECLARATION
+    }
+
+    fn body(&self) -> Body<'_> {
+        Body::Stage(self)
+    }
+}
+
+impl Stage for Specular {
+    fn asks(&self, _node: &Settled, _wanted: &[bool]) -> ChannelSet {
+        ChannelSet::of(&NORMAL).union(ViewChannel::Coverage.into())
+    }
+
+    fn prefers(&self, _node: &Settled, _wanted: &[bool]) -> ChannelSet {
+        ChannelSet::of(&POSITION).union(ViewChannel::SlopeVariance.into())
+    }
+
+    fn prepare(&self, node: &Settled, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
+        let model = if node.text("model") == "reflection" { Model::Reflection } else { Model::Half };
+        Ok(Box::new(Mirror {
+            node: node.clone(),
+            lights: Lights::of(node, prepare)?,
+            eye: eye(node, prepare, prepare.frame.format)?,
+            shininess: node.number("shininess"),
+            model,
+        }))
+    }
+}
+
+struct Mirror {
+    node: Settled,
+    lights: Lights,
+    eye: Projector,
+    shininess: f64,
+    model: Model,
+}
+
+impl Prepared for Mirror {
+    fn fill(&self, _block: &Block, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
+        let Some(mask) = outputs.take(0, 0) else { return Ok(()) };
+        let normals = view_planes(inputs, NORMAL);
+        let views = view_directions(inputs, &self.eye, mask.len())?;
+        let variances = inputs.view_if_any("view", ViewChannel::SlopeVariance).unwrap_or_default();
+        self.lights.fill(inputs, mask, |light, out| {
+            let views = [&views[0][..], &views[1], &views[2]];
+            blinn::fill(normals, light, views, self.shininess as f32, variances, self.model, out);
+        })?;
+        uncover(inputs, mask);
+        Ok(())
+    }
+
+    fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
+        if !is_covered(&self.node, inputs) {
+            return Ok(nothing());
+        }
+        let normal = view_vector(&self.node, inputs, NORMAL);
+        let point = view_vector(&self.node, inputs, POSITION);
+        let view = if self.eye.orthographic { -self.eye.forward } else { self.eye.position - point };
+        let variance = inputs.view(self.node.source("view"), ViewChannel::SlopeVariance);
+        let mask = self.lights.reference(point, |light| {
+            blinn::reference(normal, light, view, self.shininess, variance, self.model)
+        });
+        Ok(vec![Reference::Mask(mask)])
+    }
+}

@@ -1,0 +1,52 @@
+//! Passes that hand on channels of a view as they are.
+
+use trochoid_graph::*;
+
+/// A node type whose one output is some channels of its view.
+pub(crate) struct ViewCopy {
+    /// Its declaration; the port is `view`.
+    pub(crate) declaration: &'static Declaration,
+    /// The channels, in the order of the output's components.
+    pub(crate) channels: &'static [ViewChannel],
+}
+
+impl NodeType for ViewCopy {
+    fn declaration(&self) -> &'static Declaration {
+        self.declaration
+    }
+
+    fn body(&self) -> Body<'_> {
+        Body::Stage(self)
+    }
+}
+
+impl Stage for ViewCopy {
+    fn asks(&self, _node: &Settled, _wanted: &[bool]) -> ChannelSet {
+        ChannelSet::of(self.channels)
+    }
+
+    fn prepare(&self, node: &Settled, _prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
+        Ok(Box::new(Copying { node: node.clone(), channels: self.channels }))
+    }
+}
+
+struct Copying {
+    node: Settled,
+    channels: &'static [ViewChannel],
+}
+
+impl Prepared for Copying {
+    fn fill(&self, _block: &Block, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
+        for (index, channel) in self.channels.iter().enumerate() {
+            if let Some(plane) = outputs.take(0, index) {
+                plane.copy_from_slice(inputs.view("view", *channel));
+            }
+        }
+        Ok(())
+    }
+
+    fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
+        let view = self.node.source("view");
+        Ok(vec![Reference::Field(self.channels.iter().map(|channel| inputs.view(view, *channel)).collect())])
+    }
+}

@@ -1,0 +1,51 @@
+//! What camera, lights, Render and passes share.
+
+mod copy;
+mod lit;
+
+pub(crate) use copy::ViewCopy;
+pub(crate) use lit::{COMBINE, Lights, Vectors3, eye, view_directions};
+
+use std::sync::Arc;
+use trochoid_graph::{Inputs, Reference, References, Settled, ViewChannel};
+use trochoid_scene::{DVec3, Surface};
+
+/// What nodes with a Surface as output hand on.
+pub(crate) type SurfaceHandle = Arc<dyn Surface>;
+
+/// A vector knob.
+pub(crate) fn vector(node: &Settled, knob: &str) -> DVec3 {
+    DVec3::from(node.vector3(knob))
+}
+
+pub(crate) const POSITION: [ViewChannel; 3] = [ViewChannel::PositionX, ViewChannel::PositionY, ViewChannel::PositionZ];
+pub(crate) const NORMAL: [ViewChannel; 3] = [ViewChannel::NormalX, ViewChannel::NormalY, ViewChannel::NormalZ];
+
+/// Three channels of the view at one sample, in f64.
+pub(crate) fn view_vector(node: &Settled, inputs: &References<'_>, channels: [ViewChannel; 3]) -> DVec3 {
+    DVec3::from(channels.map(|channel| inputs.view(node.source("view"), channel)))
+}
+
+/// Three channels of the view over a block.
+pub(crate) fn view_planes<'a>(inputs: &Inputs<'a>, channels: [ViewChannel; 3]) -> Vectors3<'a> {
+    channels.map(|channel| inputs.view("view", channel))
+}
+
+/// Whether a sample of the view is covered, in f64.
+pub(crate) fn is_covered(node: &Settled, inputs: &References<'_>) -> bool {
+    inputs.view(node.source("view"), ViewChannel::Coverage) > 0.0
+}
+
+/// Sets a mask to its background, 0, where the view is not covered.
+pub(crate) fn uncover(inputs: &Inputs<'_>, mask: &mut [f32]) {
+    for (mask, coverage) in mask.iter_mut().zip(inputs.view("view", ViewChannel::Coverage)) {
+        if *coverage == 0.0 {
+            *mask = 0.0;
+        }
+    }
+}
+
+/// A mask of the reference at an uncovered sample.
+pub(crate) fn nothing() -> Vec<Reference> {
+    vec![Reference::Mask(0.0)]
+}

@@ -1,0 +1,167 @@
+//! GerstnerSea: a sum of trochoidal waves.
+
+use crate::scene_support::SurfaceHandle;
+use std::sync::Arc;
+use trochoid_graph::*;
+use trochoid_scene::SeaSurface;
+use trochoid_sea::{
+    Convention, Dispersion, ExplicitWave, FoldOptions, Folding, GerstnerSpectrum, MAX_WAVES, Sea, Wave,
+};
+
+pub(crate) static NODE: &dyn NodeType = &GerstnerSea;
+
+struct GerstnerSea;
+
+static DECLARATION: Declaration = Declaration {
+    name: "GerstnerSea",
+    end: End::Front,
+    summary: "An endless sea: a sum of trochoidal waves with log-normal lengths, and of waves set by hand.",
+    formula: "θ = k(d · p₀) − ωt + φ;  x −= h·d·sin θ,  y += a·cos θ.  a ∝ L, scaled so that 4 × RMS of the sum is \
+              `height`; ω = √(gk). Waves that a pixel cannot resolve fade by exp(−(kσ)²/2), σ = footprint/2.",
+    edge_cases: "`count` 0 without `waves` is a flat sea. Sharpness 0 is a sum of sinusoids; beyond 1 crests fold \
+                 over. With convention \"thesis\" the sum is flat for many waves, and sharpness scales the height too.",
+    source: "Thesis 3.2.1; Hinsinger, Neyret and Cani, Interactive Animation of Ocean Waves, 2002.",
+    items: &[
+        Knob::integer("count", 1000, 0, MAX_WAVES as i64, "Number of random waves.").item(),
+        Knob::number("wavelength", 20.0, 1e-3, 1e5, "Mean wavelength.").unit("m").item(),
+        Knob::number("spread", 0.5, 0.0, 3.0, "Standard deviation of ln L.").item(),
+        Knob::number("height", 1.0, 0.0, 1e4, "Significant wave height, 4 × RMS.").unit("m").item(),
+        Knob::number("direction", 0.0, -3600.0, 3600.0, "Where waves travel: 0 is +X, 90 is +Z.")
+            .unit("degrees")
+            .item(),
+        Knob::number("direction_spread", 30.0, 0.0, 360.0, "Standard deviation of the direction.")
+            .unit("degrees")
+            .item(),
+        Knob::number("sharpness", 0.5, 0.0, 10.0, "0: sinusoids. 1: the sharpest crests reach the cusp.").item(),
+        Knob::choice("dispersion", &["deep", "speed", "period"], "How frequency follows from length.").item(),
+        Knob::number("speed", 5.0, 0.0, 1e4, "Speed of the crests, with dispersion \"speed\".").unit("m/s").item(),
+        Knob::number("period", 4.0, 1e-3, 1e6, "Period of all waves, with dispersion \"period\".").unit("s").item(),
+        Knob::choice("convention", &["settled", "thesis"], "Signs and weights as settled, or as printed.").item(),
+        Knob::integer("seed", 0, 0, 1_000_000_000, "Which sea of all that have these figures.").item(),
+        Knob::number("level", 0.0, -1e5, 1e5, "World y of the sea at rest.").unit("m").item(),
+        List::of("waves", WAVE, 0, 10_000, "Waves set by hand, besides the random ones."),
+    ],
+    outputs: &[Output::new("surface", Kind::Surface, "The sea at the frame's time.")],
+    revision: 1,
+};
+
+static WAVE: &[Item] = &[
+    Knob::number("wavelength", 10.0, 1e-3, 1e6, "Crest to crest.").required().unit("m").item(),
+    Knob::number("amplitude", 1.0, -1e4, 1e4, "Vertical amplitude.").required().unit("m").item(),
+    Knob::number("direction", 0.0, -3600.0, 3600.0, "Where it travels: 0 is +X, 90 is +Z.").unit("degrees").item(),
+    Knob::number("sharpness", 0.0, 0.0, 10.0, "Its share of the cusp: 0 is a sinusoid, 1 a cusp.").item(),
+    Knob::number("phase", 0.0, -1e6, 1e6, "Phase at the origin at time 0.").unit("degrees").item(),
+    Knob::number("speed", 0.0, 0.0, 1e4, "Speed of the crests; deep water decides if unset.")
+        .optional()
+        .unit("m/s")
+        .item(),
+];
+
+/// The waves that the knobs describe.
+fn waves(node: &Settled) -> Result<Vec<Wave>, String> {
+    let spectrum = GerstnerSpectrum {
+        count: node.integer("count") as usize,
+        wavelength: node.number("wavelength"),
+        spread: node.number("spread"),
+        height: node.number("height"),
+        direction: node.number("direction").to_radians(),
+        direction_spread: node.number("direction_spread").to_radians(),
+        sharpness: node.number("sharpness"),
+        dispersion: match node.text("dispersion") {
+            "speed" => Dispersion::Speed(node.number("speed")),
+            "period" => Dispersion::Period(node.number("period")),
+            _ => Dispersion::Deep,
+        },
+        convention: if node.text("convention") == "thesis" { Convention::Thesis } else { Convention::Settled },
+        seed: node.integer("seed") as u64,
+    };
+    let mut waves = spectrum.waves().map_err(|error| error.to_string())?;
+    for wave in node.list("waves") {
+        let wave = ExplicitWave {
+            wavelength: wave.number("wavelength"),
+            amplitude: wave.number("amplitude"),
+            direction: wave.number("direction").to_radians(),
+            sharpness: wave.number("sharpness"),
+            phase: wave.number("phase").to_radians(),
+            speed: wave.is_set("speed").then(|| wave.number("speed")),
+        };
+        waves.push(Wave::try_from(wave).map_err(|error| error.to_string())?);
+    }
+    Ok(waves)
+}
+
+fn folding(waves: Vec<Wave>) -> Folding {
+    Sea::new(waves).folding(FoldOptions::default())
+}
+
+impl NodeType for GerstnerSea {
+    fn declaration(&self) -> &'static Declaration {
+        &DECLARATION
+    }
+
+    fn check(&self, node: &Settled, check: &mut Check<'_>) {
+        let waves = match waves(node) {
+            Ok(waves) => waves,
+            Err(error) => return check.error("waves", error, "waves within the model's range", "change the knob named"),
+        };
+        let folds = folding(waves);
+        if folds.folded_share > FoldOptions::default().tolerated_share {
+            let found = format!("crests that fold over on {:.2} % of the sea", 100.0 * folds.folded_share);
+            let sharpness = node.number("sharpness") * folds.unfolded_scale;
+            let remedy = if node.list("waves").is_empty() {
+                format!("a sharpness of {sharpness:.3} would not fold")
+            } else {
+                format!("all sharpnesses times {:.3} would not fold", folds.unfolded_scale)
+            };
+            check.warning("sharpness", found, "crests that do not fold", remedy);
+        }
+    }
+
+    fn notes(&self, node: &Settled) -> Vec<String> {
+        let Ok(waves) = waves(node) else { return Vec::new() };
+        let count = waves.len();
+        let folds = folding(waves);
+        vec![format!(
+            "{count} waves; folds: λ1 {:.3}, Σq {:.3}, least det J {:.3} over {} points, {:.2} % predicted to fold; \
+             sharpness × {:.3} would not",
+            folds.lambda[0],
+            folds.q_sum,
+            folds.jacobian_min,
+            FoldOptions::default().samples,
+            100.0 * folds.folded_share,
+            folds.unfolded_scale
+        )]
+    }
+
+    fn body(&self) -> Body<'_> {
+        Body::Stage(self)
+    }
+}
+
+impl Stage for GerstnerSea {
+    fn timed(&self) -> bool {
+        true
+    }
+
+    fn formatted(&self) -> bool {
+        false
+    }
+
+    fn prepare(&self, node: &Settled, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
+        let sea = Sea::new(waves(node).map_err(NodeError::new)?);
+        let surface = SeaSurface::new(&sea, prepare.frame.time, node.number("level"));
+        Ok(Box::new(Surging(Arc::new(surface))))
+    }
+}
+
+struct Surging(SurfaceHandle);
+
+impl Prepared for Surging {
+    fn handle(&self) -> Option<Handle> {
+        Some(Arc::new(self.0.clone()))
+    }
+
+    fn reference(&self, _inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
+        Ok(vec![Reference::Handle(Arc::new(self.0.clone()))])
+    }
+}

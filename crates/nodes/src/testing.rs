@@ -1,0 +1,209 @@
+//! Evaluates small documents at one sample, by the reference and by the lowered program, for tests of nodes.
+
+use std::path::Path;
+use trochoid_graph::*;
+use trochoid_image::Window;
+use trochoid_weights::arithmetic;
+
+/// Checks a document of these nodes with the output `"out"` of kind `key`; its messages, where it has errors.
+pub(crate) fn graph(key: &str, nodes: &str, folder: &Path) -> Result<CheckedGraph, String> {
+    let text = format!(
+        r#"{{ "trochoid": 1, "format": {{ "width": 4, "height": 3 }}, "nodes": {{ {nodes} }},
+            "outputs": {{ "out": {{ "{key}": "out" }} }} }}"#
+    );
+    let document = Document::parse("test.json", &text).map_err(|faults| format!("{faults:?}"))?;
+    let registry = Registry::new(crate::all().iter().copied());
+    let (graph, faults) = check(&document, &registry, folder);
+    let text: Vec<String> = faults.iter().map(|fault| format!("{fault:?}")).collect();
+    graph.ok_or_else(|| text.join("\n"))
+}
+
+/// Everything prepared of a graph's first frame.
+pub(crate) struct Frame {
+    pub(crate) graph: CheckedGraph,
+    pub(crate) context: FrameContext,
+    pub(crate) prepared: Vec<Option<Box<dyn Prepared>>>,
+}
+
+impl Frame {
+    /// Prepares every stage, with every channel wanted.
+    pub(crate) fn new(graph: CheckedGraph) -> Result<Self, NodeError> {
+        let context = graph.frame_context(graph.frames().0, 1 << 30);
+        let mut prepared: Vec<Option<Box<dyn Prepared>>> = graph.nodes().iter().map(|_| None).collect();
+        for &id in graph.order() {
+            let node = graph.node(id);
+            let Body::Stage(stage) = node.ty.body() else { continue };
+            let wanted: Vec<Vec<bool>> = node.kinds.iter().map(|kind| vec![true; kind.channels()]).collect();
+            let handles = |id: NodeId| prepared[id.0].as_ref().and_then(|prepared| prepared.handle());
+            let settled = graph.settle(id, context.frame);
+            let made = stage.prepare(&settled, &Prepare::new(&context, &wanted, &handles, &|| false))?;
+            prepared[id.0] = Some(made);
+        }
+        Ok(Self { graph, context, prepared })
+    }
+
+    /// The node of that name.
+    #[cfg_attr(not(feature = "io"), allow(dead_code, reason = "only files say more than their planes"))]
+    pub(crate) fn node(&self, name: &str) -> &dyn Prepared {
+        self.prepared[self.graph.find(name).unwrap().0].as_deref().unwrap()
+    }
+
+    /// An output of a node in f64.
+    pub(crate) fn reference(&self, id: NodeId, output: usize, at: [f64; 2]) -> Reference {
+        let inputs = |source: &Source<Vec<f64>>| match source {
+            Source::Output { node, output } => self.reference(*node, *output, at),
+            _ => unreachable!("literals are evaluated where they stand"),
+        };
+        let references = References::new(&self.context, at, &inputs);
+        match (self.graph.node(id).ty.body(), &self.prepared[id.0]) {
+            (Body::Pointwise(node), _) => node.reference(&self.graph.settle(id, self.context.frame), &references),
+            (_, Some(prepared)) => prepared.reference(&references).unwrap().swap_remove(output),
+            _ => unreachable!("every stage is prepared"),
+        }
+    }
+
+    /// The reference of the node "out" as numbers: a color, weights one a control, or components.
+    pub(crate) fn truth(&self, at: [f64; 2]) -> Vec<f64> {
+        match self.reference(self.graph.find("out").unwrap(), 0, at) {
+            Reference::Color(color) => color.to_vec(),
+            Reference::Mask(t) => vec![1.0 - t, t],
+            Reference::Weights(values) | Reference::Field(values) | Reference::View(values) => values,
+            Reference::Handle(_) => Vec::new(),
+        }
+    }
+
+    /// The same by the lowered program in f32.
+    pub(crate) fn lowered(&self, at: [f64; 2]) -> Vec<f32> {
+        let mut program = Program::default();
+        let mut values: Vec<Option<Value>> = vec![None; self.graph.nodes().len()];
+        for &id in self.graph.order() {
+            let node = self.graph.node(id);
+            let value = match node.ty.body() {
+                Body::Pointwise(pointwise) => {
+                    let inputs = |source: &Source<Vec<f64>>| match source {
+                        Source::Output { node, .. } => values[node.0].clone().unwrap(),
+                        _ => unreachable!("literals are lowered where they stand"),
+                    };
+                    let mut lowering = Lowering::new(Builder::new(&mut program, id), &inputs);
+                    pointwise.lower(&self.graph.settle(id, self.context.frame), &mut lowering)
+                }
+                Body::Stage(_) => load(&mut program, id, node.kinds[0]),
+            };
+            values[id.0] = Some(value);
+        }
+        let out = self.graph.find("out").unwrap();
+        let rows: Vec<u32> = match values[out.0].clone().unwrap() {
+            Value::Color(color) => vec![color.0],
+            Value::Field(components) => components.iter().map(|component| component.0).collect(),
+            Value::Weights(weights) => {
+                (0..weights.ways()).map(|i| Builder::new(&mut program, out).weight(&weights, i).0).collect()
+            }
+        };
+        let results = self.run(&program, at);
+        rows.into_iter().flat_map(|row| results[row as usize].clone()).collect()
+    }
+
+    /// One channel of a stage at one sample, by its fill.
+    pub(crate) fn filled(&self, id: NodeId, output: usize, channel: usize, at: [f64; 2]) -> f32 {
+        let (x, y) = (at[0].floor() as i64, at[1].floor() as i64);
+        let block = Block { window: Window::new(x, y, x + 1, y + 1), offset: [at[0].fract(), at[1].fract()] };
+        let mut plane = [f32::NAN];
+        let mut planes: Vec<Vec<Option<&mut [f32]>>> = Vec::new();
+        for kind in &self.graph.node(id).kinds {
+            planes.push((0..kind.channels()).map(|_| None).collect());
+        }
+        planes[output][channel] = Some(&mut plane);
+        let prepared = self.prepared[id.0].as_ref().unwrap();
+        prepared.fill(&block, &Inputs::new(&[]), &mut Outputs::new(planes)).unwrap();
+        plane[0]
+    }
+
+    fn run(&self, program: &Program, at: [f64; 2]) -> Vec<Vec<f32>> {
+        let mut results: Vec<Vec<f32>> = Vec::new();
+        for (op, _) in program.ops() {
+            let row = |position: u32| results[position as usize].clone();
+            let one = |scalar: &Scalar| results[scalar.0 as usize][0];
+            let result = match op {
+                Op::Load(slot) => vec![self.filled(slot.node, slot.output, slot.channel, at)],
+                Op::Constant(value) => vec![*value],
+                Op::Clamp { x, min, max } => vec![arithmetic::clamp(one(x), *min, *max)],
+                Op::Smooth(t) => vec![arithmetic::smooth(one(t))],
+                Op::Power { t, p } => vec![arithmetic::power(one(t), *p)],
+                Op::Step { x, threshold } => vec![arithmetic::step(one(x), *threshold)],
+                Op::Complement(t) => vec![arithmetic::complement(one(t))],
+                Op::Product(t, u) => vec![arithmetic::product(one(t), one(u))],
+                Op::Partition(weights) => {
+                    let mut weights: Vec<f32> = weights.iter().map(one).collect();
+                    arithmetic::round_partition(&mut weights);
+                    weights
+                }
+                Op::Normalize { values, floor } => {
+                    let values: Vec<f32> = values.iter().map(one).collect();
+                    let mut weights = vec![0.0; values.len() + 1];
+                    arithmetic::normalize(&values, *floor, &mut weights);
+                    weights
+                }
+                Op::Weight(partition, i) => vec![row(partition.0)[*i]],
+                Op::LoadColor(slot) => (0..3).map(|c| self.filled(slot.node, slot.output, c, at)).collect(),
+                Op::ConstantColor(color) => color.to_vec(),
+                Op::Mix { a, b, t } => {
+                    let pairs = row(a.0).into_iter().zip(row(b.0));
+                    pairs.map(|(a, b)| arithmetic::mix(a, b, one(t))).collect()
+                }
+                Op::Blend { colors, weights } => {
+                    let weights = row(weights.0);
+                    let channel = |c: usize| -> Vec<f32> { colors.iter().map(|color| row(color.0)[c]).collect() };
+                    (0..3).map(|c| arithmetic::blend(&channel(c), &weights)).collect()
+                }
+            };
+            results.push(result);
+        }
+        results
+    }
+}
+
+fn load(program: &mut Program, node: NodeId, kind: Kind) -> Value {
+    let mut build = Builder::new(program, node);
+    let mut load = |channel: usize| build.scalar(Op::Load(Slot { node, output: 0, channel }));
+    match kind {
+        Kind::Color => Value::Color(build.color(Op::LoadColor(Slot { node, output: 0, channel: 0 }))),
+        Kind::MASK => Value::Weights(Weights::Mask(load(0))),
+        Kind::Weights(n) => {
+            let raw = (0..n).map(load).collect();
+            Value::Weights(Weights::Partition(build.partition(Op::Partition(raw)), n))
+        }
+        other => Value::Field((0..other.channels()).map(load).collect()),
+    }
+}
+
+/// Prepares a document of back-end nodes and screen masks.
+pub(crate) fn frame(key: &str, nodes: &str) -> Frame {
+    Frame::new(graph(key, nodes, Path::new(".")).unwrap()).unwrap()
+}
+
+/// Holds the lowered program against the reference over the picture, sub-pixel samples included.
+pub(crate) fn agrees(key: &str, nodes: &str) {
+    let frame = frame(key, nodes);
+    for y in 0..12 {
+        for x in 0..16 {
+            let at = [f64::from(x) / 4.0 + 0.125, f64::from(y) / 4.0 + 0.125];
+            let (truth, found) = (frame.truth(at), frame.lowered(at));
+            assert_eq!(truth.len(), found.len());
+            if key == "weights" {
+                let sum: f32 = found.iter().sum();
+                assert!((sum - 1.0).abs() < 1e-6, "{found:?} at {at:?}");
+            }
+            for (truth, found) in truth.iter().zip(&found) {
+                assert!((truth - f64::from(*found)).abs() < 2e-6, "{truth} and {found} at {at:?} of {nodes}");
+            }
+        }
+    }
+}
+
+/// The faults of a document that must be refused.
+pub(crate) fn refused(key: &str, nodes: &str) -> String {
+    match graph(key, nodes, Path::new(".")) {
+        Err(faults) => faults,
+        Ok(_) => panic!("accepted: {nodes}"),
+    }
+}
