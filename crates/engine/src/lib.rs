@@ -20,6 +20,8 @@ mod reference;
 mod rules;
 mod run;
 mod settings;
+#[cfg(test)]
+mod tests;
 mod tile;
 
 pub use buffers::Buffers;

@@ -74,6 +74,25 @@ pub(crate) struct Compiled {
     pub(crate) planes: Vec<Slot>,
     /// The rows of every root.
     pub(crate) roots: Vec<Vec<Row>>,
+    /// What the kernels do wrong, so that tests see whether anybody notices.
+    #[cfg(test)]
+    pub(crate) fault: Fault,
+}
+
+/// A deliberately broken kernel.
+#[cfg(test)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) enum Fault {
+    #[default]
+    None,
+    /// Mix goes beyond its second color.
+    MixOvershoots,
+    /// Partitions sum to a little less than 1.
+    PartitionLeaks,
+    /// Clamp lets a mask reach beyond 1.
+    ClampLeaks,
+    /// Mix gives NaN at one pixel of a row.
+    MixLosesOne,
 }
 
 /// Compiles what `roots` need. With `hoist`, values that do not vary along the column run once a tile, and

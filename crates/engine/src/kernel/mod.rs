@@ -7,5 +7,7 @@
 mod compile;
 mod run;
 
+#[cfg(test)]
+pub(crate) use compile::Fault;
 pub(crate) use compile::{Compiled, compile};
 pub(crate) use run::{Machine, Plane, Sink, WeightAudit};

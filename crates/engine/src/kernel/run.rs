@@ -102,6 +102,8 @@ fn execute<S: Simd>(
                 let constant_row = matches!(instruction.variance, Variance::Constant | Variance::Row);
                 let length = if constant_row { 1.min(width) } else { width };
                 step(instruction, machine, planes, y, width, length);
+                #[cfg(test)]
+                sabotage(instruction, machine);
                 if constant_row {
                     for &to in &instruction.to {
                         let row = &mut machine.rows[to as usize];
@@ -229,6 +231,20 @@ fn step(instruction: &Instruction, machine: &mut Machine<'_>, planes: &[Plane<'_
                 machine.rows[to as usize] = row;
             }
         }
+        _ => {}
+    }
+}
+
+/// Spoils what an instruction wrote, as the program's fault says.
+#[cfg(test)]
+fn sabotage(instruction: &Instruction, machine: &mut Machine<'_>) {
+    use super::compile::Fault;
+    let first = &mut machine.rows[instruction.to[0] as usize];
+    match (machine.compiled.fault, &instruction.work) {
+        (Fault::MixOvershoots, Work::Mix { .. }) => first.iter_mut().for_each(|v| *v = *v * 1.5 + 0.01),
+        (Fault::PartitionLeaks, Work::Partition(_)) => first.iter_mut().for_each(|v| *v *= 0.9),
+        (Fault::ClampLeaks, Work::Clamp { .. }) => first.iter_mut().for_each(|v| *v += 0.25),
+        (Fault::MixLosesOne, Work::Mix { .. }) => first.iter_mut().rev().take(1).for_each(|v| *v = f32::NAN),
         _ => {}
     }
 }

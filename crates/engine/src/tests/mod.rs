@@ -1,0 +1,5 @@
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
+
+mod mutation;
+mod nodes;
+mod rules;
