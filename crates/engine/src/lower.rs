@@ -1,8 +1,6 @@
 //! From checked nodes to one pointwise program and the stages around it.
 
-use trochoid_graph::{
-    Body, Builder, CheckedGraph, Kind, Lowering, NodeId, Op, Program, Scalar, Settled, Slot, Source, Value, Weights,
-};
+use trochoid_graph::{Body, Builder, CheckedGraph, Lowering, NodeId, Program, Settled, Source, Value, load};
 
 /// All pointwise nodes as one program, and the value of every node output.
 pub(crate) struct Lowered {
@@ -65,25 +63,6 @@ pub(crate) fn lower(graph: &CheckedGraph, frame: i64, needed: &[bool], bound: &[
     lowered
 }
 
-/// The value of an output that something outside the program fills.
-fn load(program: &mut Program, node: NodeId, output: usize, kind: Kind) -> Option<Value> {
-    let mut build = Builder::new(program, node);
-    let mut scalars = |n: usize| -> Vec<Scalar> {
-        (0..n).map(|channel| build.scalar(Op::Load(Slot { node, output, channel }))).collect()
-    };
-    match kind {
-        Kind::Color => Some(Value::Color(build.color(Op::LoadColor(Slot { node, output, channel: 0 })))),
-        Kind::Weights(2) => Some(Value::Weights(Weights::Mask(scalars(1)[0]))),
-        Kind::Weights(n) => {
-            let raw = scalars(n);
-            let partition = build.partition(Op::Partition(raw));
-            Some(Value::Weights(Weights::Partition(partition, n)))
-        }
-        Kind::Field(n) => Some(Value::Field(scalars(n))),
-        Kind::Surface | Kind::Camera | Kind::Light | Kind::View => None,
-    }
-}
-
 /// The program positions that hold a value's channels, in the order of its kind's planes. Appends what is
 /// needed to make weights explicit.
 pub(crate) fn positions(program: &mut Program, origin: NodeId, value: &Value) -> Vec<u32> {
@@ -91,10 +70,10 @@ pub(crate) fn positions(program: &mut Program, origin: NodeId, value: &Value) ->
         Value::Color(color) => vec![color.0],
         Value::Field(components) => components.iter().map(|component| component.0).collect(),
         Value::Weights(weights) if weights.ways() == 2 => {
-            vec![Builder::new(program, origin).weight(weights, 1).0]
+            vec![Builder::new(program, origin).weight(weights, 1).field().0]
         }
         Value::Weights(weights) => {
-            (0..weights.ways()).map(|i| Builder::new(program, origin).weight(weights, i).0).collect()
+            (0..weights.ways()).map(|i| Builder::new(program, origin).weight(weights, i).field().0).collect()
         }
     }
 }

@@ -10,6 +10,7 @@
 //! to 1. So every color of an output lies in the convex hull of the control colors, whatever the passes hold.
 
 mod animated;
+mod build;
 mod check;
 mod checked;
 mod declare;
@@ -25,6 +26,7 @@ mod schema;
 mod spanned;
 
 pub use animated::{Animated, Interpolation};
+pub use build::{Builder, Mask, Value, Weights, load};
 pub use check::{check, expected};
 pub use checked::{CheckedGraph, CheckedNode, Guarantee, OutputSpec, Precision};
 pub use declare::{Arity, Declaration, Default, End, Item, Knob, List, Output, Port, Takes};
@@ -35,7 +37,7 @@ pub use node::{
     Block, Body, Check, Connection, Fault, FrameContext, Handle, Inputs, Lowering, NodeError, NodeType, Outputs,
     Pointwise, Prepare, Prepared, Reference, References, Stage, Variance, expand_frame,
 };
-pub use program::{Builder, Color, Op, Partition, Program, Scalar, Slot, Type, Value, Weights};
+pub use program::{Color, Op, Partition, Program, Scalar, Slot, Type};
 pub use record::{NodeId, Record, Setting, Settled, Source};
 pub use refusal::{REFUSALS, Refusal, refusal};
 pub use registry::Registry;

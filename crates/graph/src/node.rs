@@ -378,42 +378,46 @@ impl<'a> Lowering<'a> {
         Self { build, inputs }
     }
 
-    fn value(&mut self, source: &Source<Vec<f64>>) -> Value {
-        match source {
-            Source::Output { .. } => (self.inputs)(source),
-            Source::Number(values) => Value::Field(vec![self.build.constant(values[0] as f32)]),
-            Source::Color(values) => {
-                let color = [values[0] as f32, values[1] as f32, values[2] as f32];
-                Value::Color(self.build.color(crate::Op::ConstantColor(color)))
-            }
-            Source::Numbers(numbers) => {
-                let weights = numbers.iter().map(|w| self.build.constant(*w as f32)).collect();
-                let partition = self.build.partition(crate::Op::Partition(weights));
-                Value::Weights(crate::Weights::Partition(partition, numbers.len()))
-            }
-        }
-    }
-
     /// A connected or literal color.
     pub fn color(&mut self, source: &Source<Vec<f64>>) -> crate::Color {
-        match self.value(source) {
+        if let Some([r, g, b]) = source.color() {
+            return self.build.control([r as f32, g as f32, b as f32]);
+        }
+        match (self.inputs)(source) {
             Value::Color(color) => color,
             other => unreachable!("checked to be a Color: {other:?}"),
         }
     }
 
-    /// A connected or literal mask, or a field of one component.
-    pub fn scalar(&mut self, source: &Source<Vec<f64>>) -> crate::Scalar {
-        match self.value(source) {
-            Value::Field(components) if components.len() == 1 => components[0],
+    /// A connected or literal mask.
+    pub fn mask(&mut self, source: &Source<Vec<f64>>) -> crate::Mask {
+        if let Some(number) = source.number() {
+            return self.build.constant_mask(number as f32);
+        }
+        match (self.inputs)(source) {
             Value::Weights(weights) if weights.ways() == 2 => self.build.weight(&weights, 1),
+            other => unreachable!("checked to be a mask: {other:?}"),
+        }
+    }
+
+    /// A connected or literal field of one component; a mask is forgotten to be one.
+    pub fn scalar(&mut self, source: &Source<Vec<f64>>) -> crate::Scalar {
+        if let Some(number) = source.number() {
+            return self.build.constant(number as f32);
+        }
+        match (self.inputs)(source) {
+            Value::Field(components) if components.len() == 1 => components[0],
+            Value::Weights(weights) if weights.ways() == 2 => self.build.weight(&weights, 1).field(),
             other => unreachable!("checked to be one number: {other:?}"),
         }
     }
 
     /// Connected or literal weights.
     pub fn weights(&mut self, source: &Source<Vec<f64>>) -> crate::Weights {
-        match self.value(source) {
+        if let Source::Numbers(numbers) = source {
+            return self.build.literal_weights(numbers);
+        }
+        match (self.inputs)(source) {
             Value::Weights(weights) => weights,
             other => unreachable!("checked to be Weights: {other:?}"),
         }

@@ -81,7 +81,10 @@ pub(crate) fn shorten(text: &str) -> String {
 
 /// A number for messages, with an exponent where digits would be many.
 pub(crate) fn number_text(number: f64) -> String {
-    let plain = number == 0.0 || !number.is_finite() || (1e-5..1e15).contains(&number.abs());
+    if !number.is_finite() {
+        return "a number beyond the range of f64".into();
+    }
+    let plain = number == 0.0 || (1e-5..1e15).contains(&number.abs());
     if plain { number.to_string() } else { format!("{number:e}") }
 }
 

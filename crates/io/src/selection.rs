@@ -85,8 +85,11 @@ impl Selection {
             Some(name) => Some(found.layer(Some(name))?),
             None => found.layer(None).ok(),
         };
-        let chosen: Vec<(usize, usize)> =
-            self.channels.iter().map(|name| found.channel(name, layer)).collect::<Result<_, _>>()?;
+        let chosen: Vec<(usize, usize)> = self
+            .channels
+            .iter()
+            .map(|name| found.channel(name, layer, self.layer.is_some()))
+            .collect::<Result<_, _>>()?;
         let part = chosen[0].0;
         if let Some(&(other, _)) = chosen.iter().find(|(other, _)| *other != part) {
             return Err(Error::Ambiguous {
@@ -217,19 +220,18 @@ impl<'a> Resolver<'a> {
         }
     }
 
-    /// Part and index of one wanted channel.
-    fn channel(&self, wanted: &str, layer: Option<(usize, &str)>) -> Result<(usize, usize), Error> {
+    /// Part and index of one wanted channel. Where the layer was named, a bare name means a channel of that layer
+    /// and no other.
+    fn channel(&self, wanted: &str, layer: Option<(usize, &str)>, named: bool) -> Result<(usize, usize), Error> {
         type Name = fn(&ChannelInfo) -> &str;
         let base: Name = |channel| &channel.base;
         let full: Name = |channel| &channel.full_name;
         let in_layer: Vec<(usize, usize)> = layer
             .map(|(part, layer)| self.channels_of(part, layer).into_iter().map(|index| (part, index)).collect())
             .unwrap_or_default();
-        let everywhere: Vec<(usize, usize)> = self
-            .allowed
-            .clone()
-            .flat_map(|part| (0..self.parts[part].channels.len()).map(move |index| (part, index)))
-            .collect();
+        let elsewhere = self.allowed.clone().filter(|_| !named || wanted.contains('.'));
+        let everywhere: Vec<(usize, usize)> =
+            elsewhere.flat_map(|part| (0..self.parts[part].channels.len()).map(move |index| (part, index))).collect();
         for (candidates, name) in [(&in_layer, base), (&in_layer, full), (&everywhere, full)] {
             let info = |&(part, index): &(usize, usize)| name(&self.parts[part].channels[index]);
             let same = |fold: bool| {

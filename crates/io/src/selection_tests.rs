@@ -166,3 +166,12 @@ fn layers_without_a_main_one_must_be_named() {
     assert!(matches!(error, Error::Ambiguous { .. }));
     assert!(error.to_string().contains("name the layer"), "{error}");
 }
+
+#[test]
+fn a_bare_channel_of_a_named_layer_is_sought_nowhere_else() {
+    let file = parts(&[(None, &["R", "G", "B", "depth.Z"])]);
+    let selection = Selection::layer("depth").with_channels(["R"]);
+    let error = find(&file, &selection).unwrap_err().to_string();
+    assert!(error.contains("no channel \"R\" in layer \"depth\"") && error.contains('Z'), "{error}");
+    assert_eq!(find(&file, &Selection::channels(["R", "depth.Z"])).unwrap(), full(0, &["R", "depth.Z"]));
+}

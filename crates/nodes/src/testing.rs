@@ -87,7 +87,7 @@ impl Frame {
                     let mut lowering = Lowering::new(Builder::new(&mut program, id), &inputs);
                     pointwise.lower(&self.graph.settle(id, self.context.frame), &mut lowering)
                 }
-                Body::Stage(_) => load(&mut program, id, node.kinds[0]),
+                Body::Stage(_) => load(&mut program, id, 0, node.kinds[0]).unwrap(),
             };
             values[id.0] = Some(value);
         }
@@ -96,7 +96,7 @@ impl Frame {
             Value::Color(color) => vec![color.0],
             Value::Field(components) => components.iter().map(|component| component.0).collect(),
             Value::Weights(weights) => {
-                (0..weights.ways()).map(|i| Builder::new(&mut program, out).weight(&weights, i).0).collect()
+                (0..weights.ways()).map(|i| Builder::new(&mut program, out).weight(&weights, i).field().0).collect()
             }
         };
         let results = self.run(&program, at);
@@ -159,20 +159,6 @@ impl Frame {
             results.push(result);
         }
         results
-    }
-}
-
-fn load(program: &mut Program, node: NodeId, kind: Kind) -> Value {
-    let mut build = Builder::new(program, node);
-    let mut load = |channel: usize| build.scalar(Op::Load(Slot { node, output: 0, channel }));
-    match kind {
-        Kind::Color => Value::Color(build.color(Op::LoadColor(Slot { node, output: 0, channel: 0 }))),
-        Kind::MASK => Value::Weights(Weights::Mask(load(0))),
-        Kind::Weights(n) => {
-            let raw = (0..n).map(load).collect();
-            Value::Weights(Weights::Partition(build.partition(Op::Partition(raw)), n))
-        }
-        other => Value::Field((0..other.channels()).map(load).collect()),
     }
 }
 

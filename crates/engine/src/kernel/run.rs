@@ -242,7 +242,7 @@ fn sabotage(instruction: &Instruction, machine: &mut Machine<'_>) {
     let first = &mut machine.rows[instruction.to[0] as usize];
     match (machine.compiled.fault, &instruction.work) {
         (Fault::MixOvershoots, Work::Mix { .. }) => first.iter_mut().for_each(|v| *v = *v * 1.5 + 0.01),
-        (Fault::PartitionLeaks, Work::Partition(_)) => first.iter_mut().for_each(|v| *v *= 0.9),
+        (Fault::PartitionLeaks, Work::Normalize { .. }) => first.iter_mut().for_each(|v| *v *= 0.9),
         (Fault::ClampLeaks, Work::Clamp { .. }) => first.iter_mut().for_each(|v| *v += 0.25),
         (Fault::MixLosesOne, Work::Mix { .. }) => first.iter_mut().rev().take(1).for_each(|v| *v = f32::NAN),
         _ => {}

@@ -8,7 +8,7 @@ pub(super) struct Slope;
 pub(super) struct Gate;
 /// Mix.
 pub(super) struct Mix;
-/// Three weights that sum to 1 only up to rounding.
+/// Blends three colors with weights t, t and the remainder, normalized.
 pub(super) struct Thirds;
 
 static SLOPE: Declaration = declare("Slope", End::Front, &[], &[Output::new("field", Kind::Field(1), "")]);
@@ -91,7 +91,7 @@ pointwise!(Thirds, THIRDS);
 impl Pointwise for Gate {
     fn lower(&self, node: &Settled, lowering: &mut Lowering<'_>) -> Value {
         let x = lowering.scalar(node.source("field"));
-        Value::Weights(Weights::Mask(lowering.build.scalar(Op::Clamp { x, min: 0.0, max: 1.0 })))
+        Value::Weights(Weights::mask(lowering.build.clamp(x, 0.0, 1.0)))
     }
     fn reference(&self, node: &Settled, inputs: &References<'_>) -> Reference {
         Reference::Mask(inputs.scalar(node.source("field")).clamp(0.0, 1.0))
@@ -101,7 +101,7 @@ impl Pointwise for Gate {
 impl Pointwise for Mix {
     fn lower(&self, node: &Settled, lowering: &mut Lowering<'_>) -> Value {
         let (a, b) = (lowering.color(node.source("a")), lowering.color(node.source("b")));
-        let t = lowering.scalar(node.source("weight"));
+        let t = lowering.mask(node.source("weight"));
         Value::Color(lowering.build.mix(a, b, t))
     }
     fn reference(&self, node: &Settled, inputs: &References<'_>) -> Reference {
@@ -115,16 +115,14 @@ impl Pointwise for Thirds {
     fn lower(&self, node: &Settled, lowering: &mut Lowering<'_>) -> Value {
         let colors: Vec<Color> = node.all("colors").iter().map(|source| lowering.color(source)).collect();
         let t = lowering.scalar(node.source("weight"));
-        let half = lowering.build.constant(0.5);
-        let part = lowering.build.scalar(Op::Product(t, half));
-        let rest = lowering.build.scalar(Op::Complement(t));
-        let partition = lowering.build.partition(Op::Partition(vec![part, part, rest]));
-        Value::Color(lowering.build.blend(&colors, &Weights::Partition(partition, 3)))
+        let weights = lowering.build.normalize(vec![t, t], 1.0);
+        Value::Color(lowering.build.blend(&colors, &weights))
     }
     fn reference(&self, node: &Settled, inputs: &References<'_>) -> Reference {
         let colors: Vec<[f64; 3]> = node.all("colors").iter().map(|source| inputs.color(source)).collect();
         let t = inputs.scalar(node.source("weight"));
-        let weights = [t / 2.0, t / 2.0, 1.0 - t];
+        let sum = (2.0 * t).max(1.0);
+        let weights = [t / sum, t / sum, 1.0 - 2.0 * t / sum];
         Reference::Color([0, 1, 2].map(|c| (0..3).map(|i| weights[i] * colors[i][c]).sum()))
     }
 }

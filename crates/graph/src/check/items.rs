@@ -129,6 +129,10 @@ impl<'a> Checker<'a> {
             Json::Number(number) if accepts.takes_number() && number.is_finite() => {
                 Some(Source::Number(Animated::constant(vec![*number])))
             }
+            Json::Number(_) if accepts.takes_number() => {
+                self.error(place, value.brief(), "a finite number", "write a smaller number");
+                None
+            }
             Json::Object(_) if accepts.takes_number() => {
                 let (min, max) = if accepts == Accepts::Mask { (0.0, 1.0) } else { (f64::MIN, f64::MAX) };
                 self.animated(value, place, |checker, value, place| {

@@ -39,7 +39,7 @@ impl<'a> Checker<'a> {
         match value.json {
             Json::Number(n) if (min..=max).contains(&n) => Some(n),
             Json::Number(n) if !n.is_finite() => {
-                self.error(place, "a number beyond the range of f64", "a finite number", "write a smaller number");
+                self.error(place, value.brief(), "a finite number", "write a smaller number");
                 None
             }
             Json::Number(n) => {
@@ -74,8 +74,9 @@ impl<'a> Checker<'a> {
         match &value.json {
             Json::String(text) => match parse_hex(text) {
                 Ok(color) => Some(self.space.from_linear_srgb(color.map(srgb_decode)).map(|v| v.max(0.0)).to_vec()),
-                Err(error) => {
-                    self.error(place, value.brief(), "a color", error);
+                Err(_) => {
+                    let remedy = "write #rrggbb or #rgb with hexadecimal digits; it is read as sRGB";
+                    self.error(place, value.brief(), "a color", remedy);
                     None
                 }
             },

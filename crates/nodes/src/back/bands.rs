@@ -71,11 +71,10 @@ impl Pointwise for Bands {
             .map(|at| {
                 let threshold = *at as f32;
                 let (min, max) = (threshold - half, threshold + half);
-                let op = if min < max { Op::Clamp { x, min, max } } else { Op::Step { x, threshold } };
-                lowering.build.scalar(op)
+                if min < max { lowering.build.clamp(x, min, max) } else { lowering.build.step(x, threshold) }
             })
             .collect();
-        Value::Weights(if let [only] = masks[..] { Weights::Mask(only) } else { Weights::Ladder(masks) })
+        Value::Weights(Weights::ladder(masks))
     }
 
     fn reference(&self, node: &Settled, inputs: &References<'_>) -> Reference {

@@ -50,15 +50,11 @@ impl Pointwise for Clamp {
     fn lower(&self, node: &Settled, lowering: &mut Lowering<'_>) -> Value {
         let x = lowering.scalar(node.source("field"));
         let (min, max) = (node.number("min") as f32, node.number("max") as f32);
-        let mut t = lowering.build.scalar(Op::Clamp { x, min, max });
+        let mut t = lowering.build.clamp(x, min, max);
         if node.bool("smooth") {
-            t = lowering.build.scalar(Op::Smooth(t));
+            t = lowering.build.smooth(t);
         }
-        let p = node.number("power") as f32;
-        if p != 1.0 {
-            t = lowering.build.scalar(Op::Power { t, p });
-        }
-        Value::Weights(Weights::Mask(t))
+        Value::Weights(Weights::mask(lowering.build.power(t, node.number("power") as f32)))
     }
 
     fn reference(&self, node: &Settled, inputs: &References<'_>) -> Reference {

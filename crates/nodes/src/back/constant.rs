@@ -31,7 +31,7 @@ impl NodeType for Constant {
 impl Pointwise for Constant {
     fn lower(&self, node: &Settled, lowering: &mut Lowering<'_>) -> Value {
         let color = node.vector3("color").map(|v| v as f32);
-        Value::Color(lowering.build.color(Op::ConstantColor(color)))
+        Value::Color(lowering.build.control(color))
     }
 
     fn reference(&self, node: &Settled, _inputs: &References<'_>) -> Reference {

@@ -31,8 +31,8 @@ impl NodeType for Invert {
 
 impl Pointwise for Invert {
     fn lower(&self, node: &Settled, lowering: &mut Lowering<'_>) -> Value {
-        let t = lowering.scalar(node.source("weight"));
-        Value::Weights(Weights::Mask(lowering.build.scalar(Op::Complement(t))))
+        let t = lowering.mask(node.source("weight"));
+        Value::Weights(Weights::mask(lowering.build.complement(t)))
     }
 
     fn reference(&self, node: &Settled, inputs: &References<'_>) -> Reference {

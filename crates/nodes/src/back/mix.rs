@@ -35,7 +35,7 @@ impl NodeType for Mix {
 impl Pointwise for Mix {
     fn lower(&self, node: &Settled, lowering: &mut Lowering<'_>) -> Value {
         let (a, b) = (lowering.color(node.source("a")), lowering.color(node.source("b")));
-        let t = lowering.scalar(node.source("weight"));
+        let t = lowering.mask(node.source("weight"));
         Value::Color(lowering.build.mix(a, b, t))
     }
 

@@ -30,12 +30,12 @@ impl NodeType for Multiply {
 
 impl Pointwise for Multiply {
     fn lower(&self, node: &Settled, lowering: &mut Lowering<'_>) -> Value {
-        let mut product = lowering.scalar(node.source("weights"));
+        let mut product = lowering.mask(node.source("weights"));
         for source in &node.all("weights")[1..] {
-            let t = lowering.scalar(source);
-            product = lowering.build.scalar(Op::Product(product, t));
+            let t = lowering.mask(source);
+            product = lowering.build.product(product, t);
         }
-        Value::Weights(Weights::Mask(product))
+        Value::Weights(Weights::mask(product))
     }
 
     fn reference(&self, node: &Settled, inputs: &References<'_>) -> Reference {

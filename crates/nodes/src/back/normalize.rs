@@ -45,16 +45,8 @@ impl NodeType for Normalize {
 
 impl Pointwise for Normalize {
     fn lower(&self, node: &Settled, lowering: &mut Lowering<'_>) -> Value {
-        let values: Vec<_> = node.all("fields").iter().map(|source| lowering.scalar(source)).collect();
-        let ways = values.len() + 1;
-        let floor = node.number("floor") as f32;
-        let partition = lowering.build.partition(Op::Normalize { values, floor });
-        let weights = Weights::Partition(partition, ways);
-        if ways == 2 {
-            // A mask is written as the weight of its second control: the remainder.
-            return Value::Weights(Weights::Mask(lowering.build.weight(&weights, 1)));
-        }
-        Value::Weights(weights)
+        let values = node.all("fields").iter().map(|source| lowering.scalar(source)).collect();
+        Value::Weights(lowering.build.normalize(values, node.number("floor") as f32))
     }
 
     fn reference(&self, node: &Settled, inputs: &References<'_>) -> Reference {

@@ -28,7 +28,7 @@ fn side(node: &Settled) -> usize {
 }
 
 /// One Bézier curve at `t`: neighbors are mixed until one color is left.
-fn casteljau(build: &mut Builder<'_>, mut points: Vec<Color>, t: Scalar) -> Color {
+fn casteljau(build: &mut Builder<'_>, mut points: Vec<Color>, t: Mask) -> Color {
     while points.len() > 1 {
         points = points.windows(2).map(|pair| build.mix(pair[0], pair[1], t)).collect();
     }
@@ -61,7 +61,7 @@ impl NodeType for Patch {
 
 impl Pointwise for Patch {
     fn lower(&self, node: &Settled, lowering: &mut Lowering<'_>) -> Value {
-        let (u, v) = (lowering.scalar(node.source("u")), lowering.scalar(node.source("v")));
+        let (u, v) = (lowering.mask(node.source("u")), lowering.mask(node.source("v")));
         let colors: Vec<_> = node.all("colors").iter().map(|source| lowering.color(source)).collect();
         let build = &mut lowering.build;
         let rows = colors.chunks(side(node)).map(|row| casteljau(build, row.to_vec(), u)).collect();

@@ -79,10 +79,10 @@ impl Pointwise for Ramp {
             let next = lowering.color(stop.source("color"));
             let (min, max) = (at[0] as f32, at[1] as f32);
             let t = if interpolation == "step" || min >= max {
-                lowering.build.scalar(Op::Step { x, threshold: max })
+                lowering.build.step(x, max)
             } else {
-                let t = lowering.build.scalar(Op::Clamp { x, min, max });
-                if interpolation == "smooth" { lowering.build.scalar(Op::Smooth(t)) } else { t }
+                let t = lowering.build.clamp(x, min, max);
+                if interpolation == "smooth" { lowering.build.smooth(t) } else { t }
             };
             color = lowering.build.mix(color, next, t);
         }

@@ -30,20 +30,15 @@ impl NodeType for Screen {
 
 impl Pointwise for Screen {
     fn lower(&self, node: &Settled, lowering: &mut Lowering<'_>) -> Value {
-        let mut left: Option<Scalar> = None;
-        for source in node.all("weights") {
-            let t = lowering.scalar(source);
-            let open = lowering.build.scalar(Op::Complement(t));
-            left = Some(match left {
-                Some(left) => lowering.build.scalar(Op::Product(left, open)),
-                None => open,
-            });
+        let sources = node.all("weights");
+        let first = lowering.mask(&sources[0]);
+        let mut left = lowering.build.complement(first);
+        for source in &sources[1..] {
+            let t = lowering.mask(source);
+            let open = lowering.build.complement(t);
+            left = lowering.build.product(left, open);
         }
-        let mask = match left {
-            Some(left) => lowering.build.scalar(Op::Complement(left)),
-            None => lowering.build.constant(0.0),
-        };
-        Value::Weights(Weights::Mask(mask))
+        Value::Weights(Weights::mask(lowering.build.complement(left)))
     }
 
     fn reference(&self, node: &Settled, inputs: &References<'_>) -> Reference {

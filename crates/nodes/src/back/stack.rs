@@ -35,12 +35,8 @@ impl NodeType for Stack {
 
 impl Pointwise for Stack {
     fn lower(&self, node: &Settled, lowering: &mut Lowering<'_>) -> Value {
-        let masks: Vec<_> = node.all("weights").iter().map(|source| lowering.scalar(source)).collect();
-        if let [only] = masks[..] {
-            // A mask is written as the weight of its second control: what the only layer leaves.
-            return Value::Weights(Weights::Mask(lowering.build.scalar(Op::Complement(only))));
-        }
-        Value::Weights(Weights::Stack(masks))
+        let masks = node.all("weights").iter().map(|source| lowering.mask(source)).collect();
+        Value::Weights(lowering.build.stack(masks))
     }
 
     fn reference(&self, node: &Settled, inputs: &References<'_>) -> Reference {

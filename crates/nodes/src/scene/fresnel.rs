@@ -100,9 +100,9 @@ impl Prepared for Mirror {
         let view = if self.eye.orthographic { -self.eye.forward } else { self.eye.position - point };
         let mask = match self.cosine {
             Cosine::View => fresnel::reference(normal, view, view, self.eta, Cosine::View),
-            Cosine::Half => self
-                .lights
-                .reference(point, |light| fresnel::reference(normal, light, view, self.eta, Cosine::Half)),
+            Cosine::Half => {
+                self.lights.reference(point, |light| fresnel::reference(normal, light, view, self.eta, Cosine::Half))
+            }
         };
         Ok(vec![Reference::Mask(mask)])
     }

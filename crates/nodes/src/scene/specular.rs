@@ -92,9 +92,9 @@ impl Prepared for Mirror {
         let point = view_vector(&self.node, inputs, POSITION);
         let view = if self.eye.orthographic { -self.eye.forward } else { self.eye.position - point };
         let variance = inputs.view(self.node.source("view"), ViewChannel::SlopeVariance);
-        let mask = self.lights.reference(point, |light| {
-            blinn::reference(normal, light, view, self.shininess, variance, self.model)
-        });
+        let mask = self
+            .lights
+            .reference(point, |light| blinn::reference(normal, light, view, self.shininess, variance, self.model));
         Ok(vec![Reference::Mask(mask)])
     }
 }

@@ -102,7 +102,9 @@ impl NodeType for GerstnerSea {
     fn check(&self, node: &Settled, check: &mut Check<'_>) {
         let waves = match waves(node) {
             Ok(waves) => waves,
-            Err(error) => return check.error("waves", error, "waves within the model's range", "change the knob named"),
+            Err(error) => {
+                return check.error("waves", error, "waves within the model's range", "change the knob named");
+            }
         };
         let folds = folding(waves);
         if folds.folded_share > FoldOptions::default().tolerated_share {

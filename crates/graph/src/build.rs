@@ -1,0 +1,251 @@
+//! How nodes append to the pointwise program: typed, so that what is written is a blend.
+//!
+//! A [`Mask`] or [`Weights`] cannot be made but by the builder's operations, each of which keeps weights ≥ 0
+//! with sum 1. Having one is the proof:
+//!
+//! ```compile_fail
+//! # use trochoid_graph::{Mask, Scalar};
+//! let forged = Mask(Scalar(0));
+//! ```
+//!
+//! ```compile_fail
+//! # use trochoid_graph::{Builder, Color, Scalar};
+//! fn unclamped(build: &mut Builder<'_>, a: Color, b: Color, field: Scalar) -> Color {
+//!     build.mix(a, b, field)
+//! }
+//! ```
+//!
+//! ```compile_fail
+//! # use trochoid_graph::{Builder, Color, Op};
+//! fn anything(build: &mut Builder<'_>, op: Op) -> Color {
+//!     build.push(op)
+//! }
+//! ```
+
+use crate::program::{Color, Op, Partition, Program, Scalar, Slot};
+use crate::{Kind, NodeId};
+
+/// A scalar that is proved to lie in [0, 1]: a two-way partition of unity.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Mask(Scalar);
+
+impl Mask {
+    /// Forgets that it is a mask. There is no way back but through a clamp.
+    pub fn field(self) -> Scalar {
+        self.0
+    }
+}
+
+/// Weights that are proved to be ≥ 0 and to sum to 1.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Weights(Form);
+
+#[derive(Clone, Debug, PartialEq)]
+enum Form {
+    /// Weight 1 − t for the first control, t for the second.
+    Mask(Mask),
+    /// n masks, first on top: n + 1 weights, the last is what all masks leave.
+    Stack(Vec<Mask>),
+    /// n masks, last on top: n + 1 weights, the first is what all masks leave, each next is laid over it.
+    Ladder(Vec<Mask>),
+    /// An explicit partition.
+    Partition(Partition, usize),
+}
+
+impl Weights {
+    /// A two-way partition: 1 − t, t.
+    pub fn mask(t: Mask) -> Self {
+        Self(Form::Mask(t))
+    }
+
+    /// n masks, last on top: weight 0 is what all masks leave, weight k + 1 belongs to mask k.
+    pub fn ladder(masks: Vec<Mask>) -> Self {
+        Self(if let [only] = masks[..] { Form::Mask(only) } else { Form::Ladder(masks) })
+    }
+
+    /// Number of controls.
+    pub fn ways(&self) -> usize {
+        match &self.0 {
+            Form::Mask(_) => 2,
+            Form::Stack(masks) | Form::Ladder(masks) => masks.len() + 1,
+            Form::Partition(_, n) => *n,
+        }
+    }
+}
+
+/// A value during lowering.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Value {
+    /// A color.
+    Color(Color),
+    /// Weights.
+    Weights(Weights),
+    /// The components of a field.
+    Field(Vec<Scalar>),
+}
+
+/// Appends operations on behalf of one node.
+#[derive(Debug)]
+pub struct Builder<'p> {
+    program: &'p mut Program,
+    origin: NodeId,
+}
+
+impl<'p> Builder<'p> {
+    /// Appends to `program` in the name of node `origin`.
+    pub fn new(program: &'p mut Program, origin: NodeId) -> Self {
+        Self { program, origin }
+    }
+
+    fn push(&mut self, op: Op) -> u32 {
+        self.program.push(op, self.origin)
+    }
+
+    fn masking(&mut self, op: Op) -> Mask {
+        Mask(Scalar(self.push(op)))
+    }
+
+    /// A number.
+    pub fn constant(&mut self, value: f32) -> Scalar {
+        Scalar(self.push(Op::Constant(value)))
+    }
+
+    /// The same weight everywhere; outside [0, 1] the nearest legal one.
+    pub fn constant_mask(&mut self, t: f32) -> Mask {
+        self.masking(Op::Constant(t.clamp(0.0, 1.0)))
+    }
+
+    /// A control color; −0 counts as 0.
+    pub fn control(&mut self, color: [f32; 3]) -> Color {
+        Color(self.push(Op::ConstantColor(color.map(|v| v + 0.0))))
+    }
+
+    /// 0 below `min`, 1 from `max` on, straight between.
+    pub fn clamp(&mut self, x: Scalar, min: f32, max: f32) -> Mask {
+        self.masking(Op::Clamp { x, min, max })
+    }
+
+    /// 1 where x ≥ threshold, else 0.
+    pub fn step(&mut self, x: Scalar, threshold: f32) -> Mask {
+        self.masking(Op::Step { x, threshold })
+    }
+
+    /// t²(3 − 2t).
+    pub fn smooth(&mut self, t: Mask) -> Mask {
+        self.masking(Op::Smooth(t.0))
+    }
+
+    /// tᵖ, p ≥ 1; 1 leaves the mask as it is.
+    pub fn power(&mut self, t: Mask, p: f32) -> Mask {
+        if p == 1.0 { t } else { self.masking(Op::Power { t: t.0, p: p.max(1.0) }) }
+    }
+
+    /// 1 − t.
+    pub fn complement(&mut self, t: Mask) -> Mask {
+        self.masking(Op::Complement(t.0))
+    }
+
+    /// t·u.
+    pub fn product(&mut self, t: Mask, u: Mask) -> Mask {
+        self.masking(Op::Product(t.0, u.0))
+    }
+
+    /// n masks, first on top: weight n is what all masks leave.
+    pub fn stack(&mut self, masks: Vec<Mask>) -> Weights {
+        // A mask is written as the weight of its second control: what the only layer leaves.
+        if let [only] = masks[..] { Weights::mask(self.complement(only)) } else { Weights(Form::Stack(masks)) }
+    }
+
+    /// v/max(S, τ) over n fields, negative ones as 0; the remainder is weight n.
+    pub fn normalize(&mut self, values: Vec<Scalar>, floor: f32) -> Weights {
+        let ways = values.len() + 1;
+        let partition = Partition(self.push(Op::Normalize { values, floor }));
+        if ways == 2 {
+            return Weights::mask(self.masking(Op::Weight(partition, 1)));
+        }
+        Weights(Form::Partition(partition, ways))
+    }
+
+    /// Literal weights, which validation has found to be ≥ 0 with sum 1 up to decimal fractions.
+    pub(crate) fn literal_weights(&mut self, numbers: &[f64]) -> Weights {
+        let raw = numbers.iter().map(|w| self.constant_mask(*w as f32).0).collect();
+        Weights(Form::Partition(Partition(self.push(Op::Partition(raw))), numbers.len()))
+    }
+
+    /// (1 − t)·a + t·b.
+    pub fn mix(&mut self, a: Color, b: Color, t: Mask) -> Color {
+        Color(self.push(Op::Mix { a, b, t: t.0 }))
+    }
+
+    /// Σ wᵢ·cᵢ. A stack or ladder is laid from the bottom up, one Mix a mask: a mask of 0 then costs no bit.
+    pub fn blend(&mut self, colors: &[Color], weights: &Weights) -> Color {
+        match &weights.0 {
+            Form::Mask(t) => self.mix(colors[0], colors[1], *t),
+            Form::Stack(masks) => {
+                let bottom = colors[masks.len()];
+                masks.iter().zip(colors).rev().fold(bottom, |below, (mask, color)| self.mix(below, *color, *mask))
+            }
+            Form::Ladder(masks) => {
+                masks.iter().zip(&colors[1..]).fold(colors[0], |below, (mask, color)| self.mix(below, *color, *mask))
+            }
+            Form::Partition(partition, _) => {
+                Color(self.push(Op::Blend { colors: colors.to_vec(), weights: *partition }))
+            }
+        }
+    }
+
+    /// Weight `index` of any weights, as a mask.
+    pub fn weight(&mut self, weights: &Weights, index: usize) -> Mask {
+        match &weights.0 {
+            Form::Mask(t) if index == 0 => self.complement(*t),
+            Form::Mask(t) => *t,
+            Form::Partition(partition, _) => self.masking(Op::Weight(*partition, index)),
+            Form::Stack(masks) => self.left_by(&masks[..index.min(masks.len())], masks.get(index)),
+            // A ladder is a stack read from the other end: over mask k lie those after it.
+            Form::Ladder(masks) => {
+                let above: Vec<Mask> = masks[index..].iter().rev().copied().collect();
+                self.left_by(&above, index.checked_sub(1).and_then(|own| masks.get(own)))
+            }
+        }
+    }
+
+    /// What the masks above leave of a mask, or of everything.
+    fn left_by(&mut self, above: &[Mask], own: Option<&Mask>) -> Mask {
+        let mut left: Option<Mask> = None;
+        for mask in above {
+            let open = self.complement(*mask);
+            left = Some(match left {
+                Some(left) => self.product(left, open),
+                None => open,
+            });
+        }
+        match (left, own) {
+            (Some(left), Some(own)) => self.product(left, *own),
+            (None, Some(own)) => *own,
+            (Some(left), None) => left,
+            (None, None) => self.constant_mask(1.0),
+        }
+    }
+}
+
+/// The value of an output that something outside the program fills, whose kind is checked; `None` for kinds
+/// that are no images. For engines: nodes have no program to load into.
+pub fn load(program: &mut Program, node: NodeId, output: usize, kind: Kind) -> Option<Value> {
+    let mut scalars = |n: usize| -> Vec<Scalar> {
+        (0..n).map(|channel| Scalar(program.push(Op::Load(Slot { node, output, channel }), node))).collect()
+    };
+    match kind {
+        Kind::Color => {
+            let slot = Slot { node, output, channel: 0 };
+            Some(Value::Color(Color(program.push(Op::LoadColor(slot), node))))
+        }
+        Kind::Weights(2) => Some(Value::Weights(Weights::mask(Mask(scalars(1)[0])))),
+        Kind::Weights(n) => {
+            let raw = scalars(n);
+            let partition = Partition(program.push(Op::Partition(raw), node));
+            Some(Value::Weights(Weights(Form::Partition(partition, n))))
+        }
+        Kind::Field(n) => Some(Value::Field(scalars(n))),
+        Kind::Surface | Kind::Camera | Kind::Light | Kind::View => None,
+    }
+}
