@@ -16,14 +16,19 @@ mod checked;
 mod declare;
 mod diagnostic;
 mod document;
+mod faults;
+mod frame;
 mod kind;
+mod lowering;
 mod node;
 mod program;
 mod record;
+mod reference;
 mod refusal;
 mod registry;
 mod schema;
 mod spanned;
+mod stage_io;
 
 pub use animated::{Animated, Interpolation};
 pub use build::{Builder, Mask, Value, Weights, load};
@@ -32,14 +37,16 @@ pub use checked::{CheckedGraph, CheckedNode, Guarantee, OutputSpec, Precision};
 pub use declare::{Arity, Declaration, Default, End, Item, Knob, List, Output, Port, Takes};
 pub use diagnostic::{Diagnostic, Severity, nearest};
 pub use document::{Document, MAX_BYTES, MAX_NODES};
+pub use faults::{Check, Fault};
+pub use frame::{FrameContext, expand_frame};
 pub use kind::{Accepts, ChannelSet, Kind, ViewChannel};
-pub use node::{
-    Block, Body, Check, Connection, Fault, FrameContext, Handle, Inputs, Lowering, NodeError, NodeType, Outputs,
-    Pointwise, Prepare, Prepared, Reference, References, Stage, Variance, expand_frame,
-};
+pub use lowering::Lowering;
+pub use node::{Body, Handle, NodeError, NodeType, Pointwise, Prepared, Stage, Variance};
 pub use program::{Color, Op, Partition, Program, Scalar, Slot, Type};
 pub use record::{NodeId, Record, Setting, Settled, Source};
+pub use reference::{Reference, References};
 pub use refusal::{REFUSALS, Refusal, refusal};
 pub use registry::Registry;
 pub use schema::schema;
 pub use spanned::{MAX_DEPTH, MAX_VALUES};
+pub use stage_io::{Block, Connection, Inputs, Outputs, Prepare};

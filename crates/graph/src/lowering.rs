@@ -1,0 +1,62 @@
+//! What pointwise nodes are given when they lower.
+
+use crate::{Builder, Source, Value};
+
+/// What [`Pointwise::lower`](crate::Pointwise::lower) is given.
+pub struct Lowering<'a> {
+    /// Appends operations.
+    pub build: Builder<'a>,
+    inputs: &'a dyn Fn(&Source<Vec<f64>>) -> Value,
+}
+
+impl<'a> Lowering<'a> {
+    /// Made by the engine. `inputs` gives the values of everything that the node is connected to.
+    pub fn new(build: Builder<'a>, inputs: &'a dyn Fn(&Source<Vec<f64>>) -> Value) -> Self {
+        Self { build, inputs }
+    }
+
+    /// A connected or literal color.
+    pub fn color(&mut self, source: &Source<Vec<f64>>) -> crate::Color {
+        if let Some([r, g, b]) = source.color() {
+            return self.build.control([r as f32, g as f32, b as f32]);
+        }
+        match (self.inputs)(source) {
+            Value::Color(color) => color,
+            other => unreachable!("checked to be a Color: {other:?}"),
+        }
+    }
+
+    /// A connected or literal mask.
+    pub fn mask(&mut self, source: &Source<Vec<f64>>) -> crate::Mask {
+        if let Some(number) = source.number() {
+            return self.build.constant_mask(number as f32);
+        }
+        match (self.inputs)(source) {
+            Value::Weights(weights) if weights.ways() == 2 => self.build.weight(&weights, 1),
+            other => unreachable!("checked to be a mask: {other:?}"),
+        }
+    }
+
+    /// A connected or literal field of one component; a mask is forgotten to be one.
+    pub fn scalar(&mut self, source: &Source<Vec<f64>>) -> crate::Scalar {
+        if let Some(number) = source.number() {
+            return self.build.constant(number as f32);
+        }
+        match (self.inputs)(source) {
+            Value::Field(components) if components.len() == 1 => components[0],
+            Value::Weights(weights) if weights.ways() == 2 => self.build.weight(&weights, 1).field(),
+            other => unreachable!("checked to be one number: {other:?}"),
+        }
+    }
+
+    /// Connected or literal weights.
+    pub fn weights(&mut self, source: &Source<Vec<f64>>) -> crate::Weights {
+        if let Source::Numbers(numbers) = source {
+            return self.build.literal_weights(numbers);
+        }
+        match (self.inputs)(source) {
+            Value::Weights(weights) => weights,
+            other => unreachable!("checked to be Weights: {other:?}"),
+        }
+    }
+}

@@ -1,0 +1,79 @@
+//! Values of the slow f64 evaluation, one sample at a time.
+
+use crate::{FrameContext, Handle, Source, ViewChannel};
+
+/// A value of the f64 reference at one sample.
+#[derive(Clone)]
+pub enum Reference {
+    /// Color.
+    Color([f64; 3]),
+    /// Mask: t.
+    Mask(f64),
+    /// Weights of n ≠ 2 controls.
+    Weights(Vec<f64>),
+    /// Field.
+    Field(Vec<f64>),
+    /// View: a value per channel.
+    View(Vec<f64>),
+    /// Surface, camera or light.
+    Handle(Handle),
+}
+
+/// What a reference evaluation is given at one sample.
+pub struct References<'a> {
+    /// The frame.
+    pub frame: &'a FrameContext,
+    /// The sample's place in the picture, in pixels.
+    pub at: [f64; 2],
+    inputs: &'a dyn Fn(&Source<Vec<f64>>) -> Reference,
+}
+
+impl<'a> References<'a> {
+    /// Made by the engine.
+    pub fn new(frame: &'a FrameContext, at: [f64; 2], inputs: &'a dyn Fn(&Source<Vec<f64>>) -> Reference) -> Self {
+        Self { frame, at, inputs }
+    }
+
+    fn value(&self, source: &Source<Vec<f64>>) -> Reference {
+        match source {
+            Source::Output { .. } => (self.inputs)(source),
+            Source::Number(values) => Reference::Field(vec![values[0]]),
+            Source::Color(values) => Reference::Color([values[0], values[1], values[2]]),
+            Source::Numbers(numbers) => Reference::Weights(numbers.clone()),
+        }
+    }
+
+    /// A connected or literal color.
+    pub fn color(&self, source: &Source<Vec<f64>>) -> [f64; 3] {
+        match self.value(source) {
+            Reference::Color(color) => color,
+            _ => unreachable!("checked to be a Color"),
+        }
+    }
+
+    /// A connected or literal mask, or a field of one component.
+    pub fn scalar(&self, source: &Source<Vec<f64>>) -> f64 {
+        match self.value(source) {
+            Reference::Mask(t) => t,
+            Reference::Field(components) => components[0],
+            _ => unreachable!("checked to be one number"),
+        }
+    }
+
+    /// Connected or literal weights, one number a control.
+    pub fn weights(&self, source: &Source<Vec<f64>>) -> Vec<f64> {
+        match self.value(source) {
+            Reference::Mask(t) => vec![1.0 - t, t],
+            Reference::Weights(weights) => weights,
+            _ => unreachable!("checked to be Weights"),
+        }
+    }
+
+    /// A channel of a connected view.
+    pub fn view(&self, source: &Source<Vec<f64>>, channel: ViewChannel) -> f64 {
+        match self.value(source) {
+            Reference::View(channels) => channels[channel as usize],
+            _ => unreachable!("checked to be a View"),
+        }
+    }
+}
