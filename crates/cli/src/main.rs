@@ -1,2 +1,90 @@
-//! placeholder
-fn main() {}
+//! `trochoid`: renders documents, checks them, and prints what nodes and pictures hold.
+//!
+//! Results go to stdout, everything else to stderr. Exit codes: 0 done; 1 input or output, bad input data, or the
+//! evaluation failed; 2 usage or invalid document; 3 a required guarantee is not met; 130 interrupted.
+
+#![cfg_attr(test, allow(clippy::unwrap_used, reason = "a test may panic"))]
+
+mod check;
+mod failure;
+mod info;
+mod interrupt;
+mod nodes;
+mod render;
+mod schema;
+mod shell;
+
+use clap::{Parser, Subcommand};
+use std::process::ExitCode;
+
+/// A compositor whose pictures cannot leave their palette, with the sea built in
+#[derive(Debug, Parser)]
+#[command(
+    name = "trochoid",
+    version = trochoid::VERSION,
+    max_term_width = 100,
+    after_help = "Exit codes:\n  \
+        0    done\n  \
+        1    input or output, bad input data, or the evaluation failed\n  \
+        2    wrong usage, or an invalid document\n  \
+        3    a required guarantee is not met\n  \
+        130  interrupted\n\n\
+        Examples:\n  \
+        trochoid check storm.json\n  \
+        trochoid render storm.json --frames 1-96\n  \
+        trochoid nodes GerstnerSea"
+)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Render outputs of a document into files
+    Render(render::Args),
+    /// Check a document: faults, guarantees, what is left out and why
+    Check(check::Args),
+    /// List the node types, or print the manual of one
+    Nodes(nodes::Args),
+    /// Print the JSON Schema of documents
+    Schema,
+    /// Describe a picture file: parts, layers, channels and what they hold
+    Info(info::Args),
+}
+
+fn main() -> ExitCode {
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(error) => {
+            // Help and version are results and go to stdout; a reader that has gone away is no error.
+            let _ = error.print();
+            return ExitCode::from(if error.use_stderr() { failure::INVALID } else { 0 });
+        }
+    };
+    let outcome = match &cli.command {
+        Command::Render(args) => render::run(args),
+        Command::Check(args) => check::run(args),
+        Command::Nodes(args) => nodes::run(args),
+        Command::Schema => schema::run(),
+        Command::Info(args) => info::run(args),
+    };
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            shell::tell(&failure.messages);
+            ExitCode::from(failure.code)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_command_line_is_sound() {
+        Cli::command().debug_assert();
+    }
+}

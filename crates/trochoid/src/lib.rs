@@ -26,26 +26,30 @@
 //! Another renderer binds its own passes ([`Buffers`]) in place of nodes, or evaluates batches of shading
 //! samples ([`ShadingPlan`]).
 
+mod files;
+mod judge;
 mod load;
 mod output;
 mod report;
 mod resume;
 
+pub use files::{check_destination, write_whole};
+pub use judge::{Miss, guarantee, held, misses, requirement};
 pub use load::{LoadError, Loaded, load, parse, registry};
 pub use output::{OutputError, OutputFile, output_files, write_output};
-pub use report::{RunReport, frame_report};
+pub use report::{RunReport, RunStatus, frame_report};
 pub use resume::Fingerprints;
 pub use trochoid_engine::{
-    Buffers, Cache, EvalError, Frame, LeftOut, Monitor, NodeReport, Phases, Picture, Plan, PlanError, ReferenceError,
-    ReferenceFrame, Settings, ShadingPlan, Silent, State, Switches,
+    Audit, Buffers, Cache, EvalError, Frame, LeftOut, Monitor, NodeReport, Phases, Picture, Plan, PlanError,
+    ReferenceError, ReferenceFrame, Settings, ShadingPlan, Silent, State, Switches,
 };
 pub use trochoid_graph::{
-    Accepts, Arity, CheckedGraph, Declaration, Default as KnobDefault, Diagnostic, End, Guarantee, Item, Kind, NodeId,
-    NodeType, OutputSpec, Precision, REFUSALS, Refusal, Registry, Severity, Takes, expected, nearest, schema,
+    Accepts, Arity, CheckedGraph, CheckedNode, Declaration, Default as KnobDefault, Diagnostic, End, Guarantee, Item,
+    Kind, Knob, NodeId, NodeType, OutputSpec, Port, Precision, REFUSALS, Refusal, Registry, Severity, Takes, expected,
+    nearest, refusal, schema,
 };
 pub use trochoid_image::{Format, Plane, Rgb, Window, WorkingSpace};
 pub use trochoid_io as io;
-pub use trochoid_weights::Audit;
 
 /// The version of Trochoid.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");

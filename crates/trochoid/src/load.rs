@@ -50,24 +50,38 @@ pub fn load(path: &Path, set: &[String]) -> Result<Loaded, LoadError> {
     let name = path.display().to_string();
     if size.len() > MAX_BYTES as u64 {
         let found = format!("a document of {} bytes", size.len());
-        return Err(LoadError::Invalid(vec![Diagnostic {
-            severity: Severity::Error,
-            file: name,
-            line: 0,
-            column: 0,
-            node: None,
-            port: None,
-            found,
-            expected: format!("at most {MAX_BYTES} bytes"),
-            remedy: "split the scene into several documents".into(),
-        }]));
+        let expected = format!("at most {MAX_BYTES} bytes");
+        return Err(invalid(name, (0, 0), found, expected, "split the scene into several documents"));
     }
     let bytes = std::fs::read(path).map_err(|error| io(format!("cannot be read: {error}")))?;
-    let text = String::from_utf8(bytes).map_err(|error| {
-        io(format!("byte {} is no UTF-8; save the document as UTF-8", error.utf8_error().valid_up_to()))
-    })?;
+    let text = match String::from_utf8(bytes) {
+        Ok(text) => text,
+        Err(error) => {
+            let valid = &error.as_bytes()[..error.utf8_error().valid_up_to()];
+            let line = valid.iter().filter(|&&byte| byte == b'\n').count() + 1;
+            let start = valid.iter().rposition(|&byte| byte == b'\n').map_or(0, |at| at + 1);
+            let column = String::from_utf8_lossy(&valid[start..]).chars().count() + 1;
+            let found = format!("the byte 0x{:02x}, which is no UTF-8", error.as_bytes()[valid.len()]);
+            let expected = "a document in UTF-8".to_string();
+            return Err(invalid(name, (line, column), found, expected, "save the document as UTF-8"));
+        }
+    };
     let folder = path.parent().unwrap_or(Path::new("."));
     parse(&name, &text, folder, set)
+}
+
+fn invalid(file: String, place: (usize, usize), found: String, expected: String, remedy: &str) -> LoadError {
+    LoadError::Invalid(vec![Diagnostic {
+        severity: Severity::Error,
+        file,
+        line: place.0,
+        column: place.1,
+        node: None,
+        port: None,
+        found,
+        expected,
+        remedy: remedy.into(),
+    }])
 }
 
 /// Checks a document's text; `name` stands for it in diagnostics, paths in it are relative to `folder`.

@@ -1,6 +1,6 @@
 //! From evaluated frames to files.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use trochoid_engine::{Frame, Picture};
 use trochoid_graph::{CheckedGraph, Kind, OutputSpec, Precision, expand_frame};
 use trochoid_image::{Plane, Window, WorkingSpace, srgb_encode};
@@ -24,6 +24,14 @@ pub enum OutputError {
     /// The file cannot be written.
     #[error(transparent)]
     Io(#[from] trochoid_io::Error),
+    /// No file can be written there.
+    #[error("{}: {reason}", path.display())]
+    Destination {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        reason: String,
+    },
     /// The folder cannot be made.
     #[error("{}: the folder cannot be made: {reason}", path.display())]
     Folder {
@@ -217,10 +225,4 @@ fn channel_names(kind: Kind) -> Vec<String> {
         Kind::Weights(n) => (0..n).map(|i| format!("w{i}")).collect(),
         _ => Vec::new(),
     }
-}
-
-/// Whether a file exists that was written with exactly this fingerprint.
-pub(crate) fn carries(path: &Path, fingerprint: &str) -> bool {
-    let metadata = trochoid_io::read_metadata(path).unwrap_or_default();
-    metadata.iter().any(|(key, value)| key == crate::resume::KEY && value == fingerprint)
 }

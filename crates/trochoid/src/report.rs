@@ -4,6 +4,31 @@ use serde_json::{Value, json};
 use trochoid_engine::{Frame, State};
 use trochoid_graph::CheckedGraph;
 
+/// How a run ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RunStatus {
+    /// Every frame is done.
+    Done,
+    /// A frame could not be evaluated or written.
+    Failed,
+    /// Every frame is done, but a required guarantee was missed.
+    Missed,
+    /// The user stopped it.
+    Interrupted,
+}
+
+impl RunStatus {
+    /// The word in reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Done => "done",
+            Self::Failed => "failed",
+            Self::Missed => "guarantee missed",
+            Self::Interrupted => "interrupted",
+        }
+    }
+}
+
 /// What a run reports: one entry a frame.
 #[derive(Clone, Debug)]
 pub struct RunReport {
@@ -24,11 +49,12 @@ impl RunReport {
     }
 
     /// The whole report.
-    pub fn to_json(&self) -> Value {
+    pub fn to_json(&self, status: RunStatus) -> Value {
         json!({
             "trochoid": crate::VERSION,
             "document": self.document,
             "document_hash": self.hash,
+            "status": status.name(),
             "frames": self.frames,
             "peak_memory_bytes": peak_memory_bytes(),
         })

@@ -1,13 +1,14 @@
 //! What a picture was made from, as a hash: the key of `--resume`.
 
-use crate::output::carries;
-use crate::{OutputFile, VERSION};
+use crate::{OutputFile, VERSION, held, requirement};
 use std::collections::HashMap;
 use std::path::PathBuf;
-use trochoid_graph::CheckedGraph;
+use trochoid_graph::{CheckedGraph, Guarantee};
 
 /// The metadata entry that holds the fingerprint.
-pub(crate) const KEY: &str = "trochoid:fingerprint";
+const KEY: &str = "trochoid:fingerprint";
+/// The metadata entry that holds the weakest guarantee found to hold on a color of the file.
+const HELD: &str = "trochoid:held";
 
 /// Fingerprints of the files of a run; hashes every input file once.
 #[derive(Debug, Default)]
@@ -41,17 +42,29 @@ impl Fingerprints {
         hasher.finalize().to_hex().to_string()
     }
 
-    /// Whether the file is there already, made from exactly this.
-    pub fn is_current(&mut self, graph: &CheckedGraph, file: &OutputFile, frame: i64) -> bool {
-        file.path.exists() && carries(&file.path, &self.of(graph, file, frame))
+    /// Whether the file is there already, made from exactly this, and was found to hold what is required.
+    pub fn is_current(
+        &mut self,
+        graph: &CheckedGraph,
+        file: &OutputFile,
+        frame: i64,
+        required: Option<Guarantee>,
+    ) -> bool {
+        if !file.path.exists() {
+            return false;
+        }
+        let metadata = trochoid_io::read_metadata(&file.path).unwrap_or_default();
+        let entry = |key: &str| metadata.iter().find(|entry| entry.0 == key).map(|entry| entry.1.as_str());
+        let demanded = file.outputs.iter().filter_map(|index| requirement(&graph.outputs()[*index], required)).max();
+        entry(KEY) == Some(self.of(graph, file, frame).as_str())
+            && entry(HELD).and_then(Guarantee::from_name) >= demanded
     }
 
     /// The metadata of a file: what it was made from and what was found on its pixels.
     pub fn metadata(&mut self, graph: &CheckedGraph, file: &OutputFile, frame: &crate::Frame) -> Vec<(String, String)> {
-        let guarantees: Vec<String> = frame
-            .pictures
-            .iter()
-            .filter(|picture| file.outputs.contains(&picture.output))
+        let pictures = || frame.pictures.iter().filter(|picture| file.outputs.contains(&picture.output));
+        let held = pictures().filter(|picture| picture.guarantee.is_some()).map(held).min().flatten();
+        let guarantees: Vec<String> = pictures()
             .filter_map(|picture| {
                 let name = &graph.outputs()[picture.output].name;
                 let guarantee = picture.guarantee?;
@@ -66,6 +79,7 @@ impl Fingerprints {
             entry("workingSpace", graph.space().name().into()),
             entry("plan", crate::report::plan_summary(frame)),
             entry("guarantee", guarantees.join("; ")),
+            (HELD.into(), held.map_or("none", Guarantee::name).into()),
             (KEY.into(), self.of(graph, file, frame.number)),
         ]
     }

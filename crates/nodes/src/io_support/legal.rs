@@ -52,6 +52,8 @@ pub(crate) fn take(
         let legal = rule.nearest(*sample);
         // NaN differs from every number, itself included.
         if *sample == legal {
+            // Adding 0 turns −0 into 0, so that no bit depends on what is pruned.
+            *sample += 0.0;
             continue;
         }
         if !repair {

@@ -1,0 +1,174 @@
+//! `trochoid check`: diagnostics, guarantees, what is left out, notes.
+
+use crate::failure::{Failure, INVALID, count};
+use crate::shell::{self, HEADING, printable, wrap};
+use serde_json::{Map, Value, json};
+use std::fmt::Write as _;
+use std::path::PathBuf;
+use trochoid::{
+    CheckedGraph, Diagnostic, Guarantee, LeftOut, LoadError, Loaded, NodeId, Plan, Settings, Severity, guarantee,
+};
+
+/// Options of `trochoid check`.
+#[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Examples:\n  trochoid check storm.json\n  trochoid check storm.json --strict --set storm.height=6\n  \
+                  trochoid check storm.json --json"
+)]
+pub(crate) struct Args {
+    /// The document
+    #[arg(value_name = "GRAPH")]
+    graph: PathBuf,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+    /// Make warnings errors (exit code 2)
+    #[arg(long)]
+    strict: bool,
+    /// Set a knob or port; VALUE is JSON or a bare word, such as storm.height=3
+    #[arg(long, value_name = "NODE.KNOB=VALUE")]
+    set: Vec<String>,
+}
+
+/// Checks a document and prints what was found.
+///
+/// # Errors
+/// The document is invalid (or warned of, with `--strict`), or cannot be read.
+pub(crate) fn run(args: &Args) -> Result<(), Failure> {
+    let loaded = match trochoid::load(&args.graph, &args.set) {
+        Ok(loaded) => loaded,
+        Err(LoadError::Invalid(diagnostics)) if args.json => {
+            let name = args.graph.display().to_string();
+            let diagnostics: Vec<Value> = diagnostics.iter().map(Diagnostic::to_json).collect();
+            shell::print_json(&json!({ "document": name, "valid": false, "diagnostics": diagnostics }))?;
+            return Err(Failure::silent(INVALID));
+        }
+        Err(error) => return Err(error.into()),
+    };
+    let refused = args.strict && !loaded.warnings.is_empty();
+    let findings = Findings::of(&loaded.graph);
+    if args.json {
+        shell::print_json(&to_json(&loaded, &findings, !refused))?;
+    } else {
+        shell::tell(&loaded.warnings.iter().map(Diagnostic::to_string).collect::<Vec<_>>());
+        shell::print(&to_text(&loaded, &findings))?;
+    }
+    if refused && args.json {
+        return Err(Failure::silent(INVALID));
+    }
+    if refused {
+        let found = count(Severity::Warning, loaded.warnings.len());
+        return Err(Failure::new(INVALID, format!("found {found}; expected none, as --strict demands")));
+    }
+    Ok(())
+}
+
+/// What planning every output at the first frame tells.
+struct Findings {
+    /// By node: why it is left out.
+    left_out: Vec<Option<LeftOut>>,
+    /// Notes of the nodes that are not left out.
+    notes: Vec<(NodeId, Vec<String>)>,
+    /// Why no plan could be made.
+    unplanned: Option<String>,
+}
+
+impl Findings {
+    fn of(graph: &CheckedGraph) -> Self {
+        let first = graph.frames().0;
+        let (left_out, unplanned) = match Plan::new(graph, &[], first, &[], &Settings::default()) {
+            Ok(plan) => (plan.left_out().to_vec(), None),
+            Err(error) => (vec![None; graph.nodes().len()], Some(error.to_string())),
+        };
+        let kept = (0..graph.nodes().len()).map(NodeId).filter(|id| left_out[id.0].is_none());
+        let notes = kept.map(|id| (id, graph.node(id).ty.notes(&graph.settle(id, first))));
+        let notes = notes.filter(|(_, notes)| !notes.is_empty()).collect();
+        Self { left_out, notes, unplanned }
+    }
+}
+
+fn to_text(loaded: &Loaded, findings: &Findings) -> String {
+    let graph = &loaded.graph;
+    let (format, (first, last)) = (graph.format(), graph.frames());
+    let warnings = match loaded.warnings.len() {
+        0 => String::new(),
+        number => format!(", {}", count(Severity::Warning, number)),
+    };
+    let mut text = format!("{HEADING}{}{HEADING:#}: valid{warnings}\n", printable(graph.name()));
+    let samples = match format.samples() {
+        1 => "1 sample a pixel".into(),
+        samples => format!("{samples} samples a pixel"),
+    };
+    let _ = writeln!(text, "  {} × {} pixels, {samples}, {}", format.width(), format.height(), graph.space().name());
+    let _ = writeln!(text, "  frames {first} to {last}, {} a second", graph.fps());
+    let _ = writeln!(text, "\n{HEADING}Outputs{HEADING:#}");
+    let width = graph.outputs().iter().map(|output| output.name.chars().count()).max().unwrap_or(0);
+    for output in graph.outputs() {
+        let holds = guarantee(output).map_or("no color, no guarantee", Guarantee::name);
+        let required = output.require.map_or(String::new(), |require| format!(" (required: {})", require.name()));
+        let kind = output.kind.to_string();
+        let file = output.file.as_ref().map_or(String::new(), |file| format!(" → {}", printable(file)));
+        let _ = writeln!(text, "  {:width$}  {kind}: {holds}{required}{file}", output.name);
+    }
+    if let Some(reason) = &findings.unplanned {
+        let _ = writeln!(text, "\n{HEADING}Not planned{HEADING:#}\n{}", wrap(reason, 2).trim_end());
+    }
+    let left_out: Vec<(&str, &LeftOut)> = named(graph, &findings.left_out).collect();
+    if !left_out.is_empty() {
+        let _ = writeln!(text, "\n{HEADING}Left out{HEADING:#} at frame {first}");
+    }
+    for (name, why) in left_out {
+        let _ = writeln!(text, "  {name}: {why}");
+    }
+    if !findings.notes.is_empty() {
+        let _ = writeln!(text, "\n{HEADING}Notes{HEADING:#} at frame {first}");
+    }
+    for (id, notes) in &findings.notes {
+        let node = graph.node(*id);
+        let _ = writeln!(text, "  {} ({})", node.name, node.ty.declaration().name);
+        notes.iter().for_each(|note| text.push_str(&wrap(note, 4)));
+    }
+    text
+}
+
+/// The nodes left out, with the reason.
+fn named<'a>(graph: &'a CheckedGraph, left_out: &'a [Option<LeftOut>]) -> impl Iterator<Item = (&'a str, &'a LeftOut)> {
+    let pairs = graph.nodes().iter().zip(left_out);
+    pairs.filter_map(|(node, why)| Some((node.name.as_str(), why.as_ref()?)))
+}
+
+fn to_json(loaded: &Loaded, findings: &Findings, valid: bool) -> Value {
+    let graph = &loaded.graph;
+    let (format, (first, last)) = (graph.format(), graph.frames());
+    let outputs: Map<String, Value> = graph
+        .outputs()
+        .iter()
+        .map(|output| {
+            let value = json!({
+                "kind": output.kind.to_string(),
+                "guarantee": guarantee(output).map(Guarantee::name),
+                "require": output.require.map(Guarantee::name),
+                "file": output.file,
+            });
+            (output.name.clone(), value)
+        })
+        .collect();
+    let left_out: Map<String, Value> =
+        named(graph, &findings.left_out).map(|(name, why)| (name.into(), json!(why.to_string()))).collect();
+    let notes: Map<String, Value> =
+        findings.notes.iter().map(|(id, notes)| (graph.node(*id).name.clone(), json!(notes))).collect();
+    json!({
+        "document": graph.name(),
+        "document_hash": graph.document_hash(),
+        "valid": valid,
+        "diagnostics": loaded.warnings.iter().map(Diagnostic::to_json).collect::<Vec<_>>(),
+        "format": { "width": format.width(), "height": format.height(), "samples": format.samples() },
+        "working_space": graph.space().name(),
+        "frames": { "first": first, "last": last, "fps": graph.fps() },
+        "nodes": graph.nodes().len(),
+        "outputs": outputs,
+        "left_out": left_out,
+        "notes": notes,
+        "not_planned": findings.unplanned,
+    })
+}

@@ -1,0 +1,98 @@
+use trochoid::{Diagnostic, LoadError, OutputError, RunStatus, Severity};
+
+/// Input or output failed, input data are bad, or the evaluation failed.
+pub(crate) const FAILED: u8 = 1;
+/// Wrong usage, or an invalid document.
+pub(crate) const INVALID: u8 = 2;
+/// A required guarantee is not met.
+pub(crate) const MISSED: u8 = 3;
+/// The user stopped it.
+pub(crate) const INTERRUPTED: u8 = 130;
+
+/// Why a command did not do what it was asked: an exit code, and what to print on stderr.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Failure {
+    /// The exit code.
+    pub(crate) code: u8,
+    /// Each starts with `error:` or `warning:`; a line `  remedy:` may follow.
+    pub(crate) messages: Vec<String>,
+}
+
+impl Failure {
+    pub(crate) fn new(code: u8, message: impl ToString) -> Self {
+        Self { code, messages: vec![format!("error: {}", message.to_string())] }
+    }
+
+    /// A failure that has been told already.
+    pub(crate) fn silent(code: u8) -> Self {
+        Self { code, messages: Vec::new() }
+    }
+
+    /// Wrong usage: what was found and expected, and what to do.
+    pub(crate) fn usage(message: impl ToString, remedy: impl ToString) -> Self {
+        let mut failure = Self::new(INVALID, message);
+        let remedy = remedy.to_string();
+        if !remedy.is_empty() {
+            failure.messages[0].push_str(&format!("\n  remedy: {remedy}"));
+        }
+        failure
+    }
+
+    /// Adds another failure's messages; the higher code counts.
+    pub(crate) fn join(&mut self, other: Self) {
+        self.code = self.code.max(other.code);
+        self.messages.extend(other.messages);
+    }
+
+    /// Nothing, or all failures in one.
+    pub(crate) fn all(failures: impl IntoIterator<Item = Self>) -> Result<(), Self> {
+        let mut all = Self::default();
+        failures.into_iter().for_each(|failure| all.join(failure));
+        if all.code == 0 { Ok(()) } else { Err(all) }
+    }
+
+    /// How a run with this failure ended.
+    pub(crate) fn status(&self) -> RunStatus {
+        match self.code {
+            INTERRUPTED => RunStatus::Interrupted,
+            MISSED => RunStatus::Missed,
+            _ => RunStatus::Failed,
+        }
+    }
+}
+
+impl From<LoadError> for Failure {
+    fn from(error: LoadError) -> Self {
+        match error {
+            LoadError::Io { .. } => Self::new(FAILED, error),
+            LoadError::Invalid(diagnostics) => {
+                Self { code: INVALID, messages: diagnostics.iter().map(Diagnostic::to_string).collect() }
+            }
+        }
+    }
+}
+
+impl From<OutputError> for Failure {
+    fn from(error: OutputError) -> Self {
+        let code = if matches!(error, OutputError::Pattern(_)) { INVALID } else { FAILED };
+        Self::new(code, error)
+    }
+}
+
+/// "1 error", "2 warnings".
+pub(crate) fn count(severity: Severity, number: usize) -> String {
+    format!("{number} {severity}{}", if number == 1 { "" } else { "s" })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_higher_code_counts_and_no_message_is_lost() {
+        assert_eq!(Failure::all([]), Ok(()));
+        let all = Failure::all([Failure::usage("a", "b"), Failure::new(FAILED, "c")]).unwrap_err();
+        assert_eq!(all.code, INVALID);
+        assert_eq!(all.messages, ["error: a\n  remedy: b", "error: c"]);
+    }
+}

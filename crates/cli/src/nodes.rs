@@ -1,0 +1,243 @@
+//! `trochoid nodes`: the manual, from the declarations.
+
+use crate::failure::Failure;
+use crate::shell::{self, HEADING, wrap};
+use serde_json::{Value, json};
+use std::fmt::Write as _;
+use trochoid::{Accepts, Arity, Declaration, End, Item, Knob, KnobDefault, Port, Takes, expected, nearest, registry};
+
+/// Options of `trochoid nodes`.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:\n  trochoid nodes\n  trochoid nodes Mix\n  trochoid nodes Ramp --json")]
+pub(crate) struct Args {
+    /// The node type to explain; all are listed without it
+    #[arg(value_name = "TYPE")]
+    ty: Option<String>,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// Lists the node types, or explains one.
+///
+/// # Errors
+/// There is no such type, or stdout cannot be written.
+pub(crate) fn run(args: &Args) -> Result<(), Failure> {
+    let all = || registry().iter().map(|ty| ty.declaration());
+    let Some(name) = &args.ty else {
+        if args.json {
+            return shell::print_json(&all().map(describe).collect());
+        }
+        return shell::print(&list(all()));
+    };
+    let exact = all().find(|declaration| declaration.name == name);
+    match exact.or_else(|| all().find(|declaration| declaration.name.eq_ignore_ascii_case(name))) {
+        Some(declaration) if args.json => shell::print_json(&describe(declaration)),
+        Some(declaration) => shell::print(&manual(declaration)),
+        None => Err(unknown(name)),
+    }
+}
+
+fn unknown(name: &str) -> Failure {
+    if let Some(refusal) = trochoid::refusal(name) {
+        let message =
+            format!("found the operation {name}, which is not convex: {}; {}", refusal.reason, refusal.witness);
+        return Failure::usage(message, refusal.rewrite);
+    }
+    let remedy = match nearest(name, registry().names()) {
+        Some(near) => format!("did you mean {near}?"),
+        None => "`trochoid nodes` lists the types".into(),
+    };
+    Failure::usage(format!("found the node type \"{name}\"; expected a known one"), remedy)
+}
+
+fn list(all: impl Iterator<Item = &'static Declaration>) -> String {
+    let all: Vec<&Declaration> = all.collect();
+    let width = all.iter().map(|declaration| declaration.name.len()).max().unwrap_or(0);
+    let mut text = String::new();
+    for (end, heading) in [
+        (End::Front, "Front end: any mathematics; makes passes"),
+        (End::Back, "Back end: convex operations; makes colors and weights"),
+    ] {
+        let _ = writeln!(text, "{HEADING}{heading}{HEADING:#}");
+        for declaration in all.iter().filter(|declaration| declaration.end == end) {
+            let _ = writeln!(text, "  {:width$}  {}", declaration.name, declaration.summary);
+        }
+        text.push('\n');
+    }
+    text.push_str("`trochoid nodes TYPE` prints the manual of one.\n");
+    text
+}
+
+fn manual(declaration: &Declaration) -> String {
+    let end = end_name(declaration.end);
+    let mut text = format!("{HEADING}{}{HEADING:#} ({end} end)\n", declaration.name);
+    for (heading, body) in [
+        ("What it does", declaration.summary),
+        ("Formula", declaration.formula),
+        ("Edge cases", declaration.edge_cases),
+        ("Source", declaration.source),
+    ] {
+        if !body.is_empty() {
+            let _ = write!(text, "\n{HEADING}{heading}{HEADING:#}\n{}", wrap(body, 2));
+        }
+    }
+    let ports = |item: &&Item| matches!(item, Item::Port(_));
+    let groups = [("Ports", true), ("Knobs", false)];
+    for (heading, wanted) in groups {
+        let items: Vec<&Item> = declaration.items.iter().filter(|item| ports(item) == wanted).collect();
+        if !items.is_empty() {
+            let _ = writeln!(text, "\n{HEADING}{heading}{HEADING:#}");
+            items.iter().for_each(|item| write_item(&mut text, item, 2));
+        }
+    }
+    let _ = writeln!(text, "\n{HEADING}Outputs{HEADING:#}");
+    for output in declaration.outputs {
+        write_entry(&mut text, output.name, &output.kind.to_string(), output.help, 2);
+    }
+    text
+}
+
+fn end_name(end: End) -> &'static str {
+    match end {
+        End::Front => "front",
+        End::Back => "back",
+    }
+}
+
+fn write_entry(text: &mut String, name: &str, what: &str, help: &str, indent: usize) {
+    let _ = writeln!(text, "{:indent$}{HEADING}{name}{HEADING:#}: {what}", "");
+    text.push_str(&wrap(help, indent + 4));
+}
+
+fn write_item(text: &mut String, item: &Item, indent: usize) {
+    match item {
+        Item::Port(port) => write_entry(text, port.name, &port_text(port), port.help, indent),
+        Item::Knob(knob) => write_entry(text, knob.name, &knob_text(knob), knob.help, indent),
+        Item::List(list) => {
+            let what = format!("{} records, each with", range(list.min, list.max));
+            write_entry(text, list.name, &what, list.help, indent);
+            list.items.iter().for_each(|item| write_item(text, item, indent + 4));
+        }
+    }
+}
+
+fn range(min: usize, max: usize) -> String {
+    match (min, max) {
+        (min, max) if min == max => min.to_string(),
+        (min, max) if max > 4096 => format!("{min} or more"),
+        (min, max) => format!("{min} to {max}"),
+    }
+}
+
+fn port_text(port: &Port) -> String {
+    let literal = match port.accepts {
+        Accepts::Color => ", or a literal color",
+        Accepts::Mask => ", or a literal number from 0 to 1",
+        Accepts::Scalar | Accepts::Field => ", or a literal number",
+        Accepts::Weights => ", or literal numbers that sum to 1",
+        _ => "",
+    };
+    let accepts = port.accepts;
+    match port.arity {
+        Arity::One => format!("{accepts}{literal}"),
+        Arity::Optional => format!("{accepts}{literal}; may be left open"),
+        Arity::Many { min, max } => format!("a list of {} × {accepts}{literal}", range(min, max)),
+    }
+}
+
+fn knob_text(knob: &Knob) -> String {
+    let unit = if knob.unit.is_empty() { String::new() } else { format!(", in {}", knob.unit) };
+    let default = match default_of(knob) {
+        Value::Null if knob.default.is_none() => "required".into(),
+        Value::Null => "unset by default".into(),
+        value => format!("default {value}"),
+    };
+    let keyed = if knob.animated { "; may be keyed over frames" } else { "" };
+    format!("{}{unit}; {default}{keyed}", expected(&knob.takes))
+}
+
+fn default_of(knob: &Knob) -> Value {
+    match knob.default {
+        Some(KnobDefault::Number(number)) if number.fract() == 0.0 && number.abs() < 1e15 => json!(number as i64),
+        Some(KnobDefault::Number(number)) => json!(number),
+        Some(KnobDefault::Bool(value)) => json!(value),
+        Some(KnobDefault::Text(text)) => json!(text),
+        Some(KnobDefault::Vector(values)) => json!(values),
+        Some(KnobDefault::Unset) | None => Value::Null,
+    }
+}
+
+fn describe(declaration: &'static Declaration) -> Value {
+    let outputs: Vec<Value> = declaration
+        .outputs
+        .iter()
+        .map(|output| json!({ "name": output.name, "kind": output.kind.to_string(), "help": output.help }))
+        .collect();
+    json!({
+        "type": declaration.name,
+        "end": end_name(declaration.end),
+        "what_it_does": declaration.summary,
+        "formula": declaration.formula,
+        "edge_cases": declaration.edge_cases,
+        "source": declaration.source,
+        "revision": declaration.revision,
+        "items": declaration.items.iter().map(describe_item).collect::<Vec<_>>(),
+        "outputs": outputs,
+    })
+}
+
+fn describe_item(item: &Item) -> Value {
+    match item {
+        Item::Port(port) => {
+            let (min, max) = match port.arity {
+                Arity::One => (1, 1),
+                Arity::Optional => (0, 1),
+                Arity::Many { min, max } => (min, max),
+            };
+            let accepts = port.accepts.to_string();
+            json!({ "port": port.name, "accepts": accepts, "min": min, "max": max, "help": port.help })
+        }
+        Item::Knob(knob) => {
+            let (min, max) = match knob.takes {
+                Takes::Number { min, max } => (json!(min), json!(max)),
+                Takes::Integer { min, max } => (json!(min), json!(max)),
+                _ => (Value::Null, Value::Null),
+            };
+            json!({
+                "knob": knob.name,
+                "takes": expected(&knob.takes),
+                "unit": knob.unit,
+                "required": knob.default.is_none(),
+                "default": default_of(knob),
+                "min": min,
+                "max": max,
+                "keyable": knob.animated,
+                "help": knob.help,
+            })
+        }
+        Item::List(list) => {
+            let items: Vec<Value> = list.items.iter().map(describe_item).collect();
+            json!({ "list": list.name, "min": list.min, "max": list.max, "items": items, "help": list.help })
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_type_has_a_whole_manual() {
+        for ty in registry().iter() {
+            let declaration = ty.declaration();
+            let text = anstream::adapter::strip_str(&manual(declaration)).to_string();
+            for heading in ["What it does", "Formula", "Edge cases", "Source", "Outputs"] {
+                assert!(text.contains(&format!("\n{heading}\n")), "{}: no {heading}", declaration.name);
+            }
+            for item in declaration.items {
+                assert!(text.contains(&format!("\n  {}: ", item.name())), "{}: {}", declaration.name, item.name());
+            }
+        }
+    }
+}

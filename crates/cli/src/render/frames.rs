@@ -1,0 +1,140 @@
+//! Lists of frames: `1-10,20-40x2`.
+
+use std::collections::HashSet;
+
+/// Most frames of one run.
+const MOST: usize = 1_000_000;
+/// Frames are numbered from −10⁷ to 10⁷.
+const RANGE: i64 = 10_000_000;
+
+/// The frames that a list names, each once, in the order of the list.
+///
+/// A piece is a frame (`7`, `-3`), a range (`1-10`, `-5--1`), or every so manieth frame of one (`20-40x2`).
+///
+/// # Errors
+/// Every piece that is none of these, or names too many frames.
+pub(crate) fn parse(list: &str) -> Result<Vec<i64>, Vec<String>> {
+    let mut faults = Vec::new();
+    let mut seen = HashSet::new();
+    let mut frames = Vec::new();
+    for piece in list.split(',').map(str::trim) {
+        let named = match range(piece) {
+            Ok((first, last, step)) => (first..=last).step_by(step),
+            Err(fault) => {
+                faults.push(format!("--frames: found \"{piece}\"; expected {fault}"));
+                continue;
+            }
+        };
+        frames.extend(named.filter(|frame| seen.insert(*frame)).take(MOST + 1));
+        if frames.len() > MOST {
+            faults.push(format!("--frames: found more than {MOST} frames up to \"{piece}\"; expected at most {MOST}"));
+            break;
+        }
+    }
+    if faults.is_empty() { Ok(frames) } else { Err(faults) }
+}
+
+/// First and last frame of a piece, and the step; or what was expected.
+fn range(piece: &str) -> Result<(i64, i64, usize), String> {
+    let form = || "a frame, a range first-last, or first-lastxstep".to_string();
+    let (first, rest) = number(piece).ok_or_else(form)?;
+    let (last, step) = match rest.strip_prefix('-') {
+        None if rest.is_empty() => (first, 1),
+        None => return Err(form()),
+        Some(rest) => {
+            let (last, rest) = number(rest).ok_or_else(form)?;
+            match rest.strip_prefix('x') {
+                None if rest.is_empty() => (last, 1),
+                Some(step) if step.bytes().all(|b| b.is_ascii_digit()) && !step.is_empty() => {
+                    (last, step.parse().map_err(|_| "a smaller step")?)
+                }
+                _ => return Err(form()),
+            }
+        }
+    };
+    if step == 0 {
+        return Err("a step of 1 or more".into());
+    }
+    if first.abs() > RANGE || last.abs() > RANGE {
+        return Err(format!("frames from -{RANGE} to {RANGE}"));
+    }
+    if last < first {
+        return Err(format!("first ≤ last, such as {last}-{first}"));
+    }
+    Ok((first, last, step))
+}
+
+/// The whole number at the start of a text, and what follows.
+fn number(text: &str) -> Option<(i64, &str)> {
+    let digits = text.strip_prefix('-').unwrap_or(text);
+    let length = text.len() - digits.len() + digits.bytes().take_while(u8::is_ascii_digit).count();
+    // Too many digits for an i64 are out of range as well; the largest says so.
+    let sign = if digits.len() < text.len() { -1 } else { 1 };
+    let magnitude = text[..length].trim_start_matches('-');
+    if magnitude.is_empty() {
+        return None;
+    }
+    Some((sign * magnitude.parse().unwrap_or(i64::MAX), &text[length..]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lists_are_read_in_their_order_and_every_frame_once() {
+        let cases: [(&str, &[i64]); 9] = [
+            ("7", &[7]),
+            ("1-4", &[1, 2, 3, 4]),
+            ("20-25x2", &[20, 22, 24]),
+            ("-5--3", &[-5, -4, -3]),
+            ("-2-1", &[-2, -1, 0, 1]),
+            ("-3", &[-3]),
+            ("5,1-6x2, 2", &[5, 1, 3, 2]),
+            ("3-3x9", &[3]),
+            ("4,4,4-5", &[4, 5]),
+        ];
+        for (list, frames) in cases {
+            assert_eq!(parse(list).unwrap(), frames, "{list}");
+        }
+    }
+
+    #[test]
+    fn every_faulty_piece_is_named() {
+        for piece in [
+            "",
+            "a",
+            "1-",
+            "-",
+            "--",
+            "1..3",
+            "1-3x",
+            "1-3x0",
+            "1-3x-1",
+            "1x2",
+            "9-1",
+            "1-2-3",
+            "1.5",
+            "20000000",
+            "99999999999999999999",
+            "-99999999999999999999",
+            "1-3x99999999999999999999999",
+            "+3",
+            "1-3y2",
+            "١",
+        ] {
+            let faults = parse(&format!("1,{piece},2")).expect_err(piece);
+            assert_eq!(faults.len(), 1);
+            assert!(faults[0].contains(&format!("\"{piece}\"")), "{}", faults[0]);
+        }
+        assert_eq!(parse("a,1,b").unwrap_err().len(), 2);
+        assert!(parse("9-1").unwrap_err()[0].contains("1-9"));
+    }
+
+    #[test]
+    fn there_are_at_most_a_million() {
+        assert_eq!(parse("1-1000000,5-10").unwrap().len(), 1_000_000);
+        assert!(parse("1-1000001").unwrap_err()[0].contains("1-1000001"));
+        assert!(parse("-10000000-10000000").is_err());
+    }
+}

@@ -1,0 +1,237 @@
+//! What a run has to do, looked at before anything is evaluated; and doing it.
+
+use super::progress::Progress;
+use super::{Args, line};
+use crate::failure::{FAILED, Failure, INTERRUPTED, MISSED};
+use crate::interrupt;
+use serde_json::{Value, json};
+use std::collections::{BTreeSet, HashSet};
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+use trochoid::{
+    Cache, CheckedGraph, EvalError, Fingerprints, Frame, Guarantee, Monitor, OutputFile, Plan, RunReport, Settings,
+    Switches, check_destination, frame_report, misses, nearest, output_files, write_output,
+};
+
+/// How a plan becomes a frame; tests put another in its place.
+pub(super) type Evaluate<'e> = dyn Fn(&Plan<'_>, &mut Cache, &dyn Monitor) -> Result<Frame, EvalError> + 'e;
+
+/// What a run has to do.
+pub(super) struct Job<'a> {
+    graph: &'a CheckedGraph,
+    args: &'a Args,
+    required: Option<Guarantee>,
+    settings: Settings,
+    outputs: Vec<usize>,
+    frames: Vec<i64>,
+}
+
+/// What became of a frame.
+struct Done {
+    report: Value,
+    line: String,
+    /// What was missed.
+    misses: Vec<String>,
+    skipped: bool,
+}
+
+impl<'a> Job<'a> {
+    /// Chooses outputs and frames and looks at every file to be written; adds all that is wrong to `faults`.
+    pub(super) fn new(
+        graph: &'a CheckedGraph,
+        args: &'a Args,
+        frames: Option<Vec<i64>>,
+        faults: &mut Vec<Failure>,
+    ) -> Self {
+        let outputs = choose_outputs(graph, &args.output, faults);
+        let frames = frames.unwrap_or_else(|| all_frames(graph, args.frames.is_some(), faults));
+        let mut settings = Settings::default();
+        settings.threads = usize::from(args.threads);
+        if args.unoptimized {
+            settings.switches = Switches::NONE;
+        }
+        let job = Self { graph, args, required: args.required(), settings, outputs, frames };
+        job.check_files(faults);
+        job
+    }
+
+    fn files(&self, frame: i64) -> Result<Vec<OutputFile>, Failure> {
+        let several = self.frames.len() > 1;
+        Ok(output_files(self.graph, &self.outputs, frame, several, self.args.out.as_deref())?)
+    }
+
+    /// Whether every file can be written, and none is an input or the document itself.
+    fn check_files(&self, faults: &mut Vec<Failure>) {
+        let mut written = BTreeSet::new();
+        let mut read = HashSet::new();
+        let needed = self.graph.upstream(self.outputs.iter().map(|index| self.graph.outputs()[*index].node));
+        for &frame in &self.frames {
+            match self.files(frame) {
+                Ok(files) => written.extend(files.into_iter().map(|file| file.path)),
+                // What is wrong with a pattern is wrong at every frame.
+                Err(fault) => return faults.push(fault),
+            }
+            read.extend(self.graph.files(&needed, &self.graph.frame_context(frame, u64::MAX)));
+        }
+        let inputs: HashSet<PathBuf> = read.iter().filter_map(|path| path.canonicalize().ok()).collect();
+        let looked_at = written.iter().filter(|_| !inputs.is_empty());
+        for path in looked_at.filter(|path| path.canonicalize().is_ok_and(|path| inputs.contains(&path))) {
+            let message = format!("{}: is an input of the document, and would be written over", path.display());
+            faults.push(Failure::usage(message, "give the output another name"));
+        }
+        let report = self.args.report.as_ref().filter(|_| !self.args.report_on_stdout());
+        if let Some(report) = report {
+            let same =
+                |path: &Path| path.canonicalize().ok().zip(report.canonicalize().ok()).is_some_and(|(a, b)| a == b);
+            if same(&self.args.graph) || written.contains(report) || read.iter().any(|path| same(path)) {
+                let message = format!("--report {}: is a file of the document or of the run", report.display());
+                faults.push(Failure::usage(message, "give the report another name"));
+            }
+        }
+        // One look at each folder is enough, and one at each place where a folder might stand.
+        let mut folders = HashSet::new();
+        let looked_at = written.iter().filter(|path| path.is_dir() || folders.insert(path.parent())).chain(report);
+        faults.extend(looked_at.filter_map(|path| check_destination(path).err()).map(Failure::from));
+    }
+
+    /// Renders frame after frame.
+    pub(super) fn run(&self, evaluate: &Evaluate<'_>, report: &mut RunReport) -> Result<(), Failure> {
+        let mut progress = Progress::new(self.frames.len(), self.args.quiet);
+        let mut cache = Cache::new();
+        let mut fingerprints = Fingerprints::new();
+        let mut missed = 0;
+        for (index, &frame) in self.frames.iter().enumerate() {
+            progress.begin(index, frame);
+            let done = self.frame(frame, evaluate, &mut cache, &mut fingerprints, &progress)?;
+            if done.skipped {
+                progress.skip();
+            }
+            if self.args.json {
+                progress.print(&format!("{}\n", done.report))?;
+            } else if !self.args.quiet && !self.args.report_on_stdout() {
+                progress.print(&done.line)?;
+            }
+            missed += usize::from(!done.misses.is_empty());
+            progress.tell(&done.misses);
+            report.push(done.report);
+        }
+        progress.finish();
+        if missed > 0 {
+            let total = self.frames.len();
+            let message = format!("a required guarantee was missed in {missed} of {total} frames");
+            return Err(Failure::new(MISSED, message));
+        }
+        Ok(())
+    }
+
+    fn frame(
+        &self,
+        number: i64,
+        evaluate: &Evaluate<'_>,
+        cache: &mut Cache,
+        fingerprints: &mut Fingerprints,
+        progress: &Progress,
+    ) -> Result<Done, Failure> {
+        let started = Instant::now();
+        stop_if_asked()?;
+        let all = self.files(number)?;
+        let (current, open): (Vec<OutputFile>, Vec<OutputFile>) = all
+            .into_iter()
+            .partition(|file| self.args.resume && fingerprints.is_current(self.graph, file, number, self.required));
+        if open.is_empty() {
+            let files: Vec<Value> = current.iter().map(|file| self.describe(file, "up to date")).collect();
+            let report = json!({ "frame": number, "skipped": true, "files": files });
+            let line = line::skipped(self.graph, number, &current);
+            return Ok(Done { report, line, misses: Vec::new(), skipped: true });
+        }
+        let names: Vec<&str> = open
+            .iter()
+            .flat_map(|file| &file.outputs)
+            .map(|index| self.graph.outputs()[*index].name.as_str())
+            .collect();
+        let failed = |error: &dyn std::fmt::Display| Failure::new(FAILED, format!("frame {number}: {error}"));
+        let plan = Plan::new(self.graph, &names, number, &[], &self.settings).map_err(|error| failed(&error))?;
+        let frame = evaluate(&plan, cache, progress).map_err(|error| match error {
+            EvalError::Cancelled => interrupted(),
+            error => failed(&error),
+        })?;
+        stop_if_asked()?;
+        let misses = misses(self.graph, &frame, self.required);
+        let writing = Instant::now();
+        let mut files = Vec::with_capacity(open.len());
+        for file in open {
+            let keeps = !misses.iter().any(|miss| file.outputs.contains(&miss.output));
+            if keeps {
+                let metadata = fingerprints.metadata(self.graph, &file, &frame);
+                write_output(self.graph, &frame, &file, &metadata)?;
+            }
+            files.push((file, keeps));
+        }
+        let mut report = frame_report(self.graph, &frame, writing.elapsed().as_secs_f64());
+        let described = files
+            .iter()
+            .map(|(file, written)| self.describe(file, if *written { "written" } else { "required guarantee missed" }));
+        let described: Vec<Value> =
+            described.chain(current.iter().map(|file| self.describe(file, "up to date"))).collect();
+        report["files"] = json!(described);
+        let line = line::rendered(self.graph, &frame, &files, started.elapsed().as_secs_f64());
+        let misses = misses.iter().map(|miss| {
+            format!(
+                "error: {miss}\n  remedy: its file was not written; render it without the requirement to look at it"
+            )
+        });
+        Ok(Done { report, line, misses: misses.collect(), skipped: false })
+    }
+
+    fn describe(&self, file: &OutputFile, state: &str) -> Value {
+        let outputs: Vec<&str> = file.outputs.iter().map(|index| self.graph.outputs()[*index].name.as_str()).collect();
+        json!({ "path": file.path.display().to_string(), "outputs": outputs, "state": state })
+    }
+}
+
+fn interrupted() -> Failure {
+    Failure::new(INTERRUPTED, "interrupted; finished files are whole, others were not begun")
+}
+
+fn stop_if_asked() -> Result<(), Failure> {
+    if interrupt::asked() { Err(interrupted()) } else { Ok(()) }
+}
+
+/// Indices of the outputs of these names, each once; all outputs for no names.
+fn choose_outputs(graph: &CheckedGraph, names: &[String], faults: &mut Vec<Failure>) -> Vec<usize> {
+    let known: Vec<&str> = graph.outputs().iter().map(|output| output.name.as_str()).collect();
+    if names.is_empty() {
+        return (0..known.len()).collect();
+    }
+    let mut chosen = Vec::new();
+    for name in names {
+        match known.iter().position(|known| known == name) {
+            Some(index) if chosen.contains(&index) => {}
+            Some(index) => chosen.push(index),
+            None => {
+                let remedy = match nearest(name, known.iter().copied()) {
+                    Some(near) => format!("did you mean {near}?"),
+                    None => "choose one of them".into(),
+                };
+                let message = format!("--output: found \"{name}\"; expected one of {}", known.join(", "));
+                faults.push(Failure::usage(message, remedy));
+            }
+        }
+    }
+    // A stand-in where no name fits, so that the pattern is looked at all the same.
+    if chosen.is_empty() { vec![0] } else { chosen }
+}
+
+/// All frames of the document, unless a list was given that could not be read.
+fn all_frames(graph: &CheckedGraph, given: bool, faults: &mut Vec<Failure>) -> Vec<i64> {
+    let (first, last) = graph.frames();
+    if given {
+        return vec![first];
+    }
+    if last - first >= 1_000_000 {
+        let message = format!("found the document's {} frames; expected at most 1000000 in one run", last - first + 1);
+        faults.push(Failure::usage(message, "choose some of them with --frames"));
+        return vec![first];
+    }
+    (first..=last).collect()
+}

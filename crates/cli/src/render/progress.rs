@@ -1,0 +1,78 @@
+//! A progress bar on a terminal, nothing in a pipe.
+
+use crate::failure::Failure;
+use crate::{interrupt, shell};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use std::time::Duration;
+use trochoid::Monitor;
+
+/// Steps of the bar that a frame takes.
+const STEPS: u64 = 1000;
+
+/// Shows how far a run is, and asks whether it should stop.
+pub(super) struct Progress {
+    bar: ProgressBar,
+    /// Where the bar stood when the frame began.
+    start: u64,
+    frame: i64,
+}
+
+impl Progress {
+    /// A bar for so many frames; on stderr, and only where that is a terminal.
+    pub(super) fn new(frames: usize, hidden: bool) -> Self {
+        let target = if hidden { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
+        let bar = ProgressBar::with_draw_target(Some(frames as u64 * STEPS), target);
+        let template = "{bar:40} {percent:>3} %  {elapsed} elapsed, {eta} left  {wide_msg}";
+        if let Ok(style) = ProgressStyle::with_template(template) {
+            bar.set_style(style);
+        }
+        if !bar.is_hidden() {
+            // A long preparation must not look like a standstill.
+            bar.enable_steady_tick(Duration::from_millis(250));
+        }
+        Self { bar, start: 0, frame: 0 }
+    }
+
+    pub(super) fn begin(&mut self, index: usize, frame: i64) {
+        (self.start, self.frame) = (index as u64 * STEPS, frame);
+        self.bar.set_position(self.start);
+        self.bar.set_message(format!("frame {frame}"));
+    }
+
+    /// A frame that costs nothing must not count in the estimate of what is left.
+    pub(super) fn skip(&self) {
+        self.bar.set_position(self.start + STEPS);
+        self.bar.reset_eta();
+    }
+
+    /// Prints a line on stdout, above the bar.
+    pub(super) fn print(&self, text: &str) -> Result<(), Failure> {
+        self.bar.suspend(|| shell::print(text))
+    }
+
+    /// Prints messages on stderr, above the bar.
+    pub(super) fn tell(&self, messages: &[String]) {
+        self.bar.suspend(|| shell::tell(messages));
+    }
+
+    pub(super) fn finish(&self) {
+        self.bar.finish_and_clear();
+    }
+}
+
+impl Monitor for Progress {
+    fn preparing(&self, node: &str) {
+        self.bar.set_message(format!("frame {}: preparing {node}", self.frame));
+    }
+
+    fn progress(&self, done: usize, total: usize) {
+        if done == 1 {
+            self.bar.set_message(format!("frame {}", self.frame));
+        }
+        self.bar.set_position(self.start + STEPS * done as u64 / total.max(1) as u64);
+    }
+
+    fn cancelled(&self) -> bool {
+        interrupt::asked()
+    }
+}

@@ -1,0 +1,91 @@
+use super::*;
+use crate::failure::{FAILED, INTERRUPTED, MISSED};
+use std::path::Path;
+use trochoid::{Buffers, Cache, EvalError, Frame, Monitor, Plan};
+
+const DOCUMENT: &str = r##"{
+    "trochoid": 1, "format": { "width": 8, "height": 4 }, "frames": { "first": 1, "last": 3 },
+    "nodes": { "across": { "type": "ScreenX" },
+               "mix": { "type": "Mix", "a": "#123", "b": "#fed", "weight": "across" } },
+    "outputs": { "beauty": { "color": "mix", "file": "beauty.#.exr" },
+                 "mask": { "weights": "across", "file": "mask.#.exr" } } }"##;
+
+fn arguments(folder: &Path) -> Args {
+    let graph = folder.join("a.json");
+    std::fs::write(&graph, DOCUMENT).unwrap();
+    Args { graph, quiet: true, report: Some(folder.join("report.json")), ..Args::default() }
+}
+
+fn report(folder: &Path) -> serde_json::Value {
+    serde_json::from_slice(&std::fs::read(folder.join("report.json")).unwrap()).unwrap()
+}
+
+fn honest(plan: &Plan<'_>, cache: &mut Cache, monitor: &dyn Monitor) -> Result<Frame, EvalError> {
+    plan.evaluate(&Buffers::new(), cache, monitor)
+}
+
+/// An evaluation whose second frame has left the hull: no document can make one, so it is forged.
+fn forged(plan: &Plan<'_>, cache: &mut Cache, monitor: &dyn Monitor) -> Result<Frame, EvalError> {
+    let mut frame = honest(plan, cache, monitor)?;
+    if frame.number == 2 {
+        (frame.pictures[0].audit.hull_exits, frame.pictures[0].audit.worst_exit) = (5, 0.25);
+    }
+    Ok(frame)
+}
+
+#[test]
+fn a_missed_guarantee_writes_no_file_and_lets_the_others_go_on() {
+    let folder = tempfile::tempdir().unwrap();
+    let args = Args { require: Some("hull".into()), ..arguments(folder.path()) };
+    let failure = run_with(&args, &forged).unwrap_err();
+    assert_eq!(failure.code, MISSED);
+    let there = |name: &str| folder.path().join(name).exists();
+    assert!(there("beauty.1.exr") && !there("beauty.2.exr") && there("beauty.3.exr"));
+    assert!(there("mask.2.exr"), "nothing is required of a mask");
+    let report = report(folder.path());
+    assert_eq!(report["status"], "guarantee missed");
+    assert_eq!(report["frames"][1]["outputs"]["beauty"]["hull_exits"], 5);
+    assert_eq!(report["frames"][1]["files"][0]["state"], "required guarantee missed");
+}
+
+#[test]
+fn without_a_requirement_the_same_frame_is_written_but_resume_does_not_take_it_for_one_that_holds() {
+    let folder = tempfile::tempdir().unwrap();
+    let args = arguments(folder.path());
+    run_with(&args, &forged).unwrap();
+    assert!(folder.path().join("beauty.2.exr").exists());
+    let resumed = Args { resume: true, ..arguments(folder.path()) };
+    run_with(&resumed, &|_, _, _| panic!("every file is up to date")).unwrap();
+    let strict = Args { resume: true, require: Some("box".into()), ..arguments(folder.path()) };
+    let evaluated = std::sync::Mutex::new(Vec::new());
+    run_with(&strict, &|plan, cache, monitor| {
+        evaluated.lock().unwrap().push(plan.frame());
+        honest(plan, cache, monitor)
+    })
+    .unwrap();
+    assert_eq!(*evaluated.lock().unwrap(), [2]);
+}
+
+#[test]
+fn a_failed_evaluation_stops_and_keeps_what_is_done() {
+    let folder = tempfile::tempdir().unwrap();
+    let fails_at_two = |plan: &Plan<'_>, cache: &mut Cache, monitor: &dyn Monitor| match plan.frame() {
+        2 => Err(EvalError::Memory { bytes: 7 }),
+        _ => honest(plan, cache, monitor),
+    };
+    let failure = run_with(&arguments(folder.path()), &fails_at_two).unwrap_err();
+    assert_eq!(failure.code, FAILED);
+    assert!(failure.messages[0].starts_with("error: frame 2: out of memory"), "{failure:?}");
+    assert!(folder.path().join("mask.1.exr").exists() && !folder.path().join("mask.3.exr").exists());
+    assert_eq!(report(folder.path())["status"], "failed");
+    assert_eq!(report(folder.path())["frames"].as_array().unwrap().len(), 1);
+}
+
+#[test]
+fn a_cancelled_evaluation_is_an_interruption() {
+    let folder = tempfile::tempdir().unwrap();
+    let failure = run_with(&arguments(folder.path()), &|_, _, _| Err(EvalError::Cancelled)).unwrap_err();
+    assert_eq!(failure.code, INTERRUPTED);
+    assert_eq!(report(folder.path())["status"], "interrupted");
+    assert!(!folder.path().join("beauty.1.exr").exists());
+}

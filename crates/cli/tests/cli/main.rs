@@ -1,0 +1,10 @@
+//! The binary as a user meets it: exit codes, what goes to stdout and stderr, which files appear.
+
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
+
+mod bad_images;
+mod commands;
+mod refusals;
+mod render;
+mod scene;
+mod streams;

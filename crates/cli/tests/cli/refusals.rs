@@ -1,0 +1,107 @@
+//! What is refused, with which exit code; and that nothing is written then.
+
+use crate::scene::{READS, SCENE, Scene};
+use std::fs;
+
+#[test]
+fn usage_is_code_2_and_writes_nothing() {
+    let scene = Scene::new(SCENE);
+    let render = |more: &[&str]| scene.run(&[&["render", "a.json"], more].concat());
+    let cases: [(&[&str], &[&str]); 17] = [
+        (&["--frames", "1-,3,x"], &["found \"1-\"", "found \"x\""]),
+        (&["--frames", "9-1"], &["\"9-1\"", "1-9"]),
+        (&["--frames", "1-2000000"], &["1-2000000", "at most 1000000"]),
+        (&["--output", "beuty"], &["found \"beuty\"", "did you mean beauty?"]),
+        (&["--out", "a.####.exr"], &["gives 2 outputs one name", "{output}"]),
+        (&["--out", "{output}.exr"], &["gives all frames one name", "####"]),
+        (&["--out", "{output}.####.jpg"], &["ending that cannot be written"]),
+        (&["--set", "mix.wieght=1"], &["unknown key \"wieght\"", "did you mean \"weight\"?"]),
+        (&["--set", "mix=1"], &["NODE.KNOB=VALUE"]),
+        (&["--threads", "-1"], &["-1"]),
+        (&["--threads", "100000"], &["--threads"]),
+        (&["--require", "ball"], &["ball", "hull, box"]),
+        (&["--quiet", "--json"], &["--quiet", "--json"]),
+        (&["--json", "--report", "-"], &["both write JSON on stdout"]),
+        (&["--nonsense"], &["--nonsense"]),
+        (&["--report", "a.json"], &["is a file of the document"]),
+        (&["--frames", "x", "--output", "y", "--out", "z.jpg"], &["\"x\"", "\"y\"", "z.jpg"]),
+    ];
+    for (arguments, words) in cases {
+        render(arguments).fails(2, words);
+    }
+    scene.run(&[]).code(2);
+    scene.run(&["render"]).fails(2, &["<GRAPH>"]);
+    scene.run(&["rendr", "a.json"]).fails(2, &["rendr"]);
+    scene.has_no_files();
+}
+
+#[test]
+fn invalid_documents_are_code_2_and_write_nothing() {
+    let plus = r#"{ "trochoid": 1, "nodes": { "a": { "type": "Plus" } } }"#;
+    let cyclic = SCENE.replace(
+        "\"weight\": \"across\" }",
+        "\"weight\": \"across\" }, \"me\": { \"type\": \"Invert\", \"weight\": \"me\" }",
+    );
+    let mask = SCENE.replace("\"color\": \"mix\"", "\"color\": \"across\"");
+    let deep = format!("{{ \"notes\": {}", "[".repeat(100_000));
+    let cases: [(&str, &[&str]); 5] = [
+        ("", &["a.json:1:1", "ends too early"]),
+        (plus, &["the operation Plus", "no \"format\"", "no \"outputs\"", "\n  remedy: "]),
+        (&cyclic, &["the loop me ← me"]),
+        (&mask, &["a.json:5:37: beauty", "a mask"]),
+        (&deep, &["a.json:1:"]),
+    ];
+    for (document, words) in cases {
+        let scene = Scene::new(document);
+        scene.run(&["render", "a.json", "--report", "r.json"]).fails(2, words);
+        scene.run(&["check", "a.json"]).fails(2, words);
+        let json = scene.run(&["check", "a.json", "--json"]).code(2);
+        assert_eq!(json.err, "");
+        assert_eq!(json.json()["valid"], false);
+        assert!(json.json()["diagnostics"][0]["remedy"].is_string());
+        scene.has_no_files();
+    }
+}
+
+#[test]
+fn a_document_that_is_no_text_is_code_2() {
+    let scene = Scene::new("");
+    fs::write(scene.path("a.json"), b"{ \"notes\":\n \"caf\xe9\" }").unwrap();
+    scene.run(&["render", "a.json"]).fails(2, &["a.json:2:6", "0xe9", "UTF-8"]);
+}
+
+#[test]
+fn input_output_and_bad_data_are_code_1() {
+    let scene = Scene::new(READS);
+    scene.run(&["render", "none.json"]).fails(1, &["none.json: cannot be read"]);
+    scene.run(&["render", "."]).fails(1, &["is a folder"]);
+    scene.run(&["render", "a.json"]).fails(1, &["frame 1: node \"in\" (Read)", "in.exr"]);
+    scene.run(&["info", "none.exr"]).fails(1, &["none.exr"]);
+    scene.run(&["info", "a.json"]).fails(1, &["a.json"]);
+    scene.has_no_files();
+    scene.write_picture("in.exr", -0.5);
+    scene.run(&["render", "a.json"]).fails(1, &["-0.5"]);
+    fs::write(scene.path("in.exr"), b"v/1\x01 no picture at all").unwrap();
+    scene.run(&["render", "a.json"]).fails(1, &["in.exr"]);
+    assert_eq!(scene.files(), ["in.exr"]);
+}
+
+#[test]
+fn places_that_take_no_files_are_found_before_anything_is_evaluated() {
+    let scene = Scene::new(SCENE);
+    scene.run(&["render", "a.json", "--out", "a.json/{output}.####.exr"]).fails(1, &["is no folder"]);
+    fs::create_dir_all(scene.path("out/mask.0003.png")).unwrap();
+    scene.run(&["render", "a.json"]).fails(1, &["out/mask.0003.png", "is a folder"]);
+    scene.run(&["render", "a.json", "--frames", "1", "--report", "out"]).fails(1, &["is a folder"]);
+    scene.has_no_files();
+    let reads = Scene::new(READS);
+    reads.write_picture("in.exr", 0.5);
+    reads.run(&["render", "a.json", "--out", "in.exr"]).fails(2, &["in.exr", "written over"]);
+}
+
+#[test]
+fn values_that_half_cannot_hold_are_refused_and_leave_no_file() {
+    let scene = Scene::new(&SCENE.replace("\"#fff\"", "[1e6, 1e6, 1e6]"));
+    scene.run(&["render", "a.json", "--frames", "1", "--output", "beauty"]).fails(1, &["beauty.0001.exr"]);
+    scene.has_no_files();
+}

@@ -1,0 +1,121 @@
+//! `trochoid render`.
+
+use crate::scene::{READS, SCENE, Scene};
+use serde_json::Value;
+use std::fs;
+
+#[test]
+fn every_frame_is_written_and_has_one_line() {
+    let scene = Scene::new(SCENE);
+    let run = scene.run(&["render", "a.json"]).code(0);
+    assert_eq!(run.err, "", "no progress bar in a pipe");
+    let lines: Vec<&str> = run.out.lines().collect();
+    assert_eq!(lines.len(), 3);
+    assert!(lines[1].starts_with("frame 2: beauty → out/beauty.0002.exr, mask → out/mask.0002.png  hull, 0 exits, "));
+    let names = [1, 2, 3].iter().flat_map(|n| [format!("out/beauty.000{n}.exr"), format!("out/mask.000{n}.png")]);
+    let mut names: Vec<String> = names.collect();
+    names.sort();
+    assert_eq!(scene.files(), names);
+}
+
+#[test]
+fn frames_outputs_and_pattern_are_chosen() {
+    let scene = Scene::new(SCENE);
+    let chosen = ["render", "a.json", "--frames", "-2--1,5-9x2,5", "--output", "mask", "--out", "m.##.exr"];
+    let run = scene.run(&chosen).code(0);
+    assert_eq!(run.out.lines().count(), 5);
+    assert_eq!(scene.files(), ["m.-01.exr", "m.-02.exr", "m.05.exr", "m.07.exr", "m.09.exr"]);
+    let order: Vec<&str> = run.out.lines().map(|line| line.split(':').next().unwrap()).collect();
+    assert_eq!(order, ["frame -2", "frame -1", "frame 5", "frame 7", "frame 9"]);
+    scene.run(&["render", "a.json", "--frames", "1", "--out", "x/{output}.%03d.exr"]).code(0);
+    assert!(scene.path("x/beauty.001.exr").exists() && scene.path("x/mask.001.exr").exists());
+}
+
+#[test]
+fn resume_skips_what_is_current_and_nothing_else() {
+    let scene = Scene::new(SCENE);
+    let resume = |more: &[&str]| {
+        let run = scene.run(&[&["render", "a.json", "--resume"], more].concat()).code(0);
+        run.out.lines().map(|line| line.ends_with("  up to date")).collect::<Vec<bool>>()
+    };
+    assert_eq!(resume(&["--frames", "1-2"]), [false, false]);
+    assert_eq!(resume(&["--require", "hull"]), [true, true, false]);
+    assert_eq!(resume(&["--set", "mix.a=#100", "--frames", "2"]), [false], "another --set");
+    assert_eq!(resume(&[]), [true, false, true], "frame 2 was made with --set");
+    fs::write(scene.path("out/mask.0001.png"), "damaged").unwrap();
+    let run = scene.run(&["render", "a.json", "--resume", "--frames", "1"]).code(0);
+    assert!(run.out.starts_with("frame 1: mask → "), "the other output is current: {}", run.out);
+    let other = SCENE.replace("\"last\": 3", "\"last\": 3, \"fps\": 25");
+    fs::write(scene.path("a.json"), &other).unwrap();
+    assert_eq!(resume(&[]), [false, false, false], "another document");
+    fs::write(scene.path("a.json"), format!("\n{}", other.replace("25", "25.0"))).unwrap();
+    assert_eq!(resume(&[]), [true, true, true], "the same document, written otherwise");
+}
+
+#[test]
+fn resume_renders_again_when_an_input_has_changed() {
+    let scene = Scene::new(READS);
+    let current = || scene.run(&["render", "a.json", "--resume"]).code(0).out.ends_with("up to date\n");
+    scene.write_picture("in.exr", 0.25);
+    assert!(!current());
+    assert!(current());
+    scene.write_picture("in.exr", 0.75);
+    assert!(!current());
+    assert!(current());
+}
+
+#[test]
+fn requirements_that_hold_are_no_obstacle() {
+    for guarantee in ["hull", "box"] {
+        let scene = Scene::new(SCENE);
+        scene.run(&["render", "a.json", "--require", guarantee]).code(0);
+        assert_eq!(scene.files().len(), 6);
+    }
+}
+
+#[test]
+fn the_report_says_what_was_done() {
+    let scene = Scene::new(SCENE);
+    scene.run(&["render", "a.json", "--frames", "1-2", "--report", "deep/r.json", "--quiet"]).code(0);
+    let report: Value = serde_json::from_slice(&fs::read(scene.path("deep/r.json")).unwrap()).unwrap();
+    assert_eq!(report["status"], "done");
+    assert_eq!(report["document_hash"].as_str().unwrap().len(), 64);
+    let frame = &report["frames"][1];
+    assert_eq!(frame["frame"], 2);
+    let beauty = &frame["outputs"]["beauty"];
+    assert_eq!((beauty["guarantee"].as_str(), beauty["hull_exits"].as_u64()), (Some("hull"), Some(0)));
+    assert_eq!(beauty["control_colors"]["count"], 2);
+    assert_eq!(beauty["pixels"], 128);
+    assert_eq!(frame["nodes"]["mix"]["state"], "evaluated");
+    assert_eq!(frame["files"][0]["path"], "out/beauty.0002.exr");
+    assert_eq!(frame["files"][0]["state"], "written");
+    let run = scene.run(&["render", "a.json", "--report", "-", "--resume"]).code(0);
+    assert_eq!(run.json()["frames"][0]["skipped"], true);
+    assert_eq!(run.json()["frames"][2]["frame"], 3);
+}
+
+#[test]
+fn json_is_one_object_a_frame_and_quiet_is_silent() {
+    let scene = Scene::new(SCENE);
+    let run = scene.run(&["render", "a.json", "--json"]).code(0);
+    let frames: Vec<Value> = run.out.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    assert_eq!(frames.len(), 3);
+    assert_eq!(frames[2]["files"][1]["outputs"][0], "mask");
+    let run = scene.run(&["render", "a.json", "--quiet"]).code(0);
+    assert_eq!((run.out, run.err), (String::new(), String::new()));
+}
+
+#[test]
+fn neither_threads_nor_optimization_change_a_bit() {
+    let scene = Scene::new(SCENE);
+    let render = |name: &str, more: &[&str]| {
+        let pattern = format!("{name}.exr");
+        let fixed = ["render", "a.json", "--frames", "1", "--output", "beauty", "--out", &pattern];
+        scene.run(&[&fixed, more].concat()).code(0);
+        let selection = trochoid::io::Selection::default();
+        trochoid::io::read(scene.path(&pattern), &selection, &trochoid::io::Limits::default()).unwrap()
+    };
+    let one = render("one", &["--threads", "1"]);
+    assert_eq!(one, render("three", &["--threads", "3"]));
+    assert_eq!(one, render("unoptimized", &["--unoptimized"]));
+}
