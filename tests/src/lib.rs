@@ -1,1 +1,1 @@
-//! placeholder
+//! Holds the tests across crates; see `tests/main.rs`.

@@ -71,7 +71,7 @@ const CASES: &[Case] = &[
         file: "in.exr",
         make: |p| {
             gray(p);
-            truncated(p, 0.2)
+            truncated(p, 0.2);
         },
         knobs: COLOR,
         words: &["in.exr", "damaged or incomplete"],
@@ -80,7 +80,7 @@ const CASES: &[Case] = &[
         file: "in.exr",
         make: |p| {
             gray(p);
-            truncated(p, 0.95)
+            truncated(p, 0.95);
         },
         knobs: COLOR,
         words: &["in.exr", "damaged or incomplete"],
@@ -187,7 +187,7 @@ const CASES: &[Case] = &[
         file: "in.png",
         make: |p| {
             png(p);
-            truncated(p, 0.6)
+            truncated(p, 0.6);
         },
         knobs: COLOR,
         words: &["in.png", "damaged or incomplete"],
