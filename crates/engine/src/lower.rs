@@ -15,7 +15,8 @@ pub(crate) struct Lowered {
 
 /// Lowers the nodes in `needed`; a node in `bound` is filled from outside and asks for nothing.
 ///
-/// `keys` are content keys: nodes with equal keys are computed once. Empty to compute each.
+/// `keys` are content keys: nodes with equal keys are computed once. Empty to compute each. They do not know what is
+/// bound, so nodes that depend on a bound one are left apart.
 pub(crate) fn lower(graph: &CheckedGraph, frame: i64, needed: &[bool], bound: &[bool], keys: &[String]) -> Lowered {
     let count = graph.nodes().len();
     let mut lowered = Lowered {
@@ -25,11 +26,17 @@ pub(crate) fn lower(graph: &CheckedGraph, frame: i64, needed: &[bool], bound: &[
         stands_in: (0..count).map(NodeId).collect(),
     };
     let mut first_of = std::collections::HashMap::new();
+    let mut apart = bound.to_vec();
     for &id in graph.order().iter().filter(|id| needed[id.0]) {
-        if let Some(key) = keys.get(id.0).filter(|_| !bound[id.0]) {
+        let node = graph.node(id);
+        apart[id.0] |= node
+            .record
+            .sources()
+            .into_iter()
+            .any(|source| if let Source::Output { node, .. } = source { apart[node.0] } else { false });
+        if let Some(key) = keys.get(id.0).filter(|_| !apart[id.0]) {
             lowered.stands_in[id.0] = *first_of.entry(key.as_str()).or_insert(id);
         }
-        let node = graph.node(id);
         let mut settled = graph.settle(id, frame);
         settled.redirect(&|node| lowered.stands_in[node.0]);
         if lowered.stands_in[id.0] != id {

@@ -65,13 +65,18 @@ impl<'g> ShadingPlan<'g> {
             sources.push(planes.get(slot.channel).copied().unwrap_or_default());
         }
         let mut machine = Machine::new(&pass.program);
+        let mut batch = vec![[0.0f32; BATCH]; sources.len()];
         let mut start = 0;
         while start < count {
             let length = BATCH.min(count - start);
-            let planes: Vec<Plane<'_>> = sources
-                .iter()
-                .map(|source| Plane { samples: &source[start..start + length], one_row: false })
-                .collect();
+            for (batch, source) in batch.iter_mut().zip(&sources) {
+                for (to, from) in batch.iter_mut().zip(&source[start..start + length]) {
+                    // As for pictures: −0 becomes 0, so that no bit depends on pruning.
+                    *to = from + 0.0;
+                }
+            }
+            let planes: Vec<Plane<'_>> =
+                batch.iter().map(|batch| Plane { samples: &batch[..length], one_row: false }).collect();
             machine.tile(&planes, length, 1, &mut |root, channel, _, row| {
                 let first = pass.roots[root].1;
                 outputs[first + channel][start..start + length].copy_from_slice(row);

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use trochoid_graph::*;
 use trochoid_image::Plane;
 use trochoid_io::Picture;
+use trochoid_scene::{Camera, DVec3, Projection};
 
 pub(crate) static NODE: &dyn NodeType = &ViewFromPasses;
 
@@ -15,7 +16,7 @@ static DECLARATION: Declaration = Declaration {
     end: End::Front,
     summary: "Makes a view of another renderer's passes, or of a painted normal map.",
     formula: "Depth d, or +∞ where d ≥ `far`. Position p and normal n/|n|, with (x, y, z) → (x, z, −y) where `up` is z; \
-              packed normals are 2v − 1. Coverage as stored; without that pass 1 where d < `far`, else 0.",
+              packed normals are 2v − 1. Height is p.y − `level`. Coverage as stored; without that pass 1 where d < `far`, else 0.",
     edge_cases: "A degenerate normal points up. Without coverage and depth everything is covered. Each channel depends \
                  on its own pass alone, so uncovered pixels keep the position that the file has there. NaN, and a \
                  coverage outside [0, 1], are refused with their place, or repaired and counted.",
@@ -28,12 +29,13 @@ static DECLARATION: Declaration = Declaration {
         Knob::text("coverage", "Layer, part or channel that holds the coverage, such as Combined.A.").item(),
         Knob::choice("up", &["y", "z"], "The axis that points up in the file; z in Blender.").item(),
         Knob::bool("packed", false, "Normals are stored as (n + 1)/2, as in painted normal maps.").item(),
+        Knob::number("level", 0.0, -1e9, 1e9, "World y from which heights are measured.").unit("m").item(),
         Knob::number("far", 1e4, 0.0, f32::MAX as f64, "Depth from which on it is the sky's.").unit("m").item(),
         Knob::choice("fit", &["nearest", "crop"], "How passes of another size are laid over the picture.")
             .optional()
             .item(),
         Knob::bool("repair", false, "Set illegal values to the nearest legal one, and count them.").item(),
-        Port::optional("camera", Accepts::Camera, "The camera that the passes were rendered with."),
+        Port::optional("camera", Accepts::Camera, "The camera of the passes; without it, parallel rays along −Z."),
     ],
     outputs: &[
         Output::new("view", Kind::View, "The view."),
@@ -45,7 +47,10 @@ static DECLARATION: Declaration = Declaration {
 /// Pass by knob, and the channels that it supplies.
 const PASSES: [(&str, ChannelSet); 4] = [
     ("depth", ChannelSet::of(&[ViewChannel::Depth])),
-    ("position", ChannelSet::of(&[ViewChannel::PositionX, ViewChannel::PositionY, ViewChannel::PositionZ])),
+    (
+        "position",
+        ChannelSet::of(&[ViewChannel::PositionX, ViewChannel::PositionY, ViewChannel::PositionZ, ViewChannel::Height]),
+    ),
     ("normal", ChannelSet::of(&[ViewChannel::NormalX, ViewChannel::NormalY, ViewChannel::NormalZ])),
     ("coverage", ChannelSet::of(&[ViewChannel::Coverage])),
 ];
@@ -99,7 +104,7 @@ impl Stage for ViewFromPasses {
         let mut reading = Reading { node, frame: prepare.frame, path: &path, repaired: 0 };
         let mut view = View {
             channels: (0..ViewChannel::COUNT).map(|_| None).collect(),
-            camera: prepare.handle_of(node, "camera"),
+            camera: prepare.handle_of(node, "camera").or_else(level_camera),
             repaired: 0,
         };
         let given = |knob: &str, set: ChannelSet| node.is_set(knob) && any(set);
@@ -111,8 +116,11 @@ impl Stage for ViewFromPasses {
             view.set(ViewChannel::Coverage, Some(covered));
         }
         if given(position, places) {
-            let points = reading.vector(position, |v| v, |p| p)?;
-            places.iter().zip(points).for_each(|(channel, layer)| view.set(channel, Some(layer)));
+            let [x, y, z] = reading.vector(position, |v| v, |p| p)?;
+            let level = node.number("level");
+            let height = y.map(|y| (f64::from(y) - level) as f32);
+            // In the order of the channels.
+            places.iter().zip([x, y, z, height]).for_each(|(channel, layer)| view.set(channel, Some(layer)));
         }
         if given(normal, directions) {
             let unpack = if node.bool("packed") { |v| 2.0 * v - 1.0 } else { |v| v };
@@ -126,6 +134,16 @@ impl Stage for ViewFromPasses {
         view.repaired = reading.repaired;
         Ok(Box::new(view))
     }
+}
+
+/// The camera of a picture that was drawn and not rendered: parallel rays along −Z.
+fn level_camera() -> Option<Handle> {
+    Some(std::sync::Arc::new(Camera {
+        position: DVec3::ZERO,
+        target: DVec3::NEG_Z,
+        roll: 0.0,
+        projection: Projection::Orthographic { height: 1.0 },
+    }))
 }
 
 /// n/|n|; up where there is no direction.

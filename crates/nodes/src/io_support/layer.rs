@@ -172,6 +172,13 @@ impl Layer {
         }
     }
 
+    /// The same layer with every value replaced.
+    pub(crate) fn map(&self, f: impl Fn(f32) -> f32) -> Self {
+        let mut mapped = self.clone();
+        mapped.plane.samples_mut().iter_mut().for_each(|v| *v = f(*v));
+        mapped
+    }
+
     /// All samples of the file.
     pub(crate) fn samples(&self) -> &[f32] {
         self.plane.samples()
