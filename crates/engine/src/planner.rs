@@ -1,7 +1,7 @@
 //! Makes plans: lower, optimize, schedule, and explain what is left out.
 
 use crate::lower::{Lowered, lower, positions};
-use crate::optimize::{Cut, cone, optimize};
+use crate::optimize::{Cut, Optimized, cone, optimize};
 use crate::plan::{Pass, PlannedOutput};
 use crate::rules::interval::Interval;
 use crate::schedule::Scheduler;
@@ -81,7 +81,10 @@ impl<'g> Planner<'g, '_> {
             .zip(&output_roots)
             .map(|(&index, roots)| planned_output(graph, index, roots, &optimized.program))
             .collect();
-        let left_out = self.left_out(&needed, &lowered, &optimized.cuts, &passes, &prepares);
+        let connected = graph.upstream(chosen.iter().map(|&index| graph.outputs()[index].node));
+        let alive = cone(&optimized.program, output_roots.iter().chain(taps.values()).flatten().copied());
+        let is_read = |id: NodeId| is_read(id, &lowered, &optimized, &alive);
+        let left_out = self.left_out([&needed, &connected], &lowered, (&optimized.cuts, &is_read), &passes, &prepares);
         Plan {
             graph,
             context,
@@ -147,11 +150,13 @@ impl<'g> Planner<'g, '_> {
         }
     }
 
+    /// Why each node is left out. `needed` ends at bound nodes, `connected` does not; of a pointwise node,
+    /// `is_read` tells whether its value is.
     fn left_out(
         &self,
-        needed: &[bool],
+        [needed, connected]: [&[bool]; 2],
         lowered: &Lowered,
-        cuts: &[Cut],
+        (cuts, is_read): (&[Cut], &dyn Fn(NodeId) -> bool),
         passes: &[Pass],
         prepares: &[(NodeId, Vec<Vec<bool>>)],
     ) -> Vec<Option<LeftOut>> {
@@ -179,7 +184,8 @@ impl<'g> Planner<'g, '_> {
                 .ops()
                 .iter()
                 .zip(inside)
-                .filter(|(_, inside)| *inside)
+                // A literal operand bears the name of the mixing node itself, which is not cut off.
+                .filter(|((_, origin), inside)| *inside && *origin != cut.at)
                 .map(|((_, origin), _)| *origin)
                 .collect();
             for (id, feeds) in graph.upstream(origins).iter().enumerate() {
@@ -188,9 +194,6 @@ impl<'g> Planner<'g, '_> {
                 }
             }
         }
-        let all_reachable = graph.upstream(
-            graph.outputs().iter().filter(|_| self.bound.iter().any(|&bound| bound)).map(|output| output.node),
-        );
         graph
             .nodes()
             .iter()
@@ -199,7 +202,7 @@ impl<'g> Planner<'g, '_> {
                 let same = lowered.stands_in[id];
                 if node.disabled {
                     Some(LeftOut::Disabled)
-                } else if self.bound[id] || (!needed[id] && all_reachable[id]) {
+                } else if self.bound[id] || (!needed[id] && connected[id]) {
                     Some(LeftOut::Bound)
                 } else if !needed[id] {
                     Some(LeftOut::Unreachable)
@@ -210,7 +213,7 @@ impl<'g> Planner<'g, '_> {
                 } else if let Some(cut) = cut_by[id] {
                     let weight = if cut.weight == 0.0 { "0" } else { "1 for its rival" };
                     Some(LeftOut::Weight { at: graph.node(cut.at).name.clone(), weight: weight.into() })
-                } else if self.is_pointwise(NodeId(id)) {
+                } else if self.is_pointwise(NodeId(id)) && is_read(NodeId(id)) {
                     // Merged into an equal operation of another node, or folded into a constant.
                     None
                 } else {
@@ -219,6 +222,16 @@ impl<'g> Planner<'g, '_> {
             })
             .collect()
     }
+}
+
+/// Whether anything of a pointwise node is read, folded into a constant, or was nothing but constants.
+fn is_read(id: NodeId, lowered: &Lowered, optimized: &Optimized, alive: &[bool]) -> bool {
+    let is_constant = |op: &Op| matches!(op, Op::Constant(_) | Op::ConstantColor(_));
+    let own =
+        lowered.program.ops().iter().zip(&optimized.map).filter(|((op, origin), _)| *origin == id && !is_constant(op));
+    let mut positions = own.map(|(_, &position)| position as usize).peekable();
+    positions.peek().is_none()
+        || positions.any(|position| alive[position] || is_constant(&optimized.program.ops()[position].0))
 }
 
 fn planned_output(graph: &CheckedGraph, index: usize, roots: &[u32], program: &Program) -> PlannedOutput {

@@ -7,12 +7,16 @@ use crate::kernel::{LANES, exp_neg, sincos_turns};
 /// Waves of which less than exp(−this) = 1e-6 is left in a whole block of points are not added there.
 const CUT: f32 = 13.8;
 
-/// Turns that the f32 offsets of a block may span to each side: phases stay within 1e-6 rad of their f64 values.
+/// Turns that the f32 offsets of a block may span to each side: phases stay within 1e-6 rad of their f64 values. Waves
+/// of which a block spans more take their offsets in f64, point by point.
 const MAX_TURNS: f64 = 8.0;
 
 /// Waves summed before their sum goes into the total, so that rounding grows with the root of the longer of two
 /// short sums instead of one long one.
 const RUN: usize = 64;
+
+/// 1.5·2⁵²: adding and subtracting it rounds |v| < 2⁵¹ to the nearest whole number, ties to even, exactly.
+const ROUNDER: f64 = 6_755_399_441_055_744.0;
 
 /// Points that share one f64 origin.
 struct Block {
@@ -26,8 +30,11 @@ struct Block {
     origin: [f64; 2],
     /// Number of leading waves that the footprint leaves.
     waves: usize,
-    /// Whether f32 offsets would lose the phase.
-    wide: bool,
+    /// Number of these whose phase survives f32 offsets.
+    near: usize,
+    /// The offsets in f64, for the waves after those.
+    x_exact: [f64; LANES],
+    z_exact: [f64; LANES],
 }
 
 /// How the attenuation exp(−f·footprint²) varies over a block, f = k²/8.
@@ -51,6 +58,17 @@ struct Scratch {
 }
 
 impl Block {
+    /// Turns from the origin to each point, reduced in f64 to −½…½.
+    #[inline(always)]
+    fn exact_turns<S: Simd>(&self, simd: S, [turns_x, turns_z]: [f64; 2]) -> f32x16<S> {
+        let mut reduced = [0.0; LANES];
+        for ((out, &x), &z) in reduced.iter_mut().zip(&self.x_exact).zip(&self.z_exact) {
+            let turns = x * turns_x + z * turns_z;
+            *out = (turns - ((turns + ROUNDER) - ROUNDER)) as f32;
+        }
+        f32x16::from_slice(simd, &reduced)
+    }
+
     /// What the footprints of the block's points leave of a wave, given what the origin's leaves.
     #[inline(always)]
     fn share<S: Simd>(&self, simd: S, filter: f32, at_origin: f32) -> f32x16<S> {
@@ -92,18 +110,7 @@ impl SeaFrame {
             let part =
                 Points { x: &points.x[start..end], z: &points.z[start..end], footprint: &points.footprint[start..end] };
             let block = self.block(part);
-            if block.wide {
-                for index in 0..end - start {
-                    let point = Points {
-                        x: &part.x[index..=index],
-                        z: &part.z[index..=index],
-                        footprint: &part.footprint[index..=index],
-                    };
-                    self.fill(level, &self.block(point), start + index, 1, wanted, &mut scratch, out);
-                }
-            } else {
-                self.fill(level, &block, start, end - start, wanted, &mut scratch, out);
-            }
+            self.fill(level, &block, start, end - start, wanted, &mut scratch, out);
         }
     }
 
@@ -133,8 +140,8 @@ impl SeaFrame {
         let offset =
             |index: usize| [lane(index, points.x, origin[0]) - origin[0], lane(index, points.z, origin[1]) - origin[1]];
         let reach = (0..LANES).map(offset).map(|[x, z]| libm::sqrt(x * x + z * z)).fold(0.0, |a: f64, b| a.max(b));
-        let shortest = if waves > 0 { self.phases.turns(waves - 1) } else { [0.0; 2] };
-        let turns = libm::sqrt(shortest[0] * shortest[0] + shortest[1] * shortest[1]);
+        // Waves are sorted from the longest on.
+        let near = self.phases.leading(waves, |[x, z]| reach * libm::sqrt(x * x + z * z) <= MAX_TURNS);
         Block {
             x: std::array::from_fn(|index| offset(index)[0] as f32),
             z: std::array::from_fn(|index| offset(index)[1] as f32),
@@ -144,7 +151,9 @@ impl SeaFrame {
             sharing,
             origin,
             waves,
-            wide: len > 1 && reach * turns > MAX_TURNS,
+            near,
+            x_exact: std::array::from_fn(|index| offset(index)[0]),
+            z_exact: std::array::from_fn(|index| offset(index)[1]),
         }
     }
 
@@ -209,13 +218,15 @@ impl SeaFrame {
         for first in (0..block.waves).step_by(RUN) {
             let run = first..(first + RUN).min(block.waves);
             let mut part = [zero; 8];
-            let waves = self.terms[run.clone()]
-                .iter()
-                .zip(&self.filters[run.clone()])
-                .zip(scratch.phases[run.clone()].iter().zip(&scratch.shares[run]));
-            for ((term, &filter), (&phase, &share)) in waves {
-                let (sin, cos) = sincos_turns((x * term.turns[0] + z * term.turns[1]) + phase);
-                let share = block.share(simd, filter, share);
+            for wave in run {
+                let term = &self.terms[wave];
+                let offset = if wave < block.near {
+                    x * term.turns[0] + z * term.turns[1]
+                } else {
+                    block.exact_turns(simd, self.phases.turns(wave))
+                };
+                let (sin, cos) = sincos_turns(offset + scratch.phases[wave]);
+                let share = block.share(simd, self.filters[wave], scratch.shares[wave]);
                 add::<S, D, J>(&mut part, term, sin * share, cos * share);
             }
             for (total, part) in total.iter_mut().zip(part) {

@@ -112,6 +112,16 @@ impl Phases {
         }
     }
 
+    /// How many of the first `count` waves, sorted so that `holds` does for leading ones only, it holds for.
+    pub(crate) fn leading(&self, count: usize, holds: impl Fn([f64; 2]) -> bool) -> usize {
+        let (mut low, mut high) = (0, count);
+        while low < high {
+            let middle = low.midpoint(high);
+            if holds(self.turns(middle)) { low = middle + 1 } else { high = middle }
+        }
+        low
+    }
+
     /// Turns per meter of one wave.
     pub(crate) fn turns(&self, wave: usize) -> [f64; 2] {
         [self.x[wave], self.z[wave]]

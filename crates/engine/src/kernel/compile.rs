@@ -190,7 +190,12 @@ pub(crate) fn compile(
         if reuse && !is_once(position) && last[position] < ops.len() {
             expiring[last[position].max(position)].extend(&to);
         }
-        let hoisted = if hoist { variances[position] } else { Variance::Pixel };
+        let hoisted = match variances[position] {
+            // Unfused, a whole tile runs as one row: along that row also what varies from row to row does.
+            Variance::Row if !reuse => Variance::Pixel,
+            variance if hoist => variance,
+            _ => Variance::Pixel,
+        };
         let instruction = Instruction { work, to, variance: hoisted, origin: *origin, cost: cost(op) };
         if is_once(position) {
             out.once.push(instruction);

@@ -1,0 +1,164 @@
+//! What nobody needs is not computed, and the report says why.
+
+use crate::support::{evaluate, evaluate_some, graph, settings, state};
+use trochoid::{Buffers, Cache, LeftOut, Plan, Silent, State};
+
+const FORMAT: &str = r#""width": 6, "height": 4"#;
+
+/// A sea, its passes, and a picture that needs them only by a weight.
+fn sea(weight: &str) -> String {
+    format!(
+        r##""camera": {{ "type": "Camera" }}, "sun": {{ "type": "Light" }},
+        "sea": {{ "type": "GerstnerSea", "count": 8 }},
+        "view": {{ "type": "Render", "camera": "camera", "surfaces": ["sea"] }},
+        "light": {{ "type": "NonSpecular", "view": "view", "lights": ["sun"] }},
+        "depth": {{ "type": "Depth", "view": "view" }},
+        "far": {{ "type": "Clamp", "field": "depth", "max": 100 }},
+        "water": {{ "type": "Mix", "a": "#123", "b": "#def", "weight": "light" }},
+        "across": {{ "type": "ScreenX" }},
+        "sky": {{ "type": "Mix", "a": "#fff", "b": "#88a", "weight": "across" }},
+        "out": {{ "type": "Mix", {weight} }}"##
+    )
+}
+
+const OUTPUTS: &str = r#""out": { "color": "out" }, "far": { "weights": "far" }"#;
+const SIMULATOR: [&str; 5] = ["camera", "sun", "sea", "view", "light"];
+
+#[test]
+fn a_pass_that_nobody_asks_for_is_not_computed() {
+    let graph = graph(FORMAT, &sea(r#""a": "sky", "b": "water", "weight": "light""#), OUTPUTS);
+    let frame = evaluate_some(&graph, &["out"], 1, &Buffers::new(), &settings(|_| ()));
+    for node in ["depth", "far"] {
+        assert_eq!(*state(&frame, node), State::LeftOut(LeftOut::Unreachable), "{node}");
+    }
+    for node in SIMULATOR {
+        assert_eq!(*state(&frame, node), State::Evaluated, "{node}");
+    }
+    let all = evaluate(&graph, 1, &Buffers::new(), &settings(|_| ()));
+    assert!(all.nodes.iter().all(|report| report.state == State::Evaluated), "both outputs need everything");
+    // Fewer channels of the view, less work: the report of the depth's samples says the same.
+    let depth = |frame: &trochoid::Frame| frame.nodes.iter().find(|report| report.name == "depth").unwrap().pixels;
+    assert_eq!((depth(&frame), depth(&all)), (0, 24));
+}
+
+#[test]
+fn a_weight_of_zero_or_one_removes_the_simulator() {
+    let cases = [
+        (r#""a": "sky", "b": "water", "weight": 0"#, "0"),
+        (r#""a": "water", "b": "sky", "weight": 1"#, "1 for its rival"),
+        (r#""a": "sky", "b": "water", "weight": { "keys": [[1, 0], [3, 1]] }"#, "0"),
+    ];
+    for (mix, weight) in cases {
+        let graph = graph(FORMAT, &sea(mix), OUTPUTS);
+        let frame = evaluate_some(&graph, &["out"], 1, &Buffers::new(), &settings(|_| ()));
+        for node in SIMULATOR.iter().chain(&["water"]) {
+            let why = LeftOut::Weight { at: "out".into(), weight: weight.into() };
+            assert_eq!(*state(&frame, node), State::LeftOut(why), "{node} of {mix}");
+        }
+        for node in ["across", "sky"] {
+            assert_eq!(*state(&frame, node), State::Evaluated, "{node} of {mix}");
+        }
+        // Only the sky's colors bound the picture.
+        assert_eq!(frame.pictures[0].control_count, 2, "{mix}");
+        assert_eq!(frame.pictures[0].audit.hull_exits, 0);
+    }
+}
+
+#[test]
+fn a_weight_proved_by_interval_removes_the_branch() {
+    let mix = r#""a": "sky", "b": "water", "weight": "never""#;
+    let never = r#", "never": { "type": "Clamp", "field": "across", "min": 2, "max": 3 }"#;
+    let graph = graph(FORMAT, &(sea(mix) + never), OUTPUTS);
+    let frame = evaluate_some(&graph, &["out"], 1, &Buffers::new(), &settings(|_| ()));
+    let why = LeftOut::Weight { at: "out".into(), weight: "0".into() };
+    assert_eq!(*state(&frame, "sea"), State::LeftOut(why.clone()));
+    assert_eq!(why.to_string(), "its weight at \"out\" is proved 0 everywhere");
+}
+
+#[test]
+fn blends_leave_out_what_has_no_weight() {
+    let nodes = sea(r#""a": "sky", "b": "sky", "weight": 0.5"#)
+        + r##", "blend": { "type": "Blend", "colors": ["sky", "water", "#fff"], "weights": [0.5, 0, 0.5] }"##;
+    let graph = graph(FORMAT, &nodes, r#""blend": { "color": "blend" }"#);
+    let frame = evaluate(&graph, 1, &Buffers::new(), &settings(|_| ()));
+    for node in SIMULATOR {
+        let why = LeftOut::Weight { at: "blend".into(), weight: "0".into() };
+        assert_eq!(*state(&frame, node), State::LeftOut(why), "{node}");
+    }
+    assert_eq!(*state(&frame, "out"), State::LeftOut(LeftOut::Unreachable));
+}
+
+#[test]
+fn masks_that_are_multiplied_by_nothing_are_not_needed() {
+    let nodes = sea(r##""a": "sky", "b": "#000", "weight": "both""##)
+        + r#", "bright": { "type": "Clamp", "field": "light", "min": 0.5 },
+               "both": { "type": "Multiply", "weights": ["bright", 0] }"#;
+    let graph = graph(FORMAT, &nodes, r#""out": { "color": "out" }"#);
+    let frame = evaluate(&graph, 1, &Buffers::new(), &settings(|_| ()));
+    for node in SIMULATOR.iter().chain(&["bright"]) {
+        assert_eq!(*state(&frame, node), State::LeftOut(LeftOut::Unneeded), "{node}");
+    }
+}
+
+#[test]
+fn bound_buffers_stand_in_for_what_feeds_them() {
+    let graph = graph(FORMAT, &sea(r#""a": "sky", "b": "water", "weight": 0.5"#), OUTPUTS);
+    let light = [0.5f32; 24];
+    let buffers = Buffers::new().with("light", &[&light]);
+    let frame = evaluate_some(&graph, &["out"], 1, &buffers, &settings(|_| ()));
+    for node in SIMULATOR {
+        assert_eq!(*state(&frame, node), State::LeftOut(LeftOut::Bound), "{node}");
+    }
+    for node in ["depth", "far"] {
+        assert_eq!(*state(&frame, node), State::LeftOut(LeftOut::Unreachable), "{node} feeds nothing asked for");
+    }
+    assert_eq!(*state(&frame, "water"), State::Evaluated);
+}
+
+#[test]
+fn unoptimized_plans_compute_what_is_reachable() {
+    let graph = graph(FORMAT, &sea(r#""a": "sky", "b": "water", "weight": 0"#), OUTPUTS);
+    let off = settings(|s| s.switches = trochoid::Switches::NONE);
+    let frame = evaluate(&graph, 1, &Buffers::new(), &off);
+    assert!(frame.nodes.iter().all(|report| report.state == State::Evaluated));
+}
+
+#[test]
+fn what_does_not_change_is_kept_for_the_next_frame() {
+    let nodes = sea(r##""a": "sky", "b": { "keys": [[1, [0, 0, 0]], [3, [1, 1, 1]]] }, "weight": "light""##);
+    let graph = graph(FORMAT, &nodes, OUTPUTS);
+    let mut cache = Cache::new();
+    let mut frame = |number: i64| {
+        let plan = Plan::new(&graph, &["out"], number, &[], &settings(|_| ())).unwrap();
+        plan.evaluate(&Buffers::new(), &mut cache, &Silent).unwrap()
+    };
+    let first = frame(1);
+    assert!(first.nodes.iter().all(|report| report.state != State::Cached));
+    let second = frame(2);
+    for node in ["camera", "sun", "across"] {
+        assert_eq!(*state(&second, node), State::Cached, "{node} is static");
+    }
+    for node in ["sea", "view", "light"] {
+        assert_eq!(*state(&second, node), State::Evaluated, "{node} moves");
+    }
+    let again = frame(2);
+    assert!(SIMULATOR.iter().all(|node| *state(&again, node) == State::Cached), "the same frame");
+    assert_ne!(first.pictures[0].planes, second.pictures[0].planes);
+}
+
+#[test]
+fn a_keyed_knob_changes_the_key() {
+    let nodes = r##"
+        "still": { "type": "Camera" }, "moving": { "type": "Camera", "fov": { "keys": [[1, 40], [3, 60]] } },
+        "sea": { "type": "GerstnerSea", "count": 0 },
+        "a": { "type": "Render", "camera": "still", "surfaces": ["sea"] }, "b": { "type": "Render", "camera": "moving", "surfaces": ["sea"] }"##;
+    let graph = graph(FORMAT, nodes, r#""a": { "weights": "a.coverage" }, "b": { "weights": "b.coverage" }"#);
+    let keys = |frame: i64| graph.keys(&graph.frame_context(frame, 1 << 30));
+    let (one, two, late, later) = (keys(1), keys(2), keys(50), keys(60));
+    let of = |keys: &[String], name: &str| keys[graph.find(name).unwrap().0].clone();
+    assert_eq!(of(&one, "still"), of(&two, "still"));
+    assert_ne!(of(&one, "moving"), of(&two, "moving"));
+    assert_ne!(of(&one, "b"), of(&two, "b"), "keys hold those of everything upstream");
+    assert_eq!(of(&late, "moving"), of(&later, "moving"), "beyond the last key nothing changes");
+    assert_ne!(of(&late, "sea"), of(&later, "sea"), "seas depend on time");
+}

@@ -1,0 +1,189 @@
+//! What other renderers rely on: batches of samples, regions, and being stopped.
+
+use crate::support::{all_bits, evaluate, graph, settings};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use trochoid::{
+    Buffers, Cache, CheckedGraph, EvalError, Monitor, Plan, PlanError, Settings, ShadingPlan, Silent, Switches, Window,
+};
+
+const WIDTH: usize = 61;
+const HEIGHT: usize = 9;
+const AREA: usize = WIDTH * HEIGHT;
+
+/// Everything that a renderer may bind: masks, a field, weights, colors.
+fn shaded() -> CheckedGraph {
+    let nodes = r##"
+        "camera": { "type": "Camera" }, "sea": { "type": "GerstnerSea", "count": 0 },
+        "sun": { "type": "Light" }, "view": { "type": "Render", "camera": "camera", "surfaces": ["sea"] },
+        "light": { "type": "NonSpecular", "view": "view", "lights": ["sun"] },
+        "depth": { "type": "Depth", "view": "view" },
+        "far": { "type": "Clamp", "field": "depth", "min": 2, "max": 60, "smooth": true, "power": 2.5 },
+        "layers": { "type": "Stack", "weights": ["light", "far"] },
+        "paint": { "type": "Constant", "color": "#8b9aa1" },
+        "bands": { "type": "Bands", "field": "depth", "thresholds": [0.25, 0.5], "width": 0.125 },
+        "banded": { "type": "Blend", "colors": ["#274e53", "paint", "#f4ecc6"], "weights": "bands" },
+        "layered": { "type": "Blend", "colors": ["banded", [2, 0.5, 0], "paint"], "weights": "layers" },
+        "out": { "type": "Mix", "a": "paint", "b": "layered", "weight": "light" }"##;
+    let outputs = r#""out": { "color": "out" }, "paint": { "color": "paint" }, "light": { "weights": "light" },
+        "layers": { "weights": "layers" }, "depth": { "field": "depth" }"#;
+    graph(&format!(r#""width": {WIDTH}, "height": {HEIGHT}"#), nodes, outputs)
+}
+
+/// Numbers that look random, −0 and the ends among them.
+fn noise(seed: u32, scale: f32) -> Vec<f32> {
+    let mut state = seed.wrapping_mul(747_796_405).wrapping_add(1);
+    (0..AREA)
+        .map(|_| {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            match state >> 29 {
+                0 => -0.0,
+                1 => scale,
+                _ => (state >> 8) as f32 / 16_777_216.0 * scale,
+            }
+        })
+        .collect()
+}
+
+#[test]
+fn batches_equal_pictures_bit_for_bit() {
+    let graph = shaded();
+    let (light, depth) = (noise(1, 1.0), noise(2, 70.0));
+    let (r, g, b) = (noise(3, 1.0), noise(4, 2.0), noise(5, 65504.0));
+    let bound = ["light", "depth", "paint"];
+    let buffers =
+        Buffers::new().with("light", &[&light]).with("depth", &[&depth]).with("paint", &[&r[..], &g[..], &b[..]]);
+    let frame = evaluate(&graph, 1, &buffers, &settings(|_| ()));
+    for switches in [Switches::ALL, Switches::NONE] {
+        for (picture, output) in frame.pictures.iter().zip(graph.outputs()) {
+            let plan = ShadingPlan::new(&graph, &output.name, 1, &bound, &settings(|s| s.switches = switches));
+            let plan = plan.unwrap();
+            assert_eq!(plan.channels(), picture.planes.len());
+            // Odd batches, so that the ends of rows are met everywhere.
+            for count in [AREA, 1, 257] {
+                let mut planes = vec![vec![f32::NAN; count]; plan.channels()];
+                let mut slices: Vec<&mut [f32]> = planes.iter_mut().map(Vec::as_mut_slice).collect();
+                let cut = Buffers::new()
+                    .with("light", &[&light[..count]])
+                    .with("depth", &[&depth[..count]])
+                    .with("paint", &[&r[..count], &g[..count], &b[..count]]);
+                plan.evaluate(&cut, count, &mut slices).unwrap();
+                for (channel, plane) in planes.iter().enumerate() {
+                    let expected = &picture.planes[channel].samples()[..count];
+                    for (at, (found, expected)) in plane.iter().zip(expected).enumerate() {
+                        let place = format!("{}, channel {channel}, sample {at} of {count}", output.name);
+                        assert_eq!(found.to_bits(), expected.to_bits(), "{place}: {found:e} and {expected:e}");
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn an_unbound_pass_is_named() {
+    let graph = shaded();
+    match ShadingPlan::new(&graph, "out", 1, &["depth"], &Settings::default()) {
+        // What stands nearest to the output's data: the view that the light needs.
+        Err(error @ PlanError::Unbound { .. }) => {
+            let text = error.to_string();
+            assert!(
+                ["\"view\" (a Render)", "\"light\" (a NonSpecular)"].iter().any(|name| text.contains(name)),
+                "{text}"
+            );
+        }
+        other => panic!("{:?}", other.map(|_| ())),
+    }
+    assert!(ShadingPlan::new(&graph, "paint", 1, &[], &Settings::default()).is_ok(), "a constant needs nothing");
+}
+
+#[test]
+fn batches_that_do_not_fit_are_refused() {
+    let graph = shaded();
+    let plan = ShadingPlan::new(&graph, "light", 1, &["light"], &Settings::default()).unwrap();
+    let light = noise(1, 1.0);
+    let buffers = Buffers::new().with("light", &[&light[..8]]);
+    let mut short = [0.0f32; 7];
+    assert!(plan.evaluate(&buffers, 8, &mut [&mut short]).is_err());
+    let mut out = [0.0f32; 9];
+    assert!(plan.evaluate(&buffers, 9, &mut [&mut out]).is_err(), "the buffer is too short");
+    let bad = [0.5, f32::NAN];
+    let error = plan.evaluate(&Buffers::new().with("light", &[&bad]), 2, &mut [&mut out[..2]]).unwrap_err();
+    assert!(error.to_string().contains("sample 1"), "{error}");
+    assert!(plan.evaluate(&Buffers::new(), 2, &mut [&mut out[..2]]).is_err(), "nothing is bound");
+}
+
+#[test]
+fn a_region_is_the_crop_of_the_picture() {
+    let light = noise(1, 1.0);
+    let buffers = Buffers::new().with("light", &[&light]);
+    for samples in [1, 4] {
+        let graph = shaded();
+        let format = trochoid::Format::new(WIDTH as u32, HEIGHT as u32, samples).unwrap();
+        let graph = graph.with_format(format);
+        let whole = evaluate(&graph, 1, &buffers, &settings(|_| ()));
+        for region in [Window::new(7, 2, 40, 8), Window::new(-5, -5, 3, 1), Window::new(60, 8, 61, 9)] {
+            for tile in [(256, 16), (3, 2)] {
+                let part = evaluate(&graph, 1, &buffers, &settings(|s| (s.region, s.tile) = (Some(region), tile)));
+                let window = region.intersect(format.window());
+                assert_eq!(part.window, window);
+                for (whole, part) in whole.pictures.iter().zip(&part.pictures) {
+                    for (whole, part) in whole.planes.iter().zip(&part.planes) {
+                        assert_eq!(part.window(), window);
+                        for y in window.y0..window.y1 {
+                            let crop = &whole.row(y).unwrap()[window.x0 as usize..window.x1 as usize];
+                            let bits = |row: &[f32]| row.iter().map(|v| v.to_bits()).collect::<Vec<_>>();
+                            assert_eq!(bits(crop), bits(part.row(y).unwrap()), "row {y} of {region}");
+                        }
+                    }
+                }
+            }
+        }
+        let beyond = settings(|s| s.region = Some(Window::new(WIDTH as i64, 0, 100, 5)));
+        assert!(matches!(Plan::new(&graph, &[], 1, &[], &beyond), Err(PlanError::Region { .. })));
+    }
+}
+
+/// Stops after so many questions.
+struct Impatient {
+    left: AtomicUsize,
+}
+
+impl Monitor for Impatient {
+    fn cancelled(&self) -> bool {
+        self.left.fetch_update(Ordering::Relaxed, Ordering::Relaxed, |left| left.checked_sub(1)).is_err()
+    }
+}
+
+#[test]
+fn cancelled_evaluations_say_so() {
+    let graph = shaded();
+    let plan = Plan::new(&graph, &[], 1, &[], &settings(|s| (s.tile, s.threads) = ((4, 4), 2))).unwrap();
+    let expected = all_bits(&plan.evaluate(&Buffers::new(), &mut Cache::new(), &Silent).unwrap());
+    let mut cache = Cache::new();
+    for left in [0, 1, 3, 7, 20] {
+        let monitor = Impatient { left: AtomicUsize::new(left) };
+        let result = plan.evaluate(&Buffers::new(), &mut cache, &monitor);
+        assert_eq!(result.err(), Some(EvalError::Cancelled), "after {left} questions");
+    }
+    // What a cancelled run left in the cache does no harm.
+    let frame = plan.evaluate(&Buffers::new(), &mut cache, &Silent).unwrap();
+    assert_eq!(all_bits(&frame), expected);
+}
+
+#[test]
+fn pictures_beyond_the_limit_are_refused_before_anything_is_allocated() {
+    let nodes = r##""x": { "type": "ScreenX" }, "out": { "type": "Mix", "a": "#000", "b": "#fff", "weight": "x" }"##;
+    let graph = graph(r#""width": 1048576, "height": 2047, "samples": 16"#, nodes, r#""out": { "color": "out" }"#);
+    let started = std::time::Instant::now();
+    match Plan::new(&graph, &[], 1, &[], &Settings::default()) {
+        Err(error @ PlanError::Memory { needed, .. }) => {
+            assert_eq!(needed, (1 << 20) * 2047 * 12);
+            assert!(error.to_string().contains("smaller region"), "{error}");
+        }
+        other => panic!("{:?}", other.map(|_| ())),
+    }
+    // A part of the same picture is no trouble.
+    let part = settings(|s| s.region = Some(Window::new(1_000_000, 2000, 1_000_008, 2002)));
+    assert_eq!(evaluate(&graph, 1, &Buffers::new(), &part).pictures[0].audit.hull_exits, 0);
+    assert!(started.elapsed().as_secs() < 5, "it took {:?}", started.elapsed());
+}

@@ -1,0 +1,18 @@
+//! Tests across crates, one binary: architecture, golden cases of every node, scenes, random graphs, and the
+//! promises of the design, each held on real pixels.
+
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
+
+mod architecture;
+mod bad_documents;
+mod demand;
+mod frames;
+mod golden;
+mod hoisting;
+mod library;
+mod merging;
+mod palette;
+mod random;
+mod scenes;
+mod support;
+mod thesis;

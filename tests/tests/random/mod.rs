@@ -1,0 +1,108 @@
+//! Random valid graphs of back-end nodes over hostile pixels, each held against an evaluation of its own.
+//!
+//! For each graph: no pixel leaves the box of its own controls, exactly, nor the hull of all; the fast path errs by no
+//! more than the bound of [`bound`]; buffers and files give the same bits; and so do all settings.
+
+mod bound;
+mod draw;
+mod pixels;
+mod refused;
+mod text;
+
+use crate::support::{all_bits, evaluate, graph_in, settings, under_all_settings, write_exr};
+use bound::Value;
+use draw::Drawn;
+use pixels::{HEIGHT, Pixels, WIDTH};
+use rand::SeedableRng;
+use rand_pcg::Pcg64Mcg;
+use trochoid::{Buffers, CheckedGraph, Frame, ReferenceFrame, State};
+
+const GRAPHS: u64 = 400;
+/// The frame at which keyed knobs take the values drawn.
+const FRAME: i64 = 2;
+
+/// What was found on many graphs, so that a generator that draws nothing of interest is noticed.
+#[derive(Default)]
+struct Tally {
+    pixels: usize,
+    pruned: usize,
+    merged: usize,
+    deepest: usize,
+    loosest: f64,
+}
+
+fn within(seed: u64, drawn: &Drawn, frame: &Frame, pixels: &Pixels, graph: &CheckedGraph, tally: &mut Tally) {
+    for picture in &frame.pictures {
+        let spec = &graph.outputs()[picture.output];
+        let node = drawn.outputs[picture.output];
+        let reference = ReferenceFrame::new(graph, &spec.name, FRAME).unwrap();
+        assert_eq!(picture.audit.hull_exits, 0, "graph {seed}: {} leaves the hull\n{}", spec.name, drawn.text);
+        assert_eq!(picture.audit.nan_count, 0, "graph {seed}: NaN in {}", spec.name);
+        assert_eq!(picture.audit.weight_sum_max_deviation, 0.0, "graph {seed}");
+        assert!(picture.audit.weight_min >= 0.0, "graph {seed}: a weight of {}", picture.audit.weight_min);
+        for at in 0..WIDTH * HEIGHT {
+            let (x, y) = ((at % WIDTH) as i64, (at / WIDTH) as i64);
+            let found: Vec<f32> = picture.planes.iter().map(|plane| plane.samples()[at]).collect();
+            let values = bound::evaluate(drawn, pixels, at);
+            // The reference is slow: every seventh pixel, another in each graph.
+            let truth = if (at as u64 + seed).is_multiple_of(7) { Some(reference.pixel(x, y).unwrap()) } else { None };
+            let expected = values[node].channels();
+            assert_eq!(found.len(), expected.len(), "graph {seed}: {}", spec.name);
+            for (channel, (found, expected)) in found.iter().zip(&expected).enumerate() {
+                let place = || format!("graph {seed}: {}, channel {channel} of pixel {at}\n{}", spec.name, drawn.text);
+                let error = (f64::from(*found) - expected.value).abs();
+                // f64 rounds too, on each of the levels.
+                let bound = expected.error + 1e-12 * expected.high.abs();
+                assert!(error <= bound, "{error:e} > {bound:e}: {found:e}, not {:e}: {}", expected.value, place());
+                if let Some(truth) = &truth {
+                    let error = (f64::from(*found) - truth[channel]).abs();
+                    assert!(error <= bound, "{error:e} > {bound:e}: {found:e}, not {truth:?}: {}", place());
+                }
+                // Where a threshold is not certain the bound is the box, which says nothing of rounding.
+                if bound > 0.0 && bound < 1e-5 * expected.high {
+                    tally.loosest = tally.loosest.max(error / bound);
+                }
+            }
+            if let Value::Color(color) = &values[node] {
+                for (found, (low, high)) in found.iter().zip(color.low.iter().zip(&color.high)) {
+                    assert!(low <= found && found <= high, "graph {seed}: {found} not in [{low}, {high}]");
+                }
+            }
+            tally.pixels += 1;
+        }
+    }
+}
+
+#[test]
+fn random_graphs_hold_every_promise() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut tally = Tally::default();
+    for seed in 0..GRAPHS {
+        let mut random = Pcg64Mcg::seed_from_u64(seed);
+        let pixels = Pixels::draw(&mut random);
+        let file = format!("{seed}.exr");
+        write_exr(&folder.path().join(&file), WIDTH as u32, HEIGHT as u32, &pixels.channels());
+        let drawn = Drawn::draw(&mut random, &file);
+        let graph = graph_in(folder.path(), &drawn.text);
+        let buffers = pixels.buffers(&graph);
+        let frame = under_all_settings(&graph, FRAME, &buffers, &format!("graph {seed}: {}", drawn.text));
+        let read = evaluate(&graph, FRAME, &Buffers::new(), &settings(|_| ()));
+        assert_eq!(all_bits(&frame), all_bits(&read), "graph {seed}: buffers are not files\n{}", drawn.text);
+        within(seed, &drawn, &frame, &pixels, &graph, &mut tally);
+        let states = read.nodes.iter().map(|report| &report.state);
+        for state in states {
+            match state {
+                State::LeftOut(trochoid::LeftOut::Weight { .. }) => tally.pruned += 1,
+                State::LeftOut(trochoid::LeftOut::SameAs(_)) => tally.merged += 1,
+                _ => {}
+            }
+        }
+        tally.deepest = tally.deepest.max(drawn.depth);
+    }
+    assert!(tally.pixels as u64 > GRAPHS * 48, "{} pixels", tally.pixels);
+    assert!(tally.pruned > 20, "{} nodes pruned", tally.pruned);
+    assert!(tally.merged > 20, "{} nodes merged", tally.merged);
+    assert!(tally.deepest >= 40, "the deepest graph has {} levels", tally.deepest);
+    // A bound that nothing comes near would say nothing.
+    assert!((0.2..=1.0).contains(&tally.loosest), "the worst error is {} of its bound", tally.loosest);
+}

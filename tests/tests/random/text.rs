@@ -1,0 +1,120 @@
+//! A drawn graph as the text of a document.
+
+use super::draw::{Arg, Kind, Op};
+use super::pixels::INPUTS;
+use rand::{Rng, RngExt};
+
+/// The document; some numbers and colors are keyed such that frame 2 has the value drawn.
+pub(crate) fn text(
+    nodes: &[(Op, Kind)],
+    disabled: &[bool],
+    outputs: &[usize],
+    (width, height): (usize, usize),
+    file: &str,
+    random: &mut impl Rng,
+) -> String {
+    let list: Vec<String> = nodes
+        .iter()
+        .zip(disabled)
+        .enumerate()
+        .map(|(index, ((op, _), disabled))| {
+            let disabled = if *disabled { r#", "disabled": true"# } else { "" };
+            format!(r#""{}": {{ {}{disabled} }}"#, name(nodes, index), body(op, nodes, file, random))
+        })
+        .collect();
+    let outputs: Vec<String> = outputs
+        .iter()
+        .map(|&output| {
+            let key = if nodes[output].1 == Kind::Color { "color" } else { "weights" };
+            format!(r#""out{output}": {{ "{key}": "{}" }}"#, name(nodes, output))
+        })
+        .collect();
+    format!(
+        "{{ \"trochoid\": 1, \"format\": {{ \"width\": {width}, \"height\": {height} }},\n\"nodes\": {{\n{} }},\n\"outputs\": {{ {} }} }}",
+        list.join(",\n"),
+        outputs.join(", ")
+    )
+}
+
+fn name(nodes: &[(Op, Kind)], index: usize) -> String {
+    if let Op::Input(name) = nodes[index].0 { name.into() } else { format!("n{index}") }
+}
+
+/// A value, or the same keyed at frame 2 between others.
+fn keyed(value: String, others: [&str; 2], random: &mut impl Rng) -> String {
+    if random.random_bool(0.8) {
+        return value;
+    }
+    let interpolation = ["linear", "hold", "monotone"][random.random_range(0..3)];
+    let [before, after] = others;
+    format!(r#"{{ "keys": [[1, {before}], [2, {value}], [5, {after}]], "interpolation": "{interpolation}" }}"#)
+}
+
+fn arg(arg: &Arg, nodes: &[(Op, Kind)], random: &mut impl Rng) -> String {
+    match arg {
+        Arg::Node(node) => format!(r#""{}""#, name(nodes, *node)),
+        Arg::Number(number) => keyed(format!("{number:?}"), ["0.125", "1"], random),
+        Arg::Color(color) => {
+            let [r, g, b] = color.map(f64::from);
+            keyed(format!("[{r:?}, {g:?}, {b:?}]"), ["[0, 1, 2]", "[0.5, 0, 3]"], random)
+        }
+    }
+}
+
+fn body(op: &Op, nodes: &[(Op, Kind)], file: &str, random: &mut impl Rng) -> String {
+    let mut one = |a: &Arg| arg(a, nodes, random);
+    match op {
+        Op::Input(name) => {
+            let (_, kind, channels) = INPUTS.iter().find(|input| input.0 == *name).unwrap();
+            let channels: Vec<String> = (0..*channels).map(|channel| format!(r#""{name}_{channel}""#)).collect();
+            format!(r#""type": "Read", "file": "{file}", "as": "{kind}", "channels": [{}]"#, channels.join(", "))
+        }
+        Op::Mix { a, b, t } => {
+            format!(r#""type": "Mix", "a": {}, "b": {}, "weight": {}"#, one(a), one(b), one(t))
+        }
+        Op::Blend { colors, weights } => {
+            let colors: Vec<String> = colors.iter().map(&mut one).collect();
+            let weights = match weights {
+                Ok(numbers) => format!("{numbers:?}"),
+                Err(node) => one(&Arg::Node(*node)),
+            };
+            format!(r#""type": "Blend", "colors": [{}], "weights": {weights}"#, colors.join(", "))
+        }
+        Op::Clamp { x, min, max, smooth, power } => {
+            let x = one(x);
+            let power = keyed(format!("{power:?}"), ["1", "3.5"], random);
+            format!(
+                r#""type": "Clamp", "field": {x}, "min": {min:?}, "max": {max:?}, "smooth": {smooth}, "power": {power}"#
+            )
+        }
+        Op::Ramp { t, stops, interpolation } => {
+            let t = one(t);
+            let stops: Vec<String> =
+                stops.iter().map(|(at, color)| format!(r#"{{ "at": {at:?}, "color": {} }}"#, one(color))).collect();
+            let stops = stops.join(", ");
+            format!(r#""type": "Ramp", "weight": {t}, "interpolation": "{interpolation}", "stops": [{stops}]"#)
+        }
+        Op::Bands { x, thresholds, width } => {
+            format!(r#""type": "Bands", "field": {}, "thresholds": {thresholds:?}, "width": {width:?}"#, one(x))
+        }
+        Op::Patch { u, v, colors } => {
+            let (u, v) = (one(u), one(v));
+            let colors: Vec<String> = colors.iter().map(&mut one).collect();
+            format!(r#""type": "Patch", "u": {u}, "v": {v}, "colors": [{}]"#, colors.join(", "))
+        }
+        Op::Normalize { fields, floor } => {
+            let fields: Vec<String> = fields.iter().map(&mut one).collect();
+            format!(r#""type": "Normalize", "fields": [{}], "floor": {floor:?}"#, fields.join(", "))
+        }
+        Op::Invert(mask) => format!(r#""type": "Invert", "weight": {}"#, one(mask)),
+        Op::Stack(masks) | Op::Multiply(masks) | Op::Screen(masks) => {
+            let ty = match op {
+                Op::Stack(_) => "Stack",
+                Op::Multiply(_) => "Multiply",
+                _ => "Screen",
+            };
+            let masks: Vec<String> = masks.iter().map(&mut one).collect();
+            format!(r#""type": "{ty}", "weights": [{}]"#, masks.join(", "))
+        }
+    }
+}

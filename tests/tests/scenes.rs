@@ -1,0 +1,131 @@
+//! The scenes that come with Trochoid: valid by the schema, inside their palette, and near the f64 truth.
+
+use crate::support::{evaluate, root, sample, settings};
+use std::path::PathBuf;
+use trochoid::{Buffers, CheckedGraph, Format, Guarantee, ReferenceFrame, load, registry, schema};
+
+fn documents() -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(root().join("graphs")).unwrap().map(|entry| entry.unwrap().path());
+    let mut documents: Vec<PathBuf> =
+        entries.filter(|path| path.extension().is_some_and(|extension| extension == "json")).collect();
+    documents.sort();
+    assert!(documents.len() >= 2);
+    documents
+}
+
+fn schema_validator() -> jsonschema::Validator {
+    jsonschema::validator_for(&schema(registry())).unwrap()
+}
+
+#[test]
+fn scenes_satisfy_the_schema() {
+    let validator = schema_validator();
+    for path in documents() {
+        let document: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(&path).unwrap()).unwrap();
+        let faults: Vec<String> =
+            validator.iter_errors(&document).map(|fault| format!("{}: {fault}", fault.instance_path())).collect();
+        assert!(faults.is_empty(), "{}:\n{}", path.display(), faults.join("\n"));
+    }
+}
+
+#[test]
+fn golden_cases_satisfy_the_schema() {
+    let validator = schema_validator();
+    for entry in std::fs::read_dir(root().join("tests/nodes")).unwrap() {
+        let path = entry.unwrap().path();
+        if path.to_string_lossy().ends_with(".expect.json") {
+            continue;
+        }
+        let document: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(&path).unwrap()).unwrap();
+        let faults: Vec<String> =
+            validator.iter_errors(&document).map(|fault| format!("{}: {fault}", fault.instance_path())).collect();
+        assert!(faults.is_empty(), "{}:\n{}", path.display(), faults.join("\n"));
+    }
+}
+
+#[test]
+fn the_schema_refuses_what_it_should() {
+    let validator = schema_validator();
+    let text = r##"{ "trochoid": 1, "format": { "width": 4, "height": 4 },
+        "nodes": { "c": { "type": "Constant", "color": "#fff" } }, "outputs": { "o": { "color": "c" } } }"##;
+    assert!(validator.is_valid(&serde_json::from_str(text).unwrap()));
+    for (from, to) in [
+        ("Constant", "Konstant"),
+        ("\"color\": \"#fff\"", "\"colour\": \"#fff\""),
+        ("\"width\": 4", "\"width\": 0"),
+        ("\"trochoid\": 1", "\"trochoid\": 2"),
+        ("{ \"o\": { \"color\": \"c\" } }", "{}"),
+    ] {
+        let changed = text.replace(from, to);
+        assert_ne!(changed, text);
+        assert!(!validator.is_valid(&serde_json::from_str(&changed).unwrap()), "{changed}");
+    }
+}
+
+/// A scene at a format that tests can afford; one that reads pictures without `fit` keeps its own.
+fn small(graph: &CheckedGraph, width: u32, height: u32) -> CheckedGraph {
+    let files = graph.nodes().iter().any(|node| matches!(node.ty.declaration().name, "Read" | "ViewFromPasses"));
+    if files {
+        return graph.clone();
+    }
+    graph.clone().with_format(Format::new(width, height, 1).unwrap())
+}
+
+#[test]
+fn scenes_stay_in_their_palette() {
+    for path in documents() {
+        let loaded = load(&path, &[]).unwrap();
+        assert_eq!(loaded.warnings, [], "{}", path.display());
+        let graph = small(&loaded.graph, 160, 90);
+        let (first, last) = graph.frames();
+        for frame in [first, (first + last) / 2] {
+            let frame = evaluate(&graph, frame, &Buffers::new(), &settings(|s| s.threads = 2));
+            for picture in &frame.pictures {
+                let (audit, what) = (picture.audit, format!("{}, output {}", path.display(), picture.output));
+                assert_eq!((audit.hull_exits, audit.nan_count), (0, 0), "{what}");
+                assert_eq!(audit.weight_sum_max_deviation, 0.0, "{what}");
+                assert!(audit.weight_min >= 0.0, "{what}");
+                assert_eq!(audit.pixels, graph.format().window().area() as u64, "{what}");
+                assert!(picture.margin < 1e-4 && picture.control_count > 2, "{what}");
+                assert_eq!(picture.guarantee, Some(Guarantee::Hull), "{what}");
+            }
+        }
+    }
+}
+
+/// How far a color may be from the truth where surfaces are tessellated: one step of 8 bits, or rounding elsewhere.
+const TOLERANCE: [f64; 2] = [4e-3, 1e-6];
+/// Share of pixels that may miss it, since what they see is not certain: edges of waves against waves and sky.
+const AMBIGUOUS: f64 = 0.1;
+
+#[test]
+fn scenes_agree_with_the_reference() {
+    for path in documents() {
+        let loaded = load(&path, &[]).unwrap();
+        let graph = small(&loaded.graph, 64, 36);
+        let (frame, window) = (graph.frames().0, graph.format().window());
+        let fast = evaluate(&graph, frame, &Buffers::new(), &settings(|s| s.threads = 2));
+        let picture = &fast.pictures[0];
+        let name = &graph.outputs()[picture.output].name;
+        let reference = ReferenceFrame::new(&graph, name, frame).unwrap();
+        let tessellated = graph.nodes().iter().any(|node| node.ty.declaration().name == "Render");
+        let tolerance = if tessellated { TOLERANCE[0] } else { TOLERANCE[1] };
+        let count = 60;
+        let (mut off, mut errors) = (0, Vec::new());
+        for i in 0..count {
+            // A grid turned against the picture's.
+            let x = (i * 37 + 11) % window.width() as i64;
+            let y = (i * window.height() as i64 / count).min(window.height() as i64 - 1);
+            let truth = reference.pixel(x, y).unwrap();
+            let error =
+                (0..truth.len()).map(|c| (f64::from(sample(picture, c, x, y)) - truth[c]).abs()).fold(0.0, f64::max);
+            errors.push(error);
+            off += usize::from(error > tolerance);
+        }
+        errors.sort_by(f64::total_cmp);
+        let median = errors[errors.len() / 2];
+        let text = format!("{}: {off} of {count} pixels miss, median {median:e}", path.display());
+        assert!(off as f64 <= AMBIGUOUS * count as f64, "{text}");
+        assert!(median < tolerance / 4.0, "{text}");
+    }
+}

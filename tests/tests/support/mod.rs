@@ -1,0 +1,126 @@
+//! What the tests share: loading, evaluating, comparing bits, and the settings that must not change one.
+
+mod files;
+
+pub(crate) use files::{folder, write_exr};
+
+use std::path::{Path, PathBuf};
+use trochoid::{Buffers, Cache, CheckedGraph, Frame, Picture, Plan, Settings, Silent, State, Switches, parse};
+
+/// The workspace's root.
+pub(crate) fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap().into()
+}
+
+/// The graph of a document's text; paths are relative to `folder`.
+pub(crate) fn graph_in(folder: &Path, text: &str) -> CheckedGraph {
+    match parse("test.json", text, folder, &[]) {
+        Ok(loaded) => loaded.graph,
+        Err(error) => panic!("{error}\n{text}"),
+    }
+}
+
+/// The graph of these nodes and outputs at a format.
+pub(crate) fn graph(format: &str, nodes: &str, outputs: &str) -> CheckedGraph {
+    let text = format!(
+        r#"{{ "trochoid": 1, "format": {{ {format} }}, "frames": {{ "first": 1, "last": 100 }},
+            "nodes": {{ {nodes} }}, "outputs": {{ {outputs} }} }}"#
+    );
+    graph_in(Path::new("."), &text)
+}
+
+/// All outputs at a frame.
+pub(crate) fn evaluate(graph: &CheckedGraph, frame: i64, buffers: &Buffers<'_>, settings: &Settings) -> Frame {
+    evaluate_some(graph, &[], frame, buffers, settings)
+}
+
+/// Some outputs at a frame.
+pub(crate) fn evaluate_some(
+    graph: &CheckedGraph,
+    outputs: &[&str],
+    frame: i64,
+    buffers: &Buffers<'_>,
+    settings: &Settings,
+) -> Frame {
+    let plan = Plan::new(graph, outputs, frame, &buffers.names(), settings).unwrap();
+    plan.evaluate(buffers, &mut Cache::new(), &Silent).unwrap()
+}
+
+/// The bits of a picture, channel by channel.
+pub(crate) fn bits(picture: &Picture) -> Vec<Vec<u32>> {
+    picture.planes.iter().map(|plane| plane.samples().iter().map(|v| v.to_bits()).collect()).collect()
+}
+
+/// The bits of all pictures of a frame.
+pub(crate) fn all_bits(frame: &Frame) -> Vec<Vec<Vec<u32>>> {
+    frame.pictures.iter().map(bits).collect()
+}
+
+/// Default settings with one thing changed.
+pub(crate) fn settings(change: impl FnOnce(&mut Settings)) -> Settings {
+    let mut settings = Settings::default();
+    settings.threads = 1;
+    change(&mut settings);
+    settings
+}
+
+/// Settings that must not change a bit: every switch alone on and alone off, none, tile sizes, threads.
+pub(crate) fn variants() -> Vec<(String, Settings)> {
+    let mut variants = vec![
+        ("all switches off".into(), settings(|s| s.switches = Switches::NONE)),
+        ("tiles of 1 × 1".into(), settings(|s| s.tile = (1, 1))),
+        ("tiles of 3 × 2".into(), settings(|s| s.tile = (3, 2))),
+        ("one tile".into(), settings(|s| s.tile = (1 << 20, 1 << 20))),
+        ("2 threads".into(), settings(|s| (s.threads, s.tile) = (2, (2, 1)))),
+        ("3 threads".into(), settings(|s| (s.threads, s.tile) = (3, (3, 1)))),
+        ("off, tiles of 3 × 2".into(), settings(|s| (s.switches, s.tile) = (Switches::NONE, (3, 2)))),
+    ];
+    type Field = fn(&mut Switches) -> &mut bool;
+    let switches: [(&str, Field); 6] = [
+        ("demand", |s| &mut s.demand),
+        ("prune", |s| &mut s.prune),
+        ("fold", |s| &mut s.fold),
+        ("merge", |s| &mut s.merge),
+        ("hoist", |s| &mut s.hoist),
+        ("fuse", |s| &mut s.fuse),
+    ];
+    for (name, field) in switches {
+        variants.push((format!("{name} off"), settings(|s| *field(&mut s.switches) = false)));
+        let alone = settings(|s| {
+            s.switches = Switches::NONE;
+            *field(&mut s.switches) = true;
+        });
+        variants.push((format!("only {name} on"), alone));
+    }
+    variants
+}
+
+/// Evaluates under every variant, holds all bits against the default settings, and gives the latter's frame.
+pub(crate) fn under_all_settings(graph: &CheckedGraph, frame: i64, buffers: &Buffers<'_>, what: &str) -> Frame {
+    let expected = evaluate(graph, frame, buffers, &settings(|_| ()));
+    for (name, settings) in variants() {
+        let found = evaluate(graph, frame, buffers, &settings);
+        for (a, b) in expected.pictures.iter().zip(&found.pictures) {
+            let output = &graph.outputs()[a.output].name;
+            for (channel, (a, b)) in a.planes.iter().zip(&b.planes).enumerate() {
+                let pairs = a.samples().iter().zip(b.samples());
+                if let Some(at) = pairs.clone().position(|(a, b)| a.to_bits() != b.to_bits()) {
+                    let (a, b) = (a.samples()[at], b.samples()[at]);
+                    panic!("{what}: {name}: output {output}, channel {channel}, pixel {at}: {b:e} instead of {a:e}");
+                }
+            }
+            assert_eq!(a.audit.hull_exits, b.audit.hull_exits, "{what}: {name}: exits of {output}");
+        }
+    }
+    expected
+}
+
+/// A sample of a picture.
+pub(crate) fn sample(picture: &Picture, channel: usize, x: i64, y: i64) -> f32 {
+    picture.planes[channel].row(y).unwrap()[(x - picture.planes[channel].window().x0) as usize]
+}
+
+/// What became of a node.
+pub(crate) fn state<'f>(frame: &'f Frame, node: &str) -> &'f State {
+    &frame.nodes.iter().find(|report| report.name == node).unwrap().state
+}
