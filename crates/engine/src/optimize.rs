@@ -12,7 +12,7 @@ pub(crate) struct Optimized {
     pub(crate) program: Program,
     /// Where each operation of the original went.
     pub(crate) map: Vec<u32>,
-    /// Why branches were cut: the node whose weight is constant, its operand, and the weight's value.
+    /// The branches that were cut.
     pub(crate) cuts: Vec<Cut>,
 }
 
@@ -23,8 +23,6 @@ pub(crate) struct Cut {
     pub(crate) operand: u32,
     /// The node that mixes.
     pub(crate) at: NodeId,
-    /// The weight of the operand's rival: 0 or 1.
-    pub(crate) weight: f64,
 }
 
 /// Folds constants, cuts branches of constant weight, and merges equal operations, in one walk.
@@ -99,7 +97,7 @@ impl Walk<'_> {
                 } else {
                     return None;
                 };
-                self.cut(lost, origin, weight, source);
+                self.cut(lost, origin, source);
                 Some(Shorter::Existing(kept.0))
             }
             Op::Product(t, u) => match (constant(*t), constant(*u)) {
@@ -116,7 +114,7 @@ impl Walk<'_> {
                 // Positions of the weights stay; colors of weight 0 give way to one that is used anyway.
                 let kept = colors.iter().zip(&used).find(|(_, used)| **used).map(|(color, _)| *color)?;
                 for (color, _) in colors.iter().zip(&used).filter(|(color, used)| !**used && **color != kept) {
-                    self.cut(*color, origin, 0.0, source);
+                    self.cut(*color, origin, source);
                 }
                 let replaced: Vec<Color> =
                     colors.iter().zip(&used).map(|(color, used)| if *used { *color } else { kept }).collect();
@@ -134,12 +132,12 @@ impl Walk<'_> {
         }
     }
 
-    fn cut(&mut self, operand: Color, at: NodeId, weight: f64, source: &Program) {
+    fn cut(&mut self, operand: Color, at: NodeId, source: &Program) {
         // Name the operand by its last position in the original, where its node stands.
         if let Some(position) = self.out.map.iter().rposition(|&new| new == operand.0)
             && position < source.ops().len()
         {
-            self.out.cuts.push(Cut { operand: position as u32, at, weight });
+            self.out.cuts.push(Cut { operand: position as u32, at });
         }
     }
 

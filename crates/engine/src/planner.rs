@@ -211,8 +211,7 @@ impl<'g> Planner<'g, '_> {
                 } else if same.0 != id {
                     Some(LeftOut::SameAs(graph.node(same).name.clone()))
                 } else if let Some(cut) = cut_by[id] {
-                    let weight = if cut.weight == 0.0 { "0" } else { "1 for its rival" };
-                    Some(LeftOut::Weight { at: graph.node(cut.at).name.clone(), weight: weight.into() })
+                    Some(LeftOut::Weight(graph.node(cut.at).name.clone()))
                 } else if self.is_pointwise(NodeId(id)) && is_read(NodeId(id)) {
                     // Merged into an equal operation of another node, or folded into a constant.
                     None

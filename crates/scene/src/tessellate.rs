@@ -9,8 +9,19 @@ use crate::spacing::Spacing;
 use crate::surface::{Mesh, Topology};
 use crate::{Channel, ChannelSet, Projector, SeaSurface, footprint, reference};
 
-/// Most vertices of one sea; beyond it vertices move apart. 48 bytes each.
-const MAX_VERTICES: f64 = 8e6;
+/// Most vertices of one sea for each pixel of the picture; beyond it vertices move apart.
+///
+/// Near crests the spacing that errors ask for is finer than a picture can show: with 1.5 vertices a pixel the mean
+/// difference to a mesh without this limit is 0.16 of an 8-bit step in a stormy sea at 1920 × 1080, at half the time.
+const VERTICES_PER_PIXEL: f64 = 1.5;
+/// The limit is never below and never above these, 48 bytes a vertex.
+const LEAST_LIMIT: f64 = 1e6;
+const GREATEST_LIMIT: f64 = 8e6;
+
+/// Most vertices of one sea in a picture.
+fn limit(projector: &Projector) -> f64 {
+    (VERTICES_PER_PIXEL * projector.size[0] * projector.size[1]).clamp(LEAST_LIMIT, GREATEST_LIMIT)
+}
 /// Fewest cells across a view: a flat sea needs no more.
 const MIN_COLUMNS: f64 = 8.0;
 /// Greatest step of radius, relative to the distance from the camera.
@@ -41,8 +52,8 @@ pub(crate) fn sector(
     let mut spacing = spacing.clone();
     let (mut radii, mut columns) = polar(sea, &spacing, projector, sector);
     let vertices = radii.len() as f64 * columns as f64;
-    if vertices > MAX_VERTICES {
-        spacing.coarseness = libm::sqrt(vertices / MAX_VERTICES);
+    if vertices > limit(projector) {
+        spacing.coarseness = libm::sqrt(vertices / limit(projector));
         (radii, columns) = polar(sea, &spacing, projector, sector);
     }
     let directions: Vec<(f64, f64)> = (0..=columns)
@@ -100,8 +111,8 @@ pub(crate) fn strip(
     let (width, depth) = (strip.u[1] - strip.u[0], strip.v[1] - strip.v[0]);
     let count = |length: f64, step: f64| (length / step).ceil().max(MIN_COLUMNS);
     let vertices = count(width, step) * count(depth, step);
-    if vertices > MAX_VERTICES {
-        step *= libm::sqrt(vertices / MAX_VERTICES);
+    if vertices > limit(projector) {
+        step *= libm::sqrt(vertices / limit(projector));
     }
     let (columns, rows) = (count(width, step), count(depth, step));
     let rest = |row: usize, column: usize| {

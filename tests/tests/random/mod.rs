@@ -92,7 +92,7 @@ fn random_graphs_hold_every_promise() {
         let states = read.nodes.iter().map(|report| &report.state);
         for state in states {
             match state {
-                State::LeftOut(trochoid::LeftOut::Weight { .. }) => tally.pruned += 1,
+                State::LeftOut(trochoid::LeftOut::Weight(_)) => tally.pruned += 1,
                 State::LeftOut(trochoid::LeftOut::SameAs(_)) => tally.merged += 1,
                 _ => {}
             }
