@@ -5,8 +5,6 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::process::Command;
 
 /// What each package of the workspace may depend on, and nothing else of the workspace.
-///
-/// `trochoid` may name `trochoid-weights` for what it hands on of it.
 const ALLOWED: &[(&str, &[&str])] = &[
     ("trochoid-image", &[]),
     ("trochoid-weights", &["trochoid-image"]),
@@ -19,10 +17,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
         &["trochoid-graph", "trochoid-weights", "trochoid-image", "trochoid-scene", "trochoid-sea", "trochoid-io"],
     ),
     ("trochoid-engine", &["trochoid-graph", "trochoid-image", "trochoid-weights"]),
-    (
-        "trochoid",
-        &["trochoid-image", "trochoid-graph", "trochoid-engine", "trochoid-nodes", "trochoid-io", "trochoid-weights"],
-    ),
+    ("trochoid", &["trochoid-image", "trochoid-graph", "trochoid-engine", "trochoid-nodes", "trochoid-io"]),
     ("trochoid-editor", &["trochoid"]),
     ("trochoid-cli", &["trochoid", "trochoid-editor"]),
     ("trochoid-tests", &["trochoid"]),
