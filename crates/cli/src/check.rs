@@ -45,6 +45,17 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
         }
         Err(error) => return Err(error.into()),
     };
+    let (first, last) = loaded.graph.frames();
+    let all: Vec<usize> = (0..loaded.graph.outputs().len()).collect();
+    if let Err(error) = trochoid::output_files(&loaded.graph, &all, first, first != last, None) {
+        if args.json {
+            let fault = json!({ "severity": "error", "port": "outputs", "found": error.to_string() });
+            let name = args.graph.display().to_string();
+            shell::print_json(&json!({ "document": name, "valid": false, "diagnostics": [fault] }))?;
+            return Err(Failure::silent(INVALID));
+        }
+        return Err(Failure::new(INVALID, error.to_string()));
+    }
     let refused = args.strict && !loaded.warnings.is_empty();
     let findings = Findings::of(&loaded.graph);
     if args.json {

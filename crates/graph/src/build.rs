@@ -166,6 +166,12 @@ impl<'p> Builder<'p> {
         Weights(Form::Partition(partition, ways))
     }
 
+    /// The same weights everywhere; `None` unless they are ≥ 0 and sum to 1 up to the rounding of decimal fractions.
+    pub fn constant_weights(&mut self, numbers: &[f64]) -> Option<Weights> {
+        let sound = numbers.iter().all(|w| *w >= 0.0) && (numbers.iter().sum::<f64>() - 1.0).abs() <= 1e-6;
+        sound.then(|| self.literal_weights(numbers))
+    }
+
     /// Literal weights, which validation has found to be ≥ 0 with sum 1 up to decimal fractions.
     pub(crate) fn literal_weights(&mut self, numbers: &[f64]) -> Weights {
         let raw = numbers.iter().map(|w| self.constant_mask(*w as f32).0).collect();

@@ -56,7 +56,7 @@ impl Document {
             let near: String = text[floor(text, error.offset)..].chars().take(20).collect();
             let remedy = if near.starts_with("NaN") || near.starts_with("Inf") || near.starts_with("-Inf") {
                 "JSON has no NaN and no infinity: write a finite number"
-            } else if near.is_empty() || error.message.starts_with("EOF") {
+            } else if near.is_empty() || error.message.contains("EOF") {
                 "the text ends too early: close every bracket and quote"
             } else {
                 "correct the syntax there; JSON has no comments and no trailing commas"

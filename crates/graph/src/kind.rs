@@ -25,6 +25,9 @@ impl Kind {
     /// A two-way partition of unity, written as one number.
     pub const MASK: Self = Self::Weights(2);
 
+    /// In a declaration: a partition of as many ways as knobs and connections say.
+    pub const ANY_WEIGHTS: Self = Self::Weights(0);
+
     /// Number of planes that the value occupies in a tile; 0 for values that are not images.
     pub fn channels(self) -> usize {
         match self {
@@ -41,6 +44,7 @@ impl fmt::Display for Kind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Color => f.write_str("Color"),
+            Self::Weights(0) => f.write_str("Weights"),
             Self::Weights(2) => f.write_str("mask"),
             Self::Weights(n) => write!(f, "Weights({n})"),
             Self::Field(1) => f.write_str("Field"),

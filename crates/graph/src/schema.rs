@@ -29,9 +29,10 @@ pub fn schema(registry: &Registry) -> Value {
         "required": ["trochoid", "format", "nodes", "outputs"],
         "additionalProperties": false,
         "properties": {
-            "trochoid": { "const": 1 },
+            "trochoid": { "const": 1, "description": "Version of the document format." },
             "format": {
                 "type": "object",
+                "description": "Size of the pictures in pixels, and samples averaged a pixel.",
                 "required": ["width", "height"],
                 "additionalProperties": false,
                 "properties": {
@@ -40,9 +41,14 @@ pub fn schema(registry: &Registry) -> Value {
                     "samples": { "enum": [1, 4, 16], "default": 1 }
                 }
             },
-            "working_space": { "enum": WorkingSpace::ALL.map(WorkingSpace::name), "default": "linear-srgb" },
+            "working_space": {
+                "enum": WorkingSpace::ALL.map(WorkingSpace::name),
+                "default": "linear-srgb",
+                "description": "Where colors mix and the guarantee holds; srgb is display-encoded, as swatches are sampled."
+            },
             "frames": {
                 "type": "object",
+                "description": "Range of frames; time is (frame − first)/fps seconds.",
                 "additionalProperties": false,
                 "properties": {
                     "first": { "type": "integer", "default": 1 },
@@ -61,11 +67,11 @@ pub fn schema(registry: &Registry) -> Value {
                 "propertyNames": { "pattern": "^[A-Za-z0-9_-]+$" },
                 "additionalProperties": { "$ref": "#/$defs/output" }
             },
-            "ui": true,
-            "notes": true
+            "ui": { "description": "For editors; evaluation ignores it." },
+            "notes": { "description": "For people; evaluation ignores it." }
         },
         "$defs": {
-            "reference": { "type": "string", "pattern": "^[A-Za-z_][A-Za-z0-9_]*(\\.[A-Za-z0-9_]+)?$" },
+            "reference": { "description": "\"node\" for its first output, or \"node.output\".", "type": "string", "pattern": "^[A-Za-z_][A-Za-z0-9_]*(\\.[A-Za-z0-9_]+)?$" },
             "color": {
                 "oneOf": [
                     { "type": "string", "pattern": "^#([0-9A-Fa-f]{3}|[0-9A-Fa-f]{6})$" },
@@ -74,16 +80,18 @@ pub fn schema(registry: &Registry) -> Value {
             },
             "output": {
                 "type": "object",
+                "description": "One picture: exactly one of color, weights and field.",
                 "additionalProperties": false,
                 "properties": {
                     "color": { "$ref": "#/$defs/reference" },
                     "weights": { "$ref": "#/$defs/reference" },
                     "field": { "$ref": "#/$defs/reference" },
-                    "file": { "type": "string" },
-                    "layer": { "type": "string" },
-                    "precision": { "enum": Precision::NAMES },
+                    "file": { "type": "string", "description": "Path ending .exr or .png, relative to the document; #### or %04d is the frame, {output} the output's name." },
+                    "layer": { "type": "string", "description": "Layer within the EXR; \"\" is the main layer. Outputs that name one file share it; by default each under its own name." },
+                    "precision": { "enum": Precision::NAMES, "description": "half (default) or float (default of fields) in EXR, uint8 (default) or uint16 in PNG." },
                     "require": {
                         "type": "object",
+                        "description": "What must hold, or the file is not written: hull, the convex hull of the control colors, or box, each channel between its least and greatest control.",
                         "additionalProperties": false,
                         "properties": { "guarantee": { "enum": ["hull", "box"] } }
                     },

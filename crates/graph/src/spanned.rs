@@ -104,7 +104,7 @@ pub(crate) struct SyntaxError {
 pub(crate) fn parse(text: &str) -> Result<Spanned, SyntaxError> {
     let raw: &RawValue = serde_json::from_str(text).map_err(|error| SyntaxError {
         offset: offset_of(text, error.line(), error.column()),
-        message: strip_place(&error.to_string()),
+        message: format!("a syntax error ({})", strip_place(&error.to_string())),
     })?;
     let mut reader = Reader { text, left: MAX_VALUES };
     reader.value(raw, 0)

@@ -1,6 +1,6 @@
 //! From evaluated frames to files.
 
-use std::path::PathBuf;
+use std::path::{Component, Path, PathBuf};
 use trochoid_engine::{Frame, Picture};
 use trochoid_graph::{CheckedGraph, Kind, OutputSpec, Precision, expand_frame};
 use trochoid_image::{Plane, Window, WorkingSpace, srgb_encode};
@@ -72,6 +72,12 @@ pub fn output_files(
         let spec = &graph.outputs()[index];
         let own = spec.file.as_deref();
         let template = pattern.or(own).unwrap_or("{output}.####.exr").replace("{output}", &spec.name);
+        if let Some((_, rest)) = template.split_once('{') {
+            let found = rest.split_once('}').map_or(rest, |(name, _)| name);
+            return refuse(format!(
+                "\"{template}\" has the unknown placeholder {{{found}}}: {{output}}, #### and %04d are known"
+            ));
+        }
         let lower = template.to_lowercase();
         if !lower.ends_with(".exr") && !lower.ends_with(".png") {
             return refuse(format!("\"{template}\" has an ending that cannot be written: use .exr or .png"));
@@ -87,6 +93,7 @@ pub fn output_files(
         }
         let relative = PathBuf::from(expand_frame(&template, frame));
         let path = if pattern.is_none() && own.is_some() { graph.folder().join(relative) } else { relative };
+        let path = normalized(&path);
         match files.iter_mut().find(|file| file.path == path) {
             Some(_) if lower.ends_with(".png") => {
                 return refuse(format!("\"{template}\" is the file of several outputs; PNG holds one: use .exr"));
@@ -103,6 +110,22 @@ pub fn output_files(
         }
     }
     Ok(files)
+}
+
+/// The path without `.` and without `folder/..`, so that two spellings of one file are one.
+fn normalized(path: &Path) -> PathBuf {
+    let mut out = PathBuf::new();
+    for part in path.components() {
+        let folder = matches!(out.components().next_back(), Some(Component::Normal(_)));
+        match part {
+            Component::CurDir => {}
+            Component::ParentDir if folder => {
+                out.pop();
+            }
+            part => out.push(part),
+        }
+    }
+    out
 }
 
 /// The layer of an output: its own name for one, else the output's name where several share the file.
@@ -162,10 +185,12 @@ fn write_layers(
     for ((spec, picture), linear) in chosen.iter().zip(&linear) {
         let planes = if linear.is_empty() { &picture.planes } else { linear };
         let layer = layer(spec, file);
-        for (name, plane) in channel_names(picture.kind).into_iter().zip(planes) {
+        for (name, plane) in channel_names(graph, spec).into_iter().zip(planes) {
             let name = if layer.is_empty() { name } else { format!("{layer}.{name}") };
             let samples = Samples::plane(plane);
-            let float = spec.precision == Some(Precision::Float);
+            // Fields are measures: half would round a depth of a kilometer to half a meter.
+            let default = if matches!(picture.kind, Kind::Field(_)) { Precision::Float } else { Precision::Half };
+            let float = spec.precision.unwrap_or(default) == Precision::Float;
             channels.push(if float { ExrChannel::float(name, samples) } else { ExrChannel::half(name, samples) });
         }
     }
@@ -216,13 +241,20 @@ fn convert(picture: &Picture, f: impl Fn([f64; 3]) -> [f64; 3]) -> Vec<Plane> {
     planes
 }
 
-/// EXR's names of a value's channels; `Y` is what viewers show as gray.
-fn channel_names(kind: Kind) -> Vec<String> {
-    match kind {
+/// EXR's names of an output's channels: `Z` for depth, as others look for it; `Y` is what viewers show as gray.
+fn channel_names(graph: &CheckedGraph, spec: &OutputSpec) -> Vec<String> {
+    let outputs = graph.node(spec.node).ty.declaration().outputs;
+    let is_depth = outputs.get(spec.output).is_some_and(|output| output.name == "depth");
+    match spec.kind {
         Kind::Color => ["R", "G", "B"].map(String::from).into(),
+        Kind::Field(1) if is_depth => vec!["Z".into()],
         Kind::Weights(2) | Kind::Field(1) => vec!["Y".into()],
         Kind::Field(n) => ["X", "Y", "Z", "W"].iter().take(n).map(|name| (*name).into()).collect(),
         Kind::Weights(n) => (0..n).map(|i| format!("w{i}")).collect(),
         _ => Vec::new(),
     }
 }
+
+#[cfg(test)]
+#[path = "output_tests.rs"]
+mod tests;

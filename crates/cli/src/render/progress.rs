@@ -2,7 +2,8 @@
 
 use crate::failure::Failure;
 use crate::{interrupt, shell};
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
+use std::fmt::Write;
 use std::time::Duration;
 use trochoid::Monitor;
 
@@ -22,9 +23,14 @@ impl Progress {
     pub(super) fn new(frames: usize, hidden: bool) -> Self {
         let target = if hidden { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
         let bar = ProgressBar::with_draw_target(Some(frames as u64 * STEPS), target);
-        let template = "{bar:40} {percent:>3} %  {elapsed} elapsed, {eta} left  {wide_msg}";
+        let template = "{bar:20} {percent:>3} %  {elapsed} elapsed, {left} left  {wide_msg}";
         if let Ok(style) = ProgressStyle::with_template(template) {
-            bar.set_style(style);
+            // Nothing done yet is no ground for an estimate.
+            let left = |state: &ProgressState, out: &mut dyn Write| {
+                let seconds = state.eta().as_secs();
+                let _ = if state.pos() == 0 { out.write_str("?") } else { write!(out, "{seconds}s") };
+            };
+            bar.set_style(style.with_key("left", left));
         }
         if !bar.is_hidden() {
             // A long preparation must not look like a standstill.

@@ -84,7 +84,7 @@ impl<'a> Checker<'a> {
                     self.error(
                         place,
                         item.value.brief(),
-                        "a layer name of letters, digits, _, - and spaces",
+                        "a layer name of letters, digits, _, - and spaces, or \"\" for the main layer",
                         "write a name",
                     );
                 }
@@ -197,7 +197,5 @@ impl<'a> Checker<'a> {
 }
 
 fn is_layer(text: &str) -> bool {
-    !text.is_empty()
-        && text.len() <= 64
-        && text.chars().all(|c| c.is_ascii_alphanumeric() || matches!(c, '_' | '-' | ' '))
+    text.len() <= 64 && text.chars().all(|c| c.is_ascii_alphanumeric() || matches!(c, '_' | '-' | ' '))
 }

@@ -174,7 +174,8 @@ impl<'a> Checker<'a> {
 
     /// Warns of nodes that no output needs.
     pub(super) fn unused(&mut self, drafts: &[Draft<'_>], outputs: &[OutputSpec]) {
-        if outputs.is_empty() {
+        // What an error cuts off is no news of its own.
+        if outputs.is_empty() || self.diagnostics.iter().any(|diagnostic| diagnostic.severity == Severity::Error) {
             return;
         }
         let mut used = vec![false; drafts.len()];

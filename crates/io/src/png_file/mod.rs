@@ -103,7 +103,7 @@ fn quantize(
                     expected: if value.is_nan() {
                         "a number; find the node that makes NaN"
                     } else {
-                        "0 to 1; clamp it, or write EXR"
+                        "0 to 1; write EXR, which holds any value"
                     },
                 });
             }

@@ -21,7 +21,7 @@ static DECLARATION: Declaration = Declaration {
             .item(),
         Knob::number("width", 0.0, 0.0, HIGHEST, "Width of the soft edge, in the field's unit.").item(),
     ],
-    outputs: &[Output::new("weights", Kind::MASK, "One weight a band, the lowest first.")],
+    outputs: &[Output::new("weights", Kind::ANY_WEIGHTS, "One weight a band, the lowest first.")],
     revision: 1,
 };
 

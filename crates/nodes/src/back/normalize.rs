@@ -16,16 +16,9 @@ static DECLARATION: Declaration = Declaration {
     source: "Shepard's weights with a floor, so that no quotient has a slope beyond 2/τ.",
     items: &[
         Port::many("fields", Accepts::Scalar, 1, 255, "Finite fields, one a weight."),
-        Knob::number(
-            "floor",
-            0.001,
-            f32::MIN_POSITIVE as f64,
-            f32::MAX as f64,
-            "Sum below which weight is handed to the last.",
-        )
-        .item(),
+        Knob::number("floor", 0.001, 1e-30, f32::MAX as f64, "Sum below which weight is handed to the last.").item(),
     ],
-    outputs: &[Output::new("weights", Kind::MASK, "One weight a field, and the remainder.")],
+    outputs: &[Output::new("weights", Kind::ANY_WEIGHTS, "One weight a field, and the remainder.")],
     revision: 1,
 };
 

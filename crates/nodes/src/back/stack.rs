@@ -15,7 +15,7 @@ static DECLARATION: Declaration = Declaration {
                  With one mask, the first weight is t and the second 1 − t.",
     source: "Porter, Duff, Compositing Digital Images, 1984: over, written with straight colors.",
     items: &[Port::many("weights", Accepts::Mask, 1, 255, "The masks, the uppermost first.")],
-    outputs: &[Output::new("weights", Kind::MASK, "One weight a mask, and the remainder.")],
+    outputs: &[Output::new("weights", Kind::ANY_WEIGHTS, "One weight a mask, and the remainder.")],
     revision: 1,
 };
 

@@ -123,15 +123,21 @@ impl NodeType for GerstnerSea {
         let Ok(waves) = waves(node) else { return Vec::new() };
         let count = waves.len();
         let folds = folding(waves);
+        let share = 100.0 * folds.folded_share;
+        let verdict = if folds.folded_share > FoldOptions::default().tolerated_share {
+            format!("crests fold over on {share:.2} % of it; all sharpnesses × {:.3} would not", folds.unfolded_scale)
+        } else if folds.unfolded_scale.is_finite() {
+            format!("crests do not fold; all sharpnesses could grow × {:.3} until they do", folds.unfolded_scale)
+        } else {
+            "crests never fold".into()
+        };
+        let proof = if folds.proved() { "proved by λ1 < 1" } else { "by sampling: λ1 ≥ 1 proves nothing" };
         vec![format!(
-            "{count} waves; folds: λ1 {:.3}, Σq {:.3}, least det J {:.3} over {} points, {:.2} % predicted to fold; \
-             sharpness × {:.3} would not",
+            "{count} waves; {verdict} ({proof}; λ1 {:.3}, Σq {:.3}, least det J {:.3} over {} points)",
             folds.lambda[0],
             folds.q_sum,
             folds.jacobian_min,
             FoldOptions::default().samples,
-            100.0 * folds.folded_share,
-            folds.unfolded_scale
         )]
     }
 
