@@ -35,7 +35,7 @@ pub(crate) struct Args {
 /// # Errors
 /// The document is invalid (or warned of, with `--strict`), or cannot be read.
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
-    let loaded = match trochoid::load(&args.graph, &args.set) {
+    let mut loaded = match trochoid::load(&args.graph, &args.set) {
         Ok(loaded) => loaded,
         Err(LoadError::Invalid(diagnostics)) if args.json => {
             let name = args.graph.display().to_string();
@@ -45,6 +45,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
         }
         Err(error) => return Err(error.into()),
     };
+    loaded.warnings.extend(trochoid::missing_files(&loaded.graph));
     let (first, last) = loaded.graph.frames();
     let all: Vec<usize> = (0..loaded.graph.outputs().len()).collect();
     if let Err(error) = trochoid::output_files(&loaded.graph, &all, first, first != last, None) {

@@ -35,7 +35,7 @@ mod resume;
 
 pub use files::{check_destination, write_whole};
 pub use judge::{Miss, guarantee, held, misses, requirement};
-pub use load::{LoadError, Loaded, load, parse, registry};
+pub use load::{LoadError, Loaded, load, missing_files, parse, registry};
 pub use output::{OutputError, OutputFile, output_files, write_output};
 pub use report::{RunReport, RunStatus, frame_report};
 pub use resume::Fingerprints;

@@ -99,3 +99,28 @@ pub fn parse(name: &str, text: &str, folder: &Path, set: &[String]) -> Result<Lo
         _ => Err(LoadError::Invalid(faults.into_iter().chain(diagnostics).collect())),
     }
 }
+
+/// Warns of input files that are not there at the first frame. Opens none.
+pub fn missing_files(graph: &CheckedGraph) -> Vec<Diagnostic> {
+    let first = graph.frames().0;
+    let context = graph.frame_context(first, u64::MAX);
+    let mut missing = Vec::new();
+    for (index, node) in graph.nodes().iter().enumerate().filter(|(_, node)| !node.disabled) {
+        let mut only = vec![false; graph.nodes().len()];
+        only[index] = true;
+        for path in graph.files(&only, &context).into_iter().filter(|path| !path.exists()) {
+            missing.push(Diagnostic {
+                severity: Severity::Warning,
+                file: graph.name().into(),
+                line: 0,
+                column: 0,
+                node: Some(node.name.clone()),
+                port: Some("file".into()),
+                found: format!("no file {} at frame {first}", path.display()),
+                expected: "a picture to read".into(),
+                remedy: "correct the path, which is relative to the document, or make the file before rendering".into(),
+            });
+        }
+    }
+    missing
+}

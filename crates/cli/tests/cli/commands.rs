@@ -1,6 +1,6 @@
 //! `trochoid check`, `nodes`, `schema`, `info`, and help.
 
-use crate::scene::{SCENE, Scene, with_unused};
+use crate::scene::{READS, SCENE, Scene, with_unused};
 use serde_json::Value;
 
 #[test]
@@ -21,6 +21,23 @@ fn check_tells_guarantees_and_what_is_left_out() {
     assert_eq!(json["diagnostics"][0]["severity"], "warning");
     assert_eq!(scene.run(&["check", "a.json", "--strict", "--json"]).code(2).json()["valid"], false);
     scene.has_no_files();
+}
+
+#[test]
+fn check_warns_of_files_that_are_not_there() {
+    let scene = Scene::new(READS);
+    let run = scene.run(&["check", "a.json"]).code(0);
+    assert!(run.err.contains("warning: a.json: node \"in\", file: found no file in.exr at frame 1"), "{}", run.err);
+    scene.run(&["check", "a.json", "--strict"]).code(2);
+    scene.write_picture("in.exr", 0.5);
+    assert_eq!(scene.run(&["check", "a.json", "--strict"]).code(0).err, "");
+}
+
+#[test]
+fn check_refuses_names_that_render_would_refuse() {
+    let scene = Scene::new(&SCENE.replace("mask.####.png", "mask.png"));
+    scene.run(&["check", "a.json"]).fails(2, &["gives all frames one name"]);
+    assert_eq!(scene.run(&["check", "a.json", "--json"]).code(2).json()["valid"], false);
 }
 
 #[test]
