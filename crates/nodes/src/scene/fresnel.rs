@@ -1,7 +1,8 @@
 //! Fresnel: how much of what reaches the eye is mirrored.
 
 use crate::scene_support::{
-    COMBINE, Lights, NORMAL, POSITION, eye, is_covered, nothing, uncover, view_directions, view_planes, view_vector,
+    COMBINE, Lights, NORMAL, POSITION, eye, is_covered, nothing, toward_eye, uncover, view_directions, view_planes,
+    view_vector,
 };
 use trochoid_graph::*;
 use trochoid_scene::Projector;
@@ -97,7 +98,7 @@ impl Prepared for Mirror {
         }
         let normal = view_vector(&self.node, inputs, NORMAL);
         let point = view_vector(&self.node, inputs, POSITION);
-        let view = if self.eye.orthographic { -self.eye.forward } else { self.eye.position - point };
+        let view = toward_eye(&self.eye, point);
         let mask = match self.cosine {
             Cosine::View => fresnel::reference(normal, view, view, self.eta, Cosine::View),
             Cosine::Half => {

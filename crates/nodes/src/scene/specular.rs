@@ -1,7 +1,8 @@
 //! Specular: where a light is mirrored toward the eye.
 
 use crate::scene_support::{
-    COMBINE, Lights, NORMAL, POSITION, eye, is_covered, nothing, uncover, view_directions, view_planes, view_vector,
+    COMBINE, Lights, NORMAL, POSITION, eye, is_covered, nothing, toward_eye, uncover, view_directions, view_planes,
+    view_vector,
 };
 use trochoid_graph::*;
 use trochoid_scene::Projector;
@@ -90,7 +91,7 @@ impl Prepared for Mirror {
         }
         let normal = view_vector(&self.node, inputs, NORMAL);
         let point = view_vector(&self.node, inputs, POSITION);
-        let view = if self.eye.orthographic { -self.eye.forward } else { self.eye.position - point };
+        let view = toward_eye(&self.eye, point);
         let variance = inputs.view(self.node.source("view"), ViewChannel::SlopeVariance);
         let mask = self
             .lights

@@ -135,6 +135,11 @@ pub(crate) fn eye(node: &Settled, prepare: &Prepare<'_>, format: Format) -> Resu
     }
 }
 
+/// The vector from a point toward the eye, of any length, in f64.
+pub(crate) fn toward_eye(eye: &Projector, point: DVec3) -> DVec3 {
+    if eye.orthographic { -eye.forward } else { eye.position - point }
+}
+
 /// Unit vectors from the points of a block toward the eye.
 ///
 /// # Errors

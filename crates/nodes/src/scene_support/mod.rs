@@ -4,7 +4,7 @@ mod copy;
 mod lit;
 
 pub(crate) use copy::ViewCopy;
-pub(crate) use lit::{COMBINE, Lights, Vectors3, eye, view_directions};
+pub(crate) use lit::{COMBINE, Lights, Vectors3, eye, toward_eye, view_directions};
 
 use std::sync::Arc;
 use trochoid_graph::{Inputs, Reference, References, Settled, ViewChannel};
