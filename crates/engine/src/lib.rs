@@ -8,6 +8,7 @@
 //! held against.
 
 mod buffers;
+mod fill;
 mod frame;
 mod inspect;
 mod kernel;

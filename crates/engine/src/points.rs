@@ -76,7 +76,7 @@ impl<'g> ShadingPlan<'g> {
                 }
             }
             let planes: Vec<Plane<'_>> =
-                batch.iter().map(|batch| Plane { samples: &batch[..length], one_row: false }).collect();
+                batch.iter().map(|batch| Plane { samples: &batch[..length], start: 0, stride: length }).collect();
             machine.tile(&planes, length, 1, &mut |root, channel, _, row| {
                 let first = pass.roots[root].1;
                 outputs[first + channel][start..start + length].copy_from_slice(row);

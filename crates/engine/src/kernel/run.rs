@@ -5,11 +5,23 @@ use fearless_simd::{Level, Simd, dispatch};
 use trochoid_graph::Variance;
 use trochoid_weights::arithmetic as a;
 
-/// A plane over a tile: rows one after the other. A plane of one row stands for all rows.
+/// A plane over a tile, wherever its rows lie.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Plane<'a> {
     pub(crate) samples: &'a [f32],
-    pub(crate) one_row: bool,
+    /// The tile's first sample.
+    pub(crate) start: usize,
+    /// From one row to the next; 0 where one row stands for all.
+    pub(crate) stride: usize,
+}
+
+impl<'a> Plane<'a> {
+    /// The first `width` samples of row y.
+    #[inline(always)]
+    pub(crate) fn row(&self, y: usize, width: usize) -> &'a [f32] {
+        let start = self.start + y * self.stride;
+        &self.samples[start..start + width]
+    }
 }
 
 /// The extremes of weights seen while running, for the audit.
@@ -75,11 +87,7 @@ impl<'p> Machine<'p> {
     fn row<'r>(&'r self, row: Row, planes: &'r [Plane<'r>], y: usize, width: usize) -> &'r [f32] {
         match row {
             Row::Own(index) => &self.rows[index as usize][..width],
-            Row::Plane(index) => {
-                let plane = &planes[index as usize];
-                let start = if plane.one_row { 0 } else { y * width };
-                &plane.samples[start..start + width]
-            }
+            Row::Plane(index) => planes[index as usize].row(y, width),
         }
     }
 }
