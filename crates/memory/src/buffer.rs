@@ -1,0 +1,136 @@
+use std::ops::{Deref, DerefMut};
+
+/// Samples in a cache line.
+const LINE: usize = 16;
+/// Bytes from which on large pages are worth asking for: that of one of them.
+const LARGE: usize = 2 << 20;
+/// Buffers of a picture begin at different offsets within a page, so that their rows do not compete for the same few
+/// places of the cache: the next one's offset, in lines.
+const STAGGER: usize = 5;
+/// Lines in a small page.
+const PAGE_LINES: usize = 64;
+
+/// Samples that begin on a cache line, and on large pages where the system has them.
+///
+/// Equal to another buffer if the samples are.
+#[derive(Debug, Default)]
+pub struct Buffer {
+    samples: Vec<f32>,
+    /// Samples before the first line.
+    start: usize,
+    length: usize,
+}
+
+impl Buffer {
+    /// `length` zeros. `index` is the buffer's place among those that are used together, such as the channels of a
+    /// picture.
+    ///
+    /// # Errors
+    /// The memory cannot be had.
+    ///
+    /// ```
+    /// let buffer = trochoid_memory::Buffer::zeroed(1000, 1).unwrap();
+    /// assert_eq!(buffer.len(), 1000);
+    /// assert_eq!(buffer.as_ptr() as usize % 64, 0);
+    /// ```
+    pub fn zeroed(length: usize, index: usize) -> Result<Self, std::collections::TryReserveError> {
+        let offset = (index * STAGGER) % PAGE_LINES * LINE;
+        let mut samples: Vec<f32> = Vec::new();
+        samples.try_reserve_exact(length.saturating_add(offset + LINE))?;
+        advise(&samples);
+        let start = samples.as_ptr().align_offset(4 * LINE).min(LINE) + offset;
+        samples.resize(start + length, 0.0);
+        Ok(Self { samples, start, length })
+    }
+}
+
+impl From<Vec<f32>> for Buffer {
+    /// Takes samples as they lie.
+    fn from(samples: Vec<f32>) -> Self {
+        let length = samples.len();
+        Self { samples, start: 0, length }
+    }
+}
+
+impl Clone for Buffer {
+    fn clone(&self) -> Self {
+        Self::from(self.to_vec())
+    }
+}
+
+impl PartialEq for Buffer {
+    fn eq(&self, other: &Self) -> bool {
+        **self == **other
+    }
+}
+
+impl Deref for Buffer {
+    type Target = [f32];
+
+    fn deref(&self) -> &[f32] {
+        &self.samples[self.start..self.start + self.length]
+    }
+}
+
+impl DerefMut for Buffer {
+    fn deref_mut(&mut self) -> &mut [f32] {
+        &mut self.samples[self.start..self.start + self.length]
+    }
+}
+
+/// Asks for large pages under the memory that a vector has reserved. Only ever a hint: what it holds does not change.
+#[cfg(target_os = "linux")]
+#[allow(unsafe_code)]
+fn advise(samples: &Vec<f32>) {
+    // SAFETY: `sysconf` only reads a constant of the system.
+    let page = usize::try_from(unsafe { libc::sysconf(libc::_SC_PAGESIZE) }).unwrap_or(0);
+    let bytes = samples.capacity() * size_of::<f32>();
+    if bytes < LARGE || !page.is_power_of_two() {
+        return;
+    }
+    let from = samples.as_ptr() as usize;
+    // Whole pages inside the reservation; `madvise` takes nothing else.
+    let (first, last) = (from.next_multiple_of(page), (from + bytes) & !(page - 1));
+    if first < last {
+        // SAFETY: first..last lies within one allocation of this process, which is mapped for as long as it is
+        // borrowed here. MADV_HUGEPAGE changes neither contents nor protection, and its failure changes nothing.
+        unsafe { libc::madvise(first as *mut libc::c_void, last - first, libc::MADV_HUGEPAGE) };
+    }
+}
+
+#[cfg(not(target_os = "linux"))]
+fn advise(_samples: &Vec<f32>) {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_buffer_begins_on_a_line_and_is_all_zeros() {
+        for length in [0, 1, 15, 16, 17, 1000, 1 << 20] {
+            for index in [0, 1, 7, 100] {
+                let mut buffer = Buffer::zeroed(length, index).unwrap();
+                assert_eq!((buffer.len(), buffer.as_ptr() as usize % 64), (length, 0));
+                assert!(buffer.iter().all(|v| *v == 0.0));
+                buffer.iter_mut().for_each(|v| *v = 1.0);
+                assert_eq!(buffer, Buffer::from(vec![1.0; length]));
+                assert_eq!(buffer.clone(), buffer);
+            }
+        }
+    }
+
+    #[test]
+    fn neighbors_begin_at_different_places_of_a_page() {
+        let places: Vec<usize> = (0..8).map(|i| Buffer::zeroed(1 << 20, i).unwrap().as_ptr() as usize % 4096).collect();
+        let mut distinct = places.clone();
+        distinct.sort_unstable();
+        distinct.dedup();
+        assert_eq!(distinct.len(), 8, "{places:?}");
+    }
+
+    #[test]
+    fn too_much_memory_is_an_error() {
+        assert!(Buffer::zeroed(usize::MAX / 2, 0).is_err());
+        assert!(Buffer::zeroed(usize::MAX, 3).is_err());
+    }
+}

@@ -1,0 +1,69 @@
+use crate::Stream;
+use fearless_simd::Level;
+
+/// Code that is compiled once for each instruction set and run on the one at hand.
+pub trait Kernel {
+    /// What it gives.
+    type Output;
+
+    /// Runs with the instructions that `simd` proves to be there. To be marked `#[inline(always)]`.
+    fn run<S: Stream>(self, simd: S) -> Self::Output;
+}
+
+/// Which instruction sets may be used.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Instructions {
+    /// The best that the processor has.
+    #[default]
+    Best,
+    /// At most AVX2, where AVX-512 would be there.
+    Avx2,
+    /// Only what every processor of the architecture has.
+    Baseline,
+}
+
+impl Instructions {
+    /// The instruction set to use on this processor.
+    pub fn level(self) -> Level {
+        let best = Level::new();
+        match self {
+            Self::Best => best,
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2 => best.as_avx2().map_or(best, Level::Avx2),
+            #[cfg(target_arch = "x86_64")]
+            Self::Baseline => best.as_sse2().map_or(best, Level::Sse2),
+            #[cfg(not(target_arch = "x86_64"))]
+            _ => best,
+        }
+    }
+}
+
+/// Runs a kernel compiled for an instruction set.
+#[inline]
+pub fn dispatch<K: Kernel>(level: Level, kernel: K) -> K::Output {
+    macro_rules! with {
+        ($simd:expr) => {{
+            let simd = $simd;
+            fearless_simd::Simd::vectorize(
+                simd,
+                #[inline(always)]
+                || kernel.run(simd),
+            )
+        }};
+    }
+    match level {
+        #[cfg(target_arch = "x86_64")]
+        Level::Avx512(simd) => with!(simd),
+        #[cfg(target_arch = "x86_64")]
+        Level::Avx2(simd) => with!(simd),
+        #[cfg(target_arch = "x86_64")]
+        Level::Sse4_2(simd) => with!(simd),
+        #[cfg(target_arch = "x86_64")]
+        Level::Sse2(simd) => with!(simd),
+        #[cfg(target_arch = "aarch64")]
+        Level::Neon(simd) => with!(simd),
+        #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
+        Level::Fallback(simd) => with!(simd),
+        _ => unreachable!("every level of this architecture is named"),
+    }
+}

@@ -1,0 +1,15 @@
+//! Where pixels lie in memory, and how they get there: aligned buffers on large pages, prefetch, streaming stores.
+//!
+//! The only crate with `unsafe` code; all of it is behind interfaces that cannot be misused.
+
+#![cfg_attr(test, allow(clippy::unwrap_used, reason = "a test may panic"))]
+
+mod buffer;
+mod dispatch;
+mod prefetch;
+mod target;
+
+pub use buffer::Buffer;
+pub use dispatch::{Instructions, Kernel, dispatch};
+pub use prefetch::prefetch;
+pub use target::{Line, Stream, Target, write_around};

@@ -1,0 +1,222 @@
+use fearless_simd::{Simd, SimdBase, f32x16};
+
+/// Rows to be written and not read: around the cache, where that was asked for.
+#[derive(Debug)]
+pub struct Target<'a> {
+    samples: &'a mut [f32],
+    around: bool,
+}
+
+impl<'a> Target<'a> {
+    /// A target in the ordinary way, through the cache.
+    pub fn new(samples: &'a mut [f32]) -> Self {
+        Self { samples, around: false }
+    }
+
+    /// Number of samples.
+    #[inline(always)]
+    pub fn len(&self) -> usize {
+        self.samples.len()
+    }
+
+    /// Whether there are none.
+    #[inline(always)]
+    pub fn is_empty(&self) -> bool {
+        self.samples.is_empty()
+    }
+
+    /// The part from `start` on.
+    ///
+    /// # Panics
+    /// It lies beyond the end.
+    #[inline(always)]
+    pub fn part(&mut self, start: usize, length: usize) -> Target<'_> {
+        Target { samples: &mut self.samples[start..start + length], around: self.around }
+    }
+
+    /// Writes 16 samples at `index`.
+    ///
+    /// # Panics
+    /// They do not fit.
+    #[inline(always)]
+    pub fn store<S: Stream>(&mut self, index: usize, value: f32x16<S>) {
+        let Some(to) = self.samples[index..].first_chunk_mut::<16>() else { panic!("16 samples at {index}") };
+        if self.around && to.as_ptr().addr() % 64 == 0 {
+            S::stream(value, Line(to));
+        } else {
+            value.store_slice(to);
+        }
+    }
+
+    /// Writes samples at `index`.
+    ///
+    /// # Panics
+    /// They do not fit.
+    pub fn copy(&mut self, index: usize, values: &[f32]) {
+        self.samples[index..index + values.len()].copy_from_slice(values);
+    }
+}
+
+/// Lends slices as targets that are written around the cache: for results larger than the cache, which would only push
+/// out what is still needed.
+///
+/// Within `write` nobody can read the slices; after it, any thread can read all of them.
+///
+/// ```
+/// let mut row = vec![0.0; 64];
+/// trochoid_memory::write_around(vec![&mut row[..]], |targets| targets[0].copy(3, &[1.0, 2.0]));
+/// assert_eq!(row[3..5], [1.0, 2.0]);
+/// ```
+///
+/// A target cannot outlive the call, so nothing is read before the stores are ordered:
+///
+/// ```compile_fail
+/// let mut row = vec![0.0; 64];
+/// let mut kept = None;
+/// trochoid_memory::write_around(vec![&mut row[..]], |targets| kept = targets.iter_mut().next());
+/// ```
+pub fn write_around<'a, R>(slices: Vec<&'a mut [f32]>, write: impl for<'t> FnOnce(&mut [Target<'t>]) -> R) -> R {
+    // Also where `write` panics.
+    let _fence = Fence;
+    let mut targets: Vec<Target<'_>> = slices.into_iter().map(|samples| Target { samples, around: true }).collect();
+    write(&mut targets)
+}
+
+/// Orders all streaming stores of this thread before what follows, when dropped.
+struct Fence;
+
+impl Drop for Fence {
+    #[allow(unsafe_code)]
+    fn drop(&mut self) {
+        #[cfg(target_arch = "x86_64")]
+        // SAFETY: SSE is part of every x86-64; the fence has no other effect.
+        unsafe {
+            core::arch::x86_64::_mm_sfence();
+        }
+    }
+}
+
+/// 16 samples that begin on a cache line, within a call of [`write_around`]. Only targets make them.
+#[derive(Debug)]
+pub struct Line<'a>(&'a mut [f32; 16]);
+
+/// An instruction set's store around the cache.
+pub trait Stream: Simd {
+    /// Writes a whole line; through the cache where there is no such store.
+    #[inline(always)]
+    fn stream(value: f32x16<Self>, line: Line<'_>) {
+        value.store_slice(line.0);
+    }
+}
+
+#[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
+impl Stream for fearless_simd::Fallback {}
+
+#[cfg(target_arch = "aarch64")]
+impl Stream for fearless_simd::aarch64::Neon {}
+
+#[cfg(target_arch = "x86_64")]
+mod x86 {
+    use super::{Line, Stream};
+    use core::arch::x86_64::{__m256, __m512, _mm256_stream_ps, _mm512_stream_ps};
+    use fearless_simd::x86::{Avx2, Avx512, Sse2, Sse4_2};
+    use fearless_simd::{Simd, f32x16};
+
+    impl Stream for Sse2 {}
+    impl Stream for Sse4_2 {}
+
+    impl Stream for Avx2 {
+        #[inline(always)]
+        #[allow(unsafe_code)]
+        fn stream(value: f32x16<Self>, line: Line<'_>) {
+            let (low, high) = value.simd.split_f32x16(value);
+            let (low, high): (__m256, __m256) = (low.into(), high.into());
+            let to = line.0.as_mut_ptr();
+            // SAFETY: the value holds the proof of AVX2; a line is 16 samples, aligned to 64 bytes, borrowed for
+            // writing; `write_around` fences before anybody can read them.
+            unsafe {
+                _mm256_stream_ps(to, low);
+                _mm256_stream_ps(to.add(8), high);
+            }
+        }
+    }
+
+    impl Stream for Avx512 {
+        #[inline(always)]
+        #[allow(unsafe_code)]
+        fn stream(value: f32x16<Self>, line: Line<'_>) {
+            let value: __m512 = value.into();
+            // SAFETY: the value holds the proof of AVX-512; a line is 16 samples, aligned to 64 bytes, borrowed for
+            // writing; `write_around` fences before anybody can read them.
+            unsafe { _mm512_stream_ps(line.0.as_mut_ptr(), value) }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Instructions, Kernel, dispatch};
+
+    /// Stores the line's number in every line.
+    struct Number<'t, 'a>(&'t mut Target<'a>, f32);
+
+    impl Kernel for Number<'_, '_> {
+        type Output = ();
+
+        #[inline(always)]
+        fn run<S: Stream>(self, simd: S) {
+            for i in 0..self.0.len() / 16 {
+                self.0.store(16 * i, f32x16::from_slice(simd, &[i as f32 + self.1; 16]));
+            }
+        }
+    }
+
+    /// Every alignment, every instruction set: exactly the samples meant are written.
+    #[test]
+    fn stores_land_where_they_should_at_any_alignment() {
+        for instructions in [Instructions::Best, Instructions::Avx2, Instructions::Baseline] {
+            for start in 0..33 {
+                let mut memory = vec![-1.0f32; 128];
+                write_around(vec![&mut memory[start..start + 48]], |targets| {
+                    dispatch(instructions.level(), Number(&mut targets[0], 0.0));
+                });
+                for (i, v) in memory.iter().enumerate() {
+                    let inside = i.wrapping_sub(start);
+                    assert_eq!(*v, if inside < 48 { (inside / 16) as f32 } else { -1.0 }, "{start} {i}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    #[should_panic(expected = "16 samples")]
+    fn stores_beyond_the_end_are_refused() {
+        struct Beyond<'t, 'a>(&'t mut Target<'a>);
+        impl Kernel for Beyond<'_, '_> {
+            type Output = ();
+            fn run<S: Stream>(self, simd: S) {
+                self.0.store(5, f32x16::from_slice(simd, &[0.0; 16]));
+            }
+        }
+        let mut memory = vec![0.0f32; 20];
+        dispatch(Instructions::Best.level(), Beyond(&mut Target::new(&mut memory)));
+    }
+
+    #[test]
+    fn another_thread_reads_what_was_written_around_the_cache() {
+        let mut memory = crate::Buffer::zeroed(1 << 16, 0).unwrap();
+        for round in 1..20 {
+            let value = round as f32;
+            std::thread::scope(|scope| {
+                let writer = scope.spawn(|| {
+                    write_around(vec![&mut memory[..]], |targets| {
+                        dispatch(Instructions::Best.level(), Number(&mut targets[0], value));
+                    });
+                });
+                writer.join().unwrap();
+            });
+            assert!(memory.iter().enumerate().all(|(i, v)| *v == (i / 16) as f32 + value));
+        }
+    }
+}
