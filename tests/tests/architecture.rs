@@ -6,7 +6,8 @@ use std::process::Command;
 
 /// What each package of the workspace may depend on, and nothing else of the workspace.
 const ALLOWED: &[(&str, &[&str])] = &[
-    ("trochoid-image", &[]),
+    ("trochoid-memory", &[]),
+    ("trochoid-image", &["trochoid-memory"]),
     ("trochoid-weights", &["trochoid-image"]),
     ("trochoid-io", &["trochoid-image"]),
     ("trochoid-sea", &[]),
@@ -16,7 +17,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
         "trochoid-nodes",
         &["trochoid-graph", "trochoid-weights", "trochoid-image", "trochoid-scene", "trochoid-sea", "trochoid-io"],
     ),
-    ("trochoid-engine", &["trochoid-graph", "trochoid-image", "trochoid-weights"]),
+    ("trochoid-engine", &["trochoid-graph", "trochoid-image", "trochoid-memory", "trochoid-weights"]),
     ("trochoid", &["trochoid-image", "trochoid-graph", "trochoid-engine", "trochoid-nodes", "trochoid-io"]),
     ("trochoid-editor", &["trochoid"]),
     ("trochoid-cli", &["trochoid", "trochoid-editor"]),

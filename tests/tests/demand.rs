@@ -1,7 +1,7 @@
 //! What nobody needs is not computed, and the report says why.
 
-use crate::support::{evaluate, evaluate_some, graph, settings, state};
-use trochoid::{Buffers, Cache, LeftOut, Plan, Silent, State};
+use crate::support::{all_bits, bits, evaluate, evaluate_some, graph, settings, state};
+use trochoid::{Buffers, Cache, LeftOut, NodeId, Plan, Silent, State, Switches};
 
 const FORMAT: &str = r#""width": 6, "height": 4"#;
 
@@ -153,7 +153,10 @@ fn a_keyed_knob_changes_the_key() {
         "sea": { "type": "GerstnerSea", "count": 0 },
         "a": { "type": "Render", "camera": "still", "surfaces": ["sea"] }, "b": { "type": "Render", "camera": "moving", "surfaces": ["sea"] }"##;
     let graph = graph(FORMAT, nodes, r#""a": { "weights": "a.coverage" }, "b": { "weights": "b.coverage" }"#);
-    let keys = |frame: i64| graph.keys(&graph.frame_context(frame, 1 << 30));
+    let keys = |frame: i64| {
+        let settled: Vec<_> = (0..graph.nodes().len()).map(|id| Some(graph.settle(NodeId(id), frame))).collect();
+        graph.keys(&settled, &graph.frame_context(frame, 1 << 30))
+    };
     let (one, two, late, later) = (keys(1), keys(2), keys(50), keys(60));
     let of = |keys: &[String], name: &str| keys[graph.find(name).unwrap().0].clone();
     assert_eq!(of(&one, "still"), of(&two, "still"));
@@ -161,4 +164,55 @@ fn a_keyed_knob_changes_the_key() {
     assert_ne!(of(&one, "b"), of(&two, "b"), "keys hold those of everything upstream");
     assert_eq!(of(&late, "moving"), of(&later, "moving"), "beyond the last key nothing changes");
     assert_ne!(of(&late, "sea"), of(&later, "sea"), "seas depend on time");
+}
+
+#[test]
+fn a_switch_needs_nothing_but_its_choice() {
+    let nodes = sea(r#""a": "sky", "b": "sky", "weight": 0.5"#)
+        + r##", "missing": { "type": "Read", "file": "missing.exr", "as": "color" },
+        "deep": { "type": "Mix", "a": "missing", "b": "water", "weight": "light" },
+        "inner": { "type": "Switch", "inputs": ["missing", "deep"], "which": 1 },
+        "pick": { "type": "Switch", "inputs": ["sky", "inner"], "which": { "keys": [[1, 0], [5, 1]] } }"##;
+    let graph = graph(FORMAT, &nodes, r#""pick": { "color": "pick" }, "sky": { "color": "sky" }"#);
+    for switches in [Switches::ALL, Switches::NONE] {
+        let frame = evaluate(&graph, 4, &Buffers::new(), &settings(|s| s.switches = switches));
+        assert_eq!(bits(&frame.pictures[0]), bits(&frame.pictures[1]));
+        for node in SIMULATOR.iter().chain(&["missing", "deep", "inner", "water"]) {
+            let why = LeftOut::Switched("pick".into());
+            assert_eq!(*state(&frame, node), State::LeftOut(why), "{node}");
+        }
+        for node in ["pick", "sky", "across"] {
+            assert_eq!(*state(&frame, node), State::Evaluated, "{node}");
+        }
+    }
+    assert_eq!(LeftOut::Switched("pick".into()).to_string(), "not chosen by \"pick\"");
+    // The reference asks for no other input either.
+    let reference = trochoid::ReferenceFrame::new(&graph, "pick", 1).unwrap();
+    assert_eq!(reference.pixel(0, 0).unwrap().len(), 3);
+    // Files count where they are chosen.
+    let files = |frame: i64| {
+        let needed = graph.reached([graph.find("pick").unwrap()], frame);
+        graph.files(&needed, &graph.frame_context(frame, 1 << 30)).len()
+    };
+    assert_eq!((files(4), files(5)), (0, 1));
+    assert!(trochoid::missing_files(&graph).is_empty(), "not missed at the first frame");
+    let plan = Plan::new(&graph, &["pick"], 5, &[], &settings(|_| ())).unwrap();
+    assert!(plan.evaluate(&Buffers::new(), &mut Cache::new(), &Silent).is_err(), "the file is needed from frame 5 on");
+    let plan = Plan::new(&graph, &["pick"], 5, &["missing"], &settings(|_| ())).unwrap();
+    let left_out = |name: &str| plan.left_out()[graph.find(name).unwrap().0].clone();
+    assert_eq!(left_out("missing"), Some(LeftOut::Bound));
+    assert_eq!(left_out("sky"), Some(LeftOut::Switched("pick".into())));
+    assert_eq!((left_out("inner"), left_out("sea")), (None, None));
+}
+
+#[test]
+fn a_branch_that_no_output_needs_is_not_looked_at() {
+    let unneeded: String = (0..100)
+        .map(|i| format!(r#", "extra{i}": {{ "type": "Read", "file": "missing{i}.exr", "as": "color" }}"#))
+        .collect();
+    let lean = graph(FORMAT, &sea(r#""a": "sky", "b": "water", "weight": "light""#), OUTPUTS);
+    let full = graph(FORMAT, &(sea(r#""a": "sky", "b": "water", "weight": "light""#) + &unneeded), OUTPUTS);
+    let frame = evaluate(&full, 1, &Buffers::new(), &settings(|_| ()));
+    assert_eq!(all_bits(&frame), all_bits(&evaluate(&lean, 1, &Buffers::new(), &settings(|_| ()))));
+    assert_eq!(*state(&frame, "extra99"), State::LeftOut(LeftOut::Unreachable));
 }

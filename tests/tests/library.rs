@@ -123,7 +123,8 @@ fn a_region_is_the_crop_of_the_picture() {
         let whole = evaluate(&graph, 1, &buffers, &settings(|_| ()));
         for region in [Window::new(7, 2, 40, 8), Window::new(-5, -5, 3, 1), Window::new(60, 8, 61, 9)] {
             for tile in [(256, 16), (3, 2)] {
-                let part = evaluate(&graph, 1, &buffers, &settings(|s| (s.region, s.tile) = (Some(region), tile)));
+                let part =
+                    evaluate(&graph, 1, &buffers, &settings(|s| (s.region, s.tile) = (Some(region), Some(tile))));
                 let window = region.intersect(format.window());
                 assert_eq!(part.window, window);
                 for (whole, part) in whole.pictures.iter().zip(&part.pictures) {
@@ -157,7 +158,7 @@ impl Monitor for Impatient {
 #[test]
 fn cancelled_evaluations_say_so() {
     let graph = shaded();
-    let plan = Plan::new(&graph, &[], 1, &[], &settings(|s| (s.tile, s.threads) = ((4, 4), 2))).unwrap();
+    let plan = Plan::new(&graph, &[], 1, &[], &settings(|s| (s.tile, s.threads) = (Some((4, 4)), 2))).unwrap();
     let expected = all_bits(&plan.evaluate(&Buffers::new(), &mut Cache::new(), &Silent).unwrap());
     let mut cache = Cache::new();
     for left in [0, 1, 3, 7, 20] {

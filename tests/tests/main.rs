@@ -6,6 +6,7 @@
 mod architecture;
 mod bad_documents;
 mod demand;
+mod filters;
 mod frames;
 mod golden;
 mod hoisting;
@@ -13,6 +14,8 @@ mod library;
 mod merging;
 mod palette;
 mod random;
+mod scale;
 mod scenes;
+mod streaming;
 mod support;
 mod thesis;

@@ -88,14 +88,15 @@ struct Findings {
 impl Findings {
     fn of(graph: &CheckedGraph) -> Self {
         let first = graph.frames().0;
-        let (left_out, unplanned) = match Plan::new(graph, &[], first, &[], &Settings::default()) {
-            Ok(plan) => (plan.left_out().to_vec(), None),
-            Err(error) => (vec![None; graph.nodes().len()], Some(error.to_string())),
-        };
-        let kept = (0..graph.nodes().len()).map(NodeId).filter(|id| left_out[id.0].is_none());
-        let notes = kept.map(|id| (id, graph.node(id).ty.notes(&graph.settle(id, first))));
-        let notes = notes.filter(|(_, notes)| !notes.is_empty()).collect();
-        Self { left_out, notes, unplanned }
+        match Plan::new(graph, &[], first, &[], &Settings::default()) {
+            Ok(plan) => Self { left_out: plan.left_out().to_vec(), notes: plan.notes(), unplanned: None },
+            Err(error) => {
+                let all = (0..graph.nodes().len()).map(NodeId);
+                let notes = all.map(|id| (id, graph.node(id).ty.notes(&graph.settle(id, first))));
+                let notes = notes.filter(|(_, notes)| !notes.is_empty()).collect();
+                Self { left_out: vec![None; graph.nodes().len()], notes, unplanned: Some(error.to_string()) }
+            }
+        }
     }
 }
 

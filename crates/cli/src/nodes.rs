@@ -133,6 +133,7 @@ fn range(min: usize, max: usize) -> String {
 fn port_text(port: &Port) -> String {
     let literal = match port.accepts {
         Accepts::Color => ", or a literal color",
+        Accepts::Image => ", or a literal color or mask",
         Accepts::Mask => ", or a literal number from 0 to 1",
         Accepts::Scalar | Accepts::Field => ", or a literal number",
         Accepts::Weights => ", or literal numbers that sum to 1",

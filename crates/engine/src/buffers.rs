@@ -1,8 +1,10 @@
 //! Buffers of the caller that stand in for nodes.
 
-use crate::EvalError;
+use crate::kernel::Plane;
+use crate::{EvalError, Plan};
 use std::collections::HashMap;
-use trochoid_graph::Kind;
+use trochoid_graph::{Kind, Slot};
+use trochoid_image::Window;
 
 /// The caller's f32 buffers by node name: for each, one slice a channel.
 ///
@@ -37,7 +39,7 @@ impl<'b> Buffers<'b> {
         self.planes.get(node).map(Vec::as_slice)
     }
 
-    /// Checks one node's buffers against its kind: number, length, and values that the kind allows.
+    /// Checks one node's buffers against its kind: number and length.
     pub(crate) fn validate(&self, node: &str, kind: Kind, length: usize) -> Result<(), EvalError> {
         let fault = |reason: String| EvalError::Buffer { node: node.into(), reason };
         let planes = self.get(node).ok_or_else(|| fault("no buffer is given: add it with Buffers::with".into()))?;
@@ -48,23 +50,65 @@ impl<'b> Buffers<'b> {
             if plane.len() != length {
                 return Err(fault(format!("channel {channel} has {} samples; expected {length}", plane.len())));
             }
-            let (legal, rule): (fn(&f32) -> bool, _) = match kind {
-                Kind::Color => (|v| v.is_finite() && *v >= 0.0, "finite and ≥ 0"),
-                Kind::Weights(_) => (|v| (0.0..=1.0).contains(v), "in [0, 1]"),
-                _ => (|v| !v.is_nan(), "no NaN"),
-            };
-            if let Some(at) = plane.iter().position(|v| !legal(v)) {
-                return Err(fault(format!("channel {channel} holds {} at sample {at}; a {kind} is {rule}", plane[at])));
-            }
         }
+        Ok(())
+    }
+
+    /// Checks every value of one node's buffers: what programs check in passing, and sums of weights.
+    pub(crate) fn validate_values(&self, node: &str, kind: Kind) -> Result<(), EvalError> {
+        let planes = self.get(node).unwrap_or_default();
+        for (channel, plane) in planes.iter().enumerate() {
+            check(node, kind, channel, plane, 0)?;
+        }
+        let length = planes.first().map_or(0, |plane| plane.len());
         if let Kind::Weights(n) = kind
             && n > 2
         {
             let sum = |at: usize| planes.iter().map(|plane| f64::from(plane[at])).sum::<f64>();
             if let Some(at) = (0..length).find(|&at| (sum(at) - 1.0).abs() > 1e-3) {
-                return Err(fault(format!("the weights of sample {at} sum to {}; expected 1", sum(at))));
+                let reason = format!("the weights of sample {at} sum to {}; expected 1", sum(at));
+                return Err(EvalError::Buffer { node: node.into(), reason });
             }
         }
         Ok(())
+    }
+
+    /// Copies of the caller's planes over a tile with −0 turned into 0, by index among `slots`; or what is illegal there.
+    pub(crate) fn normalized(
+        &self,
+        plan: &Plan<'_>,
+        slots: &[Slot],
+        planes: &[Plane<'_>],
+        tile: Window,
+    ) -> Result<Vec<(usize, Vec<f32>)>, EvalError> {
+        let mut copies = Vec::new();
+        for (index, (slot, plane)) in slots.iter().zip(planes).enumerate().filter(|(_, (s, _))| plan.bound[s.node.0]) {
+            let node = plan.graph.node(slot.node);
+            let mut copy = Vec::with_capacity(tile.area());
+            for y in 0..tile.height() {
+                let row = plane.row(y, tile.width());
+                check(&node.name, node.kinds[slot.output], slot.channel, row, plane.start + y * plane.stride)?;
+                copy.extend(row.iter().map(|v| v + 0.0));
+            }
+            copies.push((index, copy));
+        }
+        Ok(copies)
+    }
+}
+
+/// Holds samples of a buffer against its kind; the first of them is sample `start` of the buffer.
+pub(crate) fn check(node: &str, kind: Kind, channel: usize, samples: &[f32], start: usize) -> Result<(), EvalError> {
+    let (legal, rule): (fn(&f32) -> bool, _) = match kind {
+        Kind::Color => (|v| v.is_finite() && *v >= 0.0, "finite and ≥ 0"),
+        Kind::Weights(_) => (|v| (0.0..=1.0).contains(v), "in [0, 1]"),
+        _ => (|v| !v.is_nan(), "no NaN"),
+    };
+    match samples.iter().position(|v| !legal(v)) {
+        Some(at) => {
+            let (found, at) = (samples[at], start + at);
+            let reason = format!("channel {channel} holds {found} at sample {at}; a {kind} is {rule}");
+            Err(EvalError::Buffer { node: node.into(), reason })
+        }
+        None => Ok(()),
     }
 }

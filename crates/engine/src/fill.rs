@@ -1,12 +1,17 @@
 //! The stages of one pass, filled over one tile after the other.
+//!
+//! A stage is filled over a window of its own: all that its readers need of it. The program needs the tile; a filter
+//! needs its region of interest, clamped to the extent of the image that it reads, so that no stage is ever asked for
+//! pixels where its image does not lie.
 
 use crate::kernel::{Compiled, Machine, Plane, WeightAudit};
 use crate::plan::{Feed, Fill};
 use crate::prepare::Ready;
 use crate::{Buffers, EvalError, Plan};
+use std::borrow::Cow;
 use std::collections::HashMap;
 use std::time::Instant;
-use trochoid_graph::{Block, Inputs, NodeError, NodeId, Outputs, Slot, Variance};
+use trochoid_graph::{Block, Body, Connection, Inputs, NodeError, NodeId, Outputs, Settled, Slot, Stage, Variance};
 use trochoid_image::Window;
 
 /// All stages of a pass, with their planes over the current tile.
@@ -23,10 +28,38 @@ pub(crate) struct Fills<'p> {
 
 struct FillState<'p> {
     fill: &'p Fill,
+    /// `None` where a buffer of the caller stands in.
+    stage: Option<(&'static dyn Stage, &'p Settled)>,
     taps: Option<Machine<'p>>,
     /// By output, by channel; empty where not wanted.
     planes: Vec<Vec<Vec<f32>>>,
     one_row: bool,
+    /// The columns and the offset for which a single row was filled last.
+    columns: Option<(i64, i64, [f64; 2])>,
+    /// By port, by connection: how far the image reaches, and what is needed of it for the current tile.
+    images: Vec<Vec<Image>>,
+    /// The pixels that the planes hold; of planes of one row, its columns.
+    window: Window,
+    /// The pixels that the program before the stage runs over.
+    tap_window: Window,
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+struct Image {
+    extent: Window,
+    region: Window,
+}
+
+impl FillState<'_> {
+    /// The pixels that the stage itself fills: of what does not vary along an axis, one.
+    fn own_window(&self) -> Window {
+        let window = self.window;
+        match self.fill.variance {
+            Variance::Constant | Variance::Column => Window { y1: window.y0 + 1, ..window },
+            Variance::Row => Window { x1: window.x0 + 1, ..window },
+            Variance::Pixel => window,
+        }
+    }
 }
 
 impl<'p> Fills<'p> {
@@ -36,22 +69,44 @@ impl<'p> Fills<'p> {
         buffers: &'p Buffers<'p>,
         fills: &'p [Fill],
     ) -> Self {
-        let by_node = fills.iter().enumerate().map(|(index, fill)| (fill.node, index)).collect();
+        let by_node: HashMap<NodeId, usize> =
+            fills.iter().enumerate().map(|(index, fill)| (fill.node, index)).collect();
+        let extents = extents(plan, ready, fills);
+        let picture = plan.graph.format().window();
+        let image = |fill: &Fill, feeds: &Vec<Feed>| {
+            let extent = match feeds.iter().find(|feed| **feed != Feed::Nothing) {
+                Some(Feed::Slot(slot)) => extents.get(&slot.node),
+                Some(Feed::Tap(..)) => None,
+                // A literal lies wherever the stage does.
+                _ => extents.get(&fill.node),
+            };
+            Image { extent: extent.copied().unwrap_or(picture), region: Window::default() }
+        };
         let fills = fills
             .iter()
             .map(|fill| FillState {
                 fill,
+                stage: stage(plan, fill.node),
                 taps: fill.taps.as_ref().map(Machine::new),
                 planes: fill.wanted.iter().map(|channels| vec![Vec::new(); channels.len()]).collect(),
                 one_row: fill.variance <= Variance::Column,
+                columns: None,
+                images: fill
+                    .inputs
+                    .iter()
+                    .map(|(_, connections)| connections.iter().map(|feeds| image(fill, feeds)).collect())
+                    .collect(),
+                window: Window::default(),
+                tap_window: Window::default(),
             })
             .collect();
         Self { plan, ready, buffers, fills, by_node, tile: Window::default() }
     }
 
-    /// Fills every stage over a tile at one offset within the pixels; adds the time that each took to `seconds`.
+    /// Fills every stage over what a tile needs of it, at one offset within the pixels; adds the time that each took to
+    /// `seconds`.
     pub(crate) fn fill(&mut self, tile: Window, offset: [f64; 2], seconds: &mut [f64]) -> Result<(), EvalError> {
-        self.tile = tile;
+        self.place(tile);
         for index in 0..self.fills.len() {
             let started = Instant::now();
             let id = self.fills[index].fill.node;
@@ -67,7 +122,7 @@ impl<'p> Fills<'p> {
 
     /// The planes that a program reads over the current tile, in its order.
     pub(crate) fn planes(&self, program: &Compiled) -> Vec<Plane<'_>> {
-        program.planes.iter().map(|slot| self.plane(slot, &self.fills)).collect()
+        program.planes.iter().map(|slot| self.plane(slot, self.tile, &self.fills)).collect()
     }
 
     /// The extremes of weights over everything that ran before stages.
@@ -76,31 +131,80 @@ impl<'p> Fills<'p> {
         machines.map(Machine::audit).fold(WeightAudit::default(), WeightAudit::merge)
     }
 
+    /// Decides every stage's window, from the program backwards.
+    fn place(&mut self, tile: Window) {
+        self.tile = tile;
+        for state in &mut self.fills {
+            state.window = if state.fill.read { tile } else { Window::default() };
+            state.tap_window = Window::default();
+        }
+        for index in (0..self.fills.len()).rev() {
+            let (before, rest) = self.fills.split_at_mut(index);
+            let Some(state) = rest.first_mut() else { continue };
+            if state.window.is_empty() {
+                // Filled although nobody reads it, where demand is switched off.
+                state.window = tile;
+            }
+            let Some((stage, settled)) = state.stage else { continue };
+            let own = state.own_window();
+            let mut need = |slot: &Slot, window: Window| {
+                if let Some(other) = self.by_node.get(&slot.node).and_then(|&index| before.get_mut(index)) {
+                    other.window = other.window.union(window);
+                }
+            };
+            for ((port, connections), images) in state.fill.inputs.iter().zip(&mut state.images) {
+                let asked = stage.regions_of_interest(settled, port, own);
+                for (feeds, image) in connections.iter().zip(images) {
+                    image.region = clamped(asked, image.extent);
+                    for feed in feeds {
+                        match feed {
+                            Feed::Slot(slot) => need(slot, image.region),
+                            Feed::Tap(..) => state.tap_window = state.tap_window.union(image.region),
+                            Feed::Nothing | Feed::Constant(_) => {}
+                        }
+                    }
+                }
+            }
+            for slot in state.fill.taps.iter().flat_map(|taps| &taps.planes) {
+                need(slot, state.tap_window);
+            }
+        }
+    }
+
     fn is_bound(&self, node: NodeId) -> bool {
         self.plan.bound[node.0]
     }
 
-    /// A slot over the current tile: a buffer of the caller is read in place.
-    fn plane<'a>(&'a self, slot: &Slot, fills: &'a [FillState<'_>]) -> Plane<'a> {
+    /// A slot over a window: a buffer of the caller is read in place.
+    fn plane<'a>(&'a self, slot: &Slot, over: Window, fills: &'a [FillState<'_>]) -> Plane<'a> {
+        let start =
+            |within: Window, stride: usize| (over.y0 - within.y0) as usize * stride + (over.x0 - within.x0) as usize;
         if self.is_bound(slot.node) {
-            let width = self.plan.graph.format().window().width();
+            let picture = self.plan.graph.format().window();
             let sources = self.buffers.get(&self.plan.graph.node(slot.node).name).unwrap_or_default();
             let samples: &[f32] = sources.get(slot.channel).copied().unwrap_or_default();
-            return Plane { samples, start: self.tile.y0 as usize * width + self.tile.x0 as usize, stride: width };
+            let stride = picture.width();
+            return Plane { samples, start: start(picture, stride), stride };
         }
         match self.by_node.get(&slot.node).and_then(|&index| fills.get(index)) {
-            Some(state) => Plane {
-                samples: &state.planes[slot.output][slot.channel],
-                start: 0,
-                stride: if state.one_row { 0 } else { self.tile.width() },
-            },
+            Some(state) => {
+                let stride = if state.one_row { 0 } else { state.window.width() };
+                let samples = &state.planes[slot.output][slot.channel];
+                Plane { samples, start: start(state.window, stride), stride }
+            }
             None => unreachable!("a plane is filled before it is read"),
         }
     }
 
-    /// Fills one stage's planes over the current tile.
+    /// Fills one stage's planes.
     fn stage(&mut self, index: usize, offset: [f64; 2]) -> Result<(), NodeError> {
         if self.is_bound(self.fills[index].fill.node) {
+            return Ok(());
+        }
+        // What does not vary from row to row is there already where the tile before had the same columns.
+        let state = &mut self.fills[index];
+        let columns = Some((state.window.x0, state.window.x1, offset));
+        if state.one_row && std::mem::replace(&mut state.columns, columns) == columns {
             return Ok(());
         }
         // Taken out, so that the stages before it can be read meanwhile.
@@ -110,6 +214,9 @@ impl<'p> Fills<'p> {
         };
         let filled = self.fill_into(index, offset, &mut planes, machine.as_mut());
         let state = &mut self.fills[index];
+        if filled.is_err() {
+            state.columns = None;
+        }
         (state.planes, state.taps) = (planes, machine);
         filled
     }
@@ -123,40 +230,40 @@ impl<'p> Fills<'p> {
     ) -> Result<(), NodeError> {
         let state = &self.fills[index];
         let before = &self.fills[..index];
-        let tile = self.tile;
-        let (width, height) = (tile.width(), tile.height());
-        let window = match state.fill.variance {
-            Variance::Constant | Variance::Column => Window { y1: tile.y0 + 1, ..tile },
-            Variance::Row => Window { x1: tile.x0 + 1, ..tile },
-            Variance::Pixel => tile,
-        };
+        let window = state.own_window();
         for (plane, wanted) in planes.iter_mut().flatten().zip(state.fill.wanted.iter().flatten()) {
             plane.resize(if *wanted { window.area() } else { 0 }, 0.0);
         }
-        let taps = self.run_taps(state, before, machine, width, if state.one_row { 1 } else { height });
-        let constants = constants(state.fill, window.area());
-        let copies = self.copies(state, before, window);
-        let mut ports = Vec::with_capacity(state.fill.inputs.len());
-        for (port, connections) in &state.fill.inputs {
-            let connections = connections
-                .iter()
-                .map(|feeds| {
-                    feeds
-                        .iter()
-                        .map(|feed| match feed {
-                            Feed::Nothing => None,
-                            Feed::Constant(value) => constants.get(&value.to_bits()).map(Vec::as_slice),
-                            Feed::Tap(root, channel) => taps.get(&(*root, *channel)).map(Vec::as_slice),
-                            Feed::Slot(slot) => Some(match copies.get(slot) {
-                                Some(copy) => copy.as_slice(),
-                                None => self.plane(slot, before).samples,
-                            }),
-                        })
-                        .collect()
-                })
-                .collect();
-            ports.push((*port, connections));
-        }
+        let taps = self.run_taps(state, before, machine);
+        let held: Vec<Vec<Held<'_>>> = state
+            .fill
+            .inputs
+            .iter()
+            .zip(&state.images)
+            .map(|((_, connections), images)| {
+                let connections = connections.iter().zip(images);
+                connections
+                    .map(|(feeds, image)| {
+                        feeds.iter().map(|feed| self.samples(feed, image.region, state, before, &taps)).collect()
+                    })
+                    .collect()
+            })
+            .collect();
+        let ports: Vec<(&'static str, Vec<Connection<'_>>)> = state
+            .fill
+            .inputs
+            .iter()
+            .zip(&state.images)
+            .zip(&held)
+            .map(|(((port, _), images), held)| {
+                let connections = images.iter().zip(held).map(|(image, held)| Connection {
+                    planes: held.iter().map(Option::as_deref).collect(),
+                    window: image.region,
+                    extent: image.extent,
+                });
+                (*port, connections.collect())
+            })
+            .collect();
         let outputs = planes
             .iter_mut()
             .zip(&state.fill.wanted)
@@ -167,6 +274,7 @@ impl<'p> Fills<'p> {
         let Some(ready) = self.ready.get(&state.fill.node) else { return Ok(()) };
         ready.prepared.fill(&Block { window, offset }, &Inputs::new(&ports), &mut Outputs::new(outputs))?;
         if state.fill.variance == Variance::Row {
+            let width = state.window.width();
             for plane in planes.iter_mut().flatten().filter(|plane| !plane.is_empty()) {
                 *plane = plane.iter().flat_map(|value| std::iter::repeat_n(*value, width)).collect();
             }
@@ -174,47 +282,92 @@ impl<'p> Fills<'p> {
         Ok(())
     }
 
-    /// Runs the pointwise program before a stage; gives its roots' planes.
-    fn run_taps(
-        &self,
+    /// The samples of one channel over a region, row by row: in place where they lie so already.
+    fn samples<'a>(
+        &'a self,
+        feed: &Feed,
+        region: Window,
         state: &FillState<'_>,
-        before: &[FillState<'_>],
-        machine: Option<&mut Machine<'p>>,
-        width: usize,
-        rows: usize,
-    ) -> HashMap<(usize, usize), Vec<f32>> {
-        let mut taps: HashMap<(usize, usize), Vec<f32>> = HashMap::new();
+        before: &'a [FillState<'_>],
+        taps: &'a Taps,
+    ) -> Option<Cow<'a, [f32]>> {
+        let plane = match feed {
+            Feed::Nothing => return None,
+            Feed::Constant(value) => return Some(vec![*value; region.area()].into()),
+            Feed::Tap(root, channel) => {
+                let within = state.tap_window;
+                let stride = within.width();
+                let start = (region.y0 - within.y0) as usize * stride + (region.x0 - within.x0) as usize;
+                Plane { samples: taps.get(&(*root, *channel))?, start, stride }
+            }
+            Feed::Slot(slot) => self.plane(slot, region, before),
+        };
+        let (width, height) = (region.width(), region.height());
+        Some(if plane.stride == width || height == 1 {
+            plane.samples[plane.start..plane.start + region.area()].into()
+        } else {
+            (0..height).flat_map(|y| plane.row(y, width)).copied().collect()
+        })
+    }
+
+    /// Runs the pointwise program before a stage; gives its roots' planes.
+    fn run_taps(&self, state: &FillState<'_>, before: &[FillState<'_>], machine: Option<&mut Machine<'p>>) -> Taps {
+        let mut taps = Taps::new();
         if let (Some(machine), Some(compiled)) = (machine, &state.fill.taps) {
-            let planes: Vec<Plane<'_>> = compiled.planes.iter().map(|slot| self.plane(slot, before)).collect();
-            machine.tile(&planes, width, rows, &mut |root, channel, _, row| {
+            let window = state.tap_window;
+            let planes: Vec<Plane<'_>> = compiled.planes.iter().map(|slot| self.plane(slot, window, before)).collect();
+            machine.tile(&planes, window.width(), window.height(), &mut |root, channel, _, row| {
                 taps.entry((root, channel)).or_default().extend_from_slice(row);
             });
         }
         taps
     }
+}
 
-    /// Contiguous copies of the inputs that do not already lie row by row over the stage's window.
-    fn copies(&self, state: &FillState<'_>, before: &[FillState<'_>], window: Window) -> HashMap<Slot, Vec<f32>> {
-        let mut copies = HashMap::new();
-        let feeds = state.fill.inputs.iter().flat_map(|(_, connections)| connections).flatten();
-        for slot in feeds.filter_map(|feed| if let Feed::Slot(slot) = feed { Some(slot) } else { None }) {
-            let plane = self.plane(slot, before);
-            let (width, height) = (window.width(), window.height());
-            if plane.start != 0 || (plane.stride != width && height > 1) || plane.samples.len() != window.area() {
-                let rows = (0..height).flat_map(|y| plane.row(y, width));
-                copies.insert(*slot, rows.copied().collect());
-            }
-        }
-        copies
+/// The channels of one connection, each where asked for.
+type Held<'a> = Vec<Option<Cow<'a, [f32]>>>;
+
+/// The planes of a program's roots by root and channel.
+type Taps = HashMap<(usize, usize), Vec<f32>>;
+
+fn stage<'p>(plan: &'p Plan<'p>, node: NodeId) -> Option<(&'static dyn Stage, &'p Settled)> {
+    match plan.graph.node(node).ty.body() {
+        Body::Stage(stage) if !plan.bound[node.0] => Some((stage, plan.settled[node.0].as_ref()?)),
+        _ => None,
     }
 }
 
-/// Planes of the literals that a stage takes, by their bits.
-fn constants(fill: &Fill, area: usize) -> HashMap<u32, Vec<f32>> {
-    let feeds = fill.inputs.iter().flat_map(|(_, connections)| connections).flatten();
-    feeds
-        .filter_map(
-            |feed| if let Feed::Constant(value) = feed { Some((value.to_bits(), vec![*value; area])) } else { None },
-        )
-        .collect()
+/// A window that lies within another: of what lies outside, the nearest pixels, which repeat there.
+fn clamped(window: Window, within: Window) -> Window {
+    let axis = |low: i64, high: i64, first: i64, end: i64| {
+        let low = low.clamp(first, (end - 1).max(first));
+        (low, high.clamp(low + 1, end.max(low + 1)))
+    };
+    let (x0, x1) = axis(window.x0, window.x1, within.x0, within.x1);
+    let (y0, y1) = axis(window.y0, window.y1, within.y0, within.y1);
+    Window { x0, y0, x1, y1 }
+}
+
+/// What a literal reaches over: more than any picture, but small enough to compute with.
+const EVERYWHERE: Window = Window::new(-(1 << 40), -(1 << 40), 1 << 40, 1 << 40);
+
+/// How far the image of every stage reaches: the picture, and what has pixels of its own beyond it.
+pub(crate) fn extents(plan: &Plan<'_>, ready: &HashMap<NodeId, Ready>, fills: &[Fill]) -> HashMap<NodeId, Window> {
+    let picture = plan.graph.format().window();
+    let mut extents = HashMap::new();
+    for fill in fills.iter().filter(|fill| !plan.bound[fill.node.0]) {
+        let Some(ready) = ready.get(&fill.node) else { continue };
+        let of = |feeds: &Vec<Feed>| match feeds.iter().find(|feed| **feed != Feed::Nothing) {
+            Some(Feed::Slot(slot)) => extents.get(&slot.node).copied().unwrap_or(picture),
+            Some(Feed::Constant(_)) | None => EVERYWHERE,
+            _ => picture,
+        };
+        let inputs = |port: &str| {
+            let connections = fill.inputs.iter().filter(|(name, _)| *name == port).flat_map(|(_, feeds)| feeds);
+            connections.map(of).fold(EVERYWHERE, Window::intersect)
+        };
+        let extent = ready.prepared.data_window(picture, &inputs);
+        extents.insert(fill.node, if extent == EVERYWHERE { picture } else { extent.union(picture) });
+    }
+    extents
 }

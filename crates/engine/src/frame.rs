@@ -32,6 +32,9 @@ pub enum EvalError {
         /// Bytes asked for.
         bytes: usize,
     },
+    /// The sink could not store what it was given.
+    #[error("{0}")]
+    Sink(String),
     /// The threads could not be started.
     #[error("threads could not be started: {0}")]
     Threads(String),
@@ -65,7 +68,7 @@ pub struct Silent;
 impl Monitor for Silent {}
 
 /// An evaluated frame.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Frame {
     /// The frame's number.
     pub number: i64,

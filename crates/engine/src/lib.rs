@@ -7,10 +7,13 @@
 //! of threads, and switch of [`Switches`]. [`ReferenceFrame`] is the slow f64 evaluator that all of this is
 //! held against.
 
+mod bands;
 mod buffers;
+mod controls;
 mod fill;
 mod frame;
 mod inspect;
+mod judge;
 mod kernel;
 mod left_out;
 mod lower;
@@ -37,5 +40,7 @@ pub use points::ShadingPlan;
 pub use prepare::Cache;
 pub use reference::{ReferenceError, ReferenceFrame};
 pub use rules::interval::Interval;
-pub use settings::{Settings, Switches};
+pub use run::Sink;
+pub use settings::{Judging, Settings, Switches};
+pub use trochoid_memory::Instructions;
 pub use trochoid_weights::Audit;

@@ -13,35 +13,35 @@ pub(crate) struct Lowered {
     pub(crate) stands_in: Vec<NodeId>,
 }
 
-/// Lowers the nodes in `needed`; a node in `bound` is filled from outside and asks for nothing.
+/// Lowers the nodes that have their knobs in `settled`; a node in `bound` is filled from outside and asks for nothing.
 ///
 /// `keys` are content keys: nodes with equal keys are computed once. Empty to compute each. They do not know what is
 /// bound, so nodes that depend on a bound one are left apart.
-pub(crate) fn lower(graph: &CheckedGraph, frame: i64, needed: &[bool], bound: &[bool], keys: &[String]) -> Lowered {
+pub(crate) fn lower(
+    graph: &CheckedGraph,
+    mut settled: Vec<Option<Settled>>,
+    bound: &[bool],
+    keys: &[String],
+) -> Lowered {
     let count = graph.nodes().len();
     let mut lowered = Lowered {
         program: Program::default(),
         values: vec![Vec::new(); count],
-        settled: vec![None; count],
+        settled: Vec::new(),
         stands_in: (0..count).map(NodeId).collect(),
     };
     let mut first_of = std::collections::HashMap::new();
     let mut apart = bound.to_vec();
-    for &id in graph.order().iter().filter(|id| needed[id.0]) {
+    for &id in graph.order() {
+        let Some(settled) = &mut settled[id.0] else { continue };
         let node = graph.node(id);
-        apart[id.0] |= node
-            .record
-            .sources()
-            .into_iter()
-            .any(|source| if let Source::Output { node, .. } = source { apart[node.0] } else { false });
+        node.record.each_node(|input| apart[id.0] |= apart[input.0]);
         if let Some(key) = keys.get(id.0).filter(|_| !apart[id.0]) {
             lowered.stands_in[id.0] = *first_of.entry(key.as_str()).or_insert(id);
         }
-        let mut settled = graph.settle(id, frame);
         settled.redirect(&|node| lowered.stands_in[node.0]);
         if lowered.stands_in[id.0] != id {
             lowered.values[id.0] = lowered.values[lowered.stands_in[id.0].0].clone();
-            lowered.settled[id.0] = Some(settled);
             continue;
         }
         let values = match node.ty.body() {
@@ -55,7 +55,7 @@ pub(crate) fn lower(graph: &CheckedGraph, frame: i64, needed: &[bool], bound: &[
                     _ => unreachable!("literals are lowered where they stand"),
                 };
                 let mut lowering = Lowering::new(Builder::new(&mut lowered.program, id), &inputs);
-                vec![Some(pointwise.lower(&settled, &mut lowering))]
+                vec![Some(pointwise.lower(settled, &mut lowering))]
             }
             _ => node
                 .kinds
@@ -65,9 +65,8 @@ pub(crate) fn lower(graph: &CheckedGraph, frame: i64, needed: &[bool], bound: &[
                 .collect(),
         };
         lowered.values[id.0] = values;
-        lowered.settled[id.0] = Some(settled);
     }
-    lowered
+    Lowered { settled, ..lowered }
 }
 
 /// The program positions that hold a value's channels, in the order of its kind's planes. Appends what is

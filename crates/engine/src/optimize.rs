@@ -30,10 +30,18 @@ pub(crate) struct Cut {
 /// Every rewrite keeps the bits: folding calls the functions that kernels inline; Mix is exact at t = 0, 1 and
 /// for equal operands; a zero weight adds nothing to a Blend; products with 0 and 1 are exact.
 pub(crate) fn optimize(source: &Program, switches: Switches, slot: &dyn Fn(&Slot, usize) -> Interval) -> Optimized {
-    let mut walk = Walk { out: Optimized::default(), bounds: Vec::new(), seen: HashMap::new(), switches, slot };
-    for (op, origin) in source.ops() {
+    let mut walk = Walk {
+        out: Optimized::default(),
+        bounds: Vec::new(),
+        last: Vec::new(),
+        seen: HashMap::default(),
+        switches,
+        slot,
+    };
+    for (original, (op, origin)) in source.ops().iter().enumerate() {
         let op = op.renumbered(|operand| walk.out.map[operand as usize]);
-        let position = walk.rewrite(op, *origin, source);
+        let position = walk.rewrite(op, *origin);
+        walk.last[position as usize] = original as u32;
         walk.out.map.push(position);
     }
     walk.out
@@ -42,6 +50,8 @@ pub(crate) fn optimize(source: &Program, switches: Switches, slot: &dyn Fn(&Slot
 struct Walk<'a> {
     out: Optimized,
     bounds: Vec<Bounds>,
+    /// By position: the last operation of the original that went there, where its node stands.
+    last: Vec<u32>,
     seen: HashMap<Vec<u32>, u32>,
     switches: Switches,
     slot: &'a dyn Fn(&Slot, usize) -> Interval,
@@ -52,8 +62,8 @@ impl Walk<'_> {
         &self.out.program.ops()[position as usize].0
     }
 
-    fn rewrite(&mut self, op: Op, origin: NodeId, source: &Program) -> u32 {
-        let op = match self.shorter(&op, origin, source) {
+    fn rewrite(&mut self, op: Op, origin: NodeId) -> u32 {
+        let op = match self.shorter(&op, origin) {
             Some(Shorter::Existing(position)) => return position,
             Some(Shorter::New(op)) => op,
             None => op,
@@ -73,10 +83,11 @@ impl Walk<'_> {
     fn push(&mut self, op: Op, origin: NodeId) -> u32 {
         let bounds = interval(&op, &|position| self.bounds[position as usize].clone(), self.slot);
         self.bounds.push(bounds);
+        self.last.push(u32::MAX);
         self.out.program.push(op, origin)
     }
 
-    fn shorter(&mut self, op: &Op, origin: NodeId, source: &Program) -> Option<Shorter> {
+    fn shorter(&mut self, op: &Op, origin: NodeId) -> Option<Shorter> {
         if self.switches.fold
             && let Some(folded) = self.folded(op)
         {
@@ -97,7 +108,7 @@ impl Walk<'_> {
                 } else {
                     return None;
                 };
-                self.cut(lost, origin, source);
+                self.cut(lost, origin);
                 Some(Shorter::Existing(kept.0))
             }
             Op::Product(t, u) => match (constant(*t), constant(*u)) {
@@ -114,7 +125,7 @@ impl Walk<'_> {
                 // Positions of the weights stay; colors of weight 0 give way to one that is used anyway.
                 let kept = colors.iter().zip(&used).find(|(_, used)| **used).map(|(color, _)| *color)?;
                 for (color, _) in colors.iter().zip(&used).filter(|(color, used)| !**used && **color != kept) {
-                    self.cut(*color, origin, source);
+                    self.cut(*color, origin);
                 }
                 let replaced: Vec<Color> =
                     colors.iter().zip(&used).map(|(color, used)| if *used { *color } else { kept }).collect();
@@ -132,13 +143,8 @@ impl Walk<'_> {
         }
     }
 
-    fn cut(&mut self, operand: Color, at: NodeId, source: &Program) {
-        // Name the operand by its last position in the original, where its node stands.
-        if let Some(position) = self.out.map.iter().rposition(|&new| new == operand.0)
-            && position < source.ops().len()
-        {
-            self.out.cuts.push(Cut { operand: position as u32, at });
-        }
+    fn cut(&mut self, operand: Color, at: NodeId) {
+        self.out.cuts.push(Cut { operand: self.last[operand.0 as usize], at });
     }
 
     /// The operation's value, where every operand is a constant.

@@ -3,6 +3,7 @@
 use crate::kernel::Compiled;
 use crate::planner::Planner;
 use crate::{LeftOut, Settings};
+use std::sync::OnceLock;
 use trochoid_graph::{CheckedGraph, FrameContext, Kind, NodeId, Settled, Slot, Variance};
 use trochoid_image::Window;
 
@@ -66,6 +67,8 @@ pub(crate) struct Fill {
     pub(crate) inputs: Vec<(&'static str, Vec<Vec<Feed>>)>,
     /// The pointwise values that it takes, computed before it.
     pub(crate) taps: Option<Compiled>,
+    /// Whether the pass' own program reads it, so that it is needed over the whole tile.
+    pub(crate) read: bool,
 }
 
 /// Where a plane of a stage's input comes from.
@@ -86,6 +89,9 @@ pub(crate) enum Feed {
 pub(crate) struct Pass {
     pub(crate) offsets: Vec<[f64; 2]>,
     pub(crate) fills: Vec<Fill>,
+    /// How far beyond a tile, across and down, its stages reach: the sum along the longest chain of filters. Tiles that
+    /// are small against it compute most samples several times.
+    pub(crate) halo: (usize, usize),
     pub(crate) program: Compiled,
     /// The outputs that the program's roots belong to: output of the plan, first channel.
     pub(crate) roots: Vec<(usize, usize)>,
@@ -119,6 +125,8 @@ pub struct Plan<'g> {
     pub(crate) settled: Vec<Option<Settled>>,
     pub(crate) keys: Vec<String>,
     pub(crate) bound: Vec<bool>,
+    /// The threads, once they are needed.
+    pub(crate) pool: OnceLock<Result<rayon::ThreadPool, String>>,
     /// By node: `None` where it is evaluated.
     pub(crate) left_out: Vec<Option<LeftOut>>,
 }
@@ -151,7 +159,7 @@ impl<'g> Plan<'g> {
         }
         let bound = bind(graph, bound)?;
         let context = graph.frame_context(frame, settings.memory_limit);
-        Ok(Planner { graph, settings, bound }.plan(&chosen, context, window))
+        Ok(Planner { graph, settings, bound, frame }.plan(&chosen, context, window))
     }
 
     /// The frame.
@@ -164,9 +172,30 @@ impl<'g> Plan<'g> {
         self.window
     }
 
+    /// The outputs, as indices in the graph.
+    pub fn outputs(&self) -> Vec<usize> {
+        self.outputs.iter().map(|output| output.index).collect()
+    }
+
+    /// How far beyond a tile, across and down, any pass reaches: the sum along the longest chain of filters.
+    pub fn halo(&self) -> (usize, usize) {
+        self.passes.iter().fold((0, 0), |halo, pass| (halo.0.max(pass.halo.0), halo.1.max(pass.halo.1)))
+    }
+
     /// Why each node of the graph is left out; `None` where it is evaluated.
     pub fn left_out(&self) -> &[Option<LeftOut>] {
         &self.left_out
+    }
+
+    /// What the nodes that are evaluated have to say, in sentences.
+    pub fn notes(&self) -> Vec<(NodeId, Vec<String>)> {
+        let evaluated = self.left_out.iter().zip(&self.settled).enumerate().filter(|(_, (why, _))| why.is_none());
+        evaluated
+            .filter_map(|(index, (_, settled))| {
+                let notes = self.graph.node(NodeId(index)).ty.notes(settled.as_ref()?);
+                (!notes.is_empty()).then_some((NodeId(index), notes))
+            })
+            .collect()
     }
 }
 

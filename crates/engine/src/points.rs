@@ -60,6 +60,7 @@ impl<'g> ShadingPlan<'g> {
             let kind: Kind = node.kinds[slot.output];
             if slot.channel == 0 {
                 buffers.validate(&node.name, kind, count)?;
+                buffers.validate_values(&node.name, kind)?;
             }
             let planes = buffers.get(&node.name).unwrap_or_default();
             sources.push(planes.get(slot.channel).copied().unwrap_or_default());

@@ -4,20 +4,83 @@ use crate::{EvalError, Monitor, Plan};
 use std::collections::HashMap;
 use std::sync::Arc;
 use std::time::Instant;
-use trochoid_graph::{Body, Handle, NodeError, NodeId, Prepare, Prepared};
+use trochoid_graph::{Body, Handle, NodeError, NodeId, Pool, Prepare, Prepared};
 
-type Key = (String, Vec<Vec<bool>>);
+/// Content key of the node, the channels wanted, and the state of the files that it depends on.
+type Key = (String, Vec<Vec<bool>>, String);
 
-/// What stages prepared for the frame before, by content key, so that what does not change is not done again.
-#[derive(Default)]
+/// What stages prepared, by content key, so that what does not change from frame to frame is not done again.
+///
+/// Holds at most so many bytes as [`Prepared::bytes`] tells, and drops what was not used for the longest time. That is
+/// judged when an evaluation prepares: what files keep decoded while one runs counts at the next. What a running
+/// evaluation uses lives on until it is done, whatever the cache keeps.
 pub struct Cache {
-    kept: HashMap<Key, Arc<dyn Prepared>>,
+    kept: HashMap<Key, Entry>,
+    limit: usize,
+    clock: u64,
+    pool: Pool,
+}
+
+struct Entry {
+    prepared: Arc<dyn Prepared>,
+    used: u64,
+}
+
+/// Bytes that a cache holds unless it is told otherwise.
+const LIMIT: usize = 1 << 30;
+
+/// Entries that a cache holds: few of them count by their bytes, but one may keep a file open.
+const ENTRIES: usize = 256;
+
+impl Default for Cache {
+    fn default() -> Self {
+        Self::with_limit(LIMIT)
+    }
 }
 
 impl Cache {
-    /// An empty cache.
+    /// An empty cache of 1 GiB.
     pub fn new() -> Self {
         Self::default()
+    }
+
+    /// An empty cache of at most so many bytes.
+    pub fn with_limit(bytes: usize) -> Self {
+        Self { kept: HashMap::new(), limit: bytes, clock: 0, pool: Pool::new() }
+    }
+
+    /// Memory held, bytes.
+    pub fn bytes(&self) -> usize {
+        self.kept.values().map(|entry| entry.prepared.bytes()).sum()
+    }
+
+    /// What is kept under a key, which counts as used.
+    fn touch(&mut self, key: &Key) -> Option<Arc<dyn Prepared>> {
+        self.clock += 1;
+        let entry = self.kept.get_mut(key)?;
+        entry.used = self.clock;
+        Some(entry.prepared.clone())
+    }
+
+    fn keep(&mut self, key: Key, prepared: Arc<dyn Prepared>) {
+        self.clock += 1;
+        self.kept.insert(key, Entry { prepared, used: self.clock });
+        self.trim();
+    }
+
+    /// Drops what is too large by itself, then the oldest until the rest is within the limits.
+    fn trim(&mut self) {
+        self.kept.retain(|_, entry| entry.prepared.bytes() <= self.limit);
+        let mut ages: Vec<(u64, usize, Key)> =
+            self.kept.iter().map(|(key, entry)| (entry.used, entry.prepared.bytes(), key.clone())).collect();
+        ages.sort_by_key(|age| std::cmp::Reverse(age.0));
+        let mut held = 0_usize;
+        for (index, (_, bytes, key)) in ages.into_iter().enumerate() {
+            held = held.saturating_add(bytes);
+            if held > self.limit || index >= ENTRIES {
+                self.kept.remove(&key);
+            }
+        }
     }
 }
 
@@ -34,39 +97,60 @@ pub(crate) struct Ready {
     pub(crate) cached: bool,
 }
 
-/// Prepares every stage of a plan, inputs first. The cache then holds exactly this frame's.
+/// Prepares every stage of a plan, inputs first.
 pub(crate) fn prepare(
     plan: &Plan<'_>,
     cache: &mut Cache,
     monitor: &dyn Monitor,
 ) -> Result<HashMap<NodeId, Ready>, EvalError> {
     let mut ready: HashMap<NodeId, Ready> = HashMap::new();
-    let mut kept = HashMap::new();
-    for (id, wanted) in &plan.prepares {
+    let keys = keys(plan);
+    // All that this frame uses is used before anything is dropped.
+    let mut known: Vec<Option<Arc<dyn Prepared>>> = keys.iter().map(|key| cache.touch(key)).collect();
+    cache.trim();
+    for (((id, wanted), key), known) in plan.prepares.iter().zip(keys).zip(&mut known) {
         if monitor.cancelled() {
             return Err(EvalError::Cancelled);
         }
         let node = plan.graph.node(*id);
         let (Body::Stage(stage), Some(settled)) = (node.ty.body(), &plan.settled[id.0]) else { continue };
-        let key = (plan.keys[id.0].clone(), wanted.clone());
-        let entry = match cache.kept.get(&key) {
-            Some(prepared) => Ready { prepared: prepared.clone(), seconds: 0.0, cached: true },
+        let entry = match known.take() {
+            Some(prepared) => Ready { prepared, seconds: 0.0, cached: true },
             None => {
                 monitor.preparing(&node.name);
                 let started = Instant::now();
                 let handles = |id: NodeId| -> Option<Handle> { ready.get(&id)?.prepared.handle() };
                 let cancelled = || monitor.cancelled();
-                let prepare = Prepare::new(&plan.context, wanted, &handles, &cancelled);
+                let prepare = Prepare::new(&plan.context, &node.kinds, wanted, &handles, &cancelled, &cache.pool);
                 let prepared =
                     stage.prepare(settled, &prepare).map_err(|error| node_error(plan, *id, error, monitor))?;
-                Ready { prepared: prepared.into(), seconds: started.elapsed().as_secs_f64(), cached: false }
+                let prepared: Arc<dyn Prepared> = prepared.into();
+                cache.keep(key, prepared.clone());
+                Ready { prepared, seconds: started.elapsed().as_secs_f64(), cached: false }
             }
         };
-        kept.insert(key, entry.prepared.clone());
         ready.insert(*id, entry);
     }
-    cache.kept = kept;
     Ok(ready)
+}
+
+/// The keys of all that a plan prepares. Files are looked at again, since a plan may be evaluated long after it was made.
+fn keys(plan: &Plan<'_>) -> Vec<Key> {
+    let mut files: HashMap<NodeId, String> = HashMap::new();
+    let mut keys = Vec::new();
+    for (id, wanted) in &plan.prepares {
+        let mut state = String::new();
+        if let (Body::Stage(stage), Some(settled)) = (plan.graph.node(*id).ty.body(), &plan.settled[id.0]) {
+            for file in stage.files(settled, &plan.context) {
+                let found = std::fs::metadata(&file).map(|found| (found.len(), found.modified().ok()));
+                state += &format!("{} {found:?} ", file.display());
+            }
+            settled.each_node(|node| state += files.get(&node).map_or("", String::as_str));
+        }
+        files.insert(*id, state.clone());
+        keys.push((plan.keys[id.0].clone(), wanted.clone(), state));
+    }
+    keys
 }
 
 /// A node's error with its name; a node that stopped because it was asked to has no error of its own.

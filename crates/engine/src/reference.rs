@@ -1,15 +1,22 @@
 //! The slow f64 evaluator: the references of the nodes, sample by sample. The oracle of everything fast.
 
+use crate::fill::extents;
 use crate::prepare::{Ready, prepare};
 use crate::{Cache, EvalError, Plan, PlanError, Settings, Silent, Switches};
+use std::cell::RefCell;
 use std::collections::HashMap;
-use trochoid_graph::{Body, CheckedGraph, NodeId, Reference, References, Source};
+use std::sync::{Arc, Mutex, PoisonError};
+use trochoid_graph::{Body, CheckedGraph, Kind, NodeId, Reference, References, Source};
+use trochoid_image::Window;
 
 /// A frame that can be evaluated in f64 at any pixel.
 pub struct ReferenceFrame<'g> {
     plan: Plan<'g>,
     ready: HashMap<NodeId, Ready>,
-    needed: Vec<bool>,
+    /// How far the images of stages reach.
+    extents: HashMap<NodeId, Window>,
+    /// What each node that was asked for depends on, itself last.
+    orders: Mutex<HashMap<NodeId, Arc<[NodeId]>>>,
 }
 
 /// Why a reference cannot be had.
@@ -32,8 +39,8 @@ impl<'g> ReferenceFrame<'g> {
         let settings = Settings { switches: Switches::NONE, ..Settings::default() };
         let plan = Plan::new(graph, &[output], frame, &[], &settings)?;
         let ready = prepare(&plan, &mut Cache::new(), &Silent)?;
-        let needed = graph.upstream([graph.outputs()[plan.outputs[0].index].node]);
-        Ok(Self { plan, ready, needed })
+        let extents = extents(&plan, &ready, plan.passes.first().map_or(&[], |pass| &pass.fills));
+        Ok(Self { plan, ready, extents, orders: Mutex::default() })
     }
 
     /// The output at a place in the picture, in pixels: pixel x has its center at x + ½.
@@ -41,38 +48,45 @@ impl<'g> ReferenceFrame<'g> {
     /// # Errors
     /// A node's input data are illegal there.
     pub fn sample(&self, x: f64, y: f64) -> Result<Vec<f64>, EvalError> {
-        let graph = self.plan.graph;
-        let mut values: Vec<Vec<Reference>> = vec![Vec::new(); graph.nodes().len()];
-        for &id in graph.order().iter().filter(|id| self.needed[id.0]) {
-            let node = graph.node(id);
-            let Some(settled) = &self.plan.settled[id.0] else { continue };
-            let outputs = {
-                let inputs = |source: &Source<Vec<f64>>| match source {
-                    Source::Output { node, output } => values[node.0][*output].clone(),
-                    _ => unreachable!("literals are read where they stand"),
-                };
-                let inputs = References::new(&self.plan.context, [x, y], &inputs);
-                match node.ty.body() {
-                    Body::Pointwise(pointwise) => vec![pointwise.reference(settled, &inputs)],
-                    Body::Stage(_) => match self.ready.get(&id) {
-                        Some(ready) => ready.prepared.reference(&inputs).map_err(|error| EvalError::Node {
-                            node: node.name.clone(),
-                            ty: node.ty.declaration().name.into(),
-                            message: error.message,
-                        })?,
-                        None => Vec::new(),
-                    },
-                }
-            };
-            values[id.0] = outputs;
-        }
-        let spec = &graph.outputs()[self.plan.outputs[0].index];
-        Ok(match &values[spec.node.0][spec.output] {
+        let spec = &self.plan.graph.outputs()[self.plan.outputs[0].index];
+        let evaluation = Evaluation { frame: self, known: RefCell::default() };
+        Ok(match evaluation.output(spec.node, spec.output, [x, y])? {
             Reference::Color(color) => color.to_vec(),
-            Reference::Mask(t) => vec![*t],
-            Reference::Weights(numbers) | Reference::Field(numbers) | Reference::View(numbers) => numbers.clone(),
+            Reference::Mask(t) => vec![t],
+            Reference::Weights(numbers) | Reference::Field(numbers) | Reference::View(numbers) => numbers,
             Reference::Handle(_) => Vec::new(),
         })
+    }
+
+    /// A place within the extent of a node's image: of the nearest pixel the same place in it.
+    fn within(&self, node: NodeId, at: [f64; 2]) -> [f64; 2] {
+        let extent = self.extents.get(&self.handed_on(node)).copied().unwrap_or(self.plan.graph.format().window());
+        let axis = |at: f64, first: i64, end: i64| {
+            let pixel = at.floor();
+            let nearest = pixel.clamp(first as f64, (end - 1) as f64);
+            if nearest == pixel { at } else { nearest + (at - pixel) }
+        };
+        [axis(at[0], extent.x0, extent.x1), axis(at[1], extent.y0, extent.y1)]
+    }
+
+    /// A node and what it depends on, inputs first.
+    fn order(&self, id: NodeId) -> Arc<[NodeId]> {
+        let upstream = || {
+            let needed = self.plan.graph.reached([id], self.plan.context.frame);
+            self.plan.graph.order().iter().filter(|id| needed[id.0]).copied().collect()
+        };
+        let mut orders = self.orders.lock().unwrap_or_else(PoisonError::into_inner);
+        orders.entry(id).or_insert_with(upstream).clone()
+    }
+
+    /// The node that a chain of nodes which only hand an input on comes to.
+    fn handed_on(&self, mut node: NodeId) -> NodeId {
+        while let Some(settled) = &self.plan.settled[node.0]
+            && let Some(Source::Output { node: chosen, .. }) = self.plan.graph.identity(node, settled)
+        {
+            node = *chosen;
+        }
+        node
     }
 
     /// The output at a pixel, averaged over the samples that the fast path averages.
@@ -88,6 +102,82 @@ impl<'g> ReferenceFrame<'g> {
             sum.iter_mut().zip(value).for_each(|(sum, value)| *sum += value);
         }
         Ok(sum.into_iter().map(|sum| sum / offsets.len() as f64).collect())
+    }
+}
+
+/// The outputs of nodes at places.
+type Known = HashMap<(NodeId, [u64; 2]), Vec<Reference>>;
+
+/// One sample in the making: filters ask for their inputs at other places, and several for the same.
+struct Evaluation<'e, 'g> {
+    frame: &'e ReferenceFrame<'g>,
+    /// The outputs of nodes, by the bits of the place.
+    known: RefCell<Known>,
+}
+
+impl Evaluation<'_, '_> {
+    /// An output of a node at a place. Only filters go deeper: what a node reads where it stands is evaluated before.
+    fn output(&self, id: NodeId, output: usize, at: [f64; 2]) -> Result<Reference, EvalError> {
+        let key = at.map(f64::to_bits);
+        let known = || self.known.borrow().get(&(id, key)).map(|outputs| outputs[output].clone());
+        if let Some(value) = known() {
+            return Ok(value);
+        }
+        for &node in self.frame.order(id).iter() {
+            if !self.known.borrow().contains_key(&(node, key)) {
+                let outputs = self.node(node, at)?;
+                self.known.borrow_mut().insert((node, key), outputs);
+            }
+        }
+        match known() {
+            Some(value) => Ok(value),
+            None => unreachable!("a node stands in its own order"),
+        }
+    }
+
+    fn node(&self, id: NodeId, at: [f64; 2]) -> Result<Vec<Reference>, EvalError> {
+        let plan = &self.frame.plan;
+        let node = plan.graph.node(id);
+        let Some(settled) = &plan.settled[id.0] else { return Ok(Vec::new()) };
+        // Inputs cannot refuse where they are asked, so their error is kept, and told in place of the node's result.
+        let failed = RefCell::new(None);
+        let inputs = |source: &Source<Vec<f64>>, place: [f64; 2]| match source {
+            Source::Output { node, output } => {
+                let place = if place == at { at } else { self.frame.within(*node, place) };
+                self.output(*node, *output, place).unwrap_or_else(|error| {
+                    failed.borrow_mut().get_or_insert(error);
+                    nothing(plan.graph.node(*node).kinds[*output])
+                })
+            }
+            _ => unreachable!("literals are read where they stand"),
+        };
+        let inputs = References::new(&plan.context, at, &inputs);
+        let outputs = match node.ty.body() {
+            Body::Pointwise(pointwise) => Ok(vec![pointwise.reference(settled, &inputs)]),
+            Body::Stage(_) => match self.frame.ready.get(&id) {
+                Some(ready) => ready.prepared.reference(&inputs).map_err(|error| EvalError::Node {
+                    node: node.name.clone(),
+                    ty: node.ty.declaration().name.into(),
+                    message: error.message,
+                }),
+                None => Ok(Vec::new()),
+            },
+        };
+        match failed.into_inner() {
+            Some(error) => Err(error),
+            None => outputs,
+        }
+    }
+}
+
+/// A value of a kind, where there is none.
+fn nothing(kind: Kind) -> Reference {
+    match kind {
+        Kind::Color => Reference::Color([0.0; 3]),
+        Kind::MASK => Reference::Mask(0.0),
+        Kind::Weights(n) => Reference::Weights(vec![1.0 / n as f64; n]),
+        Kind::View => Reference::View(vec![0.0; kind.channels()]),
+        _ => Reference::Field(vec![0.0; kind.channels()]),
     }
 }
 

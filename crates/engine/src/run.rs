@@ -1,34 +1,37 @@
 //! Evaluates a plan: prepare, then tiles on all cores, judged as they are made.
 
+use crate::bands::{Bands, Rows};
 use crate::frame::{Frame, NodeReport, Phases, Picture, State};
+use crate::judge::Judge;
 use crate::kernel::WeightAudit;
-use crate::plan::PlannedOutput;
+use crate::plan::{Feed, PlannedOutput};
 use crate::prepare::{Ready, prepare};
 use crate::tile::Worker;
 use crate::{Buffers, Cache, EvalError, Monitor, Plan};
-use rayon::prelude::*;
 use std::collections::HashMap;
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
-use trochoid_graph::{Guarantee, Kind, NodeId};
-use trochoid_image::{Plane, Rgb, Window};
-use trochoid_weights::{Audit, Hull, HullBuilder};
+use trochoid_graph::{Guarantee, Kind, NodeId, Variance};
+use trochoid_image::{Plane, Window};
+use trochoid_weights::{Audit, BoxHull, HullBuilder};
 
-/// What a color output is judged by.
-struct Judge {
-    hull: Hull,
-    margin: f64,
-    count: usize,
-    colors: Vec<Rgb>,
+/// Takes finished rows instead of planes in memory.
+///
+/// Bands come from many threads at once and begin in order from the top of the picture, though they may end in any.
+pub trait Sink: Sync {
+    /// Bands are whole multiples of so many rows, but for the last one.
+    fn rows(&self) -> usize;
+
+    /// Takes a band of full rows: by output of the plan, by channel, its samples row by row.
+    ///
+    /// # Errors
+    /// The rows cannot be stored; the evaluation stops.
+    fn take(&self, band: Window, rows: &[Vec<&[f32]>]) -> Result<(), EvalError>;
 }
 
-/// A band of full rows of every picture.
-struct Band<'a> {
-    window: Window,
-    /// By output, by channel.
-    rows: Vec<Vec<&'a mut [f32]>>,
-}
+/// Tiles that keep the planes of a few stages in L2.
+const TILE: (usize, usize) = (256, 16);
 
 /// What the workers report when they are done.
 #[derive(Default)]
@@ -37,6 +40,21 @@ struct Tally {
     program_seconds: f64,
     weights: WeightAudit,
     audits: Vec<Audit>,
+}
+
+impl Tally {
+    fn add(&mut self, worker: &Worker<'_>) {
+        self.fill_seconds.resize(worker.fill_seconds.len(), 0.0);
+        for (all, own) in self.fill_seconds.iter_mut().zip(&worker.fill_seconds) {
+            *all += own;
+        }
+        self.program_seconds += worker.program_seconds;
+        self.weights = self.weights.merge(worker.audit());
+        self.audits.resize(worker.audits.len(), Audit::default());
+        for (all, own) in self.audits.iter_mut().zip(&worker.audits) {
+            *all = all.merge(*own);
+        }
+    }
 }
 
 impl Plan<'_> {
@@ -50,36 +68,127 @@ impl Plan<'_> {
         cache: &mut Cache,
         monitor: &dyn Monitor,
     ) -> Result<Frame, EvalError> {
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(self.settings.threads)
-            .build()
-            .map_err(|error| EvalError::Threads(error.to_string()))?;
-        pool.install(|| self.evaluate_here(buffers, cache, monitor))
+        let mut frame = Frame::default();
+        self.evaluate_into(&mut frame, buffers, cache, monitor)?;
+        Ok(frame)
     }
 
-    fn evaluate_here(
+    /// As [`Plan::evaluate`], into the memory of a frame that is no longer needed, such as the one before. After an error
+    /// the frame holds nothing of use.
+    ///
+    /// # Errors
+    /// As [`Plan::evaluate`].
+    pub fn evaluate_into(
         &self,
+        frame: &mut Frame,
+        buffers: &Buffers<'_>,
+        cache: &mut Cache,
+        monitor: &dyn Monitor,
+    ) -> Result<(), EvalError> {
+        let mut pictures = self.allocate(std::mem::take(&mut frame.pictures))?;
+        *frame = self.run(buffers, cache, monitor, |ready| {
+            Bands::of_planes(pictures.iter_mut().collect(), self.window, self.tile(ready).1)
+        })?;
+        for (picture, planes) in frame.pictures.iter_mut().zip(pictures) {
+            picture.planes = planes;
+        }
+        Ok(())
+    }
+
+    /// As [`Plan::evaluate`], with the rows handed to a sink as soon as they are finished: memory does not grow with the
+    /// picture. The frame's pictures have no planes.
+    ///
+    /// # Errors
+    /// As [`Plan::evaluate`], and what the sink reports.
+    pub fn evaluate_to(
+        &self,
+        sink: &dyn Sink,
         buffers: &Buffers<'_>,
         cache: &mut Cache,
         monitor: &dyn Monitor,
     ) -> Result<Frame, EvalError> {
+        let channels: Vec<usize> = self.outputs.iter().map(|output| output.kind.channels()).collect();
+        self.run(buffers, cache, monitor, |ready| {
+            let height = self.tile(ready).1.next_multiple_of(sink.rows().max(1));
+            Bands::of_sink(sink, channels.clone(), self.window, height)
+        })
+    }
+
+    fn run<'s>(
+        &self,
+        buffers: &Buffers<'_>,
+        cache: &mut Cache,
+        monitor: &dyn Monitor,
+        bands: impl FnOnce(&HashMap<NodeId, Ready>) -> Bands<'s> + Send,
+    ) -> Result<Frame, EvalError> {
+        self.in_pool(|| {
+            self.validate(buffers)?;
+            let started = Instant::now();
+            let ready = prepare(self, cache, monitor)?;
+            let prepared = started.elapsed().as_secs_f64();
+            let started = Instant::now();
+            let judges: Vec<Option<Judge>> =
+                self.outputs.iter().map(|output| self.judge(output, &ready, buffers)).collect();
+            let judged = started.elapsed().as_secs_f64();
+            let started = Instant::now();
+            let tally = self.tiles(&bands(&ready), &ready, buffers, &judges, monitor)?;
+            let seconds = Phases { prepare: prepared, hull: judged, tiles: started.elapsed().as_secs_f64() };
+            Ok(self.assemble(judges, &tally, &ready, seconds))
+        })
+    }
+
+    /// Runs on as many threads as the settings say.
+    fn in_pool<R: Send>(&self, run: impl FnOnce() -> Result<R, EvalError> + Send) -> Result<R, EvalError> {
+        let threads = self.settings.threads;
+        if threads == 0 {
+            return run();
+        }
+        // Made once: starting threads costs as much as a small picture.
+        let pool = self.pool.get_or_init(|| {
+            rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(|error| error.to_string())
+        });
+        match pool {
+            Ok(pool) => pool.install(run),
+            Err(error) => Err(EvalError::Threads(error.clone())),
+        }
+    }
+
+    /// Checks the buffers of bound nodes. Values that only programs read are checked in passing.
+    fn validate(&self, buffers: &Buffers<'_>) -> Result<(), EvalError> {
         let picture_area = self.graph.format().window().area();
         for (id, _) in self.bound.iter().enumerate().filter(|(_, bound)| **bound) {
             let node = self.graph.node(NodeId(id));
-            buffers.validate(&node.name, node.kinds[0], picture_area)?;
+            let kind = node.kinds[0];
+            buffers.validate(&node.name, kind, picture_area)?;
+            let feeds_stage = self.passes.iter().flat_map(|pass| &pass.fills).any(|fill| {
+                let feeds = fill.inputs.iter().flat_map(|(_, connections)| connections).flatten();
+                feeds.into_iter().any(|feed| matches!(feed, Feed::Slot(slot) if slot.node.0 == id))
+                    || fill.taps.iter().flat_map(|taps| &taps.planes).any(|slot| slot.node.0 == id)
+            });
+            // The palette is made of a color's values before they are mixed.
+            if feeds_stage || kind == Kind::Color || matches!(kind, Kind::Weights(n) if n > 2) {
+                buffers.validate_values(&node.name, kind)?;
+            }
         }
-        let started = Instant::now();
-        let ready = prepare(self, cache, monitor)?;
-        let prepared = started.elapsed().as_secs_f64();
-        let started = Instant::now();
-        let judges: Vec<Option<Judge>> =
-            self.outputs.iter().map(|output| self.judge(output, &ready, buffers)).collect();
-        let judged = started.elapsed().as_secs_f64();
-        let started = Instant::now();
-        let mut pictures = self.allocate()?;
-        let tally = self.tiles(&mut pictures, &ready, buffers, &judges, monitor)?;
-        let seconds = Phases { prepare: prepared, hull: judged, tiles: started.elapsed().as_secs_f64() };
-        Ok(self.assemble(pictures, judges, &tally, &ready, seconds))
+        Ok(())
+    }
+
+    /// Width and height of tiles.
+    fn tile(&self, ready: &HashMap<NodeId, Ready>) -> (usize, usize) {
+        if let Some((width, height)) = self.settings.tile {
+            return (width.max(1), height.max(1));
+        }
+        let fills = || self.passes.iter().flat_map(|pass| &pass.fills);
+        let bands = fills().filter_map(|fill| ready.get(&fill.node)?.prepared.rows_per_band()).max();
+        let in_place = fills().all(|fill| self.bound[fill.node.0] || fill.variance <= Variance::Column);
+        let (across, down) = self.halo();
+        match bands {
+            // Whole rows, so that every block of a file is decoded once.
+            Some(rows) => (self.window.width(), TILE.1.max(4 * down).next_multiple_of(rows.max(1))),
+            None if in_place && across + down == 0 => (self.window.width(), TILE.1),
+            // Tiles that are large against what they share with their neighbors.
+            None => (TILE.0.max(4 * across), TILE.1.max(4 * down)),
+        }
     }
 
     /// The hull of every control color that an output depends on.
@@ -111,70 +220,78 @@ impl Plan<'_> {
         let hull = builder.finish();
         // One level more for averaging the samples.
         let margin = hull.margin(output.mix_levels + 1);
-        Some(Judge { hull, margin, count, colors })
+        let bounds = BoxHull::new(hull.vertices());
+        Some(Judge { hull, bounds, margin, count, colors })
     }
 
-    fn allocate(&self) -> Result<Vec<Vec<Plane>>, EvalError> {
-        let area = self.window.area();
-        self.outputs
-            .iter()
-            .map(|output| {
-                (0..output.kind.channels())
-                    .map(|_| {
-                        let mut samples: Vec<f32> = Vec::new();
-                        samples.try_reserve_exact(area).map_err(|_| EvalError::Memory { bytes: area * 4 })?;
-                        samples.resize(area, 0.0);
-                        Plane::new(self.window, samples).map_err(|_| EvalError::Memory { bytes: area * 4 })
-                    })
-                    .collect()
-            })
-            .collect()
+    /// Planes for every output, where possible those that are given.
+    fn allocate(&self, old: Vec<Picture>) -> Result<Vec<Vec<Plane>>, EvalError> {
+        let mut old: Vec<Plane> = old.into_iter().flat_map(|picture| picture.planes).collect();
+        old.retain(|plane| plane.window() == self.window);
+        old.reverse();
+        let mut index = 0;
+        let mut plane = || {
+            index += 1;
+            let bytes = self.window.area().saturating_mul(4);
+            old.pop().map_or_else(|| Plane::zeroed(self.window, index).map_err(|_| EvalError::Memory { bytes }), Ok)
+        };
+        self.outputs.iter().map(|output| (0..output.kind.channels()).map(|_| plane()).collect()).collect()
     }
 
+    /// Evaluates every band, on all threads.
     fn tiles(
         &self,
-        pictures: &mut [Vec<Plane>],
+        bands: &Bands<'_>,
         ready: &HashMap<NodeId, Ready>,
         buffers: &Buffers<'_>,
         judges: &[Option<Judge>],
         monitor: &dyn Monitor,
     ) -> Result<Tally, EvalError> {
-        let (tile_width, tile_height) = (self.settings.tile.0.max(1), self.settings.tile.1.max(1));
-        let bands = bands(pictures, self.window, tile_height);
-        let total = bands.len() * self.window.width().div_ceil(tile_width);
+        let (width, height) = self.tile(ready);
+        let total = bands.count() * self.window.width().div_ceil(width);
         let done = AtomicUsize::new(0);
         let tally = Mutex::new(Tally::default());
-        bands.into_par_iter().try_for_each_init(
-            || Working {
-                worker: Worker::new(self, ready, buffers),
-                audits: vec![Audit::default(); judges.len()],
-                tally: &tally,
-            },
-            |working, mut band| {
-                for tile in band.window.tiles(tile_width, tile_height) {
+        let failed: Mutex<Option<EvalError>> = Mutex::new(None);
+        let stop = AtomicBool::new(false);
+        let work = || {
+            let mut worker = Worker::new(self, ready, buffers, judges);
+            let mut band = |window: Window, rows: &mut Rows<'_>| {
+                for tile in window.tiles(width, height) {
                     if monitor.cancelled() {
                         return Err(EvalError::Cancelled);
                     }
-                    let x = (tile.x0 - band.window.x0) as usize;
-                    let (width, stride) = (tile.width(), band.window.width());
-                    working.worker.tile(tile, &mut |output, channel, y, row| {
-                        let start = y * stride + x;
-                        band.rows[output][channel][start..start + width].copy_from_slice(row);
-                    })?;
+                    worker.tile(tile, window, rows)?;
                     monitor.progress(done.fetch_add(1, Ordering::Relaxed) + 1, total);
                 }
-                for ((audit, judge), rows) in working.audits.iter_mut().zip(judges).zip(&band.rows) {
-                    *audit = audit.merge(inspect(judge.as_ref(), rows));
-                }
                 Ok(())
-            },
-        )?;
-        Ok(tally.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner))
+            };
+            while !stop.load(Ordering::Relaxed) {
+                match bands.work(&mut band) {
+                    Ok(true) => {}
+                    Ok(false) => break,
+                    Err(error) => {
+                        stop.store(true, Ordering::Relaxed);
+                        failed.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error);
+                    }
+                }
+            }
+            tally.lock().unwrap_or_else(PoisonError::into_inner).add(&worker);
+        };
+        rayon::scope(|scope| {
+            // No more workers than bands.
+            for _ in 1..rayon::current_num_threads().min(bands.count()) {
+                scope.spawn(|_| work());
+            }
+            work();
+        });
+        match failed.into_inner().unwrap_or_else(PoisonError::into_inner) {
+            Some(error) => Err(error),
+            None => Ok(tally.into_inner().unwrap_or_else(PoisonError::into_inner)),
+        }
     }
 
     fn assemble(
         &self,
-        planes: Vec<Vec<Plane>>,
         judges: Vec<Option<Judge>>,
         tally: &Tally,
         ready: &HashMap<NodeId, Ready>,
@@ -183,10 +300,9 @@ impl Plan<'_> {
         let pictures = self
             .outputs
             .iter()
-            .zip(planes)
             .zip(judges)
             .enumerate()
-            .map(|(index, ((output, planes), judge))| {
+            .map(|(index, (output, judge))| {
                 let mut audit = tally.audits.get(index).copied().unwrap_or_default();
                 audit.weight_min = f64::from(tally.weights.min);
                 audit.weight_sum_max_deviation = tally.weights.max_deviation;
@@ -194,7 +310,7 @@ impl Plan<'_> {
                 Picture {
                     output: output.index,
                     kind: output.kind,
-                    planes,
+                    planes: Vec::new(),
                     // Every color operation has scalar weights, so the hull is what holds.
                     guarantee: (output.kind == Kind::Color).then_some(Guarantee::Hull),
                     audit,
@@ -221,9 +337,9 @@ impl Plan<'_> {
         for pass in &self.passes {
             let taken = (self.window.area() * pass.offsets.len()) as u64;
             for compiled in pass.fills.iter().filter_map(|fill| fill.taps.as_ref()).chain([&pass.program]) {
-                for instruction in compiled.once.iter().chain(&compiled.each) {
-                    costs[instruction.origin.0] += instruction.cost * taken as f64;
-                    samples[instruction.origin.0] = taken;
+                for (origin, cost) in &compiled.costs {
+                    costs[origin.0] += cost * taken as f64;
+                    samples[origin.0] = taken;
                 }
             }
             for fill in &pass.fills {
@@ -255,54 +371,4 @@ impl Plan<'_> {
             })
             .collect()
     }
-}
-
-/// A worker that hands its tally in when its thread is done with it.
-struct Working<'p, 't> {
-    worker: Worker<'p>,
-    audits: Vec<Audit>,
-    tally: &'t Mutex<Tally>,
-}
-
-impl Drop for Working<'_, '_> {
-    fn drop(&mut self) {
-        let mut tally = self.tally.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-        tally.fill_seconds.resize(self.worker.fill_seconds.len(), 0.0);
-        for (all, own) in tally.fill_seconds.iter_mut().zip(&self.worker.fill_seconds) {
-            *all += own;
-        }
-        tally.program_seconds += self.worker.program_seconds;
-        tally.weights = tally.weights.merge(self.worker.audit());
-        tally.audits.resize(self.audits.len(), Audit::default());
-        for (all, own) in tally.audits.iter_mut().zip(&self.audits) {
-            *all = all.merge(*own);
-        }
-    }
-}
-
-/// Cuts every plane into bands of the same rows.
-fn bands(pictures: &mut [Vec<Plane>], window: Window, height: usize) -> Vec<Band<'_>> {
-    let width = window.width();
-    let mut bands: Vec<Band<'_>> = window
-        .tiles(width, height)
-        .map(|window| Band { window, rows: pictures.iter().map(|_| Vec::new()).collect() })
-        .collect();
-    for (output, planes) in pictures.iter_mut().enumerate() {
-        for plane in planes {
-            for (band, rows) in bands.iter_mut().zip(plane.samples_mut().chunks_mut(width * height)) {
-                band.rows[output].push(rows);
-            }
-        }
-    }
-    bands
-}
-
-/// Counts what is wrong with a band of finished pixels.
-fn inspect(judge: Option<&Judge>, rows: &[&mut [f32]]) -> Audit {
-    let mut audit = Audit { pixels: rows.first().map_or(0, |row| row.len() as u64), ..Audit::default() };
-    audit.nan_count = (0..audit.pixels as usize).filter(|&x| rows.iter().any(|row| row[x].is_nan())).count() as u64;
-    if let (Some(judge), [r, g, b]) = (judge, rows) {
-        (audit.hull_exits, audit.worst_exit) = judge.hull.exits(r, g, b, judge.margin);
-    }
-    audit
 }

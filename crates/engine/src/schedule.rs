@@ -1,7 +1,7 @@
 //! Which stages fill which channels, from the outputs upstream.
 
 use crate::Switches;
-use crate::kernel::{Compiled, compile};
+use crate::kernel::{Compiled, Legal, Options, compile};
 use crate::lower::Lowered;
 use crate::optimize::{cone, extract};
 use crate::plan::{Feed, Fill, Pass};
@@ -46,7 +46,7 @@ impl Scheduler<'_, '_, '_> {
             if self.planner.bound[id.0] {
                 if let Some(wanted) = wanted.remove(&id) {
                     let variance = Variance::Pixel;
-                    fills.push(Fill { node: id, wanted, variance, inputs: Vec::new(), taps: None });
+                    fills.push(Fill { node: id, wanted, variance, inputs: Vec::new(), taps: None, read: false });
                 }
                 continue;
             }
@@ -61,14 +61,18 @@ impl Scheduler<'_, '_, '_> {
             }
         }
         fills.reverse();
-        let program = self.compile(&roots);
+        let program = self.compile(&roots, !self.switches().demand);
+        for fill in &mut fills {
+            fill.read = program.planes.iter().any(|slot| slot.node == fill.node);
+        }
+        let halo = self.halo(&fills);
         let mut owners = Vec::new();
         for &member in members {
             for channel in 0..output_roots[member].len() {
                 owners.push((member, channel));
             }
         }
-        Pass { offsets, fills, program, roots: owners }
+        Pass { offsets, fills, halo, program, roots: owners }
     }
 
     /// Marks what `needed` operations load.
@@ -123,14 +127,14 @@ impl Scheduler<'_, '_, '_> {
         }
         let taps = (!tap_roots.is_empty()).then(|| {
             self.want_loads(&cone(self.program, tap_roots.iter().copied()), wanted);
-            self.compile(&tap_roots)
+            self.compile(&tap_roots, false)
         });
         let variance = if self.switches().hoist {
             (0..own.len()).map(|output| stage.variance(settled, output)).max().unwrap_or(Variance::Pixel)
         } else {
             Variance::Pixel
         };
-        Fill { node: id, wanted: own, variance, inputs, taps }
+        Fill { node: id, wanted: own, variance, inputs, taps, read: false }
     }
 
     fn feed(
@@ -141,7 +145,7 @@ impl Scheduler<'_, '_, '_> {
         tap_roots: &mut Vec<u32>,
         wanted: &mut HashMap<NodeId, Vec<Vec<bool>>>,
     ) -> Vec<Feed> {
-        match source {
+        match self.handed_on(source) {
             Source::Number(values) | Source::Color(values) => {
                 values.iter().map(|v| Feed::Constant(*v as f32)).collect()
             }
@@ -174,15 +178,89 @@ impl Scheduler<'_, '_, '_> {
         }
     }
 
-    fn compile(&self, roots: &[u32]) -> Compiled {
+    /// The stage that a source comes to where all between only hand it on, so that a file read through a Switch keeps
+    /// its overscan; else the source.
+    fn handed_on<'a>(&'a self, source: &'a Source<Vec<f64>>) -> &'a Source<Vec<f64>> {
+        let mut at = source;
+        while let Source::Output { node, .. } = at {
+            if self.planner.bound[node.0] || self.planner.stage(*node).is_some() {
+                return at;
+            }
+            let settled = self.lowered.settled[node.0].as_ref();
+            match settled.and_then(|settled| self.planner.graph.identity(*node, settled)) {
+                Some(chosen) => at = chosen,
+                None => return source,
+            }
+        }
+        source
+    }
+
+    /// How far the stages of a pass reach beyond what is asked of it, across and down.
+    fn halo(&self, fills: &[Fill]) -> (usize, usize) {
+        let picture = self.planner.graph.format().window();
+        let max = |a: (usize, usize), b: (usize, usize)| (a.0.max(b.0), a.1.max(b.1));
+        let mut largest = (0, 0);
+        let mut beyond: HashMap<NodeId, (usize, usize)> = HashMap::new();
+        for fill in fills.iter().rev() {
+            let (Some(stage), Some(settled)) = (self.planner.stage(fill.node), &self.lowered.settled[fill.node.0])
+            else {
+                continue;
+            };
+            let own = beyond.get(&fill.node).copied().unwrap_or_default();
+            let mut taps = own;
+            for (port, connections) in &fill.inputs {
+                let asked = stage.regions_of_interest(settled, port, picture);
+                let grown = |before: i64, after: i64, most: usize| before.max(after).clamp(0, most as i64) as usize;
+                let reach = (
+                    own.0 + grown(picture.x0 - asked.x0, asked.x1 - picture.x1, picture.width()),
+                    own.1 + grown(picture.y0 - asked.y0, asked.y1 - picture.y1, picture.height()),
+                );
+                largest = max(largest, reach);
+                for feed in connections.iter().flatten() {
+                    match feed {
+                        Feed::Slot(slot) => {
+                            let known = beyond.entry(slot.node).or_default();
+                            *known = max(*known, reach);
+                        }
+                        Feed::Tap(..) => taps = max(taps, reach),
+                        Feed::Nothing | Feed::Constant(_) => {}
+                    }
+                }
+            }
+            for slot in fill.taps.iter().flat_map(|taps| &taps.planes) {
+                let known = beyond.entry(slot.node).or_default();
+                *known = max(*known, taps);
+            }
+        }
+        largest
+    }
+
+    /// Compiles what `roots` need, or everything. Before a stage it must not be everything: that reads the stage itself.
+    fn compile(&self, roots: &[u32], everything: bool) -> Compiled {
         let mut kept = cone(self.program, roots.iter().copied());
-        if !self.switches().demand {
+        if everything {
             kept.fill(true);
         }
         let (program, map) = extract(self.program, &kept);
         let roots: Vec<u32> = roots.iter().map(|root| map[*root as usize]).collect();
         let switches = self.switches();
-        compile(&program, &roots, switches.hoist, switches.fuse, &|slot| self.planner.variance(self.lowered, slot))
+        let legal = |slot: &Slot| {
+            let kind = self.planner.graph.node(slot.node).kinds[slot.output];
+            self.planner.bound[slot.node.0].then_some(match kind {
+                Kind::Color => Legal::Color,
+                Kind::Weights(_) => Legal::Mask,
+                _ => Legal::Field,
+            })
+        };
+        let options = Options {
+            hoist: switches.hoist,
+            fuse: switches.fuse,
+            everything: !switches.demand,
+            instructions: self.planner.settings.instructions,
+            variance: &|slot| self.planner.variance(self.lowered, slot),
+            legal: &legal,
+        };
+        compile(&program, &roots, &options)
     }
 
     /// Every stage that some pass fills, or whose handle another stage takes, inputs first.

@@ -1,4 +1,19 @@
 use trochoid_image::Window;
+use trochoid_memory::Instructions;
+
+/// Which pixels are held against the hull of their palette.
+///
+/// Whatever the choice, every weight is held against [0, 1], every partition against its sum, and every pixel against the
+/// box of its palette; where one of these fails, all pixels around it are judged. That a mix with weights in [0, 1] stays
+/// in the hull is a theorem; judging its pixels only guards against a kernel that breaks it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Judging {
+    /// Every pixel.
+    #[default]
+    All,
+    /// Every 64th row, for about a hundredth of the time.
+    Sampled,
+}
 
 /// Which optimizations run; none changes a bit of the output.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -13,7 +28,7 @@ pub struct Switches {
     pub merge: bool,
     /// Compute per column, per row or per tile what varies no further.
     pub hoist: bool,
-    /// Run the pointwise program row by row in cache, rather than operation by operation over the tile.
+    /// Fold operations of the pointwise program into each other, and jump over branches without weight.
     pub fuse: bool,
 }
 
@@ -32,8 +47,12 @@ pub struct Settings {
     pub switches: Switches,
     /// Threads; 0 takes all cores.
     pub threads: usize,
-    /// Largest width and height of a tile, pixels.
-    pub tile: (usize, usize),
+    /// Largest width and height of a tile, pixels; chosen by the plan if `None`.
+    pub tile: Option<(usize, usize)>,
+    /// Instruction sets that kernels may use.
+    pub instructions: Instructions,
+    /// Which pixels are held against the hull of their palette.
+    pub judge: Judging,
     /// Most memory for pictures, bytes.
     pub memory_limit: u64,
     /// The part of the picture to evaluate; all of it if `None`.
@@ -42,6 +61,14 @@ pub struct Settings {
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { switches: Switches::ALL, threads: 0, tile: (256, 16), memory_limit: 16 << 30, region: None }
+        Self {
+            switches: Switches::ALL,
+            threads: 0,
+            tile: None,
+            instructions: Instructions::Best,
+            judge: Judging::All,
+            memory_limit: 16 << 30,
+            region: None,
+        }
     }
 }

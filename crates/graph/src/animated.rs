@@ -47,6 +47,12 @@ impl Animated {
         (!keys.is_empty() && ascending).then_some(Self { keys, interpolation })
     }
 
+    /// The same keys, each of which holds until the next; `None` where another interpolation was `chosen`.
+    pub(crate) fn held(mut self, chosen: bool) -> Option<Self> {
+        let interpolation = std::mem::replace(&mut self.interpolation, Interpolation::Hold);
+        (!chosen || interpolation == Interpolation::Hold).then_some(self)
+    }
+
     /// The frames at which keys stand; empty for a constant.
     pub fn frames(&self) -> impl Iterator<Item = f64> {
         self.keys.iter().map(|key| key.0).filter(|_| self.keys.len() > 1)

@@ -204,62 +204,97 @@ impl CheckedGraph {
         self.nodes[id.0].record.settle(frame as f64)
     }
 
-    /// Everything that an output needs, itself included, before any pruning.
+    /// The one connection that a node hands on unchanged, given its knobs at a frame.
+    pub fn identity<'s>(&self, id: NodeId, settled: &'s Settled) -> Option<&'s Source<Vec<f64>>> {
+        let (port, index) = self.nodes[id.0].ty.identity(settled)?;
+        settled.all(port).get(index)
+    }
+
+    /// Everything that is connected to the roots, themselves included.
     pub fn upstream(&self, roots: impl IntoIterator<Item = NodeId>) -> Vec<bool> {
-        let mut needed = vec![false; self.nodes.len()];
+        self.walk(roots, |id, open| self.nodes[id.0].record.each_node(|node| open.push(node)))
+    }
+
+    /// Everything that the roots depend on at a frame, themselves included: of a node that hands one of its inputs on,
+    /// only that input.
+    pub fn reached(&self, roots: impl IntoIterator<Item = NodeId>, frame: i64) -> Vec<bool> {
+        self.walk(roots, |id, open| {
+            let settled = self.settle(id, frame);
+            self.each_needed(id, &settled, |node| open.push(node));
+        })
+    }
+
+    /// Calls `f` with every node that a node takes its result from, given its knobs at a frame.
+    pub fn each_needed(&self, id: NodeId, settled: &Settled, mut f: impl FnMut(NodeId)) {
+        match self.identity(id, settled) {
+            Some(Source::Output { node, .. }) => f(*node),
+            Some(_) => {}
+            None => settled.each_node(f),
+        }
+    }
+
+    fn walk(
+        &self,
+        roots: impl IntoIterator<Item = NodeId>,
+        mut inputs: impl FnMut(NodeId, &mut Vec<NodeId>),
+    ) -> Vec<bool> {
+        let mut seen = vec![false; self.nodes.len()];
         let mut open: Vec<NodeId> = roots.into_iter().collect();
         while let Some(id) = open.pop() {
-            if std::mem::replace(&mut needed[id.0], true) {
-                continue;
+            if !std::mem::replace(&mut seen[id.0], true) {
+                inputs(id, &mut open);
             }
-            open.extend(self.nodes[id.0].record.sources().into_iter().filter_map(|source| match source {
-                Source::Output { node, .. } => Some(*node),
-                _ => None,
-            }));
         }
-        needed
+        seen
     }
 
     /// Files that any node in `needed` reads at a frame.
     pub fn files(&self, needed: &[bool], context: &FrameContext) -> Vec<PathBuf> {
-        let mut files = Vec::new();
-        for (index, node) in self.nodes.iter().enumerate().filter(|(index, _)| needed[*index]) {
-            if let Body::Stage(stage) = node.ty.body() {
-                files.extend(stage.files(&self.settle(NodeId(index), context.frame), context));
-            }
-        }
+        let nodes = (0..self.nodes.len()).filter(|index| needed[*index]).map(NodeId);
+        let mut files: Vec<PathBuf> = nodes.flat_map(|id| self.files_of(id, context)).collect();
         files.sort();
         files.dedup();
         files
     }
 
-    /// Content keys of all nodes at a frame: equal keys mean equal results.
+    /// Files that a node reads at a frame.
+    pub fn files_of(&self, id: NodeId, context: &FrameContext) -> Vec<PathBuf> {
+        match self.nodes[id.0].ty.body() {
+            Body::Stage(stage) => stage.files(&self.settle(id, context.frame), context),
+            Body::Pointwise(_) => Vec::new(),
+        }
+    }
+
+    /// Content keys at a frame of all nodes that have their knobs in `settled`: equal keys mean equal results.
     ///
     /// A key covers type and its revision, knobs at the frame, the keys of everything connected, and, where
-    /// the node says that it depends on them, time and format. Files count by path, length and time of change.
-    pub fn keys(&self, context: &FrameContext) -> Vec<String> {
+    /// the node says that it depends on them, time and format. Files count by path, length and time of change. A
+    /// connected node without knobs in `settled` counts as nothing: its result must not matter.
+    pub fn keys(&self, settled: &[Option<Settled>], context: &FrameContext) -> Vec<String> {
         let mut keys = vec![String::new(); self.nodes.len()];
+        let format = format!("{:?}", context.format);
+        let mut text = Vec::new();
         for &id in &self.order {
-            let node = &self.nodes[id.0];
-            let declaration = node.ty.declaration();
-            let settled = self.settle(id, context.frame);
-            let mut hasher = blake3::Hasher::new();
-            let described = settled.describe(&|id| keys[id.0].clone()).to_string();
-            hasher.update(format!("{} {} {described}", declaration.name, declaration.revision).as_bytes());
-            hasher.update(self.space.name().as_bytes());
-            if let Body::Stage(stage) = node.ty.body() {
+            let Some(settled) = &settled[id.0] else { continue };
+            let ty = self.nodes[id.0].ty;
+            let declaration = ty.declaration();
+            text.clear();
+            text.extend(format!("{} {} ", declaration.name, declaration.revision).bytes());
+            settled.describe(&keys, &mut text);
+            text.extend(self.space.name().bytes());
+            if let Body::Stage(stage) = ty.body() {
                 if stage.timed() {
-                    hasher.update(&context.time.to_bits().to_le_bytes());
+                    text.extend(context.time.to_bits().to_le_bytes());
                 }
                 if stage.formatted() {
-                    hasher.update(format!("{:?}", context.format).as_bytes());
+                    text.extend(format.bytes());
                 }
-                for file in stage.files(&settled, context) {
+                for file in stage.files(settled, context) {
                     let state = std::fs::metadata(&file).map(|data| (data.len(), data.modified().ok()));
-                    hasher.update(format!("{} {state:?}", file.display()).as_bytes());
+                    text.extend(format!("{} {state:?}", file.display()).bytes());
                 }
             }
-            keys[id.0] = hasher.finalize().to_hex().to_string();
+            keys[id.0] = blake3::hash(&text).to_hex().to_string();
         }
         keys
     }

@@ -112,6 +112,8 @@ pub struct Knob {
     pub default: Option<Default>,
     /// Whether the value may be keyed over frames.
     pub animated: bool,
+    /// Whether each key holds until the next, since nothing lies between the values.
+    pub held: bool,
 }
 
 /// What a knob takes.
@@ -212,7 +214,7 @@ impl Knob {
         animated: bool,
         help: &'static str,
     ) -> Self {
-        Self { name, help, unit: "", takes, default, animated }
+        Self { name, help, unit: "", takes, default, animated, held: false }
     }
 
     /// A number in `[min, max]` with a default.
@@ -274,6 +276,12 @@ impl Knob {
     /// Lets the node see the knob as unset where the document sets none.
     pub const fn optional(mut self) -> Self {
         self.default = Some(Default::Unset);
+        self
+    }
+
+    /// Lets each key hold until the next.
+    pub const fn held(mut self) -> Self {
+        self.held = true;
         self
     }
 

@@ -1,7 +1,8 @@
 //! A document as typed: syntax only, every value with its place.
 
-use crate::spanned::{Entry, Json, Spanned, line_and_column, parse, shorten};
+use crate::spanned::{Entry, Json, Places, Spanned, line_and_column, parse, shorten};
 use crate::{Diagnostic, Severity};
+use std::sync::OnceLock;
 
 /// Largest document, bytes.
 pub const MAX_BYTES: usize = 64 << 20;
@@ -13,6 +14,8 @@ pub const MAX_NODES: usize = 100_000;
 pub struct Document {
     name: String,
     text: String,
+    /// Made when the first fault is placed.
+    places: OnceLock<Places>,
     pub(crate) root: Spanned,
     /// Texts of `--set`, in order; values from them carry places beyond the text.
     overrides: Vec<String>,
@@ -63,7 +66,7 @@ impl Document {
             };
             fault(line, column, error.message, "JSON".into(), remedy)
         })?;
-        Ok(Self { name: name.into(), text: text.into(), root, overrides: Vec::new() })
+        Ok(Self { name: name.into(), text: text.into(), places: OnceLock::new(), root, overrides: Vec::new() })
     }
 
     /// The document's name.
@@ -138,7 +141,8 @@ impl Document {
                 (format!("--set {}", shorten(text)), 0, 0)
             }
             None => {
-                let (line, column) = line_and_column(&self.text, offset);
+                let places = self.places.get_or_init(|| Places::new(&self.text));
+                let (line, column) = places.find(&self.text, offset);
                 (self.name.clone(), line, column)
             }
         }
@@ -147,7 +151,9 @@ impl Document {
     /// The document's meaning as text: keys sorted, `ui` and notes left out, `--set` applied. Two documents
     /// with the same canonical text evaluate alike.
     pub fn canonical(&self) -> String {
-        canonical(&self.root.json, true).to_string()
+        let mut text = String::with_capacity(self.text.len());
+        canonical(&self.root.json, true, &mut text);
+        text
     }
 }
 
@@ -165,20 +171,48 @@ fn relocate(value: &mut Spanned, place: usize) {
     }
 }
 
-fn canonical(json: &Json, top: bool) -> serde_json::Value {
-    use serde_json::Value;
+fn canonical(json: &Json, top: bool, out: &mut String) {
     match json {
-        Json::Null => Value::Null,
-        Json::Bool(value) => Value::Bool(*value),
-        Json::Number(number) => Value::from(*number),
-        Json::String(text) => Value::from(text.as_str()),
-        Json::Array(items) => items.iter().map(|item| canonical(&item.json, false)).collect(),
+        Json::Null => out.push_str("null"),
+        Json::Bool(value) => out.push_str(if *value { "true" } else { "false" }),
+        Json::Number(number) => out.push_str(&serde_json::Value::from(*number).to_string()),
+        Json::String(text) => quoted(text, out),
+        Json::Array(items) => {
+            out.push('[');
+            for (index, item) in items.iter().enumerate() {
+                if index > 0 {
+                    out.push(',');
+                }
+                canonical(&item.json, false, out);
+            }
+            out.push(']');
+        }
         Json::Object(entries) => {
             let mut sorted: Vec<&Entry> =
                 entries.iter().filter(|entry| entry.key != "ui" && !(top && entry.key == "notes")).collect();
             sorted.sort_by(|a, b| a.key.cmp(&b.key));
-            Value::Object(sorted.into_iter().map(|e| (e.key.clone(), canonical(&e.value.json, false))).collect())
+            out.push('{');
+            for (index, entry) in sorted.into_iter().enumerate() {
+                if index > 0 {
+                    out.push(',');
+                }
+                quoted(&entry.key, out);
+                out.push(':');
+                canonical(&entry.value.json, false, out);
+            }
+            out.push('}');
         }
+    }
+}
+
+/// A string as JSON writes it.
+fn quoted(text: &str, out: &mut String) {
+    if text.bytes().any(|byte| byte < b' ' || byte == b'"' || byte == b'\\') {
+        out.push_str(&serde_json::Value::from(text).to_string());
+    } else {
+        out.push('"');
+        out.push_str(text);
+        out.push('"');
     }
 }
 

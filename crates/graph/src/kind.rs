@@ -28,6 +28,9 @@ impl Kind {
     /// In a declaration: a partition of as many ways as knobs and connections say.
     pub const ANY_WEIGHTS: Self = Self::Weights(0);
 
+    /// In a declaration: the kind of the node's first connection.
+    pub const ANY: Self = Self::Field(0);
+
     /// Number of planes that the value occupies in a tile; 0 for values that are not images.
     pub fn channels(self) -> usize {
         match self {
@@ -47,6 +50,7 @@ impl fmt::Display for Kind {
             Self::Weights(0) => f.write_str("Weights"),
             Self::Weights(2) => f.write_str("mask"),
             Self::Weights(n) => write!(f, "Weights({n})"),
+            Self::Field(0) => f.write_str("the kind of the inputs"),
             Self::Field(1) => f.write_str("Field"),
             Self::Field(n) => write!(f, "Field of {n} components"),
             Self::Surface => f.write_str("Surface"),
@@ -70,6 +74,8 @@ pub enum Accepts {
     Scalar,
     /// A Field of any number of components, or a mask.
     Field,
+    /// Any image: a Color, a mask, Weights or a Field; a literal color, or a literal number in [0, 1] as a mask.
+    Image,
     /// A Surface.
     Surface,
     /// A Camera.
@@ -90,6 +96,7 @@ impl Accepts {
                 | (Self::Weights, Kind::Weights(_))
                 | (Self::Scalar, Kind::Field(1))
                 | (Self::Field, Kind::Field(_))
+                | (Self::Image, Kind::Color | Kind::Weights(_) | Kind::Field(_))
                 | (Self::Surface, Kind::Surface)
                 | (Self::Camera, Kind::Camera)
                 | (Self::Light, Kind::Light)
@@ -99,7 +106,12 @@ impl Accepts {
 
     /// Whether a literal number may stand in for a connection.
     pub fn takes_number(self) -> bool {
-        matches!(self, Self::Mask | Self::Scalar | Self::Field)
+        matches!(self, Self::Mask | Self::Scalar | Self::Field | Self::Image)
+    }
+
+    /// Whether a literal color may stand in for a connection.
+    pub fn takes_color(self) -> bool {
+        matches!(self, Self::Color | Self::Image)
     }
 
     /// The node that makes a legal value of a refused one, as a sentence, for diagnostics.
@@ -138,6 +150,7 @@ impl fmt::Display for Accepts {
             Self::Mask => "mask",
             Self::Weights => "Weights",
             Self::Scalar | Self::Field => "Field",
+            Self::Image => "Color, mask, Weights or Field",
             Self::Surface => "Surface",
             Self::Camera => "Camera",
             Self::Light => "Light",

@@ -49,4 +49,4 @@ pub use refusal::{REFUSALS, Refusal, refusal};
 pub use registry::Registry;
 pub use schema::schema;
 pub use spanned::{MAX_DEPTH, MAX_VALUES};
-pub use stage_io::{Block, Connection, Inputs, Outputs, Prepare};
+pub use stage_io::{Block, Connection, Inputs, Outputs, Pool, Prepare};

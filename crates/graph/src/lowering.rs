@@ -15,6 +15,16 @@ impl<'a> Lowering<'a> {
         Self { build, inputs }
     }
 
+    /// A connected or literal value of any kind; a literal number counts as a mask.
+    pub fn value(&mut self, source: &Source<Vec<f64>>) -> Value {
+        match source {
+            Source::Output { .. } => (self.inputs)(source),
+            Source::Number(_) => Value::Weights(crate::Weights::mask(self.mask(source))),
+            Source::Color(_) => Value::Color(self.color(source)),
+            Source::Numbers(_) => Value::Weights(self.weights(source)),
+        }
+    }
+
     /// A connected or literal color.
     pub fn color(&mut self, source: &Source<Vec<f64>>) -> crate::Color {
         if let Some([r, g, b]) = source.color() {

@@ -5,8 +5,8 @@
 //! [`Stage`] (it prepares once a frame, then fills tiles).
 //!
 //! An implementor **must** be deterministic, give the same value at a sample whatever the tile, and fill
-//! exactly the planes asked for. It **may** keep what `prepare` made. It **must not** read clocks, global
-//! state or files outside `prepare`.
+//! exactly the planes asked for. It **may** keep what `prepare` made, and read on from files that `prepare` opened. It
+//! **must not** read clocks, global state, or open files outside `prepare`.
 
 use crate::{
     Block, ChannelSet, Check, Declaration, FrameContext, Inputs, Kind, Lowering, Outputs, Prepare, Reference,
@@ -15,17 +15,28 @@ use crate::{
 use std::any::Any;
 use std::path::PathBuf;
 use std::sync::Arc;
-use trochoid_image::Rgb;
+use trochoid_image::{Rgb, Window};
 
 /// A type of node.
 pub trait NodeType: Send + Sync + 'static {
     /// Knobs, ports, outputs and documentation.
     fn declaration(&self) -> &'static Declaration;
 
-    /// Kinds of the outputs, where knobs or connections decide them; by default as declared.
+    /// Kinds of the outputs, where knobs or the number of connections decide them; by default as declared. Of a node
+    /// with an output of [`Kind::ANY`], that output has the kind of the node's first connection.
     fn outputs(&self, node: &Settled) -> Vec<Kind> {
         let _ = node;
         self.declaration().outputs.iter().map(|output| output.kind).collect()
+    }
+
+    /// The port, and the connection within it, that a pointwise node hands on unchanged at a frame.
+    ///
+    /// Nothing else that is connected is then planned, evaluated or read from disk, whatever the switches of an engine
+    /// say, and [`Pointwise::lower`] and [`Pointwise::reference`] may ask for nothing else. Called before `check`, so
+    /// knobs may be out of range and ports empty.
+    fn identity(&self, node: &Settled) -> Option<(&'static str, usize)> {
+        let _ = node;
+        None
     }
 
     /// Reports what ranges of single knobs cannot express. Called at every key frame.
@@ -92,6 +103,15 @@ pub trait Stage {
         Variance::Pixel
     }
 
+    /// What of the images connected to a port is needed to fill `window`: of a filter, more than the window itself.
+    ///
+    /// A larger window must not need less, and it must grow by as much wherever it lies. May reach beyond the picture:
+    /// engines clamp it to where the image lies, see [`Prepared::data_window`].
+    fn regions_of_interest(&self, node: &Settled, port: &str, window: Window) -> Window {
+        let _ = (node, port);
+        window
+    }
+
     /// Whether the result depends on the frame's time even where no knob is keyed.
     fn timed(&self) -> bool {
         false
@@ -111,7 +131,8 @@ pub trait Stage {
     /// Does once a frame what does not depend on the tile: simulate, build, decode.
     ///
     /// # Errors
-    /// Files cannot be read, or their data break the contract of the kind.
+    /// Files cannot be read, or their data break the contract of the kind: here, or in [`Prepared::fill`] where they are
+    /// only read there.
     fn prepare(&self, node: &Settled, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError>;
 }
 
@@ -127,10 +148,29 @@ pub trait Prepared: Send + Sync {
         Vec::new()
     }
 
+    /// Where the node's images have pixels of their own, in the document's pixels; engines add the picture to it.
+    ///
+    /// Nothing is ever filled beyond it: what lies there repeats the nearest pixel within. By default that is the
+    /// picture. Only what has pixels beyond says more: a file with overscan, and a filter of one. `inputs` gives the
+    /// same for all that is connected to a port; any pointwise node between ends its image at the picture, so that an
+    /// operand without weight, which may be left out, cannot matter.
+    fn data_window(&self, picture: Window, inputs: &dyn Fn(&str) -> Window) -> Window {
+        let _ = inputs;
+        picture
+    }
+
+    /// Rows that are best asked for together, over the full width, where the node reads them from a file in blocks;
+    /// `None` for no preference.
+    fn rows_per_band(&self) -> Option<usize> {
+        None
+    }
+
     /// Fills the planes asked for over one block of samples.
     ///
+    /// A filter sees each sample of the pixel apart: the samples of all pixels at one offset are an image to it.
+    ///
     /// # Errors
-    /// Inputs break the contract of their kind at some pixel.
+    /// Inputs break the contract of their kind at some pixel, or a file does that is read on demand.
     fn fill(&self, block: &Block, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let _ = (block, inputs, outputs);
         Ok(())
@@ -142,7 +182,8 @@ pub trait Prepared: Send + Sync {
     /// As [`Prepared::fill`].
     fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError>;
 
-    /// Values set to the nearest legal one because the document says `repair`.
+    /// Values set to the nearest legal one because the document says `repair`; of a file that is read on demand, among
+    /// the rows that were needed. Each counts once, however often it is read.
     fn repaired(&self) -> u64 {
         0
     }

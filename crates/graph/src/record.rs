@@ -1,7 +1,6 @@
 //! A node's knobs and connections: as checked, and as they stand at one frame.
 
 use crate::Animated;
-use serde_json::{Value as Json, json};
 
 /// Index of a node in its graph.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -67,9 +66,26 @@ impl<N> Record<N> {
 
     /// Every connection, those within lists included, in declaration order.
     pub fn sources(&self) -> Vec<&Source<N>> {
-        let own = self.ports.iter().flat_map(|(_, sources)| sources);
-        let listed = self.lists.iter().flat_map(|(_, records)| records).flat_map(Record::sources);
-        own.chain(listed).collect()
+        let mut sources = Vec::new();
+        self.each_source(&mut |source| sources.push(source));
+        sources
+    }
+
+    /// Calls `f` with every connection, those within lists included, in declaration order.
+    pub fn each_source<'r>(&'r self, f: &mut impl FnMut(&'r Source<N>)) {
+        self.ports.iter().flat_map(|(_, sources)| sources).for_each(&mut *f);
+        for record in self.lists.iter().flat_map(|(_, records)| records) {
+            record.each_source(f);
+        }
+    }
+
+    /// Calls `f` with every node connected, as often as it is.
+    pub fn each_node(&self, mut f: impl FnMut(NodeId)) {
+        self.each_source(&mut |source| {
+            if let Source::Output { node, .. } = source {
+                f(*node);
+            }
+        });
     }
 
     /// The connections of a port: none where an optional port is open.
@@ -200,27 +216,27 @@ impl Settled {
         [0, 1, 2].map(|i| values.get(i).copied().unwrap_or(0.0))
     }
 
-    /// A description in JSON that two records share only if they mean the same, given the keys of the nodes
-    /// that they are connected to.
-    pub fn describe(&self, key_of: &dyn Fn(NodeId) -> String) -> Json {
-        let knobs: Vec<Json> = self.knobs.iter().map(|(name, setting)| json!([name, setting.describe()])).collect();
-        let ports: Vec<Json> = self
-            .ports
-            .iter()
-            .map(|(name, sources)| {
-                let sources: Vec<Json> = sources.iter().map(|source| source.describe(key_of)).collect();
-                json!([name, sources])
-            })
-            .collect();
-        let lists: Vec<Json> = self
-            .lists
-            .iter()
-            .map(|(name, records)| {
-                let records: Vec<Json> = records.iter().map(|record| record.describe(key_of)).collect();
-                json!([name, records])
-            })
-            .collect();
-        json!([knobs, ports, lists])
+    /// Appends bytes that two records share only if they mean the same, given the keys of the nodes that they are
+    /// connected to.
+    pub(crate) fn describe(&self, keys: &[String], out: &mut Vec<u8>) {
+        // Every item is named, and every list has its length before it, so that none runs into the next.
+        put(out, self.knobs.len());
+        for (name, setting) in &self.knobs {
+            text(out, name);
+            setting.describe(out);
+        }
+        put(out, self.ports.len());
+        for (name, sources) in &self.ports {
+            text(out, name);
+            put(out, sources.len());
+            sources.iter().for_each(|source| source.describe(keys, out));
+        }
+        put(out, self.lists.len());
+        for (name, records) in &self.lists {
+            text(out, name);
+            put(out, records.len());
+            records.iter().for_each(|record| record.describe(keys, out));
+        }
     }
 }
 
@@ -238,13 +254,21 @@ impl Setting {
 }
 
 impl Setting<Vec<f64>> {
-    fn describe(&self) -> Json {
+    fn describe(&self, out: &mut Vec<u8>) {
         match self {
-            Self::Numeric(numbers) | Self::Numbers(numbers) => bits(numbers),
-            Self::Bool(value) => json!(value),
-            Self::Text(text) => json!(text),
-            Self::Texts(texts) => json!(texts),
-            Self::Unset => Json::Null,
+            Self::Numeric(values) => numbers(out, 0, values),
+            Self::Numbers(values) => numbers(out, 1, values),
+            Self::Bool(value) => out.extend([2, u8::from(*value)]),
+            Self::Text(word) => {
+                out.push(3);
+                text(out, word);
+            }
+            Self::Texts(words) => {
+                out.push(4);
+                put(out, words.len());
+                words.iter().for_each(|word| text(out, word));
+            }
+            Self::Unset => out.push(5),
         }
     }
 }
@@ -271,15 +295,32 @@ impl Source<Vec<f64>> {
         if let Self::Color(values) = self { Some([values[0], values[1], values[2]]) } else { None }
     }
 
-    fn describe(&self, key_of: &dyn Fn(NodeId) -> String) -> Json {
+    fn describe(&self, keys: &[String], out: &mut Vec<u8>) {
         match self {
-            Self::Output { node, output } => json!([key_of(*node), output]),
-            Self::Number(numbers) | Self::Color(numbers) | Self::Numbers(numbers) => bits(numbers),
+            Self::Output { node, output } => {
+                out.push(0);
+                text(out, &keys[node.0]);
+                put(out, *output);
+            }
+            Self::Number(values) => numbers(out, 1, values),
+            Self::Color(values) => numbers(out, 2, values),
+            Self::Numbers(values) => numbers(out, 3, values),
         }
     }
 }
 
+fn put(out: &mut Vec<u8>, number: usize) {
+    out.extend((number as u64).to_le_bytes());
+}
+
+fn text(out: &mut Vec<u8>, text: &str) {
+    put(out, text.len());
+    out.extend(text.as_bytes());
+}
+
 /// Bit patterns, so that numbers that print alike but differ stay apart.
-fn bits(numbers: &[f64]) -> Json {
-    numbers.iter().map(|number| json!(number.to_bits())).collect()
+fn numbers(out: &mut Vec<u8>, tag: u8, numbers: &[f64]) {
+    out.push(tag);
+    put(out, numbers.len());
+    numbers.iter().for_each(|number| out.extend(number.to_bits().to_le_bytes()));
 }

@@ -20,24 +20,35 @@ pub enum Reference {
 }
 
 /// What a reference evaluation is given at one sample.
+#[derive(Clone, Copy)]
 pub struct References<'a> {
     /// The frame.
     pub frame: &'a FrameContext,
     /// The sample's place in the picture, in pixels.
     pub at: [f64; 2],
-    inputs: &'a dyn Fn(&Source<Vec<f64>>) -> Reference,
+    inputs: &'a Upstream<'a>,
 }
 
+/// Gives the value of a connection at a place in the picture.
+type Upstream<'a> = dyn Fn(&Source<Vec<f64>>, [f64; 2]) -> Reference + 'a;
+
 impl<'a> References<'a> {
-    /// Made by the engine.
-    pub fn new(frame: &'a FrameContext, at: [f64; 2], inputs: &'a dyn Fn(&Source<Vec<f64>>) -> Reference) -> Self {
+    /// Made by the engine. `inputs` gives the values of everything that the node is connected to, at any place; beyond
+    /// the extent of an image that of the nearest pixel within, at the same place in its pixel.
+    pub fn new(frame: &'a FrameContext, at: [f64; 2], inputs: &'a Upstream<'a>) -> Self {
         Self { frame, at, inputs }
     }
 
-    fn value(&self, source: &Source<Vec<f64>>) -> Reference {
+    /// The same as the sample so many pixels away sees it: what a filter takes its inputs from.
+    pub fn moved(&self, dx: f64, dy: f64) -> Self {
+        Self { at: [self.at[0] + dx, self.at[1] + dy], ..*self }
+    }
+
+    /// A connected or literal value, whatever its kind; a literal number counts as a mask.
+    pub fn value(&self, source: &Source<Vec<f64>>) -> Reference {
         match source {
-            Source::Output { .. } => (self.inputs)(source),
-            Source::Number(values) => Reference::Field(vec![values[0]]),
+            Source::Output { .. } => (self.inputs)(source, self.at),
+            Source::Number(values) => Reference::Mask(values[0]),
             Source::Color(values) => Reference::Color([values[0], values[1], values[2]]),
             Source::Numbers(numbers) => Reference::Weights(numbers.clone()),
         }

@@ -155,6 +155,10 @@ fn connection(accepts: Accepts) -> Value {
             let number = json!({ "type": "number" });
             json!({ "anyOf": [reference, number, keyed(number.clone())] })
         }
+        Accepts::Image => {
+            let number = json!({ "type": "number", "minimum": 0, "maximum": 1 });
+            json!({ "anyOf": [reference, { "$ref": "#/$defs/color" }, number] })
+        }
         Accepts::Weights => {
             json!({ "anyOf": [reference, { "type": "array", "items": { "type": "number", "minimum": 0 } }] })
         }
@@ -194,7 +198,15 @@ fn knob_schema(knob: &Knob) -> Value {
             json!({ "type": "array", "items": { "type": "string" }, "minItems": 1, "maxItems": max })
         }
     };
-    let mut schema = if knob.animated { json!({ "anyOf": [plain, keyed(plain.clone())] }) } else { plain };
+    let mut schema = if knob.animated {
+        let mut keyed = keyed(plain.clone());
+        if knob.held {
+            keyed["properties"]["interpolation"] = json!({ "const": "hold", "default": "hold" });
+        }
+        json!({ "anyOf": [plain, keyed] })
+    } else {
+        plain
+    };
     match knob.default {
         Some(Default::Number(number)) => schema["default"] = json!(number),
         Some(Default::Bool(value)) => schema["default"] = json!(value),

@@ -1,13 +1,10 @@
-//! JSON with the place of every value, read through `serde_json`.
+//! JSON with the place of every value.
 //!
-//! `serde_json` hands out each value as a slice of the source text (`RawValue`); the slice's position is the
-//! value's place. Objects keep duplicate keys, so that validation can refuse them.
+//! `serde_json` says whether a text is JSON, and what is wrong if it is not; a walk over the text then keeps the place of
+//! every value. Objects keep duplicate keys, so that validation can refuse them.
 
-use serde::Deserialize;
-use serde::de::{MapAccess, SeqAccess, Visitor};
 use serde_json::value::RawValue;
 use std::borrow::Cow;
-use std::fmt;
 
 /// Deepest nesting of a document; no legal document comes near.
 pub const MAX_DEPTH: usize = 32;
@@ -102,28 +99,40 @@ pub(crate) struct SyntaxError {
 /// # Errors
 /// Not JSON, or nested deeper or larger than the limits.
 pub(crate) fn parse(text: &str) -> Result<Spanned, SyntaxError> {
-    let raw: &RawValue = serde_json::from_str(text).map_err(|error| SyntaxError {
+    // The values of a raw value are not built, so this takes no memory whatever the text holds.
+    let _: &RawValue = serde_json::from_str(text).map_err(|error| SyntaxError {
         offset: offset_of(text, error.line(), error.column()),
         message: format!("a syntax error ({})", strip_place(&error.to_string())),
     })?;
-    let mut reader = Reader { text, left: MAX_VALUES };
-    reader.value(raw, 0)
+    Reader { text, at: 0, left: MAX_VALUES }.value(0)
 }
 
+/// Walks a text that is known to be JSON, so that only limits and the meaning of escapes can fail.
 struct Reader<'t> {
     text: &'t str,
+    at: usize,
     left: usize,
 }
 
 impl<'t> Reader<'t> {
-    /// Where a slice of the text starts. Both are slices of one string, so the difference is its place.
-    fn offset(&self, slice: &str) -> usize {
-        (slice.as_ptr() as usize).wrapping_sub(self.text.as_ptr() as usize)
+    fn peek(&self) -> u8 {
+        self.text.as_bytes().get(self.at).copied().unwrap_or(0)
     }
 
-    fn value(&mut self, raw: &'t RawValue, depth: usize) -> Result<Spanned, SyntaxError> {
-        let slice = raw.get();
-        let offset = self.offset(slice);
+    fn skip(&mut self, is: impl Fn(u8) -> bool) {
+        while self.text.as_bytes().get(self.at).is_some_and(|byte| is(*byte)) {
+            self.at += 1;
+        }
+    }
+
+    /// To the next byte that is neither space nor punctuation between values.
+    fn separators(&mut self) {
+        self.skip(|byte| matches!(byte, b' ' | b'\t' | b'\n' | b'\r' | b',' | b':'));
+    }
+
+    fn value(&mut self, depth: usize) -> Result<Spanned, SyntaxError> {
+        self.separators();
+        let offset = self.at;
         let error = |message: String| SyntaxError { offset, message };
         if depth > MAX_DEPTH {
             return Err(error(format!("values are nested deeper than {MAX_DEPTH} levels")));
@@ -132,114 +141,74 @@ impl<'t> Reader<'t> {
             .left
             .checked_sub(1)
             .ok_or_else(|| error(format!("the document holds more than {MAX_VALUES} values")))?;
-        let inner = |e: serde_json::Error| error(strip_place(&e.to_string()));
-        let json = match slice.as_bytes().first() {
-            Some(b'n') => Json::Null,
-            Some(b't') => Json::Bool(true),
-            Some(b'f') => Json::Bool(false),
-            Some(b'"') => Json::String(serde_json::from_str(slice).map_err(inner)?),
-            Some(b'[') => {
-                let items: Items<'t> = self.bounded(slice).map_err(inner)?;
-                let items: Result<_, _> = items.0.into_iter().map(|item| self.value(item, depth + 1)).collect();
-                Json::Array(items?)
-            }
-            Some(b'{') => {
-                let entries: Entries<'t> = self.bounded(slice).map_err(inner)?;
-                let mut object = Vec::with_capacity(entries.0.len());
-                for (key, value) in entries.0 {
-                    let value = self.value(value, depth + 1)?;
-                    let offset = match key {
-                        // The opening quote stands one byte before the borrowed key.
-                        Cow::Borrowed(key) => self.offset(key).saturating_sub(1),
-                        Cow::Owned(_) => value.offset,
-                    };
-                    object.push(Entry { key: key.into_owned(), offset, value });
+        let json = match self.peek() {
+            b'"' => Json::String(self.string()?.into_owned()),
+            b'[' => {
+                self.at += 1;
+                let mut items = Vec::new();
+                self.separators();
+                while self.peek() != b']' {
+                    items.push(self.value(depth + 1)?);
+                    self.separators();
                 }
-                Json::Object(object)
+                self.at += 1;
+                Json::Array(items)
             }
-            _ => Json::Number(slice.parse().map_err(|_| error(format!("\"{}\" is not a number", shorten(slice))))?),
+            b'{' => {
+                self.at += 1;
+                let mut entries = Vec::new();
+                self.separators();
+                while self.peek() != b'}' {
+                    let opening = self.at;
+                    let key = self.string()?;
+                    let escaped = matches!(key, Cow::Owned(_));
+                    let key = key.into_owned();
+                    let value = self.value(depth + 1)?;
+                    let offset = if escaped { value.offset } else { opening };
+                    entries.push(Entry { key, offset, value });
+                    self.separators();
+                }
+                self.at += 1;
+                Json::Object(entries)
+            }
+            first => {
+                self.skip(|byte| byte.is_ascii_alphanumeric() || matches!(byte, b'+' | b'-' | b'.'));
+                let slice = &self.text[offset..self.at];
+                match first {
+                    b'n' => Json::Null,
+                    b't' => Json::Bool(true),
+                    b'f' => Json::Bool(false),
+                    _ => Json::Number(
+                        slice.parse().map_err(|_| error(format!("\"{}\" is not a number", shorten(slice))))?,
+                    ),
+                }
+            }
         };
         Ok(Spanned { offset, json })
     }
 
-    /// Parses one level of a container.
-    fn bounded<T: Deserialize<'t>>(&self, slice: &'t str) -> serde_json::Result<T> {
-        serde_json::from_str(slice)
-    }
-}
-
-struct Items<'t>(Vec<&'t RawValue>);
-struct Entries<'t>(Vec<(Cow<'t, str>, &'t RawValue)>);
-
-fn too_many<E: serde::de::Error>() -> E {
-    E::custom(format_args!("the document holds more than {MAX_VALUES} values"))
-}
-
-impl<'de> Deserialize<'de> for Items<'de> {
-    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct Seq;
-        impl<'de> Visitor<'de> for Seq {
-            type Value = Items<'de>;
-            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("a list")
+    /// A string, borrowed from the text where it holds no escapes.
+    fn string(&mut self) -> Result<Cow<'t, str>, SyntaxError> {
+        let opening = self.at;
+        let mut escaped = false;
+        self.at += 1;
+        loop {
+            self.skip(|byte| byte != b'"' && byte != b'\\');
+            if self.peek() != b'\\' {
+                break;
             }
-            fn visit_seq<A: SeqAccess<'de>>(self, mut access: A) -> Result<Self::Value, A::Error> {
-                let mut items = Vec::new();
-                while let Some(item) = access.next_element()? {
-                    if items.len() == MAX_VALUES {
-                        return Err(too_many());
-                    }
-                    items.push(item);
-                }
-                Ok(Items(items))
-            }
+            escaped = true;
+            self.at += 2;
         }
-        deserializer.deserialize_seq(Seq)
-    }
-}
-
-/// A key, borrowed from the text where it holds no escapes.
-struct Key<'t>(Cow<'t, str>);
-
-impl<'de> Deserialize<'de> for Key<'de> {
-    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct Text;
-        impl<'de> Visitor<'de> for Text {
-            type Value = Key<'de>;
-            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("a key")
-            }
-            fn visit_borrowed_str<E>(self, text: &'de str) -> Result<Self::Value, E> {
-                Ok(Key(Cow::Borrowed(text)))
-            }
-            fn visit_str<E>(self, text: &str) -> Result<Self::Value, E> {
-                Ok(Key(Cow::Owned(text.into())))
-            }
+        self.at += 1;
+        let slice = &self.text[opening..self.at];
+        if !escaped {
+            return Ok(Cow::Borrowed(&slice[1..slice.len() - 1]));
         }
-        deserializer.deserialize_str(Text)
-    }
-}
-
-impl<'de> Deserialize<'de> for Entries<'de> {
-    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct Map;
-        impl<'de> Visitor<'de> for Map {
-            type Value = Entries<'de>;
-            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("an object")
-            }
-            fn visit_map<A: MapAccess<'de>>(self, mut access: A) -> Result<Self::Value, A::Error> {
-                let mut entries = Vec::new();
-                while let Some((key, value)) = access.next_entry::<Key<'de>, &'de RawValue>()? {
-                    if entries.len() == MAX_VALUES {
-                        return Err(too_many());
-                    }
-                    entries.push((key.0, value));
-                }
-                Ok(Entries(entries))
-            }
-        }
-        deserializer.deserialize_map(Map)
+        let string: serde_json::Result<String> = serde_json::from_str(slice);
+        string
+            .map(Cow::Owned)
+            .map_err(|error| SyntaxError { offset: opening, message: strip_place(&error.to_string()) })
     }
 }
 
@@ -264,9 +233,73 @@ pub(crate) fn line_and_column(text: &str, offset: usize) -> (usize, usize) {
     (line, column)
 }
 
+/// Bytes from one known place to the next.
+const STRIDE: usize = 1024;
+
+/// Line and column at regular offsets of a text, so that any place is found by a short walk: a thousand warnings about
+/// a long document must not each read all of it.
+#[derive(Clone, Debug)]
+pub(crate) struct Places(Vec<(usize, usize)>);
+
+impl Places {
+    pub(crate) fn new(text: &str) -> Self {
+        let mut known = Vec::with_capacity(text.len() / STRIDE + 1);
+        let mut at = (1, 1);
+        for chunk in text.as_bytes().chunks(STRIDE) {
+            known.push(at);
+            at = walk(at, chunk);
+        }
+        known.push(at);
+        Self(known)
+    }
+
+    /// Line and column (in characters, both from 1) of a byte offset of that text.
+    pub(crate) fn find(&self, text: &str, offset: usize) -> (usize, usize) {
+        let offset = offset.min(text.len());
+        let start = offset / STRIDE;
+        walk(self.0[start], &text.as_bytes()[start * STRIDE..offset])
+    }
+}
+
+/// Line and column after some bytes.
+fn walk(from: (usize, usize), bytes: &[u8]) -> (usize, usize) {
+    bytes.iter().fold(from, |(line, column), &byte| match byte {
+        b'\n' => (line + 1, 1),
+        // Count the bytes that start a character.
+        _ => (line, column + usize::from(byte & 0xC0 != 0x80)),
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn known_places_give_every_place() {
+        let text = "é\n\n".repeat(700) + &"xé".repeat(2000) + "\nend";
+        let places = Places::new(&text);
+        for offset in (0..text.len() + 3).filter(|offset| *offset % 7 == 0 || text.len() - offset.min(&text.len()) < 3)
+        {
+            assert_eq!(places.find(&text, offset), line_and_column(&text, offset), "{offset}");
+        }
+        assert_eq!(Places::new("").find("", 0), (1, 1));
+    }
+
+    #[test]
+    fn escapes_spaces_and_punctuation() {
+        let text = " { \"a\\\"]\" :[ ] ,\"b\":{},\t\"c\" : [-1.5e+3 ,true,\nnull,\"\\\\\" , [false]] } ";
+        let Json::Object(entries) = parse(text).expect("valid").json else { panic!("object") };
+        let keys: Vec<&str> = entries.iter().map(|entry| entry.key.as_str()).collect();
+        assert_eq!(keys, ["a\"]", "b", "c"]);
+        assert_eq!(entries[0].offset, entries[0].value.offset, "keys with escapes stand where their value does");
+        let Json::Array(items) = &entries[2].value.json else { panic!("array") };
+        assert_eq!(items[0].json, Json::Number(-1500.0));
+        assert_eq!((&items[1].json, &items[2].json), (&Json::Bool(true), &Json::Null));
+        assert_eq!(items[3].json, Json::String("\\".into()));
+        assert!(matches!(&items[4].json, Json::Array(inner) if inner[0].json == Json::Bool(false)));
+        assert_eq!(text.as_bytes()[items[4].offset], b'[');
+        assert!(parse("\"\\ud800\"").is_err(), "half a character");
+    }
 
     #[test]
     fn places_are_exact() {

@@ -1,27 +1,91 @@
 //! What stages are given, and what they fill.
 
-use crate::{FrameContext, Handle, NodeError, NodeId, Settled, Source, ViewChannel};
+use crate::{FrameContext, Handle, Kind, NodeError, NodeId, Settled, Source, ViewChannel};
+use std::any::{Any, TypeId};
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, PoisonError, Weak};
 use trochoid_image::Window;
+
+/// What stages share beside their connections, such as a file that several of them read.
+///
+/// Nothing is kept that nobody holds, so an engine may use one pool for as long as it likes.
+#[derive(Default)]
+pub struct Pool {
+    made: Mutex<HashMap<(TypeId, String), Weak<dyn Any + Send + Sync>>>,
+}
+
+impl Pool {
+    /// An empty pool.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// The `T` of this key that someone holds, else what `make` makes.
+    ///
+    /// # Errors
+    /// Those of `make`.
+    pub fn get<T: Any + Send + Sync>(
+        &self,
+        key: &str,
+        make: impl FnOnce() -> Result<T, NodeError>,
+    ) -> Result<Arc<T>, NodeError> {
+        // Whole steps alone are done under the lock, so what a panic left is whole too.
+        let mut made = self.made.lock().unwrap_or_else(PoisonError::into_inner);
+        let key = (TypeId::of::<T>(), key.to_owned());
+        let held = made.get(&key).and_then(Weak::upgrade);
+        if let Some(held) = held.and_then(|held| held.downcast::<T>().ok()) {
+            return Ok(held);
+        }
+        made.retain(|_, held| held.strong_count() > 0);
+        let new = Arc::new(make()?);
+        let any: Arc<dyn Any + Send + Sync> = new.clone();
+        made.insert(key, Arc::downgrade(&any));
+        Ok(new)
+    }
+}
+
+impl std::fmt::Debug for Pool {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Pool").finish_non_exhaustive()
+    }
+}
 
 /// What [`Stage::prepare`](crate::Stage::prepare) is given.
 pub struct Prepare<'a> {
     /// The frame.
     pub frame: &'a FrameContext,
+    /// The kind of each output.
+    pub kinds: &'a [Kind],
     /// For each output, which of its channels are wanted.
     pub wanted: &'a [Vec<bool>],
     handles: &'a dyn Fn(NodeId) -> Option<Handle>,
     cancelled: &'a (dyn Fn() -> bool + Sync),
+    pool: &'a Pool,
 }
 
 impl<'a> Prepare<'a> {
     /// Made by the engine.
     pub fn new(
         frame: &'a FrameContext,
+        kinds: &'a [Kind],
         wanted: &'a [Vec<bool>],
         handles: &'a dyn Fn(NodeId) -> Option<Handle>,
         cancelled: &'a (dyn Fn() -> bool + Sync),
+        pool: &'a Pool,
     ) -> Self {
-        Self { frame, wanted, handles, cancelled }
+        Self { frame, kinds, wanted, handles, cancelled, pool }
+    }
+
+    /// What all nodes share that ask for a `T` by this key.
+    ///
+    /// # Errors
+    /// Those of `make`, which is called where no node holds one yet.
+    pub fn shared<T: Any + Send + Sync>(
+        &self,
+        key: &str,
+        make: impl FnOnce() -> Result<T, NodeError>,
+    ) -> Result<Arc<T>, NodeError> {
+        self.pool.get(key, make)
     }
 
     /// The handles of everything connected to a port, as `T`.
@@ -52,6 +116,11 @@ impl<'a> Prepare<'a> {
     pub fn cancelled(&self) -> bool {
         (self.cancelled)()
     }
+
+    /// The same for threads that a stage starts.
+    pub fn cancellation(&self) -> &'a (dyn Fn() -> bool + Sync) {
+        self.cancelled
+    }
 }
 
 /// A block of samples: one sample of each pixel of a window.
@@ -63,18 +132,37 @@ pub struct Block {
     pub offset: [f64; 2],
 }
 
-/// The channels of one connection over a block, each where asked for.
-pub type Connection<'a> = Vec<Option<&'a [f32]>>;
+/// One connection of a stage over a block.
+#[derive(Clone, Debug, Default)]
+pub struct Connection<'a> {
+    /// The channels, each where asked for: the samples of `window`, row by row.
+    pub planes: Vec<Option<&'a [f32]>>,
+    /// The pixels of the planes: the block's, or the region of interest as far as the image reaches.
+    pub window: Window,
+    /// How far the whole image reaches. Beyond it, and so beyond `window`, the nearest pixel repeats.
+    pub extent: Window,
+}
 
-/// The planes connected to a stage's ports over a block, row by row.
+/// The planes connected to a stage's ports over a block.
 pub struct Inputs<'a> {
-    planes: &'a [(&'static str, Vec<Connection<'a>>)],
+    ports: &'a [(&'static str, Vec<Connection<'a>>)],
 }
 
 impl<'a> Inputs<'a> {
-    /// Made by the engine: for each port, for each connection, for each channel, its plane where asked for.
-    pub fn new(planes: &'a [(&'static str, Vec<Connection<'a>>)]) -> Self {
-        Self { planes }
+    /// Made by the engine: for each port its connections.
+    pub fn new(ports: &'a [(&'static str, Vec<Connection<'a>>)]) -> Self {
+        Self { ports }
+    }
+
+    /// The connections of a port: none where an optional port is open.
+    ///
+    /// # Panics
+    /// The node declares no such port.
+    pub fn all(&self, port: &str) -> &'a [Connection<'a>] {
+        match self.ports.iter().find(|(name, _)| *name == port) {
+            Some((_, connections)) => connections,
+            None => unreachable!("the node type does not declare \"{port}\""),
+        }
     }
 
     /// The channels of connection `index` of a port.
@@ -82,10 +170,7 @@ impl<'a> Inputs<'a> {
     /// # Panics
     /// The node declares no such port, or has no such connection.
     pub fn planes(&self, port: &str, index: usize) -> &[Option<&'a [f32]>] {
-        match self.planes.iter().find(|(name, _)| *name == port) {
-            Some((_, connections)) => &connections[index],
-            None => unreachable!("the node type does not declare \"{port}\""),
-        }
+        &self.all(port)[index].planes
     }
 
     /// A channel of the view connected to a port that the node prefers, where the view supplies it.

@@ -1,10 +1,11 @@
 use crate::Window;
+use trochoid_memory::Buffer;
 
 /// One channel of an image: a rectangle of f32 samples, row by row from the top.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plane {
     window: Window,
-    samples: Vec<f32>,
+    samples: Buffer,
 }
 
 /// The samples of a plane do not fill its window.
@@ -22,7 +23,7 @@ impl Plane {
     /// The number of samples is not the window's area.
     pub fn new(window: Window, samples: Vec<f32>) -> Result<Self, PlaneError> {
         if samples.len() == window.area() {
-            Ok(Self { window, samples })
+            Ok(Self { window, samples: samples.into() })
         } else {
             Err(PlaneError { window, found: samples.len() })
         }
@@ -30,7 +31,16 @@ impl Plane {
 
     /// A plane that holds one value everywhere.
     pub fn filled(window: Window, value: f32) -> Self {
-        Self { window, samples: vec![value; window.area()] }
+        Self { window, samples: vec![value; window.area()].into() }
+    }
+
+    /// A plane of zeros for something large: on cache lines, and on large pages where the system has them. `index` is its
+    /// place among the planes that are used together.
+    ///
+    /// # Errors
+    /// The memory cannot be had.
+    pub fn zeroed(window: Window, index: usize) -> Result<Self, std::collections::TryReserveError> {
+        Ok(Self { window, samples: Buffer::zeroed(window.area(), index)? })
     }
 
     /// Where samples are stored.

@@ -6,42 +6,65 @@ use std::path::{Path, PathBuf};
 
 use crate::Error;
 
-/// Writes a file through a temporary one in the same folder, which then takes its place.
+/// A file on its way: written under a temporary name in the same folder, until it takes its place.
 ///
-/// Whoever looks at `path` sees the old file or the new one. If `fill` or any step fails, the old file is untouched and
-/// no partial file remains.
+/// Whoever looks at the path sees the old file or the new one. Dropped, it leaves the old file and nothing else.
+pub(crate) struct AtomicFile {
+    path: PathBuf,
+    target: PathBuf,
+    pub(crate) writer: BufWriter<File>,
+    temporary: tempfile::TempPath,
+}
+
+impl AtomicFile {
+    /// Starts an empty file.
+    pub(crate) fn create(path: &Path) -> Result<Self, Error> {
+        let target = destination(path)?;
+        let mut builder = tempfile::Builder::new();
+        builder.prefix(".trochoid-").suffix(".partial");
+        #[cfg(unix)]
+        {
+            use std::os::unix::fs::PermissionsExt;
+            // A temporary file is private by default; a picture is as readable as the user's other files (umask applies).
+            builder.permissions(fs::Permissions::from_mode(0o666));
+        }
+        let file = builder.tempfile_in(folder(&target)).map_err(Error::io(path, "create a file in the folder"))?;
+        let (file, temporary) = file.into_parts();
+        Ok(Self { path: path.into(), target, writer: BufWriter::new(file), temporary })
+    }
+
+    /// Puts the finished file in its place.
+    pub(crate) fn commit(self) -> Result<(), Error> {
+        let Self { path, target, mut writer, temporary } = self;
+        writer.flush().map_err(Error::io(&path, "write the file"))?;
+        // On disk before the name changes: after a power cut the name must not lead to missing bytes.
+        writer.get_ref().sync_all().map_err(Error::io(&path, "write the file to disk"))?;
+        drop(writer);
+        temporary.persist(&target).map_err(|error| Error::io(&path, "rename the finished file")(error.error))?;
+        #[cfg(unix)]
+        if let Ok(folder) = File::open(folder(&target)) {
+            // Makes the new name itself durable. Some file systems refuse; the picture is complete either way.
+            let _ = folder.sync_all();
+        }
+        Ok(())
+    }
+}
+
+/// Writes a whole [`AtomicFile`]. If `fill` or any step fails, the old file is untouched.
 pub(crate) fn write_atomically(
     path: &Path,
     fill: impl FnOnce(&mut BufWriter<File>) -> Result<(), Error>,
 ) -> Result<(), Error> {
-    let target = destination(path)?;
-    let folder = match target.parent() {
+    let mut file = AtomicFile::create(path)?;
+    fill(&mut file.writer)?;
+    file.commit()
+}
+
+fn folder(target: &Path) -> &Path {
+    match target.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
         _ => Path::new("."),
-    };
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".trochoid-").suffix(".partial");
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        // A temporary file is private by default; a picture is as readable as the user's other files (umask applies).
-        builder.permissions(fs::Permissions::from_mode(0o666));
     }
-    let temporary = builder.tempfile_in(folder).map_err(Error::io(path, "create a file in the folder"))?;
-    let (file, name) = temporary.into_parts();
-    let mut writer = BufWriter::new(file);
-    fill(&mut writer)?;
-    writer.flush().map_err(Error::io(path, "write the file"))?;
-    // On disk before the name changes: after a power cut the name must not lead to missing bytes.
-    writer.get_ref().sync_all().map_err(Error::io(path, "write the file to disk"))?;
-    drop(writer);
-    name.persist(&target).map_err(|error| Error::io(path, "rename the finished file")(error.error))?;
-    #[cfg(unix)]
-    if let Ok(folder) = File::open(folder) {
-        // Makes the new name itself durable. Some file systems refuse; the picture is complete either way.
-        let _ = folder.sync_all();
-    }
-    Ok(())
 }
 
 /// Where the file really goes: a link keeps pointing at its target, and only a regular file is ever replaced.

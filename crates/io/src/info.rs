@@ -260,6 +260,14 @@ impl fmt::Display for Compression {
     }
 }
 
+/// What kind of picture a file's first bytes announce, whatever its name.
+///
+/// # Errors
+/// The file cannot be opened, or is not a picture.
+pub fn kind(path: impl AsRef<Path>) -> Result<FileKind, Error> {
+    source::open(path.as_ref())?.kind()
+}
+
 /// Reads a file's header, without decoding pixels.
 ///
 /// Parts that cannot be decoded (deep, HTJ2K) are described all the same.

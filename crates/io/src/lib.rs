@@ -1,7 +1,8 @@
 //! Image files: EXR with layers, parts, tiles and windows; PNG, JPEG and TIFF; metadata and atomic writing.
 //!
 //! [`info`] reads a header, [`read`] decodes what a [`Selection`] asks for, [`write_exr`], [`write_png8`] and
-//! [`write_png16`] write, [`read_metadata`] hands back what they were given as metadata.
+//! [`write_png16`] write, [`read_metadata`] hands back what they were given as metadata. [`ExrReader`] and [`ExrWriter`]
+//! do the same band by band, from many threads, without ever holding the whole picture.
 //!
 //! Every header is checked against [`Limits`] before anything is allocated for pixels: a file of a few hundred bytes
 //! can claim a picture of many gigabytes. A damaged file is an [`Error`] that names the place, never a panic.
@@ -45,11 +46,13 @@ mod source;
 mod statistics;
 
 pub use error::Error;
-pub use exr_file::{ExrChannel, ExrImage, write_exr};
-pub use info::{ChannelInfo, Compression, FileKind, Info, Levels, PartInfo, SampleType, Storage, info};
+pub use exr_file::{
+    BandBuffer, EncodeScratch, EncodedBand, ExrChannel, ExrHeader, ExrImage, ExrReader, ExrWriter, write_exr,
+};
+pub use info::{ChannelInfo, Compression, FileKind, Info, Levels, PartInfo, SampleType, Storage, info, kind};
 pub use limits::Limits;
 pub use metadata::read_metadata;
-pub use picture::{Encoding, Picture, PictureChannel, read};
+pub use picture::{Encoding, Picture, PictureChannel, PictureInfo, read};
 pub use png_file::{PngImage, write_png8, write_png16};
 pub use samples::Samples;
 pub use selection::{PartName, Selection};

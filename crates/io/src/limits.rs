@@ -55,3 +55,19 @@ pub(crate) fn reserve<T>(path: &Path, place: &str, count: usize) -> Result<Vec<T
     })?;
     Ok(samples)
 }
+
+/// `count` zeros, which take memory only where they are written; too little of it is an error, as far as the system tells.
+pub(crate) fn zeroed<T: Clone + Default>(path: &Path, place: &str, count: usize) -> Result<Vec<T>, Error> {
+    // Pages of zeros come from the system untouched only through `vec!`, which would abort: so it is asked before.
+    drop(reserve::<T>(path, place, count)?);
+    Ok(vec![T::default(); count])
+}
+
+/// Makes a reused buffer at least this long, without its contents; else gives the bytes that are lacking.
+pub(crate) fn grow<T: Clone + Default>(buffer: &mut Vec<T>, count: usize) -> Result<(), u64> {
+    if buffer.len() < count {
+        *buffer = Vec::new();
+        *buffer = zeroed(Path::new(""), "", count).map_err(|_| (count as u64).saturating_mul(size_of::<T>() as u64))?;
+    }
+    Ok(())
+}

@@ -1,10 +1,9 @@
-use std::io::{BufRead, Seek};
 use std::path::Path;
 
 use trochoid_image::{Chromaticities, Plane, Window};
 
-use crate::source::{self, Source};
-use crate::{Error, FileKind, Limits, PartInfo, SampleType, Selection, exr_file, raster};
+use crate::source::{self, Shareable, Source};
+use crate::{ChannelInfo, Error, ExrReader, FileKind, Limits, PartInfo, SampleType, Selection, raster};
 
 /// How the values of a picture relate to light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -45,6 +44,23 @@ pub struct PictureChannel {
     pub plane: Plane,
 }
 
+/// A [`Picture`] without its pixels: what [`ExrReader::info`] says.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PictureInfo {
+    /// Number of the part the channels come from.
+    pub part: usize,
+    /// The frame the viewer sees.
+    pub display: Window,
+    /// Where pixels are stored: the window of every channel.
+    pub data: Window,
+    /// How values relate to light.
+    pub encoding: Encoding,
+    /// Primaries and white point, if the file states them.
+    pub chromaticities: Option<Chromaticities>,
+    /// The channels, in the order of [`Picture::channels`].
+    pub channels: Vec<ChannelInfo>,
+}
+
 impl Picture {
     /// The channel of that base or full name; in any case if no other fits.
     pub fn channel(&self, name: &str) -> Option<&Plane> {
@@ -67,44 +83,46 @@ impl Picture {
 /// The file cannot be opened, is not a picture, is damaged, holds something that is not supported, lacks what is
 /// selected, or exceeds the limits.
 pub fn read(path: impl AsRef<Path>, selection: &Selection, limits: &Limits) -> Result<Picture, Error> {
-    read_of(&mut source::open(path.as_ref())?, selection, limits)
+    read_of(source::open(path.as_ref())?, selection, limits)
 }
 
-pub(crate) fn read_of<R: BufRead + Seek>(
-    source: &mut Source<R>,
+pub(crate) fn read_of<R: Shareable>(
+    mut source: Source<R>,
     selection: &Selection,
     limits: &Limits,
 ) -> Result<Picture, Error> {
     match source.kind()? {
-        FileKind::Exr => {
-            let header = exr_file::Header::read(source)?;
-            let found = selection.resolve(&source.path, &header.parts)?;
-            let planes = exr_file::read_planes(source, &header, found.part, &found.channels, limits)?;
-            Ok(assemble(&header.parts[found.part], found.part, &found.channels, planes))
-        }
+        FileKind::Exr => ExrReader::of(source, selection, limits)?.picture(),
         kind => {
-            let info = raster::info(source, kind, limits)?;
+            let info = raster::info(&mut source, kind, limits)?;
             let found = selection.resolve(&source.path, std::slice::from_ref(&info))?;
-            let planes = raster::read_planes(source, kind, &info, &found.channels, limits)?;
-            Ok(assemble(&info, found.part, &found.channels, planes))
+            let planes = raster::read_planes(&mut source, kind, &info, &found.channels, limits)?;
+            Ok(PictureInfo::new(&info, found.part, &found.channels).with_planes(planes))
         }
     }
 }
 
-fn assemble(info: &PartInfo, part: usize, channels: &[usize], planes: Vec<Plane>) -> Picture {
-    let described = channels.iter().map(|&index| &info.channels[index]);
-    let channels = described.zip(planes).map(|(channel, plane)| PictureChannel {
-        name: channel.base.clone(),
-        full_name: channel.full_name.clone(),
-        sample_type: channel.sample_type,
-        plane,
-    });
-    Picture {
-        part,
-        display: info.display,
-        data: info.data,
-        encoding: info.encoding,
-        chromaticities: info.chromaticities,
-        channels: channels.collect(),
+impl PictureInfo {
+    /// Of some channels of a part.
+    pub(crate) fn new(info: &PartInfo, part: usize, channels: &[usize]) -> Self {
+        Self {
+            part,
+            display: info.display,
+            data: info.data,
+            encoding: info.encoding,
+            chromaticities: info.chromaticities,
+            channels: channels.iter().map(|&index| info.channels[index].clone()).collect(),
+        }
+    }
+
+    pub(crate) fn with_planes(self, planes: Vec<Plane>) -> Picture {
+        let Self { part, display, data, encoding, chromaticities, channels } = self;
+        let channels = channels.into_iter().zip(planes).map(|(channel, plane)| PictureChannel {
+            name: channel.base,
+            full_name: channel.full_name,
+            sample_type: channel.sample_type,
+            plane,
+        });
+        Picture { part, display, data, encoding, chromaticities, channels: channels.collect() }
     }
 }

@@ -55,4 +55,18 @@ impl<'a> Samples<'a> {
         let tail = self.values.get(start.saturating_mul(self.step)..).unwrap_or(&[]);
         tail.iter().step_by(self.step).take(count).copied()
     }
+
+    /// The same; contiguous, gathered in `buffer` if need be.
+    pub(crate) fn row<'b>(self, start: usize, count: usize, buffer: &'b mut Vec<f32>) -> &'b [f32]
+    where
+        'a: 'b,
+    {
+        if self.step == 1 {
+            let tail = self.values.get(start..).unwrap_or(&[]);
+            return tail.get(..count).unwrap_or(tail);
+        }
+        buffer.clear();
+        buffer.extend(self.range(start, count));
+        buffer
+    }
 }

@@ -1,7 +1,7 @@
 //! Opening files, and reading from them with the place in every error.
 
 use std::fs::File;
-use std::io::{BufReader, Read, Seek, SeekFrom};
+use std::io::{BufRead, BufReader, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
 use crate::{Error, FileKind};
@@ -23,6 +23,44 @@ pub(crate) fn open(path: &Path) -> Result<Source<BufReader<File>>, Error> {
     }
     let file = File::open(path).map_err(Error::io(path, "open the file"))?;
     Ok(Source { path: path.into(), length: found.len(), reader: BufReader::new(file) })
+}
+
+/// Bytes that many threads read at once, each at its own position.
+pub(crate) trait ReadAt: Send + Sync {
+    /// Fills `bytes` from `position` on.
+    fn read_at(&self, bytes: &mut [u8], position: u64) -> std::io::Result<()>;
+}
+
+/// A reader whose bytes threads can share afterwards.
+pub(crate) trait Shareable: BufRead + Seek {
+    /// The same bytes, without a position of their own.
+    fn share(self) -> Box<dyn ReadAt>;
+}
+
+impl Shareable for BufReader<File> {
+    fn share(self) -> Box<dyn ReadAt> {
+        #[cfg(unix)]
+        return Box::new(self.into_inner());
+        #[cfg(not(unix))]
+        return Box::new(std::sync::Mutex::new(self.into_inner()));
+    }
+}
+
+#[cfg(unix)]
+impl ReadAt for File {
+    fn read_at(&self, bytes: &mut [u8], position: u64) -> std::io::Result<()> {
+        std::os::unix::fs::FileExt::read_exact_at(self, bytes, position)
+    }
+}
+
+/// Where files cannot be read at a position, one thread reads at a time.
+#[cfg(not(unix))]
+impl ReadAt for std::sync::Mutex<File> {
+    fn read_at(&self, bytes: &mut [u8], position: u64) -> std::io::Result<()> {
+        let mut file = self.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        file.seek(SeekFrom::Start(position))?;
+        file.read_exact(bytes)
+    }
 }
 
 impl<R: Read + Seek> Source<R> {
@@ -54,6 +92,21 @@ impl<R: Read + Seek> Source<R> {
             return Err(Error::invalid(&self.path, place, found, format!("{count} bytes")));
         }
         Ok(bytes)
+    }
+}
+
+#[cfg(test)]
+impl Shareable for std::io::Cursor<Vec<u8>> {
+    fn share(self) -> Box<dyn ReadAt> {
+        Box::new(self.into_inner())
+    }
+}
+
+#[cfg(test)]
+impl ReadAt for Vec<u8> {
+    fn read_at(&self, bytes: &mut [u8], position: u64) -> std::io::Result<()> {
+        let tail = usize::try_from(position).ok().and_then(|position| self.get(position..));
+        tail.ok_or(std::io::ErrorKind::UnexpectedEof)?.read_exact(bytes)
     }
 }
 

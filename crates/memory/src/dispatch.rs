@@ -56,8 +56,12 @@ pub fn dispatch<K: Kernel>(level: Level, kernel: K) -> K::Output {
         Level::Avx512(simd) => with!(simd),
         #[cfg(target_arch = "x86_64")]
         Level::Avx2(simd) => with!(simd),
+        // Without fused multiply–add nothing later than SSE2 helps.
         #[cfg(target_arch = "x86_64")]
-        Level::Sse4_2(simd) => with!(simd),
+        Level::Sse4_2(simd) => match fearless_simd::Simd::level(simd).as_sse2() {
+            Some(simd) => with!(simd),
+            None => unreachable!("SSE4.2 holds SSE2"),
+        },
         #[cfg(target_arch = "x86_64")]
         Level::Sse2(simd) => with!(simd),
         #[cfg(target_arch = "aarch64")]

@@ -12,4 +12,4 @@ mod target;
 pub use buffer::Buffer;
 pub use dispatch::{Instructions, Kernel, dispatch};
 pub use prefetch::prefetch;
-pub use target::{Line, Stream, Target, write_around};
+pub use target::{Line, Lines, Stream, Target, write_around};

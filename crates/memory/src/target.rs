@@ -39,13 +39,17 @@ impl<'a> Target<'a> {
     /// # Panics
     /// They do not fit.
     #[inline(always)]
-    pub fn store<S: Stream>(&mut self, index: usize, value: f32x16<S>) {
+    pub fn store<S: Simd>(&mut self, index: usize, value: f32x16<S>) {
         let Some(to) = self.samples[index..].first_chunk_mut::<16>() else { panic!("16 samples at {index}") };
-        if self.around && to.as_ptr().addr() % 64 == 0 {
-            S::stream(value, Line(to));
-        } else {
-            value.store_slice(to);
-        }
+        value.store_slice(to);
+    }
+
+    /// All of it as cache lines, if it is to be written around the cache and is nothing but whole lines.
+    #[inline(always)]
+    pub fn lines(&mut self) -> Option<Lines<'_>> {
+        let (lines, rest) = self.samples.as_chunks_mut::<16>();
+        let whole = rest.is_empty() && lines.as_ptr().addr() % 64 == 0;
+        (self.around && whole).then_some(Lines(lines))
     }
 
     /// Writes samples at `index`.
@@ -96,12 +100,30 @@ impl Drop for Fence {
     }
 }
 
-/// 16 samples that begin on a cache line, within a call of [`write_around`]. Only targets make them.
+/// Cache lines to be written around the cache, within a call of [`write_around`]. Only targets make them.
+#[derive(Debug)]
+pub struct Lines<'a>(&'a mut [[f32; 16]]);
+
+impl Lines<'_> {
+    /// Writes line `index`.
+    ///
+    /// # Panics
+    /// There is no such line.
+    #[inline(always)]
+    pub fn store<S: Stream>(&mut self, index: usize, value: f32x16<S>) {
+        S::stream(value, Line(&mut self.0[index]));
+    }
+}
+
+/// 16 samples that begin on a cache line. Only [`Lines`] make them.
 #[derive(Debug)]
 pub struct Line<'a>(&'a mut [f32; 16]);
 
 /// An instruction set's store around the cache.
 pub trait Stream: Simd {
+    /// Whether it has a fused multiply–add, without which mixing is slow however it is done.
+    const FUSED: bool = false;
+
     /// Writes a whole line; through the cache where there is no such store.
     #[inline(always)]
     fn stream(value: f32x16<Self>, line: Line<'_>) {
@@ -113,19 +135,22 @@ pub trait Stream: Simd {
 impl Stream for fearless_simd::Fallback {}
 
 #[cfg(target_arch = "aarch64")]
-impl Stream for fearless_simd::aarch64::Neon {}
+impl Stream for fearless_simd::aarch64::Neon {
+    const FUSED: bool = true;
+}
 
 #[cfg(target_arch = "x86_64")]
 mod x86 {
     use super::{Line, Stream};
     use core::arch::x86_64::{__m256, __m512, _mm256_stream_ps, _mm512_stream_ps};
-    use fearless_simd::x86::{Avx2, Avx512, Sse2, Sse4_2};
+    use fearless_simd::x86::{Avx2, Avx512, Sse2};
     use fearless_simd::{Simd, f32x16};
 
     impl Stream for Sse2 {}
-    impl Stream for Sse4_2 {}
 
     impl Stream for Avx2 {
+        const FUSED: bool = true;
+
         #[inline(always)]
         #[allow(unsafe_code)]
         fn stream(value: f32x16<Self>, line: Line<'_>) {
@@ -142,6 +167,8 @@ mod x86 {
     }
 
     impl Stream for Avx512 {
+        const FUSED: bool = true;
+
         #[inline(always)]
         #[allow(unsafe_code)]
         fn stream(value: f32x16<Self>, line: Line<'_>) {
@@ -166,8 +193,11 @@ mod tests {
 
         #[inline(always)]
         fn run<S: Stream>(self, simd: S) {
-            for i in 0..self.0.len() / 16 {
-                self.0.store(16 * i, f32x16::from_slice(simd, &[i as f32 + self.1; 16]));
+            let value = |i: usize| f32x16::from_slice(simd, &[i as f32 + self.1; 16]);
+            let count = self.0.len() / 16;
+            match self.0.lines() {
+                Some(mut lines) => (0..count).for_each(|i| lines.store(i, value(i))),
+                None => (0..count).for_each(|i| self.0.store(16 * i, value(i))),
             }
         }
     }
@@ -186,6 +216,17 @@ mod tests {
                     assert_eq!(*v, if inside < 48 { (inside / 16) as f32 } else { -1.0 }, "{start} {i}");
                 }
             }
+        }
+    }
+
+    #[test]
+    fn only_whole_lines_are_written_around_the_cache() {
+        let mut buffer = crate::Buffer::zeroed(100, 0).unwrap();
+        assert!(Target::new(&mut buffer[..64]).lines().is_none(), "nobody asked for it");
+        for (range, whole) in [(0..64, true), (16..32, true), (0..60, false), (1..65, false), (8..24, false)] {
+            write_around(vec![&mut buffer[range.clone()]], |targets| {
+                assert_eq!(targets[0].lines().is_some(), whole, "{range:?}");
+            });
         }
     }
 

@@ -8,6 +8,7 @@
 
 #![cfg_attr(test, allow(clippy::unwrap_used, reason = "a test may panic"))]
 
+mod filter_support;
 #[cfg(feature = "io")]
 mod io_support;
 #[cfg(feature = "scene")]

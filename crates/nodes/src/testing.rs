@@ -30,13 +30,15 @@ impl Frame {
     pub(crate) fn new(graph: CheckedGraph) -> Result<Self, NodeError> {
         let context = graph.frame_context(graph.frames().0, 1 << 30);
         let mut prepared: Vec<Option<Box<dyn Prepared>>> = graph.nodes().iter().map(|_| None).collect();
+        let pool = Pool::new();
         for &id in graph.order() {
             let node = graph.node(id);
             let Body::Stage(stage) = node.ty.body() else { continue };
             let wanted: Vec<Vec<bool>> = node.kinds.iter().map(|kind| vec![true; kind.channels()]).collect();
             let handles = |id: NodeId| prepared[id.0].as_ref().and_then(|prepared| prepared.handle());
             let settled = graph.settle(id, context.frame);
-            let made = stage.prepare(&settled, &Prepare::new(&context, &wanted, &handles, &|| false))?;
+            let prepare = Prepare::new(&context, &node.kinds, &wanted, &handles, &|| false, &pool);
+            let made = stage.prepare(&settled, &prepare)?;
             prepared[id.0] = Some(made);
         }
         Ok(Self { graph, context, prepared })
@@ -50,7 +52,7 @@ impl Frame {
 
     /// An output of a node in f64.
     pub(crate) fn reference(&self, id: NodeId, output: usize, at: [f64; 2]) -> Reference {
-        let inputs = |source: &Source<Vec<f64>>| match source {
+        let inputs = |source: &Source<Vec<f64>>, at: [f64; 2]| match source {
             Source::Output { node, output } => self.reference(*node, *output, at),
             _ => unreachable!("literals are evaluated where they stand"),
         };
@@ -101,6 +103,19 @@ impl Frame {
         };
         let results = self.run(&program, at);
         rows.into_iter().flat_map(|row| results[row as usize].clone()).collect()
+    }
+
+    /// Fills every plane of a stage over the picture: what is read on demand is read, and judged.
+    #[cfg_attr(not(feature = "io"), allow(dead_code, reason = "only files are judged"))]
+    pub(crate) fn fill_all(&self, name: &str) -> Result<(), NodeError> {
+        let id = self.graph.find(name).unwrap();
+        let block = Block { window: self.context.format.window(), offset: [0.5; 2] };
+        let plane = |_| vec![f32::NAN; block.window.area()];
+        let kinds = &self.graph.node(id).kinds;
+        let mut memory: Vec<Vec<Vec<f32>>> =
+            kinds.iter().map(|kind| (0..kind.channels()).map(plane).collect()).collect();
+        let planes = memory.iter_mut().map(|planes| planes.iter_mut().map(|plane| Some(&mut plane[..])).collect());
+        self.node(name).fill(&block, &Inputs::new(&[]), &mut Outputs::new(planes.collect()))
     }
 
     /// One channel of a stage at one sample, by its fill.

@@ -32,6 +32,7 @@ mod load;
 mod output;
 mod report;
 mod resume;
+mod stream;
 
 pub use files::{check_destination, write_whole};
 pub use judge::{Miss, guarantee, held, misses, requirement};
@@ -39,9 +40,10 @@ pub use load::{LoadError, Loaded, load, missing_files, parse, registry};
 pub use output::{OutputError, OutputFile, output_files, write_output};
 pub use report::{RunReport, RunStatus, frame_report};
 pub use resume::Fingerprints;
+pub use stream::FileSink;
 pub use trochoid_engine::{
-    Audit, Buffers, Cache, EvalError, Frame, LeftOut, Monitor, NodeReport, Phases, Picture, Plan, PlanError,
-    ReferenceError, ReferenceFrame, Settings, ShadingPlan, Silent, State, Switches,
+    Audit, Buffers, Cache, EvalError, Frame, Instructions, Judging, LeftOut, Monitor, NodeReport, Phases, Picture,
+    Plan, PlanError, ReferenceError, ReferenceFrame, Settings, ShadingPlan, Silent, Sink, State, Switches,
 };
 pub use trochoid_graph::{
     Accepts, Arity, CheckedGraph, CheckedNode, Declaration, Default as KnobDefault, Diagnostic, End, Guarantee, Item,

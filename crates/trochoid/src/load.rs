@@ -1,6 +1,6 @@
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
-use trochoid_graph::{CheckedGraph, Diagnostic, Document, MAX_BYTES, Registry, Severity, check};
+use trochoid_graph::{CheckedGraph, Diagnostic, Document, MAX_BYTES, NodeId, Registry, Severity, check};
 
 /// All node types of this build.
 pub fn registry() -> &'static Registry {
@@ -105,10 +105,10 @@ pub fn missing_files(graph: &CheckedGraph) -> Vec<Diagnostic> {
     let first = graph.frames().0;
     let context = graph.frame_context(first, u64::MAX);
     let mut missing = Vec::new();
+    let mut at = Vec::new();
     for (index, node) in graph.nodes().iter().enumerate().filter(|(_, node)| !node.disabled) {
-        let mut only = vec![false; graph.nodes().len()];
-        only[index] = true;
-        for path in graph.files(&only, &context).into_iter().filter(|path| !path.exists()) {
+        for path in graph.files_of(NodeId(index), &context).into_iter().filter(|path| !path.exists()) {
+            at.push(index);
             missing.push(Diagnostic {
                 severity: Severity::Warning,
                 file: graph.name().into(),
@@ -122,5 +122,12 @@ pub fn missing_files(graph: &CheckedGraph) -> Vec<Diagnostic> {
             });
         }
     }
-    missing
+    if missing.is_empty() {
+        return missing;
+    }
+    // What is connected, but not chosen at that frame, may be missing.
+    let roots = || graph.outputs().iter().map(|output| output.node);
+    let (connected, reached) = (graph.upstream(roots()), graph.reached(roots(), first));
+    let counts = |index: usize| !connected[index] || reached[index];
+    missing.into_iter().zip(at).filter(|(_, index)| counts(*index)).map(|(fault, _)| fault).collect()
 }

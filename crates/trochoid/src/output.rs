@@ -4,7 +4,7 @@ use std::path::{Component, Path, PathBuf};
 use trochoid_engine::{Frame, Picture};
 use trochoid_graph::{CheckedGraph, Kind, OutputSpec, Precision, expand_frame};
 use trochoid_image::{Plane, Window, WorkingSpace, srgb_encode};
-use trochoid_io::{ExrChannel, ExrImage, PngImage, Samples, write_exr, write_png8, write_png16};
+use trochoid_io::{ExrChannel, ExrImage, PngImage, SampleType, Samples, write_exr, write_png8, write_png16};
 
 /// A file to be written for one frame, and the outputs that go into it.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -150,12 +150,29 @@ pub fn write_output(
     file: &OutputFile,
     metadata: &[(String, String)],
 ) -> Result<(), OutputError> {
-    if let Some(folder) = file.path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
-        std::fs::create_dir_all(folder)
-            .map_err(|error| OutputError::Folder { path: folder.into(), reason: error.to_string() })?;
-    }
+    folder_of_file(&file.path)?;
     let is_png = file.path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("png"));
     if is_png { write_png(graph, frame, file, metadata) } else { write_layers(graph, frame, file, metadata) }
+}
+
+/// Makes the folder of a file.
+pub(crate) fn folder_of_file(path: &Path) -> Result<(), OutputError> {
+    match path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
+        Some(folder) => std::fs::create_dir_all(folder)
+            .map_err(|error| OutputError::Folder { path: folder.into(), reason: error.to_string() }),
+        None => Ok(()),
+    }
+}
+
+/// Names of an output's channels in an EXR file, and how their samples are stored.
+pub(crate) fn file_channels(graph: &CheckedGraph, spec: &OutputSpec, file: &OutputFile) -> Vec<(String, SampleType)> {
+    let layer = layer(spec, file);
+    // Fields are measures: half would round a depth of a kilometer to half a meter.
+    let default = if matches!(spec.kind, Kind::Field(_)) { Precision::Float } else { Precision::Half };
+    let float = spec.precision.unwrap_or(default) == Precision::Float;
+    let named = |name: String| if layer.is_empty() { name } else { format!("{layer}.{name}") };
+    let sample_type = if float { SampleType::Float } else { SampleType::Half };
+    channel_names(graph, spec).into_iter().map(|name| (named(name), sample_type)).collect()
 }
 
 fn pictures<'f>(graph: &'f CheckedGraph, frame: &'f Frame, file: &OutputFile) -> Vec<(&'f OutputSpec, &'f Picture)> {
@@ -184,13 +201,9 @@ fn write_layers(
     let mut channels = Vec::new();
     for ((spec, picture), linear) in chosen.iter().zip(&linear) {
         let planes = if linear.is_empty() { &picture.planes } else { linear };
-        let layer = layer(spec, file);
-        for (name, plane) in channel_names(graph, spec).into_iter().zip(planes) {
-            let name = if layer.is_empty() { name } else { format!("{layer}.{name}") };
+        for ((name, sample_type), plane) in file_channels(graph, spec, file).into_iter().zip(planes) {
             let samples = Samples::plane(plane);
-            // Fields are measures: half would round a depth of a kilometer to half a meter.
-            let default = if matches!(picture.kind, Kind::Field(_)) { Precision::Float } else { Precision::Half };
-            let float = spec.precision.unwrap_or(default) == Precision::Float;
+            let float = sample_type == SampleType::Float;
             channels.push(if float { ExrChannel::float(name, samples) } else { ExrChannel::half(name, samples) });
         }
     }

@@ -81,6 +81,7 @@ pub fn frame_report(graph: &CheckedGraph, frame: &Frame, write_seconds: f64) -> 
                 "nan_count": audit.nan_count,
                 "repaired": repaired,
                 "pixels": audit.pixels,
+                "judged": audit.judged,
             });
             (graph.outputs()[picture.output].name.clone(), value)
         })

@@ -27,7 +27,7 @@ impl Fingerprints {
     pub fn of(&mut self, graph: &CheckedGraph, file: &OutputFile, frame: i64) -> String {
         let context = graph.frame_context(frame, u64::MAX);
         let roots = file.outputs.iter().map(|index| graph.outputs()[*index].node);
-        let files = graph.files(&graph.upstream(roots), &context);
+        let files = graph.files(&graph.reached(roots, frame), &context);
         let mut hasher = blake3::Hasher::new();
         hasher.update(format!("{VERSION} {} {frame} {:?}", graph.document_hash(), file.outputs).as_bytes());
         hasher.update(format!("{:?}", graph.format()).as_bytes());

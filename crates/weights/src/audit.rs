@@ -5,8 +5,10 @@
 /// [`Default`] is the tally of no pixel, the neutral element of [`merge`](Audit::merge).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Audit {
-    /// Pixels judged.
+    /// Pixels made.
     pub pixels: u64,
+    /// Pixels judged one by one; the others were only seen to lie in the box of their controls.
+    pub judged: u64,
     /// Pixels outside the hull (or box) of their controls by more than the margin; NaN counts.
     pub hull_exits: u64,
     /// The largest distance of such a pixel from the hull, in units of the working space; 0 where there is none, +∞
@@ -24,6 +26,7 @@ impl Default for Audit {
     fn default() -> Self {
         Self {
             pixels: 0,
+            judged: 0,
             hull_exits: 0,
             worst_exit: 0.0,
             weight_sum_max_deviation: 0.0,
@@ -41,6 +44,7 @@ impl Audit {
     pub fn merge(self, other: Self) -> Self {
         Self {
             pixels: self.pixels + other.pixels,
+            judged: self.judged + other.judged,
             hull_exits: self.hull_exits + other.hull_exits,
             worst_exit: self.worst_exit.max(other.worst_exit),
             weight_sum_max_deviation: self.weight_sum_max_deviation.max(other.weight_sum_max_deviation),

@@ -4,9 +4,10 @@ use proptest::prelude::*;
 use trochoid_weights::Audit;
 
 fn audit() -> impl Strategy<Value = Audit> {
-    (0_u64..1000, 0_u64..1000, 0.0_f64..1.0, 0.0_f64..1.0, 0.0_f64..1.0, 0_u64..10).prop_map(
-        |(pixels, hull_exits, worst_exit, weight_sum_max_deviation, weight_min, nan_count)| Audit {
+    (0_u64..1000, 0_u64..1000, 0_u64..1000, 0.0_f64..1.0, 0.0_f64..1.0, 0.0_f64..1.0, 0_u64..10).prop_map(
+        |(pixels, judged, hull_exits, worst_exit, weight_sum_max_deviation, weight_min, nan_count)| Audit {
             pixels,
+            judged,
             hull_exits,
             worst_exit,
             weight_sum_max_deviation,

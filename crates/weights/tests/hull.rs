@@ -133,6 +133,48 @@ proptest! {
         prop_assert_eq!(around.exits(&r, &g, &b, margin), (single.len() as u64, single.iter().copied().fold(0.0, f64::max)));
     }
 
+    /// Pixels near faces, edges and corners, off by a part of the margin or some times as much, and hostile ones.
+    #[test]
+    fn rows_agree_with_pixels_at_the_boundary(
+        points in prop::collection::vec([0.0_f32..1.0, 0.0_f32..1.0, 0.0_f32..1.0], 1..150),
+        stretch in prop::array::uniform3(prop_oneof![4 => Just(1.0_f32), 1 => Just(0.0), 1 => Just(1e-2), 1 => Just(1e-4), 1 => Just(1e-6)]),
+        turned in any::<bool>(),
+        scale in prop_oneof![8 => Just(1.0_f32), 1 => Just(1e-42), 1 => Just(1e-33), 1 => Just(1e-20), 1 => Just(1e20), 1 => Just(1e37)],
+        levels in prop_oneof![Just(0), Just(1), 2_usize..40],
+        large in prop_oneof![9 => Just(0.0), 1 => Just(0.1), 1 => Just(f64::INFINITY)],
+        mixes in prop::collection::vec((any::<[prop::sample::Index; 3]>(),
+            prop::array::uniform2(prop_oneof![Just(0.0_f32), Just(1.0), 0.0_f32..1.0]),
+            prop::array::uniform3(prop_oneof![3 => Just(0.0_f64), 2 => -1.0..1.0]),
+            prop_oneof![Just(0.0_f64), Just(0.5), Just(0.99), Just(1.01), Just(2.0), Just(1e3), Just(1e6)]), 300),
+        hostile in prop::collection::vec((0_usize..300, 0_usize..3, prop_oneof![
+            Just(f32::NAN), Just(f32::INFINITY), Just(f32::NEG_INFINITY), Just(f32::MAX), Just(-f32::MAX),
+            Just(f32::from_bits(1)), Just(-0.0), Just(-1.0)]), 0..6),
+    ) {
+        let place = |p: &[f32; 3]| {
+            let [x, y, z]: [f32; 3] = std::array::from_fn(|i| p[i] * stretch[i]);
+            let [x, y, z] = if turned { [0.2 + 0.5 * x + 0.25 * y - 0.125 * z, 0.4 - 0.25 * x + 0.5 * y, 0.1 + z + 0.25 * x] } else { [x, y, z] };
+            [x * scale, y * scale, z * scale]
+        };
+        let points: Vec<[f32; 3]> = points.iter().map(place).collect();
+        let hull = Hull::new(&points);
+        let margin = hull.margin(levels) + large;
+        let corners = hull.vertices();
+        let mut pixels: Vec<[f32; 3]> = mixes.iter().map(|(colors, [t, u], away, times)| {
+            let [a, b, c] = colors.each_ref().map(|index| corners[index.index(corners.len())]);
+            std::array::from_fn(|i| {
+                let mixed = trochoid_weights::arithmetic::mix(trochoid_weights::arithmetic::mix(a[i], b[i], *t), c[i], *u);
+                (f64::from(mixed) + away[i] * times * hull.margin(levels)) as f32
+            })
+        }).collect();
+        for &(at, channel, value) in &hostile {
+            pixels[at][channel] = value;
+        }
+        let channel = |i: usize| pixels.iter().map(|p| p[i]).collect::<Vec<_>>();
+        let (r, g, b) = (channel(0), channel(1), channel(2));
+        let single: Vec<f64> = pixels.iter().filter_map(|p| hull.exit(p, margin)).collect();
+        prop_assert_eq!(hull.exits(&r, &g, &b, margin), (single.len() as u64, single.iter().copied().fold(0.0, f64::max)));
+    }
+
     #[test]
     fn pieces_and_order_do_not_matter(points in prop::collection::vec(any::<[u8; 3]>(), 1..4000), cut in any::<prop::sample::Index>()) {
         let points: Vec<[f32; 3]> = points.iter().map(|p| p.map(|v| f32::from(v) / 255.0)).collect();

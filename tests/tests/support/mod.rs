@@ -1,11 +1,14 @@
 //! What the tests share: loading, evaluating, comparing bits, and the settings that must not change one.
 
 mod files;
+pub(crate) mod large;
 
 pub(crate) use files::{folder, write_exr};
 
 use std::path::{Path, PathBuf};
-use trochoid::{Buffers, Cache, CheckedGraph, Frame, Picture, Plan, Settings, Silent, State, Switches, parse};
+use trochoid::{
+    Buffers, Cache, CheckedGraph, Frame, Instructions, Judging, Picture, Plan, Settings, Silent, State, Switches, parse,
+};
 
 /// The workspace's root.
 pub(crate) fn root() -> PathBuf {
@@ -68,12 +71,15 @@ pub(crate) fn settings(change: impl FnOnce(&mut Settings)) -> Settings {
 pub(crate) fn variants() -> Vec<(String, Settings)> {
     let mut variants = vec![
         ("all switches off".into(), settings(|s| s.switches = Switches::NONE)),
-        ("tiles of 1 × 1".into(), settings(|s| s.tile = (1, 1))),
-        ("tiles of 3 × 2".into(), settings(|s| s.tile = (3, 2))),
-        ("one tile".into(), settings(|s| s.tile = (1 << 20, 1 << 20))),
-        ("2 threads".into(), settings(|s| (s.threads, s.tile) = (2, (2, 1)))),
-        ("3 threads".into(), settings(|s| (s.threads, s.tile) = (3, (3, 1)))),
-        ("off, tiles of 3 × 2".into(), settings(|s| (s.switches, s.tile) = (Switches::NONE, (3, 2)))),
+        ("tiles of 1 × 1".into(), settings(|s| s.tile = Some((1, 1)))),
+        ("tiles of 3 × 2".into(), settings(|s| s.tile = Some((3, 2)))),
+        ("one tile".into(), settings(|s| s.tile = Some((1 << 20, 1 << 20)))),
+        ("AVX2 at most".into(), settings(|s| s.instructions = Instructions::Avx2)),
+        ("the baseline".into(), settings(|s| s.instructions = Instructions::Baseline)),
+        ("judged by samples".into(), settings(|s| s.judge = Judging::Sampled)),
+        ("2 threads".into(), settings(|s| (s.threads, s.tile) = (2, Some((2, 1))))),
+        ("3 threads".into(), settings(|s| (s.threads, s.tile) = (3, Some((3, 1))))),
+        ("off, tiles of 3 × 2".into(), settings(|s| (s.switches, s.tile) = (Switches::NONE, Some((3, 2))))),
     ];
     type Field = fn(&mut Switches) -> &mut bool;
     let switches: [(&str, Field); 6] = [

@@ -9,12 +9,13 @@ use std::collections::{BTreeSet, HashSet};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 use trochoid::{
-    Cache, CheckedGraph, EvalError, Fingerprints, Frame, Guarantee, Monitor, OutputFile, Plan, RunReport, Settings,
-    Switches, check_destination, frame_report, misses, nearest, output_files, write_output,
+    Cache, CheckedGraph, EvalError, FileSink, Fingerprints, Frame, Guarantee, Monitor, OutputFile, Plan, RunReport,
+    Settings, Sink, Switches, check_destination, frame_report, misses, nearest, output_files, write_output,
 };
 
 /// How a plan becomes a frame; tests put another in its place.
-pub(super) type Evaluate<'e> = dyn Fn(&Plan<'_>, &mut Cache, &dyn Monitor) -> Result<Frame, EvalError> + 'e;
+pub(super) type Evaluate<'e> =
+    dyn Fn(&Plan<'_>, Option<&dyn Sink>, &mut Cache, &dyn Monitor) -> Result<Frame, EvalError> + 'e;
 
 /// What a run has to do.
 pub(super) struct Job<'a> {
@@ -64,13 +65,14 @@ impl<'a> Job<'a> {
     fn check_files(&self, faults: &mut Vec<Failure>) {
         let mut written = BTreeSet::new();
         let mut read = HashSet::new();
-        let needed = self.graph.upstream(self.outputs.iter().map(|index| self.graph.outputs()[*index].node));
+        let roots = || self.outputs.iter().map(|index| self.graph.outputs()[*index].node);
         for &frame in &self.frames {
             match self.files(frame) {
                 Ok(files) => written.extend(files.into_iter().map(|file| file.path)),
                 // What is wrong with a pattern is wrong at every frame.
                 Err(fault) => return faults.push(fault),
             }
+            let needed = self.graph.reached(roots(), frame);
             read.extend(self.graph.files(&needed, &self.graph.frame_context(frame, u64::MAX)));
         }
         let inputs: HashSet<PathBuf> = read.iter().filter_map(|path| path.canonicalize().ok()).collect();
@@ -151,22 +153,30 @@ impl<'a> Job<'a> {
             .collect();
         let failed = |error: &dyn std::fmt::Display| Failure::new(FAILED, format!("frame {number}: {error}"));
         let plan = Plan::new(self.graph, &names, number, &[], &self.settings).map_err(|error| failed(&error))?;
-        let frame = evaluate(&plan, cache, progress).map_err(|error| match error {
-            EvalError::Cancelled => interrupted(),
-            error => failed(&error),
+        // EXR files are written while their rows are made; others need the whole picture.
+        let sink = FileSink::create(self.graph, &plan, &open)?;
+        let frame = evaluate(&plan, sink.as_ref().map(|sink| sink as &dyn Sink), cache, progress);
+        let frame = frame.map_err(|error| match (error, &sink) {
+            (EvalError::Cancelled, _) => interrupted(),
+            (EvalError::Sink(text), Some(sink)) => sink.failure().map_or_else(|| failed(&text), Failure::from),
+            (error, _) => failed(&error),
         })?;
         stop_if_asked()?;
         let misses = misses(self.graph, &frame, self.required);
         let writing = Instant::now();
-        let mut files = Vec::with_capacity(open.len());
-        for file in open {
-            let keeps = !misses.iter().any(|miss| file.outputs.contains(&miss.output));
-            if keeps {
-                let metadata = fingerprints.metadata(self.graph, &file, &frame);
-                write_output(self.graph, &frame, &file, &metadata)?;
+        let keeps = |file: &OutputFile| !misses.iter().any(|miss| file.outputs.contains(&miss.output));
+        match sink {
+            Some(sink) => {
+                sink.finish(|file| keeps(file).then(|| fingerprints.metadata(self.graph, file, &frame)))?;
             }
-            files.push((file, keeps));
+            None => {
+                for file in open.iter().filter(|file| keeps(file)) {
+                    let metadata = fingerprints.metadata(self.graph, file, &frame);
+                    write_output(self.graph, &frame, file, &metadata)?;
+                }
+            }
         }
+        let files: Vec<(OutputFile, bool)> = open.into_iter().map(|file| (file.clone(), keeps(&file))).collect();
         let mut report = frame_report(self.graph, &frame, writing.elapsed().as_secs_f64());
         let described = files
             .iter()

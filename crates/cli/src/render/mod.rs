@@ -78,7 +78,10 @@ impl Args {
 /// Everything that is wrong beforehand, at once; then nothing has been written. Later, what stopped the run, or that a
 /// required guarantee was missed.
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
-    run_with(args, &|plan, cache, monitor| plan.evaluate(&trochoid::Buffers::new(), cache, monitor))
+    run_with(args, &|plan, sink, cache, monitor| match sink {
+        Some(sink) => plan.evaluate_to(sink, &trochoid::Buffers::new(), cache, monitor),
+        None => plan.evaluate(&trochoid::Buffers::new(), cache, monitor),
+    })
 }
 
 fn run_with(args: &Args, evaluate: &job::Evaluate<'_>) -> Result<(), Failure> {

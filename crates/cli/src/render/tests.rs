@@ -1,7 +1,7 @@
 use super::*;
 use crate::failure::{FAILED, INTERRUPTED, MISSED};
 use std::path::Path;
-use trochoid::{Buffers, Cache, EvalError, Frame, Monitor, Plan};
+use trochoid::{Buffers, Cache, EvalError, Frame, Monitor, Plan, Sink};
 
 const DOCUMENT: &str = r##"{
     "trochoid": 1, "format": { "width": 8, "height": 4 }, "frames": { "first": 1, "last": 3 },
@@ -20,13 +20,23 @@ fn report(folder: &Path) -> serde_json::Value {
     serde_json::from_slice(&std::fs::read(folder.join("report.json")).unwrap()).unwrap()
 }
 
-fn honest(plan: &Plan<'_>, cache: &mut Cache, monitor: &dyn Monitor) -> Result<Frame, EvalError> {
-    plan.evaluate(&Buffers::new(), cache, monitor)
+fn honest(
+    plan: &Plan<'_>,
+    sink: Option<&dyn Sink>,
+    cache: &mut Cache,
+    monitor: &dyn Monitor,
+) -> Result<Frame, EvalError> {
+    plan.evaluate_to(sink.expect("EXR is streamed"), &Buffers::new(), cache, monitor)
 }
 
 /// An evaluation whose second frame has left the hull: no document can make one, so it is forged.
-fn forged(plan: &Plan<'_>, cache: &mut Cache, monitor: &dyn Monitor) -> Result<Frame, EvalError> {
-    let mut frame = honest(plan, cache, monitor)?;
+fn forged(
+    plan: &Plan<'_>,
+    sink: Option<&dyn Sink>,
+    cache: &mut Cache,
+    monitor: &dyn Monitor,
+) -> Result<Frame, EvalError> {
+    let mut frame = honest(plan, sink, cache, monitor)?;
     if frame.number == 2 {
         (frame.pictures[0].audit.hull_exits, frame.pictures[0].audit.worst_exit) = (5, 0.25);
     }
@@ -55,12 +65,12 @@ fn without_a_requirement_the_same_frame_is_written_but_resume_does_not_take_it_f
     run_with(&args, &forged).unwrap();
     assert!(folder.path().join("beauty.2.exr").exists());
     let resumed = Args { resume: true, ..arguments(folder.path()) };
-    run_with(&resumed, &|_, _, _| panic!("every file is up to date")).unwrap();
+    run_with(&resumed, &|_, _, _, _| panic!("every file is up to date")).unwrap();
     let strict = Args { resume: true, require: Some("box".into()), ..arguments(folder.path()) };
     let evaluated = std::sync::Mutex::new(Vec::new());
-    run_with(&strict, &|plan, cache, monitor| {
+    run_with(&strict, &|plan, sink, cache, monitor| {
         evaluated.lock().unwrap().push(plan.frame());
-        honest(plan, cache, monitor)
+        honest(plan, sink, cache, monitor)
     })
     .unwrap();
     assert_eq!(*evaluated.lock().unwrap(), [2]);
@@ -69,10 +79,11 @@ fn without_a_requirement_the_same_frame_is_written_but_resume_does_not_take_it_f
 #[test]
 fn a_failed_evaluation_stops_and_keeps_what_is_done() {
     let folder = tempfile::tempdir().unwrap();
-    let fails_at_two = |plan: &Plan<'_>, cache: &mut Cache, monitor: &dyn Monitor| match plan.frame() {
-        2 => Err(EvalError::Memory { bytes: 7 }),
-        _ => honest(plan, cache, monitor),
-    };
+    let fails_at_two =
+        |plan: &Plan<'_>, sink: Option<&dyn Sink>, cache: &mut Cache, monitor: &dyn Monitor| match plan.frame() {
+            2 => Err(EvalError::Memory { bytes: 7 }),
+            _ => honest(plan, sink, cache, monitor),
+        };
     let failure = run_with(&arguments(folder.path()), &fails_at_two).unwrap_err();
     assert_eq!(failure.code, FAILED);
     assert!(failure.messages[0].starts_with("error: frame 2: out of memory"), "{failure:?}");
@@ -84,7 +95,7 @@ fn a_failed_evaluation_stops_and_keeps_what_is_done() {
 #[test]
 fn a_cancelled_evaluation_is_an_interruption() {
     let folder = tempfile::tempdir().unwrap();
-    let failure = run_with(&arguments(folder.path()), &|_, _, _| Err(EvalError::Cancelled)).unwrap_err();
+    let failure = run_with(&arguments(folder.path()), &|_, _, _, _| Err(EvalError::Cancelled)).unwrap_err();
     assert_eq!(failure.code, INTERRUPTED);
     assert_eq!(report(folder.path())["status"], "interrupted");
     assert!(!folder.path().join("beauty.1.exr").exists());

@@ -1,232 +1,170 @@
-//! From a program to instructions with assigned rows.
+//! From a program to code: what runs once a tile, once a row, and for every pixel.
 
+use super::audit::Legal;
+use super::code::{Compiled, Row, Source};
+use super::generate::{Input, Value, generate};
+use super::order::cost;
 use crate::rules::variance::variance;
+use std::collections::HashMap;
 use trochoid_graph::{NodeId, Op, Program, Slot, Type, Variance};
+use trochoid_memory::Instructions;
 
-/// Where a row comes from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Row {
-    /// A row of the machine.
-    Own(u32),
-    /// A row of a plane from outside.
-    Plane(u32),
+/// How a program is compiled; never what it computes.
+#[derive(Clone, Copy)]
+pub(crate) struct Options<'a> {
+    /// Compute once a tile or once a row what varies no further.
+    pub(crate) hoist: bool,
+    /// Fold operations into each other, chain colors, jump over branches without weight.
+    pub(crate) fuse: bool,
+    /// Run also what no root needs.
+    pub(crate) everything: bool,
+    pub(crate) instructions: Instructions,
+    pub(crate) variance: &'a dyn Fn(&Slot) -> Variance,
+    /// Planes of the caller, and what they must hold.
+    pub(crate) legal: &'a dyn Fn(&Slot) -> Option<Legal>,
 }
 
-/// One operation with rows assigned.
-#[derive(Clone, Debug)]
-pub(crate) enum Work {
-    Constant(f32),
-    Clamp {
-        x: Row,
-        min: f32,
-        max: f32,
-    },
-    Smooth(Row),
-    Power {
-        t: Row,
-        p: f32,
-    },
-    Step {
-        x: Row,
-        threshold: f32,
-    },
-    Complement(Row),
-    Product(Row, Row),
-    /// Inputs, rounded to sum to exactly 1 into the outputs.
-    Partition(Vec<Row>),
-    Normalize {
-        values: Vec<Row>,
-        floor: f32,
-    },
-    ConstantColor([f32; 3]),
-    Mix {
-        a: [Row; 3],
-        b: [Row; 3],
-        t: Row,
-    },
-    Blend {
-        colors: Vec<[Row; 3]>,
-        weights: Vec<Row>,
-    },
+/// How often an operation runs.
+#[derive(Clone, Copy, PartialEq)]
+enum Rate {
+    /// It is a plane or a constant.
+    Never,
+    Tile,
+    Row,
+    Pixel,
 }
 
-/// An instruction: work, the rows that it writes, and how far they vary.
-#[derive(Clone, Debug)]
-pub(crate) struct Instruction {
-    pub(crate) work: Work,
-    pub(crate) to: Vec<u32>,
-    pub(crate) variance: Variance,
-    /// The node that it came from, and its relative cost, for reports.
-    pub(crate) origin: NodeId,
-    pub(crate) cost: f64,
-}
-
-/// A compiled program.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Compiled {
-    /// Run once a tile.
-    pub(crate) once: Vec<Instruction>,
-    /// Run for every row.
-    pub(crate) each: Vec<Instruction>,
-    /// Number of rows of the machine.
-    pub(crate) rows: usize,
-    /// Planes read, in the order in which the machine expects them.
-    pub(crate) planes: Vec<Slot>,
-    /// The rows of every root.
-    pub(crate) roots: Vec<Vec<Row>>,
-    /// What the kernels do wrong, so that tests see whether anybody notices.
-    #[cfg(test)]
-    pub(crate) fault: Fault,
-}
-
-/// A deliberately broken kernel.
-#[cfg(test)]
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) enum Fault {
-    #[default]
-    None,
-    /// Mix goes beyond its second color.
-    MixOvershoots,
-    /// Partitions sum to a little less than 1.
-    PartitionLeaks,
-    /// Clamp lets a mask reach beyond 1.
-    ClampLeaks,
-    /// Mix gives NaN at one pixel of a row.
-    MixLosesOne,
-}
-
-/// Compiles what `roots` need. With `hoist`, values that do not vary along the column run once a tile, and
-/// values that do not vary along the row are computed for one pixel; with `reuse`, rows are reused.
-pub(crate) fn compile(
-    program: &Program,
-    roots: &[u32],
-    hoist: bool,
-    reuse: bool,
-    slot_variance: &dyn Fn(&Slot) -> Variance,
-) -> Compiled {
+/// Compiles what `roots` need.
+pub(crate) fn compile(program: &Program, roots: &[u32], options: &Options<'_>) -> Compiled {
     let ops = program.ops();
-    let mut out = Compiled::default();
-    let mut variances = Vec::with_capacity(ops.len());
-    for (op, _) in ops {
-        let v = variance(op, &|operand| variances[operand as usize], slot_variance);
-        variances.push(v);
-    }
-    let is_once = |position: usize| hoist && variances[position] <= Variance::Column;
-    // The last instruction that reads each operation's rows, aliases (Weight, loads) included.
-    let mut last = vec![0usize; ops.len()];
-    for (position, (op, _)) in ops.iter().enumerate() {
-        op.operands(|operand| last[operand as usize] = position);
-    }
-    for position in (0..ops.len()).rev() {
-        if let Op::Weight(partition, _) = &ops[position].0 {
-            let reader = last[position];
-            let own = &mut last[partition.0 as usize];
-            *own = (*own).max(reader);
-        }
-    }
-    for &root in roots {
-        last[root as usize] = usize::MAX;
-        if let Op::Weight(partition, _) = &ops[root as usize].0 {
-            last[partition.0 as usize] = usize::MAX;
-        }
-    }
-
-    let mut rows: Vec<Vec<Row>> = Vec::with_capacity(ops.len());
-    let mut free: Vec<u32> = Vec::new();
-    // Rows to give back once an instruction has run: by the position of their last reader.
-    let mut expiring: Vec<Vec<u32>> = vec![Vec::new(); ops.len()];
-    for (position, (op, origin)) in ops.iter().enumerate() {
-        let one = |operand: u32| rows[operand as usize][0];
-        let three = |operand: u32| [0, 1, 2].map(|c| rows[operand as usize][c]);
-        let work = match op {
+    let mut out = Compiled { instructions: options.instructions, ..Compiled::default() };
+    let mut planes = Planes { slots: Vec::new(), known: HashMap::new() };
+    let mut given = HashMap::new();
+    let needed = if options.everything { vec![true; ops.len()] } else { needed(ops, roots) };
+    for (at, (op, _)) in ops.iter().enumerate().filter(|(at, _)| needed[*at]) {
+        match op {
             Op::Load(slot) => {
-                rows.push(vec![Row::Plane(plane(&mut out.planes, *slot))]);
-                continue;
+                given.insert(at as u32, Value::Scalar(planes.row(*slot)));
             }
             Op::LoadColor(slot) => {
-                let planes = (0..3).map(|channel| Row::Plane(plane(&mut out.planes, Slot { channel, ..*slot })));
-                rows.push(planes.collect());
-                continue;
+                let rows = [0, 1, 2].map(|channel| planes.row(Slot { channel, ..*slot }));
+                given.insert(at as u32, Value::Color(Source::Rows(rows)));
             }
-            Op::Weight(partition, i) => {
-                rows.push(vec![rows[partition.0 as usize][*i]]);
-                continue;
-            }
-            Op::Constant(value) => Work::Constant(*value),
-            Op::Clamp { x, min, max } => Work::Clamp { x: one(x.0), min: *min, max: *max },
-            Op::Smooth(t) => Work::Smooth(one(t.0)),
-            Op::Power { t, p } => Work::Power { t: one(t.0), p: *p },
-            Op::Step { x, threshold } => Work::Step { x: one(x.0), threshold: *threshold },
-            Op::Complement(t) => Work::Complement(one(t.0)),
-            Op::Product(t, u) => Work::Product(one(t.0), one(u.0)),
-            Op::Partition(weights) => Work::Partition(weights.iter().map(|w| one(w.0)).collect()),
-            Op::Normalize { values, floor } => {
-                Work::Normalize { values: values.iter().map(|v| one(v.0)).collect(), floor: *floor }
-            }
-            Op::ConstantColor(color) => Work::ConstantColor(*color),
-            Op::Mix { a, b, t } => Work::Mix { a: three(a.0), b: three(b.0), t: one(t.0) },
-            Op::Blend { colors, weights } => Work::Blend {
-                colors: colors.iter().map(|color| three(color.0)).collect(),
-                weights: rows[weights.0 as usize].clone(),
-            },
-        };
-        let count = match op.ty() {
-            Type::Scalar => 1,
-            Type::Color => 3,
-            Type::Partition(n) => n,
-        };
-        let to: Vec<u32> = (0..count)
-            .map(|_| {
-                // What runs once runs before everything else, so its rows must not have been anyone's before.
-                let reused = if is_once(position) { None } else { free.pop() };
-                reused.unwrap_or_else(|| {
-                    out.rows += 1;
-                    (out.rows - 1) as u32
-                })
-            })
-            .collect();
-        rows.push(to.iter().map(|&row| Row::Own(row)).collect());
-        // Values of once must survive all rows of the tile.
-        if reuse && !is_once(position) && last[position] < ops.len() {
-            expiring[last[position].max(position)].extend(&to);
+            _ => {}
         }
-        let hoisted = match variances[position] {
-            // Unfused, a whole tile runs as one row: along that row also what varies from row to row does.
-            Variance::Row if !reuse => Variance::Pixel,
-            variance if hoist => variance,
-            _ => Variance::Pixel,
-        };
-        let instruction = Instruction { work, to, variance: hoisted, origin: *origin, cost: cost(op) };
-        if is_once(position) {
-            out.once.push(instruction);
-        } else {
-            out.each.push(instruction);
-        }
-        // Freed only now, so that no instruction writes a row that it reads.
-        free.append(&mut expiring[position]);
     }
-    out.roots = roots.iter().map(|&root| rows[root as usize].clone()).collect();
+    out.planes = planes.slots;
+    let rates = rates(ops, roots, &needed, options);
+    let mut next = out.planes.len();
+    for (rate, code) in [(Rate::Tile, &mut out.column), (Rate::Row, &mut out.row)] {
+        let hoisted = hoisted(ops, roots, &needed, &rates, rate);
+        if hoisted.is_empty() {
+            continue;
+        }
+        *code = generate(Input {
+            ops,
+            roots: &hoisted,
+            given: given.clone(),
+            fuse: options.fuse,
+            everything: false,
+            checks: Vec::new(),
+        });
+        for (&at, &(first, count)) in hoisted.iter().zip(&code.roots) {
+            let row = |channel: usize| Row::Plane((next + first + channel) as u16);
+            let value = match ops[at as usize].0.ty() {
+                Type::Scalar => Value::Scalar(row(0)),
+                Type::Color => Value::Color(Source::Rows([row(0), row(1), row(2)])),
+                Type::Partition(_) => Value::Partition((0..count).map(row).collect()),
+            };
+            given.insert(at, value);
+        }
+        next += code.channels();
+    }
+    let legal = out.planes.iter().enumerate().filter_map(|(at, slot)| Some((at as u16, (options.legal)(slot)?)));
+    let checks = legal.collect();
+    out.main = generate(Input { ops, roots, given, fuse: options.fuse, everything: options.everything, checks });
+    out.roots = out.main.roots.iter().map(|(_, count)| *count).collect();
+    // Planes are their stages' work.
+    let is_load = |op: &Op| matches!(op, Op::Load(_) | Op::LoadColor(_));
+    let run = ops.iter().enumerate().filter(|(at, (op, _))| needed[*at] && !is_load(op));
+    out.costs = run.map(|(_, (op, origin))| (*origin, cost(op))).collect();
     out
 }
 
-/// The index of a plane in the list of planes read.
-fn plane(planes: &mut Vec<Slot>, slot: Slot) -> u32 {
-    let index = planes.iter().position(|known| *known == slot).unwrap_or_else(|| {
-        planes.push(slot);
-        planes.len() - 1
-    });
-    index as u32
+/// What the roots depend on, themselves included.
+fn needed(ops: &[(Op, NodeId)], roots: &[u32]) -> Vec<bool> {
+    let mut needed = vec![false; ops.len()];
+    for &root in roots {
+        needed[root as usize] = true;
+    }
+    for at in (0..ops.len()).rev() {
+        if needed[at] {
+            ops[at].0.operands(|operand| needed[operand as usize] = true);
+        }
+    }
+    needed
 }
 
-/// Relative cost of an operation a pixel, to share a program's time among its nodes; measured, rounded.
-fn cost(op: &Op) -> f64 {
-    match op {
-        Op::Power { .. } => 20.0,
-        Op::Clamp { .. } => 4.0,
-        Op::Mix { .. } => 3.0,
-        Op::Partition(weights) => 3.0 * weights.len() as f64,
-        Op::Normalize { values, .. } => 4.0 * values.len() as f64,
-        Op::Blend { colors, .. } => 3.0 * colors.len() as f64,
-        _ => 1.0,
+/// How often every operation has to run.
+fn rates(ops: &[(Op, NodeId)], roots: &[u32], needed: &[bool], options: &Options<'_>) -> Vec<Rate> {
+    let mut variances = Vec::with_capacity(ops.len());
+    for (op, _) in ops {
+        variances.push(variance(op, &|operand| variances[operand as usize], options.variance));
+    }
+    let is_plane = |op: &Op| matches!(op, Op::Load(_) | Op::LoadColor(_) | Op::Constant(_) | Op::ConstantColor(_));
+    let mut rates: Vec<Rate> = ops
+        .iter()
+        .zip(&variances)
+        .map(|((op, _), variance)| match variance {
+            _ if is_plane(op) => Rate::Never,
+            // Only another name for a row of its partition.
+            _ if matches!(op, Op::Weight(..)) => Rate::Pixel,
+            Variance::Constant | Variance::Column if options.hoist => Rate::Tile,
+            Variance::Row if options.hoist => Rate::Row,
+            _ => Rate::Pixel,
+        })
+        .collect();
+    // Three mixes of constants cost what reading three rows costs, and can be folded: those run where they are read.
+    let is_constant = |at: u32| matches!(ops[at as usize].0, Op::ConstantColor(_));
+    let mut read_by_pixels = vec![false; ops.len()];
+    roots.iter().for_each(|&root| read_by_pixels[root as usize] = true);
+    for at in (0..ops.len()).rev().filter(|&at| needed[at]) {
+        if let Op::Mix { a, b, .. } = &ops[at].0
+            && options.fuse
+            && read_by_pixels[at]
+            && is_constant(a.0)
+            && is_constant(b.0)
+        {
+            rates[at] = Rate::Pixel;
+        }
+        if rates[at] == Rate::Pixel {
+            ops[at].0.operands(|operand| read_by_pixels[operand as usize] = true);
+        }
+    }
+    rates
+}
+
+/// The operations of a rate that others, or the roots, read.
+fn hoisted(ops: &[(Op, NodeId)], roots: &[u32], needed: &[bool], rates: &[Rate], rate: Rate) -> Vec<u32> {
+    let mut read = vec![false; ops.len()];
+    roots.iter().for_each(|&root| read[root as usize] = true);
+    for at in (0..ops.len()).filter(|&at| needed[at] && rates[at] != rate) {
+        ops[at].0.operands(|operand| read[operand as usize] = true);
+    }
+    (0..ops.len()).filter(|&at| needed[at] && read[at] && rates[at] == rate).map(|at| at as u32).collect()
+}
+
+/// The planes that a program reads, each once.
+struct Planes {
+    slots: Vec<Slot>,
+    known: HashMap<Slot, u16>,
+}
+
+impl Planes {
+    fn row(&mut self, slot: Slot) -> Row {
+        Row::Plane(*self.known.entry(slot).or_insert_with(|| {
+            self.slots.push(slot);
+            (self.slots.len() - 1) as u16
+        }))
     }
 }

@@ -1,5 +1,6 @@
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
+mod filters;
 mod mutation;
 mod nodes;
 mod rules;

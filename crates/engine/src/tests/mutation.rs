@@ -83,7 +83,7 @@ fn every_switch_gives_the_same_bits() {
     ];
     for switches in off {
         for (threads, tile) in [(1, (256, 16)), (2, (7, 3)), (3, (1, 1))] {
-            let settings = Settings { switches, threads, tile, ..Settings::default() };
+            let settings = Settings { switches, threads, tile: Some(tile), ..Settings::default() };
             assert_eq!(bits(&settings), expected, "{switches:?} {threads} {tile:?}");
         }
     }

@@ -27,7 +27,12 @@ static THIRDS: Declaration = declare(
     &[Output::new("color", Kind::Color, "")],
 );
 
-const fn declare(name: &'static str, end: End, items: &'static [Item], outputs: &'static [Output]) -> Declaration {
+pub(super) const fn declare(
+    name: &'static str,
+    end: End,
+    items: &'static [Item],
+    outputs: &'static [Output],
+) -> Declaration {
     Declaration { name, end, summary: "", formula: "", edge_cases: "", source: "", items, outputs, revision: 1 }
 }
 

@@ -32,7 +32,7 @@ impl<'a> Checker<'a> {
         let own: Vec<&Entry> = entries.into_iter().filter(|entry| !COMMON.contains(&entry.key.as_str())).collect();
         for entry in &own {
             if let Some(name) = item_names(ty.declaration().items).find(|name| *name == entry.key) {
-                draft.offsets.insert(name, entry.value.offset);
+                draft.offsets.push((name, entry.value.offset));
             }
         }
         let before = self.diagnostics.len();
@@ -41,9 +41,9 @@ impl<'a> Checker<'a> {
     }
 
     fn record(&mut self, items: &'static [Item], entries: &[&'a Entry], place: Place<'_>, names: &Names<'a>) -> Record {
-        let known: Vec<&str> = item_names(items).collect();
         for entry in entries {
-            if !known.contains(&entry.key.as_str()) {
+            if !item_names(items).any(|name| name == entry.key) {
+                let known: Vec<&str> = item_names(items).collect();
                 self.unknown_key(place.at(entry.offset), &entry.key, &known);
             }
         }
@@ -117,10 +117,12 @@ impl<'a> Checker<'a> {
 
     fn source(&mut self, accepts: Accepts, value: &'a Spanned, place: Place<'_>, names: &Names<'a>) -> Option<Source> {
         match &value.json {
-            Json::String(text) if !(accepts == Accepts::Color && text.starts_with('#')) => {
+            Json::String(text) if !(accepts.takes_color() && text.starts_with('#')) => {
                 self.reference(text, place, names)
             }
-            Json::Number(number) if accepts == Accepts::Mask && !(0.0..=1.0).contains(number) => {
+            Json::Number(number)
+                if matches!(accepts, Accepts::Mask | Accepts::Image) && !(0.0..=1.0).contains(number) =>
+            {
                 let remedy =
                     "a weight and its complement must both be ≥ 0: write a number from 0 to 1, or Clamp a Field";
                 self.error(place, value.brief(), "a mask: a number in [0, 1]", remedy);
@@ -133,7 +135,7 @@ impl<'a> Checker<'a> {
                 self.error(place, value.brief(), "a finite number", "write a smaller number");
                 None
             }
-            Json::Object(_) if accepts.takes_number() => {
+            Json::Object(_) if accepts.takes_number() && accepts != Accepts::Image => {
                 let (min, max) = if accepts == Accepts::Mask { (0.0, 1.0) } else { (f64::MIN, f64::MAX) };
                 self.animated(value, place, |checker, value, place| {
                     checker.number(value, min, max, place).map(|number| vec![number])
@@ -143,10 +145,15 @@ impl<'a> Checker<'a> {
             Json::String(_) | Json::Array(_) | Json::Object(_) if accepts == Accepts::Color => {
                 self.animated(value, place, Self::color).map(Source::Color)
             }
+            // What is keyed there, a color or a mask, nobody could tell.
+            Json::String(_) | Json::Array(_) if accepts == Accepts::Image => {
+                self.color(value, place).map(|color| Source::Color(Animated::constant(color)))
+            }
             Json::Array(items) if accepts == Accepts::Weights => self.literal_weights(items, place),
             _ => {
                 let literal = match accepts {
                     Accepts::Color => " or a color",
+                    Accepts::Image => ", a color or a number",
                     Accepts::Mask | Accepts::Scalar | Accepts::Field => " or a number",
                     Accepts::Weights => " or a list of numbers that sum to 1",
                     _ => "",
@@ -161,7 +168,8 @@ impl<'a> Checker<'a> {
     pub(super) fn reference(&mut self, text: &str, place: Place<'_>, names: &Names<'a>) -> Option<Source> {
         let (name, output) = text.split_once('.').map_or((text, None), |(name, output)| (name, Some(output)));
         let Some(&(node, declaration)) = names.get(name) else {
-            let remedy = match nearest(name, names.keys().copied()) {
+            let near = if self.is_full() { None } else { nearest(name, names.keys().copied()) };
+            let remedy = match near {
                 Some(near) => format!("did you mean \"{near}\"?"),
                 None => "add the node, or correct the name".into(),
             };
@@ -273,11 +281,26 @@ impl<'a> Checker<'a> {
                 _ => self.mismatch(value, &knob.takes, place),
             },
         };
-        setting.unwrap_or(Setting::Unset)
+        match setting {
+            Some(Setting::Numeric(animated)) if knob.held => match animated.held(is_said(value, "interpolation")) {
+                Some(held) => Setting::Numeric(held),
+                None => {
+                    let expected = "no \"interpolation\", or \"hold\"";
+                    self.error(place, "an interpolation", expected, "each key of this knob holds until the next");
+                    Setting::Unset
+                }
+            },
+            setting => setting.unwrap_or(Setting::Unset),
+        }
     }
 
     fn mismatch<T>(&mut self, value: &Spanned, takes: &Takes, place: Place<'_>) -> Option<T> {
         self.error(place, value.brief(), expected(takes), "correct the value");
         None
     }
+}
+
+/// Whether an object says so.
+fn is_said(value: &Spanned, key: &str) -> bool {
+    if let Json::Object(entries) = &value.json { entries.iter().any(|entry| entry.key == key) } else { false }
 }

@@ -9,8 +9,8 @@ mod wiring;
 
 use crate::spanned::{Entry, Json, Spanned, shorten};
 use crate::{
-    Check, CheckedGraph, CheckedNode, Diagnostic, Document, Kind, NodeType, Record, Registry, Severity, Source,
-    nearest, refusal,
+    Check, CheckedGraph, CheckedNode, Diagnostic, Document, Kind, NodeType, Record, Registry, Settled, Severity,
+    Source, nearest, refusal,
 };
 use items::Names;
 use std::collections::HashMap;
@@ -65,17 +65,26 @@ struct Draft<'a> {
     ty: Option<&'static dyn NodeType>,
     disabled: bool,
     record: Record,
+    /// The record at the first frame, once it is read; connections count as they are now.
+    settled: Settled,
     /// Where each item stands in the text.
-    offsets: HashMap<&'static str, usize>,
+    offsets: Vec<(&'static str, usize)>,
     /// Items within are faulty, so that checks across knobs would only repeat it.
     faulty: bool,
     kinds: Vec<Kind>,
 }
 
+impl Draft<'_> {
+    /// Where an item stands in the text, or the node where the item is not written.
+    fn offset_of(&self, item: &str) -> usize {
+        self.offsets.iter().find(|known| known.0 == item).map_or(self.offset, |known| known.1)
+    }
+}
+
 impl<'a> Checker<'a> {
     fn report(&mut self, severity: Severity, place: Place<'_>, found: String, expected: String, remedy: String) {
         // A document full of faults is not worth listing to the end.
-        if self.diagnostics.len() >= 1000 {
+        if self.is_full() {
             return;
         }
         let (file, line, column) = self.document.place(place.offset);
@@ -92,6 +101,11 @@ impl<'a> Checker<'a> {
         });
     }
 
+    /// Whether no more diagnostics are taken, so that nothing dear need be done for one.
+    fn is_full(&self) -> bool {
+        self.diagnostics.len() >= 1000
+    }
+
     fn error(&mut self, place: Place<'_>, found: impl ToString, expected: impl ToString, remedy: impl ToString) {
         self.report(Severity::Error, place, found.to_string(), expected.to_string(), remedy.to_string());
     }
@@ -105,7 +119,13 @@ impl<'a> Checker<'a> {
         let mut seen = HashMap::new();
         let mut kept: Vec<&Entry> = Vec::with_capacity(entries.len());
         for entry in entries {
-            if let Some(first) = seen.insert(entry.key.as_str(), entry.offset) {
+            // Most objects have few keys: looking through them is quicker than hashing.
+            let first = if entries.len() <= 16 {
+                kept.iter().find(|known| known.key == entry.key).map(|known| known.offset)
+            } else {
+                seen.insert(entry.key.as_str(), entry.offset)
+            };
+            if let Some(first) = first {
                 let (_, line, column) = self.document.place(first);
                 self.error(
                     place.at(entry.offset),
@@ -169,9 +189,11 @@ impl<'a> Checker<'a> {
             self.fill_in(draft, entry, &names);
         }
         name_kinds(&mut drafts, top.first);
-        self.bypass_disabled(&mut drafts);
-        // Where a disabled node left a list of connections shorter, the number of weights changes with it.
-        name_kinds(&mut drafts, top.first);
+        if drafts.iter().any(|draft| draft.disabled) {
+            self.bypass_disabled(&mut drafts);
+            // Where a disabled node left a list of connections shorter, the number of weights changes with it.
+            name_kinds(&mut drafts, top.first);
+        }
         self.connections(&drafts);
         let order = self.order(&drafts)?;
         self.node_rules(&drafts, top.first, top.last);
@@ -231,7 +253,8 @@ impl<'a> Checker<'a> {
             ty: None,
             disabled: false,
             record: Record::default(),
-            offsets: HashMap::new(),
+            settled: Settled::default(),
+            offsets: Vec::new(),
             faulty: false,
             kinds: Vec::new(),
         };
@@ -274,20 +297,25 @@ impl<'a> Checker<'a> {
     fn node_rules(&mut self, drafts: &[Draft<'_>], first: i64, last: i64) {
         for draft in drafts.iter().filter(|draft| !draft.faulty && !draft.disabled) {
             let Some(ty) = draft.ty else { continue };
-            let mut frames = draft.record.key_frames();
-            frames.extend([first as f64, last as f64]);
-            frames.sort_by(f64::total_cmp);
-            frames.dedup();
             let kinds = |source: &Source<Vec<f64>>| kind_of(source, drafts);
             let mut faults = Vec::new();
-            for frame in frames {
+            let mut rules = |settled: &Settled| {
                 let mut check = Check::new(&kinds);
-                ty.check(&draft.record.settle(frame), &mut check);
+                ty.check(settled, &mut check);
                 faults.extend(check.into_faults());
+            };
+            let mut frames = draft.record.key_frames();
+            if frames.is_empty() {
+                rules(&draft.settled);
+            } else {
+                frames.extend([first as f64, last as f64]);
+                frames.sort_by(f64::total_cmp);
+                frames.dedup();
+                frames.into_iter().for_each(|frame| rules(&draft.record.settle(frame)));
             }
             faults.dedup();
             for fault in faults {
-                let offset = draft.offsets.get(fault.item).copied().unwrap_or(draft.offset);
+                let offset = draft.offset_of(fault.item);
                 let place = Place { offset, node: Some(draft.name), port: Some(fault.item) };
                 let severity = if fault.warning { Severity::Warning } else { Severity::Error };
                 self.report(severity, place, fault.found, fault.expected, fault.remedy);
@@ -298,9 +326,40 @@ impl<'a> Checker<'a> {
 
 /// Asks each node of known type for the kinds of its outputs.
 fn name_kinds(drafts: &mut [Draft<'_>], first: i64) {
-    for draft in drafts {
+    for draft in drafts.iter_mut() {
         if let Some(ty) = draft.ty {
-            draft.kinds = ty.outputs(&draft.record.settle(first as f64));
+            draft.settled = draft.record.settle(first as f64);
+            draft.kinds = ty.outputs(&draft.settled);
+        }
+    }
+    name_passed_kinds(drafts);
+}
+
+/// Gives each node that hands on what it is given the kind of its first connection; no kind where that is unknown.
+fn name_passed_kinds(drafts: &mut [Draft<'_>]) {
+    let mut visited = vec![false; drafts.len()];
+    for start in 0..drafts.len() {
+        // Along first connections up to a node whose kind is known.
+        let mut path = Vec::new();
+        let mut at = start;
+        let kind = loop {
+            // Visited, but its kind not known: a loop, which is reported elsewhere.
+            if !drafts[at].kinds.contains(&Kind::ANY) || std::mem::replace(&mut visited[at], true) {
+                break None;
+            }
+            path.push(at);
+            match drafts[at].record.sources().into_iter().next() {
+                Some(Source::Output { node, .. }) if drafts[node.0].kinds.contains(&Kind::ANY) => at = node.0,
+                Some(source) => break kind_of(source, drafts),
+                None => break None,
+            }
+        };
+        for node in path {
+            let kinds = &mut drafts[node].kinds;
+            match kind {
+                Some(kind) => kinds.iter_mut().filter(|known| **known == Kind::ANY).for_each(|known| *known = kind),
+                None => kinds.clear(),
+            }
         }
     }
 }

@@ -8,29 +8,7 @@ use petgraph::graph::{DiGraph, NodeIndex};
 impl<'a> Checker<'a> {
     /// Leads every edge from a disabled node to what it hands on, or removes the edge.
     pub(super) fn bypass_disabled(&mut self, drafts: &mut [Draft<'a>]) {
-        if drafts.iter().all(|draft| !draft.disabled) {
-            return;
-        }
-        let resolved: Vec<Option<(NodeId, usize)>> = (0..drafts.len())
-            .map(|start| {
-                let mut at = (NodeId(start), 0);
-                // A loop of disabled nodes hands on nothing; the cycle is reported elsewhere.
-                for _ in 0..=drafts.len() {
-                    let draft = &drafts[at.0.0];
-                    if !draft.disabled {
-                        return Some(at);
-                    }
-                    let first = draft.record.sources().into_iter().next()?;
-                    match first {
-                        Source::Output { node, output } if kind_of(first, drafts) == draft.kinds.first().copied() => {
-                            at = (*node, *output);
-                        }
-                        _ => return None,
-                    }
-                }
-                None
-            })
-            .collect();
+        let resolved = handed_on(drafts);
         for draft in drafts.iter_mut() {
             bypass(&mut draft.record, &resolved);
         }
@@ -51,7 +29,7 @@ impl<'a> Checker<'a> {
         for item in items {
             match item {
                 Item::Port(port) if is_short(port, record) => {
-                    let offset = draft.offsets.get(port.name).copied().unwrap_or(draft.offset);
+                    let offset = draft.offset_of(port.name);
                     let place = Place { offset, node: Some(draft.name), port: Some(port.name) };
                     let found = "a disabled node that hands on nothing";
                     self.error(place, found, format!("a {}", port.accepts), "enable the node, or connect another");
@@ -97,7 +75,7 @@ impl<'a> Checker<'a> {
         }
         let mut names: Vec<&str> = missing.iter().map(|channel| channel.name()).collect();
         names.dedup();
-        let offset = draft.offsets.get(port).copied().unwrap_or(draft.offset);
+        let offset = draft.offset_of(port);
         let place = Place { offset, node: Some(draft.name), port: Some(port) };
         let found = format!("the view \"{}\", which has no {}", view.name, names.join(", no "));
         let remedy = format!("give \"{}\" the pass that holds it, or use another pass here", view.name);
@@ -130,7 +108,7 @@ impl<'a> Checker<'a> {
             return;
         }
         let Source::Output { node, .. } = source else { return };
-        let offset = draft.offsets.get(port).copied().unwrap_or(draft.offset);
+        let offset = draft.offset_of(port);
         let place = Place { offset, node: Some(draft.name), port: Some(port) };
         let found_text = format!("\"{}\", a {found}", drafts[node.0].name);
         self.error(place, found_text, format!("a {accepts}"), accepts.remedy(found));
@@ -143,11 +121,9 @@ impl<'a> Checker<'a> {
             graph.add_node(());
         }
         for (to, draft) in drafts.iter().enumerate() {
-            for source in draft.record.sources() {
-                if let Source::Output { node, .. } = source {
-                    graph.add_edge(NodeIndex::new(node.0), NodeIndex::new(to), ());
-                }
-            }
+            draft.record.each_node(|node| {
+                graph.add_edge(NodeIndex::new(node.0), NodeIndex::new(to), ());
+            });
         }
         if let Ok(order) = toposort(&graph, None) {
             return Some(order.into_iter().map(|index| NodeId(index.index())).collect());
@@ -184,10 +160,7 @@ impl<'a> Checker<'a> {
             if std::mem::replace(&mut used[node], true) {
                 continue;
             }
-            open.extend(drafts[node].record.sources().into_iter().filter_map(|source| match source {
-                Source::Output { node, .. } => Some(node.0),
-                _ => None,
-            }));
+            drafts[node].record.each_node(|node| open.push(node.0));
         }
         for (draft, _) in drafts.iter().zip(used).filter(|(draft, used)| !used && !draft.disabled) {
             let place = Place { offset: draft.offset, node: Some(draft.name), port: None };
@@ -201,6 +174,40 @@ impl<'a> Checker<'a> {
             );
         }
     }
+}
+
+/// What each node hands on: itself, or, where it is disabled, what its first connection does if that is of its kind.
+fn handed_on(drafts: &[Draft<'_>]) -> Vec<Option<(NodeId, usize)>> {
+    let mut resolved: Vec<Option<(NodeId, usize)>> = vec![None; drafts.len()];
+    let mut visited = vec![false; drafts.len()];
+    for start in 0..drafts.len() {
+        let mut path = Vec::new();
+        let mut at = (NodeId(start), 0);
+        let end = loop {
+            let draft = &drafts[at.0.0];
+            if !draft.disabled {
+                break Some(at);
+            }
+            // Known from a path before, or a loop of disabled nodes, which hands on nothing and is reported elsewhere.
+            if std::mem::replace(&mut visited[at.0.0], true) {
+                break resolved[at.0.0];
+            }
+            path.push(at.0);
+            match draft.record.sources().into_iter().next() {
+                Some(first @ Source::Output { node, output })
+                    if kind_of(first, drafts) == draft.kinds.first().copied() =>
+                {
+                    at = (*node, *output);
+                }
+                _ => break None,
+            }
+        };
+        path.into_iter().for_each(|node| resolved[node.0] = end);
+        if !drafts[start].disabled {
+            resolved[start] = end;
+        }
+    }
+    resolved
 }
 
 fn bypass(record: &mut Record, resolved: &[Option<(NodeId, usize)>]) {

@@ -1,25 +1,56 @@
 //! Finding and reading compressed chunks.
 
 use std::io::{BufRead, Seek};
+use std::ops::Range;
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use trochoid_image::Window;
 
 use super::attribute::Fields;
-use super::header::{Detail, Header};
+use super::header::Header;
+use super::layout::Layout;
 use crate::Error;
-use crate::source::Source;
+use crate::limits::grow;
+use crate::source::{ReadAt, Source};
 
-/// Where the chunks of one part's full resolution stand in the file.
-pub(super) struct Chunks<'a> {
-    detail: &'a Detail,
+/// Least bytes that are read at once: chunks of single rows are small, and each request costs as much as many bytes.
+const AHEAD: usize = 64 << 10;
+
+/// Part of a file in memory, used again for the next part.
+#[derive(Default)]
+pub(super) struct Part {
+    /// The [`Chunks`] it belongs to; 0 if none.
+    file: u64,
+    position: u64,
+    length: usize,
+    bytes: Vec<u8>,
+}
+
+impl Part {
+    /// Memory held, bytes.
+    pub(super) fn bytes(&self) -> usize {
+        self.bytes.capacity()
+    }
+}
+
+/// The chunks of one part's full resolution, and where they stand in the file.
+pub(super) struct Chunks {
     /// For messages.
-    place: String,
+    pub(super) path: PathBuf,
+    /// The part, for messages.
+    pub(super) place: String,
+    pub(super) layout: Layout,
     part: usize,
     multi_part: bool,
     /// Row by row of chunks.
     offsets: Vec<u64>,
     /// Where the last table ends and chunks begin.
     first: u64,
+    /// Bytes of the file.
+    length: u64,
+    /// Not shared with any other.
+    id: u64,
 }
 
 /// One chunk of a part, at full resolution.
@@ -29,16 +60,13 @@ pub(super) struct Position {
     pub(super) band: usize,
 }
 
-impl<'a> Chunks<'a> {
+impl Chunks {
     /// Reads the part's table of offsets.
-    pub(super) fn find<R: BufRead + Seek>(
-        source: &mut Source<R>,
-        header: &'a Header,
-        part: usize,
-    ) -> Result<Self, Error> {
+    pub(super) fn find<R: BufRead + Seek>(source: &mut Source<R>, header: &Header, part: usize) -> Result<Self, Error> {
         let (detail, place) = (&header.details[part], header.parts[part].place(part));
-        if let Some(stated) = detail.stated_chunks.filter(|&stated| stated != detail.layout.chunks) {
-            let expected = format!("{} for its window and tiles", detail.layout.chunks);
+        let layout = detail.layout;
+        if let Some(stated) = detail.stated_chunks.filter(|&stated| stated != layout.chunks) {
+            let expected = format!("{} for its window and tiles", layout.chunks);
             return Err(Error::invalid(&source.path, place, format!("a chunk count of {stated}"), expected));
         }
         // Tables follow each other, one for each part; parts of unknown kind can only be skipped by their own count.
@@ -53,72 +81,104 @@ impl<'a> Chunks<'a> {
         }
         source.seek(header.tables + before)?;
         // The full resolution comes first, whatever other levels there are.
-        let wanted = (detail.layout.columns() * detail.layout.bands()) as u64;
+        let wanted = (layout.columns() * layout.bands()) as u64;
         let table = source.bytes(wanted * 8, &format!("{place}, chunk offsets"))?;
         let offsets = table.as_chunks::<8>().0.iter().map(|bytes| u64::from_le_bytes(*bytes)).collect();
-        Ok(Self { detail, place, part, multi_part: header.multi_part, offsets, first })
+        static IDS: AtomicU64 = AtomicU64::new(1);
+        let id = IDS.fetch_add(1, Ordering::Relaxed);
+        let (path, length, multi_part) = (source.path.clone(), source.length, header.multi_part);
+        Ok(Self { path, place, layout, part, multi_part, offsets, first, length, id })
     }
 
     /// The chunk for messages: its number and rows.
     pub(super) fn place(&self, at: Position) -> String {
         let rectangle = self.rectangle(at);
-        let y0 = self.detail.layout.window.y0;
+        let y0 = self.layout.window.y0;
         let rows = format!("rows {} to {}", y0 + rectangle.y0, y0 + rectangle.y1 - 1);
         format!("{}, chunk {} ({rows})", self.place, self.number(at))
     }
 
     /// Pixels of the chunk, counted from the data window's corner.
     pub(super) fn rectangle(&self, at: Position) -> Window {
-        self.detail.layout.rectangle(at.column, at.band)
+        self.layout.rectangle(at.column, at.band)
     }
 
-    /// The chunk's compressed bytes; at most `limit` of them.
-    pub(super) fn read<R: BufRead + Seek>(
+    /// The chunk's compressed bytes, at most `limit` of them, read by way of `memory`.
+    pub(super) fn read<'m>(
         &self,
-        source: &mut Source<R>,
+        file: &dyn ReadAt,
         at: Position,
         limit: usize,
-    ) -> Result<Vec<u8>, Error> {
+        memory: &'m mut Part,
+    ) -> Result<&'m [u8], Error> {
         let offset = self.offsets[self.number(at)];
         if offset == 0 {
             let expected = "its place in the file; the writer was interrupted";
-            return Err(Error::invalid(&source.path, self.place(at), "no chunk", expected));
+            return Err(self.invalid(at, "no chunk", expected));
         }
-        if offset < self.first || offset >= source.length {
-            let expected = format!("an offset from {} to {}", self.first, source.length);
-            return Err(Error::invalid(&source.path, self.place(at), format!("the offset {offset}"), expected));
+        if offset < self.first || offset >= self.length {
+            let expected = format!("an offset from {} to {}", self.first, self.length);
+            return Err(self.invalid(at, format!("the offset {offset}"), expected));
         }
-        source.seek(offset)?;
-        let layout = &self.detail.layout;
         let mut wanted: Vec<i64> = Vec::new();
         if self.multi_part {
             wanted.push(self.part as i64);
         }
-        if layout.tiled {
+        if self.layout.tiled {
             wanted.extend([at.column as i64, at.band as i64, 0, 0]);
         } else {
-            wanted.push(layout.window.y0 + self.rectangle(at).y0);
+            wanted.push(self.layout.window.y0 + self.rectangle(at).y0);
         }
-        let head = source.bytes(4 * (wanted.len() as u64 + 1), &self.place(at))?;
-        let mut fields = Fields(&head);
+        let head_size = 4 * (wanted.len() + 1);
+        // Where chunks follow each other, head and bytes come at once.
+        let next = self.offsets.get(self.number(at) + 1).and_then(|next| next.checked_sub(offset));
+        let ahead = next.map_or(0, |next| next.min((head_size + limit) as u64) as usize).max(AHEAD);
+        let mut fields = Fields(self.bytes(file, at, offset..offset + head_size as u64, ahead, memory)?);
         let found: Vec<i64> = wanted.iter().filter_map(|_| fields.i32()).map(i64::from).collect();
         if found != wanted {
-            return Err(Error::invalid(
-                &source.path,
-                self.place(at),
-                format!("a chunk with coordinates {found:?}"),
-                format!("coordinates {wanted:?}"),
-            ));
+            let expected = format!("coordinates {wanted:?}");
+            return Err(self.invalid(at, format!("a chunk with coordinates {found:?}"), expected));
         }
         let size = fields.i32().unwrap_or_default();
         if size <= 0 || size as usize > limit {
-            let expected = format!("1 to {limit} bytes");
-            return Err(Error::invalid(&source.path, self.place(at), format!("a size of {size} bytes"), expected));
+            return Err(self.invalid(at, format!("a size of {size} bytes"), format!("1 to {limit} bytes")));
         }
-        source.bytes(size as u64, &self.place(at))
+        let start = offset + head_size as u64;
+        self.bytes(file, at, start..start + size as u64, 0, memory)
+    }
+
+    /// The bytes of this range; where they must be read, `ahead` from its start on. Memory only for bytes that are there.
+    fn bytes<'m>(
+        &self,
+        file: &dyn ReadAt,
+        at: Position,
+        range: Range<u64>,
+        ahead: usize,
+        memory: &'m mut Part,
+    ) -> Result<&'m [u8], Error> {
+        let (count, rest) = ((range.end - range.start) as usize, self.length.saturating_sub(range.start));
+        if rest < count as u64 {
+            let found = format!("the end of the file after {rest} bytes");
+            return Err(self.invalid(at, found, format!("{count} bytes")));
+        }
+        let held = memory.position..memory.position + memory.length as u64;
+        if memory.file != self.id || range.start < held.start || range.end > held.end {
+            memory.file = 0;
+            memory.length = count.max(rest.min(ahead as u64) as usize);
+            let lacking = |bytes| Error::OutOfMemory { path: self.path.clone(), place: self.place(at), bytes };
+            grow(&mut memory.bytes, memory.length).map_err(lacking)?;
+            let read = file.read_at(&mut memory.bytes[..memory.length], range.start);
+            read.map_err(Error::io(&self.path, "read the file"))?;
+            (memory.file, memory.position) = (self.id, range.start);
+        }
+        Ok(&memory.bytes[(range.start - memory.position) as usize..][..count])
+    }
+
+    fn invalid(&self, at: Position, found: impl Into<String>, expected: impl Into<String>) -> Error {
+        Error::invalid(&self.path, self.place(at), found, expected)
     }
 
     fn number(&self, at: Position) -> usize {
-        at.band * self.detail.layout.columns() + at.column
+        at.band * self.layout.columns() + at.column
     }
 }

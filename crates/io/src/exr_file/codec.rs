@@ -1,4 +1,4 @@
-//! Compression and decompression of one chunk, by the `exr` crate.
+//! From the bytes of one chunk to samples: ZIP by [`zip`](super::zip), other methods by the `exr` crate.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -12,23 +12,29 @@ use exr::meta::header::Header;
 use trochoid_image::Window;
 
 use super::layout::Layout;
+use super::zip::{Inflater, Words};
 use crate::{Compression, SampleType};
 
-/// Why a chunk cannot be decoded or encoded.
+/// Why a chunk cannot be decoded.
 #[derive(Debug)]
 pub(super) enum Failure {
-    Invalid { found: String, expected: String },
+    Invalid {
+        found: String,
+        expected: String,
+    },
     Unsupported(String),
+    /// So many bytes of memory are not available.
+    Memory(u64),
 }
 
 impl Failure {
-    fn invalid(found: impl Into<String>, expected: impl Into<String>) -> Self {
+    pub(super) fn invalid(found: impl Into<String>, expected: impl Into<String>) -> Self {
         Self::Invalid { found: found.into(), expected: expected.into() }
     }
 }
 
 /// What every chunk is expected to be.
-const WHOLE: &str = "a chunk that decodes to its pixels";
+pub(super) const WHOLE: &str = "a chunk that decodes to its pixels";
 
 impl From<exr::error::Error> for Failure {
     fn from(error: exr::error::Error) -> Self {
@@ -39,8 +45,8 @@ impl From<exr::error::Error> for Failure {
     }
 }
 
-/// One channel as chunks store it.
-pub(super) struct Stored<'a> {
+/// One channel as the header describes it.
+pub(super) struct Described<'a> {
     pub(super) name: &'a [u8],
     pub(super) sample_type: SampleType,
     pub(super) linear: bool,
@@ -57,7 +63,7 @@ impl Codec {
     pub(super) fn new<'a>(
         compression: Compression,
         layout: &Layout,
-        channels: impl Iterator<Item = Stored<'a>>,
+        channels: impl Iterator<Item = Described<'a>>,
     ) -> Option<Self> {
         let method = match compression {
             Compression::None => Method::Uncompressed,
@@ -72,16 +78,16 @@ impl Codec {
             Compression::Dwab => Method::DWAB(None),
             _ => return None,
         };
-        let describe = |stored: Stored<'a>| {
+        let describe = |described: Described<'a>| {
             Some(ChannelDescription {
-                name: Text::from_slice_unchecked(stored.name),
-                sample_type: match stored.sample_type {
+                name: Text::from_slice_unchecked(described.name),
+                sample_type: match described.sample_type {
                     SampleType::Half => ExrType::F16,
                     SampleType::Float => ExrType::F32,
                     SampleType::Uint => ExrType::U32,
                     SampleType::U8 | SampleType::U16 => return None,
                 },
-                quantize_linearly: stored.linear,
+                quantize_linearly: described.linear,
                 sampling: Vec2(1, 1),
             })
         };
@@ -109,29 +115,58 @@ impl Codec {
         rectangle.area() * self.bytes_per_pixel
     }
 
-    /// Samples of a chunk in native byte order: for each row, for each channel, the row's samples.
-    pub(super) fn decompress(&self, rectangle: Window, packed: Vec<u8>) -> Result<Vec<u8>, Failure> {
+    /// Takes a chunk apart: for each row, for each channel in the file's order, the row's words.
+    pub(super) fn unpack(
+        &self,
+        rectangle: Window,
+        packed: &[u8],
+        inflater: &mut Inflater,
+        target: &mut impl Target,
+    ) -> Result<(), Failure> {
         let size = self.raw_size(rectangle);
         // Writers store what does not shrink as it is, so a larger chunk is damaged.
         if packed.is_empty() || packed.len() > size {
             return Err(Failure::invalid(format!("{} bytes", packed.len()), format!("1 to {size}")));
         }
-        if packed.len() < size && matches!(self.header.compression, Method::DWAA(_) | Method::DWAB(_)) {
+        let decoded;
+        let mut raw = match self.header.compression {
+            _ if packed.len() == size => Raw::Plain(packed),
+            Method::Uncompressed => return Err(Failure::invalid(format!("{} bytes", packed.len()), size.to_string())),
+            Method::ZIP1 | Method::ZIP16 => Raw::Split(inflater.inflate(packed, size)?),
+            _ => {
+                decoded = self.decompress(rectangle, packed.to_vec())?;
+                Raw::Plain(&decoded)
+            }
+        };
+        for row in 0..rectangle.height() {
+            for (channel, described) in self.header.channels.list.iter().enumerate() {
+                let words = rectangle.width() * described.sample_type.bytes_per_sample() / 2;
+                match target.row(channel, row, words) {
+                    Some(out) => raw.take(out),
+                    None => raw.skip(words),
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Samples of a chunk as little-endian bytes, by the `exr` crate: for each row, for each channel, the row's samples.
+    fn decompress(&self, rectangle: Window, packed: Vec<u8>) -> Result<Vec<u8>, Failure> {
+        let size = self.raw_size(rectangle);
+        if matches!(self.header.compression, Method::DWAA(_) | Method::DWAB(_)) {
             self.check_dwa(rectangle, &packed)?;
         }
         // The B44 decoder of `exr` 1.74 subtracts below zero on damaged blocks, which panics wherever overflow is checked.
         // It only reads the header, so nothing half-changed is left behind.
         let decode = AssertUnwindSafe(|| {
             let section = bounds(rectangle);
-            self.header.compression.decompress_image_section_from_le(&self.header, packed, section, false)
+            let native =
+                self.header.compression.decompress_image_section_from_le(&self.header, packed, section, false)?;
+            // Without compression, this only turns bytes around where the processor has them the other way.
+            Method::Uncompressed.compress_image_section_to_le(&self.header, native, section)
         });
         let samples = catch_unwind(decode).map_err(|_| Failure::invalid("bytes that upset the decoder", WHOLE))??;
         if samples.len() == size { Ok(samples) } else { Err(Failure::invalid("too few samples", WHOLE)) }
-    }
-
-    /// The chunk as stored in the file, from samples in native byte order.
-    pub(super) fn compress(&self, rectangle: Window, samples: Vec<u8>) -> Result<Vec<u8>, Failure> {
-        Ok(self.header.compression.compress_image_section_to_le(&self.header, samples, bounds(rectangle))?)
     }
 
     /// Holds the sizes that a DWA chunk claims against what its pixels can need.
@@ -163,6 +198,40 @@ impl Codec {
     }
 }
 
+/// Where the words of a chunk go.
+pub(super) trait Target {
+    /// The place for these `words` of a channel and a row of the chunk; none if they are not wanted.
+    fn row(&mut self, channel: usize, row: usize, words: usize) -> Option<&mut [u16]>;
+}
+
+/// Samples of a chunk, taken from the front.
+enum Raw<'a> {
+    Plain(&'a [u8]),
+    Split(Words<'a>),
+}
+
+impl Raw<'_> {
+    fn take(&mut self, out: &mut [u16]) {
+        match self {
+            Self::Plain(bytes) => {
+                let (head, tail) = bytes.split_at(2 * out.len());
+                *bytes = tail;
+                for (word, bytes) in out.iter_mut().zip(head.as_chunks().0) {
+                    *word = u16::from_le_bytes(*bytes);
+                }
+            }
+            Self::Split(words) => words.take(out),
+        }
+    }
+
+    fn skip(&mut self, count: usize) {
+        match self {
+            Self::Plain(bytes) => *bytes = &bytes[2 * count..],
+            Self::Split(words) => words.skip(count),
+        }
+    }
+}
+
 /// A chunk's rectangle, counted from the data window's corner; windows are checked to lie within 31 bits.
 fn bounds(rectangle: Window) -> IntegerBounds {
     let position = Vec2(rectangle.x0 as i32, rectangle.y0 as i32);
@@ -170,56 +239,5 @@ fn bounds(rectangle: Window) -> IntegerBounds {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::Storage;
-
-    fn codec(compression: Compression, sample_type: SampleType) -> (Codec, Window) {
-        let window = Window::sized(20, 10);
-        let layout = Layout::new(window, &Storage::Scanline, compression, false);
-        let stored = [b"G", b"R"].map(|name| Stored { name, sample_type, linear: false });
-        (Codec::new(compression, &layout, stored.into_iter()).unwrap(), window)
-    }
-
-    #[test]
-    fn claims_of_dwa_counters_are_held_against_the_pixels() {
-        let (codec, window) = codec(Compression::Dwaa, SampleType::Half);
-        let packed = codec.compress(window, vec![60; codec.raw_size(window)]).unwrap();
-        assert!(codec.decompress(window, packed.clone()).is_ok());
-        for counter in [1, 6, 7, 8, 9] {
-            for claim in [1 << 40, i64::MAX as u64, u64::MAX] {
-                let mut bytes = packed.clone();
-                bytes[8 * counter..][..8].copy_from_slice(&claim.to_le_bytes());
-                let found = codec.decompress(window, bytes);
-                assert!(
-                    matches!(&found, Err(Failure::Invalid { expected, .. }) if expected.starts_with("at most")),
-                    "{found:?}"
-                );
-            }
-        }
-        assert!(codec.decompress(window, vec![0; 20]).is_err());
-    }
-
-    #[test]
-    fn chunks_of_absurd_size_are_refused() {
-        for compression in [Compression::None, Compression::Zip, Compression::Piz] {
-            let (codec, _) = codec(compression, SampleType::Float);
-            let window = Window::sized(20, 1);
-            let size = codec.raw_size(window);
-            for length in [0, size + 1] {
-                assert!(matches!(codec.decompress(window, vec![0; length]), Err(Failure::Invalid { .. })));
-            }
-            assert!(codec.decompress(window, vec![0; size]).is_ok());
-        }
-    }
-
-    #[test]
-    fn damaged_b44_blocks_are_an_error_or_garbage_but_no_panic() {
-        let (codec, window) = codec(Compression::B44, SampleType::Half);
-        for byte in [0x40, 0x01, 0xf8, 0xff] {
-            if let Ok(raw) = codec.decompress(window, vec![byte; 500]) {
-                assert_eq!(raw.len(), codec.raw_size(window), "{byte:#x}");
-            }
-        }
-    }
-}
+#[path = "codec_tests.rs"]
+mod tests;

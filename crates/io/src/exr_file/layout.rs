@@ -61,6 +61,13 @@ impl Layout {
         Window::new(x, y, x + self.width as i64, y + self.height as i64).intersect(whole)
     }
 
+    /// A row of chunks as pixels of the picture; empty where there is none.
+    pub(super) fn band(&self, band: usize) -> Window {
+        let y0 = self.window.y0 + self.height.saturating_mul(band).min(self.window.height()) as i64;
+        let y1 = self.window.y1.min(y0.saturating_add(self.height as i64));
+        Window { y0, y1, ..self.window }
+    }
+
     /// Samples of the largest chunk, of one channel.
     pub(super) fn largest(&self) -> u64 {
         (self.width.min(self.window.width()) as u64) * (self.height.min(self.window.height()) as u64)

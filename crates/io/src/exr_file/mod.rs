@@ -1,17 +1,24 @@
-//! EXR: headers read here, so that every claim is checked before it is believed; pixels through the `exr` crate.
+//! EXR: headers read here, so that every claim is checked before it is believed; ZIP by libdeflate, other
+//! methods by the `exr` crate.
 
 mod attribute;
+mod band;
 mod chunks;
 mod codec;
-mod decode;
 mod header;
 mod layout;
+mod parallel;
+mod reader;
 mod write;
 mod write_header;
+mod writer;
+mod zip;
 
-pub(crate) use decode::read_planes;
+pub use band::BandBuffer;
 pub(crate) use header::Header;
+pub use reader::ExrReader;
 pub use write::{ExrChannel, ExrImage, write_exr};
+pub use writer::{EncodeScratch, EncodedBand, ExrHeader, ExrWriter};
 
 /// The first bytes of every EXR file.
 const MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];

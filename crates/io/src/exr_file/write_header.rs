@@ -4,12 +4,12 @@ use std::path::Path;
 
 use trochoid_image::{Chromaticities, Window};
 
-use super::write::{ExrChannel, ExrImage};
+use super::writer::ExrHeader;
 use super::{LONG_NAMES, MAGIC, MAX_COORDINATE, NAME_LENGTH};
-use crate::Error;
+use crate::{Error, SampleType};
 
 /// Names that the format or this crate gives a meaning; metadata must not take them.
-const RESERVED: [&str; 14] = [
+const RESERVED: [&str; 15] = [
     "channels",
     "compression",
     "dataWindow",
@@ -24,37 +24,61 @@ const RESERVED: [&str; 14] = [
     "version",
     "chunkCount",
     "chromaticities",
+    FREE,
 ];
+/// What is left of the bytes kept free for late metadata.
+const FREE: &str = "reserved";
+/// Bytes of an entry besides its name and value: `\0string\0` and a size of four bytes.
+const ENTRY: usize = 12;
 
 /// Longest name that readers of before 2.0 know.
 const SHORT_NAME: usize = 31;
 
-/// Refuses what the format cannot hold; `channels` are sorted by name.
-pub(super) fn check(path: &Path, image: &ExrImage<'_>, channels: &[&ExrChannel<'_>]) -> Result<(), Error> {
-    for (what, window) in [("data", image.data), ("display", image.display)] {
+/// Refuses what the format cannot hold; `sorted` are the channels in the order of their names.
+pub(super) fn check(path: &Path, header: &ExrHeader, sorted: &[usize]) -> Result<(), Error> {
+    for (what, window) in [("data", header.data), ("display", header.display)] {
         let corners = [window.x0, window.y0, window.x1, window.y1];
         if window.is_empty() || corners.iter().any(|a| a.abs() > MAX_COORDINATE) {
             let found = format!("the {what} window {window}");
             return Err(Error::unwritable(path, found, "EXR takes windows with pixels, within 30 bits"));
         }
     }
-    if channels.is_empty() {
+    if header.channels.is_empty() {
         return Err(Error::unwritable(path, "an EXR without channels", "pass at least one"));
     }
-    for channel in channels {
-        check_name(path, "channel", &channel.name)?;
-        if channel.samples.len() != image.data.area() {
-            let (name, found, area) = (&channel.name, channel.samples.len(), image.data.area());
-            let found = format!("channel \"{name}\" with {found} samples for a data window of {area} pixels");
-            return Err(Error::unwritable(path, found, "pass one sample a pixel"));
+    for (name, sample_type) in &header.channels {
+        check_name(path, "channel", name)?;
+        if !matches!(sample_type, SampleType::Half | SampleType::Float) {
+            let found = format!("channel \"{name}\" of {sample_type}");
+            return Err(Error::unwritable(path, found, "write half or float"));
         }
     }
-    if let Some(pair) = channels.windows(2).find(|pair| pair[0].name == pair[1].name) {
-        let found = format!("two channels \"{}\"", pair[0].name);
+    let name = |index: usize| &header.channels[index].0;
+    if let Some(pair) = sorted.windows(2).find(|pair| name(pair[0]) == name(pair[1])) {
+        let found = format!("two channels \"{}\"", name(pair[0]));
         return Err(Error::unwritable(path, found, "names must differ"));
     }
+    if header.late_metadata > i32::MAX as usize {
+        let found = format!("{} bytes kept free for late metadata", header.late_metadata);
+        return Err(Error::unwritable(path, found, "EXR takes less than 2 GiB"));
+    }
+    check_metadata(path, &header.metadata, &[])
+}
+
+/// Refuses late metadata that clash with the header's or do not fit.
+pub(super) fn check_late(path: &Path, header: &ExrHeader, late: &[(String, String)]) -> Result<(), Error> {
+    check_metadata(path, &header.metadata, late)?;
+    let (needed, free) = (size(late), header.late_metadata);
+    if needed > free {
+        let found = format!("late metadata of {needed} bytes where {free} were kept free");
+        return Err(Error::unwritable(path, found, "keep more bytes free in the header"));
+    }
+    Ok(())
+}
+
+fn check_metadata(path: &Path, metadata: &[(String, String)], late: &[(String, String)]) -> Result<(), Error> {
     let mut keys = std::collections::HashSet::new();
-    for (key, value) in &image.metadata {
+    for (key, value) in metadata.iter().chain(late) {
         check_name(path, "metadata", key)?;
         if RESERVED.contains(&key.as_str()) || !keys.insert(key) {
             let found = format!("the metadata \"{key}\"");
@@ -68,6 +92,11 @@ pub(super) fn check(path: &Path, image: &ExrImage<'_>, channels: &[&ExrChannel<'
     Ok(())
 }
 
+/// Bytes of these entries in a header.
+fn size(metadata: &[(String, String)]) -> usize {
+    metadata.iter().map(|(key, value)| key.len() + value.len() + ENTRY).sum()
+}
+
 fn check_name(path: &Path, what: &str, name: &str) -> Result<(), Error> {
     if (1..=NAME_LENGTH).contains(&name.len()) && !name.contains('\0') {
         return Ok(());
@@ -76,28 +105,33 @@ fn check_name(path: &Path, what: &str, name: &str) -> Result<(), Error> {
     Err(Error::unwritable(path, found, "EXR takes 1 to 255 bytes without zeros"))
 }
 
-/// The bytes before the table of chunk offsets.
-pub(super) fn encode(image: &ExrImage<'_>, channels: &[&ExrChannel<'_>]) -> Vec<u8> {
-    let names = channels.iter().map(|channel| &channel.name).chain(image.metadata.iter().map(|(key, _)| key));
+/// The bytes before the table of chunk offsets; as many whatever late metadata there are.
+pub(super) fn encode(header: &ExrHeader, sorted: &[usize], late: &[(String, String)]) -> Vec<u8> {
+    let metadata = || header.metadata.iter().chain(late);
+    let names = header.channels.iter().map(|(name, _)| name).chain(metadata().map(|(key, _)| key));
     let long = names.map(String::len).max() > Some(SHORT_NAME);
     let mut bytes = MAGIC.to_vec();
     bytes.extend((2 | if long { LONG_NAMES } else { 0 }).to_le_bytes());
-    push(&mut bytes, "channels", "chlist", &channel_list(channels));
+    push(&mut bytes, "channels", "chlist", &channel_list(header, sorted));
     // 3: ZIP, 16 rows at a time.
     push(&mut bytes, "compression", "compression", &[3]);
-    push(&mut bytes, "dataWindow", "box2i", &corners(image.data));
-    push(&mut bytes, "displayWindow", "box2i", &corners(image.display));
+    push(&mut bytes, "dataWindow", "box2i", &corners(header.data));
+    push(&mut bytes, "displayWindow", "box2i", &corners(header.display));
     // 0: increasing y.
     push(&mut bytes, "lineOrder", "lineOrder", &[0]);
     push(&mut bytes, "pixelAspectRatio", "float", &1_f32.to_le_bytes());
     push(&mut bytes, "screenWindowCenter", "v2f", &[0; 8]);
     push(&mut bytes, "screenWindowWidth", "float", &1_f32.to_le_bytes());
-    if let Some(Chromaticities { red, green, blue, white }) = image.chromaticities {
+    if let Some(Chromaticities { red, green, blue, white }) = header.chromaticities {
         let values: Vec<u8> = [red, green, blue, white].into_iter().flatten().flat_map(f32::to_le_bytes).collect();
         push(&mut bytes, "chromaticities", "chromaticities", &values);
     }
-    for (key, value) in &image.metadata {
+    for (key, value) in metadata() {
         push(&mut bytes, key, "string", value.as_bytes());
+    }
+    if header.late_metadata > 0 {
+        // A type that no reader knows, so that it is nobody's metadata.
+        push(&mut bytes, FREE, "free", &vec![0; header.late_metadata.saturating_sub(size(late))]);
     }
     bytes.push(0);
     bytes
@@ -112,12 +146,12 @@ fn push(bytes: &mut Vec<u8>, name: &str, kind: &str, value: &[u8]) {
     bytes.extend(value);
 }
 
-fn channel_list(channels: &[&ExrChannel<'_>]) -> Vec<u8> {
+fn channel_list(header: &ExrHeader, sorted: &[usize]) -> Vec<u8> {
     let mut bytes = Vec::new();
-    for channel in channels {
-        bytes.extend(channel.name.as_bytes());
+    for (name, sample_type) in sorted.iter().map(|&index| &header.channels[index]) {
+        bytes.extend(name.as_bytes());
         bytes.push(0);
-        bytes.extend(if channel.half { 1_i32 } else { 2 }.to_le_bytes());
+        bytes.extend(if *sample_type == SampleType::Half { 1_i32 } else { 2 }.to_le_bytes());
         // Not quantized linearly (only lossy methods care); three reserved bytes.
         bytes.extend([0; 4]);
         bytes.extend([1_i32.to_le_bytes(), 1_i32.to_le_bytes()].concat());

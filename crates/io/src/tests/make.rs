@@ -32,7 +32,7 @@ pub(super) const METHODS: [Method; 10] = [
 pub(super) const SMALL: Limits = Limits { pixels: 1 << 20, bytes: 16 << 20 };
 
 pub(super) fn read(bytes: &[u8], selection: &Selection) -> Result<Picture, Error> {
-    picture::read_of(&mut Source::of_bytes(bytes.to_vec()), selection, &SMALL)
+    picture::read_of(Source::of_bytes(bytes.to_vec()), selection, &SMALL)
 }
 
 pub(super) fn describe(bytes: &[u8]) -> Result<Info, Error> {

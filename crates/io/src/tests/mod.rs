@@ -6,3 +6,4 @@ mod headers;
 mod make;
 mod rasters;
 mod round_trip;
+mod streams;

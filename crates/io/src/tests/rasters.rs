@@ -117,8 +117,8 @@ fn huge_claims_are_refused() {
     assert!(!matches!(read(&huge, &Selection::default()), Ok(_) | Err(Error::Io { .. })));
     let tight = Limits { bytes: 100, ..SMALL };
     for format in [ImageFormat::Png, ImageFormat::Tiff, ImageFormat::Jpeg] {
-        let mut source = Source::of_bytes(encoded(&image, format));
-        let error = picture::read_of(&mut source, &Selection::default(), &tight).unwrap_err();
+        let source = Source::of_bytes(encoded(&image, format));
+        let error = picture::read_of(source, &Selection::default(), &tight).unwrap_err();
         assert!(matches!(error, Error::TooLarge { .. } | Error::Unsupported { .. }), "{format:?}: {error}");
     }
 }

@@ -1,10 +1,8 @@
 //! ViewFromPasses: what another renderer saw.
 
-use crate::io_support::{Fit, Layer, Rule, channel_names, decode_pass, positions, take};
+use crate::io_support::{Fit, Opened, Recipe, Rows, Rule, SharedFile, Stored, Stream, open_pass};
 use std::path::{Path, PathBuf};
 use trochoid_graph::*;
-use trochoid_image::Plane;
-use trochoid_io::Picture;
 use trochoid_scene::{Camera, DVec3, Projection};
 
 pub(crate) static NODE: &dyn NodeType = &ViewFromPasses;
@@ -101,37 +99,33 @@ impl Stage for ViewFromPasses {
         };
         let any = |set: ChannelSet| set.iter().any(|channel| wanted(0, channel as usize));
         let path = prepare.frame.path(node.text("file"));
-        let mut reading = Reading { node, frame: prepare.frame, path: &path, repaired: 0 };
-        let mut view = View {
-            channels: (0..ViewChannel::COUNT).map(|_| None).collect(),
-            camera: prepare.handle_of(node, "camera").or_else(level_camera),
-            repaired: 0,
-        };
+        let reading = Reading { node, prepare, path: &path };
+        let camera = prepare.handle_of(node, "camera").or_else(level_camera);
+        let mut view = View { passes: Vec::new(), camera };
         let given = |knob: &str, set: ChannelSet| node.is_set(knob) && any(set);
         let [(depth, far), (position, places), (normal, directions), (coverage, _)] = PASSES;
         let coverage_wanted = any(ViewChannel::Coverage.into()) || wanted(1, 0);
-        if given(depth, far) || (node.is_set(depth) && !node.is_set(coverage) && coverage_wanted) {
-            let (depth, covered) = reading.depth()?;
-            view.set(ViewChannel::Depth, Some(depth));
-            view.set(ViewChannel::Coverage, Some(covered));
+        let covered = node.is_set(depth) && !node.is_set(coverage) && coverage_wanted;
+        if given(depth, far) || covered {
+            // Without a pass of its own, coverage is what depth says.
+            let mut channels = vec![ViewChannel::Depth];
+            channels.extend((!node.is_set(coverage)).then_some(ViewChannel::Coverage));
+            let sky = Box::new(Sky { far: node.number("far") });
+            view.passes.push(reading.scalar(depth, Rule::Field, Some(sky), channels)?);
         }
         if given(position, places) {
-            let [x, y, z] = reading.vector(position, |v| v, |p| p)?;
-            let level = node.number("level");
-            let height = y.map(|y| (f64::from(y) - level) as f32);
-            // In the order of the channels.
-            places.iter().zip([x, y, z, height]).for_each(|(channel, layer)| view.set(channel, Some(layer)));
+            let turned =
+                Turned { z_up: reading.z_up(), unpack: |v| v, finish: |p| p, level: Some(node.number("level")) };
+            view.passes.push(reading.vector(position, places, turned)?);
         }
         if given(normal, directions) {
             let unpack = if node.bool("packed") { |v| 2.0 * v - 1.0 } else { |v| v };
-            let normals = reading.vector(normal, unpack, unit)?;
-            directions.iter().zip(normals).for_each(|(channel, layer)| view.set(channel, Some(layer)));
+            let turned = Turned { z_up: reading.z_up(), unpack, finish: unit, level: None };
+            view.passes.push(reading.vector(normal, directions, turned)?);
         }
-        if node.is_set(coverage) {
-            let layer = if coverage_wanted { Some(reading.scalar(coverage, Rule::Mask)?) } else { None };
-            view.set(ViewChannel::Coverage, layer.map(|(plane, fit)| Layer::new(plane, fit, None)));
+        if node.is_set(coverage) && coverage_wanted {
+            view.passes.push(reading.scalar(coverage, Rule::Mask, None, vec![ViewChannel::Coverage])?);
         }
-        view.repaired = reading.repaired;
         Ok(Box::new(view))
     }
 }
@@ -152,102 +146,143 @@ fn unit(n: [f64; 3]) -> [f64; 3] {
     if length > DEGENERATE && length.is_finite() { n.map(|v| v / length) } else { [0.0, 1.0, 0.0] }
 }
 
-/// Reads the passes of one frame.
-struct Reading<'a> {
-    node: &'a Settled,
-    frame: &'a FrameContext,
-    path: &'a Path,
-    repaired: u64,
+/// Depth with the sky at infinity, and what that says about coverage.
+struct Sky {
+    far: f64,
 }
 
-impl Reading<'_> {
-    fn decode(&self, knob: &str) -> Result<(Picture, Fit), NodeError> {
-        let picture = decode_pass(self.frame, self.path, self.node.text(knob))?;
-        let fit = Fit::new(self.node.text("fit"), picture.display, self.frame.format, self.path)?;
-        Ok((picture, fit))
-    }
-
-    fn fault(&self, knob: &str, picture: &Picture, expected: &str) -> NodeError {
-        NodeError::new(format!(
-            "{}: the pass \"{knob}\" is {}: found the channels {}, expected {expected}",
-            self.path.display(),
-            self.node.text(knob),
-            channel_names(picture)
-        ))
-    }
-
-    /// Takes one plane, held against a rule.
-    fn take(&mut self, picture: &mut Picture, at: usize, rule: Rule) -> Result<Plane, NodeError> {
-        let (plane, repaired) = take(self.path, picture, at, rule, self.node.bool("repair"))?;
-        self.repaired += repaired;
-        Ok(plane)
-    }
-
-    fn scalar(&mut self, knob: &str, rule: Rule) -> Result<(Plane, Fit), NodeError> {
-        let (mut picture, fit) = self.decode(knob)?;
-        if picture.channels.len() != 1 {
-            return Err(self.fault(knob, &picture, "one; name the channel, for example \"Combined.A\""));
-        }
-        Ok((self.take(&mut picture, 0, rule)?, fit))
-    }
-
-    /// Depth with the sky at infinity, and what that says about coverage.
-    fn depth(&mut self) -> Result<(Layer, Layer), NodeError> {
-        let (mut depth, fit) = self.scalar("depth", Rule::Field)?;
-        let far = self.node.number("far");
-        let mut covered = depth.clone();
-        for (depth, covered) in depth.samples_mut().iter_mut().zip(covered.samples_mut()) {
-            let sky = f64::from(*depth) >= far;
-            *covered = if sky { 0.0 } else { 1.0 };
+impl Recipe for Sky {
+    fn apply(&self, _at: [i64; 2], lines: &mut [&mut [f32]]) -> Result<u64, NodeError> {
+        let mut lines = lines.iter_mut();
+        let (Some(depth), mut coverage) = (lines.next(), lines.next()) else { return Ok(0) };
+        for (index, depth) in depth.iter_mut().enumerate() {
+            let sky = f64::from(*depth) >= self.far;
+            if let Some(coverage) = &mut coverage {
+                coverage[index] = if sky { 0.0 } else { 1.0 };
+            }
             if sky {
                 *depth = f32::INFINITY;
             }
         }
-        Ok((Layer::new(depth, fit, None), Layer::new(covered, fit, None)))
+        Ok(0)
     }
+}
 
-    /// Three components, each unpacked, then turned so that y is up, then finished.
-    fn vector(
-        &mut self,
-        knob: &str,
-        unpack: fn(f64) -> f64,
-        finish: fn([f64; 3]) -> [f64; 3],
-    ) -> Result<[Layer; 3], NodeError> {
-        let (mut picture, fit) = self.decode(knob)?;
-        let named = positions(&picture, ["X", "Y", "Z"]).or_else(|| positions(&picture, ["R", "G", "B"]));
-        let at = match named {
-            Some(at) => at,
-            None if picture.channels.len() == 3 => [0, 1, 2],
-            None => return Err(self.fault(knob, &picture, "X, Y and Z, or R, G and B")),
-        };
-        let [mut x, mut y, mut z] = [
-            self.take(&mut picture, at[0], Rule::Field)?,
-            self.take(&mut picture, at[1], Rule::Field)?,
-            self.take(&mut picture, at[2], Rule::Field)?,
-        ];
-        let z_up = self.node.text("up") == "z";
-        let rows = x.samples_mut().iter_mut().zip(y.samples_mut()).zip(z.samples_mut());
-        for ((x, y), z) in rows {
-            let [a, b, c] = [*x, *y, *z].map(|v| unpack(f64::from(v)));
-            let turned = if z_up { [a, c, -b] } else { [a, b, c] };
+/// Three components, each unpacked, then turned so that y is up, then finished; and the height above a level.
+struct Turned {
+    z_up: bool,
+    unpack: fn(f64) -> f64,
+    finish: fn([f64; 3]) -> [f64; 3],
+    level: Option<f64>,
+}
+
+impl Recipe for Turned {
+    fn apply(&self, _at: [i64; 2], lines: &mut [&mut [f32]]) -> Result<u64, NodeError> {
+        let [x, y, z, height @ ..] = lines else { return Ok(0) };
+        for ((x, y), z) in x.iter_mut().zip(&mut **y).zip(&mut **z) {
+            let [a, b, c] = [*x, *y, *z].map(|v| (self.unpack)(f64::from(v)));
+            let turned = if self.z_up { [a, c, -b] } else { [a, b, c] };
             // Adding 0 keeps −0 out.
-            [*x, *y, *z] = finish(turned).map(|v| v as f32 + 0.0);
+            [*x, *y, *z] = (self.finish)(turned).map(|v| v as f32 + 0.0);
         }
-        Ok([x, y, z].map(|plane| Layer::new(plane, fit, None)))
+        if let ([height], Some(level)) = (height, self.level) {
+            height.iter_mut().zip(&**y).for_each(|(height, y)| *height = (f64::from(*y) - level) as f32);
+        }
+        Ok(0)
     }
 }
 
-/// The channels of a view that were read.
+/// Opens the passes of one frame.
+struct Reading<'a> {
+    node: &'a Settled,
+    prepare: &'a Prepare<'a>,
+    path: &'a Path,
+}
+
+impl Reading<'_> {
+    fn z_up(&self) -> bool {
+        self.node.text("up") == "z"
+    }
+
+    fn fault(&self, knob: &str, opened: &Opened, channels: &[usize], expected: &str) -> NodeError {
+        NodeError::new(format!(
+            "{}: the pass \"{knob}\" is {}: found the channels {}, expected {expected}",
+            self.path.display(),
+            self.node.text(knob),
+            opened.names().some(channels)
+        ))
+    }
+
+    /// A pass of these stored channels.
+    fn pass(
+        &self,
+        opened: Opened,
+        at: &[usize],
+        rule: Rule,
+        recipe: Option<Box<dyn Recipe>>,
+        channels: Vec<ViewChannel>,
+    ) -> Result<Pass, NodeError> {
+        let (display, data) = opened.windows();
+        let fit = Fit::new(self.node.text("fit"), display, self.prepare.frame.format, self.path)?;
+        let stored = Stored {
+            path: self.path.into(),
+            part: opened.names().part,
+            names: opened.names().full(at),
+            data,
+            rule,
+            repair: self.node.bool("repair"),
+        };
+        let rows = match opened {
+            Opened::Exr(reader) => {
+                let (file, places) = SharedFile::of(self.prepare, self.path, &reader, at)?;
+                Rows::File(file, places)
+            }
+            Opened::Picture(picture) => {
+                Rows::Memory(at.iter().map(|&index| picture.channels[index].plane.clone()).collect())
+            }
+        };
+        Ok(Pass { stream: Stream::new(stored, rows, recipe, channels.len(), fit), channels })
+    }
+
+    /// The only channel of a pass, and what it says besides.
+    fn scalar(
+        &self,
+        knob: &str,
+        rule: Rule,
+        recipe: Option<Box<dyn Recipe>>,
+        channels: Vec<ViewChannel>,
+    ) -> Result<Pass, NodeError> {
+        let (opened, found) = open_pass(self.prepare, self.path, self.node.text(knob))?;
+        if found.len() != 1 {
+            let expected = "one; name the channel, for example \"Combined.A\"";
+            return Err(self.fault(knob, &opened, &found, expected));
+        }
+        self.pass(opened, &found, rule, recipe, channels)
+    }
+
+    fn vector(&self, knob: &str, channels: ChannelSet, turned: Turned) -> Result<Pass, NodeError> {
+        let (opened, found) = open_pass(self.prepare, self.path, self.node.text(knob))?;
+        let names = opened.names();
+        let named = names.among(&found, ["X", "Y", "Z"]).or_else(|| names.among(&found, ["R", "G", "B"]));
+        let at = match named {
+            Some(at) => at.to_vec(),
+            None if found.len() == 3 => found,
+            None => return Err(self.fault(knob, &opened, &found, "X, Y and Z, or R, G and B")),
+        };
+        self.pass(opened, &at, Rule::Field, Some(Box::new(turned)), channels.iter().collect())
+    }
+}
+
+/// Some channels of a view, read on demand.
+struct Pass {
+    stream: Stream,
+    channels: Vec<ViewChannel>,
+}
+
+/// The channels of a view that are read.
 struct View {
-    channels: Vec<Option<Layer>>,
+    passes: Vec<Pass>,
     camera: Option<Handle>,
-    repaired: u64,
-}
-
-impl View {
-    fn set(&mut self, channel: ViewChannel, layer: Option<Layer>) {
-        self.channels[channel as usize] = layer;
-    }
 }
 
 impl Prepared for View {
@@ -256,33 +291,53 @@ impl Prepared for View {
     }
 
     fn fill(&self, block: &Block, _inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
-        for channel in ViewChannel::ALL {
-            let planes = [outputs.take(0, *channel as usize), coverage_output(*channel, outputs)];
-            for plane in planes.into_iter().flatten() {
-                match &self.channels[*channel as usize] {
-                    Some(layer) => layer.fill(block, plane),
-                    None => plane.fill(absent(*channel)),
+        for pass in &self.passes {
+            let mut outs: Vec<_> = pass.channels.iter().map(|channel| outputs.take(0, *channel as usize)).collect();
+            let mut copy = None;
+            if let Some(at) = pass.channels.iter().position(|channel| *channel == ViewChannel::Coverage) {
+                copy = outputs.take(1, 0).map(|copy| (at, copy));
+                if outs[at].is_none() {
+                    outs[at] = copy.take().map(|(_, copy)| copy);
                 }
+            }
+            pass.stream.fill(block, &mut outs)?;
+            if let Some((at, copy)) = copy
+                && let Some(coverage) = &outs[at]
+            {
+                copy.copy_from_slice(coverage);
+            }
+        }
+        // What no pass has filled.
+        for channel in ViewChannel::ALL {
+            for plane in [outputs.take(0, *channel as usize), coverage_output(*channel, outputs)].into_iter().flatten()
+            {
+                plane.fill(absent(*channel));
             }
         }
         Ok(())
     }
 
     fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
-        let value = |channel: &ViewChannel| match &self.channels[*channel as usize] {
-            Some(layer) => layer.reference(inputs.at),
-            None => f64::from(absent(*channel)),
-        };
-        let values = ViewChannel::ALL.iter().map(value).collect();
-        Ok(vec![Reference::View(values), Reference::Mask(value(&ViewChannel::Coverage))])
+        let mut values: Vec<f64> = ViewChannel::ALL.iter().map(|channel| f64::from(absent(*channel))).collect();
+        for pass in &self.passes {
+            for (channel, value) in pass.channels.iter().zip(pass.stream.reference(inputs.at)?) {
+                values[*channel as usize] = value;
+            }
+        }
+        let coverage = values[ViewChannel::Coverage as usize];
+        Ok(vec![Reference::View(values), Reference::Mask(coverage)])
     }
 
     fn repaired(&self) -> u64 {
-        self.repaired
+        self.passes.iter().map(|pass| pass.stream.repaired()).sum()
+    }
+
+    fn rows_per_band(&self) -> Option<usize> {
+        self.passes.iter().filter_map(|pass| pass.stream.rows_per_band()).max()
     }
 
     fn bytes(&self) -> usize {
-        self.channels.iter().flatten().map(|layer| size_of_val(layer.samples())).sum()
+        self.passes.iter().map(|pass| pass.stream.bytes()).sum()
     }
 }
 

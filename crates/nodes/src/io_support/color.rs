@@ -2,10 +2,10 @@
 
 use super::covered;
 use super::legal::{Rule, place};
-use std::path::Path;
+use std::path::PathBuf;
 use trochoid_graph::NodeError;
 use trochoid_image::{Chromaticities, Plane, WorkingSpace, srgb_decode, srgb_encode};
-use trochoid_io::{Encoding, Picture, SampleType};
+use trochoid_io::{Encoding, SampleType};
 
 /// Alpha that colors are to be divided by, and the color where nothing is covered.
 pub(crate) struct Premultiplied {
@@ -13,23 +13,30 @@ pub(crate) struct Premultiplied {
     pub(crate) uncovered: Option<[f32; 3]>,
 }
 
+/// What colors of a file mean, and what is done about those that are outside the working space.
+#[derive(Clone)]
+pub(crate) struct Meaning {
+    pub(crate) path: PathBuf,
+    pub(crate) part: usize,
+    /// How the file says that it is encoded.
+    pub(crate) encoding: Encoding,
+    pub(crate) chromaticities: Option<Chromaticities>,
+    pub(crate) stored: SampleType,
+    pub(crate) space: WorkingSpace,
+    pub(crate) repair: bool,
+}
+
 /// Converts colors in place: divided by alpha, decoded, brought to the working space, in f64 and rounded once.
 ///
-/// `planes` hold legal stored values of the channels of sample type `stored`. Returns how many values were set to the
-/// nearest legal one, as `repair` allows.
+/// `planes` hold legal stored values. Returns how many values were set to the nearest legal one, as `repair` allows.
 ///
 /// # Errors
-/// Unknown primaries, a color outside the working space, or no covered pixel.
+/// A color outside the working space, or no covered pixel.
 pub(crate) fn convert(
-    path: &Path,
-    picture: &Picture,
-    stored: SampleType,
+    conversion: &mut Conversion,
     planes: &mut [Plane; 3],
-    (encoding, space): (&str, WorkingSpace),
     premultiplied: Option<&Premultiplied>,
-    repair: bool,
 ) -> Result<u64, NodeError> {
-    let mut conversion = Conversion::new(path, picture, encoding, space)?;
     if conversion.identity && premultiplied.is_none() {
         // −0 is legal, but no color.
         planes.iter_mut().flat_map(|plane| plane.samples_mut()).for_each(|sample| *sample += 0.0);
@@ -40,32 +47,9 @@ pub(crate) fn convert(
     let mut repaired = 0;
     for (index, ((r, g), b)) in r.iter_mut().zip(g).zip(b).enumerate() {
         let alpha = premultiplied.map_or(1.0, |p| f64::from(p.alpha.samples()[index]));
-        if alpha == 0.0 {
-            continue;
+        if alpha != 0.0 {
+            repaired += conversion.pixel([r, g, b], alpha, || place(window, index))?;
         }
-        let straight = [*r, *g, *b].map(|v| exact(stored, v) / alpha);
-        let color = conversion.color(straight).map(|v| v as f32 + 0.0);
-        let legal = color.map(|v| Rule::Color.nearest(v));
-        if color != legal {
-            if !repair {
-                let (x, y) = place(window, index);
-                return Err(NodeError::new(format!(
-                    "{}: part {}, pixel ({x}, {y}): the color ({}, {}, {}) of the file is ({}, {}, {}) in {space}, \
-                     expected finite numbers, at least 0; choose a wider \"working_space\" (acescg), or set \
-                     \"repair\": true to take the nearest legal value",
-                    path.display(),
-                    picture.part,
-                    *r,
-                    *g,
-                    *b,
-                    color[0],
-                    color[1],
-                    color[2]
-                )));
-            }
-            repaired += color.iter().zip(&legal).filter(|(found, legal)| found != legal).count() as u64;
-        }
-        [*r, *g, *b] = legal;
     }
     if let Some(Premultiplied { alpha, uncovered }) = premultiplied
         && !covered::spread(planes, alpha)
@@ -74,8 +58,8 @@ pub(crate) fn convert(
             return Err(NodeError::new(format!(
                 "{}: part {}: alpha is 0 everywhere, expected at least one covered pixel to take colors from; \
                  set \"outside\" to the color that is meant",
-                path.display(),
-                picture.part
+                conversion.meaning.path.display(),
+                conversion.meaning.part
             )));
         };
         planes.iter_mut().zip(color).for_each(|(plane, value)| plane.samples_mut().fill(*value));
@@ -94,8 +78,10 @@ fn exact(stored: SampleType, value: f32) -> f64 {
 }
 
 /// From stored values to a working space.
-struct Conversion {
-    identity: bool,
+#[derive(Clone)]
+pub(crate) struct Conversion {
+    meaning: Meaning,
+    pub(crate) identity: bool,
     decode: Option<Memo>,
     /// Linear primaries of the file to those of the space; `None` where they are the same.
     matrix: Option<[[f64; 3]; 3]>,
@@ -103,13 +89,18 @@ struct Conversion {
 }
 
 impl Conversion {
-    fn new(path: &Path, picture: &Picture, encoding: &str, space: WorkingSpace) -> Result<Self, NodeError> {
+    /// The conversion that a file and the knob `encoding` ask for.
+    ///
+    /// # Errors
+    /// Unknown primaries.
+    pub(crate) fn new(meaning: Meaning, encoding: &str) -> Result<Self, NodeError> {
         let encoded = match encoding {
             "linear" => false,
             "srgb" => true,
-            _ => picture.encoding == Encoding::Srgb,
+            _ => meaning.encoding == Encoding::Srgb,
         };
-        let from = primaries(path, picture)?;
+        let space = meaning.space;
+        let from = primaries(&meaning)?;
         // Display encoding in and out cancel, if nothing happens to the light between.
         let wide = space == WorkingSpace::AcesCg;
         let same = (from == WorkingSpace::AcesCg) == wide;
@@ -126,11 +117,50 @@ impl Conversion {
             [0, 1, 2].map(|i| [columns[0][i], columns[1][i], columns[2][i]])
         });
         Ok(Self {
+            meaning,
             identity,
             decode: (encoded && !identity).then(|| Memo::new(srgb_decode)),
             matrix,
             encode: (encode && !identity).then(|| Memo::new(srgb_encode)),
         })
+    }
+
+    /// Converts the pixels from `at` on in place, as [`convert`] does.
+    pub(crate) fn row(&mut self, [x, y]: [i64; 2], [r, g, b]: [&mut [f32]; 3]) -> Result<u64, NodeError> {
+        let mut repaired = 0;
+        if !self.identity {
+            for (index, ((r, g), b)) in r.iter_mut().zip(g).zip(b).enumerate() {
+                repaired += self.pixel([r, g, b], 1.0, || (x + index as i64, y))?;
+            }
+        }
+        Ok(repaired)
+    }
+
+    fn pixel(
+        &mut self,
+        [r, g, b]: [&mut f32; 3],
+        alpha: f64,
+        place: impl FnOnce() -> (i64, i64),
+    ) -> Result<u64, NodeError> {
+        let straight = [*r, *g, *b].map(|v| exact(self.meaning.stored, v) / alpha);
+        let color = self.color(straight).map(|v| v as f32 + 0.0);
+        let legal = color.map(|v| Rule::Color.nearest(v));
+        let wrong = color.iter().zip(&legal).filter(|(found, legal)| found != legal).count();
+        let Meaning { path, part, space, repair, .. } = &self.meaning;
+        if wrong > 0 && !repair {
+            let (x, y) = place();
+            return Err(NodeError::new(format!(
+                "{}: part {part}, pixel ({x}, {y}): the color ({r}, {g}, {b}) of the file is ({}, {}, {}) in {space}, \
+                 expected finite numbers, at least 0; choose a wider \"working_space\" (acescg), or set \
+                 \"repair\": true to take the nearest legal value",
+                path.display(),
+                color[0],
+                color[1],
+                color[2]
+            )));
+        }
+        [*r, *g, *b] = legal;
+        Ok(wrong as u64)
     }
 
     fn color(&mut self, stored: [f64; 3]) -> [f64; 3] {
@@ -149,8 +179,8 @@ impl Conversion {
 }
 
 /// The linear space whose primaries the file states; Rec. 709, as the EXR specification says, where it states none.
-fn primaries(path: &Path, picture: &Picture) -> Result<WorkingSpace, NodeError> {
-    let Some(found) = picture.chromaticities else { return Ok(WorkingSpace::LinearSrgb) };
+fn primaries(meaning: &Meaning) -> Result<WorkingSpace, NodeError> {
+    let Some(found) = meaning.chromaticities else { return Ok(WorkingSpace::LinearSrgb) };
     let listed = |c: Chromaticities| [c.red, c.green, c.blue, c.white];
     // Files state three decimals.
     let near = |space: &WorkingSpace| {
@@ -161,8 +191,8 @@ fn primaries(path: &Path, picture: &Picture) -> Result<WorkingSpace, NodeError> 
         NodeError::new(format!(
             "{}: part {}: found the primaries red {:?}, green {:?}, blue {:?}, white {:?}, expected those of Rec. 709 \
              or ACEScg (AP1); convert the picture to one of them",
-            path.display(),
-            picture.part,
+            meaning.path.display(),
+            meaning.part,
             found.red,
             found.green,
             found.blue,
@@ -172,6 +202,7 @@ fn primaries(path: &Path, picture: &Picture) -> Result<WorkingSpace, NodeError> 
 }
 
 /// A function that remembers its latest values: pictures hold few different ones, and powers are dear.
+#[derive(Clone)]
 struct Memo {
     function: fn(f64) -> f64,
     known: Vec<(u64, f64)>,

@@ -1,9 +1,9 @@
 //! One plane of a file, laid over the document's picture.
 
+use crate::filter_support;
 use std::path::Path;
 use trochoid_graph::{Block, NodeError};
 use trochoid_image::{Format, Plane, Window};
-use trochoid_weights::arithmetic;
 
 /// How pixels of the document find their place in a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -73,6 +73,100 @@ impl Fit {
     }
 }
 
+impl Fit {
+    /// Whether each pixel of the document is one of the picture.
+    pub(crate) fn is_pixel(&self) -> bool {
+        self.way == Way::Pixel
+    }
+
+    /// Lays rows of a picture over a block. `line` gives the pixels from (x, y) on, one row for each channel.
+    pub(crate) fn lay(
+        &self,
+        block: &Block,
+        outs: &mut [Option<&mut [f32]>],
+        mut line: impl FnMut(i64, i64, &mut [Option<&mut [f32]>]) -> Result<(), NodeError>,
+    ) -> Result<(), NodeError> {
+        let (window, offset) = (block.window, block.offset);
+        let width = window.width();
+        if window.is_empty() {
+            return Ok(());
+        }
+        let columns: Vec<Tap> = match self.way {
+            Way::Pixel => Vec::new(),
+            _ => (window.x0..window.x1).map(|x| self.tap(0, x as f64 + offset[0])).collect(),
+        };
+        // Taps do not go back, so the first and the last are the outermost.
+        let left = self.tap(0, window.x0 as f64 + offset[0]).low;
+        let length = columns.last().map_or(0, |last| (last.low + 2 - left) as usize);
+        let none = |out: &Option<&mut [f32]>| out.as_ref().map(|_| vec![0.0; length]);
+        let mut lines: [Vec<Option<Vec<f32>>>; 2] = [outs.iter().map(none).collect(), outs.iter().map(none).collect()];
+        for (row, y) in (window.y0..window.y1).enumerate() {
+            let down = self.tap(1, y as f64 + offset[1]);
+            if self.way == Way::Pixel {
+                let mut rows: Vec<Option<&mut [f32]>> =
+                    outs.iter_mut().map(|out| out.as_deref_mut().map(|out| &mut out[row * width..][..width])).collect();
+                line(left, down.low, &mut rows)?;
+                continue;
+            }
+            let needed = if self.way == Way::Bilinear { 2 } else { 1 };
+            for (below, lines) in lines.iter_mut().enumerate().take(needed) {
+                let mut rows: Vec<Option<&mut [f32]>> = lines.iter_mut().map(Option::as_deref_mut).collect();
+                line(left, down.low + below as i64, &mut rows)?;
+            }
+            let [upper, lower] = &lines;
+            for ((out, upper), lower) in outs.iter_mut().zip(upper).zip(lower) {
+                let (Some(out), Some(upper), Some(lower)) = (out, upper, lower) else { continue };
+                for (out, across) in out[row * width..].iter_mut().zip(&columns) {
+                    let at = (across.low - left) as usize;
+                    *out = if across.t == 0.0 && down.t == 0.0 {
+                        upper[at]
+                    } else {
+                        let values = [upper[at], upper[at + 1], lower[at], lower[at + 1]];
+                        filter_support::blended(values, &filter_support::weights(across.t, down.t))
+                    };
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The values at a place of the document, in pixels, in f64, of a picture with these pixels.
+    pub(crate) fn blend<E>(
+        &self,
+        at: [f64; 2],
+        texel: &mut dyn FnMut(i64, i64) -> Result<Vec<f64>, E>,
+    ) -> Result<Vec<f64>, E> {
+        let (across, down) = (self.tap(0, at[0]), self.tap(1, at[1]));
+        let nearest = texel(across.low, down.low)?;
+        let mut sums = vec![0.0; nearest.len()];
+        for (dy, v) in [(0, 1.0 - down.t), (1, down.t)] {
+            for (dx, u) in [(0, 1.0 - across.t), (1, across.t)] {
+                if u * v > 0.0 {
+                    let values = texel(across.low + dx, down.low + dy)?;
+                    sums.iter_mut().zip(values).for_each(|(sum, value)| *sum += u * v * value);
+                }
+            }
+        }
+        Ok(sums.into_iter().zip(nearest).map(|(sum, nearest)| if sum.is_nan() { nearest } else { sum }).collect())
+    }
+
+    /// Where a picture with this data window has pixels, in the document's.
+    pub(crate) fn window(&self, data: Window) -> Window {
+        let axis = |axis: usize, first: i64, end: i64| {
+            let (first, end) = (first - self.origin[axis], end - self.origin[axis]);
+            match self.way {
+                Way::Pixel => (first, end),
+                Way::Nearest | Way::Bilinear => {
+                    let place = |at: i64| at as f64 / self.scale[axis];
+                    (place(first).floor() as i64, place(end).ceil() as i64)
+                }
+            }
+        };
+        let ((x0, x1), (y0, y1)) = (axis(0, data.x0, data.x1), axis(1, data.y0, data.y1));
+        Window { x0, y0, x1, y1 }
+    }
+}
+
 /// One plane of a file, laid over the document's picture.
 #[derive(Clone, Debug)]
 pub(crate) struct Layer {
@@ -129,7 +223,7 @@ impl Layer {
         }
     }
 
-    /// The weights of the four pixels are multiples of 2⁻²⁴ that sum to exactly 1, so the value stays between them.
+    /// Lies between the four pixels, or is the one that the sample falls on.
     fn sample(&self, across: Tap, down: Tap) -> f32 {
         let nearest = self.texel(across.low, down.low);
         if across.t == 0.0 && down.t == 0.0 {
@@ -141,28 +235,16 @@ impl Layer {
             self.texel(across.low, down.low + 1),
             self.texel(across.low + 1, down.low + 1),
         ];
-        let (u, v) = (across.t, down.t);
-        let mut weights = [(1.0 - u) * (1.0 - v), u * (1.0 - v), (1.0 - u) * v, u * v].map(|w| w as f32);
-        arithmetic::round_partition(&mut weights);
-        let blended = arithmetic::blend(&values, &weights);
-        // Between +∞ and −∞ there is no average.
-        if blended.is_nan() { nearest } else { blended }
+        filter_support::blended(values, &filter_support::weights(across.t, down.t))
     }
 
     /// The value at a place of the document, in pixels, in f64.
     pub(crate) fn reference(&self, at: [f64; 2]) -> f64 {
-        let texel = |x: i64, y: i64| f64::from(self.texel(x, y));
-        let (across, down) = (self.fit.tap(0, at[0]), self.fit.tap(1, at[1]));
-        let nearest = texel(across.low, down.low);
-        let mut sum = 0.0;
-        for (dy, v) in [(0, 1.0 - down.t), (1, down.t)] {
-            for (dx, u) in [(0, 1.0 - across.t), (1, across.t)] {
-                if u * v > 0.0 {
-                    sum += u * v * texel(across.low + dx, down.low + dy);
-                }
-            }
+        let mut texel = |x: i64, y: i64| Ok::<_, std::convert::Infallible>(vec![f64::from(self.texel(x, y))]);
+        match self.fit.blend(at, &mut texel) {
+            Ok(values) => values[0],
+            Err(never) => match never {},
         }
-        if sum.is_nan() { nearest } else { sum }
     }
 
     fn texel(&self, x: i64, y: i64) -> f32 {
@@ -172,11 +254,9 @@ impl Layer {
         }
     }
 
-    /// The same layer with every value replaced.
-    pub(crate) fn map(&self, f: impl Fn(f32) -> f32) -> Self {
-        let mut mapped = self.clone();
-        mapped.plane.samples_mut().iter_mut().for_each(|v| *v = f(*v));
-        mapped
+    /// Where the file holds pixels, in the document's.
+    pub(crate) fn window(&self) -> Window {
+        self.fit.window(self.plane.window())
     }
 
     /// All samples of the file.
@@ -211,6 +291,22 @@ mod tests {
     #[test]
     fn equal_sizes_lie_pixel_on_pixel() {
         assert_eq!(filled(&layer("", [2, 2], None), Window::sized(2, 2)), [0.0, 1.0, 2.0, 3.0]);
+    }
+
+    #[test]
+    fn the_window_is_that_of_the_document() {
+        let of = |knob: &str, format: [u32; 2]| layer(knob, format, None).window();
+        assert_eq!(of("", [2, 2]), Window::sized(2, 2));
+        assert_eq!(of("crop", [9, 1]), Window::sized(2, 2));
+        assert_eq!(of("bilinear", [4, 1]), Window::sized(4, 1));
+        // A pixel more than is shown, to the right and below.
+        let (display, data) = (Window::new(-1, 0, 1, 2), Window::new(-1, 0, 2, 3));
+        let fit = |knob: &str, width: u32| {
+            Fit::new(knob, display, Format::new(width, 2, 1).unwrap(), Path::new("a.exr")).unwrap()
+        };
+        let window = |fit: Fit| Layer::new(Plane::filled(data, 0.0), fit, None).window();
+        assert_eq!(window(fit("", 2)), Window::sized(3, 3));
+        assert_eq!(window(fit("nearest", 5)), Window::sized(8, 3));
     }
 
     #[test]

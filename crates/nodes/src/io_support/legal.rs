@@ -36,6 +36,51 @@ impl Rule {
     }
 }
 
+/// Holds samples against a rule: the position of the first illegal one or, with `repair`, each is set to the nearest legal
+/// value, and how many were.
+pub(crate) fn legalize(samples: &mut [f32], rule: Rule, repair: bool) -> Result<u64, usize> {
+    // Without a branch, since nearly all are legal.
+    let fine = match rule {
+        Rule::Color => samples.iter().fold(true, |fine, v| fine & (*v >= 0.0) & (*v <= f32::MAX)),
+        Rule::Mask => samples.iter().fold(true, |fine, v| fine & (*v >= 0.0) & (*v <= 1.0)),
+        Rule::Field => samples.iter().fold(true, |fine, v| fine & !v.is_nan()),
+    };
+    let mut repaired = 0;
+    if !fine {
+        for (index, sample) in samples.iter_mut().enumerate() {
+            let legal = rule.nearest(*sample);
+            // NaN differs from every number, itself included.
+            if *sample != legal {
+                if !repair {
+                    return Err(index);
+                }
+                *sample = legal;
+                repaired += 1;
+            }
+        }
+    }
+    // Adding 0 turns −0 into 0, so that no bit depends on what is pruned.
+    samples.iter_mut().for_each(|sample| *sample += 0.0);
+    Ok(repaired)
+}
+
+/// What is said of an illegal sample.
+pub(crate) fn illegal(
+    path: &Path,
+    part: usize,
+    channel: &str,
+    (x, y): (i64, i64),
+    found: f32,
+    rule: Rule,
+) -> NodeError {
+    NodeError::new(format!(
+        "{}: part {part}, channel \"{channel}\", pixel ({x}, {y}): found {found}, expected {}; \
+         correct the file, or set \"repair\": true to take the nearest legal value",
+        path.display(),
+        rule.expected()
+    ))
+}
+
 /// Takes the plane of channel `at` out of a picture, with every sample held against a rule: the first illegal one is
 /// refused or, with `repair`, each is set to the nearest legal value. Returns how many were.
 pub(crate) fn take(
@@ -45,31 +90,12 @@ pub(crate) fn take(
     rule: Rule,
     repair: bool,
 ) -> Result<(Plane, u64), NodeError> {
+    let part = picture.part;
     let channel = &mut picture.channels[at];
     let window = channel.plane.window();
-    let mut repaired = 0;
-    for (index, sample) in channel.plane.samples_mut().iter_mut().enumerate() {
-        let legal = rule.nearest(*sample);
-        // NaN differs from every number, itself included.
-        if *sample == legal {
-            // Adding 0 turns −0 into 0, so that no bit depends on what is pruned.
-            *sample += 0.0;
-            continue;
-        }
-        if !repair {
-            let (x, y) = place(window, index);
-            return Err(NodeError::new(format!(
-                "{}: part {}, channel \"{}\", pixel ({x}, {y}): found {sample}, expected {}; \
-                 correct the file, or set \"repair\": true to take the nearest legal value",
-                path.display(),
-                picture.part,
-                channel.full_name,
-                rule.expected()
-            )));
-        }
-        *sample = legal;
-        repaired += 1;
-    }
+    let samples = channel.plane.samples_mut();
+    let repaired = legalize(samples, rule, repair)
+        .map_err(|index| illegal(path, part, &channel.full_name, place(window, index), samples[index], rule))?;
     let empty = Plane::filled(Window::new(0, 0, 0, 0), 0.0);
     Ok((std::mem::replace(&mut channel.plane, empty), repaired))
 }

@@ -2,7 +2,7 @@
 
 use crate::testing::{Frame, graph, refused};
 use std::path::Path;
-use trochoid_graph::NodeError;
+use trochoid_graph::{Kind, NodeError};
 use trochoid_image::{Chromaticities, Plane, Window, WorkingSpace, srgb_decode};
 use trochoid_io::{ExrChannel, ExrImage, PngImage, Samples, write_exr, write_png8};
 
@@ -16,7 +16,10 @@ fn exr(folder: &Path, channels: &[(&str, [f32; 12])], chromaticities: Option<Chr
 
 fn read(folder: &Path, key: &str, knobs: &str) -> Result<Frame, NodeError> {
     let node = format!(r#""out": {{ "type": "Read", "file": "a.exr", {knobs} }}"#);
-    Frame::new(graph(key, &node, folder).unwrap())
+    let frame = Frame::new(graph(key, &node, folder).unwrap())?;
+    // Bad data may be found only where they are needed.
+    frame.fill_all("out")?;
+    Ok(frame)
 }
 
 fn message(result: Result<Frame, NodeError>) -> String {
@@ -50,11 +53,11 @@ fn colors_come_as_they_are_and_are_controls() {
 
 #[test]
 fn many_colors_are_handed_over_as_their_hull() {
-    let count = super::MANY_COLORS + 5;
+    let count = crate::io_support::MANY_COLORS + 5;
     let r: Vec<f32> = (0..count).map(|index| index as f32).collect();
-    assert!(super::distinct(&r, &r, &r).is_none());
-    assert_eq!(super::distinct(&r[..9], &r[..9], &r[..9]).unwrap().len(), 9);
-    assert_eq!(super::distinct(&[1.0; 9], &[2.0; 9], &[3.0; 9]).unwrap(), [[1.0, 2.0, 3.0]]);
+    assert!(crate::io_support::distinct(&r, &r, &r).is_none());
+    assert_eq!(crate::io_support::distinct(&r[..9], &r[..9], &r[..9]).unwrap().len(), 9);
+    assert_eq!(crate::io_support::distinct(&[1.0; 9], &[2.0; 9], &[3.0; 9]).unwrap(), [[1.0, 2.0, 3.0]]);
 }
 
 #[test]
@@ -193,7 +196,8 @@ fn other_sizes_windows_and_limits() {
     let context = graph.frame_context(1, 4);
     let settled = graph.settle(graph.find("out").unwrap(), 1);
     let wanted = [vec![true; 3]];
-    let prepare = trochoid_graph::Prepare::new(&context, &wanted, &|_| None, &|| false);
+    let pool = trochoid_graph::Pool::new();
+    let prepare = trochoid_graph::Prepare::new(&context, &[Kind::Color], &wanted, &|_| None, &|| false, &pool);
     let trochoid_graph::Body::Stage(stage) = super::NODE.body() else { unreachable!() };
     assert!(stage.prepare(&settled, &prepare).is_err_and(|error| error.message.contains("at most 4")));
 }

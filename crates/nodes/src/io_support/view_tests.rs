@@ -21,7 +21,10 @@ fn view(folder: &Path, knobs: &str) -> Result<Frame, NodeError> {
     );
     let document = Document::parse("test.json", &text).unwrap();
     let (graph, faults) = check(&document, &Registry::new(crate::all().iter().copied()), folder);
-    Frame::new(graph.unwrap_or_else(|| panic!("{faults:?}")))
+    let frame = Frame::new(graph.unwrap_or_else(|| panic!("{faults:?}")))?;
+    // Bad data are found only where they are needed.
+    frame.fill_all("view")?;
+    Ok(frame)
 }
 
 /// All channels at a pixel, by reference and by fill, which must agree.

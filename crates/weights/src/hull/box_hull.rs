@@ -1,4 +1,8 @@
+use fearless_simd::{Level, Simd, dispatch};
 use trochoid_image::Rgb;
+
+/// Pixels held against the box together.
+const BLOCK: usize = 128;
 
 /// The smallest box around control colors: what per-channel operations cannot leave.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -75,17 +79,37 @@ impl BoxHull {
     #[must_use]
     pub fn exits(&self, r: &[f32], g: &[f32], b: &[f32], margin: f64) -> (u64, f64) {
         assert!(r.len() == g.len() && g.len() == b.len(), "channels of equal length");
+        let level = Level::new();
         let mut count = 0;
         let mut worst = 0.0_f64;
-        for ((&r, &g), &b) in r.iter().zip(g).zip(b) {
-            let pixel = [r, g, b];
-            // False for NaN as well.
-            let inside = (0..3).fold(true, |all, i| all & (pixel[i] >= self.min[i]) & (pixel[i] <= self.max[i]));
-            if !inside && let Some(distance) = self.exit(&pixel, margin) {
-                count += 1;
-                worst = worst.max(distance);
+        for ((r, g), b) in r.chunks(BLOCK).zip(g.chunks(BLOCK)).zip(b.chunks(BLOCK)) {
+            if dispatch!(level, simd => self.holds(simd, [r, g, b])) {
+                continue;
+            }
+            for ((&r, &g), &b) in r.iter().zip(g).zip(b) {
+                if let Some(distance) = self.exit(&[r, g, b], margin) {
+                    count += 1;
+                    worst = worst.max(distance);
+                }
             }
         }
         (count, worst)
+    }
+
+    /// Whether no pixel is outside by anything.
+    fn holds<S: Simd>(&self, simd: S, channels: [&[f32]; 3]) -> bool {
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                let mut all = true;
+                for ((channel, &min), &max) in channels.iter().zip(&self.min).zip(&self.max) {
+                    for &v in *channel {
+                        // False for NaN as well.
+                        all &= (v >= min) & (v <= max);
+                    }
+                }
+                all
+            },
+        )
     }
 }

@@ -1,10 +1,15 @@
 //! Counting the pixels that left a hull.
 
+use fearless_simd::prelude::*;
+use fearless_simd::{Level, dispatch};
+
+use super::nearness::Nearness;
+use super::screen::{BLOCK, Bounds, Groups, Pixels, TOGETHER, left};
 use super::vector::{Point, along, length, sub};
 use super::{EVALUATION, Facet, Hull};
 
-/// Pixels judged together: their coordinates and running maximum in f64 take 2 KiB.
-const BLOCK: usize = 64;
+/// From so many pixels of a block on that are left for f64, they are judged there rather than gathered.
+const MANY_LEFT: u32 = 24;
 
 /// Projections tried before the distance is computed in full.
 const PROJECTIONS: usize = 8;
@@ -50,7 +55,7 @@ impl Hull {
     }
 
     /// Counts the pixels of a row that are outside by more than the margin (≥ 0), and finds the largest distance among
-    /// them (0 if there is none). The same verdicts as [`exit`](Hull::exit), at a few nanoseconds per facet and pixel.
+    /// them (0 if there is none). The same verdicts as [`exit`](Hull::exit), at a nanosecond or less for most pixels.
     ///
     /// # Panics
     ///
@@ -58,55 +63,206 @@ impl Hull {
     #[must_use]
     pub fn exits(&self, r: &[f32], g: &[f32], b: &[f32], margin: f64) -> (u64, f64) {
         assert!(r.len() == g.len() && g.len() == b.len(), "channels of equal length");
-        // The planes of inner polytopes carry an error of their own: stay clear of it.
-        let clear = 4.0 * EVALUATION * self.largest;
-        let (planes, slack) = if self.core.is_empty() { (&self.planes, 0.0) } else { (&self.core, -clear) };
-        let deep = |point| !self.fine.is_empty() && self.fine.iter().all(|facet| facet.excess(point) <= -clear);
-        let mut count = 0;
-        let mut worst = 0.0_f64;
-        for start in (0..r.len()).step_by(BLOCK) {
-            let end = r.len().min(start + BLOCK);
-            let channels = [&r[start..end], &g[start..end], &b[start..end]];
-            let excess = block_excess(planes, channels);
-            for (x, &excess) in excess[..end - start].iter().enumerate() {
-                let certain = excess <= slack; // false for NaN
-                let pixel = channels.map(|c| c[x]);
-                if !certain
-                    && !deep(pixel.map(f64::from))
-                    && let Some(distance) = self.exit(&pixel, margin)
-                {
-                    count += 1;
-                    worst = worst.max(distance);
-                }
-            }
+        if self.planes.is_empty() {
+            return if r.is_empty() { (0, 0.0) } else { (r.len() as u64, f64::INFINITY) };
         }
-        (count, worst)
+        let mut sieve = Sieve::new(self, margin);
+        let level = Level::new();
+        dispatch!(level, simd => sieve.row(simd, [r, g, b]));
+        (sieve.count, sieve.worst)
     }
 }
 
-/// The largest excess over all planes for each pixel of a block; NaN where a coordinate is not finite, or where there are no
-/// planes.
-fn block_excess(planes: &[Facet], channels: [&[f32]; 3]) -> [f64; BLOCK] {
-    let mut r = [0.0_f64; BLOCK];
-    let mut g = [0.0_f64; BLOCK];
-    let mut b = [0.0_f64; BLOCK];
-    for (wide, narrow) in [&mut r, &mut g, &mut b].into_iter().zip(channels) {
-        for (wide, &narrow) in wide.iter_mut().zip(narrow) {
-            *wide = f64::from(narrow);
+/// Pixels pass through screens in blocks; what no screen passes is judged in f64, and what is then left one by one.
+struct Sieve<'h> {
+    hull: &'h Hull,
+    margin: f64,
+    /// For each plane an excess up to which the distance is certainly within the margin; made when first needed, as are
+    /// the planes of each screen.
+    near: Vec<f64>,
+    groups: Vec<Groups>,
+    /// What waits to be judged in each stage: the screens, and f64 last.
+    waiting: Vec<([[f32; BLOCK]; 3], usize)>,
+    planes: Vec<[f32; 4]>,
+    count: u64,
+    worst: f64,
+}
+
+impl<'h> Sieve<'h> {
+    fn new(hull: &'h Hull, margin: f64) -> Self {
+        let waiting = vec![([[0.0; BLOCK]; 3], 0); hull.screens.len() + 1];
+        let groups = vec![Vec::new(); hull.screens.len()];
+        Self { hull, margin, near: Vec::new(), groups, waiting, planes: Vec::new(), count: 0, worst: 0.0 }
+    }
+
+    /// Makes what a stage judges by.
+    fn prepare(&mut self, stage: usize) {
+        let Some(screen) = self.hull.screens.get(stage) else {
+            if self.near.is_empty() {
+                // Where there is no screen, the bounds of rounding do not hold either.
+                let known = !self.hull.screens.is_empty();
+                let near =
+                    |nearness: &Nearness| if known { nearness.excess(self.margin, self.hull.largest) } else { 0.0 };
+                self.near = self.hull.nearness.iter().map(near).collect();
+            }
+            return;
+        };
+        if self.groups[stage].is_empty() {
+            // No plane of a hull is farther from a pixel than the polytope inside it.
+            let whole = self.hull.screens.last().filter(|_| stage + 1 < self.hull.screens.len());
+            self.groups[stage] = screen.groups(whole.map_or(self.margin, |whole| whole.near(self.margin)));
         }
     }
-    let Some((first, rest)) = planes.split_first() else {
-        return [f64::NAN; BLOCK];
-    };
-    // 0 for finite coordinates, else NaN.
-    let finite = |x: usize| r[x] * 0.0 + g[x] * 0.0 + b[x] * 0.0;
-    let mut largest: [f64; BLOCK] = std::array::from_fn(|x| first.excess([r[x], g[x], b[x]]) + finite(x));
-    for plane in rest {
-        for x in 0..BLOCK {
-            let excess = plane.excess([r[x], g[x], b[x]]);
-            // In this order the NaN of a pixel that is not finite stays.
-            largest[x] = if excess > largest[x] { excess } else { largest[x] };
+
+    fn row<S: Simd>(&mut self, simd: S, channels: [&[f32]; 3]) {
+        let length = channels[0].len();
+        for start in (0..length).step_by(BLOCK) {
+            let count = BLOCK.min(length - start);
+            let channels = channels.map(|channel| &channel[start..start + count]);
+            let [r, g, b] = channels;
+            if let (Ok(r), Ok(g), Ok(b)) = (r.try_into(), g.try_into(), b.try_into()) {
+                self.block(simd, 0, [r, g, b], count);
+                continue;
+            }
+            let mut block = [[0.0; BLOCK]; 3];
+            for (block, channel) in block.iter_mut().zip(channels) {
+                block[..count].copy_from_slice(channel);
+            }
+            self.block(simd, 0, filled(&mut block, count), count);
+        }
+        for stage in 0..self.waiting.len() {
+            self.flush(simd, stage);
         }
     }
-    largest
+
+    /// Judges the first `count` pixels of a block, which is filled up with one of them.
+    fn block<S: Simd>(&mut self, simd: S, stage: usize, block: Pixels<'_>, count: usize) {
+        let hull = self.hull;
+        self.prepare(stage);
+        let all = if count < BLOCK { (1 << count) - 1 } else { u128::MAX };
+        let Some(screen) = hull.screens.get(stage) else {
+            return self.exactly(simd, block, all);
+        };
+        let bounds = Bounds::of(simd, block);
+        if !screen.covers_box(&bounds) {
+            // Such pixels are judged here, and leave their place to one that passes.
+            let mut covered = block.map(|channel| *channel);
+            for x in 0..count {
+                let pixel = block.map(|channel| channel[x]);
+                if !screen.covers(&pixel) {
+                    if pixel.iter().all(|v| v.is_finite()) {
+                        self.judge(&pixel);
+                    } else {
+                        self.count += 1;
+                        self.worst = f64::INFINITY;
+                    }
+                    for (channel, v) in covered.iter_mut().zip(hull.vertices[0]) {
+                        channel[x] = v;
+                    }
+                }
+            }
+            return self.block(simd, stage, filled(&mut covered, count), count);
+        }
+        let beyond = left(simd, &self.groups[stage], block, &bounds, &mut self.planes);
+        let mut left = beyond & all;
+        if left == 0 {
+            return;
+        }
+        if stage + 1 == hull.screens.len() && left.count_ones() >= MANY_LEFT {
+            self.prepare(stage + 1);
+            return self.exactly(simd, block, left);
+        }
+        if self.waiting[stage + 1].1 + left.count_ones() as usize > BLOCK {
+            self.flush(simd, stage + 1);
+        }
+        let (waiting, filled) = &mut self.waiting[stage + 1];
+        while left != 0 {
+            let x = left.trailing_zeros() as usize;
+            for (to, from) in waiting.iter_mut().zip(block) {
+                to[*filled] = from[x];
+            }
+            *filled += 1;
+            left &= left - 1;
+        }
+    }
+
+    /// Judges some pixels of a block, given as bits, in f64.
+    fn exactly<S: Simd>(&mut self, simd: S, block: Pixels<'_>, pixels: u128) {
+        let mut left = pixels & !near(simd, &self.hull.planes, &self.near, block);
+        while left != 0 {
+            let x = left.trailing_zeros() as usize;
+            self.judge(&block.map(|channel| channel[x]));
+            left &= left - 1;
+        }
+    }
+
+    /// Judges what waits for a stage.
+    fn flush<S: Simd>(&mut self, simd: S, stage: usize) {
+        let (waiting, filled) = &mut self.waiting[stage];
+        let count = std::mem::take(filled);
+        if count > 0 {
+            let mut block = *waiting;
+            self.block(simd, stage, self::filled(&mut block, count), count);
+        }
+    }
+
+    fn judge(&mut self, pixel: &[f32; 3]) {
+        if let Some(distance) = self.hull.exit(pixel, self.margin) {
+            self.count += 1;
+            self.worst = self.worst.max(distance);
+        }
+    }
+}
+
+/// A block whose unused places repeat its first pixel, so that they do not widen its box.
+fn filled(block: &mut [[f32; BLOCK]; 3], count: usize) -> Pixels<'_> {
+    for channel in &mut *block {
+        let first = channel[0];
+        channel[count..].fill(first);
+    }
+    block.each_ref()
+}
+
+/// The pixels of a block that exceed no plane by more than `near`, as bits. Never one that is not finite.
+///
+/// The excess is computed as [`Hull::exit`] does, so that 0 as `near` is exact.
+fn near<S: Simd>(simd: S, planes: &[Facet], near: &[f64], block: Pixels<'_>) -> u128 {
+    simd.vectorize(
+        #[inline(always)]
+        || {
+            let mut wide = [[0.0; BLOCK]; 3];
+            for c in 0..3 {
+                for x in 0..BLOCK {
+                    wide[c][x] = f64::from(block[c][x]);
+                }
+            }
+            let mut found = 0_u128;
+            for start in (0..BLOCK).step_by(TOGETHER * S::f64s::LEN) {
+                let zero = S::f64s::splat(simd, 0.0);
+                let (mut red, mut green, mut blue) = ([zero; TOGETHER], [zero; TOGETHER], [zero; TOGETHER]);
+                for i in 0..TOGETHER {
+                    let from = start + i * S::f64s::LEN;
+                    let lanes = from..from + S::f64s::LEN;
+                    red[i] = S::f64s::from_slice(simd, &wide[0][lanes.clone()]);
+                    green[i] = S::f64s::from_slice(simd, &wide[1][lanes.clone()]);
+                    blue[i] = S::f64s::from_slice(simd, &wide[2][lanes]);
+                }
+                let mut largest = [S::f64s::splat(simd, f64::NEG_INFINITY); TOGETHER];
+                for (&Facet { normal: [x, y, z], offset }, &near) in planes.iter().zip(near) {
+                    for i in 0..TOGETHER {
+                        // The very operations of `Facet::excess`, in their order, if `near` is 0.
+                        let excess = red[i] * x + green[i] * y + blue[i] * z - (offset + near);
+                        largest[i] = largest[i].max(excess);
+                    }
+                }
+                for i in 0..TOGETHER {
+                    // 0 for finite coordinates, else NaN.
+                    let finite = red[i] * 0.0 + green[i] * 0.0 + blue[i] * 0.0;
+                    let within = (largest[i] + finite).simd_le(0.0).to_bitmask();
+                    found |= u128::from(within) << (start + i * S::f64s::LEN);
+                }
+            }
+            found
+        },
+    )
 }

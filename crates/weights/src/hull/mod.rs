@@ -3,6 +3,8 @@
 mod box_hull;
 mod builder;
 mod judge;
+mod nearness;
+mod screen;
 mod shape;
 mod solid;
 mod thin;
@@ -12,6 +14,8 @@ use trochoid_image::Rgb;
 
 pub use box_hull::BoxHull;
 pub use builder::HullBuilder;
+use nearness::Nearness;
+use screen::Screen;
 use shape::{Shape, nearest_on_segment};
 use solid::Mesh;
 use vector::{Point, along, area_vector, cross, dot, length, sub, unit};
@@ -61,14 +65,14 @@ pub struct Hull {
     facets: usize,
     /// Where the nearest point lies if it lies inside no facet.
     edges: Vec<[Point; 2]>,
-    /// Of a hull with many facets: an inner polytope with few, to pass most pixels quickly.
-    core: Vec<Facet>,
-    /// Of a hull with very many facets: a larger inner polytope, for the pixels outside the core.
-    fine: Vec<Facet>,
+    /// How the distance follows from the excess, by plane.
+    nearness: Vec<Nearness>,
+    /// What passes most pixels quickly: of a hull with many facets inner polytopes with few, and last the hull itself.
+    screens: Vec<Screen>,
     largest: f64,
 }
 
-/// Above this many facets a hull gets a core.
+/// Above this many facets a hull is screened by an inner polytope; above four times as many, by a larger one too.
 const MANY_FACETS: usize = 96;
 
 /// Up to this many pairs of facet and vertex, every facet is held against every vertex.
@@ -113,16 +117,24 @@ impl Hull {
         };
         let vertices: Vec<Rgb> = vertices.iter().map(|&v| points[v as usize]).collect();
         let largest = corners.iter().flatten().fold(0.0, |largest: f64, v| largest.max(v.abs()));
-        let core = |n: i32, least: usize| {
-            let wanted = facets.len() > least;
-            if wanted { Self::of_sorted(&builder::extremes(&vertices, n)).planes } else { Vec::new() }
-        };
-        // The polytope of n extremes has less than 2n facets, so the recursion ends.
-        let (core, fine) = (core(1, MANY_FACETS), core(2, 4 * MANY_FACETS));
         let count = facets.len();
         let mut planes = facets;
         planes.extend(dimension.map_or(Vec::new(), |dimension| thin::guards(dimension, &planes, &corners)));
-        Self { dimension, vertices, planes, facets: count, edges, core, fine, largest }
+        let nearness = match &shape {
+            // A guard may be the worst plane, and it is no facet.
+            _ if planes.len() > count => vec![Nearness::NONE; planes.len()],
+            Shape::Empty => Vec::new(),
+            Shape::Point | Shape::Segment(_) => Nearness::of_box(&planes, &corners, largest),
+            Shape::Polygon(_) => Nearness::of_polygon(&planes, &corners, largest),
+            Shape::Solid(mesh) => Nearness::of_solid(mesh, &planes, &exact, largest),
+        };
+        let bounds = BoxHull::new(&vertices);
+        // The polytope of n extremes has less than 2n facets, so the recursion ends.
+        let inner = [(1, MANY_FACETS), (2, 4 * MANY_FACETS)].into_iter().filter(|&(_, least)| count > least);
+        let inner = inner.map(|(n, _)| Self::of_sorted(&builder::extremes(&vertices, n)));
+        let inner = inner.filter_map(|inner| Screen::new(&inner.planes, &inner.nearness, &bounds, largest));
+        let screens = inner.chain(Screen::new(&planes, &nearness, &bounds, largest)).collect();
+        Self { dimension, vertices, planes, facets: count, edges, nearness, screens, largest }
     }
 
     /// The extreme points, each once. A control color that is a mix of others is not among them.

@@ -1,0 +1,208 @@
+//! What programs are compiled to.
+
+use super::audit::Legal;
+use trochoid_graph::{NodeId, Slot};
+use trochoid_memory::Instructions;
+
+/// Samples in a chunk.
+pub(crate) const CHUNK: usize = 128;
+
+/// A chunk of samples, on cache lines.
+#[derive(Clone, Debug)]
+#[repr(align(64))]
+pub(crate) struct Chunk(pub(crate) [f32; CHUNK]);
+
+/// Where a chunk comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Row {
+    /// One of the machine's.
+    Own(u16),
+    /// One from outside: a plane, or what was computed once for the tile or the row.
+    Plane(u16),
+}
+
+/// Where a color comes from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Source {
+    /// The accumulator.
+    Last,
+    Rows([Row; 3]),
+    Constant([f32; 3]),
+    /// The mix of two constants, never stored.
+    Pair {
+        from: [f32; 3],
+        to: [f32; 3],
+        by: Row,
+    },
+}
+
+/// One instruction. Colors are left in the accumulator.
+#[derive(Clone, Debug)]
+pub(crate) enum Work {
+    Clamp {
+        x: Row,
+        min: f32,
+        max: f32,
+        to: u16,
+    },
+    Smooth {
+        t: Row,
+        to: u16,
+    },
+    Power {
+        t: Row,
+        p: f32,
+        to: u16,
+    },
+    Step {
+        x: Row,
+        threshold: f32,
+        to: u16,
+    },
+    Complement {
+        t: Row,
+        to: u16,
+    },
+    Product {
+        t: Row,
+        u: Row,
+        to: u16,
+    },
+    /// Rounds weights so that they sum to exactly 1.
+    Partition {
+        weights: Vec<Row>,
+        to: Vec<u16>,
+    },
+    Normalize {
+        values: Vec<Row>,
+        floor: f32,
+        to: Vec<u16>,
+    },
+    Load(Source),
+    Mix {
+        a: Source,
+        b: Source,
+        t: Row,
+        /// The root that this color is, if it is nothing else: written straight where it belongs.
+        out: Option<u16>,
+    },
+    /// The mix by y of two pairs mixed by x.
+    Patch {
+        corners: [[f32; 3]; 4],
+        x: Row,
+        y: Row,
+    },
+    Blend {
+        colors: Vec<Source>,
+        weights: Vec<Row>,
+    },
+    /// Keeps the accumulator, which nobody reads after that.
+    Keep([u16; 3]),
+    /// Holds weights against [0, 1].
+    AuditMask(Row),
+    /// Holds weights against [0, 1] and their sum against 1.
+    AuditPartition(Vec<Row>),
+    /// Holds a plane of the caller against what its kind allows.
+    Check {
+        plane: u16,
+        index: u16,
+    },
+    /// Where all of `t` is `closed`, takes `otherwise` and jumps over `skip` instructions.
+    Gate {
+        t: Row,
+        closed: f32,
+        otherwise: Source,
+        skip: usize,
+    },
+    /// Writes a color root from the accumulator.
+    OutColor(u16),
+    /// Writes a root of scalars.
+    OutRows {
+        root: u16,
+        rows: Vec<Row>,
+    },
+}
+
+/// Straight-line code over chunks.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Code {
+    pub(crate) list: Vec<Work>,
+    /// Number of chunks of its own.
+    pub(crate) own: usize,
+    /// Own chunks that hold a constant throughout.
+    pub(crate) constants: Vec<(u16, f32)>,
+    /// By root, its first output channel and how many it has.
+    pub(crate) roots: Vec<(usize, usize)>,
+    /// The planes held against what their kind allows: by index, the plane and the rule.
+    pub(crate) checks: Vec<(u16, Legal)>,
+}
+
+impl Code {
+    /// Number of output channels.
+    pub(crate) fn channels(&self) -> usize {
+        self.roots.iter().map(|(_, count)| count).sum()
+    }
+}
+
+/// A compiled program.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Compiled {
+    /// Planes read, in the order in which the machine expects them.
+    pub(crate) planes: Vec<Slot>,
+    /// Run once a tile, over its columns.
+    pub(crate) column: Code,
+    /// Run once a row, over one chunk.
+    pub(crate) row: Code,
+    /// Run over everything.
+    pub(crate) main: Code,
+    /// The nodes that operations came from, and each one's relative cost a pixel, for reports.
+    pub(crate) costs: Vec<(NodeId, f64)>,
+    /// By root, its number of channels.
+    pub(crate) roots: Vec<usize>,
+    /// What the machine may use.
+    pub(crate) instructions: Instructions,
+    /// What the kernels do wrong, so that tests see whether anybody notices.
+    #[cfg(test)]
+    pub(crate) fault: Fault,
+}
+
+/// A deliberately broken kernel.
+#[cfg(test)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) enum Fault {
+    #[default]
+    None,
+    /// Mix goes beyond its second color.
+    MixOvershoots,
+    /// Partitions sum to a little less than 1.
+    PartitionLeaks,
+    /// Clamp lets a mask reach beyond 1.
+    ClampLeaks,
+    /// Mix gives NaN at one pixel of a chunk.
+    MixLosesOne,
+}
+
+/// A plane over a tile, wherever its rows lie.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Plane<'a> {
+    pub(crate) samples: &'a [f32],
+    /// The tile's first sample.
+    pub(crate) start: usize,
+    /// From one row to the next; 0 where one row stands for all.
+    pub(crate) stride: usize,
+}
+
+impl<'a> Plane<'a> {
+    /// The first `width` samples of row y.
+    #[inline(always)]
+    pub(crate) fn row(&self, y: usize, width: usize) -> &'a [f32] {
+        let start = self.start + y * self.stride;
+        &self.samples[start..start + width]
+    }
+
+    /// The samples from row y on, as far as they go.
+    #[inline(always)]
+    pub(crate) fn from(&self, y: usize) -> &'a [f32] {
+        &self.samples[self.start + y * self.stride..]
+    }
+}

@@ -1,0 +1,367 @@
+//! Mixing colors over a chunk, each source of a color compiled into the loop.
+
+use super::audit::Bits;
+use super::code::{CHUNK, Chunk};
+use fearless_simd::{Bytes, Simd, SimdBase, f32x16, mask32x16, u32x16};
+use trochoid_memory::{Stream, Target};
+
+/// An array of what an expression is for channels 0, 1 and 2. [`array::map`] is not always inlined, and what is not
+/// inlined is compiled without the instruction set at hand.
+macro_rules! rgb {
+    ($c:ident => $value:expr) => {{
+        let $c = 0usize;
+        let r = $value;
+        let $c = 1usize;
+        let g = $value;
+        let $c = 2usize;
+        let b = $value;
+        [r, g, b]
+    }};
+}
+pub(super) use rgb;
+
+pub(super) const LANES: usize = 16;
+const VECTORS: usize = CHUNK / LANES;
+
+pub(super) type Lanes<S> = f32x16<S>;
+
+#[inline(always)]
+pub(super) fn load<S: Simd>(simd: S, row: &[f32; CHUNK], i: usize) -> Lanes<S> {
+    f32x16::from_slice(simd, &row[LANES * i..LANES * (i + 1)])
+}
+
+#[inline(always)]
+pub(super) fn splat<S: Simd>(simd: S, color: &[f32; 3]) -> [Lanes<S>; 3] {
+    rgb!(c => simd.splat_f32x16(color[c]))
+}
+
+/// A mask, made ready: which end of a mix is nearer, and how far from it.
+#[derive(Clone, Copy)]
+pub(super) struct By<S: Simd> {
+    near_a: mask32x16<S>,
+    by: Lanes<S>,
+}
+
+#[inline(always)]
+pub(super) fn by<S: Simd>(simd: S, t: Lanes<S>) -> By<S> {
+    let near_a = simd.simd_lt_f32x16(t, simd.splat_f32x16(0.5));
+    let by = simd.select_f32x16(near_a, t, simd.sub_f32x16(t, simd.splat_f32x16(1.0)));
+    By { near_a, by }
+}
+
+/// [`mix`](trochoid_weights::arithmetic::mix), lane by lane: the same operations in the same order.
+#[inline(always)]
+pub(super) fn mix<S: Simd>(simd: S, a: Lanes<S>, b: Lanes<S>, t: By<S>) -> Lanes<S> {
+    mix_by(simd, a, b, simd.sub_f32x16(b, a), t)
+}
+
+/// The same with the difference known.
+#[inline(always)]
+pub(super) fn mix_by<S: Simd>(simd: S, a: Lanes<S>, b: Lanes<S>, difference: Lanes<S>, t: By<S>) -> Lanes<S> {
+    simd.mul_add_precise_f32x16(t.by, difference, simd.select_f32x16(t.near_a, a, b))
+}
+
+/// Where a color of a mix comes from.
+pub(super) trait Operand<S: Simd>: Copy {
+    /// What all three channels share.
+    type Shared: Copy;
+    /// Whether the accumulator is read.
+    const READS_LAST: bool = false;
+
+    fn share(&self, simd: S, i: usize) -> Self::Shared;
+    fn get(&self, simd: S, c: usize, i: usize, last: Lanes<S>, shared: Self::Shared) -> Lanes<S>;
+}
+
+#[derive(Clone, Copy)]
+pub(super) struct FromLast;
+
+#[derive(Clone, Copy)]
+pub(super) struct FromRows<'a>(pub(super) [&'a [f32; CHUNK]; 3]);
+
+#[derive(Clone, Copy)]
+pub(super) struct FromConstant<S: Simd>(pub(super) [Lanes<S>; 3]);
+
+#[derive(Clone, Copy)]
+pub(super) struct FromPair<'a, S: Simd> {
+    from: [Lanes<S>; 3],
+    to: [Lanes<S>; 3],
+    difference: [Lanes<S>; 3],
+    by: &'a [f32; CHUNK],
+}
+
+impl<'a, S: Simd> FromPair<'a, S> {
+    #[inline(always)]
+    pub(super) fn new(simd: S, from: &[f32; 3], to: &[f32; 3], by: &'a [f32; CHUNK]) -> Self {
+        let difference = rgb!(c => to[c] - from[c]);
+        Self { from: splat(simd, from), to: splat(simd, to), difference: splat(simd, &difference), by }
+    }
+}
+
+impl<S: Simd> Operand<S> for FromLast {
+    type Shared = ();
+    const READS_LAST: bool = true;
+
+    #[inline(always)]
+    fn share(&self, _simd: S, _i: usize) {}
+
+    #[inline(always)]
+    fn get(&self, _simd: S, _c: usize, _i: usize, last: Lanes<S>, _shared: ()) -> Lanes<S> {
+        last
+    }
+}
+
+impl<S: Simd> Operand<S> for FromRows<'_> {
+    type Shared = ();
+
+    #[inline(always)]
+    fn share(&self, _simd: S, _i: usize) {}
+
+    #[inline(always)]
+    fn get(&self, simd: S, c: usize, i: usize, _last: Lanes<S>, _shared: ()) -> Lanes<S> {
+        load(simd, self.0[c], i)
+    }
+}
+
+impl<S: Simd> Operand<S> for FromConstant<S> {
+    type Shared = ();
+
+    #[inline(always)]
+    fn share(&self, _simd: S, _i: usize) {}
+
+    #[inline(always)]
+    fn get(&self, _simd: S, c: usize, _i: usize, _last: Lanes<S>, _shared: ()) -> Lanes<S> {
+        self.0[c]
+    }
+}
+
+impl<S: Simd> Operand<S> for FromPair<'_, S> {
+    type Shared = By<S>;
+
+    #[inline(always)]
+    fn share(&self, simd: S, i: usize) -> By<S> {
+        by(simd, load(simd, self.by, i))
+    }
+
+    #[inline(always)]
+    fn get(&self, simd: S, c: usize, _i: usize, _last: Lanes<S>, shared: By<S>) -> Lanes<S> {
+        mix_by(simd, self.from[c], self.to[c], self.difference[c], shared)
+    }
+}
+
+/// Mixes into the accumulator.
+#[inline(always)]
+pub(super) fn mix_rows<S: Simd>(
+    simd: S,
+    last: &mut [Box<Chunk>; 3],
+    a: impl Operand<S>,
+    b: impl Operand<S>,
+    t: &[f32; CHUNK],
+) {
+    let [r, g, blue] = last;
+    let last = [&mut r.0, &mut g.0, &mut blue.0];
+    for i in 0..VECTORS {
+        let old = rgb!(c => load(simd, last[c], i));
+        let mixed = mix_vector(simd, i, old, a, b, t);
+        for c in 0..3 {
+            mixed[c].store_slice(&mut last[c][LANES * i..LANES * (i + 1)]);
+        }
+    }
+}
+
+/// Mixes straight into the three targets of a root, from their sample `start` on; its bits are seen in passing.
+#[inline(always)]
+#[allow(clippy::too_many_arguments, reason = "one call site; all of it is the loop's")]
+pub(super) fn mix_out<S: Stream>(
+    simd: S,
+    last: &[Box<Chunk>; 3],
+    a: impl Operand<S>,
+    b: impl Operand<S>,
+    t: &[f32; CHUNK],
+    out: &mut [Target<'_>; 3],
+    start: usize,
+    bits: &mut [Bits; 3],
+) {
+    put(
+        simd,
+        out,
+        start,
+        bits,
+        #[inline(always)]
+        |i| {
+            let old = rgb!(c => load(simd, &last[c].0, i));
+            mix_vector(simd, i, old, a, b, t)
+        },
+    );
+}
+
+/// Writes a chunk of colors, 16 pixels at a time, around the cache where that is asked for.
+#[inline(always)]
+fn put<S: Stream>(
+    simd: S,
+    out: &mut [Target<'_>; 3],
+    start: usize,
+    bits: &mut [Bits; 3],
+    color: impl Fn(usize) -> [Lanes<S>; 3],
+) {
+    let mut seen = Seen::resume(simd, bits);
+    let [red, green, blue] = out;
+    let mut parts = [red.part(start, CHUNK), green.part(start, CHUNK), blue.part(start, CHUNK)];
+    let [red, green, blue] = &mut parts;
+    if let (Some(mut red), Some(mut green), Some(mut blue)) = (red.lines(), green.lines(), blue.lines()) {
+        for i in 0..VECTORS {
+            let [r, g, b] = color(i);
+            seen.see(simd, [r, g, b]);
+            red.store(i, r);
+            green.store(i, g);
+            blue.store(i, b);
+        }
+    } else {
+        for i in 0..VECTORS {
+            let [r, g, b] = color(i);
+            seen.see(simd, [r, g, b]);
+            red.store(LANES * i, r);
+            green.store(LANES * i, g);
+            blue.store(LANES * i, b);
+        }
+    }
+    seen.rest(bits);
+}
+
+#[inline(always)]
+fn mix_vector<S: Simd, A: Operand<S>, B: Operand<S>>(
+    simd: S,
+    i: usize,
+    old: [Lanes<S>; 3],
+    a: A,
+    b: B,
+    t: &[f32; CHUNK],
+) -> [Lanes<S>; 3] {
+    let t = by(simd, load(simd, t, i));
+    let (shared_a, shared_b) = (a.share(simd, i), b.share(simd, i));
+    rgb!(c => {
+        let last = if A::READS_LAST || B::READS_LAST { old[c] } else { simd.splat_f32x16(0.0) };
+        mix(simd, a.get(simd, c, i, last, shared_a), b.get(simd, c, i, last, shared_b), t)
+    })
+}
+
+/// The mix by y of two pairs mixed by x, into the accumulator.
+#[inline(always)]
+pub(super) fn patch_rows<S: Simd>(
+    simd: S,
+    last: &mut [Box<Chunk>; 3],
+    corners: &[[f32; 3]; 4],
+    x: &[f32; CHUNK],
+    y: &[f32; CHUNK],
+) {
+    let [corner, corner_2, corner_3, corner_4] = corners;
+    let (from, to) = (splat(simd, corner), splat(simd, corner_2));
+    let (from_2, to_2) = (splat(simd, corner_3), splat(simd, corner_4));
+    let difference = splat(simd, &rgb!(c => corners[1][c] - corners[0][c]));
+    let difference_2 = splat(simd, &rgb!(c => corners[3][c] - corners[2][c]));
+    let [r, g, b] = last;
+    let last = [&mut r.0, &mut g.0, &mut b.0];
+    for i in 0..VECTORS {
+        let (x, y) = (by(simd, load(simd, x, i)), by(simd, load(simd, y, i)));
+        for c in 0..3 {
+            let a = mix_by(simd, from[c], to[c], difference[c], x);
+            let b = mix_by(simd, from_2[c], to_2[c], difference_2[c], x);
+            mix(simd, a, b, y).store_slice(&mut last[c][LANES * i..LANES * (i + 1)]);
+        }
+    }
+}
+
+/// Writes the accumulator to the targets of a root.
+#[inline(always)]
+pub(super) fn write_out<S: Stream>(
+    simd: S,
+    last: &[Box<Chunk>; 3],
+    out: &mut [Target<'_>; 3],
+    start: usize,
+    bits: &mut [Bits; 3],
+) {
+    put(
+        simd,
+        out,
+        start,
+        bits,
+        #[inline(always)]
+        |i| rgb!(c => load(simd, &last[c].0, i)),
+    );
+}
+
+/// Bits seen of three channels, in registers.
+struct Seen<S: Simd> {
+    least: [u32x16<S>; 3],
+    largest: [u32x16<S>; 3],
+}
+
+impl<S: Simd> Seen<S> {
+    #[inline(always)]
+    fn resume(simd: S, bits: &[Bits; 3]) -> Self {
+        Self {
+            least: rgb!(c => u32x16::from_slice(simd, &bits[c].least)),
+            largest: rgb!(c => u32x16::from_slice(simd, &bits[c].largest)),
+        }
+    }
+
+    #[inline(always)]
+    fn see(&mut self, simd: S, color: [Lanes<S>; 3]) {
+        for ((value, least), largest) in color.into_iter().zip(&mut self.least).zip(&mut self.largest) {
+            let value: u32x16<S> = value.bitcast();
+            *least = simd.min_u32x16(*least, value);
+            *largest = simd.max_u32x16(*largest, value);
+        }
+    }
+
+    #[inline(always)]
+    fn rest(self, bits: &mut [Bits; 3]) {
+        for ((bits, least), largest) in bits.iter_mut().zip(self.least).zip(self.largest) {
+            least.store_slice(&mut bits.least);
+            largest.store_slice(&mut bits.largest);
+        }
+    }
+}
+
+/// Sees the bits of a row; of a field, shifted by the sign.
+#[inline(always)]
+pub(super) fn see_row<S: Simd>(simd: S, row: &[f32; CHUNK], shift: bool, bits: &mut Bits) {
+    let mut least = u32x16::from_slice(simd, &bits.least);
+    let mut largest = u32x16::from_slice(simd, &bits.largest);
+    for i in 0..VECTORS {
+        let value: u32x16<S> = load(simd, row, i).bitcast();
+        let value = if shift { simd.shl_u32x16(value, 1) } else { value };
+        least = simd.min_u32x16(least, value);
+        largest = simd.max_u32x16(largest, value);
+    }
+    least.store_slice(&mut bits.least);
+    largest.store_slice(&mut bits.largest);
+}
+
+/// [`clamp`](trochoid_weights::arithmetic::clamp) for 0 < max − min with bounds below 2¹²⁶: there the quotient alone tells
+/// on which side of the bounds x lies, so its cases fall together.
+#[inline(always)]
+pub(super) fn clamp_rows<S: Simd>(simd: S, to: &mut [f32; CHUNK], x: &[f32; CHUNK], min: f32, max: f32) {
+    let (low, width) = (simd.splat_f32x16(min), simd.splat_f32x16(max - min));
+    let (zero, one) = (simd.splat_f32x16(0.0), simd.splat_f32x16(1.0));
+    for i in 0..VECTORS {
+        let quotient = simd.div_f32x16(simd.sub_f32x16(load(simd, x, i), low), width);
+        // NaN and −0 become 0.
+        let ramp = simd.select_f32x16(simd.simd_gt_f32x16(quotient, zero), quotient, zero);
+        let clamped = simd.select_f32x16(simd.simd_lt_f32x16(ramp, one), ramp, one);
+        clamped.store_slice(&mut to[LANES * i..LANES * (i + 1)]);
+    }
+}
+
+/// Whether a mask is the same, 0 or 1, on the whole chunk.
+#[inline(always)]
+pub(super) fn is_all<S: Simd>(simd: S, row: &[f32; CHUNK], value: f32) -> bool {
+    let mut differs = simd.splat_u32x16(0);
+    let value: u32x16<S> = simd.splat_u32x16(value.to_bits());
+    for i in 0..VECTORS {
+        let bits: u32x16<S> = load(simd, row, i).bitcast();
+        differs = simd.or_u32x16(differs, simd.xor_u32x16(bits, value));
+    }
+    let mut lanes = [0u32; LANES];
+    differs.store_slice(&mut lanes);
+    lanes.iter().all(|lane| *lane == 0)
+}

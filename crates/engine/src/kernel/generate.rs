@@ -1,0 +1,408 @@
+//! From steps to instructions: chunks assigned, colors chained through the accumulator, mixes of constants folded into
+//! the instructions that read them.
+
+use super::audit::Legal;
+use super::code::{Code, Row, Source, Work};
+use super::order::{Order, Step};
+use std::collections::HashMap;
+use trochoid_graph::{NodeId, Op, Type};
+
+/// Where an operation's result lies.
+#[derive(Clone, Debug)]
+pub(super) enum Value {
+    Scalar(Row),
+    Color(Source),
+    Partition(Vec<Row>),
+}
+
+/// What code is generated from.
+pub(super) struct Input<'a> {
+    pub(super) ops: &'a [(Op, NodeId)],
+    pub(super) roots: &'a [u32],
+    /// Values that are there already: planes, and what was computed before.
+    pub(super) given: HashMap<u32, Value>,
+    /// Fold operations into each other; otherwise one instruction each.
+    pub(super) fuse: bool,
+    /// Run also what no root needs.
+    pub(super) everything: bool,
+    /// Planes to hold against what their kind allows.
+    pub(super) checks: Vec<(u16, Legal)>,
+}
+
+/// Generates code.
+pub(super) fn generate(input: Input<'_>) -> Code {
+    let is_constant = |at: u32| matches!(input.ops[at as usize].0, Op::Constant(_) | Op::ConstantColor(_));
+    let given = |at: u32| input.given.contains_key(&at) || is_constant(at);
+    let mut wanted = input.roots.to_vec();
+    if input.everything {
+        wanted.extend(0..input.ops.len() as u32);
+    }
+    let order = Order::new(input.ops, &wanted, &given, input.fuse);
+    let steps = order.steps(&wanted);
+    let mut last = vec![0usize; input.ops.len()];
+    for (index, step) in steps.iter().enumerate() {
+        let Step::Run(at) = step else { continue };
+        note_reads(input.ops, &order, *at, index, &mut last);
+    }
+    let mut expiring = vec![Vec::new(); steps.len()];
+    for step in &steps {
+        if let Step::Run(at) = step
+            && order.uses[*at as usize] > 0
+        {
+            expiring[last[*at as usize]].push(*at);
+        }
+    }
+    let mut roots_of: HashMap<u32, Vec<u16>> = HashMap::new();
+    for (root, &at) in input.roots.iter().enumerate() {
+        roots_of.entry(at).or_default().push(root as u16);
+    }
+    let mut generator = Generator {
+        code: Code { checks: input.checks.clone(), ..Code::default() },
+        values: input.given.clone(),
+        input: &input,
+        order: &order,
+        steps: &steps,
+        roots_of,
+        free: Vec::new(),
+        constants: HashMap::new(),
+        accumulated: None,
+        audited: Vec::new(),
+        gates: Vec::new(),
+    };
+    generator.layout_roots();
+    for (index, &(plane, _)) in input.checks.iter().enumerate() {
+        generator.code.list.push(Work::Check { plane, index: index as u16 });
+    }
+    for (index, step) in steps.iter().enumerate() {
+        match *step {
+            Step::Open { mix, closed } => generator.open(mix, closed),
+            Step::Run(at) => generator.run(index, at),
+        }
+        for &at in &expiring[index] {
+            generator.release(at);
+        }
+    }
+    generator.finish_roots();
+    generator.code
+}
+
+/// Marks every operation whose rows step `index` reads, through what is folded into it and through weights.
+fn note_reads(ops: &[(Op, NodeId)], order: &Order<'_>, at: u32, index: usize, last: &mut [usize]) {
+    ops[at as usize].0.operands(|operand| {
+        last[operand as usize] = last[operand as usize].max(index);
+        match &ops[operand as usize].0 {
+            Op::Mix { t, .. } if order.inline[operand as usize] => {
+                last[t.0 as usize] = last[t.0 as usize].max(index);
+                note_partition(ops, t.0, index, last);
+            }
+            _ => note_partition(ops, operand, index, last),
+        }
+    });
+}
+
+/// Whoever reads a weight reads its partition's rows.
+fn note_partition(ops: &[(Op, NodeId)], at: u32, index: usize, last: &mut [usize]) {
+    if let Op::Weight(partition, _) = &ops[at as usize].0 {
+        last[partition.0 as usize] = last[partition.0 as usize].max(index);
+    }
+}
+
+struct Generator<'a> {
+    input: &'a Input<'a>,
+    order: &'a Order<'a>,
+    steps: &'a [Step],
+    code: Code,
+    values: HashMap<u32, Value>,
+    roots_of: HashMap<u32, Vec<u16>>,
+    free: Vec<u16>,
+    /// Own rows that hold a constant, by its bits.
+    constants: HashMap<u32, u16>,
+    /// The operation whose color the accumulator holds and nothing else does.
+    accumulated: Option<u32>,
+    /// Masks and partitions audited at all pixels, by position.
+    audited: Vec<u32>,
+    /// Open gates: the mix, and the gate's instruction.
+    gates: Vec<(u32, usize)>,
+}
+
+impl Generator<'_> {
+    fn op(&self, at: u32) -> &Op {
+        &self.input.ops[at as usize].0
+    }
+
+    fn layout_roots(&mut self) {
+        let mut first = 0;
+        for &root in self.input.roots {
+            let count = match self.op(root).ty() {
+                Type::Scalar => 1,
+                Type::Color => 3,
+                Type::Partition(n) => n,
+            };
+            self.code.roots.push((first, count));
+            first += count;
+        }
+    }
+
+    fn allocate(&mut self) -> u16 {
+        self.free.pop().unwrap_or_else(|| {
+            self.code.own += 1;
+            (self.code.own - 1) as u16
+        })
+    }
+
+    /// Frees the rows of a value after its last reader.
+    fn release(&mut self, at: u32) {
+        // A weight is a row of its partition.
+        if matches!(self.op(at), Op::Weight(..)) {
+            return;
+        }
+        let rows = match self.values.get(&at) {
+            Some(Value::Scalar(row)) => vec![*row],
+            Some(Value::Color(Source::Rows(rows))) => rows.to_vec(),
+            Some(Value::Partition(rows)) => rows.clone(),
+            _ => return,
+        };
+        self.free.extend(rows.into_iter().filter_map(|row| if let Row::Own(row) = row { Some(row) } else { None }));
+    }
+
+    /// The row of a scalar; a constant gets one of its own for good.
+    fn scalar(&mut self, at: u32) -> Row {
+        if let Some(Value::Scalar(row)) = self.values.get(&at) {
+            return *row;
+        }
+        match *self.op(at) {
+            Op::Constant(value) => {
+                let known = self.constants.get(&value.to_bits()).copied();
+                Row::Own(known.unwrap_or_else(|| {
+                    // Never one that was something else before: it is filled once and for all.
+                    let row = self.code.own as u16;
+                    self.code.own += 1;
+                    self.code.constants.push((row, value));
+                    self.constants.insert(value.to_bits(), row);
+                    row
+                }))
+            }
+            _ => unreachable!("operands run before their readers"),
+        }
+    }
+
+    fn scalars(&mut self, of: &[trochoid_graph::Scalar]) -> Vec<Row> {
+        of.iter().map(|scalar| self.scalar(scalar.0)).collect()
+    }
+
+    fn partition(&self, at: u32) -> Vec<Row> {
+        match self.values.get(&at) {
+            Some(Value::Partition(rows)) => rows.clone(),
+            _ => unreachable!("operands run before their readers"),
+        }
+    }
+
+    fn color(&mut self, at: u32) -> Source {
+        if self.accumulated == Some(at) {
+            return Source::Last;
+        }
+        if let Some(Value::Color(source)) = self.values.get(&at) {
+            return *source;
+        }
+        match *self.op(at) {
+            Op::ConstantColor(color) => Source::Constant(color),
+            Op::Mix { a, b, t } if self.order.inline[at as usize] => match (self.op(a.0), self.op(b.0)) {
+                (Op::ConstantColor(from), Op::ConstantColor(to)) => {
+                    let (from, to) = (*from, *to);
+                    Source::Pair { from, to, by: self.scalar(t.0) }
+                }
+                _ => unreachable!("only mixes of constants are folded"),
+            },
+            _ => unreachable!("operands run before their readers"),
+        }
+    }
+
+    /// Opens a gate: what follows is jumped over where the mask is all `closed`.
+    fn open(&mut self, mix: u32, closed: f32) {
+        let Op::Mix { a, b, t } = *self.op(mix) else { unreachable!("gates are at mixes") };
+        self.audit_mask(t.0);
+        let otherwise = self.color(if closed == 0.0 { a.0 } else { b.0 });
+        let t = self.scalar(t.0);
+        self.gates.push((mix, self.code.list.len()));
+        self.code.list.push(Work::Gate { t, closed, otherwise, skip: 0 });
+    }
+
+    /// Notes a mask for the audit, once where that is at all pixels.
+    fn audit_mask(&mut self, at: u32) {
+        if self.audited.contains(&at) {
+            return;
+        }
+        let row = self.scalar(at);
+        let checked = self.input.checks.iter().any(|(plane, legal)| row == Row::Plane(*plane) && *legal == Legal::Mask);
+        if !checked {
+            self.code.list.push(Work::AuditMask(row));
+        }
+        if self.gates.is_empty() {
+            self.audited.push(at);
+        }
+    }
+
+    fn run(&mut self, index: usize, at: u32) {
+        let ty = self.op(at).ty();
+        match self.op(at).clone() {
+            Op::Weight(partition, i) => {
+                let row = self.partition(partition.0)[i];
+                self.values.insert(at, Value::Scalar(row));
+            }
+            Op::Mix { a, b, t } => self.mix(index, at, a.0, b.0, t.0),
+            Op::Blend { colors, weights } => {
+                let rows = self.partition(weights.0);
+                if !self.audited.contains(&weights.0) {
+                    self.code.list.push(Work::AuditPartition(rows.clone()));
+                    if self.gates.is_empty() {
+                        self.audited.push(weights.0);
+                    }
+                }
+                let colors = colors.iter().map(|color| self.color(color.0)).collect();
+                self.code.list.push(Work::Blend { colors, weights: rows });
+                self.after_color(index, at);
+            }
+            op => {
+                let work = self.scalar_work(&op);
+                self.code.list.push(work);
+                match self.code.list.last() {
+                    Some(Work::Partition { to, .. } | Work::Normalize { to, .. }) => {
+                        let rows = to.iter().map(|&row| Row::Own(row)).collect();
+                        self.values.insert(at, Value::Partition(rows));
+                    }
+                    Some(
+                        Work::Clamp { to, .. }
+                        | Work::Smooth { to, .. }
+                        | Work::Power { to, .. }
+                        | Work::Step { to, .. }
+                        | Work::Complement { to, .. }
+                        | Work::Product { to, .. },
+                    ) => {
+                        let row = Row::Own(*to);
+                        self.values.insert(at, Value::Scalar(row));
+                    }
+                    _ => unreachable!("colors have been dealt with"),
+                }
+            }
+        }
+        if ty != Type::Color {
+            for root in self.roots_of.remove(&at).unwrap_or_default() {
+                self.out_rows(root, at);
+            }
+        }
+    }
+
+    fn scalar_work(&mut self, op: &Op) -> Work {
+        match op {
+            Op::Clamp { x, min, max } => {
+                let x = self.scalar(x.0);
+                Work::Clamp { x, min: *min, max: *max, to: self.allocate() }
+            }
+            Op::Smooth(t) => Work::Smooth { t: self.scalar(t.0), to: self.allocate() },
+            Op::Power { t, p } => Work::Power { t: self.scalar(t.0), p: *p, to: self.allocate() },
+            Op::Step { x, threshold } => Work::Step { x: self.scalar(x.0), threshold: *threshold, to: self.allocate() },
+            Op::Complement(t) => Work::Complement { t: self.scalar(t.0), to: self.allocate() },
+            Op::Product(t, u) => {
+                let (t, u) = (self.scalar(t.0), self.scalar(u.0));
+                Work::Product { t, u, to: self.allocate() }
+            }
+            Op::Partition(weights) => {
+                let weights = self.scalars(weights);
+                let to = weights.iter().map(|_| self.allocate()).collect();
+                Work::Partition { weights, to }
+            }
+            Op::Normalize { values, floor } => {
+                let values = self.scalars(values);
+                let to = (0..=values.len()).map(|_| self.allocate()).collect();
+                Work::Normalize { values, floor: *floor, to }
+            }
+            _ => unreachable!("colors, constants and planes are no scalar work"),
+        }
+    }
+
+    fn mix(&mut self, index: usize, at: u32, a: u32, b: u32, t: u32) {
+        self.audit_mask(t);
+        let (a, b) = (self.color(a), self.color(b));
+        let t = self.scalar(t);
+        let gated = self.gates.last().is_some_and(|(mix, _)| *mix == at);
+        let own_root = self.roots_of.get(&at).filter(|roots| roots.len() == 1).map(|roots| roots[0]);
+        let fused = self.input.fuse && !gated && self.order.uses[at as usize] == 0;
+        let work = match (a, b) {
+            (Source::Pair { from, to, by }, Source::Pair { from: from_2, to: to_2, by: by_2 })
+                if by == by_2 && self.input.fuse =>
+            {
+                Work::Patch { corners: [from, to, from_2, to_2], x: by, y: t }
+            }
+            _ => Work::Mix { a, b, t, out: own_root.filter(|_| fused) },
+        };
+        let is_out = matches!(work, Work::Mix { out: Some(_), .. });
+        self.code.list.push(work);
+        if gated && let Some((_, gate)) = self.gates.pop() {
+            let end = self.code.list.len();
+            if let Work::Gate { skip, .. } = &mut self.code.list[gate] {
+                *skip = end - gate - 1;
+            }
+        }
+        if is_out {
+            self.roots_of.remove(&at);
+            self.accumulated = None;
+        } else {
+            self.after_color(index, at);
+        }
+    }
+
+    /// A color has just been left in the accumulator: writes it where it is a root, and keeps it unless the next color
+    /// is made of it and nothing else is.
+    fn after_color(&mut self, index: usize, at: u32) {
+        for root in self.roots_of.remove(&at).unwrap_or_default() {
+            self.code.list.push(Work::OutColor(root));
+        }
+        self.accumulated = None;
+        if self.order.uses[at as usize] == 0 {
+            return;
+        }
+        if self.input.fuse && self.order.uses[at as usize] == 1 && self.is_next_mixed(index, at) {
+            self.accumulated = Some(at);
+            return;
+        }
+        let to = [0; 3].map(|_| self.allocate());
+        self.values.insert(at, Value::Color(Source::Rows(to.map(Row::Own))));
+        self.code.list.push(Work::Keep(to));
+    }
+
+    /// Whether the next color to be made is a mix of this one.
+    fn is_next_mixed(&self, index: usize, at: u32) -> bool {
+        for step in &self.steps[index + 1..] {
+            let Step::Run(next) = *step else { return false };
+            match self.op(next) {
+                Op::Mix { a, b, .. } => return a.0 == at || b.0 == at,
+                op if op.ty() == Type::Color => return false,
+                _ => {}
+            }
+        }
+        false
+    }
+
+    /// Roots that nothing computes: constants, planes, what was there before.
+    fn finish_roots(&mut self) {
+        let mut open: Vec<(u16, u32)> =
+            self.roots_of.drain().flat_map(|(at, roots)| roots.into_iter().map(move |root| (root, at))).collect();
+        open.sort_unstable();
+        for (root, at) in open {
+            if self.op(at).ty() == Type::Color {
+                let source = self.color(at);
+                self.code.list.extend([Work::Load(source), Work::OutColor(root)]);
+            } else {
+                self.out_rows(root, at);
+            }
+        }
+    }
+
+    fn out_rows(&mut self, root: u16, at: u32) {
+        let rows = match self.values.get(&at) {
+            Some(Value::Partition(rows)) => rows.clone(),
+            _ => vec![self.scalar(at)],
+        };
+        self.code.list.push(Work::OutRows { root, rows });
+    }
+}

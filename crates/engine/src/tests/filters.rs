@@ -1,0 +1,125 @@
+//! Filters as the engine sees them: halos, controls, and a broken kernel that must be noticed.
+
+use super::nodes::{Gate, Mix, Slope, declare};
+use crate::{Buffers, Cache, Frame, Plan, ReferenceFrame, Settings, Silent, Switches};
+use std::path::Path;
+use trochoid_graph::*;
+use trochoid_image::Window;
+
+/// A blend of each pixel with those two to the left and to the right of it: a quarter, a half, a quarter.
+struct Smear;
+/// The same with a negative lobe, which no filter may have.
+struct Sharpen;
+
+const ITEMS: &[Item] = &[Port::one("image", Accepts::Color, "")];
+const OUTPUTS: &[Output] = &[Output::new("image", Kind::Color, "")];
+static SMEAR: Declaration = declare("Smear", End::Back, ITEMS, OUTPUTS);
+static SHARPEN: Declaration = declare("Sharpen", End::Back, ITEMS, OUTPUTS);
+
+macro_rules! filter {
+    ($ty:ident, $declaration:ident, $lobe:literal) => {
+        impl NodeType for $ty {
+            fn declaration(&self) -> &'static Declaration {
+                &$declaration
+            }
+            fn body(&self) -> Body<'_> {
+                Body::Stage(self)
+            }
+        }
+
+        impl Stage for $ty {
+            fn regions_of_interest(&self, _node: &Settled, _port: &str, window: Window) -> Window {
+                Window { x0: window.x0 - 2, x1: window.x1 + 2, ..window }
+            }
+            fn prepare(&self, node: &Settled, _prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
+                Ok(Box::new(Blended { node: node.clone(), lobe: $lobe }))
+            }
+        }
+    };
+}
+
+filter!(Smear, SMEAR, 0.25);
+filter!(Sharpen, SHARPEN, -0.25);
+
+struct Blended {
+    node: Settled,
+    lobe: f32,
+}
+
+impl Prepared for Blended {
+    fn fill(&self, block: &Block, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
+        let image = &inputs.all("image")[0];
+        let (from, window) = (image.window, block.window);
+        assert!(from.intersect(image.extent) == from && from.intersect(window) == window);
+        for channel in 0..3 {
+            let (Some(out), Some(samples)) = (outputs.take(0, channel), image.planes[channel]) else { continue };
+            assert_eq!((out.len(), samples.len()), (window.area(), from.area()));
+            for (index, out) in out.iter_mut().enumerate() {
+                let (x, y) = (window.x0 + (index % window.width()) as i64, (index / window.width()) as i64);
+                let row = &samples[(window.y0 - from.y0 + y) as usize * from.width()..];
+                let at = |x: i64| row[(x.clamp(from.x0, from.x1 - 1) - from.x0) as usize];
+                *out = self.lobe * at(x - 2) + (1.0 - 2.0 * self.lobe) * at(x) + self.lobe * at(x + 2);
+            }
+        }
+        Ok(())
+    }
+
+    fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
+        let at = |dx: f64| inputs.moved(dx, 0.0).color(self.node.source("image"));
+        let (left, here, right, lobe) = (at(-2.0), at(0.0), at(2.0), f64::from(self.lobe));
+        Ok(vec![Reference::Color([0, 1, 2].map(|c| lobe * left[c] + (1.0 - 2.0 * lobe) * here[c] + lobe * right[c]))])
+    }
+}
+
+fn graph(last: &str) -> CheckedGraph {
+    let types: [&'static dyn NodeType; 5] = [&Slope, &Gate, &Mix, &Smear, &Sharpen];
+    let text = format!(
+        r##"{{ "trochoid": 1, "format": {{ "width": 31, "height": 5, "samples": 4 }},
+        "nodes": {{
+            "slope": {{ "type": "Slope" }}, "gate": {{ "type": "Gate", "field": "slope" }},
+            "mix": {{ "type": "Mix", "a": [0, 0.5, 1], "b": [1, 0.25, 0], "weight": "gate" }},
+            "first": {{ "type": "Smear", "image": "mix" }},
+            "again": {{ "type": "Mix", "a": "first", "b": "mix", "weight": "gate" }},
+            "last": {{ "type": "{last}", "image": "again" }} }},
+        "outputs": {{ "last": {{ "color": "last" }} }} }}"##
+    );
+    let document = Document::parse("test", &text).unwrap();
+    let (graph, diagnostics) = check(&document, &Registry::new(types), Path::new("."));
+    graph.unwrap_or_else(|| panic!("{diagnostics:?}"))
+}
+
+fn evaluate(graph: &CheckedGraph, settings: &Settings) -> Frame {
+    let plan = Plan::new(graph, &["last"], 1, &[], settings).unwrap();
+    assert_eq!(plan.halo(), (4, 0));
+    plan.evaluate(&Buffers::new(), &mut Cache::new(), &Silent).unwrap()
+}
+
+#[test]
+fn tiles_share_what_lies_between_them() {
+    let graph = graph("Smear");
+    let expected = evaluate(&graph, &Settings::default());
+    for switches in [Switches::ALL, Switches::NONE] {
+        for (threads, tile) in [(1, (1, 1)), (2, (7, 3)), (1, (1000, 1000))] {
+            let settings = Settings { switches, threads, tile: Some(tile), ..Settings::default() };
+            assert_eq!(evaluate(&graph, &settings).pictures[0].planes, expected.pictures[0].planes, "{tile:?}");
+        }
+    }
+    let reference = ReferenceFrame::new(&graph, "last", 1).unwrap();
+    for x in [0, 1, 15, 30] {
+        for (plane, truth) in expected.pictures[0].planes.iter().zip(reference.pixel(x, 2).unwrap()) {
+            assert!((f64::from(plane.nearest(x, 2)) - truth).abs() < 1e-6, "{x}");
+        }
+    }
+}
+
+#[test]
+fn a_negative_lobe_leaves_the_hull_of_what_is_filtered() {
+    let sound = evaluate(&graph("Smear"), &Settings::default()).pictures.remove(0);
+    assert_eq!((sound.control_count, sound.audit.hull_exits), (2, 0));
+    // Two mixes and two filters.
+    let levels = Plan::new(&graph("Smear"), &[], 1, &[], &Settings::default()).unwrap().outputs[0].mix_levels;
+    assert_eq!(levels, 4);
+    let broken = evaluate(&graph("Sharpen"), &Settings::default()).pictures.remove(0);
+    assert_eq!(broken.control_count, 2);
+    assert!(broken.audit.hull_exits > 10 && broken.audit.worst_exit > 0.01, "{:?}", broken.audit);
+}

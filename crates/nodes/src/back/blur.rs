@@ -1,0 +1,112 @@
+//! Blur: the mean of the pixels around.
+
+use crate::filter_support::{Kernel, Shape, fill, filter, kind, mean, numbers, value};
+use trochoid_graph::*;
+use trochoid_image::Window;
+
+pub(crate) static NODE: &dyn NodeType = &Blur;
+
+struct Blur;
+
+static DECLARATION: Declaration = Declaration {
+    name: "Blur",
+    end: End::Back,
+    summary: "Blurs an image: colors, a mask, weights or a field.",
+    formula: "Σ wⱼ·Σ wₖ·image(x + k, y + j). gaussian: wₖ ~ exp(−k²/2s²) for |k| ≤ ⌈4s⌉; box: wₖ ~ min(1, s + 1 − |k|) \
+              for |k| ≤ ⌈s⌉; s = `size`; Σ wₖ = 1.",
+    edge_cases: "Size 0 hands the image on. Beyond its border an image repeats its nearest pixel; a file with pixels \
+                 beyond the picture, read straight into the Blur or through other filters, uses them. No result lies \
+                 beyond the values under the kernel, and weights still sum to 1. In a field ±∞ spreads as far as the \
+                 kernel; where +∞ and −∞ meet, the pixel in the middle is kept. Each sample of a pixel is filtered \
+                 apart. No color is added to the palette.",
+    source: "Kernels without negative lobes, which alone stay in the palette.",
+    items: &[
+        Port::one("image", Accepts::Image, "What is blurred."),
+        Knob::number("size", 1.0, 0.0, MOST, "Standard deviation of the Gaussian, or half the box's width.")
+            .unit("pixels")
+            .item(),
+        Knob::number("size_y", 1.0, 0.0, MOST, "The size down; by default that across.")
+            .optional()
+            .unit("pixels")
+            .item(),
+        Knob::choice("filter", &["gaussian", "box"], "The kernel's shape.").item(),
+    ],
+    outputs: &[Output::new("image", Kind::ANY, "The blurred image, of the same kind.")],
+    revision: 1,
+};
+
+/// The largest size: a kernel that any picture disappears in.
+const MOST: f64 = 10_000.0;
+
+impl NodeType for Blur {
+    fn declaration(&self) -> &'static Declaration {
+        &DECLARATION
+    }
+
+    fn body(&self) -> Body<'_> {
+        Body::Stage(self)
+    }
+}
+
+fn shape(node: &Settled) -> Shape {
+    if node.text("filter") == "box" { Shape::Box } else { Shape::Gaussian }
+}
+
+/// Sizes across and down.
+fn sizes(node: &Settled) -> [f64; 2] {
+    let across = node.number("size");
+    [across, if node.is_set("size_y") { node.number("size_y") } else { across }]
+}
+
+impl Stage for Blur {
+    fn regions_of_interest(&self, node: &Settled, _port: &str, window: Window) -> Window {
+        let [across, down] = sizes(node).map(|size| shape(node).radius(size));
+        Window::new(window.x0 - across, window.y0 - down, window.x1 + across, window.y1 + down)
+    }
+
+    fn formatted(&self) -> bool {
+        false
+    }
+
+    fn prepare(&self, node: &Settled, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
+        Ok(Box::new(Blurring {
+            node: node.clone(),
+            kind: kind(prepare),
+            kernels: sizes(node).map(|size| Kernel::new(shape(node), size)),
+        }))
+    }
+}
+
+struct Blurring {
+    node: Settled,
+    kind: Kind,
+    /// Across and down.
+    kernels: [Kernel; 2],
+}
+
+impl Prepared for Blurring {
+    fn data_window(&self, _picture: Window, inputs: &dyn Fn(&str) -> Window) -> Window {
+        inputs("image")
+    }
+
+    fn fill(&self, block: &Block, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
+        let image = &inputs.all("image")[0];
+        fill(self.kind, block.window.area(), outputs, |channel, out| {
+            if let Some(Some(samples)) = image.planes.get(channel) {
+                filter(self.kernels.each_ref(), (image.window, samples), image.extent, block.window, out);
+            }
+        });
+        Ok(())
+    }
+
+    fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
+        let image = self.node.source("image");
+        let [across, down] = sizes(&self.node).map(|size| shape(&self.node).reference(size));
+        let row = |dy: i64| {
+            let at = |dx: i64| numbers(&inputs.moved(dx as f64, dy as f64), image);
+            mean(across.iter().map(|(dx, w)| (*w, at(*dx))), || at(0))
+        };
+        let numbers = mean(down.iter().map(|(dy, w)| (*w, row(*dy))), || row(0));
+        Ok(vec![value(self.kind, numbers)])
+    }
+}

@@ -1,0 +1,118 @@
+//! Warp: an image looked up at displaced places.
+
+use crate::filter_support::{blended, fill, kind, mean, numbers, value, weights};
+use trochoid_graph::*;
+use trochoid_image::Window;
+
+pub(crate) static NODE: &dyn NodeType = &Warp;
+
+struct Warp;
+
+static DECLARATION: Declaration = Declaration {
+    name: "Warp",
+    end: End::Back,
+    summary: "Displaces an image: colors, a mask, weights or a field.",
+    formula: "image(x + dx, y + dy), y down, between pixels a blend of the four around; dx and dy are limited to \
+              [−reach, reach].",
+    edge_cases: "A displacement by whole pixels keeps every bit. Beyond its border an image repeats its nearest pixel; \
+                 a file with pixels beyond the picture, read straight into the Warp or through other filters, uses \
+                 them. No result lies beyond the four pixels, and weights still sum to 1. Where +∞ and −∞ of a field \
+                 meet, the upper left of the four is taken. Each sample of a pixel is displaced apart. No color is \
+                 added to the palette.",
+    source: "Bilinear resampling, whose weights are ≥ 0 and sum to 1.",
+    items: &[
+        Port::one("image", Accepts::Image, "What is displaced."),
+        Port::optional("dx", Accepts::Scalar, "How far to the right the image is looked up, in pixels; by default 0."),
+        Port::optional("dy", Accepts::Scalar, "How far down, in pixels; by default 0."),
+        Knob::number("reach", 32.0, 0.0, 4096.0, "The largest displacement along an axis; more is cut to it.")
+            .unit("pixels")
+            .item(),
+    ],
+    outputs: &[Output::new("image", Kind::ANY, "The displaced image, of the same kind.")],
+    revision: 1,
+};
+
+impl NodeType for Warp {
+    fn declaration(&self) -> &'static Declaration {
+        &DECLARATION
+    }
+
+    fn body(&self) -> Body<'_> {
+        Body::Stage(self)
+    }
+}
+
+impl Stage for Warp {
+    fn regions_of_interest(&self, node: &Settled, port: &str, window: Window) -> Window {
+        let reach = if port == "image" { node.number("reach").ceil() as i64 } else { 0 };
+        Window::new(window.x0 - reach, window.y0 - reach, window.x1 + reach, window.y1 + reach)
+    }
+
+    fn formatted(&self) -> bool {
+        false
+    }
+
+    fn prepare(&self, node: &Settled, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
+        Ok(Box::new(Warping { node: node.clone(), kind: kind(prepare), reach: node.number("reach") }))
+    }
+}
+
+struct Warping {
+    node: Settled,
+    kind: Kind,
+    reach: f64,
+}
+
+impl Warping {
+    /// Whole pixels of a displacement, and the fraction beyond.
+    fn split(&self, displacement: f64) -> (i64, f64) {
+        let limited = if displacement.is_nan() { 0.0 } else { displacement.clamp(-self.reach, self.reach) };
+        (limited.floor() as i64, limited - limited.floor())
+    }
+}
+
+impl Prepared for Warping {
+    fn data_window(&self, _picture: Window, inputs: &dyn Fn(&str) -> Window) -> Window {
+        inputs("image").intersect(inputs("dx")).intersect(inputs("dy"))
+    }
+
+    fn fill(&self, block: &Block, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
+        let image = &inputs.all("image")[0];
+        let (window, from) = (block.window, image.window);
+        let displacements = |port: &str| inputs.all(port).first().and_then(|connection| connection.planes[0]);
+        let (dx, dy) = (displacements("dx"), displacements("dy"));
+        let split =
+            |plane: Option<&[f32]>, index: usize| self.split(plane.map_or(0.0, |plane| f64::from(plane[index])));
+        let column = |x: i64| (x.clamp(from.x0, from.x1 - 1) - from.x0) as usize;
+        let row = |y: i64| (y.clamp(from.y0, from.y1 - 1) - from.y0) as usize * from.width();
+        // Where each sample looks, once for all channels.
+        let taps: Vec<([usize; 4], [f32; 4])> = (window.y0..window.y1)
+            .flat_map(|y| (window.x0..window.x1).map(move |x| (x, y)))
+            .enumerate()
+            .map(|(index, (x, y))| {
+                let ((dx, u), (dy, v)) = (split(dx, index), split(dy, index));
+                let (left, right) = (column(x + dx), column(x + dx + 1));
+                let (above, below) = (row(y + dy), row(y + dy + 1));
+                ([above + left, above + right, below + left, below + right], weights(u, v))
+            })
+            .collect();
+        fill(self.kind, window.area(), outputs, |channel, out| {
+            if let Some(Some(samples)) = image.planes.get(channel) {
+                for (out, (at, weights)) in out.iter_mut().zip(&taps) {
+                    *out = blended(at.map(|at| samples[at]), weights);
+                }
+            }
+        });
+        Ok(())
+    }
+
+    fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
+        let image = self.node.source("image");
+        let split = |port: &str| self.split(self.node.all(port).first().map_or(0.0, |source| inputs.scalar(source)));
+        let ((dx, u), (dy, v)) = (split("dx"), split("dy"));
+        let at = |right: i64, down: i64| numbers(&inputs.moved((dx + right) as f64, (dy + down) as f64), image);
+        let corners = [(0, 0, (1.0 - u) * (1.0 - v)), (1, 0, u * (1.0 - v)), (0, 1, (1.0 - u) * v), (1, 1, u * v)];
+        let terms = corners.into_iter().filter(|(.., w)| *w > 0.0).map(|(right, down, w)| (w, at(right, down)));
+        Ok(vec![value(self.kind, mean(terms, || at(0, 0)))])
+    }
+}

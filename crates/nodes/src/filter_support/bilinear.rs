@@ -1,0 +1,21 @@
+//! Blends of the four pixels around a place.
+
+use trochoid_weights::arithmetic;
+
+/// The weights of the upper left, upper right, lower left and lower right pixel, at fractions of the way across and
+/// down: multiples of 2⁻²⁴ that sum to exactly 1.
+#[inline]
+pub(crate) fn weights(across: f64, down: f64) -> [f32; 4] {
+    let (u, v) = (across, down);
+    let mut weights = [(1.0 - u) * (1.0 - v), u * (1.0 - v), (1.0 - u) * v, u * v].map(|w| w as f32);
+    arithmetic::round_partition(&mut weights);
+    weights
+}
+
+/// The blend of the four, which lies between those of weight above 0. Between +∞ and −∞ there is no mean: then the
+/// upper left.
+#[inline]
+pub(crate) fn blended(values: [f32; 4], weights: &[f32; 4]) -> f32 {
+    let blended = arithmetic::blend(&values, weights);
+    if blended.is_nan() { values[0] } else { blended }
+}

@@ -1,0 +1,12 @@
+//! What filters share: kernels, bilinear weights, and images of any kind as planes and as numbers.
+//!
+//! Every filter is a weighted mean whose weights are ≥ 0, sum to exactly 1 and are shared by all channels, so that its
+//! results stay between the values that it takes, and colors in their hull.
+
+mod bilinear;
+mod kernel;
+mod values;
+
+pub(crate) use bilinear::{blended, weights};
+pub(crate) use kernel::{Kernel, Shape, filter};
+pub(crate) use values::{fill, kind, mean, numbers, value};

@@ -1,0 +1,241 @@
+//! Texture: a picture file looked up by coordinates.
+
+use crate::filter_support::{blended, fill, value, weights};
+use crate::io_support::{Reading, controls, knobs};
+use std::path::PathBuf;
+use trochoid_graph::*;
+use trochoid_image::{Plane, Rgb, Window};
+
+pub(crate) static NODE: &dyn NodeType = &Texture;
+
+struct Texture;
+
+static DECLARATION: Declaration = Declaration {
+    name: "Texture",
+    end: End::Back,
+    summary: "Looks a picture file up at u and v: on a surface, or wherever fields say.",
+    formula: "The picture's value at x = u·width − ½, y = (1 − v)·height − ½ in its pixels: u from 0 at the left edge to \
+              1 at the right, v from 0 at the lower edge to 1 at the upper. bilinear: a blend of the four pixels around; \
+              nearest: the pixel that the place falls into.",
+    edge_cases: "Beyond [0, 1] the picture repeats, is mirrored at its edges, or ends with its last pixel, by `wrap`. A \
+                 coordinate that is no finite number counts as 0, but ±∞ as the edge where `wrap` is clamp. Outside its \
+                 data window a picture repeats its nearest pixel. A picture seen smaller than it is stored is not \
+                 averaged: raise the format's `samples`. Bad data as Read. Every color of the file is a control color.",
+    source: "v rises from the lower edge as in OBJ, RenderMan and Blender; OpenEXR, Technical Introduction.",
+    items: &[
+        knobs::FILE,
+        knobs::AS,
+        Port::one("u", Accepts::Scalar, "Where across the picture, 0 to 1 from left to right."),
+        Port::one("v", Accepts::Scalar, "Where along its height, 0 to 1 from bottom to top."),
+        Knob::choice("wrap", &["repeat", "clamp", "mirror"], "What lies beyond 0 and 1.").item(),
+        Knob::choice("filter", &["bilinear", "nearest"], "What lies between pixels.").item(),
+        knobs::PART,
+        knobs::LAYER,
+        knobs::CHANNELS,
+        knobs::REPAIR,
+        knobs::PREMULTIPLIED,
+        knobs::ENCODING,
+    ],
+    outputs: &[Output::new("image", Kind::Color, "The picture: Color, mask, Weights or Field, by `as` and channels.")],
+    revision: 1,
+};
+
+impl NodeType for Texture {
+    fn declaration(&self) -> &'static Declaration {
+        &DECLARATION
+    }
+
+    fn outputs(&self, node: &Settled) -> Vec<Kind> {
+        vec![knobs::kind(node)]
+    }
+
+    fn check(&self, node: &Settled, check: &mut Check<'_>) {
+        knobs::check(node, "a Texture", &[], check);
+    }
+
+    fn body(&self) -> Body<'_> {
+        Body::Stage(self)
+    }
+}
+
+impl Stage for Texture {
+    fn interval(&self, node: &Settled, _output: usize, _channel: usize) -> Option<(f64, f64)> {
+        (node.text("as") == "weights").then_some((0.0, 1.0))
+    }
+
+    fn formatted(&self) -> bool {
+        false
+    }
+
+    fn files(&self, node: &Settled, frame: &FrameContext) -> Vec<PathBuf> {
+        vec![frame.path(node.text("file"))]
+    }
+
+    fn prepare(&self, node: &Settled, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
+        let path = prepare.frame.path(node.text("file"));
+        let kind = knobs::kind(node);
+        let wanted = prepare.wanted.first().map(Vec::as_slice).unwrap_or_default();
+        let mut display = Window::default();
+        let reading = Reading { node, frame: prepare.frame, path: &path, outside: None };
+        let (planes, repaired) = reading.planes(kind, wanted, &mut |picture| {
+            display = picture.display;
+            Ok(())
+        })?;
+        let wrap = match node.text("wrap") {
+            "clamp" => Wrap::Clamp,
+            "mirror" => Wrap::Mirror,
+            _ => Wrap::Repeat,
+        };
+        let bilinear = node.text("filter") != "nearest";
+        Ok(Box::new(Looked { node: node.clone(), kind, planes, display, wrap, bilinear, repaired }))
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Wrap {
+    Repeat,
+    Clamp,
+    Mirror,
+}
+
+impl Wrap {
+    /// A coordinate brought to [0, 1].
+    fn unit(self, at: f64) -> f64 {
+        let within = match self {
+            Self::Repeat => at - at.floor(),
+            Self::Clamp => at.clamp(0.0, 1.0),
+            Self::Mirror => {
+                let twice = at.rem_euclid(2.0);
+                if twice > 1.0 { 2.0 - twice } else { twice }
+            }
+        };
+        if within.is_finite() { within } else { 0.0 }
+    }
+
+    /// A neighbor of a pixel that lies in a row of `count`.
+    fn pixel(self, at: i64, count: i64) -> i64 {
+        match self {
+            Self::Repeat => at.rem_euclid(count),
+            // A mirror repeats the pixel at the edge.
+            Self::Clamp | Self::Mirror => at.clamp(0, count - 1),
+        }
+    }
+}
+
+/// A picture, ready to be looked up.
+struct Looked {
+    node: Settled,
+    kind: Kind,
+    planes: Vec<Option<Plane>>,
+    /// What u and v run over.
+    display: Window,
+    wrap: Wrap,
+    bilinear: bool,
+    repaired: u64,
+}
+
+/// Two neighbors along an axis, and how far a place lies toward the second.
+type Tap = ([i64; 2], f64);
+
+impl Looked {
+    /// The neighbors of a place along an axis of `count` pixels.
+    fn tap(&self, at: f64, count: usize) -> Tap {
+        let (place, count) = (at * count as f64, count as i64);
+        if !self.bilinear {
+            return ([(place.floor() as i64).clamp(0, count - 1); 2], 0.0);
+        }
+        let center = place - 0.5;
+        let low = center.floor() as i64;
+        ([low, low + 1].map(|pixel| self.wrap.pixel(pixel, count)), center - center.floor())
+    }
+
+    /// The pixels around u and v, and how far the place lies toward the right and the lower ones.
+    fn taps(&self, u: f64, v: f64) -> ([[i64; 2]; 4], [f64; 2]) {
+        let (xs, across) = self.tap(self.wrap.unit(u), self.display.width());
+        let (ys, down) = self.tap(1.0 - self.wrap.unit(v), self.display.height());
+        let at = |x: usize, y: usize| [self.display.x0 + xs[x], self.display.y0 + ys[y]];
+        ([at(0, 0), at(1, 0), at(0, 1), at(1, 1)], [across, down])
+    }
+}
+
+impl Prepared for Looked {
+    fn controls(&self) -> Vec<Rgb> {
+        match &self.planes[..] {
+            [Some(r), Some(g), Some(b)] if self.kind == Kind::Color => controls([r, g, b].map(Plane::samples)),
+            _ => Vec::new(),
+        }
+    }
+
+    fn fill(&self, block: &Block, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
+        let coordinate = |port: &str| inputs.planes(port, 0).first().copied().flatten().unwrap_or_default();
+        let places = coordinate("u").iter().zip(coordinate("v"));
+        // Where each sample looks, once for all channels.
+        let taps: Vec<_> = places
+            .map(|(u, v)| {
+                let (pixels, [across, down]) = self.taps(f64::from(*u), f64::from(*v));
+                (pixels, weights(across, down))
+            })
+            .collect();
+        fill(self.kind, block.window.area(), outputs, |channel, out| {
+            if let Some(plane) = &self.planes[channel] {
+                for (out, (pixels, weights)) in out.iter_mut().zip(&taps) {
+                    *out = blended(pixels.map(|[x, y]| plane.nearest(x, y)), weights);
+                }
+            }
+        });
+        Ok(())
+    }
+
+    fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
+        let (u, v) = (inputs.scalar(self.node.source("u")), inputs.scalar(self.node.source("v")));
+        let (pixels, [across, down]) = self.taps(u, v);
+        let weights = [(1.0 - across) * (1.0 - down), across * (1.0 - down), (1.0 - across) * down, across * down];
+        let of = |plane: &Option<Plane>| {
+            let texel = |[x, y]: [i64; 2]| plane.as_ref().map_or(0.0, |plane| f64::from(plane.nearest(x, y)));
+            let terms = pixels.iter().zip(weights).filter(|(_, w)| *w > 0.0);
+            let sum: f64 = terms.map(|(pixel, w)| w * texel(*pixel)).sum();
+            if sum.is_nan() { texel(pixels[0]) } else { sum }
+        };
+        Ok(vec![value(self.kind, self.planes.iter().map(of).collect())])
+    }
+
+    fn repaired(&self) -> u64 {
+        self.repaired
+    }
+
+    fn bytes(&self) -> usize {
+        self.planes.iter().flatten().map(|plane| size_of_val(plane.samples())).sum()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Wrap;
+    use crate::testing::refused;
+
+    #[test]
+    fn coordinates_come_back_to_the_picture() {
+        let cases = [
+            (0.25, [0.25, 0.25, 0.25]),
+            (1.25, [0.25, 1.0, 0.75]),
+            (-0.25, [0.75, 0.0, 0.25]),
+            (-3.75, [0.25, 0.0, 0.25]),
+            (1e30, [0.0, 1.0, 0.0]),
+            (f64::INFINITY, [0.0, 1.0, 0.0]),
+            (f64::NEG_INFINITY, [0.0, 0.0, 0.0]),
+            (f64::NAN, [0.0, 0.0, 0.0]),
+        ];
+        for (at, expected) in cases {
+            assert_eq!([Wrap::Repeat, Wrap::Clamp, Wrap::Mirror].map(|wrap| wrap.unit(at)), expected, "{at}");
+        }
+        assert_eq!([-1, 4].map(|at| Wrap::Repeat.pixel(at, 4)), [3, 0]);
+        assert_eq!([-1, 4].map(|at| Wrap::Mirror.pixel(at, 4)), [0, 3]);
+    }
+
+    #[test]
+    fn knobs_of_colors_are_refused_of_fields() {
+        let node =
+            r#""out": { "type": "Texture", "file": "a.exr", "as": "field", "premultiplied": true, "u": 0, "v": 0 }"#;
+        assert!(refused("field", node).contains("a Texture as field"));
+    }
+}

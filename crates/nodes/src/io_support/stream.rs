@@ -1,0 +1,304 @@
+//! Rows of a picture on demand: decoded, judged and converted where a block of samples asks for them.
+
+use super::layer::Fit;
+use super::legal::{Rule, illegal, legalize};
+use super::recipe::Recipe;
+use super::shared::{SharedFile, Slot};
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, OnceLock};
+use trochoid_graph::{Block, NodeError};
+use trochoid_image::{Plane, Rgb, Window};
+
+/// Columns that are converted together: their samples stay in cache.
+const PIECE: usize = 1024;
+
+/// Rows of a picture that may be read on demand, so that what is noted of each takes little memory.
+pub(crate) const MOST_ROWS: usize = 1 << 24;
+
+/// Where stored samples come from.
+pub(crate) enum Rows {
+    /// A file, decoded on demand, and where it has the channels.
+    File(Arc<SharedFile>, Vec<usize>),
+    /// Memory.
+    Memory(Vec<Plane>),
+}
+
+/// What messages and judgment need to know of the stored samples.
+pub(crate) struct Stored {
+    pub(crate) path: PathBuf,
+    pub(crate) part: usize,
+    /// Full names of the channels.
+    pub(crate) names: Vec<String>,
+    pub(crate) data: Window,
+    pub(crate) rule: Rule,
+    pub(crate) repair: bool,
+}
+
+/// Some channels of a picture, laid over the document's, of which no row is converted before someone asks for it.
+pub(crate) struct Stream {
+    pub(crate) stored: Stored,
+    pub(crate) rows: Rows,
+    /// What makes the output's channels of the stored ones; none where they are the same.
+    pub(crate) recipe: Option<Box<dyn Recipe>>,
+    /// Channels of the output.
+    pub(crate) outputs: usize,
+    pub(crate) fit: Fit,
+    /// The color outside the data window; without it the nearest pixel repeats.
+    pub(crate) outside: Option<Rgb>,
+    judged: Vec<AtomicU64>,
+    fault: OnceLock<NodeError>,
+}
+
+/// A row of each channel, where it is wanted.
+pub(crate) type Targets<'t, 'a> = &'t mut [Option<&'a mut [f32]>];
+
+/// What one thread uses from row to row.
+#[derive(Default)]
+struct Scratch {
+    held: Option<(usize, Arc<Slot>)>,
+    lines: Vec<Vec<f32>>,
+}
+
+impl Stream {
+    pub(crate) fn new(stored: Stored, rows: Rows, recipe: Option<Box<dyn Recipe>>, outputs: usize, fit: Fit) -> Self {
+        let judged = (0..stored.data.height()).map(|_| AtomicU64::new(0)).collect();
+        Self { stored, rows, recipe, outputs, fit, outside: None, judged, fault: OnceLock::new() }
+    }
+
+    /// The samples of a block, row by row, of every channel that is wanted.
+    pub(crate) fn fill(&self, block: &Block, outs: Targets<'_, '_>) -> Result<(), NodeError> {
+        if outs.iter().all(Option::is_none) {
+            return Ok(());
+        }
+        let mut scratch = Scratch::default();
+        let filled = self.fit.lay(block, outs, |left, y, rows| self.line(&mut scratch, left, y, rows));
+        filled.map_err(|error| self.first_fault(error))
+    }
+
+    /// The channels at a place of the document, in pixels, in f64.
+    pub(crate) fn reference(&self, at: [f64; 2]) -> Result<Vec<f64>, NodeError> {
+        let mut scratch = Scratch::default();
+        let mut texel = |x: i64, y: i64| {
+            let mut texel = vec![[0.0_f32]; self.outputs];
+            let mut rows: Vec<Option<&mut [f32]>> = texel.iter_mut().map(|value| Some(&mut value[..])).collect();
+            self.line(&mut scratch, x, y, &mut rows).map_err(|error| self.first_fault(error))?;
+            Ok(texel.into_iter().map(|[value]| f64::from(value)).collect())
+        };
+        self.fit.blend(at, &mut texel)
+    }
+
+    /// Values that were repaired in the rows that anyone asked for.
+    pub(crate) fn repaired(&self) -> u64 {
+        self.judged.iter().map(|judged| judged.load(Ordering::Relaxed).saturating_sub(1)).sum()
+    }
+
+    /// Rows that are best asked for together.
+    pub(crate) fn rows_per_band(&self) -> Option<usize> {
+        match &self.rows {
+            Rows::File(file, _) if self.fit.is_pixel() => Some(file.rows_per_block()),
+            _ => None,
+        }
+    }
+
+    /// Rows that are decoded together.
+    pub(crate) fn rows_per_block(&self) -> usize {
+        match &self.rows {
+            Rows::File(file, _) => file.rows_per_block(),
+            Rows::Memory(_) => 1,
+        }
+    }
+
+    /// Memory held, bytes; of a shared file, this one's share.
+    pub(crate) fn bytes(&self) -> usize {
+        let samples = match &self.rows {
+            Rows::File(file, _) => file.bytes() / Arc::strong_count(file),
+            Rows::Memory(planes) => planes.iter().map(|plane| size_of_val(plane.samples())).sum(),
+        };
+        samples + size_of_val(&self.judged[..])
+    }
+
+    /// Where the file holds pixels, in the document's.
+    pub(crate) fn window(&self) -> Window {
+        self.fit.window(self.stored.data)
+    }
+
+    /// All rows of a range, whole, from the top down: as an output has them.
+    pub(crate) fn each_row(
+        &self,
+        rows: std::ops::Range<usize>,
+        mut f: impl FnMut(&[Vec<f32>]) -> Result<(), NodeError>,
+    ) -> Result<(), NodeError> {
+        let data = self.stored.data;
+        let mut scratch = Scratch::default();
+        let mut row = vec![vec![0.0; data.width()]; self.outputs];
+        for y in rows.map(|row| data.y0 + row as i64) {
+            let mut targets: Vec<Option<&mut [f32]>> = row.iter_mut().map(|row| Some(&mut row[..])).collect();
+            self.texels(&mut scratch, data.x0, y, &mut targets).map_err(|error| self.first_fault(error))?;
+            f(&row)?;
+        }
+        Ok(())
+    }
+
+    /// The pixels from (`left`, `y`) on, within the data window or not.
+    fn line(&self, scratch: &mut Scratch, left: i64, y: i64, outs: Targets<'_, '_>) -> Result<(), NodeError> {
+        let Some(length) = outs.iter().flatten().map(|out| out.len()).next() else { return Ok(()) };
+        let data = self.stored.data;
+        let nearest = y.clamp(data.y0, data.y1 - 1);
+        let within = |x: i64| (x - left).clamp(0, length as i64) as usize;
+        let (first, last) = (within(data.x0), within(data.x1));
+        if let Some(color) = self.outside
+            && (nearest != y || first == last)
+        {
+            fill(outs, |channel, out| out.fill(color[channel]));
+            return Ok(());
+        }
+        if first == last {
+            // Beside the picture: its last pixel on that side.
+            let x = left.clamp(data.x0, data.x1 - 1);
+            let mut texel = vec![[0.0_f32]; outs.len()];
+            let mut targets: Vec<Option<&mut [f32]>> = texel.iter_mut().map(|value| Some(&mut value[..])).collect();
+            self.texels(scratch, x, nearest, &mut targets)?;
+            fill(outs, |channel, out| out.fill(texel[channel][0]));
+            return Ok(());
+        }
+        let mut targets: Vec<Option<&mut [f32]>> =
+            outs.iter_mut().map(|out| out.as_deref_mut().map(|out| &mut out[first..last])).collect();
+        self.texels(scratch, left + first as i64, nearest, &mut targets)?;
+        let outside = self.outside;
+        fill(outs, |channel, out| {
+            let edge = |at: usize| outside.map_or(out[at], |color| color[channel]);
+            let (before, after) = (edge(first), edge(last - 1));
+            out[..first].fill(before);
+            out[last..].fill(after);
+        });
+        Ok(())
+    }
+
+    /// Pixels of the data window.
+    fn texels(&self, scratch: &mut Scratch, x0: i64, y: i64, outs: Targets<'_, '_>) -> Result<(), NodeError> {
+        let data = self.stored.data;
+        let length = outs.iter().flatten().map(|out| out.len()).next().unwrap_or_default();
+        let judged = &self.judged[(y - data.y0) as usize];
+        let whole = x0 == data.x0 && length == data.width();
+        let known = judged.load(Ordering::Relaxed) > 0;
+        let mut nothing: Vec<Option<&mut [f32]>> = outs.iter().map(|_| None).collect();
+        if !known && !whole {
+            // A row is judged as a whole, so that it does not matter who asks for how much of it.
+            let repaired = self.convert(scratch, data.x0, y, data.width(), true, &mut nothing)?;
+            judged.store(1 + repaired, Ordering::Relaxed);
+        }
+        let repaired = self.convert(scratch, x0, y, length, !known, outs)?;
+        if !known && whole {
+            judged.store(1 + repaired, Ordering::Relaxed);
+        }
+        Ok(())
+    }
+
+    /// Reads, judges and converts a row of pixels, piece by piece; `all` channels or just the wanted ones.
+    fn convert(
+        &self,
+        scratch: &mut Scratch,
+        x0: i64,
+        y: i64,
+        length: usize,
+        all: bool,
+        outs: Targets<'_, '_>,
+    ) -> Result<u64, NodeError> {
+        let Scratch { held, lines } = scratch;
+        let names = &self.stored.names;
+        lines.resize_with(names.len().max(self.outputs), || vec![0.0; PIECE]);
+        let mut repaired = 0;
+        for start in (0..length).step_by(PIECE) {
+            let (x, count) = (x0 + start as i64, PIECE.min(length - start));
+            let Some(recipe) = &self.recipe else {
+                for (channel, line) in lines.iter_mut().enumerate() {
+                    match outs.get_mut(channel).and_then(Option::as_deref_mut) {
+                        Some(out) => repaired += self.read(held, channel, x, y, &mut out[start..start + count])?,
+                        None if all => repaired += self.read(held, channel, x, y, &mut line[..count])?,
+                        None => {}
+                    }
+                }
+                continue;
+            };
+            for (channel, line) in lines.iter_mut().enumerate().take(names.len()) {
+                repaired += self.read(held, channel, x, y, &mut line[..count])?;
+            }
+            let mut pieces: Vec<&mut [f32]> = lines.iter_mut().map(|line| &mut line[..count]).collect();
+            repaired += recipe.apply([x, y], &mut pieces)?;
+            fill(outs, |channel, out| out[start..start + count].copy_from_slice(&lines[channel][..count]));
+        }
+        Ok(repaired)
+    }
+
+    /// Reads and judges samples of one channel.
+    fn read(
+        &self,
+        held: &mut Option<(usize, Arc<Slot>)>,
+        channel: usize,
+        x: i64,
+        y: i64,
+        out: &mut [f32],
+    ) -> Result<u64, NodeError> {
+        match &self.rows {
+            Rows::File(file, places) => {
+                let index = file.block_at(y);
+                let slot = match held {
+                    Some((known, slot)) if *known == index => slot,
+                    held => &held.insert((index, file.block(index))).1,
+                };
+                slot.rows()?.row(places[channel], y, x, out);
+            }
+            Rows::Memory(planes) => {
+                let start = (x - self.stored.data.x0) as usize;
+                out.copy_from_slice(&planes[channel].row(y).unwrap_or_default()[start..start + out.len()]);
+            }
+        }
+        let Stored { path, part, names, rule, repair, .. } = &self.stored;
+        legalize(out, *rule, *repair).map_err(|at| {
+            let place = (x + at as i64, y);
+            illegal(path, *part, &names[channel], place, out[at], *rule)
+        })
+    }
+
+    /// The first fault of the whole picture, so that it does not depend on threads and tiles which one is reported:
+    /// rows that cannot be decoded, then the first illegal sample of each channel, then what they cannot be converted to.
+    fn first_fault(&self, found: NodeError) -> NodeError {
+        self.fault.get_or_init(|| self.scan().err().unwrap_or(found)).clone()
+    }
+
+    fn scan(&self) -> Result<(), NodeError> {
+        let data = self.stored.data;
+        let count = self.stored.names.len();
+        let mut first: Vec<Option<NodeError>> = vec![None; count + 1];
+        let mut held = None;
+        let mut lines = vec![vec![0.0; PIECE]; count.max(self.outputs)];
+        for y in data.y0..data.y1 {
+            if let Rows::File(file, _) = &self.rows {
+                file.block(file.block_at(y)).rows()?;
+            }
+            for start in (0..data.width()).step_by(PIECE) {
+                let (x, length) = (data.x0 + start as i64, PIECE.min(data.width() - start));
+                for channel in 0..count {
+                    if let Err(error) = self.read(&mut held, channel, x, y, &mut lines[channel][..length]) {
+                        first[channel].get_or_insert(error);
+                    }
+                }
+                if let Some(recipe) = self.recipe.as_ref().filter(|_| first.iter().all(Option::is_none)) {
+                    let mut pieces: Vec<&mut [f32]> = lines.iter_mut().map(|line| &mut line[..length]).collect();
+                    first[count] = recipe.apply([x, y], &mut pieces).err();
+                }
+            }
+        }
+        first.into_iter().flatten().next().map_or(Ok(()), Err)
+    }
+}
+
+/// Does something with every row that is wanted.
+fn fill(outs: Targets<'_, '_>, mut f: impl FnMut(usize, &mut [f32])) {
+    for (channel, out) in outs.iter_mut().enumerate() {
+        if let Some(out) = out {
+            f(channel, out);
+        }
+    }
+}
