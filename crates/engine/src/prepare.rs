@@ -69,7 +69,7 @@ impl Cache {
     }
 
     /// Drops what is too large by itself, then the oldest until the rest is within the limits.
-    fn trim(&mut self) {
+    pub(crate) fn trim(&mut self) {
         self.kept.retain(|_, entry| entry.prepared.bytes() <= self.limit);
         let mut ages: Vec<(u64, usize, Key)> =
             self.kept.iter().map(|(key, entry)| (entry.used, entry.prepared.bytes(), key.clone())).collect();

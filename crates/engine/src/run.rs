@@ -131,7 +131,10 @@ impl Plan<'_> {
                 self.outputs.iter().map(|output| self.judge(output, &ready, buffers)).collect();
             let judged = started.elapsed().as_secs_f64();
             let started = Instant::now();
-            let tally = self.tiles(&bands(&ready), &ready, buffers, &judges, monitor)?;
+            let tally = self.tiles(&bands(&ready), &ready, buffers, &judges, monitor);
+            // What was decoded on demand counts as well.
+            cache.trim();
+            let tally = tally?;
             let seconds = Phases { prepare: prepared, hull: judged, tiles: started.elapsed().as_secs_f64() };
             Ok(self.assemble(judges, &tally, &ready, seconds))
         })

@@ -14,7 +14,8 @@ use trochoid_image::Window;
 use trochoid_memory::{Target, write_around};
 use trochoid_weights::Audit;
 
-/// Results larger than this are written around the cache, bytes: that of large processors, measured.
+/// Where a frame moves more than this, results are written around the cache, bytes: that of large processors. They
+/// would be gone from it before anybody reads them, and push out what is still to be read.
 const CACHE: usize = 32 << 20;
 
 /// What a thread needs to evaluate tiles, reused from one to the next.
@@ -215,7 +216,8 @@ fn run_rows(
         }
     };
     let slices = slices(pass, rows);
-    if 4 * plan.window.area() * slices.len() > CACHE {
+    let read = pass.program.planes.iter().filter(|slot| plan.bound[slot.node.0]).count();
+    if 4 * plan.window.area() * (slices.len() + read) > CACHE {
         write_around(slices, run);
     } else {
         let mut run = run;
