@@ -5,6 +5,7 @@
 
 mod architecture;
 mod bad_documents;
+mod branches;
 mod demand;
 mod filters;
 mod frames;
