@@ -21,6 +21,7 @@ mod generate;
 mod order;
 mod partition;
 mod run;
+mod sweep;
 
 pub(crate) use audit::{Legal, WeightAudit};
 #[cfg(test)]
