@@ -39,3 +39,31 @@ fn a_web_of_ten_thousand_nodes() {
     assert!(count(|state| matches!(state, State::LeftOut(LeftOut::Weight(_)))) > 100, "weights of 0 and 1 cut");
     assert_eq!(*state(&frame, "out"), State::Evaluated);
 }
+
+#[test]
+fn more_constants_than_16_bits_count() {
+    // Each mix has a weight of its own, so that each needs a row of its own.
+    let count = 70_000;
+    let mut nodes = vec![
+        r##""across": { "type": "ScreenX" }, "n0": { "type": "Mix", "a": "#102030", "b": "#fedcba",
+        "weight": "across" }"##
+            .to_string(),
+    ];
+    for i in 1..count {
+        let (color, weight) = ((i as u64 * 0x3a_51f7) & 0xff_ffff, i as f64 / (64.0 * f64::from(count)));
+        nodes.push(format!(
+            r##""n{i}": {{ "type": "Mix", "a": "n{}", "b": "#{color:06x}", "weight": {weight} }}"##,
+            i - 1
+        ));
+    }
+    let outputs = format!(r#""out": {{ "color": "n{}" }}"#, count - 1);
+    let graph = crate::support::graph(r#""width": 3, "height": 1"#, &nodes.join(",\n"), &outputs);
+    let frame = evaluate(&graph, 1, &Buffers::new(), &settings(|_| ()));
+    let reference = ReferenceFrame::new(&graph, "out", 1).unwrap();
+    for x in 0..3 {
+        for (channel, truth) in reference.pixel(x, 0).unwrap().into_iter().enumerate() {
+            let found = f64::from(sample(&frame.pictures[0], channel, x, 0));
+            assert!((found - truth).abs() <= 1e-5, "{x}, channel {channel}: {found} and {truth}");
+        }
+    }
+}

@@ -97,7 +97,7 @@ impl<'b> Buffers<'b> {
 }
 
 /// Holds samples of a buffer against its kind; the first of them is sample `start` of the buffer.
-pub(crate) fn check(node: &str, kind: Kind, channel: usize, samples: &[f32], start: usize) -> Result<(), EvalError> {
+fn check(node: &str, kind: Kind, channel: usize, samples: &[f32], start: usize) -> Result<(), EvalError> {
     let (legal, rule): (fn(&f32) -> bool, _) = match kind {
         Kind::Color => (|v| v.is_finite() && *v >= 0.0, "finite and ≥ 0"),
         Kind::Weights(_) => (|v| (0.0..=1.0).contains(v), "in [0, 1]"),

@@ -11,9 +11,9 @@ type Key = (String, Vec<Vec<bool>>, String);
 
 /// What stages prepared, by content key, so that what does not change from frame to frame is not done again.
 ///
-/// Holds at most so many bytes as [`Prepared::bytes`] tells, and drops what was not used for the longest time. That is
-/// judged when an evaluation prepares: what files keep decoded while one runs counts at the next. What a running
-/// evaluation uses lives on until it is done, whatever the cache keeps.
+/// Holds at most so many bytes as [`Prepared::bytes`] tells, and drops what was not used for the longest time: when an
+/// evaluation prepares, and again when it is done, since files keep blocks decoded meanwhile. What a running evaluation
+/// uses lives on until then, whatever the cache keeps.
 pub struct Cache {
     kept: HashMap<Key, Entry>,
     limit: usize,

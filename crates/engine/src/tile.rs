@@ -109,23 +109,21 @@ impl<'p> Worker<'p> {
         let planes = state.fills.planes(&pass.program);
         let machine = &mut state.machine;
         let mut seen = run_rows(plan, pass, judges, machine, &planes, place, rows);
-        if machine.suspect().is_some() {
+        if machine.is_suspect() {
             // Something illegal, or −0: that must not be told from 0, so that no bit depends on what is pruned.
             machine.acquit();
             let normalized = self.buffers.normalized(plan, &pass.program.planes, &planes, place.tile)?;
             let planes = with_normalized(&planes, &normalized, width);
             seen = run_rows(plan, pass, judges, machine, &planes, place, rows);
         }
-        for (root, &(output, first)) in pass.roots.iter().enumerate() {
+        for (root, &(output, _)) in pass.roots.iter().enumerate() {
             let judge = &judges[output];
             let suspicious = match judge {
                 Some(judge) => state.machine.color_range(root).is_none_or(|range| !judge.is_boxed(&range)),
                 None => state.machine.saw_nan(root),
             };
             if suspicious {
-                // A field's channels are roots of their own: together they are looked at once.
-                let channels = if judge.is_some() { &rows[output][first..first + 3] } else { &rows[output][..] };
-                seen[output] = audit_tile(judge.as_ref(), channels, place);
+                seen[output] = audit_tile(judge.as_ref(), &rows[output], place);
             }
         }
         self.program_seconds += started.elapsed().as_secs_f64();
@@ -143,12 +141,17 @@ impl<'p> Worker<'p> {
             sums.resize(width * height, 0.0);
         }
         state.rows.iter_mut().for_each(|row| row.resize(width, 0.0));
+        let mut normalized = None;
         for &offset in &pass.offsets {
             state.fills.fill(place.tile, offset, &mut self.fill_seconds)?;
             let started = Instant::now();
             let planes = state.fills.planes(&pass.program);
-            let normalized = self.buffers.normalized(plan, &pass.program.planes, &planes, place.tile)?;
-            let planes = with_normalized(&planes, &normalized, width);
+            // What the caller gave is the same for every sample.
+            let normalized = match &mut normalized {
+                Some(known) => known,
+                none => none.insert(self.buffers.normalized(plan, &pass.program.planes, &planes, place.tile)?),
+            };
+            let planes = with_normalized(&planes, normalized, width);
             state.machine.begin(&planes, width);
             for y in 0..height {
                 let mut out: Vec<Target<'_>> = state.rows.iter_mut().map(|row| Target::new(row)).collect();
@@ -173,10 +176,9 @@ impl<'p> Worker<'p> {
             }
         }
         let mut seen = vec![Audit::default(); self.judges.len()];
-        for &(output, first) in &pass.roots {
-            let judge = &self.judges[output];
-            let channels = if judge.is_some() { &rows[output][first..first + 3] } else { &rows[output][..] };
-            seen[output] = audit_tile(judge.as_ref(), channels, place);
+        // The channels of weights are roots of their own, looked at together.
+        for &(output, _) in pass.roots.iter().filter(|(_, first)| *first == 0) {
+            seen[output] = audit_tile(self.judges[output].as_ref(), &rows[output], place);
         }
         Ok(seen)
     }
@@ -201,7 +203,7 @@ fn run_rows(
     let width = place.tile.width();
     let mut seen = vec![Audit::default(); judges.len()];
     machine.begin(planes, width);
-    let run = |targets: &mut [Target<'_>]| {
+    let mut run = |targets: &mut [Target<'_>]| {
         for y in 0..place.tile.height() {
             let start = y * place.stride + place.x;
             let mut out: Vec<Target<'_>> = targets.iter_mut().map(|target| target.part(start, width)).collect();
@@ -220,7 +222,6 @@ fn run_rows(
     if 4 * plan.window.area() * (slices.len() + read) > CACHE {
         write_around(slices, run);
     } else {
-        let mut run = run;
         run(&mut slices.into_iter().map(Target::new).collect::<Vec<_>>());
     }
     seen

@@ -1,6 +1,6 @@
 //! Does the same work as other programs, so that they can be timed side by side.
 //!
-//! `peer CASE` prepares itself, does the work once, prints one line of JSON with the error of its result, and then, for
+//! `peer CASE` prepares itself, does the work once, prints one line of JSON with the error of its result (null where it only reads), and then, for
 //! each line `run N` on stdin, does the work N times and prints how long each took; `quit` ends it. Cases:
 //! `W1:uhd` and `W1:hd` evaluate a graph of nine mixes on five passes in memory; `io:uhd:half:zip` and the like read or
 //! write an EXR file. Inputs lie in the folder `PEER_WORK`; `PEER_THREADS` (default: all cores) and
@@ -32,7 +32,7 @@ fn main() -> Result<()> {
 }
 
 /// Answers requests until the end of stdin.
-fn serve(error: f64, note: &str, mut work: impl FnMut() -> Result<()>) -> Result<()> {
+fn serve(error: Option<f64>, note: &str, mut work: impl FnMut() -> Result<()>) -> Result<()> {
     println!("{}", serde_json::json!({ "ready": true, "setup_s": 0.0, "error": error, "note": note }));
     for line in std::io::stdin().lock().lines() {
         let line = line?;
@@ -110,7 +110,7 @@ fn w1(work: &Path, size: &str) -> Result<()> {
         "planar, {} threads, {} exits, {} of {} pixels judged one by one",
         frame.threads, audit.hull_exits, audit.judged, audit.pixels
     );
-    serve(error, &note, || Ok(plan.evaluate_into(&mut frame, &buffers, &mut cache, &Silent)?))
+    serve(Some(error), &note, || Ok(plan.evaluate_into(&mut frame, &buffers, &mut cache, &Silent)?))
 }
 
 /// Reads five channels of a file to f32 planes.
@@ -122,7 +122,7 @@ fn reading(work: &Path, file: &str) -> Result<()> {
         Ok(())
     };
     once()?;
-    serve(0.0, "five channels to f32 planes", once)
+    serve(None, "five channels to f32 planes", once)
 }
 
 /// Writes RGB as half, ZIP.
@@ -169,5 +169,5 @@ fn write(work: &Path, size: &str, kind: &str) -> Result<()> {
             error = error.max(f64::from((found - expected).abs()));
         }
     }
-    serve(error, "half ZIP, atomic, on disk", once)
+    serve(Some(error), "half ZIP, atomic, on disk", once)
 }

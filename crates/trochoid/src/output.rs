@@ -188,21 +188,17 @@ fn write_layers(
 ) -> Result<(), OutputError> {
     let chosen = pictures(graph, frame, file);
     let encoded = graph.space() == WorkingSpace::Srgb;
-    let linear: Vec<Vec<Plane>> = chosen
+    let linear: Vec<Option<[Vec<f32>; 3]>> = chosen
         .iter()
         .map(|(_, picture)| {
-            if picture.kind == Kind::Color && encoded {
-                convert(picture, |color| graph.space().to_linear_srgb(color))
-            } else {
-                Vec::new()
-            }
+            let rgb = color_rows(&picture.planes).filter(|_| picture.kind == Kind::Color && encoded)?;
+            Some(convert(rgb, |color| graph.space().to_linear_srgb(color)))
         })
         .collect();
     let mut channels = Vec::new();
     for ((spec, picture), linear) in chosen.iter().zip(&linear) {
-        let planes = if linear.is_empty() { &picture.planes } else { linear };
-        for ((name, sample_type), plane) in file_channels(graph, spec, file).into_iter().zip(planes) {
-            let samples = Samples::plane(plane);
+        let names = file_channels(graph, spec, file);
+        for ((name, sample_type), samples) in names.into_iter().zip(samples_of(&picture.planes, linear.as_ref())) {
             let float = sample_type == SampleType::Float;
             channels.push(if float { ExrChannel::float(name, samples) } else { ExrChannel::half(name, samples) });
         }
@@ -225,14 +221,11 @@ fn write_png(
 ) -> Result<(), OutputError> {
     let Some((spec, picture)) = pictures(graph, frame, file).into_iter().next() else { return Ok(()) };
     let space = graph.space();
-    let encoded: Vec<Plane> = match (picture.kind, space) {
-        (Kind::Color, WorkingSpace::LinearSrgb | WorkingSpace::AcesCg) => {
-            convert(picture, |color| space.to_linear_srgb(color).map(srgb_encode))
-        }
-        _ => picture.planes.clone(),
-    };
+    let linear = picture.kind == Kind::Color && space != WorkingSpace::Srgb;
+    let rgb = color_rows(&picture.planes).filter(|_| linear);
+    let encoded = rgb.map(|rgb| convert(rgb, |color| space.to_linear_srgb(color).map(srgb_encode)));
     let window: Window = frame.window;
-    let channels: Vec<Samples<'_>> = encoded.iter().map(Samples::plane).collect();
+    let channels = samples_of(&picture.planes, encoded.as_ref());
     let mut image = PngImage::new(window.width() as u32, window.height() as u32, channels);
     image.metadata = metadata.to_vec();
     match spec.precision {
@@ -242,16 +235,31 @@ fn write_png(
     Ok(())
 }
 
-/// A color picture with every pixel converted in f64.
-fn convert(picture: &Picture, f: impl Fn([f64; 3]) -> [f64; 3]) -> Vec<Plane> {
-    let mut planes = picture.planes.clone();
-    if let [r, g, b] = planes.as_mut_slice() {
-        for ((r, g), b) in r.samples_mut().iter_mut().zip(g.samples_mut()).zip(b.samples_mut()) {
-            let color = f([f64::from(*r), f64::from(*g), f64::from(*b)]);
-            [*r, *g, *b] = color.map(|v| v as f32);
+/// The channels of a color.
+fn color_rows(planes: &[Plane]) -> Option<[&[f32]; 3]> {
+    match planes {
+        [r, g, b] => Some([r.samples(), g.samples(), b.samples()]),
+        _ => None,
+    }
+}
+
+/// What is written of planes: their samples, or what these were converted to.
+fn samples_of<'s>(planes: &'s [Plane], converted: Option<&'s [Vec<f32>; 3]>) -> Vec<Samples<'s>> {
+    match converted {
+        Some(color) => color.iter().map(|channel| Samples::contiguous(channel)).collect(),
+        None => planes.iter().map(Samples::plane).collect(),
+    }
+}
+
+/// Colors with every pixel converted in f64.
+pub(crate) fn convert([r, g, b]: [&[f32]; 3], f: impl Fn([f64; 3]) -> [f64; 3]) -> [Vec<f32>; 3] {
+    let mut converted = [0; 3].map(|_| Vec::with_capacity(r.len()));
+    for ((r, g), b) in r.iter().zip(g).zip(b) {
+        for (channel, value) in converted.iter_mut().zip(f([*r, *g, *b].map(f64::from))) {
+            channel.push(value as f32);
         }
     }
-    planes
+    converted
 }
 
 /// EXR's names of an output's channels: `Z` for depth, as others look for it; `Y` is what viewers show as gray.

@@ -1,6 +1,6 @@
 //! Files written while their rows are made: memory does not grow with the picture.
 
-use crate::output::{file_channels, folder_of_file};
+use crate::output::{convert, file_channels, folder_of_file};
 use crate::{OutputError, OutputFile};
 use std::sync::{Mutex, PoisonError};
 use trochoid_engine::{EvalError, Plan, Sink};
@@ -114,7 +114,8 @@ impl<'g> FileSink<'g> {
             let range = start * width..(start + height).min(band.height()) * width;
             let mut linear: Vec<[Vec<f32>; 3]> = Vec::new();
             for &(output, _) in open.outputs.iter().filter(|(_, encoded)| *encoded) {
-                linear.push(self.to_linear([0, 1, 2].map(|c: usize| &rows[output][c][range.clone()])));
+                let rgb = [0, 1, 2].map(|c: usize| &rows[output][c][range.clone()]);
+                linear.push(convert(rgb, |color| self.graph.space().to_linear_srgb(color)));
             }
             let mut linear = linear.iter();
             let mut channels: Vec<&[f32]> = Vec::new();
@@ -127,17 +128,6 @@ impl<'g> FileSink<'g> {
             open.writer.push(open.writer.encode(first + index, &channels, scratch)?)?;
         }
         Ok(())
-    }
-
-    fn to_linear(&self, [r, g, b]: [&[f32]; 3]) -> [Vec<f32>; 3] {
-        let mut linear = [r.to_vec(), g.to_vec(), b.to_vec()];
-        for x in 0..r.len() {
-            let color = self.graph.space().to_linear_srgb([r[x], g[x], b[x]].map(f64::from));
-            for (channel, value) in linear.iter_mut().zip(color) {
-                channel[x] = value as f32;
-            }
-        }
-        linear
     }
 }
 

@@ -16,9 +16,9 @@ pub(crate) struct Chunk(pub(crate) [f32; CHUNK]);
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Row {
     /// One of the machine's.
-    Own(u16),
+    Own(u32),
     /// One from outside: a plane, or what was computed once for the tile or the row.
-    Plane(u16),
+    Plane(u32),
 }
 
 /// Where a color comes from.
@@ -43,40 +43,40 @@ pub(crate) enum Work {
         x: Row,
         min: f32,
         max: f32,
-        to: u16,
+        to: u32,
     },
     Smooth {
         t: Row,
-        to: u16,
+        to: u32,
     },
     Power {
         t: Row,
         p: f32,
-        to: u16,
+        to: u32,
     },
     Step {
         x: Row,
         threshold: f32,
-        to: u16,
+        to: u32,
     },
     Complement {
         t: Row,
-        to: u16,
+        to: u32,
     },
     Product {
         t: Row,
         u: Row,
-        to: u16,
+        to: u32,
     },
     /// Rounds weights so that they sum to exactly 1.
     Partition {
         weights: Vec<Row>,
-        to: Vec<u16>,
+        to: Vec<u32>,
     },
     Normalize {
         values: Vec<Row>,
         floor: f32,
-        to: Vec<u16>,
+        to: Vec<u32>,
     },
     Load(Source),
     Mix {
@@ -84,7 +84,7 @@ pub(crate) enum Work {
         b: Source,
         t: Row,
         /// The root that this color is, if it is nothing else: written straight where it belongs.
-        out: Option<u16>,
+        out: Option<u32>,
     },
     /// The mix by y of two pairs mixed by x.
     Patch {
@@ -97,15 +97,15 @@ pub(crate) enum Work {
         weights: Vec<Row>,
     },
     /// Keeps the accumulator, which nobody reads after that.
-    Keep([u16; 3]),
+    Keep([u32; 3]),
     /// Holds weights against [0, 1].
     AuditMask(Row),
     /// Holds weights against [0, 1] and their sum against 1.
     AuditPartition(Vec<Row>),
     /// Holds a plane of the caller against what its kind allows.
     Check {
-        plane: u16,
-        index: u16,
+        plane: u32,
+        index: u32,
     },
     /// Where all of `t` is `closed`, takes `otherwise` and jumps over `skip` instructions.
     Gate {
@@ -115,10 +115,10 @@ pub(crate) enum Work {
         skip: usize,
     },
     /// Writes a color root from the accumulator.
-    OutColor(u16),
+    OutColor(u32),
     /// Writes a root of scalars.
     OutRows {
-        root: u16,
+        root: u32,
         rows: Vec<Row>,
     },
 }
@@ -130,11 +130,11 @@ pub(crate) struct Code {
     /// Number of chunks of its own.
     pub(crate) own: usize,
     /// Own chunks that hold a constant throughout.
-    pub(crate) constants: Vec<(u16, f32)>,
+    pub(crate) constants: Vec<(u32, f32)>,
     /// By root, its first output channel and how many it has.
     pub(crate) roots: Vec<(usize, usize)>,
     /// The planes held against what their kind allows: by index, the plane and the rule.
-    pub(crate) checks: Vec<(u16, Legal)>,
+    pub(crate) checks: Vec<(u32, Legal)>,
 }
 
 impl Code {

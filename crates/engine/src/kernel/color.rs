@@ -365,3 +365,42 @@ pub(super) fn is_all<S: Simd>(simd: S, row: &[f32; CHUNK], value: f32) -> bool {
     differs.store_slice(&mut lanes);
     lanes.iter().all(|lane| *lane == 0)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use trochoid_memory::{Instructions, Kernel, dispatch};
+    use trochoid_weights::arithmetic;
+
+    struct Clamp<'a>(&'a mut [f32; CHUNK], &'a [f32; CHUNK], f32, f32);
+
+    impl Kernel for Clamp<'_> {
+        type Output = ();
+
+        #[inline(always)]
+        fn run<S: Stream>(self, simd: S) {
+            clamp_rows(simd, self.0, self.1, self.2, self.3);
+        }
+    }
+
+    #[test]
+    fn the_short_clamp_has_the_bits_of_the_long_one() {
+        let tiny = f32::from_bits(1);
+        for (min, max) in
+            [(0.0, 1.0), (20.0, 1000.0), (-3.0, -2.5), (0.0, tiny), (1.0, 1.0f32.next_up()), (-8e37, 8e37)]
+        {
+            let near = [min, max].into_iter().flat_map(|v: f32| [v.next_down(), v, v.next_up()]);
+            let edges = [f32::NAN, -f32::NAN, f32::INFINITY, f32::NEG_INFINITY, f32::MAX, f32::MIN, -0.0, tiny, -tiny];
+            let between = (0..CHUNK).map(|i| min + (max - min) * (i as f32 / 100.0 - 0.1));
+            let values: Vec<f32> = near.chain(edges).chain(between).take(CHUNK).collect();
+            let x: [f32; CHUNK] = std::array::from_fn(|i| values[i]);
+            for instructions in [Instructions::Best, Instructions::Avx2, Instructions::Baseline] {
+                let mut found = [0.0; CHUNK];
+                dispatch(instructions.level(), Clamp(&mut found, &x, min, max));
+                for (x, found) in x.iter().zip(found) {
+                    assert_eq!(found.to_bits(), arithmetic::clamp(*x, min, max).to_bits(), "{x} in {min} to {max}");
+                }
+            }
+        }
+    }
+}

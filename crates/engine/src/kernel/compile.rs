@@ -70,7 +70,7 @@ pub(crate) fn compile(program: &Program, roots: &[u32], options: &Options<'_>) -
             checks: Vec::new(),
         });
         for (&at, &(first, count)) in hoisted.iter().zip(&code.roots) {
-            let row = |channel: usize| Row::Plane((next + first + channel) as u16);
+            let row = |channel: usize| Row::Plane((next + first + channel) as u32);
             let value = match ops[at as usize].0.ty() {
                 Type::Scalar => Value::Scalar(row(0)),
                 Type::Color => Value::Color(Source::Rows([row(0), row(1), row(2)])),
@@ -80,7 +80,7 @@ pub(crate) fn compile(program: &Program, roots: &[u32], options: &Options<'_>) -
         }
         next += code.channels();
     }
-    let legal = out.planes.iter().enumerate().filter_map(|(at, slot)| Some((at as u16, (options.legal)(slot)?)));
+    let legal = out.planes.iter().enumerate().filter_map(|(at, slot)| Some((at as u32, (options.legal)(slot)?)));
     let checks = legal.collect();
     out.main = generate(Input { ops, roots, given, fuse: options.fuse, everything: options.everything, checks });
     out.roots = out.main.roots.iter().map(|(_, count)| *count).collect();
@@ -157,14 +157,14 @@ fn hoisted(ops: &[(Op, NodeId)], roots: &[u32], needed: &[bool], rates: &[Rate],
 /// The planes that a program reads, each once.
 struct Planes {
     slots: Vec<Slot>,
-    known: HashMap<Slot, u16>,
+    known: HashMap<Slot, u32>,
 }
 
 impl Planes {
     fn row(&mut self, slot: Slot) -> Row {
         Row::Plane(*self.known.entry(slot).or_insert_with(|| {
             self.slots.push(slot);
-            (self.slots.len() - 1) as u16
+            (self.slots.len() - 1) as u32
         }))
     }
 }

@@ -4,7 +4,7 @@
 use super::audit::Legal;
 use super::code::{Code, Row, Source, Work};
 use super::order::{Order, Step};
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use trochoid_graph::{NodeId, Op, Type};
 
 /// Where an operation's result lies.
@@ -26,7 +26,7 @@ pub(super) struct Input<'a> {
     /// Run also what no root needs.
     pub(super) everything: bool,
     /// Planes to hold against what their kind allows.
-    pub(super) checks: Vec<(u16, Legal)>,
+    pub(super) checks: Vec<(u32, Legal)>,
 }
 
 /// Generates code.
@@ -52,9 +52,9 @@ pub(super) fn generate(input: Input<'_>) -> Code {
             expiring[last[*at as usize]].push(*at);
         }
     }
-    let mut roots_of: HashMap<u32, Vec<u16>> = HashMap::new();
+    let mut roots_of: HashMap<u32, Vec<u32>> = HashMap::new();
     for (root, &at) in input.roots.iter().enumerate() {
-        roots_of.entry(at).or_default().push(root as u16);
+        roots_of.entry(at).or_default().push(root as u32);
     }
     let mut generator = Generator {
         code: Code { checks: input.checks.clone(), ..Code::default() },
@@ -66,12 +66,12 @@ pub(super) fn generate(input: Input<'_>) -> Code {
         free: Vec::new(),
         constants: HashMap::new(),
         accumulated: None,
-        audited: Vec::new(),
+        audited: HashSet::new(),
         gates: Vec::new(),
     };
     generator.layout_roots();
     for (index, &(plane, _)) in input.checks.iter().enumerate() {
-        generator.code.list.push(Work::Check { plane, index: index as u16 });
+        generator.code.list.push(Work::Check { plane, index: index as u32 });
     }
     for (index, step) in steps.iter().enumerate() {
         match *step {
@@ -113,14 +113,14 @@ struct Generator<'a> {
     steps: &'a [Step],
     code: Code,
     values: HashMap<u32, Value>,
-    roots_of: HashMap<u32, Vec<u16>>,
-    free: Vec<u16>,
+    roots_of: HashMap<u32, Vec<u32>>,
+    free: Vec<u32>,
     /// Own rows that hold a constant, by its bits.
-    constants: HashMap<u32, u16>,
+    constants: HashMap<u32, u32>,
     /// The operation whose color the accumulator holds and nothing else does.
     accumulated: Option<u32>,
     /// Masks and partitions audited at all pixels, by position.
-    audited: Vec<u32>,
+    audited: HashSet<u32>,
     /// Open gates: the mix, and the gate's instruction.
     gates: Vec<(u32, usize)>,
 }
@@ -143,10 +143,10 @@ impl Generator<'_> {
         }
     }
 
-    fn allocate(&mut self) -> u16 {
+    fn allocate(&mut self) -> u32 {
         self.free.pop().unwrap_or_else(|| {
             self.code.own += 1;
-            (self.code.own - 1) as u16
+            (self.code.own - 1) as u32
         })
     }
 
@@ -175,7 +175,7 @@ impl Generator<'_> {
                 let known = self.constants.get(&value.to_bits()).copied();
                 Row::Own(known.unwrap_or_else(|| {
                     // Never one that was something else before: it is filled once and for all.
-                    let row = self.code.own as u16;
+                    let row = self.code.own as u32;
                     self.code.own += 1;
                     self.code.constants.push((row, value));
                     self.constants.insert(value.to_bits(), row);
@@ -238,7 +238,7 @@ impl Generator<'_> {
             self.code.list.push(Work::AuditMask(row));
         }
         if self.gates.is_empty() {
-            self.audited.push(at);
+            self.audited.insert(at);
         }
     }
 
@@ -255,7 +255,7 @@ impl Generator<'_> {
                 if !self.audited.contains(&weights.0) {
                     self.code.list.push(Work::AuditPartition(rows.clone()));
                     if self.gates.is_empty() {
-                        self.audited.push(weights.0);
+                        self.audited.insert(weights.0);
                     }
                 }
                 let colors = colors.iter().map(|color| self.color(color.0)).collect();
@@ -385,7 +385,7 @@ impl Generator<'_> {
 
     /// Roots that nothing computes: constants, planes, what was there before.
     fn finish_roots(&mut self) {
-        let mut open: Vec<(u16, u32)> =
+        let mut open: Vec<(u32, u32)> =
             self.roots_of.drain().flat_map(|(at, roots)| roots.into_iter().map(move |root| (root, at))).collect();
         open.sort_unstable();
         for (root, at) in open {
@@ -398,7 +398,7 @@ impl Generator<'_> {
         }
     }
 
-    fn out_rows(&mut self, root: u16, at: u32) {
+    fn out_rows(&mut self, root: u32, at: u32) {
         let rows = match self.values.get(&at) {
             Some(Value::Partition(rows)) => rows.clone(),
             _ => vec![self.scalar(at)],

@@ -17,7 +17,7 @@ pub(crate) struct Range {
 pub(crate) type Look<'l> = &'l mut dyn FnMut(usize, [&[f32]; 3]);
 
 /// Takes rows as (root, channel, y within the tile, samples).
-pub(crate) type Rows<'s> = &'s mut dyn FnMut(usize, usize, usize, &[f32]);
+pub(crate) type TakeRow<'s> = &'s mut dyn FnMut(usize, usize, usize, &[f32]);
 
 /// Chunks and code of one thread.
 #[derive(Debug)]
@@ -27,8 +27,9 @@ pub(crate) struct Machine<'p> {
     column: Frame<'p>,
     row: Frame<'p>,
     main: Frame<'p>,
-    /// What varies along x alone: rows as wide as the tile, and then what varies along y alone: chunks.
+    /// What varies along x alone: rows as wide as the tile.
     columns: Vec<Vec<f32>>,
+    /// What varies along y alone: chunks.
     rows: Vec<Vec<f32>>,
     /// Rows whose end is no whole chunk, filled up.
     padded: Vec<Chunk>,
@@ -89,16 +90,13 @@ impl<'p> Machine<'p> {
         )
     }
 
-    /// The first plane that held something illegal, or −0, since the last call.
-    pub(crate) fn suspect(&mut self) -> Option<usize> {
-        let checks = self.main.code.checks.iter().zip(&self.main.checks);
-        checks
-            .filter(|((_, legal), bits)| bits.range().is_some_and(|(_, largest)| !legal.allows(largest)))
-            .map(|((plane, _), _)| usize::from(*plane))
-            .next()
+    /// Whether a plane of the caller held something illegal, or −0.
+    pub(crate) fn is_suspect(&self) -> bool {
+        let mut checks = self.main.code.checks.iter().zip(&self.main.checks);
+        checks.any(|((_, legal), bits)| bits.range().is_some_and(|(_, largest)| !legal.allows(largest)))
     }
 
-    /// Forgets what planes held, after a suspect was dealt with.
+    /// Forgets what planes held, after that was dealt with.
     pub(crate) fn acquit(&mut self) {
         self.main.partitions = self.audit();
         self.main.checks.fill(Bits::default());
@@ -137,8 +135,8 @@ impl<'p> Machine<'p> {
         self.columns = columns;
     }
 
-    /// Runs over row y of a tile of `width` pixels and writes every channel of every root to its target, from sample
-    /// `start` on. `look` sees the chunks that it is given; the targets may be written around the cache.
+    /// Runs over row y of a tile of `width` pixels and writes every channel of every root to its target. `look` sees
+    /// every chunk of every color root.
     pub(crate) fn row(
         &mut self,
         planes: &[Plane<'_>],
@@ -163,8 +161,8 @@ impl<'p> Machine<'p> {
         (self.columns, self.rows) = (columns, rows);
     }
 
-    /// Runs over a tile and hands every row of every root to `sink` as (root, channel, y, samples).
-    pub(crate) fn tile(&mut self, planes: &[Plane<'_>], width: usize, height: usize, sink: Rows<'_>) {
+    /// Runs over a tile and hands every row of every root to `take` as (root, channel, y, samples).
+    pub(crate) fn tile(&mut self, planes: &[Plane<'_>], width: usize, height: usize, take: TakeRow<'_>) {
         let compiled = self.compiled;
         let mut rows = vec![vec![0.0; width]; compiled.main.channels()];
         self.begin(planes, width);
@@ -173,7 +171,7 @@ impl<'p> Machine<'p> {
             self.row(planes, y, width, &mut out, None);
             for (root, &(first, count)) in compiled.main.roots.iter().enumerate() {
                 for channel in 0..count {
-                    sink(root, channel, y, &rows[first + channel]);
+                    take(root, channel, y, &rows[first + channel]);
                 }
             }
         }
@@ -185,7 +183,7 @@ impl<'p> Frame<'p> {
         let chunk = || Box::new(Chunk([0.0; CHUNK]));
         let mut own: Vec<Option<Box<Chunk>>> = (0..code.own).map(|_| Some(chunk())).collect();
         for (row, value) in &code.constants {
-            own[usize::from(*row)] = Some(Box::new(Chunk([*value; CHUNK])));
+            own[*row as usize] = Some(Box::new(Chunk([*value; CHUNK])));
         }
         #[cfg(not(test))]
         let _ = compiled;

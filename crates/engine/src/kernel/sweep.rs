@@ -77,9 +77,9 @@ impl Kernel for Sweep<'_, '_, '_, '_, '_> {
 #[inline(always)]
 fn chunk<'a>(own: &'a [Option<Box<Chunk>>], views: &'a [View<'_>], x: usize, row: Row) -> &'a [f32; CHUNK] {
     let found = match row {
-        Row::Own(row) => own[usize::from(row)].as_ref().map(|chunk| &chunk.0),
+        Row::Own(row) => own[row as usize].as_ref().map(|chunk| &chunk.0),
         Row::Plane(plane) => {
-            let view = &views[usize::from(plane)];
+            let view = &views[plane as usize];
             view.samples[if view.fixed { 0 } else { x }..].first_chunk()
         }
     };
@@ -92,8 +92,8 @@ fn chunk<'a>(own: &'a [Option<Box<Chunk>>], views: &'a [View<'_>], x: usize, row
 impl Sweep<'_, '_, '_, '_, '_> {
     /// Writes a root from the accumulator.
     #[inline(always)]
-    fn out_color<S: Stream>(&mut self, simd: S, x: usize, root: u16) {
-        let root = usize::from(root);
+    fn out_color<S: Stream>(&mut self, simd: S, x: usize, root: u32) {
+        let root = root as usize;
         let (first, _) = self.frame.code.roots[root];
         if let Some(out) = self.out[first..].first_chunk_mut::<3>() {
             write_out(simd, &self.frame.last, out, x, &mut self.frame.colors[root]);
@@ -120,12 +120,12 @@ impl Sweep<'_, '_, '_, '_, '_> {
             // Taken out, so that others can be read meanwhile.
             macro_rules! write {
                 ($to:expr, |$chunk:ident| $body:expr) => {{
-                    let mut taken = frame.own[usize::from($to)].take();
+                    let mut taken = frame.own[$to as usize].take();
                     if let Some(taken) = &mut taken {
                         let $chunk = &mut taken.0;
                         $body;
                     }
-                    frame.own[usize::from($to)] = taken;
+                    frame.own[$to as usize] = taken;
                 }};
             }
             macro_rules! unary {
@@ -140,19 +140,14 @@ impl Sweep<'_, '_, '_, '_, '_> {
             }
             match work {
                 Work::Check { plane, index } => {
-                    let view = &views[usize::from(*plane)];
+                    let view = &views[*plane as usize];
                     if !view.fixed {
                         for line in 0..CHUNK / 16 {
                             prefetch(view.samples, x + AHEAD + 16 * line);
                         }
                     }
-                    let legal = code.checks[usize::from(*index)].1;
-                    see_row(
-                        simd,
-                        row!(Row::Plane(*plane)),
-                        legal == Legal::Field,
-                        &mut frame.checks[usize::from(*index)],
-                    );
+                    let legal = code.checks[*index as usize].1;
+                    see_row(simd, row!(Row::Plane(*plane)), legal == Legal::Field, &mut frame.checks[*index as usize]);
                 }
                 Work::Clamp { x: from, min, max, to } => {
                     if is_simple(*min, *max) {
@@ -214,7 +209,7 @@ impl Sweep<'_, '_, '_, '_, '_> {
                 Work::Load(source) => take(frame, views, x, source),
                 Work::Keep(to) => {
                     for (to, last) in to.iter().zip(&mut frame.last) {
-                        if let Some(own) = &mut frame.own[usize::from(*to)] {
+                        if let Some(own) = &mut frame.own[*to as usize] {
                             std::mem::swap(own, last);
                         }
                     }
@@ -227,10 +222,10 @@ impl Sweep<'_, '_, '_, '_, '_> {
                 }
                 Work::OutColor(root) => self.out_color(simd, x, *root),
                 Work::OutRows { root, rows } => {
-                    let (first, _) = code.roots[usize::from(*root)];
+                    let (first, _) = code.roots[*root as usize];
                     for (channel, row) in rows.iter().enumerate() {
                         let row = chunk(&frame.own, views, x, *row);
-                        see_row(simd, row, true, &mut frame.scalars[usize::from(*root)]);
+                        see_row(simd, row, true, &mut frame.scalars[*root as usize]);
                         self.out[first + channel].copy(x, row);
                     }
                 }
@@ -248,10 +243,10 @@ fn partition(
     views: &[View<'_>],
     x: usize,
     from: &[Row],
-    to: &[u16],
+    to: &[u32],
     run: impl FnOnce(&mut [&mut [f32]], &[&[f32]]),
 ) {
-    let mut taken: Vec<Option<Box<Chunk>>> = to.iter().map(|&to| frame.own[usize::from(to)].take()).collect();
+    let mut taken: Vec<Option<Box<Chunk>>> = to.iter().map(|&to| frame.own[to as usize].take()).collect();
     {
         let from: Vec<&[f32]> = from.iter().map(|row| &chunk(&frame.own, views, x, *row)[..]).collect();
         let mut to: Vec<&mut [f32]> = taken.iter_mut().flatten().map(|chunk| &mut chunk.0[..]).collect();
@@ -261,7 +256,7 @@ fn partition(
         run(&mut to, &from);
     }
     for (&to, taken) in to.iter().zip(taken) {
-        frame.own[usize::from(to)] = taken;
+        frame.own[to as usize] = taken;
     }
 }
 
@@ -293,7 +288,7 @@ fn mix<S: Stream>(
     x: usize,
     [a, b]: [&Source; 2],
     t: Row,
-    out: Option<(u16, &mut [Target<'_>])>,
+    out: Option<(u32, &mut [Target<'_>])>,
 ) {
     use Source::{Constant, Last, Pair, Rows};
     let direct = match (a, b) {
@@ -322,7 +317,7 @@ fn mix<S: Stream>(
             match out {
                 None => mix_rows(simd, &mut frame.last, $a, $b, t),
                 Some((root, out)) => {
-                    let root = usize::from(root);
+                    let root = root as usize;
                     let (first, _) = frame.code.roots[root];
                     if let Some(out) = out[first..].first_chunk_mut::<3>() {
                         mix_out(simd, &frame.last, $a, $b, t, out, x, &mut frame.colors[root]);
@@ -350,8 +345,7 @@ fn mix<S: Stream>(
 
 /// Whether bounds are those that [`clamp_rows`] takes.
 fn is_simple(min: f32, max: f32) -> bool {
-    const LARGE: f32 = 8.507_059e37; // 2¹²⁶
-    max > min && min.abs() < LARGE && max.abs() < LARGE
+    max > min && min.abs() < a::LARGE && max.abs() < a::LARGE
 }
 
 /// Whether the kernels are broken on purpose.
@@ -370,8 +364,8 @@ fn is_faulty(frame: &Frame<'_>) -> bool {
 #[cfg(test)]
 fn sabotage(work: &Work, frame: &mut Frame<'_>) {
     use super::code::Fault;
-    let mut spoil = |row: u16, f: fn(f32) -> f32| {
-        if let Some(chunk) = &mut frame.own[usize::from(row)] {
+    let mut spoil = |row: u32, f: fn(f32) -> f32| {
+        if let Some(chunk) = &mut frame.own[row as usize] {
             chunk.0.iter_mut().for_each(|v| *v = f(*v));
         }
     };

@@ -38,6 +38,9 @@ pub fn mix(a: f32, b: f32, t: f32) -> f32 {
     by.mul_add(b - a, from)
 }
 
+/// Bounds from which on [`clamp`] halves its values: 2¹²⁶.
+pub const LARGE: f32 = 8.507_059e37;
+
 /// Maps a field value to a mask: 0 below `min`, 1 from `max` on, straight between.
 ///
 /// The cases are tried in this order: `x ≥ max` → 1; `x ≥ min` → (x − min)/(max − min); else 0. So `max = min` is a
@@ -55,7 +58,6 @@ pub fn mix(a: f32, b: f32, t: f32) -> f32 {
 #[inline(always)]
 #[must_use]
 pub fn clamp(x: f32, min: f32, max: f32) -> f32 {
-    const LARGE: f32 = 8.507_059e37; // 2¹²⁶
     let large = (min.abs() >= LARGE) | (max.abs() >= LARGE);
     let scale = if large { 0.5 } else { 1.0 };
     let origin = min * scale;
