@@ -5,6 +5,7 @@ use crate::optimize::cone;
 use crate::plan::PlannedOutput;
 use crate::planner::Planner;
 use std::collections::HashMap;
+use std::sync::OnceLock;
 use trochoid_graph::{Kind, NodeId, Op, Program, Source};
 
 /// Finds the controls of outputs: through the program, and through filters to what they take.
@@ -19,8 +20,14 @@ impl Controls<'_> {
     /// Output `index` of the graph, whose channels stand at `roots` of the program.
     pub(crate) fn output(&self, index: usize, roots: &[u32]) -> PlannedOutput {
         let kind = self.planner.graph.outputs()[index].kind;
-        let mut output =
-            PlannedOutput { index, kind, mix_levels: 0, constants: Vec::new(), control_stages: Vec::new() };
+        let mut output = PlannedOutput {
+            index,
+            kind,
+            mix_levels: 0,
+            constants: Vec::new(),
+            control_stages: Vec::new(),
+            judge: OnceLock::new(),
+        };
         if kind == Kind::Color {
             let mut walk = Walk {
                 of: self,

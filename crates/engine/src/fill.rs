@@ -4,7 +4,7 @@
 //! needs its region of interest, clamped to the extent of the image that it reads, so that no stage is ever asked for
 //! pixels where its image does not lie.
 
-use crate::kernel::{Compiled, Machine, Plane, WeightAudit};
+use crate::kernel::{Chunk, Compiled, Machine, Plane, WeightAudit};
 use crate::plan::{Feed, Fill};
 use crate::prepare::Ready;
 use crate::{Buffers, EvalError, Plan};
@@ -68,6 +68,7 @@ impl<'p> Fills<'p> {
         ready: &'p HashMap<NodeId, Ready>,
         buffers: &'p Buffers<'p>,
         fills: &'p [Fill],
+        chunks: &mut &'p mut [Chunk],
     ) -> Self {
         let by_node: HashMap<NodeId, usize> =
             fills.iter().enumerate().map(|(index, fill)| (fill.node, index)).collect();
@@ -87,7 +88,7 @@ impl<'p> Fills<'p> {
             .map(|fill| FillState {
                 fill,
                 stage: stage(plan, fill.node),
-                taps: fill.taps.as_ref().map(Machine::new),
+                taps: fill.taps.as_ref().map(|taps| Machine::new(taps, chunks)),
                 planes: fill.wanted.iter().map(|channels| vec![Vec::new(); channels.len()]).collect(),
                 one_row: fill.variance <= Variance::Column,
                 columns: None,

@@ -9,6 +9,7 @@ use trochoid_weights::{Audit, BoxHull, Hull};
 const SAMPLED: i64 = 64;
 
 /// What a color output is judged by.
+#[derive(Debug)]
 pub(crate) struct Judge {
     pub(crate) hull: Hull,
     pub(crate) bounds: BoxHull,

@@ -1,9 +1,10 @@
 //! What is needed for some outputs at one frame, in which order, and why the rest is not.
 
+use crate::judge::Judge;
 use crate::kernel::Compiled;
 use crate::planner::Planner;
 use crate::{LeftOut, Settings};
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 use trochoid_graph::{CheckedGraph, FrameContext, Kind, NodeId, Settled, Slot, Variance};
 use trochoid_image::Window;
 
@@ -109,6 +110,8 @@ pub(crate) struct PlannedOutput {
     pub(crate) constants: Vec<[f32; 3]>,
     /// Stages whose controls count.
     pub(crate) control_stages: Vec<NodeId>,
+    /// What it is judged by, where the document's own colors are all of its controls.
+    pub(crate) judge: OnceLock<Arc<Judge>>,
 }
 
 /// A plan: having one is the proof that its graph is checked and its pictures fit in memory.

@@ -1,6 +1,6 @@
 //! Batches of shading samples, for renderers that shade points and not images.
 
-use crate::kernel::{Machine, Plane};
+use crate::kernel::{Chunks, Machine, Plane};
 use crate::{Buffers, EvalError, Plan, PlanError, Settings};
 use trochoid_graph::{CheckedGraph, Kind};
 
@@ -65,7 +65,8 @@ impl<'g> ShadingPlan<'g> {
             let planes = buffers.get(&node.name).unwrap_or_default();
             sources.push(planes.get(slot.channel).copied().unwrap_or_default());
         }
-        let mut machine = Machine::new(&pass.program);
+        let mut chunks = Chunks::of([&pass.program]);
+        let mut machine = Machine::new(&pass.program, &mut chunks.all());
         let mut batch = vec![[0.0f32; BATCH]; sources.len()];
         let mut start = 0;
         while start < count {

@@ -3,14 +3,14 @@
 use crate::bands::{Bands, Rows};
 use crate::frame::{Frame, NodeReport, Phases, Picture, State};
 use crate::judge::Judge;
-use crate::kernel::WeightAudit;
-use crate::plan::{Feed, PlannedOutput};
+use crate::kernel::{Chunks, Compiled, WeightAudit};
+use crate::plan::{Feed, Pass, PlannedOutput};
 use crate::prepare::{Ready, prepare};
 use crate::tile::Worker;
 use crate::{Buffers, Cache, EvalError, Monitor, Plan};
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 use trochoid_graph::{Guarantee, Kind, NodeId, Variance};
 use trochoid_image::{Plane, Window};
@@ -127,7 +127,7 @@ impl Plan<'_> {
             let ready = prepare(self, cache, monitor)?;
             let prepared = started.elapsed().as_secs_f64();
             let started = Instant::now();
-            let judges: Vec<Option<Judge>> =
+            let judges: Vec<Option<Arc<Judge>>> =
                 self.outputs.iter().map(|output| self.judge(output, &ready, buffers)).collect();
             let judged = started.elapsed().as_secs_f64();
             let started = Instant::now();
@@ -195,10 +195,21 @@ impl Plan<'_> {
     }
 
     /// The hull of every control color that an output depends on.
-    fn judge(&self, output: &PlannedOutput, ready: &HashMap<NodeId, Ready>, buffers: &Buffers<'_>) -> Option<Judge> {
-        if output.kind != Kind::Color {
-            return None;
-        }
+    fn judge(
+        &self,
+        output: &PlannedOutput,
+        ready: &HashMap<NodeId, Ready>,
+        buffers: &Buffers<'_>,
+    ) -> Option<Arc<Judge>> {
+        let judge = || Arc::new(self.palette(output, ready, buffers));
+        (output.kind == Kind::Color).then(|| match output.control_stages[..] {
+            // The document's colors alone: the same at every evaluation.
+            [] => output.judge.get_or_init(judge).clone(),
+            _ => judge(),
+        })
+    }
+
+    fn palette(&self, output: &PlannedOutput, ready: &HashMap<NodeId, Ready>, buffers: &Buffers<'_>) -> Judge {
         let mut builder = HullBuilder::new();
         let mut colors = output.constants.clone();
         builder.add(&colors);
@@ -224,7 +235,7 @@ impl Plan<'_> {
         // One level more for averaging the samples.
         let margin = hull.margin(output.mix_levels + 1);
         let bounds = BoxHull::new(hull.vertices());
-        Some(Judge { hull, bounds, margin, count, colors })
+        Judge { hull, bounds, margin, count, colors }
     }
 
     /// Planes for every output, where possible those that are given.
@@ -247,7 +258,7 @@ impl Plan<'_> {
         bands: &Bands<'_>,
         ready: &HashMap<NodeId, Ready>,
         buffers: &Buffers<'_>,
-        judges: &[Option<Judge>],
+        judges: &[Option<Arc<Judge>>],
         monitor: &dyn Monitor,
     ) -> Result<Tally, EvalError> {
         let (width, height) = self.tile(ready);
@@ -257,7 +268,8 @@ impl Plan<'_> {
         let failed: Mutex<Option<EvalError>> = Mutex::new(None);
         let stop = AtomicBool::new(false);
         let work = || {
-            let mut worker = Worker::new(self, ready, buffers, judges);
+            let mut chunks = Chunks::of(self.passes.iter().flat_map(programs));
+            let mut worker = Worker::new(self, ready, buffers, judges, chunks.all());
             let mut band = |window: Window, rows: &mut Rows<'_>| {
                 for tile in window.tiles(width, height) {
                     if monitor.cancelled() {
@@ -295,7 +307,7 @@ impl Plan<'_> {
 
     fn assemble(
         &self,
-        judges: Vec<Option<Judge>>,
+        judges: Vec<Option<Arc<Judge>>>,
         tally: &Tally,
         ready: &HashMap<NodeId, Ready>,
         seconds: Phases,
@@ -309,7 +321,8 @@ impl Plan<'_> {
                 let mut audit = tally.audits.get(index).copied().unwrap_or_default();
                 audit.weight_min = f64::from(tally.weights.min);
                 audit.weight_sum_max_deviation = tally.weights.max_deviation;
-                let (margin, count, colors) = judge.map_or((0.0, 0, Vec::new()), |j| (j.margin, j.count, j.colors));
+                let (margin, count, colors) =
+                    judge.map_or((0.0, 0, Vec::new()), |j| (j.margin, j.count, j.colors.clone()));
                 Picture {
                     output: output.index,
                     kind: output.kind,
@@ -339,7 +352,7 @@ impl Plan<'_> {
         let mut samples = vec![0u64; costs.len()];
         for pass in &self.passes {
             let taken = (self.window.area() * pass.offsets.len()) as u64;
-            for compiled in pass.fills.iter().filter_map(|fill| fill.taps.as_ref()).chain([&pass.program]) {
+            for compiled in programs(pass) {
                 for (origin, cost) in &compiled.costs {
                     costs[origin.0] += cost * taken as f64;
                     samples[origin.0] = taken;
@@ -374,4 +387,9 @@ impl Plan<'_> {
             })
             .collect()
     }
+}
+
+/// Every program that a pass runs.
+fn programs(pass: &Pass) -> impl Iterator<Item = &Compiled> {
+    pass.fills.iter().filter_map(|fill| fill.taps.as_ref()).chain([&pass.program])
 }

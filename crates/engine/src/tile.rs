@@ -3,11 +3,12 @@
 use crate::bands::Rows;
 use crate::fill::Fills;
 use crate::judge::{Judge, is_judged, nan_count};
-use crate::kernel::{Look, Machine, Plane, WeightAudit};
+use crate::kernel::{Chunk, Look, Machine, Plane, WeightAudit};
 use crate::plan::Pass;
 use crate::prepare::Ready;
 use crate::{Buffers, EvalError, Plan};
 use std::collections::HashMap;
+use std::sync::Arc;
 use std::time::Instant;
 use trochoid_graph::NodeId;
 use trochoid_image::Window;
@@ -22,7 +23,7 @@ const CACHE: usize = 32 << 20;
 pub(crate) struct Worker<'p> {
     plan: &'p Plan<'p>,
     buffers: &'p Buffers<'p>,
-    judges: &'p [Option<Judge>],
+    judges: &'p [Option<Arc<Judge>>],
     passes: Vec<PassState<'p>>,
     /// Seconds by node, and of all programs together.
     pub(crate) fill_seconds: Vec<f64>,
@@ -50,19 +51,21 @@ struct Place {
 }
 
 impl<'p> Worker<'p> {
+    /// Takes the chunks that its machines need from `chunks`.
     pub(crate) fn new(
         plan: &'p Plan<'p>,
         ready: &'p HashMap<NodeId, Ready>,
         buffers: &'p Buffers<'p>,
-        judges: &'p [Option<Judge>],
+        judges: &'p [Option<Arc<Judge>>],
+        mut chunks: &'p mut [Chunk],
     ) -> Self {
         let passes = plan
             .passes
             .iter()
             .map(|pass| PassState {
                 pass,
-                machine: Machine::new(&pass.program),
-                fills: Fills::new(plan, ready, buffers, &pass.fills),
+                machine: Machine::new(&pass.program, &mut chunks),
+                fills: Fills::new(plan, ready, buffers, &pass.fills, &mut chunks),
                 sums: vec![Vec::new(); channel_count(pass)],
                 rows: vec![Vec::new(); channel_count(pass)],
             })
@@ -123,7 +126,7 @@ impl<'p> Worker<'p> {
                 None => state.machine.saw_nan(root),
             };
             if suspicious {
-                seen[output] = audit_tile(judge.as_ref(), &rows[output], place);
+                seen[output] = audit_tile(judge.as_deref(), &rows[output], place);
             }
         }
         self.program_seconds += started.elapsed().as_secs_f64();
@@ -152,10 +155,10 @@ impl<'p> Worker<'p> {
                 none => none.insert(self.buffers.normalized(plan, &pass.program.planes, &planes, place.tile)?),
             };
             let planes = with_normalized(&planes, normalized, width);
-            state.machine.begin(&planes, width);
+            let mut views = state.machine.begin(&planes, width);
             for y in 0..height {
                 let mut out: Vec<Target<'_>> = state.rows.iter_mut().map(|row| Target::new(row)).collect();
-                state.machine.row(&planes, y, width, &mut out, None);
+                state.machine.row(&mut views, y, &mut out, 0, None);
                 for (sums, row) in state.sums.iter_mut().zip(&state.rows) {
                     for (sum, value) in sums[y * width..(y + 1) * width].iter_mut().zip(row) {
                         *sum += f64::from(*value);
@@ -178,7 +181,7 @@ impl<'p> Worker<'p> {
         let mut seen = vec![Audit::default(); self.judges.len()];
         // The channels of weights are roots of their own, looked at together.
         for &(output, _) in pass.roots.iter().filter(|(_, first)| *first == 0) {
-            seen[output] = audit_tile(self.judges[output].as_ref(), &rows[output], place);
+            seen[output] = audit_tile(self.judges[output].as_deref(), &rows[output], place);
         }
         Ok(seen)
     }
@@ -194,7 +197,7 @@ impl<'p> Worker<'p> {
 fn run_rows(
     plan: &Plan<'_>,
     pass: &Pass,
-    judges: &[Option<Judge>],
+    judges: &[Option<Arc<Judge>>],
     machine: &mut Machine<'_>,
     planes: &[Plane<'_>],
     place: Place,
@@ -202,19 +205,18 @@ fn run_rows(
 ) -> Vec<Audit> {
     let width = place.tile.width();
     let mut seen = vec![Audit::default(); judges.len()];
-    machine.begin(planes, width);
+    let mut views = machine.begin(planes, width);
     let mut run = |targets: &mut [Target<'_>]| {
+        let mut look = |root: usize, color: [&[f32]; 3]| {
+            let (output, _) = pass.roots[root];
+            if let Some(judge) = &judges[output] {
+                seen[output] = seen[output].merge(judge.row(color));
+            }
+        };
         for y in 0..place.tile.height() {
-            let start = y * place.stride + place.x;
-            let mut out: Vec<Target<'_>> = targets.iter_mut().map(|target| target.part(start, width)).collect();
-            let mut look = |root: usize, color: [&[f32]; 3]| {
-                let (output, _) = pass.roots[root];
-                if let Some(judge) = &judges[output] {
-                    seen[output] = seen[output].merge(judge.row(color));
-                }
-            };
             let judged = is_judged(plan.settings.judge, place.tile.y0 + y as i64);
-            machine.row(planes, y, width, &mut out, judged.then_some(&mut look as Look<'_>));
+            let look = judged.then_some(&mut look as Look<'_>);
+            machine.row(&mut views, y, targets, y * place.stride + place.x, look);
         }
     };
     let slices = slices(pass, rows);

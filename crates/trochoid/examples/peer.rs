@@ -1,9 +1,9 @@
 //! Does the same work as other programs, so that they can be timed side by side.
 //!
-//! `peer CASE` prepares itself, does the work once, prints one line of JSON with the error of its result (null where it only reads), and then, for
-//! each line `run N` on stdin, does the work N times and prints how long each took; `quit` ends it. Cases:
-//! `W1:uhd` and `W1:hd` evaluate a graph of nine mixes on five passes in memory; `io:uhd:half:zip` and the like read or
-//! write an EXR file. Inputs lie in the folder `PEER_WORK`; `PEER_THREADS` (default: all cores) and
+//! `peer CASE` prepares itself, does the work once, prints one line of JSON with the error of its result (null where it
+//! only reads), and then, for each line `run N` on stdin, does the work N times and prints how long each took; `quit`
+//! ends it. Cases: `W1:uhd` and `W1:hd` evaluate a graph of nine mixes on five passes in memory; `io:uhd:half:zip` and
+//! the like read or write an EXR file. Inputs lie in the folder `PEER_WORK`; `PEER_THREADS` (default: all cores) and
 //! `PEER_INSTRUCTIONS` (`avx2`, `baseline`) choose what is used.
 
 use std::error::Error;

@@ -67,6 +67,11 @@ impl Bits {
         (least <= largest).then_some((least, largest))
     }
 
+    /// The largest over all lanes; 0 if nothing was seen.
+    pub(super) fn largest(&self) -> u32 {
+        self.largest.iter().copied().fold(0, u32::max)
+    }
+
     /// The smaller of the least t and the least 1 − t; −∞ for NaN, which only a negative number can hide.
     ///
     /// Negative numbers have larger bits than all others, the larger the further below 0.

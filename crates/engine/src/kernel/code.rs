@@ -12,13 +12,21 @@ pub(crate) const CHUNK: usize = 128;
 #[repr(align(64))]
 pub(crate) struct Chunk(pub(crate) [f32; CHUNK]);
 
+impl Chunk {
+    pub(crate) const ZERO: Self = Self([0.0; CHUNK]);
+}
+
 /// Where a chunk comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Row {
     /// One of the machine's.
     Own(u32),
-    /// One from outside: a plane, or what was computed once for the tile or the row.
+    /// A plane from outside.
     Plane(u32),
+    /// What was computed once for the tile, and varies along x.
+    Column(u32),
+    /// What was computed once for the row of pixels.
+    Line(u32),
 }
 
 /// Where a color comes from.
@@ -142,6 +150,11 @@ impl Code {
     pub(crate) fn channels(&self) -> usize {
         self.roots.iter().map(|(_, count)| count).sum()
     }
+
+    /// Number of chunks that it needs to run: its own, and the accumulator.
+    pub(crate) fn chunks(&self) -> usize {
+        self.own + 3
+    }
 }
 
 /// A compiled program.
@@ -164,6 +177,13 @@ pub(crate) struct Compiled {
     /// What the kernels do wrong, so that tests see whether anybody notices.
     #[cfg(test)]
     pub(crate) fault: Fault,
+}
+
+impl Compiled {
+    /// Number of chunks that a machine needs to run it.
+    pub(crate) fn chunks(&self) -> usize {
+        [&self.column, &self.row, &self.main].map(Code::chunks).into_iter().sum()
+    }
 }
 
 /// A deliberately broken kernel.
@@ -198,11 +218,5 @@ impl<'a> Plane<'a> {
     pub(crate) fn row(&self, y: usize, width: usize) -> &'a [f32] {
         let start = self.start + y * self.stride;
         &self.samples[start..start + width]
-    }
-
-    /// The samples from row y on, as far as they go.
-    #[inline(always)]
-    pub(crate) fn from(&self, y: usize) -> &'a [f32] {
-        &self.samples[self.start + y * self.stride..]
     }
 }

@@ -152,7 +152,7 @@ impl<S: Simd> Operand<S> for FromPair<'_, S> {
 #[inline(always)]
 pub(super) fn mix_rows<S: Simd>(
     simd: S,
-    last: &mut [Box<Chunk>; 3],
+    last: &mut [&mut Chunk; 3],
     a: impl Operand<S>,
     b: impl Operand<S>,
     t: &[f32; CHUNK],
@@ -173,7 +173,7 @@ pub(super) fn mix_rows<S: Simd>(
 #[allow(clippy::too_many_arguments, reason = "one call site; all of it is the loop's")]
 pub(super) fn mix_out<S: Stream>(
     simd: S,
-    last: &[Box<Chunk>; 3],
+    last: &[&mut Chunk; 3],
     a: impl Operand<S>,
     b: impl Operand<S>,
     t: &[f32; CHUNK],
@@ -248,7 +248,7 @@ fn mix_vector<S: Simd, A: Operand<S>, B: Operand<S>>(
 #[inline(always)]
 pub(super) fn patch_rows<S: Simd>(
     simd: S,
-    last: &mut [Box<Chunk>; 3],
+    last: &mut [&mut Chunk; 3],
     corners: &[[f32; 3]; 4],
     x: &[f32; CHUNK],
     y: &[f32; CHUNK],
@@ -274,7 +274,7 @@ pub(super) fn patch_rows<S: Simd>(
 #[inline(always)]
 pub(super) fn write_out<S: Stream>(
     simd: S,
-    last: &[Box<Chunk>; 3],
+    last: &[&mut Chunk; 3],
     out: &mut [Target<'_>; 3],
     start: usize,
     bits: &mut [Bits; 3],
@@ -322,18 +322,28 @@ impl<S: Simd> Seen<S> {
     }
 }
 
-/// Sees the bits of a row; of a field, shifted by the sign.
+/// Sees the bits of a row of weights or of a channel.
 #[inline(always)]
-pub(super) fn see_row<S: Simd>(simd: S, row: &[f32; CHUNK], shift: bool, bits: &mut Bits) {
+pub(super) fn see_row<S: Simd>(simd: S, row: &[f32; CHUNK], bits: &mut Bits) {
     let mut least = u32x16::from_slice(simd, &bits.least);
     let mut largest = u32x16::from_slice(simd, &bits.largest);
     for i in 0..VECTORS {
         let value: u32x16<S> = load(simd, row, i).bitcast();
-        let value = if shift { simd.shl_u32x16(value, 1) } else { value };
         least = simd.min_u32x16(least, value);
         largest = simd.max_u32x16(largest, value);
     }
     least.store_slice(&mut bits.least);
+    largest.store_slice(&mut bits.largest);
+}
+
+/// Sees the largest bits of a row of any numbers, shifted by the sign.
+#[inline(always)]
+pub(super) fn see_field<S: Simd>(simd: S, row: &[f32; CHUNK], bits: &mut Bits) {
+    let mut largest = u32x16::from_slice(simd, &bits.largest);
+    for i in 0..VECTORS {
+        let value: u32x16<S> = load(simd, row, i).bitcast();
+        largest = simd.max_u32x16(largest, simd.shl_u32x16(value, 1));
+    }
     largest.store_slice(&mut bits.largest);
 }
 

@@ -55,8 +55,8 @@ pub(crate) fn compile(program: &Program, roots: &[u32], options: &Options<'_>) -
     }
     out.planes = planes.slots;
     let rates = rates(ops, roots, &needed, options);
-    let mut next = out.planes.len();
-    for (rate, code) in [(Rate::Tile, &mut out.column), (Rate::Row, &mut out.row)] {
+    let hoists = [(Rate::Tile, &mut out.column, Row::Column as fn(u32) -> Row), (Rate::Row, &mut out.row, Row::Line)];
+    for (rate, code, place) in hoists {
         let hoisted = hoisted(ops, roots, &needed, &rates, rate);
         if hoisted.is_empty() {
             continue;
@@ -70,7 +70,7 @@ pub(crate) fn compile(program: &Program, roots: &[u32], options: &Options<'_>) -
             checks: Vec::new(),
         });
         for (&at, &(first, count)) in hoisted.iter().zip(&code.roots) {
-            let row = |channel: usize| Row::Plane((next + first + channel) as u32);
+            let row = |channel: usize| place((first + channel) as u32);
             let value = match ops[at as usize].0.ty() {
                 Type::Scalar => Value::Scalar(row(0)),
                 Type::Color => Value::Color(Source::Rows([row(0), row(1), row(2)])),
@@ -78,7 +78,6 @@ pub(crate) fn compile(program: &Program, roots: &[u32], options: &Options<'_>) -
             };
             given.insert(at, value);
         }
-        next += code.channels();
     }
     let legal = out.planes.iter().enumerate().filter_map(|(at, slot)| Some((at as u32, (options.legal)(slot)?)));
     let checks = legal.collect();

@@ -4,7 +4,7 @@
 use super::audit::Legal;
 use super::code::{Code, Row, Source, Work};
 use super::order::{Order, Step};
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeMap, HashMap, HashSet};
 use trochoid_graph::{NodeId, Op, Type};
 
 /// Where an operation's result lies.
@@ -67,12 +67,10 @@ pub(super) fn generate(input: Input<'_>) -> Code {
         constants: HashMap::new(),
         accumulated: None,
         audited: HashSet::new(),
+        unchecked: input.checks.iter().enumerate().map(|(index, &(plane, _))| (plane, index as u32)).collect(),
         gates: Vec::new(),
     };
     generator.layout_roots();
-    for (index, &(plane, _)) in input.checks.iter().enumerate() {
-        generator.code.list.push(Work::Check { plane, index: index as u32 });
-    }
     for (index, step) in steps.iter().enumerate() {
         match *step {
             Step::Open { mix, closed } => generator.open(mix, closed),
@@ -83,6 +81,7 @@ pub(super) fn generate(input: Input<'_>) -> Code {
         }
     }
     generator.finish_roots();
+    generator.check_rest();
     generator.code
 }
 
@@ -121,6 +120,8 @@ struct Generator<'a> {
     accumulated: Option<u32>,
     /// Masks and partitions audited at all pixels, by position.
     audited: HashSet<u32>,
+    /// Planes that are still to be held against what their kind allows, and the index of each check.
+    unchecked: BTreeMap<u32, u32>,
     /// Open gates: the mix, and the gate's instruction.
     gates: Vec<(u32, usize)>,
 }
@@ -167,8 +168,9 @@ impl Generator<'_> {
 
     /// The row of a scalar; a constant gets one of its own for good.
     fn scalar(&mut self, at: u32) -> Row {
-        if let Some(Value::Scalar(row)) = self.values.get(&at) {
-            return *row;
+        if let Some(&Value::Scalar(row)) = self.values.get(&at) {
+            self.check(row);
+            return row;
         }
         match *self.op(at) {
             Op::Constant(value) => {
@@ -186,6 +188,21 @@ impl Generator<'_> {
         }
     }
 
+    /// Has a plane checked right before it is first read, so that it comes from memory while others are computed with.
+    fn check(&mut self, row: Row) {
+        if let Row::Plane(plane) = row
+            && let Some(index) = self.unchecked.remove(&plane)
+        {
+            self.code.list.push(Work::Check { plane, index });
+        }
+    }
+
+    /// Has all planes checked that are not yet.
+    fn check_rest(&mut self) {
+        let rest = std::mem::take(&mut self.unchecked);
+        self.code.list.extend(rest.into_iter().map(|(plane, index)| Work::Check { plane, index }));
+    }
+
     fn scalars(&mut self, of: &[trochoid_graph::Scalar]) -> Vec<Row> {
         of.iter().map(|scalar| self.scalar(scalar.0)).collect()
     }
@@ -201,8 +218,11 @@ impl Generator<'_> {
         if self.accumulated == Some(at) {
             return Source::Last;
         }
-        if let Some(Value::Color(source)) = self.values.get(&at) {
-            return *source;
+        if let Some(&Value::Color(source)) = self.values.get(&at) {
+            if let Source::Rows(rows) = source {
+                rows.into_iter().for_each(|row| self.check(row));
+            }
+            return source;
         }
         match *self.op(at) {
             Op::ConstantColor(color) => Source::Constant(color),
@@ -221,6 +241,8 @@ impl Generator<'_> {
     fn open(&mut self, mix: u32, closed: f32) {
         let Op::Mix { a, b, t } = *self.op(mix) else { unreachable!("gates are at mixes") };
         self.audit_mask(t.0);
+        // What is jumped over is checked all the same.
+        self.check_rest();
         let otherwise = self.color(if closed == 0.0 { a.0 } else { b.0 });
         let t = self.scalar(t.0);
         self.gates.push((mix, self.code.list.len()));

@@ -19,7 +19,23 @@ pub(crate) type Look<'l> = &'l mut dyn FnMut(usize, [&[f32]; 3]);
 /// Takes rows as (root, channel, y within the tile, samples).
 pub(crate) type TakeRow<'s> = &'s mut dyn FnMut(usize, usize, usize, &[f32]);
 
-/// Chunks and code of one thread.
+/// The chunks of one thread's machines, side by side: scattered, they would compete for the same places of the cache.
+#[derive(Debug)]
+pub(crate) struct Chunks(Vec<Chunk>);
+
+impl Chunks {
+    /// As many as programs need.
+    pub(crate) fn of<'c>(programs: impl IntoIterator<Item = &'c Compiled>) -> Self {
+        Self(vec![Chunk::ZERO; programs.into_iter().map(Compiled::chunks).sum()])
+    }
+
+    /// All of them, to be dealt out to machines.
+    pub(crate) fn all(&mut self) -> &mut [Chunk] {
+        &mut self.0
+    }
+}
+
+/// A program and its chunks, for one thread.
 #[derive(Debug)]
 pub(crate) struct Machine<'p> {
     compiled: &'p Compiled,
@@ -27,22 +43,23 @@ pub(crate) struct Machine<'p> {
     column: Frame<'p>,
     row: Frame<'p>,
     main: Frame<'p>,
-    /// What varies along x alone: rows as wide as the tile.
+    /// What varies along x alone: rows as wide as the tile, rounded up to whole chunks.
     columns: Vec<Vec<f32>>,
-    /// What varies along y alone: chunks.
-    rows: Vec<Vec<f32>>,
-    /// Rows whose end is no whole chunk, filled up.
+    /// What varies along y alone.
+    lines: Vec<Chunk>,
+    /// The last chunk of planes whose end is no whole chunk, filled up.
     padded: Vec<Chunk>,
-    /// Results of the last chunk of such rows.
-    rest: Vec<Vec<f32>>,
+    /// Results of such a chunk.
+    rest: Vec<Chunk>,
 }
 
 /// The state of some code.
 #[derive(Debug)]
 pub(super) struct Frame<'p> {
     pub(super) code: &'p Code,
-    pub(super) own: Vec<Option<Box<Chunk>>>,
-    pub(super) last: [Box<Chunk>; 3],
+    /// Each in its place but while it is written.
+    pub(super) own: Vec<Option<&'p mut Chunk>>,
+    pub(super) last: [&'p mut Chunk; 3],
     pub(super) weights: Bits,
     pub(super) partitions: WeightAudit,
     pub(super) checks: Vec<Bits>,
@@ -54,26 +71,55 @@ pub(super) struct Frame<'p> {
     pub(super) fault: super::code::Fault,
 }
 
-/// A row of a plane over which code runs; a fixed one is the same chunk everywhere.
-#[derive(Clone, Copy)]
+/// The planes of a tile, and where the current row begins in each.
+#[derive(Debug)]
+pub(crate) struct Views<'a> {
+    pub(super) planes: Vec<View<'a>>,
+    width: usize,
+}
+
+#[derive(Clone, Copy, Debug)]
 pub(super) struct View<'a> {
-    pub(super) samples: &'a [f32],
-    pub(super) fixed: bool,
+    pub(super) plane: Plane<'a>,
+    /// The current row's first sample.
+    pub(super) at: usize,
+}
+
+impl<'a> View<'a> {
+    /// A chunk that stands for the samples from column `x` on.
+    pub(super) fn padded(chunk: &'a Chunk, x: usize) -> Self {
+        // Column x is sample 0: at + x wraps around to it.
+        Self { plane: Plane { samples: &chunk.0, start: 0, stride: 0 }, at: x.wrapping_neg() }
+    }
+}
+
+impl<'a> Views<'a> {
+    fn new(planes: &[Plane<'a>], width: usize) -> Self {
+        Self { planes: planes.iter().map(|plane| View { plane: *plane, at: plane.start }).collect(), width }
+    }
+}
+
+/// What code reads that others made.
+#[derive(Clone, Copy)]
+pub(super) struct Given<'a> {
+    pub(super) planes: &'a [View<'a>],
+    pub(super) columns: &'a [Vec<f32>],
+    pub(super) lines: &'a [Chunk],
 }
 
 impl<'p> Machine<'p> {
-    pub(crate) fn new(compiled: &'p Compiled) -> Self {
-        let frame = |code| Frame::new(code, compiled);
+    /// Takes the chunks that it needs from `chunks`.
+    pub(crate) fn new(compiled: &'p Compiled, chunks: &mut &'p mut [Chunk]) -> Self {
         Self {
             compiled,
             level: compiled.instructions.level(),
-            column: frame(&compiled.column),
-            row: frame(&compiled.row),
-            main: frame(&compiled.main),
+            column: Frame::new(&compiled.column, compiled, chunks),
+            row: Frame::new(&compiled.row, compiled, chunks),
+            main: Frame::new(&compiled.main, compiled, chunks),
             columns: vec![Vec::new(); compiled.column.channels()],
-            rows: vec![vec![0.0; CHUNK]; compiled.row.channels()],
+            lines: vec![Chunk::ZERO; compiled.row.channels()],
             padded: Vec::new(),
-            rest: vec![vec![0.0; CHUNK]; compiled.main.channels()],
+            rest: vec![Chunk::ZERO; compiled.main.channels()],
         }
     }
 
@@ -93,7 +139,7 @@ impl<'p> Machine<'p> {
     /// Whether a plane of the caller held something illegal, or −0.
     pub(crate) fn is_suspect(&self) -> bool {
         let mut checks = self.main.code.checks.iter().zip(&self.main.checks);
-        checks.any(|((_, legal), bits)| bits.range().is_some_and(|(_, largest)| !legal.allows(largest)))
+        checks.any(|((_, legal), bits)| !legal.allows(bits.largest()))
     }
 
     /// Forgets what planes held, after that was dealt with.
@@ -119,56 +165,63 @@ impl<'p> Machine<'p> {
     /// Whether a root of scalars held a NaN since the last call.
     pub(crate) fn saw_nan(&mut self, root: usize) -> bool {
         let bits = std::mem::take(&mut self.main.scalars[root]);
-        bits.range().is_some_and(|(_, largest)| !Legal::Field.allows(largest))
+        !Legal::Field.allows(bits.largest())
     }
 
-    /// Computes what does not vary along the columns of a tile of `width` pixels. To be called before its rows.
-    pub(crate) fn begin(&mut self, planes: &[Plane<'_>], width: usize) {
-        if self.compiled.column.list.is_empty() {
-            return;
+    /// Begins a tile of `width` pixels: computes what does not vary from row to row.
+    pub(crate) fn begin<'a>(&mut self, planes: &[Plane<'a>], width: usize) -> Views<'a> {
+        let views = Views::new(planes, width);
+        if !self.compiled.column.list.is_empty() {
+            self.columns.iter_mut().for_each(|row| row.resize(width.next_multiple_of(CHUNK), 0.0));
+            let given = Given { planes: &views.planes, columns: &[], lines: &[] };
+            let mut out: Vec<Target<'_>> = self.columns.iter_mut().map(|row| Target::new(row)).collect();
+            sweep(self.level, &mut self.column, given, width, &mut out, 0, (&mut self.padded, &mut Vec::new()), None);
+            // As the end of planes is filled up.
+            for row in &mut self.columns {
+                let last = row[width - 1];
+                row[width..].fill(last);
+            }
         }
-        let mut columns = std::mem::take(&mut self.columns);
-        columns.iter_mut().for_each(|row| row.resize(width, 0.0));
-        let views: Vec<View<'_>> = planes.iter().map(|plane| View { samples: plane.from(0), fixed: false }).collect();
-        let mut out: Vec<Target<'_>> = columns.iter_mut().map(|row| Target::new(row)).collect();
-        sweep(self.level, &mut self.column, &views, width, &mut out, (&mut self.padded, &mut Vec::new()), None);
-        self.columns = columns;
+        views
     }
 
-    /// Runs over row y of a tile of `width` pixels and writes every channel of every root to its target. `look` sees
-    /// every chunk of every color root.
+    /// Runs over row y of the tile and writes every channel of every root to its target, from sample `start` on. `look`
+    /// sees every chunk of every color root.
     pub(crate) fn row(
         &mut self,
-        planes: &[Plane<'_>],
+        views: &mut Views<'_>,
         y: usize,
-        width: usize,
         out: &mut [Target<'_>],
+        start: usize,
         look: Option<Look<'_>>,
     ) {
-        let mut views: Vec<View<'_>> =
-            planes.iter().map(|plane| View { samples: plane.from(y), fixed: false }).collect();
-        let columns = std::mem::take(&mut self.columns);
-        views.extend(columns.iter().map(|row| View { samples: row, fixed: false }));
-        let mut rows = std::mem::take(&mut self.rows);
-        if !self.compiled.row.list.is_empty() {
-            let mut out: Vec<Target<'_>> = rows.iter_mut().map(|row| Target::new(row)).collect();
-            let first: Vec<Chunk> = views.iter().map(|view| filled(view.samples, 0, width.min(CHUNK))).collect();
-            let views: Vec<View<'_>> = first.iter().map(|chunk| View { samples: &chunk.0, fixed: true }).collect();
-            sweep(self.level, &mut self.row, &views, CHUNK, &mut out, (&mut self.padded, &mut Vec::new()), None);
+        for view in &mut views.planes {
+            view.at = view.plane.start + y * view.plane.stride;
         }
-        views.extend(rows.iter().map(|row| View { samples: row, fixed: true }));
-        sweep(self.level, &mut self.main, &views, width, out, (&mut self.padded, &mut self.rest), look);
-        (self.columns, self.rows) = (columns, rows);
+        let width = views.width;
+        if !self.compiled.row.list.is_empty() {
+            let given = Given { planes: &views.planes, columns: &self.columns, lines: &[] };
+            let mut out: Vec<Target<'_>> = self.lines.iter_mut().map(|chunk| Target::new(&mut chunk.0)).collect();
+            let count = width.min(CHUNK);
+            sweep(self.level, &mut self.row, given, count, &mut out, 0, (&mut self.padded, &mut self.rest), None);
+            for chunk in &mut self.lines {
+                // One value throughout.
+                let value = chunk.0[0];
+                chunk.0[count..].fill(value);
+            }
+        }
+        let given = Given { planes: &views.planes, columns: &self.columns, lines: &self.lines };
+        sweep(self.level, &mut self.main, given, width, out, start, (&mut self.padded, &mut self.rest), look);
     }
 
     /// Runs over a tile and hands every row of every root to `take` as (root, channel, y, samples).
     pub(crate) fn tile(&mut self, planes: &[Plane<'_>], width: usize, height: usize, take: TakeRow<'_>) {
         let compiled = self.compiled;
         let mut rows = vec![vec![0.0; width]; compiled.main.channels()];
-        self.begin(planes, width);
+        let mut views = self.begin(planes, width);
         for y in 0..height {
             let mut out: Vec<Target<'_>> = rows.iter_mut().map(|row| Target::new(row)).collect();
-            self.row(planes, y, width, &mut out, None);
+            self.row(&mut views, y, &mut out, 0, None);
             for (root, &(first, count)) in compiled.main.roots.iter().enumerate() {
                 for channel in 0..count {
                     take(root, channel, y, &rows[first + channel]);
@@ -179,18 +232,18 @@ impl<'p> Machine<'p> {
 }
 
 impl<'p> Frame<'p> {
-    fn new(code: &'p Code, compiled: &'p Compiled) -> Self {
-        let chunk = || Box::new(Chunk([0.0; CHUNK]));
-        let mut own: Vec<Option<Box<Chunk>>> = (0..code.own).map(|_| Some(chunk())).collect();
+    fn new(code: &'p Code, compiled: &'p Compiled, chunks: &mut &'p mut [Chunk]) -> Self {
+        let mine = chunks.split_off_mut(..code.chunks()).unwrap_or_default();
+        let [r, g, b, own @ ..] = mine else { unreachable!("as many chunks were made as programs need") };
         for (row, value) in &code.constants {
-            own[*row as usize] = Some(Box::new(Chunk([*value; CHUNK])));
+            own[*row as usize].0.fill(*value);
         }
         #[cfg(not(test))]
         let _ = compiled;
         Self {
             code,
-            own,
-            last: [chunk(), chunk(), chunk()],
+            own: own.iter_mut().map(Some).collect(),
+            last: [r, g, b],
             weights: Bits::default(),
             partitions: WeightAudit::default(),
             checks: vec![Bits::default(); code.checks.len()],
@@ -202,13 +255,12 @@ impl<'p> Frame<'p> {
     }
 }
 
-/// A chunk whose first `count` samples come from `x` on and whose others repeat the last of them, so that what they
-/// would add to any audit is there already.
-pub(super) fn filled(samples: &[f32], x: usize, count: usize) -> Chunk {
-    let mut chunk = Chunk([0.0; CHUNK]);
-    let count = count.min(samples.len() - x);
-    chunk.0[..count].copy_from_slice(&samples[x..x + count]);
-    let last = chunk.0[count - 1];
-    chunk.0[count..].fill(last);
+/// A chunk whose first samples are these and whose others repeat the last of them, so that what they would add to any
+/// audit is there already.
+pub(super) fn filled(samples: &[f32]) -> Chunk {
+    let mut chunk = Chunk::ZERO;
+    let (first, rest) = chunk.0.split_at_mut(samples.len());
+    first.copy_from_slice(samples);
+    rest.fill(samples.last().copied().unwrap_or_default());
     chunk
 }

@@ -3,11 +3,11 @@
 use super::audit::Legal;
 use super::code::{CHUNK, Chunk, Row, Source, Work};
 use super::color::{
-    FromConstant, FromLast, FromPair, FromRows, clamp_rows, is_all, mix_out, mix_rows, patch_rows, rgb, see_row, splat,
-    write_out,
+    FromConstant, FromLast, FromPair, FromRows, clamp_rows, is_all, mix_out, mix_rows, patch_rows, rgb, see_field,
+    see_row, splat, write_out,
 };
 use super::partition::{Channel, audit, blend};
-use super::run::{Frame, Look, View, filled};
+use super::run::{Frame, Given, Look, View, filled};
 use fearless_simd::Level;
 use trochoid_memory::{Kernel, Stream, Target, dispatch, prefetch};
 use trochoid_weights::arithmetic as a;
@@ -15,58 +15,63 @@ use trochoid_weights::arithmetic as a;
 /// Samples by which planes of the caller are fetched ahead: 1 KiB, measured.
 const AHEAD: usize = 256;
 
-/// Runs code over a row, chunk by chunk.
+/// Runs code over the first `width` pixels of a row, chunk by chunk, and writes what it makes from sample `start` of
+/// its targets on.
+#[allow(clippy::too_many_arguments, reason = "the machine's parts, borrowed one by one")]
 pub(super) fn sweep(
     level: Level,
     frame: &mut Frame<'_>,
-    views: &[View<'_>],
+    given: Given<'_>,
     width: usize,
     out: &mut [Target<'_>],
-    (padded, rest): (&mut Vec<Chunk>, &mut Vec<Vec<f32>>),
+    start: usize,
+    (padded, rest): (&mut Vec<Chunk>, &mut Vec<Chunk>),
     mut look: Option<Look<'_>>,
 ) {
     let whole = width / CHUNK * CHUNK;
     if whole > 0 {
         let look = look.as_mut().map(|look| &mut **look as Look<'_>);
-        dispatch(level, Sweep { frame, views, width: whole, valid: CHUNK, out, look });
+        dispatch(level, Sweep { frame, given, from: 0, to: whole, valid: CHUNK, out, start, look });
     }
     if whole < width {
-        let count = width - whole;
         padded.clear();
-        padded.extend(
-            views.iter().map(|view| {
-                if view.fixed { filled(view.samples, 0, CHUNK) } else { filled(view.samples, whole, count) }
-            }),
-        );
-        let views: Vec<View<'_>> = padded.iter().map(|chunk| View { samples: &chunk.0, fixed: true }).collect();
-        rest.resize(out.len(), Vec::new());
-        rest.iter_mut().for_each(|row| row.resize(CHUNK, 0.0));
-        let mut targets: Vec<Target<'_>> = rest.iter_mut().map(|row| Target::new(row)).collect();
-        let sweep = Sweep { frame, views: &views, width: CHUNK, valid: count, out: &mut targets, look };
-        dispatch(level, sweep);
+        padded.extend(given.planes.iter().map(|view| {
+            let at = view.at + whole;
+            filled(&view.plane.samples[at..at + width - whole])
+        }));
+        let planes: Vec<View<'_>> = padded.iter().map(|chunk| View::padded(chunk, whole)).collect();
+        rest.resize(out.len(), Chunk::ZERO);
+        let mut targets: Vec<Target<'_>> = rest.iter_mut().map(|chunk| Target::new(&mut chunk.0)).collect();
+        let given = Given { planes: &planes, ..given };
+        let (from, to, valid) = (whole, whole + CHUNK, width - whole);
+        dispatch(level, Sweep { frame, given, from, to, valid, out: &mut targets, start: 0, look });
         for (out, rest) in out.iter_mut().zip(rest) {
-            out.copy(whole, &rest[..count]);
+            out.copy(start + whole, &rest.0[..valid]);
         }
     }
 }
 
-struct Sweep<'s, 'p, 't, 'v, 'l> {
+struct Sweep<'s, 'p, 't, 'l> {
     frame: &'s mut Frame<'p>,
-    views: &'s [View<'v>],
-    width: usize,
+    given: Given<'s>,
+    /// Columns, whole chunks.
+    from: usize,
+    to: usize,
     /// Samples of a chunk that are not padding.
     valid: usize,
     out: &'s mut [Target<'t>],
+    /// Where in the targets column `from` belongs.
+    start: usize,
     look: Option<Look<'l>>,
 }
 
-impl Kernel for Sweep<'_, '_, '_, '_, '_> {
+impl Kernel for Sweep<'_, '_, '_, '_> {
     type Output = ();
 
     #[inline(always)]
     fn run<S: Stream>(mut self, simd: S) {
-        let mut x = 0;
-        while x < self.width {
+        let mut x = self.from;
+        while x < self.to {
             self.chunk(simd, x);
             x += CHUNK;
         }
@@ -75,13 +80,15 @@ impl Kernel for Sweep<'_, '_, '_, '_, '_> {
 
 /// The chunk of a row.
 #[inline(always)]
-fn chunk<'a>(own: &'a [Option<Box<Chunk>>], views: &'a [View<'_>], x: usize, row: Row) -> &'a [f32; CHUNK] {
+fn chunk<'a>(own: &'a [Option<&mut Chunk>], given: Given<'a>, x: usize, row: Row) -> &'a [f32; CHUNK] {
     let found = match row {
         Row::Own(row) => own[row as usize].as_ref().map(|chunk| &chunk.0),
         Row::Plane(plane) => {
-            let view = &views[plane as usize];
-            view.samples[if view.fixed { 0 } else { x }..].first_chunk()
+            let view = &given.planes[plane as usize];
+            view.plane.samples[view.at.wrapping_add(x)..].first_chunk()
         }
+        Row::Column(row) => given.columns[row as usize][x..].first_chunk(),
+        Row::Line(row) => Some(&given.lines[row as usize].0),
     };
     match found {
         Some(chunk) => chunk,
@@ -89,14 +96,14 @@ fn chunk<'a>(own: &'a [Option<Box<Chunk>>], views: &'a [View<'_>], x: usize, row
     }
 }
 
-impl Sweep<'_, '_, '_, '_, '_> {
+impl Sweep<'_, '_, '_, '_> {
     /// Writes a root from the accumulator.
     #[inline(always)]
     fn out_color<S: Stream>(&mut self, simd: S, x: usize, root: u32) {
         let root = root as usize;
         let (first, _) = self.frame.code.roots[root];
         if let Some(out) = self.out[first..].first_chunk_mut::<3>() {
-            write_out(simd, &self.frame.last, out, x, &mut self.frame.colors[root]);
+            write_out(simd, &self.frame.last, out, self.start + x - self.from, &mut self.frame.colors[root]);
         }
         if let Some(look) = &mut self.look {
             look(root, rgb!(c => &self.frame.last[c].0[..self.valid]));
@@ -106,7 +113,7 @@ impl Sweep<'_, '_, '_, '_, '_> {
     /// Runs the code over one chunk.
     #[inline(always)]
     fn chunk<S: Stream>(&mut self, simd: S, x: usize) {
-        let views = self.views;
+        let given = self.given;
         let code = self.frame.code;
         let mut at = 0;
         while let Some(work) = code.list.get(at) {
@@ -114,7 +121,7 @@ impl Sweep<'_, '_, '_, '_, '_> {
             let frame = &mut *self.frame;
             macro_rules! row {
                 ($row:expr) => {
-                    chunk(&frame.own, views, x, $row)
+                    chunk(&frame.own, given, x, $row)
                 };
             }
             // Taken out, so that others can be read meanwhile.
@@ -140,14 +147,15 @@ impl Sweep<'_, '_, '_, '_, '_> {
             }
             match work {
                 Work::Check { plane, index } => {
-                    let view = &views[*plane as usize];
-                    if !view.fixed {
-                        for line in 0..CHUNK / 16 {
-                            prefetch(view.samples, x + AHEAD + 16 * line);
-                        }
+                    let view = &given.planes[*plane as usize];
+                    for line in 0..CHUNK / 16 {
+                        prefetch(view.plane.samples, view.at.wrapping_add(x + AHEAD + 16 * line));
                     }
-                    let legal = code.checks[*index as usize].1;
-                    see_row(simd, row!(Row::Plane(*plane)), legal == Legal::Field, &mut frame.checks[*index as usize]);
+                    let (row, bits) = (row!(Row::Plane(*plane)), &mut frame.checks[*index as usize]);
+                    match code.checks[*index as usize].1 {
+                        Legal::Field => see_field(simd, row, bits),
+                        Legal::Mask | Legal::Color => see_row(simd, row, bits),
+                    }
                 }
                 Work::Clamp { x: from, min, max, to } => {
                     if is_simple(*min, *max) {
@@ -168,13 +176,13 @@ impl Sweep<'_, '_, '_, '_, '_> {
                         *to = a::product(*t, *u);
                     }
                 }),
-                Work::Partition { weights, to } => partition(frame, views, x, weights, to, |to, _| {
+                Work::Partition { weights, to } => partition(frame, given, x, weights, to, |to, _| {
                     a::round_partition_rows(to);
                 }),
-                Work::Normalize { values, floor, to } => partition(frame, views, x, values, to, |to, values| {
+                Work::Normalize { values, floor, to } => partition(frame, given, x, values, to, |to, values| {
                     a::normalize_rows(values, *floor, to);
                 }),
-                Work::AuditMask(row) => see_row(simd, row!(*row), false, &mut frame.weights),
+                Work::AuditMask(row) => see_row(simd, row!(*row), &mut frame.weights),
                 Work::AuditPartition(rows) => {
                     let seen = audit(rows.iter().map(|row| row!(*row)));
                     frame.partitions = frame.partitions.merge(seen);
@@ -185,7 +193,8 @@ impl Sweep<'_, '_, '_, '_, '_> {
                 Work::Mix { a, b, t, out } => {
                     // Whoever looks needs the color in the accumulator.
                     let straight = out.filter(|_| self.look.is_none() && !is_faulty(frame));
-                    mix(simd, frame, views, x, [a, b], *t, straight.map(|root| (root, &mut *self.out)));
+                    let to = self.start + x - self.from;
+                    mix(simd, frame, given, x, [a, b], *t, straight.map(|root| (root, &mut *self.out, to)));
                     if let Some(root) = out.filter(|_| straight.is_none()) {
                         #[cfg(test)]
                         sabotage(work, self.frame);
@@ -206,7 +215,7 @@ impl Sweep<'_, '_, '_, '_, '_> {
                         blend(&mut frame.last[c].0, terms);
                     }
                 }
-                Work::Load(source) => take(frame, views, x, source),
+                Work::Load(source) => take(frame, given, x, source),
                 Work::Keep(to) => {
                     for (to, last) in to.iter().zip(&mut frame.last) {
                         if let Some(own) = &mut frame.own[*to as usize] {
@@ -216,7 +225,7 @@ impl Sweep<'_, '_, '_, '_, '_> {
                 }
                 Work::Gate { t, closed, otherwise, skip } => {
                     if is_all(simd, row!(*t), *closed) {
-                        take(frame, views, x, otherwise);
+                        take(frame, given, x, otherwise);
                         at += skip;
                     }
                 }
@@ -224,9 +233,9 @@ impl Sweep<'_, '_, '_, '_, '_> {
                 Work::OutRows { root, rows } => {
                     let (first, _) = code.roots[*root as usize];
                     for (channel, row) in rows.iter().enumerate() {
-                        let row = chunk(&frame.own, views, x, *row);
-                        see_row(simd, row, true, &mut frame.scalars[*root as usize]);
-                        self.out[first + channel].copy(x, row);
+                        let row = chunk(&frame.own, given, x, *row);
+                        see_field(simd, row, &mut frame.scalars[*root as usize]);
+                        self.out[first + channel].copy(self.start + x - self.from, row);
                     }
                 }
             }
@@ -240,15 +249,15 @@ impl Sweep<'_, '_, '_, '_, '_> {
 #[inline(always)]
 fn partition(
     frame: &mut Frame<'_>,
-    views: &[View<'_>],
+    given: Given<'_>,
     x: usize,
     from: &[Row],
     to: &[u32],
     run: impl FnOnce(&mut [&mut [f32]], &[&[f32]]),
 ) {
-    let mut taken: Vec<Option<Box<Chunk>>> = to.iter().map(|&to| frame.own[to as usize].take()).collect();
+    let mut taken: Vec<Option<&mut Chunk>> = to.iter().map(|&to| frame.own[to as usize].take()).collect();
     {
-        let from: Vec<&[f32]> = from.iter().map(|row| &chunk(&frame.own, views, x, *row)[..]).collect();
+        let from: Vec<&[f32]> = from.iter().map(|row| &chunk(&frame.own, given, x, *row)[..]).collect();
         let mut to: Vec<&mut [f32]> = taken.iter_mut().flatten().map(|chunk| &mut chunk.0[..]).collect();
         for (to, from) in to.iter_mut().zip(&from) {
             to.copy_from_slice(from);
@@ -262,14 +271,14 @@ fn partition(
 
 /// Takes a color into the accumulator.
 #[inline(always)]
-fn take(frame: &mut Frame<'_>, views: &[View<'_>], x: usize, source: &Source) {
+fn take(frame: &mut Frame<'_>, given: Given<'_>, x: usize, source: &Source) {
     for c in 0..3 {
         match source {
             Source::Last => {}
-            Source::Rows(rows) => frame.last[c].0 = *chunk(&frame.own, views, x, rows[c]),
+            Source::Rows(rows) => frame.last[c].0 = *chunk(&frame.own, given, x, rows[c]),
             Source::Constant(color) => frame.last[c].0.fill(color[c]),
             Source::Pair { from, to, by } => {
-                let by = chunk(&frame.own, views, x, *by);
+                let by = chunk(&frame.own, given, x, *by);
                 for (last, t) in frame.last[c].0.iter_mut().zip(by) {
                     *last = a::mix(from[c], to[c], *t);
                 }
@@ -284,11 +293,11 @@ fn take(frame: &mut Frame<'_>, views: &[View<'_>], x: usize, source: &Source) {
 fn mix<S: Stream>(
     simd: S,
     frame: &mut Frame<'_>,
-    views: &[View<'_>],
+    given: Given<'_>,
     x: usize,
     [a, b]: [&Source; 2],
     t: Row,
-    out: Option<(u32, &mut [Target<'_>])>,
+    out: Option<(u32, &mut [Target<'_>], usize)>,
 ) {
     use Source::{Constant, Last, Pair, Rows};
     let direct = match (a, b) {
@@ -297,30 +306,30 @@ fn mix<S: Stream>(
         _ => false,
     };
     if !direct {
-        take(frame, views, x, a);
+        take(frame, given, x, a);
     }
     let own = &frame.own;
-    let t = chunk(own, views, x, t);
+    let t = chunk(own, given, x, t);
     // Closures might not be inlined, and then lack the instruction set.
     macro_rules! rows {
         ($rows:expr) => {
-            FromRows(rgb!(c => chunk(own, views, x, $rows[c])))
+            FromRows(rgb!(c => chunk(own, given, x, $rows[c])))
         };
     }
     macro_rules! pair {
         ($from:expr, $to:expr, $by:expr) => {
-            FromPair::new(simd, $from, $to, chunk(own, views, x, *$by))
+            FromPair::new(simd, $from, $to, chunk(own, given, x, *$by))
         };
     }
     macro_rules! run {
         ($a:expr, $b:expr) => {
             match out {
                 None => mix_rows(simd, &mut frame.last, $a, $b, t),
-                Some((root, out)) => {
+                Some((root, out, to)) => {
                     let root = root as usize;
                     let (first, _) = frame.code.roots[root];
                     if let Some(out) = out[first..].first_chunk_mut::<3>() {
-                        mix_out(simd, &frame.last, $a, $b, t, out, x, &mut frame.colors[root]);
+                        mix_out(simd, &frame.last, $a, $b, t, out, to, &mut frame.colors[root]);
                     }
                 }
             }
