@@ -216,3 +216,20 @@ fn a_branch_that_no_output_needs_is_not_looked_at() {
     assert_eq!(all_bits(&frame), all_bits(&evaluate(&lean, 1, &Buffers::new(), &settings(|_| ()))));
     assert_eq!(*state(&frame, "extra99"), State::LeftOut(LeftOut::Unreachable));
 }
+
+#[test]
+fn files_missing_at_any_frame_are_told() {
+    let text = r##"{ "trochoid": 1, "format": { "width": 2, "height": 2 }, "frames": { "first": 1, "last": 6 },
+        "nodes": {
+            "late": { "type": "Read", "file": "late.exr", "as": "color" },
+            "pick": { "type": "Switch", "inputs": ["#102030", "late"], "which": { "keys": [[1, 0], [5, 1]] } },
+            "here": { "type": "Read", "file": "Cargo.toml", "as": "color" },
+            "out": { "type": "Mix", "a": "pick", "b": "here", "weight": 0.5 } },
+        "outputs": { "out": { "color": "out" } } }"##;
+    let here = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
+    let missing = trochoid::missing_files(&trochoid::parse("late", text, here, &[]).unwrap().graph);
+    let found: Vec<_> = missing.iter().map(|fault| (fault.node.as_deref(), fault.found.as_str())).collect();
+    assert_eq!(found.len(), 1, "{found:?}");
+    assert_eq!(found[0].0, Some("late"));
+    assert!(found[0].1.ends_with("late.exr at frame 5, and none at 1 more frame"), "{found:?}");
+}

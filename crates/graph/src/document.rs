@@ -61,6 +61,8 @@ impl Document {
                 "JSON has no NaN and no infinity: write a finite number"
             } else if near.is_empty() || error.message.contains("EOF") {
                 "the text ends too early: close every bracket and quote"
+            } else if error.message.contains("deeper") || error.message.contains("more than") {
+                "no document needs that: lists and objects are a few levels deep"
             } else {
                 "correct the syntax there; JSON has no comments and no trailing commas"
             };

@@ -1,3 +1,4 @@
+use std::collections::{BTreeMap, HashMap};
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 use trochoid_graph::{CheckedGraph, Diagnostic, Document, MAX_BYTES, NodeId, Registry, Severity, check};
@@ -100,34 +101,49 @@ pub fn parse(name: &str, text: &str, folder: &Path, set: &[String]) -> Result<Lo
     }
 }
 
-/// Warns of input files that are not there at the first frame. Opens none.
+/// Warns of input files that are not there at one of the document's frames (the first 10,000). Opens none.
 pub fn missing_files(graph: &CheckedGraph) -> Vec<Diagnostic> {
-    let first = graph.frames().0;
-    let context = graph.frame_context(first, u64::MAX);
-    let mut missing = Vec::new();
-    let mut at = Vec::new();
-    for (index, node) in graph.nodes().iter().enumerate().filter(|(_, node)| !node.disabled) {
-        for path in graph.files_of(NodeId(index), &context).into_iter().filter(|path| !path.exists()) {
-            at.push(index);
-            missing.push(Diagnostic {
-                severity: Severity::Warning,
-                file: graph.name().into(),
-                line: 0,
-                column: 0,
-                node: Some(node.name.clone()),
-                port: Some("file".into()),
-                found: format!("no file {} at frame {first}", path.display()),
-                expected: "a picture to read".into(),
-                remedy: "correct the path, which is relative to the document, or make the file before rendering".into(),
-            });
+    let (first, last) = graph.frames();
+    let roots = || graph.outputs().iter().map(|output| output.node);
+    let connected = graph.upstream(roots());
+    let mut exists: HashMap<PathBuf, bool> = HashMap::new();
+    // By node: the first frame without a file, that file, and the number of such frames.
+    let mut missing: BTreeMap<usize, (i64, PathBuf, usize)> = BTreeMap::new();
+    for frame in (first..=last).take(FRAMES_CHECKED) {
+        let context = graph.frame_context(frame, u64::MAX);
+        let mut reached = None;
+        for (index, _) in graph.nodes().iter().enumerate().filter(|(_, node)| !node.disabled) {
+            let mut files = graph.files_of(NodeId(index), &context).into_iter();
+            let Some(path) = files.find(|path| !*exists.entry(path.clone()).or_insert_with(|| path.exists())) else {
+                continue;
+            };
+            // What is connected, but not chosen at that frame, may be missing.
+            let reached = reached.get_or_insert_with(|| graph.reached(roots(), frame));
+            if !connected[index] || reached[index] {
+                missing.entry(index).or_insert((frame, path, 0)).2 += 1;
+            }
         }
     }
-    if missing.is_empty() {
-        return missing;
-    }
-    // What is connected, but not chosen at that frame, may be missing.
-    let roots = || graph.outputs().iter().map(|output| output.node);
-    let (connected, reached) = (graph.upstream(roots()), graph.reached(roots(), first));
-    let counts = |index: usize| !connected[index] || reached[index];
-    missing.into_iter().zip(at).filter(|(_, index)| counts(*index)).map(|(fault, _)| fault).collect()
+    let fault = |(index, (frame, path, count)): (usize, (i64, PathBuf, usize))| {
+        let more = match count - 1 {
+            0 => String::new(),
+            1 => ", and none at 1 more frame".into(),
+            more => format!(", and none at {more} more frames"),
+        };
+        Diagnostic {
+            severity: Severity::Warning,
+            file: graph.name().into(),
+            line: 0,
+            column: 0,
+            node: Some(graph.nodes()[index].name.clone()),
+            port: Some("file".into()),
+            found: format!("no file {} at frame {frame}{more}", path.display()),
+            expected: "a picture to read".into(),
+            remedy: "correct the path, which is relative to the document, or make the file before rendering".into(),
+        }
+    };
+    missing.into_iter().map(fault).collect()
 }
+
+/// Frames whose files [`missing_files`] looks for, at most.
+const FRAMES_CHECKED: usize = 10_000;

@@ -66,7 +66,7 @@ pub(super) fn generate(input: Input<'_>) -> Code {
         free: Vec::new(),
         constants: HashMap::new(),
         accumulated: None,
-        audited: HashSet::new(),
+        audited: vec![HashSet::new()],
         unchecked: input.checks.iter().enumerate().map(|(index, &(plane, _))| (plane, index as u32)).collect(),
         gates: Vec::new(),
     };
@@ -118,8 +118,8 @@ struct Generator<'a> {
     constants: HashMap<u32, u32>,
     /// The operation whose color the accumulator holds and nothing else does.
     accumulated: Option<u32>,
-    /// Masks and partitions audited at all pixels, by position.
-    audited: HashSet<u32>,
+    /// Masks and partitions that were audited, by position: wherever the code runs, and within each open gate.
+    audited: Vec<HashSet<u32>>,
     /// Planes that are still to be held against what their kind allows, and the index of each check.
     unchecked: BTreeMap<u32, u32>,
     /// Open gates: the mix, and the gate's instruction.
@@ -245,22 +245,29 @@ impl Generator<'_> {
         self.check_rest();
         let otherwise = self.color(if closed == 0.0 { a.0 } else { b.0 });
         let t = self.scalar(t.0);
+        self.audited.push(HashSet::new());
         self.gates.push((mix, self.code.list.len()));
         self.code.list.push(Work::Gate { t, closed, otherwise, skip: 0 });
     }
 
-    /// Notes a mask for the audit, once where that is at all pixels.
+    /// Whether a mask or a partition is still to be audited here; afterwards it counts as done.
+    fn is_unaudited(&mut self, at: u32) -> bool {
+        let is_new = !self.audited.iter().any(|done| done.contains(&at));
+        if is_new && let Some(innermost) = self.audited.last_mut() {
+            innermost.insert(at);
+        }
+        is_new
+    }
+
+    /// Notes a mask for the audit, once.
     fn audit_mask(&mut self, at: u32) {
-        if self.audited.contains(&at) {
+        if !self.is_unaudited(at) {
             return;
         }
         let row = self.scalar(at);
         let checked = self.input.checks.iter().any(|(plane, legal)| row == Row::Plane(*plane) && *legal == Legal::Mask);
         if !checked {
             self.code.list.push(Work::AuditMask(row));
-        }
-        if self.gates.is_empty() {
-            self.audited.insert(at);
         }
     }
 
@@ -274,11 +281,8 @@ impl Generator<'_> {
             Op::Mix { a, b, t } => self.mix(index, at, a.0, b.0, t.0),
             Op::Blend { colors, weights } => {
                 let rows = self.partition(weights.0);
-                if !self.audited.contains(&weights.0) {
+                if self.is_unaudited(weights.0) {
                     self.code.list.push(Work::AuditPartition(rows.clone()));
-                    if self.gates.is_empty() {
-                        self.audited.insert(weights.0);
-                    }
                 }
                 let colors = colors.iter().map(|color| self.color(color.0)).collect();
                 self.code.list.push(Work::Blend { colors, weights: rows });
@@ -360,6 +364,7 @@ impl Generator<'_> {
         let is_out = matches!(work, Work::Mix { out: Some(_), .. });
         self.code.list.push(work);
         if gated && let Some((_, gate)) = self.gates.pop() {
+            self.audited.pop();
             let end = self.code.list.len();
             if let Work::Gate { skip, .. } = &mut self.code.list[gate] {
                 *skip = end - gate - 1;

@@ -75,7 +75,7 @@ impl<'a> Checker<'a> {
                         place,
                         entry.value.brief(),
                         "a whole number of pixels or samples",
-                        "write a positive whole number",
+                        "write a whole number of at least 1 and at most 1048576",
                     );
                     return None;
                 }

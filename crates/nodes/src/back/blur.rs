@@ -18,11 +18,12 @@ static DECLARATION: Declaration = Declaration {
                  beyond the picture, read straight into the Blur or through other filters, uses them. No result lies \
                  beyond the values under the kernel, and weights still sum to 1. In a field ±∞ spreads as far as the \
                  kernel; where +∞ and −∞ meet, the pixel in the middle is kept. Each sample of a pixel is filtered \
-                 apart. No color is added to the palette.",
+                 apart. No color is added to the palette. \
+                 Time grows with the size.",
     source: "Kernels without negative lobes, which alone stay in the palette.",
     items: &[
         Port::one("image", Accepts::Image, "What is blurred."),
-        Knob::number("size", 1.0, 0.0, MOST, "Standard deviation of the Gaussian, or half the box's width.")
+        Knob::number("size", 1.0, 0.0, MOST, "Standard deviation of the Gaussian; the box is 2·size + 1 wide.")
             .unit("pixels")
             .item(),
         Knob::number("size_y", 1.0, 0.0, MOST, "The size down; by default that across.")

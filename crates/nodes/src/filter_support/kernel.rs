@@ -1,5 +1,7 @@
 //! Kernels along one axis, and images filtered by one across and one down.
 
+use fearless_simd::{Level, Simd, dispatch};
+use rayon::prelude::*;
 use trochoid_image::Window;
 
 /// The shape of a kernel.
@@ -106,8 +108,10 @@ impl Kernel {
     }
 }
 
-/// Samples that are summed at once: as many f64 as the registers hold.
-const LANES: usize = 16;
+/// Samples that are summed at once: enough sums at a time that none waits for the one before.
+const LANES: usize = 32;
+/// Rows that a thread filters at once.
+const BATCH: usize = 16;
 
 /// Filters `from`, an image as far as it is needed, into the `to` part of it. Beyond the edge of `from` the nearest pixel
 /// repeats; `extent` is how far the whole image reaches.
@@ -127,67 +131,75 @@ pub(crate) fn filter(
     if width == 0 || stride == 0 {
         return;
     }
-    let rows: Vec<f32> = {
-        let mut rows = vec![0.0; width * from.height()];
-        let first = to.x0 - across.radius() as i64 - from.x0;
+    let level = Level::new();
+    let mut rows = vec![0.0; width * from.height()];
+    let first = to.x0 - across.radius() as i64 - from.x0;
+    let batches = rows.par_chunks_mut(width * BATCH).zip(samples.par_chunks(stride * BATCH));
+    batches.for_each(|(rows, samples)| {
         let mut line = vec![0.0f64; across.weights.len() - 1 + width.next_multiple_of(LANES)];
         for (row, samples) in rows.chunks_mut(width).zip(samples.chunks(stride)) {
             for (value, x) in line.iter_mut().zip(first..) {
                 *value = f64::from(samples[x.clamp(0, stride as i64 - 1) as usize]);
             }
-            across.row(&line, row);
+            across.row(level, &line, row);
         }
-        rows
-    };
+    });
     let last = from.height() as i64 - 1;
-    let mut taps: Vec<(f64, &[f32])> = Vec::with_capacity(down.weights.len());
-    for (out, y) in out.chunks_mut(width).zip(to.y0..) {
-        let row = |y: i64| {
-            let start = (y - from.y0).clamp(0, last) as usize * width;
-            &rows[start..start + width]
-        };
-        taps.clear();
-        let weights = down.weights.iter().zip(y - down.radius() as i64..);
-        taps.extend(weights.filter(|(w, _)| **w != 0.0).map(|(w, y)| (f64::from(*w), row(y))));
-        column(&taps, row(y), out);
-    }
+    out.par_chunks_mut(width * BATCH).enumerate().for_each(|(batch, out)| {
+        let y0 = to.y0 + (batch * BATCH) as i64;
+        let mut taps: Vec<(f64, &[f32])> = Vec::with_capacity(down.weights.len());
+        for (out, y) in out.chunks_mut(width).zip(y0..) {
+            let row = |y: i64| {
+                let start = (y - from.y0).clamp(0, last) as usize * width;
+                &rows[start..start + width]
+            };
+            taps.clear();
+            let weights = down.weights.iter().zip(y - down.radius() as i64..);
+            taps.extend(weights.filter(|(w, _)| **w != 0.0).map(|(w, y)| (f64::from(*w), row(y))));
+            column(level, &taps, row(y), out);
+        }
+    });
 }
 
 impl Kernel {
     /// One row, from `line`, which begins a radius before it.
-    fn row(&self, line: &[f64], out: &mut [f32]) {
+    fn row(&self, level: Level, line: &[f64], out: &mut [f32]) {
         let center = self.radius();
-        for (out, start) in out.chunks_mut(LANES).zip((0..).step_by(LANES)) {
-            let mut sums = [0.0f64; LANES];
-            for (weight, k) in self.weights.iter().zip(start..).filter(|(weight, _)| **weight != 0.0) {
-                let weight = f64::from(*weight);
-                for (sum, value) in sums.iter_mut().zip(&line[k..k + LANES]) {
-                    *sum += weight * value;
+        dispatch!(level, simd => simd.vectorize(#[inline(always)] || {
+            for (out, start) in out.chunks_mut(LANES).zip((0..).step_by(LANES)) {
+                let mut sums = [0.0f64; LANES];
+                for (weight, k) in self.weights.iter().zip(start..).filter(|(weight, _)| **weight != 0.0) {
+                    let weight = f64::from(*weight);
+                    for (sum, value) in sums.iter_mut().zip(&line[k..k + LANES]) {
+                        *sum += weight * value;
+                    }
+                }
+                for ((out, sum), value) in out.iter_mut().zip(sums).zip(&line[start + center..]) {
+                    // Between +∞ and −∞ there is no mean.
+                    *out = if sum.is_nan() { *value as f32 } else { sum as f32 };
                 }
             }
-            for ((out, sum), value) in out.iter_mut().zip(sums).zip(&line[start + center..]) {
-                // Between +∞ and −∞ there is no mean.
-                *out = if sum.is_nan() { *value as f32 } else { sum as f32 };
-            }
-        }
+        }));
     }
 }
 
 /// One row as the sum of others, each with its weight; `center` is the one in the middle.
-fn column(taps: &[(f64, &[f32])], center: &[f32], out: &mut [f32]) {
+fn column(level: Level, taps: &[(f64, &[f32])], center: &[f32], out: &mut [f32]) {
     let whole = out.len() / LANES * LANES;
     let (blocks, rest) = out.split_at_mut(whole);
-    for (out, start) in blocks.chunks_exact_mut(LANES).zip((0..).step_by(LANES)) {
-        let mut sums = [0.0f64; LANES];
-        for (weight, row) in taps {
-            for (sum, value) in sums.iter_mut().zip(&row[start..start + LANES]) {
-                *sum += weight * f64::from(*value);
+    dispatch!(level, simd => simd.vectorize(#[inline(always)] || {
+        for (out, start) in blocks.chunks_exact_mut(LANES).zip((0..).step_by(LANES)) {
+            let mut sums = [0.0f64; LANES];
+            for (weight, row) in taps {
+                for (sum, value) in sums.iter_mut().zip(&row[start..start + LANES]) {
+                    *sum += weight * f64::from(*value);
+                }
+            }
+            for ((out, sum), value) in out.iter_mut().zip(sums).zip(&center[start..]) {
+                *out = if sum.is_nan() { *value } else { sum as f32 };
             }
         }
-        for ((out, sum), value) in out.iter_mut().zip(sums).zip(&center[start..]) {
-            *out = if sum.is_nan() { *value } else { sum as f32 };
-        }
-    }
+    }));
     for (out, x) in rest.iter_mut().zip(whole..) {
         let sum = taps.iter().fold(0.0, |sum, (weight, row)| sum + weight * f64::from(row[x]));
         *out = if sum.is_nan() { center[x] } else { sum as f32 };

@@ -20,7 +20,9 @@ static DECLARATION: Declaration = Declaration {
     edge_cases: "Beyond [0, 1] the picture repeats, is mirrored at its edges, or ends with its last pixel, by `wrap`. A \
                  coordinate that is no finite number counts as 0, but ±∞ as the edge where `wrap` is clamp. Outside its \
                  data window a picture repeats its nearest pixel. A picture seen smaller than it is stored is not \
-                 averaged: raise the format's `samples`. Bad data as Read. Every color of the file is a control color.",
+                 averaged: raise the format's `samples`. To lay a picture over the screen, Read it with `fit`: ScreenX \
+                 is 0 and 1 at the centers of the outer pixels and ScreenY falls from above, but u and v are 0 and 1 at \
+                 the picture's edges, and v rises. Bad data as Read. Every color of the file is a control color.",
     source: "v rises from the lower edge as in OBJ, RenderMan and Blender; OpenEXR, Technical Introduction.",
     items: &[
         knobs::FILE,
