@@ -134,6 +134,14 @@ impl Projector {
         if self.orthographic { 1.0 / self.scale } else { distance / self.scale }
     }
 
+    /// Horizontal unit vector, x and z, in which the camera looks; its picture's upper edge where it looks straight down
+    /// or up.
+    pub(crate) fn heading(&self) -> [f64; 2] {
+        let ahead = if self.forward.y.abs() < 0.999 { self.forward } else { self.up };
+        let length = libm::sqrt(ahead.x * ahead.x + ahead.z * ahead.z).max(1e-300);
+        [ahead.x / length, ahead.z / length]
+    }
+
     /// Directions of the rays along the picture's border, clockwise, as (origin, direction of any length).
     pub(crate) fn border(&self) -> Vec<Ray> {
         const STEPS: u32 = 64;

@@ -1,6 +1,6 @@
 //! Which part of the resting sea a camera may see.
 
-use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::f64::consts::{FRAC_PI_2, TAU};
 
 use glam::DVec3;
 
@@ -16,12 +16,13 @@ pub(crate) struct Bounds {
     pub(crate) reach: f64,
 }
 
-/// A sector of the resting sea: polar coordinates around `apex`.
+/// A sector of the resting sea: a wedge that opens in the direction in which the camera looks, or a disc.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Sector {
     pub(crate) apex: [f64; 2],
-    /// Azimuth of the first column and angle to the last, in radians.
-    pub(crate) start: f64,
+    /// The direction in which the wedge opens.
+    pub(crate) heading: [f64; 2],
+    /// Angle of the wedge in radians; a whole turn of a disc.
     pub(crate) width: f64,
     /// Distance of the apex behind the camera's foot.
     pub(crate) setback: f64,
@@ -66,8 +67,8 @@ impl Sector {
         let eye = projector.position;
         let height = eye.y - level;
         let vertical = sees(projector, DVec3::NEG_Y) || sees(projector, DVec3::Y);
-        let ahead = if projector.forward.y.abs() < 0.999 { projector.forward } else { projector.up };
-        let center = libm::atan2(ahead.z, ahead.x);
+        let heading = projector.heading();
+        let center = libm::atan2(heading[1], heading[0]);
         let (mut near, mut far) = (f64::INFINITY, 0.0_f64);
         let (mut left, mut right) = (f64::INFINITY, f64::NEG_INFINITY);
         let border = projector.border();
@@ -99,20 +100,19 @@ impl Sector {
         }
         let far = (far + bounds.reach).min(HORIZON_M);
         let foot = [eye.x, eye.z];
-        // A little more on both sides than the border rays, between which the true border runs.
-        let width = (right - left) * 1.02 + 1e-4;
+        // Even on both sides, and a little more than the border rays, between which the true border runs.
+        let width = 2.0 * left.abs().max(right.abs()) * 1.02 + 1e-4;
         if vertical || width > FRAC_PI_2 * 1.6 {
             let first = (near - bounds.reach).max(0.0);
-            return Some(Self { apex: foot, start: -PI, width: TAU, setback: 0.0, radii: [first, far] });
+            return Some(Self { apex: foot, heading, width: TAU, setback: 0.0, radii: [first, far] });
         }
-        let middle = center + (left + right) / 2.0;
         let setback = bounds.reach / libm::sin(width / 2.0);
-        let apex = [foot[0] - setback * libm::cos(middle), foot[1] - setback * libm::sin(middle)];
+        let apex = [foot[0] - setback * heading[0], foot[1] - setback * heading[1]];
         // A point at distance `near` from the foot and at the wedge's side is this far from the apex: law of cosines.
         let first = libm::sqrt(setback * setback + near * near + 2.0 * setback * near * libm::cos(width / 2.0));
         Some(Self {
             apex,
-            start: middle - width / 2.0,
+            heading,
             width,
             setback,
             radii: [(first - bounds.reach).max(0.0), (far + setback).min(HORIZON_M)],
@@ -144,9 +144,7 @@ impl Strip {
     /// The rectangle whose displaced points may fall into an orthographic camera's picture, at most `depth` meters
     /// deep; `None` if it sees none.
     pub(crate) fn new(projector: &Projector, level: f64, bounds: Bounds, depth: f64) -> Option<Self> {
-        let ahead = if projector.forward.y.abs() < 0.999 { projector.forward } else { projector.up };
-        let length = horizontal(ahead).max(1e-300);
-        let along = [ahead.x / length, ahead.z / length];
+        let along = projector.heading();
         let across = [-along[1], along[0]];
         let (mut u, mut v) = ([f64::INFINITY, f64::NEG_INFINITY], [f64::INFINITY, f64::NEG_INFINITY]);
         for Ray { origin, direction } in projector.border() {

@@ -2,23 +2,33 @@ use glam::DVec3;
 
 use crate::Projector;
 
-/// Sine of the grazing angle below which a pixel's patch on the sea is not stretched any further.
+/// Height over planar depth below which a pixel's patch on the sea is not stretched any further.
 ///
 /// At grazing angles the rest plane is no measure of what a pixel sees: it sees the faces of waves, which
 /// stand steeper than this.
 pub const GRAZING: f64 = 0.02;
 
+/// Least planar depth over the distance ahead and down: what lies further aside or behind is hardly seen.
+const LEAST_DEPTH: f64 = 0.25;
+
 /// Footprint in meters of a pixel that sees a rest point: the side of the square with the area of the pixel's patch
-/// on the rest plane, d·α / √max(sin γ, [`GRAZING`]) for distance d, angle α of a pixel and grazing angle γ.
+/// on the rest plane, d·s / √max(h/d, [`GRAZING`]) for planar depth d, height h of the camera over the plane, and the
+/// size s of a pixel at depth 1.
+///
+/// That is exact: a patch of solid angle s²·cos³ψ at distance d/cos ψ, seen under a sine of h·cos ψ/d, has the area
+/// s²·d³/h. It is the same all along a line across the view.
 pub fn footprint(projector: &Projector, rest: DVec3) -> f64 {
     let offset = rest - projector.position;
-    let distance = offset.length();
-    let sine = if projector.orthographic {
-        projector.forward.y.abs()
-    } else if distance > 0.0 {
-        offset.y.abs() / distance
-    } else {
-        1.0
-    };
-    projector.pixel_size(distance) / libm::sqrt(sine.max(GRAZING))
+    let (height, forward) = (offset.y.abs(), projector.forward);
+    if projector.orthographic {
+        return projector.pixel_size(1.0) / libm::sqrt(forward.y.abs().max(GRAZING));
+    }
+    let [x, z] = projector.heading();
+    let along = offset.x * x + offset.z * z;
+    let depth = along * (forward.x * x + forward.z * z) + offset.y * forward.y;
+    let depth = depth.max(LEAST_DEPTH * libm::sqrt(along * along + height * height));
+    if depth == 0.0 {
+        return 0.0;
+    }
+    projector.pixel_size(depth) / libm::sqrt((height / depth).max(GRAZING))
 }

@@ -1,8 +1,10 @@
 //! Meshes of a displaced sea, adapted to one camera.
 
+use std::f64::consts::TAU;
+
 use glam::DVec3;
 use rayon::prelude::*;
-use trochoid_sea::{Fields, Points, Wanted};
+use trochoid_sea::{Fields, Line, LineScratch, Lines, Points, Wanted};
 
 use crate::extent::{Sector, Strip};
 use crate::spacing::Spacing;
@@ -29,19 +31,25 @@ const GROWTH: f64 = 0.25;
 /// Most rows of an orthographic view.
 const MAX_ROWS: f64 = 8192.0;
 
-/// Rows of vertices at given rest points.
-struct Rows<'a, F> {
+/// Rows of vertices.
+struct Rows<'a, L> {
     sea: &'a SeaSurface,
     projector: &'a Projector,
     columns: usize,
     rows: usize,
-    /// Whether the last column is the first one again, bit by bit.
-    closed: bool,
-    /// Rest point of (row, column).
-    rest: F,
+    layout: L,
 }
 
-/// A polar grid from the apex of the sector to the horizon.
+/// Where the vertices of a row rest, and what the sea does there.
+trait Layout: Sync {
+    /// Whether the last column is the first one again, bit by bit.
+    const CLOSED: bool;
+
+    /// Fills in the rest points of a row, and what is wanted there.
+    fn row(&self, row: usize, wanted: Wanted, scratch: &mut Scratch);
+}
+
+/// A grid over the sector, to the horizon.
 pub(crate) fn sector(
     sea: &SeaSurface,
     spacing: &Spacing,
@@ -50,46 +58,68 @@ pub(crate) fn sector(
     wanted: ChannelSet,
 ) -> Mesh {
     let mut spacing = spacing.clone();
-    let (mut radii, mut columns) = polar(sea, &spacing, projector, sector);
+    let (mut radii, mut columns) = rings(sea, &spacing, projector, sector);
     let vertices = radii.len() as f64 * columns as f64;
     if vertices > limit(projector) {
         spacing.coarseness = libm::sqrt(vertices / limit(projector));
-        (radii, columns) = polar(sea, &spacing, projector, sector);
+        (radii, columns) = rings(sea, &spacing, projector, sector);
     }
-    let directions: Vec<(f64, f64)> = (0..=columns)
-        .map(|column| {
-            let part = if sector.closed() && column == columns { 0.0 } else { column as f64 / columns as f64 };
-            libm::sincos(sector.start + sector.width * part)
-        })
-        .collect();
-    let rest = |row: usize, column: usize| {
-        let (sin, cos) = directions[column];
-        [sector.apex[0] + radii[row] * cos, sector.apex[1] + radii[row] * sin]
-    };
-    Rows { sea, projector, columns: columns + 1, rows: radii.len(), closed: sector.closed(), rest }.mesh(wanted)
+    let rows = radii.len();
+    if sector.closed() {
+        let turn = |column: usize| TAU * if column == columns { 0.0 } else { column as f64 / columns as f64 };
+        let directions = (0..=columns).map(|column| libm::sincos(turn(column))).collect();
+        let layout = Disc { sea, projector, center: sector.apex, radii, directions };
+        Rows { sea, projector, columns: columns + 1, rows, layout }.mesh(wanted)
+    } else {
+        let [x, z] = sector.heading;
+        let slope = libm::tan(sector.width / 2.0);
+        let line = move |row: usize| {
+            let (along, across) = (radii[row], radii[row] * slope);
+            let step = 2.0 * across / columns as f64;
+            Line {
+                origin: [sector.apex[0] + x * along + z * across, sector.apex[1] + z * along - x * across],
+                step: [-z * step, x * step],
+                footprint: ahead(sea, projector, along - sector.setback),
+            }
+        };
+        let layout = Across { lines: Lines::new(&sea.frame, columns + 1), columns: columns + 1, line };
+        Rows { sea, projector, columns: columns + 1, rows, layout }.mesh(wanted)
+    }
 }
 
-/// Radii of the rings, and the number of cells in each.
-fn polar(sea: &SeaSurface, spacing: &Spacing, projector: &Projector, sector: &Sector) -> (Vec<f64>, usize) {
+/// Footprint on the line across the view so far ahead of the camera's foot.
+fn ahead(sea: &SeaSurface, projector: &Projector, along: f64) -> f64 {
+    let [x, z] = projector.heading();
+    let eye = projector.position;
+    footprint(projector, DVec3::new(eye.x + x * along, sea.level, eye.z + z * along))
+}
+
+/// Distances of the rows from the apex, and the number of cells in each row.
+fn rings(sea: &SeaSurface, spacing: &Spacing, projector: &Projector, sector: &Sector) -> (Vec<f64>, usize) {
     let height = (projector.position.y - sea.level).abs();
     // The surface may be nearer than its rest level: below a camera among the crests it is the wave that counts.
     let clearance = (height - sea.bounds.rise).max(0.25 * height).max(0.02 * sea.bounds.rise).max(1e-3);
-    let foot = DVec3::new(projector.position.x, sea.level, projector.position.z);
     let [first, last] = sector.radii;
+    // A straight row meets the first ring with its ends.
+    let (first, breadth) = if sector.closed() {
+        (first, TAU)
+    } else {
+        (first * libm::cos(sector.width / 2.0), 2.0 * libm::tan(sector.width / 2.0))
+    };
     let mut radii = vec![first];
-    let mut angle = sector.width / MIN_COLUMNS;
+    let mut cell = breadth / MIN_COLUMNS;
     let mut radius = first;
     while radius < last {
-        // On the wedge's axis a ring is nearest to the camera.
-        let away = (radius - sector.setback).abs();
+        let away = radius - sector.setback;
         let distance = libm::sqrt(away * away + clearance * clearance);
-        let print = footprint(projector, foot + DVec3::X * away);
+        // Of a disc, the direction in which the camera looks is the one that it sees the most of.
+        let print = ahead(sea, projector, away);
         let step = spacing.at(print, projector.pixel_size(distance));
-        angle = angle.min(step / radius.max(sector.setback).max(clearance));
+        cell = cell.min(step / radius.max(sector.setback).max(clearance));
         radius += step.min(GROWTH * distance);
         radii.push(radius.min(last));
     }
-    (radii, (sector.width / angle).ceil() as usize)
+    (radii, (breadth / cell).ceil() as usize)
 }
 
 /// How deep an orthographic view reaches at most, in meters.
@@ -115,12 +145,17 @@ pub(crate) fn strip(
         step *= libm::sqrt(vertices / limit(projector));
     }
     let (columns, rows) = (count(width, step), count(depth, step));
-    let rest = |row: usize, column: usize| {
-        let u = strip.u[0] + width * column as f64 / columns;
+    let line = |row: usize| {
         let v = strip.v[0] + depth * row as f64 / rows;
-        [strip.across[0] * u + strip.along[0] * v, strip.across[1] * u + strip.along[1] * v]
+        Line {
+            origin: [0, 1].map(|axis| strip.across[axis] * strip.u[0] + strip.along[axis] * v),
+            step: strip.across.map(|part| part * width / columns),
+            footprint: print,
+        }
     };
-    Rows { sea, projector, columns: columns as usize + 1, rows: rows as usize + 1, closed: false, rest }.mesh(wanted)
+    let columns = columns as usize + 1;
+    let layout = Across { lines: Lines::new(&sea.frame, columns), columns, line };
+    Rows { sea, projector, columns, rows: rows as usize + 1, layout }.mesh(wanted)
 }
 
 /// Buffers of one thread.
@@ -129,10 +164,60 @@ struct Scratch {
     x: Vec<f64>,
     z: Vec<f64>,
     footprint: Vec<f64>,
+    line: LineScratch,
     fields: Fields,
 }
 
-impl<F: Fn(usize, usize) -> [f64; 2] + Sync> Rows<'_, F> {
+/// Straight rows across the view.
+struct Across<'a, F> {
+    lines: Lines<'a>,
+    columns: usize,
+    line: F,
+}
+
+impl<F: Fn(usize) -> Line + Sync> Layout for Across<'_, F> {
+    const CLOSED: bool = false;
+
+    fn row(&self, row: usize, wanted: Wanted, scratch: &mut Scratch) {
+        let line = (self.line)(row);
+        let Scratch { x, z, line: buffers, fields, .. } = scratch;
+        for (axis, values) in [x, z].into_iter().enumerate() {
+            values.clear();
+            values.extend((0..self.columns).map(|column| line.origin[axis] + column as f64 * line.step[axis]));
+        }
+        self.lines.evaluate(&line, wanted, buffers, fields);
+    }
+}
+
+/// Rings around the camera's foot.
+struct Disc<'a> {
+    sea: &'a SeaSurface,
+    projector: &'a Projector,
+    center: [f64; 2],
+    radii: Vec<f64>,
+    /// Sine and cosine of each column's azimuth.
+    directions: Vec<(f64, f64)>,
+}
+
+impl Layout for Disc<'_> {
+    const CLOSED: bool = true;
+
+    fn row(&self, row: usize, wanted: Wanted, scratch: &mut Scratch) {
+        let Scratch { x, z, footprint: prints, fields, .. } = scratch;
+        x.clear();
+        z.clear();
+        prints.clear();
+        for (sin, cos) in &self.directions {
+            let rest = [self.center[0] + self.radii[row] * cos, self.center[1] + self.radii[row] * sin];
+            x.push(rest[0]);
+            z.push(rest[1]);
+            prints.push(footprint(self.projector, DVec3::new(rest[0], self.sea.level, rest[1])));
+        }
+        self.sea.frame.direct(Points { x, z, footprint: prints }, wanted, fields);
+    }
+}
+
+impl<L: Layout> Rows<'_, L> {
     fn mesh(&self, wanted: ChannelSet) -> Mesh {
         let len = self.columns * self.rows;
         let size = |channels: ChannelSet| if wanted.intersects(channels) { len } else { 0 };
@@ -167,22 +252,13 @@ impl<F: Fn(usize, usize) -> [f64; 2] + Sync> Rows<'_, F> {
 
     fn row(&self, index: usize, row: Row<'_>, scratch: &mut Scratch) {
         let eye = self.projector.position;
-        let Scratch { x, z, footprint: prints, fields } = scratch;
-        x.clear();
-        z.clear();
-        prints.clear();
-        for column in 0..self.columns {
-            let rest = (self.rest)(index, column);
-            x.push(rest[0]);
-            z.push(rest[1]);
-            prints.push(footprint(self.projector, DVec3::new(rest[0], self.sea.level, rest[1])));
-        }
         let wanted = Wanted {
             displacement: true,
             derivatives: !row.normals.is_empty(),
             slope_variance: !row.slope_variances.is_empty(),
         };
-        self.sea.frame.direct(Points { x, z, footprint: prints }, wanted, fields);
+        self.layout.row(index, wanted, scratch);
+        let Scratch { x, z, fields, .. } = scratch;
         let [dx, dy, dz] = &fields.displacement;
         for (column, position) in row.positions.iter_mut().enumerate() {
             *position = [
@@ -201,7 +277,7 @@ impl<F: Fn(usize, usize) -> [f64; 2] + Sync> Rows<'_, F> {
             *rest = [(x[c] - eye.x) as f32, (z[c] - eye.z) as f32];
         }
         row.slope_variances.copy_from_slice(&fields.slope_variance);
-        if self.closed {
+        if L::CLOSED {
             close(row.positions);
             close(row.normals);
             close(row.rests);

@@ -32,12 +32,15 @@ mod folding;
 mod frame;
 mod grid;
 mod kernel;
+mod line;
 mod spectrum;
+mod spread;
 mod wave;
 
 pub use fields::{Fields, Points, Sample, Wanted};
 pub use folding::{FoldOptions, Folding};
 pub use frame::{Sea, SeaFrame};
 pub use grid::Grid;
+pub use line::{Line, LineScratch, Lines};
 pub use spectrum::{Convention, Dispersion, GerstnerSpectrum, MAX_WAVES, SpectrumError};
 pub use wave::{ExplicitWave, GRAVITY, Wave, WaveError, attenuation};
