@@ -139,7 +139,9 @@ impl<F: Fn(usize, usize) -> [f64; 2] + Sync> Rows<'_, F> {
         let mut mesh = Mesh {
             positions: vec![[0.0; 3]; len],
             normals: vec![[0.0; 3]; size(ChannelSet::NORMALS)],
-            rests: vec![[0.0; 2]; size(ChannelSet::RESTS)],
+            rests: vec![[0.0; 2]; size(ChannelSet::RESTS.union(ChannelSet::UV))],
+            rest_heights: Vec::new(),
+            uvs: Vec::new(),
             slope_variances: vec![0.0; size(ChannelSet::of(&[Channel::SlopeVariance]))],
             level: self.sea.level,
             displaced: true,

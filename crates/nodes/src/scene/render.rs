@@ -125,12 +125,15 @@ impl Prepared for Seen {
                     ViewChannel::NormalY => hit.normal.y,
                     ViewChannel::NormalZ => hit.normal.z,
                     ViewChannel::RestX => hit.rest.x,
+                    ViewChannel::RestY => hit.rest.y,
                     ViewChannel::RestZ => hit.rest.z,
                     ViewChannel::Height => hit.height,
                     ViewChannel::RestDistance => hit.rest_distance,
                     ViewChannel::SlopeVariance => hit.slope_variance,
                     ViewChannel::Jacobian => hit.jacobian,
                     ViewChannel::Surface => hit.surface as f64,
+                    ViewChannel::U => hit.uv[0],
+                    ViewChannel::V => hit.uv[1],
                 })
                 .collect(),
         };
