@@ -1,6 +1,6 @@
 //! Render: what a camera sees of surfaces.
 
-use crate::scene_support::SurfaceHandle;
+use crate::scene_support::{Looking, SurfaceHandle};
 use std::cell::RefCell;
 use trochoid_graph::*;
 use trochoid_image::Format;
@@ -84,7 +84,7 @@ thread_local! {
 
 impl Prepared for Seen {
     fn handle(&self) -> Option<Handle> {
-        Some(std::sync::Arc::new(self.camera))
+        Some(std::sync::Arc::new(Looking { camera: self.camera, surfaces: self.surfaces.clone() }))
     }
 
     fn fill(&self, block: &Block, _inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {

@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 
+use super::normal::POINT_EDGE;
 use super::{Bicubic, curve};
 
 /// What is known about the joints of a piecewise surface.
@@ -23,12 +24,20 @@ pub struct Continuity {
     pub greatest_angle: f64,
     /// Edges of one patch alone.
     pub open: usize,
-    /// Edges that are single points.
+    /// Edges that are single points, or all but points, as for normals.
     pub points: usize,
 }
 
 impl std::fmt::Display for Continuity {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let plural = if self.patches == 1 { "patch" } else { "patches" };
+        if self.joints == 0 {
+            return write!(
+                f,
+                "{} {plural} without joints; {} open edges, {} that are points",
+                self.patches, self.open, self.points
+            );
+        }
         let degrees = self.greatest_angle.to_degrees();
         write!(
             f,
@@ -75,7 +84,7 @@ pub fn continuity<'a>(patches: impl IntoIterator<Item = &'a Bicubic>) -> Continu
     for (patch, shape) in patches.iter().enumerate() {
         for edge in 0..4 {
             let [a, b, c, d] = shape.edge(edge);
-            if curve::polygon(&[a, b, c, d]) <= near {
+            if curve::polygon(&[a, b, c, d]) <= near.max(POINT_EDGE * shape.extent()) {
                 report.points += 1;
                 continue;
             }

@@ -30,7 +30,7 @@ const DEGENERATE: f64 = 1e-9;
 /// An edge whose control polygon is shorter than this part of the patch's extent counts as a point for normals.
 ///
 /// The published teapot's lid ends in loops 0.002 wide: seen closely its normals turn over there.
-const POINT_EDGE: f64 = 0.01;
+pub(super) const POINT_EDGE: f64 = 0.01;
 
 impl Bicubic {
     /// Greatest extent of the control points along an axis.
