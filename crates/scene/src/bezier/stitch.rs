@@ -53,7 +53,7 @@ impl Cut {
     /// Triangles between an edge and the inner vertices along it.
     fn join(&self, edge: usize, triangles: &mut Vec<[u32; 3]>) {
         let [columns, rows] = self.inner;
-        let (outer, inner) = (self.edges[edge], if edge % 2 == 0 { columns } else { rows });
+        let (outer, inner) = (self.edges[edge], if edge.is_multiple_of(2) { columns } else { rows });
         let inside = |at: usize| match edge {
             0 => self.inside(at, 1),
             1 => self.inside(columns - 1, at),
