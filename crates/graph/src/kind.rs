@@ -203,6 +203,8 @@ view_channels! {
     NormalZ "normal" 0.0,
     /// World x of the seen particle's rest point, m.
     RestX "rest point" 0.0,
+    /// World y of the rest point, m.
+    RestY "rest point" 0.0,
     /// World z of the rest point, m.
     RestZ "rest point" 0.0,
     /// Height above the surface's rest level, m.
@@ -215,6 +217,10 @@ view_channels! {
     Jacobian "Jacobian" 1.0,
     /// Index of the seen surface in the Render's list; −1 where nothing is seen.
     Surface "surface" -1.0,
+    /// Texture coordinate u; the rest point's x on surfaces without texture coordinates.
+    U "texture coordinates" 0.0,
+    /// Texture coordinate v; the rest point's z on surfaces without texture coordinates.
+    V "texture coordinates" 0.0,
 }
 
 /// A set of view channels.

@@ -22,8 +22,11 @@ pub enum Channel {
     NormalY,
     /// Unit normal, z.
     NormalZ,
-    /// World x of the rest point in meters; 0 where nothing is seen.
+    /// World x of the rest point in meters; 0 where nothing is seen. A sea's rest point lies on its rest level, a
+    /// model's in the model's own space, so that textures stay on it.
     RestX,
+    /// World y of the rest point.
+    RestY,
     /// World z of the rest point.
     RestZ,
     /// Height above the surface's rest level in meters; 0 where nothing is seen.
@@ -37,11 +40,15 @@ pub enum Channel {
     Jacobian,
     /// Index of the surface; −1 where nothing is seen.
     Surface,
+    /// Texture coordinate u; 0 where nothing is seen. Of surfaces without texture coordinates it is the rest point's x.
+    U,
+    /// Texture coordinate v, or the rest point's z.
+    V,
 }
 
 impl Channel {
     /// All channels, in order.
-    pub const ALL: [Self; 15] = [
+    pub const ALL: [Self; 18] = [
         Self::Coverage,
         Self::Depth,
         Self::PositionX,
@@ -51,12 +58,15 @@ impl Channel {
         Self::NormalY,
         Self::NormalZ,
         Self::RestX,
+        Self::RestY,
         Self::RestZ,
         Self::Height,
         Self::RestDistance,
         Self::SlopeVariance,
         Self::Jacobian,
         Self::Surface,
+        Self::U,
+        Self::V,
     ];
 
     /// What the channel holds where nothing is seen.
@@ -72,7 +82,7 @@ impl Channel {
 
 /// A set of channels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
-pub struct ChannelSet(u16);
+pub struct ChannelSet(u32);
 
 impl ChannelSet {
     /// None.
@@ -89,8 +99,10 @@ impl ChannelSet {
     pub(crate) const NORMALS: Self = Self::NORMAL.union(Self::of(&[Channel::Jacobian]));
     /// What a mesh's rest points are needed for.
     pub(crate) const RESTS: Self = Self::REST.union(Self::of(&[Channel::RestDistance]));
-    /// Rest point, two channels.
-    pub const REST: Self = Self::of(&[Channel::RestX, Channel::RestZ]);
+    /// Rest point, three channels.
+    pub const REST: Self = Self::of(&[Channel::RestX, Channel::RestY, Channel::RestZ]);
+    /// Texture coordinates, two channels.
+    pub const UV: Self = Self::of(&[Channel::U, Channel::V]);
     /// Every channel.
     pub const ALL: Self = Self::of(&Channel::ALL);
 

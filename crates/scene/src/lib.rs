@@ -11,6 +11,7 @@
 //! on how the picture is cut into windows nor on the number of threads. [`reference::trace`] answers the same
 //! questions in f64 from the continuous surfaces, without any tessellation.
 
+pub mod bezier;
 mod camera;
 mod channel;
 mod extent;
@@ -24,6 +25,7 @@ pub mod shading;
 mod spacing;
 mod surface;
 mod tessellate;
+mod triangles;
 mod visible;
 
 pub use camera::{Camera, Projection, Projector, Ray};
@@ -33,4 +35,5 @@ pub use glam::DVec3;
 pub use light::{Illumination, Light};
 pub use sea_surface::SeaSurface;
 pub use surface::{Hit, Mesh, Surface, Topology};
+pub use triangles::{MAX_TRIANGLES, TriangleModel, Triangles, TrianglesError};
 pub use visible::{Stats, Visible};

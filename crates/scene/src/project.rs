@@ -156,13 +156,19 @@ impl Layer {
             let blend = |values: [f32; 3]| {
                 values.iter().zip(corner.weights).map(|(&value, weight)| f64::from(value) * weight).sum::<f64>() as f32
             };
-            let Mesh { positions, normals, rests, slope_variances, .. } = &mut self.mesh;
+            let Mesh { positions, normals, rests, rest_heights, uvs, slope_variances, .. } = &mut self.mesh;
             positions.push(std::array::from_fn(|axis| blend(vertices.map(|vertex| positions[vertex][axis]))));
             if !normals.is_empty() {
                 normals.push(std::array::from_fn(|axis| blend(vertices.map(|vertex| normals[vertex][axis]))));
             }
             if !rests.is_empty() {
                 rests.push(std::array::from_fn(|axis| blend(vertices.map(|vertex| rests[vertex][axis]))));
+            }
+            if !rest_heights.is_empty() {
+                rest_heights.push(blend(vertices.map(|vertex| rest_heights[vertex])));
+            }
+            if !uvs.is_empty() {
+                uvs.push(std::array::from_fn(|axis| blend(vertices.map(|vertex| uvs[vertex][axis]))));
             }
             if !slope_variances.is_empty() {
                 slope_variances.push(blend(vertices.map(|vertex| slope_variances[vertex])));

@@ -203,17 +203,32 @@ impl Visible {
             out.set(Channel::NormalY, index, normal.y);
             out.set(Channel::NormalZ, index, normal.z);
         }
-        if wanted.intersects(ChannelSet::RESTS) {
+        if wanted.intersects(ChannelSet::RESTS.union(ChannelSet::UV)) {
             // A surface without rest points rests where it is.
             let rest = if mesh.rests.is_empty() {
                 [offset.x, offset.z]
             } else {
                 [0, 1].map(|axis| blend(vertices.map(|vertex| f64::from(mesh.rests[vertex][axis]))))
             };
-            out.set(Channel::RestX, index, projector.position.x + rest[0]);
-            out.set(Channel::RestZ, index, projector.position.z + rest[1]);
-            let moved = DVec3::new(offset.x - rest[0], height, offset.z - rest[1]);
+            // The level, or how much higher the model's own rest point stands.
+            let risen = if mesh.rest_heights.is_empty() {
+                0.0
+            } else {
+                projector.position.y + blend(vertices.map(|vertex| f64::from(mesh.rest_heights[vertex]))) - mesh.level
+            };
+            let place = [projector.position.x + rest[0], projector.position.z + rest[1]];
+            out.set(Channel::RestX, index, place[0]);
+            out.set(Channel::RestY, index, mesh.level + risen);
+            out.set(Channel::RestZ, index, place[1]);
+            let moved = DVec3::new(offset.x - rest[0], height - risen, offset.z - rest[1]);
             out.set(Channel::RestDistance, index, moved.length());
+            let uv = if mesh.uvs.is_empty() {
+                place
+            } else {
+                [0, 1].map(|axis| blend(vertices.map(|vertex| f64::from(mesh.uvs[vertex][axis]))))
+            };
+            out.set(Channel::U, index, uv[0]);
+            out.set(Channel::V, index, uv[1]);
         }
         if wanted.contains(Channel::SlopeVariance) && !mesh.slope_variances.is_empty() {
             out.set(

@@ -144,5 +144,6 @@ fn hit(sea: &SeaSurface, projector: &Projector, ray: &Ray, distance: f64, rest: 
         rest_distance: (position - rest_point).length(),
         slope_variance,
         jacobian,
+        uv: rest,
     }
 }

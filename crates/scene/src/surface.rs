@@ -42,6 +42,10 @@ pub struct Mesh {
     pub normals: Vec<[f32; 3]>,
     /// Rest points x, z relative to the camera, or empty where they are not wanted.
     pub rests: Vec<[f32; 2]>,
+    /// Rest points y relative to the camera, or empty where they are not wanted or all lie on the rest level.
+    pub rest_heights: Vec<f32>,
+    /// Texture coordinates, or empty where they are not wanted; without them, rest points stand for them.
+    pub uvs: Vec<[f32; 2]>,
     /// Slope variance that the footprint took, or empty where it is not wanted.
     pub slope_variances: Vec<f32>,
     /// World y of the rest level in meters.
@@ -61,6 +65,8 @@ impl Mesh {
             positions: Vec::new(),
             normals: Vec::new(),
             rests: Vec::new(),
+            rest_heights: Vec::new(),
+            uvs: Vec::new(),
             slope_variances: Vec::new(),
             level,
             displaced: false,
@@ -91,7 +97,7 @@ pub struct Hit {
     pub position: DVec3,
     /// Unit normal of the outer side, as in [`Channel::NormalX`](crate::Channel::NormalX).
     pub normal: DVec3,
-    /// Rest point, on the rest level.
+    /// Rest point, as in [`Channel::RestX`](crate::Channel::RestX).
     pub rest: DVec3,
     /// Height above the rest level in meters.
     pub height: f64,
@@ -101,4 +107,6 @@ pub struct Hit {
     pub slope_variance: f64,
     /// Area ratio of displaced and resting surface.
     pub jacobian: f64,
+    /// Texture coordinates, as in [`Channel::U`](crate::Channel::U).
+    pub uv: [f64; 2],
 }

@@ -224,7 +224,9 @@ impl<L: Layout> Rows<'_, L> {
         let mut mesh = Mesh {
             positions: vec![[0.0; 3]; len],
             normals: vec![[0.0; 3]; size(ChannelSet::NORMALS)],
-            rests: vec![[0.0; 2]; size(ChannelSet::RESTS)],
+            rests: vec![[0.0; 2]; size(ChannelSet::RESTS.union(ChannelSet::UV))],
+            rest_heights: Vec::new(),
+            uvs: Vec::new(),
             slope_variances: vec![0.0; size(ChannelSet::of(&[Channel::SlopeVariance]))],
             level: self.sea.level,
             displaced: true,

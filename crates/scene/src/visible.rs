@@ -88,7 +88,8 @@ impl Visible {
             let mesh = &layer.mesh;
             mesh.positions.len() * 12
                 + mesh.normals.len() * 12
-                + mesh.rests.len() * 8
+                + (mesh.rests.len() + mesh.uvs.len()) * 8
+                + mesh.rest_heights.len() * 4
                 + mesh.slope_variances.len() * 4
                 + layer.screen.len() * 12
                 + layer.clipped.len() * 12

@@ -1,6 +1,6 @@
 //! Render: what a camera sees of surfaces.
 
-use crate::scene_support::SurfaceHandle;
+use crate::scene_support::{Looking, SurfaceHandle};
 use std::cell::RefCell;
 use trochoid_graph::*;
 use trochoid_image::Format;
@@ -84,7 +84,7 @@ thread_local! {
 
 impl Prepared for Seen {
     fn handle(&self) -> Option<Handle> {
-        Some(std::sync::Arc::new(self.camera))
+        Some(std::sync::Arc::new(Looking { camera: self.camera, surfaces: self.surfaces.clone() }))
     }
 
     fn fill(&self, block: &Block, _inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
@@ -125,12 +125,15 @@ impl Prepared for Seen {
                     ViewChannel::NormalY => hit.normal.y,
                     ViewChannel::NormalZ => hit.normal.z,
                     ViewChannel::RestX => hit.rest.x,
+                    ViewChannel::RestY => hit.rest.y,
                     ViewChannel::RestZ => hit.rest.z,
                     ViewChannel::Height => hit.height,
                     ViewChannel::RestDistance => hit.rest_distance,
                     ViewChannel::SlopeVariance => hit.slope_variance,
                     ViewChannel::Jacobian => hit.jacobian,
                     ViewChannel::Surface => hit.surface as f64,
+                    ViewChannel::U => hit.uv[0],
+                    ViewChannel::V => hit.uv[1],
                 })
                 .collect(),
         };

@@ -1,6 +1,6 @@
 //! Light directions over a block, and how several lights combine.
 
-use super::{POSITION, view_planes};
+use super::{Looking, POSITION, view_planes};
 use trochoid_graph::{Inputs, NodeError, Prepare, Settled};
 use trochoid_image::Format;
 use trochoid_scene::{Camera, DVec3, Illumination, Light, Projector};
@@ -128,8 +128,12 @@ impl Lights {
 /// # Errors
 /// The view has no camera.
 pub(crate) fn eye(node: &Settled, prepare: &Prepare<'_>, format: Format) -> Result<Projector, NodeError> {
-    let cameras: Vec<Camera> = prepare.handles(node, "view")?;
-    match cameras.first() {
+    let handle = prepare.handle_of(node, "view");
+    // A Render hands on its surfaces too; a view of passes has its camera alone.
+    let camera = handle.as_deref().and_then(|handle| {
+        handle.downcast_ref::<Camera>().or_else(|| handle.downcast_ref::<Looking>().map(|looking| &looking.camera))
+    });
+    match camera {
         Some(camera) => Ok(camera.projector(format)),
         None => Err(NodeError::new("the view has no camera: connect one to it")),
     }

@@ -1,17 +1,28 @@
 //! What camera, lights, Render and passes share.
 
 mod copy;
+mod geometry;
 mod lit;
+mod model;
 
 pub(crate) use copy::ViewCopy;
+pub(crate) use geometry::{FLIP, ROTATE, SCALE, Standing, TRANSLATE, check_scale, placement};
 pub(crate) use lit::{COMBINE, Lights, Vectors3, eye, toward_eye, view_directions};
+pub(crate) use model::{patch, read_model};
 
 use std::sync::Arc;
 use trochoid_graph::{Inputs, Reference, References, Settled, ViewChannel};
-use trochoid_scene::{DVec3, Surface};
+use trochoid_scene::{Camera, DVec3, Surface};
 
 /// What nodes with a Surface as output hand on.
 pub(crate) type SurfaceHandle = Arc<dyn Surface>;
+
+/// What a Render hands on beside its planes.
+pub(crate) struct Looking {
+    pub(crate) camera: Camera,
+    /// What is seen, in the order of [`ViewChannel::Surface`].
+    pub(crate) surfaces: Vec<SurfaceHandle>,
+}
 
 /// A vector knob.
 pub(crate) fn vector(node: &Settled, knob: &str) -> DVec3 {

@@ -1,0 +1,94 @@
+//! InFront: which of two views is nearer.
+
+use trochoid_graph::*;
+
+pub(crate) static NODE: &dyn NodeType = &InFront;
+
+struct InFront;
+
+static DECLARATION: Declaration = Declaration {
+    name: "InFront",
+    end: End::Front,
+    summary: "A mask of where a view's surface is nearer than that of another view.",
+    formula: "1 where d < d', with `soft` (d' − d)/soft + ½ clamped to [0, 1]; d, d': planar depths of `view` and \
+              `other`",
+    edge_cases: "0 where `view` sees nothing; 1 where only `other` sees nothing. Equal depths: 0, with `soft` ½.",
+    source: "Z compositing: Duff, Compositing 3-D Rendered Images, 1985.",
+    items: &[
+        Port::one("view", Accepts::View, "What may be in front."),
+        Port::one("other", Accepts::View, "What it may be in front of."),
+        Knob::number("soft", 0.0, 0.0, 1e6, "Depth over which one view gives way to the other.").unit("m").item(),
+    ],
+    outputs: &[Output::new("mask", Kind::MASK, "1 where `view` is in front.")],
+    revision: 1,
+};
+
+impl NodeType for InFront {
+    fn declaration(&self) -> &'static Declaration {
+        &DECLARATION
+    }
+
+    fn body(&self) -> Body<'_> {
+        Body::Stage(self)
+    }
+}
+
+impl Stage for InFront {
+    fn asks(&self, _node: &Settled, _wanted: &[bool]) -> ChannelSet {
+        ViewChannel::Depth.into()
+    }
+
+    fn prepare(&self, node: &Settled, _prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
+        Ok(Box::new(Compared { node: node.clone(), soft: node.number("soft") }))
+    }
+}
+
+struct Compared {
+    node: Settled,
+    soft: f64,
+}
+
+/// The mask in f64; depths are exact in it.
+fn mask(depth: f64, other: f64, soft: f64) -> f64 {
+    if depth == f64::INFINITY {
+        0.0
+    } else if soft == 0.0 || other == f64::INFINITY {
+        f64::from(u8::from(depth < other))
+    } else {
+        ((other - depth) / soft + 0.5).clamp(0.0, 1.0)
+    }
+}
+
+impl Prepared for Compared {
+    fn fill(&self, _block: &Block, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
+        let Some(out) = outputs.take(0, 0) else { return Ok(()) };
+        let [depth, other] = ["view", "other"].map(|port| inputs.view(port, ViewChannel::Depth));
+        for ((out, depth), other) in out.iter_mut().zip(depth).zip(other) {
+            *out = mask(f64::from(*depth), f64::from(*other), self.soft) as f32;
+        }
+        Ok(())
+    }
+
+    fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
+        let [depth, other] = ["view", "other"].map(|port| inputs.view(self.node.source(port), ViewChannel::Depth));
+        Ok(vec![Reference::Mask(mask(depth, other, self.soft))])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::mask;
+
+    #[test]
+    fn nothing_is_behind_everything() {
+        let nothing = f64::INFINITY;
+        for soft in [0.0, 2.0] {
+            assert_eq!(
+                (mask(nothing, nothing, soft), mask(nothing, 5.0, soft), mask(5.0, nothing, soft)),
+                (0.0, 0.0, 1.0)
+            );
+            assert_eq!((mask(1.0, 5.0, soft), mask(5.0, 1.0, soft)), (1.0, 0.0));
+        }
+        assert_eq!((mask(5.0, 5.0, 0.0), mask(5.0, 5.0, 2.0), mask(5.0, 5.5, 2.0)), (0.0, 0.5, 0.75));
+    }
+}

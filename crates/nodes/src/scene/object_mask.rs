@@ -1,0 +1,117 @@
+//! ObjectMask: which object is seen.
+
+use crate::scene_support::{Looking, SurfaceHandle};
+use std::sync::Arc;
+use trochoid_graph::*;
+
+pub(crate) static NODE: &dyn NodeType = &ObjectMask;
+
+struct ObjectMask;
+
+static DECLARATION: Declaration = Declaration {
+    name: "ObjectMask",
+    end: End::Front,
+    summary: "A mask of chosen surfaces: 1 where one of them is seen.",
+    formula: "1 where the seen surface is one of `surfaces`, or stands at one of `indices` in the Render's list",
+    edge_cases: "0 where nothing is seen, and everywhere for surfaces that the view does not hold.",
+    source: "The field's object identity pass (cryptomattes of one level).",
+    items: &[
+        Port::one("view", Accepts::View, "What is seen."),
+        Port::many("surfaces", Accepts::Surface, 0, 64, "The chosen surfaces, by the names of their nodes."),
+        Knob::numbers("indices", 1, 64, "Chosen surfaces by their place in the Render's list, from 0.")
+            .optional()
+            .item(),
+    ],
+    outputs: &[Output::new("mask", Kind::MASK, "1 where a chosen surface is seen.")],
+    revision: 1,
+};
+
+impl NodeType for ObjectMask {
+    fn declaration(&self) -> &'static Declaration {
+        &DECLARATION
+    }
+
+    fn check(&self, node: &Settled, check: &mut Check<'_>) {
+        let indices = node.numbers("indices");
+        if node.all("surfaces").is_empty() && indices.is_empty() {
+            check.error("surfaces", "no surface", "at least one", "name the surface's node, or set \"indices\"");
+        }
+        if let Some(index) = indices.iter().find(|index| index.fract() != 0.0 || !(0.0..64.0).contains(*index)) {
+            check.error("indices", index.to_string(), "whole numbers from 0 to 63", "write the place in the list");
+        }
+    }
+
+    fn body(&self) -> Body<'_> {
+        Body::Stage(self)
+    }
+}
+
+impl Stage for ObjectMask {
+    fn asks(&self, _node: &Settled, _wanted: &[bool]) -> ChannelSet {
+        ViewChannel::Surface.into()
+    }
+
+    fn prepare(&self, node: &Settled, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
+        let chosen: Vec<SurfaceHandle> = prepare.handles(node, "surfaces")?;
+        let mut indices: Vec<f32> = node.numbers("indices").iter().map(|index| *index as f32).collect();
+        if !chosen.is_empty() {
+            let handle = prepare.handle_of(node, "view");
+            let Some(view) = handle.as_deref().and_then(|handle| handle.downcast_ref::<Looking>()) else {
+                return Err(NodeError::new("the view does not know its surfaces: use \"indices\", or view a Render"));
+            };
+            let held = view.surfaces.iter().enumerate();
+            indices.extend(
+                held.filter(|(_, held)| chosen.iter().any(|chosen| Arc::ptr_eq(chosen, held)))
+                    .map(|(index, _)| index as f32),
+            );
+        }
+        Ok(Box::new(Chosen { node: node.clone(), indices }))
+    }
+}
+
+struct Chosen {
+    node: Settled,
+    indices: Vec<f32>,
+}
+
+impl Chosen {
+    fn mask(&self, surface: f32) -> f32 {
+        if self.indices.contains(&surface) { 1.0 } else { 0.0 }
+    }
+}
+
+impl Prepared for Chosen {
+    fn fill(&self, _block: &Block, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
+        let Some(mask) = outputs.take(0, 0) else { return Ok(()) };
+        for (mask, surface) in mask.iter_mut().zip(inputs.view("view", ViewChannel::Surface)) {
+            *mask = self.mask(*surface);
+        }
+        Ok(())
+    }
+
+    fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
+        let surface = inputs.view(self.node.source("view"), ViewChannel::Surface);
+        Ok(vec![Reference::Mask(f64::from(self.mask(surface as f32)))])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::testing::refused;
+
+    #[test]
+    fn nothing_chosen_and_no_places_are_refused() {
+        let nodes = |knobs: &str| {
+            format!(
+                r#""c": {{ "type": "Camera" }}, "s": {{ "type": "BezierModel", "model": "a.json" }},
+                "v": {{ "type": "Render", "camera": "c", "surfaces": ["s"] }},
+                "out": {{ "type": "ObjectMask", "view": "v" {knobs} }}"#
+            )
+        };
+        assert!(refused("weights", &nodes("")).contains("no surface"));
+        for index in ["0.5", "-1", "64"] {
+            let faults = refused("weights", &nodes(&format!(r#", "indices": [{index}]"#)));
+            assert!(faults.contains("whole numbers"), "{faults}");
+        }
+    }
+}

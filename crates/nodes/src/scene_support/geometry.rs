@@ -1,0 +1,48 @@
+//! Knobs of surfaces that stand in the world, and what they hand on.
+
+use super::{SurfaceHandle, vector};
+use std::sync::Arc;
+use trochoid_graph::{Check, Handle, Item, Knob, NodeError, Prepared, Reference, References, Settled};
+use trochoid_scene::bezier::Placement;
+use trochoid_scene::{DVec3, Surface};
+
+pub(crate) const SCALE: Item =
+    Knob::vector("scale", &[1.0, 1.0, 1.0], "Factors along the model's own axes; first of all.").item();
+pub(crate) const ROTATE: Item =
+    Knob::vector("rotate", &[0.0, 0.0, 0.0], "Turns about x, then y, then z.").unit("degrees").item();
+pub(crate) const TRANSLATE: Item =
+    Knob::vector("translate", &[0.0, 0.0, 0.0], "Where the model's origin comes to stand.").unit("m").item();
+pub(crate) const FLIP: Item = Knob::bool("flip", false, "Takes the other side for the outer one.").item();
+
+/// What the knobs say.
+pub(crate) fn placement(node: &Settled) -> Placement {
+    let rotate = node.vector3("rotate").map(f64::to_radians);
+    Placement { scale: vector(node, "scale"), rotate: DVec3::from(rotate), translate: vector(node, "translate") }
+}
+
+/// Reports a scale that leaves no surface.
+pub(crate) fn check_scale(node: &Settled, check: &mut Check<'_>) {
+    let scale = node.vector3("scale");
+    if scale.contains(&0.0) {
+        check.error("scale", format!("{scale:?}"), "factors other than 0", "write a small factor to make a model flat");
+    }
+}
+
+/// A surface at one frame.
+pub(crate) struct Standing(SurfaceHandle);
+
+impl Standing {
+    pub(crate) fn new(surface: impl Surface + 'static) -> Self {
+        Self(Arc::new(surface))
+    }
+}
+
+impl Prepared for Standing {
+    fn handle(&self) -> Option<Handle> {
+        Some(Arc::new(self.0.clone()))
+    }
+
+    fn reference(&self, _inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
+        Ok(vec![Reference::Handle(Arc::new(self.0.clone()))])
+    }
+}

@@ -1,0 +1,164 @@
+//! How smoothly patches join.
+
+use glam::DVec3;
+
+use super::normal::POINT_EDGE;
+use super::{Bicubic, curve};
+
+/// What is known about the joints of a piecewise surface.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Continuity {
+    /// Patches.
+    pub patches: usize,
+    /// Edges that two patches share, gaps within the tolerance included.
+    pub joints: usize,
+    /// Joints whose curves are the same to the bit: C0 without a crack.
+    pub exact: usize,
+    /// Widest gap of a joint in meters.
+    pub widest_gap: f64,
+    /// Joints whose normals differ by at most 0.1 degrees: G1.
+    pub smooth: usize,
+    /// Joints whose handles are equal and opposite, to 1e-9 of the patches' size: C1.
+    pub equal_handles: usize,
+    /// Greatest angle of normals across a joint in radians.
+    pub greatest_angle: f64,
+    /// Edges of one patch alone.
+    pub open: usize,
+    /// Edges that are single points, or all but points, as for normals.
+    pub points: usize,
+}
+
+impl std::fmt::Display for Continuity {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let plural = if self.patches == 1 { "patch" } else { "patches" };
+        if self.joints == 0 {
+            return write!(
+                f,
+                "{} {plural} without joints; {} open edges, {} that are points",
+                self.patches, self.open, self.points
+            );
+        }
+        let degrees = self.greatest_angle.to_degrees();
+        write!(
+            f,
+            "{} patches, {} joints: {} without any gap (the widest gap is {:.3e} m), {} smooth within 0.1 degrees \
+             (the sharpest turns by {degrees:.2} degrees), {} with equal and opposite handles; {} open edges, {} that \
+             are points",
+            self.patches,
+            self.joints,
+            self.exact,
+            self.widest_gap,
+            self.smooth,
+            self.equal_handles,
+            self.open,
+            self.points
+        )
+    }
+}
+
+/// Places along a joint at which gap and angle are measured.
+const SAMPLES: usize = 17;
+/// Ends of edges that are nearer than this part of the model's size may be one joint.
+const NEAR: f64 = 1e-4;
+/// A direction that no model is aligned with: ends that are near are near along it.
+const ODD: DVec3 = DVec3::new(0.578_125, 0.619_140_625, 0.531_25);
+
+/// An edge of a patch, from one of its two ends.
+struct End {
+    key: f64,
+    patch: usize,
+    edge: usize,
+    reversed: bool,
+    curve: [DVec3; 4],
+}
+
+/// Measures every joint. Each edge is joined to at most one other, the first that runs between the same ends.
+pub fn continuity<'a>(patches: impl IntoIterator<Item = &'a Bicubic>) -> Continuity {
+    let patches: Vec<&Bicubic> = patches.into_iter().collect();
+    let mut report = Continuity { patches: patches.len(), ..Continuity::default() };
+    let Some(first) = patches.first() else { return report };
+    let (low, high) =
+        patches.iter().map(|patch| patch.bounds()).fold(first.bounds(), |a, b| (a.0.min(b.0), a.1.max(b.1)));
+    let near = NEAR * (high - low).max_element();
+    let mut ends = Vec::new();
+    for (patch, shape) in patches.iter().enumerate() {
+        for edge in 0..4 {
+            let [a, b, c, d] = shape.edge(edge);
+            if curve::polygon(&[a, b, c, d]) <= near.max(POINT_EDGE * shape.extent()) {
+                report.points += 1;
+                continue;
+            }
+            ends.push(End { key: a.dot(ODD), patch, edge, reversed: false, curve: [a, b, c, d] });
+            ends.push(End { key: d.dot(ODD), patch, edge, reversed: true, curve: [d, c, b, a] });
+        }
+    }
+    ends.sort_by(|a, b| a.key.total_cmp(&b.key));
+    let mut joined = vec![false; 4 * patches.len()];
+    for end in ends.iter().filter(|end| !end.reversed) {
+        let own = 4 * end.patch + end.edge;
+        if joined[own] {
+            continue;
+        }
+        let start = ends.partition_point(|other| other.key < end.key - near);
+        let other = ends[start..].iter().take_while(|other| other.key <= end.key + near).find(|other| {
+            let theirs = 4 * other.patch + other.edge;
+            theirs != own
+                && !joined[theirs]
+                && end.curve[0].distance(other.curve[0]) <= near
+                && end.curve[3].distance(other.curve[3]) <= near
+                && curve::point(end.curve, 0.5).distance(curve::point(other.curve, 0.5)) <= 10.0 * near
+        });
+        let Some(other) = other else {
+            report.open += 1;
+            continue;
+        };
+        joined[own] = true;
+        joined[4 * other.patch + other.edge] = true;
+        measure(&patches, end, other, &mut report);
+    }
+    report
+}
+
+fn measure(patches: &[&Bicubic], a: &End, b: &End, report: &mut Continuity) {
+    report.joints += 1;
+    report.exact += usize::from(a.curve == b.curve);
+    let (shape_a, shape_b) = (patches[a.patch].for_normals(), patches[b.patch].for_normals());
+    let mut sharpest: f64 = 0.0;
+    for sample in 0..SAMPLES {
+        let t = sample as f64 / (SAMPLES - 1) as f64;
+        let gap = curve::point(a.curve, t).distance(curve::point(b.curve, t));
+        report.widest_gap = report.widest_gap.max(gap);
+        let normals = [(&shape_a, a), (&shape_b, b)].map(|(shape, end)| {
+            let [u, v] = place(end, t);
+            shape.normal(u, v).vector()
+        });
+        // Of patches that run the same way along the joint, one stands on its head.
+        let facing = if a.reversed == b.reversed { -1.0 } else { 1.0 };
+        let angle = libm::atan2(normals[0].cross(normals[1]).length(), facing * normals[0].dot(normals[1]));
+        sharpest = sharpest.max(angle);
+    }
+    report.greatest_angle = report.greatest_angle.max(sharpest);
+    report.smooth += usize::from(sharpest <= 0.1_f64.to_radians());
+    let size = shape_a.extent().max(shape_b.extent());
+    let handles = |shape: &Bicubic, end: &End| {
+        let mut handles: [DVec3; 4] = std::array::from_fn(|i| match end.edge {
+            0 => shape.points[4 + i] - shape.points[i],
+            1 => shape.points[4 * i + 2] - shape.points[4 * i + 3],
+            2 => shape.points[11 - i] - shape.points[15 - i],
+            _ => shape.points[13 - 4 * i] - shape.points[12 - 4 * i],
+        });
+        if end.reversed {
+            handles.reverse();
+        }
+        handles
+    };
+    let pairs = handles(patches[a.patch], a).into_iter().zip(handles(patches[b.patch], b));
+    let opposite = pairs.map(|(p, q)| (p + q).length()).fold(0.0, f64::max) <= 1e-9 * size;
+    report.equal_handles += usize::from(opposite);
+}
+
+/// (u, v) at `t` along an edge.
+fn place(end: &End, t: f64) -> [f64; 2] {
+    let t = if end.reversed { 1.0 - t } else { t };
+    [[t, 0.0], [1.0, t], [1.0 - t, 1.0], [0.0, 1.0 - t]][end.edge]
+}

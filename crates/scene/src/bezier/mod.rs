@@ -1,0 +1,25 @@
+//! Bilinear and bicubic Bézier patches, and the surfaces that are pieced together from them.
+//!
+//! Control points run row by row, u fastest: point `4·j + i` of a bicubic patch stands at column i (u) and row j (v).
+//! The normal is ∂P/∂u × ∂P/∂v, and the side that it stands on is the outer one.
+//!
+//! After CSE 167, *Toon Shading and Surface Patches*, and G. Farin, *Curves and Surfaces for CAGD*, 2002.
+
+mod bicubic;
+mod bilinear;
+mod continuity;
+mod curve;
+mod edge;
+mod model;
+mod normal;
+mod stitch;
+mod tessellate;
+mod through;
+mod trace;
+
+pub use bicubic::Bicubic;
+pub use bilinear::Bilinear;
+pub use continuity::{Continuity, continuity};
+pub use model::{MAX_PATCHES, MAX_SEGMENTS, Patch, PatchModel, Placement, Tessellation};
+pub use normal::UnitNormal;
+pub use through::{MAX_RAIL_POINTS, Rails, RailsError};

@@ -1,0 +1,146 @@
+//! Models of patches, placed in the world.
+
+use glam::DVec3;
+
+use super::{Bicubic, tessellate, trace};
+use crate::surface::{Hit, Mesh, Surface};
+use crate::{ChannelSet, Projector, Ray};
+
+/// Most patches of one model.
+pub const MAX_PATCHES: usize = 1 << 16;
+/// Most straight pieces of a patch's edge.
+pub const MAX_SEGMENTS: usize = 256;
+
+/// A patch with its texture coordinates.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Patch {
+    /// Its control points.
+    pub shape: Bicubic,
+    /// Texture coordinates at (u, v) = (0, 0) and (1, 1).
+    pub uv: [[f64; 2]; 2],
+}
+
+impl Patch {
+    /// A patch whose texture coordinates are its u and v.
+    pub fn new(shape: Bicubic) -> Self {
+        Self { shape, uv: [[0.0; 2], [1.0; 2]] }
+    }
+}
+
+/// Where a model stands: scaled, then turned about x, then y, then z, then moved.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Placement {
+    /// Factors along the model's own axes.
+    pub scale: DVec3,
+    /// Angles about x, y and z in radians, in this order.
+    pub rotate: DVec3,
+    /// Where the model's origin comes to stand, in meters.
+    pub translate: DVec3,
+}
+
+impl Default for Placement {
+    fn default() -> Self {
+        Self { scale: DVec3::ONE, rotate: DVec3::ZERO, translate: DVec3::ZERO }
+    }
+}
+
+impl Placement {
+    /// A point of the model in the world.
+    pub fn apply(&self, point: DVec3) -> DVec3 {
+        let point = point * self.scale;
+        let turn = |a: f64, b: f64, angle: f64| {
+            let (sin, cos) = libm::sincos(angle);
+            (a * cos - b * sin, a * sin + b * cos)
+        };
+        let (y, z) = turn(point.y, point.z, self.rotate.x);
+        let (z, x) = turn(z, point.x, self.rotate.y);
+        let (x, y) = turn(x, y, self.rotate.z);
+        // −0 and 0 are one place, so that edges which neighbors share have the same bits.
+        DVec3::new(x, y, z) + self.translate + DVec3::ZERO
+    }
+
+    /// Whether it turns shapes into their mirror images.
+    pub fn mirrors(&self) -> bool {
+        self.scale.x * self.scale.y * self.scale.z < 0.0
+    }
+}
+
+/// How patches become triangles.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Tessellation {
+    /// As many as the picture needs: facets stand off the surface by at most `tolerance` pixels, more than 0.
+    Adaptive {
+        /// Greatest distance in pixels.
+        tolerance: f64,
+    },
+    /// As many on every edge, up to [`MAX_SEGMENTS`].
+    Uniform {
+        /// Pieces of each edge.
+        segments: u32,
+    },
+}
+
+/// A patch in the world.
+#[derive(Clone, Debug)]
+pub(super) struct Placed {
+    pub(super) shape: Bicubic,
+    /// What normals are taken from.
+    pub(super) for_normals: Bicubic,
+    /// The patch in the model's own space.
+    pub(super) rest: Bicubic,
+    uv: [[f64; 2]; 2],
+}
+
+impl Placed {
+    /// Texture coordinates at (u, v).
+    pub(super) fn uv(&self, place: [f64; 2]) -> [f64; 2] {
+        [0, 1].map(|axis| self.uv[0][axis] + (self.uv[1][axis] - self.uv[0][axis]) * place[axis])
+    }
+}
+
+/// A surface of Bézier patches.
+///
+/// Rest points are those of the model's own space, before it is placed, so that textures stay on it. Patches are seen
+/// from both sides; the outer side is that of ∂P/∂u × ∂P/∂v in the model, also where the placement mirrors it.
+#[derive(Clone, Debug)]
+pub struct PatchModel {
+    pub(super) placed: Vec<Placed>,
+    pub(super) tessellation: Tessellation,
+    /// Whether the normal of the control points as placed stands on the inner side.
+    pub(super) turned: bool,
+    pub(super) level: f64,
+}
+
+impl PatchModel {
+    /// Places patches; with `flip` the other side is the outer one. Heights are measured from world y = 0.
+    pub fn new(patches: &[Patch], placement: Placement, flip: bool, tessellation: Tessellation) -> Self {
+        let placed = patches
+            .iter()
+            .map(|patch| {
+                let shape = patch.shape.map(|point| placement.apply(point));
+                Placed { shape, for_normals: shape.for_normals(), rest: patch.shape, uv: patch.uv }
+            })
+            .collect();
+        Self { placed, tessellation, turned: placement.mirrors() != flip, level: 0.0 }
+    }
+
+    /// The patches in the world.
+    pub fn shapes(&self) -> impl Iterator<Item = &Bicubic> {
+        self.placed.iter().map(|placed| &placed.shape)
+    }
+
+    /// Vertices without any normal, which point up, of the mesh for a camera.
+    pub fn without_normal(&self, projector: &Projector) -> usize {
+        tessellate::mesh(self, projector, ChannelSet::NORMAL).1
+    }
+}
+
+impl Surface for PatchModel {
+    fn tessellate(&self, projector: &Projector, wanted: ChannelSet) -> Mesh {
+        tessellate::mesh(self, projector, wanted).0
+    }
+
+    fn trace(&self, projector: &Projector, ray: &Ray) -> Option<Hit> {
+        trace::trace(self, projector, ray)
+    }
+}

@@ -1,0 +1,151 @@
+//! Patches as triangles for one camera.
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::edge::{Scale, Shared, whole};
+use super::model::{Placed, Tessellation};
+use super::stitch::Cut;
+use super::{Bicubic, PatchModel};
+use crate::surface::{Mesh, Topology};
+use crate::{ChannelSet, Projector};
+
+/// Most vertices of one model; beyond it vertices move apart.
+const MAX_VERTICES: f64 = 4e6;
+
+/// The mesh of a model, and how many of its vertices have no normal.
+pub(super) fn mesh(model: &PatchModel, projector: &Projector, wanted: ChannelSet) -> (Mesh, usize) {
+    let seen: Vec<&Placed> = model.placed.iter().filter(|placed| !outside(projector, &placed.shape.points)).collect();
+    let cut = |tolerance: f64| -> Vec<Cut> {
+        let scale = Scale { projector, tolerance };
+        seen.par_iter().map(|placed| plan(&placed.shape, model.tessellation, &scale)).collect()
+    };
+    let count = |cuts: &[Cut]| cuts.iter().map(Cut::vertices).sum::<usize>() as f64;
+    let tolerance = match model.tessellation {
+        Tessellation::Adaptive { tolerance } => tolerance,
+        Tessellation::Uniform { .. } => 1.0,
+    };
+    let mut cuts = cut(tolerance);
+    if let Tessellation::Adaptive { .. } = model.tessellation {
+        // Vertices are inverse to the tolerance, but for rounding up.
+        let mut coarse = tolerance;
+        while count(&cuts) > MAX_VERTICES && coarse < 1e6 {
+            coarse *= (count(&cuts) / MAX_VERTICES).max(1.25);
+            cuts = cut(coarse);
+        }
+    }
+    let parts: Vec<Part> =
+        seen.par_iter().zip(&cuts).map(|(placed, cut)| part(placed, cut, projector, wanted)).collect();
+    let mut mesh = Mesh::empty(model.level);
+    let mut triangles = Vec::with_capacity(parts.iter().map(|part| part.triangles.len()).sum());
+    let mut without = 0;
+    for part in parts {
+        let first = mesh.positions.len() as u32;
+        let number = |[a, b, c]: [u32; 3]| {
+            if model.turned { [a + first, c + first, b + first] } else { [a + first, b + first, c + first] }
+        };
+        triangles.extend(part.triangles.into_iter().map(number));
+        mesh.positions.extend(part.positions);
+        mesh.normals.extend(part.normals.iter().map(|normal| if model.turned { normal.map(|n| -n) } else { *normal }));
+        mesh.rests.extend(part.rests.iter().map(|rest| [rest[0], rest[2]]));
+        mesh.rest_heights.extend(part.rests.iter().map(|rest| rest[1]));
+        mesh.uvs.extend(part.uvs);
+        without += part.without;
+    }
+    mesh.topology = Topology::Triangles(triangles);
+    (mesh, without)
+}
+
+/// How to cut one patch.
+fn plan(shape: &Bicubic, tessellation: Tessellation, scale: &Scale<'_>) -> Cut {
+    if let Tessellation::Uniform { segments } = tessellation {
+        let segments = whole(f64::from(segments));
+        return Cut { edges: [segments; 4], inner: [segments.max(2); 2] };
+    }
+    let edges = std::array::from_fn(|edge| Shared::new(shape.edge(edge)).segments(scale));
+    // A triangle over steps h and k stands off by up to (h²·Puu + 2hk·Puv + k²·Pvv)/8; each term gets a third.
+    let difference = |a: usize, b: usize| shape.points[b] - shape.points[a];
+    let second = |stride: usize, starts: [usize; 8]| {
+        let ends = starts.map(|s| (difference(s + stride, s + 2 * stride) - difference(s, s + stride)).length());
+        6.0 * ends.into_iter().fold(0.0, f64::max)
+    };
+    let (uu, vv) = (second(1, [0, 1, 4, 5, 8, 9, 12, 13]), second(4, [0, 1, 2, 3, 4, 5, 6, 7]));
+    let twist = (0..9).map(|cell| {
+        let corner = cell / 3 * 4 + cell % 3;
+        (difference(corner + 4, corner + 5) - difference(corner, corner + 1)).length()
+    });
+    let uv = 9.0 * twist.fold(0.0, f64::max);
+    let pixels = scale.pixels_per_meter(&shape.points) / scale.tolerance;
+    let [mut across, mut along] = [uu, vv].map(|bend| libm::sqrt(3.0 * bend * pixels / 8.0).max(2.0));
+    let least = 0.75 * uv * pixels;
+    if across * along < least {
+        let grow = libm::sqrt(least / (across * along));
+        (across, along) = (across * grow, along * grow);
+    }
+    Cut { edges, inner: [whole(across).max(2), whole(along).max(2)] }
+}
+
+/// Whether all points lie beyond one side of the view.
+fn outside(projector: &Projector, points: &[DVec3]) -> bool {
+    let half = projector.size.map(|size| 0.5 * size / projector.scale);
+    let beyond = |side: &dyn Fn([f64; 3], f64) -> bool| {
+        points.iter().all(|point| {
+            let offset = *point - projector.position;
+            let view = [offset.dot(projector.right), offset.dot(projector.up), offset.dot(projector.forward)];
+            side(view, if projector.orthographic { 1.0 } else { view[2] })
+        })
+    };
+    beyond(&|view, _| view[2] < 0.0)
+        || beyond(&|view, depth| view[0] < -half[0] * depth)
+        || beyond(&|view, depth| view[0] > half[0] * depth)
+        || beyond(&|view, depth| view[1] < -half[1] * depth)
+        || beyond(&|view, depth| view[1] > half[1] * depth)
+}
+
+/// Triangles of one patch.
+struct Part {
+    positions: Vec<[f32; 3]>,
+    normals: Vec<[f32; 3]>,
+    rests: Vec<[f32; 3]>,
+    uvs: Vec<[f32; 2]>,
+    triangles: Vec<[u32; 3]>,
+    /// Vertices without a normal.
+    without: usize,
+}
+
+fn part(placed: &Placed, cut: &Cut, projector: &Projector, wanted: ChannelSet) -> Part {
+    let mut points = Vec::with_capacity(cut.vertices());
+    let mut places = Vec::with_capacity(cut.vertices());
+    for (edge, &count) in cut.edges.iter().enumerate() {
+        let shared = Shared::new(placed.shape.edge(edge));
+        for index in 0..count {
+            points.push(shared.point(index, count));
+            let t = index as f64 / count as f64;
+            places.push([[t, 0.0], [1.0, t], [1.0 - t, 1.0], [0.0, 1.0 - t]][edge]);
+        }
+    }
+    places.extend(cut.inner_points());
+    points.extend(cut.inner_points().map(|[u, v]| placed.shape.evaluate(u, v)));
+    let relative = |point: DVec3| (point - projector.position).as_vec3().to_array();
+    let mut without = 0;
+    let mut normals = Vec::new();
+    if wanted.intersects(ChannelSet::NORMALS) {
+        normals.extend(places.iter().map(|[u, v]| {
+            let normal = placed.for_normals.normal(*u, *v);
+            without += usize::from(normal == super::UnitNormal::None);
+            normal.vector().as_vec3().to_array()
+        }));
+    }
+    let rests = if wanted.intersects(ChannelSet::RESTS) {
+        places.iter().map(|[u, v]| relative(placed.rest.evaluate(*u, *v))).collect()
+    } else {
+        Vec::new()
+    };
+    let uvs = if wanted.intersects(ChannelSet::UV) {
+        places.iter().map(|place| placed.uv(*place).map(|part| part as f32)).collect()
+    } else {
+        Vec::new()
+    };
+    let positions = points.into_iter().map(relative).collect();
+    Part { positions, normals, rests, uvs, triangles: cut.triangles(), without }
+}

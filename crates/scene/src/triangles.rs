@@ -1,0 +1,247 @@
+//! Triangle meshes as surfaces, such as files hold.
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use crate::bezier::Placement;
+use crate::surface::{Hit, Mesh, Surface, Topology};
+use crate::{ChannelSet, Projector, Ray};
+
+/// Most triangles, and most vertices, of one mesh.
+pub const MAX_TRIANGLES: usize = 1 << 24;
+
+/// A mesh in its own space.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Triangles {
+    /// Vertices.
+    pub positions: Vec<DVec3>,
+    /// A normal of any length for each vertex, or none at all: then each vertex gets the mean of its triangles'
+    /// normals, weighted by their areas.
+    pub normals: Vec<DVec3>,
+    /// Texture coordinates for each vertex, or none at all.
+    pub uvs: Vec<[f64; 2]>,
+    /// Three vertices for each triangle, counterclockwise seen from the outer side.
+    pub triangles: Vec<[u32; 3]>,
+}
+
+/// Why arrays make no mesh.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum TrianglesError {
+    /// Triangle `triangle` names vertex `vertex` of `vertices`.
+    Vertex {
+        /// Index of the triangle.
+        triangle: usize,
+        /// The vertex that it names.
+        vertex: u32,
+        /// Number of vertices.
+        vertices: usize,
+    },
+    /// So many normals or texture coordinates for so many vertices.
+    Counts {
+        /// Which array.
+        what: &'static str,
+        /// Its length.
+        found: usize,
+        /// Number of vertices.
+        vertices: usize,
+    },
+    /// Vertex `vertex` is not finite, or beyond 1e15.
+    NotFinite {
+        /// Index of the vertex.
+        vertex: usize,
+        /// Which array.
+        what: &'static str,
+    },
+    /// So many triangles or vertices, more than [`MAX_TRIANGLES`].
+    TooMany(usize),
+}
+
+impl std::fmt::Display for TrianglesError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Vertex { triangle, vertex, vertices } => {
+                write!(f, "triangle {triangle} names vertex {vertex}, but there are {vertices} vertices")
+            }
+            Self::Counts { what, found, vertices } => {
+                write!(f, "{found} {what} for {vertices} vertices; expected one for each vertex, or none")
+            }
+            Self::NotFinite { vertex, what } => {
+                write!(f, "the {what} of vertex {vertex} holds a number that is not finite or beyond 1e15")
+            }
+            Self::TooMany(found) => write!(f, "{found} triangles or vertices; at most {MAX_TRIANGLES} are taken"),
+        }
+    }
+}
+
+impl std::error::Error for TrianglesError {}
+
+impl Triangles {
+    /// Whether the arrays fit each other.
+    ///
+    /// # Errors
+    /// They do not: which, and where.
+    pub fn check(&self) -> Result<(), TrianglesError> {
+        let vertices = self.positions.len();
+        let most = vertices.max(self.triangles.len());
+        if most > MAX_TRIANGLES {
+            return Err(TrianglesError::TooMany(most));
+        }
+        for (what, found) in [("normals", self.normals.len()), ("texture coordinates", self.uvs.len())] {
+            if found != 0 && found != vertices {
+                return Err(TrianglesError::Counts { what, found, vertices });
+            }
+        }
+        for (triangle, corners) in self.triangles.iter().enumerate() {
+            if let Some(&vertex) = corners.iter().find(|vertex| **vertex as usize >= vertices) {
+                return Err(TrianglesError::Vertex { triangle, vertex, vertices });
+            }
+        }
+        let legal = |value: f64| value.abs() <= 1e15;
+        let vectors = |what, vectors: &[DVec3]| {
+            let at = vectors.iter().position(|vector| !vector.to_array().into_iter().all(legal));
+            at.map_or(Ok(()), |vertex| Err(TrianglesError::NotFinite { vertex, what }))
+        };
+        vectors("position", &self.positions)?;
+        vectors("normal", &self.normals)?;
+        let at = self.uvs.iter().position(|uv| !uv.iter().copied().all(legal));
+        at.map_or(Ok(()), |vertex| Err(TrianglesError::NotFinite { vertex, what: "texture coordinate" }))
+    }
+}
+
+/// A mesh placed in the world; seen from both sides.
+#[derive(Clone, Debug)]
+pub struct TriangleModel {
+    mesh: Triangles,
+    /// Vertices and normals in the world.
+    positions: Vec<DVec3>,
+    normals: Vec<DVec3>,
+    /// Corners with the outer side as placed.
+    triangles: Vec<[u32; 3]>,
+}
+
+impl TriangleModel {
+    /// Places a mesh; with `flip` the other side is the outer one. Heights are measured from world y = 0.
+    ///
+    /// # Errors
+    /// The arrays do not fit each other.
+    pub fn new(mesh: Triangles, placement: Placement, flip: bool) -> Result<Self, TrianglesError> {
+        mesh.check()?;
+        let positions: Vec<DVec3> = mesh.positions.par_iter().map(|point| placement.apply(*point)).collect();
+        let turned = placement.mirrors() != flip;
+        let triangles: Vec<[u32; 3]> =
+            mesh.triangles.iter().map(|&[a, b, c]| if turned { [a, c, b] } else { [a, b, c] }).collect();
+        let normals = if mesh.normals.is_empty() {
+            mean_normals(&positions, &triangles)
+        } else {
+            // Normals go by the inverse transpose: the factors invert, the turns stay.
+            let cofactor = DVec3::new(
+                placement.scale.y * placement.scale.z,
+                placement.scale.z * placement.scale.x,
+                placement.scale.x * placement.scale.y,
+            );
+            let turn = Placement { scale: cofactor, rotate: placement.rotate, translate: DVec3::ZERO };
+            let sign = if turned { -1.0 } else { 1.0 };
+            mesh.normals.par_iter().map(|normal| unit(turn.apply(*normal) * sign)).collect()
+        };
+        Ok(Self { mesh, positions, normals, triangles })
+    }
+
+    /// Number of triangles.
+    pub fn len(&self) -> usize {
+        self.triangles.len()
+    }
+
+    /// Whether there is nothing to see.
+    pub fn is_empty(&self) -> bool {
+        self.triangles.is_empty()
+    }
+}
+
+/// Unit length, or 0 for what has no direction.
+fn unit(vector: DVec3) -> DVec3 {
+    vector.try_normalize().unwrap_or(DVec3::ZERO)
+}
+
+fn mean_normals(positions: &[DVec3], triangles: &[[u32; 3]]) -> Vec<DVec3> {
+    let mut normals = vec![DVec3::ZERO; positions.len()];
+    for triangle in triangles {
+        let [p, q, r] = triangle.map(|vertex| positions[vertex as usize]);
+        let normal = (q - p).cross(r - p);
+        triangle.iter().for_each(|vertex| normals[*vertex as usize] += normal);
+    }
+    normals.into_iter().map(unit).collect()
+}
+
+impl Surface for TriangleModel {
+    fn tessellate(&self, projector: &Projector, wanted: ChannelSet) -> Mesh {
+        let relative = |point: &DVec3| (*point - projector.position).as_vec3().to_array();
+        let when = |channels: ChannelSet| wanted.intersects(channels);
+        let mut mesh = Mesh::empty(0.0);
+        mesh.positions = self.positions.par_iter().map(relative).collect();
+        if when(ChannelSet::NORMALS) {
+            mesh.normals = self.normals.par_iter().map(|normal| normal.as_vec3().to_array()).collect();
+        }
+        if when(ChannelSet::RESTS) || (when(ChannelSet::UV) && self.mesh.uvs.is_empty()) {
+            let rests: Vec<[f32; 3]> = self.mesh.positions.par_iter().map(relative).collect();
+            mesh.rests = rests.iter().map(|rest| [rest[0], rest[2]]).collect();
+            mesh.rest_heights = rests.iter().map(|rest| rest[1]).collect();
+        }
+        if when(ChannelSet::UV) {
+            mesh.uvs = self.mesh.uvs.par_iter().map(|uv| uv.map(|part| part as f32)).collect();
+        }
+        mesh.topology = Topology::Triangles(self.triangles.clone());
+        mesh
+    }
+
+    fn trace(&self, projector: &Projector, ray: &Ray) -> Option<Hit> {
+        let met =
+            self.triangles.iter().filter_map(|triangle| Some((meet(&self.positions, *triangle, ray)?, *triangle)));
+        let ((distance, weights), triangle) = met.min_by(|a, b| a.0.0.total_cmp(&b.0.0))?;
+        let corners = triangle.map(|vertex| vertex as usize);
+        let blend = |vectors: &[DVec3]| (0..3).map(|i| weights[i] * vectors[corners[i]]).sum::<DVec3>();
+        let position = blend(&self.positions);
+        let [p, q, r] = corners.map(|corner| self.positions[corner]);
+        let normal = blend(&self.normals).try_normalize().unwrap_or(DVec3::Y);
+        // Seen from the inner side, the other normal counts.
+        let normal = if (q - p).cross(r - p).dot(ray.direction) > 0.0 { -normal } else { normal };
+        let rest = blend(&self.mesh.positions);
+        let uv = if self.mesh.uvs.is_empty() {
+            [rest.x, rest.z]
+        } else {
+            [0, 1].map(|axis| (0..3).map(|i| weights[i] * self.mesh.uvs[corners[i]][axis]).sum())
+        };
+        Some(Hit {
+            surface: 0,
+            distance,
+            depth: (position - projector.position).dot(projector.forward),
+            position,
+            normal,
+            rest,
+            height: position.y,
+            rest_distance: position.distance(rest),
+            slope_variance: 0.0,
+            jacobian: 1.0,
+            uv,
+        })
+    }
+}
+
+/// Distance along a ray to a triangle, and the weights of its corners there.
+///
+/// After Möller and Trumbore, *Fast, Minimum Storage Ray/Triangle Intersection*, 1997.
+fn meet(positions: &[DVec3], triangle: [u32; 3], ray: &Ray) -> Option<(f64, [f64; 3])> {
+    let [p, q, r] = triangle.map(|vertex| positions[vertex as usize]);
+    let (a, b) = (q - p, r - p);
+    let across = ray.direction.cross(b);
+    let determinant = a.dot(across);
+    if determinant == 0.0 {
+        return None;
+    }
+    let offset = ray.origin - p;
+    let u = offset.dot(across) / determinant;
+    let along = offset.cross(a);
+    let v = ray.direction.dot(along) / determinant;
+    let distance = b.dot(along) / determinant;
+    let inside = u >= 0.0 && v >= 0.0 && u + v <= 1.0 && distance >= 0.0 && distance.is_finite();
+    inside.then_some((distance, [1.0 - u - v, u, v]))
+}
