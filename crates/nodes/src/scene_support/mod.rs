@@ -1,10 +1,14 @@
 //! What camera, lights, Render and passes share.
 
+mod around;
 mod copy;
 mod lit;
+mod mask;
 
+pub(crate) use around::{Around, change, grown, surface_of};
 pub(crate) use copy::ViewCopy;
 pub(crate) use lit::{COMBINE, Lights, Vectors3, eye, toward_eye, view_directions};
+pub(crate) use mask::{ViewMask, ramp};
 
 use std::sync::Arc;
 use trochoid_graph::{Inputs, Reference, References, Settled, ViewChannel};
