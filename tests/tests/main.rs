@@ -12,6 +12,7 @@ mod frames;
 mod golden;
 mod hoisting;
 mod library;
+mod lines;
 mod merging;
 mod palette;
 mod random;

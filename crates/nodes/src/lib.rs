@@ -9,6 +9,7 @@
 #![cfg_attr(test, allow(clippy::unwrap_used, reason = "a test may panic"))]
 
 mod filter_support;
+mod front_support;
 #[cfg(feature = "io")]
 mod io_support;
 #[cfg(feature = "scene")]

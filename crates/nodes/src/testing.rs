@@ -129,7 +129,8 @@ impl Frame {
         }
         planes[output][channel] = Some(&mut plane);
         let prepared = self.prepared[id.0].as_ref().unwrap();
-        prepared.fill(&block, &Inputs::new(&[]), &mut Outputs::new(planes)).unwrap();
+        let ports: Vec<_> = self.graph.node(id).record.ports().map(|(name, _)| (name, Vec::new())).collect();
+        prepared.fill(&block, &Inputs::new(&ports), &mut Outputs::new(planes)).unwrap();
         plane[0]
     }
 

@@ -1,0 +1,203 @@
+//! FieldMath: any arithmetic on fields.
+
+use crate::filter_support::numbers;
+use crate::front_support::{Expression, Program, parse};
+use std::collections::HashMap;
+use std::sync::{Mutex, PoisonError};
+use trochoid_graph::*;
+use trochoid_image::Window;
+
+pub(crate) static NODE: &dyn NodeType = &FieldMath;
+
+struct FieldMath;
+
+static DECLARATION: Declaration = Declaration {
+    name: "FieldMath",
+    end: End::Front,
+    summary: "Computes a field from fields by a formula.",
+    formula: "`expression`, of a, b, c and d: + − * / ^; < <= > >= == != (1 where it holds, else 0); min max clamp abs \
+              sign floor ceil fract mod sqrt exp log sin cos atan2 (radians) smoothstep(from, to, x) mix(a, b, t) \
+              if(condition, a, b) dot length; pi; a.x, a.zyx (x y z w are the components); [a, b.x] joins components.",
+    edge_cases: "All is computed in f64. A single number goes with each component of the other operand. Where a result \
+                 is NaN, as 0/0 or the root of a negative number is, it becomes `nan` and counts as repaired; ±∞ is \
+                 kept. ^ binds tighter than a sign before it and from the right: −2^2 is −4. 0 and NaN are false.",
+    source: "The front end computes freely; a Clamp makes a mask of the result.",
+    items: &[
+        Knob::text("expression", "The formula, such as \"a*sin(6*b.x) + 1\".").required().item(),
+        Knob::integer("components", 1, 1, 4, "How many components the result has.").held().item(),
+        Port::optional("a", Accepts::Field, "Input a."),
+        Port::optional("b", Accepts::Field, "Input b."),
+        Port::optional("c", Accepts::Field, "Input c."),
+        Port::optional("d", Accepts::Field, "Input d."),
+        Knob::number("nan", 0.0, LOWEST, HIGHEST, "What stands where the formula has no value.").item(),
+    ],
+    outputs: &[Output::new("field", Kind::ANY, "The result.")],
+    revision: 1,
+};
+
+const LOWEST: f64 = -HIGHEST;
+const HIGHEST: f64 = f32::MAX as f64;
+
+/// The inputs, in order.
+const INPUTS: [&str; 4] = ["a", "b", "c", "d"];
+
+/// The formula, where the inputs have these components; else what is wrong: found, expected, remedy.
+fn expression(node: &Settled, widths: [Option<usize>; 4]) -> Result<Expression, [String; 3]> {
+    let expression = parse(node.text("expression"), widths).map_err(|fault| {
+        let place = format!("column {} of the expression", fault.column);
+        [format!("{} at {place}", fault.found), fault.expected, "write it as the manual of FieldMath says".into()]
+    })?;
+    let components = node.integer("components") as usize;
+    if expression.width == components {
+        return Ok(expression);
+    }
+    let remedy = format!("set \"components\" to {}, or pick some, as in (…).x", expression.width);
+    Err([format!("a result of {} components", expression.width), format!("{components}"), remedy])
+}
+
+impl NodeType for FieldMath {
+    fn declaration(&self) -> &'static Declaration {
+        &DECLARATION
+    }
+
+    fn outputs(&self, node: &Settled) -> Vec<Kind> {
+        vec![Kind::Field(node.integer("components").clamp(1, 4) as usize)]
+    }
+
+    fn check(&self, node: &Settled, check: &mut Check<'_>) {
+        let mut widths = [None; 4];
+        for (width, port) in widths.iter_mut().zip(INPUTS) {
+            if let Some(source) = node.all(port).first() {
+                // Of a source that is itself faulty nothing can be said.
+                let Some(kind) = check.kind(source) else { return };
+                *width = Some(kind.channels());
+            }
+        }
+        if let Err([found, expected, remedy]) = expression(node, widths) {
+            check.error("expression", found, expected, remedy);
+        }
+    }
+
+    fn body(&self) -> Body<'_> {
+        Body::Stage(self)
+    }
+}
+
+impl Stage for FieldMath {
+    fn formatted(&self) -> bool {
+        false
+    }
+
+    fn prepare(&self, node: &Settled, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
+        Ok(Box::new(Computing {
+            node: node.clone(),
+            nan: node.number("nan"),
+            picture: prepare.frame.format.window(),
+            repaired: Mutex::default(),
+        }))
+    }
+}
+
+/// Which values were NaN: by component and place in the pixel, a bit for each pixel.
+type Repaired = HashMap<(usize, [u64; 2]), Vec<u64>>;
+
+struct Computing {
+    node: Settled,
+    nan: f64,
+    picture: Window,
+    repaired: Mutex<Repaired>,
+}
+
+impl Computing {
+    /// The formula, where the inputs have these components.
+    fn expression(&self, widths: [Option<usize>; 4]) -> Result<Expression, NodeError> {
+        expression(&self.node, widths).map_err(|[found, expected, remedy]| {
+            NodeError::new(format!("found {found}; expected {expected}; {remedy}"))
+        })
+    }
+
+    /// Sets NaN to its substitute, and keeps where that was: tiles may compute a pixel more than once.
+    fn repair(&self, block: &Block, component: usize, plane: &mut [f32]) {
+        if !plane.iter().any(|value| value.is_nan()) {
+            return;
+        }
+        let mut repaired = self.repaired.lock().unwrap_or_else(PoisonError::into_inner);
+        let words = self.picture.area().div_ceil(64);
+        let bits = repaired.entry((component, block.offset.map(f64::to_bits))).or_insert_with(|| vec![0; words]);
+        for (index, value) in plane.iter_mut().enumerate().filter(|(_, value)| value.is_nan()) {
+            *value = self.nan as f32;
+            let (row, column) = (index / block.window.width(), index % block.window.width());
+            let (x, y) = (block.window.x0 + column as i64, block.window.y0 + row as i64);
+            if self.picture.contains(x, y) {
+                let place = (y - self.picture.y0) as usize * self.picture.width() + (x - self.picture.x0) as usize;
+                bits[place / 64] |= 1 << (place % 64);
+            }
+        }
+    }
+}
+
+impl Prepared for Computing {
+    fn fill(&self, block: &Block, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
+        let planes = INPUTS.map(|port| inputs.all(port).first().map(|connection| &connection.planes[..]));
+        let expression = self.expression(planes.map(|planes| planes.map(<[_]>::len)))?;
+        let mut wanted: Vec<_> = (0..expression.width).map(|component| outputs.take(0, component)).collect();
+        let load = |first: usize, input: usize, component: usize, run: &mut [f64]| {
+            if let Some(Some(plane)) = planes[input].and_then(|planes| planes.get(component)) {
+                run.iter_mut().zip(&plane[first..]).for_each(|(out, value)| *out = f64::from(*value));
+            }
+        };
+        Program::new(&expression).run(block.window.area(), load, |first, component, run| {
+            if let Some(plane) = &mut wanted[component] {
+                plane[first..].iter_mut().zip(run).for_each(|(out, value)| *out = *value as f32);
+            }
+        });
+        for (component, plane) in wanted.into_iter().enumerate() {
+            if let Some(plane) = plane {
+                self.repair(block, component, plane);
+            }
+        }
+        Ok(())
+    }
+
+    fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
+        let values =
+            INPUTS.map(|port| self.node.all(port).first().map_or(Vec::new(), |source| numbers(inputs, source)));
+        let widths = values.each_ref().map(|value| (!value.is_empty()).then_some(value.len()));
+        let mut result = self.expression(widths)?.value(&values);
+        result.iter_mut().filter(|value| value.is_nan()).for_each(|value| *value = self.nan);
+        Ok(vec![Reference::Field(result)])
+    }
+
+    fn repaired(&self) -> u64 {
+        let repaired = self.repaired.lock().unwrap_or_else(PoisonError::into_inner);
+        repaired.values().flatten().map(|word| u64::from(word.count_ones())).sum()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::testing::{frame, refused};
+
+    #[test]
+    fn nan_is_repaired_and_counted_once() {
+        let frame = frame("field", r#""out": { "type": "FieldMath", "expression": "sqrt(-1)", "nan": 7 }"#);
+        let id = frame.graph.find("out").unwrap();
+        for at in [[0.5, 0.5], [0.5, 0.5], [3.5, 2.5], [0.25, 0.5], [-0.5, 0.5]] {
+            assert_eq!(frame.filled(id, 0, 0, at), 7.0);
+        }
+        assert_eq!(frame.truth([0.5, 0.5]), [7.0]);
+        assert_eq!(frame.node("out").repaired(), 3);
+    }
+
+    #[test]
+    fn faults_of_formulas_are_told_with_their_place() {
+        let of = |nodes: &str| refused("field", nodes);
+        let faults = of(r#""out": { "type": "FieldMath", "expression": "1 + $" }"#);
+        assert!(faults.contains("'$' at column 5"), "{faults}");
+        let faults = of(r#""out": { "type": "FieldMath", "expression": "[1, 2, 3]" }"#);
+        assert!(faults.contains("set \\\"components\\\" to 3"), "{faults}");
+        let faults = of(r#""out": { "type": "FieldMath", "expression": "a + b", "a": 1 }"#);
+        assert!(faults.contains("input b, which is open"), "{faults}");
+        of(r#""out": { "type": "FieldMath" }"#);
+    }
+}

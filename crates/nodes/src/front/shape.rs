@@ -1,0 +1,256 @@
+//! Shape: discs, boxes and polygons drawn on the picture.
+
+use crate::front_support::Screen;
+use trochoid_graph::*;
+
+pub(crate) static NODE: &dyn NodeType = &Shape;
+
+struct Shape;
+
+static DECLARATION: Declaration = Declaration {
+    name: "Shape",
+    end: End::Front,
+    summary: "A mask of discs, boxes and polygons, united.",
+    formula: "½ − d/edge, limited to [0, 1], with the least signed distance d to a shape, in pixels, negative inside.",
+    edge_cases: "Places run right and down from the upper left corner in picture heights: (0, 0) to (width/height, 1). \
+                 Edge 0 is a step that includes the outline. Polygons close themselves; where they cross themselves, \
+                 what is enclosed twice is outside. Round corners shrink no box.",
+    source: "Signed distance fields; polygons by the even-odd rule.",
+    items: &[
+        List::of("shapes", SHAPE, 1, 1000, "What is drawn."),
+        Knob::number("edge", 1.0, 0.0, 1e4, "Width of the soft edge; 1 smooths a single sample.").unit("pixels").item(),
+    ],
+    outputs: &[Output::new("mask", Kind::MASK, "1 inside any of the shapes.")],
+    revision: 1,
+};
+
+static SHAPE: &[Item] = &[
+    Knob::choice("form", &["disc", "box", "polygon"], "What it is.").item(),
+    Knob::vector("center", &[0.0, 0.0], "Where it is: the middle, or where a polygon has its (0, 0).")
+        .unit("picture heights")
+        .item(),
+    Knob::number("radius", 0.1, 0.0, 1e3, "The disc's radius.").unit("picture heights").item(),
+    Knob::vector("size", &[0.2, 0.1], "Width and height of the box.").unit("picture heights").item(),
+    Knob::number("corner", 0.0, 0.0, 1e3, "Radius of the box's corners, at most half its shorter side.")
+        .unit("picture heights")
+        .item(),
+    Knob::numbers("points", 6, 4000, "The polygon's corners x₀, y₀, x₁, y₁, …, from its center.")
+        .optional()
+        .unit("picture heights")
+        .item(),
+    Knob::number("angle", 0.0, -3600.0, 3600.0, "Turns it about its center, clockwise.").unit("degrees").item(),
+];
+
+impl NodeType for Shape {
+    fn declaration(&self) -> &'static Declaration {
+        &DECLARATION
+    }
+
+    fn check(&self, node: &Settled, check: &mut Check<'_>) {
+        for (index, shape) in node.list("shapes").iter().enumerate() {
+            let points = shape.numbers("points");
+            if shape.text("form") == "polygon" && (points.len() < 6 || points.len() % 2 != 0) {
+                let found = format!("{} numbers as points of shape {index}", points.len());
+                check.error("shapes", found, "an x and a y for three corners or more", "complete the pairs");
+            }
+            if shape.text("form") == "box" && shape.vector3("size").iter().any(|side| *side < 0.0) {
+                let found = format!("a negative size of shape {index}");
+                check.error("shapes", found, "width and height ≥ 0", "write them without a sign");
+            }
+        }
+    }
+
+    fn body(&self) -> Body<'_> {
+        Body::Stage(self)
+    }
+}
+
+impl Stage for Shape {
+    fn interval(&self, _node: &Settled, _output: usize, _channel: usize) -> Option<(f64, f64)> {
+        Some((0.0, 1.0))
+    }
+
+    fn prepare(&self, node: &Settled, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
+        let screen = Screen::of(prepare.frame.format);
+        let drawn = node.list("shapes").iter().map(|shape| Drawn::new(shape, screen)).collect();
+        Ok(Box::new(Drawing { drawn, edge: node.number("edge") }))
+    }
+}
+
+/// A shape, in pixels.
+struct Drawn {
+    center: [f64; 2],
+    /// Sine and cosine of the angle by which it is turned.
+    turn: (f64, f64),
+    form: Form,
+    /// Nothing of it lies farther from its center.
+    radius: f64,
+}
+
+enum Form {
+    Disc(f64),
+    /// Half the size without the rounding, and the rounding.
+    Box([f64; 2], f64),
+    /// Corners from the center, the first again at the end.
+    Polygon(Vec<[f64; 2]>),
+}
+
+impl Drawn {
+    fn new(shape: &Settled, screen: Screen) -> Self {
+        // Farther off than any picture all is alike, and nothing overflows.
+        let pixels = |heights: f64| (heights * screen.height).clamp(-1e12, 1e12);
+        let [x, y, _] = shape.vector3("center").map(pixels);
+        let (form, radius) = match shape.text("form") {
+            "box" => {
+                let [width, height, _] = shape.vector3("size").map(|side| pixels(side) / 2.0);
+                let corner = pixels(shape.number("corner")).min(width).min(height);
+                (Form::Box([width - corner, height - corner], corner), width + height)
+            }
+            "polygon" => {
+                let mut corners: Vec<[f64; 2]> =
+                    shape.numbers("points").chunks_exact(2).map(|pair| [pixels(pair[0]), pixels(pair[1])]).collect();
+                corners.extend(corners.first().copied());
+                let radius = corners.iter().map(|[x, y]| x.abs() + y.abs()).fold(0.0, f64::max);
+                (Form::Polygon(corners), radius)
+            }
+            _ => (Form::Disc(pixels(shape.number("radius"))), pixels(shape.number("radius"))),
+        };
+        Self { center: [x, y], turn: libm::sincos(shape.number("angle").to_radians()), form, radius }
+    }
+
+    /// A place on the picture as the shape has it before it is turned and moved.
+    fn place(&self, at: [f64; 2]) -> [f64; 2] {
+        let [x, y] = [at[0] - self.center[0], at[1] - self.center[1]];
+        let (sin, cos) = self.turn;
+        [x * cos + y * sin, y * cos - x * sin]
+    }
+
+    /// Signed distance in pixels, negative inside.
+    fn distance(&self, at: [f64; 2]) -> f64 {
+        let place = self.place(at);
+        match &self.form {
+            Form::Disc(radius) => length(place) - radius,
+            Form::Box(half, corner) => {
+                let beyond = [place[0].abs() - half[0], place[1].abs() - half[1]];
+                let inside = beyond[0].max(beyond[1]).min(0.0);
+                length(beyond.map(|side| side.max(0.0))) + inside - corner
+            }
+            Form::Polygon(corners) => {
+                let (mut nearest, mut inside) = (f64::INFINITY, false);
+                for side in corners.windows(2) {
+                    nearest = nearest.min(away(place, side[0], side[1]));
+                    inside ^= crosses(place, side[0], side[1]);
+                }
+                if inside { -nearest } else { nearest }
+            }
+        }
+    }
+}
+
+fn length([x, y]: [f64; 2]) -> f64 {
+    (x * x + y * y).sqrt()
+}
+
+/// Distance from a place to a side.
+fn away(place: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
+    let (side, from) = ([b[0] - a[0], b[1] - a[1]], [place[0] - a[0], place[1] - a[1]]);
+    let squared = side[0] * side[0] + side[1] * side[1];
+    let part = if squared > 0.0 { ((from[0] * side[0] + from[1] * side[1]) / squared).clamp(0.0, 1.0) } else { 0.0 };
+    length([from[0] - part * side[0], from[1] - part * side[1]])
+}
+
+/// Whether the half-line to the right of a place crosses a side.
+fn crosses(place: [f64; 2], a: [f64; 2], b: [f64; 2]) -> bool {
+    (a[1] > place[1]) != (b[1] > place[1]) && place[0] < a[0] + (place[1] - a[1]) / (b[1] - a[1]) * (b[0] - a[0])
+}
+
+struct Drawing {
+    drawn: Vec<Drawn>,
+    edge: f64,
+}
+
+impl Drawing {
+    fn mask(&self, distance: f64) -> f64 {
+        if self.edge > 0.0 {
+            (0.5 - distance / self.edge).clamp(0.0, 1.0)
+        } else if distance <= 0.0 {
+            1.0
+        } else {
+            0.0
+        }
+    }
+}
+
+impl Prepared for Drawing {
+    fn fill(&self, block: &Block, _inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
+        let Some(mask) = outputs.take(0, 0) else { return Ok(()) };
+        mask.fill(0.0);
+        let window = block.window;
+        for shape in &self.drawn {
+            // Pixels beyond the shape and its edge, and a pixel more for rounding, stay as they are.
+            let reach = shape.radius + self.edge / 2.0 + 1.0;
+            let within = |center: f64, offset: f64, first: i64, end: i64| {
+                let from = (center - reach - offset).floor().max(first as f64) as i64;
+                let to = (center + reach - offset).ceil().min((end - 1) as f64) as i64;
+                from..to + 1
+            };
+            let rows = within(shape.center[1], block.offset[1], window.y0, window.y1);
+            for y in rows {
+                for x in within(shape.center[0], block.offset[0], window.x0, window.x1) {
+                    let out = &mut mask[(y - window.y0) as usize * window.width() + (x - window.x0) as usize];
+                    // A pixel that is full stays so.
+                    if *out < 1.0 {
+                        let at = [x as f64 + block.offset[0], y as f64 + block.offset[1]];
+                        *out = out.max(self.mask(shape.distance(at)) as f32);
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
+        let distance = self.drawn.iter().map(|shape| shape.distance(inputs.at)).fold(f64::INFINITY, f64::min);
+        Ok(vec![Reference::Mask(self.mask(distance))])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::testing::{frame, refused};
+
+    #[test]
+    fn shapes_agree_with_the_reference_wherever_they_lie() {
+        let shapes = [
+            r#"{ "center": [0.4, 0.5], "radius": 0.3 }"#,
+            r#"{ "form": "box", "center": [1.1, 0.4], "size": [0.5, 0.3], "corner": 0.1, "angle": 30 }"#,
+            r#"{ "form": "box", "center": [-4, 9], "size": [8, 0.2], "angle": -63 }"#,
+            r#"{ "form": "polygon", "center": [0.6, 0.5], "angle": 20,
+                "points": [-0.5, -0.4, 0.5, 0.4, 0.5, -0.4, -0.5, 0.4] }"#,
+            r#"{ "form": "polygon", "points": [0, 0, 0, 0, 0, 0] }"#,
+            r#"{ "center": [3e38, -3e38], "angle": 10, "radius": 1000 }"#,
+        ];
+        let mut lists: Vec<String> = shapes.iter().map(|shape| (*shape).to_string()).collect();
+        lists.push(shapes.join(", "));
+        for list in lists {
+            for edge in ["0", "0.5", "1", "7"] {
+                let frame =
+                    frame("weights", &format!(r#""out": {{ "type": "Shape", "edge": {edge}, "shapes": [{list}] }}"#));
+                let id = frame.graph.find("out").unwrap();
+                for (x, y) in (0..24).flat_map(|y| (0..32).map(move |x| (x, y))) {
+                    let at = [f64::from(x) / 8.0 + 0.07, f64::from(y) / 8.0 + 0.03];
+                    let (found, truth) = (frame.filled(id, 0, 0, at), frame.truth(at)[1]);
+                    assert!((f64::from(found) - truth).abs() < 1e-6, "{list} at {at:?}: {found}, expected {truth}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn bad_corners_are_refused() {
+        let of = |shape: &str| refused("weights", &format!(r#""out": {{ "type": "Shape", "shapes": [{shape}] }}"#));
+        assert!(of(r#"{ "form": "polygon" }"#).contains("0 numbers as points of shape 0"));
+        assert!(of(r#"{ "form": "polygon", "points": [0, 0, 1, 0, 1, 1, 0] }"#).contains("7 numbers"));
+        assert!(of(r#"{ "form": "box", "size": [1, -1] }"#).contains("negative size"));
+    }
+}

@@ -1,0 +1,13 @@
+//! What nodes of the front end share: screen coordinates, procedural noise and expressions.
+
+mod expression;
+mod noise;
+mod noise_reference;
+mod program;
+mod screen;
+
+pub(crate) use expression::{Expression, parse};
+pub(crate) use noise::{Axes, Noise, NoiseKind};
+pub(crate) use noise_reference::reference as noise_reference;
+pub(crate) use program::Program;
+pub(crate) use screen::Screen;

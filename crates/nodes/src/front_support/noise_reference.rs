@@ -1,0 +1,68 @@
+//! Noise in f64 at one point, straight from the definition: every corner and every cell by itself.
+
+use super::noise::{AMPLITUDE, Noise, NoiseKind, Octave, extend, feature, gradient};
+
+/// The noise at a point of two or three coordinates.
+pub(crate) fn reference(noise: &Noise, point: &[f64]) -> f64 {
+    let value = |octave: &Octave| {
+        let along = point.iter().map(|coordinate| coordinate * octave.frequency).chain(noise.evolution);
+        let shifted = along.zip(octave.shift).map(|(along, shift)| along + shift);
+        let place: Vec<f64> = shifted.map(|along| if along.is_finite() { along } else { 0.0 }).collect();
+        octave.weight
+            * match noise.kind {
+                NoiseKind::Fbm => gradient_noise(octave.seed, &place),
+                NoiseKind::Ridged => (1.0 - gradient_noise(octave.seed, &place).abs()).powi(2),
+                NoiseKind::Cellular => distances(octave.seed, &place)[0],
+                NoiseKind::Edges => {
+                    let distances = distances(octave.seed, &place);
+                    distances[1] - distances[0]
+                }
+            }
+    };
+    let (low, high) = noise.kind.range();
+    noise.octaves.iter().map(value).sum::<f64>().clamp(low, high)
+}
+
+/// The hash of a cell.
+fn hash(seed: u32, cell: &[i64]) -> u32 {
+    cell.iter().fold(seed, |hash, along| extend(hash, *along))
+}
+
+/// Σ over the corners of Π fade · gradient · offset.
+fn gradient_noise(seed: u32, place: &[f64]) -> f64 {
+    let axes = place.len();
+    let mut sum = 0.0;
+    for corner in 0..1usize << axes {
+        let upper = |axis: usize| (corner >> axis) & 1;
+        let cell: Vec<i64> =
+            (0..axes).map(|axis| (place[axis].floor() as i64).wrapping_add(upper(axis) as i64)).collect();
+        let hash = hash(seed, &cell);
+        let (mut weight, mut dot) = (1.0, 0.0);
+        for (axis, along) in place.iter().enumerate() {
+            let t = along - along.floor();
+            let s = t * t * t * (t * (t * 6.0 - 15.0) + 10.0);
+            weight *= if upper(axis) == 1 { s } else { 1.0 - s };
+            dot += f64::from(gradient(hash, axis)) * (t - upper(axis) as f64);
+        }
+        sum += weight * dot;
+    }
+    (f64::from(AMPLITUDE[axes]) * sum).clamp(-1.0, 1.0)
+}
+
+/// Distances to the two nearest feature points, nearest first, each at most 1.
+fn distances(seed: u32, place: &[f64]) -> [f64; 2] {
+    let axes = place.len();
+    let mut found = vec![1.0, 1.0];
+    for index in 0..3usize.pow(axes as u32) {
+        let step = |axis: usize| (index / 3usize.pow(axis as u32) % 3) as i64 - 1;
+        let cell: Vec<i64> = (0..axes).map(|axis| (place[axis].floor() as i64).wrapping_add(step(axis))).collect();
+        let hash = hash(seed, &cell);
+        let squared: f64 = (0..axes)
+            .map(|axis| step(axis) as f64 + f64::from(feature(hash, axis)) - (place[axis] - place[axis].floor()))
+            .map(|away| away * away)
+            .sum();
+        found.push(squared.sqrt().min(1.0));
+    }
+    found.sort_by(f64::total_cmp);
+    [found[0], found[1]]
+}

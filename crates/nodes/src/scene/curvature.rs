@@ -1,0 +1,123 @@
+//! Curvature: how sharply a surface bends.
+
+use crate::scene_support::{Around, NORMAL, POSITION, change, grown, surface_of, view_planes, view_vector};
+use trochoid_graph::*;
+use trochoid_image::Window;
+use trochoid_scene::DVec3;
+
+pub(crate) static NODE: &dyn NodeType = &Curvature;
+
+struct Curvature;
+
+static DECLARATION: Declaration = Declaration {
+    name: "Curvature",
+    end: End::Front,
+    summary: "The mean curvature of the surface: positive on crests, negative in troughs.",
+    formula: "H = (eG − 2fF + gE)/(2(EG − F²)), with E, F, G the products of the changes of position P from pixel to \
+              pixel, and e = Pₓ·Nₓ, g = P_y·N_y, 2f = Pₓ·N_y + P_y·Nₓ those with the changes of the normal N. A sphere \
+              of radius r seen from outside has 1/r.",
+    edge_cases: "0 where nothing is seen, and where no pixel beside sees the same surface. The changes are those over \
+                 `reach` pixels to both sides, so that the footprint grows with the distance, and finer bends \
+                 are smoothed away; where one wave stands before another, the jump of position gives nearly 0.",
+    source: "Weingarten's equations; do Carmo, Differential Geometry of Curves and Surfaces, 3-3.",
+    items: &[
+        Port::one("view", Accepts::View, "The surface."),
+        Knob::integer("reach", 1, 1, 64, "How far to each side the change is taken.").unit("pixels").item(),
+    ],
+    outputs: &[Output::new("curvature", Kind::Field(1), "Mean curvature, 1/m.")],
+    revision: 1,
+};
+
+impl NodeType for Curvature {
+    fn declaration(&self) -> &'static Declaration {
+        &DECLARATION
+    }
+
+    fn body(&self) -> Body<'_> {
+        Body::Stage(self)
+    }
+}
+
+impl Stage for Curvature {
+    fn asks(&self, _node: &Settled, _wanted: &[bool]) -> ChannelSet {
+        ChannelSet::of(&NORMAL).union(ChannelSet::of(&POSITION)).union(ViewChannel::Coverage.into())
+    }
+
+    fn prefers(&self, _node: &Settled, _wanted: &[bool]) -> ChannelSet {
+        ViewChannel::Surface.into()
+    }
+
+    fn regions_of_interest(&self, node: &Settled, _port: &str, window: Window) -> Window {
+        grown(window, node.integer("reach"))
+    }
+
+    fn formatted(&self) -> bool {
+        false
+    }
+
+    fn prepare(&self, node: &Settled, _prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
+        Ok(Box::new(Bending { node: node.clone(), reach: node.integer("reach") }))
+    }
+}
+
+struct Bending {
+    node: Settled,
+    reach: i64,
+}
+
+/// Position and normal of a sample.
+type Point = [DVec3; 2];
+
+/// The mean curvature at a point, from the samples left and right, above and below that see the same surface.
+fn curvature(here: Point, beside: [[Option<Point>; 2]; 2]) -> f64 {
+    let along = |[before, after]: [Option<Point>; 2]| -> Option<Point> {
+        let of = |index: usize| change(before.map(|p| p[index]), here[index], after.map(|p| p[index]));
+        Some([of(0)?, of(1)?])
+    };
+    let [Some([px, nx]), Some([py, ny])] = beside.map(along) else { return 0.0 };
+    let (e, f, g) = (px.length_squared(), px.dot(py), py.length_squared());
+    let area = e * g - f * f;
+    let bend = px.dot(nx) * g - (px.dot(ny) + py.dot(nx)) * f + py.dot(ny) * e;
+    let curvature = bend / (2.0 * area);
+    // Positions that rounding has drawn together span no area, and tell nothing.
+    if area > 1e-6 * e * g && curvature.is_finite() { curvature } else { 0.0 }
+}
+
+impl Prepared for Bending {
+    fn fill(&self, block: &Block, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
+        let Some(plane) = outputs.take(0, 0) else { return Ok(()) };
+        let around = Around::of(inputs);
+        let (positions, normals) = (view_planes(inputs, POSITION), view_planes(inputs, NORMAL));
+        let surfaces = around.surfaces();
+        let vector = |planes: [&[f32]; 3], index: usize| DVec3::from(planes.map(|plane| f64::from(plane[index])));
+        let point = |index: usize| [vector(positions, index), vector(normals, index)];
+        let window = block.window;
+        let pixels = (window.y0..window.y1).flat_map(|y| (window.x0..window.x1).map(move |x| (x, y)));
+        for (out, (x, y)) in plane.iter_mut().zip(pixels) {
+            let here = around.index(x, y);
+            if surfaces[here] < 0.0 {
+                *out = 0.0;
+                continue;
+            }
+            let at = |dx: i64, dy: i64| {
+                let there = around.index(x + dx * self.reach, y + dy * self.reach);
+                (surfaces[there] == surfaces[here]).then(|| point(there))
+            };
+            *out = curvature(point(here), [[at(-1, 0), at(1, 0)], [at(0, -1), at(0, 1)]]) as f32;
+        }
+        Ok(())
+    }
+
+    fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
+        let surface = surface_of(&self.node, inputs);
+        let point =
+            |inputs: &References<'_>| [POSITION, NORMAL].map(|channels| view_vector(&self.node, inputs, channels));
+        let at = |dx: i64, dy: i64| {
+            let there = inputs.moved((dx * self.reach) as f64, (dy * self.reach) as f64);
+            (surface_of(&self.node, &there) == surface).then(|| point(&there))
+        };
+        let value =
+            if surface < 0.0 { 0.0 } else { curvature(point(inputs), [[at(-1, 0), at(1, 0)], [at(0, -1), at(0, 1)]]) };
+        Ok(vec![Reference::Field(vec![value])])
+    }
+}

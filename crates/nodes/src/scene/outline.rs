@@ -1,0 +1,252 @@
+//! Outline: lines where one thing ends before another.
+
+use crate::scene_support::{Around, grown, surface_of};
+use trochoid_graph::*;
+use trochoid_image::Window;
+
+pub(crate) static NODE: &dyn NodeType = &Outline;
+
+struct Outline;
+
+static DECLARATION: Declaration = Declaration {
+    name: "Outline",
+    end: End::Front,
+    summary: "A mask of lines along the edges of objects, and where depth jumps.",
+    formula: "Two pixels side by side are parted if they see different surfaces, or if w = 1/depth differs by more \
+              than depth_step · w and more than either side's slope explains. One of the two owns the edge. A line \
+              is width · thickness − r, limited to [0, 1], r pixels from the owner's center, on the owner's side.",
+    edge_cases: "1/depth is straight on planes seen in perspective, so that no grazing plane has lines. The sky \
+                 counts as a surface of its own, behind everything, and last. Beyond its border the image repeats. \
+                 The owner's side is what sees its surface and is nearer to it than to the other side in 1/depth. \
+                 Each sample of a pixel is drawn apart.",
+    source: "Saito and Takahashi, Comprehensible Rendering of 3-D Shapes, 1990.",
+    items: &[
+        Port::one("view", Accepts::View, "What is outlined."),
+        Port::optional("thickness", Accepts::Mask, "Share of the width at a place, such as a Noise; by default 1."),
+        Knob::number("width", 1.5, 0.0, 64.0, "How far the line reaches into the owner's side.").unit("pixels").item(),
+        Knob::choice(
+            "owner",
+            &["near", "far", "both", "first", "last"],
+            "Who draws: the nearer side, the farther, both, \
+                     or the surface that comes first or last in the Render's list; within one surface first is near.",
+        )
+        .item(),
+        Knob::bool("objects", true, "Lines between different surfaces, and before the sky.").item(),
+        Knob::number(
+            "depth_step",
+            0.1,
+            1e-6,
+            1e6,
+            "The smallest jump of depth that has a line, as a share of the depth.",
+        )
+        .item(),
+    ],
+    outputs: &[Output::new("mask", Kind::MASK, "1 on the lines.")],
+    revision: 1,
+};
+
+impl NodeType for Outline {
+    fn declaration(&self) -> &'static Declaration {
+        &DECLARATION
+    }
+
+    fn body(&self) -> Body<'_> {
+        Body::Stage(self)
+    }
+}
+
+/// How far owners stand from what they draw.
+fn reach(width: f64) -> i64 {
+    width.ceil() as i64
+}
+
+impl Stage for Outline {
+    fn asks(&self, _node: &Settled, _wanted: &[bool]) -> ChannelSet {
+        ChannelSet::of(&[ViewChannel::Coverage, ViewChannel::Depth])
+    }
+
+    fn prefers(&self, _node: &Settled, _wanted: &[bool]) -> ChannelSet {
+        ViewChannel::Surface.into()
+    }
+
+    fn interval(&self, _node: &Settled, _output: usize, _channel: usize) -> Option<(f64, f64)> {
+        Some((0.0, 1.0))
+    }
+
+    fn regions_of_interest(&self, node: &Settled, port: &str, window: Window) -> Window {
+        // An owner's edge, and the slope beyond it.
+        if port == "view" { grown(window, reach(node.number("width")) + 2) } else { window }
+    }
+
+    fn formatted(&self) -> bool {
+        false
+    }
+
+    fn prepare(&self, node: &Settled, _prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
+        Ok(Box::new(Drawing {
+            node: node.clone(),
+            width: node.number("width"),
+            owner: match node.text("owner") {
+                "far" => Owner::Far,
+                "both" => Owner::Both,
+                "first" => Owner::First,
+                "last" => Owner::Last,
+                _ => Owner::Near,
+            },
+            objects: node.bool("objects"),
+            depth_step: node.number("depth_step"),
+        }))
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Owner {
+    Near,
+    Far,
+    Both,
+    First,
+    Last,
+}
+
+struct Drawing {
+    node: Settled,
+    width: f64,
+    owner: Owner,
+    objects: bool,
+    depth_step: f64,
+}
+
+/// What a sample sees: the surface's index, −1 for the sky, and 1/depth.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Seen {
+    surface: f64,
+    w: f64,
+}
+
+impl Seen {
+    fn new(surface: f64, depth: f64) -> Self {
+        // Planes behind an orthographic camera have no place in 1/depth.
+        Self { surface, w: if surface < 0.0 { 0.0 } else { 1.0 / depth.max(1e-6) } }
+    }
+
+    /// The place in the Render's list; the sky comes last.
+    fn rank(self) -> f64 {
+        if self.surface < 0.0 { f64::INFINITY } else { self.surface }
+    }
+}
+
+impl Drawing {
+    /// Whether an edge parts `a` from `b` beside it; `before` and `after` stand farther out in the same line.
+    #[inline]
+    fn parted(&self, before: Seen, a: Seen, b: Seen, after: Seen) -> bool {
+        if self.objects && a.surface != b.surface {
+            return true;
+        }
+        let step = self.depth_step * a.w.min(b.w);
+        let jump = (a.w - b.w).abs();
+        // On planes either side foretells the other.
+        jump > step && (b.w - (2.0 * a.w - before.w)).abs() > step && (a.w - (2.0 * b.w - after.w)).abs() > step
+    }
+
+    /// Whether `a` and whether `b` own the edge between them.
+    fn owners(&self, a: Seen, b: Seen) -> [bool; 2] {
+        let near = a.w >= b.w;
+        let first = if a.surface == b.surface { near } else { a.rank() < b.rank() };
+        match self.owner {
+            Owner::Near => [near, !near],
+            Owner::Far => [!near, near],
+            Owner::Both => [true; 2],
+            Owner::First => [first, !first],
+            Owner::Last => [!first, first],
+        }
+    }
+
+    /// How much an owner draws on `sample`, `squared` pixels² away, where the line is so wide.
+    fn drawn(width: f64, sample: Seen, owner: Seen, other: Seen, squared: f64) -> f64 {
+        let own = sample.surface == owner.surface && (sample.w - owner.w).abs() <= (sample.w - other.w).abs();
+        if own { (width - squared.sqrt()).clamp(0.0, 1.0) } else { 0.0 }
+    }
+}
+
+/// Across and down.
+const STEPS: [(i64, i64); 2] = [(1, 0), (0, 1)];
+
+impl Prepared for Drawing {
+    fn fill(&self, block: &Block, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
+        let Some(mask) = outputs.take(0, 0) else { return Ok(()) };
+        mask.fill(0.0);
+        let around = Around::of(inputs);
+        let depths = inputs.view("view", ViewChannel::Depth);
+        let seen: Vec<Seen> = around
+            .surfaces()
+            .into_iter()
+            .zip(depths)
+            .map(|(surface, depth)| Seen::new(f64::from(surface), f64::from(*depth)))
+            .collect();
+        let at = |x: i64, y: i64| seen[around.index(x, y)];
+        let thickness = inputs.all("thickness").first().and_then(|connection| connection.planes[0]);
+        let (window, reach) = (block.window, reach(self.width));
+        let mut draw = |x: i64, y: i64, owner: Seen, other: Seen| {
+            for py in (y - reach).max(window.y0)..(y + reach + 1).min(window.y1) {
+                for px in (x - reach).max(window.x0)..(x + reach + 1).min(window.x1) {
+                    let index = (py - window.y0) as usize * window.width() + (px - window.x0) as usize;
+                    let width = self.width * thickness.map_or(1.0, |plane| f64::from(plane[index]));
+                    let squared = ((px - x) * (px - x) + (py - y) * (py - y)) as f64;
+                    let drawn = Self::drawn(width, at(px, py), owner, other, squared) as f32;
+                    if drawn > mask[index] {
+                        mask[index] = drawn;
+                    }
+                }
+            }
+        };
+        // Every edge of which one side may own something within the window.
+        for y in window.y0 - reach - 1..window.y1 + reach + 1 {
+            for x in window.x0 - reach - 1..window.x1 + reach + 1 {
+                for (dx, dy) in STEPS {
+                    let (a, b) = (at(x, y), at(x + dx, y + dy));
+                    if a == b || !self.parted(at(x - dx, y - dy), a, b, at(x + 2 * dx, y + 2 * dy)) {
+                        continue;
+                    }
+                    let [first, second] = self.owners(a, b);
+                    if first {
+                        draw(x, y, a, b);
+                    }
+                    if second {
+                        draw(x + dx, y + dy, b, a);
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
+        let view = self.node.source("view");
+        let reach = reach(self.width);
+        let side = 2 * (reach + 2) + 1;
+        let from = -(reach + 2);
+        let seen: Vec<Seen> = (0..side * side)
+            .map(|index| {
+                let there = inputs.moved((from + index % side) as f64, (from + index / side) as f64);
+                Seen::new(surface_of(&self.node, &there), there.view(view, ViewChannel::Depth))
+            })
+            .collect();
+        let at = |x: i64, y: i64| seen[((y - from) * side + x - from) as usize];
+        let thickness = self.node.all("thickness").first().map_or(1.0, |source| inputs.scalar(source));
+        let mut mask: f64 = 0.0;
+        for (x, y) in (-reach..=reach).flat_map(|y| (-reach..=reach).map(move |x| (x, y))) {
+            // The four pixels beside an owner.
+            for (dx, dy) in [(1, 0), (-1, 0), (0, 1), (0, -1)] {
+                let (owner, other) = (at(x, y), at(x + dx, y + dy));
+                let (before, after) = (at(x - dx, y - dy), at(x + 2 * dx, y + 2 * dy));
+                let forward = dx + dy > 0;
+                let owns = if forward { self.owners(owner, other)[0] } else { self.owners(other, owner)[1] };
+                if owns && self.parted(before, owner, other, after) {
+                    let squared = (x * x + y * y) as f64;
+                    mask = mask.max(Self::drawn(self.width * thickness, at(0, 0), owner, other, squared));
+                }
+            }
+        }
+        Ok(vec![Reference::Mask(mask)])
+    }
+}

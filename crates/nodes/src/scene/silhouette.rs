@@ -1,0 +1,184 @@
+//! Silhouette: where a surface turns away from the eye.
+
+use crate::scene_support::{
+    Around, NORMAL, POSITION, change, eye, grown, is_covered, surface_of, toward_eye, view_directions, view_planes,
+    view_vector,
+};
+use trochoid_graph::*;
+use trochoid_image::Window;
+use trochoid_scene::Projector;
+use trochoid_scene::shading::unit_or_up;
+
+pub(crate) static NODE: &dyn NodeType = &Silhouette;
+
+struct Silhouette;
+
+static DECLARATION: Declaration = Declaration {
+    name: "Silhouette",
+    end: End::Front,
+    summary: "A mask of the lines where surfaces turn away from the eye.",
+    formula: "e = max(0, N · V). By cutoff: 1 where e < cutoff, falling straight to 0 at cutoff + ramp. By `width` \
+              in pixels: width + ½ − d, limited to [0, 1], with the distance d = e²/|∇e²| to the place where e \
+              reaches 0: toward a round edge e falls like the root of the distance.",
+    edge_cases: "0 where nothing is seen; e is 1 there. ∇ takes the pixels beside that see the same surface; where \
+                 there are none, or e² does not change, no line is drawn but at e = 0. Ramp 0 is the hard cutoff. \
+                 Toward the horizon all faces of a sea are seen from the edge, and the line thickens with them.",
+    source: "Toon shading by thresholds: edge = max(0, n · v), black below 0.01, or by a one-dimensional ramp: give \
+             `edge` to a Ramp.",
+    items: &[
+        Port::one("view", Accepts::View, "What is drawn."),
+        Knob::number("cutoff", 0.2, 0.0, 1.0, "N · V below which the line is drawn.").item(),
+        Knob::number("ramp", 0.05, 0.0, 1.0, "How much more it takes until the line is gone.").item(),
+        Knob::number("width", 1.5, 0.0, 100.0, "The line's width; if set, in place of the cutoff.")
+            .optional()
+            .unit("pixels")
+            .item(),
+    ],
+    outputs: &[
+        Output::new("mask", Kind::MASK, "1 on the line."),
+        Output::new("edge", Kind::MASK, "max(0, N · V): 0 where the surface turns away."),
+    ],
+    revision: 1,
+};
+
+impl NodeType for Silhouette {
+    fn declaration(&self) -> &'static Declaration {
+        &DECLARATION
+    }
+
+    fn body(&self) -> Body<'_> {
+        Body::Stage(self)
+    }
+}
+
+impl Stage for Silhouette {
+    fn asks(&self, _node: &Settled, _wanted: &[bool]) -> ChannelSet {
+        ChannelSet::of(&NORMAL).union(ViewChannel::Coverage.into())
+    }
+
+    fn prefers(&self, _node: &Settled, _wanted: &[bool]) -> ChannelSet {
+        ChannelSet::of(&POSITION).union(ViewChannel::Surface.into())
+    }
+
+    fn interval(&self, _node: &Settled, _output: usize, _channel: usize) -> Option<(f64, f64)> {
+        Some((0.0, 1.0))
+    }
+
+    fn regions_of_interest(&self, node: &Settled, _port: &str, window: Window) -> Window {
+        grown(window, i64::from(node.is_set("width")))
+    }
+
+    fn prepare(&self, node: &Settled, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
+        Ok(Box::new(Turning {
+            node: node.clone(),
+            eye: eye(node, prepare, prepare.frame.format)?,
+            cutoff: node.number("cutoff"),
+            ramp: node.number("ramp"),
+            width: node.is_set("width").then(|| node.number("width")),
+        }))
+    }
+}
+
+struct Turning {
+    node: Settled,
+    eye: Projector,
+    cutoff: f64,
+    ramp: f64,
+    width: Option<f64>,
+}
+
+impl Turning {
+    /// The mask by the cutoff.
+    fn cut(&self, e: f64) -> f64 {
+        if e < self.cutoff {
+            1.0
+        } else if self.ramp > 0.0 {
+            (1.0 - (e - self.cutoff) / self.ramp).max(0.0)
+        } else {
+            0.0
+        }
+    }
+
+    /// The mask by a width, of e² and its changes across and down.
+    fn line(width: f64, squared: f64, changes: [Option<f64>; 2]) -> f64 {
+        let [across, down] = changes.map(|change| change.unwrap_or(0.0));
+        let slope = (across * across + down * down).sqrt();
+        if squared == 0.0 {
+            (width + 0.5).min(1.0)
+        } else if slope > 0.0 {
+            (width + 0.5 - squared / slope).clamp(0.0, 1.0)
+        } else {
+            0.0
+        }
+    }
+
+    /// max(0, N · V) at a sample of the reference.
+    fn edge(&self, inputs: &References<'_>) -> f64 {
+        let normal = unit_or_up(view_vector(&self.node, inputs, NORMAL));
+        let view = unit_or_up(toward_eye(&self.eye, view_vector(&self.node, inputs, POSITION)));
+        normal.dot(view).clamp(0.0, 1.0)
+    }
+}
+
+impl Prepared for Turning {
+    fn fill(&self, block: &Block, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
+        let around = Around::of(inputs);
+        let [nx, ny, nz] = view_planes(inputs, NORMAL);
+        let views = view_directions(inputs, &self.eye, around.area())?;
+        let surfaces = around.surfaces();
+        let edges: Vec<f64> = (0..around.area())
+            .map(|i| {
+                let normal = unit_or_up([nx[i], ny[i], nz[i]].map(f64::from).into());
+                let view = unit_or_up([&views[0], &views[1], &views[2]].map(|axis| f64::from(axis[i])).into());
+                normal.dot(view).clamp(0.0, 1.0)
+            })
+            .collect();
+        let (mut mask, mut edge) = (outputs.take(0, 0), outputs.take(1, 0));
+        let window = block.window;
+        let pixels = (window.y0..window.y1).flat_map(|y| (window.x0..window.x1).map(move |x| (x, y)));
+        for (out, (x, y)) in pixels.enumerate() {
+            let here = around.index(x, y);
+            let seen = surfaces[here] >= 0.0;
+            if let Some(edge) = &mut edge {
+                edge[out] = if seen { edges[here] as f32 } else { 1.0 };
+            }
+            let Some(mask) = &mut mask else { continue };
+            mask[out] = match self.width {
+                _ if !seen => 0.0,
+                None => self.cut(edges[here]) as f32,
+                Some(width) => {
+                    let squared = |x: i64, y: i64| {
+                        let there = around.index(x, y);
+                        (surfaces[there] == surfaces[here]).then(|| edges[there] * edges[there])
+                    };
+                    let own = edges[here] * edges[here];
+                    let across = change(squared(x - 1, y), own, squared(x + 1, y));
+                    let down = change(squared(x, y - 1), own, squared(x, y + 1));
+                    Self::line(width, own, [across, down]) as f32
+                }
+            };
+        }
+        Ok(())
+    }
+
+    fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
+        if !is_covered(&self.node, inputs) {
+            return Ok(vec![Reference::Mask(0.0), Reference::Mask(1.0)]);
+        }
+        let e = self.edge(inputs);
+        let mask = match self.width {
+            None => self.cut(e),
+            Some(width) => {
+                let surface = surface_of(&self.node, inputs);
+                let squared = |dx: f64, dy: f64| {
+                    let there = inputs.moved(dx, dy);
+                    (surface_of(&self.node, &there) == surface).then(|| self.edge(&there).powi(2))
+                };
+                let across = change(squared(-1.0, 0.0), e * e, squared(1.0, 0.0));
+                let down = change(squared(0.0, -1.0), e * e, squared(0.0, 1.0));
+                Self::line(width, e * e, [across, down])
+            }
+        };
+        Ok(vec![Reference::Mask(mask), Reference::Mask(e)])
+    }
+}

@@ -1,0 +1,70 @@
+//! What filters of a view read: a pixel and those around it.
+
+use trochoid_graph::{Connection, Inputs, References, Settled, ViewChannel};
+use trochoid_image::Window;
+
+/// A window that reaches so many pixels farther on each side.
+pub(crate) fn grown(window: Window, by: i64) -> Window {
+    Window::new(window.x0 - by, window.y0 - by, window.x1 + by, window.y1 + by)
+}
+
+/// The planes of the view around a block; beyond the image the nearest pixel repeats.
+pub(crate) struct Around<'a> {
+    view: &'a Connection<'a>,
+}
+
+impl<'a> Around<'a> {
+    pub(crate) fn of(inputs: &Inputs<'a>) -> Self {
+        Self { view: &inputs.all("view")[0] }
+    }
+
+    /// Where a pixel stands in the planes.
+    pub(crate) fn index(&self, x: i64, y: i64) -> usize {
+        let window = self.view.window;
+        let column = x.clamp(window.x0, window.x1 - 1) - window.x0;
+        let row = y.clamp(window.y0, window.y1 - 1) - window.y0;
+        row as usize * window.width() + column as usize
+    }
+
+    /// The number of samples in a plane.
+    pub(crate) fn area(&self) -> usize {
+        self.view.window.area()
+    }
+
+    fn plane(&self, channel: ViewChannel) -> Option<&'a [f32]> {
+        self.view.planes[channel as usize]
+    }
+
+    /// The index of the surface seen by each sample, −1 where none is; one surface where the view tells them not apart.
+    pub(crate) fn surfaces(&self) -> Vec<f32> {
+        let coverage = self.plane(ViewChannel::Coverage).unwrap_or_default();
+        match self.plane(ViewChannel::Surface) {
+            Some(surfaces) => {
+                surfaces.iter().zip(coverage).map(|(surface, c)| if *c > 0.0 { *surface } else { -1.0 }).collect()
+            }
+            None => coverage.iter().map(|coverage| if *coverage > 0.0 { 0.0 } else { -1.0 }).collect(),
+        }
+    }
+}
+
+/// The index of the surface that a sample sees, as [`Around::surfaces`].
+pub(crate) fn surface_of(node: &Settled, inputs: &References<'_>) -> f64 {
+    let channel = |channel: ViewChannel| inputs.view(node.source("view"), channel);
+    // Views that do not tell surfaces apart hold the background's −1.
+    if channel(ViewChannel::Coverage) > 0.0 { channel(ViewChannel::Surface).max(0.0) } else { -1.0 }
+}
+
+/// The change of a value along an axis, of the values before, at and after a sample of those that belong to the same
+/// surface: half the way across, or from the middle to the one side that there is; `None` where there is none.
+pub(crate) fn change<T: Copy + std::ops::Sub<Output = T> + std::ops::Mul<f64, Output = T>>(
+    before: Option<T>,
+    here: T,
+    after: Option<T>,
+) -> Option<T> {
+    match (before, after) {
+        (Some(before), Some(after)) => Some((after - before) * 0.5),
+        (Some(before), None) => Some(here - before),
+        (None, Some(after)) => Some(after - here),
+        (None, None) => None,
+    }
+}
