@@ -181,6 +181,7 @@ impl<F: Fn(usize, usize) -> [f64; 2] + Sync> Rows<'_, F> {
             displacement: true,
             derivatives: !row.normals.is_empty(),
             slope_variance: !row.slope_variances.is_empty(),
+            ..Wanted::default()
         };
         self.sea.frame.direct(Points { x, z, footprint: prints }, wanted, fields);
         let [dx, dy, dz] = &fields.displacement;
