@@ -145,7 +145,10 @@ impl<T: Real> FromPrimitive for Lanes<T> {
         T::from_u64(value).map(Self::splat)
     }
 
+    /// How `rustfft` makes its sines, which come from the system's library: the last bits, in which such libraries
+    /// differ, are rounded off.
     fn from_f64(value: f64) -> Option<Self> {
-        Some(Self::splat(T::of(value)))
+        const KEPT: f64 = (1_u64 << 44) as f64;
+        Some(Self::splat(T::of(libm::rint(value * KEPT) / KEPT)))
     }
 }
