@@ -258,6 +258,7 @@ impl<L: Layout> Rows<'_, L> {
             displacement: true,
             derivatives: !row.normals.is_empty(),
             slope_variance: !row.slope_variances.is_empty(),
+            ..Wanted::default()
         };
         self.layout.row(index, wanted, scratch);
         let Scratch { x, z, fields, .. } = scratch;

@@ -1,6 +1,6 @@
 use fearless_simd::{Level, Simd, dispatch, f32x16, prelude::*};
 
-use crate::fields::{Fields, Points, Wanted};
+use crate::fields::{Fields, Points, SUMS, Wanted};
 use crate::frame::{SeaFrame, Term};
 use crate::kernel::{LANES, exp_neg, sincos_turns};
 
@@ -84,7 +84,7 @@ impl Block {
     }
 }
 
-type Sums = [[f32; LANES]; 8];
+type Sums = [[f32; LANES]; SUMS];
 
 impl SeaFrame {
     /// Displacements, derivatives and lost variance at any rest points, in f32.
@@ -168,15 +168,19 @@ impl SeaFrame {
         scratch: &mut Scratch,
         out: &mut Fields,
     ) {
-        let mut sums: Sums = [[0.0; LANES]; 8];
+        let mut sums: Sums = [[0.0; LANES]; SUMS];
         let mut variance = [0.0; LANES];
         dispatch!(level, simd => simd.vectorize(#[inline(always)] || {
             self.prepare(simd, block, scratch);
-            match (wanted.displacement, wanted.derivatives) {
-                (true, true) => self.sum::<_, true, true>(simd, block, scratch, &mut sums),
-                (true, false) => self.sum::<_, true, false>(simd, block, scratch, &mut sums),
-                (false, true) => self.sum::<_, false, true>(simd, block, scratch, &mut sums),
-                (false, false) => {}
+            match kinds(wanted) {
+                0 => {}
+                1 => self.sum::<_, 1>(simd, block, scratch, &mut sums),
+                2 => self.sum::<_, 2>(simd, block, scratch, &mut sums),
+                3 => self.sum::<_, 3>(simd, block, scratch, &mut sums),
+                4 => self.sum::<_, 4>(simd, block, scratch, &mut sums),
+                5 => self.sum::<_, 5>(simd, block, scratch, &mut sums),
+                6 => self.sum::<_, 6>(simd, block, scratch, &mut sums),
+                _ => self.sum::<_, 7>(simd, block, scratch, &mut sums),
             }
             if wanted.slope_variance {
                 self.lost_variance(simd, block, scratch, &mut variance);
@@ -208,16 +212,16 @@ impl SeaFrame {
         }
     }
 
-    /// Adds all waves of the block: displacements if `D`, derivatives if `J`.
+    /// Adds all waves of the block, to the sums of these kinds.
     #[inline(always)]
-    fn sum<S: Simd, const D: bool, const J: bool>(&self, simd: S, block: &Block, scratch: &Scratch, sums: &mut Sums) {
+    fn sum<S: Simd, const KINDS: u8>(&self, simd: S, block: &Block, scratch: &Scratch, sums: &mut Sums) {
         let x = f32x16::from_slice(simd, &block.x);
         let z = f32x16::from_slice(simd, &block.z);
         let zero = f32x16::splat(simd, 0.0);
-        let mut total = [zero; 8];
+        let mut total = [zero; SUMS];
         for first in (0..block.waves).step_by(RUN) {
             let run = first..(first + RUN).min(block.waves);
-            let mut part = [zero; 8];
+            let mut part = [zero; SUMS];
             for wave in run {
                 let term = &self.terms[wave];
                 let offset = if wave < block.near {
@@ -227,7 +231,7 @@ impl SeaFrame {
                 };
                 let (sin, cos) = sincos_turns(offset + scratch.phases[wave]);
                 let share = block.share(simd, self.filters[wave], scratch.shares[wave]);
-                add::<S, D, J>(&mut part, term, sin * share, cos * share);
+                add::<S, KINDS>(&mut part, term, sin * share, cos * share);
             }
             for (total, part) in total.iter_mut().zip(part) {
                 *total += part;
@@ -265,24 +269,36 @@ impl SeaFrame {
     }
 }
 
-/// Adds one wave, given the sine and cosine of its phase.
+/// Displacements.
+const D: u8 = 1;
+/// Derivatives.
+const J: u8 = 2;
+/// Velocities.
+const V: u8 = 4;
+
+/// The kinds of sums that are wanted, as bits.
+pub(crate) fn kinds(wanted: Wanted) -> u8 {
+    D * u8::from(wanted.displacement) + J * u8::from(wanted.derivatives) + V * u8::from(wanted.velocity)
+}
+
+/// Adds one wave to the sums of these kinds, given the sine and cosine of its phase.
 #[inline(always)]
-pub(crate) fn add<S: Simd, const D: bool, const J: bool>(
-    sums: &mut [f32x16<S>; 8],
-    term: &Term,
-    sin: f32x16<S>,
-    cos: f32x16<S>,
-) {
-    if D {
+pub(crate) fn add<S: Simd, const KINDS: u8>(sums: &mut [f32x16<S>; SUMS], term: &Term, sin: f32x16<S>, cos: f32x16<S>) {
+    if KINDS & D != 0 {
         sums[0] += sin * term.sines[0];
         sums[1] += cos * term.cosines[0];
         sums[2] += sin * term.sines[1];
     }
-    if J {
+    if KINDS & J != 0 {
         sums[3] += sin * term.sines[2];
         sums[4] += sin * term.sines[3];
         sums[5] += cos * term.cosines[1];
         sums[6] += cos * term.cosines[2];
         sums[7] += cos * term.cosines[3];
+    }
+    if KINDS & V != 0 {
+        sums[8] += cos * term.cosines[4];
+        sums[9] += sin * term.sines[4];
+        sums[10] += cos * term.cosines[5];
     }
 }

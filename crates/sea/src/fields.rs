@@ -7,11 +7,25 @@ pub struct Wanted {
     pub derivatives: bool,
     /// Slope variance that the footprint took away.
     pub slope_variance: bool,
+    /// Velocity of the water that rests at a point.
+    pub velocity: bool,
 }
+
+/// Sums of waves that an evaluation can make: three displacements, five derivatives, three velocities.
+pub(crate) const SUMS: usize = 11;
 
 impl Wanted {
     /// Everything.
-    pub const ALL: Self = Self { displacement: true, derivatives: true, slope_variance: true };
+    pub const ALL: Self = Self { displacement: true, derivatives: true, slope_variance: true, velocity: true };
+
+    /// Which of the sums are made.
+    pub(crate) fn sums(self) -> [bool; SUMS] {
+        std::array::from_fn(|sum| match sum {
+            0..3 => self.displacement,
+            3..8 => self.derivatives,
+            _ => self.velocity,
+        })
+    }
 }
 
 /// Rest points in meters, with the footprint at each in meters (0 leaves every wave whole).
@@ -36,6 +50,8 @@ pub struct Sample {
     pub strain: [f64; 3],
     /// Slope variance ½Σ(a·k)²(1 − attenuation²) taken by the footprint, both directions together.
     pub slope_variance: f64,
+    /// ∂/∂t of the displacement in m/s: how fast the water that rests here moves.
+    pub velocity: [f64; 3],
 }
 
 impl Sample {
@@ -65,6 +81,8 @@ pub struct Fields {
     pub strain: [Vec<f32>; 3],
     /// Slope variance taken by the footprint, as in [`Sample::slope_variance`].
     pub slope_variance: Vec<f32>,
+    /// Velocity x, y, z in m/s, as in [`Sample::velocity`].
+    pub velocity: [Vec<f32>; 3],
 }
 
 impl Fields {
@@ -81,12 +99,16 @@ impl Fields {
         for values in self.slope.iter_mut().chain(&mut self.strain) {
             fill(values, size(wanted.derivatives));
         }
+        for values in &mut self.velocity {
+            fill(values, size(wanted.velocity));
+        }
         fill(&mut self.slope_variance, size(wanted.slope_variance));
     }
 
-    /// The eight sums of waves, in the order of the kernel's outputs.
-    pub(crate) fn sums_mut(&mut self) -> [&mut Vec<f32>; 8] {
+    /// The sums of waves, in the order of the kernel's outputs.
+    pub(crate) fn sums_mut(&mut self) -> [&mut Vec<f32>; SUMS] {
         let ([dx, dy, dz], [yx, yz], [xx, xz, zz]) = (&mut self.displacement, &mut self.slope, &mut self.strain);
-        [dx, dy, dz, yx, yz, xx, xz, zz]
+        let [vx, vy, vz] = &mut self.velocity;
+        [dx, dy, dz, yx, yz, xx, xz, zz, vx, vy, vz]
     }
 }

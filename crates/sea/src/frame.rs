@@ -1,6 +1,6 @@
 use std::f64::consts::TAU;
 
-use crate::fields::Sample;
+use crate::fields::{SUMS, Sample};
 use crate::wave::{Wave, attenuation};
 
 /// A sea: the sum of its waves. No wave at all is a flat sea.
@@ -65,6 +65,8 @@ pub struct SeaFrame {
     /// In the order of falling wavelength, so that the waves that a footprint leaves are a prefix.
     pub(crate) phases: Phases,
     pub(crate) terms: Vec<Term>,
+    /// The waves themselves, in the same order.
+    pub(crate) sorted: Vec<Wave>,
     /// k²/8 of each term: attenuation is exp(−`filters`·footprint²).
     pub(crate) filters: Vec<f32>,
     /// Slope variance of all waves from this index on; one more entry than there are waves.
@@ -122,6 +124,11 @@ impl Phases {
         low
     }
 
+    /// The phase of one wave at a rest point, reduced to −½…½ turn.
+    pub(crate) fn of(&self, wave: usize, [x, z]: [f64; 2]) -> f64 {
+        Phase { x: self.x[wave], z: self.z[wave], origin: self.origin[wave] }.at(x, z)
+    }
+
     /// Turns per meter of one wave.
     pub(crate) fn turns(&self, wave: usize) -> [f64; 2] {
         [self.x[wave], self.z[wave]]
@@ -133,24 +140,60 @@ impl Phases {
 pub(crate) struct Term {
     /// Turns per meter along x and z.
     pub(crate) turns: [f32; 2],
-    /// Factors of sin θ in Δx, Δz, ∂y/∂x, ∂y/∂z.
-    pub(crate) sines: [f32; 4],
-    /// Factors of cos θ in Δy, ∂Δx/∂x, ∂Δx/∂z, ∂Δz/∂z.
-    pub(crate) cosines: [f32; 4],
+    /// Factors of sin θ in Δx, Δz, ∂y/∂x, ∂y/∂z, ∂Δy/∂t.
+    pub(crate) sines: [f32; 5],
+    /// Factors of cos θ in Δy, ∂Δx/∂x, ∂Δx/∂z, ∂Δz/∂z, ∂Δx/∂t, ∂Δz/∂t.
+    pub(crate) cosines: [f32; 6],
     /// Slope variance ½(a·k)² of the whole wave.
     pub(crate) variance: f32,
 }
 
+/// What a wave adds to a sum.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Factor {
+    /// This times sin θ.
+    Sine(f64),
+    /// This times cos θ.
+    Cosine(f64),
+}
+
+impl Factor {
+    pub(crate) fn value(self) -> f64 {
+        match self {
+            Self::Sine(value) | Self::Cosine(value) => value,
+        }
+    }
+}
+
+/// What a wave adds to each sum, in the order of the kernel's outputs.
+pub(crate) fn factors(wave: &Wave) -> [Factor; SUMS] {
+    use Factor::{Cosine, Sine};
+    let (k, speed) = (wave.wave_number(), wave.angular_frequency);
+    let ([x, z], a, h) = (wave.direction, wave.amplitude, wave.horizontal);
+    [
+        Sine(-h * x),
+        Cosine(a),
+        Sine(-h * z),
+        Sine(-a * k * x),
+        Sine(-a * k * z),
+        Cosine(-h * k * x * x),
+        Cosine(-h * k * x * z),
+        Cosine(-h * k * z * z),
+        Cosine(h * x * speed),
+        Sine(a * speed),
+        Cosine(h * z * speed),
+    ]
+}
+
 impl Term {
     fn new(wave: &Wave) -> Self {
-        let k = wave.wave_number();
-        let ([x, z], a, h) = (wave.direction, wave.amplitude, wave.horizontal);
-        let f32s = |values: [f64; 4]| values.map(|value| value as f32);
+        let ([x, z], steepness) = (wave.direction, wave.steepness());
+        let [dx, dy, dz, yx, yz, xx, xz, zz, vx, vy, vz] = factors(wave).map(|factor| factor.value() as f32);
         Self {
             turns: [(x / wave.wavelength) as f32, (z / wave.wavelength) as f32],
-            sines: f32s([-h * x, -h * z, -a * k * x, -a * k * z]),
-            cosines: f32s([a, -h * k * x * x, -h * k * x * z, -h * k * z * z]),
-            variance: ((a * k) * (a * k) / 2.0) as f32,
+            sines: [dx, dz, yx, yz, vy],
+            cosines: [dy, xx, xz, zz, vx, vz],
+            variance: (steepness * steepness / 2.0) as f32,
         }
     }
 }
@@ -178,6 +221,7 @@ impl SeaFrame {
                 origin: phases.iter().map(|phase| phase.origin).collect(),
             },
             terms: sorted.iter().map(|wave| Term::new(wave)).collect(),
+            sorted: sorted.iter().map(|wave| **wave).collect(),
             filters: sorted.iter().map(|wave| (wave.wave_number() * wave.wave_number() / 8.0) as f32).collect(),
             variance_from,
         }
@@ -201,9 +245,22 @@ impl SeaFrame {
             sample.strain[0] -= h * k * x * x * cos;
             sample.strain[1] -= h * k * x * z * cos;
             sample.strain[2] -= h * k * z * z * cos;
+            sample.velocity[0] += h * x * wave.angular_frequency * cos;
+            sample.velocity[1] += a * wave.angular_frequency * sin;
+            sample.velocity[2] += h * z * wave.angular_frequency * cos;
             sample.slope_variance += (wave.amplitude * k) * (wave.amplitude * k) / 2.0 * (1.0 - share * share);
         }
         sample
+    }
+
+    /// Number of waves.
+    pub fn len(&self) -> usize {
+        self.reference.len()
+    }
+
+    /// Whether there is no wave: the same as [`is_flat`](Self::is_flat).
+    pub fn is_empty(&self) -> bool {
+        self.is_flat()
     }
 
     /// Whether no wave moves this sea.

@@ -1,9 +1,8 @@
-use fearless_simd::{Level, Simd, dispatch, f32x16, prelude::*};
-
-use crate::direct::add;
 use crate::fields::{Fields, Points, Wanted};
 use crate::frame::SeaFrame;
-use crate::kernel::{LANES, sincos_turns};
+use crate::method::Method;
+use crate::nufft::Nufft;
+use rayon::prelude::*;
 
 /// A regular grid of rest points along the world's axes, row by row: x grows fastest.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,132 +19,176 @@ pub struct Grid {
     pub footprint: f64,
 }
 
-impl SeaFrame {
-    /// The same as [`direct`](Self::direct) on a regular grid, about four times as fast.
+/// Most points along a side of a grid.
+pub const MAX_SIDE: usize = 1 << 20;
+/// Most points of a grid.
+pub const MAX_POINTS: usize = 1 << 31;
+
+/// Why a grid is refused.
+#[derive(Clone, Debug, PartialEq)]
+pub enum GridError {
+    /// More points than [`MAX_SIDE`] along a side, or than [`MAX_POINTS`] in all.
+    Size(usize, usize),
+    /// The origin, the step or the footprint is not a finite number of meters, or the footprint is negative.
+    Meters(&'static str, f64),
+}
+
+impl std::fmt::Display for GridError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Size(columns, rows) => write!(
+                f,
+                "a grid of {columns} × {rows} points is refused: at most {MAX_SIDE} along a side, {MAX_POINTS} in all"
+            ),
+            Self::Meters(what, found) => {
+                write!(f, "a grid whose {what} is {found} is refused: use a finite number of meters")
+            }
+        }
+    }
+}
+
+impl std::error::Error for GridError {}
+
+impl Grid {
+    fn validate(&self) -> Result<(), GridError> {
+        let sides = self.columns <= MAX_SIDE && self.rows <= MAX_SIDE;
+        if !sides || self.columns * self.rows > MAX_POINTS {
+            return Err(GridError::Size(self.columns, self.rows));
+        }
+        let meters = [("origin", self.origin[0]), ("origin", self.origin[1]), ("step", self.step[0])];
+        for (what, value) in meters.into_iter().chain([("step", self.step[1]), ("footprint", self.footprint)]) {
+            if !value.is_finite() || (what == "footprint" && value < 0.0) {
+                return Err(GridError::Meters(what, value));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The evaluation of seas on one grid: what does not depend on the sea or the time is worked out once, and buffers
+/// are kept.
+///
+/// Points, wave numbers and times may be as large as f64 resolves: phases are reduced to one turn in f64. Waves that
+/// are shorter than two steps are exact at every point; it is the grid's footprint that attenuates them, as the
+/// crate's filter says. Results do not depend on the number of threads.
+///
+/// ```
+/// use trochoid_sea::{Fields, GerstnerSpectrum, Grid, GridPlan, Sea, Wanted};
+///
+/// let sea = Sea::new(GerstnerSpectrum { count: 200, ..GerstnerSpectrum::default() }.waves()?);
+/// let grid = Grid { origin: [0.0; 2], step: [0.5; 2], columns: 64, rows: 64, footprint: 0.5 };
+/// let wanted = Wanted { displacement: true, ..Wanted::default() };
+/// let mut plan = GridPlan::new(grid, wanted, sea.waves().len(), 1e-4)?;
+/// let mut fields = Fields::default();
+/// for frame in 0..3 {
+///     plan.evaluate(&sea.at(f64::from(frame) / 24.0), &mut fields);
+/// }
+/// assert_eq!(fields.displacement[1].len(), 64 * 64);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub struct GridPlan {
+    grid: Grid,
+    wanted: Wanted,
+    method: Method,
+    transform: Transform,
+}
+
+/// What a method keeps.
+enum Transform {
+    None,
+    Single(Box<Nufft<f32>>),
+    Double(Box<Nufft<f64>>),
+}
+
+/// Exponent from which on a wave is not added: 1e-6 of it is left.
+const CUT: f64 = 13.8;
+
+impl GridPlan {
+    /// A plan that evaluates seas of about `waves` waves by the cheapest method whose [error](Method::error) is at
+    /// most `tolerance`, or by the most exact one if none's is.
     ///
-    /// exp(iθ) is a factor of the column times one of the row, so that a sine and cosine for each column and wave,
-    /// and one for each row and wave, replace those of every point: a point and wave costs one complex product. The
-    /// column factors take 8 bytes for each column and wave.
-    pub fn grid(&self, grid: Grid, wanted: Wanted, out: &mut Fields) {
+    /// # Errors
+    /// The grid has too many points, or a figure that is not finite.
+    pub fn new(grid: Grid, wanted: Wanted, waves: usize, tolerance: f64) -> Result<Self, GridError> {
+        grid.validate()?;
+        Ok(Self::build(grid, wanted, Method::cheapest([grid.columns, grid.rows], wanted, waves, tolerance)))
+    }
+
+    /// A plan that evaluates by this method.
+    ///
+    /// # Errors
+    /// The grid has too many points, or a figure that is not finite.
+    pub fn by(method: Method, grid: Grid, wanted: Wanted) -> Result<Self, GridError> {
+        grid.validate()?;
+        Ok(Self::build(grid, wanted, method))
+    }
+
+    fn build(grid: Grid, wanted: Wanted, method: Method) -> Self {
+        let Grid { columns, rows, .. } = grid;
+        let transform = match method.kernel() {
+            None => Transform::None,
+            Some(kernel) if method == Method::Single => Transform::Single(Box::new(Nufft::new(columns, rows, kernel))),
+            Some(kernel) => Transform::Double(Box::new(Nufft::new(columns, rows, kernel))),
+        };
+        Self { grid, wanted, method, transform }
+    }
+
+    /// The method in use.
+    pub fn method(&self) -> Method {
+        self.method
+    }
+
+    /// What is wanted at every point of the grid, row by row.
+    pub fn evaluate(&mut self, frame: &SeaFrame, out: &mut Fields) {
+        let (grid, wanted) = (self.grid, self.wanted);
         out.reset(wanted, grid.columns * grid.rows);
-        if self.terms.is_empty() || grid.columns * grid.rows == 0 {
+        if frame.is_empty() || grid.columns * grid.rows == 0 {
             return;
         }
-        let level = Level::new();
-        let footprint = [grid.footprint];
-        let mut lost = Fields::default();
         if wanted.slope_variance {
-            let point = Points { x: &[0.0], z: &[0.0], footprint: &footprint };
-            self.direct(point, Wanted { slope_variance: true, ..Wanted::default() }, &mut lost);
+            // The footprint is the same everywhere.
+            let point = Points { x: &[0.0], z: &[0.0], footprint: &[grid.footprint] };
+            let mut lost = Fields::default();
+            frame.direct(point, Wanted { slope_variance: true, ..Wanted::default() }, &mut lost);
             out.slope_variance.fill(lost.slope_variance[0]);
         }
-        let table = self.table(level, grid);
-        if !(wanted.displacement || wanted.derivatives) {
+        let footprint2 = grid.footprint * grid.footprint;
+        let exponents = frame.filters.iter().map(|&filter| f64::from(filter) * footprint2);
+        let shares: Vec<f32> =
+            exponents.take_while(|&exponent| exponent <= CUT).map(|exponent| libm::exp(-exponent) as f32).collect();
+        if shares.is_empty() || wanted.sums().iter().all(|wanted| !wanted) {
             return;
         }
-        let mut origins = vec![0.0; table.shares.len()];
-        for row in 0..grid.rows {
-            let z = grid.origin[1] + row as f64 * grid.step[1];
-            self.phases.at(grid.origin[0], z, &mut origins);
-            for (chunk, factors) in table.factors.chunks_exact(table.shares.len().max(1)).enumerate() {
-                let mut sums = [[0.0; LANES]; 8];
-                let (origins, shares) = (&origins[..], &table.shares[..]);
-                dispatch!(level, simd => simd.vectorize(#[inline(always)] || {
-                    match (wanted.displacement, wanted.derivatives) {
-                        (true, true) => self.row::<_, true, true>(simd, origins, shares, factors, &mut sums),
-                        (true, false) => self.row::<_, true, false>(simd, origins, shares, factors, &mut sums),
-                        _ => self.row::<_, false, true>(simd, origins, shares, factors, &mut sums),
-                    }
-                }));
-                let start = chunk * LANES;
-                let len = LANES.min(grid.columns - start);
-                let at = row * grid.columns + start;
-                for (values, sums) in out.sums_mut().into_iter().zip(&sums) {
-                    if !values.is_empty() {
-                        values[at..at + len].copy_from_slice(&sums[..len]);
-                    }
+        match &mut self.transform {
+            Transform::Single(transform) => transform.evaluate(frame, grid, &shares, out),
+            Transform::Double(transform) => transform.evaluate(frame, grid, &shares, out),
+            Transform::None if self.method == Method::Separable => frame.separable(grid, &shares, wanted, out),
+            Transform::None => direct(frame, grid, wanted, out),
+        }
+    }
+}
+
+/// Row by row, by the sum for any points.
+fn direct(frame: &SeaFrame, grid: Grid, wanted: Wanted, out: &mut Fields) {
+    let wanted = Wanted { slope_variance: false, ..wanted };
+    let x: Vec<f64> = (0..grid.columns).map(|column| grid.origin[0] + column as f64 * grid.step[0]).collect();
+    let footprint = vec![grid.footprint; grid.columns];
+    let row = |row: usize| {
+        let z = vec![grid.origin[1] + row as f64 * grid.step[1]; grid.columns];
+        let mut fields = Fields::default();
+        frame.direct(Points { x: &x, z: &z, footprint: &footprint }, wanted, &mut fields);
+        fields
+    };
+    let rows: Vec<usize> = (0..grid.rows).collect();
+    // A few rows at a time, so that they take little beside the result.
+    for rows in rows.chunks(64) {
+        let results: Vec<Fields> = rows.par_iter().map(|&index| row(index)).collect();
+        for (mut fields, &row) in results.into_iter().zip(rows) {
+            for (out, values) in out.sums_mut().into_iter().zip(fields.sums_mut()) {
+                if !out.is_empty() {
+                    out[row * grid.columns..][..grid.columns].copy_from_slice(values);
                 }
             }
         }
     }
-
-    fn table(&self, level: Level, grid: Grid) -> Table {
-        let footprint2 = grid.footprint * grid.footprint;
-        // As in `direct`: what keeps less than 1e-6 is not added.
-        let shares: Vec<f32> = self
-            .filters
-            .iter()
-            .map(|&filter| f64::from(filter) * footprint2)
-            .take_while(|&exponent| exponent <= 13.8)
-            .map(|exponent| libm::exp(-exponent) as f32)
-            .collect();
-        let chunks = grid.columns.div_ceil(LANES);
-        let mut factors = Vec::with_capacity(chunks * shares.len());
-        for chunk in 0..chunks {
-            for wave in 0..shares.len() {
-                let step = self.phases.turns(wave)[0] * grid.step[0];
-                let turns: [f32; LANES] = std::array::from_fn(|lane| {
-                    let turns = step * (chunk * LANES + lane) as f64;
-                    (turns - turns.round_ties_even()) as f32
-                });
-                let mut factor = Factor { sin: [0.0; LANES], cos: [0.0; LANES] };
-                dispatch!(level, simd => simd.vectorize(#[inline(always)] || {
-                    let (sin, cos) = sincos_turns(f32x16::from_slice(simd, &turns));
-                    sin.store_slice(&mut factor.sin);
-                    cos.store_slice(&mut factor.cos);
-                }));
-                factors.push(factor);
-            }
-        }
-        Table { shares, factors }
-    }
-
-    /// Sixteen columns of one row: (cos + i sin)(column) × (cos + i sin)(row), times the share.
-    #[inline(always)]
-    fn row<S: Simd, const D: bool, const J: bool>(
-        &self,
-        simd: S,
-        origins: &[f32],
-        shares: &[f32],
-        factors: &[Factor],
-        out: &mut [[f32; LANES]; 8],
-    ) {
-        let zero = f32x16::splat(simd, 0.0);
-        let mut total = [zero; 8];
-        // Sixteen waves at once for the row's own factors, which are scalars to the points.
-        for (run, origins) in origins.chunks(LANES).enumerate() {
-            let first = run * LANES;
-            let mut lanes = [0.0; LANES];
-            lanes[..origins.len()].copy_from_slice(origins);
-            let (row_sin, row_cos) = sincos_turns(f32x16::from_slice(simd, &lanes));
-            let mut part = [zero; 8];
-            for wave in 0..origins.len() {
-                let index = first + wave;
-                let (rs, rc) = (row_sin[wave] * shares[index], row_cos[wave] * shares[index]);
-                let cs = f32x16::from_slice(simd, &factors[index].sin);
-                let cc = f32x16::from_slice(simd, &factors[index].cos);
-                let (sin, cos) = (cs * rc + cc * rs, cc * rc - cs * rs);
-                add::<S, D, J>(&mut part, &self.terms[index], sin, cos);
-            }
-            for (total, part) in total.iter_mut().zip(part) {
-                *total += part;
-            }
-        }
-        for (out, total) in out.iter_mut().zip(total) {
-            total.store_slice(out);
-        }
-    }
-}
-
-/// exp(i·kx·x) for sixteen columns and one wave.
-struct Factor {
-    sin: [f32; LANES],
-    cos: [f32; LANES],
-}
-
-/// Column factors, sixteen columns at a time and within them wave by wave, and what the footprint leaves of each
-/// wave.
-struct Table {
-    shares: Vec<f32>,
-    factors: Vec<Factor>,
 }

@@ -22,17 +22,24 @@
 //! definition: the f64 reference has it too.
 //!
 //! # Evaluation
-//! [`SeaFrame::evaluate`] is the plain f64 sum. [`SeaFrame::direct`] does the same in f32 at any points, and
-//! [`SeaFrame::grid`] on a regular grid, both with every phase reduced to one turn in f64 first. Results do not
-//! depend on the processor: only additions, multiplications and exact roundings are used, never fused.
+//! [`SeaFrame::evaluate`] is the plain f64 sum. [`SeaFrame::direct`] does the same in f32 at any points. [`GridPlan`]
+//! evaluates on a regular grid, by the cheapest [`Method`] for its size: from some fifty waves on by a non-uniform
+//! Fourier transform, whose cost hardly depends on their number. All reduce every phase to one turn in f64 first.
+//! Results do not depend on the processor or the number of threads: additions, multiplications and exact roundings
+//! are made in a fixed order and never fused.
 
 mod direct;
 mod fields;
 mod folding;
 mod frame;
 mod grid;
+mod group;
 mod kernel;
+mod lanes;
 mod line;
+mod method;
+mod nufft;
+mod separable;
 mod spectrum;
 mod spread;
 mod wave;
@@ -40,7 +47,9 @@ mod wave;
 pub use fields::{Fields, Points, Sample, Wanted};
 pub use folding::{FoldOptions, Folding};
 pub use frame::{Sea, SeaFrame};
-pub use grid::Grid;
+pub use grid::{Grid, GridError, GridPlan, MAX_POINTS, MAX_SIDE};
+pub use group::{MAX_GROUP, WaveGroup};
 pub use line::{Line, LineScratch, Lines};
+pub use method::Method;
 pub use spectrum::{Convention, Dispersion, GerstnerSpectrum, MAX_WAVES, SpectrumError};
 pub use wave::{ExplicitWave, GRAVITY, Wave, WaveError, attenuation};

@@ -1,144 +1,69 @@
-//! The kernel of non-uniform transforms: how a frequency is spread over a regular grid, and what undoes it.
+//! The kernel of the non-uniform transform, and where it puts waves.
 
-use std::f64::consts::TAU;
+use crate::lanes::Real;
+use std::f64::consts::PI;
 
-/// Grid cells that a frequency is spread over.
-pub(crate) const WIDTH: usize = 8;
-
-/// How many of them lie before the one that it falls into.
-pub(crate) const BEFORE: usize = WIDTH / 2 - 1;
-
-/// Shape of the kernel exp(β(√(1 − (2z/WIDTH)²) − 1)): the least error for twice as many cells as points (Barnett,
-/// Magland and af Klinteberg, *A parallel nonuniform fast Fourier transform library*, 2019, eq. 1.8 and §4).
-const BETA: f64 = 2.30 * WIDTH as f64;
-
-/// Degree of the polynomials that stand for the kernel: within 1e-7 of it.
-const DEGREE: usize = 12;
-
-fn kernel(z: f64) -> f64 {
-    let part = 2.0 * z / WIDTH as f64;
-    if part.abs() >= 1.0 { 0.0 } else { libm::exp(BETA * (libm::sqrt(1.0 - part * part) - 1.0)) }
+/// The exponential of a semicircle, φ(v) = exp(β(√(1−v²) − 1)) on |v| < 1.
+///
+/// Source: Barnett, Magland and af Klinteberg, *A parallel nonuniform fast Fourier transform library based on an
+/// "exponential of semicircle" kernel*, 2019.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Kernel {
+    /// Lines that it covers.
+    pub(crate) width: usize,
+    /// How many times as long as the output a transform is at least.
+    pub(crate) oversampling: f64,
+    beta: f64,
 }
 
-/// Spreads frequencies over a grid of at least twice as many cells as there are points.
-pub(crate) struct Spreader {
-    cells: usize,
-    /// By power of the place within a cell, from 0 on: the coefficient of each neighbor's weight.
-    weights: [[f32; WIDTH]; DEGREE + 1],
-    /// By point: what the transform of the spread values is multiplied with.
-    corrections: Vec<f32>,
-}
-
-impl Spreader {
-    /// For `count` points, of which the one at `count`/2 has the phase of the frequencies themselves.
-    pub(crate) fn new(count: usize) -> Self {
-        let cells = fast_length((2 * count).max(2 * WIDTH));
-        let transform = |point: f64| {
-            // The integral of the kernel's products with a cosine, by steps of ¼: what that misses lies four times
-            // beyond the kernel's own band.
-            let wave = TAU * point / cells as f64 / 4.0;
-            let half = 2 * WIDTH as i32;
-            (1..half).map(|step| 2.0 * kernel(f64::from(step) / 4.0) * libm::cos(wave * f64::from(step))).sum::<f64>()
-                + kernel(0.0)
-        };
-        let corrections: Vec<f64> = (0..=count / 2).map(|away| 4.0 / transform(away as f64)).collect();
-        let corrections = (0..count).map(|point| corrections[point.abs_diff(count / 2)] as f32).collect();
-        Self { cells, weights: polynomials(), corrections }
+impl Kernel {
+    /// β by the bandwidth that oversampling leaves, 2 % below it, which is where errors are least: 2.31 w at 2.
+    pub(crate) fn new(width: usize, oversampling: f64) -> Self {
+        Self { width, oversampling, beta: 0.98 * PI * width as f64 * (1.0 - 0.5 / oversampling) }
     }
 
-    /// Number of cells of the grid.
-    pub(crate) fn cells(&self) -> usize {
-        self.cells
+    /// Its value so many lines away from the center; beyond its edge that there.
+    pub(crate) fn value(&self, offset: f64) -> f64 {
+        let v = offset / (self.width as f64 / 2.0);
+        libm::exp(self.beta * (libm::sqrt((1.0 - v * v).max(0.0)) - 1.0))
     }
 
-    /// What takes the transform at each point to the sum of waves.
-    pub(crate) fn corrections(&self) -> &[f32] {
-        &self.corrections
-    }
-
-    /// The first of the cells that a frequency, in turns from point to point, is spread over, counted from
-    /// [`BEFORE`] cells before the grid on, and the weight of each.
-    #[inline(always)]
-    pub(crate) fn place(&self, turns: f64) -> (usize, [f32; WIDTH]) {
-        let at = (turns - turns.floor()) * self.cells as f64;
-        let cell = (at as usize).min(self.cells - 1);
-        // −1 to 1 from cell to cell.
-        let within = (2.0 * (at - cell as f64) - 1.0) as f32;
-        let mut weights = self.weights[DEGREE];
-        for power in (0..DEGREE).rev() {
-            for (weight, coefficient) in weights.iter_mut().zip(&self.weights[power]) {
-                *weight = *weight * within + coefficient;
-            }
-        }
-        (cell, weights)
-    }
-}
-
-/// For every neighbor the polynomial in y, −1 to 1 from cell to cell, that meets the kernel at Chebyshev's points.
-fn polynomials() -> [[f32; WIDTH]; DEGREE + 1] {
-    const POINTS: usize = DEGREE + 1;
-    let node = |index: usize| libm::cos(TAU / 4.0 * (2 * index + 1) as f64 / POINTS as f64);
-    let mut found = [[0.0; WIDTH]; POINTS];
-    for neighbor in 0..WIDTH {
-        // Neighbor n lies n − BEFORE cells beyond the one that the frequency falls into.
-        let value = |y: f64| kernel(neighbor as f64 - BEFORE as f64 - (y + 1.0) / 2.0);
-        let values: Vec<f64> = (0..POINTS).map(|index| value(node(index))).collect();
-        // Chebyshev coefficients, then powers by the recurrence Tₙ₊₁ = 2y·Tₙ − Tₙ₋₁.
-        let (mut before, mut current) = ([0.0; POINTS], [0.0; POINTS]);
-        before[0] = 1.0;
-        current[1] = 1.0;
-        let mut powers = [0.0; POINTS];
-        for degree in 0..POINTS {
-            let angle = |index: usize| libm::cos(TAU / 4.0 * degree as f64 * (2 * index + 1) as f64 / POINTS as f64);
-            let sum: f64 = (0..POINTS).map(|index| values[index] * angle(index)).sum();
-            let coefficient = sum * if degree == 0 { 1.0 } else { 2.0 } / POINTS as f64;
-            for (power, t) in powers.iter_mut().zip(before) {
-                *power += coefficient * t;
-            }
-            let mut next = [0.0; POINTS];
-            for power in 0..POINTS {
-                let shifted = if power == 0 { 0.0 } else { current[power - 1] };
-                next[power] = 2.0 * shifted - before[power];
-            }
-            (before, current) = (current, next);
-        }
-        for (row, power) in found.iter_mut().zip(powers) {
-            row[neighbor] = power as f32;
-        }
-    }
-    found
-}
-
-/// The least length ≥ `length` of the form 2ⁿ or 3·2ⁿ, which transforms are fast for.
-fn fast_length(length: usize) -> usize {
-    let power = length.next_power_of_two();
-    if power / 4 * 3 >= length { power / 4 * 3 } else { power }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn polynomials_are_the_kernel() {
-        let spreader = Spreader::new(50);
-        for step in 0..1000 {
-            let turns = f64::from(step) / 1000.0;
-            let (cell, weights) = spreader.place(turns);
-            for (neighbor, weight) in weights.iter().enumerate() {
-                let at = cell as f64 + neighbor as f64 - BEFORE as f64;
-                let truth = kernel(at - turns * spreader.cells() as f64);
-                assert!((f64::from(*weight) - truth).abs() < 3e-7, "{turns}, {neighbor}: {weight} and {truth}");
-            }
+    /// Its values on the lines from `first` on, around `at`.
+    pub(crate) fn weights<T: Real>(&self, first: i64, at: f64, out: &mut [T]) {
+        for (line, out) in (first..).zip(out) {
+            *out = T::of(self.value(line as f64 - at));
         }
     }
 
-    #[test]
-    fn lengths_are_fast_and_long_enough() {
-        for length in 16..3000 {
-            let fast = fast_length(length);
-            assert!(fast >= length && fast < 2 * length);
-            assert!(fast.is_power_of_two() || (fast / 3).is_power_of_two() && fast.is_multiple_of(3));
-        }
+    /// Fourier transform of the kernel at the distance `offset` from the center of the outputs.
+    ///
+    /// v = sin α makes (w/2)∫φ(v) cos(πwv·offset/length) dv smooth up to its ends, where it is e^(−β), so that the
+    /// midpoint rule converges faster than any power.
+    pub(crate) fn transform(&self, offset: f64, length: usize) -> f64 {
+        const NODES: usize = 64;
+        let scale = PI * self.width as f64 * offset / length as f64;
+        // Even in α: half the nodes.
+        let sum: f64 = (0..NODES)
+            .map(|node| {
+                let (sin, cos) = libm::sincos((node as f64 + 0.5) * (PI / 2.0 / NODES as f64));
+                libm::exp(self.beta * (cos - 1.0)) * cos * libm::cos(scale * sin)
+            })
+            .sum();
+        self.width as f64 * sum * (PI / 2.0 / NODES as f64)
     }
+}
+
+/// A wave as seen from the lines of the transform.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Source {
+    /// Its index in the frame.
+    pub(crate) wave: usize,
+    /// Whether the wave was turned round, so that it travels toward +x; its amplitude is then the conjugate.
+    pub(crate) turned: bool,
+    /// Where it lies among the lines, along x (≥ 0) and z.
+    pub(crate) at: [f64; 2],
+    /// First line of its kernel.
+    pub(crate) first: [i64; 2],
+    /// e^{iθ} at the center of the grid, times what the footprint leaves.
+    pub(crate) phase: [f64; 2],
 }

@@ -1,8 +1,6 @@
 //! The fast evaluations against the f64 reference, on ordinary and on extreme parameters.
 
-use trochoid_sea::{
-    ExplicitWave, Fields, GerstnerSpectrum, Grid, Points, Sample, Sea, SeaFrame, Wanted, Wave, attenuation,
-};
+use trochoid_sea::{ExplicitWave, Fields, GerstnerSpectrum, Points, Sample, Sea, SeaFrame, Wanted, Wave, attenuation};
 
 /// Deterministic numbers in [0, 1).
 struct Random(u64);
@@ -20,19 +18,21 @@ fn sea(spectrum: GerstnerSpectrum) -> Sea {
     Sea::new(spectrum.waves().expect("valid knobs"))
 }
 
-fn values(sample: &Sample) -> [f64; 9] {
+fn values(sample: &Sample) -> [f64; 12] {
     let ([dx, dy, dz], [yx, yz], [xx, xz, zz]) = (sample.displacement, sample.slope, sample.strain);
-    [dx, dy, dz, yx, yz, xx, xz, zz, sample.slope_variance]
+    let [vx, vy, vz] = sample.velocity;
+    [dx, dy, dz, yx, yz, xx, xz, zz, sample.slope_variance, vx, vy, vz]
 }
 
-fn fast(fields: &Fields, index: usize) -> [f64; 9] {
+fn fast(fields: &Fields, index: usize) -> [f64; 12] {
     let ([dx, dy, dz], [yx, yz], [xx, xz, zz]) = (&fields.displacement, &fields.slope, &fields.strain);
-    [dx, dy, dz, yx, yz, xx, xz, zz, &fields.slope_variance].map(|values| f64::from(values[index]))
+    let [vx, vy, vz] = &fields.velocity;
+    [dx, dy, dz, yx, yz, xx, xz, zz, &fields.slope_variance, vx, vy, vz].map(|values| f64::from(values[index]))
 }
 
 /// Largest root-mean-square error of a quantity over the root mean square of that quantity.
 fn error(frame: &SeaFrame, x: &[f64], z: &[f64], footprint: &[f64], fields: &Fields) -> f64 {
-    let (mut errors, mut sizes) = ([0.0; 9], [0.0; 9]);
+    let (mut errors, mut sizes) = ([0.0; 12], [0.0; 12]);
     for index in 0..x.len() {
         let exact = values(&frame.evaluate([x[index], z[index]], footprint[index]));
         for (quantity, value) in fast(fields, index).into_iter().enumerate() {
@@ -97,20 +97,6 @@ fn footprints_that_hardly_vary_are_as_exact() {
 }
 
 #[test]
-fn grid_agrees_with_the_reference() {
-    let sea = sea(GerstnerSpectrum { count: 150, sharpness: 2.0, ..GerstnerSpectrum::default() });
-    let frame = sea.at(1e5);
-    let grid = Grid { origin: [1e5, -2e5], step: [0.7, 1.3], columns: 37, rows: 9, footprint: 5.0 };
-    let mut fields = Fields::default();
-    frame.grid(grid, Wanted::ALL, &mut fields);
-    let points = || (0..grid.rows).flat_map(|row| (0..grid.columns).map(move |column| (column as f64, row as f64)));
-    let x: Vec<f64> = points().map(|(column, _)| grid.origin[0] + column * grid.step[0]).collect();
-    let z: Vec<f64> = points().map(|(_, row)| grid.origin[1] + row * grid.step[1]).collect();
-    let error = error(&frame, &x, &z, &vec![5.0; x.len()], &fields);
-    assert!(error < 2e-6, "{error:e}");
-}
-
-#[test]
 fn only_what_is_wanted_is_there_and_it_does_not_change() {
     let sea = sea(GerstnerSpectrum { count: 50, ..GerstnerSpectrum::default() });
     let frame = sea.at(2.0);
@@ -124,6 +110,9 @@ fn only_what_is_wanted_is_there_and_it_does_not_change() {
     frame.direct(points, Wanted { derivatives: true, ..Wanted::default() }, &mut some);
     assert_eq!((&all.slope, &all.strain), (&some.slope, &some.strain));
     assert!(some.displacement[1].is_empty());
+    frame.direct(points, Wanted { velocity: true, ..Wanted::default() }, &mut some);
+    assert_eq!(all.velocity, some.velocity);
+    assert!(some.slope[1].is_empty());
 }
 
 #[test]
@@ -132,10 +121,7 @@ fn a_sea_without_waves_is_flat() {
     assert_eq!(frame.evaluate([3.0, 4.0], 0.0), Sample::default());
     let mut fields = Fields::default();
     frame.direct(Points { x: &[1.0], z: &[2.0], footprint: &[0.0] }, Wanted::ALL, &mut fields);
-    assert_eq!(fast(&fields, 0), [0.0; 9]);
-    let grid = Grid { origin: [0.0; 2], step: [1.0; 2], columns: 2, rows: 2, footprint: 0.0 };
-    frame.grid(grid, Wanted::ALL, &mut fields);
-    assert_eq!(fields.displacement[1], [0.0; 4]);
+    assert_eq!(fast(&fields, 0), [0.0; 12]);
 }
 
 fn single(sharpness: f64) -> Sea {
@@ -178,6 +164,16 @@ fn waves_travel_along_their_direction() {
     // Azimuth ½π travels toward +Z: after one second the crest stands 3 m on.
     let frame = Sea::new(vec![Wave::try_from(wave).expect("valid")]).at(1.0);
     assert!((frame.evaluate([0.0, 3.0], 0.0).displacement[1] - 1.0).abs() < 1e-12);
+}
+
+#[test]
+fn the_velocity_is_that_of_finite_differences() {
+    let sea = sea(GerstnerSpectrum { count: 30, sharpness: 0.6, ..GerstnerSpectrum::default() });
+    let at = |time: f64| sea.at(time).evaluate([7.0, 8.0], 0.5);
+    let (before, after) = (at(3.0 - 1e-5).displacement, at(3.0 + 1e-5).displacement);
+    for (axis, exact) in at(3.0).velocity.into_iter().enumerate() {
+        assert!((exact - (after[axis] - before[axis]) / 2e-5).abs() < 1e-8);
+    }
 }
 
 #[test]

@@ -3,7 +3,7 @@
 //! `peer CASE` prepares itself, does the work once, prints one line of JSON with the error of its result (null where it
 //! only reads), and then, for each line `run N` on stdin, does the work N times and prints how long each took; `quit`
 //! ends it. Cases: `W1:uhd` and `W1:hd` evaluate a graph of nine mixes on five passes in memory; `io:uhd:half:zip` and
-//! the like read or write an EXR file. Inputs lie in the folder `PEER_WORK`; `PEER_THREADS` (default: all cores) and
+//! the like read or write an EXR file; `W2` and `W2:1e-6` sum waves on a grid, to 5e-4 or what is named. Inputs lie in the folder `PEER_WORK`; `PEER_THREADS` (default: all cores) and
 //! `PEER_INSTRUCTIONS` (`avx2`, `baseline`) choose what is used.
 
 use std::error::Error;
@@ -12,6 +12,9 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 use trochoid::io::{EncodeScratch, ExrHeader, ExrWriter, Limits, SampleType, Selection, read};
 use trochoid::{Buffers, Cache, Frame, Instructions, Judging, Plan, Plane, Settings, Silent, Window};
+
+#[path = "peer/w2.rs"]
+mod w2;
 
 type Result<T> = std::result::Result<T, Box<dyn Error>>;
 
@@ -25,9 +28,14 @@ fn main() -> Result<()> {
     let parts: Vec<&str> = case.split(':').collect();
     match parts[..] {
         ["W1", size] => w1(&work, size),
+        ["W2"] => w2::run(&work, "5e-4"),
+        ["W2", tolerance] => w2::run(&work, tolerance),
         ["io", size, kind, "write"] => write(&work, size, kind),
         ["io", size, kind, compression] => reading(&work, &format!("w1_{size}_{kind}_{compression}.exr")),
-        _ => Err(format!("found the case \"{case}\"; expected W1:SIZE or io:SIZE:KIND:COMPRESSION").into()),
+        _ => {
+            Err(format!("found the case \"{case}\"; expected W1:SIZE, W2, W2:TOLERANCE or io:SIZE:KIND:COMPRESSION")
+                .into())
+        }
     }
 }
 

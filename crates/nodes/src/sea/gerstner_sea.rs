@@ -5,7 +5,7 @@ use std::sync::Arc;
 use trochoid_graph::*;
 use trochoid_scene::SeaSurface;
 use trochoid_sea::{
-    Convention, Dispersion, ExplicitWave, FoldOptions, Folding, GerstnerSpectrum, MAX_WAVES, Sea, Wave,
+    Convention, Dispersion, ExplicitWave, FoldOptions, Folding, GerstnerSpectrum, MAX_WAVES, Sea, Wave, WaveGroup,
 };
 
 pub(crate) static NODE: &dyn NodeType = &GerstnerSea;
@@ -15,10 +15,12 @@ struct GerstnerSea;
 static DECLARATION: Declaration = Declaration {
     name: "GerstnerSea",
     end: End::Front,
-    summary: "An endless sea: a sum of trochoidal waves with log-normal lengths, and of waves set by hand.",
+    summary: "An endless sea: a sum of trochoidal waves with log-normal lengths, of waves and of crests set by hand.",
     formula: "θ = k(d · p₀) − ωt + φ;  x −= h·d·sin θ,  y += a·cos θ.  a ∝ L, scaled so that 4 × RMS of the sum is \
-              `height`; ω = √(gk). Waves that a pixel cannot resolve fade by exp(−(kσ)²/2), σ = footprint/2.",
-    edge_cases: "`count` 0 without `waves` is a flat sea. Sharpness 0 is a sum of sinusoids; beyond 1 crests fold \
+              `height`; ω = √(gk). Waves that a pixel cannot resolve fade by exp(−(kσ)²/2), σ = footprint/2. A group's waves \
+              have k = d(2π/L + p/`along`) + e·q/`across`, |p|, |q| ≤ 1.8, a ∝ exp(−(p² + q²)/2), Σa = `height`, and \
+              crests that meet at its focus.",
+    edge_cases: "`count` 0 without `waves` and `groups` is a flat sea. Sharpness 0 is a sum of sinusoids; beyond 1 crests fold \
                  over. With convention \"thesis\" the sum is flat for many waves, and sharpness scales the height too.",
     source: "Thesis 3.2.1; Hinsinger, Neyret and Cani, Interactive Animation of Ocean Waves, 2002.",
     items: &[
@@ -40,6 +42,7 @@ static DECLARATION: Declaration = Declaration {
         Knob::integer("seed", 0, 0, 1_000_000_000, "Which sea of all that have these figures.").item(),
         Knob::number("level", 0.0, -1e5, 1e5, "World y of the sea at rest.").unit("m").item(),
         List::of("waves", WAVE, 0, 10_000, "Waves set by hand, besides the random ones."),
+        List::of("groups", GROUP, 0, 100, "Crests set by hand, each a packet of waves that meet at a place and time."),
     ],
     outputs: &[Output::new("surface", Kind::Surface, "The sea at the frame's time.")],
     revision: 1,
@@ -55,6 +58,46 @@ static WAVE: &[Item] = &[
         .optional()
         .unit("m/s")
         .item(),
+];
+
+static GROUP: &[Item] = &[
+    Knob::number("wavelength", 30.0, 1e-3, 1e6, "Length of the middle wave.").required().unit("m").item(),
+    Knob::number("height", 2.0, -1e4, 1e4, "Height of the crest over the sea at rest, at its focus.")
+        .required()
+        .unit("m")
+        .item(),
+    Knob::number("direction", 0.0, -3600.0, 3600.0, "Where it travels: 0 is +X, 90 is +Z.").unit("degrees").item(),
+    Knob::number(
+        "along",
+        15.0,
+        1e-3,
+        1e6,
+        "Standard deviation along its travel, ≥ 0.31 wavelengths; half of one if unset.",
+    )
+    .optional()
+    .unit("m")
+    .item(),
+    Knob::number("across", 15.0, 1e-3, 1e6, "Standard deviation across its travel; half a wavelength if unset.")
+        .optional()
+        .unit("m")
+        .item(),
+    Knob::number("x", 0.0, -1e8, 1e8, "World x of the focus.").unit("m").item(),
+    Knob::number("z", 0.0, -1e8, 1e8, "World z of the focus.").unit("m").item(),
+    Knob::number("time", 0.0, -1e8, 1e8, "When the crests meet at the focus.").unit("s").item(),
+    Knob::number("sharpness", 0.5, 0.0, 10.0, "Share of the cusp that the crest takes at its focus.").item(),
+    Knob::number(
+        "speed",
+        0.0,
+        -1e4,
+        1e4,
+        "Pace at which it travels unchanged; in deep water, if unset, it comes and goes.",
+    )
+    .optional()
+    .unit("m/s")
+    .item(),
+    Knob::integer("waves_along", 5, 1, 100, "Waves along the travel; few let the crest return nearby.").item(),
+    Knob::integer("waves_across", 5, 1, 100, "Waves across the travel.").item(),
+    Knob::integer("seed", 0, 0, 1_000_000_000, "Which group of all that have these figures.").item(),
 ];
 
 /// The waves that the knobs describe.
@@ -87,6 +130,24 @@ fn waves(node: &Settled) -> Result<Vec<Wave>, String> {
         };
         waves.push(Wave::try_from(wave).map_err(|error| error.to_string())?);
     }
+    for (index, group) in node.list("groups").iter().enumerate() {
+        let half = group.number("wavelength") / 2.0;
+        let or_half = |knob: &str| if group.is_set(knob) { group.number(knob) } else { half };
+        let group = WaveGroup {
+            wavelength: group.number("wavelength"),
+            height: group.number("height"),
+            direction: group.number("direction").to_radians(),
+            along: or_half("along"),
+            across: or_half("across"),
+            focus: [group.number("x"), group.number("z")],
+            time: group.number("time"),
+            sharpness: group.number("sharpness"),
+            speed: group.is_set("speed").then(|| group.number("speed")),
+            waves: [group.integer("waves_along") as usize, group.integer("waves_across") as usize],
+            seed: group.integer("seed") as u64,
+        };
+        waves.extend(group.waves().map_err(|error| format!("group {index}: {error}"))?);
+    }
     Ok(waves)
 }
 
@@ -103,14 +164,19 @@ impl NodeType for GerstnerSea {
         let waves = match waves(node) {
             Ok(waves) => waves,
             Err(error) => {
-                return check.error("waves", error, "waves within the model's range", "change the knob named");
+                return check.error(
+                    if error.starts_with("group") { "groups" } else { "waves" },
+                    error,
+                    "waves within the model's range",
+                    "change the knob named",
+                );
             }
         };
         let folds = folding(waves);
         if folds.folded_share > FoldOptions::default().tolerated_share {
             let found = format!("crests that fold over on {:.2} % of the sea", 100.0 * folds.folded_share);
             let sharpness = node.number("sharpness") * folds.unfolded_scale;
-            let remedy = if node.list("waves").is_empty() {
+            let remedy = if node.list("waves").is_empty() && node.list("groups").is_empty() {
                 format!("a sharpness of {sharpness:.3} would not fold")
             } else {
                 format!("all sharpnesses times {:.3} would not fold", folds.unfolded_scale)

@@ -1,13 +1,17 @@
+//! Sums of waves along straight lines.
+
+mod spreader;
+
 use std::sync::Arc;
 
 use fearless_simd::{Level, Simd, dispatch, f32x16, prelude::*};
 use rustfft::num_complex::Complex32;
 use rustfft::{Fft, FftDirection, FftPlanner};
 
-use crate::fields::{Fields, Points, Wanted};
+use crate::fields::{Fields, Points, SUMS, Wanted};
 use crate::frame::{SeaFrame, Term};
 use crate::kernel::{LANES, exp_neg, sincos_turns};
-use crate::spread::{BEFORE, Spreader, WIDTH};
+use spreader::{BEFORE, Spreader, WIDTH};
 
 /// Evenly spaced rest points on a straight line: a row of a grid that is projected onto the sea.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -61,8 +65,8 @@ const DIRECT: f64 = 0.8;
 const SPREAD: f64 = 60.0;
 const TRANSFORM: f64 = 1.6;
 
-/// Number of complex sequences that hold the eight sums, two in each.
-const PAIRS: usize = 4;
+/// Number of complex sequences that hold all sums, two in each.
+const PAIRS: usize = SUMS.div_ceil(2);
 /// Numbers in a cell of the grid.
 const CELL: usize = 2 * PAIRS;
 
@@ -119,10 +123,13 @@ impl<'s> Lines<'s> {
             out.slope_variance.fill(self.lost_variance(line, waves));
         }
         self.prepare(line, waves, scratch);
-        match (wanted.displacement, wanted.derivatives) {
-            (_, true) => self.pairs::<PAIRS, CELL>(line, waves, scratch, out),
-            (true, false) => self.pairs::<{ PAIRS / 2 }, { CELL / 2 }>(line, waves, scratch, out),
-            (false, false) => {}
+        // Sums that come before one that is wanted are made as well.
+        if wanted.velocity {
+            self.pairs::<PAIRS, CELL>(line, waves, scratch, out);
+        } else if wanted.derivatives {
+            self.pairs::<4, 8>(line, waves, scratch, out);
+        } else if wanted.displacement {
+            self.pairs::<2, 4>(line, waves, scratch, out);
         }
     }
 
@@ -219,8 +226,22 @@ impl<'s> Lines<'s> {
 /// What each sum takes of a wave's sine and cosine.
 #[inline(always)]
 fn factors(term: &Term) -> [[f32; 2]; CELL] {
-    let ([dx, dz, yx, yz], [dy, xx, xz, zz]) = (term.sines, term.cosines);
-    [[dx, 0.0], [0.0, dy], [dz, 0.0], [yx, 0.0], [yz, 0.0], [0.0, xx], [0.0, xz], [0.0, zz]]
+    let ([dx, dz, yx, yz, vy], [dy, xx, xz, zz, vx, vz]) = (term.sines, term.cosines);
+    let (sine, cosine) = (|factor| [factor, 0.0], |factor| [0.0, factor]);
+    [
+        sine(dx),
+        cosine(dy),
+        sine(dz),
+        sine(yx),
+        sine(yz),
+        cosine(xx),
+        cosine(xz),
+        cosine(zz),
+        cosine(vx),
+        sine(vy),
+        cosine(vz),
+        [0.0; 2],
+    ]
 }
 
 /// What a wave adds to the cells at its frequency, and at its negative: of two real sums Re(A·e^{iθ}) and Re(B·e^{iθ}) in
@@ -260,12 +281,13 @@ mod tests {
         let (mut out, mut scratch) = (Fields::default(), LineScratch::default());
         let lines = Lines::new(&frame, count);
         lines.transform(line, lines.waves(line), wanted, &mut scratch, &mut out);
-        let (mut worst, mut squares) = ([0.0_f64; 8], [0.0_f64; 8]);
+        let (mut worst, mut squares) = ([0.0_f64; SUMS], [0.0_f64; SUMS]);
         for index in 0..count {
             let rest = [0, 1].map(|axis| line.origin[axis] + index as f64 * line.step[axis]);
             let truth = frame.evaluate(rest, line.footprint);
             let ([dx, dy, dz], [yx, yz], [xx, xz, zz]) = (truth.displacement, truth.slope, truth.strain);
-            for (sum, truth) in [dx, dy, dz, yx, yz, xx, xz, zz].into_iter().enumerate() {
+            let [vx, vy, vz] = truth.velocity;
+            for (sum, truth) in [dx, dy, dz, yx, yz, xx, xz, zz, vx, vy, vz].into_iter().enumerate() {
                 squares[sum] += truth * truth / count as f64;
                 if let Some(found) = out.sums_mut()[sum].get(index) {
                     worst[sum] = worst[sum].max((f64::from(*found) - truth).abs());
