@@ -33,6 +33,7 @@ mod frame;
 mod grid;
 mod kernel;
 mod spectrum;
+pub mod toon;
 mod wave;
 
 pub use fields::{Fields, Points, Sample, Wanted};
