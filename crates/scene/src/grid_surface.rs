@@ -8,7 +8,7 @@ use crate::{ChannelSet, Projector, Ray};
 /// Chord error in pixels that a cell may make at its nearest, at a crest three times as sharp as the root mean square.
 const CHORD_PX: f64 = 0.2;
 const CREST: f64 = 3.0;
-/// Most vertices, for each pixel of the picture and at least.
+/// Most vertices that cuts may make, for each pixel of the picture and at least.
 const VERTICES_PER_PIXEL: f64 = 1.5;
 const LEAST_LIMIT: f64 = 1e6;
 /// Most parts of a cell's side.
@@ -107,18 +107,43 @@ impl GridSurface {
         eye.y - self.level < self.height(eye.x, eye.z).map_or(0.0, |[height, ..]| height)
     }
 
-    /// Parts of a cell's side.
-    fn parts(&self, projector: &Projector) -> usize {
-        let eye = projector.position;
-        let low = DVec3::new(self.origin[0], self.level + self.bounds[0], self.origin[1]);
-        let high = DVec3::new(self.end()[0], self.level + self.bounds[1], self.end()[1]);
-        // The nearest that any of it can be; within the box of heights, a cell away.
-        let near = (eye.clamp(low, high) - eye).length().max(self.spacing);
-        let wanted = libm::sqrt(CREST * self.bend / (8.0 * CHORD_PX * projector.pixel_size(near))).ceil();
-        let limit = (VERTICES_PER_PIXEL * projector.size[0] * projector.size[1]).max(LEAST_LIMIT);
-        let possible = libm::sqrt(limit / self.heights.len() as f64).floor();
-        wanted.min(possible).clamp(1.0, MAX_PARTS) as usize
+    /// Places along an axis at which vertices stand: each cell is cut into equal parts, as many as its nearest point
+    /// asks for, divided by `coarseness`.
+    fn lines(&self, projector: &Projector, axis: usize, coarseness: f64) -> Vec<Line> {
+        let cells = [self.columns, self.rows][axis] - 1;
+        let eye = projector.position.to_array();
+        let [low, high] = self.bounds.map(|height| self.level + height);
+        let (start, end) = ([self.origin[0], low, self.origin[1]], [self.end()[0], high, self.end()[1]]);
+        let away = |axis: usize, low: f64, high: f64| eye[axis].clamp(low, high) - eye[axis];
+        // Distances across the axis are those of the whole grid.
+        let other = 2 - 2 * axis;
+        let beside = libm::hypot(away(1, start[1], end[1]), away(other, start[other], end[other]));
+        let line = |cell: usize, part: f64| Line {
+            cell,
+            weights: weights(part),
+            place: self.origin[axis] + (cell as f64 + part) * self.spacing,
+        };
+        let mut lines = Vec::with_capacity(2 * cells);
+        for cell in 0..cells {
+            let from = self.origin[axis] + cell as f64 * self.spacing;
+            let near = libm::hypot(beside, away(2 * axis, from, from + self.spacing)).max(self.spacing);
+            let wanted = libm::sqrt(CREST * self.bend / (8.0 * CHORD_PX * projector.pixel_size(near)));
+            let parts = (wanted / coarseness).ceil().clamp(1.0, MAX_PARTS);
+            lines.extend((0..parts as usize).map(|part| line(cell, part as f64 / parts)));
+        }
+        lines.push(line(cells - 1, 1.0));
+        lines
     }
+}
+
+/// A line of vertices.
+struct Line {
+    /// The cell that it stands in.
+    cell: usize,
+    /// Weights of the cell's neighbors.
+    weights: Weights,
+    /// Its world coordinate.
+    place: f64,
 }
 
 /// Catmull–Rom weights of four neighbors at t in 0…1 of the inner two, and their derivatives.
@@ -136,21 +161,18 @@ fn square(value: f32) -> f64 {
 }
 
 impl Surface for GridSurface {
-    /// Rows of vertices along z, one behind the other along x; each cell of the grid is cut into equal parts.
+    /// Rows of vertices along z, one behind the other along x.
     fn tessellate(&self, projector: &Projector, wanted: ChannelSet) -> Mesh {
-        let parts = self.parts(projector);
-        let fractions: Vec<Weights> = (0..=parts).map(|part| weights(part as f64 / parts as f64)).collect();
-        let count = |cells: usize| (cells - 1) * parts + 1;
-        let (rows, columns) = (count(self.columns), count(self.rows));
-        // The last vertex is the end of the last cell, not the start of one more.
-        let cell = |index: usize, cells: usize| {
-            let cell = (index / parts).min(cells - 2);
-            (cell, index - cell * parts)
-        };
+        let limit = (VERTICES_PER_PIXEL * projector.size[0] * projector.size[1]).max(LEAST_LIMIT);
+        let lines = |coarseness: f64| [0, 1].map(|axis| self.lines(projector, axis, coarseness));
+        let mut cut = lines(1.0);
+        let vertices = cut[0].len() as f64 * cut[1].len() as f64;
+        if vertices > limit {
+            cut = lines(libm::sqrt(vertices / limit));
+        }
+        let [along_x, along_z] = cut;
+        let (rows, columns) = (along_x.len(), along_z.len());
         let eye = projector.position;
-        let place = |axis: usize, (cell, part): (usize, usize)| {
-            self.origin[axis] + (cell as f64 + part as f64 / parts as f64) * self.spacing
-        };
         let size = |channels: ChannelSet| if wanted.intersects(channels) { rows * columns } else { 0 };
         let mut mesh = Mesh {
             positions: vec![[0.0; 3]; rows * columns],
@@ -162,23 +184,17 @@ impl Surface for GridSurface {
             inside: self.submerged(eye),
             topology: Topology::Grid { columns, rows },
         };
-        let along: Vec<((usize, usize), f64)> = (0..columns)
-            .map(|column| {
-                let cell = cell(column, self.rows);
-                (cell, place(1, cell))
-            })
-            .collect();
         let mut tasks = Vec::with_capacity(rows);
         let mut normals = mesh.normals.chunks_mut(columns);
         let mut rests = mesh.rests.chunks_mut(columns);
         for positions in mesh.positions.chunks_mut(columns) {
             tasks.push((positions, normals.next().unwrap_or_default(), rests.next().unwrap_or_default()));
         }
-        tasks.into_par_iter().enumerate().for_each(|(row, (positions, normals, rests))| {
-            let at_x = cell(row, self.columns);
-            let x = place(0, at_x);
-            for (index, &(at_z, z)) in along.iter().enumerate() {
-                let [height, dx, dz] = self.blend([at_x.0, at_z.0], fractions[at_x.1], fractions[at_z.1]);
+        tasks.into_par_iter().zip(&along_x).for_each(|((positions, normals, rests), at_x)| {
+            let x = at_x.place;
+            for (index, at_z) in along_z.iter().enumerate() {
+                let z = at_z.place;
+                let [height, dx, dz] = self.blend([at_x.cell, at_z.cell], at_x.weights, at_z.weights);
                 let flat = [(x - eye.x) as f32, (z - eye.z) as f32];
                 positions[index] = [flat[0], (self.level + height - eye.y) as f32, flat[1]];
                 if let Some(normal) = normals.get_mut(index) {

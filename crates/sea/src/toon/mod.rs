@@ -19,12 +19,12 @@
 //!
 //! # The height field
 //! h' = c₁(2·Lm(h) − h₋) + c₂·h + bursts, Lm the mean of the four neighbors; [`Motion`] says how it is stepped. Every
-//! boundary has a basis of its own in which Lm is diagonal, so [`Motion::Resampled`] and [`Motion::Physical`] advance by
-//! any stretch of time in one exact step.
+//! boundary has a basis of its own in which Lm is diagonal, so [`Motion::Resampled`] and [`Motion::Physical`] advance
+//! by any stretch of time in one exact step.
 //!
 //! # Conventions
-//! Meters and seconds. Cell (i, j) stands at x = i·spacing, z = j·spacing; fields are row by row, z by z. A literal step
-//! lasts 1/60 s.
+//! Meters and seconds. Cell (i, j) stands at x = i·spacing, z = j·spacing; fields are row by row. A literal step lasts
+//! 1/60 s.
 //!
 //! # Results
 //! A frame is a function of the description and its time alone, however it was reached, bit for bit, on any number of

@@ -17,7 +17,7 @@ pub struct Behavior {
     pub shape: Shape,
     /// Whether radii are along and across the heading, or along x and z.
     pub oriented: bool,
-    /// Share of a burst that a literal step adds; if unset, 1 − c₁ − c₂ of the intended profile, all of the literal one.
+    /// Share of a burst that a literal step adds; if unset, 1 − c₁ − c₂ of the intended profile, 1 of the literal.
     pub injection: Option<f64>,
     /// Steps that the sea has run before time 0.
     pub preroll: u32,

@@ -18,8 +18,8 @@ const INSIDE: f64 = 1e-4;
 
 impl Instability {
     /// Whether every mode of the basin stays bounded: each obeys g² − b·g + c₁ = 0, b = 2c₁λ + c₂, so that
-    /// |c₁| ≤ 1 and |b| ≤ 1 + c₁ for its every λ, without a double root on |g| = 1 (Jury's criterion). b is linear in λ:
-    /// the two ends decide.
+    /// |c₁| ≤ 1 and |b| ≤ 1 + c₁ for its every λ, without a double root on |g| = 1 (Jury's criterion). b is linear in
+    /// λ: the two ends decide.
     ///
     /// # Errors
     /// The instability, with the nearest stable coefficients.
@@ -42,7 +42,7 @@ impl std::fmt::Display for Instability {
         write!(
             f,
             "c1 {c1}, c2 {c2} is refused: the sea would grow by {:.4} a step; expected |c1| ≤ 1 and \
-             |2·c1·λ + c2| ≤ 1 + c1 for every mode λ of the grid; the nearest that holds is c1 {near1:.4}, c2 {near2:.4}",
+             |2·c1·λ + c2| ≤ 1 + c1 for each mode λ of the grid; the nearest that holds: c1 {near1:.4}, c2 {near2:.4}",
             self.growth
         )
     }

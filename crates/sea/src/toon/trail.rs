@@ -62,8 +62,8 @@ pub(crate) fn decayed(decay: f64, steps: f64) -> (f64, f64) {
 /// Coordinates for lines that bursts draw behind them.
 ///
 /// Beside the rift every cell accumulates a weight w = (1 − q²)², q the distance from a burst in an ellipse a little
-/// larger than its own, and w times two coordinates of the cell in the burst's own frame: along its path, lagging behind
-/// by `lag` for every meter to the side, and across. What lines are drawn by are weighted means, so that a turn fans
+/// larger than its own, and w times two coordinates of the cell in the burst's own frame: along its path, lagging
+/// behind by `lag` for every meter to the side, and across. What lines are drawn by are weighted means, so that a turn fans
 /// them out and never cuts them, and decay, which takes from both, moves none.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Drift {
