@@ -42,6 +42,7 @@ mod nufft;
 mod separable;
 mod spectrum;
 mod spread;
+pub mod toon;
 mod wave;
 
 pub use fields::{Fields, Points, Sample, Wanted};

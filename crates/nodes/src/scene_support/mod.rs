@@ -4,15 +4,15 @@ mod around;
 mod copy;
 mod geometry;
 mod lit;
-mod model;
 mod mask;
+mod model;
 
 pub(crate) use around::{Around, change, grown, surface_of};
 pub(crate) use copy::ViewCopy;
 pub(crate) use geometry::{FLIP, ROTATE, SCALE, Standing, TRANSLATE, check_scale, placement};
 pub(crate) use lit::{COMBINE, Lights, Vectors3, eye, toward_eye, view_directions};
-pub(crate) use model::{patch, read_model};
 pub(crate) use mask::{ViewMask, ramp};
+pub(crate) use model::{patch, read_model};
 
 use std::sync::Arc;
 use trochoid_graph::{Inputs, Reference, References, Settled, ViewChannel};

@@ -5,12 +5,13 @@ mod spreader;
 use std::sync::Arc;
 
 use fearless_simd::{Level, Simd, dispatch, f32x16, prelude::*};
-use rustfft::num_complex::Complex32;
-use rustfft::{Fft, FftDirection, FftPlanner};
+use rustfft::num_traits::Zero;
+use rustfft::{Fft, FftPlannerScalar};
 
 use crate::fields::{Fields, Points, SUMS, Wanted};
 use crate::frame::{SeaFrame, Term};
 use crate::kernel::{LANES, exp_neg, sincos_turns};
+use crate::lanes;
 use spreader::{BEFORE, Spreader, WIDTH};
 
 /// Evenly spaced rest points on a straight line: a row of a grid that is projected onto the sea.
@@ -36,11 +37,11 @@ pub struct Line {
 pub struct Lines<'s> {
     frame: &'s SeaFrame,
     count: usize,
-    transform: Arc<dyn Fft<f32>>,
+    transform: Arc<dyn Fft<lanes::Lanes<f32>>>,
     spreader: Spreader,
     /// By sum: a power of two near its root mean square. Two sums of one sequence share its rounding, so both must be
     /// about 1.
-    scales: [f32; CELL],
+    scales: [f32; ROOM],
 }
 
 /// Buffers of one thread, reused from line to line.
@@ -50,9 +51,8 @@ pub struct LineScratch {
     phases: Vec<f32>,
     sines: Vec<f32>,
     cosines: Vec<f32>,
-    cells: Vec<f32>,
-    grid: Vec<Complex32>,
-    work: Vec<Complex32>,
+    cells: Vec<lanes::Line<f32>>,
+    work: Vec<lanes::Line<f32>>,
     points: [Vec<f64>; 3],
 }
 
@@ -65,17 +65,17 @@ const DIRECT: f64 = 0.8;
 const SPREAD: f64 = 60.0;
 const TRANSFORM: f64 = 1.6;
 
-/// Number of complex sequences that hold all sums, two in each.
-const PAIRS: usize = SUMS.div_ceil(2);
-/// Numbers in a cell of the grid.
-const CELL: usize = 2 * PAIRS;
+/// Sums that are transformed at once: two in each of four complex sequences.
+const TOGETHER: usize = 2 * lanes::WIDTH;
+/// All sums, and what fills up the last group of them.
+const ROOM: usize = SUMS.next_multiple_of(TOGETHER);
 
 impl<'s> Lines<'s> {
     /// Lines of `count` points.
     pub fn new(frame: &'s SeaFrame, count: usize) -> Self {
         let spreader = Spreader::new(count);
-        let transform = FftPlanner::new().plan_fft(spreader.cells(), FftDirection::Inverse);
-        let mut squares = [0.0; CELL];
+        let transform = FftPlannerScalar::new().plan_fft_inverse(spreader.cells());
+        let mut squares = [0.0; ROOM];
         for term in &frame.terms {
             for (square, [sine, cosine]) in squares.iter_mut().zip(factors(term)) {
                 *square += f64::from(sine) * f64::from(sine) + f64::from(cosine) * f64::from(cosine);
@@ -123,13 +123,10 @@ impl<'s> Lines<'s> {
             out.slope_variance.fill(self.lost_variance(line, waves));
         }
         self.prepare(line, waves, scratch);
-        // Sums that come before one that is wanted are made as well.
-        if wanted.velocity {
-            self.pairs::<PAIRS, CELL>(line, waves, scratch, out);
-        } else if wanted.derivatives {
-            self.pairs::<4, 8>(line, waves, scratch, out);
-        } else if wanted.displacement {
-            self.pairs::<2, 4>(line, waves, scratch, out);
+        for first in (0..SUMS).step_by(TOGETHER) {
+            if wanted.sums()[first..].iter().take(TOGETHER).any(|wanted| *wanted) {
+                self.sums(first, line, waves, scratch, out);
+            }
         }
     }
 
@@ -159,25 +156,19 @@ impl<'s> Lines<'s> {
         }));
     }
 
-    /// The first sums of [`Fields`], two in each of `P` complex sequences.
-    fn pairs<const P: usize, const C: usize>(
-        &self,
-        line: &Line,
-        waves: usize,
-        scratch: &mut LineScratch,
-        out: &mut Fields,
-    ) {
-        let LineScratch { sines, cosines, cells, grid, work, .. } = scratch;
+    /// The sums from `first` on.
+    fn sums(&self, first: usize, line: &Line, waves: usize, scratch: &mut LineScratch, out: &mut Fields) {
+        let LineScratch { sines, cosines, cells, work, .. } = scratch;
         let count = self.spreader.cells();
-        let inverses = self.scales.map(|scale| 1.0 / scale);
+        let scales: [f32; TOGETHER] = std::array::from_fn(|sum| 1.0 / self.scales[first + sum]);
         cells.clear();
-        cells.resize((count + WIDTH) * C, 0.0);
-        let (cells, _) = cells.as_chunks_mut::<C>();
+        cells.resize(count + WIDTH, lanes::splat(Zero::zero()));
         dispatch!(Level::new(), simd => simd.vectorize(#[inline(always)] || {
             for wave in 0..waves {
                 let [x, z] = self.frame.phases.turns(wave);
                 let (place, weights) = self.spreader.place(x * line.step[0] + z * line.step[1]);
-                let [plus, minus] = amplitudes::<C>(&self.frame.terms[wave], &inverses, sines[wave], cosines[wave]);
+                let term = &self.frame.terms[wave];
+                let [plus, minus] = amplitudes(term, first, &scales, sines[wave], cosines[wave]);
                 // The frequency's negative lies mirrored about cell 0, which stands `BEFORE` cells from the start.
                 let mirrored = count - place + 2 * BEFORE;
                 for (neighbor, weight) in weights.iter().enumerate() {
@@ -187,25 +178,23 @@ impl<'s> Lines<'s> {
             }
         }));
         // The grid is a circle: what lies before its start or beyond its end belongs to the other end.
-        grid.clear();
-        grid.resize(P * count, Complex32::ZERO);
-        for (pair, sequence) in grid.chunks_exact_mut(count).enumerate() {
-            for (index, cell) in cells.iter().enumerate() {
-                let value = Complex32::new(cell[2 * pair], cell[2 * pair + 1]);
-                sequence[(index + count - BEFORE) % count] += value;
-            }
+        for cell in 0..WIDTH {
+            let (from, to) = if cell < BEFORE { (cell, cell + count) } else { (cell + count, cell) };
+            cells[to] = cells[to] + cells[from];
         }
-        work.resize(self.transform.get_inplace_scratch_len(), Complex32::ZERO);
-        self.transform.process_with_scratch(grid, work);
+        let circle = &mut cells[BEFORE..BEFORE + count];
+        work.resize(self.transform.get_inplace_scratch_len(), lanes::splat(Zero::zero()));
+        self.transform.process_with_scratch(circle, work);
         let middle = self.count / 2;
-        for (index, sum) in out.sums_mut().into_iter().enumerate().take(2 * P) {
-            let sequence = &grid[index / 2 * count..][..count];
+        let sums = out.sums_mut().into_iter().skip(first);
+        // Sums that nobody wants are empty.
+        for (index, sum) in sums.enumerate().take(TOGETHER) {
             // Points before the middle stand at the end of the circle.
-            let points = sequence[count - middle..].iter().chain(&sequence[..self.count - middle]);
-            let scale = self.scales[index];
-            // Sums that nobody wants are empty.
+            let points = circle[count - middle..].iter().chain(&circle[..self.count - middle]);
+            let (lane, scale) = (index / 2, self.scales[first + index]);
             for ((sum, value), correction) in sum.iter_mut().zip(points).zip(self.spreader.corrections()) {
-                *sum = if index % 2 == 0 { value.re } else { value.im } * correction * scale;
+                let part = if index % 2 == 0 { &value.re } else { &value.im };
+                *sum = part.0[lane] * correction * scale;
             }
         }
     }
@@ -225,10 +214,11 @@ impl<'s> Lines<'s> {
 
 /// What each sum takes of a wave's sine and cosine.
 #[inline(always)]
-fn factors(term: &Term) -> [[f32; 2]; CELL] {
+fn factors(term: &Term) -> [[f32; 2]; ROOM] {
     let ([dx, dz, yx, yz, vy], [dy, xx, xz, zz, vx, vz]) = (term.sines, term.cosines);
     let (sine, cosine) = (|factor| [factor, 0.0], |factor| [0.0, factor]);
-    [
+    let mut factors = [[0.0; 2]; ROOM];
+    factors[..SUMS].copy_from_slice(&[
         sine(dx),
         cosine(dy),
         sine(dz),
@@ -240,33 +230,39 @@ fn factors(term: &Term) -> [[f32; 2]; CELL] {
         cosine(vx),
         sine(vy),
         cosine(vz),
-        [0.0; 2],
-    ]
+    ]);
+    factors
 }
+
+/// Real and imaginary parts of four numbers.
+type Parts = [[f32; lanes::WIDTH]; 2];
 
 /// What a wave adds to the cells at its frequency, and at its negative: of two real sums Re(A·e^{iθ}) and Re(B·e^{iθ}) in
 /// one complex sequence these are ½(A + iB) and ½(Ā + iB̄).
 #[inline(always)]
-fn amplitudes<const C: usize>(term: &Term, scales: &[f32; CELL], sin: f32, cos: f32) -> [[f32; C]; 2] {
+fn amplitudes(term: &Term, first: usize, scales: &[f32; TOGETHER], sin: f32, cos: f32) -> [Parts; 2] {
     let factors = factors(term);
     // s·sin θ + c·cos θ is the real part of (c − is)·e^{iθ}.
     let amplitude = |sum: usize| {
-        let [s, c] = factors[sum].map(|factor| factor * scales[sum]);
+        let [s, c] = factors[first + sum].map(|factor| factor * scales[sum]);
         [c * cos + s * sin, c * sin - s * cos]
     };
-    let (mut plus, mut minus) = ([0.0; C], [0.0; C]);
-    for pair in 0..C / 2 {
-        let ([a, ai], [b, bi]) = (amplitude(2 * pair), amplitude(2 * pair + 1));
-        (plus[2 * pair], plus[2 * pair + 1]) = (0.5 * (a - bi), 0.5 * (ai + b));
-        (minus[2 * pair], minus[2 * pair + 1]) = (0.5 * (a + bi), 0.5 * (b - ai));
+    let (mut plus, mut minus) = (Parts::default(), Parts::default());
+    for lane in 0..lanes::WIDTH {
+        let ([a, ai], [b, bi]) = (amplitude(2 * lane), amplitude(2 * lane + 1));
+        (plus[0][lane], plus[1][lane]) = (0.5 * (a - bi), 0.5 * (ai + b));
+        (minus[0][lane], minus[1][lane]) = (0.5 * (a + bi), 0.5 * (b - ai));
     }
     [plus, minus]
 }
 
 #[inline(always)]
-fn add<const C: usize>(cell: &mut [f32; C], amplitude: &[f32; C], weight: f32) {
-    for (cell, amplitude) in cell.iter_mut().zip(amplitude) {
-        *cell += amplitude * weight;
+fn add(cell: &mut lanes::Line<f32>, [real, imaginary]: &Parts, weight: f32) {
+    for (cell, part) in cell.re.0.iter_mut().zip(real) {
+        *cell += part * weight;
+    }
+    for (cell, part) in cell.im.0.iter_mut().zip(imaginary) {
+        *cell += part * weight;
     }
 }
 
@@ -310,19 +306,19 @@ mod tests {
     fn lines_agree_with_the_plain_sum() {
         let usual = GerstnerSpectrum { count: 300, ..GerstnerSpectrum::default() };
         let cases = [
-            (usual.clone(), 12.5, Line { origin: [3.0, -70.0], step: [0.31, 0.07], footprint: 0.4 }, 501),
-            (usual.clone(), 0.0, Line { origin: [0.0, 0.0], step: [-2.0, 1.0], footprint: 3.0 }, 200),
-            (usual.clone(), 1e7, Line { origin: [1e7, -1e7], step: [0.5, 0.0], footprint: 0.0 }, 333),
-            (usual.clone(), 5.0, Line { origin: [0.0, 0.0], step: [0.0, 0.0], footprint: 1.0 }, 17),
-            (usual.clone(), 5.0, Line { origin: [0.0, 9.0], step: [0.0, 25.0], footprint: 0.1 }, 1),
+            (usual, 12.5, Line { origin: [3.0, -70.0], step: [0.31, 0.07], footprint: 0.4 }, 501),
+            (usual, 0.0, Line { origin: [0.0, 0.0], step: [-2.0, 1.0], footprint: 3.0 }, 200),
+            (usual, 1e7, Line { origin: [1e7, -1e7], step: [0.5, 0.0], footprint: 0.0 }, 333),
+            (usual, 5.0, Line { origin: [0.0, 0.0], step: [0.0, 0.0], footprint: 1.0 }, 17),
+            (usual, 5.0, Line { origin: [0.0, 9.0], step: [0.0, 25.0], footprint: 0.1 }, 1),
             (
-                GerstnerSpectrum { count: 1, ..usual.clone() },
+                GerstnerSpectrum { count: 1, ..usual },
                 3.0,
                 Line { origin: [0.0, 0.0], step: [1.0, 0.2], footprint: 0.5 },
                 64,
             ),
             (
-                GerstnerSpectrum { wavelength: 1e-2, height: 1e-3, sharpness: 10.0, ..usual.clone() },
+                GerstnerSpectrum { wavelength: 1e-2, height: 1e-3, sharpness: 10.0, ..usual },
                 100.0,
                 Line { origin: [50.0, 7.0], step: [1e-3, 2e-3], footprint: 1e-3 },
                 700,

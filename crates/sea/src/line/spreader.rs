@@ -30,8 +30,7 @@ impl Spreader {
     /// For `count` points, of which the one at `count`/2 has the phase of the frequencies themselves.
     pub(crate) fn new(count: usize) -> Self {
         let cells = fast_length((2 * count).max(2 * WIDTH));
-        let corrections: Vec<f64> =
-            (0..=count / 2).map(|away| 1.0 / kernel().transform(away as f64, cells)).collect();
+        let corrections: Vec<f64> = (0..=count / 2).map(|away| 1.0 / kernel().transform(away as f64, cells)).collect();
         let corrections = (0..count).map(|point| corrections[point.abs_diff(count / 2)] as f32).collect();
         Self { cells, weights: polynomials(), corrections }
     }

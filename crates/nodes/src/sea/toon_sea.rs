@@ -1,0 +1,280 @@
+//! ToonSea: a height field that bursts raise as they travel.
+
+use crate::scene_support::SurfaceHandle;
+use std::sync::{Arc, Mutex, OnceLock};
+use trochoid_graph::*;
+use trochoid_scene::GridSurface;
+use trochoid_sea::toon::{
+    Basin, Behavior, Boundary, Burst, Guide, Mixing, Motion, Physics, Shape, Simulation, ToonSea as Sea, Wanted,
+    reference,
+};
+
+pub(crate) static NODE: &dyn NodeType = &ToonSea;
+
+struct ToonSea;
+
+static DECLARATION: Declaration = Declaration {
+    name: "ToonSea",
+    end: End::Front,
+    summary: "A finite sea of bursts that travel along splines: their heights spread over a grid and die away.",
+    formula: "h' = c1·(2·mean of the 4 neighbors − h₋) + c2·h + bursts, 60 times a second; a burst is \
+              (p·H/2)·(cos(min(π·|(u−x)/r|/p, π)) + 1), scaled by 1 − c1 − c2. x is a cubic Bézier curve at \
+              (t mod d)/d.",
+    edge_cases: "Without bursts the sea is flat. Every frame is reached from the sea at rest, `preroll` steps before \
+                 the first frame; one after the other costs only the steps between. Mode \"resampled\" needs \
+                 0 < c1 < 1 and equals \"literal\" at 60 frames a second; \"literal\" moves unevenly at 24. Unstable \
+                 coefficients are refused with the nearest that are not. What a keyed knob holds at a frame it holds \
+                 for the whole run up to it, from the sea at rest: only `x`, `z` and `level` are cheap to key.",
+    source: "Dadfar and Welling, Japanese-Style Toon-Based Water Shader, 3.1 and 3.2; Jury's criterion for stability.",
+    items: &[
+        Knob::integer("columns", 256, 2, 2048, "Cells along x.").item(),
+        Knob::integer("rows", 256, 2, 2048, "Cells along z.").item(),
+        Knob::number("spacing", 0.15, 1e-4, 1e4, "Distance of cells.").unit("m").item(),
+        Knob::number("x", 0.0, -1e6, 1e6, "World x of the grid's first cell.").unit("m").item(),
+        Knob::number("z", 0.0, -1e6, 1e6, "World z of the grid's first cell.").unit("m").item(),
+        Knob::number("level", 0.0, -1e5, 1e5, "World y of the sea at rest.").unit("m").item(),
+        Knob::choice("mode", &["resampled", "literal", "physical"], "How heights move.").item(),
+        Knob::choice("boundary", &["replicate", "periodic", "fixed"], "What lies beyond the grid.").item(),
+        Knob::number("c1", 0.3, -1.0, 1.0, "Weight of the neighbors and of the step before.").item(),
+        Knob::number("c2", 0.65, -2.0, 2.0, "Weight of the height itself.").item(),
+        Knob::number("rate", 60.0, 1.0, 1000.0, "Steps a second at which bursts act; \"literal\" has 60.")
+            .unit("Hz")
+            .item(),
+        Knob::number("speed", 6.0, 0.0, 1e6, "Speed of waves, mode \"physical\".").unit("m/s").item(),
+        Knob::number("damping", 16.0, 0.0, 1e6, "Damping γ, mode \"physical\".").unit("1/s").item(),
+        Knob::number("frequency", 16.0, 0.0, 1e6, "Pull back to rest ω₀, mode \"physical\".").unit("rad/s").item(),
+        Knob::number(
+            "push",
+            0.0,
+            -1e12,
+            1e12,
+            "Acceleration for each meter of a burst, mode \"physical\"; ω₀² if unset.",
+        )
+        .optional()
+        .unit("1/s²")
+        .item(),
+        Knob::integer("preroll", 120, 0, 100_000, "Steps that the sea has run at the first frame.").item(),
+        Knob::choice("burst", &["intended", "literal"], "Profile as meant, or as printed: cos(min(p|u−x|/r, π) + 1).")
+            .item(),
+        Knob::number(
+            "injection",
+            0.05,
+            -1e6,
+            1e6,
+            "Share of a burst that a step adds; 1 − c1 − c2 if unset, 1 of \"literal\" bursts.",
+        )
+        .optional()
+        .item(),
+        Knob::bool("oriented", true, "Radii along and across the heading; otherwise along x and z.").item(),
+        List::of("bursts", BURST, 0, 10_000, "Bursts set one by one."),
+        List::of("guides", GUIDE, 0, 100, "Guides: each a burst and its noisy copies side by side."),
+    ],
+    outputs: &[Output::new("surface", Kind::Surface, "The sea at the frame's time.")],
+    revision: 1,
+};
+
+static BURST: &[Item] = &[PATH, DURATION, OFFSET, HEIGHT, PEAK, ALONG, ACROSS, FADE, START, END];
+
+static GUIDE: &[Item] = &[
+    PATH,
+    DURATION,
+    OFFSET,
+    HEIGHT,
+    PEAK,
+    ALONG,
+    ACROSS,
+    FADE,
+    START,
+    END,
+    Knob::integer("count", 8, 1, 100_000, "Copies.").item(),
+    Knob::number("width", 10.0, 0.0, 1e6, "Width over which copies stand side by side.").unit("m").item(),
+    Knob::number("jitter", 0.5, 0.0, 1e6, "Standard deviation of control points.").unit("m").item(),
+    Knob::number("jitter_time", 0.25, 0.0, 1e6, "Standard deviation of offsets: small makes crests, large cones.")
+        .unit("s")
+        .item(),
+    Knob::number("jitter_size", 0.15, 0.0, 10.0, "Relative standard deviation of duration, peak and radii.").item(),
+    Knob::integer("seed", 0, 0, 1_000_000_000, "Which of all such systems.").item(),
+];
+
+const PATH: Item =
+    Knob::numbers("path", 8, 8, "Control points x, z, x, z, … of a cubic Bézier curve, from the first cell on.")
+        .required()
+        .unit("m")
+        .item();
+const DURATION: Item = Knob::number("duration", 10.0, 1e-3, 1e9, "Time from end to end.").unit("s").item();
+const OFFSET: Item = Knob::number("offset", 0.0, -1e9, 1e9, "Time by which it is ahead.").unit("s").item();
+const HEIGHT: Item = Knob::number("height", 1.0, -1e6, 1e6, "Height H.").unit("m").item();
+const PEAK: Item = Knob::number("peak", 1.0, 1e-3, 1e3, "Peak p: scales height and radius.").item();
+const ALONG: Item = Knob::number("along", 2.0, 1e-3, 1e6, "Radius r along the heading, or x.").unit("m").item();
+const ACROSS: Item =
+    Knob::number("across", 2.0, 1e-3, 1e6, "Radius r across the heading, or along z.").unit("m").item();
+const FADE: Item = Knob::number("fade", 0.0, 0.0, 0.5, "Share of the path to grow in and to die out.").item();
+const START: Item =
+    Knob::number("start", 0.0, -1e9, 1e9, "First moment; from the preroll on if unset.").optional().unit("s").item();
+const END: Item = Knob::number("end", 0.0, -1e9, 1e9, "Last moment; never if unset.").optional().unit("s").item();
+
+/// A burst of either list.
+fn burst(record: &Settled) -> Burst {
+    let points = record.numbers("path");
+    let moment = |knob: &str, otherwise: f64| if record.is_set(knob) { record.number(knob) } else { otherwise };
+    Burst {
+        duration: record.number("duration"),
+        offset: record.number("offset"),
+        height: record.number("height"),
+        peak: record.number("peak"),
+        influence: [record.number("along"), record.number("across")],
+        fade: record.number("fade"),
+        active: [moment("start", f64::NEG_INFINITY), moment("end", f64::INFINITY)],
+        ..Burst::along(std::array::from_fn(|index| {
+            [0, 1].map(|axis| points.get(2 * index + axis).copied().unwrap_or_default())
+        }))
+    }
+}
+
+/// The sea that the knobs describe.
+fn sea(node: &Settled) -> Result<Sea, String> {
+    let basin = Basin {
+        columns: node.integer("columns") as usize,
+        rows: node.integer("rows") as usize,
+        spacing: node.number("spacing"),
+        boundary: match node.text("boundary") {
+            "periodic" => Boundary::Periodic,
+            "fixed" => Boundary::Fixed,
+            _ => Boundary::Replicate,
+        },
+    };
+    let mixing = Mixing { c1: node.number("c1"), c2: node.number("c2") };
+    let rate = node.number("rate");
+    let optional = |knob: &str| node.is_set(knob).then(|| node.number(knob));
+    let motion = match node.text("mode") {
+        "literal" => Motion::Literal(mixing),
+        "physical" => {
+            let physics = Physics {
+                speed: node.number("speed"),
+                damping: node.number("damping"),
+                frequency: node.number("frequency"),
+                push: optional("push"),
+            };
+            Motion::Physical { physics, rate }
+        }
+        _ => Motion::Resampled { mixing, rate },
+    };
+    let behavior = Behavior {
+        shape: if node.text("burst") == "literal" { Shape::Literal } else { Shape::Intended },
+        oriented: node.bool("oriented"),
+        injection: optional("injection"),
+        preroll: node.integer("preroll") as u32,
+        ..Behavior::default()
+    };
+    let mut bursts: Vec<Burst> = node.list("bursts").iter().map(burst).collect();
+    for record in node.list("guides") {
+        let guide = Guide {
+            burst: burst(record),
+            count: record.integer("count") as usize,
+            width: record.number("width"),
+            jitter: record.number("jitter"),
+            jitter_time: record.number("jitter_time"),
+            jitter_size: record.number("jitter_size"),
+            seed: record.integer("seed") as u64,
+        };
+        bursts.extend(guide.bursts());
+    }
+    Sea::new(basin, motion, behavior, bursts).map_err(|error| error.to_string())
+}
+
+impl NodeType for ToonSea {
+    fn declaration(&self) -> &'static Declaration {
+        &DECLARATION
+    }
+
+    fn check(&self, node: &Settled, check: &mut Check<'_>) {
+        if let Err(error) = sea(node) {
+            check.error("c1", error, "a sea that stays bounded", "change the knob named");
+        }
+    }
+
+    fn notes(&self, node: &Settled) -> Vec<String> {
+        let Ok(sea) = sea(node) else { return Vec::new() };
+        let size = |cells: usize| (cells - 1) as f64 * sea.basin().spacing;
+        let (x, z) = (size(sea.basin().columns), size(sea.basin().rows));
+        vec![format!("{} bursts on {x:.2} × {z:.2} m", sea.bursts().len())]
+    }
+
+    fn body(&self) -> Body<'_> {
+        Body::Stage(self)
+    }
+}
+
+impl Stage for ToonSea {
+    fn timed(&self) -> bool {
+        true
+    }
+
+    fn formatted(&self) -> bool {
+        false
+    }
+
+    fn prepare(&self, node: &Settled, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
+        let sea = sea(node).map_err(NodeError::new)?;
+        // Frames of one sea share its simulation, so that each takes only the steps since the one before.
+        let simulation = prepare.shared(&format!("{sea:?}"), || Ok(Mutex::new(sea.simulate(Wanted::default()))))?;
+        let place = Place {
+            columns: sea.basin().columns,
+            spacing: sea.basin().spacing,
+            origin: [node.number("x"), node.number("z")],
+            level: node.number("level"),
+        };
+        let time = prepare.frame.time;
+        let heights = match simulation.lock() {
+            Ok(mut simulation) => simulation.at(time).height.to_vec(),
+            // Whatever stopped it may have done so within a step.
+            Err(_) => sea.simulate(Wanted::default()).at(time).height.to_vec(),
+        };
+        let surface = place.surface(heights);
+        Ok(Box::new(Surging { surface, sea, time, place, _simulation: simulation, reference: OnceLock::new() }))
+    }
+}
+
+/// Where the grid lies.
+struct Place {
+    columns: usize,
+    spacing: f64,
+    origin: [f64; 2],
+    level: f64,
+}
+
+impl Place {
+    fn surface(&self, heights: Vec<f32>) -> SurfaceHandle {
+        Arc::new(GridSurface::new(heights, self.columns, self.spacing, self.origin, self.level))
+    }
+}
+
+struct Surging {
+    surface: SurfaceHandle,
+    sea: Sea,
+    time: f64,
+    place: Place,
+    /// Held for the next frame.
+    _simulation: Arc<Mutex<Simulation>>,
+    /// The same surface from the f64 simulation, made when a reference is first asked for.
+    reference: OnceLock<SurfaceHandle>,
+}
+
+impl Prepared for Surging {
+    fn handle(&self) -> Option<Handle> {
+        Some(Arc::new(self.surface.clone()))
+    }
+
+    fn reference(&self, _inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
+        let surface = self.reference.get_or_init(|| {
+            let heights = reference::frame(&self.sea, self.time).height;
+            self.place.surface(heights.into_iter().map(|height| height as f32).collect())
+        });
+        Ok(vec![Reference::Handle(Arc::new(surface.clone()))])
+    }
+
+    fn bytes(&self) -> usize {
+        // The surface, and this frame's share of the simulation that all frames share.
+        self.sea.basin().cells() * 8
+    }
+}

@@ -1,0 +1,279 @@
+use glam::DVec3;
+use rayon::prelude::*;
+
+use crate::shading::unit_or_up;
+use crate::surface::{Hit, Mesh, Surface, Topology};
+use crate::{ChannelSet, Projector, Ray};
+
+/// Chord error in pixels that a cell may make at its nearest, at a crest three times as sharp as the root mean square.
+const CHORD_PX: f64 = 0.2;
+const CREST: f64 = 3.0;
+/// Most vertices that cuts may make, for each pixel of the picture and at least.
+const VERTICES_PER_PIXEL: f64 = 1.5;
+const LEAST_LIMIT: f64 = 1e6;
+/// Most parts of a cell's side.
+const MAX_PARTS: f64 = 8.0;
+/// Steps of the reference for each cell, and halvings of the step in which it meets the surface.
+const STEPS_PER_CELL: f64 = 16.0;
+const HALVINGS: usize = 60;
+
+/// A finite height field on a regular grid, smooth between its cells.
+///
+/// Heights between cells are bicubic Catmull–Rom interpolations, with the cells of the edge repeated beyond it; slopes
+/// are those of the interpolation. Outside the grid there is no surface.
+#[derive(Clone, Debug)]
+pub struct GridSurface {
+    heights: Vec<f32>,
+    columns: usize,
+    rows: usize,
+    spacing: f64,
+    origin: [f64; 2],
+    level: f64,
+    /// Least and greatest height that the interpolation can have.
+    bounds: [f64; 2],
+    /// Root mean square of second differences, in meters.
+    bend: f64,
+}
+
+impl GridSurface {
+    /// Heights in meters over world y = `level`, row by row: cell (i, j) stands at x = `origin[0]` + i·`spacing`,
+    /// z = `origin[1]` + j·`spacing`.
+    ///
+    /// # Panics
+    /// There are fewer than 2 × 2 heights, or not `columns` in every row.
+    pub fn new(heights: Vec<f32>, columns: usize, spacing: f64, origin: [f64; 2], level: f64) -> Self {
+        let rows = heights.len().checked_div(columns).unwrap_or(0);
+        assert!(columns >= 2 && rows >= 2 && rows * columns == heights.len(), "a grid of 2 × 2 cells or more");
+        let (low, high) = heights
+            .iter()
+            .fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), &height| (low.min(height), high.max(height)));
+        // Catmull–Rom weights sum to 1 with at most ⅛ below 0 along each axis: 9/16 of the range at most beyond it.
+        // A flat field needs some room for a ray to pass through.
+        let beyond = 0.5625 * f64::from(high - low) + 1e-3 * spacing;
+        let mut squares = 0.0;
+        for row in heights.chunks_exact(columns) {
+            squares += row.windows(3).map(|h| square(h[0] - 2.0 * h[1] + h[2])).sum::<f64>();
+        }
+        for cell in columns..heights.len() - columns {
+            squares += square(heights[cell - columns] - 2.0 * heights[cell] + heights[cell + columns]);
+        }
+        let bend = libm::sqrt(squares / (2.0 * heights.len() as f64));
+        let bounds = [f64::from(low) - beyond, f64::from(high) + beyond];
+        Self { heights, columns, rows, spacing, origin, level, bounds, bend }
+    }
+
+    /// World y of the rest level in meters.
+    pub fn level(&self) -> f64 {
+        self.level
+    }
+
+    /// Height over the level and its slopes along x and z at a world place; `None` outside the grid.
+    pub fn height(&self, x: f64, z: f64) -> Option<[f64; 3]> {
+        let (u, v) = ((x - self.origin[0]) / self.spacing, (z - self.origin[1]) / self.spacing);
+        let inside = |place: f64, count: usize| place >= 0.0 && place <= (count - 1) as f64;
+        if !inside(u, self.columns) || !inside(v, self.rows) {
+            return None;
+        }
+        let (i, j) = ((u as usize).min(self.columns - 2), (v as usize).min(self.rows - 2));
+        Some(self.blend([i, j], weights(u - i as f64), weights(v - j as f64)))
+    }
+
+    /// The interpolation in a cell, and its slopes.
+    fn blend(&self, [i, j]: [usize; 2], (wx, dx): Weights, (wz, dz): Weights) -> [f64; 3] {
+        let mut sums = [0.0; 3];
+        for (n, (wz, dz)) in wz.into_iter().zip(dz).enumerate() {
+            let row = (j + n).saturating_sub(1).min(self.rows - 1) * self.columns;
+            let (mut value, mut slope) = (0.0, 0.0);
+            for (m, (wx, dx)) in wx.into_iter().zip(dx).enumerate() {
+                let h = f64::from(self.heights[row + (i + m).saturating_sub(1).min(self.columns - 1)]);
+                value += wx * h;
+                slope += dx * h;
+            }
+            sums[0] += wz * value;
+            sums[1] += wz * slope;
+            sums[2] += dz * value;
+        }
+        [sums[0], sums[1] / self.spacing, sums[2] / self.spacing]
+    }
+
+    /// World x and z of the far corner.
+    fn end(&self) -> [f64; 2] {
+        let reach = |count: usize| (count - 1) as f64 * self.spacing;
+        [self.origin[0] + reach(self.columns), self.origin[1] + reach(self.rows)]
+    }
+
+    /// Whether a camera stands under water; beside the grid, below its level.
+    fn submerged(&self, eye: DVec3) -> bool {
+        eye.y - self.level < self.height(eye.x, eye.z).map_or(0.0, |[height, ..]| height)
+    }
+
+    /// Places along an axis at which vertices stand: each cell is cut into equal parts, as many as its nearest point
+    /// asks for, divided by `coarseness`.
+    fn lines(&self, projector: &Projector, axis: usize, coarseness: f64) -> Vec<Line> {
+        let cells = [self.columns, self.rows][axis] - 1;
+        let eye = projector.position.to_array();
+        let [low, high] = self.bounds.map(|height| self.level + height);
+        let (start, end) = ([self.origin[0], low, self.origin[1]], [self.end()[0], high, self.end()[1]]);
+        let away = |axis: usize, low: f64, high: f64| eye[axis].clamp(low, high) - eye[axis];
+        // Distances across the axis are those of the whole grid.
+        let other = 2 - 2 * axis;
+        let beside = libm::hypot(away(1, start[1], end[1]), away(other, start[other], end[other]));
+        let line = |cell: usize, part: f64| Line {
+            cell,
+            weights: weights(part),
+            place: self.origin[axis] + (cell as f64 + part) * self.spacing,
+        };
+        let mut lines = Vec::with_capacity(2 * cells);
+        for cell in 0..cells {
+            let from = self.origin[axis] + cell as f64 * self.spacing;
+            let near = libm::hypot(beside, away(2 * axis, from, from + self.spacing)).max(self.spacing);
+            let wanted = libm::sqrt(CREST * self.bend / (8.0 * CHORD_PX * projector.pixel_size(near)));
+            let parts = (wanted / coarseness).ceil().clamp(1.0, MAX_PARTS);
+            lines.extend((0..parts as usize).map(|part| line(cell, part as f64 / parts)));
+        }
+        lines.push(line(cells - 1, 1.0));
+        lines
+    }
+}
+
+/// A line of vertices.
+struct Line {
+    /// The cell that it stands in.
+    cell: usize,
+    /// Weights of the cell's neighbors.
+    weights: Weights,
+    /// Its world coordinate.
+    place: f64,
+}
+
+/// Catmull–Rom weights of four neighbors at t in 0…1 of the inner two, and their derivatives.
+type Weights = ([f64; 4], [f64; 4]);
+
+fn weights(t: f64) -> Weights {
+    let (t2, t3) = (t * t, t * t * t);
+    let value = [-t + 2.0 * t2 - t3, 2.0 - 5.0 * t2 + 3.0 * t3, t + 4.0 * t2 - 3.0 * t3, t3 - t2];
+    let slope = [-1.0 + 4.0 * t - 3.0 * t2, 9.0 * t2 - 10.0 * t, 1.0 + 8.0 * t - 9.0 * t2, 3.0 * t2 - 2.0 * t];
+    (value.map(|w| w / 2.0), slope.map(|w| w / 2.0))
+}
+
+fn square(value: f32) -> f64 {
+    f64::from(value) * f64::from(value)
+}
+
+impl Surface for GridSurface {
+    /// Rows of vertices along z, one behind the other along x.
+    fn tessellate(&self, projector: &Projector, wanted: ChannelSet) -> Mesh {
+        let limit = (VERTICES_PER_PIXEL * projector.size[0] * projector.size[1]).max(LEAST_LIMIT);
+        let lines = |coarseness: f64| [0, 1].map(|axis| self.lines(projector, axis, coarseness));
+        let mut cut = lines(1.0);
+        let vertices = cut[0].len() as f64 * cut[1].len() as f64;
+        if vertices > limit {
+            cut = lines(libm::sqrt(vertices / limit));
+        }
+        let [along_x, along_z] = cut;
+        let (rows, columns) = (along_x.len(), along_z.len());
+        let eye = projector.position;
+        let size = |channels: ChannelSet| if wanted.intersects(channels) { rows * columns } else { 0 };
+        let mut mesh = Mesh {
+            positions: vec![[0.0; 3]; rows * columns],
+            normals: vec![[0.0; 3]; size(ChannelSet::NORMALS)],
+            rests: vec![[0.0; 2]; size(ChannelSet::RESTS.union(ChannelSet::UV))],
+            rest_heights: Vec::new(),
+            uvs: Vec::new(),
+            slope_variances: vec![0.0; size(ChannelSet::of(&[crate::Channel::SlopeVariance]))],
+            level: self.level,
+            displaced: true,
+            inside: self.submerged(eye),
+            topology: Topology::Grid { columns, rows },
+        };
+        let mut tasks = Vec::with_capacity(rows);
+        let mut normals = mesh.normals.chunks_mut(columns);
+        let mut rests = mesh.rests.chunks_mut(columns);
+        for positions in mesh.positions.chunks_mut(columns) {
+            tasks.push((positions, normals.next().unwrap_or_default(), rests.next().unwrap_or_default()));
+        }
+        tasks.into_par_iter().zip(&along_x).for_each(|((positions, normals, rests), at_x)| {
+            let x = at_x.place;
+            for (index, at_z) in along_z.iter().enumerate() {
+                let z = at_z.place;
+                let [height, dx, dz] = self.blend([at_x.cell, at_z.cell], at_x.weights, at_z.weights);
+                let flat = [(x - eye.x) as f32, (z - eye.z) as f32];
+                positions[index] = [flat[0], (self.level + height - eye.y) as f32, flat[1]];
+                if let Some(normal) = normals.get_mut(index) {
+                    *normal = [-dx as f32, 1.0, -dz as f32];
+                }
+                if let Some(rest) = rests.get_mut(index) {
+                    *rest = flat;
+                }
+            }
+        });
+        mesh
+    }
+
+    fn trace(&self, projector: &Projector, ray: &Ray) -> Option<Hit> {
+        let low = [self.origin[0], self.level + self.bounds[0], self.origin[1]];
+        let high = [self.end()[0], self.level + self.bounds[1], self.end()[1]];
+        let (origin, direction) = (ray.origin.to_array(), ray.direction.to_array());
+        let (mut start, mut end) = (0.0f64, f64::INFINITY);
+        for ((origin, direction), (low, high)) in origin.into_iter().zip(direction).zip(low.into_iter().zip(high)) {
+            if direction == 0.0 {
+                if origin < low || origin > high {
+                    return None;
+                }
+                continue;
+            }
+            let (a, b) = ((low - origin) / direction, (high - origin) / direction);
+            (start, end) = (start.max(a.min(b)), end.min(a.max(b)));
+        }
+        if end < start {
+            return None;
+        }
+        // Rounding may put the ends of the stretch a little outside.
+        let clamp =
+            |point: DVec3| [point.x.clamp(self.origin[0], self.end()[0]), point.z.clamp(self.origin[1], self.end()[1])];
+        let gap = |distance: f64| {
+            let point = ray.at(distance);
+            let [x, z] = clamp(point);
+            self.height(x, z).map_or(f64::NAN, |[height, ..]| point.y - self.level - height)
+        };
+        let horizontal = libm::hypot(ray.direction.x, ray.direction.z);
+        let step = self.spacing / STEPS_PER_CELL / horizontal;
+        let (mut near, mut at_near) = (start, gap(start));
+        while near < end {
+            let mut far = (near + step.max(1e-12 * near)).min(end);
+            let at_far = gap(far);
+            if (at_near > 0.0) != (at_far > 0.0) {
+                for _ in 0..HALVINGS {
+                    let middle = (near + far) / 2.0;
+                    if (gap(middle) > 0.0) == (at_near > 0.0) { near = middle } else { far = middle }
+                }
+                return Some(self.hit(projector, ray, far, clamp(ray.at(far)), at_near < 0.0));
+            }
+            (near, at_near) = (far, at_far);
+        }
+        None
+    }
+}
+
+impl GridSurface {
+    fn hit(&self, projector: &Projector, ray: &Ray, distance: f64, [x, z]: [f64; 2], from_below: bool) -> Hit {
+        let position = ray.at(distance);
+        let [_, dx, dz] = self.height(x, z).unwrap_or_default();
+        let normal = unit_or_up(DVec3::new(-dx, 1.0, -dz));
+        let normal = if (normal.dot(ray.direction) > 0.0) == from_below { normal } else { -normal };
+        let rest = DVec3::new(x, self.level, z);
+        Hit {
+            surface: 0,
+            distance,
+            depth: (position - projector.position).dot(projector.forward),
+            position,
+            normal,
+            rest,
+            height: position.y - self.level,
+            rest_distance: (position - rest).length(),
+            slope_variance: 0.0,
+            jacobian: 1.0,
+            uv: [x, z],
+        }
+    }
+}

@@ -1,0 +1,171 @@
+use std::f64::consts::PI;
+
+use super::error::within;
+use super::splat::{DriftStamp, Stamp};
+use super::spline::Spline;
+use super::{Basin, Drift, Rift, ToonError};
+
+/// The profile of bursts.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Shape {
+    /// (p·H/2)·(cos(min(π·|(u−x)/r|/p, π)) + 1): 2 × half its height at the center, 0 beyond its radius, smooth. Scaled
+    /// so that a burst that rests reaches its own height.
+    #[default]
+    Intended,
+    /// H·cos(min(p·|(u−x)/r|, π) + 1) as printed, at every step: a cusp in the center, −0.54·H everywhere far away.
+    Literal,
+}
+
+/// A wave's center that travels along a cubic Bézier curve, over and over.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Burst {
+    /// Control points x, z in meters.
+    pub path: [[f64; 2]; 4],
+    /// Seconds from one end of the path to the other.
+    pub duration: f64,
+    /// Seconds by which it is ahead at time 0.
+    pub offset: f64,
+    /// Height H in meters.
+    pub height: f64,
+    /// Peak p: scales height and radius.
+    pub peak: f64,
+    /// Influence r in meters: radii along and across the heading, or along x and z.
+    pub influence: [f64; 2],
+    /// Share of the path over which it grows in at the start and dies out at the end; 0 as printed, at most ½.
+    pub fade: f64,
+    /// Seconds from which on and up to which it is there.
+    pub active: [f64; 2],
+    /// Offset in meters from the middle of its group, across: the origin of its drift lines.
+    pub lane: f64,
+}
+
+impl Burst {
+    /// A burst of 1 m and 2 m radius along a path, in 10 s.
+    pub fn along(path: [[f64; 2]; 4]) -> Self {
+        Self {
+            path,
+            duration: 10.0,
+            offset: 0.0,
+            height: 1.0,
+            peak: 1.0,
+            influence: [2.0; 2],
+            fade: 0.0,
+            active: [f64::NEG_INFINITY, f64::INFINITY],
+            lane: 0.0,
+        }
+    }
+
+    pub(crate) fn validate(&self) -> Result<(), ToonError> {
+        for value in self.path.iter().flatten() {
+            within("control point", *value, (-1e9, 1e9), "-1e9 to 1e9 meters")?;
+        }
+        within("duration", self.duration, (1e-3, 1e9), "0.001 to 1e9 seconds")?;
+        within("offset", self.offset, (-1e9, 1e9), "-1e9 to 1e9 seconds")?;
+        within("height", self.height, (-1e6, 1e6), "-1e6 to 1e6 meters")?;
+        within("peak", self.peak, (1e-3, 1e3), "0.001 to 1000")?;
+        within("influence", self.influence[0], (1e-3, 1e6), "0.001 to 1e6 meters")?;
+        within("influence", self.influence[1], (1e-3, 1e6), "0.001 to 1e6 meters")?;
+        within("fade", self.fade, (0.0, 0.5), "0 to 0.5")?;
+        within("lane", self.lane, (-1e6, 1e6), "-1e6 to 1e6 meters")?;
+        let [start, end] = self.active;
+        if start.is_nan() || end.is_nan() {
+            return Err(ToonError::Range { quantity: "active", found: f64::NAN, expected: "two times in seconds" });
+        }
+        Ok(())
+    }
+
+    pub(crate) fn is_active(&self, time: f64) -> bool {
+        self.active[0] <= time && time < self.active[1]
+    }
+
+    /// Laps done at a time, and the share of the present one: t̂ = (t mod d)/d.
+    pub(crate) fn progress(&self, time: f64) -> (f64, f64) {
+        let turns = (time + self.offset) / self.duration;
+        let lap = turns.floor();
+        (lap, turns - lap)
+    }
+
+    /// What is left of the height at a share of the path.
+    pub(crate) fn left(&self, progress: f64) -> f64 {
+        if self.fade > 0.0 { (progress.min(1.0 - progress) / self.fade).min(1.0) } else { 1.0 }
+    }
+
+    /// The radii at which the profile ends, in meters, and its factor.
+    pub(crate) fn profile(&self, shape: Shape) -> ([f64; 2], f64) {
+        match shape {
+            Shape::Intended => (self.influence.map(|radius| radius * self.peak), self.peak * self.height / 2.0),
+            Shape::Literal => (self.influence.map(|radius| radius * PI / self.peak), self.height),
+        }
+    }
+
+    /// What this burst does to the cells of a basin at a time. `lengths` is its path's table of arc lengths, empty
+    /// where no drift is wanted.
+    pub(crate) fn stamp(&self, time: f64, at: &Stamping<'_>, lengths: &[f64]) -> Stamp {
+        let spline = Spline(self.path);
+        let (lap, progress) = self.progress(time);
+        let place = spline.point(progress);
+        let left = self.left(progress);
+        let spacing = at.basin.spacing;
+        let (radii, factor) = self.profile(at.shape);
+        let radii = radii.map(|radius| radius / spacing);
+        // A round burst has no need of its heading, unless drift lines do.
+        let turned = (at.oriented && radii[0] != radii[1]) || at.drift.is_some();
+        let heading = if turned { spline.heading(progress) } else { [1.0, 0.0] };
+        let axis = if at.oriented { heading } else { [1.0, 0.0] };
+        let mut reach = extents(axis, radii);
+        if let Some(rift) = at.rift {
+            reach = reach.map(|reach| reach.max(rift.distance / spacing));
+        }
+        let drift = at.drift.map(|drift| {
+            let wide = [radii[0] * drift.reach[0], radii[1] * drift.reach[1]];
+            let extents = extents(heading, wide);
+            reach = [reach[0].max(extents[0]), reach[1].max(extents[1])];
+            DriftStamp {
+                heading: heading.map(|value| value as f32),
+                inverse: wide.map(|radius| (1.0 / radius) as f32),
+                spacing: spacing as f32,
+                along: drift.along(lap, progress, lengths) as f32,
+                lane: self.lane as f32,
+                lag: drift.lag as f32,
+                soft: drift.softness(spacing) as f32,
+                weight: left as f32,
+            }
+        });
+        Stamp {
+            place: place.map(|value| value / spacing),
+            form: form(axis, radii).map(|value| value as f32),
+            factor: (factor * left) as f32,
+            reach,
+            drift,
+        }
+    }
+}
+
+/// What all stamps of one step share.
+#[derive(Clone, Copy)]
+pub(crate) struct Stamping<'a> {
+    pub(crate) basin: &'a Basin,
+    pub(crate) shape: Shape,
+    pub(crate) oriented: bool,
+    pub(crate) rift: Option<Rift>,
+    pub(crate) drift: Option<Drift>,
+}
+
+/// Coefficients of x², 2xz, z² in |(u−x)/r|².
+fn form([x, z]: [f64; 2], [along, across]: [f64; 2]) -> [f64; 3] {
+    if along == across {
+        // Exactly round, whatever the heading.
+        let inverse = 1.0 / (along * along);
+        return [inverse, 0.0, inverse];
+    }
+    let (a, l) = (1.0 / (along * along), 1.0 / (across * across));
+    [x * x * a + z * z * l, x * z * (a - l), z * z * a + x * x * l]
+}
+
+/// Half the sides of the box around the ellipse.
+fn extents([x, z]: [f64; 2], [along, across]: [f64; 2]) -> [f64; 2] {
+    if along == across {
+        return [along; 2];
+    }
+    [libm::hypot(x * along, z * across), libm::hypot(z * along, x * across)]
+}

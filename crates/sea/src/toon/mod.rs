@@ -1,0 +1,58 @@
+//! The toon sea: a height field after Dadfar and Welling, *Japanese-Style Toon-Based Water Shader*.
+//!
+//! Bursts travel along splines and raise a height field, which spreads and dies away; each burst leaves a rift, a trail
+//! that decays. A [`ToonSea`] is the description, a [`Simulation`] walks it through time:
+//!
+//! ```
+//! use trochoid_sea::toon::{Basin, Behavior, Boundary, Burst, Motion, ToonSea, Wanted};
+//!
+//! let basin = Basin { columns: 64, rows: 48, spacing: 0.25, boundary: Boundary::Replicate };
+//! let path = [[2.0, 6.0], [6.0, 4.0], [10.0, 8.0], [14.0, 6.0]];
+//! let burst = Burst { duration: 4.0, ..Burst::along(path) };
+//! let sea = ToonSea::new(basin, Motion::default(), Behavior::default(), vec![burst])?;
+//! let mut simulation = sea.simulate(Wanted { rift: true, drift: false });
+//! let frame = simulation.at(1.5);
+//! assert_eq!(frame.height.len(), 64 * 48);
+//! assert!(frame.height.iter().any(|&height| height > 0.1));
+//! # Ok::<(), trochoid_sea::toon::ToonError>(())
+//! ```
+//!
+//! # The height field
+//! h' = c₁(2·Lm(h) − h₋) + c₂·h + bursts, Lm the mean of the four neighbors; [`Motion`] says how it is stepped. Every
+//! boundary has a basis of its own in which Lm is diagonal, so [`Motion::Resampled`] and [`Motion::Physical`] advance
+//! by any stretch of time in one exact step.
+//!
+//! # Conventions
+//! Meters and seconds. Cell (i, j) stands at x = i·spacing, z = j·spacing; fields are row by row. A literal step lasts
+//! 1/60 s.
+//!
+//! # Results
+//! A frame is a function of the description and its time alone, however it was reached, bit for bit, on any number of
+//! threads. [`reference`] is the same in f64 and plain loops.
+
+mod basin;
+mod burst;
+mod error;
+mod field;
+mod modes;
+mod motion;
+mod propagator;
+pub mod reference;
+mod sea;
+mod simulation;
+mod splat;
+mod spline;
+mod stability;
+mod system;
+mod trail;
+
+pub use basin::{Basin, Boundary};
+pub use burst::{Burst, Shape};
+pub use error::ToonError;
+pub use field::Field;
+pub use motion::{LITERAL_HZ, Mixing, Motion, Physics};
+pub use sea::{Behavior, MAX_BURSTS, Scratch, ToonSea, Wanted};
+pub use simulation::{Drifted, Simulation, ToonFrame};
+pub use stability::Instability;
+pub use system::Guide;
+pub use trail::{Combine, Drift, Rift};

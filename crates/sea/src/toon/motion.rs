@@ -1,0 +1,103 @@
+use super::error::within;
+use super::{Basin, Instability, ToonError};
+
+/// Literal steps a second.
+pub const LITERAL_HZ: f64 = 60.0;
+
+/// The two coefficients of the recurrence h' = c₁(2·Lm(h) − h₋) + c₂·h.
+///
+/// c₁ is damping and Courant number at once: in the continuum γ·dt = (1−c₁)/(1+c₁), c·dt/dx = √(c₁/(1+c₁)) and
+/// (ω₀·dt)² = 2(1−c₁−c₂)/(1+c₁).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Mixing {
+    /// Weight of what the neighbors say and the step before.
+    pub c1: f64,
+    /// Weight of the height itself.
+    pub c2: f64,
+}
+
+impl Default for Mixing {
+    fn default() -> Self {
+        Self { c1: 0.3, c2: 0.65 }
+    }
+}
+
+impl Mixing {
+    /// 1 − c₁ − c₂: what a step takes from a level sea, and the scale of bursts that makes a burst that rests reach
+    /// its own height (in the mean over the basin).
+    pub fn loss(&self) -> f64 {
+        1.0 - self.c1 - self.c2
+    }
+}
+
+/// Waves in the continuum: h_tt + 2γ·h_t + ω₀²·h = c²∇²h + push·bursts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Physics {
+    /// Speed c of short waves in m/s.
+    pub speed: f64,
+    /// Damping γ in 1/s.
+    pub damping: f64,
+    /// Frequency ω₀ of a level sea in rad/s: what pulls it back to rest.
+    pub frequency: f64,
+    /// Acceleration in 1/s² for each meter of a burst; ω₀² if unset, with which a burst that rests reaches its own
+    /// height in the mean.
+    pub push: Option<f64>,
+}
+
+/// How the height field moves.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Motion {
+    /// The printed recurrence, step ⌊60·t⌋: the picture of 30 frames a second moves by two steps, of 24 unevenly.
+    Literal(Mixing),
+    /// The recurrence raised to any power in its own basis: the literal look at any frame rate. Equals it at 60 Hz.
+    Resampled {
+        /// The coefficients of a literal step.
+        mixing: Mixing,
+        /// Steps a second at which bursts act.
+        rate: f64,
+    },
+    /// The exact solution of the wave equation on the grid, at any stiffness.
+    Physical {
+        /// The waves.
+        physics: Physics,
+        /// Steps a second at which bursts act.
+        rate: f64,
+    },
+}
+
+impl Default for Motion {
+    fn default() -> Self {
+        Self::Resampled { mixing: Mixing::default(), rate: LITERAL_HZ }
+    }
+}
+
+impl Motion {
+    /// Steps a second.
+    pub fn rate(&self) -> f64 {
+        match *self {
+            Self::Literal(_) => LITERAL_HZ,
+            Self::Resampled { rate, .. } | Self::Physical { rate, .. } => rate,
+        }
+    }
+
+    pub(crate) fn validate(&self, basin: &Basin) -> Result<(), ToonError> {
+        within("rate", self.rate(), (1e-3, 1e4), "0.001 to 10,000 steps a second")?;
+        match *self {
+            Self::Literal(mixing) => Instability::check(mixing, basin).map_err(ToonError::Unstable),
+            Self::Resampled { mixing, .. } => {
+                Instability::check(mixing, basin).map_err(ToonError::Unstable)?;
+                // Both roots of g² − b·g + c₁ positive, or a pair of complex ones: b > −2√c₁, least at an end.
+                let least = basin.gaps().map(|gap| 2.0 * mixing.c1 * (1.0 - gap) + mixing.c2);
+                let real = mixing.c1 > 0.0 && least.iter().all(|&b| b > -2.0 * libm::sqrt(mixing.c1));
+                if real { Ok(()) } else { Err(ToonError::NotResampled { found: [mixing.c1, mixing.c2] }) }
+            }
+            Self::Physical { physics, .. } => {
+                let range = (0.0, 1e6);
+                within("speed", physics.speed, range, "0 to 1e6 m/s")?;
+                within("damping", physics.damping, range, "0 to 1e6 per second")?;
+                within("frequency", physics.frequency, range, "0 to 1e6 rad/s")?;
+                within("push", physics.push.unwrap_or(0.0), (-1e12, 1e12), "a finite number per second squared")
+            }
+        }
+    }
+}

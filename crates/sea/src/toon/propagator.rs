@@ -1,0 +1,148 @@
+//! Exact steps of single modes over any stretch of time, in f64.
+
+use rayon::prelude::*;
+
+use super::modes::Modes;
+use super::splat::flushed;
+use super::{Basin, LITERAL_HZ, Mixing, Motion, Physics};
+
+/// What one stretch of time does to the two numbers (a, b) of a mode under a constant force f:
+/// a' = m₀a + m₁b + m₄f, b' = m₂a + m₃b + m₅f.
+pub(crate) type Transfer = [f64; 6];
+
+/// The transfer of the mode with this 1 − λ over `seconds`, for a motion with modes.
+///
+/// The force is the burst as it is to be reached: literal bursts come scaled by 1 − c₁ − c₂ already.
+pub(crate) fn transfer(motion: &Motion, spacing: f64, gap: f64, seconds: f64) -> Transfer {
+    match motion {
+        Motion::Literal(mixing) | Motion::Resampled { mixing, .. } => resampled(*mixing, gap, seconds * LITERAL_HZ),
+        Motion::Physical { physics, .. } => physical(*physics, spacing, gap, seconds),
+    }
+}
+
+/// M^τ, M = [[b, −c₁], [1, 0]], on (h, h₋), and the sum of Mʲ(1, 0) over the τ steps.
+///
+/// With the roots g₁, g₂ of g² − b·g + c₁ and Uₙ = (g₁ⁿ − g₂ⁿ)/(g₁ − g₂): M^τ = [[U_τ₊₁, −c₁U_τ], [U_τ, −c₁U_τ₋₁]].
+pub(crate) fn resampled(mixing: Mixing, gap: f64, steps: f64) -> Transfer {
+    let Mixing { c1, .. } = mixing;
+    // b = 1 + c₁ − d, d = (1 − g₁)(1 − g₂) without cancellation.
+    let d = mixing.loss() + 2.0 * c1 * gap;
+    let b = 1.0 + c1 - d;
+    let discriminant = b * b - 4.0 * c1;
+    let power = |exponent: f64| -> f64 {
+        if discriminant < 0.0 {
+            let angle = libm::atan2(libm::sqrt(-discriminant), b);
+            let sine = libm::sin(angle);
+            let ratio = if sine == 0.0 { exponent } else { libm::sin(exponent * angle) / sine };
+            libm::exp((exponent - 1.0) / 2.0 * libm::log(c1)) * ratio
+        } else {
+            let (large, _) = roots(b, c1, discriminant);
+            // g₂/g₁ as an exponent: both roots are positive.
+            let fall = libm::log(c1 / (large * large));
+            let ratio = if fall == 0.0 { exponent } else { libm::expm1(exponent * fall) / libm::expm1(fall) };
+            libm::exp((exponent - 1.0) * libm::log(large)) * ratio
+        }
+    };
+    let (before, now, after) = (power(steps - 1.0), power(steps), power(steps + 1.0));
+    let (first, second) = if discriminant > 0.0 && d < 1e-2 {
+        // Near g₁ = 1 the quotient by d cancels: Σ U_j root by root.
+        let (large, small) = roots(b, c1, discriminant);
+        let one = large - small;
+        // 1 − g₁ = d/(1 − g₂).
+        let lacking = d / (1.0 - small);
+        let sum = |count: f64| (large * series(lacking, count) - small * series(1.0 - small, count)) / one;
+        (sum(steps), sum(steps - 1.0))
+    } else {
+        ((1.0 - after + c1 * now) / d, (1.0 - now + c1 * before) / d)
+    };
+    [after, -c1 * now, now, -c1 * before, first, second]
+}
+
+/// Σ gʲ over j = 0…count−1 with g = 1 − lacking, for any real count.
+fn series(lacking: f64, count: f64) -> f64 {
+    if lacking.abs() < 1e-300 { count } else { -libm::expm1(count * libm::log1p(-lacking)) / lacking }
+}
+
+/// The roots of g² − b·g + c₁, the larger first, without cancellation.
+fn roots(b: f64, c1: f64, discriminant: f64) -> (f64, f64) {
+    let large = (b + libm::sqrt(discriminant)) / 2.0;
+    (large, c1 / large)
+}
+
+/// The exact solution of v' = −ω²h − 2γv + push·f, h' = v on (h, v), ω² = ω₀² + c²·4(1 − λ)/dx².
+pub(crate) fn physical(physics: Physics, spacing: f64, gap: f64, dt: f64) -> Transfer {
+    let Physics { speed, damping, frequency, push } = physics;
+    let stiffness = speed / spacing;
+    let square = frequency * frequency + 4.0 * stiffness * stiffness * gap;
+    let push = push.unwrap_or(frequency * frequency);
+    let detuning = square - damping * damping;
+    // e^(−γdt)·cos(Ωdt) and e^(−γdt)·sin(Ωdt)/Ω.
+    let (cosine, sine) = if detuning >= 0.0 {
+        let omega = libm::sqrt(detuning);
+        let fall = libm::exp(-damping * dt);
+        let sine = if omega * dt < 1e-8 { dt } else { libm::sin(omega * dt) / omega };
+        (fall * libm::cos(omega * dt), fall * sine)
+    } else {
+        // Overdamped: the exponents are combined, or e^(−γdt)·cosh(κdt) would be 0·∞. κ − γ = −ω²/(κ + γ).
+        let kappa = libm::sqrt(-detuning);
+        let slow = libm::exp(-square / (kappa + damping) * dt);
+        let fast = libm::exp(-(kappa + damping) * dt);
+        let sine = if kappa * dt < 1e-8 { slow * dt } else { -slow * libm::expm1(-2.0 * kappa * dt) / (2.0 * kappa) };
+        ((slow + fast) / 2.0, sine)
+    };
+    let reached = cosine + damping * sine;
+    [reached, sine, -square * sine, cosine - damping * sine, push * raised(square, damping, reached, dt), push * sine]
+}
+
+/// What a unit acceleration does to h over dt: (1 − reached)/ω², without cancellation.
+fn raised(square: f64, damping: f64, reached: f64, dt: f64) -> f64 {
+    let kappa = libm::sqrt((damping * damping - square).max(0.0));
+    if kappa * dt > 0.1 {
+        let sum = kappa + damping;
+        let slow = if square > 0.0 { -libm::expm1(-square * dt / sum) / square } else { dt / sum };
+        (sum * slow + libm::expm1(-sum * dt) / sum) / (2.0 * kappa)
+    } else if square * dt * dt > 1e-8 {
+        (1.0 - reached) / square
+    } else {
+        // A free body under drag; here γdt is small too.
+        let fall = 2.0 * damping * dt;
+        dt * dt * (0.5 - fall / 6.0 + fall * fall / 24.0)
+    }
+}
+
+/// Transfers of all modes of a basin.
+#[derive(Clone, Debug)]
+pub(crate) struct Propagator {
+    factors: [Vec<f32>; 6],
+}
+
+impl Propagator {
+    pub(crate) fn new(motion: &Motion, basin: &Basin, modes: &Modes, seconds: f64) -> Self {
+        let gap = modes.gap();
+        let transfers: Vec<[f32; 6]> = (0..basin.cells())
+            .into_par_iter()
+            .with_min_len(1 << 10)
+            .map(|mode| transfer(motion, basin.spacing, gap(mode), seconds).map(|factor| factor as f32))
+            .collect();
+        Self { factors: std::array::from_fn(|index| transfers.iter().map(|factors| factors[index]).collect()) }
+    }
+
+    /// Advances all modes, under a force or none.
+    pub(crate) fn apply(&self, a: &mut [f32], b: &mut [f32], force: Option<&[f32]>) {
+        const LENGTH: usize = 1 << 13;
+        let chunks = a.par_chunks_mut(LENGTH).zip(b.par_chunks_mut(LENGTH));
+        chunks.enumerate().for_each(|(chunk, (a, b))| {
+            let range = chunk * LENGTH..chunk * LENGTH + a.len();
+            let [m0, m1, m2, m3, m4, m5] = self.factors.each_ref().map(|factors| &factors[range.clone()]);
+            for (i, (a, b)) in a.iter_mut().zip(&mut *b).enumerate() {
+                (*a, *b) = (m0[i] * *a + m1[i] * *b, m2[i] * *a + m3[i] * *b);
+            }
+            if let Some(force) = force {
+                for (i, (a, b)) in a.iter_mut().zip(&mut *b).enumerate() {
+                    (*a, *b) = (*a + m4[i] * force[range.start + i], *b + m5[i] * force[range.start + i]);
+                }
+            }
+            a.iter_mut().chain(b).for_each(|value| *value = flushed(*value));
+        });
+    }
+}

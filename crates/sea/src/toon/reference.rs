@@ -1,0 +1,211 @@
+//! The definition of a toon sea in f64 and plain loops: every cell, every burst, every step, every mode.
+
+use std::f64::consts::PI;
+
+use super::propagator::transfer;
+use super::spline::Spline;
+use super::{Basin, Boundary, Burst, Combine, LITERAL_HZ, Motion, Shape, ToonSea};
+
+/// All fields of a sea at one time, row by row.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Reference {
+    /// Heights in meters.
+    pub height: Vec<f64>,
+    /// The rift.
+    pub rift: Vec<f64>,
+    /// Weight of the drift coordinates, and its products with those along and across.
+    pub drift: [Vec<f64>; 3],
+}
+
+/// The fields at a time, from rest, without any jump.
+///
+/// Costs cells × (columns + rows) + cells × bursts for each step: for small seas.
+pub fn frame(sea: &ToonSea, time: f64) -> Reference {
+    let cells = sea.basin.cells();
+    let zero = || vec![0.0; cells];
+    let mut state = Reference { height: zero(), rift: zero(), drift: [zero(), zero(), zero()] };
+    // h₋, or the velocity.
+    let mut other = zero();
+    let (last, part) = sea.step_at(time);
+    for step in 1..=last {
+        advance(sea, sea.time_of(step), 1.0 / sea.motion.rate(), &mut state, &mut other);
+    }
+    if part > 0.0 {
+        advance(sea, time, part, &mut state, &mut other);
+    }
+    state
+}
+
+/// One stretch of time, under the bursts of its end.
+fn advance(sea: &ToonSea, time: f64, seconds: f64, state: &mut Reference, other: &mut Vec<f64>) {
+    let Basin { columns, rows, spacing, .. } = sea.basin;
+    let mut force = vec![0.0; columns * rows];
+    for row in 0..rows {
+        for column in 0..columns {
+            let cell = row * columns + column;
+            let place = [column as f64 * spacing, row as f64 * spacing];
+            force[cell] =
+                sea.injection() * sea.bursts.iter().map(|burst| profile(sea, burst, time, place)).sum::<f64>();
+            trails(sea, time, seconds, place, cell, state);
+        }
+    }
+    match sea.motion {
+        Motion::Literal(mixing) => {
+            let next: Vec<f64> = (0..columns * rows)
+                .map(|cell| {
+                    let mean = mean(&sea.basin, &state.height, cell);
+                    mixing.c1 * (2.0 * mean - other[cell]) + mixing.c2 * state.height[cell] + force[cell]
+                })
+                .collect();
+            *other = std::mem::replace(&mut state.height, next);
+        }
+        _ => {
+            let basis = Basis::new(&sea.basin);
+            let (mut a, mut b) = (basis.forward(&state.height), basis.forward(other));
+            let f = basis.forward(&force);
+            for row in 0..rows {
+                for column in 0..columns {
+                    let cell = row * columns + column;
+                    let gap = (basis.gaps[0][column] + basis.gaps[1][row]) / 2.0;
+                    let m = transfer(&sea.motion, spacing, gap, seconds);
+                    (a[cell], b[cell]) = (
+                        m[0] * a[cell] + m[1] * b[cell] + m[4] * f[cell],
+                        m[2] * a[cell] + m[3] * b[cell] + m[5] * f[cell],
+                    );
+                }
+            }
+            state.height = basis.backward(&a);
+            *other = basis.backward(&b);
+        }
+    }
+}
+
+/// Mean of the four neighbors.
+fn mean(basin: &Basin, h: &[f64], cell: usize) -> f64 {
+    let (columns, rows) = (basin.columns as i64, basin.rows as i64);
+    let (x, z) = (cell as i64 % columns, cell as i64 / columns);
+    let at = |x: i64, z: i64| match basin.boundary {
+        Boundary::Replicate => h[(z.clamp(0, rows - 1) * columns + x.clamp(0, columns - 1)) as usize],
+        Boundary::Periodic => h[(z.rem_euclid(rows) * columns + x.rem_euclid(columns)) as usize],
+        Boundary::Fixed if x < 0 || z < 0 || x >= columns || z >= rows => 0.0,
+        Boundary::Fixed => h[(z * columns + x) as usize],
+    };
+    (at(x - 1, z) + at(x + 1, z) + at(x, z - 1) + at(x, z + 1)) / 4.0
+}
+
+/// A burst in its own frame at a time: where a place lies along and across, and what the fade leaves.
+fn local(sea: &ToonSea, burst: &Burst, time: f64, [x, z]: [f64; 2], oriented: bool) -> ([f64; 2], f64) {
+    let spline = Spline(burst.path);
+    let (_, progress) = burst.progress(time);
+    let center = spline.point(progress);
+    let [cos, sin] = if oriented && sea.behavior.oriented { spline.heading(progress) } else { [1.0, 0.0] };
+    let (dx, dz) = (x - center[0], z - center[1]);
+    ([dx * cos + dz * sin, dz * cos - dx * sin], burst.left(progress))
+}
+
+fn profile(sea: &ToonSea, burst: &Burst, time: f64, place: [f64; 2]) -> f64 {
+    if !burst.is_active(time) {
+        return 0.0;
+    }
+    let ([along, across], left) = local(sea, burst, time, place, true);
+    let distance = libm::hypot(along / burst.influence[0], across / burst.influence[1]);
+    let (p, h) = (burst.peak, burst.height);
+    left * match sea.behavior.shape {
+        Shape::Intended => p * h / 2.0 * (libm::cos((PI * distance / p).min(PI)) + 1.0),
+        Shape::Literal => h * libm::cos((p * distance).min(PI) + 1.0),
+    }
+}
+
+/// Adds to the rift and the drift of one cell.
+fn trails(sea: &ToonSea, time: f64, seconds: f64, place: [f64; 2], cell: usize, state: &mut Reference) {
+    let (rift, drift) = (sea.behavior.rift, sea.behavior.drift);
+    let steps = seconds * LITERAL_HZ;
+    // Σ (1+ε)⁻ʲ over j = 1…steps.
+    let factors = |decay: f64| {
+        let left = libm::pow(1.0 + decay, -steps);
+        (left, if decay > 0.0 { (1.0 - left) / decay } else { steps })
+    };
+    let mut near = 0.0;
+    let mut sums = [0.0; 3];
+    for burst in sea.bursts.iter().filter(|burst| burst.is_active(time)) {
+        let ([along, across], left) = local(sea, burst, time, place, false);
+        let inside = (rift.distance - libm::hypot(along, across)).max(0.0);
+        near = match rift.combine {
+            Combine::Sum => near + inside,
+            Combine::Nearest => inside.max(near),
+        };
+        let spline = Spline(burst.path);
+        let (lap, progress) = burst.progress(time);
+        let [cos, sin] = spline.heading(progress);
+        let (a, l) = (along * cos + across * sin, across * cos - along * sin);
+        let (radii, _) = burst.profile(sea.behavior.shape);
+        let q = libm::hypot(a / (radii[0] * drift.reach[0]), l / (radii[1] * drift.reach[1]));
+        let weight = left * (1.0 - q * q).max(0.0) * (1.0 - q * q).max(0.0);
+        let s = drift.along(lap, progress, &spline.lengths());
+        let swept = drift.lag * libm::sqrt(l * l + drift.softness(sea.basin.spacing));
+        for (sum, value) in sums.iter_mut().zip([1.0, s + a - swept, burst.lane + l]) {
+            *sum += weight * value;
+        }
+    }
+    let (left, added) = factors(rift.decay);
+    state.rift[cell] = state.rift[cell] * left + rift.gain * near * added;
+    let (left, added) = factors(drift.decay);
+    for (values, sum) in state.drift.iter_mut().zip(sums) {
+        values[cell] = values[cell] * left + sum * added;
+    }
+}
+
+/// The modes of a basin as matrices: `axes[i][k][x]` is the kth function of axis i at x, of unit norm.
+struct Basis {
+    size: [usize; 2],
+    axes: [Vec<Vec<f64>>; 2],
+    gaps: [Vec<f64>; 2],
+}
+
+impl Basis {
+    fn new(basin: &Basin) -> Self {
+        let size = [basin.columns, basin.rows];
+        let axis = |n: usize| -> Vec<Vec<f64>> {
+            let function = |k: usize, x: usize| match basin.boundary {
+                Boundary::Replicate => libm::cos(PI * k as f64 * (x as f64 + 0.5) / n as f64),
+                Boundary::Fixed => libm::sin(PI * (k + 1) as f64 * (x + 1) as f64 / (n + 1) as f64),
+                Boundary::Periodic => {
+                    let (sin, cos) = libm::sincos(2.0 * PI * (k * x) as f64 / n as f64);
+                    cos + sin
+                }
+            };
+            let functions = (0..n).map(|k| {
+                let values: Vec<f64> = (0..n).map(|x| function(k, x)).collect();
+                let norm = libm::sqrt(values.iter().map(|value| value * value).sum());
+                values.iter().map(|value| value / norm).collect()
+            });
+            functions.collect()
+        };
+        Self { size, axes: size.map(axis), gaps: size.map(|n| basin.axis_gaps(n)) }
+    }
+
+    fn forward(&self, field: &[f64]) -> Vec<f64> {
+        self.apply(field, &|axis, k, x| self.axes[axis][k][x])
+    }
+
+    fn backward(&self, coefficients: &[f64]) -> Vec<f64> {
+        self.apply(coefficients, &|axis, x, k| self.axes[axis][k][x])
+    }
+
+    fn apply(&self, values: &[f64], matrix: &dyn Fn(usize, usize, usize) -> f64) -> Vec<f64> {
+        let [columns, rows] = self.size;
+        let mut half = vec![0.0; values.len()];
+        for row in 0..rows {
+            for out in 0..columns {
+                half[row * columns + out] = (0..columns).map(|x| matrix(0, out, x) * values[row * columns + x]).sum();
+            }
+        }
+        let mut full = vec![0.0; values.len()];
+        for out in 0..rows {
+            for column in 0..columns {
+                full[out * columns + column] = (0..rows).map(|z| matrix(1, out, z) * half[z * columns + column]).sum();
+            }
+        }
+        full
+    }
+}

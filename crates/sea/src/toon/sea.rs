@@ -1,0 +1,204 @@
+use rayon::prelude::*;
+
+use super::burst::Stamping;
+use super::error::within;
+use super::splat::{DriftStep, RiftStep, Splat, Stamp, Targets};
+use super::spline::Spline;
+use super::trail::decayed;
+use super::{Basin, Burst, Drift, Field, LITERAL_HZ, Motion, Rift, Shape, Simulation, ToonError};
+
+/// Most bursts of a sea.
+pub const MAX_BURSTS: usize = 1_000_000;
+
+/// What a sea is besides its grid, its motion and its bursts.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Behavior {
+    /// The profile of bursts.
+    pub shape: Shape,
+    /// Whether radii are along and across the heading, or along x and z.
+    pub oriented: bool,
+    /// Share of a burst that a literal step adds; if unset, 1 − c₁ − c₂ of the intended profile, 1 of the literal.
+    pub injection: Option<f64>,
+    /// Steps that the sea has run before time 0.
+    pub preroll: u32,
+    /// The trails of foam.
+    pub rift: Rift,
+    /// The coordinates of drift lines.
+    pub drift: Drift,
+}
+
+/// Fields besides the height that a simulation is to keep. What is not asked for is not simulated.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Wanted {
+    /// The trails of foam.
+    pub rift: bool,
+    /// The coordinates of drift lines.
+    pub drift: bool,
+}
+
+/// A toon sea: what there is to know of it at all times.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ToonSea {
+    pub(crate) basin: Basin,
+    pub(crate) motion: Motion,
+    pub(crate) behavior: Behavior,
+    pub(crate) bursts: Vec<Burst>,
+    /// Arc lengths of each burst's path.
+    pub(crate) lengths: Vec<Vec<f64>>,
+}
+
+/// Buffers of a step, kept for their memory.
+#[derive(Clone, Debug, Default)]
+pub struct Scratch {
+    pub(crate) stamps: Vec<Stamp>,
+    pub(crate) splat: Splat,
+}
+
+impl ToonSea {
+    /// A sea that is stable and within bounds.
+    ///
+    /// # Errors
+    /// A number is out of range, or the motion is unstable: then with the nearest one that is not.
+    pub fn new(basin: Basin, motion: Motion, behavior: Behavior, bursts: Vec<Burst>) -> Result<Self, ToonError> {
+        basin.validate()?;
+        motion.validate(&basin)?;
+        behavior.rift.validate()?;
+        behavior.drift.validate()?;
+        within("injection", behavior.injection.unwrap_or(0.0), (-1e6, 1e6), "-1e6 to 1e6")?;
+        within("number of bursts", bursts.len() as f64, (0.0, MAX_BURSTS as f64), "at most a million")?;
+        bursts.iter().try_for_each(Burst::validate)?;
+        Ok(Self { basin, motion, behavior, bursts, lengths: Vec::new() })
+    }
+
+    /// The grid.
+    pub fn basin(&self) -> &Basin {
+        &self.basin
+    }
+
+    /// The bursts.
+    pub fn bursts(&self) -> &[Burst] {
+        &self.bursts
+    }
+
+    /// The sea at rest, ready to be walked through time.
+    pub fn simulate(&self, wanted: Wanted) -> Simulation {
+        let mut sea = self.clone();
+        if wanted.drift {
+            sea.lengths = sea.bursts.iter().map(|burst| Spline(burst.path).lengths()).collect();
+        }
+        Simulation::new(sea, wanted)
+    }
+
+    /// Adds the bursts of one time to a field as a literal step does, and, if `rift` is of the basin's size, lets them
+    /// leave their trails in it. With [`Field::step`], in either order, this is a literal step in parts.
+    ///
+    /// # Panics
+    /// The field is not of the basin's size.
+    pub fn inject(&self, time: f64, field: &mut Field, rift: &mut [f32], scratch: &mut Scratch) {
+        assert_eq!(field.height.len(), self.basin.cells(), "the field is of the basin's size");
+        let wanted = Wanted { rift: rift.len() == self.basin.cells(), drift: false };
+        self.splat(time, 1.0 / LITERAL_HZ, wanted, &mut field.height, rift, [&mut [], &mut [], &mut []], scratch);
+    }
+
+    /// Share of a burst that goes into the force of a step.
+    pub(crate) fn injection(&self) -> f64 {
+        match (self.behavior.injection, self.motion, self.behavior.shape) {
+            (Some(injection), ..) => injection,
+            (None, Motion::Literal(mixing) | Motion::Resampled { mixing, .. }, Shape::Intended) => mixing.loss(),
+            _ => 1.0,
+        }
+    }
+
+    /// Adds the bursts of a time to a field of heights or forces, and to trails over the seconds that end then.
+    #[allow(clippy::too_many_arguments, reason = "the fields of one step")]
+    pub(crate) fn splat(
+        &self,
+        time: f64,
+        seconds: f64,
+        wanted: Wanted,
+        height: &mut [f32],
+        rift: &mut [f32],
+        drift: [&mut [f32]; 3],
+        scratch: &mut Scratch,
+    ) {
+        let Behavior { shape, oriented, rift: trail, drift: lines, .. } = self.behavior;
+        let at = Stamping {
+            basin: &self.basin,
+            shape,
+            oriented,
+            rift: wanted.rift.then_some(trail),
+            drift: wanted.drift.then_some(lines),
+        };
+        let stamp = |(index, burst): (usize, &Burst)| {
+            let lengths = self.lengths.get(index).map_or(&[][..], Vec::as_slice);
+            burst.is_active(time).then(|| burst.stamp(time, &at, lengths))
+        };
+        scratch.stamps.clear();
+        if self.bursts.len() < 1024 {
+            scratch.stamps.extend(self.bursts.iter().enumerate().filter_map(stamp));
+        } else {
+            let stamps = self.bursts.par_iter().enumerate().with_min_len(512).filter_map(stamp);
+            scratch.stamps.par_extend(stamps);
+        }
+        let steps = seconds * LITERAL_HZ;
+        let (left, added) = decayed(trail.decay, steps);
+        let rift_step = wanted.rift.then_some(RiftStep {
+            combine: trail.combine,
+            distance: (trail.distance / self.basin.spacing) as f32,
+            gain: (trail.gain * self.basin.spacing * added) as f32,
+            left: left as f32,
+        });
+        let (left, added) = decayed(lines.decay, steps);
+        let drift_step = wanted.drift.then_some(DriftStep { gain: added as f32, left: left as f32 });
+        let targets = Targets { height, gain: self.injection() as f32, rift, rift_step, drift, drift_step };
+        scratch.splat.add(&scratch.stamps, shape, self.basin.columns, self.basin.rows, targets);
+    }
+
+    /// Seconds at which step k stands.
+    pub(crate) fn time_of(&self, step: u64) -> f64 {
+        (step as f64 - f64::from(self.behavior.preroll)) / self.motion.rate()
+    }
+
+    /// The last step up to a time, and the seconds from there on; none before the sea began.
+    pub(crate) fn step_at(&self, time: f64) -> (u64, f64) {
+        // A frame's time is a quotient: a millionth of a step is rounding.
+        const ROUNDING: f64 = 1e-6;
+        let exact = time * self.motion.rate() + f64::from(self.behavior.preroll);
+        let step = (exact + ROUNDING).floor().max(0.0);
+        let part = exact - step;
+        let literal = matches!(self.motion, Motion::Literal(_));
+        (step as u64, if part > ROUNDING && !literal { part / self.motion.rate() } else { 0.0 })
+    }
+
+    /// The first step, not before step 1, that does not lie before a time.
+    fn first_step(&self, time: f64) -> u64 {
+        if time == f64::INFINITY {
+            return u64::MAX;
+        }
+        let guess = (time * self.motion.rate() + f64::from(self.behavior.preroll)).ceil().max(1.0) as u64;
+        // A quotient may round to either side of a step.
+        if guess > 1 && self.time_of(guess - 1) >= time {
+            guess - 1
+        } else if self.time_of(guess) < time {
+            guess.saturating_add(1)
+        } else {
+            guess
+        }
+    }
+
+    /// Spans of steps at which some burst is there, in order and apart.
+    pub(crate) fn forced(&self) -> Vec<[u64; 2]> {
+        let mut spans: Vec<[u64; 2]> =
+            self.bursts.iter().map(|burst| burst.active.map(|time| self.first_step(time))).collect();
+        spans.retain(|[start, end]| start < end);
+        spans.sort_unstable();
+        let mut merged: Vec<[u64; 2]> = Vec::new();
+        for span in spans {
+            match merged.last_mut() {
+                Some(last) if span[0] <= last[1] => last[1] = last[1].max(span[1]),
+                _ => merged.push(span),
+            }
+        }
+        merged
+    }
+}

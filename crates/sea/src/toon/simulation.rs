@@ -1,0 +1,238 @@
+use super::modes::Modes;
+use super::propagator::Propagator;
+use super::trail::decayed;
+use super::{Field, LITERAL_HZ, Motion, Scratch, ToonSea, Wanted};
+
+/// Propagators kept, by the seconds that they span: that of a step, and those of the parts that frames end in.
+const PROPAGATORS: usize = 4;
+
+/// A toon sea on its way through time.
+///
+/// It keeps the state at its last step, so that frame after frame costs only the steps between. A frame is reached from
+/// there by one part of a step, and a stretch without bursts by one jump from its beginning, of which nothing is kept:
+/// so a frame does not depend on those shown before it. Going back starts anew.
+#[derive(Clone)]
+pub struct Simulation {
+    sea: ToonSea,
+    wanted: Wanted,
+    /// Spans of steps with bursts.
+    forced: Vec<[u64; 2]>,
+    /// The step at which `state` stands: one with bursts, or 0. Of a literal sea, any.
+    step: u64,
+    state: State,
+    shown: State,
+    modes: Option<Modes>,
+    propagators: Vec<(u64, Propagator)>,
+    force: Vec<f32>,
+    coefficients: Vec<f32>,
+    height: Vec<f32>,
+    scratch: Scratch,
+}
+
+/// What a sea remembers.
+#[derive(Clone, Debug, Default)]
+struct State {
+    /// h and h₋ cell by cell, or the two numbers of each mode.
+    a: Vec<f32>,
+    b: Vec<f32>,
+    rift: Vec<f32>,
+    drift: [Vec<f32>; 3],
+}
+
+/// Fields of a sea at one time, row by row.
+#[derive(Clone, Copy, Debug)]
+pub struct ToonFrame<'a> {
+    /// Heights in meters.
+    pub height: &'a [f32],
+    /// The rift; empty where it is not wanted.
+    pub rift: &'a [f32],
+    /// Coordinates of drift lines; empty where they are not wanted.
+    pub drift: Drifted<'a>,
+}
+
+/// Sums from which the coordinates of drift lines follow.
+#[derive(Clone, Copy, Debug)]
+pub struct Drifted<'a> {
+    /// Weight w: how lately and how closely bursts have passed.
+    pub weight: &'a [f32],
+    /// w × the coordinate along the paths, in meters.
+    pub along: &'a [f32],
+    /// w × the coordinate across them, in meters.
+    pub across: &'a [f32],
+}
+
+impl Drifted<'_> {
+    /// The coordinates along and across in meters, and their weight: 0 where no burst has passed.
+    pub fn at(&self, cell: usize) -> ([f32; 2], f32) {
+        let weight = self.weight[cell];
+        if weight > 0.0 { ([self.along[cell] / weight, self.across[cell] / weight], weight) } else { ([0.0; 2], 0.0) }
+    }
+}
+
+impl Simulation {
+    pub(crate) fn new(sea: ToonSea, wanted: Wanted) -> Self {
+        let modes = match sea.motion {
+            Motion::Literal(_) => None,
+            _ => Some(Modes::new(&sea.basin)),
+        };
+        let mut simulation = Self {
+            forced: sea.forced(),
+            sea,
+            wanted,
+            step: 0,
+            state: State::default(),
+            shown: State::default(),
+            modes,
+            propagators: Vec::new(),
+            force: Vec::new(),
+            coefficients: Vec::new(),
+            height: Vec::new(),
+            scratch: Scratch::default(),
+        };
+        simulation.rewind();
+        simulation
+    }
+
+    /// The sea that is simulated.
+    pub fn sea(&self) -> &ToonSea {
+        &self.sea
+    }
+
+    /// The fields at a time in seconds; the sea at rest before its preroll.
+    pub fn at(&mut self, time: f64) -> ToonFrame<'_> {
+        let (step, part) = self.sea.step_at(time);
+        if step < self.step {
+            self.rewind();
+        }
+        if self.modes.is_none() {
+            while self.step < step {
+                self.literal_step();
+            }
+            return self.frame(false);
+        }
+        self.advance(step);
+        let rate = self.sea.motion.rate();
+        let gap = (step - self.step) as f64 / rate;
+        if gap == 0.0 && part == 0.0 {
+            let Self { state, coefficients, .. } = self;
+            coefficients.clone_from(&state.a);
+            self.show();
+            return self.frame(false);
+        }
+        self.shown.clone_from(&self.state);
+        if gap > 0.0 {
+            self.jump(gap, true);
+        }
+        if part > 0.0 {
+            if self.sea.bursts.iter().any(|burst| burst.is_active(time)) {
+                self.forced_step(time, part, true);
+            } else {
+                self.jump(part, true);
+            }
+        }
+        self.coefficients.clone_from(&self.shown.a);
+        self.show();
+        self.frame(true)
+    }
+
+    fn rewind(&mut self) {
+        let cells = self.sea.basin.cells();
+        let field = |wanted: bool, values: &mut Vec<f32>| {
+            values.clear();
+            values.resize(if wanted { cells } else { 0 }, 0.0);
+        };
+        self.step = 0;
+        field(true, &mut self.state.a);
+        field(true, &mut self.state.b);
+        field(self.wanted.rift, &mut self.state.rift);
+        self.state.drift.iter_mut().for_each(|values| field(self.wanted.drift, values));
+    }
+
+    /// Takes every step with bursts up to `step`, and jumps between their spans.
+    fn advance(&mut self, step: u64) {
+        let rate = self.sea.motion.rate();
+        while self.step < step {
+            let next = self.step + 1;
+            let index = self.forced.partition_point(|span| span[1] <= next);
+            let Some(&[start, _]) = self.forced.get(index) else { return };
+            let forced = start.max(next);
+            if forced > step {
+                return;
+            }
+            if forced > next {
+                self.jump((forced - next) as f64 / rate, false);
+            }
+            self.forced_step(self.sea.time_of(forced), 1.0 / rate, false);
+            self.step = forced;
+        }
+    }
+
+    fn literal_step(&mut self) {
+        let Motion::Literal(mixing) = self.sea.motion else { return };
+        let (a, b) = (std::mem::take(&mut self.state.a), std::mem::take(&mut self.state.b));
+        let mut field = Field { height: a, before: b };
+        field.step(mixing, &self.sea.basin);
+        self.step += 1;
+        let State { rift, drift, .. } = &mut self.state;
+        let drift = drift.each_mut().map(Vec::as_mut_slice);
+        let time = self.sea.time_of(self.step);
+        self.sea.splat(time, 1.0 / LITERAL_HZ, self.wanted, &mut field.height, rift, drift, &mut self.scratch);
+        (self.state.a, self.state.b) = (field.height, field.before);
+    }
+
+    /// Advances state, or what is shown, over seconds that end at a time, under its bursts.
+    fn forced_step(&mut self, time: f64, seconds: f64, shown: bool) {
+        self.propagator(seconds);
+        let Some(modes) = &self.modes else { return };
+        let state = if shown { &mut self.shown } else { &mut self.state };
+        self.force.clear();
+        self.force.resize(self.sea.basin.cells(), 0.0);
+        let drift = state.drift.each_mut().map(Vec::as_mut_slice);
+        self.sea.splat(time, seconds, self.wanted, &mut self.force, &mut state.rift, drift, &mut self.scratch);
+        modes.forward(&mut self.force, &mut self.coefficients);
+        self.propagators[0].1.apply(&mut state.a, &mut state.b, Some(&self.coefficients));
+    }
+
+    /// The same without bursts.
+    fn jump(&mut self, seconds: f64, shown: bool) {
+        self.propagator(seconds);
+        let state = if shown { &mut self.shown } else { &mut self.state };
+        self.propagators[0].1.apply(&mut state.a, &mut state.b, None);
+        let steps = seconds * LITERAL_HZ;
+        let fade = |values: &mut Vec<f32>, decay: f64| {
+            let left = decayed(decay, steps).0 as f32;
+            values.iter_mut().for_each(|value| *value = super::splat::flushed(*value * left));
+        };
+        fade(&mut state.rift, self.sea.behavior.rift.decay);
+        state.drift.iter_mut().for_each(|values| fade(values, self.sea.behavior.drift.decay));
+    }
+
+    /// Puts the propagator over these seconds first.
+    fn propagator(&mut self, seconds: f64) {
+        let Some(modes) = &self.modes else { return };
+        let key = seconds.to_bits();
+        let place = self.propagators.iter().position(|(bits, _)| *bits == key).unwrap_or_else(|| {
+            self.propagators.truncate(PROPAGATORS - 1);
+            self.propagators.push((key, Propagator::new(&self.sea.motion, &self.sea.basin, modes, seconds)));
+            self.propagators.len() - 1
+        });
+        self.propagators[..=place].rotate_right(1);
+    }
+
+    /// From coefficients to heights.
+    fn show(&mut self) {
+        if let Some(modes) = &self.modes {
+            modes.backward(&mut self.coefficients, &mut self.height);
+        }
+    }
+
+    fn frame(&self, shown: bool) -> ToonFrame<'_> {
+        let state = if shown { &self.shown } else { &self.state };
+        let [weight, along, across] = state.drift.each_ref().map(Vec::as_slice);
+        ToonFrame {
+            height: if self.modes.is_some() { &self.height } else { &state.a },
+            rift: &state.rift,
+            drift: Drifted { weight, along, across },
+        }
+    }
+}

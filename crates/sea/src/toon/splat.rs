@@ -1,0 +1,387 @@
+//! Adds bursts to fields, tile by tile: cost goes with the area that they cover.
+
+use std::f32::consts::{PI, TAU};
+
+use fearless_simd::{Level, Simd, dispatch, f32x16, prelude::*};
+use rayon::prelude::*;
+
+use crate::kernel::sincos_turns;
+
+use super::{Combine, Shape};
+
+/// Cells of a tile: what a thread works on stays in the nearest cache.
+const TILE_COLUMNS: usize = 64;
+const TILE_ROWS: usize = 32;
+const TILE: usize = TILE_COLUMNS * TILE_ROWS;
+const LANES: usize = 16;
+const LANE: [f32; LANES] = [0., 1., 2., 3., 4., 5., 6., 7., 8., 9., 10., 11., 12., 13., 14., 15.];
+
+/// Below this, values count as 0: what dies away would end in subnormal numbers, which are slow.
+pub(crate) const FLUSH: f32 = 1e-30;
+
+/// 1 + cos(π√(1−v)) = v²·q(v): the coefficients of q, minimax on 0…1, v²·q to 1.8e-8.
+const PROFILE: [f32; 5] = [1.233_706_1, 0.616_794_7, 0.132_064_37, 0.015_862_306, 0.001_572_572_8];
+/// cos 1 and sin 1: the printed profile is cos(d + 1).
+const COS_1: f32 = 0.540_302_3;
+const SIN_1: f32 = 0.841_470_96;
+
+/// One burst at one time, in cells.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Stamp {
+    /// Where it stands.
+    pub(crate) place: [f64; 2],
+    /// Coefficients of x², 2xz, z² in the square of the distance, which is 1 where the profile ends.
+    pub(crate) form: [f32; 3],
+    /// Factor of the profile.
+    pub(crate) factor: f32,
+    /// Half the sides of the box that it touches.
+    pub(crate) reach: [f64; 2],
+    pub(crate) drift: Option<DriftStamp>,
+}
+
+/// What a burst adds to drift coordinates.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct DriftStamp {
+    pub(crate) heading: [f32; 2],
+    /// Inverse radii along and across, 1/cells.
+    pub(crate) inverse: [f32; 2],
+    /// Meters a cell.
+    pub(crate) spacing: f32,
+    /// How far the burst has come, its lane, in meters.
+    pub(crate) along: f32,
+    pub(crate) lane: f32,
+    pub(crate) lag: f32,
+    pub(crate) soft: f32,
+    pub(crate) weight: f32,
+}
+
+/// How a step adds to the rift.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct RiftStep {
+    pub(crate) combine: Combine,
+    /// Cells.
+    pub(crate) distance: f32,
+    /// What is added for each cell of d − m.
+    pub(crate) gain: f32,
+    /// What is left of the sum.
+    pub(crate) left: f32,
+}
+
+/// How a step adds to drift coordinates: what it adds, and what is left of the sum before.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct DriftStep {
+    pub(crate) gain: f32,
+    pub(crate) left: f32,
+}
+
+/// Bins of bursts, kept from step to step for their memory.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Splat {
+    starts: Vec<u32>,
+    members: Vec<u32>,
+    boxes: Vec<[u32; 4]>,
+}
+
+/// The fields of a step: those without cells are not touched.
+pub(crate) struct Targets<'a> {
+    /// Heights, and the factor of what is added to them.
+    pub(crate) height: &'a mut [f32],
+    pub(crate) gain: f32,
+    pub(crate) rift: &'a mut [f32],
+    pub(crate) rift_step: Option<RiftStep>,
+    /// Weight, and weighted sums of the two coordinates.
+    pub(crate) drift: [&'a mut [f32]; 3],
+    pub(crate) drift_step: Option<DriftStep>,
+}
+
+/// Buffers of one tile.
+struct Tile {
+    height: [f32; TILE],
+    /// The sum of d − m, or the least m².
+    rift: [f32; TILE],
+    drift: [[f32; TILE]; 3],
+}
+
+/// Where a tile lies.
+#[derive(Clone, Copy)]
+struct Place {
+    column: usize,
+    row: usize,
+    rows: usize,
+}
+
+impl Splat {
+    /// Adds bursts to the fields of a grid, each cell in the order of the bursts.
+    pub(crate) fn add(&mut self, stamps: &[Stamp], shape: Shape, columns: usize, rows: usize, targets: Targets<'_>) {
+        let across = columns.div_ceil(TILE_COLUMNS);
+        self.bin(stamps, across, [columns, rows]);
+        // The printed profile is the same far away: a constant, and what differs from it within the radius.
+        let far = match shape {
+            Shape::Intended => 0.0,
+            Shape::Literal => -f64::from(COS_1) * stamps.iter().map(|stamp| f64::from(stamp.factor)).sum::<f64>(),
+        };
+        let level = Level::new();
+        let Targets { height, gain, rift, rift_step, drift, drift_step } = targets;
+        let band = columns * TILE_ROWS;
+        let mut bands: Vec<Band<'_>> = Vec::with_capacity(rows.div_ceil(TILE_ROWS));
+        let mut rifts = rift.chunks_mut(band);
+        let mut drifts = drift.map(|values| values.chunks_mut(band));
+        for heights in height.chunks_mut(band) {
+            bands.push(Band {
+                height: heights,
+                rift: rifts.next().unwrap_or_default(),
+                drift: drifts.each_mut().map(|values| values.next().unwrap_or_default()),
+            });
+        }
+        let this = &*self;
+        bands.into_par_iter().enumerate().for_each(|(index, mut band)| {
+            let mut tile = Tile { height: [0.0; TILE], rift: [0.0; TILE], drift: [[0.0; TILE]; 3] };
+            let row = index * TILE_ROWS;
+            for tile_column in 0..across {
+                let bin = index * across + tile_column;
+                let members = &this.members[this.starts[bin] as usize..this.starts[bin + 1] as usize];
+                let place = Place { column: tile_column * TILE_COLUMNS, row, rows: (rows - row).min(TILE_ROWS) };
+                let step = Step { stamps, members, shape, base: far as f32, gain, rift: rift_step, drift: drift_step };
+                dispatch!(level, simd => simd.vectorize(#[inline(always)] || {
+                    step.tile(simd, place, columns, &mut tile, &mut band);
+                }));
+            }
+        });
+    }
+
+    /// Sorts bursts into the tiles that they touch, in their own order.
+    fn bin(&mut self, stamps: &[Stamp], across: usize, [columns, rows]: [usize; 2]) {
+        let down = rows.div_ceil(TILE_ROWS);
+        self.starts.clear();
+        self.starts.resize(across * down + 1, 0);
+        self.boxes.clear();
+        for stamp in stamps {
+            let range = |axis: usize, cells: usize, tile: usize| {
+                let low = (stamp.place[axis] - stamp.reach[axis]).ceil().max(0.0);
+                let high = (stamp.place[axis] + stamp.reach[axis]).floor().min(cells as f64 - 1.0);
+                // An empty range where nothing is touched.
+                if low <= high { [low as u32 / tile as u32, high as u32 / tile as u32 + 1] } else { [0, 0] }
+            };
+            let ([x0, x1], [y0, y1]) = (range(0, columns, TILE_COLUMNS), range(1, rows, TILE_ROWS));
+            for y in y0..y1 {
+                for x in x0..x1 {
+                    self.starts[(y as usize) * across + x as usize + 1] += 1;
+                }
+            }
+            self.boxes.push([x0, x1, y0, y1]);
+        }
+        for bin in 0..across * down {
+            self.starts[bin + 1] += self.starts[bin];
+        }
+        self.members.clear();
+        self.members.resize(self.starts[across * down] as usize, 0);
+        for (index, &[x0, x1, y0, y1]) in self.boxes.iter().enumerate() {
+            for y in y0..y1 {
+                for x in x0..x1 {
+                    let next = &mut self.starts[y as usize * across + x as usize];
+                    self.members[*next as usize] = index as u32;
+                    *next += 1;
+                }
+            }
+        }
+        // Each start has moved to its bin's end, which is the next one's start.
+        self.starts.rotate_right(1);
+        self.starts[0] = 0;
+    }
+}
+
+/// The rows of a field that a row of tiles covers.
+struct Band<'a> {
+    height: &'a mut [f32],
+    rift: &'a mut [f32],
+    drift: [&'a mut [f32]; 3],
+}
+
+/// What one tile is made from.
+#[derive(Clone, Copy)]
+struct Step<'a> {
+    stamps: &'a [Stamp],
+    members: &'a [u32],
+    shape: Shape,
+    /// What is added everywhere.
+    base: f32,
+    gain: f32,
+    rift: Option<RiftStep>,
+    drift: Option<DriftStep>,
+}
+
+/// How the kernel treats rifts.
+const NONE: u8 = 0;
+const SUM: u8 = 1;
+const NEAREST: u8 = 2;
+
+impl Step<'_> {
+    #[inline(always)]
+    fn tile<S: Simd>(&self, simd: S, place: Place, columns: usize, tile: &mut Tile, band: &mut Band<'_>) {
+        if !self.members.is_empty() {
+            tile.height.fill(self.base);
+            let rift = match self.rift {
+                None => NONE,
+                Some(RiftStep { combine: Combine::Sum, .. }) => {
+                    tile.rift.fill(0.0);
+                    SUM
+                }
+                Some(RiftStep { combine: Combine::Nearest, distance, .. }) => {
+                    tile.rift.fill(distance * distance);
+                    NEAREST
+                }
+            };
+            match (self.shape, rift) {
+                (Shape::Intended, NONE) => self.stamp::<S, false, NONE>(simd, place, tile),
+                (Shape::Intended, SUM) => self.stamp::<S, false, SUM>(simd, place, tile),
+                (Shape::Intended, _) => self.stamp::<S, false, NEAREST>(simd, place, tile),
+                (Shape::Literal, NONE) => self.stamp::<S, true, NONE>(simd, place, tile),
+                (Shape::Literal, SUM) => self.stamp::<S, true, SUM>(simd, place, tile),
+                (Shape::Literal, _) => self.stamp::<S, true, NEAREST>(simd, place, tile),
+            }
+            if self.drift.is_some() {
+                tile.drift.iter_mut().for_each(|values| values.fill(0.0));
+                self.drifts(simd, place, tile);
+            }
+        }
+        self.store(place, columns, tile, band);
+    }
+
+    /// Rows and vectors of the tile that a burst touches, and where it stands in the tile.
+    #[inline(always)]
+    fn window(stamp: &Stamp, place: Place) -> ([usize; 2], [usize; 2], [f32; 2]) {
+        let x = stamp.place[0] - place.column as f64;
+        let z = stamp.place[1] - place.row as f64;
+        let bound = |value: f64, limit: usize| value.clamp(0.0, limit as f64) as usize;
+        let rows =
+            [bound((z - stamp.reach[1]).ceil(), place.rows), bound((z + stamp.reach[1]).floor() + 1.0, place.rows)];
+        let first = bound((x - stamp.reach[0]).ceil(), TILE_COLUMNS);
+        let last = bound((x + stamp.reach[0]).floor() + 1.0, TILE_COLUMNS);
+        (rows, [first / LANES, last.div_ceil(LANES)], [x as f32, z as f32])
+    }
+
+    #[inline(always)]
+    fn stamp<S: Simd, const LITERAL: bool, const RIFT: u8>(&self, simd: S, place: Place, tile: &mut Tile) {
+        let lane = f32x16::from_slice(simd, &LANE);
+        let zero = f32x16::splat(simd, 0.0);
+        let distance = self.rift.map_or(0.0, |rift| rift.distance);
+        for &member in self.members {
+            let stamp = &self.stamps[member as usize];
+            let (rows, vectors, [x, z]) = Self::window(stamp, place);
+            let [a, b, c] = stamp.form;
+            for vector in vectors[0]..vectors[1] {
+                let dx = lane + ((vector * LANES) as f32 - x);
+                let (adx, dx2) = (dx * a, dx * dx);
+                for row in rows[0]..rows[1] {
+                    let dz = row as f32 - z;
+                    let at = row * TILE_COLUMNS + vector * LANES;
+                    // v = 1 − |(u−x)/r|², 0 beyond the radius.
+                    let v = ((adx + (b + b) * dz) * dx) * -1.0 + (1.0 - c * dz * dz);
+                    let v = v.max(zero);
+                    let profile = if LITERAL {
+                        // cos(d + 1) + cos 1 with d = π√(1−v), so that it is 0 at the radius.
+                        let (sin, cos) = sincos_turns((v * -1.0 + 1.0).max(zero).sqrt() * (PI / TAU));
+                        let within = cos * COS_1 - sin * SIN_1 + COS_1;
+                        v.simd_gt(zero).select(within, zero)
+                    } else {
+                        let mut q = v * PROFILE[4] + PROFILE[3];
+                        q = q * v + PROFILE[2];
+                        q = q * v + PROFILE[1];
+                        q = q * v + PROFILE[0];
+                        (v * v) * q
+                    };
+                    let height = &mut tile.height[at..at + LANES];
+                    (f32x16::from_slice(simd, height) + profile * stamp.factor).store_slice(height);
+                    if RIFT != NONE {
+                        let square = dx2 + dz * dz;
+                        let rift = &mut tile.rift[at..at + LANES];
+                        let before = f32x16::from_slice(simd, rift);
+                        let after = if RIFT == SUM {
+                            before + (square.sqrt() * -1.0 + distance).max(zero)
+                        } else {
+                            before.min(square)
+                        };
+                        after.store_slice(rift);
+                    }
+                }
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn drifts<S: Simd>(&self, simd: S, place: Place, tile: &mut Tile) {
+        let lane = f32x16::from_slice(simd, &LANE);
+        let zero = f32x16::splat(simd, 0.0);
+        for &member in self.members {
+            let stamp = &self.stamps[member as usize];
+            let Some(drift) = &stamp.drift else { continue };
+            let (rows, vectors, [x, z]) = Self::window(stamp, place);
+            let [cos, sin] = drift.heading;
+            for vector in vectors[0]..vectors[1] {
+                let dx = lane + ((vector * LANES) as f32 - x);
+                for row in rows[0]..rows[1] {
+                    let dz = row as f32 - z;
+                    let at = row * TILE_COLUMNS + vector * LANES;
+                    let along = dx * cos + dz * sin;
+                    let across = dx * -sin + dz * cos;
+                    let (p, q) = (along * drift.inverse[0], across * drift.inverse[1]);
+                    let left = ((p * p + q * q) * -1.0 + 1.0).max(zero);
+                    let weight = (left * left) * drift.weight;
+                    let (along, across) = (along * drift.spacing, across * drift.spacing);
+                    let swept = (across * across + drift.soft).sqrt() * drift.lag;
+                    let sums = [weight, weight * (along + drift.along - swept), weight * (across + drift.lane)];
+                    for (values, sum) in tile.drift.iter_mut().zip(sums) {
+                        let values = &mut values[at..at + LANES];
+                        (f32x16::from_slice(simd, values) + sum).store_slice(values);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Adds the tile's sums to the fields.
+    #[inline(always)]
+    fn store(&self, place: Place, columns: usize, tile: &Tile, band: &mut Band<'_>) {
+        let touched = !self.members.is_empty();
+        let width = (columns - place.column).min(TILE_COLUMNS);
+        for row in 0..place.rows {
+            let at = row * columns + place.column;
+            let sums = row * TILE_COLUMNS..row * TILE_COLUMNS + width;
+            if touched {
+                for (height, &sum) in band.height[at..at + width].iter_mut().zip(&tile.height[sums.clone()]) {
+                    *height += self.gain * sum;
+                }
+            } else if self.base != 0.0 {
+                band.height[at..at + width].iter_mut().for_each(|height| *height += self.gain * self.base);
+            }
+            if let Some(rift) = self.rift {
+                let values = band.rift[at..at + width].iter_mut().zip(&tile.rift[sums.clone()]);
+                match rift.combine {
+                    _ if !touched => values.for_each(|(value, _)| *value = flushed(*value * rift.left)),
+                    Combine::Sum => {
+                        values.for_each(|(value, &sum)| *value = flushed(*value * rift.left + rift.gain * sum));
+                    }
+                    Combine::Nearest => values.for_each(|(value, &square)| {
+                        let near = rift.distance - square.sqrt();
+                        *value = flushed(*value * rift.left + rift.gain * near);
+                    }),
+                }
+            }
+            if let Some(drift) = self.drift {
+                for (field, added) in band.drift.iter_mut().zip(&tile.drift) {
+                    let values = field[at..at + width].iter_mut().zip(&added[sums.clone()]);
+                    if touched {
+                        values.for_each(|(value, &sum)| *value = flushed(*value * drift.left + drift.gain * sum));
+                    } else {
+                        values.for_each(|(value, _)| *value = flushed(*value * drift.left));
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[inline(always)]
+pub(crate) fn flushed(value: f32) -> f32 {
+    if value.abs() < FLUSH { 0.0 } else { value }
+}

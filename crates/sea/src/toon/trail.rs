@@ -1,0 +1,110 @@
+use super::ToonError;
+use super::error::within;
+use super::spline::length_at;
+
+/// How several bursts near a cell share in its rift.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Combine {
+    /// Every burst within the distance adds.
+    #[default]
+    Sum,
+    /// Only the nearest burst counts, as the printed formula has it.
+    Nearest,
+}
+
+/// The trail of foam behind bursts: r += k·max(d − m, 0), m the distance from a burst, and r ÷= 1 + ε at every literal
+/// step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rift {
+    /// Distance d from a burst in meters up to which it leaves a trail.
+    pub distance: f64,
+    /// k: what a literal step adds for each meter.
+    pub gain: f64,
+    /// ε: what a literal step takes.
+    pub decay: f64,
+    /// Several bursts.
+    pub combine: Combine,
+}
+
+impl Default for Rift {
+    fn default() -> Self {
+        Self { distance: 1.5, gain: 0.02, decay: 0.01, combine: Combine::Sum }
+    }
+}
+
+impl Rift {
+    /// What the rift at a distance from a burst that rests comes to: k(d − m)/ε; infinite without decay.
+    pub fn plateau(&self, distance: f64) -> f64 {
+        self.gain * (self.distance - distance).max(0.0) / self.decay
+    }
+
+    /// Literal steps after which half is left: ln 2/ln(1 + ε); infinite without decay.
+    pub fn half_life(&self) -> f64 {
+        std::f64::consts::LN_2 / libm::log1p(self.decay)
+    }
+
+    pub(crate) fn validate(&self) -> Result<(), ToonError> {
+        within("rift distance", self.distance, (1e-6, 1e6), "1e-6 to 1e6 meters")?;
+        within("rift gain", self.gain, (0.0, 1e6), "0 to 1e6 per meter")?;
+        within("rift decay", self.decay, (0.0, 1e3), "0 to 1000")
+    }
+}
+
+/// What is left after `steps` literal steps of r ÷= 1 + ε, and how often one step's addition is in it where every step
+/// adds the same: Σ (1+ε)⁻ʲ over j = 1…steps. Any real number of steps.
+pub(crate) fn decayed(decay: f64, steps: f64) -> (f64, f64) {
+    let rate = libm::log1p(decay);
+    let left = libm::exp(-rate * steps);
+    let added = if decay > 0.0 { -libm::expm1(-rate * steps) / decay } else { steps };
+    (left, added)
+}
+
+/// Coordinates for lines that bursts draw behind them.
+///
+/// Beside the rift every cell accumulates a weight w = (1 − q²)², q the distance from a burst in an ellipse a little
+/// larger than its own, and w times two coordinates of the cell in the burst's own frame: along its path, lagging
+/// behind by `lag` for every meter to the side, and across. What lines are drawn by are weighted means, so that a turn fans
+/// them out and never cuts them, and decay, which takes from both, moves none.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Drift {
+    /// Radii along and across the heading, over those of the burst.
+    pub reach: [f64; 2],
+    /// Meters that lines fall back for every meter across: how far they are swept back.
+    pub lag: f64,
+    /// What a literal step takes, as the ε of a rift.
+    pub decay: f64,
+    /// Distance of lines in meters: a path is counted as a whole number of them, so that laps join.
+    pub period: f64,
+}
+
+impl Default for Drift {
+    fn default() -> Self {
+        Self { reach: [1.1, 1.25], lag: 0.35, decay: 0.02, period: 0.8 }
+    }
+}
+
+/// Laps after which lengths begin anew, so that f32 holds them.
+const LAPS: f64 = 256.0;
+
+impl Drift {
+    pub(crate) fn validate(&self) -> Result<(), ToonError> {
+        for reach in self.reach {
+            within("drift reach", reach, (1e-3, 1e3), "0.001 to 1000")?;
+        }
+        within("drift lag", self.lag, (-1e3, 1e3), "-1000 to 1000")?;
+        within("drift decay", self.decay, (0.0, 1e3), "0 to 1000")?;
+        within("drift period", self.period, (1e-6, 1e6), "1e-6 to 1e6 meters")
+    }
+
+    /// How far a burst has come, in meters.
+    pub(crate) fn along(&self, lap: f64, progress: f64, lengths: &[f64]) -> f64 {
+        let length = lengths.last().copied().unwrap_or(0.0);
+        let lap = lap - (lap / LAPS).floor() * LAPS;
+        length_at(lengths, progress) + lap * (length / self.period).ceil() * self.period
+    }
+
+    /// Square of the width in meters over which the lag's |l| is rounded off.
+    pub(crate) fn softness(&self, spacing: f64) -> f64 {
+        2.25 * spacing * spacing
+    }
+}
