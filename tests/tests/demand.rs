@@ -195,7 +195,9 @@ fn a_switch_needs_nothing_but_its_choice() {
         graph.files(&needed, &graph.frame_context(frame, 1 << 30)).len()
     };
     assert_eq!((files(4), files(5)), (0, 1));
-    assert!(trochoid::missing_files(&graph).is_empty(), "not missed at the first frame");
+    let missing = trochoid::missing_files(&graph);
+    assert_eq!(missing.len(), 1);
+    assert!(missing[0].found.contains("at frame 5, and none at 95 more frames"), "{}", missing[0].found);
     let plan = Plan::new(&graph, &["pick"], 5, &[], &settings(|_| ())).unwrap();
     assert!(plan.evaluate(&Buffers::new(), &mut Cache::new(), &Silent).is_err(), "the file is needed from frame 5 on");
     let plan = Plan::new(&graph, &["pick"], 5, &["missing"], &settings(|_| ())).unwrap();

@@ -267,7 +267,7 @@ impl Prepared for Surging {
 
     fn reference(&self, _inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
         let surface = self.reference.get_or_init(|| {
-            let heights = reference::frame(&self.sea, self.time).height;
+            let heights = reference::frame(&self.sea, self.time, Wanted::default()).height;
             self.place.surface(heights.into_iter().map(|height| height as f32).collect())
         });
         Ok(vec![Reference::Handle(Arc::new(surface.clone()))])

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use super::propagator::transfer;
 use super::spline::Spline;
-use super::{Basin, Boundary, Burst, Combine, LITERAL_HZ, Motion, Shape, ToonSea};
+use super::{Basin, Boundary, Burst, Combine, LITERAL_HZ, Motion, Shape, ToonSea, Wanted};
 
 /// All fields of a sea at one time, row by row.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,10 +17,10 @@ pub struct Reference {
     pub drift: [Vec<f64>; 3],
 }
 
-/// The fields at a time, from rest, without any jump.
+/// The fields at a time, from rest, without any jump; those that are not wanted are 0.
 ///
 /// Costs cells × (columns + rows) + cells × bursts for each step: for small seas.
-pub fn frame(sea: &ToonSea, time: f64) -> Reference {
+pub fn frame(sea: &ToonSea, time: f64, wanted: Wanted) -> Reference {
     let cells = sea.basin.cells();
     let zero = || vec![0.0; cells];
     let mut state = Reference { height: zero(), rift: zero(), drift: [zero(), zero(), zero()] };
@@ -28,16 +28,16 @@ pub fn frame(sea: &ToonSea, time: f64) -> Reference {
     let mut other = zero();
     let (last, part) = sea.step_at(time);
     for step in 1..=last {
-        advance(sea, sea.time_of(step), 1.0 / sea.motion.rate(), &mut state, &mut other);
+        advance(sea, sea.time_of(step), 1.0 / sea.motion.rate(), wanted, &mut state, &mut other);
     }
     if part > 0.0 {
-        advance(sea, time, part, &mut state, &mut other);
+        advance(sea, time, part, wanted, &mut state, &mut other);
     }
     state
 }
 
 /// One stretch of time, under the bursts of its end.
-fn advance(sea: &ToonSea, time: f64, seconds: f64, state: &mut Reference, other: &mut Vec<f64>) {
+fn advance(sea: &ToonSea, time: f64, seconds: f64, wanted: Wanted, state: &mut Reference, other: &mut Vec<f64>) {
     let Basin { columns, rows, spacing, .. } = sea.basin;
     let mut force = vec![0.0; columns * rows];
     for row in 0..rows {
@@ -46,7 +46,9 @@ fn advance(sea: &ToonSea, time: f64, seconds: f64, state: &mut Reference, other:
             let place = [column as f64 * spacing, row as f64 * spacing];
             force[cell] =
                 sea.injection() * sea.bursts.iter().map(|burst| profile(sea, burst, time, place)).sum::<f64>();
-            trails(sea, time, seconds, place, cell, state);
+            if wanted.rift || wanted.drift {
+                trails(sea, time, seconds, place, cell, state);
+            }
         }
     }
     match sea.motion {
