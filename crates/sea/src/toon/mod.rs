@@ -28,7 +28,7 @@
 //!
 //! # Results
 //! A frame is a function of the description and its time alone, however it was reached, bit for bit, on any number of
-//! threads. [`reference`] is the same in f64 and plain loops.
+//! threads. [`mod@reference`] is the same in f64 and plain loops.
 
 mod basin;
 mod burst;
