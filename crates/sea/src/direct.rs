@@ -4,9 +4,6 @@ use crate::fields::{Fields, Points, SUMS, Wanted};
 use crate::frame::{SeaFrame, Term};
 use crate::kernel::{LANES, exp_neg, sincos_turns};
 
-/// Waves of which less than exp(−this) = 1e-6 is left in a whole block of points are not added there.
-const CUT: f32 = 13.8;
-
 /// Turns that the f32 offsets of a block may span to each side: phases stay within 1e-6 rad of their f64 values. Waves
 /// of which a block spans more take their offsets in f64, point by point.
 const MAX_TURNS: f64 = 8.0;
@@ -126,7 +123,7 @@ impl SeaFrame {
             value.min(1e15) * value.min(1e15)
         });
         let least = footprint2.iter().copied().fold(f32::INFINITY, f32::min);
-        let waves = self.filters.partition_point(|filter| filter * least <= CUT);
+        let waves = self.left(least);
         let base2 = footprint2[len / 2];
         let excess2 = footprint2.map(|value| value - base2);
         let widest = excess2.iter().copied().fold(0.0, |widest: f32, value| widest.max(value.abs()));

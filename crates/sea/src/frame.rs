@@ -73,6 +73,9 @@ pub struct SeaFrame {
     pub(crate) variance_from: Vec<f64>,
 }
 
+/// Exponent from which on a wave is not added: 1e-6 of it is left.
+pub(crate) const CUT: f64 = 13.8;
+
 /// 1.5·2⁵²: adding and subtracting it rounds |v| < 2⁵¹ to the nearest whole number, ties to even, exactly.
 const ROUNDER: f64 = 6_755_399_441_055_744.0;
 
@@ -258,13 +261,13 @@ impl SeaFrame {
         self.reference.len()
     }
 
-    /// Whether there is no wave: the same as [`is_flat`](Self::is_flat).
+    /// Whether no wave moves this sea.
     pub fn is_empty(&self) -> bool {
-        self.is_flat()
+        self.reference.is_empty()
     }
 
-    /// Whether no wave moves this sea.
-    pub fn is_flat(&self) -> bool {
-        self.reference.is_empty()
+    /// How many of the leading waves a footprint leaves, given its square in m².
+    pub(crate) fn left(&self, footprint2: f32) -> usize {
+        self.filters.partition_point(|filter| filter * footprint2 <= CUT as f32)
     }
 }

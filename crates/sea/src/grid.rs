@@ -1,5 +1,5 @@
 use crate::fields::{Fields, Points, Wanted};
-use crate::frame::SeaFrame;
+use crate::frame::{CUT, SeaFrame};
 use crate::method::Method;
 use crate::nufft::Nufft;
 use rayon::prelude::*;
@@ -99,9 +99,6 @@ enum Transform {
     Single(Box<Nufft<f32>>),
     Double(Box<Nufft<f64>>),
 }
-
-/// Exponent from which on a wave is not added: 1e-6 of it is left.
-const CUT: f64 = 13.8;
 
 impl GridPlan {
     /// A plan that evaluates seas of about `waves` waves by the cheapest method whose [error](Method::error) is at

@@ -3,11 +3,13 @@
 mod expression;
 mod noise;
 mod noise_reference;
+mod parser;
 mod program;
 mod screen;
 
-pub(crate) use expression::{Expression, parse};
+pub(crate) use expression::Expression;
 pub(crate) use noise::{Axes, Noise, NoiseKind};
 pub(crate) use noise_reference::reference as noise_reference;
+pub(crate) use parser::parse;
 pub(crate) use program::Program;
 pub(crate) use screen::Screen;

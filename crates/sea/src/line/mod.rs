@@ -56,9 +56,6 @@ pub struct LineScratch {
     points: [Vec<f64>; 3],
 }
 
-/// Waves of which less than exp(−this) = 1e-6 is left are not added.
-const CUT: f32 = 13.8;
-
 /// Nanoseconds by which ways are compared, measured: a wave at a point of the direct sum, a wave spread, and a value of
 /// the transform and step of its logarithm.
 const DIRECT: f64 = 0.8;
@@ -103,7 +100,7 @@ impl<'s> Lines<'s> {
     /// How many of the leading waves the footprint leaves.
     fn waves(&self, line: &Line) -> usize {
         let print = (line.footprint as f32).min(1e15);
-        self.frame.filters.partition_point(|filter| filter * (print * print) <= CUT)
+        self.frame.left(print * print)
     }
 
     fn sum(&self, line: &Line, wanted: Wanted, scratch: &mut LineScratch, out: &mut Fields) {

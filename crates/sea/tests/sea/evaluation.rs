@@ -1,18 +1,7 @@
 //! The fast evaluations against the f64 reference, on ordinary and on extreme parameters.
 
+use crate::random::Random;
 use trochoid_sea::{ExplicitWave, Fields, GerstnerSpectrum, Points, Sample, Sea, SeaFrame, Wanted, Wave, attenuation};
-
-/// Deterministic numbers in [0, 1).
-struct Random(u64);
-
-impl Random {
-    fn unit(&mut self) -> f64 {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        (self.0 >> 11) as f64 / (1_u64 << 53) as f64
-    }
-}
 
 fn sea(spectrum: GerstnerSpectrum) -> Sea {
     Sea::new(spectrum.waves().expect("valid knobs"))

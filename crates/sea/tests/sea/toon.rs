@@ -1,27 +1,12 @@
 //! The toon sea against its f64 reference and against what is known of it.
 
+use crate::random::Random;
 use trochoid_sea::toon::{
     Basin, Behavior, Boundary, Burst, Combine, Drift, Field, Guide, Mixing, Motion, Physics, Rift, Scratch, Shape,
     Simulation, ToonError, ToonSea, Wanted, reference,
 };
 
 const ALL: Wanted = Wanted { rift: true, drift: true };
-
-/// Deterministic numbers in [0, 1).
-struct Random(u64);
-
-impl Random {
-    fn unit(&mut self) -> f64 {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        (self.0 >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    fn between(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.unit()
-    }
-}
 
 /// Bursts around a basin, some of them outside, some small, some as large as it.
 fn bursts(random: &mut Random, basin: &Basin, count: usize) -> Vec<Burst> {

@@ -1,0 +1,8 @@
+//! The fast forms of seas against their f64 references, and against what is known of them.
+
+mod evaluation;
+mod folding;
+mod grids;
+mod group;
+mod random;
+mod toon;
