@@ -8,6 +8,7 @@ use std::process::Command;
 const ALLOWED: &[(&str, &[&str])] = &[
     ("trochoid-memory", &[]),
     ("trochoid-image", &["trochoid-memory"]),
+    ("trochoid-jit", &["trochoid-memory"]),
     ("trochoid-weights", &["trochoid-image"]),
     ("trochoid-io", &["trochoid-image"]),
     ("trochoid-sea", &[]),
@@ -17,7 +18,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
         "trochoid-nodes",
         &["trochoid-graph", "trochoid-weights", "trochoid-image", "trochoid-scene", "trochoid-sea", "trochoid-io"],
     ),
-    ("trochoid-engine", &["trochoid-graph", "trochoid-image", "trochoid-memory", "trochoid-weights"]),
+    ("trochoid-engine", &["trochoid-graph", "trochoid-image", "trochoid-jit", "trochoid-memory", "trochoid-weights"]),
     ("trochoid", &["trochoid-image", "trochoid-graph", "trochoid-engine", "trochoid-nodes", "trochoid-io"]),
     ("trochoid-editor", &["trochoid"]),
     ("trochoid-cli", &["trochoid", "trochoid-editor"]),

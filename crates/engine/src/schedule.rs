@@ -244,6 +244,8 @@ impl Scheduler<'_, '_, '_> {
         let (program, map) = extract(self.program, &kept);
         let roots: Vec<u32> = roots.iter().map(|root| map[*root as usize]).collect();
         let switches = self.switches();
+        let format = self.planner.graph.format();
+        let samples = format.window().area().saturating_mul(format.samples() as usize);
         let legal = |slot: &Slot| {
             let kind = self.planner.graph.node(slot.node).kinds[slot.output];
             self.planner.bound[slot.node.0].then_some(match kind {
@@ -257,6 +259,7 @@ impl Scheduler<'_, '_, '_> {
             fuse: switches.fuse,
             everything: !switches.demand,
             instructions: self.planner.settings.instructions,
+            native: switches.compile && samples >= self.planner.settings.compile_from,
             variance: &|slot| self.planner.variance(self.lowered, slot),
             legal: &legal,
         };

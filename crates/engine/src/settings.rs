@@ -30,13 +30,17 @@ pub struct Switches {
     pub hoist: bool,
     /// Fold operations of the pointwise program into each other, and jump over branches without weight.
     pub fuse: bool,
+    /// Run the pointwise program as machine code, where the processor and the system allow it.
+    pub compile: bool,
 }
 
 impl Switches {
     /// Every optimization.
-    pub const ALL: Self = Self { demand: true, prune: true, fold: true, merge: true, hoist: true, fuse: true };
+    pub const ALL: Self =
+        Self { demand: true, prune: true, fold: true, merge: true, hoist: true, fuse: true, compile: true };
     /// No optimization.
-    pub const NONE: Self = Self { demand: false, prune: false, fold: false, merge: false, hoist: false, fuse: false };
+    pub const NONE: Self =
+        Self { demand: false, prune: false, fold: false, merge: false, hoist: false, fuse: false, compile: false };
 }
 
 /// How a plan is made and run; never what it computes.
@@ -51,6 +55,8 @@ pub struct Settings {
     pub tile: Option<(usize, usize)>,
     /// Instruction sets that kernels may use.
     pub instructions: Instructions,
+    /// Samples of a picture from which on compiling to machine code pays: it takes a few tenths of a millisecond.
+    pub compile_from: usize,
     /// Which pixels are held against the hull of their palette.
     pub judge: Judging,
     /// Most memory for pictures, bytes.
@@ -66,6 +72,7 @@ impl Default for Settings {
             threads: 0,
             tile: None,
             instructions: Instructions::Best,
+            compile_from: 1 << 16,
             judge: Judging::All,
             memory_limit: 16 << 30,
             region: None,

@@ -44,12 +44,28 @@ impl<'a> Target<'a> {
         value.store_slice(to);
     }
 
+    /// Where some of its samples lie, for machine code that writes them. Around the cache only if [`Target::is_lines`].
+    ///
+    /// # Panics
+    /// They do not fit.
+    pub fn pointer(&mut self, start: usize, length: usize) -> *mut f32 {
+        self.samples[start..start + length].as_mut_ptr()
+    }
+
+    /// Whether some of its samples are to be written around the cache and are nothing but whole lines.
+    ///
+    /// # Panics
+    /// They do not fit.
+    pub fn is_lines(&self, start: usize, length: usize) -> bool {
+        let samples = &self.samples[start..start + length];
+        self.around && length.is_multiple_of(16) && samples.as_ptr().addr().is_multiple_of(64)
+    }
+
     /// All of it as cache lines, if it is to be written around the cache and is nothing but whole lines.
     #[inline(always)]
     pub fn lines(&mut self) -> Option<Lines<'_>> {
-        let (lines, rest) = self.samples.as_chunks_mut::<16>();
-        let whole = rest.is_empty() && lines.as_ptr().addr() % 64 == 0;
-        (self.around && whole).then_some(Lines(lines))
+        let whole = self.is_lines(0, self.len());
+        whole.then_some(Lines(self.samples.as_chunks_mut::<16>().0))
     }
 
     /// Writes samples at `index`.

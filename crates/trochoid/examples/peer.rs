@@ -3,8 +3,9 @@
 //! `peer CASE` prepares itself, does the work once, prints one line of JSON with the error of its result (null where it
 //! only reads), and then, for each line `run N` on stdin, does the work N times and prints how long each took; `quit`
 //! ends it. Cases: `W1:uhd` and `W1:hd` evaluate a graph of nine mixes on five passes in memory; `io:uhd:half:zip` and
-//! the like read or write an EXR file; `W2` and `W2:1e-6` sum waves on a grid, to 5e-4 or what is named. Inputs lie in the folder `PEER_WORK`; `PEER_THREADS` (default: all cores) and
-//! `PEER_INSTRUCTIONS` (`avx2`, `baseline`) choose what is used.
+//! the like read or write an EXR file; `W2` and `W2:1e-6` sum waves on a grid, to 5e-4 or what is named; `W3:100` and
+//! `W3:10000` take steps of a toon sea with so many bursts. Inputs lie in the folder `PEER_WORK`; `PEER_THREADS`
+//! (default: all cores), `PEER_INSTRUCTIONS` (`avx2`, `baseline`) and `PEER_MACHINE_CODE` (`never`) choose what is used.
 
 use std::error::Error;
 use std::io::{BufRead, Read, Write};
@@ -15,6 +16,8 @@ use trochoid::{Buffers, Cache, Frame, Instructions, Judging, Plan, Plane, Settin
 
 #[path = "peer/w2.rs"]
 mod w2;
+#[path = "peer/w3.rs"]
+mod w3;
 
 type Result<T> = std::result::Result<T, Box<dyn Error>>;
 
@@ -30,11 +33,12 @@ fn main() -> Result<()> {
         ["W1", size] => w1(&work, size),
         ["W2"] => w2::run(&work, "5e-4"),
         ["W2", tolerance] => w2::run(&work, tolerance),
+        ["W3", bursts] => w3::run(&work, bursts),
         ["io", size, kind, "write"] => write(&work, size, kind),
         ["io", size, kind, compression] => reading(&work, &format!("w1_{size}_{kind}_{compression}.exr")),
         _ => {
-            Err(format!("found the case \"{case}\"; expected W1:SIZE, W2, W2:TOLERANCE or io:SIZE:KIND:COMPRESSION")
-                .into())
+            let cases = "W1:SIZE, W2, W2:TOLERANCE, W3:BURSTS or io:SIZE:KIND:COMPRESSION";
+            Err(format!("found the case \"{case}\"; expected {cases}").into())
         }
     }
 }
@@ -68,6 +72,7 @@ fn settings() -> Result<Settings> {
         Ok("baseline") => Instructions::Baseline,
         _ => Instructions::Best,
     };
+    settings.switches.compile = std::env::var("PEER_MACHINE_CODE").as_deref() != Ok("never");
     // The others judge nothing; all weights and the palette's box are held at every pixel nevertheless.
     settings.judge = Judging::Sampled;
     Ok(settings)

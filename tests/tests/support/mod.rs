@@ -79,21 +79,29 @@ pub(crate) fn variants() -> Vec<(String, Settings)> {
         ("judged by samples".into(), settings(|s| s.judge = Judging::Sampled)),
         ("2 threads".into(), settings(|s| (s.threads, s.tile) = (2, Some((2, 1))))),
         ("3 threads".into(), settings(|s| (s.threads, s.tile) = (3, Some((3, 1))))),
+        ("machine code".into(), settings(|s| s.compile_from = 0)),
+        ("machine code, AVX2".into(), settings(|s| (s.compile_from, s.instructions) = (0, Instructions::Avx2))),
+        ("machine code, sampled".into(), settings(|s| (s.compile_from, s.judge) = (0, Judging::Sampled))),
+        (
+            "machine code, 2 threads, tiles of 37 × 3".into(),
+            settings(|s| (s.compile_from, s.threads, s.tile) = (0, 2, Some((37, 3)))),
+        ),
         ("off, tiles of 3 × 2".into(), settings(|s| (s.switches, s.tile) = (Switches::NONE, Some((3, 2))))),
     ];
     type Field = fn(&mut Switches) -> &mut bool;
-    let switches: [(&str, Field); 6] = [
+    let switches: [(&str, Field); 7] = [
         ("demand", |s| &mut s.demand),
         ("prune", |s| &mut s.prune),
         ("fold", |s| &mut s.fold),
         ("merge", |s| &mut s.merge),
         ("hoist", |s| &mut s.hoist),
         ("fuse", |s| &mut s.fuse),
+        ("compile", |s| &mut s.compile),
     ];
     for (name, field) in switches {
         variants.push((format!("{name} off"), settings(|s| *field(&mut s.switches) = false)));
         let alone = settings(|s| {
-            s.switches = Switches::NONE;
+            (s.switches, s.compile_from) = (Switches::NONE, 0);
             *field(&mut s.switches) = true;
         });
         variants.push((format!("only {name} on"), alone));

@@ -1,6 +1,7 @@
 //! What programs are compiled to.
 
 use super::audit::Legal;
+use super::native::Native;
 use trochoid_graph::{NodeId, Slot};
 use trochoid_memory::Instructions;
 
@@ -141,6 +142,8 @@ pub(crate) struct Code {
     pub(crate) constants: Vec<(u32, f32)>,
     /// By root, its first output channel and how many it has.
     pub(crate) roots: Vec<(usize, usize)>,
+    /// By root, whether it is a color.
+    pub(crate) colors: Vec<bool>,
     /// The planes held against what their kind allows: by index, the plane and the rule.
     pub(crate) checks: Vec<(u32, Legal)>,
 }
@@ -149,6 +152,12 @@ impl Code {
     /// Number of output channels.
     pub(crate) fn channels(&self) -> usize {
         self.roots.iter().map(|(_, count)| count).sum()
+    }
+
+    /// Whether a root is a color.
+    #[cfg(feature = "jit")]
+    pub(crate) fn is_color(&self, root: usize) -> bool {
+        self.colors[root]
     }
 
     /// Number of chunks that it needs to run: its own, and the accumulator.
@@ -170,6 +179,8 @@ pub(crate) struct Compiled {
     pub(crate) main: Code,
     /// The nodes that operations came from, and each one's relative cost a pixel, for reports.
     pub(crate) costs: Vec<(NodeId, f64)>,
+    /// The main code as machine code.
+    pub(crate) native: Option<Native>,
     /// By root, its number of channels.
     pub(crate) roots: Vec<usize>,
     /// What the machine may use.

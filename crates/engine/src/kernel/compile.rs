@@ -3,6 +3,7 @@
 use super::audit::Legal;
 use super::code::{Compiled, Row, Source};
 use super::generate::{Input, Value, generate};
+use super::native::Native;
 use super::order::cost;
 use crate::rules::variance::variance;
 use std::collections::HashMap;
@@ -19,6 +20,8 @@ pub(crate) struct Options<'a> {
     /// Run also what no root needs.
     pub(crate) everything: bool,
     pub(crate) instructions: Instructions,
+    /// Run as machine code, where there is any.
+    pub(crate) native: bool,
     pub(crate) variance: &'a dyn Fn(&Slot) -> Variance,
     /// Planes of the caller, and what they must hold.
     pub(crate) legal: &'a dyn Fn(&Slot) -> Option<Legal>,
@@ -82,6 +85,10 @@ pub(crate) fn compile(program: &Program, roots: &[u32], options: &Options<'_>) -
     let legal = out.planes.iter().enumerate().filter_map(|(at, slot)| Some((at as u32, (options.legal)(slot)?)));
     let checks = legal.collect();
     out.main = generate(Input { ops, roots, given, fuse: options.fuse, everything: options.everything, checks });
+    if options.native {
+        let (planes, columns, lines) = (out.planes.len(), out.column.channels(), out.row.channels());
+        out.native = Native::new(&out.main, planes, columns, lines, options.instructions.level());
+    }
     out.roots = out.main.roots.iter().map(|(_, count)| *count).collect();
     // Planes are their stages' work.
     let is_load = |op: &Op| matches!(op, Op::Load(_) | Op::LoadColor(_));

@@ -140,6 +140,7 @@ impl Generator<'_> {
                 Type::Partition(n) => n,
             };
             self.code.roots.push((first, count));
+            self.code.colors.push(self.op(root).ty() == Type::Color);
             first += count;
         }
     }

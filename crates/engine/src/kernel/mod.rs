@@ -6,6 +6,9 @@
 //! Mixes of constants are computed where they are used, in registers. Planes from outside are read in place and
 //! fetched ahead; the last instruction writes the result where it belongs, around the cache if that is asked for.
 //!
+//! Where that pays, the code is translated to machine code once (`native.rs`), which keeps values in registers and
+//! chooses nothing; its bits are the same.
+//!
 //! What varies along x alone runs once a tile, what varies along y alone once a row. A branch behind a mask that is 0
 //! (or 1) on a whole chunk is jumped over.
 //!
@@ -18,6 +21,8 @@ mod code;
 mod color;
 mod compile;
 mod generate;
+#[cfg_attr(not(feature = "jit"), path = "no_native.rs")]
+mod native;
 mod order;
 mod partition;
 mod run;

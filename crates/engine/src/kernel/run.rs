@@ -2,7 +2,8 @@
 
 use super::audit::{Bits, Legal, WeightAudit};
 use super::code::{CHUNK, Chunk, Code, Compiled, Plane};
-use super::sweep::sweep;
+use super::native::Space;
+use super::sweep::{is_faulty, sweep};
 use fearless_simd::Level;
 use trochoid_memory::Target;
 
@@ -51,6 +52,8 @@ pub(crate) struct Machine<'p> {
     padded: Vec<Chunk>,
     /// Results of such a chunk.
     rest: Vec<Chunk>,
+    /// What machine code needs.
+    space: Space,
 }
 
 /// The state of some code.
@@ -120,6 +123,7 @@ impl<'p> Machine<'p> {
             lines: vec![Chunk::ZERO; compiled.row.channels()],
             padded: Vec::new(),
             rest: vec![Chunk::ZERO; compiled.main.channels()],
+            space: Space::default(),
         }
     }
 
@@ -193,7 +197,7 @@ impl<'p> Machine<'p> {
         y: usize,
         out: &mut [Target<'_>],
         start: usize,
-        look: Option<Look<'_>>,
+        mut look: Option<Look<'_>>,
     ) {
         for view in &mut views.planes {
             view.at = view.plane.start + y * view.plane.stride;
@@ -211,6 +215,14 @@ impl<'p> Machine<'p> {
             }
         }
         let given = Given { planes: &views.planes, columns: &self.columns, lines: &self.lines };
+        if let Some(native) = &self.compiled.native
+            && !is_faulty(&self.main)
+        {
+            let look = look.as_mut().map(|look| &mut **look as Look<'_>);
+            if native.row(&mut self.main, given, width, out, start, look, &mut self.space) {
+                return;
+            }
+        }
         sweep(self.level, &mut self.main, given, width, out, start, (&mut self.padded, &mut self.rest), look);
     }
 

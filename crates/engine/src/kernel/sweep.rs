@@ -353,13 +353,13 @@ fn mix<S: Stream>(
 }
 
 /// Whether bounds are those that [`clamp_rows`] takes.
-fn is_simple(min: f32, max: f32) -> bool {
+pub(super) fn is_simple(min: f32, max: f32) -> bool {
     max > min && min.abs() < a::LARGE && max.abs() < a::LARGE
 }
 
 /// Whether the kernels are broken on purpose.
 #[inline(always)]
-fn is_faulty(frame: &Frame<'_>) -> bool {
+pub(super) fn is_faulty(frame: &Frame<'_>) -> bool {
     #[cfg(test)]
     return frame.fault != super::code::Fault::None;
     #[cfg(not(test))]

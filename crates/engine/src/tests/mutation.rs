@@ -80,10 +80,11 @@ fn every_switch_gives_the_same_bits() {
         Switches { merge: false, ..all },
         Switches { hoist: false, ..all },
         Switches { fuse: false, ..all },
+        Switches { compile: false, ..all },
     ];
     for switches in off {
         for (threads, tile) in [(1, (256, 16)), (2, (7, 3)), (3, (1, 1))] {
-            let settings = Settings { switches, threads, tile: Some(tile), ..Settings::default() };
+            let settings = Settings { switches, threads, tile: Some(tile), compile_from: 0, ..Settings::default() };
             assert_eq!(bits(&settings), expected, "{switches:?} {threads} {tile:?}");
         }
     }

@@ -34,7 +34,7 @@ fn wave(n: u32) -> Wave {
 }
 
 /// The f64 numbers of a NumPy file.
-fn numbers(path: &Path) -> Result<Vec<f64>> {
+pub(crate) fn numbers(path: &Path) -> Result<Vec<f64>> {
     let bytes = std::fs::read(path).map_err(|error| format!("{}: {error}", path.display()))?;
     let header = 10 + usize::from(u16::from_le_bytes([bytes[8], bytes[9]]));
     let number = |b: &[u8]| f64::from_le_bytes([b[0], b[1], b[2], b[3], b[4], b[5], b[6], b[7]]);

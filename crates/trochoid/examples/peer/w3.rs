@@ -1,13 +1,8 @@
-//! Steps a toon sea as other programs do, so that they can be timed side by side.
-//!
-//! `peer_w3 W3:100` or `W3:10000` (the number of bursts) prepares itself, takes 32 steps, prints one line of JSON with
-//! the error of heights and rift against `w3_ref_N.npy` in the folder `PEER_WORK`, and then, for each line `run N` on
-//! stdin, takes N steps and prints how long each took; `quit` ends it. After 32 steps the sea begins anew.
+//! W3: steps of a toon sea on 512 × 512 cells, with 100 or 10,000 bursts. After 32 steps the sea begins anew.
 
-use std::error::Error;
-use std::io::{BufRead, Write};
-use std::time::Instant;
-
+use super::w2::numbers;
+use super::{Result, serve};
+use std::path::Path;
 use trochoid_sea::toon::{Basin, Behavior, Boundary, Burst, Combine, Field, Mixing, Motion, Rift, Scratch, ToonSea};
 
 const SIDE: usize = 512;
@@ -24,7 +19,7 @@ struct Run {
 }
 
 impl Run {
-    fn new(count: u32) -> Result<Self, Box<dyn Error>> {
+    fn new(count: u32) -> Result<Self> {
         let basin = Basin { columns: SIDE, rows: SIDE, spacing: 1.0, boundary: Boundary::Replicate };
         let mixing = Mixing { c1: 0.3, c2: 0.65 };
         let rift = Rift { distance: 8.0, gain: 0.02, decay: 0.03, combine: Combine::Nearest };
@@ -70,13 +65,7 @@ fn burst(n: u32) -> Burst {
 }
 
 /// Greatest error of heights and rift over the greatest value.
-fn error(run: &Run, count: u32) -> Result<f64, Box<dyn Error>> {
-    let folder = std::env::var("PEER_WORK").map_err(|_| "PEER_WORK is not set: name the folder of the inputs")?;
-    let path = std::path::Path::new(&folder).join(format!("w3_ref_{count}.npy"));
-    let bytes = std::fs::read(&path).map_err(|error| format!("{}: {error}", path.display()))?;
-    let header = 10 + usize::from(u16::from_le_bytes([bytes[8], bytes[9]]));
-    let expected: Vec<f64> =
-        bytes[header..].as_chunks::<8>().0.iter().map(|bytes| f64::from_le_bytes(*bytes)).collect();
+fn error(run: &Run, expected: &[f64]) -> f64 {
     let mut worst = 0.0f64;
     for (channel, found) in [&run.field.height, &run.rift].into_iter().enumerate() {
         let expected = || expected[channel..].iter().step_by(2);
@@ -87,35 +76,17 @@ fn error(run: &Run, count: u32) -> Result<f64, Box<dyn Error>> {
             worst = if off <= worst { worst } else { off };
         }
     }
-    Ok(worst)
+    worst
 }
 
-fn main() -> Result<(), Box<dyn Error>> {
-    let case = std::env::args().nth(1).unwrap_or_default();
-    let count: u32 = case
-        .strip_prefix("W3:")
-        .and_then(|count| count.parse().ok())
-        .ok_or_else(|| format!("found the case \"{case}\"; expected W3:100 or W3:10000"))?;
-    let started = Instant::now();
-    let mut run = Run::new(count)?;
+/// Times a step.
+pub(crate) fn run(work: &Path, count: &str) -> Result<()> {
+    let mut run = Run::new(count.parse().map_err(|_| format!("found {count} bursts; expected 100 or 10000"))?)?;
     (0..STEPS).for_each(|_| run.step());
-    let setup = started.elapsed().as_secs_f64();
-    let error = error(&run, count)?;
-    let note =
-        format!("tiles of 64 x 32 cells, {} threads", std::thread::available_parallelism().map_or(1, usize::from));
-    println!("{}", serde_json::json!({ "ready": true, "setup_s": setup, "error": error, "note": note }));
-    for line in std::io::stdin().lock().lines() {
-        let line = line?;
-        let mut words = line.split_whitespace();
-        let (Some("run"), Some(steps)) = (words.next(), words.next()) else { break };
-        let mut times = Vec::new();
-        for _ in 0..steps.parse::<usize>()? {
-            let started = Instant::now();
-            run.step();
-            times.push(started.elapsed().as_secs_f64());
-        }
-        println!("{}", serde_json::json!({ "times": times }));
-        std::io::stdout().flush()?;
-    }
-    Ok(())
+    let error = error(&run, &numbers(&work.join(format!("w3_ref_{count}.npy")))?);
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    serve(Some(error), &format!("tiles of 64 x 32 cells, {threads} threads"), || {
+        run.step();
+        Ok(())
+    })
 }

@@ -1,0 +1,431 @@
+//! Runs code as machine code: each instruction is translated once, and rows are run over without choosing any.
+
+use super::audit::{Bits, Legal};
+use super::code::{Chunk, Code, Row, Source, Work};
+use super::run::{Frame, Given, Look, filled};
+use super::sweep::is_simple;
+use fearless_simd::Level;
+use std::sync::{Arc, OnceLock};
+use trochoid_jit::{Lanes, Op, Program, Run, STEP, Set, Stores, Value};
+use trochoid_memory::Target;
+
+/// Samples of a row that is looked at, at a time: they stay in L1.
+const BLOCK: usize = 512;
+
+/// Vectors of state, before those of the roots.
+const FIELDS: usize = 0;
+const MASKS: usize = 1;
+const COLORS: usize = 3;
+const WEIGHTS: usize = 4;
+const SUMS: usize = 6;
+const ROOTS: usize = 8;
+
+/// A translated program. The machine code is made when it is first needed.
+#[derive(Clone, Debug)]
+pub(crate) struct Native {
+    program: Program,
+    set: Set,
+    columns: usize,
+    cached: OnceLock<Option<Arc<trochoid_jit::Code>>>,
+    around: OnceLock<Option<Arc<trochoid_jit::Code>>>,
+}
+
+/// What a machine needs to run it.
+#[derive(Debug, Default)]
+pub(super) struct Space {
+    state: Vec<Lanes>,
+    slots: Vec<Lanes>,
+    /// The end of rows, filled up to whole steps, and what comes of it.
+    padded: Vec<Chunk>,
+    rest: Vec<Chunk>,
+    /// Results that are looked at before they go where they belong.
+    block: Vec<Vec<f32>>,
+}
+
+impl Native {
+    /// Translates code that reads so many planes, columns and lines; `None` where the processor, or an instruction, has
+    /// no machine code.
+    pub(super) fn new(code: &Code, planes: usize, columns: usize, lines: usize, level: Level) -> Option<Self> {
+        #[cfg(target_arch = "x86_64")]
+        let set = match level {
+            Level::Avx512(_) => Set::Avx512,
+            Level::Avx2(_) => Set::Avx2,
+            _ => return None,
+        };
+        #[cfg(not(target_arch = "x86_64"))]
+        let set = {
+            let _ = level;
+            return None;
+        };
+        let program = Translation::new(code, planes, columns, lines).whole()?;
+        Some(Self { program, set, columns, cached: OnceLock::new(), around: OnceLock::new() })
+    }
+
+    fn code(&self, stores: Stores) -> Option<&trochoid_jit::Code> {
+        let code = match stores {
+            Stores::Cached => &self.cached,
+            Stores::Around => &self.around,
+        };
+        code.get_or_init(|| trochoid_jit::Code::compile(&self.program, self.set, stores).map(Arc::new)).as_deref()
+    }
+
+    /// Runs over the first `width` pixels of a row, as `sweep` does. False if there is no machine code after all.
+    #[allow(clippy::too_many_arguments, reason = "the machine's parts, borrowed one by one")]
+    pub(super) fn row(
+        &self,
+        frame: &mut Frame<'_>,
+        given: Given<'_>,
+        width: usize,
+        out: &mut [Target<'_>],
+        start: usize,
+        look: Option<Look<'_>>,
+        space: &mut Space,
+    ) -> bool {
+        let whole = width / STEP * STEP;
+        let around = look.is_none() && whole > 0 && out.iter().all(|target| target.is_lines(start, whole));
+        let stores = if around { Stores::Around } else { Stores::Cached };
+        let (Some(code), Some(cached)) = (self.code(stores), self.code(Stores::Cached)) else { return false };
+        resume(frame, &mut space.state, self.program.state());
+        let lines: Vec<&[f32]> = given.lines.iter().map(|chunk| &chunk.0[..1]).collect();
+        let rows = |from: usize, to: usize| -> Vec<&[f32]> {
+            let planes = given.planes.iter().map(|view| {
+                let at = view.at.wrapping_add(from);
+                &view.plane.samples[at..at + (to - from)]
+            });
+            planes.chain(given.columns[..self.columns].iter().map(|column| &column[from..to])).collect()
+        };
+        let (state, slots) = (&mut space.state, &mut space.slots);
+        match look {
+            None => {
+                let run = Run { inputs: &rows(0, whole), lines: &lines, start, count: whole };
+                code.run(&run, out, state, slots);
+                if whole < width {
+                    self.tail(cached, given, &lines, whole..width, state, slots, (&mut space.padded, &mut space.rest));
+                    for (out, rest) in out.iter_mut().zip(&space.rest) {
+                        out.copy(start + whole, &rest.0[..width - whole]);
+                    }
+                }
+            }
+            Some(look) => {
+                space.block.resize_with(out.len(), || vec![0.0; BLOCK]);
+                for from in (0..whole).step_by(BLOCK) {
+                    let count = BLOCK.min(whole - from);
+                    let mut targets: Vec<Target<'_>> = space.block.iter_mut().map(|row| Target::new(row)).collect();
+                    let run = Run { inputs: &rows(from, from + count), lines: &lines, start: 0, count };
+                    cached.run(&run, &mut targets, state, slots);
+                    drop(targets);
+                    show(frame.code, look, |channel| &space.block[channel][..count]);
+                    for (out, block) in out.iter_mut().zip(&space.block) {
+                        out.copy(start + from, &block[..count]);
+                    }
+                }
+                if whole < width {
+                    self.tail(cached, given, &lines, whole..width, state, slots, (&mut space.padded, &mut space.rest));
+                    show(frame.code, look, |channel| &space.rest[channel].0[..width - whole]);
+                    for (out, rest) in out.iter_mut().zip(&space.rest) {
+                        out.copy(start + whole, &rest.0[..width - whole]);
+                    }
+                }
+            }
+        }
+        rest(frame, &mut space.state);
+        true
+    }
+
+    /// The end of a row, filled up with its last sample, so that what is added to any audit is there already.
+    #[allow(clippy::too_many_arguments, reason = "the machine's parts, borrowed one by one")]
+    fn tail(
+        &self,
+        code: &trochoid_jit::Code,
+        given: Given<'_>,
+        lines: &[&[f32]],
+        range: std::ops::Range<usize>,
+        state: &mut [Lanes],
+        slots: &mut Vec<Lanes>,
+        (padded, rest): (&mut Vec<Chunk>, &mut Vec<Chunk>),
+    ) {
+        padded.clear();
+        padded.extend(given.planes.iter().map(|view| {
+            let at = view.at.wrapping_add(range.start);
+            filled(&view.plane.samples[at..at + range.len()])
+        }));
+        let columns = given.columns[..self.columns].iter().map(|column| &column[range.start..range.start + STEP]);
+        let inputs: Vec<&[f32]> = padded.iter().map(|chunk| &chunk.0[..STEP]).chain(columns).collect();
+        rest.resize(self.program.outputs(), Chunk::ZERO);
+        let mut targets: Vec<Target<'_>> = rest.iter_mut().map(|chunk| Target::new(&mut chunk.0)).collect();
+        code.run(&Run { inputs: &inputs, lines, start: 0, count: STEP }, &mut targets, state, slots);
+    }
+}
+
+/// Shows every color root.
+fn show<'r>(code: &Code, look: Look<'_>, row: impl Fn(usize) -> &'r [f32]) {
+    for (root, &(first, _)) in code.roots.iter().enumerate().filter(|(root, _)| code.is_color(*root)) {
+        look(root, [row(first), row(first + 1), row(first + 2)]);
+    }
+}
+
+/// The checks of a kind: they are only ever asked for together, so the first of them keeps what all see.
+fn check(code: &Code, legal: Legal) -> Option<usize> {
+    code.checks.iter().position(|(_, kind)| *kind == legal)
+}
+
+/// Calls `f` with every first vector of state, whether a least stands before the largest, and the bits they stand for.
+fn each(frame: &mut Frame<'_>, mut f: impl FnMut(usize, bool, &mut Bits)) {
+    let code = frame.code;
+    for (legal, state) in [(Legal::Field, FIELDS), (Legal::Mask, MASKS), (Legal::Color, COLORS)] {
+        if let Some(index) = check(code, legal) {
+            f(state, legal == Legal::Mask, &mut frame.checks[index]);
+        }
+    }
+    f(WEIGHTS, true, &mut frame.weights);
+    let mut state = ROOTS;
+    for root in 0..code.roots.len() {
+        if code.is_color(root) {
+            for bits in &mut frame.colors[root] {
+                f(state, true, bits);
+                state += 2;
+            }
+        } else {
+            f(state, false, &mut frame.scalars[root]);
+            state += 1;
+        }
+    }
+}
+
+/// Takes what was seen before.
+fn resume(frame: &mut Frame<'_>, state: &mut Vec<Lanes>, count: usize) {
+    state.clear();
+    state.resize(count, Lanes([0; 16]));
+    each(frame, |at, has_least, bits| {
+        if has_least {
+            state[at].0 = bits.least;
+            state[at + 1].0 = bits.largest;
+        } else {
+            state[at].0 = bits.largest;
+        }
+    });
+}
+
+/// Leaves what was seen.
+fn rest(frame: &mut Frame<'_>, state: &mut [Lanes]) {
+    each(frame, |at, has_least, bits| {
+        if has_least {
+            bits.least = state[at].0;
+            bits.largest = state[at + 1].0;
+        } else {
+            bits.largest = state[at].0;
+        }
+    });
+    for lanes in &state[SUMS..SUMS + 2] {
+        for pair in lanes.0.as_chunks::<2>().0 {
+            let deviation = f64::from_bits(u64::from(pair[0]) | u64::from(pair[1]) << 32);
+            frame.partitions.max_deviation = frame.partitions.max_deviation.max(deviation);
+        }
+    }
+}
+
+/// From instructions over chunks to a program over samples.
+struct Translation<'c> {
+    code: &'c Code,
+    program: Program,
+    planes: Vec<Value>,
+    columns: Vec<Value>,
+    lines: Vec<Value>,
+    own: Vec<Option<Value>>,
+    last: Option<[Value; 3]>,
+    /// Open gates: the instruction after, and the color if closed.
+    gates: Vec<(usize, [Value; 3])>,
+    /// By root, its first vector of state.
+    states: Vec<u32>,
+}
+
+impl<'c> Translation<'c> {
+    fn new(code: &'c Code, planes: usize, columns: usize, lines: usize) -> Self {
+        let mut states = Vec::with_capacity(code.roots.len());
+        let mut state = ROOTS;
+        for root in 0..code.roots.len() {
+            states.push(state as u32);
+            state += if code.is_color(root) { 6 } else { 1 };
+        }
+        let mut program = Program::new(planes + columns, lines, code.channels(), state);
+        let mut inputs: Vec<Value> = (0..planes + columns).map(|i| program.compute(Op::Input(i as u32))).collect();
+        let columns = inputs.split_off(planes);
+        let lines = (0..lines).map(|line| program.compute(Op::Line(line as u32))).collect();
+        let mut own = vec![None; code.own];
+        for &(row, value) in &code.constants {
+            own[row as usize] = Some(program.compute(Op::Constant(value)));
+        }
+        Self { code, program, planes: inputs, columns, lines, own, last: None, gates: Vec::new(), states }
+    }
+
+    fn whole(mut self) -> Option<Program> {
+        let code = self.code;
+        for (at, work) in code.list.iter().enumerate() {
+            self.work(at, work)?;
+            while let Some(&(_, otherwise)) = self.gates.last().filter(|(end, _)| *end == at + 1) {
+                self.gates.pop();
+                let inside = self.last?;
+                self.last = Some(self.program.join(inside, otherwise));
+            }
+        }
+        self.gates.is_empty().then_some(self.program)
+    }
+
+    fn row(&self, row: Row) -> Option<Value> {
+        match row {
+            Row::Own(row) => self.own[row as usize],
+            Row::Plane(plane) => self.planes.get(plane as usize).copied(),
+            Row::Column(row) => self.columns.get(row as usize).copied(),
+            Row::Line(row) => self.lines.get(row as usize).copied(),
+        }
+    }
+
+    fn rows(&self, rows: &[Row]) -> Option<Vec<Value>> {
+        rows.iter().map(|row| self.row(*row)).collect()
+    }
+
+    fn constant(&mut self, color: &[f32; 3]) -> [Value; 3] {
+        color.map(|channel| self.program.compute(Op::Constant(channel)))
+    }
+
+    fn mixed(&mut self, a: [Value; 3], b: [Value; 3], t: Value) -> [Value; 3] {
+        [0, 1, 2].map(|c| self.program.compute(Op::Mix { a: a[c], b: b[c], t }))
+    }
+
+    fn source(&mut self, source: &Source) -> Option<[Value; 3]> {
+        Some(match source {
+            Source::Last => self.last?,
+            Source::Rows([r, g, b]) => [self.row(*r)?, self.row(*g)?, self.row(*b)?],
+            Source::Constant(color) => self.constant(color),
+            Source::Pair { from, to, by } => {
+                let t = self.row(*by)?;
+                let (a, b) = (self.constant(from), self.constant(to));
+                self.mixed(a, b, t)
+            }
+        })
+    }
+
+    /// A scalar operation's result.
+    fn set(&mut self, to: u32, op: Op) {
+        self.own[to as usize] = Some(self.program.compute(op));
+    }
+
+    fn out_color(&mut self, root: u32) -> Option<()> {
+        let color = self.last?;
+        let (first, _) = self.code.roots[root as usize];
+        let state = self.states[root as usize];
+        for (c, value) in color.into_iter().enumerate() {
+            self.program.see(value, Some(state + 2 * c as u32), state + 2 * c as u32 + 1, false);
+            self.program.output(value, (first + c) as u32);
+        }
+        Some(())
+    }
+
+    fn work(&mut self, at: usize, work: &Work) -> Option<()> {
+        match work {
+            Work::Check { plane, index } => {
+                self.program.fetch(*plane);
+                let value = self.planes[*plane as usize];
+                match self.code.checks[*index as usize].1 {
+                    Legal::Field => self.program.see(value, None, FIELDS as u32, true),
+                    Legal::Mask => self.program.see(value, Some(MASKS as u32), MASKS as u32 + 1, false),
+                    Legal::Color => self.program.see(value, None, COLORS as u32, false),
+                }
+            }
+            Work::Clamp { x, min, max, to } => {
+                let x = self.row(*x)?;
+                let op = if is_simple(*min, *max) {
+                    Op::Clamp { x, min: *min, width: *max - *min }
+                } else if min == max {
+                    Op::Step { x, threshold: *max }
+                } else {
+                    return None;
+                };
+                self.set(*to, op);
+            }
+            Work::Smooth { t, to } => {
+                let t = self.row(*t)?;
+                self.set(*to, Op::Smooth(t));
+            }
+            Work::Power { t, p, to } => {
+                let t = self.row(*t)?;
+                if *p == 1.0 {
+                    self.own[*to as usize] = Some(t);
+                } else if (1.0..=16.0).contains(p) && *p == p.trunc() {
+                    self.set(*to, Op::Power { t, n: *p as u32 });
+                } else {
+                    return None;
+                }
+            }
+            Work::Step { x, threshold, to } => {
+                let x = self.row(*x)?;
+                self.set(*to, Op::Step { x, threshold: *threshold });
+            }
+            Work::Complement { t, to } => {
+                let t = self.row(*t)?;
+                self.set(*to, Op::Complement(t));
+            }
+            Work::Product { t, u, to } => {
+                let (t, u) = (self.row(*t)?, self.row(*u)?);
+                self.set(*to, Op::Product(t, u));
+            }
+            Work::Partition { weights, to } => {
+                let weights = self.rows(weights)?;
+                let rounded = self.program.partition(weights);
+                to.iter().zip(rounded).for_each(|(to, value)| self.own[*to as usize] = Some(value));
+            }
+            // Divisions in f64, and `pow`: there is nothing to be gained.
+            Work::Normalize { .. } => return None,
+            Work::AuditMask(row) => {
+                let value = self.row(*row)?;
+                self.program.see(value, Some(WEIGHTS as u32), WEIGHTS as u32 + 1, false);
+            }
+            Work::AuditPartition(rows) => {
+                let values = self.rows(rows)?;
+                for value in &values {
+                    // 1 − w is no less than any other weight, so looking at it as well changes nothing.
+                    self.program.see(*value, Some(WEIGHTS as u32), WEIGHTS as u32 + 1, false);
+                }
+                self.program.see_sum(values, SUMS as u32);
+            }
+            Work::Patch { corners, x, y } => {
+                let (x, y) = (self.row(*x)?, self.row(*y)?);
+                let [a, b, c, d] = [0, 1, 2, 3].map(|i| self.constant(&corners[i]));
+                let (top, bottom) = (self.mixed(a, b, x), self.mixed(c, d, x));
+                self.last = Some(self.mixed(top, bottom, y));
+            }
+            Work::Mix { a, b, t, out } => {
+                let (a, b, t) = (self.source(a)?, self.source(b)?, self.row(*t)?);
+                self.last = Some(self.mixed(a, b, t));
+                if let Some(root) = out {
+                    self.out_color(*root)?;
+                }
+            }
+            Work::Blend { colors, weights } => {
+                let colors = colors.iter().map(|color| self.source(color)).collect::<Option<Vec<_>>>()?;
+                let weights = self.rows(weights)?;
+                self.last = Some(self.program.blend(colors, weights));
+            }
+            Work::Load(source) => self.last = Some(self.source(source)?),
+            Work::Keep(to) => {
+                for (to, value) in to.iter().zip(self.last?) {
+                    self.own[*to as usize] = Some(value);
+                }
+            }
+            Work::Gate { t, closed, otherwise, skip } => {
+                let (otherwise, t) = (self.source(otherwise)?, self.row(*t)?);
+                self.program.gate(t, *closed);
+                self.gates.push((at + 1 + skip, otherwise));
+            }
+            Work::OutColor(root) => self.out_color(*root)?,
+            Work::OutRows { root, rows } => {
+                let (first, _) = self.code.roots[*root as usize];
+                for (channel, value) in self.rows(rows)?.into_iter().enumerate() {
+                    self.program.see(value, None, self.states[*root as usize], true);
+                    self.program.output(value, (first + channel) as u32);
+                }
+            }
+        }
+        Some(())
+    }
+}

@@ -1,0 +1,77 @@
+//! Branches that are jumped over where nothing comes of them.
+
+use crate::assembler::{Place, Result};
+use crate::program::Item;
+use crate::registers::{Holder, Move};
+use crate::translate::Translator;
+use iced_x86::code_asm::CodeLabel;
+
+/// A way around a branch.
+pub(crate) struct Skip {
+    skipped: CodeLabel,
+    moves: Vec<Move>,
+    end: CodeLabel,
+}
+
+impl Translator<'_> {
+    /// Jumps over a branch where it is closed in all vectors side by side.
+    pub(crate) fn gate(&mut self, parts: &[Item], closed: f32) -> Result {
+        let [found, spare] = self.take_all()?;
+        for (index, part) in parts.iter().enumerate() {
+            let Item::Gate { t, .. } = part else { continue };
+            let x = self.value(*t)?;
+            if index == 0 {
+                self.asm.equals(found, x, closed, spare)?;
+            } else {
+                self.asm.equals_too(found, x, closed, spare)?;
+            }
+        }
+        let label = self.asm.label();
+        self.asm.jump_if_all(found, label)?;
+        self.give_back(&[found, spare]);
+        self.gates.push((self.registers.snapshot(), label));
+        Ok(())
+    }
+
+    /// Ends a branch. Nothing moves on the way through it: who jumped over it moves.
+    pub(crate) fn join(&mut self, parts: &[Item]) -> Result {
+        let Some((snapshot, skipped)) = self.gates.pop() else { unreachable!("every join has its gate") };
+        let mut results = Vec::new();
+        for part in parts {
+            let Item::Join { inside, otherwise, to } = part else { continue };
+            for ((inside, otherwise), to) in inside.iter().zip(otherwise).zip(to) {
+                let register = self.value(*inside)?;
+                if self.registers.is_last(*inside, self.at) && self.registers.find(*inside).is_some() {
+                    self.registers.rename(*inside, *to);
+                } else {
+                    let copy = self.take()?;
+                    self.asm.copy(copy, register)?;
+                    self.registers.hold(copy, Holder::Value(*to));
+                }
+                results.push((*to, *otherwise));
+                self.made.push(*to);
+            }
+        }
+        let moves = self.registers.resolve(&snapshot, self.at, &results);
+        let mut end = self.asm.label();
+        self.asm.place(&mut end)?;
+        self.skips.push(Skip { skipped, moves, end });
+        Ok(())
+    }
+
+    /// The ways around branches, apart from the loop.
+    pub(crate) fn around(&mut self) -> Result {
+        for Skip { mut skipped, moves, end } in std::mem::take(&mut self.skips) {
+            self.asm.place(&mut skipped)?;
+            for step in moves {
+                match step {
+                    Move::Store(register, slot) => self.asm.store(Place::Slot(slot), register)?,
+                    Move::Load(register, slot) => self.asm.load(register, Place::Slot(slot))?,
+                    Move::Source(register, source) => self.fetch(register, source)?,
+                }
+            }
+            self.asm.jump(end)?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,88 @@
+//! Machine code for straight-line programs over rows of samples, made while a program runs.
+//!
+//! A [`Program`] says what happens to one sample; [`Code::compile`] turns it into a loop that does so for as many at a
+//! time as the processor's vectors hold, with all values in registers. The bits are those of
+//! `trochoid_weights::arithmetic`, which defines the operations. Knows no graphs.
+//!
+//! ```
+//! use trochoid_jit::{Code, Op, Program, Run, Set, Stores};
+//! use trochoid_memory::Target;
+//!
+//! let mut program = Program::new(2, 0, 1, 0);
+//! let (t, u) = (program.compute(Op::Input(0)), program.compute(Op::Input(1)));
+//! let product = program.compute(Op::Product(t, u));
+//! program.output(product, 0);
+//! // `None` on processors, or in processes, where no such code can run.
+//! if let Some(code) = Code::compile(&program, Set::Avx2, Stores::Cached) {
+//!     let (a, b, mut c) = ([0.5; 32], [0.25; 32], [0.0; 32]);
+//!     let run = Run { inputs: &[&a, &b], lines: &[], start: 0, count: 32 };
+//!     code.run(&run, &mut [Target::new(&mut c)], &mut [], &mut Vec::new());
+//!     assert_eq!(c, [0.125; 32]);
+//! }
+//! ```
+
+#![cfg_attr(test, allow(clippy::unwrap_used, reason = "a test may panic"))]
+
+mod program;
+
+#[cfg(target_arch = "x86_64")]
+mod assembler;
+#[cfg(target_arch = "x86_64")]
+mod branches;
+#[cfg(target_arch = "x86_64")]
+mod code;
+#[cfg(target_arch = "x86_64")]
+mod partition;
+#[cfg(target_arch = "x86_64")]
+mod registers;
+#[cfg(target_arch = "x86_64")]
+mod translate;
+
+#[cfg(not(target_arch = "x86_64"))]
+#[path = "no_code.rs"]
+mod code;
+
+#[cfg(test)]
+mod tests;
+
+pub use code::Code;
+pub use program::{Op, Program, Value};
+
+/// Samples that [`Code`] takes at a time: the count of a run is a multiple of it.
+pub const STEP: usize = 32;
+
+/// What is carried from one run to the next: a vector of bits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(align(64))]
+pub struct Lanes(pub [u32; 16]);
+
+/// The instruction set to compile for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Set {
+    /// Sixteen samples at a time.
+    Avx512,
+    /// Eight, with fused multiply–add.
+    Avx2,
+}
+
+/// How outputs are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stores {
+    /// Through the cache.
+    Cached,
+    /// Around it: targets must be whole cache lines, lent by `write_around`.
+    Around,
+}
+
+/// What a run reads, and how far.
+#[derive(Clone, Copy, Debug)]
+pub struct Run<'a> {
+    /// Rows of at least `count` samples.
+    pub inputs: &'a [&'a [f32]],
+    /// At least one number each.
+    pub lines: &'a [&'a [f32]],
+    /// Where in the targets the first sample belongs.
+    pub start: usize,
+    /// Number of samples, a multiple of [`STEP`].
+    pub count: usize,
+}

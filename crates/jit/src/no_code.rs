@@ -1,0 +1,20 @@
+//! Where no machine code can be made.
+
+use crate::{Lanes, Program, Run, Set, Stores};
+use trochoid_memory::Target;
+
+/// Never.
+#[derive(Debug)]
+pub enum Code {}
+
+impl Code {
+    /// `None`.
+    pub fn compile(_program: &Program, _set: Set, _stores: Stores) -> Option<Self> {
+        None
+    }
+
+    /// Never called.
+    pub fn run(&self, _run: &Run<'_>, _out: &mut [Target<'_>], _state: &mut [Lanes], _scratch: &mut Vec<Lanes>) {
+        match *self {}
+    }
+}

@@ -1,0 +1,150 @@
+//! Weights that sum to 1, and what is blended by them, in f64.
+
+use crate::assembler::{Compare, Place, Reg, Result, SCRATCH_MASK, Two};
+use crate::program::Value;
+use crate::translate::Translator;
+
+impl Translator<'_> {
+    /// Σ wᵢ·cᵢ of three channels, in f64.
+    pub(crate) fn blend(&mut self, colors: &[[Value; 3]], weights: &[Value], to: [Value; 3]) -> Result {
+        let sums: [Reg; 6] = self.take_all()?;
+        for sum in sums {
+            self.asm.zero(sum)?;
+        }
+        let [low, high, value_low, value_high] = self.take_all()?;
+        for (color, weight) in colors.iter().zip(weights) {
+            let x = self.value(*weight)?;
+            self.asm.widen(low, high, x)?;
+            self.give_back(&[x]);
+            for (channel, value) in color.iter().enumerate() {
+                let (sum_low, sum_high) = (sums[2 * channel], sums[2 * channel + 1]);
+                if let Some(constant) = self.constant(*value).filter(|constant| constant.is_finite()) {
+                    // 0 times what is finite adds nothing.
+                    self.asm.two_double(Two::FmaDouble, sum_low, low, constant.into(), value_low)?;
+                    self.asm.two_double(Two::FmaDouble, sum_high, high, constant.into(), value_low)?;
+                    continue;
+                }
+                let x = self.value(*value)?;
+                self.asm.widen(value_low, value_high, x)?;
+                self.give_back(&[x]);
+                for (sum, weight, value) in [(sum_low, low, value_low), (sum_high, high, value_high)] {
+                    if self.asm.wide {
+                        self.asm.compare_double_zero(SCRATCH_MASK, Compare::NotEqual, weight)?;
+                        self.asm.fma_double_where(sum, SCRATCH_MASK, weight, value)?;
+                    } else {
+                        // The product is exact.
+                        self.asm.two(Two::MulDouble, value, value, weight)?;
+                        let mask = self.take()?;
+                        self.asm.zero(mask)?;
+                        self.asm.compare_double_narrow(mask, Compare::NotEqual, weight, mask)?;
+                        self.asm.and(value, value, mask)?;
+                        self.asm.two(Two::AddDouble, sum, sum, value)?;
+                        self.give_back(&[mask]);
+                    }
+                }
+            }
+        }
+        for (channel, value) in to.into_iter().enumerate() {
+            let (sum_low, sum_high) = (sums[2 * channel], sums[2 * channel + 1]);
+            self.asm.narrow(sum_low, sum_low, sum_high)?;
+            self.define(value, sum_low);
+        }
+        Ok(())
+    }
+
+    /// Rounds weights to multiples of 2⁻²⁴; what is missing goes to the first of the largest.
+    pub(crate) fn partition(&mut self, weights: &[Value], to: &[Value]) -> Result {
+        // Numbers of weights are bits of f32, to be compared as integers.
+        let number = |index: usize| f32::from_bits(index as u32);
+        let [best, owner, big, sum_low, sum_high] = self.take_all()?;
+        self.asm.fill(best, f32::NEG_INFINITY)?;
+        for register in [owner, big, sum_low, sum_high] {
+            self.asm.zero(register)?;
+        }
+        let [low, high, rounded, spare] = self.take_all()?;
+        let mut slots = Vec::with_capacity(weights.len());
+        for (index, weight) in weights.iter().enumerate() {
+            let x = self.value(*weight)?;
+            self.round(rounded, x, spare)?;
+            if self.asm.wide {
+                self.asm.compare(SCRATCH_MASK, Compare::Greater, x, best)?;
+                self.asm.fill_where(owner, SCRATCH_MASK, number(index))?;
+                self.asm.copy_where(best, SCRATCH_MASK, x)?;
+                self.asm.copy_where(big, SCRATCH_MASK, rounded)?;
+            } else {
+                self.asm.compare_narrow(spare, Compare::Greater, x, best)?;
+                self.asm.fill(low, number(index))?;
+                self.asm.blend(owner, spare, owner, low)?;
+                self.asm.blend(best, spare, best, x)?;
+                self.asm.blend(big, spare, big, rounded)?;
+            }
+            self.give_back(&[x]);
+            self.asm.widen(low, high, rounded)?;
+            self.asm.two(Two::AddDouble, sum_low, sum_low, low)?;
+            self.asm.two(Two::AddDouble, sum_high, sum_high, high)?;
+            let slot = self.registers.new_slot();
+            self.asm.store(Place::Slot(slot), rounded)?;
+            slots.push(slot);
+        }
+        self.asm.widen(low, high, big)?;
+        for (half, sum) in [(low, sum_low), (high, sum_high)] {
+            self.asm.fill_double(spare, 1.0)?;
+            self.asm.two(Two::SubDouble, sum, spare, sum)?;
+            self.asm.two(Two::AddDouble, half, half, sum)?;
+        }
+        self.asm.narrow(big, low, high)?;
+        self.give_back(&[best, rounded, sum_low, sum_high, high]);
+        for ((index, value), slot) in to.iter().enumerate().zip(slots) {
+            let d = self.take()?;
+            self.asm.load(d, Place::Slot(slot))?;
+            self.asm.equals(low, owner, number(index), spare)?;
+            if self.asm.wide {
+                self.asm.copy_where(d, SCRATCH_MASK, big)?;
+            } else {
+                self.asm.blend(d, low, d, big)?;
+            }
+            // Its slot is its home from now on, should it have to give way.
+            self.asm.store(Place::Slot(slot), d)?;
+            self.registers.set_slot(*value, slot);
+            self.define(*value, d);
+            self.registers.give_back(d);
+        }
+        Ok(())
+    }
+
+    /// `round_weight`: from ½ up nothing, below by way of adding ½.
+    fn round(&mut self, to: Reg, x: Reg, spare: Reg) -> Result {
+        self.asm.two_constant(Two::Add, to, x, 0.5, spare)?;
+        self.asm.two_constant(Two::Sub, to, to, 0.5, spare)?;
+        if self.asm.wide {
+            self.asm.compare_constant(SCRATCH_MASK, Compare::AtLeast, x, 0.5)?;
+            self.asm.copy_where(to, SCRATCH_MASK, x)
+        } else {
+            self.asm.fill(spare, 0.5)?;
+            self.asm.compare_narrow(spare, Compare::AtLeast, x, spare)?;
+            self.asm.blend(to, spare, to, x)
+        }
+    }
+
+    pub(crate) fn see_sum(&mut self, weights: &[Value], state: u32) -> Result {
+        let [sum_low, sum_high, low, high] = self.take_all()?;
+        self.asm.zero(sum_low)?;
+        self.asm.zero(sum_high)?;
+        for weight in weights {
+            let x = self.value(*weight)?;
+            self.asm.widen(low, high, x)?;
+            self.give_back(&[x]);
+            self.asm.two(Two::AddDouble, sum_low, sum_low, low)?;
+            self.asm.two(Two::AddDouble, sum_high, sum_high, high)?;
+        }
+        for (sum, state) in [(sum_low, state), (sum_high, state + 1)] {
+            self.asm.two_double(Two::SubDouble, sum, sum, 1.0, low)?;
+            self.asm.magnitude(sum, low)?;
+            self.asm.load(high, Place::State(state))?;
+            // NaN is taken, as the second.
+            self.asm.two(Two::MaxDouble, high, high, sum)?;
+            self.asm.store(Place::State(state), high)?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,406 @@
+//! From a program to machine code, item by item.
+
+use crate::assembler::{Assembler, Compare, Place, Reg, Result, SCRATCH_MASK, Two};
+use crate::branches::Skip;
+use crate::program::{Item, Op, Program, Value};
+use crate::registers::{By, Holder, Registers, Snapshot, Source, Victim, position};
+use crate::{Set, Stores};
+use iced_x86::code_asm::CodeLabel;
+use std::collections::BTreeMap;
+
+/// Vectors of state kept in registers, of 32 and of 16.
+const PINNED: [usize; 2] = [6, 3];
+/// Registers of wide code that hold 0.5 and 1.0 throughout.
+const HALF: Reg = 31;
+const ONE: Reg = 30;
+/// Vectors worked on side by side, wide and narrow: what one waits for, the other uses.
+const PARTS: [u32; 2] = [2, 1];
+
+/// Machine code and what it needs.
+#[derive(Debug)]
+pub(crate) struct Translated {
+    pub(crate) code: Vec<u8>,
+    pub(crate) constants: Vec<u32>,
+    pub(crate) slots: usize,
+}
+
+/// Translates a program whose gates are all joined.
+pub(crate) fn translate(program: &Program, set: Set, stores: Stores) -> Result<Translated> {
+    let wide = set == Set::Avx512;
+    let count = if wide { 32 } else { 16 };
+    let parts = PARTS[usize::from(!wide)];
+    let fixed = if wide { 2 } else { 0 };
+    let pinned = pinned(program, PINNED[usize::from(!wide)]);
+    let mut translator = Translator {
+        asm: Assembler::new(wide, parts, program.inputs + program.lines + program.outputs)?,
+        registers: Registers::new(program, wide, parts, fixed + pinned.len()),
+        pinned: pinned.iter().enumerate().map(|(index, state)| (*state, (count - 1 - fixed - index) as Reg)).collect(),
+        program,
+        stores,
+        gates: Vec::new(),
+        skips: Vec::new(),
+        made: Vec::new(),
+        parts,
+        part: 0,
+        at: 0,
+    };
+    translator.whole()?;
+    let slots = translator.registers.slots();
+    let (code, constants) = translator.asm.finish()?;
+    Ok(Translated { code, constants, slots })
+}
+
+/// The vectors of state that are seen most often.
+fn pinned(program: &Program, most: usize) -> Vec<u32> {
+    let mut seen: BTreeMap<u32, usize> = BTreeMap::new();
+    for item in &program.items {
+        if let Item::See { least, largest, .. } = item {
+            [Some(*largest), *least].into_iter().flatten().for_each(|state| *seen.entry(state).or_default() += 1);
+        }
+    }
+    let mut order: Vec<(u32, usize)> = seen.into_iter().collect();
+    order.sort_by_key(|(state, count)| (std::cmp::Reverse(*count), *state));
+    order.into_iter().take(most).map(|(state, _)| state).collect()
+}
+
+pub(crate) struct Translator<'p> {
+    pub(crate) asm: Assembler,
+    pub(crate) registers: Registers,
+    /// Registers by the state that they hold.
+    pub(crate) pinned: BTreeMap<u32, Reg>,
+    pub(crate) program: &'p Program,
+    pub(crate) stores: Stores,
+    /// Open gates: what is where, and where to jump.
+    pub(crate) gates: Vec<(Snapshot, CodeLabel)>,
+    /// Ways around branches that are done.
+    pub(crate) skips: Vec<Skip>,
+    /// What the item at hand made.
+    pub(crate) made: Vec<Value>,
+    pub(crate) parts: u32,
+    pub(crate) part: u32,
+    pub(crate) at: u32,
+}
+
+impl Translator<'_> {
+    fn whole(&mut self) -> Result {
+        for (state, register) in &self.pinned {
+            self.asm.load(*register, Place::State(*state))?;
+        }
+        if self.asm.wide {
+            self.asm.fill(HALF, 0.5)?;
+            self.asm.fill(ONE, 1.0)?;
+        }
+        self.asm.begin()?;
+        let program = self.program;
+        for (at, item) in program.items.iter().enumerate() {
+            let parts: Vec<Item> = (0..self.parts).map(|part| item.map(|value| value.of(part, self.parts))).collect();
+            for part in 0..self.parts {
+                self.part = part;
+                self.at = position(item, at, part, self.parts);
+                match item {
+                    Item::Gate { closed, .. } if part == 0 => self.gate(&parts, *closed)?,
+                    Item::Join { .. } if part == 0 => self.join(&parts)?,
+                    Item::Gate { .. } | Item::Join { .. } => {}
+                    _ => self.item(&parts[part as usize])?,
+                }
+                self.registers.end(std::mem::take(&mut self.made), &parts[part as usize], self.at);
+            }
+        }
+        self.asm.repeat()?;
+        for (state, register) in &self.pinned {
+            self.asm.store(Place::State(*state), *register)?;
+        }
+        self.asm.leave()?;
+        self.around()
+    }
+
+    /// A register for the item at hand.
+    pub(crate) fn take(&mut self) -> Result<Reg> {
+        match self.registers.take(self.at) {
+            Victim::Free(register) => Ok(register),
+            Victim::Store(register, slot) => {
+                self.asm.store(Place::Slot(slot), register)?;
+                Ok(register)
+            }
+        }
+    }
+
+    pub(crate) fn take_all<const N: usize>(&mut self) -> Result<[Reg; N]> {
+        let mut all = [0; N];
+        for register in &mut all {
+            *register = self.take()?;
+        }
+        Ok(all)
+    }
+
+    pub(crate) fn give_back(&mut self, registers: &[Reg]) {
+        registers.iter().for_each(|register| self.registers.give_back(*register));
+    }
+
+    /// The register that a value is in, from now on.
+    pub(crate) fn value(&mut self, value: Value) -> Result<Reg> {
+        if let Some(register) = self.registers.find(value) {
+            return Ok(register);
+        }
+        let register = self.take()?;
+        match (self.registers.slot(value), self.registers.source(value)) {
+            (_, Some(source)) => self.fetch(register, source)?,
+            (Some(slot), None) => self.asm.load(register, Place::Slot(slot))?,
+            (None, None) => unreachable!("values are used where they were made, or after what they were made before"),
+        }
+        self.registers.hold(register, Holder::Value(value));
+        Ok(register)
+    }
+
+    pub(crate) fn fetch(&mut self, register: Reg, source: Source) -> Result {
+        match source {
+            Source::Row(row, part) => self.asm.load(register, Place::Row(row, part)),
+            Source::Line(row) => self.asm.line(register, row),
+            Source::Constant(constant) => self.asm.fill(register, constant),
+        }
+    }
+
+    pub(crate) fn constant(&self, value: Value) -> Option<f32> {
+        match self.registers.source(value) {
+            Some(Source::Constant(constant)) => Some(constant),
+            _ => None,
+        }
+    }
+
+    /// Notes that a register holds a value that was just made.
+    pub(crate) fn define(&mut self, value: Value, register: Reg) {
+        self.registers.hold(register, Holder::Value(value));
+        self.made.push(value);
+    }
+
+    fn item(&mut self, item: &Item) -> Result {
+        match item {
+            Item::Compute { op, to } => self.compute(op, *to),
+            Item::Blend { colors, weights, to } => self.blend(colors, weights, *to),
+            Item::Partition { weights, to } => self.partition(weights, to),
+            Item::Fetch(input) => self.asm.fetch(*input as usize, self.part),
+            Item::See { value, least, largest, shifted } => self.see(*value, *least, *largest, *shifted),
+            Item::SeeSum { weights, state } => self.see_sum(weights, *state),
+            Item::Output { value, to } => {
+                let register = self.value(*value)?;
+                let place = Place::Row(self.program.inputs + self.program.lines + *to as usize, self.part);
+                match self.stores {
+                    Stores::Cached => self.asm.store(place, register),
+                    Stores::Around => self.asm.stream(place, register),
+                }
+            }
+            Item::Gate { .. } | Item::Join { .. } => unreachable!("for all vectors at once"),
+        }
+    }
+
+    fn compute(&mut self, op: &Op, to: Value) -> Result {
+        match *op {
+            // Loaded where they are used.
+            Op::Input(_) | Op::Line(_) | Op::Constant(_) => Ok(()),
+            Op::Mix { a, b, t } => self.mix(a, b, t, to),
+            Op::Clamp { x, min, width } => {
+                let x = self.value(x)?;
+                let [d, spare] = self.pair()?;
+                self.asm.two_constant(Two::Sub, d, x, min, spare)?;
+                self.asm.two_constant(Two::Div, d, d, width, spare)?;
+                // Where both are equal, or one is NaN, the second is taken.
+                self.asm.two_constant(Two::Max, d, d, 0.0, spare)?;
+                if self.asm.wide {
+                    self.asm.two(Two::Min, d, d, ONE)?;
+                } else {
+                    self.asm.two_constant(Two::Min, d, d, 1.0, spare)?;
+                }
+                self.define(to, d);
+                Ok(())
+            }
+            Op::Step { x, threshold } => {
+                let x = self.value(x)?;
+                let [d, spare] = self.pair()?;
+                if self.asm.wide {
+                    self.asm.compare_constant(SCRATCH_MASK, Compare::AtLeast, x, threshold)?;
+                    self.asm.fill_masked(d, SCRATCH_MASK, 1.0)?;
+                } else {
+                    self.asm.fill(spare, threshold)?;
+                    self.asm.compare_narrow(d, Compare::AtLeast, x, spare)?;
+                    self.asm.fill(spare, 1.0)?;
+                    self.asm.and(d, d, spare)?;
+                }
+                self.define(to, d);
+                Ok(())
+            }
+            Op::Complement(t) => {
+                let t = self.value(t)?;
+                let d = self.take()?;
+                if self.asm.wide {
+                    self.asm.two(Two::Sub, d, ONE, t)?;
+                } else {
+                    self.asm.fill(d, 1.0)?;
+                    self.asm.two(Two::Sub, d, d, t)?;
+                }
+                self.define(to, d);
+                Ok(())
+            }
+            Op::Product(t, u) => {
+                let (t, u) = (self.value(t)?, self.value(u)?);
+                let d = self.take()?;
+                self.asm.two(Two::Mul, d, t, u)?;
+                self.define(to, d);
+                Ok(())
+            }
+            Op::Smooth(t) => {
+                let t = self.value(t)?;
+                let [low, high, factor, spare] = self.take_all()?;
+                self.asm.widen(low, high, t)?;
+                for half in [low, high] {
+                    // 2·t is exact, so this is 3 − 2·t rounded once.
+                    self.asm.fill_double(factor, 3.0)?;
+                    self.asm.two_double(Two::FnmaDouble, factor, half, 2.0, spare)?;
+                    self.asm.two(Two::MulDouble, half, half, half)?;
+                    self.asm.two(Two::MulDouble, half, half, factor)?;
+                }
+                self.asm.narrow(factor, low, high)?;
+                self.define(to, factor);
+                Ok(())
+            }
+            Op::Power { t, n } => {
+                let t = self.value(t)?;
+                let [low, high, square, d] = self.take_all()?;
+                self.asm.widen(low, high, t)?;
+                for half in [low, high] {
+                    self.asm.copy(square, half)?;
+                    let (mut n, mut is_first) = (n, true);
+                    while n > 0 {
+                        if n & 1 == 1 {
+                            if is_first {
+                                self.asm.copy(half, square)?;
+                            } else {
+                                self.asm.two(Two::MulDouble, half, half, square)?;
+                            }
+                            is_first = false;
+                        }
+                        n >>= 1;
+                        if n > 0 {
+                            self.asm.two(Two::MulDouble, square, square, square)?;
+                        }
+                    }
+                }
+                self.asm.narrow(d, low, high)?;
+                self.asm.two(Two::Min, d, d, t)?;
+                self.define(to, d);
+                Ok(())
+            }
+        }
+    }
+
+    /// A register, and one that narrow vectors need for constants.
+    fn pair(&mut self) -> Result<[Reg; 2]> {
+        let d = self.take()?;
+        Ok([d, if self.asm.wide { d } else { self.take()? }])
+    }
+
+    /// A mask made ready: which end is nearer, and how far it is from there.
+    fn by(&mut self, t: Value) -> Result<By> {
+        if let Some(by) = self.registers.by.iter().find(|by| by.of == t).copied() {
+            self.registers.lock_by(by);
+            return Ok(by);
+        }
+        let x = self.value(t)?;
+        let by = self.take()?;
+        let near_b = if self.asm.wide {
+            let mask = self.registers.mask(self.at);
+            self.asm.compare(mask, Compare::NotLess, x, HALF)?;
+            self.asm.copy(by, x)?;
+            self.asm.sub_where(by, mask, x, ONE)?;
+            mask
+        } else {
+            let near_b = self.take()?;
+            self.asm.fill(near_b, 0.5)?;
+            self.asm.compare_narrow(near_b, Compare::NotLess, x, near_b)?;
+            self.asm.fill(by, 1.0)?;
+            self.asm.two(Two::Sub, by, x, by)?;
+            self.asm.blend(by, near_b, x, by)?;
+            self.registers.hold(near_b, Holder::Near(t));
+            near_b
+        };
+        self.registers.hold(by, Holder::By(t));
+        let by = By { of: t, by, near_b };
+        self.registers.by.push(by);
+        Ok(by)
+    }
+
+    fn mix(&mut self, a: Value, b: Value, t: Value, to: Value) -> Result {
+        let By { by, near_b, .. } = self.by(t)?;
+        let d = match (self.constant(a), self.constant(b)) {
+            (Some(from), Some(until)) => {
+                let [d, spare] = self.pair()?;
+                if self.asm.wide {
+                    self.asm.fill(d, from)?;
+                    self.asm.fill_where(d, near_b, until)?;
+                } else {
+                    self.asm.fill(d, from)?;
+                    self.asm.fill(spare, until)?;
+                    self.asm.blend(d, near_b, d, spare)?;
+                }
+                self.asm.two_constant(Two::Fma, d, by, until - from, spare)?;
+                self.define(to, d);
+                return Ok(());
+            }
+            (None, Some(until)) => {
+                let a = self.value(a)?;
+                let [difference, d] = self.take_all()?;
+                self.asm.fill(difference, until)?;
+                self.select(d, near_b, a, difference)?;
+                self.asm.two(Two::Sub, difference, difference, a)?;
+                self.asm.two(Two::Fma, d, by, difference)?;
+                d
+            }
+            (Some(from), None) => {
+                let b = self.value(b)?;
+                let [difference, d] = self.take_all()?;
+                self.asm.fill(d, from)?;
+                self.asm.two(Two::Sub, difference, b, d)?;
+                if self.asm.wide {
+                    self.asm.copy_where(d, near_b, b)?;
+                } else {
+                    self.asm.blend(d, near_b, d, b)?;
+                }
+                self.asm.two(Two::Fma, d, by, difference)?;
+                d
+            }
+            (None, None) => {
+                let (a, b) = (self.value(a)?, self.value(b)?);
+                let [difference, d] = self.take_all()?;
+                self.asm.two(Two::Sub, difference, b, a)?;
+                self.select(d, near_b, a, b)?;
+                self.asm.two(Two::Fma, d, by, difference)?;
+                d
+            }
+        };
+        self.define(to, d);
+        Ok(())
+    }
+
+    fn select(&mut self, to: Reg, mask: Reg, a: Reg, b: Reg) -> Result {
+        if self.asm.wide { self.asm.select(to, mask, a, b) } else { self.asm.blend(to, mask, a, b) }
+    }
+
+    fn see(&mut self, value: Value, least: Option<u32>, largest: u32, shifted: bool) -> Result {
+        let mut x = self.value(value)?;
+        if shifted {
+            let bits = self.take()?;
+            self.asm.shift(bits, x)?;
+            x = bits;
+        }
+        for (op, state) in [(Two::MinBits, least), (Two::MaxBits, Some(largest))] {
+            let Some(state) = state else { continue };
+            if let Some(register) = self.pinned.get(&state).copied() {
+                self.asm.two(op, register, register, x)?;
+            } else {
+                let seen = self.take()?;
+                self.asm.two_memory(op, seen, x, Place::State(state))?;
+                self.asm.store(Place::State(state), seen)?;
+            }
+        }
+        Ok(())
+    }
+}
