@@ -4,11 +4,11 @@ use crate::GRAVITY;
 
 /// (1 − e^−s)/s and (s − 1 + e^−s)/s² for s ≥ 0: 1 and ½ at 0.
 ///
-/// Below 0.1 by their power series, since the differences cancel there; eight terms leave less than 1e-15.
+/// Below 0.1 by their power series, since the differences cancel there; ten terms leave less than 1e-16.
 fn decays(s: f64) -> (f64, f64) {
     if s < 0.1 {
         let (mut first, mut second, mut term) = (0.0, 0.0, 1.0);
-        for n in 1..=8 {
+        for n in 1..=10 {
             // (−s)ⁿ⁻¹/n!
             term /= f64::from(n);
             first += term;
