@@ -18,6 +18,7 @@ mod palette;
 mod random;
 mod scale;
 mod scenes;
+mod spray;
 mod streaming;
 mod support;
 mod thesis;

@@ -24,6 +24,7 @@ pub mod reference;
 mod sea_surface;
 pub mod shading;
 mod spacing;
+pub mod spray;
 mod surface;
 mod tessellate;
 mod triangles;

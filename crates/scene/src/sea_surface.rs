@@ -73,4 +73,8 @@ impl Surface for SeaSurface {
     fn trace(&self, projector: &Projector, ray: &Ray) -> Option<Hit> {
         reference::trace_sea(self, projector, ray)
     }
+
+    fn as_sea(&self) -> Option<&SeaSurface> {
+        Some(self)
+    }
 }

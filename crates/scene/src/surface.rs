@@ -1,6 +1,6 @@
 use glam::DVec3;
 
-use crate::{ChannelSet, Projector, Ray};
+use crate::{ChannelSet, Projector, Ray, SeaSurface};
 
 /// Something that a camera can see.
 ///
@@ -15,6 +15,11 @@ pub trait Surface: Send + Sync {
 
     /// The first point of the continuous surface along a ray from the camera, in f64.
     fn trace(&self, projector: &Projector, ray: &Ray) -> Option<Hit>;
+
+    /// The sea of waves that it is, for what moves with the water; `None` for any other surface.
+    fn as_sea(&self) -> Option<&SeaSurface> {
+        None
+    }
 }
 
 /// How the vertices of a mesh hang together.

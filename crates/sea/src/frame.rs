@@ -256,6 +256,11 @@ impl SeaFrame {
         sample
     }
 
+    /// The sea of which this is one time.
+    pub fn sea(&self) -> Sea {
+        Sea::new(self.reference.iter().map(|(wave, _)| *wave).collect())
+    }
+
     /// Number of waves.
     pub fn len(&self) -> usize {
         self.reference.len()

@@ -41,6 +41,7 @@ mod method;
 mod nufft;
 mod separable;
 mod spectrum;
+pub mod spray;
 mod spread;
 pub mod toon;
 mod wave;

@@ -5,3 +5,4 @@ mod edges;
 mod grid;
 mod invariance;
 mod reference;
+mod spray;

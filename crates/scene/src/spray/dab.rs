@@ -1,0 +1,171 @@
+//! One drop in the picture.
+
+use super::Droplet;
+use super::stamp::{Form, Print};
+use crate::Projector;
+use glam::DVec3;
+
+/// Distance in radii below which a perspective camera sees a drop whole, and below which it sees none of it: nothing
+/// that flies past the lens may fill the picture.
+const NEAR: [f64; 2] = [12.0, 4.0];
+
+/// Which stamps are set.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Stamp {
+    /// Large drops ragged, small ones discs and streaks.
+    #[default]
+    Mixed,
+    /// Discs.
+    Disc,
+    /// Dabs along the motion.
+    Streak,
+    /// Dabs along the motion that bristles have torn.
+    Ragged,
+}
+
+/// How drops are painted.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Brush {
+    /// Which stamps.
+    pub stamp: Stamp,
+    /// Alpha of a stamp's middle at birth, 0 to 1.
+    pub opacity: f64,
+    /// Seconds of motion that a stamp is drawn out by.
+    pub stretch: f64,
+    /// Least radius in pixels: what is thinner becomes fainter instead.
+    pub least: f64,
+    /// Depth in meters over which a surface swallows a drop: 0 for a hard edge.
+    pub soft: f64,
+}
+
+impl Default for Brush {
+    fn default() -> Self {
+        Self { stamp: Stamp::Mixed, opacity: 0.9, stretch: 0.04, least: 0.7, soft: 0.3 }
+    }
+}
+
+/// What is seen of the spray at a sample.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sprayed {
+    /// What all stamps cover together, 1 − Π(1 − αᵢ).
+    pub alpha: f64,
+    /// Planar depth of the nearest drop in meters; +∞ where there is none.
+    pub depth: f64,
+    /// Mean age of the drops by their alphas, 0 to 1; 0 where there are none.
+    pub age: f64,
+    /// Σ αᵢ.
+    weight: f64,
+}
+
+impl Sprayed {
+    /// No drop. Until [`done`](Self::done), `alpha` holds what is left uncovered, and `age` Σ αᵢ·ageᵢ.
+    pub(super) const NONE: Self = Self { alpha: 1.0, depth: f64::INFINITY, age: 0.0, weight: 0.0 };
+
+    #[inline]
+    pub(super) fn add(&mut self, dab: &Dab, alpha: f64) {
+        if alpha > 0.0 {
+            self.alpha *= 1.0 - alpha;
+            self.depth = self.depth.min(dab.depth);
+            self.age += alpha * dab.age;
+            self.weight += alpha;
+        }
+    }
+
+    pub(super) fn done(self) -> Self {
+        let age = if self.weight > 0.0 { (self.age / self.weight).min(1.0) } else { 0.0 };
+        Self { alpha: 1.0 - self.alpha, age, ..self }
+    }
+}
+
+/// A stamp on the picture.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Dab {
+    center: [f64; 2],
+    /// Unit vector along the stamp.
+    axis: [f64; 2],
+    /// Half its length and half its width in pixels.
+    half: [f64; 2],
+    print: Print,
+    /// Alpha at its middle.
+    strength: f64,
+    depth: f64,
+    age: f64,
+}
+
+impl Dab {
+    /// The stamp of a drop; `None` where the camera cannot see it, wherever the picture ends.
+    pub(super) fn new(projector: &Projector, drop: &Droplet, brush: &Brush) -> Option<Self> {
+        let position = DVec3::from(drop.position);
+        let (center, depth) = projector.project(position)?;
+        let mut strength = drop.strength * brush.opacity * (1.0 - drop.age);
+        let size = if projector.orthographic {
+            if depth <= 0.0 {
+                return None;
+            }
+            drop.radius * projector.scale
+        } else {
+            strength *= ((depth - NEAR[1] * drop.radius) / ((NEAR[0] - NEAR[1]) * drop.radius)).min(1.0);
+            drop.radius * projector.scale / depth
+        };
+        if !(strength > 0.0 && size > 0.0) {
+            return None;
+        }
+        let form = brush.stamp.form(drop);
+        let (axis, drawn_out) = match form {
+            Form::Disc => ([1.0, 0.0], 0.0),
+            Form::Streak | Form::Ragged => motion(projector, position, drop, brush.stretch),
+        };
+        let width = size.max(brush.least);
+        let length = width + drawn_out;
+        // Paint that is spread over more pixels than the drop has covers less of each.
+        strength *= size * (size + drawn_out) / (width * length);
+        let print = Print::new(form, drop, [length, width]);
+        Some(Self { center, axis, half: [length, width], print, strength, depth, age: drop.age })
+    }
+
+    /// Nothing of it lies beyond: left, top, right, bottom.
+    pub(super) fn bounds(&self) -> [f64; 4] {
+        let reach = |a: f64, b: f64| {
+            let (a, b) = (a * self.half[0], b * self.half[1]);
+            (a * a + b * b).sqrt()
+        };
+        let ([x, y], [dx, dy]) = (self.center, self.axis);
+        let (across, down) = (reach(dx, dy), reach(dy, dx));
+        [x - across, y - down, x + across, y + down]
+    }
+
+    /// What it covers at a place before a surface at a planar depth.
+    #[inline]
+    pub(super) fn alpha(&self, place: [f64; 2], surface: f64, brush: &Brush) -> f64 {
+        let [x, y] = [place[0] - self.center[0], place[1] - self.center[1]];
+        let along = (x * self.axis[0] + y * self.axis[1]) / self.half[0];
+        let across = (y * self.axis[0] - x * self.axis[1]) / self.half[1];
+        let inside = 1.0 - along * along - across * across;
+        if inside <= 0.0 {
+            return 0.0;
+        }
+        let before = surface - self.depth;
+        let seen = if brush.soft > 0.0 {
+            (before / brush.soft + 0.5).clamp(0.0, 1.0)
+        } else {
+            f64::from(u8::from(before > 0.0))
+        };
+        if seen <= 0.0 {
+            return 0.0;
+        }
+        self.strength * seen * self.print.cover(along, across, inside)
+    }
+}
+
+/// The direction in which a drop crosses the picture, and half the pixels that it crosses in `time`.
+fn motion(projector: &Projector, position: DVec3, drop: &Droplet, time: f64) -> ([f64; 2], f64) {
+    let way = DVec3::from(drop.velocity) * (time / 2.0);
+    let (Some((from, _)), Some((to, _))) = (projector.project(position - way), projector.project(position + way))
+    else {
+        return ([1.0, 0.0], 0.0);
+    };
+    let [x, y] = [to[0] - from[0], to[1] - from[1]];
+    let length = (x * x + y * y).sqrt();
+    // Shorter than this no direction is left in the difference of two positions.
+    if length > 1e-6 && length < 1e9 { ([x / length, y / length], length / 2.0) } else { ([1.0, 0.0], 0.0) }
+}

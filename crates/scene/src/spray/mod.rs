@@ -1,0 +1,211 @@
+//! Drops as a painter sets them: each a stamp of a brush, hidden by what is nearer.
+//!
+//! ```
+//! use trochoid_image::Format;
+//! use trochoid_scene::spray::{Brush, Dabs, Droplet};
+//! use trochoid_scene::{Camera, DVec3, Projection};
+//!
+//! let camera = Camera {
+//!     position: DVec3::new(0.0, 0.0, 10.0),
+//!     target: DVec3::ZERO,
+//!     roll: 0.0,
+//!     projection: Projection::Perspective { fov: 0.7 },
+//! };
+//! let format = Format::new(64, 36, 1)?;
+//! let drop = Droplet {
+//!     position: [0.0; 3], velocity: [0.0; 3], radius: 0.5, share: 1.0, age: 0.5, strength: 1.0, shape: 0,
+//! };
+//! let dabs = Dabs::new(&camera.projector(format), &[drop], &Brush::default())?;
+//! assert!(dabs.at([32.0, 18.0], f64::INFINITY).alpha > 0.4);
+//! assert_eq!(dabs.at([32.0, 18.0], 5.0).alpha, 0.0, "something stands before it");
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod dab;
+mod stamp;
+
+pub use dab::{Brush, Sprayed, Stamp};
+pub use trochoid_sea::spray::Droplet;
+
+use crate::Projector;
+use dab::Dab;
+use trochoid_image::Window;
+
+/// Side of a bin in pixels.
+const BIN: i64 = 32;
+/// Most entries of all bins: what they take is known before it is taken.
+pub const MAX_ENTRIES: usize = 1 << 24;
+
+/// Stamps cover so much of the picture that their bins would pass [`MAX_ENTRIES`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct TooMuchSpray(pub usize);
+
+impl std::fmt::Display for TooMuchSpray {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(
+            f,
+            "the stamps of all drops meet {} bins of {BIN} × {BIN} pixels: at most {MAX_ENTRIES}; make \"radius\", \
+             \"growth\", \"stretch\" or the number of drops smaller, or move the camera away",
+            self.0
+        )
+    }
+}
+
+impl std::error::Error for TooMuchSpray {}
+
+/// The stamps of one picture.
+#[derive(Clone, Debug)]
+pub struct Dabs {
+    brush: Brush,
+    dabs: Vec<Dab>,
+    /// Columns and rows of bins over the picture.
+    bins: [i64; 2],
+    /// Where each bin's entries begin; one more than there are bins.
+    starts: Vec<u32>,
+    /// Indices of stamps bin by bin, each bin's in the order of the drops.
+    entries: Vec<u32>,
+}
+
+/// The planes of a window, where wanted.
+#[derive(Debug, Default)]
+pub struct Planes<'a> {
+    /// What is covered.
+    pub alpha: Option<&'a mut [f32]>,
+    /// Planar depth of the nearest drop in meters.
+    pub depth: Option<&'a mut [f32]>,
+    /// Mean age of the drops.
+    pub age: Option<&'a mut [f32]>,
+}
+
+impl Dabs {
+    /// The stamps of the drops that lie in the picture.
+    ///
+    /// # Errors
+    /// They cover too much.
+    pub fn new(projector: &Projector, drops: &[Droplet], brush: &Brush) -> Result<Self, TooMuchSpray> {
+        let bins = projector.size.map(|side| (side as i64).div_euclid(BIN) + 1);
+        let dabs: Vec<Dab> = drops
+            .iter()
+            .filter_map(|drop| Dab::new(projector, drop, brush))
+            .filter(|dab| reach(dab, bins).is_some())
+            .collect();
+        let mut starts = vec![0_u32; (bins[0] * bins[1]) as usize + 1];
+        let mut total = 0_usize;
+        for dab in &dabs {
+            total += met(dab, bins).count();
+        }
+        if total > MAX_ENTRIES {
+            return Err(TooMuchSpray(total));
+        }
+        for bin in dabs.iter().flat_map(|dab| met(dab, bins)) {
+            starts[bin + 1] += 1;
+        }
+        for bin in 1..starts.len() {
+            starts[bin] += starts[bin - 1];
+        }
+        let (mut next, mut entries) = (starts.clone(), vec![0; total]);
+        for (index, dab) in dabs.iter().enumerate() {
+            for bin in met(dab, bins) {
+                entries[next[bin] as usize] = index as u32;
+                next[bin] += 1;
+            }
+        }
+        Ok(Self { brush: *brush, dabs, bins, starts, entries })
+    }
+
+    /// Number of stamps in the picture.
+    pub fn len(&self) -> usize {
+        self.dabs.len()
+    }
+
+    /// Whether no drop is in the picture.
+    pub fn is_empty(&self) -> bool {
+        self.dabs.is_empty()
+    }
+
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        self.dabs.len() * size_of::<Dab>() + (self.starts.len() + self.entries.len()) * 4
+    }
+
+    /// What a place in the picture shows before a surface at a planar depth, straight from the formula.
+    pub fn at(&self, place: [f64; 2], surface: f64) -> Sprayed {
+        let mut sum = Sprayed::NONE;
+        for dab in &self.dabs {
+            sum.add(dab, dab.alpha(place, surface, &self.brush));
+        }
+        sum.done()
+    }
+
+    /// The same at one sample of every pixel of a window, which stands at `offset` in its pixel, before the surfaces at
+    /// the depths of `surface`: the same bits.
+    pub fn fill(&self, window: Window, offset: [f64; 2], surface: &[f32], planes: Planes<'_>) {
+        let mut sums = vec![Sprayed::NONE; window.area()];
+        let [columns, rows] = self.bins;
+        let bin = |at: i64, count: i64| at.div_euclid(BIN).clamp(0, count - 1);
+        if !window.is_empty() {
+            for row in bin(window.y0, rows)..=bin(window.y1 - 1, rows) {
+                for column in bin(window.x0, columns)..=bin(window.x1 - 1, columns) {
+                    let within =
+                        window.intersect(Window::new(column * BIN, row * BIN, (column + 1) * BIN, (row + 1) * BIN));
+                    self.fill_bin((row * columns + column) as usize, within, window, offset, surface, &mut sums);
+                }
+            }
+        }
+        let write = |plane: Option<&mut [f32]>, value: fn(&Sprayed) -> f64| {
+            for (out, sum) in plane.into_iter().flatten().zip(&sums) {
+                *out = value(&sum.done()) as f32;
+            }
+        };
+        write(planes.alpha, |sum| sum.alpha);
+        write(planes.depth, |sum| sum.depth);
+        write(planes.age, |sum| sum.age);
+    }
+
+    fn fill_bin(
+        &self,
+        bin: usize,
+        within: Window,
+        window: Window,
+        offset: [f64; 2],
+        surface: &[f32],
+        sums: &mut [Sprayed],
+    ) {
+        for &entry in &self.entries[self.starts[bin] as usize..self.starts[bin + 1] as usize] {
+            let dab = &self.dabs[entry as usize];
+            let [left, top, right, bottom] = dab.bounds();
+            let first = |edge: f64, offset: f64, least: i64| ((edge - offset).floor().max(least as f64)) as i64;
+            let end = |edge: f64, offset: f64, most: i64| ((edge - offset).ceil().min((most - 1) as f64)) as i64 + 1;
+            for y in first(top, offset[1], within.y0)..end(bottom, offset[1], within.y1) {
+                let row = (y - window.y0) as usize * window.width();
+                for x in first(left, offset[0], within.x0)..end(right, offset[0], within.x1) {
+                    let index = row + (x - window.x0) as usize;
+                    let place = [x as f64 + offset[0], y as f64 + offset[1]];
+                    let alpha = dab.alpha(place, f64::from(surface[index]), &self.brush);
+                    sums[index].add(dab, alpha);
+                }
+            }
+        }
+    }
+}
+
+/// The first and last column and row of bins that a stamp may touch; `None` where it lies beside the picture.
+fn reach(dab: &Dab, bins: [i64; 2]) -> Option<[[i64; 2]; 2]> {
+    let [left, top, right, bottom] = dab.bounds();
+    let along = |from: f64, to: f64, count: i64| {
+        let end = (count * BIN) as f64;
+        // A pixel more on each side, since a sample may lie on its pixel's edge.
+        let (from, to) = (from - 1.0, to + 1.0);
+        (from < end && to >= 0.0).then(|| {
+            let [from, to] = [from.max(0.0), to.min(end - 1.0)].map(|edge| edge as i64 / BIN);
+            [from, to]
+        })
+    };
+    Some([along(left, right, bins[0])?, along(top, bottom, bins[1])?])
+}
+
+/// The bins that a stamp may touch.
+fn met(dab: &Dab, bins: [i64; 2]) -> impl Iterator<Item = usize> {
+    let [[left, right], [top, bottom]] = reach(dab, bins).unwrap_or([[0, -1], [0, -1]]);
+    (top..=bottom).flat_map(move |row| (left..=right).map(move |column| (row * bins[0] + column) as usize))
+}

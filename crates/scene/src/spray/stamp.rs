@@ -1,0 +1,102 @@
+//! Forms of a brush's stamp.
+
+use super::Droplet;
+use super::dab::Stamp;
+
+/// From this share of the largest radius on, drops of mixed stamps are ragged.
+const LARGE: f64 = 0.4;
+
+/// The form of one stamp.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Form {
+    Disc,
+    Streak,
+    Ragged,
+}
+
+impl Stamp {
+    pub(super) fn form(self, drop: &Droplet) -> Form {
+        match self {
+            Self::Disc => Form::Disc,
+            Self::Streak => Form::Streak,
+            Self::Ragged => Form::Ragged,
+            Self::Mixed if drop.share >= LARGE => Form::Ragged,
+            Self::Mixed if drop.shape & 1 == 0 => Form::Disc,
+            Self::Mixed => Form::Streak,
+        }
+    }
+}
+
+/// What a stamp leaves where it is pressed.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Print {
+    form: Form,
+    /// Cells of noise from the middle to the end, and from the middle to the side.
+    cells: [f64; 2],
+    /// How much noise tears: 0 for stamps that are too small to show it.
+    torn: f64,
+    /// What age has taken of the paint.
+    worn: f64,
+    seed: u32,
+}
+
+/// Cells of noise across half a stamp: so many bristles.
+const BRISTLES: f64 = 2.6;
+/// Most cells along half a stamp.
+const MOST: f64 = 6.0;
+
+impl Print {
+    /// The print of a drop that is so many pixels long and wide, from its middle.
+    pub(super) fn new(form: Form, drop: &Droplet, [length, width]: [f64; 2]) -> Self {
+        Self {
+            form,
+            cells: [(0.8 * BRISTLES * length / width).min(MOST), BRISTLES],
+            torn: ((width - 1.0) / 3.0).clamp(0.0, 1.0),
+            worn: drop.age,
+            seed: (drop.shape >> 32) as u32,
+        }
+    }
+
+    /// Share of the paint at a place in the stamp, of which the distance from the middle is 1 − `inside` squared.
+    #[inline]
+    pub(super) fn cover(&self, along: f64, across: f64, inside: f64) -> f64 {
+        match self.form {
+            Form::Disc | Form::Streak => (2.0 * inside).min(1.0),
+            Form::Ragged => {
+                let [x, y] = [along * self.cells[0], across * self.cells[1]];
+                let rough = 0.65 * noise(self.seed, x, y) + 0.35 * noise(!self.seed, 2.1 * x, 2.1 * y);
+                // Paint is left where there was enough of it for the ground: less toward the edge, and with age.
+                let paint = inside * (1.0 - 0.6 * self.worn);
+                let t = ((1.1 * paint + self.torn * 1.6 * (rough - 0.55) - 0.05) / 0.6).clamp(0.0, 1.0);
+                t * t * (3.0 - 2.0 * t) * (paint / 0.3).min(1.0)
+            }
+        }
+    }
+}
+
+/// Smooth noise in [0, 1], one random number a unit of each axis.
+fn noise(seed: u32, x: f64, y: f64) -> f64 {
+    let (column, row) = (x.floor(), y.floor());
+    let ease = |t: f64| t * t * (3.0 - 2.0 * t);
+    let (u, v) = (ease(x - column), ease(y - row));
+    let (column, row) = (column as i32 as u32, row as i32 as u32);
+    let corner = |i: u32, j: u32| {
+        let line = mix(seed ^ row.wrapping_add(j).wrapping_mul(0x9e37_79b9));
+        f64::from(mix(line ^ column.wrapping_add(i))) / f64::from(u32::MAX)
+    };
+    let along = |j: u32| {
+        let (a, b) = (corner(0, j), corner(1, j));
+        a + (b - a) * u
+    };
+    let (a, b) = (along(0), along(1));
+    a + (b - a) * v
+}
+
+/// Spreads the bits of a number over all of its bits: a bijection (Wellons, hash-prospector, "lowbias32").
+fn mix(mut x: u32) -> u32 {
+    x ^= x >> 16;
+    x = x.wrapping_mul(0x7feb_352d);
+    x ^= x >> 15;
+    x = x.wrapping_mul(0x846c_a68b);
+    x ^ (x >> 16)
+}

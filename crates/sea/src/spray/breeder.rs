@@ -1,0 +1,102 @@
+//! Births of one step after another, with the sea evaluated on the whole grid at once.
+
+use super::birth::{Birth, Candidate, Water};
+use super::{MAX_DROPS, Spray, SprayError};
+use crate::{Fields, Grid, GridPlan, Points, Sea, SeaFrame, Wanted};
+
+/// Error of the sea on the grid that is good enough, since what it leaves in doubt is decided in f64.
+const TOLERANCE: f64 = 1e-3;
+/// By how many times a strain may miss its method's error before a decision could be wrong.
+const DOUBT: f64 = 4.0;
+
+/// What births of a sea need, kept from step to step.
+pub(crate) struct Breeder<'a> {
+    spray: &'a Spray,
+    sea: &'a Sea,
+    level: f64,
+    plan: GridPlan,
+    fields: Fields,
+    /// Largest error of a strain on the grid, beside its own rounding.
+    error: f64,
+}
+
+impl<'a> Breeder<'a> {
+    /// For a spray that was checked.
+    pub(crate) fn new(spray: &'a Spray, sea: &'a Sea, level: f64) -> Self {
+        let cells = spray.cells();
+        let grid = Grid {
+            origin: spray.middle(cells.first),
+            step: [spray.cell; 2],
+            columns: cells.columns,
+            rows: cells.rows,
+            footprint: spray.cell,
+        };
+        let wanted = Wanted { derivatives: true, ..Wanted::default() };
+        let plan = match GridPlan::new(grid, wanted, sea.waves().len(), TOLERANCE) {
+            Ok(plan) => plan,
+            Err(error) => unreachable!("a checked spray has a grid: {error}"),
+        };
+        let square = |wave: &crate::Wave| wave.compression() * wave.compression() / 2.0;
+        let rms = libm::sqrt(sea.waves().iter().map(square).sum());
+        let error = DOUBT * plan.method().error() * rms;
+        Self { spray, sea, level, plan, fields: Fields::default(), error }
+    }
+
+    /// The drops born in a step, cell by cell.
+    pub(crate) fn step(&mut self, step: i64) -> Result<Vec<Birth>, SprayError> {
+        let spray = self.spray;
+        let frame = self.sea.at(spray.moment(step));
+        self.plan.evaluate(&frame, &mut self.fields);
+        let mut chosen: Vec<Candidate> = Vec::new();
+        for (index, cell) in spray.cells().iter().enumerate() {
+            let (jacobian, doubt) = self.jacobian(index);
+            if jacobian - doubt >= spray.threshold {
+                continue;
+            }
+            let mut exact = None;
+            spray.candidates(cell, step, |candidate, needed| {
+                // Anything that is not a number is in doubt too.
+                let certain = (jacobian - needed).abs() > doubt;
+                let born = if certain {
+                    jacobian < needed
+                } else {
+                    *exact.get_or_insert_with(|| frame.evaluate(spray.middle(cell), spray.cell).jacobian()) < needed
+                };
+                if born {
+                    chosen.push(candidate);
+                }
+            });
+            if chosen.len() > MAX_DROPS {
+                return Err(SprayError::Drops);
+            }
+        }
+        Ok(self.births(&frame, &chosen))
+    }
+
+    /// det J at a cell's middle, and how far off it may be.
+    fn jacobian(&self, index: usize) -> (f64, f64) {
+        let [xx, xz, zz] = [0, 1, 2].map(|sum| f64::from(self.fields.strain[sum][index]));
+        let most = 1.0 + xx.abs().max(xz.abs()).max(zz.abs());
+        let error = self.error + 1e-6 * most;
+        ((1.0 + xx) * (1.0 + zz) - xz * xz, error * (4.0 * most + error))
+    }
+
+    fn births(&self, frame: &SeaFrame, chosen: &[Candidate]) -> Vec<Birth> {
+        let rests: Vec<[f64; 2]> = chosen.iter().map(|candidate| candidate.rest(self.spray)).collect();
+        let [x, z]: [Vec<f64>; 2] = [0, 1].map(|axis| rests.iter().map(|rest| rest[axis]).collect());
+        let footprint = vec![self.spray.cell; rests.len()];
+        let wanted = Wanted { displacement: true, velocity: true, ..Wanted::default() };
+        let mut fields = Fields::default();
+        frame.direct(Points { x: &x, z: &z, footprint: &footprint }, wanted, &mut fields);
+        let three = |planes: &[Vec<f32>; 3], index: usize| [0, 1, 2].map(|axis| f64::from(planes[axis][index]));
+        chosen
+            .iter()
+            .enumerate()
+            .map(|(index, candidate)| {
+                let [dx, dy, dz] = three(&fields.displacement, index);
+                let position = [x[index] + dx, self.level + dy, z[index] + dz];
+                self.spray.birth(candidate, &Water { position, velocity: three(&fields.velocity, index) })
+            })
+            .collect()
+    }
+}

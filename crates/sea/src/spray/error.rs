@@ -1,0 +1,65 @@
+use super::{MAX_CELLS, MAX_CROWD, MAX_DROPS, MAX_STEPS, MAX_WORK};
+
+/// Why a spray is refused.
+#[derive(Clone, Debug, PartialEq)]
+pub enum SprayError {
+    /// A figure is not finite, or outside what it can mean.
+    Figure(&'static str, f64),
+    /// More cells than [`MAX_CELLS`].
+    Cells(f64, f64),
+    /// More steps in a lifetime than [`MAX_STEPS`].
+    Steps(f64),
+    /// More cells times steps than [`MAX_WORK`].
+    Work(f64),
+    /// More drops a cell and step than [`MAX_CROWD`].
+    Crowd(f64),
+    /// More drops at a time than [`MAX_DROPS`].
+    Drops,
+}
+
+impl SprayError {
+    /// The figure that is best changed.
+    pub fn figure(&self) -> &'static str {
+        match self {
+            Self::Figure(figure, _) => figure,
+            Self::Cells(..) => "cell",
+            Self::Steps(_) | Self::Work(_) => "rate",
+            Self::Crowd(_) | Self::Drops => "density",
+        }
+    }
+}
+
+impl std::fmt::Display for SprayError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Figure(figure, found) => {
+                write!(f, "{figure} {found} is refused: use a finite number that is not negative")
+            }
+            Self::Cells(columns, rows) => write!(
+                f,
+                "{columns} × {rows} cells are refused: at most {MAX_CELLS}; make \"size\" smaller or \"cell\" larger"
+            ),
+            Self::Steps(steps) => write!(
+                f,
+                "{steps} steps in a lifetime are refused: at most {MAX_STEPS}; make \"rate\" or \"lifetime\" smaller"
+            ),
+            Self::Work(work) => write!(
+                f,
+                "{work} cells over all steps of a lifetime are refused: at most {MAX_WORK}; make \"size\", \"rate\" or \
+                 \"lifetime\" smaller, or \"cell\" larger"
+            ),
+            Self::Crowd(crowd) => write!(
+                f,
+                "{crowd} drops from a cell in a step are refused: at most {MAX_CROWD}; make \"density\" or \"cell\" \
+                 smaller, or \"rate\" larger"
+            ),
+            Self::Drops => write!(
+                f,
+                "more than {MAX_DROPS} drops at a time are refused; make \"density\", \"size\", \"lifetime\" or the \
+                 counts of \"bursts\" smaller"
+            ),
+        }
+    }
+}
+
+impl std::error::Error for SprayError {}

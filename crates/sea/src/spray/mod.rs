@@ -1,0 +1,210 @@
+//! Spray: drops that breaking crests and directed bursts throw into the air.
+//!
+//! A [`Spray`] is the description. The world is cut into cells of fixed places and time into steps of fixed moments;
+//! random numbers belong to a cell and a step. A drop is born where the sea's det J lies below a threshold, moves with
+//! the water, a throw and the wind, and is where closed formulas say. So the drops of a moment are a function of the
+//! description, the sea and the moment alone, whatever was evaluated before and however large a picture is:
+//!
+//! ```
+//! use trochoid_sea::spray::{Spray, SprayRun};
+//! use trochoid_sea::{GerstnerSpectrum, Sea};
+//!
+//! let spectrum = GerstnerSpectrum { count: 50, height: 3.0, sharpness: 0.9, ..GerstnerSpectrum::default() };
+//! let spray = Spray { density: 20.0, threshold: 0.6, ..Spray::default() };
+//! let run = SprayRun::new(spray, Sea::new(spectrum.waves()?), 0.0)?;
+//! let drops = run.at(2.5)?;
+//! assert!(drops.iter().all(|drop| (0.0..1.0).contains(&drop.age)));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # The model
+//! With s = clamp((threshold − det J)/width, 0, 1) at a cell's middle, `density`·s·m drops are born a square meter
+//! and second, m being the share that smooth noise leaves to the tuft. A drop of radius r then flies by
+//! v' = −g·ŷ + (drag·radius/r)(wind·gust − v), so that small drops are carried to leeward and large ones fall.
+//!
+//! # Results
+//! Whether a drop is born does not depend on how the sea is evaluated: where f32 leaves a doubt, the f64 sum decides.
+//! Its place and velocity are those of the sea to f32. [`mod@reference`] is the same in f64 and plain loops.
+
+mod birth;
+mod breeder;
+mod burst;
+mod draws;
+mod error;
+mod flight;
+pub mod reference;
+mod run;
+
+pub use birth::{Birth, Droplet};
+pub use burst::Burst;
+pub use error::SprayError;
+pub use run::SprayRun;
+
+/// Most cells of a spray.
+pub const MAX_CELLS: usize = 1 << 20;
+/// Most steps of births that a lifetime may span.
+pub const MAX_STEPS: usize = 4096;
+/// Most cells times steps.
+pub const MAX_WORK: usize = 1 << 28;
+/// Most drops that a cell may give in a step.
+pub const MAX_CROWD: usize = 256;
+/// Most drops at a time.
+pub const MAX_DROPS: usize = 500_000;
+
+/// Where and how drops are born and fly.
+///
+/// Meters, seconds, radians. The cells' corners are multiples of `cell`, wherever the region lies.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Spray {
+    /// Middle of the region in which crests throw drops, x and z of the resting sea.
+    pub center: [f64; 2],
+    /// Its size along x and z.
+    pub size: [f64; 2],
+    /// Side of a cell, also the footprint under which the sea is judged: crests that are shorter throw nothing.
+    pub cell: f64,
+    /// Steps of births a second.
+    pub rate: f64,
+    /// det J below which drops are born.
+    pub threshold: f64,
+    /// By how much det J has to fall below the threshold for the full density.
+    pub width: f64,
+    /// Drops born a square meter and second where crests break fully.
+    pub density: f64,
+    /// Share of the water's velocity that drops take along.
+    pub follow: f64,
+    /// Greatest speed at which they are thrown beside that.
+    pub speed: f64,
+    /// Angle from straight up within which they are thrown.
+    pub cone: f64,
+    /// Velocity of the wind.
+    pub wind: [f64; 3],
+    /// How fast a drop of the full radius takes the wind's velocity, in 1/s.
+    pub drag: f64,
+    /// Longest life of a drop.
+    pub lifetime: f64,
+    /// Radius of the largest drops at birth.
+    pub radius: f64,
+    /// By how many times the radius grows until the end of a life.
+    pub growth: f64,
+    /// How much radii, lives and speeds differ, 0 to 1.
+    pub vary: f64,
+    /// Size of the tufts in which drops gather along a crest.
+    pub tuft: f64,
+    /// How much tufts differ, 0 to 1: 1 leaves gaps between them.
+    pub torn: f64,
+    /// Which spray of all that have these figures.
+    pub seed: i64,
+    /// Bursts, besides what crests throw.
+    pub bursts: Vec<Burst>,
+}
+
+impl Default for Spray {
+    fn default() -> Self {
+        Self {
+            center: [0.0; 2],
+            size: [60.0; 2],
+            cell: 0.5,
+            rate: 20.0,
+            threshold: 0.4,
+            width: 0.2,
+            density: 40.0,
+            follow: 0.8,
+            speed: 3.0,
+            cone: 0.6,
+            wind: [4.0, 0.0, 0.0],
+            drag: 0.6,
+            lifetime: 1.5,
+            radius: 0.25,
+            growth: 1.0,
+            vary: 1.0,
+            tuft: 3.0,
+            torn: 0.8,
+            seed: 0,
+            bursts: Vec::new(),
+        }
+    }
+}
+
+/// The cells of a region: indices of the first, and how many.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Cells {
+    pub(crate) first: [i64; 2],
+    pub(crate) columns: usize,
+    pub(crate) rows: usize,
+}
+
+impl Spray {
+    /// The cells that the region touches, as numbers that may be too large.
+    fn span(&self) -> [[f64; 2]; 2] {
+        [0, 1].map(|axis| {
+            let (middle, half) = (self.center[axis], self.size[axis] / 2.0);
+            let first = ((middle - half) / self.cell).floor();
+            [first, ((middle + half) / self.cell).ceil() - first]
+        })
+    }
+
+    pub(crate) fn cells(&self) -> Cells {
+        let [[x, columns], [z, rows]] = self.span();
+        Cells { first: [x as i64, z as i64], columns: columns as usize, rows: rows as usize }
+    }
+
+    /// Drops that a cell is to give in a step where crests break fully.
+    pub(crate) fn expected(&self) -> f64 {
+        self.density * self.cell * self.cell / self.rate
+    }
+
+    /// Steps whose drops may live at a time.
+    pub(crate) fn steps(&self, time: f64) -> std::ops::RangeInclusive<i64> {
+        ((time - self.lifetime) * self.rate).floor() as i64..=(time * self.rate).floor() as i64
+    }
+
+    /// Checks every figure, and what they ask for together.
+    ///
+    /// # Errors
+    /// A figure that is not finite or cannot be negative and is, or too many cells, steps or drops.
+    pub fn check(&self) -> Result<(), SprayError> {
+        let any = self.center.iter().map(|&v| ("center", v)).chain(self.wind.iter().map(|&v| ("wind", v)));
+        for (figure, value) in any.chain([("threshold", self.threshold), ("follow", self.follow)]) {
+            if !value.is_finite() {
+                return Err(SprayError::Figure(figure, value));
+            }
+        }
+        let positive = [("cell", self.cell), ("rate", self.rate), ("tuft", self.tuft)];
+        let figures = [
+            ("size", self.size[0]),
+            ("size", self.size[1]),
+            ("width", self.width),
+            ("density", self.density),
+            ("speed", self.speed),
+            ("cone", self.cone),
+            ("drag", self.drag),
+            ("lifetime", self.lifetime),
+            ("radius", self.radius),
+            ("growth", self.growth),
+            ("vary", self.vary),
+            ("torn", self.torn),
+        ];
+        for (figure, value) in positive.into_iter().chain(figures) {
+            if !value.is_finite() || value < 0.0 || (value == 0.0 && positive.contains(&(figure, value))) {
+                return Err(SprayError::Figure(figure, value));
+            }
+        }
+        let [[_, columns], [_, rows]] = self.span();
+        if columns * rows > MAX_CELLS as f64 {
+            return Err(SprayError::Cells(columns, rows));
+        }
+        let steps = (self.lifetime * self.rate).floor() + 2.0;
+        if steps > MAX_STEPS as f64 {
+            return Err(SprayError::Steps(steps));
+        }
+        if steps * columns * rows > MAX_WORK as f64 {
+            return Err(SprayError::Work(steps * columns * rows));
+        }
+        if self.expected().ceil() > MAX_CROWD as f64 {
+            return Err(SprayError::Crowd(self.expected().ceil()));
+        }
+        self.bursts.iter().try_for_each(Burst::check)?;
+        let thrown: usize = self.bursts.iter().map(|burst| burst.count).fold(0, usize::saturating_add);
+        if thrown > MAX_DROPS { Err(SprayError::Drops) } else { Ok(()) }
+    }
+}

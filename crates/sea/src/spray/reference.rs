@@ -1,0 +1,37 @@
+//! The same drops by plain loops in f64: every step of a lifetime, every cell, every candidate, the sum over all waves.
+
+use super::Spray;
+use super::birth::{Birth, Droplet, Water};
+use crate::Sea;
+
+/// The births of every step that matters at a time, over a sea that rests at world y = `level`.
+///
+/// Slow: cells × steps × waves.
+pub fn births(spray: &Spray, sea: &Sea, level: f64, time: f64) -> Vec<Birth> {
+    let mut births = Vec::new();
+    for step in spray.steps(time) {
+        let frame = sea.at(spray.moment(step));
+        for cell in spray.cells().iter() {
+            let mut jacobian = None;
+            spray.candidates(cell, step, |candidate, needed| {
+                let folded = || frame.evaluate(spray.middle(cell), spray.cell).jacobian();
+                if *jacobian.get_or_insert_with(folded) < needed {
+                    let [x, z] = candidate.rest(spray);
+                    let sample = frame.evaluate([x, z], spray.cell);
+                    let [dx, dy, dz] = sample.displacement;
+                    let position = [x + dx, level + dy, z + dz];
+                    births.push(spray.birth(&candidate, &Water { position, velocity: sample.velocity }));
+                }
+            });
+        }
+    }
+    births
+}
+
+/// The drops that live at a time, as [`SprayRun::at`](super::SprayRun::at) orders them; without a level, those of bursts
+/// alone.
+pub fn drops(spray: &Spray, sea: &Sea, level: Option<f64>, time: f64) -> Vec<Droplet> {
+    let born = level.map(|level| births(spray, sea, level, time)).unwrap_or_default();
+    let born = born.into_iter().chain(spray.thrown(time));
+    born.filter_map(|birth| spray.droplet(&birth, level, time)).collect()
+}

@@ -1,0 +1,100 @@
+//! The drops of moments, with the births that the next moment needs too.
+
+use super::birth::{Birth, Droplet};
+use super::breeder::Breeder;
+use super::{MAX_DROPS, Spray, SprayError};
+use crate::Sea;
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// A spray over a sea, asked for moments in any order.
+///
+/// The births of the last moment are kept, so that the next one costs the steps between them. That changes no bit.
+#[derive(Debug)]
+pub struct SprayRun {
+    spray: Spray,
+    sea: Sea,
+    level: Option<f64>,
+    kept: Mutex<BTreeMap<i64, Arc<[Birth]>>>,
+}
+
+impl SprayRun {
+    /// The spray of a sea that rests at world y = `level`.
+    ///
+    /// # Errors
+    /// Those of [`Spray::check`].
+    pub fn new(spray: Spray, sea: Sea, level: f64) -> Result<Self, SprayError> {
+        spray.check()?;
+        Ok(Self { spray, sea, level: Some(level), kept: Mutex::default() })
+    }
+
+    /// The bursts of a spray alone, over no sea into which drops could sink.
+    ///
+    /// # Errors
+    /// Those of [`Spray::check`].
+    pub fn bursts(spray: Spray) -> Result<Self, SprayError> {
+        spray.check()?;
+        Ok(Self { spray, sea: Sea::default(), level: None, kept: Mutex::default() })
+    }
+
+    /// The description.
+    pub fn spray(&self) -> &Spray {
+        &self.spray
+    }
+
+    /// The sea.
+    pub fn sea(&self) -> &Sea {
+        &self.sea
+    }
+
+    /// Where drops sink, if there is a sea.
+    pub fn level(&self) -> Option<f64> {
+        self.level
+    }
+
+    /// The drops that live at a time in seconds, always in one order.
+    ///
+    /// # Errors
+    /// More than [`MAX_DROPS`].
+    pub fn at(&self, time: f64) -> Result<Vec<Droplet>, SprayError> {
+        let steps = self.births(time)?;
+        let born = steps.iter().flat_map(|births| births.iter().copied()).chain(self.spray.thrown(time));
+        Ok(born.filter_map(|birth| self.spray.droplet(&birth, self.level, time)).collect())
+    }
+
+    /// The births of every step that matters at a time.
+    fn births(&self, time: f64) -> Result<Vec<Arc<[Birth]>>, SprayError> {
+        let Some(level) = self.level else { return Ok(Vec::new()) };
+        // A sea without waves has det J = 1 everywhere.
+        if self.spray.expected() == 0.0 || (self.sea.waves().is_empty() && self.spray.threshold <= 1.0) {
+            return Ok(Vec::new());
+        }
+        let wanted = self.spray.steps(time);
+        // Nothing is computed under the lock: a thread that waits for its helpers may take up a task that wants it.
+        let kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        let (mut steps, mut breeder, mut total) = (BTreeMap::new(), None, 0);
+        for step in wanted {
+            let births: Arc<[Birth]> = match kept.get(&step) {
+                Some(births) => births.clone(),
+                None => {
+                    let breeder = breeder.get_or_insert_with(|| Breeder::new(&self.spray, &self.sea, level));
+                    breeder.step(step)?.into()
+                }
+            };
+            total += births.len();
+            if total > MAX_DROPS {
+                return Err(SprayError::Drops);
+            }
+            steps.insert(step, births);
+        }
+        let births = steps.values().cloned().collect();
+        *self.kept.lock().unwrap_or_else(PoisonError::into_inner) = steps;
+        Ok(births)
+    }
+
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        let kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
+        kept.values().map(|births| births.len() * size_of::<Birth>()).sum()
+    }
+}
