@@ -5,4 +5,5 @@ mod folding;
 mod grids;
 mod group;
 mod random;
+mod ripple;
 mod toon;
