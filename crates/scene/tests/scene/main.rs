@@ -2,6 +2,8 @@
 
 mod bezier;
 mod edges;
+mod float;
 mod grid;
 mod invariance;
+mod random;
 mod reference;
