@@ -105,27 +105,6 @@ fn lines_do_not_flicker_afar() {
     }
 }
 
-#[test]
-fn lines_agree_with_the_reference_from_the_shore_to_the_horizon() {
-    for (change, to) in
-        [("", ""), ("\"width\": 0.12", "\"width\": 1e6"), ("\"scale\": 2", "\"scale\": 1e-3, \"scroll_z\": 1e6")]
-    {
-        let text = lines(64, 24).replace(change, to);
-        let graph = graph_in(Path::new("."), &text);
-        let frame = under_all_settings(&graph, 77, &Buffers::new(), "lines");
-        let reference = ReferenceFrame::new(&graph, "lines", 77).unwrap();
-        let (mut near, mut all) = (0, 0);
-        for (x, y) in (0..32).flat_map(|y| (0..64).map(move |x| (x, y))).filter(|(x, y)| (x + 3 * y) % 5 == 0) {
-            let (truth, found) = (reference.pixel(x, y).unwrap()[0], f64::from(sample(&frame.pictures[0], 0, x, y)));
-            assert!((0.0..=1.0).contains(&found));
-            near += i32::from((found - truth).abs() < 5e-3);
-            all += 1;
-        }
-        // Afar f32 knows points no better than lines are wide.
-        assert!(f64::from(near) > 0.99 * f64::from(all), "{to}: {near} of {all}");
-    }
-}
-
 const AFLOAT: &str = r##"{ "trochoid": 1, "format": { "width": 32, "height": 18, "samples": 4 },
     "frames": { "first": 1, "last": 80, "fps": 24 },
     "nodes": {
