@@ -105,6 +105,53 @@ fn lines_do_not_flicker_afar() {
     }
 }
 
+#[test]
+fn lines_agree_with_the_reference_from_the_shore_to_the_horizon() {
+    for (change, to) in
+        [("", ""), ("\"width\": 0.12", "\"width\": 1e6"), ("\"scale\": 2", "\"scale\": 1e-3, \"scroll_z\": 1e6")]
+    {
+        let text = lines(64, 24).replace(change, to);
+        let graph = graph_in(Path::new("."), &text);
+        let frame = under_all_settings(&graph, 77, &Buffers::new(), "lines");
+        let reference = ReferenceFrame::new(&graph, "lines", 77).unwrap();
+        let (mut near, mut all) = (0, 0);
+        for (x, y) in (0..32).flat_map(|y| (0..64).map(move |x| (x, y))).filter(|(x, y)| (x + 3 * y) % 5 == 0) {
+            let (truth, found) = (reference.pixel(x, y).unwrap()[0], f64::from(sample(&frame.pictures[0], 0, x, y)));
+            assert!((0.0..=1.0).contains(&found));
+            near += i32::from((found - truth).abs() < 5e-3);
+            all += 1;
+        }
+        // Afar f32 knows points no better than lines are wide.
+        assert!(f64::from(near) > 0.99 * f64::from(all), "{to}: {near} of {all}");
+    }
+}
+
+#[test]
+fn a_tiled_picture_lies_on_the_water_and_scrolls() {
+    let folder = tempfile::tempdir().unwrap();
+    write_exr(&folder.path().join("tile.exr"), 4, 2, &[("m", &[0.0, 0.5, 1.0, 0.25, 0.75, 0.0, 0.125, 1.0])]);
+    let text = lines(48, 24)
+        .replace("\"width\": 0.12", "\"scroll_x\": 2, \"scroll_z\": -6")
+        .replace(
+            "} },\n            \"outputs\"",
+            "}, \"tiled\": { \"type\": \"Texture\", \"file\": \"tile.exr\", \"as\": \"field\",
+            \"channels\": [\"m\"], \"u\": \"lines.u\", \"v\": \"lines.v\" } },\n            \"outputs\"",
+        )
+        .replace("\"weights\": \"lines\"", "\"field\": \"tiled\"");
+    let graph = graph_in(folder.path(), &text);
+    let at = |frame: i64| evaluate(&graph, frame, &Buffers::new(), &settings(|_| ()));
+    // In a second the tiles move by one along x and by three along z: to the same picture.
+    let [start, between, second] = [1, 9, 25].map(at);
+    let (mut moved, mut seen) = (0, 0);
+    for (x, y) in (12..24).flat_map(|y| (0..48).map(move |x| (x, y))) {
+        let [a, b, c] = [&start, &between, &second].map(|frame| sample(&frame.pictures[0], 0, x, y));
+        assert!((a - c).abs() < 1e-4, "({x}, {y}): {a} and {c}");
+        moved += i32::from((a - b).abs() > 0.01);
+        seen += i32::from(a > 0.0);
+    }
+    assert!(moved > 300 && seen > 300, "{moved} moved, {seen} seen");
+}
+
 const AFLOAT: &str = r##"{ "trochoid": 1, "format": { "width": 32, "height": 18, "samples": 4 },
     "frames": { "first": 1, "last": 80, "fps": 24 },
     "nodes": {

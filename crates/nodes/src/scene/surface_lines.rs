@@ -144,10 +144,15 @@ impl Place {
         self.steps.map(|[x, z]| libm::hypot(x, z)).into_iter().fold(0.0, f64::max)
     }
 
-    /// Share of the lines that the pixel's size leaves.
+    /// The same, moved by so many meshes.
+    fn bent(&self, by: [f64; 2]) -> Self {
+        Self { at: [self.at[0] + by[0], self.at[1] + by[1]], ..*self }
+    }
+
+    /// Share of the lines that the pixel's size leaves; none below 1e-8.
     fn sharp(&self) -> f64 {
         let turn = TAU * self.longest();
-        libm::exp(-turn * turn / 8.0)
+        if turn < 12.0 { libm::exp(-turn * turn / 8.0) } else { 0.0 }
     }
 
     /// Distance in meshes from which on no line is seen: d changes by no more than the place does.
@@ -195,15 +200,10 @@ impl Drawing {
         [rest.x / self.scale - self.scrolled[0], rest.z / self.scale - self.scrolled[1]]
     }
 
-    /// The place of a rest point, bent by noise.
-    fn place(&self, rest: DVec3, bends: [f64; 2], thickness: f64) -> Place {
-        let at = self.tiles(rest);
+    /// The place of a rest point, before it is bent.
+    fn place(&self, rest: DVec3, thickness: f64) -> Place {
         let steps = footprint_axes(&self.projector, rest).map(|axis| axis.map(|along| along / self.scale));
-        Place {
-            at: [0, 1].map(|axis| at[axis] + self.sway * bends[axis]),
-            steps,
-            width: self.width * thickness / self.scale,
-        }
+        Place { at: self.tiles(rest), steps, width: self.width * thickness / self.scale }
     }
 
     /// The lines' share of the water.
@@ -219,25 +219,30 @@ impl Drawing {
     }
 
     fn fill_mask(&self, rests: &[DVec3], coverage: &[f32], thickness: Option<&[f32]>, mask: &mut [f32]) {
-        let mut bends = [vec![0.0f32; rests.len()], vec![0.0f32; rests.len()]];
-        if self.sway > 0.0 {
-            for (bend, out) in self.bends.iter().zip(&mut bends) {
-                bend.fill::<2>(rests.iter().map(|rest| self.tiles(*rest)), out);
+        let mut near: Vec<(usize, Place)> = Vec::new();
+        for (index, rest) in rests.iter().enumerate() {
+            let place = self.place(*rest, thickness.map_or(1.0, |plane| f64::from(plane[index])));
+            if coverage[index] == 0.0 {
+                mask[index] = 0.0;
+            } else if place.sharp() == 0.0 {
+                mask[index] = place.faded(0.0, self.share(&place)) as f32;
+            } else {
+                near.push((index, place));
             }
         }
-        let thickness = |index: usize| thickness.map_or(1.0, |plane| f64::from(plane[index]));
-        let places: Vec<Place> = rests
-            .iter()
-            .enumerate()
-            .map(|(index, rest)| self.place(*rest, [0, 1].map(|axis| f64::from(bends[axis][index])), thickness(index)))
-            .collect();
-        let mut here = vec![0.0; places.len()];
-        self.net.fill::<2>(places.iter().map(|place| place.at), &mut here);
-        for (((mask, place), here), coverage) in mask.iter_mut().zip(&places).zip(here).zip(coverage) {
-            let here = f64::from(here);
-            *mask = if *coverage == 0.0 {
-                0.0
-            } else if here / 2.0 > place.reach() {
+        if self.sway > 0.0 {
+            let mut bends = [vec![0.0f32; near.len()], vec![0.0f32; near.len()]];
+            for (bend, out) in self.bends.iter().zip(&mut bends) {
+                bend.fill::<2>(near.iter().map(|(_, place)| place.at), out);
+            }
+            for (step, (_, place)) in near.iter_mut().enumerate() {
+                *place = place.bent([0, 1].map(|axis| self.sway * f64::from(bends[axis][step])));
+            }
+        }
+        let mut here = vec![0.0; near.len()];
+        self.net.fill::<2>(near.iter().map(|(_, place)| place.at), &mut here);
+        for ((index, place), here) in near.iter().zip(here.into_iter().map(f64::from)) {
+            mask[*index] = if here / 2.0 > place.reach() {
                 place.faded(0.0, self.share(place)) as f32
             } else {
                 let mut around = [0.0f32; 4];
@@ -274,8 +279,8 @@ impl Prepared for Drawing {
         let view = self.node.source("view");
         let rest = DVec3::from(RESTS.map(|channel| inputs.view(view, channel)));
         let thickness = self.node.all("thickness").first().map_or(1.0, |source| inputs.scalar(source));
-        let bends = [0, 1].map(|axis| noise_reference(&self.bends[axis], &self.tiles(rest)));
-        let place = self.place(rest, bends, thickness);
+        let place = self.place(rest, thickness);
+        let place = place.bent([0, 1].map(|axis| self.sway * noise_reference(&self.bends[axis], &place.at)));
         let here = noise_reference(&self.net, &place.at);
         let around = place.around().map(|at| noise_reference(&self.net, &at));
         let mask = place.mask(here, around, self.share(&place));
