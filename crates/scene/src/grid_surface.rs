@@ -74,8 +74,13 @@ impl GridSurface {
         if !inside(u, self.columns) || !inside(v, self.rows) {
             return None;
         }
+        Some(self.within(u, v))
+    }
+
+    /// The same at a place in cells within the grid.
+    fn within(&self, u: f64, v: f64) -> [f64; 3] {
         let (i, j) = ((u as usize).min(self.columns - 2), (v as usize).min(self.rows - 2));
-        Some(self.blend([i, j], weights(u - i as f64), weights(v - j as f64)))
+        self.blend([i, j], weights(u - i as f64), weights(v - j as f64))
     }
 
     /// The interpolation in a cell, and its slopes.
@@ -252,6 +257,14 @@ impl Surface for GridSurface {
             (near, at_near) = (far, at_far);
         }
         None
+    }
+
+    /// Beyond the grid the heights of its edge go on. A grid holds nothing that is finer than its cells.
+    fn height_at(&self, place: [f64; 2], _footprint: f64) -> Option<f64> {
+        let counts = [self.columns, self.rows];
+        let [u, v] =
+            [0, 1].map(|axis| ((place[axis] - self.origin[axis]) / self.spacing).clamp(0.0, (counts[axis] - 1) as f64));
+        Some(self.level + self.within(u, v)[0])
     }
 }
 

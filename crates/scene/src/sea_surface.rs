@@ -14,6 +14,8 @@ pub struct SeaSurface {
     pub(crate) bounds: Bounds,
     /// Height in meters that no phases can pass: Σ|a|.
     pub(crate) summit: f64,
+    /// Horizontal displacement in meters that no phases can pass: Σ|h|.
+    drift: f64,
     /// Shortest wave in meters; infinite without waves.
     pub(crate) shortest: f64,
     spacing: Spacing,
@@ -22,6 +24,12 @@ pub struct SeaSurface {
 /// Standard deviations of the displacement that the search for visible points allows for: of a normal distribution,
 /// 4 points in 100 million lie beyond.
 const DEVIATIONS: f64 = 5.5;
+
+/// Most steps that invert the horizontal displacement, the error over 1 m + distance at which they end, and the least
+/// eigenvalue that they go by.
+const STEPS: usize = 64;
+const CLOSE: f64 = 1e-12;
+const LEAST: f64 = 0.5;
 
 impl SeaSurface {
     /// The sea at a time in seconds, at rest at world y = `level`.
@@ -35,6 +43,7 @@ impl SeaSurface {
             level,
             bounds,
             summit: sea.height_bound(),
+            drift: sea.horizontal_bound(),
             shortest: sea.waves().iter().map(|wave| wave.wavelength).fold(f64::INFINITY, f64::min),
             spacing: Spacing::new(sea),
         }
@@ -56,6 +65,43 @@ impl SeaSurface {
         let position = DVec3::new(rest[0], self.level, rest[1]) + DVec3::from(sample.displacement);
         (position, DVec3::from(sample.normal()), sample.slope_variance)
     }
+
+    /// The rest point that is carried to a place x, z, under a footprint in meters.
+    ///
+    /// The fixed point of p₀ = p − D(p₀), by Newton's steps from p itself: with H = I + ∂D, p₀ grows by H⁻¹(p − p₀ − D).
+    /// Eigenvalues of H count as ½ at least, so that near folds and within them steps stay finite; they never lead
+    /// beyond the reach of D, and depend on p and time alone and continuously so. Where the sea does not fold they
+    /// converge; in a fold they settle near one of its sheets.
+    pub(crate) fn rest_above(&self, place: [f64; 2], footprint: f64) -> [f64; 2] {
+        let mut moved = [0.0; 2];
+        for _ in 0..STEPS {
+            let rest = [place[0] + moved[0], place[1] + moved[1]];
+            let sample = self.frame.evaluate(rest, footprint);
+            let error = [-moved[0] - sample.displacement[0], -moved[1] - sample.displacement[2]];
+            if libm::hypot(error[0], error[1]) <= CLOSE * (1.0 + libm::hypot(place[0], place[1])) {
+                break;
+            }
+            let step = inverse(sample.strain, error);
+            moved = [moved[0] + step[0], moved[1] + step[1]];
+            let beyond = libm::hypot(moved[0], moved[1]) / self.drift;
+            if beyond > 1.0 {
+                moved = moved.map(|along| along / beyond);
+            }
+        }
+        [place[0] + moved[0], place[1] + moved[1]]
+    }
+}
+
+/// H⁻¹ of a vector, H = I + the strains, with eigenvalues of [`LEAST`] or more.
+///
+/// A function f of a symmetric matrix with eigenvalues low and high is αI + βH with β = (f(high) − f(low))/(high − low).
+fn inverse([xx, xz, zz]: [f64; 3], [x, z]: [f64; 2]) -> [f64; 2] {
+    let (middle, radius) = (1.0 + (xx + zz) / 2.0, libm::hypot((xx - zz) / 2.0, xz));
+    let f = |eigenvalue: f64| 1.0 / eigenvalue.max(LEAST);
+    let (low, high) = (middle - radius, middle + radius);
+    let beta = if radius > 1e-9 { (f(high) - f(low)) / (2.0 * radius) } else { 0.0 };
+    let alpha = f(low) - beta * low;
+    [alpha * x + beta * ((1.0 + xx) * x + xz * z), alpha * z + beta * (xz * x + (1.0 + zz) * z)]
 }
 
 impl Surface for SeaSurface {
@@ -76,5 +122,10 @@ impl Surface for SeaSurface {
 
     fn as_sea(&self) -> Option<&SeaSurface> {
         Some(self)
+    }
+
+    fn height_at(&self, place: [f64; 2], footprint: f64) -> Option<f64> {
+        let rest = self.rest_above(place, footprint);
+        Some(self.level + self.frame.evaluate(rest, footprint).displacement[1])
     }
 }

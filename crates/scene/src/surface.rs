@@ -20,6 +20,13 @@ pub trait Surface: Send + Sync {
     fn as_sea(&self) -> Option<&SeaSurface> {
         None
     }
+
+    /// World y of a sea above or below a place x, z, without the waves that a footprint in meters takes; `None` for
+    /// whatever is no sea.
+    fn height_at(&self, place: [f64; 2], footprint: f64) -> Option<f64> {
+        let _ = (place, footprint);
+        None
+    }
 }
 
 /// How the vertices of a mesh hang together.

@@ -2,6 +2,7 @@
 
 use std::collections::HashMap;
 
+use crate::random::Draw;
 use trochoid_image::{Format, Window};
 use trochoid_scene::bezier::{
     Bicubic, Bilinear, MAX_SEGMENTS, Patch, PatchModel, Placement, Rails, RailsError, Tessellation, UnitNormal,
@@ -12,23 +13,8 @@ use trochoid_scene::{
     TrianglesError, Visible, reference,
 };
 
-/// Numbers in [0, 1) by a fixed rule: Weyl's sequence, scrambled.
-struct Draw(u64);
-
-impl Draw {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mixed = (self.0 ^ (self.0 >> 31)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        ((mixed ^ (mixed >> 27)) >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    fn point(&mut self, size: f64) -> DVec3 {
-        (DVec3::new(self.next(), self.next(), self.next()) - 0.5) * 2.0 * size
-    }
-
-    fn patch(&mut self, size: f64) -> Bicubic {
-        Bicubic { points: std::array::from_fn(|_| self.point(size)) }
-    }
+fn random_patch(draw: &mut Draw, size: f64) -> Bicubic {
+    Bicubic { points: std::array::from_fn(|_| draw.point(size)) }
 }
 
 #[test]
@@ -36,7 +22,7 @@ fn both_orders_and_the_matrix_agree() {
     let mut draw = Draw(1);
     for size in [1e-6, 1.0, 1e7] {
         for _ in 0..200 {
-            let patch = draw.patch(size);
+            let patch = random_patch(&mut draw, size);
             let (u, v) = (draw.next(), draw.next());
             let point = patch.evaluate(u, v);
             assert!((point - patch.evaluate_v_first(u, v)).length() <= 1e-14 * size);
@@ -58,7 +44,7 @@ fn both_orders_and_the_matrix_agree() {
 fn corners_are_met_and_quarters_are_the_patch() {
     let mut draw = Draw(2);
     for _ in 0..50 {
-        let patch = draw.patch(3.0);
+        let patch = random_patch(&mut draw, 3.0);
         assert_eq!(patch.evaluate(0.0, 0.0), patch.points[0]);
         assert!((patch.evaluate(1.0, 1.0) - patch.points[15]).length() < 1e-14);
         let (u, v) = (draw.next(), draw.next());
@@ -74,7 +60,7 @@ fn corners_are_met_and_quarters_are_the_patch() {
 fn tangents_are_derivatives() {
     let mut draw = Draw(3);
     for _ in 0..100 {
-        let patch = draw.patch(1.0);
+        let patch = random_patch(&mut draw, 1.0);
         let (u, v, h) = (draw.next(), draw.next(), 1e-5);
         let [along_u, along_v] = patch.tangents(u, v);
         let slope_u = (patch.evaluate(u + h, v) - patch.evaluate(u - h, v)) / (2.0 * h);
@@ -347,7 +333,7 @@ fn hostile_models_stay_within_limits() {
     let camera = look([0.0; 3], [0.0, 0.0, -1.0]);
     for size in [0.0, 1e-30, 1e-3, 1.0, 1e7, 1e30] {
         // The camera stands within the model.
-        let patches: Vec<Patch> = (0..12).map(|_| Patch::new(draw.patch(size))).collect();
+        let patches: Vec<Patch> = (0..12).map(|_| Patch::new(random_patch(&mut draw, size))).collect();
         for tessellation in [Tessellation::Adaptive { tolerance: 1e-3 }, Tessellation::Uniform { segments: u32::MAX }] {
             let model = PatchModel::new(&patches, Placement::default(), false, tessellation);
             let mesh = model.tessellate(&camera.projector(format()), ChannelSet::ALL);

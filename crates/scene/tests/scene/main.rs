@@ -2,7 +2,9 @@
 
 mod bezier;
 mod edges;
+mod float;
 mod grid;
 mod invariance;
+mod random;
 mod reference;
 mod spray;

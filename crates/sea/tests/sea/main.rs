@@ -6,4 +6,5 @@ mod grids;
 mod group;
 mod random;
 mod spray;
+mod ripple;
 mod toon;

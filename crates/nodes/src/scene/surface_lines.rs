@@ -1,0 +1,294 @@
+//! SurfaceLines: the net of light lines that scrolls over cartoon water.
+
+use crate::front_support::{Axes, Noise, NoiseKind, noise_reference};
+use crate::scene_support::{eye, is_covered};
+use std::f64::consts::TAU;
+use trochoid_graph::*;
+use trochoid_scene::{DVec3, Projector, footprint_axes};
+
+pub(crate) static NODE: &dyn NodeType = &SurfaceLines;
+
+struct SurfaceLines;
+
+static DECLARATION: Declaration = Declaration {
+    name: "SurfaceLines",
+    end: End::Front,
+    summary: "A mask of lines on the water that scroll and sway, and coordinates by which a Texture lays a tiled picture \
+              there instead.",
+    formula: "q = (p₀ − scroll·time)/scale + sway·n(q), p₀ the rest point, n gradient noise; the distance to a line is d \
+              = scale·(F₂ − F₁)/2 by the two nearest feature points. A line of width w is drawn at least one pixel \
+              wide, W = max(w, c), c the change of d over a pixel: (w/W)·(½ + (W/2 − d)/c), limited to [0, w/W]. It \
+              fades to the lines' share of the water by exp(−(2πf/scale)²/8), f the longer side of the pixel's patch on \
+              the water. u = (x₀ − scroll_x·time)/scale, v = −(z₀ − scroll_z·time)/scale.",
+    edge_cases: "0 where nothing is seen. u and v grow toward +X and −Z, and leave out whole pairs of tiles that time \
+                 scrolled by, so that they stay exact. The pixel's patch is that of the water at rest. Needs a view with \
+                 a camera.",
+    source: "Creation of a cartoon shader of water for the web, part 2 (a tiled picture of lines, pos.y += time); Worley, \
+             A Cellular Texture Basis Function, 1996, for the lines.",
+    items: &[
+        Port::one("view", Accepts::View, "The water."),
+        Port::optional("thickness", Accepts::Mask, "Share of the width at a place, such as a Noise; by default 1."),
+        Knob::number("scale", 3.0, 1e-3, 1e6, "Size of the meshes, and of a tile of u and v.").unit("m").item(),
+        Knob::number("width", 0.15, 0.0, 1e6, "Width of the lines.").unit("m").item(),
+        Knob::number("scroll_x", 0.0, -1e6, 1e6, "How fast they move along x.").unit("m/s").item(),
+        Knob::number("scroll_z", 0.2, -1e6, 1e6, "How fast they move along z.").unit("m/s").item(),
+        Knob::number("sway", 0.25, 0.0, 10.0, "How far the lines bend, in meshes; 0 draws them straight.").item(),
+        Knob::number("liveliness", 0.3, -1e3, 1e3, "How fast they sway: 1 bends them anew once a second.")
+            .unit("1/s")
+            .item(),
+        Knob::integer("seed", 0, 0, 1_000_000_000, "Which net of all that have these figures.").item(),
+    ],
+    outputs: &[
+        Output::new("mask", Kind::MASK, "The lines."),
+        Output::new("u", Kind::Field(1), "Where across the tiles: 1 more with each tile."),
+        Output::new("v", Kind::Field(1), "Where along their height."),
+    ],
+    revision: 1,
+};
+
+const RESTS: [ViewChannel; 3] = [ViewChannel::RestX, ViewChannel::RestY, ViewChannel::RestZ];
+
+impl NodeType for SurfaceLines {
+    fn declaration(&self) -> &'static Declaration {
+        &DECLARATION
+    }
+
+    fn body(&self) -> Body<'_> {
+        Body::Stage(self)
+    }
+}
+
+impl Stage for SurfaceLines {
+    fn asks(&self, _node: &Settled, _wanted: &[bool]) -> ChannelSet {
+        ChannelSet::of(&RESTS).union(ViewChannel::Coverage.into())
+    }
+
+    fn interval(&self, _node: &Settled, output: usize, _channel: usize) -> Option<(f64, f64)> {
+        (output == 0).then_some((0.0, 1.0))
+    }
+
+    fn timed(&self) -> bool {
+        true
+    }
+
+    fn prepare(&self, node: &Settled, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
+        let time = prepare.frame.time;
+        let (scale, seed) = (node.number("scale"), node.integer("seed") as u32);
+        let cells = |size: f64, seed: u32| Axes { scale: size, octaves: 1, lacunarity: 2.0, gain: 0.5, seed };
+        let net = Noise::new(NoiseKind::Edges, cells(1.0, seed), None);
+        let evolution = node.number("liveliness") * time;
+        let bend = |axis: u32| Noise::new(NoiseKind::Fbm, cells(BEND, mixed(seed, axis)), Some(evolution));
+        Ok(Box::new(Drawing {
+            node: node.clone(),
+            projector: eye(node, prepare, prepare.frame.format)?,
+            scale,
+            width: node.number("width"),
+            scrolled: ["scroll_x", "scroll_z"].map(|knob| node.number(knob) * time / scale),
+            sway: node.number("sway"),
+            shares: shares(&net),
+            bends: [bend(1), bend(2)],
+            net,
+        }))
+    }
+}
+
+/// Size of the bends in meshes.
+const BEND: f64 = 1.7;
+
+/// Seeds of the bends, unlike each other and the net's.
+fn mixed(seed: u32, axis: u32) -> u32 {
+    seed.wrapping_mul(3).wrapping_add(axis).wrapping_mul(0x9e37_79b9)
+}
+
+/// Places along each axis at which the net is sampled, and how many of them lie in a mesh.
+const SAMPLES: usize = 64;
+const SAMPLES_PER_MESH: f64 = 3.7;
+
+/// Distances of places to the nearest line in meshes, in order: how much of the water is nearer than a distance.
+fn shares(net: &Noise) -> Vec<f32> {
+    let place = |index: usize| [index % SAMPLES, index / SAMPLES].map(|step| step as f64 / SAMPLES_PER_MESH);
+    let mut distances = vec![0.0; SAMPLES * SAMPLES];
+    net.fill::<2>((0..SAMPLES * SAMPLES).map(place), &mut distances);
+    distances.iter_mut().for_each(|distance| *distance /= 2.0);
+    distances.sort_by(f32::total_cmp);
+    distances
+}
+
+struct Drawing {
+    node: Settled,
+    projector: Projector,
+    scale: f64,
+    width: f64,
+    /// How far the tiles have moved along x and z, in tiles.
+    scrolled: [f64; 2],
+    sway: f64,
+    net: Noise,
+    bends: [Noise; 2],
+    shares: Vec<f32>,
+}
+
+/// The lines at one place, all but their distance.
+#[derive(Clone, Copy, Default)]
+struct Place {
+    /// In meshes.
+    at: [f64; 2],
+    /// Steps to the next pixels, in meshes.
+    steps: [[f64; 2]; 2],
+    /// Width of the line in meshes.
+    width: f64,
+}
+
+impl Place {
+    /// The longer side of the pixel's patch.
+    fn longest(&self) -> f64 {
+        self.steps.map(|[x, z]| libm::hypot(x, z)).into_iter().fold(0.0, f64::max)
+    }
+
+    /// The same, moved by so many meshes.
+    fn bent(&self, by: [f64; 2]) -> Self {
+        Self { at: [self.at[0] + by[0], self.at[1] + by[1]], ..*self }
+    }
+
+    /// Share of the lines that the pixel's size leaves; none below 1e-8.
+    fn sharp(&self) -> f64 {
+        let turn = TAU * self.longest();
+        if turn < 12.0 { libm::exp(-turn * turn / 8.0) } else { 0.0 }
+    }
+
+    /// Distance in meshes from which on no line is seen: d changes by no more than the place does.
+    fn reach(&self) -> f64 {
+        let [across, along] = self.steps.map(|[x, z]| libm::hypot(x, z));
+        let change = libm::hypot(across, along).max(LEAST_CHANGE);
+        (self.width.max(change) + change) / 2.0
+    }
+
+    /// The places before and after it, across and along the view.
+    fn around(&self) -> [[f64; 2]; 4] {
+        let [[ax, az], [bx, bz]] = self.steps;
+        let [x, z] = self.at;
+        [[x - ax, z - az], [x + ax, z + az], [x - bx, z - bz], [x + bx, z + bz]]
+    }
+
+    /// The mask, from F₂ − F₁ here and around.
+    fn mask(&self, here: f64, around: [f64; 4], share: f64) -> f64 {
+        let d = here / 2.0;
+        // The larger of both sides: where the line itself lies between, one of them says nothing.
+        let [across, along] =
+            [0, 2].map(|first| (around[first] / 2.0 - d).abs().max((around[first + 1] / 2.0 - d).abs()));
+        let change = libm::hypot(across, along).max(LEAST_CHANGE);
+        let drawn = self.width.max(change);
+        let line = if self.width > 0.0 {
+            (self.width / drawn) * (0.5 + (drawn / 2.0 - d) / change).clamp(0.0, 1.0)
+        } else {
+            0.0
+        };
+        self.faded(line, share)
+    }
+
+    /// A line that the pixel's size fades to the lines' share of the water.
+    fn faded(&self, line: f64, share: f64) -> f64 {
+        (share + (line - share) * self.sharp()).clamp(0.0, 1.0)
+    }
+}
+
+/// Least softness of an edge in meshes, for places where the distance does not change.
+const LEAST_CHANGE: f64 = 1e-3;
+
+impl Drawing {
+    /// A rest point in tiles.
+    fn tiles(&self, rest: DVec3) -> [f64; 2] {
+        [rest.x / self.scale - self.scrolled[0], rest.z / self.scale - self.scrolled[1]]
+    }
+
+    /// The place of a rest point, before it is bent.
+    fn place(&self, rest: DVec3, thickness: f64) -> Place {
+        let steps = footprint_axes(&self.projector, rest).map(|axis| axis.map(|along| along / self.scale));
+        Place { at: self.tiles(rest), steps, width: self.width * thickness / self.scale }
+    }
+
+    /// The lines' share of the water.
+    fn share(&self, place: &Place) -> f64 {
+        let nearer = self.shares.partition_point(|distance| f64::from(*distance) < place.width / 2.0);
+        nearer as f64 / self.shares.len() as f64
+    }
+
+    /// Coordinates of a picture: whole pairs of tiles are no difference to it, mirrored or not.
+    fn coordinates(&self, rest: DVec3) -> [f64; 2] {
+        let offset = self.scrolled.map(|tiles| tiles - 2.0 * libm::floor(tiles / 2.0));
+        [rest.x / self.scale - offset[0], offset[1] - rest.z / self.scale]
+    }
+
+    fn fill_mask(&self, rests: &[DVec3], coverage: &[f32], thickness: Option<&[f32]>, mask: &mut [f32]) {
+        let mut near: Vec<(usize, Place)> = Vec::new();
+        for (index, rest) in rests.iter().enumerate() {
+            let place = self.place(*rest, thickness.map_or(1.0, |plane| f64::from(plane[index])));
+            if coverage[index] == 0.0 {
+                mask[index] = 0.0;
+            } else if place.sharp() == 0.0 {
+                mask[index] = place.faded(0.0, self.share(&place)) as f32;
+            } else {
+                near.push((index, place));
+            }
+        }
+        if self.sway > 0.0 {
+            let mut bends = [vec![0.0f32; near.len()], vec![0.0f32; near.len()]];
+            for (bend, out) in self.bends.iter().zip(&mut bends) {
+                bend.fill::<2>(near.iter().map(|(_, place)| place.at), out);
+            }
+            for (step, (_, place)) in near.iter_mut().enumerate() {
+                *place = place.bent([0, 1].map(|axis| self.sway * f64::from(bends[axis][step])));
+            }
+        }
+        let mut here = vec![0.0; near.len()];
+        self.net.fill::<2>(near.iter().map(|(_, place)| place.at), &mut here);
+        for ((index, place), here) in near.iter().zip(here.into_iter().map(f64::from)) {
+            mask[*index] = if here / 2.0 > place.reach() {
+                place.faded(0.0, self.share(place)) as f32
+            } else {
+                let mut around = [0.0f32; 4];
+                self.net.fill::<2>(place.around().into_iter(), &mut around);
+                place.mask(here, around.map(f64::from), self.share(place)) as f32
+            };
+        }
+    }
+}
+
+impl Prepared for Drawing {
+    fn fill(&self, _block: &Block, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
+        let coverage = inputs.view("view", ViewChannel::Coverage);
+        let planes = RESTS.map(|channel| inputs.view("view", channel));
+        let rest = |index: usize| DVec3::from(planes.map(|plane| f64::from(plane[index])));
+        let rests: Vec<DVec3> = (0..coverage.len()).map(rest).collect();
+        if let Some(mask) = outputs.take(0, 0) {
+            let thickness = inputs.all("thickness").first().and_then(|connection| connection.planes[0]);
+            self.fill_mask(&rests, coverage, thickness, mask);
+        }
+        for axis in 0..2 {
+            let Some(plane) = outputs.take(1 + axis, 0) else { continue };
+            for ((out, rest), coverage) in plane.iter_mut().zip(&rests).zip(coverage) {
+                *out = if *coverage == 0.0 { 0.0 } else { self.coordinates(*rest)[axis] as f32 };
+            }
+        }
+        Ok(())
+    }
+
+    fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
+        if !is_covered(&self.node, inputs) {
+            return Ok(vec![Reference::Mask(0.0), Reference::Field(vec![0.0]), Reference::Field(vec![0.0])]);
+        }
+        let view = self.node.source("view");
+        let rest = DVec3::from(RESTS.map(|channel| inputs.view(view, channel)));
+        let thickness = self.node.all("thickness").first().map_or(1.0, |source| inputs.scalar(source));
+        let place = self.place(rest, thickness);
+        let place = place.bent([0, 1].map(|axis| self.sway * noise_reference(&self.bends[axis], &place.at)));
+        let here = noise_reference(&self.net, &place.at);
+        let around = place.around().map(|at| noise_reference(&self.net, &at));
+        let mask = place.mask(here, around, self.share(&place));
+        let [u, v] = self.coordinates(rest);
+        Ok(vec![Reference::Mask(mask), Reference::Field(vec![u]), Reference::Field(vec![v])])
+    }
+
+    fn bytes(&self) -> usize {
+        self.shares.len() * 4
+    }
+}

@@ -1,0 +1,176 @@
+//! WaterlineFoam: foam where something pierces the water, or lies shallow under it.
+
+use trochoid_graph::*;
+
+pub(crate) static NODE: &dyn NodeType = &WaterlineFoam;
+
+struct WaterlineFoam;
+
+static DECLARATION: Declaration = Declaration {
+    name: "WaterlineFoam",
+    end: End::Front,
+    summary: "A mask of foam along the lines where things stand in the water: where what lies behind it is near.",
+    formula: "t = (d' − d)/(distance·(1 + edge)), d and d' the depths of `view` and `behind`, or how far the water stands \
+              above what is behind it; the mask is 1 up to t = `solid` and falls to 0 at t = 1.",
+    edge_cases: "0 where `view` sees no water, where the water is hidden by what `behind` sees, where nothing lies \
+                 behind it, and where 1 + edge ≤ 0. `solid` 1 is a line with a hard edge: the source's line is \
+                 distance 0.7, solid 1. A `view` that holds the things too sees foam all over them: view the water alone.",
+    source: "Creation of a cartoon shader of water for the web, part 2: foamLine = clamp(screenDepth − worldDepth, 0, 1).",
+    items: &[
+        Port::one("view", Accepts::View, "The water alone."),
+        Port::one("behind", Accepts::View, "The same without the water, by the same camera."),
+        Port::optional(
+            "edge",
+            Accepts::Scalar,
+            "How much wider the foam is, as a share: noise that evolves makes a ragged, lively edge. By default 0.",
+        ),
+        Knob::number("distance", 1.0, 1e-9, 1e9, "How far behind the water things still make foam.").unit("m").item(),
+        Knob::number("solid", 0.0, 0.0, 1.0, "Share of the distance up to which foam covers everything.").item(),
+        Knob::choice(
+            "measure",
+            &["depth", "height"],
+            "Of what the distance is: along the view, as in the source, or straight down, alike from every side.",
+        )
+        .item(),
+    ],
+    outputs: &[Output::new("mask", Kind::MASK, "The foam.")],
+    revision: 1,
+};
+
+impl NodeType for WaterlineFoam {
+    fn declaration(&self) -> &'static Declaration {
+        &DECLARATION
+    }
+
+    fn body(&self) -> Body<'_> {
+        Body::Stage(self)
+    }
+}
+
+fn by_height(node: &Settled) -> bool {
+    node.text("measure") == "height"
+}
+
+impl Stage for WaterlineFoam {
+    fn asks(&self, node: &Settled, _wanted: &[bool]) -> ChannelSet {
+        let height = if by_height(node) { ChannelSet::from(ViewChannel::PositionY) } else { ChannelSet::EMPTY };
+        height.union(ViewChannel::Depth.into())
+    }
+
+    fn interval(&self, _node: &Settled, _output: usize, _channel: usize) -> Option<(f64, f64)> {
+        Some((0.0, 1.0))
+    }
+
+    fn formatted(&self) -> bool {
+        false
+    }
+
+    fn prepare(&self, node: &Settled, _prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
+        let foam = Foam { distance: node.number("distance"), solid: node.number("solid") };
+        Ok(Box::new(Foaming { node: node.clone(), foam, by_height: by_height(node) }))
+    }
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Foam {
+    distance: f64,
+    solid: f64,
+}
+
+impl Foam {
+    /// The mask at one sample: depths of the water and of what lies behind it, how far apart they are, and the edge.
+    fn mask(self, [water, behind]: [f64; 2], apart: f64, edge: f64) -> f64 {
+        let reach = self.distance * (1.0 + edge).max(0.0);
+        // Depth is +∞ where nothing is seen.
+        if water == f64::INFINITY || behind == f64::INFINITY || behind < water || reach <= 0.0 {
+            return 0.0;
+        }
+        let t = apart.max(0.0) / reach;
+        if t <= self.solid {
+            1.0
+        } else if t < 1.0 {
+            (1.0 - t) / (1.0 - self.solid)
+        } else {
+            0.0
+        }
+    }
+}
+
+struct Foaming {
+    node: Settled,
+    foam: Foam,
+    by_height: bool,
+}
+
+impl Prepared for Foaming {
+    fn fill(&self, _block: &Block, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
+        let Some(mask) = outputs.take(0, 0) else { return Ok(()) };
+        let planes = |channel| ["view", "behind"].map(|port| inputs.view(port, channel));
+        let depths = planes(ViewChannel::Depth);
+        let heights = self.by_height.then(|| planes(ViewChannel::PositionY));
+        let edge = inputs.all("edge").first().and_then(|connection| connection.planes[0]);
+        for (index, mask) in mask.iter_mut().enumerate() {
+            let [water, behind] = depths.map(|plane| f64::from(plane[index]));
+            let apart =
+                heights.map_or(behind - water, |[water, behind]| f64::from(water[index]) - f64::from(behind[index]));
+            let edge = edge.map_or(0.0, |plane| f64::from(plane[index]));
+            *mask = self.foam.mask([water, behind], apart, edge) as f32;
+        }
+        Ok(())
+    }
+
+    fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
+        let of = |channel| ["view", "behind"].map(|port| inputs.view(self.node.source(port), channel));
+        let [water, behind] = of(ViewChannel::Depth);
+        let apart = if self.by_height {
+            let [above, below] = of(ViewChannel::PositionY);
+            above - below
+        } else {
+            behind - water
+        };
+        let edge = self.node.all("edge").first().map_or(0.0, |source| inputs.scalar(source));
+        Ok(vec![Reference::Mask(self.foam.mask([water, behind], apart, edge))])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Foam;
+
+    #[test]
+    fn the_source_line_is_a_share_of_everything() {
+        let line = Foam { distance: 0.7, solid: 1.0 };
+        for (behind, expected) in [(10.0, 1.0), (10.69, 1.0), (10.71, 0.0), (11.0, 0.0)] {
+            assert_eq!(line.mask([10.0, behind], behind - 10.0, 0.0), expected, "{behind}");
+        }
+        let soft = Foam { distance: 2.0, solid: 0.5 };
+        for (apart, expected) in [(0.0, 1.0), (1.0, 1.0), (1.5, 0.5), (1.75, 0.25), (2.0, 0.0), (9.0, 0.0)] {
+            assert_eq!(soft.mask([5.0, 5.0 + apart], apart, 0.0), expected, "{apart}");
+            assert_eq!(soft.mask([5.0, 6.0], apart / 2.0, -0.5), expected, "half the width, {apart}");
+        }
+    }
+
+    #[test]
+    fn hostile_depths_make_masks() {
+        let (never, values) = (f64::INFINITY, [0.0, -0.0, 1e-300, -1e30, 1e30, 3.0, f64::INFINITY, f64::NEG_INFINITY]);
+        for solid in [0.0, 0.3, 1.0] {
+            for distance in [1e-9, 1.0, 1e9] {
+                let foam = Foam { distance, solid };
+                for water in values {
+                    for behind in values {
+                        for edge in [0.0, -1.0, -5.0, 1e30, never, -never] {
+                            let apart = if water == behind { 0.0 } else { behind - water };
+                            let mask = foam.mask([water, behind], apart, edge);
+                            assert!((0.0..=1.0).contains(&mask), "{water} {behind} {edge}: {mask}");
+                            if water == never || behind == never || behind < water || edge <= -1.0 {
+                                assert_eq!(mask, 0.0, "{water} {behind} {edge}");
+                            }
+                        }
+                    }
+                }
+                assert_eq!(foam.mask([4.0, 4.0], 0.0, 0.0), 1.0, "where they meet");
+                assert_eq!(foam.mask([4.0, 5.0], 1.0, never), 1.0, "an endless edge reaches everything");
+            }
+        }
+    }
+}

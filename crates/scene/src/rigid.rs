@@ -1,0 +1,146 @@
+//! Rigid bodies: one surface, standing at many places.
+
+use std::sync::Arc;
+
+use glam::DVec3;
+
+use crate::surface::{Hit, Mesh, Surface, Topology};
+use crate::{ChannelSet, Projector, Ray};
+
+/// Where a rigid body stands.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pose {
+    /// Unit vectors along the body's x, y and z, at right angles, right-handed.
+    pub axes: [DVec3; 3],
+    /// Where the body's origin stands, in meters.
+    pub origin: DVec3,
+}
+
+impl Pose {
+    /// A direction of the body in the world.
+    pub fn turn(&self, direction: DVec3) -> DVec3 {
+        let [x, y, z] = self.axes;
+        x * direction.x + y * direction.y + z * direction.z
+    }
+
+    /// A point of the body in the world.
+    pub fn apply(&self, point: DVec3) -> DVec3 {
+        self.origin + self.turn(point)
+    }
+
+    /// A direction of the world as the body sees it.
+    fn turn_back(&self, direction: DVec3) -> DVec3 {
+        DVec3::from(self.axes.map(|axis| axis.dot(direction)))
+    }
+
+    /// The camera as the body sees it.
+    fn projector(&self, projector: &Projector) -> Projector {
+        Projector {
+            position: self.turn_back(projector.position - self.origin),
+            right: self.turn_back(projector.right),
+            up: self.turn_back(projector.up),
+            forward: self.turn_back(projector.forward),
+            ..*projector
+        }
+    }
+}
+
+/// A surface at several places. Its rest points and texture coordinates are those of the surface itself.
+#[derive(Clone)]
+pub struct RigidBodies {
+    model: Arc<dyn Surface>,
+    poses: Vec<Pose>,
+}
+
+impl RigidBodies {
+    /// The model at each of the places.
+    pub fn new(model: Arc<dyn Surface>, poses: Vec<Pose>) -> Self {
+        Self { model, poses }
+    }
+
+    /// The places.
+    pub fn poses(&self) -> &[Pose] {
+        &self.poses
+    }
+
+    /// The mesh of one body.
+    fn body(&self, pose: &Pose, projector: &Projector, wanted: ChannelSet) -> Mesh {
+        let own = pose.projector(projector);
+        let mut mesh = self.model.tessellate(&own, wanted);
+        // What is relative to the camera only turns.
+        let turn = |vector: &mut [f32; 3]| {
+            *vector = pose.turn(DVec3::from(vector.map(f64::from))).as_vec3().to_array();
+        };
+        mesh.positions.iter_mut().for_each(turn);
+        mesh.normals.iter_mut().for_each(turn);
+        // Rest points stay those of the model, but are relative to the camera where it stands in the world.
+        let moved = own.position - projector.position;
+        let shift = |value: &mut f32, by: f64| *value = (f64::from(*value) + by) as f32;
+        for [x, z] in &mut mesh.rests {
+            shift(x, moved.x);
+            shift(z, moved.z);
+        }
+        mesh.rest_heights.iter_mut().for_each(|y| shift(y, moved.y));
+        mesh
+    }
+}
+
+/// The triangles of a mesh, its vertices counted from `first` on.
+fn triangles(topology: &Topology, first: u32) -> Vec<[u32; 3]> {
+    match topology {
+        Topology::Triangles(triangles) => {
+            triangles.iter().map(|triangle| triangle.map(|vertex| vertex + first)).collect()
+        }
+        Topology::Grid { columns, rows } => {
+            let cells = (1..*rows).flat_map(|row| (1..*columns).map(move |column| (row, column)));
+            let of = |(row, column): (usize, usize)| {
+                let [near, far] = [row - 1, row].map(|row| (row * columns + column - 1) as u32 + first);
+                [[near, far + 1, far], [near, near + 1, far + 1]]
+            };
+            cells.flat_map(of).collect()
+        }
+    }
+}
+
+impl Surface for RigidBodies {
+    fn tessellate(&self, projector: &Projector, wanted: ChannelSet) -> Mesh {
+        let mut all = Mesh::empty(0.0);
+        let mut joined = Vec::new();
+        for pose in &self.poses {
+            let mesh = self.body(pose, projector, wanted);
+            all.level = mesh.level;
+            // A body out of sight has no vertices; those of all others hold the same.
+            let own = triangles(&mesh.topology, all.positions.len() as u32);
+            // Each body has its own inner side: seen from there, turned triangles say the same.
+            joined.extend(own.into_iter().map(|[a, b, c]| if mesh.inside { [a, c, b] } else { [a, b, c] }));
+            all.positions.extend(mesh.positions);
+            all.normals.extend(mesh.normals);
+            all.rests.extend(mesh.rests);
+            all.rest_heights.extend(mesh.rest_heights);
+            all.uvs.extend(mesh.uvs);
+            all.slope_variances.extend(mesh.slope_variances);
+        }
+        all.topology = Topology::Triangles(joined);
+        all
+    }
+
+    fn trace(&self, projector: &Projector, ray: &Ray) -> Option<Hit> {
+        let meet = |pose: &Pose| {
+            let origin = pose.turn_back(ray.origin - pose.origin);
+            let own = Ray { origin, direction: pose.turn_back(ray.direction) };
+            let hit = self.model.trace(&pose.projector(projector), &own)?;
+            let position = pose.apply(hit.position);
+            let level = hit.position.y - hit.height;
+            Some(Hit {
+                depth: (position - projector.position).dot(projector.forward),
+                position,
+                normal: pose.turn(hit.normal),
+                height: position.y - level,
+                rest_distance: position.distance(hit.rest),
+                jacobian: 1.0,
+                ..hit
+            })
+        };
+        self.poses.iter().filter_map(meet).min_by(|a, b| a.distance.total_cmp(&b.distance))
+    }
+}
