@@ -12,6 +12,7 @@ mod frames;
 mod golden;
 mod hoisting;
 mod library;
+mod light_paths;
 mod lines;
 mod merging;
 mod palette;
