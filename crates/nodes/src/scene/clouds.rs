@@ -226,6 +226,19 @@ impl Gathered {
     }
 }
 
+/// A point of a ray that lies in a cloud.
+struct Dense {
+    /// Index of the ray, and its stretch within the layer.
+    ray: usize,
+    span: [f64; 2],
+    point: DVec3,
+    /// Toward the light.
+    light: DVec3,
+    density: f64,
+    /// Σ of the densities toward the light.
+    shaded: f64,
+}
+
 impl Cloudy {
     /// What a pixel covers of a layer at a distance along a ray.
     fn footprint(&self, ray: &Ray, distance: f64) -> f64 {
@@ -289,32 +302,29 @@ impl Cloudy {
             let prints: Vec<f32> =
                 spans.iter().map(|(index, span)| self.footprint(&rays[*index], at(*span)) as f32).collect();
             layer.noise.fill(places, &prints, &mut noise);
-            // What holds clouds: ray, distance, part, point, light, density there, and toward the light.
-            let mut dense: Vec<(usize, f64, f64, DVec3, DVec3, f64, f64)> = Vec::new();
-            let mut dense_prints = Vec::new();
+            let (mut dense, mut dense_prints) = (Vec::new(), Vec::new());
             for (((index, span), noise), print) in spans.iter().zip(&noise).zip(&prints) {
                 let point = rays[*index].at(at(*span));
                 let density = layer.density(f64::from(*noise), point.y);
                 if density > 0.0 {
                     let light = self.light.illuminate(point).direction;
-                    dense.push((*index, at(*span), part(*span), point, light, density, 0.0));
+                    dense.push(Dense { ray: *index, span: *span, point, light, density, shaded: 0.0 });
                     dense_prints.push(print.max(Self::light_step(layer) as f32));
                 }
             }
             if lit {
                 let mut noise = vec![0.0; dense.len()];
                 for ahead in 0..LIGHT_STEPS {
-                    let point =
-                        |item: &(usize, f64, f64, DVec3, DVec3, f64, f64)| Self::toward(layer, item.3, item.4, ahead);
-                    layer.noise.fill(dense.iter().map(|item| layer.place(point(item))), &dense_prints, &mut noise);
-                    for (item, noise) in dense.iter_mut().zip(&noise) {
-                        item.6 += layer.density(f64::from(*noise), point(item).y);
+                    let point = |dense: &Dense| Self::toward(layer, dense.point, dense.light, ahead);
+                    layer.noise.fill(dense.iter().map(|dense| layer.place(point(dense))), &dense_prints, &mut noise);
+                    for (dense, noise) in dense.iter_mut().zip(&noise) {
+                        dense.shaded += layer.density(f64::from(*noise), point(dense).y);
                     }
                 }
             }
-            for (index, distance, part, _, light, density, shaded) in dense {
-                let bright = self.bright(&rays[index], light, shaded / LIGHT_STEPS as f64);
-                gathered[index].add(Self::covers(layer, density, part), bright, distance);
+            for Dense { ray, span, light, density, shaded, .. } in dense {
+                let bright = self.bright(&rays[ray], light, shaded / LIGHT_STEPS as f64);
+                gathered[ray].add(Self::covers(layer, density, part(span)), bright, at(span));
             }
         }
         gathered
