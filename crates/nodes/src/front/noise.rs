@@ -17,9 +17,9 @@ static DECLARATION: Declaration = Declaration {
               min(F₁, 1), both in [0, 1], with the distances F₁ ≤ F₂ in cells to the nearest feature points.",
     edge_cases: "In world and rest space 0 where nothing is seen. Screen coordinates run right and down from the \
                  upper left corner in picture heights, so that noise does not change with the picture's size. A view \
-                 without camera or depth has no footprints, and is not filtered. Positions come in 32 bits: far from the origin cells \
-                 finer than that are lost, but the noise itself is not. Random numbers come of integers, alike on \
-                 every machine.",
+                 without camera or depth has no footprints, and is not filtered. Positions come in 32 bits: far from \
+                 the origin cells finer than that are lost, but the noise itself is not. Random numbers come of \
+                 integers, alike on every machine.",
     source: "Perlin, Improving Noise, 2002; Musgrave, Kolb and Mace, The Synthesis and Rendering of Eroded Fractal \
              Terrains, 1989; Worley, A Cellular Texture Basis Function, 1996.",
     items: &[
@@ -194,6 +194,7 @@ impl Footprints {
     }
 
     /// Of a block of samples; empty where all are 0.
+    #[cfg_attr(not(feature = "scene"), allow(unused_variables, reason = "only views have depths"))]
     fn over(&self, block: &Block, depths: Option<&[f32]>) -> Vec<f32> {
         let window = block.window;
         let pixels = (window.y0..window.y1).flat_map(|y| (window.x0..window.x1).map(move |x| (x, y)));

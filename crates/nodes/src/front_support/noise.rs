@@ -218,7 +218,7 @@ impl Noise {
 const LANES: usize = 16;
 type Lanes = [f32; LANES];
 
-/// Of an octave, what a footprint leaves that measures so many of its cells: all up to half a cell, nothing from one on.
+/// What a footprint of so many cells leaves of an octave: all up to half a cell, nothing from one on.
 #[inline(always)]
 fn kept(cells: f32) -> f32 {
     let t = (2.0 - 2.0 * cells).clamp(0.0, 1.0);

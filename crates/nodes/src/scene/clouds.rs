@@ -12,7 +12,7 @@ struct Clouds;
 static DECLARATION: Declaration = Declaration {
     name: "Clouds",
     end: End::Front,
-    summary: "Layers of clouds with volume, lit by a light: dark where they are thick, with silver edges near the light.",
+    summary: "Layers of clouds with volume, lit by a light: dark where they are thick, silver at edges near the light.",
     formula: "D = ramp((n − θ)/`softness`), θ = 1 − 2·`cover` + `rounding`·(2q − 1)², with gradient noise n and the \
               share q of the layer's thickness H below; each of `steps` equal parts s of a ray in a layer covers a = 1 \
               − exp(−`opacity`·D·s/H) of what lies behind. It shines with b = exp(−`shade`·D̄)(1 − `sunward`(1 − f²)), \
