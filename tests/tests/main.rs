@@ -13,6 +13,7 @@ mod frames;
 mod golden;
 mod hoisting;
 mod library;
+mod light_paths;
 mod lines;
 mod merging;
 mod palette;

@@ -11,14 +11,15 @@ static DECLARATION: Declaration = Declaration {
     name: "Noise",
     end: End::Front,
     summary: "Makes procedural noise: on the picture, in the world, or on the water as it moves.",
-    formula: "Σ gⁱ·nᵢ / Σ gⁱ over `octaves`, g = `gain`; cells of octave i measure scale/lacunarityⁱ. fbm: nᵢ is \
+    formula: "Σ gⁱ·nᵢ / Σ gⁱ over `octaves`, g = `gain`, where `filter` is on each nᵢ drawn to its mean as the pixel's \
+              footprint grows from half a cell to one; cells of octave i measure scale/lacunarityⁱ. fbm: nᵢ is \
               gradient noise n in [−1, 1]; ridged: (1 − |n|)², in [0, 1]; cellular: min(F₁, 1), edges: min(F₂, 1) − \
               min(F₁, 1), both in [0, 1], with the distances F₁ ≤ F₂ in cells to the nearest feature points.",
     edge_cases: "In world and rest space 0 where nothing is seen. Screen coordinates run right and down from the \
-                 upper left corner in picture heights, so that noise does not change with the picture's size. Cells \
-                 smaller than a pixel are not filtered out. Positions come in 32 bits: far from the origin cells \
-                 finer than that are lost, but the noise itself is not. Random numbers come of integers, alike on \
-                 every machine.",
+                 upper left corner in picture heights, so that noise does not change with the picture's size. A view \
+                 without camera or depth has no footprints, and is not filtered. Positions come in 32 bits: far from \
+                 the origin cells finer than that are lost, but the noise itself is not. Random numbers come of \
+                 integers, alike on every machine.",
     source: "Perlin, Improving Noise, 2002; Musgrave, Kolb and Mace, The Synthesis and Rendering of Eroded Fractal \
              Terrains, 1989; Worley, A Cellular Texture Basis Function, 1996.",
     items: &[
@@ -60,10 +61,12 @@ static DECLARATION: Declaration = Declaration {
         )
         .optional()
         .item(),
+        Knob::bool("filter", true, "Takes out cells that are smaller than what a pixel covers, which would flicker.")
+            .item(),
         Knob::integer("seed", 0, 0, 1_000_000_000, "Which noise of all that have these figures.").item(),
     ],
     outputs: &[Output::new("noise", Kind::Field(1), "fbm in [−1, 1], all else in [0, 1].")],
-    revision: 1,
+    revision: 2,
 };
 
 const REST: [ViewChannel; 2] = [ViewChannel::RestX, ViewChannel::RestZ];
@@ -112,6 +115,11 @@ impl Stage for Noise {
         }
     }
 
+    fn prefers(&self, node: &Settled, _wanted: &[bool]) -> ChannelSet {
+        // With the ray, the depth says where the point stands, in rest space too.
+        if node.bool("filter") && !channels(node).is_empty() { ViewChannel::Depth.into() } else { ChannelSet::EMPTY }
+    }
+
     fn interval(&self, node: &Settled, _output: usize, _channel: usize) -> Option<(f64, f64)> {
         Some(kind(node).range())
     }
@@ -129,6 +137,7 @@ impl Stage for Noise {
             noise: Octaves::new(kind(node), axes, node.is_set("evolution").then(|| node.number("evolution"))),
             offset: node.vector3("offset"),
             screen: Screen::of(prepare.frame.format),
+            footprints: Footprints::of(node, prepare),
         }))
     }
 }
@@ -138,14 +147,79 @@ struct Noisy {
     noise: Octaves,
     offset: [f64; 3],
     screen: Screen,
+    footprints: Footprints,
+}
+
+/// What a sample stands for, in the unit of its place.
+enum Footprints {
+    /// Nothing is filtered.
+    None,
+    /// Everywhere the same: a pixel.
+    Even(f64),
+    /// What a pixel covers of the surface.
+    #[cfg(feature = "scene")]
+    Seen(trochoid_scene::Projector),
+}
+
+impl Footprints {
+    fn of(node: &Settled, prepare: &Prepare<'_>) -> Self {
+        if !node.bool("filter") {
+            return Self::None;
+        }
+        if channels(node).is_empty() {
+            return Self::Even(1.0 / f64::from(prepare.frame.format.height()));
+        }
+        #[cfg(feature = "scene")]
+        if let Ok(eye) = crate::scene_support::eye(node, prepare, prepare.frame.format) {
+            return Self::Seen(eye);
+        }
+        Self::None
+    }
+
+    /// Of the sample at a place in pixels that sees something at a depth.
+    #[cfg_attr(not(feature = "scene"), allow(unused_variables, reason = "only views have depths"))]
+    fn at(&self, pixels: [f64; 2], depth: f64) -> f64 {
+        match self {
+            Self::None => 0.0,
+            Self::Even(size) => *size,
+            #[cfg(feature = "scene")]
+            Self::Seen(eye) if depth.is_finite() => {
+                let ray = eye.ray(pixels[0], pixels[1]);
+                let ahead = ray.direction.dot(eye.forward);
+                trochoid_scene::footprint(eye, ray.at(depth / ahead))
+            }
+            #[cfg(feature = "scene")]
+            Self::Seen(_) => 0.0,
+        }
+    }
+
+    /// Of a block of samples; empty where all are 0.
+    #[cfg_attr(not(feature = "scene"), allow(unused_variables, reason = "only views have depths"))]
+    fn over(&self, block: &Block, depths: Option<&[f32]>) -> Vec<f32> {
+        let window = block.window;
+        let pixels = (window.y0..window.y1).flat_map(|y| (window.x0..window.x1).map(move |x| (x, y)));
+        match (self, depths) {
+            (Self::None, _) => Vec::new(),
+            (Self::Even(size), _) => vec![*size as f32; window.area()],
+            #[cfg(feature = "scene")]
+            (Self::Seen(_), None) => Vec::new(),
+            #[cfg(feature = "scene")]
+            (Self::Seen(_), Some(depths)) => pixels
+                .zip(depths)
+                .map(|((x, y), depth)| [x as f64 + block.offset[0], y as f64 + block.offset[1], f64::from(*depth)])
+                .map(|[x, y, depth]| self.at([x, y], depth) as f32)
+                .collect(),
+        }
+    }
 }
 
 impl Noisy {
     /// Fills the noise at the places that some channels of the view give.
-    fn on<const S: usize>(&self, inputs: &Inputs<'_>, channels: [ViewChannel; S], out: &mut [f32]) {
+    fn on<const S: usize>(&self, block: &Block, inputs: &Inputs<'_>, channels: [ViewChannel; S], out: &mut [f32]) {
+        let footprints = self.footprints.over(block, inputs.view_if_any("view", ViewChannel::Depth));
         let planes = channels.map(|channel| inputs.view("view", channel));
         let place = |index: usize| std::array::from_fn(|axis| f64::from(planes[axis][index]) - self.moved(axis, S));
-        self.noise.fill::<S>((0..out.len()).map(place), out);
+        self.noise.fill::<S>((0..out.len()).map(place), &footprints, out);
         for (out, coverage) in out.iter_mut().zip(inputs.view("view", ViewChannel::Coverage)) {
             if *coverage == 0.0 {
                 *out = 0.0;
@@ -164,8 +238,8 @@ impl Prepared for Noisy {
     fn fill(&self, block: &Block, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let Some(out) = outputs.take(0, 0) else { return Ok(()) };
         match channels(&self.node).len() {
-            3 => self.on(inputs, WORLD, out),
-            2 => self.on(inputs, REST, out),
+            3 => self.on(block, inputs, WORLD, out),
+            2 => self.on(block, inputs, REST, out),
             _ => {
                 let (window, [right, down]) = (block.window, block.offset);
                 let place = |(x, y): (i64, i64)| {
@@ -173,7 +247,7 @@ impl Prepared for Noisy {
                     [x - self.offset[0], y - self.offset[1]]
                 };
                 let pixels = (window.y0..window.y1).flat_map(|y| (window.x0..window.x1).map(move |x| (x, y)));
-                self.noise.fill::<2>(pixels.map(place), out);
+                self.noise.fill::<2>(pixels.map(place), &self.footprints.over(block, None), out);
             }
         }
         Ok(())
@@ -190,9 +264,14 @@ impl Prepared for Noisy {
                 channels.iter().map(|channel| inputs.view(view, *channel)).collect()
             }
         };
+        let depth = match self.node.all("view").first() {
+            Some(view) if !channels(&self.node).is_empty() => inputs.view(view, ViewChannel::Depth),
+            _ => 0.0,
+        };
+        let footprint = self.footprints.at(inputs.at, depth);
         let axes = place.len();
         place.iter_mut().enumerate().for_each(|(axis, along)| *along -= self.moved(axis, axes));
-        Ok(vec![Reference::Field(vec![noise_reference(&self.noise, &place)])])
+        Ok(vec![Reference::Field(vec![noise_reference(&self.noise, &place, footprint)])])
     }
 }
 

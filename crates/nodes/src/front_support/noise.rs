@@ -3,6 +3,8 @@
 //! Everything random comes of integers, so that it is the same on every machine. A coordinate is split in f64 into its
 //! cell and a fraction; the fraction alone goes on in f32, so that noise far from the origin is as fine as near it.
 
+use fearless_simd::{Level, Simd, dispatch};
+
 /// What the octaves are made of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum NoiseKind {
@@ -20,6 +22,17 @@ impl NoiseKind {
     /// Between which numbers it lies.
     pub(crate) fn range(self) -> (f64, f64) {
         if self == Self::Fbm { (-1.0, 1.0) } else { (0.0, 1.0) }
+    }
+
+    /// Its mean on lattices of so many axes, measured.
+    pub(crate) fn mean(self, axes: usize) -> f64 {
+        let by_axes = match self {
+            Self::Fbm => [0.0; 3],
+            Self::Ridged => [0.65, 0.58, 0.51],
+            Self::Cellular => [0.43, 0.52, 0.59],
+            Self::Edges => [0.27, 0.2, 0.16],
+        };
+        by_axes[axes - 2]
     }
 }
 
@@ -60,7 +73,7 @@ pub(crate) struct Axes {
 }
 
 /// Spreads the bits of a number over all of its bits: a bijection (Wellons, hash-prospector, "lowbias32").
-#[inline]
+#[inline(always)]
 pub(crate) fn mix(mut x: u32) -> u32 {
     x ^= x >> 16;
     x = x.wrapping_mul(0x7feb_352d);
@@ -72,15 +85,14 @@ pub(crate) fn mix(mut x: u32) -> u32 {
 /// Takes one more number into a hash.
 #[inline]
 pub(crate) fn extend(hash: u32, cell: i64) -> u32 {
-    let high = ((cell as u64 >> 32) as u32).wrapping_mul(GOLDEN);
-    mix((hash ^ cell as u32 ^ high).wrapping_add(GOLDEN))
+    mix((hash ^ key(cell)).wrapping_add(GOLDEN))
 }
 
 /// 2³² over the golden ratio.
 const GOLDEN: u32 = 0x9e37_79b9;
 
 /// The component of a corner's gradient along an axis, in [−1, 1].
-#[inline]
+#[inline(always)]
 pub(crate) fn gradient(hash: u32, axis: usize) -> f32 {
     (2 * ((hash >> (8 * axis)) & 255) as i32 - 255) as f32 / 255.0
 }
@@ -112,63 +124,109 @@ impl Noise {
         Self { kind, octaves, evolution }
     }
 
-    /// Fills `out` with the noise at points of `S` axes: 2 or 3.
-    pub(crate) fn fill<const S: usize>(&self, points: impl Iterator<Item = [f64; S]>, out: &mut [f32]) {
-        let kind = self.kind;
+    /// Fills `out` with the noise at points of `S` axes: 2 or 3. Octaves of cells smaller than a point's footprint, in
+    /// the unit of the coordinates, are their mean there; no footprints at all are footprints of 0.
+    pub(crate) fn fill<const S: usize>(
+        &self,
+        points: impl Iterator<Item = [f64; S]>,
+        footprints: &[f32],
+        out: &mut [f32],
+    ) {
         match (S, self.evolution) {
-            (2, None) => self.sum::<S, 2>(kind, points, out),
-            (2, Some(_)) | (3, None) => self.sum::<S, 3>(kind, points, out),
-            _ => self.sum::<S, 4>(kind, points, out),
+            (2, None) => self.sum::<S, 2>(points, footprints, out),
+            (2, Some(_)) | (3, None) => self.sum::<S, 3>(points, footprints, out),
+            _ => self.sum::<S, 4>(points, footprints, out),
         }
     }
 
     fn sum<const S: usize, const D: usize>(
         &self,
-        kind: NoiseKind,
-        points: impl Iterator<Item = [f64; S]>,
+        mut points: impl Iterator<Item = [f64; S]>,
+        footprints: &[f32],
         out: &mut [f32],
     ) {
-        match kind {
-            NoiseKind::Fbm => self.each::<S, D>(points, out, gradient_noise),
-            NoiseKind::Ridged => self.each::<S, D>(points, out, |seed, cell, f| {
-                let valley = 1.0 - gradient_noise(seed, cell, f).abs();
+        let level = Level::new();
+        for (block, out) in out.chunks_mut(LANES).enumerate() {
+            let mut places = [[self.evolution.unwrap_or(0.0); LANES]; D];
+            for (lane, point) in points.by_ref().take(out.len()).enumerate() {
+                places.iter_mut().zip(point).for_each(|(along, coordinate)| along[lane] = coordinate);
+            }
+            let mut prints = [0.0; LANES];
+            if let Some(found) = footprints.get(block * LANES..) {
+                prints.iter_mut().zip(found).for_each(|(print, found)| *print = *found);
+            }
+            let sums = dispatch!(level, simd => simd.vectorize(#[inline(always)] || {
+                self.block::<S, D>(&places, &prints)
+            }));
+            out.copy_from_slice(&sums[..out.len()]);
+        }
+    }
+
+    /// The noise at some points at once: lane by lane the same operations in the same order, whatever the processor.
+    #[inline(always)]
+    fn block<const S: usize, const D: usize>(&self, places: &[[f64; LANES]; D], prints: &Lanes) -> Lanes {
+        let mut sums = [0.0; LANES];
+        let mean = self.kind.mean(D) as f32;
+        for octave in &self.octaves {
+            let weight = octave.weight as f32;
+            let kept = prints.map(|print| kept(print * octave.frequency as f32));
+            if kept == [0.0; LANES] {
+                sums.iter_mut().for_each(|sum| *sum += weight * mean);
+                continue;
+            }
+            let (mut cells, mut fractions) = ([[0; LANES]; D], [[0.0; LANES]; D]);
+            for axis in 0..D {
+                let frequency = if axis < S { octave.frequency } else { 1.0 };
+                for lane in 0..LANES {
+                    let along = places[axis][lane] * frequency + octave.shift[axis];
+                    (cells[axis][lane], fractions[axis][lane]) = split(along);
+                }
+            }
+            let values = self.octave(octave.seed, &cells, &fractions);
+            for lane in 0..LANES {
+                sums[lane] += weight * (kept[lane] * values[lane] + (1.0 - kept[lane]) * mean);
+            }
+        }
+        let (low, high) = self.kind.range();
+        sums.map(|sum| sum.clamp(low as f32, high as f32))
+    }
+
+    #[inline(always)]
+    fn octave<const D: usize>(&self, seed: u32, cells: &[[i64; LANES]; D], fractions: &[Lanes; D]) -> Lanes {
+        let each = |octave_at: &dyn Fn([i64; D], [f32; D]) -> f32| {
+            std::array::from_fn(|lane| {
+                let cell = std::array::from_fn(|axis| cells[axis][lane]);
+                octave_at(cell, std::array::from_fn(|axis| fractions[axis][lane]))
+            })
+        };
+        match self.kind {
+            NoiseKind::Fbm => gradient_noises(seed, cells, fractions),
+            NoiseKind::Ridged => gradient_noises(seed, cells, fractions).map(|noise| {
+                let valley = 1.0 - noise.abs();
                 valley * valley
             }),
-            NoiseKind::Cellular => {
-                self.each::<S, D>(points, out, |seed, cell, f| nearest::<D, false>(seed, cell, f)[0]);
-            }
-            NoiseKind::Edges => self.each::<S, D>(points, out, |seed, cell, f| {
+            NoiseKind::Cellular => each(&|cell, f| nearest::<D, false>(seed, cell, f)[0]),
+            NoiseKind::Edges => each(&|cell, f| {
                 let [first, second] = nearest::<D, true>(seed, cell, f);
                 second - first
             }),
         }
     }
+}
 
-    #[inline]
-    fn each<const S: usize, const D: usize>(
-        &self,
-        points: impl Iterator<Item = [f64; S]>,
-        out: &mut [f32],
-        octave_at: impl Fn(u32, [i64; D], [f32; D]) -> f32,
-    ) {
-        let (low, high) = self.kind.range();
-        for (out, point) in out.iter_mut().zip(points) {
-            let mut sum = 0.0;
-            for octave in &self.octaves {
-                let (mut cell, mut fraction) = ([0; D], [0.0; D]);
-                for axis in 0..D {
-                    let along = if axis < S { point[axis] * octave.frequency } else { self.evolution.unwrap_or(0.0) };
-                    (cell[axis], fraction[axis]) = split(along + octave.shift[axis]);
-                }
-                sum += octave.weight as f32 * octave_at(octave.seed, cell, fraction);
-            }
-            *out = sum.clamp(low as f32, high as f32);
-        }
-    }
+/// Points that are computed at once, and a value of each.
+const LANES: usize = 16;
+type Lanes = [f32; LANES];
+
+/// What a footprint of so many cells leaves of an octave: all up to half a cell, nothing from one on.
+#[inline(always)]
+fn kept(cells: f32) -> f32 {
+    let t = (2.0 - 2.0 * cells).clamp(0.0, 1.0);
+    t * t * (3.0 - 2.0 * t)
 }
 
 /// The cell of a coordinate, and how far into it the coordinate lies, in [0, 1]. What is not finite counts as 0.
-#[inline]
+#[inline(always)]
 fn split(coordinate: f64) -> (i64, f32) {
     if coordinate.abs() < 4e18 {
         let toward_zero = coordinate as i64;
@@ -181,34 +239,46 @@ fn split(coordinate: f64) -> (i64, f32) {
 }
 
 /// t³(6t² − 15t + 10).
-#[inline]
+#[inline(always)]
 fn fade(t: f32) -> f32 {
     t * t * t * (t * (t * 6.0 - 15.0) + 10.0)
 }
 
-/// Gradient noise of one octave, in [−1, 1]. Corners share the hashes of the axes before.
-#[inline]
-fn gradient_noise<const D: usize>(seed: u32, cell: [i64; D], fraction: [f32; D]) -> f32 {
-    let (mut hashes, mut weights) = ([seed; 1 << MOST], [1.0f32; 1 << MOST]);
+/// What a cell adds to a hash: all of its number in 32 bits.
+#[inline(always)]
+fn key(cell: i64) -> u32 {
+    cell as u32 ^ ((cell as u64 >> 32) as u32).wrapping_mul(GOLDEN)
+}
+
+/// Gradient noise of one octave at some points, in [−1, 1]. Corners share the hashes of the axes before.
+#[inline(always)]
+fn gradient_noises<const D: usize>(seed: u32, cells: &[[i64; LANES]; D], fractions: &[Lanes; D]) -> Lanes {
+    let (mut hashes, mut weights) = ([[seed; LANES]; 1 << MOST], [[1.0f32; LANES]; 1 << MOST]);
     for axis in 0..D {
-        let (half, s) = (1 << axis, fade(fraction[axis]));
-        for corner in 0..half {
-            let (hash, weight) = (hashes[corner], weights[corner]);
-            hashes[corner] = extend(hash, cell[axis]);
-            hashes[corner + half] = extend(hash, cell[axis].wrapping_add(1));
-            weights[corner] = weight * (1.0 - s);
-            weights[corner + half] = weight * s;
+        let (lower, upper) = (cells[axis].map(key), cells[axis].map(|cell| key(cell.wrapping_add(1))));
+        let share = fractions[axis].map(fade);
+        for corner in 0..1 << axis {
+            let other = corner + (1 << axis);
+            for lane in 0..LANES {
+                let (hash, weight) = (hashes[corner][lane], weights[corner][lane]);
+                hashes[corner][lane] = mix((hash ^ lower[lane]).wrapping_add(GOLDEN));
+                hashes[other][lane] = mix((hash ^ upper[lane]).wrapping_add(GOLDEN));
+                weights[corner][lane] = weight * (1.0 - share[lane]);
+                weights[other][lane] = weight * share[lane];
+            }
         }
     }
-    let mut sum = 0.0;
+    let mut sums = [0.0; LANES];
     for corner in 0..1 << D {
-        let mut dot = 0.0;
-        for (axis, inside) in fraction.iter().enumerate() {
-            dot += gradient(hashes[corner], axis) * (inside - ((corner >> axis) & 1) as f32);
+        for lane in 0..LANES {
+            let mut dot = 0.0;
+            for (axis, inside) in fractions.iter().enumerate() {
+                dot += gradient(hashes[corner][lane], axis) * (inside[lane] - ((corner >> axis) & 1) as f32);
+            }
+            sums[lane] += weights[corner][lane] * dot;
         }
-        sum += weights[corner] * dot;
     }
-    (AMPLITUDE[D] * sum).clamp(-1.0, 1.0)
+    sums.map(|sum| (AMPLITUDE[D] * sum).clamp(-1.0, 1.0))
 }
 
 /// Distances to the nearest and, where asked for, the second nearest feature point, each at most 1: so far the cells
@@ -278,12 +348,12 @@ mod tests {
             for (seed, evolution) in [(0, None), (7, Some(0.0)), (1_000_000_000, Some(-123.456))] {
                 let noise = Noise::new(kind, axes(seed), evolution);
                 let mut out = vec![f32::NAN; points().len()];
-                noise.fill(points().into_iter(), &mut out);
+                noise.fill(points().into_iter(), &[], &mut out);
                 let mut flat = out.clone();
-                noise.fill(points().into_iter().map(|[x, y, _]| [x, y]), &mut flat);
+                noise.fill(points().into_iter().map(|[x, y, _]| [x, y]), &[], &mut flat);
                 for ([x, y, z], (in_space, in_plane)) in points().into_iter().zip(out.into_iter().zip(flat)) {
                     for (found, truth) in
-                        [(in_space, reference(&noise, &[x, y, z])), (in_plane, reference(&noise, &[x, y]))]
+                        [(in_space, reference(&noise, &[x, y, z], 0.0)), (in_plane, reference(&noise, &[x, y], 0.0))]
                     {
                         let error = (f64::from(found) - truth).abs();
                         assert!(error < 3e-6, "{kind:?} at {x}, {y}, {z}: {found}, expected {truth}");
@@ -304,7 +374,7 @@ mod tests {
                 for step in 0..20_000 {
                     let t = f64::from(step) * 0.003;
                     let point = [t, 0.37 * t - 20.0, -0.21 * t];
-                    let value = reference(&noise, &point[..dimensions]);
+                    let value = reference(&noise, &point[..dimensions], 0.0);
                     if let Some(last) = last {
                         assert!((value - last).abs() < 0.02, "{kind:?}: a step of {} at {t}", (value - last).abs());
                     }
@@ -321,12 +391,118 @@ mod tests {
         let points: Vec<[f64; 2]> = (0..200).map(|i| [f64::from(i) * 0.31, f64::from(i) * 0.17]).collect();
         let of = |seed: u32| {
             let mut out = vec![0.0; points.len()];
-            Noise::new(NoiseKind::Fbm, Axes { octaves: 1, ..axes(seed) }, None).fill(points.iter().copied(), &mut out);
+            Noise::new(NoiseKind::Fbm, Axes { octaves: 1, ..axes(seed) }, None).fill(
+                points.iter().copied(),
+                &[],
+                &mut out,
+            );
             out
         };
         let (a, b) = (of(1), of(2));
         let product: f32 = a.iter().zip(&b).map(|(a, b)| a * b).sum();
         let (aa, bb): (f32, f32) = (a.iter().map(|a| a * a).sum(), b.iter().map(|b| b * b).sum());
         assert!(product.abs() < 0.3 * (aa * bb).sqrt(), "correlation {}", product / (aa * bb).sqrt());
+    }
+
+    /// Gradient noise point by point: what its lanes must be, bit by bit.
+    fn gradient_noise<const D: usize>(seed: u32, cell: [i64; D], fraction: [f32; D]) -> f32 {
+        let (mut hashes, mut weights) = ([seed; 1 << MOST], [1.0f32; 1 << MOST]);
+        for axis in 0..D {
+            let (half, s) = (1 << axis, fade(fraction[axis]));
+            for corner in 0..half {
+                let (hash, weight) = (hashes[corner], weights[corner]);
+                hashes[corner] = extend(hash, cell[axis]);
+                hashes[corner + half] = extend(hash, cell[axis].wrapping_add(1));
+                weights[corner] = weight * (1.0 - s);
+                weights[corner + half] = weight * s;
+            }
+        }
+        let mut sum = 0.0;
+        for corner in 0..1 << D {
+            let mut dot = 0.0;
+            for (axis, inside) in fraction.iter().enumerate() {
+                dot += gradient(hashes[corner], axis) * (inside - ((corner >> axis) & 1) as f32);
+            }
+            sum += weights[corner] * dot;
+        }
+        (AMPLITUDE[D] * sum).clamp(-1.0, 1.0)
+    }
+
+    #[test]
+    fn lanes_have_the_bits_of_single_points() {
+        fn check<const D: usize>(points: &[[f64; D]]) {
+            for lanes in points.chunks_exact(LANES) {
+                let (mut cells, mut fractions) = ([[0; LANES]; D], [[0.0; LANES]; D]);
+                for (lane, point) in lanes.iter().enumerate() {
+                    for axis in 0..D {
+                        (cells[axis][lane], fractions[axis][lane]) = split(point[axis]);
+                    }
+                }
+                let found = dispatch!(Level::new(), simd => simd.vectorize(#[inline(always)] || {
+                    gradient_noises(77, &cells, &fractions)
+                }));
+                for lane in 0..LANES {
+                    let (cell, fraction) = (cells.map(|along| along[lane]), fractions.map(|along| along[lane]));
+                    assert_eq!(found[lane].to_bits(), gradient_noise(77, cell, fraction).to_bits(), "{lanes:?}");
+                }
+            }
+        }
+        let points = points();
+        check::<3>(&points);
+        check::<2>(&points.iter().map(|[x, y, _]| [*x, *y]).collect::<Vec<_>>());
+        check::<4>(&points.iter().map(|[x, y, z]| [*x, *y, *z, x * 0.5]).collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn footprints_take_what_is_finer_and_leave_the_mean() {
+        for kind in KINDS {
+            for evolution in [None, Some(0.3)] {
+                let noise = Noise::new(kind, axes(3), evolution);
+                let points: Vec<[f64; 3]> = points();
+                let prints: Vec<f32> = (0..points.len()).map(|i| [0.0, 0.01, 0.2, 0.5, 9.0, 1e30][i % 6]).collect();
+                let mut out = vec![f32::NAN; points.len()];
+                noise.fill(points.iter().copied(), &prints, &mut out);
+                let mut flat = out.clone();
+                noise.fill(points.iter().map(|[x, y, _]| [*x, *y]), &prints, &mut flat);
+                for ((point, print), (found, flat)) in points.iter().zip(&prints).zip(out.iter().zip(&flat)) {
+                    for (found, truth) in [
+                        (found, reference(&noise, point, f64::from(*print))),
+                        (flat, reference(&noise, &point[..2], f64::from(*print))),
+                    ] {
+                        assert!(
+                            (f64::from(*found) - truth).abs() < 3e-6,
+                            "{kind:?}, {point:?}, {print}: {found}, {truth}"
+                        );
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn means_are_those_of_the_noise() {
+        for kind in KINDS {
+            for axes in 2..=4 {
+                let figures = Axes { octaves: 1, scale: 1.0, ..self::axes(5) };
+                // Slices through the last axis differ: some of them together.
+                let (slices, count) = (8, 5_000);
+                let mut sum = 0.0;
+                for slice in 0..slices {
+                    let evolution = (axes == 4).then(|| f64::from(slice) * 3.625);
+                    let noise = Noise::new(kind, figures, evolution);
+                    let points = (0..count).map(|i| f64::from(i + slice * count));
+                    let points = points.map(|i| [i * 0.7548, i * 0.5698, i * 0.3313]);
+                    let mut out = vec![0.0; count as usize];
+                    if axes == 2 {
+                        noise.fill(points.map(|[x, y, _]| [x, y]), &[], &mut out);
+                    } else {
+                        noise.fill(points, &[], &mut out);
+                    }
+                    sum += out.iter().map(|value| f64::from(*value)).sum::<f64>();
+                }
+                let mean = sum / f64::from(slices * count);
+                assert!((mean - kind.mean(axes)).abs() < 0.02, "{kind:?} of {axes} axes: {mean}");
+            }
+        }
     }
 }

@@ -2,22 +2,26 @@
 
 use super::noise::{AMPLITUDE, Noise, NoiseKind, Octave, extend, feature, gradient};
 
-/// The noise at a point of two or three coordinates.
-pub(crate) fn reference(noise: &Noise, point: &[f64]) -> f64 {
+/// The noise at a point of two or three coordinates that stands for a footprint, in their unit.
+pub(crate) fn reference(noise: &Noise, point: &[f64], footprint: f64) -> f64 {
+    let axes = point.len() + usize::from(noise.evolution.is_some());
+    let mean = noise.kind.mean(axes);
     let value = |octave: &Octave| {
+        let t = (2.0 - 2.0 * footprint * octave.frequency).clamp(0.0, 1.0);
+        let kept = t * t * (3.0 - 2.0 * t);
         let along = point.iter().map(|coordinate| coordinate * octave.frequency).chain(noise.evolution);
         let shifted = along.zip(octave.shift).map(|(along, shift)| along + shift);
         let place: Vec<f64> = shifted.map(|along| if along.is_finite() { along } else { 0.0 }).collect();
-        octave.weight
-            * match noise.kind {
-                NoiseKind::Fbm => gradient_noise(octave.seed, &place),
-                NoiseKind::Ridged => (1.0 - gradient_noise(octave.seed, &place).abs()).powi(2),
-                NoiseKind::Cellular => distances(octave.seed, &place)[0],
-                NoiseKind::Edges => {
-                    let distances = distances(octave.seed, &place);
-                    distances[1] - distances[0]
-                }
+        let value = match noise.kind {
+            NoiseKind::Fbm => gradient_noise(octave.seed, &place),
+            NoiseKind::Ridged => (1.0 - gradient_noise(octave.seed, &place).abs()).powi(2),
+            NoiseKind::Cellular => distances(octave.seed, &place)[0],
+            NoiseKind::Edges => {
+                let distances = distances(octave.seed, &place);
+                distances[1] - distances[0]
             }
+        };
+        octave.weight * (kept * value + (1.0 - kept) * mean)
     };
     let (low, high) = noise.kind.range();
     noise.octaves.iter().map(value).sum::<f64>().clamp(low, high)

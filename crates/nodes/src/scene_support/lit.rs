@@ -111,12 +111,21 @@ impl Lights {
 
     /// The mask at one point in f64.
     pub(crate) fn reference(&self, point: DVec3, shade: impl Fn(DVec3) -> f64) -> f64 {
+        self.within_reach(point, |direction, _| shade(direction))
+    }
+
+    /// The same where it counts how far away the light stands, in meters: infinitely far, if it has no place.
+    pub(crate) fn within_reach(&self, point: DVec3, shade: impl Fn(DVec3, f64) -> f64) -> f64 {
         let masks: Vec<f64> = self
             .lights
             .iter()
             .map(|light| {
                 let Illumination { direction, intensity } = light.illuminate(point);
-                intensity * shade(direction)
+                let reach = match light {
+                    Light::Directional { .. } => f64::INFINITY,
+                    Light::Point { position } | Light::Spot { position, .. } => position.distance(point),
+                };
+                if intensity > 0.0 { intensity * shade(direction, reach) } else { 0.0 }
             })
             .collect();
         self.combine.reference(&masks)

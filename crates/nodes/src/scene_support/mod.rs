@@ -6,6 +6,8 @@ mod geometry;
 mod lit;
 mod mask;
 mod model;
+mod surroundings;
+mod thickness;
 
 pub(crate) use around::{Around, change, grown, surface_of};
 pub(crate) use copy::ViewCopy;
@@ -13,6 +15,8 @@ pub(crate) use geometry::{FLIP, ROTATE, SCALE, Standing, TRANSLATE, check_scale,
 pub(crate) use lit::{COMBINE, Lights, Vectors3, eye, toward_eye, view_directions};
 pub(crate) use mask::{ViewMask, ramp};
 pub(crate) use model::{patch, read_model};
+pub(crate) use surroundings::{BEYOND, DETAIL, First, Surroundings, landed};
+pub(crate) use thickness::{DISTANCE, INSET, Way};
 
 use std::sync::Arc;
 use trochoid_graph::{Inputs, Reference, References, Settled, ViewChannel};

@@ -1,0 +1,441 @@
+//! Clouds: layers of procedural density, lit by a light.
+
+use crate::front_support::{Axes, Noise, NoiseKind, noise_reference};
+use crate::scene_support::ramp;
+use trochoid_graph::*;
+use trochoid_scene::{Camera, DVec3, Light, Projector, Ray};
+
+pub(crate) static NODE: &dyn NodeType = &Clouds;
+
+struct Clouds;
+
+static DECLARATION: Declaration = Declaration {
+    name: "Clouds",
+    end: End::Front,
+    summary: "Layers of clouds with volume, lit by a light: dark where they are thick, silver at edges near the light.",
+    formula: "D = ramp((n − θ)/`softness`), θ = 1 − 2·`cover` + `rounding`·(2q − 1)², with gradient noise n and the \
+              share q of the layer's thickness H below; each of `steps` equal parts s of a ray in a layer covers a = 1 \
+              − exp(−`opacity`·D·s/H) of what lies behind. It shines with b = exp(−`shade`·D̄)(1 − `sunward`(1 − f²)), \
+              D̄ the mean of D, without what is finer than H/3, at \
+              1/6, 1/2 and 5/6 of H toward the light, f = (1 + d · L)/2. Over all: Σ T·a·b/Σ T·a, \
+              drawn to 1 by `silver`·f¹⁶(1 − density).",
+    edge_cases: "Without clouds density and light are 0, the depth +∞. Nothing is seen beyond `distance`. Layers that \
+                 overlap lie behind each other as their bases do. A ray ends in a layer that leaves less than \
+                 1/500 of what lies behind.",
+    source: "Kajiya and Von Herzen, Ray Tracing Volume Densities, 1984; Schneider, The Real-Time Volumetric \
+             Cloudscapes of Horizon Zero Dawn, 2015: density toward the light, silver lining.",
+    items: &[
+        Port::one("camera", Accepts::Camera, "From where they are seen."),
+        Port::one("light", Accepts::Light, "What lights them."),
+        List::of("layers", LAYER, 1, 8, "The layers."),
+        Knob::integer("steps", 6, 1, 256, "Into how many parts a ray is cut within a layer.").item(),
+        Knob::number("shade", 2.5, 0.0, 100.0, "How dark clouds are that stand in their own light.").item(),
+        Knob::number("sunward", 0.5, 0.0, 1.0, "How much darker clouds are on the other side of the sky.").item(),
+        Knob::number("silver", 0.6, 0.0, 1.0, "How bright thin edges are in front of the light.").item(),
+        Knob::number(
+            "wind",
+            0.0,
+            -360.0,
+            360.0,
+            "Azimuth to which clouds move and along which they are stretched: 0 \
+                                                  is +x, 90 is +z.",
+        )
+        .unit("degrees")
+        .item(),
+        Knob::number("distance", 1e5, 1.0, 1e7, "How far one sees.").unit("m").item(),
+    ],
+    outputs: &[
+        Output::new("density", Kind::MASK, "How much clouds cover."),
+        Output::new("light", Kind::MASK, "How brightly what is seen of them is lit."),
+        Output::new("depth", Kind::Field(1), "Mean depth of what is seen of them, m."),
+    ],
+    revision: 1,
+};
+
+static LAYER: &[Item] = &[
+    Knob::number("height", 1500.0, -1e6, 1e6, "World y of the base.").unit("m").item(),
+    Knob::number("thickness", 500.0, 1e-3, 1e6, "From base to top.").unit("m").item(),
+    Knob::number("scale", 2000.0, 1e-3, 1e7, "Size of the largest clouds across the wind.").unit("m").item(),
+    Knob::number("stretch", 1.0, 1e-3, 1e3, "By how much they are longer along the wind.").item(),
+    Knob::number("cover", 0.5, 0.0, 1.0, "How much of the sky they cover: none at 0, all at 1.").item(),
+    Knob::number("softness", 0.3, 0.0, 2.0, "How gradually they begin.").item(),
+    Knob::number("rounding", 0.5, 0.0, 2.0, "By how much base and top hold less.").item(),
+    Knob::number("opacity", 6.0, 0.0, 1e3, "Optical depth of the layer where it is densest.").item(),
+    Knob::integer("octaves", 5, 1, 16, "How many sizes of clouds.").item(),
+    Knob::number("gain", 0.5, 0.0, 1.0, "By what factor an octave is weaker.").item(),
+    Knob::number("speed", 10.0, -1e4, 1e4, "Speed of the wind.").unit("m/s").item(),
+    Knob::integer("seed", 0, 0, 1_000_000_000, "Which clouds of all that have these figures.").item(),
+];
+
+/// Points toward the light at which density is looked up.
+const LIGHT_STEPS: usize = 3;
+/// What may be left of what lies behind where a ray ends.
+const OPAQUE: f64 = 2e-3;
+/// Least slope of a ray that stretches what a pixel covers of a layer.
+const GRAZING: f64 = 0.02;
+
+impl NodeType for Clouds {
+    fn declaration(&self) -> &'static Declaration {
+        &DECLARATION
+    }
+
+    fn body(&self) -> Body<'_> {
+        Body::Stage(self)
+    }
+}
+
+impl Stage for Clouds {
+    fn timed(&self) -> bool {
+        true
+    }
+
+    fn prepare(&self, node: &Settled, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
+        let cameras: Vec<Camera> = prepare.handles(node, "camera")?;
+        let lights: Vec<Light> = prepare.handles(node, "light")?;
+        let (Some(camera), Some(light)) = (cameras.first(), lights.first()) else {
+            return Err(NodeError::new("found no camera or no light; expected one of each: connect them"));
+        };
+        let (sin, cos) = libm::sincos(node.number("wind").to_radians());
+        let mut layers: Vec<Layer> = node
+            .list("layers")
+            .iter()
+            .map(|layer| {
+                let axes = Axes {
+                    scale: layer.number("scale"),
+                    octaves: layer.integer("octaves") as usize,
+                    lacunarity: 2.0,
+                    gain: layer.number("gain"),
+                    seed: layer.integer("seed") as u32,
+                };
+                Layer {
+                    base: layer.number("height"),
+                    thickness: layer.number("thickness"),
+                    sparse: 1.0 - 2.0 * layer.number("cover"),
+                    softness: layer.number("softness"),
+                    rounding: layer.number("rounding"),
+                    opacity: layer.number("opacity"),
+                    noise: Noise::new(NoiseKind::Fbm, axes, None),
+                    wind: [cos, sin],
+                    stretch: layer.number("stretch"),
+                    moved: layer.number("speed") * prepare.frame.time,
+                }
+            })
+            .collect();
+        layers.sort_by(|a, b| a.base.total_cmp(&b.base));
+        Ok(Box::new(Cloudy {
+            eye: camera.projector(prepare.frame.format),
+            light: *light,
+            layers,
+            steps: node.integer("steps") as usize,
+            shade: node.number("shade"),
+            sunward: node.number("sunward"),
+            silver: node.number("silver"),
+            distance: node.number("distance"),
+        }))
+    }
+}
+
+/// One layer at the frame's time.
+struct Layer {
+    base: f64,
+    thickness: f64,
+    /// Noise at which the middle of the layer begins to hold clouds.
+    sparse: f64,
+    softness: f64,
+    rounding: f64,
+    opacity: f64,
+    noise: Noise,
+    /// Where the wind blows, x and z.
+    wind: [f64; 2],
+    stretch: f64,
+    /// How far it has blown, in meters.
+    moved: f64,
+}
+
+impl Layer {
+    /// The stretch of a ray within the layer, at most `limit` away.
+    fn span(&self, ray: &Ray, limit: f64) -> Option<[f64; 2]> {
+        let (from, to) = (self.base - ray.origin.y, self.base + self.thickness - ray.origin.y);
+        let (near, far) = if ray.direction.y == 0.0 {
+            if from > 0.0 || to < 0.0 {
+                return None;
+            }
+            (0.0, limit)
+        } else {
+            let (a, b) = (from / ray.direction.y, to / ray.direction.y);
+            (a.min(b).max(0.0), a.max(b).min(limit))
+        };
+        (far > near).then_some([near, far])
+    }
+
+    /// The place of a point in the noise.
+    fn place(&self, point: DVec3) -> [f64; 3] {
+        let [x, z] = self.wind;
+        [(point.x * x + point.z * z - self.moved) / self.stretch, point.y, point.z * x - point.x * z]
+    }
+
+    /// The density where the noise at a height is `noise`.
+    fn density(&self, noise: f64, height: f64) -> f64 {
+        let below = (height - self.base) / self.thickness;
+        if !(0.0..=1.0).contains(&below) {
+            return 0.0;
+        }
+        let from_middle = 2.0 * below - 1.0;
+        ramp(noise, self.sparse + self.rounding * from_middle * from_middle, self.softness)
+    }
+}
+
+struct Cloudy {
+    eye: Projector,
+    light: Light,
+    /// From the lowest base to the highest.
+    layers: Vec<Layer>,
+    steps: usize,
+    shade: f64,
+    sunward: f64,
+    silver: f64,
+    distance: f64,
+}
+
+/// What a ray gathers in one layer or in all.
+#[derive(Clone, Copy)]
+struct Gathered {
+    /// What is left of what lies behind.
+    left: f64,
+    /// Σ T·a·b.
+    light: f64,
+    /// Σ T·a·t.
+    distance: f64,
+}
+
+impl Gathered {
+    const NOTHING: Self = Self { left: 1.0, light: 0.0, distance: 0.0 };
+
+    fn add(&mut self, covers: f64, bright: f64, distance: f64) {
+        self.light += self.left * covers * bright;
+        self.distance += self.left * covers * distance;
+        self.left *= 1.0 - covers;
+    }
+
+    fn behind(self, front: Self) -> Self {
+        Self {
+            left: front.left * self.left,
+            light: front.light + front.left * self.light,
+            distance: front.distance + front.left * self.distance,
+        }
+    }
+}
+
+/// A point of a ray that lies in a cloud.
+struct Dense {
+    /// Index of the ray, and its stretch within the layer.
+    ray: usize,
+    span: [f64; 2],
+    point: DVec3,
+    /// Toward the light.
+    light: DVec3,
+    density: f64,
+    /// Σ of the densities toward the light.
+    shaded: f64,
+}
+
+impl Cloudy {
+    /// What a pixel covers of a layer at a distance along a ray.
+    fn footprint(&self, ray: &Ray, distance: f64) -> f64 {
+        let depth = distance * ray.direction.dot(self.eye.forward);
+        self.eye.pixel_size(depth) / ray.direction.y.abs().max(GRAZING).sqrt()
+    }
+
+    /// The share of a part of a ray that clouds of a density cover.
+    fn covers(layer: &Layer, density: f64, part: f64) -> f64 {
+        1.0 - libm::exp(-layer.opacity * density * part / layer.thickness)
+    }
+
+    /// How brightly a point shines whose mean density toward the light is `shaded`.
+    fn bright(&self, ray: &Ray, toward: DVec3, shaded: f64) -> f64 {
+        let facing = 0.5 * (1.0 + ray.direction.dot(toward)).clamp(0.0, 2.0);
+        libm::exp(-self.shade * shaded) * (1.0 - self.sunward * (1.0 - facing * facing))
+    }
+
+    /// From one point toward the light to the next; nothing finer counts there.
+    fn light_step(layer: &Layer) -> f64 {
+        layer.thickness / LIGHT_STEPS as f64
+    }
+
+    /// The point so many steps toward the light.
+    fn toward(layer: &Layer, point: DVec3, light: DVec3, step: usize) -> DVec3 {
+        point + light * (Self::light_step(layer) * (step as f64 + 0.5))
+    }
+
+    /// Density, light and depth of what a ray gathers over all layers, the lowest first.
+    fn resolve(&self, ray: &Ray, by_layer: impl DoubleEndedIterator<Item = Gathered>) -> [f64; 3] {
+        let join = |front: Gathered, layer: Gathered| layer.behind(front);
+        let all = if ray.direction.y >= 0.0 {
+            by_layer.fold(Gathered::NOTHING, join)
+        } else {
+            by_layer.rev().fold(Gathered::NOTHING, join)
+        };
+        let density = (1.0 - all.left).clamp(0.0, 1.0);
+        if density == 0.0 {
+            return [0.0, 0.0, f64::INFINITY];
+        }
+        let (light, distance) = ((all.light / density).clamp(0.0, 1.0), all.distance / density);
+        let toward = self.light.illuminate(ray.at(distance)).direction;
+        let facing = 0.5 * (1.0 + ray.direction.dot(toward)).clamp(0.0, 2.0);
+        let silver = self.silver * libm::pow(facing, 16.0) * (1.0 - density);
+        [density, light + (1.0 - light) * silver, distance * ray.direction.dot(self.eye.forward)]
+    }
+
+    /// What rays gather in one layer: all of them at once, step by step.
+    fn gather(&self, layer: &Layer, rays: &[Ray], lit: bool) -> Vec<Gathered> {
+        let mut gathered = vec![Gathered::NOTHING; rays.len()];
+        let mut spans: Vec<(usize, [f64; 2])> = (rays.iter().enumerate())
+            .filter_map(|(index, ray)| Some((index, layer.span(ray, self.distance)?)))
+            .collect();
+        let mut noise = vec![0.0; spans.len()];
+        for step in 0..self.steps {
+            spans.retain(|(index, _)| gathered[*index].left > OPAQUE);
+            noise.truncate(spans.len());
+            let part = |[near, far]: [f64; 2]| (far - near) / self.steps as f64;
+            let at = |span: [f64; 2]| span[0] + (step as f64 + 0.5) * part(span);
+            let places = spans.iter().map(|(index, span)| layer.place(rays[*index].at(at(*span))));
+            let prints: Vec<f32> =
+                spans.iter().map(|(index, span)| self.footprint(&rays[*index], at(*span)) as f32).collect();
+            layer.noise.fill(places, &prints, &mut noise);
+            let (mut dense, mut dense_prints) = (Vec::new(), Vec::new());
+            for (((index, span), noise), print) in spans.iter().zip(&noise).zip(&prints) {
+                let point = rays[*index].at(at(*span));
+                let density = layer.density(f64::from(*noise), point.y);
+                if density > 0.0 {
+                    let light = self.light.illuminate(point).direction;
+                    dense.push(Dense { ray: *index, span: *span, point, light, density, shaded: 0.0 });
+                    dense_prints.push(print.max(Self::light_step(layer) as f32));
+                }
+            }
+            if lit {
+                let mut noise = vec![0.0; dense.len()];
+                for ahead in 0..LIGHT_STEPS {
+                    let point = |dense: &Dense| Self::toward(layer, dense.point, dense.light, ahead);
+                    layer.noise.fill(dense.iter().map(|dense| layer.place(point(dense))), &dense_prints, &mut noise);
+                    for (dense, noise) in dense.iter_mut().zip(&noise) {
+                        dense.shaded += layer.density(f64::from(*noise), point(dense).y);
+                    }
+                }
+            }
+            for Dense { ray, span, light, density, shaded, .. } in dense {
+                let bright = self.bright(&rays[ray], light, shaded / LIGHT_STEPS as f64);
+                gathered[ray].add(Self::covers(layer, density, part(span)), bright, at(span));
+            }
+        }
+        gathered
+    }
+
+    /// What a ray gathers in one layer, in f64.
+    fn gather_reference(&self, layer: &Layer, ray: &Ray) -> Gathered {
+        let mut gathered = Gathered::NOTHING;
+        let Some([near, far]) = layer.span(ray, self.distance) else { return gathered };
+        let part = (far - near) / self.steps as f64;
+        let density = |point: DVec3, footprint: f64| {
+            layer.density(noise_reference(&layer.noise, &layer.place(point), footprint), point.y)
+        };
+        for step in 0..self.steps {
+            if gathered.left <= OPAQUE {
+                break;
+            }
+            let distance = near + (step as f64 + 0.5) * part;
+            let (point, footprint) = (ray.at(distance), self.footprint(ray, distance));
+            let light = self.light.illuminate(point).direction;
+            let coarse = footprint.max(Self::light_step(layer));
+            let shaded: f64 =
+                (0..LIGHT_STEPS).map(|ahead| density(Self::toward(layer, point, light, ahead), coarse)).sum();
+            let bright = self.bright(ray, light, shaded / LIGHT_STEPS as f64);
+            gathered.add(Self::covers(layer, density(point, footprint), part), bright, distance);
+        }
+        gathered
+    }
+}
+
+impl Prepared for Cloudy {
+    fn fill(&self, block: &Block, _inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
+        let mut planes = [outputs.take(0, 0), outputs.take(1, 0), outputs.take(2, 0)];
+        if planes.iter().all(Option::is_none) {
+            return Ok(());
+        }
+        let window = block.window;
+        let pixels = (window.y0..window.y1).flat_map(|y| (window.x0..window.x1).map(move |x| (x, y)));
+        let rays: Vec<Ray> =
+            pixels.map(|(x, y)| self.eye.ray(x as f64 + block.offset[0], y as f64 + block.offset[1])).collect();
+        let lit = planes[1].is_some();
+        let by_layer: Vec<Vec<Gathered>> = self.layers.iter().map(|layer| self.gather(layer, &rays, lit)).collect();
+        for (index, ray) in rays.iter().enumerate() {
+            let values = self.resolve(ray, by_layer.iter().map(|gathered| gathered[index]));
+            for (plane, value) in planes.iter_mut().zip(values) {
+                if let Some(plane) = plane {
+                    plane[index] = value as f32;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
+        let ray = self.eye.ray(inputs.at[0], inputs.at[1]);
+        let [density, light, depth] =
+            self.resolve(&ray, self.layers.iter().map(|layer| self.gather_reference(layer, &ray)));
+        Ok(vec![Reference::Mask(density), Reference::Mask(light), Reference::Field(vec![depth])])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::testing::frame;
+    use trochoid_graph::Reference;
+
+    /// Clouds seen by a camera in the light from a direction.
+    fn clouds(camera: &str, direction: &str, layers: &str) -> String {
+        format!(
+            r#""camera": {{ "type": "Camera", {camera} }}, "sun": {{ "type": "Light", {direction} }},
+               "clouds": {{ "type": "Clouds", "camera": "camera", "light": "sun", "wind": 30, "steps": 5,
+                 "layers": [{layers}] }},
+               "out": {{ "type": "Clamp", "field": "clouds", "min": 0, "max": 1 }}"#
+        )
+    }
+
+    #[test]
+    fn agree_with_the_reference_from_below_within_and_above() {
+        let up = r#""position": [0, 2, 0], "target": [0, 20, -60]"#;
+        let within = r#""position": [5e5, 1700, 0], "target": [5e5, 1700, -60]"#;
+        let above = r#""position": [0, 9000, 0], "target": [0, 0, -6000]"#;
+        let flat = r#""projection": "orthographic", "height": 5000, "target": [0, 9, 0]"#;
+        let two =
+            r#"{ "scale": 700, "cover": 0.6 }, { "height": 4000, "thickness": 100, "stretch": 4, "softness": 0.8 }"#;
+        let hard = r#"{ "softness": 0, "rounding": 2, "cover": 1, "opacity": 1000, "scale": 0.01 }"#;
+        let none = r#"{ "cover": 0, "softness": 0 }"#;
+        for camera in [up, within, above, flat] {
+            for direction in ["[0, 0.3, -1]", "[1, 0, 0]", "[0, -1, 0.2]"] {
+                for layers in [two, hard, none] {
+                    let nodes = clouds(camera, &format!(r#""direction": {direction}"#), layers);
+                    let frame = frame("weights", &nodes);
+                    let id = frame.graph.find("clouds").unwrap();
+                    let mut off = 0;
+                    for index in 0..40 {
+                        let at = [f64::from(index % 8) / 2.0 + 0.2, f64::from(index / 8) * 0.6 + 0.1];
+                        let values = [0, 1, 2].map(|output| match frame.reference(id, output, at) {
+                            Reference::Mask(value) => value,
+                            Reference::Field(values) => values[0],
+                            _ => unreachable!(),
+                        });
+                        for (output, truth) in values.into_iter().enumerate() {
+                            let found = f64::from(frame.filled(id, output, 0, at));
+                            assert!(output == 2 || (0.0..=1.0).contains(&found), "{found}");
+                            let near = (found - truth).abs() < 2e-3 * truth.abs().max(1.0);
+                            off += usize::from(!(near || found == truth));
+                        }
+                    }
+                    // Hard edges may fall to either side, and a density near 0 divides rounding errors by itself.
+                    assert!(off <= 3, "{off} of 120 differ: {nodes}");
+                }
+            }
+        }
+    }
+}

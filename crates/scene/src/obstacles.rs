@@ -1,0 +1,392 @@
+//! What stands in the way of rays that do not begin at the camera: surfaces as triangles under a tree of boxes.
+
+use glam::{DVec3, Vec3};
+use rayon::prelude::*;
+
+use crate::surface::{Mesh, Topology};
+use crate::{ChannelSet, Projector, Ray, Surface};
+
+/// Triangles in a leaf, and children of a box.
+const LEAF: usize = 8;
+const CHILDREN: usize = 4;
+/// Most boxes that wait to be looked at: of each level of a tree of 2³² leaves all children but one.
+const STACK: usize = 3 * 17 + 1;
+/// By how much a ray may miss a triangle's edge, in parts of the triangle, so that no ray slips through between two.
+const EDGE: f32 = 1e-5;
+/// By how much rounding may move the end of the stretch of a ray within a box, relative to it.
+const SLACK: f32 = 1e-6;
+
+/// Surfaces as they are tessellated for a camera, ready to be met by rays from anywhere.
+///
+/// Rays meet what the camera may see: what lies outside its picture is in no ray's way. Widen the picture
+/// ([`surroundings`]) to take more into account.
+///
+/// ```
+/// use trochoid_image::Format;
+/// use trochoid_scene::{Camera, DVec3, Obstacles, Projection, Ray, SeaSurface, Surface};
+/// use trochoid_sea::Sea;
+///
+/// let sea = SeaSurface::new(&Sea::new(Vec::new()), 0.0, 0.0);
+/// let camera = Camera {
+///     position: DVec3::new(0.0, 6.0, 30.0),
+///     target: DVec3::ZERO,
+///     roll: 0.0,
+///     projection: Projection::Perspective { fov: 0.7 },
+/// };
+/// let obstacles = Obstacles::new(&camera.projector(Format::new(64, 36, 1)?), &[&sea as &dyn Surface]);
+/// let down = Ray { origin: DVec3::new(0.0, 2.0, 0.0), direction: DVec3::NEG_Y };
+/// let met = obstacles.first(&down, 10.0).unwrap();
+/// assert!((met - 2.0).abs() < 1e-5);
+/// assert_eq!(obstacles.first(&down, 1.0), None);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug)]
+pub struct Obstacles {
+    /// What positions are relative to.
+    origin: DVec3,
+    positions: Vec<Vec3>,
+    /// Triangles that lie near each other stand near each other.
+    triangles: Vec<[u32; 3]>,
+    /// Boxes of leaves, then of each level above, up to the one box of all; where each level begins.
+    boxes: Vec<[Vec3; 2]>,
+    levels: Vec<usize>,
+}
+
+/// A camera's projector for a picture that is wider and higher by `beyond` of itself on each side, and has pixels of
+/// `detail` pixels.
+pub fn surroundings(projector: &Projector, beyond: f64, detail: f64) -> Projector {
+    let size = projector.size.map(|side| side * (1.0 + 2.0 * beyond) / detail);
+    Projector { scale: projector.scale / detail, size, ..*projector }
+}
+
+/// Distance to the first point of the continuous surfaces along a ray within `limit`, in f64.
+pub fn first_reference(projector: &Projector, surfaces: &[&dyn Surface], ray: &Ray, limit: f64) -> Option<f64> {
+    let hits = surfaces.iter().filter_map(|surface| surface.trace(projector, ray));
+    hits.map(|hit| hit.distance).filter(|distance| *distance <= limit).min_by(f64::total_cmp)
+}
+
+impl Obstacles {
+    /// Tessellates surfaces for a camera.
+    ///
+    /// # Panics
+    /// The surfaces have 2³² vertices or more together.
+    pub fn new(projector: &Projector, surfaces: &[&dyn Surface]) -> Self {
+        let (mut positions, mut triangles) = (Vec::new(), Vec::new());
+        for surface in surfaces {
+            let mesh = surface.tessellate(projector, ChannelSet::NONE);
+            let first = u32::try_from(positions.len()).expect("fewer than 2³² vertices");
+            positions.extend(mesh.positions.iter().copied().map(Vec3::from));
+            assert!(u32::try_from(positions.len()).is_ok(), "fewer than 2³² vertices");
+            let ordered = in_order(&mesh);
+            triangles.extend(ordered.into_iter().map(|triangle| triangle.map(|vertex| vertex + first)));
+        }
+        let (boxes, levels) = boxes(&positions, &triangles);
+        Self { origin: projector.position, positions, triangles, boxes, levels }
+    }
+
+    /// Distance to the first point along a ray, within `limit`.
+    pub fn first(&self, ray: &Ray, limit: f64) -> Option<f64> {
+        self.meet::<false>(ray, limit)
+    }
+
+    /// Whether there is any point along a ray within `limit`.
+    pub fn blocks(&self, ray: &Ray, limit: f64) -> bool {
+        self.meet::<true>(ray, limit).is_some()
+    }
+
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        self.positions.len() * 12 + self.triangles.len() * 12 + self.boxes.len() * 24
+    }
+
+    fn meet<const ANY: bool>(&self, ray: &Ray, limit: f64) -> Option<f64> {
+        if self.triangles.is_empty() {
+            return None;
+        }
+        let origin = (ray.origin - self.origin).as_vec3();
+        let direction = ray.direction.as_vec3();
+        // A component of 0 would make 0·∞ of a box that begins where the ray does.
+        let inverse = direction.map(|part| if part.abs() < 1e-18 { 1e18 } else { 1.0 / part });
+        let mut nearest = limit as f32;
+        let mut found = None;
+        let mut stack = [(0.0_f32, 0_u32, 0_u32); STACK];
+        let top = self.levels.len() - 1;
+        let mut waiting = 0;
+        if let Some(near) = within(&self.boxes[self.levels[top]], origin, inverse, nearest) {
+            stack[0] = (near, top as u32, 0);
+            waiting = 1;
+        }
+        while waiting > 0 {
+            waiting -= 1;
+            let (near, level, index) = stack[waiting];
+            if near > nearest {
+                continue;
+            }
+            if level == 0 {
+                let start = index as usize * LEAF;
+                for triangle in &self.triangles[start..(start + LEAF).min(self.triangles.len())] {
+                    let corners = triangle.map(|vertex| self.positions[vertex as usize]);
+                    if let Some(distance) = pierce(corners, origin, direction).filter(|distance| *distance <= nearest) {
+                        (nearest, found) = (distance, Some(distance));
+                        if ANY {
+                            return Some(f64::from(distance));
+                        }
+                    }
+                }
+                continue;
+            }
+            let below = level as usize - 1;
+            let (start, first) = (self.levels[below], index as usize * CHILDREN);
+            let last = (first + CHILDREN).min(self.levels[below + 1] - start);
+            let base = waiting;
+            for child in first..last {
+                let Some(near) = within(&self.boxes[start + child], origin, inverse, nearest) else { continue };
+                // The nearest is looked at first: it is popped last in, first out.
+                let mut place = waiting;
+                while place > base && stack[place - 1].0 < near {
+                    stack[place] = stack[place - 1];
+                    place -= 1;
+                }
+                stack[place] = (near, below as u32, child as u32);
+                waiting += 1;
+            }
+        }
+        found.map(f64::from)
+    }
+}
+
+/// Where a ray enters a box, if it does within `limit`.
+#[inline]
+fn within(bounds: &[Vec3; 2], origin: Vec3, inverse: Vec3, limit: f32) -> Option<f32> {
+    let (a, b) = ((bounds[0] - origin) * inverse, (bounds[1] - origin) * inverse);
+    let near = a.min(b).max_element().max(0.0);
+    let far = a.max(b).min_element();
+    let slack = SLACK * far.abs();
+    (near - slack <= far + slack && near <= limit).then_some(near - slack)
+}
+
+/// Distance along a ray to a triangle.
+///
+/// After Möller and Trumbore, *Fast, Minimum Storage Ray/Triangle Intersection*, 1997.
+#[inline]
+fn pierce([p, q, r]: [Vec3; 3], origin: Vec3, direction: Vec3) -> Option<f32> {
+    let (a, b) = (q - p, r - p);
+    let across = direction.cross(b);
+    let determinant = a.dot(across);
+    if determinant == 0.0 {
+        return None;
+    }
+    let offset = origin - p;
+    let u = offset.dot(across) / determinant;
+    let along = offset.cross(a);
+    let v = direction.dot(along) / determinant;
+    let distance = b.dot(along) / determinant;
+    (u >= -EDGE && v >= -EDGE && u + v <= 1.0 + EDGE && distance >= 0.0 && distance.is_finite()).then_some(distance)
+}
+
+/// The triangles of a mesh, neighbors near each other.
+fn in_order(mesh: &Mesh) -> Vec<[u32; 3]> {
+    match &mesh.topology {
+        Topology::Grid { columns, rows } => {
+            let (across, along) = (columns.saturating_sub(1), rows.saturating_sub(1));
+            let mut triangles = Vec::with_capacity(2 * across * along);
+            let side = across.max(along).next_power_of_two();
+            quarters([0, 0], side, [across, along], &mut |[column, row]| {
+                let corner = |right: usize, down: usize| ((row + down) * columns + column + right) as u32;
+                triangles.push([corner(0, 0), corner(0, 1), corner(1, 0)]);
+                triangles.push([corner(1, 0), corner(0, 1), corner(1, 1)]);
+            });
+            triangles
+        }
+        Topology::Triangles(triangles) => {
+            let (low, high) = bounds(mesh.positions.iter().copied().map(Vec3::from));
+            let size = (high - low).max(Vec3::splat(f32::MIN_POSITIVE));
+            let mut keyed: Vec<(u32, usize)> = triangles
+                .par_iter()
+                .enumerate()
+                .map(|(index, corners)| {
+                    let sum: Vec3 = corners.iter().map(|vertex| Vec3::from(mesh.positions[*vertex as usize])).sum();
+                    let place = ((sum / 3.0 - low) / size * 1023.0).to_array().map(|part| part as u32);
+                    (interleaved(place), index)
+                })
+                .collect();
+            keyed.par_sort_unstable();
+            keyed.into_iter().map(|(_, index)| triangles[index]).collect()
+        }
+    }
+}
+
+/// Calls `visit` with the cells of a square of `side` cells that lie within `size`, quarter by quarter.
+fn quarters(at: [usize; 2], side: usize, size: [usize; 2], visit: &mut impl FnMut([usize; 2])) {
+    if at[0] >= size[0] || at[1] >= size[1] {
+        return;
+    }
+    if side == 1 {
+        return visit(at);
+    }
+    let half = side / 2;
+    for (right, down) in [(0, 0), (half, 0), (0, half), (half, half)] {
+        quarters([at[0] + right, at[1] + down], half, size, visit);
+    }
+}
+
+/// The bits of three numbers below 2¹⁰ in turn (Morton order).
+fn interleaved(place: [u32; 3]) -> u32 {
+    (0..10)
+        .flat_map(|bit| (0..3).map(move |axis| (bit, axis)))
+        .fold(0, |key, (bit, axis)| key | ((place[axis] >> bit) & 1) << (3 * bit + axis))
+}
+
+fn bounds(points: impl Iterator<Item = Vec3>) -> (Vec3, Vec3) {
+    let nothing = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+    points.fold(nothing, |(low, high), point| (low.min(point), high.max(point)))
+}
+
+/// Boxes of leaves, and of the boxes of each level; where each level begins, and the end.
+fn boxes(positions: &[Vec3], triangles: &[[u32; 3]]) -> (Vec<[Vec3; 2]>, Vec<usize>) {
+    let mut boxes: Vec<[Vec3; 2]> = triangles
+        .par_chunks(LEAF)
+        .map(|leaf| {
+            let (low, high) = bounds(leaf.iter().flatten().map(|vertex| positions[*vertex as usize]));
+            [low, high]
+        })
+        .collect();
+    let mut levels = vec![0];
+    while boxes.len() - levels[levels.len() - 1] > 1 {
+        let start = levels[levels.len() - 1];
+        levels.push(boxes.len());
+        let above: Vec<[Vec3; 2]> = boxes[start..]
+            .chunks(CHILDREN)
+            .map(|children| {
+                let (low, high) = bounds(children.iter().flatten().copied());
+                [low, high]
+            })
+            .collect();
+        boxes.extend(above);
+    }
+    (boxes, levels)
+}
+
+#[cfg(test)]
+mod tests {
+    use trochoid_image::Format;
+    use trochoid_sea::{GerstnerSpectrum, Sea};
+
+    use super::*;
+    use crate::bezier::Placement;
+    use crate::{Camera, Projection, SeaSurface, TriangleModel, Triangles};
+
+    fn camera() -> Projector {
+        let camera = Camera {
+            position: DVec3::new(0.0, 6.0, 30.0),
+            target: DVec3::new(0.0, 2.0, 0.0),
+            roll: 0.0,
+            projection: Projection::Perspective { fov: 0.7 },
+        };
+        camera.projector(Format::new(320, 180, 1).expect("valid"))
+    }
+
+    /// Numbers in [0, 1) that look random.
+    fn random(count: usize) -> impl FnMut() -> f64 {
+        let mut state = count as u64;
+        move || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1_u64 << 53) as f64
+        }
+    }
+
+    /// Triangles at random, some of them without area, some many times as large as others.
+    fn soup(count: usize) -> TriangleModel {
+        let mut random = random(count);
+        let mut mesh = Triangles::default();
+        for index in 0..count {
+            let middle = DVec3::new(random(), random(), random()) * 20.0 - 10.0;
+            let size = [0.1, 1.0, 15.0, 0.0][index % 4];
+            for _ in 0..3 {
+                let away = DVec3::new(random(), random(), random()) - 0.5;
+                mesh.positions.push(middle + away * size);
+            }
+            let first = 3 * index as u32;
+            mesh.triangles.push([first, first + 1, first + 2]);
+        }
+        let placement = Placement { scale: DVec3::ONE, rotate: DVec3::ZERO, translate: DVec3::ZERO };
+        TriangleModel::new(mesh, placement, false).expect("a mesh")
+    }
+
+    #[test]
+    fn rays_meet_what_the_reference_says() {
+        for count in [0, 1, 8, 9, 33, 1000] {
+            let model = soup(count);
+            let surfaces: [&dyn Surface; 1] = [&model];
+            let (projector, mut random) = (camera(), random(count + 7));
+            let obstacles = Obstacles::new(&projector, &surfaces);
+            let mut met = 0;
+            for index in 0..500 {
+                let origin = DVec3::new(random(), random(), random()) * 30.0 - 15.0;
+                let direction = (DVec3::new(random(), random(), random()) - 0.5).normalize();
+                // Along the axes too.
+                let direction = [direction, DVec3::X, DVec3::NEG_Y, DVec3::Z][index % 4];
+                let (ray, limit) = (Ray { origin, direction }, 20.0 * random());
+                let (found, truth) =
+                    (obstacles.first(&ray, limit), first_reference(&projector, &surfaces, &ray, limit));
+                assert_eq!(obstacles.blocks(&ray, limit), found.is_some());
+                // A ray may pass an edge on either side, or end just before a triangle.
+                let closer = |a: f64| model_is_near(&model, &projector, &ray, a);
+                match (found, truth) {
+                    (Some(found), Some(truth)) if (found - truth).abs() < 1e-3 => met += 1,
+                    (None, None) => {}
+                    (found, truth) => {
+                        let at = found.into_iter().chain(truth).fold(f64::INFINITY, f64::min);
+                        assert!(closer(at), "{count}, ray {index}: {found:?}, expected {truth:?} within {limit}");
+                    }
+                }
+            }
+            assert!(count < 1000 || met > 200, "{met} of 500 rays met something");
+        }
+    }
+
+    /// Whether slightly other rays disagree too about what lies at a distance: the point is on an edge.
+    fn model_is_near(model: &TriangleModel, projector: &Projector, ray: &Ray, distance: f64) -> bool {
+        let steps = [DVec3::X, DVec3::Y, DVec3::Z, DVec3::NEG_X, DVec3::NEG_Y, DVec3::NEG_Z];
+        let answers: Vec<bool> = steps
+            .iter()
+            .map(|step| Ray { origin: ray.origin + *step * 1e-3, ..*ray })
+            .map(|ray| model.trace(projector, &ray).is_some_and(|hit| (hit.distance - distance).abs() < 0.05))
+            .collect();
+        answers.iter().any(|answer| *answer) && answers.iter().any(|answer| !*answer)
+    }
+
+    #[test]
+    fn no_ray_slips_through_a_sea() {
+        let spectrum = GerstnerSpectrum { count: 30, ..GerstnerSpectrum::default() };
+        let sea = SeaSurface::new(&Sea::new(spectrum.waves().expect("valid")), 3.0, 0.5);
+        let (projector, mut random) = (camera(), random(1));
+        let obstacles = Obstacles::new(&projector, &[&sea]);
+        for _ in 0..20_000 {
+            let origin = DVec3::new(8.0 * random() - 4.0, 20.0, 15.0 - 30.0 * random());
+            let direction = (DVec3::new(random() - 0.5, -3.0, random() - 0.5)).normalize();
+            assert!(obstacles.blocks(&Ray { origin, direction }, 100.0), "{origin}, {direction}");
+            let up = Ray { origin, direction: -direction };
+            assert_eq!(obstacles.first(&up, 1e9), None);
+        }
+    }
+
+    #[test]
+    fn agrees_with_the_continuous_sea() {
+        let spectrum = GerstnerSpectrum { count: 12, ..GerstnerSpectrum::default() };
+        let sea = SeaSurface::new(&Sea::new(spectrum.waves().expect("valid")), 1.0, 0.0);
+        let surfaces: [&dyn Surface; 1] = [&sea];
+        let (projector, mut random) = (surroundings(&camera(), 0.5, 2.0), random(3));
+        let obstacles = Obstacles::new(&projector, &surfaces);
+        let (mut errors, count) = (Vec::new(), 200);
+        for _ in 0..count {
+            let origin = DVec3::new(8.0 * random() - 4.0, 6.0, 10.0 - 20.0 * random());
+            let direction = DVec3::new(random() - 0.5, -0.7, random() - 0.5).normalize();
+            let ray = Ray { origin, direction };
+            let truth = first_reference(&projector, &surfaces, &ray, 100.0).expect("the sea");
+            errors.push((obstacles.first(&ray, 100.0).expect("the sea") - truth).abs());
+        }
+        errors.sort_by(f64::total_cmp);
+        assert!(errors[count * 95 / 100] < 0.05, "{errors:?}");
+    }
+}
