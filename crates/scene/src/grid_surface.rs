@@ -3,7 +3,7 @@ use rayon::prelude::*;
 
 use crate::shading::unit_or_up;
 use crate::surface::{Hit, Mesh, Surface, Topology};
-use crate::{ChannelSet, Projector, Ray};
+use crate::{ChannelSet, Projector, Ray, Resting};
 
 /// Chord error in pixels that a cell may make at its nearest, at a crest three times as sharp as the root mean square.
 const CHORD_PX: f64 = 0.2;
@@ -252,6 +252,10 @@ impl Surface for GridSurface {
             (near, at_near) = (far, at_far);
         }
         None
+    }
+
+    fn resting(&self) -> Option<&dyn Resting> {
+        Some(self)
     }
 }
 

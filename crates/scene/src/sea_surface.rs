@@ -4,7 +4,7 @@ use trochoid_sea::{Sea, SeaFrame};
 use crate::extent::{Bounds, Sector, Strip};
 use crate::spacing::Spacing;
 use crate::surface::{Hit, Mesh, Surface};
-use crate::{ChannelSet, Projector, Ray, reference, tessellate};
+use crate::{ChannelSet, Projector, Ray, Resting, reference, tessellate};
 
 /// An endless sea at one time.
 #[derive(Clone, Debug)]
@@ -72,5 +72,9 @@ impl Surface for SeaSurface {
 
     fn trace(&self, projector: &Projector, ray: &Ray) -> Option<Hit> {
         reference::trace_sea(self, projector, ray)
+    }
+
+    fn resting(&self) -> Option<&dyn Resting> {
+        Some(self)
     }
 }

@@ -1,6 +1,6 @@
 use glam::DVec3;
 
-use crate::{ChannelSet, Projector, Ray};
+use crate::{ChannelSet, Projector, Ray, Resting};
 
 /// Something that a camera can see.
 ///
@@ -15,6 +15,11 @@ pub trait Surface: Send + Sync {
 
     /// The first point of the continuous surface along a ray from the camera, in f64.
     fn trace(&self, projector: &Projector, ray: &Ray) -> Option<Hit>;
+
+    /// The same surface by its rest points, where it lies over a resting plane.
+    fn resting(&self) -> Option<&dyn Resting> {
+        None
+    }
 }
 
 /// How the vertices of a mesh hang together.

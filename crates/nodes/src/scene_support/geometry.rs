@@ -14,6 +14,11 @@ pub(crate) const TRANSLATE: Item =
     Knob::vector("translate", &[0.0, 0.0, 0.0], "Where the model's origin comes to stand.").unit("m").item();
 pub(crate) const FLIP: Item = Knob::bool("flip", false, "Takes the other side for the outer one.").item();
 
+/// A vector of a world whose y points up as one of a world whose axis `up` does, "y" or "z".
+pub(crate) fn y_up_to<T: std::ops::Neg<Output = T>>(up: &str, [x, y, z]: [T; 3]) -> [T; 3] {
+    if up == "z" { [x, -z, y] } else { [x, y, z] }
+}
+
 /// What the knobs say.
 pub(crate) fn placement(node: &Settled) -> Placement {
     let rotate = node.vector3("rotate").map(f64::to_radians);
