@@ -1,6 +1,7 @@
 //! Bake: a sea as images, for other renderers.
 
 use crate::scene_support::{SurfaceHandle, y_up_to};
+use rayon::prelude::*;
 use std::sync::Arc;
 use trochoid_graph::*;
 use trochoid_image::Window;
@@ -17,14 +18,15 @@ static DECLARATION: Declaration = Declaration {
     name: "Bake",
     end: End::Front,
     summary: "Evaluates a sea over a rectangle of the world, as images for other renderers.",
-    formula: "Pixel (i, j) of W × H is the rest point x₀ = `x` + (i + ½)·`width`/W, z₀ = `z` + (j + ½)·`depth`/H, as seen \
-              from above. displacement = P − P₀; height is its y; normal = N/|N|, N = ∂P/∂z₀ × ∂P/∂x₀; jacobian = det \
-              ∂(x, z)/∂(x₀, z₀). With `up` z, (x, y, z) is written as (x, −z, y).",
-    edge_cases: "The images have the document's size: a bake that needs another is a document of its own. A pixel is one \
-                 point, whatever `samples` says, and its waves fade as in any picture whose pixels are `footprint` wide. \
-                 Where a sea ends it rests. Folded places have a jacobian below 0 and a normal that points down; one \
-                 without direction points up. Outputs of three channels are written as R, G, B and those of one as Y, in \
-                 32-bit float, which Blender and Houdini read as they are: set their color space to raw.",
+    formula: "Pixel (i, j) of W × H is the rest point x₀ = `x` + (i + ½)·`width`/W, z₀ = `z` + (j + ½)·`depth`/H, as \
+              seen from above. displacement = P − P₀; height is its y; normal = N/|N|, N = ∂P/∂z₀ × ∂P/∂x₀; jacobian \
+              = det ∂(x, z)/∂(x₀, z₀). With `up` z, (x, y, z) is written as (x, −z, y).",
+    edge_cases: "The images have the document's size: a bake that needs another is a document of its own. A pixel is \
+                 one point, whatever `samples` says, and its waves fade as in any picture whose pixels are \
+                 `footprint` wide. Where a sea ends it rests. Folded places have a jacobian below 0 and a normal that \
+                 points down; one without direction points up. Outputs of three channels are written as R, G, B and \
+                 those of one as Y, in 32-bit float, which Blender and Houdini read as they are: set their color \
+                 space to raw.",
     source: "Cook, Shade Trees, 1984 (displacement); Tessendorf, Simulating Ocean Water, 2001 (Jacobian).",
     items: &[
         Port::one("sea", Accepts::Surface, "A sea: a surface that lies over a plane at rest."),
@@ -127,24 +129,21 @@ impl Stage for Bake {
         let sea = resting(&surface)?;
         let mut fields = Fields::default();
         sea.on_grid(grid, wanted, node.number("tolerance"), &mut fields).map_err(NodeError::new)?;
-        let mut images: [Vec<f32>; 8] = std::array::from_fn(|channel| {
-            let wanted = (0..4).any(|output| asked(output) && CHANNELS[output].contains(&channel));
-            vec![0.0; if wanted { points } else { 0 }]
-        });
-        for point in 0..points {
+        let sample = |point: usize| {
             let value = |values: &Vec<f32>| values.get(point).map_or(0.0, |value| f64::from(*value));
-            let sample = Sample {
+            Sample {
                 displacement: fields.displacement.each_ref().map(value),
                 slope: fields.slope.each_ref().map(value),
                 strain: fields.strain.each_ref().map(value),
                 ..Sample::default()
-            };
-            for (image, channel) in images.iter_mut().zip(channels(&sample, up)) {
-                if let Some(out) = image.get_mut(point) {
-                    *out = channel as f32;
-                }
             }
-        }
+        };
+        let images: [Vec<f32>; 8] = std::array::from_fn(|channel| {
+            if !(0..4).any(|output| asked(output) && CHANNELS[output].contains(&channel)) {
+                return Vec::new();
+            }
+            (0..points).into_par_iter().map(|point| channels(&sample(point), up)[channel] as f32).collect()
+        });
         Ok(Box::new(Baked { surface, grid, up, images }))
     }
 }
@@ -153,8 +152,8 @@ impl Stage for Bake {
 fn resting(surface: &SurfaceHandle) -> Result<&dyn Resting, NodeError> {
     surface.resting().ok_or_else(|| {
         NodeError::new(
-            "\"sea\": found a surface without a plane at rest, such as a model; expected a sea: connect a GerstnerSea or \
-             a ToonSea",
+            "\"sea\": found a surface without a plane at rest, such as a model; expected a sea: connect a \
+             GerstnerSea or a ToonSea",
         )
     })
 }
@@ -326,8 +325,9 @@ mod tests {
 
     #[test]
     fn what_cannot_be_baked_is_refused() {
-        let model = r#""sea": { "type": "BezierModel", "patches": [{ "points": [{ "at": [0, 0, 0] }, { "at": [1, 0, 0] },
-            { "at": [0, 0, 1] }, { "at": [1, 0, 1] }] }] }, "b": { "type": "Bake", "sea": "sea" }"#;
+        let model = r#""sea": { "type": "BezierModel", "patches": [{ "points": [{ "at": [0, 0, 0] },
+            { "at": [1, 0, 0] }, { "at": [0, 0, 1] }, { "at": [1, 0, 1] }] }] },
+            "b": { "type": "Bake", "sea": "sea" }"#;
         let error = baked(model, 4, 4).err().unwrap().message;
         assert!(error.contains("without a plane at rest") && error.contains("GerstnerSea"), "{error}");
         let sea = r#""sea": { "type": "GerstnerSea", "count": 3 }, "b": { "type": "Bake", "sea": "sea" }"#;
