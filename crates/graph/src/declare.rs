@@ -44,6 +44,8 @@ pub struct Output {
     pub kind: Kind,
     /// What it holds, with its unit.
     pub help: &'static str,
+    /// Names of its channels in files, where others look for certain ones; none where those of its kind do.
+    pub stored: &'static [&'static str],
 }
 
 /// A port, a knob, or a list of records of them.
@@ -307,6 +309,12 @@ impl List {
 impl Output {
     /// An output of one kind.
     pub const fn new(name: &'static str, kind: Kind, help: &'static str) -> Self {
-        Self { name, kind, help }
+        Self { name, kind, help, stored: &[] }
+    }
+
+    /// States the names of its channels in files.
+    pub const fn stored_as(mut self, channels: &'static [&'static str]) -> Self {
+        self.stored = channels;
+        self
     }
 }

@@ -3,7 +3,7 @@ use rayon::prelude::*;
 
 use crate::shading::unit_or_up;
 use crate::surface::{Hit, Mesh, Surface, Topology};
-use crate::{ChannelSet, Projector, Ray};
+use crate::{ChannelSet, Projector, Ray, Resting};
 
 /// Chord error in pixels that a cell may make at its nearest, at a crest three times as sharp as the root mean square.
 const CHORD_PX: f64 = 0.2;
@@ -265,6 +265,10 @@ impl Surface for GridSurface {
         let [u, v] =
             [0, 1].map(|axis| ((place[axis] - self.origin[axis]) / self.spacing).clamp(0.0, (counts[axis] - 1) as f64));
         Some(self.level + self.within(u, v)[0])
+    }
+
+    fn resting(&self) -> Option<&dyn Resting> {
+        Some(self)
     }
 }
 

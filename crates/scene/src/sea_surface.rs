@@ -4,7 +4,7 @@ use trochoid_sea::{Sea, SeaFrame};
 use crate::extent::{Bounds, Sector, Strip};
 use crate::spacing::Spacing;
 use crate::surface::{Hit, Mesh, Surface};
-use crate::{ChannelSet, Projector, Ray, reference, tessellate};
+use crate::{ChannelSet, Projector, Ray, Resting, reference, tessellate};
 
 /// An endless sea at one time.
 #[derive(Clone, Debug)]
@@ -127,5 +127,9 @@ impl Surface for SeaSurface {
     fn height_at(&self, place: [f64; 2], footprint: f64) -> Option<f64> {
         let rest = self.rest_above(place, footprint);
         Some(self.level + self.frame.evaluate(rest, footprint).displacement[1])
+    }
+
+    fn resting(&self) -> Option<&dyn Resting> {
+        Some(self)
     }
 }

@@ -1,6 +1,6 @@
 use glam::DVec3;
 
-use crate::{ChannelSet, Projector, Ray, SeaSurface};
+use crate::{ChannelSet, Projector, Ray, Resting, SeaSurface};
 
 /// Something that a camera can see.
 ///
@@ -25,6 +25,11 @@ pub trait Surface: Send + Sync {
     /// whatever is no sea.
     fn height_at(&self, place: [f64; 2], footprint: f64) -> Option<f64> {
         let _ = (place, footprint);
+        None
+    }
+
+    /// The same surface by its rest points, where it lies over a resting plane.
+    fn resting(&self) -> Option<&dyn Resting> {
         None
     }
 }

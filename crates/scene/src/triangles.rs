@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 use rayon::prelude::*;
+use std::collections::HashMap;
 
 use crate::bezier::Placement;
 use crate::surface::{Hit, Mesh, Surface, Topology};
@@ -15,8 +16,8 @@ pub const MAX_TRIANGLES: usize = 1 << 24;
 pub struct Triangles {
     /// Vertices.
     pub positions: Vec<DVec3>,
-    /// A normal of any length for each vertex, or none at all: then each vertex gets the mean of its triangles'
-    /// normals, weighted by their areas.
+    /// A normal of any length for each vertex, or none at all: then each gets the [mean](Self::mean_normals) of those
+    /// around.
     pub normals: Vec<DVec3>,
     /// Texture coordinates for each vertex, or none at all.
     pub uvs: Vec<[f64; 2]>,
@@ -106,6 +107,31 @@ impl Triangles {
         let at = self.uvs.iter().position(|uv| !uv.iter().copied().all(legal));
         at.map_or(Ok(()), |vertex| Err(TrianglesError::NotFinite { vertex, what: "texture coordinate" }))
     }
+
+    /// For each vertex the mean of the normals of the triangles around its place, weighted by their areas, of unit
+    /// length or 0. Vertices at one place have one normal, so that no seam of texture coordinates shows.
+    ///
+    /// # Panics
+    /// A triangle names a vertex that there is not; see [`check`](Self::check).
+    pub fn mean_normals(&self) -> Vec<DVec3> {
+        mean_normals(&self.positions, &self.triangles)
+    }
+
+    /// The same triangles with the normal of each at its three corners, of which none are shared any more.
+    ///
+    /// # Panics
+    /// A triangle names a vertex that there is not; see [`check`](Self::check).
+    pub fn faceted(&self) -> Self {
+        let corners = || self.triangles.iter().flatten().map(|vertex| *vertex as usize);
+        let positions: Vec<DVec3> = corners().map(|vertex| self.positions[vertex]).collect();
+        let facet = |corners: &[DVec3]| [unit((corners[1] - corners[0]).cross(corners[2] - corners[0])); 3];
+        Self {
+            normals: positions.chunks_exact(3).flat_map(facet).collect(),
+            uvs: if self.uvs.is_empty() { Vec::new() } else { corners().map(|vertex| self.uvs[vertex]).collect() },
+            triangles: (0..self.triangles.len() as u32).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect(),
+            positions,
+        }
+    }
 }
 
 /// A mesh placed in the world; seen from both sides.
@@ -163,13 +189,21 @@ fn unit(vector: DVec3) -> DVec3 {
 }
 
 fn mean_normals(positions: &[DVec3], triangles: &[[u32; 3]]) -> Vec<DVec3> {
+    // Of the vertices at a place, the first takes the sum.
+    let mut places = HashMap::with_capacity(positions.len());
+    let first: Vec<usize> = positions
+        .iter()
+        .enumerate()
+        // Adding 0 makes 0 of −0.
+        .map(|(index, point)| *places.entry(point.to_array().map(|v| (v + 0.0).to_bits())).or_insert(index))
+        .collect();
     let mut normals = vec![DVec3::ZERO; positions.len()];
     for triangle in triangles {
         let [p, q, r] = triangle.map(|vertex| positions[vertex as usize]);
         let normal = (q - p).cross(r - p);
-        triangle.iter().for_each(|vertex| normals[*vertex as usize] += normal);
+        triangle.iter().for_each(|vertex| normals[first[*vertex as usize]] += normal);
     }
-    normals.into_iter().map(unit).collect()
+    first.into_iter().map(|first| unit(normals[first])).collect()
 }
 
 impl Surface for TriangleModel {

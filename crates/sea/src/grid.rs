@@ -50,7 +50,11 @@ impl std::fmt::Display for GridError {
 impl std::error::Error for GridError {}
 
 impl Grid {
-    fn validate(&self) -> Result<(), GridError> {
+    /// Whether the grid can be evaluated.
+    ///
+    /// # Errors
+    /// It has too many points, or a figure that is not finite.
+    pub fn validate(&self) -> Result<(), GridError> {
         let sides = self.columns <= MAX_SIDE && self.rows <= MAX_SIDE;
         if !sides || self.columns * self.rows > MAX_POINTS {
             return Err(GridError::Size(self.columns, self.rows));

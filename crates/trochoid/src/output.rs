@@ -262,13 +262,13 @@ pub(crate) fn convert([r, g, b]: [&[f32]; 3], f: impl Fn([f64; 3]) -> [f64; 3]) 
     converted
 }
 
-/// EXR's names of an output's channels: `Z` for depth, as others look for it; `Y` is what viewers show as gray.
+/// EXR's names of an output's channels: as declared, such as `Z` for depth; `Y` is what viewers show as gray.
 fn channel_names(graph: &CheckedGraph, spec: &OutputSpec) -> Vec<String> {
     let outputs = graph.node(spec.node).ty.declaration().outputs;
-    let is_depth = outputs.get(spec.output).is_some_and(|output| output.name == "depth");
+    let stored = outputs.get(spec.output).map(|output| output.stored).unwrap_or_default();
     match spec.kind {
         Kind::Color => ["R", "G", "B"].map(String::from).into(),
-        Kind::Field(1) if is_depth => vec!["Z".into()],
+        kind if stored.len() == kind.channels() => stored.iter().map(|name| (*name).into()).collect(),
         Kind::Weights(2) | Kind::Field(1) => vec!["Y".into()],
         Kind::Field(n) => ["X", "Y", "Z", "W"].iter().take(n).map(|name| (*name).into()).collect(),
         Kind::Weights(n) => (0..n).map(|i| format!("w{i}")).collect(),

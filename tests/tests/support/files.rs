@@ -23,9 +23,14 @@ pub(crate) fn write_exr(path: &Path, width: u32, height: u32, channels: &[(&str,
 /// The value at column x and row y.
 type Values<'f> = &'f dyn Fn(f32, f32) -> f32;
 
-/// A folder with the 4 × 3 pictures that golden cases read: `read.exr` and `passes.exr`.
+/// A square plane whose normals turn from one side to the other.
+const MESH: &str = "v -9 -2.25 9\nv 9 2.25 9\nv 9 2.25 -9\nv -9 -2.25 -9\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n\
+                    vn 0 1 0\nvn 0.6 0.8 0\nf 1/1/1 2/2/2 3/3/2 4/4/1\n";
+
+/// A folder with what golden cases read: the 4 × 3 pictures `read.exr` and `passes.exr`, and `mesh.obj`.
 pub(crate) fn folder() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("mesh.obj"), MESH).unwrap();
     let plane = |f: Values<'_>| -> Vec<f32> { (0..12).map(|i| f((i % 4) as f32, (i / 4) as f32)).collect() };
     let write = |name: &str, channels: &[(&str, Values<'_>)]| {
         let planes: Vec<(&str, Vec<f32>)> = channels.iter().map(|(name, f)| (*name, plane(f))).collect();

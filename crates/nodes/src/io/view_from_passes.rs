@@ -23,7 +23,8 @@ static DECLARATION: Declaration = Declaration {
         Knob::path("file", "The EXR; #### or %04d stands for the frame. A normal map may be a PNG.").item(),
         Knob::text("depth", "Layer, part or channel that holds the planar depth in meters.").item(),
         Knob::text("position", "Layer or part that holds the world position in meters.").item(),
-        Knob::text("normal", "Layer or part that holds the world normal.").item(),
+        Knob::text("normal", "Layer or part that holds the world normal; RGB is the main layer, as a painted map's.")
+            .item(),
         Knob::text("coverage", "Layer, part or channel that holds the coverage, such as Combined.A.").item(),
         Knob::choice("up", &["y", "z"], "The axis that points up in the file; z in Blender.").item(),
         Knob::bool("packed", false, "Normals are stored as (n + 1)/2, as in painted normal maps.").item(),

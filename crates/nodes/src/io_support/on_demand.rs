@@ -111,6 +111,9 @@ impl Opened {
     }
 }
 
+/// What the channels R, G and B of a file's main layer, which has no name, are called as a pass.
+const MAIN: &str = "RGB";
+
 /// Opens a layer or part, or the one channel of that name, such as `Combined.A`. Which channels are meant comes with it.
 pub(crate) fn open_pass(prepare: &Prepare<'_>, path: &Path, name: &str) -> Result<(Opened, Vec<usize>), NodeError> {
     let open = |selection: &Selection| Opened::open(prepare, path, selection);
@@ -122,6 +125,9 @@ pub(crate) fn open_pass(prepare: &Prepare<'_>, path: &Path, name: &str) -> Resul
     if let Err(missing @ Error::NotFound { .. }) = found {
         found = open(&Selection::channels([name])).map(whole);
         // Not the channel's full name: perhaps that of its layer was cut short.
+        if name == MAIN && matches!(found, Err(Error::NotFound { .. })) {
+            found = open(&Selection::channels(["R", "G", "B"])).map(whole);
+        }
         if let (Err(Error::NotFound { .. }), Some((layer, base))) = (&found, name.rsplit_once('.')) {
             found = open(&Selection::layer(layer)).map(|opened| {
                 let called = opened.names().called(base);

@@ -85,6 +85,19 @@ fn a_painted_normal_map_covers_everything() {
 }
 
 #[test]
+fn the_main_layer_may_be_a_pass() {
+    let folder = tempfile::tempdir().unwrap();
+    exr(folder.path(), &[("R", [0.0, 0.5]), ("G", [0.5, 0.5]), ("B", [1.0, 1.0])]);
+    let frame = view(folder.path(), r#""normal": "RGB", "packed": true"#).unwrap();
+    let n: Vec<f32> = channels(&frame, 0)[5..8].to_vec();
+    let half = std::f32::consts::FRAC_1_SQRT_2;
+    assert!((n[0] + half).abs() < 1e-4 && n[1].abs() < 1e-4 && (n[2] - half).abs() < 1e-4, "{n:?}");
+    exr(folder.path(), &[("Z", [2.0, 3.0])]);
+    let text = view(folder.path(), r#""normal": "RGB""#).err().unwrap().message;
+    assert!(text.contains("RGB"), "{text}");
+}
+
+#[test]
 fn only_given_passes_are_supplied() {
     let folder = tempfile::tempdir().unwrap();
     exr(folder.path(), &[("Z", [2.0, 3.0])]);

@@ -15,6 +15,6 @@ static DECLARATION: Declaration = Declaration {
     edge_cases: "+∞ where nothing is seen; Clamp takes it to 1.",
     source: "Thesis 3.2.3.4, Z_s.",
     items: &[Port::one("view", Accepts::View, "What is seen.")],
-    outputs: &[Output::new("depth", Kind::Field(1), "Planar distance, m.")],
+    outputs: &[Output::new("depth", Kind::Field(1), "Planar distance, m.").stored_as(&["Z"])],
     revision: 1,
 };

@@ -12,7 +12,18 @@ pub(crate) const ROTATE: Item =
     Knob::vector("rotate", &[0.0, 0.0, 0.0], "Turns about x, then y, then z.").unit("degrees").item();
 pub(crate) const TRANSLATE: Item =
     Knob::vector("translate", &[0.0, 0.0, 0.0], "Where the model's origin comes to stand.").unit("m").item();
+pub(crate) const UP: Item = Knob::choice("up", &["y", "z"], "The axis that points up in the file.").item();
 pub(crate) const FLIP: Item = Knob::bool("flip", false, "Takes the other side for the outer one.").item();
+
+/// A vector of a world whose y points up as one of a world whose axis `up` does, "y" or "z".
+pub(crate) fn y_up_to<T: std::ops::Neg<Output = T>>(up: &str, [x, y, z]: [T; 3]) -> [T; 3] {
+    if up == "z" { [x, -z, y] } else { [x, y, z] }
+}
+
+/// The way back from [`y_up_to`].
+pub(crate) fn to_y_up<T: std::ops::Neg<Output = T>>(up: &str, [x, y, z]: [T; 3]) -> [T; 3] {
+    if up == "z" { [x, z, -y] } else { [x, y, z] }
+}
 
 /// What the knobs say.
 pub(crate) fn placement(node: &Settled) -> Placement {

@@ -5,15 +5,17 @@ mod copy;
 mod geometry;
 mod lit;
 mod mask;
+mod mesh;
 mod model;
 mod surroundings;
 mod thickness;
 
 pub(crate) use around::{Around, change, grown, surface_of};
 pub(crate) use copy::ViewCopy;
-pub(crate) use geometry::{FLIP, ROTATE, SCALE, Standing, TRANSLATE, check_scale, placement};
+pub(crate) use geometry::{FLIP, ROTATE, SCALE, Standing, TRANSLATE, UP, check_scale, placement, to_y_up, y_up_to};
 pub(crate) use lit::{COMBINE, Lights, Vectors3, eye, toward_eye, view_directions};
 pub(crate) use mask::{ViewMask, ramp};
+pub(crate) use mesh::read_mesh;
 pub(crate) use model::{patch, read_model};
 pub(crate) use surroundings::{BEYOND, DETAIL, First, Surroundings, landed};
 pub(crate) use thickness::{DISTANCE, INSET, Way};

@@ -1,0 +1,235 @@
+//! glTF 2.0, whole in one file: `.glb`, or `.gltf` with its buffers within. Read by `gltf`.
+
+use base64::Engine;
+use base64::prelude::BASE64_STANDARD;
+use gltf::accessor::{DataType, Dimensions};
+use gltf::json::Root;
+use gltf::json::validation::Checked;
+use gltf::mesh::Mode;
+use gltf::{Accessor, Document, Gltf, Node, Primitive, Semantic};
+use std::borrow::Cow;
+use trochoid_scene::{DVec3, MAX_TRIANGLES, Triangles};
+
+/// Length of a GLB header and of its first chunk's.
+const GLB_HEADERS: usize = 20;
+
+/// The triangles of every mesh of the default scene, each where its node stands; points and lines are left out, and
+/// morphs, skins and animations stand as they are at rest.
+pub(super) fn parts(bytes: &[u8]) -> Result<Vec<Triangles>, String> {
+    if bytes.starts_with(b"glTF") {
+        let length = bytes.get(8..12).and_then(|bytes| bytes.try_into().ok()).map_or(0, u32::from_le_bytes) as usize;
+        if length < GLB_HEADERS || length > bytes.len() {
+            let found = bytes.len();
+            return Err(format!("found {found} bytes of a GLB that says it has {length}; expected the whole file"));
+        }
+    }
+    let Gltf { document, blob } = Gltf::from_slice_without_validation(bytes).map_err(|error| error.to_string())?;
+    let json = document.into_json();
+    check_positions(&json)?;
+    let document = Document::from_json(json).map_err(|error| error.to_string())?;
+    let buffers = buffers(&document, blob.as_deref())?;
+    let scene = document.default_scene().or_else(|| document.scenes().next());
+    let scene = scene.ok_or("found no scene; expected one, with nodes that show meshes")?;
+    let mut reader = Reader { buffers, seen: vec![false; document.nodes().count()], parts: Vec::new(), vertices: 0 };
+    // Each node with what its parents do to it.
+    let mut open: Vec<(Node<'_>, Transform)> = scene.nodes().map(|node| (node, IDENTITY)).collect();
+    open.reverse();
+    while let Some((node, parent)) = open.pop() {
+        if std::mem::replace(&mut reader.seen[node.index()], true) {
+            return Err(format!("node {}: found it below two nodes, or below itself; expected a tree", node.index()));
+        }
+        let transform = times(&parent, &node.transform().matrix().map(|column| column.map(f64::from)));
+        for primitive in node.mesh().iter().flat_map(|mesh| mesh.primitives()) {
+            let at = format!("node {}, primitive {}", node.index(), primitive.index());
+            reader.add(&primitive, &transform).map_err(|error| format!("{at}: {error}"))?;
+        }
+        let children: Vec<_> = node.children().collect();
+        open.extend(children.into_iter().rev().map(|child| (child, transform)));
+    }
+    Ok(reader.parts)
+}
+
+/// Refuses accessors of positions that there are not: the library's validation takes that for granted.
+fn check_positions(json: &Root) -> Result<(), String> {
+    let positions = Checked::Valid(Semantic::Positions);
+    for (index, mesh) in json.meshes.iter().enumerate() {
+        let accessors = mesh.primitives.iter().filter_map(|primitive| primitive.attributes.get(&positions));
+        let count = json.accessors.len();
+        if let Some(found) = accessors.map(|accessor| accessor.value()).find(|accessor| *accessor >= count) {
+            return Err(format!("mesh {index}: found accessor {found} for POSITION, but there are {count}"));
+        }
+    }
+    Ok(())
+}
+
+/// Columns of an affine map.
+type Transform = [[f64; 4]; 4];
+
+const IDENTITY: Transform = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]];
+
+fn times(a: &Transform, b: &Transform) -> Transform {
+    b.map(|column| std::array::from_fn(|row| (0..4).map(|i| a[i][row] * column[i]).sum()))
+}
+
+/// The bytes of every buffer.
+fn buffers<'b>(document: &Document, blob: Option<&'b [u8]>) -> Result<Vec<Cow<'b, [u8]>>, String> {
+    let bytes = |buffer: gltf::Buffer<'_>| -> Result<Cow<'b, [u8]>, String> {
+        let uri = match buffer.source() {
+            gltf::buffer::Source::Bin => return blob.map(Cow::Borrowed).ok_or("found no binary chunk".into()),
+            gltf::buffer::Source::Uri(uri) => uri,
+        };
+        let data = uri.strip_prefix("data:").and_then(|data| data.split_once(";base64,"));
+        let Some((_, data)) = data else {
+            let start: String = uri.chars().take(40).collect();
+            return Err(format!(
+                "found its bytes in another file, \"{start}\"; expected them in this one: export as .glb, or with \
+                 buffers embedded"
+            ));
+        };
+        BASE64_STANDARD.decode(data).map(Cow::Owned).map_err(|error| format!("found no base64: {error}"))
+    };
+    document
+        .buffers()
+        .map(|buffer| bytes(buffer.clone()).map_err(|e| format!("buffer {}: {e}", buffer.index())))
+        .collect()
+}
+
+struct Reader<'b> {
+    buffers: Vec<Cow<'b, [u8]>>,
+    /// Whether a node has been met.
+    seen: Vec<bool>,
+    parts: Vec<Triangles>,
+    /// Vertices so far.
+    vertices: usize,
+}
+
+impl Reader<'_> {
+    /// Appends the triangles of a primitive.
+    fn add(&mut self, primitive: &Primitive<'_>, transform: &Transform) -> Result<(), String> {
+        if matches!(primitive.mode(), Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip) {
+            return Ok(());
+        }
+        let Some(positions) = primitive.get(&Semantic::Positions) else { return Ok(()) };
+        self.vertices = self.vertices.saturating_add(positions.count());
+        if self.vertices > MAX_TRIANGLES {
+            return Err(format!("found {} vertices; expected at most {MAX_TRIANGLES}: reduce the mesh", self.vertices));
+        }
+        let count = positions.count();
+        let floats = |semantic: Semantic, width: usize| match primitive.get(&semantic) {
+            None => Ok(Vec::new()),
+            Some(accessor) => {
+                let what = |error: String| format!("{}: {error}", semantic.to_string());
+                if accessor.count() != count {
+                    return Err(what(format!("found {} for {count} positions; expected as many", accessor.count())));
+                }
+                self.numbers(&accessor, width).map_err(what)
+            }
+        };
+        let [a, b, c, origin] = transform.map(|column| DVec3::new(column[0], column[1], column[2]));
+        let vectors = |values: Vec<f64>, map: &dyn Fn(DVec3) -> DVec3| {
+            values.chunks_exact(3).map(|vector| map(DVec3::from_slice(vector))).collect()
+        };
+        // Normals go by the cofactors, which are the inverse transpose but for a positive factor and the mirroring.
+        let cofactors = [b.cross(c), c.cross(a), a.cross(b)];
+        let mirrored = a.dot(b.cross(c)) < 0.0;
+        let side = if mirrored { -1.0 } else { 1.0 };
+        let indices = match primitive.indices() {
+            Some(accessor) => self.indices(&accessor).map_err(|error| format!("indices: {error}"))?,
+            None => (0..count as u32).collect(),
+        };
+        let part = Triangles {
+            positions: vectors(floats(Semantic::Positions, 3)?, &|p| a * p.x + b * p.y + c * p.z + origin),
+            normals: vectors(floats(Semantic::Normals, 3)?, &|n| {
+                side * (cofactors[0] * n.x + cofactors[1] * n.y + cofactors[2] * n.z)
+            }),
+            // v falls in glTF.
+            uvs: floats(Semantic::TexCoords(0), 2)?.chunks_exact(2).map(|uv| [uv[0], 1.0 - uv[1]]).collect(),
+            triangles: triangles(primitive.mode(), &indices, mirrored),
+        };
+        part.check().map_err(|error| error.to_string())?;
+        self.parts.push(part);
+        Ok(())
+    }
+
+    /// An accessor's vectors of `width` components, one after the other.
+    fn numbers(&self, accessor: &Accessor<'_>, width: usize) -> Result<Vec<f64>, String> {
+        let ty = accessor.data_type();
+        let scale = match ty {
+            DataType::F32 => 1.0,
+            DataType::U8 if accessor.normalized() => 255.0,
+            DataType::U16 if accessor.normalized() => 65535.0,
+            _ => {
+                return Err(format!("found components of type {ty:?}; expected floats, or normalized bytes or shorts"));
+            }
+        };
+        let number = |bytes: &[u8]| match *bytes {
+            [a, b, c, d] => f64::from(f32::from_le_bytes([a, b, c, d])),
+            [a, b] => f64::from(u16::from_le_bytes([a, b])) / scale,
+            [a] => f64::from(a) / scale,
+            _ => 0.0,
+        };
+        let size = ty.size();
+        let elements = self.elements(accessor, width)?;
+        Ok(elements.flat_map(|element| element.chunks_exact(size)).map(number).collect())
+    }
+
+    fn indices(&self, accessor: &Accessor<'_>) -> Result<Vec<u32>, String> {
+        if accessor.count() > 3 * MAX_TRIANGLES {
+            let (found, most) = (accessor.count(), 3 * MAX_TRIANGLES);
+            return Err(format!("found {found}; expected at most {most}: reduce the mesh"));
+        }
+        let ty = accessor.data_type();
+        if !matches!(ty, DataType::U8 | DataType::U16 | DataType::U32) {
+            return Err(format!("found components of type {ty:?}; expected unsigned bytes, shorts or ints"));
+        }
+        let index = |bytes: &[u8]| bytes.iter().rev().fold(0, |index, byte| index << 8 | u32::from(*byte));
+        Ok(self.elements(accessor, 1)?.map(index).collect())
+    }
+
+    /// The bytes of each of an accessor's elements, after a check that its buffer has them all.
+    fn elements<'r>(
+        &'r self,
+        accessor: &Accessor<'_>,
+        width: usize,
+    ) -> Result<impl Iterator<Item = &'r [u8]> + use<'r>, String> {
+        let dimensions = [Dimensions::Scalar, Dimensions::Vec2, Dimensions::Vec3][width - 1];
+        if accessor.dimensions() != dimensions {
+            return Err(format!("found {:?}; expected {dimensions:?}", accessor.dimensions()));
+        }
+        if accessor.sparse().is_some() {
+            return Err("found a sparse accessor; expected a plain one: export without sparse data".into());
+        }
+        let view = accessor.view().ok_or("found no bufferView; expected one with its bytes")?;
+        let (size, count) = (width * accessor.data_type().size(), accessor.count());
+        let stride = view.stride().unwrap_or(size);
+        let beyond = || {
+            let buffer = view.buffer().index();
+            format!("found {count} elements that reach beyond bufferView {} or buffer {buffer}", view.index())
+        };
+        let buffer = self.buffers.get(view.buffer().index()).ok_or_else(beyond)?;
+        let end = view.offset().checked_add(view.length());
+        let bytes = end.and_then(|end| buffer.get(view.offset()..end)).ok_or_else(beyond)?;
+        let bytes = bytes.get(accessor.offset()..).ok_or_else(beyond)?;
+        let needed = count.checked_sub(1).and_then(|last| last.checked_mul(stride)?.checked_add(size));
+        if stride < size || count > 0 && needed.is_none_or(|needed| needed > bytes.len()) {
+            return Err(beyond());
+        }
+        Ok((0..count).map(move |index| &bytes[index * stride..][..size]))
+    }
+}
+
+/// Corners by the mode of drawing; of a strip every other triangle is turned back, of a mirrored mesh all are.
+fn triangles(mode: Mode, indices: &[u32], mirrored: bool) -> Vec<[u32; 3]> {
+    let turned = |[a, b, c]: [u32; 3], turn: bool| if turn != mirrored { [a, c, b] } else { [a, b, c] };
+    match mode {
+        Mode::TriangleStrip => {
+            let triples = indices.windows(3).enumerate();
+            triples.map(|(index, t)| turned([t[0], t[1], t[2]], index % 2 == 1)).collect()
+        }
+        Mode::TriangleFan => {
+            let Some((first, rest)) = indices.split_first() else { return Vec::new() };
+            rest.windows(2).map(|pair| turned([*first, pair[0], pair[1]], false)).collect()
+        }
+        _ => indices.as_chunks().0.iter().map(|corners| turned(*corners, false)).collect(),
+    }
+}

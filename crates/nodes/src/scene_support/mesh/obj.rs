@@ -1,0 +1,98 @@
+//! Wavefront OBJ, read by `tobj`.
+
+use std::cell::Cell;
+use std::io::{BufRead, Read};
+use tobj::LoadOptions;
+use trochoid_scene::{DVec3, Triangles};
+
+/// The objects and groups of a file; points, lines and materials are left out.
+pub(super) fn parts(bytes: &[u8]) -> Result<Vec<Triangles>, String> {
+    check_faces(bytes)?;
+    let options = LoadOptions {
+        single_index: true,
+        triangulate: true,
+        ignore_points: true,
+        ignore_lines: true,
+        ..Default::default()
+    };
+    let line = Cell::new(0);
+    let mut lines = Lines { rest: bytes, line: &line };
+    // Colors are the document's, so no material file is opened.
+    let models = tobj::load_obj_buf(&mut lines, &options, |_| Ok(Default::default()))
+        .map_err(|error| format!("line {}: {error}", line.get()))?
+        .0;
+    models
+        .into_iter()
+        .map(|model| part(model.mesh).map_err(|error| format!("object {}: {error}", model.name)))
+        .collect()
+}
+
+fn part(mesh: tobj::Mesh) -> Result<Triangles, String> {
+    let vectors = |values: &[f64]| values.chunks_exact(3).map(DVec3::from_slice).collect();
+    let (triangles, _) = mesh.indices.as_chunks();
+    let part = Triangles {
+        positions: vectors(&mesh.positions),
+        normals: vectors(&mesh.normals),
+        uvs: mesh.texcoords.as_chunks().0.to_vec(),
+        triangles: triangles.to_vec(),
+    };
+    // The library drops what a corner lacks, which would shift what the others have.
+    part.check().map_err(|error| format!("{error}: give all corners of an object the same parts, such as 1/1/1"))?;
+    Ok(part)
+}
+
+/// Lines handed out, counted.
+struct Lines<'a> {
+    rest: &'a [u8],
+    line: &'a Cell<usize>,
+}
+
+impl Read for Lines<'_> {
+    fn read(&mut self, out: &mut [u8]) -> std::io::Result<usize> {
+        self.rest.read(out)
+    }
+}
+
+impl BufRead for Lines<'_> {
+    /// One line at a time, so that the last one handed out is the one being read.
+    fn fill_buf(&mut self) -> std::io::Result<&[u8]> {
+        let end = self.rest.iter().position(|byte| *byte == b'\n').map_or(self.rest.len(), |at| at + 1);
+        Ok(&self.rest[..end])
+    }
+
+    fn consume(&mut self, count: usize) {
+        let (taken, rest) = self.rest.split_at(count);
+        self.line.set(self.line.get() + usize::from(!taken.is_empty()));
+        self.rest = rest;
+    }
+}
+
+/// Refuses indices that are 0, beyond u32, or farther back than there is anything: the library's arithmetic on them
+/// would overflow.
+fn check_faces(bytes: &[u8]) -> Result<(), String> {
+    const KINDS: [(&str, &str); 3] = [("v", "vertices"), ("vt", "texture coordinates"), ("vn", "normals")];
+    let mut counts = [0i64; 3];
+    for (index, line) in bytes.split(|byte| *byte == b'\n').enumerate() {
+        // What is not UTF-8 is refused by the library, with its line.
+        let mut words = str::from_utf8(line).unwrap_or_default().split_ascii_whitespace();
+        let Some(first) = words.next() else { continue };
+        if let Some(kind) = KINDS.iter().position(|(name, _)| *name == first) {
+            counts[kind] += 1;
+        }
+        if !matches!(first, "f" | "l" | "p") {
+            continue;
+        }
+        for (kind, part) in words.flat_map(|word| word.split('/').take(3).enumerate()) {
+            let Ok(number) = part.parse::<i128>() else { continue };
+            if number == 0 || number < -i128::from(counts[kind]) || number > i128::from(u32::MAX) {
+                let (count, what) = (counts[kind], KINDS[kind].1);
+                return Err(format!(
+                    "line {}: found the index {number} after {count} {what}; expected 1 to their number, or -1 to \
+                     -{count} to count back",
+                    index + 1
+                ));
+            }
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,351 @@
+//! Bake: a sea as images, for other renderers.
+
+use crate::scene_support::{SurfaceHandle, y_up_to};
+use rayon::prelude::*;
+use std::sync::Arc;
+use trochoid_graph::*;
+use trochoid_image::Window;
+use trochoid_scene::Resting;
+use trochoid_sea::{Fields, Grid, Sample, Wanted};
+
+pub(crate) static NODE: &dyn NodeType = &Bake;
+
+struct Bake;
+
+const RGB: &[&str] = &["R", "G", "B"];
+
+static DECLARATION: Declaration = Declaration {
+    name: "Bake",
+    end: End::Front,
+    summary: "Evaluates a sea over a rectangle of the world, as images for other renderers.",
+    formula: "Pixel (i, j) of W × H is the rest point x₀ = `x` + (i + ½)·`width`/W, z₀ = `z` + (j + ½)·`depth`/H, as \
+              seen from above. displacement = P − P₀; height is its y; normal = N/|N|, N = ∂P/∂z₀ × ∂P/∂x₀; jacobian \
+              = det ∂(x, z)/∂(x₀, z₀). With `up` z, (x, y, z) is written as (x, −z, y).",
+    edge_cases: "The images have the document's size: a bake that needs another is a document of its own. A pixel is \
+                 one point, whatever `samples` says, and its waves fade as in any picture whose pixels are \
+                 `footprint` wide. Where a sea ends it rests. Folded places have a jacobian below 0 and a normal that \
+                 points down; one without direction points up. Outputs of three channels are written as R, G, B and \
+                 those of one as Y, in 32-bit float, which Blender and Houdini read as they are: set their color \
+                 space to raw.",
+    source: "Cook, Shade Trees, 1984 (displacement); Tessendorf, Simulating Ocean Water, 2001 (Jacobian).",
+    items: &[
+        Port::one("sea", Accepts::Surface, "A sea: a surface that lies over a plane at rest."),
+        Knob::number("x", 0.0, -1e7, 1e7, "World x of the left edge.").unit("m").item(),
+        Knob::number("z", 0.0, -1e7, 1e7, "World z of the upper edge.").unit("m").item(),
+        Knob::number("width", 100.0, 1e-3, 1e7, "World size along x.").unit("m").item(),
+        Knob::number("depth", 100.0, 1e-3, 1e7, "World size along z; downward in the images.").unit("m").item(),
+        Knob::choice("up", &["y", "z"], "The axis that points up in the images: y in Houdini and Maya, z in Blender.")
+            .item(),
+        Knob::number(
+            "footprint",
+            0.0,
+            0.0,
+            1e7,
+            "Waves that it cannot resolve fade; the greater distance of pixels if unset, 0 keeps all.",
+        )
+        .optional()
+        .unit("m")
+        .item(),
+        Knob::number(
+            "tolerance",
+            1e-4,
+            1e-7,
+            1.0,
+            "Largest error, over each quantity's root mean square; decides how waves are summed.",
+        )
+        .item(),
+    ],
+    outputs: &[
+        Output::new("height", Kind::Field(1), "Height over the sea at rest, m."),
+        Output::new("normal", Kind::Field(3), "Unit normal.").stored_as(RGB),
+        Output::new("displacement", Kind::Field(3), "Displacement from the rest point, m.").stored_as(RGB),
+        Output::new("jacobian", Kind::Field(1), "Area ratio of moved and resting surface: foam where it is small."),
+    ],
+    revision: 1,
+};
+
+/// Where each output's channels stand among the images.
+const CHANNELS: [std::ops::Range<usize>; 4] = [0..1, 1..4, 4..7, 7..8];
+
+/// The rest points of the pixels.
+fn grid(node: &Settled, frame: &FrameContext) -> Grid {
+    let sides = [frame.format.width(), frame.format.height()];
+    let step = [node.number("width") / f64::from(sides[0]), node.number("depth") / f64::from(sides[1])];
+    Grid {
+        origin: [node.number("x") + step[0] / 2.0, node.number("z") + step[1] / 2.0],
+        step,
+        columns: sides[0] as usize,
+        rows: sides[1] as usize,
+        footprint: if node.is_set("footprint") { node.number("footprint") } else { step[0].max(step[1]) },
+    }
+}
+
+/// All channels at one rest point.
+fn channels(sample: &Sample, up: &str) -> [f64; 8] {
+    let normal = sample.normal();
+    // No square of a component that f64 holds may overflow, or vanish.
+    let largest = normal.iter().fold(0.0f64, |largest, n| largest.max(n.abs()));
+    let normal = if largest > 0.0 && largest.is_finite() {
+        let scaled = normal.map(|n| n / largest);
+        let length = libm::sqrt(scaled.iter().map(|n| n * n).sum());
+        scaled.map(|n| n / length)
+    } else {
+        [0.0, 1.0, 0.0]
+    };
+    let ([nx, ny, nz], [dx, dy, dz]) = (y_up_to(up, normal), y_up_to(up, sample.displacement));
+    [sample.displacement[1], nx, ny, nz, dx, dy, dz, sample.jacobian()]
+}
+
+impl NodeType for Bake {
+    fn declaration(&self) -> &'static Declaration {
+        &DECLARATION
+    }
+
+    fn body(&self) -> Body<'_> {
+        Body::Stage(self)
+    }
+}
+
+impl Stage for Bake {
+    fn prepare(&self, node: &Settled, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
+        let surface: SurfaceHandle = prepare.handles::<SurfaceHandle>(node, "sea")?.swap_remove(0);
+        let grid = grid(node, prepare.frame);
+        let up = if node.text("up") == "z" { "z" } else { "y" };
+        let asked = |output: usize| prepare.wanted.get(output).is_some_and(|channels| channels.contains(&true));
+        let wanted =
+            Wanted { displacement: asked(0) || asked(2), derivatives: asked(1) || asked(3), ..Wanted::default() };
+        let points = grid.columns * grid.rows;
+        let outputs = (0..4).filter(|output| asked(*output));
+        let images: usize = outputs.map(|output| CHANNELS[output].len()).sum();
+        let sums = 3 * usize::from(wanted.displacement) + 5 * usize::from(wanted.derivatives);
+        let bytes = ((images + sums) * points * size_of::<f32>()) as u64;
+        if bytes > prepare.frame.memory_limit {
+            let (columns, rows, limit) = (grid.columns, grid.rows, prepare.frame.memory_limit);
+            return Err(NodeError::new(format!(
+                "found {columns} × {rows} points, which take {bytes} bytes; expected at most {limit}: bake fewer \
+                 outputs at a time, or a smaller format"
+            )));
+        }
+        let sea = resting(&surface)?;
+        let mut fields = Fields::default();
+        sea.on_grid(grid, wanted, node.number("tolerance"), &mut fields).map_err(NodeError::new)?;
+        let sample = |point: usize| {
+            let value = |values: &Vec<f32>| values.get(point).map_or(0.0, |value| f64::from(*value));
+            Sample {
+                displacement: fields.displacement.each_ref().map(value),
+                slope: fields.slope.each_ref().map(value),
+                strain: fields.strain.each_ref().map(value),
+                ..Sample::default()
+            }
+        };
+        let images: [Vec<f32>; 8] = std::array::from_fn(|channel| {
+            if !(0..4).any(|output| asked(output) && CHANNELS[output].contains(&channel)) {
+                return Vec::new();
+            }
+            (0..points).into_par_iter().map(|point| channels(&sample(point), up)[channel] as f32).collect()
+        });
+        Ok(Box::new(Baked { surface, grid, up, images }))
+    }
+}
+
+/// The surface as one that lies over a plane.
+fn resting(surface: &SurfaceHandle) -> Result<&dyn Resting, NodeError> {
+    surface.resting().ok_or_else(|| {
+        NodeError::new(
+            "\"sea\": found a surface without a plane at rest, such as a model; expected a sea: connect a \
+             GerstnerSea or a ToonSea",
+        )
+    })
+}
+
+struct Baked {
+    surface: Arc<dyn trochoid_scene::Surface>,
+    grid: Grid,
+    up: &'static str,
+    /// The channels of all outputs, row by row; empty where not wanted.
+    images: [Vec<f32>; 8],
+}
+
+impl Prepared for Baked {
+    fn fill(&self, block: &Block, _inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
+        let Window { x0, y0, .. } = block.window;
+        let columns = block.window.width();
+        if columns == 0 {
+            return Ok(());
+        }
+        for (output, channels) in CHANNELS.into_iter().enumerate() {
+            for (index, image) in self.images[channels].iter().enumerate() {
+                let Some(plane) = outputs.take(output, index) else { continue };
+                for (row, out) in plane.chunks_exact_mut(columns).enumerate() {
+                    let start = (y0 as usize + row) * self.grid.columns + x0 as usize;
+                    out.copy_from_slice(&image[start..start + columns]);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
+        let Grid { origin, step, footprint, .. } = self.grid;
+        let rest = [0, 1].map(|axis| origin[axis] + inputs.at[axis].floor() * step[axis]);
+        let values = channels(&resting(&self.surface)?.at(rest, footprint), self.up);
+        Ok(CHANNELS.into_iter().map(|channels| Reference::Field(values[channels].to_vec())).collect())
+    }
+
+    fn bytes(&self) -> usize {
+        self.images.iter().map(|image| image.len() * size_of::<f32>()).sum()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::{Frame, graph};
+    use std::path::Path;
+    use trochoid_image::Format;
+    use trochoid_sea::{ExplicitWave, Sea, Wave};
+
+    fn baked(nodes: &str, width: u32, height: u32) -> Result<Frame, NodeError> {
+        let graph = graph("field", &format!("{nodes}, {PICKED}"), Path::new(".")).unwrap();
+        Frame::new(graph.with_format(Format::new(width, height, 1).unwrap()))
+    }
+
+    const PICKED: &str = r#""out": { "type": "FieldMath", "expression": "a", "a": "b.height" }"#;
+
+    /// Numbers in 0…1 that follow from a seed.
+    fn random(seed: u64) -> impl FnMut() -> f64 {
+        let mut state = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1;
+        move || {
+            state ^= state << 13;
+            state ^= state >> 7;
+            state ^= state << 17;
+            (state >> 11) as f64 / (1u64 << 53) as f64
+        }
+    }
+
+    /// Random waves: as JSON, and the sea that they are.
+    fn waves(count: usize, shortest: f64, random: &mut impl FnMut() -> f64) -> (String, Sea) {
+        let mut list = Vec::new();
+        let mut sea = Vec::new();
+        for _ in 0..count {
+            let wave = ExplicitWave {
+                wavelength: shortest * libm::exp(4.0 * random()),
+                amplitude: random() - 0.3,
+                direction: (360.0 * random()).round().to_radians(),
+                sharpness: 2.0 * random() / count as f64,
+                phase: (360.0 * random()).round().to_radians(),
+                speed: None,
+            };
+            list.push(format!(
+                r#"{{ "wavelength": {:?}, "amplitude": {:?}, "direction": {}, "sharpness": {:?}, "phase": {} }}"#,
+                wave.wavelength,
+                wave.amplitude,
+                wave.direction.to_degrees().round(),
+                wave.sharpness,
+                wave.phase.to_degrees().round(),
+            ));
+            sea.push(Wave::try_from(wave).unwrap());
+        }
+        (format!(r#""sea": {{ "type": "GerstnerSea", "count": 0, "waves": [{}] }}"#, list.join(", ")), Sea::new(sea))
+    }
+
+    /// Largest distance of all images from the f64 sum, each over what the quantity may be.
+    fn distances(frame: &Frame, scales: [f64; 4]) -> [f64; 4] {
+        let id = frame.graph.find("b").unwrap();
+        let (width, height) = (frame.context.format.width(), frame.context.format.height());
+        let mut worst = [0.0f64; 4];
+        for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
+            let at = [f64::from(x) + 0.25, f64::from(y) + 0.75];
+            for output in 0..4 {
+                let Reference::Field(truth) = frame.reference(id, output, at) else { unreachable!() };
+                for (channel, truth) in truth.into_iter().enumerate() {
+                    let found = f64::from(frame.filled(id, output, channel, at));
+                    assert!(found.is_finite());
+                    worst[output] = worst[output].max((found - truth).abs() / scales[output]);
+                }
+            }
+        }
+        worst
+    }
+
+    #[test]
+    fn images_are_within_the_tolerance_of_the_f64_sum() {
+        let mut random = random(3);
+        for (count, tolerance) in [(0, 1e-4f64), (1, 1e-4), (7, 1e-6), (60, 1e-4), (300, 1e-3), (300, 1e-6)] {
+            for (x, width, depth, shortest) in [(-20.0, 64.0, 30.0, 1.0), (1e7, 0.5, 9.0, 0.05), (3.0, 4e5, 1.0, 2e3)] {
+                let (sea, truth) = waves(count, shortest, &mut random);
+                let bake = format!(
+                    r#"{sea}, "b": {{ "type": "Bake", "sea": "sea", "x": {x}, "z": -7, "width": {width},
+                        "depth": {depth}, "footprint": {}, "tolerance": {tolerance:?} }}"#,
+                    shortest * random()
+                );
+                let frame = baked(&bake, 37, 21).unwrap();
+                // Derivatives act on normal and Jacobian as slopes and strains, whose products grow with their size.
+                let steep = truth.derivative_rms(1, 0.0);
+                let strain: f64 = truth.waves().iter().map(|wave| wave.compression().powi(2) / 2.0).sum();
+                let bend = (1.0 + steep + strain.sqrt()).powi(2);
+                let move_rms = truth.height_rms().max(truth.horizontal_rms()).max(1e-3);
+                let worst = distances(&frame, [truth.height_rms().max(1e-3), bend, move_rms, bend]);
+                let exact = tolerance.max(2e-6) + 2e-7;
+                for (output, worst) in worst.into_iter().enumerate() {
+                    // A normal is a direction: near a fold it turns much for a little.
+                    let limit = if output == 1 { 40.0 * exact } else { 4.0 * exact };
+                    assert!(worst <= limit, "{count} waves, {tolerance}, {width} m, output {output}: {worst}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_axis_that_points_up_turns_vectors() {
+        let (sea, _) = waves(5, 3.0, &mut random(8));
+        let nodes = |up: &str| format!(r#"{sea}, "b": {{ "type": "Bake", "sea": "sea", "up": "{up}" }}"#);
+        let [y, z] = ["y", "z"].map(|up| baked(&nodes(up), 6, 5).unwrap());
+        let id = y.graph.find("b").unwrap();
+        for output in [1, 2] {
+            let [y, z] = [&y, &z].map(|frame| [0, 1, 2].map(|c| frame.filled(id, output, c, [3.5, 1.5])));
+            assert_eq!([y[0], -y[2], y[1]], z);
+        }
+    }
+
+    #[test]
+    fn a_toon_sea_is_baked_and_rests_where_it_ends() {
+        let sea = r#""sea": { "type": "ToonSea", "columns": 32, "rows": 24, "spacing": 0.5, "preroll": 40,
+            "bursts": [{ "path": [4, 4, 6, 6, 8, 6, 12, 8], "height": 3, "along": 3, "across": 2 }] }"#;
+        let bake =
+            format!(r#"{sea}, "b": {{ "type": "Bake", "sea": "sea", "x": -4, "z": -4, "width": 24, "depth": 20 }}"#);
+        let frame = baked(&bake, 30, 25).unwrap();
+        let worst = distances(&frame, [1.0; 4]);
+        assert!(worst.iter().all(|worst| *worst < 2e-5), "{worst:?}");
+        let id = frame.graph.find("b").unwrap();
+        assert_eq!(frame.filled(id, 0, 0, [0.5, 0.5]), 0.0);
+        let highest = (0..25).map(|y| frame.filled(id, 0, 0, [14.5, f64::from(y) + 0.5])).fold(0.0, f32::max);
+        assert!(highest > 0.02, "{highest}");
+    }
+
+    #[test]
+    fn what_cannot_be_baked_is_refused() {
+        let model = r#""sea": { "type": "BezierModel", "patches": [{ "points": [{ "at": [0, 0, 0] },
+            { "at": [1, 0, 0] }, { "at": [0, 0, 1] }, { "at": [1, 0, 1] }] }] },
+            "b": { "type": "Bake", "sea": "sea" }"#;
+        let error = baked(model, 4, 4).err().unwrap().message;
+        assert!(error.contains("without a plane at rest") && error.contains("GerstnerSea"), "{error}");
+        let sea = r#""sea": { "type": "GerstnerSea", "count": 3 }, "b": { "type": "Bake", "sea": "sea" }"#;
+        let error = baked(sea, 1 << 15, 1 << 15).err().unwrap().message;
+        assert!(error.contains("32768 × 32768 points") && error.contains("at most"), "{error}");
+    }
+
+    #[test]
+    fn only_the_images_that_are_wanted_are_held() {
+        let (sea, _) = waves(3, 3.0, &mut random(1));
+        let frame = baked(&format!(r#"{sea}, "b": {{ "type": "Bake", "sea": "sea" }}"#), 4, 3).unwrap();
+        let id = frame.graph.find("b").unwrap();
+        let settled = frame.graph.settle(id, 1);
+        let handles = |id: NodeId| frame.prepared[id.0].as_ref().and_then(|prepared| prepared.handle());
+        let wanted = [vec![true], vec![false; 3], vec![false; 3], vec![false]];
+        let pool = Pool::new();
+        let kinds = &frame.graph.node(id).kinds;
+        let prepare = Prepare::new(&frame.context, kinds, &wanted, &handles, &|| false, &pool);
+        assert_eq!(Bake.prepare(&settled, &prepare).unwrap().bytes(), 4 * 3 * size_of::<f32>());
+    }
+}

@@ -1,0 +1,58 @@
+//! Surfaces over a resting plane, asked by rest point and not through a camera.
+
+use rayon::prelude::*;
+use trochoid_sea::{Fields, Grid, GridError, GridPlan, Sample, Wanted};
+
+use crate::{GridSurface, SeaSurface};
+
+/// A surface whose points rest on a plane: what is known of each by its rest point.
+///
+/// `on_grid` and `at` describe one and the same surface: the first fast, on a grid and in f32, the second in f64.
+pub trait Resting {
+    /// What is wanted at every point of a grid, row by row, with an error of at most `tolerance` of each quantity's
+    /// root mean square, or as exact as can be. Must not depend on the number of threads.
+    ///
+    /// # Errors
+    /// The grid has too many points, or a figure that is not finite.
+    fn on_grid(&self, grid: Grid, wanted: Wanted, tolerance: f64, out: &mut Fields) -> Result<(), GridError>;
+
+    /// The displaced surface at a rest point (x₀, z₀) under a footprint in meters, in f64.
+    fn at(&self, rest: [f64; 2], footprint: f64) -> Sample;
+}
+
+impl Resting for SeaSurface {
+    fn on_grid(&self, grid: Grid, wanted: Wanted, tolerance: f64, out: &mut Fields) -> Result<(), GridError> {
+        GridPlan::new(grid, wanted, self.frame.len(), tolerance)?.evaluate(&self.frame, out);
+        Ok(())
+    }
+
+    fn at(&self, rest: [f64; 2], footprint: f64) -> Sample {
+        self.frame.evaluate(rest, footprint)
+    }
+}
+
+/// Points move up and down alone, whatever the footprint; where the surface ends, they rest.
+impl Resting for GridSurface {
+    fn on_grid(&self, grid: Grid, wanted: Wanted, _tolerance: f64, out: &mut Fields) -> Result<(), GridError> {
+        grid.validate()?;
+        out.reset(wanted, grid.columns * grid.rows);
+        let columns = grid.columns.max(1);
+        let at = |index: usize| {
+            let [column, row] = [index % columns, index / columns].map(|place| place as f64);
+            self.at([grid.origin[0] + column * grid.step[0], grid.origin[1] + row * grid.step[1]], grid.footprint)
+        };
+        let fill = |out: &mut Vec<f32>, value: &(dyn Fn(Sample) -> f64 + Sync)| {
+            out.par_iter_mut().enumerate().for_each(|(index, out)| *out = value(at(index)) as f32);
+        };
+        fill(&mut out.displacement[1], &|sample| sample.displacement[1]);
+        for (axis, slope) in out.slope.iter_mut().enumerate() {
+            fill(slope, &|sample| sample.slope[axis]);
+        }
+        Ok(())
+    }
+
+    fn at(&self, [x, z]: [f64; 2], _footprint: f64) -> Sample {
+        let [height, dx, dz] = self.height(x, z).unwrap_or_default();
+        Sample { displacement: [0.0, height, 0.0], slope: [dx, dz], ..Sample::default() }
+    }
+}
