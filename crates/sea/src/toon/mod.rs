@@ -55,4 +55,4 @@ pub use sea::{Behavior, MAX_BURSTS, Scratch, ToonSea, Wanted};
 pub use simulation::{Drifted, Simulation, ToonFrame};
 pub use stability::Instability;
 pub use system::Guide;
-pub use trail::{Combine, Drift, Rift};
+pub use trail::{Combine, Drift, Rift, spread};

@@ -1,5 +1,6 @@
 use super::modes::Modes;
 use super::propagator::Propagator;
+use super::splat::DRIFTS;
 use super::trail::decayed;
 use super::{Field, LITERAL_HZ, Motion, Scratch, ToonSea, Wanted};
 
@@ -36,7 +37,7 @@ struct State {
     a: Vec<f32>,
     b: Vec<f32>,
     rift: Vec<f32>,
-    drift: [Vec<f32>; 3],
+    drift: [Vec<f32>; DRIFTS],
 }
 
 /// Fields of a sea at one time, row by row.
@@ -50,23 +51,15 @@ pub struct ToonFrame<'a> {
     pub drift: Drifted<'a>,
 }
 
-/// Sums from which the coordinates of drift lines follow.
+/// Phases of drift lines: see [`Drift`](super::Drift). Each component is a sum with the weight.
 #[derive(Clone, Copy, Debug)]
 pub struct Drifted<'a> {
     /// Weight w: how lately and how closely bursts have passed.
     pub weight: &'a [f32],
-    /// w × the coordinate along the paths, in meters.
-    pub along: &'a [f32],
-    /// w × the coordinate across them, in meters.
-    pub across: &'a [f32],
-}
-
-impl Drifted<'_> {
-    /// The coordinates along and across in meters, and their weight: 0 where no burst has passed.
-    pub fn at(&self, cell: usize) -> ([f32; 2], f32) {
-        let weight = self.weight[cell];
-        if weight > 0.0 { ([self.along[cell] / weight, self.across[cell] / weight], weight) } else { ([0.0; 2], 0.0) }
-    }
+    /// w·(cos, sin) of the angle along the paths.
+    pub along: [&'a [f32]; 2],
+    /// w·(cos, sin) of the angle across them.
+    pub across: [&'a [f32]; 2],
 }
 
 impl Simulation {
@@ -228,11 +221,11 @@ impl Simulation {
 
     fn frame(&self, shown: bool) -> ToonFrame<'_> {
         let state = if shown { &self.shown } else { &self.state };
-        let [weight, along, across] = state.drift.each_ref().map(Vec::as_slice);
+        let [weight, along_cos, along_sin, across_cos, across_sin] = state.drift.each_ref().map(Vec::as_slice);
         ToonFrame {
             height: if self.modes.is_some() { &self.height } else { &state.a },
             rift: &state.rift,
-            drift: Drifted { weight, along, across },
+            drift: Drifted { weight, along: [along_cos, along_sin], across: [across_cos, across_sin] },
         }
     }
 }

@@ -2,8 +2,8 @@
 
 use crate::random::Random;
 use trochoid_sea::toon::{
-    Basin, Behavior, Boundary, Burst, Combine, Drift, Field, Guide, Mixing, Motion, Physics, Rift, Scratch, Shape,
-    Simulation, ToonError, ToonSea, Wanted, reference,
+    Basin, Behavior, Boundary, Burst, Combine, Drift, Drifted, Field, Guide, Mixing, Motion, Physics, Rift, Scratch, Shape,
+    Simulation, ToonError, ToonFrame, ToonSea, Wanted, reference,
 };
 
 const ALL: Wanted = Wanted { rift: true, drift: true };
@@ -51,6 +51,12 @@ fn error(found: &[f32], expected: &[f64]) -> f64 {
     off.fold(0.0, |worst: f64, off| if off <= worst { worst } else { off }) / size.max(1e-12)
 }
 
+/// All fields of drift.
+fn drifts<'a>(frame: &ToonFrame<'a>) -> [&'a [f32]; 5] {
+    let Drifted { weight, along: [ac, as_], across: [lc, ls] } = frame.drift;
+    [weight, ac, as_, lc, ls]
+}
+
 #[test]
 fn agrees_with_the_reference() {
     let mut random = Random(7);
@@ -70,13 +76,9 @@ fn agrees_with_the_reference() {
             let expected = reference::frame(&sea, time, ALL);
             let mut simulation = sea.simulate(ALL);
             let found = simulation.at(time);
-            let errors = [
-                error(found.height, &expected.height),
-                error(found.rift, &expected.rift),
-                error(found.drift.weight, &expected.drift[0]),
-                error(found.drift.along, &expected.drift[1]),
-                error(found.drift.across, &expected.drift[2]),
-            ];
+            let mut errors = vec![error(found.height, &expected.height), error(found.rift, &expected.rift)];
+            let drift = drifts(&found);
+            errors.extend(drift.iter().zip(&expected.drift).map(|(found, expected)| error(found, expected)));
             assert!(errors.iter().all(|&error| error < 2e-5), "{boundary:?} {motion:?} at {time}: {errors:?}");
         }
     }
@@ -122,7 +124,7 @@ fn a_free_sea_jumps_as_it_steps() {
 
 fn bits(simulation: &mut Simulation, time: f64) -> Vec<u32> {
     let frame = simulation.at(time);
-    let fields = [frame.height, frame.rift, frame.drift.weight, frame.drift.along, frame.drift.across];
+    let fields = [&[frame.height, frame.rift][..], &drifts(&frame)].concat();
     fields.iter().flat_map(|field| field.iter().map(|value| value.to_bits())).collect()
 }
 
@@ -255,7 +257,7 @@ fn hostile_bursts_stay_finite() {
         let sea = ToonSea::new(basin, Motion::default(), behavior, vec![still, quick]).expect("valid");
         let mut simulation = sea.simulate(ALL);
         let frame = simulation.at(0.5);
-        let fields = [frame.height, frame.rift, frame.drift.weight, frame.drift.along, frame.drift.across];
+        let fields = [&[frame.height, frame.rift][..], &drifts(&frame)].concat();
         assert!(fields.iter().all(|field| field.iter().all(|value| value.is_finite())), "{shape:?}");
     }
 }
