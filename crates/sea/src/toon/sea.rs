@@ -75,6 +75,11 @@ impl ToonSea {
         &self.basin
     }
 
+    /// What it is besides its grid, its motion and its bursts.
+    pub fn behavior(&self) -> &Behavior {
+        &self.behavior
+    }
+
     /// The bursts.
     pub fn bursts(&self) -> &[Burst] {
         &self.bursts
@@ -97,7 +102,15 @@ impl ToonSea {
     pub fn inject(&self, time: f64, field: &mut Field, rift: &mut [f32], scratch: &mut Scratch) {
         assert_eq!(field.height.len(), self.basin.cells(), "the field is of the basin's size");
         let wanted = Wanted { rift: rift.len() == self.basin.cells(), drift: false };
-        self.splat(time, 1.0 / LITERAL_HZ, wanted, &mut field.height, rift, std::array::from_fn(|_| &mut [][..]), scratch);
+        self.splat(
+            time,
+            1.0 / LITERAL_HZ,
+            wanted,
+            &mut field.height,
+            rift,
+            std::array::from_fn(|_| &mut [][..]),
+            scratch,
+        );
     }
 
     /// Share of a burst that goes into the force of a step.

@@ -342,13 +342,8 @@ impl Step<'_> {
                     };
                     let (along_sin, along_cos) = angle(along - swept, drift.along);
                     let (across_sin, across_cos) = angle(across, drift.lane);
-                    let sums = [
-                        weight,
-                        weight * along_cos,
-                        weight * along_sin,
-                        weight * across_cos,
-                        weight * across_sin,
-                    ];
+                    let sums =
+                        [weight, weight * along_cos, weight * along_sin, weight * across_cos, weight * across_sin];
                     for (values, sum) in tile.drift.iter_mut().zip(sums) {
                         let values = &mut values[at..at + LANES];
                         (f32x16::from_slice(simd, values) + sum).store_slice(values);

@@ -104,6 +104,11 @@ impl Drift {
         within("drift period", self.period, (1e-6, 1e6), "1e-6 to 1e6 meters")
     }
 
+    /// What makes weights and phases come to about 1 where bursts pass: their greatest sum is 1/(ε + ρ).
+    pub fn scale(&self) -> f64 {
+        (self.decay + self.renewal).max(1e-6)
+    }
+
     /// Turns a meter.
     pub(crate) fn frequency(&self) -> f64 {
         1.0 / (self.period * f64::from(Self::LINES))

@@ -1,5 +1,6 @@
 //! The fast forms of seas against their f64 references, and against what is known of them.
 
+mod drift;
 mod evaluation;
 mod folding;
 mod grids;

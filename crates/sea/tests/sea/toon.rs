@@ -2,8 +2,8 @@
 
 use crate::random::Random;
 use trochoid_sea::toon::{
-    Basin, Behavior, Boundary, Burst, Combine, Drift, Drifted, Field, Guide, Mixing, Motion, Physics, Rift, Scratch, Shape,
-    Simulation, ToonError, ToonFrame, ToonSea, Wanted, reference,
+    Basin, Behavior, Body, Boundary, Burst, Combine, Drift, Drifted, Field, Guide, Mixing, Motion, Physics, Rift,
+    Scratch, Shape, Simulation, ToonError, ToonFrame, ToonSea, Wanted, reference,
 };
 
 const ALL: Wanted = Wanted { rift: true, drift: true };
@@ -278,4 +278,31 @@ fn parts_of_a_step_are_the_step() {
     let mut simulation = sea.simulate(ALL);
     let frame = simulation.at(20.0 / 60.0);
     assert_eq!((frame.height, frame.rift), (field.height.as_slice(), rift.as_slice()));
+}
+
+/// A body heaps the water up before its bow, lies in a trough, and leaves foam behind and lines; far away nothing moves.
+#[test]
+fn bodies_press_and_heap() {
+    let basin = Basin { columns: 120, rows: 60, spacing: 0.2, boundary: Boundary::Replicate };
+    let path = [[2.0, 6.0], [8.0, 6.0], [14.0, 6.0], [20.0, 6.0]];
+    let way = Burst { duration: 9.0, ..Burst::along(path) };
+    let body = Body { way, length: 3.0, beam: 1.2, draught: 0.5 };
+    let bursts = body.bursts().expect("valid");
+    let behavior = Behavior { oriented: true, ..Behavior::default() };
+    let sea = ToonSea::new(basin, Motion::default(), behavior, bursts).expect("valid");
+    let mut simulation = sea.simulate(ALL);
+    let frame = simulation.at(4.5);
+    let at = |x: f64, z: f64| (z / 0.2).round() as usize * 120 + (x / 0.2).round() as usize;
+    // The middle stands at x = 11 m, the bow 1.5 m ahead.
+    assert!(frame.height[at(10.6, 6.0)] < -0.05, "{}", frame.height[at(10.6, 6.0)]);
+    assert!(frame.height[at(12.4, 6.0)] > 0.05, "{}", frame.height[at(12.4, 6.0)]);
+    assert!(frame.rift[at(7.0, 6.0)] > 0.05 && frame.rift[at(16.0, 6.0)] == 0.0);
+    assert!(frame.drift.weight[at(7.0, 6.0)] > 0.0 && frame.drift.weight[at(16.0, 6.0)] == 0.0);
+    assert!(frame.height[at(20.0, 10.0)].abs() < 1e-3);
+    // What stays where it is has no bow; what is out of range is named.
+    let still = Body { way: Burst::along([[5.0, 5.0]; 4]), ..body };
+    assert_eq!(still.bursts().expect("valid").len(), 1);
+    for wrong in [Body { length: 0.0, ..body }, Body { beam: f64::NAN, ..body }, Body { draught: 1e9, ..body }] {
+        assert!(wrong.bursts().unwrap_err().to_string().contains("of a body"), "{wrong:?}");
+    }
 }
