@@ -221,6 +221,18 @@ view_channels! {
     U "texture coordinates" 0.0,
     /// Texture coordinate v; the rest point's z on surfaces without texture coordinates.
     V "texture coordinates" 0.0,
+    /// Foam that bursts left behind on a toon sea; 0 on other surfaces.
+    Rift "rift" 0.0,
+    /// How lately and closely bursts have passed: 1 in their middle, 0 where none was and on other surfaces.
+    DriftWeight "drift" 0.0,
+    /// Weight × cosine of the angle that counts drift lines along the paths of bursts.
+    AlongCos "drift" 0.0,
+    /// Weight × sine of that angle.
+    AlongSin "drift" 0.0,
+    /// Weight × cosine of the angle that counts drift lines across the paths.
+    AcrossCos "drift" 0.0,
+    /// Weight × sine of that angle.
+    AcrossSin "drift" 0.0,
 }
 
 /// A set of view channels.

@@ -44,11 +44,23 @@ pub enum Channel {
     U,
     /// Texture coordinate v, or the rest point's z.
     V,
+    /// Foam that bursts left behind on a toon sea; 0 on other surfaces and where nothing is seen, as all that follow.
+    Rift,
+    /// How lately and closely bursts have passed, w: 1 in their middle.
+    DriftWeight,
+    /// w·cos of the angle that counts drift lines along the paths of bursts, a full turn for every 16.
+    AlongCos,
+    /// w·sin of that angle.
+    AlongSin,
+    /// w·cos of the angle that counts drift lines across the paths.
+    AcrossCos,
+    /// w·sin of that angle.
+    AcrossSin,
 }
 
 impl Channel {
     /// All channels, in order.
-    pub const ALL: [Self; 18] = [
+    pub const ALL: [Self; 24] = [
         Self::Coverage,
         Self::Depth,
         Self::PositionX,
@@ -67,7 +79,16 @@ impl Channel {
         Self::Surface,
         Self::U,
         Self::V,
+        Self::Rift,
+        Self::DriftWeight,
+        Self::AlongCos,
+        Self::AlongSin,
+        Self::AcrossCos,
+        Self::AcrossSin,
     ];
+    /// What bursts leave behind, in the order of [`Mesh::trails`](crate::Mesh::trails).
+    pub const TRAILS: [Self; 6] =
+        [Self::Rift, Self::DriftWeight, Self::AlongCos, Self::AlongSin, Self::AcrossCos, Self::AcrossSin];
 
     /// What the channel holds where nothing is seen.
     pub const fn background(self) -> f32 {
@@ -103,6 +124,8 @@ impl ChannelSet {
     pub const REST: Self = Self::of(&[Channel::RestX, Channel::RestY, Channel::RestZ]);
     /// Texture coordinates, two channels.
     pub const UV: Self = Self::of(&[Channel::U, Channel::V]);
+    /// What bursts leave behind.
+    pub(crate) const TRAILS: Self = Self::of(&Channel::TRAILS);
     /// Every channel.
     pub const ALL: Self = Self::of(&Channel::ALL);
 

@@ -3,7 +3,7 @@ use rayon::prelude::*;
 
 use crate::shading::unit_or_up;
 use crate::surface::{Hit, Mesh, Surface, Topology};
-use crate::{ChannelSet, Projector, Ray, Resting};
+use crate::{Channel, ChannelSet, Projector, Ray, Resting};
 
 /// Chord error in pixels that a cell may make at its nearest, at a crest three times as sharp as the root mean square.
 const CHORD_PX: f64 = 0.2;
@@ -33,6 +33,8 @@ pub struct GridSurface {
     bounds: [f64; 2],
     /// Root mean square of second differences, in meters.
     bend: f64,
+    /// What bursts left behind, cell by cell; each may be empty.
+    trails: [Vec<f32>; 6],
 }
 
 impl GridSurface {
@@ -59,7 +61,35 @@ impl GridSurface {
         }
         let bend = libm::sqrt(squares / (2.0 * heights.len() as f64));
         let bounds = [f64::from(low) - beyond, f64::from(high) + beyond];
-        Self { heights, columns, rows, spacing, origin, level, bounds, bend }
+        Self { heights, columns, rows, spacing, origin, level, bounds, bend, trails: Default::default() }
+    }
+
+    /// The same with [`Channel::TRAILS`](crate::Channel::TRAILS), each a value for every cell or empty: then it is 0.
+    ///
+    /// # Panics
+    /// One is neither empty nor as long as the heights.
+    #[must_use]
+    pub fn with_trails(self, trails: [Vec<f32>; 6]) -> Self {
+        let fits = |values: &Vec<f32>| values.is_empty() || values.len() == self.heights.len();
+        assert!(trails.iter().all(fits), "a value for every cell");
+        Self { trails, ..self }
+    }
+
+    /// What bursts left behind at a place on the grid.
+    fn trails(&self, x: f64, z: f64) -> [f64; 6] {
+        let (u, v) = ((x - self.origin[0]) / self.spacing, (z - self.origin[1]) / self.spacing);
+        let (i, j) = ((u as usize).min(self.columns - 2), (v as usize).min(self.rows - 2));
+        let (wx, _) = weights(u - i as f64);
+        let (wz, _) = weights(v - j as f64);
+        self.trails.each_ref().map(|values| {
+            let blend = |(n, wz): (usize, f64)| {
+                let row = (j + n).saturating_sub(1).min(self.rows - 1) * self.columns;
+                let at = |m: usize| (i + m).saturating_sub(1).min(self.columns - 1);
+                let across = |(m, wx): (usize, f64)| wx * f64::from(values[row + at(m)]);
+                wz * wx.into_iter().enumerate().map(across).sum::<f64>()
+            };
+            if values.is_empty() { 0.0 } else { wz.into_iter().enumerate().map(blend).sum() }
+        })
     }
 
     /// World y of the rest level in meters.
@@ -99,6 +129,23 @@ impl GridSurface {
             sums[2] += dz * value;
         }
         [sums[0], sums[1] / self.spacing, sums[2] / self.spacing]
+    }
+
+    /// A field along z, blended of the four columns around a cell; the edges repeated twice.
+    fn profile(&self, field: &[f32], cell: usize, weights: [f64; 4], out: &mut Vec<f64>) {
+        let columns: [usize; 4] = std::array::from_fn(|m| (cell + m).saturating_sub(1).min(self.columns - 1));
+        let blend = |row: &[f32]| {
+            let mut sum = 0.0;
+            for (weight, column) in weights.into_iter().zip(columns) {
+                sum += weight * f64::from(row[column]);
+            }
+            sum
+        };
+        out.clear();
+        out.push(0.0);
+        out.extend(field.chunks_exact(self.columns).map(blend));
+        out[0] = out[1];
+        out.push(out[self.rows]);
     }
 
     /// World x and z of the far corner.
@@ -151,6 +198,15 @@ struct Line {
     place: f64,
 }
 
+impl Line {
+    /// Blends a profile at this line.
+    #[inline]
+    fn blend(&self, profile: &[f64], weights: [f64; 4]) -> f64 {
+        let values = &profile[self.cell..self.cell + 4];
+        weights[0] * values[0] + weights[1] * values[1] + weights[2] * values[2] + weights[3] * values[3]
+    }
+}
+
 /// Catmull–Rom weights of four neighbors at t in 0…1 of the inner two, and their derivatives.
 type Weights = ([f64; 4], [f64; 4]);
 
@@ -185,26 +241,45 @@ impl Surface for GridSurface {
             rests: vec![[0.0; 2]; size(ChannelSet::RESTS.union(ChannelSet::UV))],
             rest_heights: Vec::new(),
             uvs: Vec::new(),
-            slope_variances: vec![0.0; size(ChannelSet::of(&[crate::Channel::SlopeVariance]))],
+            slope_variances: vec![0.0; size(ChannelSet::of(&[Channel::SlopeVariance]))],
+            trails: Default::default(),
             level: self.level,
             displaced: true,
             inside: self.submerged(eye),
             topology: Topology::Grid { columns, rows },
         };
+        let wanted_trail = |index: usize| wanted.contains(Channel::TRAILS[index]) && !self.trails[index].is_empty();
+        for (index, trail) in mesh.trails.iter_mut().enumerate().filter(|(index, _)| wanted_trail(*index)) {
+            *trail = vec![0.0; rows * columns];
+            trail.par_chunks_mut(columns).zip(&along_x).for_each_init(Vec::new, |profile, (out, at_x)| {
+                self.profile(&self.trails[index], at_x.cell, at_x.weights.0, profile);
+                for (out, at_z) in out.iter_mut().zip(&along_z) {
+                    *out = at_z.blend(profile, at_z.weights.0) as f32;
+                }
+            });
+        }
+        let sloped = !mesh.normals.is_empty();
         let mut tasks = Vec::with_capacity(rows);
         let mut normals = mesh.normals.chunks_mut(columns);
         let mut rests = mesh.rests.chunks_mut(columns);
         for positions in mesh.positions.chunks_mut(columns) {
             tasks.push((positions, normals.next().unwrap_or_default(), rests.next().unwrap_or_default()));
         }
-        tasks.into_par_iter().zip(&along_x).for_each(|((positions, normals, rests), at_x)| {
+        let rows = tasks.into_par_iter().zip(&along_x);
+        rows.for_each_init(<[Vec<f64>; 2]>::default, |[values, slopes], ((positions, normals, rests), at_x)| {
             let x = at_x.place;
+            let (wx, dx) = at_x.weights;
+            self.profile(&self.heights, at_x.cell, wx, values);
+            if sloped {
+                self.profile(&self.heights, at_x.cell, dx, slopes);
+            }
             for (index, at_z) in along_z.iter().enumerate() {
-                let z = at_z.place;
-                let [height, dx, dz] = self.blend([at_x.cell, at_z.cell], at_x.weights, at_z.weights);
-                let flat = [(x - eye.x) as f32, (z - eye.z) as f32];
+                let (wz, dz) = at_z.weights;
+                let flat = [(x - eye.x) as f32, (at_z.place - eye.z) as f32];
+                let height = at_z.blend(values, wz);
                 positions[index] = [flat[0], (self.level + height - eye.y) as f32, flat[1]];
                 if let Some(normal) = normals.get_mut(index) {
+                    let [dx, dz] = [at_z.blend(slopes, wz), at_z.blend(values, dz)].map(|slope| slope / self.spacing);
                     *normal = [-dx as f32, 1.0, -dz as f32];
                 }
                 if let Some(rest) = rests.get_mut(index) {
@@ -291,6 +366,7 @@ impl GridSurface {
             slope_variance: 0.0,
             jacobian: 1.0,
             uv: [x, z],
+            trails: self.trails(x, z),
         }
     }
 }

@@ -156,7 +156,7 @@ impl Layer {
             let blend = |values: [f32; 3]| {
                 values.iter().zip(corner.weights).map(|(&value, weight)| f64::from(value) * weight).sum::<f64>() as f32
             };
-            let Mesh { positions, normals, rests, rest_heights, uvs, slope_variances, .. } = &mut self.mesh;
+            let Mesh { positions, normals, rests, rest_heights, uvs, slope_variances, trails, .. } = &mut self.mesh;
             positions.push(std::array::from_fn(|axis| blend(vertices.map(|vertex| positions[vertex][axis]))));
             if !normals.is_empty() {
                 normals.push(std::array::from_fn(|axis| blend(vertices.map(|vertex| normals[vertex][axis]))));
@@ -172,6 +172,9 @@ impl Layer {
             }
             if !slope_variances.is_empty() {
                 slope_variances.push(blend(vertices.map(|vertex| slope_variances[vertex])));
+            }
+            for values in trails.iter_mut().filter(|values| !values.is_empty()) {
+                values.push(blend(vertices.map(|vertex| values[vertex])));
             }
         }
         for next in 1..polygon.corners.len() as u32 - 1 {

@@ -237,6 +237,13 @@ impl Visible {
                 blend(vertices.map(|vertex| f64::from(mesh.slope_variances[vertex]))),
             );
         }
+        if wanted.intersects(ChannelSet::TRAILS) {
+            for (values, channel) in mesh.trails.iter().zip(Channel::TRAILS) {
+                if wanted.contains(channel) && !values.is_empty() {
+                    out.set(channel, index, blend(vertices.map(|vertex| f64::from(values[vertex]))));
+                }
+            }
+        }
     }
 
     /// Barycentric weights of the point of a triangle that a pixel's ray meets, from the exact positions: the

@@ -144,6 +144,7 @@ fn hit(sea: &SeaSurface, projector: &Projector, ray: &Ray, distance: f64, rest: 
         rest_distance: (position - rest_point).length(),
         slope_variance,
         jacobian,
+        trails: [0.0; 6],
         uv: rest,
     }
 }

@@ -65,6 +65,8 @@ pub struct Mesh {
     pub uvs: Vec<[f32; 2]>,
     /// Slope variance that the footprint took, or empty where it is not wanted.
     pub slope_variances: Vec<f32>,
+    /// [`Channel::TRAILS`](crate::Channel::TRAILS), each empty where it is not wanted or the surface has none.
+    pub trails: [Vec<f32>; 6],
     /// World y of the rest level in meters.
     pub level: f64,
     /// Whether the surface has rest points, which give its normals their length.
@@ -85,6 +87,7 @@ impl Mesh {
             rest_heights: Vec::new(),
             uvs: Vec::new(),
             slope_variances: Vec::new(),
+            trails: Default::default(),
             level,
             displaced: false,
             inside: false,
@@ -126,4 +129,6 @@ pub struct Hit {
     pub jacobian: f64,
     /// Texture coordinates, as in [`Channel::U`](crate::Channel::U).
     pub uv: [f64; 2],
+    /// [`Channel::TRAILS`](crate::Channel::TRAILS).
+    pub trails: [f64; 6],
 }

@@ -228,6 +228,7 @@ impl<L: Layout> Rows<'_, L> {
             rest_heights: Vec::new(),
             uvs: Vec::new(),
             slope_variances: vec![0.0; size(ChannelSet::of(&[Channel::SlopeVariance]))],
+            trails: Default::default(),
             level: self.sea.level,
             displaced: true,
             inside: reference::submerged(self.sea, self.projector),

@@ -255,6 +255,7 @@ impl Surface for TriangleModel {
             rest_distance: position.distance(rest),
             slope_variance: 0.0,
             jacobian: 1.0,
+            trails: [0.0; 6],
             uv,
         })
     }

@@ -91,6 +91,7 @@ impl Visible {
                 + (mesh.rests.len() + mesh.uvs.len()) * 8
                 + mesh.rest_heights.len() * 4
                 + mesh.slope_variances.len() * 4
+                + mesh.trails.iter().map(|values| values.len() * 4).sum::<usize>()
                 + layer.screen.len() * 12
                 + layer.clipped.len() * 12
         };

@@ -251,12 +251,20 @@ fn samples_of<'s>(planes: &'s [Plane], converted: Option<&'s [Vec<f32>; 3]>) -> 
     }
 }
 
-/// Colors with every pixel converted in f64.
+/// Colors with every pixel converted in f64, a run of equal ones once: flat tones are cheap.
 pub(crate) fn convert([r, g, b]: [&[f32]; 3], f: impl Fn([f64; 3]) -> [f64; 3]) -> [Vec<f32>; 3] {
     let mut converted = [0; 3].map(|_| Vec::with_capacity(r.len()));
+    let mut last = None;
     for ((r, g), b) in r.iter().zip(g).zip(b) {
-        for (channel, value) in converted.iter_mut().zip(f([*r, *g, *b].map(f64::from))) {
-            channel.push(value as f32);
+        let color = [*r, *g, *b];
+        let bits = color.map(f32::to_bits);
+        let values = match last {
+            Some((same, values)) if same == bits => values,
+            _ => f(color.map(f64::from)).map(|value| value as f32),
+        };
+        last = Some((bits, values));
+        for (channel, value) in converted.iter_mut().zip(values) {
+            channel.push(value);
         }
     }
     converted

@@ -134,6 +134,12 @@ impl Prepared for Seen {
                     ViewChannel::Surface => hit.surface as f64,
                     ViewChannel::U => hit.uv[0],
                     ViewChannel::V => hit.uv[1],
+                    ViewChannel::Rift => hit.trails[0],
+                    ViewChannel::DriftWeight => hit.trails[1],
+                    ViewChannel::AlongCos => hit.trails[2],
+                    ViewChannel::AlongSin => hit.trails[3],
+                    ViewChannel::AcrossCos => hit.trails[4],
+                    ViewChannel::AcrossSin => hit.trails[5],
                 })
                 .collect(),
         };

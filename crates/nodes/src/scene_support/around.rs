@@ -31,6 +31,11 @@ impl<'a> Around<'a> {
         self.view.window.area()
     }
 
+    /// A channel that the node asks for.
+    pub(crate) fn whole(&self, channel: ViewChannel) -> &'a [f32] {
+        self.plane(channel).unwrap_or_default()
+    }
+
     fn plane(&self, channel: ViewChannel) -> Option<&'a [f32]> {
         self.view.planes[channel as usize]
     }

@@ -5,8 +5,8 @@ use std::sync::{Arc, Mutex, OnceLock};
 use trochoid_graph::*;
 use trochoid_scene::GridSurface;
 use trochoid_sea::toon::{
-    Basin, Behavior, Boundary, Burst, Guide, Mixing, Motion, Physics, Shape, Simulation, ToonSea as Sea, Wanted,
-    reference,
+    Basin, Behavior, Body as Afloat, Boundary, Burst, Combine, Drift, Drifted, Guide, Mixing, Motion, Physics, Rift,
+    Shape, Simulation, ToonError, ToonFrame, ToonSea as Sea, Wanted, reference,
 };
 
 pub(crate) static NODE: &dyn NodeType = &ToonSea;
@@ -16,10 +16,12 @@ struct ToonSea;
 static DECLARATION: Declaration = Declaration {
     name: "ToonSea",
     end: End::Front,
-    summary: "A finite sea of bursts that travel along splines: their heights spread over a grid and die away.",
+    summary: "A finite sea of bursts that travel along splines: their heights spread over a grid and die away, and \
+              foam and lines trail behind.",
     formula: "h' = c1·(2·mean of the 4 neighbors − h₋) + c2·h + bursts, 60 times a second; a burst is \
               (p·H/2)·(cos(min(π·|(u−x)/r|/p, π)) + 1), scaled by 1 − c1 − c2. x is a cubic Bézier curve at \
-              (t mod d)/d.",
+              (t mod d)/d. For Rift, r += k·max(d − m, 0), m the distance from a burst, and r ÷= 1 + ε at each step; \
+              for DriftLines, two coordinates in the frame of the last bursts that passed.",
     edge_cases: "Without bursts the sea is flat. Every frame is reached from the sea at rest, `preroll` steps before \
                  the first frame; one after the other costs only the steps between. Mode \"resampled\" needs \
                  0 < c1 < 1 and equals \"literal\" at 60 frames a second; \"literal\" moves unevenly at 24. Unstable \
@@ -66,8 +68,31 @@ static DECLARATION: Declaration = Declaration {
         .optional()
         .item(),
         Knob::bool("oriented", true, "Radii along and across the heading; otherwise along x and z.").item(),
+        Knob::number("rift_distance", 1.5, 1e-6, 1e6, "Distance d from a burst up to which it leaves foam.")
+            .unit("m")
+            .item(),
+        Knob::number("rift_gain", 0.02, 0.0, 1e6, "What a step adds to the rift for each meter nearer than d: k.")
+            .unit("1/m")
+            .item(),
+        Knob::number("rift_decay", 0.01, 0.0, 1e3, "What a step takes from the rift: it is divided by 1 + ε.").item(),
+        Knob::choice("rift", &["sum", "nearest"], "Whether every burst adds to the rift, or the nearest alone.").item(),
+        Knob::number("line_distance", 0.8, 1e-6, 1e6, "Distance of drift lines.").unit("m").item(),
+        Knob::number("line_sweep", 0.35, -1e3, 1e3, "How far lines along the path fall back to the side.")
+            .unit("m/m")
+            .item(),
+        Knob::number("line_decay", 0.02, 0.0, 1e3, "What a step takes from the weight of drift lines.").item(),
+        Knob::number("line_renewal", 0.5, 0.0, 1e3, "What a burst takes in a step from lines that it overtakes.")
+            .item(),
         List::of("bursts", BURST, 0, 10_000, "Bursts set one by one."),
         List::of("guides", GUIDE, 0, 100, "Guides: each a burst and its noisy copies side by side."),
+        List::of(
+            "bodies",
+            BODY,
+            0,
+            1000,
+            "What floats along: it presses the water down, heaps it up before its bow, and \
+                                           leaves a wake.",
+        ),
     ],
     outputs: &[Output::new("surface", Kind::Surface, "The sea at the frame's time.")],
     revision: 1,
@@ -96,6 +121,18 @@ static GUIDE: &[Item] = &[
     Knob::integer("seed", 0, 0, 1_000_000_000, "Which of all such systems.").item(),
 ];
 
+static BODY: &[Item] = &[
+    PATH,
+    DURATION,
+    OFFSET,
+    FADE,
+    START,
+    END,
+    Knob::number("length", 4.0, 1e-3, 1e5, "Length.").unit("m").item(),
+    Knob::number("beam", 1.2, 1e-3, 1e5, "Width.").unit("m").item(),
+    Knob::number("draught", 0.5, -1e5, 1e5, "How deep it lies in the water.").unit("m").item(),
+];
+
 const PATH: Item =
     Knob::numbers("path", 8, 8, "Control points x, z, x, z, … of a cubic Bézier curve, from the first cell on.")
         .required()
@@ -113,22 +150,34 @@ const START: Item =
     Knob::number("start", 0.0, -1e9, 1e9, "First moment; from the preroll on if unset.").optional().unit("s").item();
 const END: Item = Knob::number("end", 0.0, -1e9, 1e9, "Last moment; never if unset.").optional().unit("s").item();
 
-/// A burst of either list.
-fn burst(record: &Settled) -> Burst {
+/// Where and when the burst of any list travels.
+fn way(record: &Settled) -> Burst {
     let points = record.numbers("path");
     let moment = |knob: &str, otherwise: f64| if record.is_set(knob) { record.number(knob) } else { otherwise };
     Burst {
         duration: record.number("duration"),
         offset: record.number("offset"),
-        height: record.number("height"),
-        peak: record.number("peak"),
-        influence: [record.number("along"), record.number("across")],
         fade: record.number("fade"),
         active: [moment("start", f64::NEG_INFINITY), moment("end", f64::INFINITY)],
         ..Burst::along(std::array::from_fn(|index| {
             [0, 1].map(|axis| points.get(2 * index + axis).copied().unwrap_or_default())
         }))
     }
+}
+
+/// A burst set by itself, or the one that a guide copies.
+fn burst(record: &Settled) -> Burst {
+    Burst {
+        height: record.number("height"),
+        peak: record.number("peak"),
+        influence: [record.number("along"), record.number("across")],
+        ..way(record)
+    }
+}
+
+fn body(record: &Settled) -> Result<Vec<Burst>, ToonError> {
+    let [length, beam, draught] = ["length", "beam", "draught"].map(|knob| record.number(knob));
+    Afloat { way: way(record), length, beam, draught }.bursts()
 }
 
 /// The sea that the knobs describe.
@@ -164,7 +213,19 @@ fn sea(node: &Settled) -> Result<Sea, String> {
         oriented: node.bool("oriented"),
         injection: optional("injection"),
         preroll: node.integer("preroll") as u32,
-        ..Behavior::default()
+        rift: Rift {
+            distance: node.number("rift_distance"),
+            gain: node.number("rift_gain"),
+            decay: node.number("rift_decay"),
+            combine: if node.text("rift") == "nearest" { Combine::Nearest } else { Combine::Sum },
+        },
+        drift: Drift {
+            period: node.number("line_distance"),
+            lag: node.number("line_sweep"),
+            decay: node.number("line_decay"),
+            renewal: node.number("line_renewal"),
+            ..Drift::default()
+        },
     };
     let mut bursts: Vec<Burst> = node.list("bursts").iter().map(burst).collect();
     for record in node.list("guides") {
@@ -178,6 +239,9 @@ fn sea(node: &Settled) -> Result<Sea, String> {
             seed: record.integer("seed") as u64,
         };
         bursts.extend(guide.bursts());
+    }
+    for record in node.list("bodies") {
+        bursts.extend(body(record).map_err(|error| error.to_string())?);
     }
     Sea::new(basin, motion, behavior, bursts).map_err(|error| error.to_string())
 }
@@ -217,7 +281,7 @@ impl Stage for ToonSea {
     fn prepare(&self, node: &Settled, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
         let sea = sea(node).map_err(NodeError::new)?;
         // Frames of one sea share its simulation, so that each takes only the steps since the one before.
-        let simulation = prepare.shared(&format!("{sea:?}"), || Ok(Mutex::new(sea.simulate(Wanted::default()))))?;
+        let simulation = prepare.shared(&format!("{sea:?}"), || Ok(Mutex::new(sea.simulate(ALL))))?;
         let place = Place {
             columns: sea.basin().columns,
             spacing: sea.basin().spacing,
@@ -225,12 +289,12 @@ impl Stage for ToonSea {
             level: node.number("level"),
         };
         let time = prepare.frame.time;
-        let heights = match simulation.lock() {
-            Ok(mut simulation) => simulation.at(time).height.to_vec(),
+        let scale = sea.behavior().drift.scale() as f32;
+        let surface = match simulation.lock() {
+            Ok(mut simulation) => place.surface(&simulation.at(time), scale),
             // Whatever stopped it may have done so within a step.
-            Err(_) => sea.simulate(Wanted::default()).at(time).height.to_vec(),
+            Err(_) => place.surface(&sea.simulate(ALL).at(time), scale),
         };
-        let surface = place.surface(heights);
         Ok(Box::new(Surging { surface, sea, time, place, _simulation: simulation, reference: OnceLock::new() }))
     }
 }
@@ -243,9 +307,26 @@ struct Place {
     level: f64,
 }
 
+/// Everything that a view may ask of the sea.
+const ALL: Wanted = Wanted { rift: true, drift: true };
+
 impl Place {
-    fn surface(&self, heights: Vec<f32>) -> SurfaceHandle {
-        Arc::new(GridSurface::new(heights, self.columns, self.spacing, self.origin, self.level))
+    fn surface(&self, frame: &ToonFrame<'_>, scale: f32) -> SurfaceHandle {
+        let Drifted { weight, along, across } = frame.drift;
+        let scaled = |values: &[f32]| values.iter().map(|value| value * scale).collect();
+        let drift = [weight, along[0], along[1], across[0], across[1]].map(scaled);
+        self.grid(frame.height.to_vec(), frame.rift.to_vec(), drift)
+    }
+
+    fn exact(&self, frame: reference::Reference, scale: f64) -> SurfaceHandle {
+        let single = |values: Vec<f64>, scale: f64| values.into_iter().map(|value| (value * scale) as f32).collect();
+        let drift = frame.drift.map(|values| single(values, scale));
+        self.grid(single(frame.height, 1.0), single(frame.rift, 1.0), drift)
+    }
+
+    fn grid(&self, heights: Vec<f32>, rift: Vec<f32>, [w, ac, as_, lc, ls]: [Vec<f32>; 5]) -> SurfaceHandle {
+        let grid = GridSurface::new(heights, self.columns, self.spacing, self.origin, self.level);
+        Arc::new(grid.with_trails([rift, w, ac, as_, lc, ls]))
     }
 }
 
@@ -267,14 +348,13 @@ impl Prepared for Surging {
 
     fn reference(&self, _inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
         let surface = self.reference.get_or_init(|| {
-            let heights = reference::frame(&self.sea, self.time, Wanted::default()).height;
-            self.place.surface(heights.into_iter().map(|height| height as f32).collect())
+            self.place.exact(reference::frame(&self.sea, self.time, ALL), self.sea.behavior().drift.scale())
         });
         Ok(vec![Reference::Handle(Arc::new(surface.clone()))])
     }
 
     fn bytes(&self) -> usize {
         // The surface, and this frame's share of the simulation that all frames share.
-        self.sea.basin().cells() * 8
+        self.sea.basin().cells() * 60
     }
 }

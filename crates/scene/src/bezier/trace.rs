@@ -66,6 +66,7 @@ pub(super) fn trace(model: &PatchModel, projector: &Projector, ray: &Ray) -> Opt
         rest_distance: position.distance(rest),
         slope_variance: 0.0,
         jacobian: 1.0,
+        trails: [0.0; 6],
         uv: placed.uv([u, v]),
     })
 }

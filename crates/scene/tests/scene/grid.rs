@@ -18,7 +18,11 @@ fn grid(columns: usize, rows: usize, spacing: f64, origin: [f64; 2], height: imp
         let (i, j) = (cell % columns, cell / columns);
         height(origin[0] + i as f64 * spacing, origin[1] + j as f64 * spacing) as f32
     };
-    GridSurface::new((0..columns * rows).map(at).collect(), columns, spacing, origin, 2.0)
+    let heights: Vec<f32> = (0..columns * rows).map(at).collect();
+    // Each trail another multiple of the heights, one of them left out.
+    let trail = |index: usize| heights.iter().map(|height| 0.2 * index as f32 * height).collect();
+    let trails = std::array::from_fn(|index| if index == 3 { Vec::new() } else { trail(index) });
+    GridSurface::new(heights, columns, spacing, origin, 2.0).with_trails(trails)
 }
 
 /// Shares of samples at which view and reference agree, and that see the surface at all.
@@ -40,7 +44,11 @@ fn agreement(camera: &Camera, surface: &GridSurface, depth: f64, angle: f64) -> 
         seen += 1.0;
         let normal = DVec3::new(at(Channel::NormalX), at(Channel::NormalY), at(Channel::NormalZ));
         let near = |a: f64, b: f64| (a - b).abs() <= depth * hit.depth;
+        let trails = Channel::TRAILS.into_iter().zip(hit.trails).all(|(channel, trail)| near(at(channel), trail));
+        let left_out = hit.trails[3] == 0.0 && (hit.trails[5] - hit.height).abs() < 1e-4;
         let agrees = at(Channel::Coverage) == 1.0
+            && trails
+            && left_out
             && near(at(Channel::Depth), hit.depth)
             && near(at(Channel::Height), hit.height)
             && near(at(Channel::RestX), hit.rest.x)

@@ -123,11 +123,11 @@ impl Burst {
             DriftStamp {
                 heading: heading.map(|value| value as f32),
                 inverse: wide.map(|radius| (1.0 / radius) as f32),
-                spacing: spacing as f32,
+                turns: (spacing * drift.frequency()) as f32,
                 along: drift.along(lap, progress, lengths) as f32,
-                lane: self.lane as f32,
+                lane: (self.lane * drift.frequency()).rem_euclid(1.0) as f32,
                 lag: drift.lag as f32,
-                soft: drift.softness(spacing) as f32,
+                soft: (drift.softness(spacing) / (spacing * spacing)) as f32,
                 weight: left as f32,
             }
         });

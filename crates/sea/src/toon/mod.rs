@@ -31,9 +31,12 @@
 //! threads. [`mod@reference`] is the same in f64 and plain loops.
 
 mod basin;
+mod body;
 mod burst;
 mod error;
 mod field;
+mod line_rows;
+pub mod lines;
 mod modes;
 mod motion;
 mod propagator;
@@ -47,12 +50,14 @@ mod system;
 mod trail;
 
 pub use basin::{Basin, Boundary};
+pub use body::Body;
 pub use burst::{Burst, Shape};
 pub use error::ToonError;
 pub use field::Field;
+pub use line_rows::Row as LineRow;
 pub use motion::{LITERAL_HZ, Mixing, Motion, Physics};
 pub use sea::{Behavior, MAX_BURSTS, Scratch, ToonSea, Wanted};
 pub use simulation::{Drifted, Simulation, ToonFrame};
 pub use stability::Instability;
 pub use system::Guide;
-pub use trail::{Combine, Drift, Rift};
+pub use trail::{Combine, Drift, Rift, spread};

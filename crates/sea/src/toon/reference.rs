@@ -13,8 +13,8 @@ pub struct Reference {
     pub height: Vec<f64>,
     /// The rift.
     pub rift: Vec<f64>,
-    /// Weight of the drift coordinates, and its products with those along and across.
-    pub drift: [Vec<f64>; 3],
+    /// Weight of the drift coordinates, and its products with cosine and sine of the angle along and of that across.
+    pub drift: [Vec<f64>; 5],
 }
 
 /// The fields at a time, from rest, without any jump; those that are not wanted are 0.
@@ -23,7 +23,7 @@ pub struct Reference {
 pub fn frame(sea: &ToonSea, time: f64, wanted: Wanted) -> Reference {
     let cells = sea.basin.cells();
     let zero = || vec![0.0; cells];
-    let mut state = Reference { height: zero(), rift: zero(), drift: [zero(), zero(), zero()] };
+    let mut state = Reference { height: zero(), rift: zero(), drift: std::array::from_fn(|_| zero()) };
     // h₋, or the velocity.
     let mut other = zero();
     let (last, part) = sea.step_at(time);
@@ -128,7 +128,7 @@ fn trails(sea: &ToonSea, time: f64, seconds: f64, place: [f64; 2], cell: usize, 
         (left, if decay > 0.0 { (1.0 - left) / decay } else { steps })
     };
     let mut near = 0.0;
-    let mut sums = [0.0; 3];
+    let mut sums = [0.0; 5];
     for burst in sea.bursts.iter().filter(|burst| burst.is_active(time)) {
         let ([along, across], left) = local(sea, burst, time, place, false);
         let inside = (rift.distance - libm::hypot(along, across)).max(0.0);
@@ -145,15 +145,18 @@ fn trails(sea: &ToonSea, time: f64, seconds: f64, place: [f64; 2], cell: usize, 
         let weight = left * (1.0 - q * q).max(0.0) * (1.0 - q * q).max(0.0);
         let s = drift.along(lap, progress, &spline.lengths());
         let swept = drift.lag * libm::sqrt(l * l + drift.softness(sea.basin.spacing));
-        for (sum, value) in sums.iter_mut().zip([1.0, s + a - swept, burst.lane + l]) {
+        let angle = |meters: f64, turns: f64| libm::sincos(2.0 * PI * (meters * drift.frequency() + turns));
+        let ((along_sin, along_cos), (across_sin, across_cos)) = (angle(a - swept, s), angle(burst.lane + l, 0.0));
+        for (sum, value) in sums.iter_mut().zip([1.0, along_cos, along_sin, across_cos, across_sin]) {
             *sum += weight * value;
         }
     }
     let (left, added) = factors(rift.decay);
     state.rift[cell] = state.rift[cell] * left + rift.gain * near * added;
     let (left, added) = factors(drift.decay);
+    let renewed = 1.0 + drift.renewal * steps * sums[0];
     for (values, sum) in state.drift.iter_mut().zip(sums) {
-        values[cell] = values[cell] * left + sum * added;
+        values[cell] = (values[cell] * left + sum * added) / renewed;
     }
 }
 

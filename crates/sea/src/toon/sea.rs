@@ -2,7 +2,7 @@ use rayon::prelude::*;
 
 use super::burst::Stamping;
 use super::error::within;
-use super::splat::{DriftStep, RiftStep, Splat, Stamp, Targets};
+use super::splat::{DRIFTS, DriftStep, RiftStep, Splat, Stamp, Targets};
 use super::spline::Spline;
 use super::trail::decayed;
 use super::{Basin, Burst, Drift, Field, LITERAL_HZ, Motion, Rift, Shape, Simulation, ToonError};
@@ -75,6 +75,11 @@ impl ToonSea {
         &self.basin
     }
 
+    /// What it is besides its grid, its motion and its bursts.
+    pub fn behavior(&self) -> &Behavior {
+        &self.behavior
+    }
+
     /// The bursts.
     pub fn bursts(&self) -> &[Burst] {
         &self.bursts
@@ -97,7 +102,15 @@ impl ToonSea {
     pub fn inject(&self, time: f64, field: &mut Field, rift: &mut [f32], scratch: &mut Scratch) {
         assert_eq!(field.height.len(), self.basin.cells(), "the field is of the basin's size");
         let wanted = Wanted { rift: rift.len() == self.basin.cells(), drift: false };
-        self.splat(time, 1.0 / LITERAL_HZ, wanted, &mut field.height, rift, [&mut [], &mut [], &mut []], scratch);
+        self.splat(
+            time,
+            1.0 / LITERAL_HZ,
+            wanted,
+            &mut field.height,
+            rift,
+            std::array::from_fn(|_| &mut [][..]),
+            scratch,
+        );
     }
 
     /// Share of a burst that goes into the force of a step.
@@ -118,7 +131,7 @@ impl ToonSea {
         wanted: Wanted,
         height: &mut [f32],
         rift: &mut [f32],
-        drift: [&mut [f32]; 3],
+        drift: [&mut [f32]; DRIFTS],
         scratch: &mut Scratch,
     ) {
         let Behavior { shape, oriented, rift: trail, drift: lines, .. } = self.behavior;
@@ -149,7 +162,11 @@ impl ToonSea {
             left: left as f32,
         });
         let (left, added) = decayed(lines.decay, steps);
-        let drift_step = wanted.drift.then_some(DriftStep { gain: added as f32, left: left as f32 });
+        let drift_step = wanted.drift.then_some(DriftStep {
+            gain: added as f32,
+            left: left as f32,
+            renewal: (lines.renewal * steps) as f32,
+        });
         let targets = Targets { height, gain: self.injection() as f32, rift, rift_step, drift, drift_step };
         scratch.splat.add(&scratch.stamps, shape, self.basin.columns, self.basin.rows, targets);
     }

@@ -1,10 +1,14 @@
 use super::modes::Modes;
 use super::propagator::Propagator;
+use super::splat::DRIFTS;
 use super::trail::decayed;
-use super::{Field, LITERAL_HZ, Motion, Scratch, ToonSea, Wanted};
+use super::{Field, LITERAL_HZ, Mixing, Motion, Scratch, ToonSea, Wanted};
 
 /// Propagators kept, by the seconds that they span: that of a step, and those of the parts that frames end in.
 const PROPAGATORS: usize = 4;
+
+/// Steps without bursts from which on a jump costs less.
+const WORTH_A_JUMP: u64 = 64;
 
 /// A toon sea on its way through time.
 ///
@@ -22,6 +26,9 @@ pub struct Simulation {
     state: State,
     shown: State,
     modes: Option<Modes>,
+    /// Coefficients of the recurrence, where a step is a literal one: it costs a pass over the cells, a step in modes
+    /// three transforms.
+    recurrence: Option<Mixing>,
     propagators: Vec<(u64, Propagator)>,
     force: Vec<f32>,
     coefficients: Vec<f32>,
@@ -32,11 +39,11 @@ pub struct Simulation {
 /// What a sea remembers.
 #[derive(Clone, Debug, Default)]
 struct State {
-    /// h and h₋ cell by cell, or the two numbers of each mode.
+    /// h and h₋ cell by cell where steps are the recurrence's own, or the two numbers of each mode.
     a: Vec<f32>,
     b: Vec<f32>,
     rift: Vec<f32>,
-    drift: [Vec<f32>; 3],
+    drift: [Vec<f32>; DRIFTS],
 }
 
 /// Fields of a sea at one time, row by row.
@@ -50,23 +57,15 @@ pub struct ToonFrame<'a> {
     pub drift: Drifted<'a>,
 }
 
-/// Sums from which the coordinates of drift lines follow.
+/// Phases of drift lines: see [`Drift`](super::Drift). Each component is a sum with the weight.
 #[derive(Clone, Copy, Debug)]
 pub struct Drifted<'a> {
     /// Weight w: how lately and how closely bursts have passed.
     pub weight: &'a [f32],
-    /// w × the coordinate along the paths, in meters.
-    pub along: &'a [f32],
-    /// w × the coordinate across them, in meters.
-    pub across: &'a [f32],
-}
-
-impl Drifted<'_> {
-    /// The coordinates along and across in meters, and their weight: 0 where no burst has passed.
-    pub fn at(&self, cell: usize) -> ([f32; 2], f32) {
-        let weight = self.weight[cell];
-        if weight > 0.0 { ([self.along[cell] / weight, self.across[cell] / weight], weight) } else { ([0.0; 2], 0.0) }
-    }
+    /// w·(cos, sin) of the angle along the paths.
+    pub along: [&'a [f32]; 2],
+    /// w·(cos, sin) of the angle across them.
+    pub across: [&'a [f32]; 2],
 }
 
 impl Simulation {
@@ -74,6 +73,11 @@ impl Simulation {
         let modes = match sea.motion {
             Motion::Literal(_) => None,
             _ => Some(Modes::new(&sea.basin)),
+        };
+        let recurrence = match sea.motion {
+            Motion::Literal(mixing) => Some(mixing),
+            Motion::Resampled { mixing, rate } => (rate == LITERAL_HZ).then_some(mixing),
+            Motion::Physical { .. } => None,
         };
         let mut simulation = Self {
             forced: sea.forced(),
@@ -83,6 +87,7 @@ impl Simulation {
             state: State::default(),
             shown: State::default(),
             modes,
+            recurrence,
             propagators: Vec::new(),
             force: Vec::new(),
             coefficients: Vec::new(),
@@ -114,12 +119,18 @@ impl Simulation {
         let rate = self.sea.motion.rate();
         let gap = (step - self.step) as f64 / rate;
         if gap == 0.0 && part == 0.0 {
-            let Self { state, coefficients, .. } = self;
-            coefficients.clone_from(&state.a);
-            self.show();
+            if self.recurrence.is_some() {
+                self.height.clone_from(&self.state.a);
+            } else {
+                self.coefficients.clone_from(&self.state.a);
+                self.show();
+            }
             return self.frame(false);
         }
         self.shown.clone_from(&self.state);
+        if self.recurrence.is_some() {
+            Self::to_modes(self.modes.as_ref(), &mut self.shown, &mut self.coefficients);
+        }
         if gap > 0.0 {
             self.jump(gap, true);
         }
@@ -159,16 +170,47 @@ impl Simulation {
             if forced > step {
                 return;
             }
-            if forced > next {
-                self.jump((forced - next) as f64 / rate, false);
+            let gap = forced - next;
+            if self.recurrence.is_none() {
+                if gap > 0 {
+                    self.jump(gap as f64 / rate, false);
+                }
+                self.forced_step(self.sea.time_of(forced), 1.0 / rate, false);
+                self.step = forced;
+                continue;
             }
-            self.forced_step(self.sea.time_of(forced), 1.0 / rate, false);
-            self.step = forced;
+            if gap > WORTH_A_JUMP {
+                Self::to_modes(self.modes.as_ref(), &mut self.state, &mut self.coefficients);
+                self.jump(gap as f64 / rate, false);
+                Self::to_cells(self.modes.as_ref(), &mut self.state, &mut self.coefficients);
+                self.step = forced - 1;
+            }
+            while self.step < forced {
+                self.literal_step();
+            }
+        }
+    }
+
+    /// From cells to modes, both fields of a state.
+    fn to_modes(modes: Option<&Modes>, state: &mut State, coefficients: &mut Vec<f32>) {
+        let Some(modes) = modes else { return };
+        for field in [&mut state.a, &mut state.b] {
+            modes.forward(field, coefficients);
+            std::mem::swap(field, coefficients);
+        }
+    }
+
+    /// And back.
+    fn to_cells(modes: Option<&Modes>, state: &mut State, field: &mut Vec<f32>) {
+        let Some(modes) = modes else { return };
+        for coefficients in [&mut state.a, &mut state.b] {
+            modes.backward(coefficients, field);
+            std::mem::swap(field, coefficients);
         }
     }
 
     fn literal_step(&mut self) {
-        let Motion::Literal(mixing) = self.sea.motion else { return };
+        let Some(mixing) = self.recurrence else { return };
         let (a, b) = (std::mem::take(&mut self.state.a), std::mem::take(&mut self.state.b));
         let mut field = Field { height: a, before: b };
         field.step(mixing, &self.sea.basin);
@@ -228,11 +270,11 @@ impl Simulation {
 
     fn frame(&self, shown: bool) -> ToonFrame<'_> {
         let state = if shown { &self.shown } else { &self.state };
-        let [weight, along, across] = state.drift.each_ref().map(Vec::as_slice);
+        let [weight, along_cos, along_sin, across_cos, across_sin] = state.drift.each_ref().map(Vec::as_slice);
         ToonFrame {
             height: if self.modes.is_some() { &self.height } else { &state.a },
             rift: &state.rift,
-            drift: Drifted { weight, along, across },
+            drift: Drifted { weight, along: [along_cos, along_sin], across: [across_cos, across_sin] },
         }
     }
 }

@@ -14,6 +14,10 @@ const TILE_COLUMNS: usize = 64;
 const TILE_ROWS: usize = 32;
 const TILE: usize = TILE_COLUMNS * TILE_ROWS;
 const LANES: usize = 16;
+/// Fields of drift: weight, cosine and sine along, cosine and sine across.
+pub(crate) const DRIFTS: usize = 5;
+/// Turns beyond which an angle is none any more.
+const MOST_TURNS: f32 = 1_048_576.0;
 const LANE: [f32; LANES] = [0., 1., 2., 3., 4., 5., 6., 7., 8., 9., 10., 11., 12., 13., 14., 15.];
 
 /// Below this, values count as 0: what dies away would end in subnormal numbers, which are slow.
@@ -45,12 +49,13 @@ pub(crate) struct DriftStamp {
     pub(crate) heading: [f32; 2],
     /// Inverse radii along and across, 1/cells.
     pub(crate) inverse: [f32; 2],
-    /// Meters a cell.
-    pub(crate) spacing: f32,
-    /// How far the burst has come, its lane, in meters.
+    /// Turns a cell.
+    pub(crate) turns: f32,
+    /// How far the burst has come, its lane, in turns.
     pub(crate) along: f32,
     pub(crate) lane: f32,
     pub(crate) lag: f32,
+    /// Square of the cells over which the lag is rounded off.
     pub(crate) soft: f32,
     pub(crate) weight: f32,
 }
@@ -67,11 +72,13 @@ pub(crate) struct RiftStep {
     pub(crate) left: f32,
 }
 
-/// How a step adds to drift coordinates: what it adds, and what is left of the sum before.
+/// How a step adds to drift coordinates: what it adds, what is left of the sum before, and what each unit of weight
+/// renews.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct DriftStep {
     pub(crate) gain: f32,
     pub(crate) left: f32,
+    pub(crate) renewal: f32,
 }
 
 /// Bins of bursts, kept from step to step for their memory.
@@ -89,8 +96,8 @@ pub(crate) struct Targets<'a> {
     pub(crate) gain: f32,
     pub(crate) rift: &'a mut [f32],
     pub(crate) rift_step: Option<RiftStep>,
-    /// Weight, and weighted sums of the two coordinates.
-    pub(crate) drift: [&'a mut [f32]; 3],
+    /// Weight, and the two phases.
+    pub(crate) drift: [&'a mut [f32]; DRIFTS],
     pub(crate) drift_step: Option<DriftStep>,
 }
 
@@ -99,7 +106,7 @@ struct Tile {
     height: [f32; TILE],
     /// The sum of d − m, or the least m².
     rift: [f32; TILE],
-    drift: [[f32; TILE]; 3],
+    drift: [[f32; TILE]; DRIFTS],
 }
 
 /// Where a tile lies.
@@ -135,7 +142,7 @@ impl Splat {
         }
         let this = &*self;
         bands.into_par_iter().enumerate().for_each(|(index, mut band)| {
-            let mut tile = Tile { height: [0.0; TILE], rift: [0.0; TILE], drift: [[0.0; TILE]; 3] };
+            let mut tile = Tile { height: [0.0; TILE], rift: [0.0; TILE], drift: [[0.0; TILE]; DRIFTS] };
             let row = index * TILE_ROWS;
             for tile_column in 0..across {
                 let bin = index * across + tile_column;
@@ -194,7 +201,7 @@ impl Splat {
 struct Band<'a> {
     height: &'a mut [f32],
     rift: &'a mut [f32],
-    drift: [&'a mut [f32]; 3],
+    drift: [&'a mut [f32]; DRIFTS],
 }
 
 /// What one tile is made from.
@@ -312,6 +319,7 @@ impl Step<'_> {
     fn drifts<S: Simd>(&self, simd: S, place: Place, tile: &mut Tile) {
         let lane = f32x16::from_slice(simd, &LANE);
         let zero = f32x16::splat(simd, 0.0);
+        let most = f32x16::splat(simd, MOST_TURNS);
         for &member in self.members {
             let stamp = &self.stamps[member as usize];
             let Some(drift) = &stamp.drift else { continue };
@@ -327,9 +335,15 @@ impl Step<'_> {
                     let (p, q) = (along * drift.inverse[0], across * drift.inverse[1]);
                     let left = ((p * p + q * q) * -1.0 + 1.0).max(zero);
                     let weight = (left * left) * drift.weight;
-                    let (along, across) = (along * drift.spacing, across * drift.spacing);
                     let swept = (across * across + drift.soft).sqrt() * drift.lag;
-                    let sums = [weight, weight * (along + drift.along - swept), weight * (across + drift.lane)];
+                    let angle = |cells: f32x16<S>, turns: f32| {
+                        let turns = cells * drift.turns + turns;
+                        sincos_turns(turns.max(-most).min(most))
+                    };
+                    let (along_sin, along_cos) = angle(along - swept, drift.along);
+                    let (across_sin, across_cos) = angle(across, drift.lane);
+                    let sums =
+                        [weight, weight * along_cos, weight * along_sin, weight * across_cos, weight * across_sin];
                     for (values, sum) in tile.drift.iter_mut().zip(sums) {
                         let values = &mut values[at..at + LANES];
                         (f32x16::from_slice(simd, values) + sum).store_slice(values);
@@ -371,7 +385,10 @@ impl Step<'_> {
                 for (field, added) in band.drift.iter_mut().zip(&tile.drift) {
                     let values = field[at..at + width].iter_mut().zip(&added[sums.clone()]);
                     if touched {
-                        values.for_each(|(value, &sum)| *value = flushed(*value * drift.left + drift.gain * sum));
+                        values.zip(&tile.drift[0][sums.clone()]).for_each(|((value, &sum), &weight)| {
+                            let kept = 1.0 / (1.0 + drift.renewal * weight);
+                            *value = flushed((*value * drift.left + drift.gain * sum) * kept);
+                        });
                     } else {
                         values.for_each(|(value, _)| *value = flushed(*value * drift.left));
                     }

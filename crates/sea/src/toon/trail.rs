@@ -61,50 +61,79 @@ pub(crate) fn decayed(decay: f64, steps: f64) -> (f64, f64) {
 
 /// Coordinates for lines that bursts draw behind them.
 ///
-/// Beside the rift every cell accumulates a weight w = (1 − q²)², q the distance from a burst in an ellipse a little
-/// larger than its own, and w times two coordinates of the cell in the burst's own frame: along its path, lagging
-/// behind by `lag` for every meter to the side, and across. What lines are drawn by are weighted means, so that a turn fans
-/// them out and never cuts them, and decay, which takes from both, moves none.
+/// Beside the rift every cell keeps a weight and two phases of lines. A burst has two coordinates of the cell in its own
+/// frame: along its path, lagging behind by `lag` for every meter to the side, and across. Each is an angle, a full turn
+/// for every [`Drift::LINES`] lines, and what is kept is the sum of w·(cos, sin), w = (1 − q²)², q the distance from the
+/// burst in an ellipse a little larger than its own. So where bursts agree lines turn and fan out with them and are never
+/// cut; where a burst overtakes a wake of which it knows nothing, angles cancel, and [`spread`] says that no line
+/// can be drawn there.
+///
+/// A passing burst renews what it finds: X' = (X/(1 + ε) + Σ w·x)/(1 + ρ·Σ w) for each literal step, so that the wake
+/// behind it is its own however much was there before. Decay takes from all sums alike and moves no line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Drift {
     /// Radii along and across the heading, over those of the burst.
     pub reach: [f64; 2],
     /// Meters that lines fall back for every meter across: how far they are swept back.
     pub lag: f64,
-    /// What a literal step takes, as the ε of a rift.
+    /// ε: what a literal step takes, as that of a rift.
     pub decay: f64,
-    /// Distance of lines in meters: a path is counted as a whole number of them, so that laps join.
+    /// ρ: what the middle of a burst takes from what was there before, in a literal step.
+    pub renewal: f64,
+    /// Distance of lines in meters.
     pub period: f64,
 }
 
 impl Default for Drift {
     fn default() -> Self {
-        Self { reach: [1.1, 1.25], lag: 0.35, decay: 0.02, period: 0.8 }
+        Self { reach: [1.1, 1.25], lag: 0.35, decay: 0.02, renewal: 0.5, period: 0.8 }
     }
 }
 
-/// Laps after which lengths begin anew, so that f32 holds them.
-const LAPS: f64 = 256.0;
-
 impl Drift {
+    /// Lines in a full turn: as many can be told apart.
+    pub const LINES: u32 = 16;
+
     pub(crate) fn validate(&self) -> Result<(), ToonError> {
         for reach in self.reach {
             within("drift reach", reach, (1e-3, 1e3), "0.001 to 1000")?;
         }
         within("drift lag", self.lag, (-1e3, 1e3), "-1000 to 1000")?;
         within("drift decay", self.decay, (0.0, 1e3), "0 to 1000")?;
+        within("drift renewal", self.renewal, (0.0, 1e3), "0 to 1000")?;
         within("drift period", self.period, (1e-6, 1e6), "1e-6 to 1e6 meters")
     }
 
-    /// How far a burst has come, in meters.
+    /// What makes weights and phases come to about 1 where bursts pass: their greatest sum is 1/(ε + ρ).
+    pub fn scale(&self) -> f64 {
+        (self.decay + self.renewal).max(1e-6)
+    }
+
+    /// Turns a meter.
+    pub(crate) fn frequency(&self) -> f64 {
+        1.0 / (self.period * f64::from(Self::LINES))
+    }
+
+    /// How far a burst has come, in turns, each path a whole number of lines.
     pub(crate) fn along(&self, lap: f64, progress: f64, lengths: &[f64]) -> f64 {
         let length = lengths.last().copied().unwrap_or(0.0);
-        let lap = lap - (lap / LAPS).floor() * LAPS;
-        length_at(lengths, progress) + lap * (length / self.period).ceil() * self.period
+        let lines = (length / self.period).ceil() * lap;
+        let laps = lines.rem_euclid(f64::from(Self::LINES)) / f64::from(Self::LINES);
+        (length_at(lengths, progress) * self.frequency() + laps).rem_euclid(1.0)
     }
 
     /// Square of the width in meters over which the lag's |l| is rounded off.
     pub(crate) fn softness(&self, spacing: f64) -> f64 {
         2.25 * spacing * spacing
     }
+}
+
+/// Standard deviation of the coordinates behind a phase, in distances of lines: 0 where all bursts agree, at most 2.55.
+///
+/// `phase` is the sum of w·(cos, sin) over the weight `w`. The circular deviation √(1 − R²)/2π of a full turn, R what is
+/// left of the phase's length.
+pub fn spread(weight: f64, phase: [f64; 2]) -> f64 {
+    let square = phase[0] * phase[0] + phase[1] * phase[1];
+    let lost = 1.0 - square / (weight * weight);
+    f64::from(Drift::LINES) / std::f64::consts::TAU * libm::sqrt(lost.max(0.0))
 }

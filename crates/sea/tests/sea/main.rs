@@ -1,10 +1,11 @@
 //! The fast forms of seas against their f64 references, and against what is known of them.
 
+mod drift;
 mod evaluation;
 mod folding;
 mod grids;
 mod group;
 mod random;
-mod spray;
 mod ripple;
+mod spray;
 mod toon;

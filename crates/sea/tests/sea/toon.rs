@@ -2,8 +2,8 @@
 
 use crate::random::Random;
 use trochoid_sea::toon::{
-    Basin, Behavior, Boundary, Burst, Combine, Drift, Field, Guide, Mixing, Motion, Physics, Rift, Scratch, Shape,
-    Simulation, ToonError, ToonSea, Wanted, reference,
+    Basin, Behavior, Body, Boundary, Burst, Combine, Drift, Drifted, Field, Guide, Mixing, Motion, Physics, Rift,
+    Scratch, Shape, Simulation, ToonError, ToonFrame, ToonSea, Wanted, reference,
 };
 
 const ALL: Wanted = Wanted { rift: true, drift: true };
@@ -51,6 +51,12 @@ fn error(found: &[f32], expected: &[f64]) -> f64 {
     off.fold(0.0, |worst: f64, off| if off <= worst { worst } else { off }) / size.max(1e-12)
 }
 
+/// All fields of drift.
+fn drifts<'a>(frame: &ToonFrame<'a>) -> [&'a [f32]; 5] {
+    let Drifted { weight, along: [ac, as_], across: [lc, ls] } = frame.drift;
+    [weight, ac, as_, lc, ls]
+}
+
 #[test]
 fn agrees_with_the_reference() {
     let mut random = Random(7);
@@ -70,13 +76,9 @@ fn agrees_with_the_reference() {
             let expected = reference::frame(&sea, time, ALL);
             let mut simulation = sea.simulate(ALL);
             let found = simulation.at(time);
-            let errors = [
-                error(found.height, &expected.height),
-                error(found.rift, &expected.rift),
-                error(found.drift.weight, &expected.drift[0]),
-                error(found.drift.along, &expected.drift[1]),
-                error(found.drift.across, &expected.drift[2]),
-            ];
+            let mut errors = vec![error(found.height, &expected.height), error(found.rift, &expected.rift)];
+            let drift = drifts(&found);
+            errors.extend(drift.iter().zip(&expected.drift).map(|(found, expected)| error(found, expected)));
             assert!(errors.iter().all(|&error| error < 2e-5), "{boundary:?} {motion:?} at {time}: {errors:?}");
         }
     }
@@ -122,7 +124,7 @@ fn a_free_sea_jumps_as_it_steps() {
 
 fn bits(simulation: &mut Simulation, time: f64) -> Vec<u32> {
     let frame = simulation.at(time);
-    let fields = [frame.height, frame.rift, frame.drift.weight, frame.drift.along, frame.drift.across];
+    let fields = [&[frame.height, frame.rift][..], &drifts(&frame)].concat();
     fields.iter().flat_map(|field| field.iter().map(|value| value.to_bits())).collect()
 }
 
@@ -255,7 +257,7 @@ fn hostile_bursts_stay_finite() {
         let sea = ToonSea::new(basin, Motion::default(), behavior, vec![still, quick]).expect("valid");
         let mut simulation = sea.simulate(ALL);
         let frame = simulation.at(0.5);
-        let fields = [frame.height, frame.rift, frame.drift.weight, frame.drift.along, frame.drift.across];
+        let fields = [&[frame.height, frame.rift][..], &drifts(&frame)].concat();
         assert!(fields.iter().all(|field| field.iter().all(|value| value.is_finite())), "{shape:?}");
     }
 }
@@ -276,4 +278,31 @@ fn parts_of_a_step_are_the_step() {
     let mut simulation = sea.simulate(ALL);
     let frame = simulation.at(20.0 / 60.0);
     assert_eq!((frame.height, frame.rift), (field.height.as_slice(), rift.as_slice()));
+}
+
+/// A body heaps the water up before its bow, lies in a trough, and leaves foam behind and lines; far away nothing moves.
+#[test]
+fn bodies_press_and_heap() {
+    let basin = Basin { columns: 120, rows: 60, spacing: 0.2, boundary: Boundary::Replicate };
+    let path = [[2.0, 6.0], [8.0, 6.0], [14.0, 6.0], [20.0, 6.0]];
+    let way = Burst { duration: 9.0, ..Burst::along(path) };
+    let body = Body { way, length: 3.0, beam: 1.2, draught: 0.5 };
+    let bursts = body.bursts().expect("valid");
+    let behavior = Behavior { oriented: true, ..Behavior::default() };
+    let sea = ToonSea::new(basin, Motion::default(), behavior, bursts).expect("valid");
+    let mut simulation = sea.simulate(ALL);
+    let frame = simulation.at(4.5);
+    let at = |x: f64, z: f64| (z / 0.2).round() as usize * 120 + (x / 0.2).round() as usize;
+    // The middle stands at x = 11 m, the bow 1.5 m ahead.
+    assert!(frame.height[at(10.6, 6.0)] < -0.05, "{}", frame.height[at(10.6, 6.0)]);
+    assert!(frame.height[at(12.4, 6.0)] > 0.05, "{}", frame.height[at(12.4, 6.0)]);
+    assert!(frame.rift[at(7.0, 6.0)] > 0.05 && frame.rift[at(16.0, 6.0)] == 0.0);
+    assert!(frame.drift.weight[at(7.0, 6.0)] > 0.0 && frame.drift.weight[at(16.0, 6.0)] == 0.0);
+    assert!(frame.height[at(20.0, 10.0)].abs() < 1e-3);
+    // What stays where it is has no bow; what is out of range is named.
+    let still = Body { way: Burst::along([[5.0, 5.0]; 4]), ..body };
+    assert_eq!(still.bursts().expect("valid").len(), 1);
+    for wrong in [Body { length: 0.0, ..body }, Body { beam: f64::NAN, ..body }, Body { draught: 1e9, ..body }] {
+        assert!(wrong.bursts().unwrap_err().to_string().contains("of a body"), "{wrong:?}");
+    }
 }

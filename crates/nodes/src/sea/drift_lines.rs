@@ -1,0 +1,162 @@
+//! DriftLines: lines that bursts draw behind them.
+
+use crate::scene_support::{Around, grown, is_covered};
+use trochoid_graph::*;
+use trochoid_image::Window;
+use trochoid_sea::toon::LineRow;
+use trochoid_sea::toon::lines::{Lines, Place, density};
+
+pub(crate) static NODE: &dyn NodeType = &DriftLines;
+
+struct DriftLines;
+
+static DECLARATION: Declaration = Declaration {
+    name: "DriftLines",
+    end: End::Front,
+    summary: "A mask of lines along the motion of a toon sea's bursts, which taper with the height.",
+    formula: "Each line covers `thickness` of the distance of lines, times √ of how far its end lies above, times how \
+              fresh the trail is, how well bursts agree, and how many pixels the distance spans; each factor falls \
+              to 0 without a jump, so that lines appear and vanish by tapering alone.",
+    edge_cases: "0 where nothing is seen and on other surfaces. Every second line ends halfway up, so that there are \
+                 fewer where they are thin. Where a burst overtakes another's wake, lines taper away until it has \
+                 renewed them. With `low` above `high` lines taper downward. Soft by a pixel at their edges.",
+    source: "The drift lines that Dadfar and Welling, 5.1, could not keep whole in turns; phases and agreement: the \
+             manual of ToonSea.",
+    items: &[
+        Port::one("view", Accepts::View, "A toon sea."),
+        Knob::choice(
+            "coordinate",
+            &["across", "along"],
+            "Lines side by side along the paths, or one behind the other, swept back across them.",
+        )
+        .item(),
+        Knob::number("low", 0.0, -1e5, 1e5, "Height up to which lines have their full thickness.").unit("m").item(),
+        Knob::number("high", 2.0, -1e5, 1e5, "Height at which the longest lines have ended.").unit("m").item(),
+        Knob::number("thickness", 0.6, 0.0, 1.0, "Share of the distance of lines that a line covers.").item(),
+        Knob::number("shift", 0.0, -1e3, 1e3, "Shifts all lines, in their distance.").item(),
+        Knob::number(
+            "fresh",
+            0.3,
+            1e-3,
+            10.0,
+            "Weight of the trail from which on lines are full: 1 is a burst's middle.",
+        )
+        .item(),
+        Knob::number(
+            "spread",
+            0.5,
+            1e-3,
+            10.0,
+            "Disagreement of bursts, in lines, that lines bear: gone at twice that.",
+        )
+        .item(),
+        Knob::number("finest", 3.0, 0.0, 1e3, "Distance of lines at which they are gone: full from twice that on.")
+            .unit("pixels")
+            .item(),
+        Knob::integer("seed", 0, 0, 1_000_000_000, "Which of all such drawings.").item(),
+    ],
+    outputs: &[Output::new("mask", Kind::MASK, "The lines.")],
+    revision: 1,
+};
+
+impl NodeType for DriftLines {
+    fn declaration(&self) -> &'static Declaration {
+        &DECLARATION
+    }
+
+    fn body(&self) -> Body<'_> {
+        Body::Stage(self)
+    }
+}
+
+/// Cosine and sine of the chosen coordinate.
+fn phase(node: &Settled) -> [ViewChannel; 2] {
+    match node.text("coordinate") {
+        "along" => [ViewChannel::AlongCos, ViewChannel::AlongSin],
+        _ => [ViewChannel::AcrossCos, ViewChannel::AcrossSin],
+    }
+}
+
+impl Stage for DriftLines {
+    fn asks(&self, node: &Settled, _wanted: &[bool]) -> ChannelSet {
+        let always = [ViewChannel::Coverage, ViewChannel::Height, ViewChannel::DriftWeight];
+        ChannelSet::of(&phase(node)).union(ChannelSet::of(&always))
+    }
+
+    fn regions_of_interest(&self, _node: &Settled, _port: &str, window: Window) -> Window {
+        grown(window, 1)
+    }
+
+    fn interval(&self, _node: &Settled, _output: usize, _channel: usize) -> Option<(f64, f64)> {
+        Some((0.0, 1.0))
+    }
+
+    fn formatted(&self) -> bool {
+        false
+    }
+
+    fn prepare(&self, node: &Settled, _prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
+        let lines = Lines {
+            thickness: node.number("thickness"),
+            low: node.number("low"),
+            high: node.number("high"),
+            shift: node.number("shift"),
+            fresh: node.number("fresh"),
+            spread: node.number("spread"),
+            finest: node.number("finest"),
+            seed: node.integer("seed") as u32,
+        };
+        Ok(Box::new(Drawn { node: node.clone(), phase: phase(node), lines }))
+    }
+}
+
+struct Drawn {
+    node: Settled,
+    phase: [ViewChannel; 2],
+    lines: Lines,
+}
+
+impl Prepared for Drawn {
+    fn fill(&self, block: &Block, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
+        let Some(mask) = outputs.take(0, 0) else { return Ok(()) };
+        let around = Around::of(inputs);
+        let planes = self.phase.map(|channel| around.whole(channel));
+        let weights = around.whole(ViewChannel::DriftWeight);
+        let heights = around.whole(ViewChannel::Height);
+        let Window { x0, x1, y0, .. } = block.window;
+        let gather = |plane: &[f32], y: i64, from: i64, to: i64, row: &mut Vec<f32>| {
+            row.clear();
+            row.extend((from..to).map(|x| plane[around.index(x, y)]));
+        };
+        let mut rows: [Vec<f32>; 8] = std::array::from_fn(|_| Vec::new());
+        for (y, out) in (y0..).zip(mask.chunks_exact_mut(block.window.width().max(1))) {
+            let [weight, height, cos, sin, above_cos, above_sin, below_cos, below_sin] = &mut rows;
+            gather(weights, y, x0, x1, weight);
+            gather(heights, y, x0, x1, height);
+            gather(planes[0], y, x0 - 1, x1 + 1, cos);
+            gather(planes[1], y, x0 - 1, x1 + 1, sin);
+            gather(planes[0], y - 1, x0, x1, above_cos);
+            gather(planes[1], y - 1, x0, x1, above_sin);
+            gather(planes[0], y + 1, x0, x1, below_cos);
+            gather(planes[1], y + 1, x0, x1, below_sin);
+            let beside = [[&above_cos[..], &above_sin[..]], [&below_cos[..], &below_sin[..]]];
+            self.lines.fill(&LineRow { weight, height, phase: [cos, sin], beside }, out);
+        }
+        Ok(())
+    }
+
+    fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
+        if !is_covered(&self.node, inputs) {
+            return Ok(crate::scene_support::nothing());
+        }
+        let view = self.node.source("view");
+        let phase = |inputs: &References<'_>| self.phase.map(|channel| inputs.view(view, channel));
+        let moved = |dx: f64, dy: f64| phase(&inputs.moved(dx, dy));
+        let beside = [[moved(-1.0, 0.0), moved(1.0, 0.0)], [moved(0.0, -1.0), moved(0.0, 1.0)]];
+        let [weight, height] =
+            [ViewChannel::DriftWeight, ViewChannel::Height].map(|channel| inputs.view(view, channel));
+        let here = phase(inputs);
+        let place = Place { weight, phase: here, height, density: density(here, beside) };
+        Ok(vec![Reference::Mask(self.lines.mask(&place))])
+    }
+}

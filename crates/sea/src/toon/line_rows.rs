@@ -1,0 +1,163 @@
+//! Many places at once: the same mask in single precision and vectors.
+
+use std::f64::consts::TAU;
+
+use fearless_simd::{Level, Simd, dispatch, f32x16, prelude::*};
+
+use super::lines::{LEAST_DENSITY, LEAST_NORM, Lines, STALE, TOO_MANY};
+use super::trail::Drift;
+
+const LANES: usize = 16;
+const COUNT: usize = Drift::LINES as usize;
+/// Lines a radian.
+const PER_RADIAN: f32 = (Drift::LINES as f64 / TAU) as f32;
+/// atan(x)/2π = x·Σ aₙx²ⁿ on 0…1, interpolated at Chebyshev's points: to 2e-7 of a turn.
+const ATAN: [f32; 7] =
+    [0.159_154_82, -0.053_039_464, 0.031_627_335, -0.021_402_94, 0.013_229_986, -0.005_786_942_5, 0.001_217_273_3];
+
+/// A row of places side by side, one pixel apart. All slices but `phase` are as long as the result; each phase of the row
+/// itself has one more on either side.
+#[derive(Clone, Copy, Debug)]
+pub struct Row<'a> {
+    /// Weights.
+    pub weight: &'a [f32],
+    /// Heights in meters.
+    pub height: &'a [f32],
+    /// Weight × (cos, sin) of the angle, from the place left of the row on.
+    pub phase: [&'a [f32]; 2],
+    /// The same one pixel above and one below.
+    pub beside: [[&'a [f32]; 2]; 2],
+}
+
+/// What a line is like, for each of the lines of a turn.
+struct Table {
+    /// Height at which it ends, and inverse of the way there.
+    end: [f32; COUNT],
+    inverse: [f32; COUNT],
+    /// Half its greatest width, and by how much it lies aside.
+    half: [f32; COUNT],
+    aside: [f32; COUNT],
+}
+
+impl Lines {
+    /// The masks of a row of places: those of [`Lines::mask`] with the density [`density`](super::lines::density) tells.
+    ///
+    /// # Panics
+    /// The slices are not of the lengths that [`Row`] asks for.
+    pub fn fill(&self, row: &Row<'_>, out: &mut [f32]) {
+        let n = out.len();
+        let flat = [row.weight, row.height].into_iter().chain(row.beside.into_iter().flatten());
+        assert!(flat.into_iter().all(|slice| slice.len() == n), "a value for every place");
+        assert!(row.phase.iter().all(|slice| slice.len() == n + 2), "one more phase on either side");
+        let table = self.table();
+        dispatch!(Level::new(), simd => simd.vectorize(#[inline(always)] || {
+            for start in (0..n).step_by(LANES) {
+                self.chunk(simd, row, &table, start, &mut out[start..(start + LANES).min(n)]);
+            }
+        }));
+    }
+
+    fn table(&self) -> Table {
+        let lines: [[f64; 3]; COUNT] = std::array::from_fn(|index| self.line(index as u32));
+        let of = |what: usize| lines.map(|line| line[what] as f32);
+        let span = |[end, ..]: [f64; 3]| if end == self.low { 0.0 } else { (1.0 / (end - self.low)) as f32 };
+        Table { end: of(0), inverse: lines.map(span), half: of(1), aside: of(2) }
+    }
+
+    #[inline(always)]
+    fn chunk<S: Simd>(&self, simd: S, row: &Row<'_>, table: &Table, start: usize, out: &mut [f32]) {
+        let zero = f32x16::splat(simd, 0.0);
+        let one = f32x16::splat(simd, 1.0);
+        let stale = f32x16::splat(simd, (STALE * self.fresh) as f32);
+        let least = f32x16::splat(simd, LEAST_NORM as f32);
+        let load = |slice: &[f32], at: usize| {
+            let mut lanes = [0.0; LANES];
+            let rest = &slice[at.min(slice.len())..];
+            let len = rest.len().min(LANES);
+            lanes[..len].copy_from_slice(&rest[..len]);
+            f32x16::from_slice(simd, &lanes)
+        };
+        let weight = load(row.weight, start);
+        let drawn = weight.simd_gt(stale);
+        if !drawn.any_true() {
+            out.fill(0.0);
+            return;
+        }
+        let phase = |at: usize| row.phase.map(|plane| load(plane, at));
+        let [cos, sin] = phase(start + 1);
+        let square = cos * cos + sin * sin;
+        // Square of the greater of two sines, of those that tell an angle.
+        let axis = |sides: [[f32x16<S>; 2]; 2]| {
+            let mut greatest = f32x16::splat(simd, -1.0);
+            for [c, s] in sides {
+                let cross = cos * s - sin * c;
+                let norm = square * (c * c + s * s);
+                let told = norm.simd_gt(least) & (cos * c + sin * s).simd_gt(zero);
+                let sine = (cross * cross) / told.select(norm, one);
+                greatest = told.select(sine.max(greatest), greatest);
+            }
+            let too_many = f32x16::splat(simd, (TOO_MANY * TOO_MANY) as f32);
+            greatest.simd_lt(zero).select(too_many, greatest * (PER_RADIAN * PER_RADIAN))
+        };
+        let beside = |[c, s]: [&[f32]; 2]| [load(c, start), load(s, start)];
+        let density = axis([phase(start), phase(start + 2)]) + axis([beside(row.beside[0]), beside(row.beside[1])]);
+        let density = density.sqrt().max(f32x16::splat(simd, LEAST_DENSITY as f32));
+
+        let smooth = |t: f32x16<S>| {
+            let t = t.max(zero).min(one);
+            (t * t) * (t * -2.0 + 3.0)
+        };
+        let safe = drawn.select(weight, one);
+        let spread = (one - square / (safe * safe)).max(zero).sqrt() * PER_RADIAN;
+        let wide = one / (density * self.finest as f32).max(f32x16::splat(simd, 1e-9)) - 1.0;
+        let shown = smooth(weight * (1.0 / self.fresh) as f32)
+            * smooth(spread * (-1.0 / self.spread) as f32 + 2.0)
+            * smooth(wide);
+        let shown = drawn.select(shown, zero);
+        if !shown.simd_gt(zero).any_true() {
+            out.fill(0.0);
+            return;
+        }
+
+        // The angle in turns: that of the octant, then mirrored.
+        let (ax, ay) = (cos.max(-cos), sin.max(-sin));
+        let (short, long) = (ax.min(ay), ax.max(ay));
+        let ratio = short / long.simd_gt(zero).select(long, one);
+        let r2 = ratio * ratio;
+        let mut angle = r2 * ATAN[6] + ATAN[5];
+        for n in (0..5).rev() {
+            angle = angle * r2 + ATAN[n];
+        }
+        let angle = angle * ratio;
+        let angle = ay.simd_gt(ax).select(angle * -1.0 + 0.25, angle);
+        let angle = cos.simd_lt(zero).select(angle * -1.0 + 0.5, angle);
+        let angle = sin.simd_lt(zero).select(-angle, angle);
+        let shift = (self.shift / COUNT as f64).rem_euclid(1.0) as f32;
+        let turns = angle + shift;
+        let at = (turns - turns.floor()) * COUNT as f32;
+        let floor = at.floor();
+        let f = at - floor - 0.5;
+
+        let mut lanes = [0.0; LANES];
+        floor.store_slice(&mut lanes);
+        let own = lanes.map(|value| (value as usize) % COUNT);
+        f.store_slice(&mut lanes);
+        let side = |lane: usize| if lanes[lane] < 0.0 { COUNT - 1 } else { 1 };
+        let next: [usize; LANES] = std::array::from_fn(|lane| (own[lane] + side(lane)) % COUNT);
+        let height = load(row.height, start);
+        let half_pixel = density * 0.5;
+        let covered = |lines: [usize; LANES], f: f32x16<S>| {
+            let of = |values: &[f32; COUNT]| f32x16::from_slice(simd, &lines.map(|line| values[line]));
+            let left = ((of(&table.end) - height) * of(&table.inverse)).max(zero).min(one);
+            let half = of(&table.half) * left.sqrt() * shown;
+            let away = f - of(&table.aside);
+            let (low, high) = ((away - half_pixel).max(-half), (away + half_pixel).min(half));
+            ((high - low) / density).max(zero).min(one)
+        };
+        let beyond = f.simd_lt(zero).select(f + 1.0, f - 1.0);
+        let mask = (covered(own, f) + covered(next, beyond)).min(one);
+        let mask = shown.simd_gt(zero).select(mask, zero);
+        mask.store_slice(&mut lanes);
+        out.copy_from_slice(&lanes[..out.len()]);
+    }
+}

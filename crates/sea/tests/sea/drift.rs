@@ -1,0 +1,146 @@
+//! Drift lines over time: they move, and never jump.
+
+use crate::random::Random;
+use trochoid_sea::toon::lines::{Lines, Place, density};
+use trochoid_sea::toon::{Basin, Behavior, Boundary, Burst, Drift, LineRow, Motion, ToonFrame, ToonSea, Wanted};
+
+const BASIN: Basin = Basin { columns: 180, rows: 150, spacing: 0.2, boundary: Boundary::Replicate };
+/// Cells of a side of the tiles in which changes are told.
+const TILE: usize = 10;
+/// Frames of a second.
+const RATE: usize = 120;
+
+fn behavior() -> Behavior {
+    Behavior { oriented: true, drift: Drift::default(), ..Behavior::default() }
+}
+
+/// A burst that turns by more than a right angle, twice.
+fn turning() -> Burst {
+    let path = [[2.0, 4.0], [34.0, 2.0], [4.0, 28.0], [33.0, 26.0]];
+    Burst { duration: 9.0, height: 2.6, influence: [2.0, 3.2], fade: 0.1, ..Burst::along(path) }
+}
+
+/// One that runs across the wake of the other, later and with lines of its own.
+fn crossing() -> Burst {
+    let path = [[32.0, 9.0], [24.0, 13.0], [14.0, 11.0], [4.0, 15.0]];
+    Burst { offset: -2.0, lane: 5.6, path, ..turning() }
+}
+
+/// The mask of every cell, its neighbors for the pixels beside it.
+fn masks(lines: &Lines, frame: &ToonFrame<'_>, along: bool) -> Vec<f64> {
+    let scale = Drift::default().scale();
+    let planes = if along { frame.drift.along } else { frame.drift.across };
+    let phase = |cell: usize| planes.map(|plane| f64::from(plane[cell]) * scale);
+    let Basin { columns, rows, .. } = BASIN;
+    (0..columns * rows)
+        .map(|cell| {
+            let (x, z) = (cell % columns, cell / columns);
+            let weight = f64::from(frame.drift.weight[cell]) * scale;
+            if weight == 0.0 || x == 0 || z == 0 || x + 1 == columns || z + 1 == rows {
+                return 0.0;
+            }
+            let here = phase(cell);
+            let beside = [[phase(cell - 1), phase(cell + 1)], [phase(cell - columns), phase(cell + columns)]];
+            let density = density(here, beside);
+            lines.mask(&Place { weight, phase: here, height: f64::from(frame.height[cell]), density })
+        })
+        .collect()
+}
+
+/// The greatest change of any tile between masks that are so many frames apart, in cells, of all pairs of a run.
+fn greatest(run: &[Vec<f64>], apart: usize) -> f64 {
+    let across = BASIN.columns / TILE;
+    let mut greatest: f64 = 0.0;
+    for pair in run.windows(apart + 1) {
+        let mut tiles = vec![0.0; across * BASIN.rows / TILE];
+        for (cell, (a, b)) in pair[0].iter().zip(&pair[apart]).enumerate() {
+            let (x, z) = (cell % BASIN.columns, cell / BASIN.columns);
+            tiles[z / TILE * across + x / TILE] += (a - b).abs();
+        }
+        greatest = tiles.into_iter().fold(greatest, f64::max);
+    }
+    greatest
+}
+
+/// Greatest changes over 6 s at 1/120, 1/60 and 1/30 s.
+fn changes(bursts: Vec<Burst>, lines: &Lines, along: bool) -> [f64; 3] {
+    let sea = ToonSea::new(BASIN, Motion::default(), behavior(), bursts).expect("valid");
+    let mut simulation = sea.simulate(Wanted { rift: false, drift: true });
+    let times = (2 * RATE..8 * RATE).map(|frame| frame as f64 / RATE as f64);
+    let run: Vec<Vec<f64>> = times.map(|time| masks(lines, &simulation.at(time), along)).collect();
+    let drawn = run.iter().map(|mask| mask.iter().sum::<f64>()).sum::<f64>() / run.len() as f64;
+    assert!(drawn > 300.0, "there are lines: {drawn}");
+    [1, 2, 4].map(|apart| greatest(&run, apart))
+}
+
+/// Half the time, half the change, in every tile and at every moment: what changes does so by moving and tapering.
+#[test]
+fn lines_move_and_never_jump() {
+    let lines = Lines { finest: 1.0, ..Lines::default() };
+    for along in [false, true] {
+        for (name, bursts) in [("turning", vec![turning()]), ("crossing", vec![turning(), crossing()])] {
+            let [quarter, half, whole] = changes(bursts, &lines, along);
+            println!("{name}, along {along}: {quarter} {half} {whole}");
+            for (short, long) in [(quarter, half), (half, whole)] {
+                let ratio = short / long;
+                assert!((0.4..0.6).contains(&ratio), "{name}, along {along}: {quarter} {half} {whole}");
+            }
+        }
+    }
+}
+
+/// Rows in vectors against single places in f64, on random and hostile values.
+#[test]
+fn rows_are_places() {
+    let mut random = Random(77);
+    for round in 0..400 {
+        let n = 1 + round % 67;
+        let rough = [0.01, 0.3, 6.0][round % 3];
+        let mut angle = random.between(-9.0, 9.0);
+        // Neighbors of about the same angle; now and then none at all, or a weight that is all but gone.
+        let mut phases = |len: usize| -> Vec<[f32; 3]> {
+            (0..len)
+                .map(|_| {
+                    angle += random.between(-rough, rough);
+                    let weight = [1.0, 0.2, 0.0, 1e-20, 1e-4][(random.unit() * 1.3 * 5.0) as usize % 5] * random.unit();
+                    let left = random.between(0.9, 1.0).powf([0.1, 3.0][round % 2]) * weight;
+                    [weight as f32, (left * angle.cos()) as f32, (left * angle.sin()) as f32]
+                })
+                .collect()
+        };
+        let (own, above, below) = (phases(n + 2), phases(n), phases(n));
+        let height: Vec<f32> = (0..n).map(|_| random.between(-3.0, 4.0) as f32).collect();
+        let lines = Lines {
+            thickness: random.unit(),
+            low: random.between(-1.0, 3.0),
+            high: if round % 9 == 0 { 1.0 } else { random.between(-1.0, 3.0) },
+            shift: random.between(-40.0, 40.0),
+            fresh: random.between(0.01, 1.0),
+            spread: random.between(0.1, 3.0),
+            finest: random.between(0.0, 2.0),
+            seed: round as u32,
+        };
+        let plane = |values: &[[f32; 3]], what: usize| values.iter().map(|value| value[what]).collect::<Vec<f32>>();
+        let weight = plane(&own[1..=n], 0);
+        let row = LineRow {
+            weight: &weight,
+            height: &height,
+            phase: [&plane(&own, 1), &plane(&own, 2)],
+            beside: [[&plane(&above, 1), &plane(&above, 2)], [&plane(&below, 1), &plane(&below, 2)]],
+        };
+        let mut found = vec![0.0; n];
+        lines.fill(&row, &mut found);
+        for index in 0..n {
+            let phase = |[_, cos, sin]: [f32; 3]| [f64::from(cos), f64::from(sin)];
+            let beside = [[own[index], own[index + 2]], [above[index], below[index]]].map(|sides| sides.map(phase));
+            let here = phase(own[index + 1]);
+            let density = density(here, beside);
+            let (weight, height) = (f64::from(weight[index]), f64::from(height[index]));
+            let expected = lines.mask(&Place { weight, phase: here, height, density });
+            // An edge may lie a few millionths of a line aside, a root at its zero farther.
+            let tolerance = 1e-4 + (2e-5 / density).min(1.0);
+            let off = (f64::from(found[index]) - expected).abs();
+            assert!(off <= tolerance, "round {round}, {index}: {} for {expected}, density {density}", found[index]);
+        }
+    }
+}
