@@ -108,7 +108,7 @@ const SAMPLES_PER_MESH: f64 = 3.7;
 fn shares(net: &Noise) -> Vec<f32> {
     let place = |index: usize| [index % SAMPLES, index / SAMPLES].map(|step| step as f64 / SAMPLES_PER_MESH);
     let mut distances = vec![0.0; SAMPLES * SAMPLES];
-    net.fill::<2>((0..SAMPLES * SAMPLES).map(place), &mut distances);
+    net.fill::<2>((0..SAMPLES * SAMPLES).map(place), &[], &mut distances);
     distances.iter_mut().for_each(|distance| *distance /= 2.0);
     distances.sort_by(f32::total_cmp);
     distances
@@ -233,20 +233,20 @@ impl Drawing {
         if self.sway > 0.0 {
             let mut bends = [vec![0.0f32; near.len()], vec![0.0f32; near.len()]];
             for (bend, out) in self.bends.iter().zip(&mut bends) {
-                bend.fill::<2>(near.iter().map(|(_, place)| place.at), out);
+                bend.fill::<2>(near.iter().map(|(_, place)| place.at), &[], out);
             }
             for (step, (_, place)) in near.iter_mut().enumerate() {
                 *place = place.bent([0, 1].map(|axis| self.sway * f64::from(bends[axis][step])));
             }
         }
         let mut here = vec![0.0; near.len()];
-        self.net.fill::<2>(near.iter().map(|(_, place)| place.at), &mut here);
+        self.net.fill::<2>(near.iter().map(|(_, place)| place.at), &[], &mut here);
         for ((index, place), here) in near.iter().zip(here.into_iter().map(f64::from)) {
             mask[*index] = if here / 2.0 > place.reach() {
                 place.faded(0.0, self.share(place)) as f32
             } else {
                 let mut around = [0.0f32; 4];
-                self.net.fill::<2>(place.around().into_iter(), &mut around);
+                self.net.fill::<2>(place.around().into_iter(), &[], &mut around);
                 place.mask(here, around.map(f64::from), self.share(place)) as f32
             };
         }
@@ -280,9 +280,9 @@ impl Prepared for Drawing {
         let rest = DVec3::from(RESTS.map(|channel| inputs.view(view, channel)));
         let thickness = self.node.all("thickness").first().map_or(1.0, |source| inputs.scalar(source));
         let place = self.place(rest, thickness);
-        let place = place.bent([0, 1].map(|axis| self.sway * noise_reference(&self.bends[axis], &place.at)));
-        let here = noise_reference(&self.net, &place.at);
-        let around = place.around().map(|at| noise_reference(&self.net, &at));
+        let place = place.bent([0, 1].map(|axis| self.sway * noise_reference(&self.bends[axis], &place.at, 0.0)));
+        let here = noise_reference(&self.net, &place.at, 0.0);
+        let around = place.around().map(|at| noise_reference(&self.net, &at, 0.0));
         let mask = place.mask(here, around, self.share(&place));
         let [u, v] = self.coordinates(rest);
         Ok(vec![Reference::Mask(mask), Reference::Field(vec![u]), Reference::Field(vec![v])])

@@ -303,6 +303,6 @@ fn bodies_press_and_heap() {
     let still = Body { way: Burst::along([[5.0, 5.0]; 4]), ..body };
     assert_eq!(still.bursts().expect("valid").len(), 1);
     for wrong in [Body { length: 0.0, ..body }, Body { beam: f64::NAN, ..body }, Body { draught: 1e9, ..body }] {
-        assert!(wrong.bursts().unwrap_err().to_string().contains("of a body"), "{wrong:?}");
+        assert!(wrong.bursts().expect_err("a wrong body").to_string().contains("of a body"), "{wrong:?}");
     }
 }

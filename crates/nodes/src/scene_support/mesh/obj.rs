@@ -8,13 +8,7 @@ use trochoid_scene::{DVec3, Triangles};
 /// The objects and groups of a file; points, lines and materials are left out.
 pub(super) fn parts(bytes: &[u8]) -> Result<Vec<Triangles>, String> {
     check_faces(bytes)?;
-    let options = LoadOptions {
-        single_index: true,
-        triangulate: true,
-        ignore_points: true,
-        ignore_lines: true,
-        ..Default::default()
-    };
+    let options = LoadOptions { single_index: true, triangulate: true, ignore_points: true, ignore_lines: true };
     let line = Cell::new(0);
     let mut lines = Lines { rest: bytes, line: &line };
     // Colors are the document's, so no material file is opened.
