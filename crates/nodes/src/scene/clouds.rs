@@ -240,10 +240,12 @@ struct Dense {
 }
 
 impl Cloudy {
-    /// What a pixel covers of a layer at a distance along a ray.
-    fn footprint(&self, ray: &Ray, distance: f64) -> f64 {
+    /// What a sample stands for at a distance along a ray: what a pixel covers of a layer, and half of a part of the ray,
+    /// whose finer clouds would show as stripes along the horizon.
+    fn footprint(&self, ray: &Ray, distance: f64, part: f64) -> f64 {
         let depth = distance * ray.direction.dot(self.eye.forward);
-        self.eye.pixel_size(depth) / ray.direction.y.abs().max(GRAZING).sqrt()
+        let pixel = self.eye.pixel_size(depth) / ray.direction.y.abs().max(GRAZING).sqrt();
+        pixel.max(0.5 * part)
     }
 
     /// The share of a part of a ray that clouds of a density cover.
@@ -300,7 +302,7 @@ impl Cloudy {
             let at = |span: [f64; 2]| span[0] + (step as f64 + 0.5) * part(span);
             let places = spans.iter().map(|(index, span)| layer.place(rays[*index].at(at(*span))));
             let prints: Vec<f32> =
-                spans.iter().map(|(index, span)| self.footprint(&rays[*index], at(*span)) as f32).collect();
+                spans.iter().map(|(index, span)| self.footprint(&rays[*index], at(*span), part(*span)) as f32).collect();
             layer.noise.fill(places, &prints, &mut noise);
             let (mut dense, mut dense_prints) = (Vec::new(), Vec::new());
             for (((index, span), noise), print) in spans.iter().zip(&noise).zip(&prints) {
@@ -343,7 +345,7 @@ impl Cloudy {
                 break;
             }
             let distance = near + (step as f64 + 0.5) * part;
-            let (point, footprint) = (ray.at(distance), self.footprint(ray, distance));
+            let (point, footprint) = (ray.at(distance), self.footprint(ray, distance, part));
             let light = self.light.illuminate(point).direction;
             let coarse = footprint.max(Self::light_step(layer));
             let shaded: f64 =
