@@ -22,7 +22,7 @@ fn masks(fps: i64) -> CheckedGraph {
     graph_in(&root().join("graphs"), &document.to_string())
 }
 
-/// How much the masks change from frame to frame in half a second, in pixels: on average over the picture, and most in a
+/// How much masks change from frame to frame in half a second, in pixels: on average over the picture, and most in a
 /// tile.
 fn change(fps: i64) -> Vec<[f64; 2]> {
     let graph = masks(fps);
