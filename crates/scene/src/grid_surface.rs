@@ -1,3 +1,5 @@
+use std::sync::{Arc, LazyLock};
+
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -33,8 +35,31 @@ pub struct GridSurface {
     bounds: [f64; 2],
     /// Root mean square of second differences, in meters.
     bend: f64,
-    /// What bursts left behind, cell by cell; each may be empty.
-    trails: [Vec<f32>; 6],
+    trails: Trails,
+}
+
+/// A value that is worked out when it is first asked for.
+type Lazy<T> = Arc<LazyLock<T, Box<dyn FnOnce() -> T + Send>>>;
+
+/// What bursts left behind, cell by cell; each may be empty: the rift, and the other five.
+#[derive(Clone, Debug)]
+struct Trails {
+    rift: Lazy<Vec<f32>>,
+    drift: Lazy<[Vec<f32>; 5]>,
+}
+
+impl Trails {
+    fn new(
+        rift: impl FnOnce() -> Vec<f32> + Send + 'static,
+        drift: impl FnOnce() -> [Vec<f32>; 5] + Send + 'static,
+    ) -> Self {
+        Self { rift: Arc::new(LazyLock::new(Box::new(rift))), drift: Arc::new(LazyLock::new(Box::new(drift))) }
+    }
+
+    /// The values of [`Channel::TRAILS`]`[index]`.
+    fn values(&self, index: usize) -> &[f32] {
+        if let Some(index) = index.checked_sub(1) { &self.drift[index] } else { &self.rift }
+    }
 }
 
 impl GridSurface {
@@ -61,18 +86,41 @@ impl GridSurface {
         }
         let bend = libm::sqrt(squares / (2.0 * heights.len() as f64));
         let bounds = [f64::from(low) - beyond, f64::from(high) + beyond];
-        Self { heights, columns, rows, spacing, origin, level, bounds, bend, trails: Default::default() }
+        Self {
+            heights,
+            columns,
+            rows,
+            spacing,
+            origin,
+            level,
+            bounds,
+            bend,
+            trails: Trails::new(Vec::new, Default::default),
+        }
     }
 
-    /// The same with [`Channel::TRAILS`](crate::Channel::TRAILS), each a value for every cell or empty: then it is 0.
-    ///
-    /// # Panics
-    /// One is neither empty nor as long as the heights.
+    /// The same with [`Channel::TRAILS`](crate::Channel::TRAILS), the rift and the other five, each worked out when it
+    /// is first asked for: a value for every cell, or empty: then it is 0.
     #[must_use]
-    pub fn with_trails(self, trails: [Vec<f32>; 6]) -> Self {
-        let fits = |values: &Vec<f32>| values.is_empty() || values.len() == self.heights.len();
-        assert!(trails.iter().all(fits), "a value for every cell");
-        Self { trails, ..self }
+    pub fn with_trails(
+        self,
+        rift: impl FnOnce() -> Vec<f32> + Send + 'static,
+        drift: impl FnOnce() -> [Vec<f32>; 5] + Send + 'static,
+    ) -> Self {
+        let cells = self.heights.len();
+        let fits =
+            move |values: &Vec<f32>| assert!(values.is_empty() || values.len() == cells, "a value for each cell");
+        let rift = move || {
+            let rift = rift();
+            fits(&rift);
+            rift
+        };
+        let drift = move || {
+            let drift = drift();
+            drift.iter().for_each(fits);
+            drift
+        };
+        Self { trails: Trails::new(rift, drift), ..self }
     }
 
     /// What bursts left behind at a place on the grid.
@@ -81,7 +129,8 @@ impl GridSurface {
         let (i, j) = ((u as usize).min(self.columns - 2), (v as usize).min(self.rows - 2));
         let (wx, _) = weights(u - i as f64);
         let (wz, _) = weights(v - j as f64);
-        self.trails.each_ref().map(|values| {
+        std::array::from_fn(|index| {
+            let values = self.trails.values(index);
             let blend = |(n, wz): (usize, f64)| {
                 let row = (j + n).saturating_sub(1).min(self.rows - 1) * self.columns;
                 let at = |m: usize| (i + m).saturating_sub(1).min(self.columns - 1);
@@ -248,11 +297,13 @@ impl Surface for GridSurface {
             inside: self.submerged(eye),
             topology: Topology::Grid { columns, rows },
         };
-        let wanted_trail = |index: usize| wanted.contains(Channel::TRAILS[index]) && !self.trails[index].is_empty();
+        let wanted_trail =
+            |index: usize| wanted.contains(Channel::TRAILS[index]) && !self.trails.values(index).is_empty();
         for (index, trail) in mesh.trails.iter_mut().enumerate().filter(|(index, _)| wanted_trail(*index)) {
+            let values = self.trails.values(index);
             *trail = vec![0.0; rows * columns];
             trail.par_chunks_mut(columns).zip(&along_x).for_each_init(Vec::new, |profile, (out, at_x)| {
-                self.profile(&self.trails[index], at_x.cell, at_x.weights.0, profile);
+                self.profile(values, at_x.cell, at_x.weights.0, profile);
                 for (out, at_z) in out.iter_mut().zip(&along_z) {
                     *out = at_z.blend(profile, at_z.weights.0) as f32;
                 }

@@ -1,6 +1,7 @@
 //! ToonSea: a height field that bursts raise as they travel.
 
 use crate::scene_support::SurfaceHandle;
+use std::any::Any;
 use std::sync::{Arc, Mutex, OnceLock};
 use trochoid_graph::*;
 use trochoid_scene::GridSurface;
@@ -280,8 +281,16 @@ impl Stage for ToonSea {
 
     fn prepare(&self, node: &Settled, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
         let sea = sea(node).map_err(NodeError::new)?;
-        // Frames of one sea share its simulation, so that each takes only the steps since the one before.
-        let simulation = prepare.shared(&format!("{sea:?}"), || Ok(Mutex::new(sea.simulate(ALL))))?;
+        // Frames of one sea share its simulations, so that each takes only the steps since the one before. Trails have
+        // simulations of their own, which are not begun before a view asks for them.
+        let key = format!("{sea:?}");
+        let simulation = prepare.shared(&key, || Ok(Mutex::new(sea.simulate(Wanted::default()))))?;
+        let trails = |wanted: Wanted| {
+            let make = || Ok(Mutex::new(None));
+            let shared = prepare.shared(&format!("{wanted:?} {key}"), make)?;
+            Ok::<_, NodeError>(Trails { sea: sea.clone(), wanted, time: prepare.frame.time, shared })
+        };
+        let (rift, drift) = (trails(RIFT)?, trails(DRIFT)?);
         let place = Place {
             columns: sea.basin().columns,
             spacing: sea.basin().spacing,
@@ -289,13 +298,53 @@ impl Stage for ToonSea {
             level: node.number("level"),
         };
         let time = prepare.frame.time;
-        let scale = sea.behavior().drift.scale() as f32;
-        let surface = match simulation.lock() {
-            Ok(mut simulation) => place.surface(&simulation.at(time), scale),
+        let heights = match simulation.lock() {
+            Ok(mut simulation) => simulation.at(time).height.to_vec(),
             // Whatever stopped it may have done so within a step.
-            Err(_) => place.surface(&sea.simulate(ALL).at(time), scale),
+            Err(_) => sea.simulate(Wanted::default()).at(time).height.to_vec(),
         };
-        Ok(Box::new(Surging { surface, sea, time, place, _simulation: simulation, reference: OnceLock::new() }))
+        let held: [Arc<dyn Any + Send + Sync>; 3] = [simulation, rift.shared.clone(), drift.shared.clone()];
+        let surface: SurfaceHandle =
+            Arc::new(place.grid(heights).with_trails(move || rift.rift(), move || drift.drift()));
+        Ok(Box::new(Surging { surface, sea, time, place, _held: held, reference: OnceLock::new() }))
+    }
+}
+
+const RIFT: Wanted = Wanted { rift: true, drift: false };
+const DRIFT: Wanted = Wanted { rift: false, drift: true };
+/// Everything that a view may ask of the sea.
+const ALL: Wanted = Wanted { rift: true, drift: true };
+
+/// The trails at a time, when they are asked for.
+struct Trails {
+    sea: Sea,
+    wanted: Wanted,
+    time: f64,
+    /// The simulation that all frames share, once one of them was asked.
+    shared: Arc<Mutex<Option<Simulation>>>,
+}
+
+impl Trails {
+    fn at<T>(self, take: impl FnOnce(&ToonFrame<'_>) -> T) -> T {
+        let begin = || self.sea.simulate_trails(self.wanted);
+        match self.shared.lock() {
+            Ok(mut simulation) => take(&simulation.get_or_insert_with(begin).at(self.time)),
+            // Whatever stopped it may have done so within a step.
+            Err(_) => take(&begin().at(self.time)),
+        }
+    }
+
+    fn rift(self) -> Vec<f32> {
+        self.at(|frame| frame.rift.to_vec())
+    }
+
+    fn drift(self) -> [Vec<f32>; 5] {
+        let scale = self.sea.behavior().drift.scale() as f32;
+        self.at(|frame| {
+            let Drifted { weight, along, across } = frame.drift;
+            [weight, along[0], along[1], across[0], across[1]]
+                .map(|values| values.iter().map(|value| value * scale).collect())
+        })
     }
 }
 
@@ -307,26 +356,16 @@ struct Place {
     level: f64,
 }
 
-/// Everything that a view may ask of the sea.
-const ALL: Wanted = Wanted { rift: true, drift: true };
-
 impl Place {
-    fn surface(&self, frame: &ToonFrame<'_>, scale: f32) -> SurfaceHandle {
-        let Drifted { weight, along, across } = frame.drift;
-        let scaled = |values: &[f32]| values.iter().map(|value| value * scale).collect();
-        let drift = [weight, along[0], along[1], across[0], across[1]].map(scaled);
-        self.grid(frame.height.to_vec(), frame.rift.to_vec(), drift)
-    }
-
     fn exact(&self, frame: reference::Reference, scale: f64) -> SurfaceHandle {
         let single = |values: Vec<f64>, scale: f64| values.into_iter().map(|value| (value * scale) as f32).collect();
+        let rift = single(frame.rift, 1.0);
         let drift = frame.drift.map(|values| single(values, scale));
-        self.grid(single(frame.height, 1.0), single(frame.rift, 1.0), drift)
+        Arc::new(self.grid(single(frame.height, 1.0)).with_trails(|| rift, || drift))
     }
 
-    fn grid(&self, heights: Vec<f32>, rift: Vec<f32>, [w, ac, as_, lc, ls]: [Vec<f32>; 5]) -> SurfaceHandle {
-        let grid = GridSurface::new(heights, self.columns, self.spacing, self.origin, self.level);
-        Arc::new(grid.with_trails([rift, w, ac, as_, lc, ls]))
+    fn grid(&self, heights: Vec<f32>) -> GridSurface {
+        GridSurface::new(heights, self.columns, self.spacing, self.origin, self.level)
     }
 }
 
@@ -335,8 +374,8 @@ struct Surging {
     sea: Sea,
     time: f64,
     place: Place,
-    /// Held for the next frame.
-    _simulation: Arc<Mutex<Simulation>>,
+    /// The simulations, for the next frame.
+    _held: [Arc<dyn Any + Send + Sync>; 3],
     /// The same surface from the f64 simulation, made when a reference is first asked for.
     reference: OnceLock<SurfaceHandle>,
 }

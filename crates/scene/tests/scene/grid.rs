@@ -21,8 +21,9 @@ fn grid(columns: usize, rows: usize, spacing: f64, origin: [f64; 2], height: imp
     let heights: Vec<f32> = (0..columns * rows).map(at).collect();
     // Each trail another multiple of the heights, one of them left out.
     let trail = |index: usize| heights.iter().map(|height| 0.2 * index as f32 * height).collect();
-    let trails = std::array::from_fn(|index| if index == 3 { Vec::new() } else { trail(index) });
-    GridSurface::new(heights, columns, spacing, origin, 2.0).with_trails(trails)
+    let drift = [1, 2, 3, 4, 5].map(|index| if index == 3 { Vec::new() } else { trail(index) });
+    let rift = trail(0);
+    GridSurface::new(heights, columns, spacing, origin, 2.0).with_trails(|| rift, || drift)
 }
 
 /// Shares of samples at which view and reference agree, and that see the surface at all.

@@ -69,44 +69,21 @@ impl Lines {
         let zero = f32x16::splat(simd, 0.0);
         let one = f32x16::splat(simd, 1.0);
         let stale = f32x16::splat(simd, (STALE * self.fresh) as f32);
-        let least = f32x16::splat(simd, LEAST_NORM as f32);
-        let load = |slice: &[f32], at: usize| {
-            let mut lanes = [0.0; LANES];
-            let rest = &slice[at.min(slice.len())..];
-            let len = rest.len().min(LANES);
-            lanes[..len].copy_from_slice(&rest[..len]);
-            f32x16::from_slice(simd, &lanes)
-        };
-        let weight = load(row.weight, start);
+        let weight = load(simd, row.weight, start);
         let drawn = weight.simd_gt(stale);
         if !drawn.any_true() {
             out.fill(0.0);
             return;
         }
-        let phase = |at: usize| row.phase.map(|plane| load(plane, at));
+        let phase = |at: usize| row.phase.map(|plane| load(simd, plane, at));
         let [cos, sin] = phase(start + 1);
         let square = cos * cos + sin * sin;
         // Square of the greater of two sines, of those that tell an angle.
-        let axis = |sides: [[f32x16<S>; 2]; 2]| {
-            let mut greatest = f32x16::splat(simd, -1.0);
-            for [c, s] in sides {
-                let cross = cos * s - sin * c;
-                let norm = square * (c * c + s * s);
-                let told = norm.simd_gt(least) & (cos * c + sin * s).simd_gt(zero);
-                let sine = (cross * cross) / told.select(norm, one);
-                greatest = told.select(sine.max(greatest), greatest);
-            }
-            let too_many = f32x16::splat(simd, (TOO_MANY * TOO_MANY) as f32);
-            greatest.simd_lt(zero).select(too_many, greatest * (PER_RADIAN * PER_RADIAN))
-        };
-        let beside = |[c, s]: [&[f32]; 2]| [load(c, start), load(s, start)];
-        let density = axis([phase(start), phase(start + 2)]) + axis([beside(row.beside[0]), beside(row.beside[1])]);
+        let beside = row.beside.map(|[c, s]| [load(simd, c, start), load(simd, s, start)]);
+        let here = [cos, sin];
+        let density = axis(simd, here, [phase(start), phase(start + 2)]) + axis(simd, here, beside);
         let density = density.sqrt().max(f32x16::splat(simd, LEAST_DENSITY as f32));
 
-        let smooth = |t: f32x16<S>| {
-            let t = t.max(zero).min(one);
-            (t * t) * (t * -2.0 + 3.0)
-        };
         let safe = drawn.select(weight, one);
         let spread = (one - square / (safe * safe)).max(zero).sqrt() * PER_RADIAN;
         let wide = one / (density * self.finest as f32).max(f32x16::splat(simd, 1e-9)) - 1.0;
@@ -144,20 +121,70 @@ impl Lines {
         f.store_slice(&mut lanes);
         let side = |lane: usize| if lanes[lane] < 0.0 { COUNT - 1 } else { 1 };
         let next: [usize; LANES] = std::array::from_fn(|lane| (own[lane] + side(lane)) % COUNT);
-        let height = load(row.height, start);
-        let half_pixel = density * 0.5;
-        let covered = |lines: [usize; LANES], f: f32x16<S>| {
-            let of = |values: &[f32; COUNT]| f32x16::from_slice(simd, &lines.map(|line| values[line]));
-            let left = ((of(&table.end) - height) * of(&table.inverse)).max(zero).min(one);
-            let half = of(&table.half) * left.sqrt() * shown;
-            let away = f - of(&table.aside);
-            let (low, high) = ((away - half_pixel).max(-half), (away + half_pixel).min(half));
-            ((high - low) / density).max(zero).min(one)
-        };
+        let height = load(simd, row.height, start);
+        let at = At { height, shown, density };
         let beyond = f.simd_lt(zero).select(f + 1.0, f - 1.0);
-        let mask = (covered(own, f) + covered(next, beyond)).min(one);
+        let mask = (covered(table, own, f, at) + covered(table, next, beyond, at)).min(one);
         let mask = shown.simd_gt(zero).select(mask, zero);
         mask.store_slice(&mut lanes);
         out.copy_from_slice(&lanes[..out.len()]);
     }
+}
+
+// Functions and not closures: those are compiled for the plainest processor, and every operation in them is a call.
+
+/// Values from a place on; 0 beyond the end.
+#[inline(always)]
+fn load<S: Simd>(simd: S, slice: &[f32], at: usize) -> f32x16<S> {
+    let mut lanes = [0.0; LANES];
+    let rest = &slice[at.min(slice.len())..];
+    let len = rest.len().min(LANES);
+    lanes[..len].copy_from_slice(&rest[..len]);
+    f32x16::from_slice(simd, &lanes)
+}
+
+/// Square of the density along an axis: that of the greater of two sines, of those that tell an angle.
+#[inline(always)]
+fn axis<S: Simd>(simd: S, [cos, sin]: [f32x16<S>; 2], sides: [[f32x16<S>; 2]; 2]) -> f32x16<S> {
+    let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
+    let least = f32x16::splat(simd, LEAST_NORM as f32);
+    let square = cos * cos + sin * sin;
+    let mut greatest = f32x16::splat(simd, -1.0);
+    for [c, s] in sides {
+        let cross = cos * s - sin * c;
+        let norm = square * (c * c + s * s);
+        let told = norm.simd_gt(least) & (cos * c + sin * s).simd_gt(zero);
+        let sine = (cross * cross) / told.select(norm, one);
+        greatest = told.select(sine.max(greatest), greatest);
+    }
+    let too_many = f32x16::splat(simd, (TOO_MANY * TOO_MANY) as f32);
+    greatest.simd_lt(zero).select(too_many, greatest * (PER_RADIAN * PER_RADIAN))
+}
+
+/// 0 up to 0, 1 from 1 on, with level ends.
+#[inline(always)]
+fn smooth<S: Simd>(t: f32x16<S>) -> f32x16<S> {
+    let t = t.max(f32x16::splat(t.simd, 0.0)).min(f32x16::splat(t.simd, 1.0));
+    (t * t) * (t * -2.0 + 3.0)
+}
+
+/// What lines at some places have in common.
+#[derive(Clone, Copy)]
+struct At<S: Simd> {
+    height: f32x16<S>,
+    shown: f32x16<S>,
+    density: f32x16<S>,
+}
+
+/// Shares of pixels that lines cover whose middles are about `f` line distances away.
+#[inline(always)]
+fn covered<S: Simd>(table: &Table, lines: [usize; LANES], f: f32x16<S>, at: At<S>) -> f32x16<S> {
+    let of = |values: &[f32; COUNT]| f32x16::from_slice(f.simd, &lines.map(|line| values[line]));
+    let (zero, one) = (f32x16::splat(f.simd, 0.0), f32x16::splat(f.simd, 1.0));
+    let left = ((of(&table.end) - at.height) * of(&table.inverse)).max(zero).min(one);
+    let half = of(&table.half) * left.sqrt() * at.shown;
+    let away = f - of(&table.aside);
+    let half_pixel = at.density * 0.5;
+    let (low, high) = ((away - half_pixel).max(-half), (away + half_pixel).min(half));
+    ((high - low) / at.density).max(zero).min(one)
 }

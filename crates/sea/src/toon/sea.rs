@@ -87,11 +87,21 @@ impl ToonSea {
 
     /// The sea at rest, ready to be walked through time.
     pub fn simulate(&self, wanted: Wanted) -> Simulation {
+        Simulation::new(self.with_lengths(wanted), wanted, true)
+    }
+
+    /// The same without heights: trails come from bursts alone, and are the same bits. So they can be left until
+    /// somebody asks for them.
+    pub fn simulate_trails(&self, wanted: Wanted) -> Simulation {
+        Simulation::new(self.with_lengths(wanted), wanted, false)
+    }
+
+    fn with_lengths(&self, wanted: Wanted) -> Self {
         let mut sea = self.clone();
         if wanted.drift {
             sea.lengths = sea.bursts.iter().map(|burst| Spline(burst.path).lengths()).collect();
         }
-        Simulation::new(sea, wanted)
+        sea
     }
 
     /// Adds the bursts of one time to a field as a literal step does, and, if `rift` is of the basin's size, lets them

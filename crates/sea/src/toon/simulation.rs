@@ -19,6 +19,8 @@ const WORTH_A_JUMP: u64 = 64;
 pub struct Simulation {
     sea: ToonSea,
     wanted: Wanted,
+    /// Whether heights are kept; trails need none.
+    heights: bool,
     /// Spans of steps with bursts.
     forced: Vec<[u64; 2]>,
     /// The step at which `state` stands: one with bursts, or 0. Of a literal sea, any.
@@ -49,7 +51,7 @@ struct State {
 /// Fields of a sea at one time, row by row.
 #[derive(Clone, Copy, Debug)]
 pub struct ToonFrame<'a> {
-    /// Heights in meters.
+    /// Heights in meters; empty of trails alone.
     pub height: &'a [f32],
     /// The rift; empty where it is not wanted.
     pub rift: &'a [f32],
@@ -69,10 +71,10 @@ pub struct Drifted<'a> {
 }
 
 impl Simulation {
-    pub(crate) fn new(sea: ToonSea, wanted: Wanted) -> Self {
+    pub(crate) fn new(sea: ToonSea, wanted: Wanted, heights: bool) -> Self {
         let modes = match sea.motion {
             Motion::Literal(_) => None,
-            _ => Some(Modes::new(&sea.basin)),
+            _ => heights.then(|| Modes::new(&sea.basin)),
         };
         let recurrence = match sea.motion {
             Motion::Literal(mixing) => Some(mixing),
@@ -83,6 +85,7 @@ impl Simulation {
             forced: sea.forced(),
             sea,
             wanted,
+            heights,
             step: 0,
             state: State::default(),
             shown: State::default(),
@@ -109,7 +112,7 @@ impl Simulation {
         if step < self.step {
             self.rewind();
         }
-        if self.modes.is_none() {
+        if matches!(self.sea.motion, Motion::Literal(_)) {
             while self.step < step {
                 self.literal_step();
             }
@@ -153,8 +156,8 @@ impl Simulation {
             values.resize(if wanted { cells } else { 0 }, 0.0);
         };
         self.step = 0;
-        field(true, &mut self.state.a);
-        field(true, &mut self.state.b);
+        field(self.heights, &mut self.state.a);
+        field(self.heights, &mut self.state.b);
         field(self.wanted.rift, &mut self.state.rift);
         self.state.drift.iter_mut().for_each(|values| field(self.wanted.drift, values));
     }
@@ -213,7 +216,9 @@ impl Simulation {
         let Some(mixing) = self.recurrence else { return };
         let (a, b) = (std::mem::take(&mut self.state.a), std::mem::take(&mut self.state.b));
         let mut field = Field { height: a, before: b };
-        field.step(mixing, &self.sea.basin);
+        if self.heights {
+            field.step(mixing, &self.sea.basin);
+        }
         self.step += 1;
         let State { rift, drift, .. } = &mut self.state;
         let drift = drift.each_mut().map(Vec::as_mut_slice);
@@ -225,21 +230,24 @@ impl Simulation {
     /// Advances state, or what is shown, over seconds that end at a time, under its bursts.
     fn forced_step(&mut self, time: f64, seconds: f64, shown: bool) {
         self.propagator(seconds);
-        let Some(modes) = &self.modes else { return };
         let state = if shown { &mut self.shown } else { &mut self.state };
         self.force.clear();
-        self.force.resize(self.sea.basin.cells(), 0.0);
+        self.force.resize(state.a.len(), 0.0);
         let drift = state.drift.each_mut().map(Vec::as_mut_slice);
         self.sea.splat(time, seconds, self.wanted, &mut self.force, &mut state.rift, drift, &mut self.scratch);
-        modes.forward(&mut self.force, &mut self.coefficients);
-        self.propagators[0].1.apply(&mut state.a, &mut state.b, Some(&self.coefficients));
+        if let (Some(modes), Some((_, propagator))) = (&self.modes, self.propagators.first()) {
+            modes.forward(&mut self.force, &mut self.coefficients);
+            propagator.apply(&mut state.a, &mut state.b, Some(&self.coefficients));
+        }
     }
 
     /// The same without bursts.
     fn jump(&mut self, seconds: f64, shown: bool) {
         self.propagator(seconds);
         let state = if shown { &mut self.shown } else { &mut self.state };
-        self.propagators[0].1.apply(&mut state.a, &mut state.b, None);
+        if let Some((_, propagator)) = self.propagators.first() {
+            propagator.apply(&mut state.a, &mut state.b, None);
+        }
         let steps = seconds * LITERAL_HZ;
         let fade = |values: &mut Vec<f32>, decay: f64| {
             let left = decayed(decay, steps).0 as f32;

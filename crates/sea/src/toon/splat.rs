@@ -133,9 +133,10 @@ impl Splat {
         let mut bands: Vec<Band<'_>> = Vec::with_capacity(rows.div_ceil(TILE_ROWS));
         let mut rifts = rift.chunks_mut(band);
         let mut drifts = drift.map(|values| values.chunks_mut(band));
-        for heights in height.chunks_mut(band) {
+        let mut heights = height.chunks_mut(band);
+        for _ in 0..rows.div_ceil(TILE_ROWS) {
             bands.push(Band {
-                height: heights,
+                height: heights.next().unwrap_or_default(),
                 rift: rifts.next().unwrap_or_default(),
                 drift: drifts.each_mut().map(|values| values.next().unwrap_or_default()),
             });
@@ -217,7 +218,10 @@ struct Step<'a> {
     drift: Option<DriftStep>,
 }
 
-/// How the kernel treats rifts.
+/// What the kernel adds to heights, if anything.
+const INTENDED: u8 = 1;
+const LITERAL: u8 = 2;
+/// How the kernel treats rifts, if at all.
 const NONE: u8 = 0;
 const SUM: u8 = 1;
 const NEAREST: u8 = 2;
@@ -238,13 +242,17 @@ impl Step<'_> {
                     NEAREST
                 }
             };
-            match (self.shape, rift) {
-                (Shape::Intended, NONE) => self.stamp::<S, false, NONE>(simd, place, tile),
-                (Shape::Intended, SUM) => self.stamp::<S, false, SUM>(simd, place, tile),
-                (Shape::Intended, _) => self.stamp::<S, false, NEAREST>(simd, place, tile),
-                (Shape::Literal, NONE) => self.stamp::<S, true, NONE>(simd, place, tile),
-                (Shape::Literal, SUM) => self.stamp::<S, true, SUM>(simd, place, tile),
-                (Shape::Literal, _) => self.stamp::<S, true, NEAREST>(simd, place, tile),
+            let shape = (!band.height.is_empty()).then_some(self.shape);
+            match (shape, rift) {
+                (None, NONE) => {}
+                (None, SUM) => self.stamp::<S, NONE, SUM>(simd, place, tile),
+                (None, _) => self.stamp::<S, NONE, NEAREST>(simd, place, tile),
+                (Some(Shape::Intended), NONE) => self.stamp::<S, INTENDED, NONE>(simd, place, tile),
+                (Some(Shape::Intended), SUM) => self.stamp::<S, INTENDED, SUM>(simd, place, tile),
+                (Some(Shape::Intended), _) => self.stamp::<S, INTENDED, NEAREST>(simd, place, tile),
+                (Some(Shape::Literal), NONE) => self.stamp::<S, LITERAL, NONE>(simd, place, tile),
+                (Some(Shape::Literal), SUM) => self.stamp::<S, LITERAL, SUM>(simd, place, tile),
+                (Some(Shape::Literal), _) => self.stamp::<S, LITERAL, NEAREST>(simd, place, tile),
             }
             if self.drift.is_some() {
                 tile.drift.iter_mut().for_each(|values| values.fill(0.0));
@@ -268,7 +276,7 @@ impl Step<'_> {
     }
 
     #[inline(always)]
-    fn stamp<S: Simd, const LITERAL: bool, const RIFT: u8>(&self, simd: S, place: Place, tile: &mut Tile) {
+    fn stamp<S: Simd, const SHAPE: u8, const RIFT: u8>(&self, simd: S, place: Place, tile: &mut Tile) {
         let lane = f32x16::from_slice(simd, &LANE);
         let zero = f32x16::splat(simd, 0.0);
         let distance = self.rift.map_or(0.0, |rift| rift.distance);
@@ -282,23 +290,25 @@ impl Step<'_> {
                 for row in rows[0]..rows[1] {
                     let dz = row as f32 - z;
                     let at = row * TILE_COLUMNS + vector * LANES;
-                    // v = 1 − |(u−x)/r|², 0 beyond the radius.
-                    let v = ((adx + (b + b) * dz) * dx) * -1.0 + (1.0 - c * dz * dz);
-                    let v = v.max(zero);
-                    let profile = if LITERAL {
-                        // cos(d + 1) + cos 1 with d = π√(1−v), so that it is 0 at the radius.
-                        let (sin, cos) = sincos_turns((v * -1.0 + 1.0).max(zero).sqrt() * (PI / TAU));
-                        let within = cos * COS_1 - sin * SIN_1 + COS_1;
-                        v.simd_gt(zero).select(within, zero)
-                    } else {
-                        let mut q = v * PROFILE[4] + PROFILE[3];
-                        q = q * v + PROFILE[2];
-                        q = q * v + PROFILE[1];
-                        q = q * v + PROFILE[0];
-                        (v * v) * q
-                    };
-                    let height = &mut tile.height[at..at + LANES];
-                    (f32x16::from_slice(simd, height) + profile * stamp.factor).store_slice(height);
+                    if SHAPE != NONE {
+                        // v = 1 − |(u−x)/r|², 0 beyond the radius.
+                        let v = ((adx + (b + b) * dz) * dx) * -1.0 + (1.0 - c * dz * dz);
+                        let v = v.max(zero);
+                        let profile = if SHAPE == LITERAL {
+                            // cos(d + 1) + cos 1 with d = π√(1−v), so that it is 0 at the radius.
+                            let (sin, cos) = sincos_turns((v * -1.0 + 1.0).max(zero).sqrt() * (PI / TAU));
+                            let within = cos * COS_1 - sin * SIN_1 + COS_1;
+                            v.simd_gt(zero).select(within, zero)
+                        } else {
+                            let mut q = v * PROFILE[4] + PROFILE[3];
+                            q = q * v + PROFILE[2];
+                            q = q * v + PROFILE[1];
+                            q = q * v + PROFILE[0];
+                            (v * v) * q
+                        };
+                        let height = &mut tile.height[at..at + LANES];
+                        (f32x16::from_slice(simd, height) + profile * stamp.factor).store_slice(height);
+                    }
                     if RIFT != NONE {
                         let square = dx2 + dz * dz;
                         let rift = &mut tile.rift[at..at + LANES];
@@ -319,7 +329,11 @@ impl Step<'_> {
     fn drifts<S: Simd>(&self, simd: S, place: Place, tile: &mut Tile) {
         let lane = f32x16::from_slice(simd, &LANE);
         let zero = f32x16::splat(simd, 0.0);
-        let most = f32x16::splat(simd, MOST_TURNS);
+        // Not a closure: those are compiled for the plainest processor, and every operation in them is a call.
+        #[inline(always)]
+        fn angle<S: Simd>(turns: f32x16<S>) -> (f32x16<S>, f32x16<S>) {
+            sincos_turns(turns.max(f32x16::splat(turns.simd, -MOST_TURNS)).min(f32x16::splat(turns.simd, MOST_TURNS)))
+        }
         for &member in self.members {
             let stamp = &self.stamps[member as usize];
             let Some(drift) = &stamp.drift else { continue };
@@ -336,12 +350,8 @@ impl Step<'_> {
                     let left = ((p * p + q * q) * -1.0 + 1.0).max(zero);
                     let weight = (left * left) * drift.weight;
                     let swept = (across * across + drift.soft).sqrt() * drift.lag;
-                    let angle = |cells: f32x16<S>, turns: f32| {
-                        let turns = cells * drift.turns + turns;
-                        sincos_turns(turns.max(-most).min(most))
-                    };
-                    let (along_sin, along_cos) = angle(along - swept, drift.along);
-                    let (across_sin, across_cos) = angle(across, drift.lane);
+                    let (along_sin, along_cos) = angle((along - swept) * drift.turns + drift.along);
+                    let (across_sin, across_cos) = angle(across * drift.turns + drift.lane);
                     let sums =
                         [weight, weight * along_cos, weight * along_sin, weight * across_cos, weight * across_sin];
                     for (values, sum) in tile.drift.iter_mut().zip(sums) {
@@ -361,7 +371,9 @@ impl Step<'_> {
         for row in 0..place.rows {
             let at = row * columns + place.column;
             let sums = row * TILE_COLUMNS..row * TILE_COLUMNS + width;
-            if touched {
+            if band.height.is_empty() {
+                // Trails alone.
+            } else if touched {
                 for (height, &sum) in band.height[at..at + width].iter_mut().zip(&tile.height[sums.clone()]) {
                     *height += self.gain * sum;
                 }

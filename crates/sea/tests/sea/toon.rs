@@ -162,6 +162,43 @@ fn what_is_not_asked_for_changes_nothing() {
 }
 
 #[test]
+fn trails_alone_are_the_same_bits() {
+    let basin = Basin { columns: 150, rows: 70, spacing: 0.3, boundary: Boundary::Replicate };
+    let physics = Physics { speed: 2.0, damping: 3.0, frequency: 5.0, push: None };
+    for motion in [
+        Motion::default(),
+        Motion::Literal(Mixing::default()),
+        Motion::Resampled { mixing: Mixing::default(), rate: 50.0 },
+        Motion::Physical { physics, rate: 60.0 },
+    ] {
+        for combine in [Combine::Sum, Combine::Nearest] {
+            let mut bursts = bursts(&mut Random(9), &basin, 9);
+            // A stretch without bursts, long enough for a jump.
+            bursts.iter_mut().for_each(|burst| burst.active = [-1.0, 0.2]);
+            bursts[0].active = [2.0, 2.3];
+            let rift = Rift { combine, ..Rift::default() };
+            let sea = ToonSea::new(basin, motion, Behavior { rift, preroll: 60, ..Behavior::default() }, bursts);
+            let sea = sea.expect("valid");
+            let mut all = sea.simulate(ALL);
+            let mut rift = sea.simulate_trails(Wanted { rift: true, drift: false });
+            let mut drift = sea.simulate_trails(Wanted { rift: false, drift: true });
+            for time in [0.0, 0.11, 2.125, 1.0, 3.0] {
+                let all = all.at(time);
+                let (rift, drift) = (rift.at(time), drift.at(time));
+                assert!(rift.height.is_empty() && rift.drift.weight.is_empty() && drift.rift.is_empty());
+                assert_eq!(all.rift, rift.rift, "{motion:?} at {time}");
+                let bits = |drift: Drifted<'_>| -> Vec<u32> {
+                    let fields = [&[drift.weight][..], &drift.along, &drift.across].concat();
+                    fields.concat().iter().map(|value| value.to_bits()).collect()
+                };
+                assert!(bits(all.drift) == bits(drift.drift), "{motion:?} at {time}");
+                assert!(all.rift.iter().any(|&value| value > 0.0) && all.drift.weight.iter().any(|&value| value > 0.0));
+            }
+        }
+    }
+}
+
+#[test]
 fn a_burst_that_rests_reaches_its_plateau() {
     // As wide as the basin, whose edges mirror it: the mean settles at the mean of the burst.
     let basin = Basin { columns: 40, rows: 40, spacing: 0.5, boundary: Boundary::Replicate };
