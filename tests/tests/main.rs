@@ -8,6 +8,7 @@ mod bad_documents;
 mod branches;
 mod cartoon;
 mod demand;
+mod extremes;
 mod filters;
 mod frames;
 mod golden;
