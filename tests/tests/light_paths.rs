@@ -169,3 +169,31 @@ fn what_has_no_weight_is_not_computed_and_changes_no_bit() {
         assert_eq!(*state(&heavy, node), State::Evaluated, "{node}");
     }
 }
+
+#[test]
+fn the_wind_carries_clouds_along() {
+    let seen_from = |x: f64| {
+        let nodes = format!(
+            r#""camera": {{ "type": "Camera", "position": [{x}, 0, 0], "target": [{x}, 30, -60] }},
+            "sun": {{ "type": "Light", "direction": [0.3, 0.4, -1] }},
+            "clouds": {{ "type": "Clouds", "camera": "camera", "light": "sun", "layers": [
+                {{ "height": 300, "scale": 200, "speed": 48 }}, {{ "scale": 500, "stretch": 3, "speed": 48 }}] }}"#
+        );
+        let outputs = r#""density": { "weights": "clouds" }, "light": { "weights": "clouds.light" }"#;
+        graph(r#""width": 24, "height": 14"#, &nodes, outputs)
+    };
+    let render = |graph: &CheckedGraph, frame: i64| evaluate(graph, frame, &Buffers::new(), &settings(|_| ()));
+    // A second later the clouds are 48 m ahead, as seen by a camera that stands 48 m behind.
+    let (start, later, behind) =
+        (render(&seen_from(0.0), 1), render(&seen_from(0.0), 25), render(&seen_from(-48.0), 1));
+    assert_ne!(all_bits(&start), all_bits(&later));
+    let planes = |frame: &trochoid::Frame| -> Vec<(f32, f32)> {
+        let samples = |picture: usize| frame.pictures[picture].planes[0].samples().to_vec();
+        samples(0).into_iter().zip(samples(1)).collect()
+    };
+    for ((density, light), (same, lit)) in planes(&later).into_iter().zip(planes(&behind)) {
+        assert!((density - same).abs() < 1e-3, "{density}, expected {same}");
+        // Where there is next to no cloud, its light is next to nothing over next to nothing.
+        assert!((density * light - same * lit).abs() < 1e-3, "{light}, expected {lit}");
+    }
+}

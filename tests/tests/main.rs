@@ -9,6 +9,7 @@ mod branches;
 mod cartoon;
 mod demand;
 mod drift;
+mod extremes;
 mod filters;
 mod frames;
 mod golden;

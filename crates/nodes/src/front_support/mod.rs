@@ -9,7 +9,7 @@ mod screen;
 
 pub(crate) use expression::Expression;
 pub(crate) use noise::{Axes, Noise, NoiseKind};
-pub(crate) use noise_reference::reference as noise_reference;
+pub(crate) use noise_reference::{edges as edges_reference, reference as noise_reference};
 pub(crate) use parser::parse;
 pub(crate) use program::Program;
 pub(crate) use screen::Screen;

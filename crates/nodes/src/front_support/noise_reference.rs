@@ -55,18 +55,43 @@ fn gradient_noise(seed: u32, place: &[f64]) -> f64 {
 
 /// Distances to the two nearest feature points, nearest first, each at most 1.
 fn distances(seed: u32, place: &[f64]) -> [f64; 2] {
+    nearest(seed, place).map(|(distance, _)| distance)
+}
+
+/// Distances to the two nearest feature points, nearest first, each at most 1, and the ways there: 0 where none is
+/// nearer than 1.
+fn nearest(seed: u32, place: &[f64]) -> [(f64, Vec<f64>); 2] {
     let axes = place.len();
-    let mut found = vec![1.0, 1.0];
+    let mut found = Vec::new();
     for index in 0..3usize.pow(axes as u32) {
         let step = |axis: usize| (index / 3usize.pow(axis as u32) % 3) as i64 - 1;
         let cell: Vec<i64> = (0..axes).map(|axis| (place[axis].floor() as i64).wrapping_add(step(axis))).collect();
         let hash = hash(seed, &cell);
-        let squared: f64 = (0..axes)
+        let way: Vec<f64> = (0..axes)
             .map(|axis| step(axis) as f64 + f64::from(feature(hash, axis)) - (place[axis] - place[axis].floor()))
-            .map(|away| away * away)
-            .sum();
-        found.push(squared.sqrt().min(1.0));
+            .collect();
+        let distance = way.iter().map(|along| along * along).sum::<f64>().sqrt();
+        if distance < 1.0 {
+            found.push((distance, way));
+        }
     }
-    found.sort_by(f64::total_cmp);
-    [found[0], found[1]]
+    found.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut found = found.into_iter();
+    [(); 2].map(|()| found.next().unwrap_or((1.0, vec![0.0; axes])))
+}
+
+/// Noise of kind [`NoiseKind::Edges`] at a point of the plane, and how much it grows along each axis, for a unit of
+/// the coordinates: the difference of the unit vectors that lead away from the two nearest feature points.
+pub(crate) fn edges(noise: &Noise, point: [f64; 2]) -> (f64, [f64; 2]) {
+    let mut slope = [0.0; 2];
+    for octave in &noise.octaves {
+        let along = |axis: usize| point[axis] * octave.frequency + octave.shift[axis];
+        let place = [0, 1].map(along).map(|along| if along.is_finite() { along } else { 0.0 });
+        let [first, second] = nearest(octave.seed, &place);
+        for axis in 0..2 {
+            let away = |(distance, way): &(f64, Vec<f64>)| if *distance > 0.0 { -way[axis] / distance } else { 0.0 };
+            slope[axis] += octave.weight * octave.frequency * (away(&second) - away(&first));
+        }
+    }
+    (reference(noise, &point, 0.0), slope)
 }

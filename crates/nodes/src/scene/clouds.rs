@@ -301,8 +301,10 @@ impl Cloudy {
             let part = |[near, far]: [f64; 2]| (far - near) / self.steps as f64;
             let at = |span: [f64; 2]| span[0] + (step as f64 + 0.5) * part(span);
             let places = spans.iter().map(|(index, span)| layer.place(rays[*index].at(at(*span))));
-            let prints: Vec<f32> =
-                spans.iter().map(|(index, span)| self.footprint(&rays[*index], at(*span), part(*span)) as f32).collect();
+            let prints: Vec<f32> = spans
+                .iter()
+                .map(|(index, span)| self.footprint(&rays[*index], at(*span), part(*span)) as f32)
+                .collect();
             layer.noise.fill(places, &prints, &mut noise);
             let (mut dense, mut dense_prints) = (Vec::new(), Vec::new());
             for (((index, span), noise), print) in spans.iter().zip(&noise).zip(&prints) {

@@ -1,6 +1,6 @@
 //! SurfaceLines: the net of light lines that scrolls over cartoon water.
 
-use crate::front_support::{Axes, Noise, NoiseKind, noise_reference};
+use crate::front_support::{Axes, Noise, NoiseKind, edges_reference, noise_reference};
 use crate::scene_support::{eye, is_covered};
 use std::f64::consts::TAU;
 use trochoid_graph::*;
@@ -17,8 +17,9 @@ static DECLARATION: Declaration = Declaration {
               there instead.",
     formula: "q = (p₀ − scroll·time)/scale + sway·n(q), p₀ the rest point, n gradient noise; the distance to a line is d \
               = scale·(F₂ − F₁)/2 by the two nearest feature points. A line of width w is drawn at least one pixel \
-              wide, W = max(w, c), c the change of d over a pixel: (w/W)·(½ + (W/2 − d)/c), limited to [0, w/W]. It \
-              fades to the lines' share of the water by exp(−(2πf/scale)²/8), f the longer side of the pixel's patch on \
+              wide, W = max(w, c), c = √((∇d·a)² + (∇d·b)²) the change of d over the sides a and b of the pixel's \
+              patch on the water, ∇Fᵢ the unit vector away from a point: (w/W)·(½ + (W/2 − d)/c), limited to [0, \
+              w/W]. It fades to the lines' share of the water by exp(−(2πf/scale)²/8), f the longer side of the pixel's patch on \
               the water. u = (x₀ − scroll_x·time)/scale, v = −(z₀ − scroll_z·time)/scale.",
     edge_cases: "0 where nothing is seen. u and v grow toward +X and −Z, and leave out whole pairs of tiles that time \
                  scrolled by, so that they stay exact. The pixel's patch is that of the water at rest. Needs a view with \
@@ -43,7 +44,7 @@ static DECLARATION: Declaration = Declaration {
         Output::new("u", Kind::Field(1), "Where across the tiles: 1 more with each tile."),
         Output::new("v", Kind::Field(1), "Where along their height."),
     ],
-    revision: 1,
+    revision: 2,
 };
 
 const RESTS: [ViewChannel; 3] = [ViewChannel::RestX, ViewChannel::RestY, ViewChannel::RestZ];
@@ -155,26 +156,10 @@ impl Place {
         if turn < 12.0 { libm::exp(-turn * turn / 8.0) } else { 0.0 }
     }
 
-    /// Distance in meshes from which on no line is seen: d changes by no more than the place does.
-    fn reach(&self) -> f64 {
-        let [across, along] = self.steps.map(|[x, z]| libm::hypot(x, z));
-        let change = libm::hypot(across, along).max(LEAST_CHANGE);
-        (self.width.max(change) + change) / 2.0
-    }
-
-    /// The places before and after it, across and along the view.
-    fn around(&self) -> [[f64; 2]; 4] {
-        let [[ax, az], [bx, bz]] = self.steps;
-        let [x, z] = self.at;
-        [[x - ax, z - az], [x + ax, z + az], [x - bx, z - bz], [x + bx, z + bz]]
-    }
-
-    /// The mask, from F₂ − F₁ here and around.
-    fn mask(&self, here: f64, around: [f64; 4], share: f64) -> f64 {
-        let d = here / 2.0;
-        // The larger of both sides: where the line itself lies between, one of them says nothing.
-        let [across, along] =
-            [0, 2].map(|first| (around[first] / 2.0 - d).abs().max((around[first + 1] / 2.0 - d).abs()));
+    /// The mask, from F₂ − F₁ and how much it grows along both axes.
+    fn mask(&self, edges: f64, slope: [f64; 2], share: f64) -> f64 {
+        let d = edges / 2.0;
+        let [across, along] = self.steps.map(|[x, z]| (slope[0] * x + slope[1] * z) / 2.0);
         let change = libm::hypot(across, along).max(LEAST_CHANGE);
         let drawn = self.width.max(change);
         let line = if self.width > 0.0 {
@@ -239,16 +224,11 @@ impl Drawing {
                 *place = place.bent([0, 1].map(|axis| self.sway * f64::from(bends[axis][step])));
             }
         }
-        let mut here = vec![0.0; near.len()];
-        self.net.fill::<2>(near.iter().map(|(_, place)| place.at), &[], &mut here);
-        for ((index, place), here) in near.iter().zip(here.into_iter().map(f64::from)) {
-            mask[*index] = if here / 2.0 > place.reach() {
-                place.faded(0.0, self.share(place)) as f32
-            } else {
-                let mut around = [0.0f32; 4];
-                self.net.fill::<2>(place.around().into_iter(), &[], &mut around);
-                place.mask(here, around.map(f64::from), self.share(place)) as f32
-            };
+        let places: Vec<[f64; 2]> = near.iter().map(|(_, place)| place.at).collect();
+        let (mut edges, mut slopes) = (vec![0.0; near.len()], vec![[0.0; 2]; near.len()]);
+        self.net.fill_edges(&places, &mut edges, &mut slopes);
+        for (((index, place), edges), slope) in near.iter().zip(edges).zip(slopes) {
+            mask[*index] = place.mask(f64::from(edges), slope.map(f64::from), self.share(place)) as f32;
         }
     }
 }
@@ -281,9 +261,8 @@ impl Prepared for Drawing {
         let thickness = self.node.all("thickness").first().map_or(1.0, |source| inputs.scalar(source));
         let place = self.place(rest, thickness);
         let place = place.bent([0, 1].map(|axis| self.sway * noise_reference(&self.bends[axis], &place.at, 0.0)));
-        let here = noise_reference(&self.net, &place.at, 0.0);
-        let around = place.around().map(|at| noise_reference(&self.net, &at, 0.0));
-        let mask = place.mask(here, around, self.share(&place));
+        let (edges, slope) = edges_reference(&self.net, place.at);
+        let mask = place.mask(edges, slope, self.share(&place));
         let [u, v] = self.coordinates(rest);
         Ok(vec![Reference::Mask(mask), Reference::Field(vec![u]), Reference::Field(vec![v])])
     }

@@ -3,7 +3,15 @@
 //! Everything random comes of integers, so that it is the same on every machine. A coordinate is split in f64 into its
 //! cell and a fraction; the fraction alone goes on in f32, so that noise far from the origin is as fine as near it.
 
+mod features;
+mod gradients;
+
+pub(super) use features::feature;
+pub(super) use gradients::{AMPLITUDE, gradient};
+
 use fearless_simd::{Level, Simd, dispatch};
+use features::nearest;
+use gradients::gradient_noises;
 
 /// What the octaves are made of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -91,23 +99,6 @@ pub(crate) fn extend(hash: u32, cell: i64) -> u32 {
 /// 2³² over the golden ratio.
 const GOLDEN: u32 = 0x9e37_79b9;
 
-/// The component of a corner's gradient along an axis, in [−1, 1].
-#[inline(always)]
-pub(crate) fn gradient(hash: u32, axis: usize) -> f32 {
-    (2 * ((hash >> (8 * axis)) & 255) as i32 - 255) as f32 / 255.0
-}
-
-/// Where a cell's feature point lies along an axis, from 0 to 1.
-#[inline]
-pub(crate) fn feature(hash: u32, axis: usize) -> f32 {
-    let bits = mix(hash.wrapping_add(1 + axis as u32 / 2)) >> (16 * (axis as u32 % 2));
-    ((bits & 0xffff) as f32 + 0.5) / 65536.0
-}
-
-/// What gradient noise is multiplied by: its standard deviation is then about 0.3 at a cell's center, whatever the
-/// number of axes, and fewer than one sample in a thousand is cut.
-pub(crate) const AMPLITUDE: [f32; MOST + 1] = [0.0, 0.0, 1.5, 1.7, 2.1];
-
 impl Noise {
     pub(crate) fn new(kind: NoiseKind, axes: Axes, evolution: Option<f64>) -> Self {
         let mut octaves = Vec::with_capacity(axes.octaves);
@@ -174,14 +165,7 @@ impl Noise {
                 sums.iter_mut().for_each(|sum| *sum += weight * mean);
                 continue;
             }
-            let (mut cells, mut fractions) = ([[0; LANES]; D], [[0.0; LANES]; D]);
-            for axis in 0..D {
-                let frequency = if axis < S { octave.frequency } else { 1.0 };
-                for lane in 0..LANES {
-                    let along = places[axis][lane] * frequency + octave.shift[axis];
-                    (cells[axis][lane], fractions[axis][lane]) = split(along);
-                }
-            }
+            let (cells, fractions) = octave.cells::<S, D>(places);
             let values = self.octave(octave.seed, &cells, &fractions);
             for lane in 0..LANES {
                 sums[lane] += weight * (kept[lane] * values[lane] + (1.0 - kept[lane]) * mean);
@@ -193,24 +177,68 @@ impl Noise {
 
     #[inline(always)]
     fn octave<const D: usize>(&self, seed: u32, cells: &[[i64; LANES]; D], fractions: &[Lanes; D]) -> Lanes {
-        let each = |octave_at: &dyn Fn([i64; D], [f32; D]) -> f32| {
-            std::array::from_fn(|lane| {
-                let cell = std::array::from_fn(|axis| cells[axis][lane]);
-                octave_at(cell, std::array::from_fn(|axis| fractions[axis][lane]))
-            })
-        };
         match self.kind {
             NoiseKind::Fbm => gradient_noises(seed, cells, fractions),
             NoiseKind::Ridged => gradient_noises(seed, cells, fractions).map(|noise| {
                 let valley = 1.0 - noise.abs();
                 valley * valley
             }),
-            NoiseKind::Cellular => each(&|cell, f| nearest::<D, false>(seed, cell, f)[0]),
-            NoiseKind::Edges => each(&|cell, f| {
-                let [first, second] = nearest::<D, true>(seed, cell, f);
-                second - first
-            }),
+            NoiseKind::Cellular => nearest::<D, false, false>(seed, cells, fractions).distances[0],
+            NoiseKind::Edges => nearest::<D, true, false>(seed, cells, fractions).edges(),
         }
+    }
+
+    /// Fills `out` with noise of kind [`NoiseKind::Edges`] at points of the plane, without footprints and without an
+    /// axis of evolution, and `slopes` with how much it grows along each axis, for a unit of the coordinates.
+    pub(crate) fn fill_edges(&self, points: &[[f64; 2]], out: &mut [f32], slopes: &mut [[f32; 2]]) {
+        debug_assert!(self.kind == NoiseKind::Edges && self.evolution.is_none());
+        let level = Level::new();
+        let blocks = points.chunks(LANES).zip(out.chunks_mut(LANES)).zip(slopes.chunks_mut(LANES));
+        for ((points, out), slopes) in blocks {
+            let mut places = [[0.0; LANES]; 2];
+            for (lane, point) in points.iter().enumerate() {
+                places.iter_mut().zip(point).for_each(|(along, coordinate)| along[lane] = *coordinate);
+            }
+            let [sums, across, along] = dispatch!(level, simd => simd.vectorize(#[inline(always)] || {
+                self.edges(&places)
+            }));
+            out.copy_from_slice(&sums[..out.len()]);
+            slopes.iter_mut().zip(across).zip(along).for_each(|((slope, x), y)| *slope = [x, y]);
+        }
+    }
+
+    #[inline(always)]
+    fn edges(&self, places: &[[f64; LANES]; 2]) -> [Lanes; 3] {
+        let mut sums = [[0.0; LANES]; 3];
+        for octave in &self.octaves {
+            let (cells, fractions) = octave.cells::<2, 2>(places);
+            let (weight, steepness) = (octave.weight as f32, (octave.weight * octave.frequency) as f32);
+            let found = nearest::<2, true, true>(octave.seed, &cells, &fractions);
+            let [values, across, along] = [found.edges(), found.slopes(0), found.slopes(1)];
+            for lane in 0..LANES {
+                sums[0][lane] += weight * values[lane];
+                sums[1][lane] += steepness * across[lane];
+                sums[2][lane] += steepness * along[lane];
+            }
+        }
+        sums[0] = sums[0].map(|sum| sum.clamp(0.0, 1.0));
+        sums
+    }
+}
+
+impl Octave {
+    /// Cells of places, of which the first `S` axes are those of space, and how far into them the places lie.
+    #[inline(always)]
+    fn cells<const S: usize, const D: usize>(&self, places: &[[f64; LANES]; D]) -> ([[i64; LANES]; D], [Lanes; D]) {
+        let (mut cells, mut fractions) = ([[0; LANES]; D], [[0.0; LANES]; D]);
+        for axis in 0..D {
+            let frequency = if axis < S { self.frequency } else { 1.0 };
+            for lane in 0..LANES {
+                let along = places[axis][lane] * frequency + self.shift[axis];
+                (cells[axis][lane], fractions[axis][lane]) = split(along);
+            }
+        }
+        (cells, fractions)
     }
 }
 
@@ -238,91 +266,15 @@ fn split(coordinate: f64) -> (i64, f32) {
     }
 }
 
-/// t³(6t² − 15t + 10).
-#[inline(always)]
-fn fade(t: f32) -> f32 {
-    t * t * t * (t * (t * 6.0 - 15.0) + 10.0)
-}
-
 /// What a cell adds to a hash: all of its number in 32 bits.
 #[inline(always)]
 fn key(cell: i64) -> u32 {
     cell as u32 ^ ((cell as u64 >> 32) as u32).wrapping_mul(GOLDEN)
 }
 
-/// Gradient noise of one octave at some points, in [−1, 1]. Corners share the hashes of the axes before.
-#[inline(always)]
-fn gradient_noises<const D: usize>(seed: u32, cells: &[[i64; LANES]; D], fractions: &[Lanes; D]) -> Lanes {
-    let (mut hashes, mut weights) = ([[seed; LANES]; 1 << MOST], [[1.0f32; LANES]; 1 << MOST]);
-    for axis in 0..D {
-        let (lower, upper) = (cells[axis].map(key), cells[axis].map(|cell| key(cell.wrapping_add(1))));
-        let share = fractions[axis].map(fade);
-        for corner in 0..1 << axis {
-            let other = corner + (1 << axis);
-            for lane in 0..LANES {
-                let (hash, weight) = (hashes[corner][lane], weights[corner][lane]);
-                hashes[corner][lane] = mix((hash ^ lower[lane]).wrapping_add(GOLDEN));
-                hashes[other][lane] = mix((hash ^ upper[lane]).wrapping_add(GOLDEN));
-                weights[corner][lane] = weight * (1.0 - share[lane]);
-                weights[other][lane] = weight * share[lane];
-            }
-        }
-    }
-    let mut sums = [0.0; LANES];
-    for corner in 0..1 << D {
-        for lane in 0..LANES {
-            let mut dot = 0.0;
-            for (axis, inside) in fractions.iter().enumerate() {
-                dot += gradient(hashes[corner][lane], axis) * (inside[lane] - ((corner >> axis) & 1) as f32);
-            }
-            sums[lane] += weights[corner][lane] * dot;
-        }
-    }
-    sums.map(|sum| (AMPLITUDE[D] * sum).clamp(-1.0, 1.0))
-}
-
-/// Distances to the nearest and, where asked for, the second nearest feature point, each at most 1: so far the cells
-/// around hold every point. A cell that lies farther than what is found is passed over.
-#[inline]
-fn nearest<const D: usize, const SECOND: bool>(seed: u32, cell: [i64; D], fraction: [f32; D]) -> [f32; 2] {
-    let (mut first, mut second) = (1.0f32, 1.0f32);
-    for index in 0..3usize.pow(D as u32) {
-        let (mut rest, mut steps, mut bound) = (index, [0i64; D], 0.0);
-        for (step, inside) in steps.iter_mut().zip(fraction) {
-            // The own cell comes first, since most points are found there.
-            *step = [0, -1, 1][rest % 3];
-            rest /= 3;
-            let away = match *step {
-                -1 => inside,
-                1 => 1.0 - inside,
-                _ => 0.0,
-            };
-            bound += away * away;
-        }
-        if bound > if SECOND { second } else { first } {
-            continue;
-        }
-        let mut hash = seed;
-        for axis in 0..D {
-            hash = extend(hash, cell[axis].wrapping_add(steps[axis]));
-        }
-        let mut squared = 0.0;
-        for (axis, (step, inside)) in steps.iter().zip(fraction).enumerate() {
-            let away = *step as f32 + feature(hash, axis) - inside;
-            squared += away * away;
-        }
-        if squared < first {
-            (first, second) = (squared, first);
-        } else if squared < second {
-            second = squared;
-        }
-    }
-    [first.sqrt(), second.sqrt()]
-}
-
 #[cfg(test)]
 mod tests {
-    use super::super::noise_reference::reference;
+    use super::super::noise_reference::{edges, reference};
     use super::*;
 
     const KINDS: [NoiseKind; 4] = [NoiseKind::Fbm, NoiseKind::Ridged, NoiseKind::Cellular, NoiseKind::Edges];
@@ -332,7 +284,7 @@ mod tests {
     }
 
     /// Points that are small, huge, on the lattice, negative and not finite.
-    fn points() -> Vec<[f64; 3]> {
+    pub(super) fn points() -> Vec<[f64; 3]> {
         let mut points = vec![[0.0; 3], [f64::INFINITY, 1.0, -2.5], [1e300, -1e300, 3.0], [-0.7, 1.4, 0.7]];
         for index in 0..400u32 {
             let random = |axis: u32| f64::from(mix(index * 3 + axis + 1)) / 4_294_967_296.0 - 0.5;
@@ -340,6 +292,55 @@ mod tests {
             points.push([0, 1, 2].map(|axis| size * random(axis)));
         }
         points
+    }
+
+    /// Hands points to `check`, as many at once as there are lanes, as vector code.
+    pub(super) fn in_lanes<const D: usize>(points: &[[f64; D]], check: impl Fn(&[[i64; LANES]; D], &[Lanes; D])) {
+        for lanes in points.chunks_exact(LANES) {
+            let (mut cells, mut fractions) = ([[0; LANES]; D], [[0.0; LANES]; D]);
+            for (lane, point) in lanes.iter().enumerate() {
+                for axis in 0..D {
+                    (cells[axis][lane], fractions[axis][lane]) = split(point[axis]);
+                }
+            }
+            dispatch!(Level::new(), simd => simd.vectorize(#[inline(always)] || check(&cells, &fractions)));
+        }
+    }
+
+    #[test]
+    fn edges_come_with_their_slopes() {
+        let points: Vec<[f64; 2]> = points().into_iter().map(|[x, y, _]| [x, y]).collect();
+        for figures in [axes(7), Axes { octaves: 1, scale: 1.0, ..axes(3) }] {
+            let noise = Noise::new(NoiseKind::Edges, figures, None);
+            let (mut plain, mut out) = (vec![f32::NAN; points.len()], vec![f32::NAN; points.len()]);
+            let mut slopes = vec![[f32::NAN; 2]; points.len()];
+            noise.fill(points.iter().copied(), &[], &mut plain);
+            noise.fill_edges(&points, &mut out, &mut slopes);
+            assert!(plain.iter().zip(&out).all(|(plain, out)| plain.to_bits() == out.to_bits()));
+            let (mut smooth, mut off) = (0, 0);
+            for (point, slope) in points.iter().zip(&slopes) {
+                let (value, truth) = edges(&noise, *point);
+                assert_eq!(value, reference(&noise, point, 0.0));
+                // A point that is nearly as far as another may be taken for it.
+                let distance = (0..2).map(|axis| (f64::from(slope[axis]) - truth[axis]).abs()).fold(0.0, f64::max);
+                off += usize::from(distance > 1e-3);
+                // Where differences on both sides agree, they are the slope.
+                for axis in 0..2 {
+                    let beside = |step: f64| {
+                        let mut beside = *point;
+                        beside[axis] += step;
+                        (reference(&noise, &beside, 0.0) - value) / step
+                    };
+                    let (before, after) = (beside(-1e-6), beside(1e-6));
+                    if point[axis].abs() < 10.0 && (before - after).abs() < 1e-3 {
+                        assert!((before - truth[axis]).abs() < 2e-3, "{point:?}: {before}, found {}", truth[axis]);
+                        smooth += 1;
+                    }
+                }
+            }
+            assert!(off <= 3, "{off} slopes differ from the reference");
+            assert!(smooth > 150, "only {smooth} smooth places");
+        }
     }
 
     #[test]
@@ -402,55 +403,6 @@ mod tests {
         let product: f32 = a.iter().zip(&b).map(|(a, b)| a * b).sum();
         let (aa, bb): (f32, f32) = (a.iter().map(|a| a * a).sum(), b.iter().map(|b| b * b).sum());
         assert!(product.abs() < 0.3 * (aa * bb).sqrt(), "correlation {}", product / (aa * bb).sqrt());
-    }
-
-    /// Gradient noise point by point: what its lanes must be, bit by bit.
-    fn gradient_noise<const D: usize>(seed: u32, cell: [i64; D], fraction: [f32; D]) -> f32 {
-        let (mut hashes, mut weights) = ([seed; 1 << MOST], [1.0f32; 1 << MOST]);
-        for axis in 0..D {
-            let (half, s) = (1 << axis, fade(fraction[axis]));
-            for corner in 0..half {
-                let (hash, weight) = (hashes[corner], weights[corner]);
-                hashes[corner] = extend(hash, cell[axis]);
-                hashes[corner + half] = extend(hash, cell[axis].wrapping_add(1));
-                weights[corner] = weight * (1.0 - s);
-                weights[corner + half] = weight * s;
-            }
-        }
-        let mut sum = 0.0;
-        for corner in 0..1 << D {
-            let mut dot = 0.0;
-            for (axis, inside) in fraction.iter().enumerate() {
-                dot += gradient(hashes[corner], axis) * (inside - ((corner >> axis) & 1) as f32);
-            }
-            sum += weights[corner] * dot;
-        }
-        (AMPLITUDE[D] * sum).clamp(-1.0, 1.0)
-    }
-
-    #[test]
-    fn lanes_have_the_bits_of_single_points() {
-        fn check<const D: usize>(points: &[[f64; D]]) {
-            for lanes in points.chunks_exact(LANES) {
-                let (mut cells, mut fractions) = ([[0; LANES]; D], [[0.0; LANES]; D]);
-                for (lane, point) in lanes.iter().enumerate() {
-                    for axis in 0..D {
-                        (cells[axis][lane], fractions[axis][lane]) = split(point[axis]);
-                    }
-                }
-                let found = dispatch!(Level::new(), simd => simd.vectorize(#[inline(always)] || {
-                    gradient_noises(77, &cells, &fractions)
-                }));
-                for lane in 0..LANES {
-                    let (cell, fraction) = (cells.map(|along| along[lane]), fractions.map(|along| along[lane]));
-                    assert_eq!(found[lane].to_bits(), gradient_noise(77, cell, fraction).to_bits(), "{lanes:?}");
-                }
-            }
-        }
-        let points = points();
-        check::<3>(&points);
-        check::<2>(&points.iter().map(|[x, y, _]| [*x, *y]).collect::<Vec<_>>());
-        check::<4>(&points.iter().map(|[x, y, z]| [*x, *y, *z, x * 0.5]).collect::<Vec<_>>());
     }
 
     #[test]
