@@ -104,7 +104,7 @@ const AMBIGUOUS: f64 = 0.1;
 /// paths visit every wave at each pixel, and every cell and burst at each step.
 fn cheaper(node: &CheckedNode, graph: &CheckedGraph) -> Vec<String> {
     let most: &[(&str, f64)] = match node.ty.declaration().name {
-        "ToonSea" => &[("preroll", 6.0)],
+        "ToonSea" => &[("preroll", 6.0), ("columns", 64.0), ("rows", 64.0)],
         // Fewer than this would be a sea of other waves, steeper ones.
         "GerstnerSea" => &[("count", 200.0)],
         _ => &[],

@@ -1,16 +1,22 @@
 //! Ctrl-C, as a question that long work asks now and then.
 
-use crate::failure::{FAILED, Failure};
+use crate::failure::{FAILED, Failure, INTERRUPTED};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 static ASKED: AtomicBool = AtomicBool::new(false);
 
-/// From now on an interrupt or termination signal does not end the process but is remembered.
+/// From now on an interrupt or termination signal does not end the process but is remembered; a second one ends it.
 ///
 /// # Errors
 /// The system takes no handler.
 pub(crate) fn watch() -> Result<(), Failure> {
-    match ctrlc::set_handler(|| ASKED.store(true, Ordering::Relaxed)) {
+    let asked = || {
+        if ASKED.swap(true, Ordering::Relaxed) {
+            // Whoever asks twice does not wait for what is being computed. What is half written keeps another name.
+            std::process::exit(i32::from(INTERRUPTED));
+        }
+    };
+    match ctrlc::set_handler(asked) {
         Ok(()) | Err(ctrlc::Error::MultipleHandlers) => Ok(()),
         Err(error) => Err(Failure::new(FAILED, format!("interrupts cannot be watched: {error}"))),
     }

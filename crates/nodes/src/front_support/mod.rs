@@ -1,7 +1,9 @@
 //! What nodes of the front end share: screen coordinates, procedural noise and expressions.
 
 mod expression;
+#[cfg_attr(not(feature = "scene"), allow(dead_code, reason = "only lines on water ask for slopes"))]
 mod noise;
+#[cfg_attr(not(feature = "scene"), allow(dead_code, reason = "only lines on water ask for slopes"))]
 mod noise_reference;
 mod parser;
 mod program;
@@ -9,7 +11,9 @@ mod screen;
 
 pub(crate) use expression::Expression;
 pub(crate) use noise::{Axes, Noise, NoiseKind};
-pub(crate) use noise_reference::{edges as edges_reference, reference as noise_reference};
+#[cfg(feature = "scene")]
+pub(crate) use noise_reference::edges as edges_reference;
+pub(crate) use noise_reference::reference as noise_reference;
 pub(crate) use parser::parse;
 pub(crate) use program::Program;
 pub(crate) use screen::Screen;

@@ -82,7 +82,7 @@ impl Stage for Read {
         }
         let mut fit = None;
         let (planes, repaired) = reading.planes(kind, wanted, &mut |picture| {
-            fit = Some(Fit::new(node.text("fit"), picture.display, prepare.frame.format, &path)?);
+            fit = Some(Fit::new(node.text("fit"), FITS, picture.display, prepare.frame.format, &path)?);
             Ok(())
         })?;
         let outside_of = |channel: usize| outside.map(|color| color[channel]);

@@ -5,6 +5,9 @@ use std::path::{Path, PathBuf};
 use trochoid_graph::*;
 use trochoid_scene::{Camera, DVec3, Projection};
 
+/// Passes are not blended: between two objects lies neither.
+const FITS: &[&str] = &["nearest", "crop"];
+
 pub(crate) static NODE: &dyn NodeType = &ViewFromPasses;
 
 struct ViewFromPasses;
@@ -30,9 +33,7 @@ static DECLARATION: Declaration = Declaration {
         Knob::bool("packed", false, "Normals are stored as (n + 1)/2, as in painted normal maps.").item(),
         Knob::number("level", 0.0, -1e9, 1e9, "World y from which heights are measured.").unit("m").item(),
         Knob::number("far", 1e4, 0.0, f32::MAX as f64, "Depth from which on it is the sky's.").unit("m").item(),
-        Knob::choice("fit", &["nearest", "crop"], "How passes of another size are laid over the picture.")
-            .optional()
-            .item(),
+        Knob::choice("fit", FITS, "How passes of another size are laid over the picture.").optional().item(),
         Knob::bool("repair", false, "Set illegal values to the nearest legal one, and count them.").item(),
         Port::optional("camera", Accepts::Camera, "The camera of the passes; without it, parallel rays along −Z."),
     ],
@@ -224,7 +225,7 @@ impl Reading<'_> {
         channels: Vec<ViewChannel>,
     ) -> Result<Pass, NodeError> {
         let (display, data) = opened.windows();
-        let fit = Fit::new(self.node.text("fit"), display, self.prepare.frame.format, self.path)?;
+        let fit = Fit::new(self.node.text("fit"), FITS, display, self.prepare.frame.format, self.path)?;
         let stored = Stored {
             path: self.path.into(),
             part: opened.names().part,

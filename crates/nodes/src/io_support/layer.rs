@@ -37,7 +37,13 @@ impl Fit {
     ///
     /// # Errors
     /// Their sizes differ, and the knob is unset.
-    pub(crate) fn new(knob: &str, display: Window, format: Format, path: &Path) -> Result<Self, NodeError> {
+    pub(crate) fn new(
+        knob: &str,
+        fits: &[&str],
+        display: Window,
+        format: Format,
+        path: &Path,
+    ) -> Result<Self, NodeError> {
         let (width, height) = (display.width(), display.height());
         let same = (width, height) == (format.width() as usize, format.height() as usize);
         let way = match knob {
@@ -46,12 +52,14 @@ impl Fit {
             "nearest" => Way::Nearest,
             "bilinear" => Way::Bilinear,
             _ => {
+                let scale = fits.iter().filter(|fit| **fit != "crop").map(|fit| format!("\"{fit}\""));
                 return Err(NodeError::new(format!(
-                    "{}: the picture has {width} × {height} pixels, the document {} × {}: say how to \"fit\" it: \
-                     \"nearest\" or \"bilinear\" scale it, \"crop\" lays the upper left corners on each other",
+                    "{}: the picture has {width} × {height} pixels, the document {} × {}: say how to \"fit\" it: {} to \
+                     scale it, or \"crop\" to lay the upper left corners on each other",
                     path.display(),
                     format.width(),
-                    format.height()
+                    format.height(),
+                    scale.collect::<Vec<_>>().join(" or ")
                 )));
             }
         };
@@ -267,13 +275,14 @@ impl Layer {
 
 #[cfg(test)]
 mod tests {
+    use super::super::FITS;
     use super::*;
 
     fn layer(knob: &str, format: [u32; 2], outside: Option<f32>) -> Layer {
         let window = Window::new(-1, 0, 1, 2);
         let plane = Plane::new(window, vec![0.0, 1.0, 2.0, 3.0]).unwrap();
         let format = Format::new(format[0], format[1], 1).unwrap();
-        Layer::new(plane, Fit::new(knob, window, format, Path::new("a.exr")).unwrap(), outside)
+        Layer::new(plane, Fit::new(knob, FITS, window, format, Path::new("a.exr")).unwrap(), outside)
     }
 
     fn filled(layer: &Layer, window: Window) -> Vec<f32> {
@@ -302,7 +311,7 @@ mod tests {
         // A pixel more than is shown, to the right and below.
         let (display, data) = (Window::new(-1, 0, 1, 2), Window::new(-1, 0, 2, 3));
         let fit = |knob: &str, width: u32| {
-            Fit::new(knob, display, Format::new(width, 2, 1).unwrap(), Path::new("a.exr")).unwrap()
+            Fit::new(knob, FITS, display, Format::new(width, 2, 1).unwrap(), Path::new("a.exr")).unwrap()
         };
         let window = |fit: Fit| Layer::new(Plane::filled(data, 0.0), fit, None).window();
         assert_eq!(window(fit("", 2)), Window::sized(3, 3));
@@ -312,7 +321,7 @@ mod tests {
     #[test]
     fn other_sizes_need_a_fit() {
         let format = Format::new(4, 2, 1).unwrap();
-        let error = Fit::new("", Window::sized(2, 2), format, Path::new("a.exr")).unwrap_err();
+        let error = Fit::new("", FITS, Window::sized(2, 2), format, Path::new("a.exr")).unwrap_err();
         assert!(error.message.contains("2 × 2") && error.message.contains("\"fit\""), "{error}");
     }
 

@@ -5,7 +5,7 @@ use super::legal::take;
 use super::on_demand::Names;
 use super::recipe::{Colors, Normalized};
 use super::stream::MOST_ROWS;
-use super::{Fit, Recipe, Rows, Rule, SharedFile, Stored, Stream, decode, filled, shared};
+use super::{FITS, Fit, Recipe, Rows, Rule, SharedFile, Stored, Stream, decode, filled, shared};
 use std::path::{Path, PathBuf};
 use trochoid_graph::{FrameContext, Kind, NodeError, Prepare, Settled};
 use trochoid_image::{Plane, Rgb};
@@ -90,7 +90,7 @@ impl Reading<'_> {
         if kind != Kind::Color {
             self.only(&names, named)?;
         }
-        let fit = Fit::new(self.node.text("fit"), info.display, self.frame.format, self.path)?;
+        let fit = Fit::new(self.node.text("fit"), FITS, info.display, self.frame.format, self.path)?;
         let (rule, at) = match kind {
             Kind::Color => {
                 let at = self.find_color(&names, named)?;

@@ -1,6 +1,6 @@
 //! Rows read on demand are the decoded picture's, bit for bit, and their faults are the picture's.
 
-use super::{Fit, Layer, Reading, Rows, Stream, controls, knobs, walked};
+use super::{FITS, Fit, Layer, Reading, Rows, Stream, controls, knobs, walked};
 use crate::testing::graph;
 use exr::compression::Compression as Method;
 use exr::image::write::WritableImage;
@@ -69,7 +69,7 @@ impl Case {
         let knob = self.settled.text("fit");
         let (planes, repaired) = self.reading(|reading| {
             reading.planes(self.kind, &vec![true; self.kind.channels()], &mut |picture| {
-                fit = Some(Fit::new(knob, picture.display, self.context.format, Path::new("a.exr"))?);
+                fit = Some(Fit::new(knob, FITS, picture.display, self.context.format, Path::new("a.exr"))?);
                 Ok(())
             })
         })?;

@@ -299,7 +299,12 @@ impl Stage for ToonSea {
         };
         let time = prepare.frame.time;
         let heights = match simulation.lock() {
-            Ok(mut simulation) => simulation.at(time).height.to_vec(),
+            Ok(mut simulation) => {
+                if !simulation.reach(time, prepare.cancellation()) {
+                    return Err(NodeError::new("cancelled"));
+                }
+                simulation.at(time).height.to_vec()
+            }
             // Whatever stopped it may have done so within a step.
             Err(_) => sea.simulate(Wanted::default()).at(time).height.to_vec(),
         };

@@ -108,17 +108,11 @@ impl Simulation {
 
     /// The fields at a time in seconds; the sea at rest before its preroll.
     pub fn at(&mut self, time: f64) -> ToonFrame<'_> {
+        self.reach(time, &|| false);
         let (step, part) = self.sea.step_at(time);
-        if step < self.step {
-            self.rewind();
-        }
         if matches!(self.sea.motion, Motion::Literal(_)) {
-            while self.step < step {
-                self.literal_step();
-            }
             return self.frame(false);
         }
-        self.advance(step);
         let rate = self.sea.motion.rate();
         let gap = (step - self.step) as f64 / rate;
         if gap == 0.0 && part == 0.0 {
@@ -149,6 +143,25 @@ impl Simulation {
         self.frame(true)
     }
 
+    /// Takes the steps to a time in seconds, unless told to stop between two of them: then it says false, and goes on from
+    /// there another time.
+    pub fn reach(&mut self, time: f64, stop: &dyn Fn() -> bool) -> bool {
+        let (step, _) = self.sea.step_at(time);
+        if step < self.step {
+            self.rewind();
+        }
+        if !matches!(self.sea.motion, Motion::Literal(_)) {
+            return self.advance(step, stop);
+        }
+        while self.step < step {
+            if stop() {
+                return false;
+            }
+            self.literal_step();
+        }
+        true
+    }
+
     fn rewind(&mut self) {
         let cells = self.sea.basin.cells();
         let field = |wanted: bool, values: &mut Vec<f32>| {
@@ -162,16 +175,19 @@ impl Simulation {
         self.state.drift.iter_mut().for_each(|values| field(self.wanted.drift, values));
     }
 
-    /// Takes every step with bursts up to `step`, and jumps between their spans.
-    fn advance(&mut self, step: u64) {
+    /// Takes every step with bursts up to `step`, and jumps between their spans. False if it was stopped.
+    fn advance(&mut self, step: u64, stop: &dyn Fn() -> bool) -> bool {
         let rate = self.sea.motion.rate();
         while self.step < step {
             let next = self.step + 1;
             let index = self.forced.partition_point(|span| span[1] <= next);
-            let Some(&[start, _]) = self.forced.get(index) else { return };
+            let Some(&[start, _]) = self.forced.get(index) else { return true };
             let forced = start.max(next);
             if forced > step {
-                return;
+                return true;
+            }
+            if stop() {
+                return false;
             }
             let gap = forced - next;
             if self.recurrence.is_none() {
@@ -189,9 +205,13 @@ impl Simulation {
                 self.step = forced - 1;
             }
             while self.step < forced {
+                if stop() {
+                    return false;
+                }
                 self.literal_step();
             }
         }
+        true
     }
 
     /// From cells to modes, both fields of a state.

@@ -21,6 +21,9 @@ pub(super) fn parts(bytes: &[u8]) -> Result<Vec<Triangles>, String> {
         .collect()
 }
 
+/// Coordinates from which on a scene could not tell neighbors apart.
+const MOST: f64 = 1e15;
+
 fn part(mesh: tobj::Mesh) -> Result<Triangles, String> {
     let vectors = |values: &[f64]| values.chunks_exact(3).map(DVec3::from_slice).collect();
     let (triangles, _) = mesh.indices.as_chunks();
@@ -30,6 +33,14 @@ fn part(mesh: tobj::Mesh) -> Result<Triangles, String> {
         uvs: mesh.texcoords.as_chunks().0.to_vec(),
         triangles: triangles.to_vec(),
     };
+    let wild = |v: &f64| !v.is_finite() || v.abs() > MOST;
+    if let Some(at) = mesh.positions.iter().position(wild) {
+        return Err(format!(
+            "found the coordinate {} of a vertex; expected finite numbers up to {MOST:e}: correct it, or export the file \
+             again",
+            mesh.positions[at]
+        ));
+    }
     // The library drops what a corner lacks, which would shift what the others have.
     part.check().map_err(|error| format!("{error}: give all corners of an object the same parts, such as 1/1/1"))?;
     Ok(part)
