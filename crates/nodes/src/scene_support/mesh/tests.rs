@@ -68,8 +68,8 @@ fn what_is_no_obj_is_refused_by_its_line() {
         (&format!("{corner}f 1 2 three\n"), "line 4: face parse error"),
         ("v 0 0 0\nv 1 nought 0\n", "line 2: position parse error"),
         ("v 0 0\n", "line 1: position parse error"),
-        ("v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "the position of vertex 0"),
-        ("v 0 0 0\nv 1e300 0 0\nv 0 1 0\nf 1 2 3\n", "the position of vertex 1"),
+        ("v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "found the coordinate NaN of a vertex"),
+        ("v 0 0 0\nv 1e300 0 0\nv 0 1 0\nf 1 2 3\n", "found the coordinate 1"),
         (&format!("{corner}vt 0 0\nf 1/1 2 3\n"), "give all corners of an object the same parts"),
         ("[dependencies]\nlibm = 1\n", "found no triangle"),
     ] {
