@@ -2,7 +2,7 @@
 //!
 //! ```
 //! use trochoid_image::Format;
-//! use trochoid_scene::spray::{Brush, Dabs, Droplet};
+//! use trochoid_scene::spray::{Brush, Dabs, Droplet, Stamp};
 //! use trochoid_scene::{Camera, DVec3, Projection};
 //!
 //! let camera = Camera {
@@ -15,8 +15,9 @@
 //! let drop = Droplet {
 //!     position: [0.0; 3], velocity: [0.0; 3], radius: 0.5, share: 1.0, age: 0.5, strength: 1.0, shape: 0,
 //! };
-//! let dabs = Dabs::new(&camera.projector(format), &[drop], &Brush::default())?;
-//! assert!(dabs.at([32.0, 18.0], f64::INFINITY).alpha > 0.4);
+//! let brush = Brush { stamp: Stamp::Disc, ..Brush::default() };
+//! let dabs = Dabs::new(&camera.projector(format), &[drop], &brush)?;
+//! assert!(dabs.at([32.0, 18.0], f64::INFINITY).alpha > 0.2);
 //! assert_eq!(dabs.at([32.0, 18.0], 5.0).alpha, 0.0, "something stands before it");
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
