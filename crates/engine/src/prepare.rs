@@ -18,6 +18,8 @@ pub struct Cache {
     kept: HashMap<Key, Entry>,
     limit: usize,
     clock: u64,
+    /// The clock at the last call of `forget_unused`.
+    mark: u64,
     pool: Pool,
 }
 
@@ -46,12 +48,19 @@ impl Cache {
 
     /// An empty cache of at most so many bytes.
     pub fn with_limit(bytes: usize) -> Self {
-        Self { kept: HashMap::new(), limit: bytes, clock: 0, pool: Pool::new() }
+        Self { kept: HashMap::new(), limit: bytes, clock: 0, mark: 0, pool: Pool::new() }
     }
 
     /// Memory held, bytes.
     pub fn bytes(&self) -> usize {
         self.kept.values().map(|entry| entry.prepared.bytes()).sum()
+    }
+
+    /// Drops what nothing has used since the last call of this: between the frames of a sequence, what only the frame before
+    /// needed.
+    pub fn forget_unused(&mut self) {
+        let mark = std::mem::replace(&mut self.mark, self.clock);
+        self.kept.retain(|_, entry| entry.used > mark);
     }
 
     /// What is kept under a key, which counts as used.

@@ -105,6 +105,7 @@ impl<'a> Job<'a> {
         for (index, &frame) in self.frames.iter().enumerate() {
             progress.begin(index, frame);
             let done = self.frame(frame, evaluate, &mut cache, &mut fingerprints, &progress)?;
+            cache.forget_unused();
             if done.skipped {
                 progress.skip();
             }
