@@ -1,5 +1,6 @@
 //! Instructions by what they do, for both widths of vector.
 
+use crate::operations::{Compare, Two, instruction};
 use iced_x86::IcedError;
 use iced_x86::code_asm::*;
 use std::collections::HashMap;
@@ -30,47 +31,6 @@ const POINTERS: [AsmRegister64; 8] = [r10, r11, rbx, rbp, r12, r13, r14, r15];
 const SAVED: [AsmRegister64; 6] = [rbx, rbp, r12, r13, r14, r15];
 /// Bytes by which rows are fetched ahead, as the interpreter does.
 const AHEAD: i32 = 1024;
-
-/// Comparisons, by the processor's number.
-#[derive(Clone, Copy)]
-pub(crate) enum Compare {
-    NotLess = 0x15,
-    AtLeast = 0x1d,
-    Greater = 0x1e,
-    NotEqual = 0x04,
-}
-
-/// Operations of two operands on f32, on bits, and on f64.
-#[derive(Clone, Copy, PartialEq)]
-pub(crate) enum Two {
-    Add,
-    Sub,
-    Mul,
-    Div,
-    Min,
-    Max,
-    /// d + a·b.
-    Fma,
-    MinBits,
-    MaxBits,
-    AddDouble,
-    SubDouble,
-    MulDouble,
-    MaxDouble,
-    /// d + a·b.
-    FmaDouble,
-    /// d − a·b.
-    FnmaDouble,
-}
-
-impl Two {
-    fn is_double(self) -> bool {
-        matches!(
-            self,
-            Self::AddDouble | Self::SubDouble | Self::MulDouble | Self::MaxDouble | Self::FmaDouble | Self::FnmaDouble
-        )
-    }
-}
 
 /// A vector in memory.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -285,6 +245,12 @@ impl Assembler {
         self.a.vblendmps(masked(to, mask), ZMM[a as usize], ZMM[b as usize])
     }
 
+    /// A constant in the lanes of a mask, else a. Wide only.
+    pub(crate) fn select_constant(&mut self, to: Reg, mask: u8, a: Reg, value: f32) -> Result {
+        let from = dword_bcst(rsi + self.constant(value));
+        self.a.vblendmps(masked(to, mask), ZMM[a as usize], from)
+    }
+
     /// b where the sign of the mask is set, else a. Narrow only.
     pub(crate) fn blend(&mut self, to: Reg, mask: Reg, a: Reg, b: Reg) -> Result {
         self.a.vblendvps(YMM[to as usize], YMM[a as usize], YMM[b as usize], YMM[mask as usize])
@@ -296,44 +262,21 @@ impl Assembler {
     }
 
     pub(crate) fn two(&mut self, op: Two, to: Reg, a: Reg, b: Reg) -> Result {
-        match op {
-            Two::Add => both!(self.vaddps(to, a, b)),
-            Two::Sub => both!(self.vsubps(to, a, b)),
-            Two::Mul => both!(self.vmulps(to, a, b)),
-            Two::Div => both!(self.vdivps(to, a, b)),
-            Two::Min => both!(self.vminps(to, a, b)),
-            Two::Max => both!(self.vmaxps(to, a, b)),
-            Two::Fma => both!(self.vfmadd231ps(to, a, b)),
-            Two::MinBits => both!(self.vpminud(to, a, b)),
-            Two::MaxBits => both!(self.vpmaxud(to, a, b)),
-            Two::AddDouble => both!(self.vaddpd(to, a, b)),
-            Two::SubDouble => both!(self.vsubpd(to, a, b)),
-            Two::MulDouble => both!(self.vmulpd(to, a, b)),
-            Two::MaxDouble => both!(self.vmaxpd(to, a, b)),
-            Two::FmaDouble => both!(self.vfmadd231pd(to, a, b)),
-            Two::FnmaDouble => both!(self.vfnmadd231pd(to, a, b)),
+        let (to, a, b) = (to as usize, a as usize, b as usize);
+        if self.wide {
+            instruction!(self.a, op, ZMM[to], ZMM[a], ZMM[b])
+        } else {
+            instruction!(self.a, op, YMM[to], YMM[a], YMM[b])
         }
     }
 
-    /// With a constant as the second operand. Wide only; see [`two_constant`](Self::two_constant).
-    fn two_broadcast(&mut self, op: Two, to: AsmRegisterZmm, a: Reg, b: AsmMemoryOperand) -> Result {
-        let a = ZMM[a as usize];
-        match op {
-            Two::Add => self.a.vaddps(to, a, b),
-            Two::Sub => self.a.vsubps(to, a, b),
-            Two::Mul => self.a.vmulps(to, a, b),
-            Two::Div => self.a.vdivps(to, a, b),
-            Two::Min => self.a.vminps(to, a, b),
-            Two::Max => self.a.vmaxps(to, a, b),
-            Two::Fma => self.a.vfmadd231ps(to, a, b),
-            Two::MinBits => self.a.vpminud(to, a, b),
-            Two::MaxBits => self.a.vpmaxud(to, a, b),
-            Two::AddDouble => self.a.vaddpd(to, a, b),
-            Two::SubDouble => self.a.vsubpd(to, a, b),
-            Two::MulDouble => self.a.vmulpd(to, a, b),
-            Two::MaxDouble => self.a.vmaxpd(to, a, b),
-            Two::FmaDouble => self.a.vfmadd231pd(to, a, b),
-            Two::FnmaDouble => self.a.vfnmadd231pd(to, a, b),
+    /// With memory as the second operand.
+    fn two_address(&mut self, op: Two, to: Reg, a: Reg, b: AsmMemoryOperand) -> Result {
+        let (to, a) = (to as usize, a as usize);
+        if self.wide {
+            instruction!(self.a, op, ZMM[to], ZMM[a], b)
+        } else {
+            instruction!(self.a, op, YMM[to], YMM[a], b)
         }
     }
 
@@ -342,7 +285,7 @@ impl Assembler {
         debug_assert!(!op.is_double());
         if self.wide {
             let from = dword_bcst(rsi + self.constant(value));
-            self.two_broadcast(op, ZMM[to as usize], a, from)
+            self.two_address(op, to, a, from)
         } else {
             self.fill(spare, value)?;
             self.two(op, to, a, spare)
@@ -354,7 +297,7 @@ impl Assembler {
         debug_assert!(op.is_double());
         if self.wide {
             let from = qword_bcst(rsi + self.double(value));
-            self.two_broadcast(op, ZMM[to as usize], a, from)
+            self.two_address(op, to, a, from)
         } else {
             self.fill_double(spare, value)?;
             self.two(op, to, a, spare)
@@ -374,14 +317,7 @@ impl Assembler {
     /// With a vector in memory as the second operand.
     pub(crate) fn two_memory(&mut self, op: Two, to: Reg, a: Reg, place: Place) -> Result {
         let from = self.address(place)?;
-        if self.wide {
-            return self.two_broadcast(op, ZMM[to as usize], a, from);
-        }
-        let (to, a) = (YMM[to as usize], YMM[a as usize]);
-        match op {
-            Two::MinBits => self.a.vpminud(to, a, from),
-            _ => self.a.vpmaxud(to, a, from),
-        }
+        self.two_address(op, to, a, from)
     }
 
     /// All lanes shifted left by one bit.

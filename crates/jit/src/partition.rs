@@ -1,6 +1,7 @@
 //! Weights that sum to 1, and what is blended by them, in f64.
 
-use crate::assembler::{Compare, Place, Reg, Result, SCRATCH_MASK, Two};
+use crate::assembler::{Place, Reg, Result, SCRATCH_MASK};
+use crate::operations::{Compare, Two};
 use crate::program::Value;
 use crate::translate::Translator;
 

@@ -56,15 +56,58 @@ pub enum Op {
 /// One item of a program.
 #[derive(Clone, Debug)]
 pub(crate) enum Item {
-    Compute { op: Op, to: Value },
-    Blend { colors: Vec<[Value; 3]>, weights: Vec<Value>, to: [Value; 3] },
-    Partition { weights: Vec<Value>, to: Vec<Value> },
+    Compute {
+        op: Op,
+        to: Value,
+    },
+    Blend {
+        colors: Vec<[Value; 3]>,
+        weights: Vec<Value>,
+        to: [Value; 3],
+    },
+    Partition {
+        weights: Vec<Value>,
+        to: Vec<Value>,
+    },
     Fetch(u32),
-    See { value: Value, least: Option<u32>, largest: u32, shifted: bool },
-    SeeSum { weights: Vec<Value>, state: u32 },
-    Output { value: Value, to: u32 },
-    Gate { t: Value, closed: f32, join: usize },
-    Join { inside: [Value; 3], otherwise: [Value; 3], to: [Value; 3] },
+    /// A clamp's field, from its `min` in units of its `width`: the half that takes long.
+    Over {
+        x: Value,
+        min: f32,
+        width: f32,
+        to: Value,
+    },
+    /// The other half of a clamp.
+    Within {
+        x: Value,
+        to: Value,
+    },
+    /// From here on mixes by a mask can begin at once; changes nothing else.
+    Ready(Value),
+    See {
+        value: Value,
+        least: Option<u32>,
+        largest: u32,
+        shifted: bool,
+    },
+    SeeSum {
+        weights: Vec<Value>,
+        state: u32,
+    },
+    Output {
+        value: Value,
+        to: u32,
+    },
+    Gate {
+        t: Value,
+        closed: f32,
+        join: usize,
+    },
+    Join {
+        inside: [Value; 3],
+        otherwise: [Value; 3],
+        to: [Value; 3],
+    },
 }
 
 /// Straight-line code over samples, with branches that can be jumped over.
@@ -261,6 +304,21 @@ impl Op {
 }
 
 impl Item {
+    /// Calls `f` with every value that it makes.
+    pub(crate) fn results(&self, mut f: impl FnMut(Value)) {
+        match self {
+            Self::Compute { to, .. } | Self::Over { to, .. } | Self::Within { to, .. } => f(*to),
+            Self::Blend { to, .. } | Self::Join { to, .. } => to.iter().for_each(|to| f(*to)),
+            Self::Partition { to, .. } => to.iter().for_each(|to| f(*to)),
+            Self::Fetch(_)
+            | Self::Ready(_)
+            | Self::See { .. }
+            | Self::SeeSum { .. }
+            | Self::Output { .. }
+            | Self::Gate { .. } => {}
+        }
+    }
+
     /// The same of other values.
     pub(crate) fn map(&self, f: impl Fn(Value) -> Value) -> Self {
         let all = |values: &[Value]| -> Vec<Value> { values.iter().map(|value| f(*value)).collect() };
@@ -273,6 +331,9 @@ impl Item {
             },
             Self::Partition { weights, to } => Self::Partition { weights: all(weights), to: all(to) },
             Self::Fetch(input) => Self::Fetch(*input),
+            Self::Ready(t) => Self::Ready(f(*t)),
+            Self::Over { x, min, width, to } => Self::Over { x: f(*x), min: *min, width: *width, to: f(*to) },
+            Self::Within { x, to } => Self::Within { x: f(*x), to: f(*to) },
             Self::See { value, least, largest, shifted } => {
                 Self::See { value: f(*value), least: *least, largest: *largest, shifted: *shifted }
             }
@@ -296,7 +357,12 @@ impl Item {
                 weights.iter().for_each(|value| f(*value))
             }
             Self::Fetch(_) => {}
-            Self::See { value, .. } | Self::Output { value, .. } | Self::Gate { t: value, .. } => f(*value),
+            Self::See { value, .. }
+            | Self::Output { value, .. }
+            | Self::Gate { t: value, .. }
+            | Self::Ready(value)
+            | Self::Over { x: value, .. }
+            | Self::Within { x: value, .. } => f(*value),
             Self::Join { inside, otherwise, .. } => inside.iter().chain(otherwise).for_each(|value| f(*value)),
         }
     }

@@ -37,6 +37,15 @@ struct Home {
     uses: Vec<u32>,
     /// The mixes that it weighs.
     mixes: Vec<u32>,
+    /// How many of them have a constant at its 0 only, less those that have one at its 1 only.
+    from_constants: i32,
+}
+
+/// An end of a mix.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum End {
+    A,
+    B,
 }
 
 /// A mask made ready for mixing.
@@ -44,8 +53,10 @@ struct Home {
 pub(crate) struct By {
     pub(crate) of: Value,
     pub(crate) by: Reg,
-    /// A mask register, or a vector register in narrow code.
-    pub(crate) near_b: Reg,
+    /// Where one of the ends is nearer: a mask register, or a vector register in narrow code.
+    pub(crate) mask: Reg,
+    /// Which one.
+    pub(crate) near: End,
 }
 
 /// Where everything is at a gate.
@@ -114,8 +125,12 @@ impl Registers {
                     Op::Constant(value) => Some(Source::Constant(*value)),
                     _ => None,
                 };
-                if let Op::Mix { t, .. } = op {
-                    homes[home(t)].mixes.push(at);
+                if let Op::Mix { a, b, t } = op {
+                    let is_constant = |value| i32::from(matches!(homes[home(value)].source, Some(Source::Constant(_))));
+                    let from = is_constant(a) - is_constant(b);
+                    let mask = &mut homes[home(t)];
+                    mask.mixes.push(at);
+                    mask.from_constants += from;
                 }
             }
         }
@@ -145,6 +160,24 @@ impl Registers {
     /// Whether an item takes a value last.
     pub(crate) fn is_last(&self, value: Value, at: u32) -> bool {
         self.homes[value.0 as usize].uses.last().is_none_or(|last| *last <= at)
+    }
+
+    /// Whether the item at hand may overwrite a value: it is in a register, and taken last.
+    pub(crate) fn may_reuse(&self, value: Value, at: u32) -> bool {
+        self.homes[value.0 as usize].register.is_some() && self.is_last(value, at)
+    }
+
+    /// Gives up a value for what the item at hand makes in its register.
+    pub(crate) fn reuse(&mut self, value: Value) {
+        if let Some(register) = self.homes[value.0 as usize].register.take() {
+            self.lock(register as usize);
+        }
+    }
+
+    /// The end of a mask that most mixes want in a mask register: a vector and a constant are selected from at once if
+    /// the constant is where the mask is set.
+    pub(crate) fn near(&self, t: Value) -> End {
+        if self.homes[t.0 as usize].from_constants > 0 { End::A } else { End::B }
     }
 
     /// A register for the item at hand, and what has to happen to what it held.
@@ -195,7 +228,7 @@ impl Registers {
     pub(crate) fn lock_by(&mut self, by: By) {
         self.locked |= 1 << by.by;
         if !self.wide {
-            self.locked |= 1 << by.near_b;
+            self.locked |= 1 << by.mask;
         }
     }
 
@@ -209,7 +242,7 @@ impl Registers {
 
     /// A mask register for a new ready mask. Wide only.
     pub(crate) fn mask(&mut self, at: u32) -> u8 {
-        let used = |mask: u8| self.by.iter().any(|by| by.near_b == mask);
+        let used = |mask: u8| self.by.iter().any(|by| by.mask == mask);
         if let Some(free) = (1..crate::assembler::SCRATCH_MASK).find(|mask| !used(*mask)) {
             return free;
         }
@@ -218,7 +251,7 @@ impl Registers {
             unreachable!("an item makes one mask ready")
         };
         self.drop_by(victim.of);
-        victim.near_b
+        victim.mask
     }
 
     /// Forgets a ready mask.

@@ -127,11 +127,17 @@ fn random(draw: &mut Draw) -> Program {
     let constant = |program: &mut Program, value: f32| program.compute(Op::Constant(value));
     let mut colors: Vec<[Value; 3]> =
         (0..4).map(|i| [0, 1, 2].map(|c| constant(&mut program, 0.1 + 0.3 * i as f32 + 0.05 * c as f32))).collect();
+    // Behind a gate, −0 would not come out as it does from a mix: there are zeros of both signs or gates.
+    let depth = 3 * draw.below(2);
+    if depth > 0 {
+        colors
+            .extend([[0.0, -0.0, 1.0], [-0.0, 0.0, 0.5]].map(|color| color.map(|value| constant(&mut program, value))));
+    }
     colors.push([masks[0], masks[1], masks[2]]);
     program.fetch(0);
     let mut pool = Pool { masks, fields, colors, partitions: Vec::new() };
     for _ in 0..5 + draw.below(120) {
-        step(draw, &mut program, &mut pool, 0);
+        step(draw, &mut program, &mut pool, depth);
     }
     for to in 0..OUTPUTS / 3 {
         let color = draw.pick(&pool.colors);
@@ -149,6 +155,7 @@ fn reference(program: &Program, inputs: &[f32], lines: &[f32]) -> (Vec<f32>, [u3
     while at < program.items.len() {
         let get = |value: &Value| values[value.0 as usize];
         match &program.items[at] {
+            Item::Over { .. } | Item::Within { .. } | Item::Ready(_) => unreachable!("made by the schedule"),
             Item::Compute { op, to } => {
                 let v = match op {
                     Op::Input(index) => inputs[*index as usize],

@@ -1,9 +1,11 @@
 //! From a program to machine code, item by item.
 
-use crate::assembler::{Assembler, Compare, Place, Reg, Result, SCRATCH_MASK, Two};
+use crate::assembler::{Assembler, Place, Reg, Result, SCRATCH_MASK};
 use crate::branches::Skip;
+use crate::operations::{Compare, Two};
 use crate::program::{Item, Op, Program, Value};
-use crate::registers::{By, Holder, Registers, Snapshot, Source, Victim, position};
+use crate::registers::{By, End, Holder, Registers, Snapshot, Source, Victim, position};
+use crate::schedule::scheduled;
 use crate::{Set, Stores};
 use iced_x86::code_asm::CodeLabel;
 use std::collections::BTreeMap;
@@ -30,6 +32,7 @@ pub(crate) fn translate(program: &Program, set: Set, stores: Stores) -> Result<T
     let count = if wide { 32 } else { 16 };
     let parts = PARTS[usize::from(!wide)];
     let fixed = if wide { 2 } else { 0 };
+    let program = &scheduled(program, parts);
     let pinned = pinned(program, PINNED[usize::from(!wide)]);
     let mut translator = Translator {
         asm: Assembler::new(wide, parts, program.inputs + program.lines + program.outputs)?,
@@ -178,6 +181,29 @@ impl Translator<'_> {
             Item::Compute { op, to } => self.compute(op, *to),
             Item::Blend { colors, weights, to } => self.blend(colors, weights, *to),
             Item::Partition { weights, to } => self.partition(weights, to),
+            Item::Over { x, min, width, to } => {
+                let x = self.value(*x)?;
+                let [d, spare] = self.pair()?;
+                self.asm.two_constant(Two::Sub, d, x, *min, spare)?;
+                self.asm.two_constant(Two::Div, d, d, *width, spare)?;
+                self.define(*to, d);
+                Ok(())
+            }
+            Item::Within { x, to } => {
+                let x_in = self.value(*x)?;
+                let d = self.over(*x, x_in, &[])?;
+                let spare = if self.asm.wide { d } else { self.take()? };
+                // Where both are equal, or one is NaN, the second is taken.
+                self.asm.two_constant(Two::Max, d, x_in, 0.0, spare)?;
+                if self.asm.wide {
+                    self.asm.two(Two::Min, d, d, ONE)?;
+                } else {
+                    self.asm.two_constant(Two::Min, d, d, 1.0, spare)?;
+                }
+                self.define(*to, d);
+                Ok(())
+            }
+            Item::Ready(t) => self.by(*t).map(|_| ()),
             Item::Fetch(input) => self.asm.fetch(*input as usize, self.part),
             Item::See { value, least, largest, shifted } => self.see(*value, *least, *largest, *shifted),
             Item::SeeSum { weights, state } => self.see_sum(weights, *state),
@@ -198,21 +224,7 @@ impl Translator<'_> {
             // Loaded where they are used.
             Op::Input(_) | Op::Line(_) | Op::Constant(_) => Ok(()),
             Op::Mix { a, b, t } => self.mix(a, b, t, to),
-            Op::Clamp { x, min, width } => {
-                let x = self.value(x)?;
-                let [d, spare] = self.pair()?;
-                self.asm.two_constant(Two::Sub, d, x, min, spare)?;
-                self.asm.two_constant(Two::Div, d, d, width, spare)?;
-                // Where both are equal, or one is NaN, the second is taken.
-                self.asm.two_constant(Two::Max, d, d, 0.0, spare)?;
-                if self.asm.wide {
-                    self.asm.two(Two::Min, d, d, ONE)?;
-                } else {
-                    self.asm.two_constant(Two::Min, d, d, 1.0, spare)?;
-                }
-                self.define(to, d);
-                Ok(())
-            }
+            Op::Clamp { .. } => unreachable!("clamps are split"),
             Op::Step { x, threshold } => {
                 let x = self.value(x)?;
                 let [d, spare] = self.pair()?;
@@ -306,51 +318,81 @@ impl Translator<'_> {
         }
         let x = self.value(t)?;
         let by = self.take()?;
-        let near_b = if self.asm.wide {
-            let mask = self.registers.mask(self.at);
-            self.asm.compare(mask, Compare::NotLess, x, HALF)?;
-            self.asm.copy(by, x)?;
-            self.asm.sub_where(by, mask, x, ONE)?;
-            mask
-        } else {
-            let near_b = self.take()?;
-            self.asm.fill(near_b, 0.5)?;
-            self.asm.compare_narrow(near_b, Compare::NotLess, x, near_b)?;
-            self.asm.fill(by, 1.0)?;
-            self.asm.two(Two::Sub, by, x, by)?;
-            self.asm.blend(by, near_b, x, by)?;
-            self.registers.hold(near_b, Holder::Near(t));
-            near_b
+        let near = if self.asm.wide { self.registers.near(t) } else { End::B };
+        let mask = match near {
+            End::A => {
+                let mask = self.registers.mask(self.at);
+                self.asm.compare(mask, Compare::Less, x, HALF)?;
+                self.asm.two(Two::Sub, by, x, ONE)?;
+                self.asm.copy_where(by, mask, x)?;
+                mask
+            }
+            End::B if self.asm.wide => {
+                let mask = self.registers.mask(self.at);
+                self.asm.compare(mask, Compare::NotLess, x, HALF)?;
+                self.asm.copy(by, x)?;
+                self.asm.sub_where(by, mask, x, ONE)?;
+                mask
+            }
+            End::B => {
+                let mask = self.take()?;
+                self.asm.fill(mask, 0.5)?;
+                self.asm.compare_narrow(mask, Compare::NotLess, x, mask)?;
+                self.asm.fill(by, 1.0)?;
+                self.asm.two(Two::Sub, by, x, by)?;
+                self.asm.blend(by, mask, x, by)?;
+                self.registers.hold(mask, Holder::Near(t));
+                mask
+            }
         };
         self.registers.hold(by, Holder::By(t));
-        let by = By { of: t, by, near_b };
+        let by = By { of: t, by, mask, near };
         self.registers.by.push(by);
         Ok(by)
     }
 
     fn mix(&mut self, a: Value, b: Value, t: Value, to: Value) -> Result {
-        let By { by, near_b, .. } = self.by(t)?;
+        let By { by, mask, near, .. } = self.by(t)?;
         let d = match (self.constant(a), self.constant(b)) {
             (Some(from), Some(until)) => {
                 let [d, spare] = self.pair()?;
                 if self.asm.wide {
-                    self.asm.fill(d, from)?;
-                    self.asm.fill_where(d, near_b, until)?;
+                    let [far, near] = if near == End::A { [until, from] } else { [from, until] };
+                    self.asm.fill(d, far)?;
+                    self.asm.fill_where(d, mask, near)?;
                 } else {
                     self.asm.fill(d, from)?;
                     self.asm.fill(spare, until)?;
-                    self.asm.blend(d, near_b, d, spare)?;
+                    self.asm.blend(d, mask, d, spare)?;
                 }
                 self.asm.two_constant(Two::Fma, d, by, until - from, spare)?;
-                self.define(to, d);
-                return Ok(());
+                d
+            }
+            // Of −0 and 0 the other sign would come out.
+            (None, Some(until)) if self.asm.wide && near == End::B && until != 0.0 => {
+                let a_in = self.value(a)?;
+                let difference = self.take()?;
+                self.asm.two_constant(Two::Sub, difference, a_in, until, difference)?;
+                let d = self.over(a, a_in, &[b, t])?;
+                self.asm.select_constant(d, mask, a_in, until)?;
+                self.asm.two(Two::Fnma, d, by, difference)?;
+                d
             }
             (None, Some(until)) => {
-                let a = self.value(a)?;
+                let a_in = self.value(a)?;
                 let [difference, d] = self.take_all()?;
                 self.asm.fill(difference, until)?;
-                self.select(d, near_b, a, difference)?;
-                self.asm.two(Two::Sub, difference, difference, a)?;
+                self.select(d, near, mask, a_in, difference)?;
+                self.asm.two(Two::Sub, difference, difference, a_in)?;
+                self.asm.two(Two::Fma, d, by, difference)?;
+                d
+            }
+            (Some(from), None) if self.asm.wide && near == End::A => {
+                let b_in = self.value(b)?;
+                let difference = self.take()?;
+                self.asm.two_constant(Two::Sub, difference, b_in, from, difference)?;
+                let d = self.over(b, b_in, &[a, t])?;
+                self.asm.select_constant(d, mask, b_in, from)?;
                 self.asm.two(Two::Fma, d, by, difference)?;
                 d
             }
@@ -360,18 +402,23 @@ impl Translator<'_> {
                 self.asm.fill(d, from)?;
                 self.asm.two(Two::Sub, difference, b, d)?;
                 if self.asm.wide {
-                    self.asm.copy_where(d, near_b, b)?;
+                    self.asm.copy_where(d, mask, b)?;
                 } else {
-                    self.asm.blend(d, near_b, d, b)?;
+                    self.asm.blend(d, mask, d, b)?;
                 }
                 self.asm.two(Two::Fma, d, by, difference)?;
                 d
             }
             (None, None) => {
-                let (a, b) = (self.value(a)?, self.value(b)?);
-                let [difference, d] = self.take_all()?;
-                self.asm.two(Two::Sub, difference, b, a)?;
-                self.select(d, near_b, a, b)?;
+                let (a_in, b_in) = (self.value(a)?, self.value(b)?);
+                let difference = self.take()?;
+                self.asm.two(Two::Sub, difference, b_in, a_in)?;
+                let d = if self.registers.may_reuse(a, self.at) {
+                    self.over(a, a_in, &[b, t])?
+                } else {
+                    self.over(b, b_in, &[a, t])?
+                };
+                self.select(d, near, mask, a_in, b_in)?;
                 self.asm.two(Two::Fma, d, by, difference)?;
                 d
             }
@@ -380,8 +427,22 @@ impl Translator<'_> {
         Ok(())
     }
 
-    fn select(&mut self, to: Reg, mask: Reg, a: Reg, b: Reg) -> Result {
-        if self.asm.wide { self.asm.select(to, mask, a, b) } else { self.asm.blend(to, mask, a, b) }
+    /// The register of a value that nothing needs any more, unless it is one of some others; else a new one.
+    fn over(&mut self, value: Value, register: Reg, others: &[Value]) -> Result<Reg> {
+        if !others.contains(&value) && self.registers.may_reuse(value, self.at) {
+            self.registers.reuse(value);
+            return Ok(register);
+        }
+        self.take()
+    }
+
+    /// b where it is nearer, else a.
+    fn select(&mut self, to: Reg, near: End, mask: Reg, a: Reg, b: Reg) -> Result {
+        match near {
+            End::A => self.asm.select(to, mask, b, a),
+            End::B if self.asm.wide => self.asm.select(to, mask, a, b),
+            End::B => self.asm.blend(to, mask, a, b),
+        }
     }
 
     fn see(&mut self, value: Value, least: Option<u32>, largest: u32, shifted: bool) -> Result {

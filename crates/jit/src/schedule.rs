@@ -1,0 +1,198 @@
+//! In which order items become instructions. Processors look ahead only so far for what they can begin at once, so what
+//! waits for one another must not stand side by side. No bit depends on the order.
+
+use crate::program::{Item, Op, Program, Value};
+use std::collections::{BTreeSet, VecDeque};
+use std::ops::Range;
+
+/// Items that are looked at for the next one. More of them keep more values alive at once.
+const WINDOW: usize = 48;
+/// When what is not there yet is there.
+const LATER: u64 = u64::MAX;
+
+/// The program in an order in which more of it runs at once, for so many vectors side by side.
+pub(crate) fn scheduled(program: &Program, parts: u32) -> Program {
+    let mut program = program.clone();
+    split(&mut program);
+    let count = program.values as usize;
+    let mut scheduler = Scheduler {
+        items: &program.items,
+        parts: parts.into(),
+        now: 0,
+        values: vec![LATER; count],
+        masks: vec![0; count],
+        ordered: Vec::with_capacity(program.items.len()),
+    };
+    scheduler.order(0..program.items.len());
+    program.items = scheduler.ordered;
+    program
+}
+
+/// Splits what takes long into what can begin early, and the rest.
+fn split(program: &mut Program) {
+    // Masks that are ready, by open branch.
+    let mut ready = vec![BTreeSet::new()];
+    for item in std::mem::take(&mut program.items) {
+        match &item {
+            Item::Compute { op: Op::Clamp { x, min, width }, to } => {
+                let over = Value(program.values);
+                program.values += 1;
+                program.items.push(Item::Over { x: *x, min: *min, width: *width, to: over });
+                program.items.push(Item::Within { x: over, to: *to });
+                continue;
+            }
+            Item::Compute { op: Op::Mix { t, .. }, .. } if ready.iter().all(|masks| !masks.contains(t)) => {
+                ready.last_mut().map(|masks| masks.insert(*t));
+                program.items.push(Item::Ready(*t));
+            }
+            Item::Gate { .. } => ready.push(BTreeSet::new()),
+            Item::Join { .. } => drop(ready.pop()),
+            _ => {}
+        }
+        program.items.push(item);
+    }
+}
+
+/// One item, or a branch from its gate to its join.
+struct Unit {
+    items: Range<usize>,
+    /// What it takes from elsewhere.
+    needs: Vec<Value>,
+}
+
+struct Scheduler<'p> {
+    items: &'p [Item],
+    parts: u64,
+    /// In quarters of a cycle, as all times.
+    now: u64,
+    /// When each value is there.
+    values: Vec<u64>,
+    /// When each mask is ready for mixing.
+    masks: Vec<u64>,
+    ordered: Vec<Item>,
+}
+
+impl Scheduler<'_> {
+    fn order(&mut self, range: Range<usize>) {
+        let mut waiting = self.units(range);
+        while !waiting.is_empty() {
+            // The first that waits for nothing, or else for the shortest time.
+            let mut best = (LATER, 0);
+            for (place, unit) in waiting.iter().enumerate().take(WINDOW) {
+                let from = self.from(unit);
+                if from < best.0 {
+                    best = (from, place);
+                }
+                if from <= self.now {
+                    break;
+                }
+            }
+            let Some(unit) = waiting.remove(best.1) else { unreachable!("places are counted") };
+            self.now = self.now.max(best.0);
+            self.place(unit.items);
+        }
+    }
+
+    fn units(&mut self, range: Range<usize>) -> VecDeque<Unit> {
+        let mut units = VecDeque::new();
+        let mut at = range.start;
+        while at < range.end {
+            let items = at..self.end(at);
+            let mut made = BTreeSet::new();
+            let mut needs = BTreeSet::new();
+            for item in &self.items[items.clone()] {
+                item.operands(|value| {
+                    if !made.contains(&value) {
+                        needs.insert(value);
+                    }
+                });
+                item.results(|value| {
+                    made.insert(value);
+                });
+            }
+            if let Item::Ready(t) = &self.items[at] {
+                self.masks[t.0 as usize] = LATER;
+            }
+            at = items.end;
+            units.push_back(Unit { items, needs: needs.into_iter().collect() });
+        }
+        units
+    }
+
+    /// Where the unit ends that begins with an item.
+    fn end(&self, start: usize) -> usize {
+        let mut depth = 0;
+        for (at, item) in self.items.iter().enumerate().skip(start) {
+            match item {
+                Item::Gate { .. } => depth += 1,
+                Item::Join { .. } => depth -= 1,
+                _ => {}
+            }
+            if depth == 0 {
+                return at + 1;
+            }
+        }
+        unreachable!("gates are joined")
+    }
+
+    /// From when on a unit can run.
+    fn from(&self, unit: &Unit) -> u64 {
+        let known = unit.needs.iter().map(|value| self.values[value.0 as usize]).fold(0, u64::max);
+        match &self.items[unit.items.start] {
+            // What a branch takes besides is needed inside of it.
+            Item::Gate { t, .. } if known != LATER => self.values[t.0 as usize],
+            Item::Compute { op: Op::Mix { t, .. }, .. } => known.max(self.masks[t.0 as usize]),
+            _ => known,
+        }
+    }
+
+    fn place(&mut self, items: Range<usize>) {
+        let gate = self.ordered.len();
+        self.put(self.items[items.start].clone());
+        if items.len() == 1 {
+            return;
+        }
+        self.order(items.start + 1..items.end - 1);
+        let end = self.ordered.len();
+        self.put(self.items[items.end - 1].clone());
+        if let Item::Gate { join, .. } = &mut self.ordered[gate] {
+            *join = end;
+        }
+    }
+
+    fn put(&mut self, item: Item) {
+        let (slots, latency) = weight(&item);
+        let done = self.now + latency;
+        item.results(|value| self.values[value.0 as usize] = done);
+        if let Item::Ready(t) = &item {
+            self.masks[t.0 as usize] = done;
+        }
+        self.now += slots * self.parts;
+        self.ordered.push(item);
+    }
+}
+
+/// Quarters of a cycle that an item takes, and until what it makes is there; measured on one processor (Zen 5), rounded.
+fn weight(item: &Item) -> (u64, u64) {
+    match item {
+        Item::Compute { op, .. } => match op {
+            Op::Input(_) | Op::Line(_) | Op::Constant(_) => (0, 0),
+            Op::Mix { .. } => (4, 28),
+            Op::Clamp { .. } => unreachable!("clamps are split"),
+            Op::Step { .. } => (3, 30),
+            Op::Smooth(_) => (16, 100),
+            Op::Power { n, .. } => (12 + 4 * u64::from(n.ilog2()), 60 + 32 * u64::from(n.ilog2())),
+            Op::Complement(_) => (1, 8),
+            Op::Product(..) => (1, 16),
+        },
+        Item::Over { .. } => (2, 72),
+        Item::Within { .. } => (2, 16),
+        Item::Ready(_) => (3, 32),
+        Item::Blend { weights, .. } => (12 * weights.len() as u64, 60 + 32 * weights.len() as u64),
+        Item::Partition { weights, .. } => (16 * weights.len() as u64, 160),
+        Item::See { least, .. } => (1 + u64::from(least.is_some()), 0),
+        Item::SeeSum { weights, .. } => (6 * weights.len() as u64, 0),
+        Item::Fetch(_) | Item::Output { .. } => (1, 0),
+        Item::Gate { .. } | Item::Join { .. } => (2, 0),
+    }
+}
