@@ -77,7 +77,7 @@ const TOGETHER: usize = 1 << 18;
 const REMEMBERED: usize = 4;
 
 thread_local! {
-    /// What was seen through the last windows, the latest one last.
+    /// What was seen through the last windows, the latest one first.
     static MEMORY: RefCell<Vec<Remembered>> = const { RefCell::new(Vec::new()) };
 }
 
