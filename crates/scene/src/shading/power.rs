@@ -3,8 +3,8 @@
 //! These are the steps of `libm`'s `log1pf` and `expf` (FreeBSD's s_log1pf.c and e_expf.c) for the arguments that lobes
 //! have, with every branch computed and the right one chosen: loops over them become vector code, of the same bits.
 
-const LN2_HI: f32 = 6.931_381_2e-1;
-const LN2_LO: f32 = 9.058_000_6e-6;
+const LN2_HI: f32 = f32::from_bits(0x3f31_7180);
+const LN2_LO: f32 = f32::from_bits(0x3717_f7d1);
 const LG: [f32; 4] = [0.666_666_6, 0.400_009_72, 0.284_987_87, 0.242_790_79];
 
 /// log(1 + x) for x in [−1, 0].
@@ -31,7 +31,7 @@ pub(super) fn log1p(x: f32) -> f32 {
 
 const EXP_LN2_HI: f32 = 6.931_457_5e-1;
 const EXP_LN2_LO: f32 = 1.428_606_8e-6;
-const INV_LN2: f32 = 1.442_695;
+const INV_LN2: f32 = std::f32::consts::LOG2_E;
 const P: [f32; 2] = [1.666_662_5e-1, -2.766_733_3e-3];
 
 /// e to the power y ≤ 0, or NaN.
