@@ -107,6 +107,7 @@ impl Projector {
     }
 
     /// Offsets across and upward of a pixel position, for a depth of 1 (perspective) or in meters (orthographic).
+    #[inline]
     pub(crate) fn plane(&self, x: f64, y: f64) -> (DVec3, DVec3) {
         let across = (x - self.size[0] / 2.0) / self.scale;
         let upward = (self.size[1] / 2.0 - y) / self.scale;

@@ -194,23 +194,17 @@ impl Samples {
         &self.planes[channel as usize]
     }
 
-    /// Background everywhere, in the wanted channels only.
-    pub(crate) fn reset(&mut self, window: Window, wanted: ChannelSet) {
+    /// Room for a window in the wanted channels only; what they hold there is yet to be written.
+    pub(crate) fn shape(&mut self, window: Window, wanted: ChannelSet) {
         self.window = window;
         for channel in Channel::ALL {
-            let plane = &mut self.planes[channel as usize];
-            plane.clear();
-            if wanted.contains(channel) {
-                plane.resize(window.area(), channel.background());
-            }
+            self.planes[channel as usize].resize(if wanted.contains(channel) { window.area() } else { 0 }, 0.0);
         }
     }
 
-    /// Writes a value where the channel was asked for.
+    /// The samples of a channel from `first` on; none where it was not asked for.
     #[inline]
-    pub(crate) fn set(&mut self, channel: Channel, index: usize, value: f64) {
-        if let Some(sample) = self.planes[channel as usize].get_mut(index) {
-            *sample = value as f32;
-        }
+    pub(crate) fn from(&mut self, channel: Channel, first: usize) -> &mut [f32] {
+        self.planes[channel as usize].get_mut(first..).unwrap_or_default()
     }
 }

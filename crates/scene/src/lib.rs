@@ -23,6 +23,7 @@ mod obstacles;
 mod project;
 mod raster;
 pub mod reference;
+mod resolve;
 mod resting;
 mod rigid;
 mod sea_surface;

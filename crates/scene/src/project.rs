@@ -138,10 +138,11 @@ impl Layer {
         match &self.mesh.topology {
             Topology::Triangles(triangles) => Triangles::one(triangles[primitive]),
             Topology::Grid { columns, .. } => {
-                let cells = columns - 1;
-                let (row, column) = (primitive / cells, primitive % cells);
-                let a = (row * columns + column) as u32;
-                let (b, c) = (a + 1, a + *columns as u32);
+                // There are fewer than 2³², and divisions of half the width take half the time.
+                let (primitive, columns) = (primitive as u32, *columns as u32);
+                let (row, column) = (primitive / (columns - 1), primitive % (columns - 1));
+                let a = row * columns + column;
+                let (b, c) = (a + 1, a + columns);
                 Triangles { list: [[a, b, c], [b, c + 1, c]], len: 2 }
             }
         }

@@ -1,19 +1,19 @@
-//! Which triangle each sample sees, and what it sees there.
+//! Which triangle each sample sees.
 
-use glam::DVec3;
+use std::cell::RefCell;
+
 use trochoid_image::Window;
 
-use crate::project::{BIN, Layer, ScreenVertex};
-use crate::shading::unit_or_up;
-use crate::{Channel, ChannelSet, Samples, Visible};
+use crate::Visible;
+use crate::project::{BIN, ScreenVertex};
 
 /// The triangle that each sample of a window sees.
 pub(crate) struct Seen {
     /// Primitive and which of its triangles, packed; [`NOTHING`] where there is none.
-    triangles: Vec<u64>,
+    pub(crate) triangles: Vec<u64>,
 }
 
-const NOTHING: u64 = u64::MAX;
+pub(crate) const NOTHING: u64 = u64::MAX;
 
 /// Twice a triangle's signed area and its edge functions at points, exact in i64.
 struct Edges {
@@ -71,20 +71,71 @@ impl Edges {
     }
 }
 
+/// Pixels times samples that are looked at together at most: 2 MiB.
+const TOGETHER: usize = 1 << 18;
+/// Windows that a thread remembers: some views may be asked in turn for each sample.
+const REMEMBERED: usize = 4;
+
+thread_local! {
+    /// What was seen through the last windows, the latest one first.
+    static MEMORY: RefCell<Vec<Remembered>> = const { RefCell::new(Vec::new()) };
+}
+
+/// What a view saw through a window, for all samples of its pixels.
+struct Remembered {
+    view: u64,
+    window: Window,
+    seen: Vec<Seen>,
+}
+
 impl Visible {
-    fn layer(&self, primitive: u32) -> usize {
-        self.firsts.partition_point(|&first| first <= primitive) - 1
+    #[inline]
+    pub(crate) fn layer(&self, primitive: u32) -> usize {
+        match self.firsts.len() {
+            1 => 0,
+            _ => self.firsts.partition_point(|&first| first <= primitive) - 1,
+        }
     }
 
-    /// The nearest triangle at each sample; of two equally near ones that with the lower number.
-    pub(crate) fn rasterize(&self, window: Window, offset: [f64; 2]) -> Seen {
+    /// Hands `take` what is seen through a window by the sample at `offset`.
+    ///
+    /// Windows are asked for once for each sample of their pixels. Most of the work on a triangle is the same for all
+    /// samples, so the first of them does it for the others too, and the thread remembers.
+    pub(crate) fn look(&self, window: Window, offset: [f64; 2], take: impl FnOnce(&Seen)) {
+        let sample = self.offsets.iter().position(|known| *known == offset);
+        let Some(sample) = sample.filter(|_| window.area().saturating_mul(self.offsets.len()) <= TOGETHER) else {
+            return take(&self.rasterize(window, &[offset])[0]);
+        };
+        MEMORY.with_borrow_mut(|memory| {
+            let known = memory.iter().position(|known| known.view == self.number && known.window == window);
+            let known = known.map(|known| memory.remove(known)).unwrap_or_else(|| {
+                let seen = self.rasterize(window, &self.offsets);
+                Remembered { view: self.number, window, seen }
+            });
+            take(&known.seen[sample]);
+            memory.truncate(REMEMBERED - 1);
+            memory.insert(0, known);
+        });
+    }
+
+    /// The nearest triangle at each sample, for every offset; of two equally near ones that with the lower number.
+    pub(crate) fn rasterize(&self, window: Window, offsets: &[[f64; 2]]) -> Vec<Seen> {
         let inside = window.intersect(Window::sized(self.projector.size[0] as u32, self.projector.size[1] as u32));
-        let mut seen = vec![NOTHING; window.area()];
-        let mut keys = vec![f64::NEG_INFINITY; window.area()];
-        let shift = [self.raster.fix(offset[0]), self.raster.fix(offset[1])];
+        let mut seen: Vec<Seen> = offsets.iter().map(|_| Seen { triangles: vec![NOTHING; window.area()] }).collect();
         if inside.is_empty() {
-            return Seen { triangles: seen };
+            return seen;
         }
+        let mut keys = vec![f64::NEG_INFINITY; window.area() * offsets.len()];
+        let mut samples: Vec<Sample<'_>> = offsets
+            .iter()
+            .zip(&mut seen)
+            .zip(keys.chunks_exact_mut(window.area()))
+            .map(|((offset, seen), keys)| Sample {
+                shift: offset.map(|part| self.raster.fix(part) as i32),
+                seen: &mut seen.triangles,
+                keys,
+            })
+            .collect();
         for bin_y in inside.y0 / BIN[1]..=(inside.y1 - 1) / BIN[1] {
             for bin_x in inside.x0 / BIN[0]..=(inside.x1 - 1) / BIN[0] {
                 let (x0, y0) = (bin_x * BIN[0], bin_y * BIN[1]);
@@ -98,176 +149,63 @@ impl Visible {
                     for (half, triangle) in layer.triangles(local).iter().enumerate() {
                         let corners = triangle.map(|vertex| layer.screen[vertex as usize]);
                         let number = u64::from(primitive) * 2 + half as u64;
-                        self.cover(corners, part, shift, |x, y, key| {
-                            let index = (y - window.y0) as usize * window.width() + (x - window.x0) as usize;
-                            if key > keys[index] || (key == keys[index] && number < seen[index]) {
-                                keys[index] = key;
-                                seen[index] = number;
-                            }
-                        });
+                        self.cover(corners, number, part, window, &mut samples);
                     }
                 }
             }
         }
-        Seen { triangles: seen }
+        seen
     }
 
-    /// Calls `hit` with pixel and key for every sample of `part` that the triangle covers.
+    /// Gives every sample of `part` that the triangle covers, and that sees nothing nearer, its number.
     #[inline]
-    fn cover(&self, corners: [ScreenVertex; 3], part: Window, shift: [i64; 2], mut hit: impl FnMut(i64, i64, f64)) {
+    fn cover(&self, corners: [ScreenVertex; 3], number: u64, part: Window, window: Window, samples: &mut [Sample<'_>]) {
         let bits = self.raster.bits;
+        let bounds = |values: [i32; 3]| {
+            (values[0].min(values[1]).min(values[2]) + ((1 << bits) - 1), values[0].max(values[1]).max(values[2]))
+        };
         let [p, q, r] = corners;
+        let (across, down) = (bounds([p.x, q.x, r.x]), bounds([p.y, q.y, r.y]));
         // First and last pixel whose sample lies within the triangle's bounds.
-        let range = |values: [i32; 3], shift: i64, low: i64, high: i64| {
-            let least = i64::from(values[0].min(values[1]).min(values[2]));
-            let most = i64::from(values[0].max(values[1]).max(values[2]));
-            let first = (least - shift + (1 << bits) - 1) >> bits;
-            (first.max(low), ((most - shift) >> bits).min(high - 1))
+        let range = |(least, most): (i32, i32), shift: i32, low: i64, high: i64| {
+            (i64::from((least - shift) >> bits).max(low), i64::from((most - shift) >> bits).min(high - 1))
         };
-        let (y0, y1) = range([p.y, q.y, r.y], shift[1], part.y0, part.y1);
-        if y0 > y1 {
-            return;
-        }
-        let (x0, x1) = range([p.x, q.x, r.x], shift[0], part.x0, part.x1);
-        if x0 > x1 {
-            return;
-        }
-        let Some(edges) = Edges::new(corners) else { return };
-        for y in y0..=y1 {
-            for x in x0..=x1 {
-                if let Some(key) = edges.key((x << bits) + shift[0], (y << bits) + shift[1]) {
-                    hit(x, y, key);
+        let mut edges = None;
+        for sample in samples {
+            let (y0, y1) = range(down, sample.shift[1], part.y0, part.y1);
+            let (x0, x1) = range(across, sample.shift[0], part.x0, part.x1);
+            if y0 > y1 || x0 > x1 {
+                continue;
+            }
+            let edges = match &mut edges {
+                Some(edges) => edges,
+                none => match Edges::new(corners) {
+                    Some(edges) => none.insert(edges),
+                    None => return,
+                },
+            };
+            let shift = sample.shift.map(i64::from);
+            for y in y0..=y1 {
+                let row = (y - window.y0) as usize * window.width();
+                for x in x0..=x1 {
+                    let Some(key) = edges.key((x << bits) + shift[0], (y << bits) + shift[1]) else { continue };
+                    let index = row + (x - window.x0) as usize;
+                    let nearest = &mut sample.keys[index];
+                    if key > *nearest || (key == *nearest && number < sample.seen[index]) {
+                        *nearest = key;
+                        sample.seen[index] = number;
+                    }
                 }
             }
         }
     }
+}
 
-    /// Interpolates what the seen triangles carry.
-    pub(crate) fn resolve(&self, seen: &Seen, window: Window, offset: [f64; 2], wanted: ChannelSet, out: &mut Samples) {
-        // The offset that the raster rounded to, so that the ray meets the triangle that was found.
-        let unit = f64::from(1_u32 << self.raster.bits);
-        let offset = offset.map(|part| self.raster.fix(part) as f64 / unit);
-        let mut index = 0;
-        for y in window.y0..window.y1 {
-            for x in window.x0..window.x1 {
-                let number = seen.triangles[index];
-                if number != NOTHING {
-                    let primitive = (number / 2) as u32;
-                    let surface = self.layer(primitive);
-                    let layer = &self.layers[surface];
-                    let local = (primitive - self.firsts[surface]) as usize;
-                    let triangle = layer.triangles(local)[(number % 2) as usize];
-                    let pixel = [x as f64 + offset[0], y as f64 + offset[1]];
-                    self.answer(layer, surface, triangle, pixel, wanted, index, out);
-                }
-                index += 1;
-            }
-        }
-    }
-
-    #[allow(clippy::too_many_arguments, reason = "one sample's triangle, place and destination")]
-    fn answer(
-        &self,
-        layer: &Layer,
-        surface: usize,
-        triangle: [u32; 3],
-        pixel: [f64; 2],
-        wanted: ChannelSet,
-        index: usize,
-        out: &mut Samples,
-    ) {
-        out.set(Channel::Coverage, index, 1.0);
-        out.set(Channel::Surface, index, surface as f64);
-        let vertices = triangle.map(|vertex| vertex as usize);
-        let mesh = &layer.mesh;
-        let positions = vertices.map(|vertex| glam::Vec3::from(mesh.positions[vertex]).as_dvec3());
-        let (weights, outer) = self.weights(positions, pixel);
-        let blend = |values: [f64; 3]| values[0] * weights[0] + values[1] * weights[1] + values[2] * weights[2];
-        let offset = DVec3::from_array([0, 1, 2].map(|axis| blend(positions.map(|position| position[axis]))));
-        let projector = &self.projector;
-        out.set(Channel::Depth, index, offset.dot(projector.forward));
-        let position = projector.position + offset;
-        out.set(Channel::PositionX, index, position.x);
-        out.set(Channel::PositionY, index, position.y);
-        out.set(Channel::PositionZ, index, position.z);
-        let height = position.y - mesh.level;
-        out.set(Channel::Height, index, height);
-        if wanted.intersects(ChannelSet::NORMALS) && !mesh.normals.is_empty() {
-            let normal = DVec3::from_array(
-                [0, 1, 2].map(|axis| blend(vertices.map(|vertex| f64::from(mesh.normals[vertex][axis])))),
-            );
-            out.set(Channel::Jacobian, index, if mesh.displaced { normal.y } else { 1.0 });
-            // Of a side seen from the wrong side, as in a fold, the other normal counts.
-            let normal = if outer == mesh.inside { -unit_or_up(normal) } else { unit_or_up(normal) };
-            out.set(Channel::NormalX, index, normal.x);
-            out.set(Channel::NormalY, index, normal.y);
-            out.set(Channel::NormalZ, index, normal.z);
-        }
-        if wanted.intersects(ChannelSet::RESTS.union(ChannelSet::UV)) {
-            // A surface without rest points rests where it is.
-            let rest = if mesh.rests.is_empty() {
-                [offset.x, offset.z]
-            } else {
-                [0, 1].map(|axis| blend(vertices.map(|vertex| f64::from(mesh.rests[vertex][axis]))))
-            };
-            // The level, or how much higher the model's own rest point stands.
-            let risen = if mesh.rest_heights.is_empty() {
-                0.0
-            } else {
-                projector.position.y + blend(vertices.map(|vertex| f64::from(mesh.rest_heights[vertex]))) - mesh.level
-            };
-            let place = [projector.position.x + rest[0], projector.position.z + rest[1]];
-            out.set(Channel::RestX, index, place[0]);
-            out.set(Channel::RestY, index, mesh.level + risen);
-            out.set(Channel::RestZ, index, place[1]);
-            let moved = DVec3::new(offset.x - rest[0], height - risen, offset.z - rest[1]);
-            out.set(Channel::RestDistance, index, moved.length());
-            let uv = if mesh.uvs.is_empty() {
-                place
-            } else {
-                [0, 1].map(|axis| blend(vertices.map(|vertex| f64::from(mesh.uvs[vertex][axis]))))
-            };
-            out.set(Channel::U, index, uv[0]);
-            out.set(Channel::V, index, uv[1]);
-        }
-        if wanted.contains(Channel::SlopeVariance) && !mesh.slope_variances.is_empty() {
-            out.set(
-                Channel::SlopeVariance,
-                index,
-                blend(vertices.map(|vertex| f64::from(mesh.slope_variances[vertex]))),
-            );
-        }
-        if wanted.intersects(ChannelSet::TRAILS) {
-            for (values, channel) in mesh.trails.iter().zip(Channel::TRAILS) {
-                if wanted.contains(channel) && !values.is_empty() {
-                    out.set(channel, index, blend(vertices.map(|vertex| f64::from(values[vertex]))));
-                }
-            }
-        }
-    }
-
-    /// Barycentric weights of the point of a triangle that a pixel's ray meets, from the exact positions: the
-    /// fixed-point ones only decided that it is this triangle.
-    ///
-    /// For a ray from the origin along r, the point Σ wᵢPᵢ is on it if w₀ : w₁ : w₂ = r·(P₁×P₂) : r·(P₂×P₀) :
-    /// r·(P₀×P₁). The flag tells whether the triangle's outer side is seen. Rounding may have put the ray just
-    /// beside the triangle: negative weights count as 0.
-    #[inline]
-    fn weights(&self, positions: [DVec3; 3], pixel: [f64; 2]) -> ([f64; 3], bool) {
-        let projector = &self.projector;
-        let (across, upward) = projector.plane(pixel[0], pixel[1]);
-        let (ray, [p, q, r]) = if projector.orthographic {
-            (projector.forward, positions.map(|position| position - across - upward))
-        } else {
-            (projector.forward + across + upward, positions)
-        };
-        let raw = [ray.dot(q.cross(r)), ray.dot(r.cross(p)), ray.dot(p.cross(q))];
-        // The sum is r·((P₁−P₀)×(P₂−P₀)): negative where the outer side is seen.
-        let outer = raw[0] + raw[1] + raw[2] < 0.0;
-        let sign = if outer { -1.0 } else { 1.0 };
-        let kept = raw.map(|weight| (weight * sign).max(0.0));
-        let sum = kept[0] + kept[1] + kept[2];
-        let weights = if sum > 0.0 && sum.is_finite() { kept.map(|weight| weight / sum) } else { [1.0 / 3.0; 3] };
-        (weights, outer)
-    }
+/// One sample of each pixel of a window.
+struct Sample<'a> {
+    /// Its offset in fixed point.
+    shift: [i32; 2],
+    seen: &'a mut [u64],
+    /// Keys of what is seen.
+    keys: &'a mut [f64],
 }

@@ -1,3 +1,5 @@
+use std::sync::atomic::{AtomicU64, Ordering};
+
 use trochoid_image::{Format, Window};
 
 use crate::project::{BIN, Layer, Raster};
@@ -38,8 +40,15 @@ pub struct Visible {
     /// Where each bin's primitives begin; one more entry than there are bins.
     pub(crate) starts: Vec<u32>,
     pub(crate) binned: Vec<u32>,
+    /// Where the samples of each pixel stand.
+    pub(crate) offsets: Vec<[f64; 2]>,
+    /// No other view of this process has it.
+    pub(crate) number: u64,
     wanted: ChannelSet,
 }
+
+/// How many views there were.
+static VIEWS: AtomicU64 = AtomicU64::new(0);
 
 /// What a preparation cost.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -74,7 +83,9 @@ impl Visible {
         assert!(u32::try_from(first.max(pairs.len())).is_ok(), "fewer than 2³² primitives");
         let (starts, binned) = sort((bins[0] * bins[1]) as usize, &pairs);
         let raster = Raster::new(&projector);
-        Self { projector, raster, layers, firsts, bins, starts, binned, wanted }
+        let offsets = (0..format.samples()).map(|sample| format.sample_offset(sample)).collect();
+        let number = VIEWS.fetch_add(1, Ordering::Relaxed);
+        Self { projector, raster, layers, firsts, bins, starts, binned, offsets, number, wanted }
     }
 
     /// The camera's projection.
@@ -111,12 +122,11 @@ impl Visible {
     /// A channel is wanted that was not prepared.
     pub fn fill(&self, window: Window, offset: [f64; 2], wanted: ChannelSet, out: &mut Samples) {
         assert!(self.wanted.includes(wanted), "a view is asked only for the channels it was prepared for");
-        out.reset(window, wanted);
+        out.shape(window, wanted);
         if window.is_empty() || wanted == ChannelSet::NONE {
             return;
         }
-        let seen = self.rasterize(window, offset);
-        self.resolve(&seen, window, offset, wanted, out);
+        self.look(window, offset, |seen| self.resolve(seen, window, offset, wanted, out));
     }
 }
 

@@ -1,8 +1,8 @@
 //! Fresnel: how much of what reaches the eye is mirrored.
 
 use crate::scene_support::{
-    COMBINE, Lights, NORMAL, POSITION, eye, is_covered, nothing, toward_eye, uncover, view_directions, view_planes,
-    view_vector,
+    COMBINE, Lights, NORMAL, POSITION, eye, is_bare, is_covered, nothing, toward_eye, uncover, view_directions,
+    view_planes, view_vector,
 };
 use trochoid_graph::*;
 use trochoid_scene::Projector;
@@ -79,6 +79,10 @@ struct Mirror {
 impl Prepared for Mirror {
     fn fill(&self, _block: &Block, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let Some(mask) = outputs.take(0, 0) else { return Ok(()) };
+        if is_bare(inputs) {
+            mask.fill(0.0);
+            return Ok(());
+        }
         let normals = view_planes(inputs, NORMAL);
         let views = view_directions(inputs, &self.eye, mask.len())?;
         let views = [&views[0][..], &views[1], &views[2]];

@@ -1,6 +1,8 @@
 //! NonSpecular: how much light reaches a point, all but reflections.
 
-use crate::scene_support::{COMBINE, Lights, NORMAL, POSITION, is_covered, nothing, uncover, view_planes, view_vector};
+use crate::scene_support::{
+    COMBINE, Lights, NORMAL, POSITION, is_bare, is_covered, nothing, uncover, view_planes, view_vector,
+};
 use trochoid_graph::*;
 use trochoid_scene::shading::lambert;
 
@@ -59,6 +61,10 @@ struct Lit {
 impl Prepared for Lit {
     fn fill(&self, _block: &Block, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let Some(mask) = outputs.take(0, 0) else { return Ok(()) };
+        if is_bare(inputs) {
+            mask.fill(0.0);
+            return Ok(());
+        }
         let normals = view_planes(inputs, NORMAL);
         self.lights.fill(inputs, mask, |light, out| lambert::fill(normals, light, self.power as f32, out))?;
         uncover(inputs, mask);

@@ -1,8 +1,8 @@
 //! Specular: where a light is mirrored toward the eye.
 
 use crate::scene_support::{
-    COMBINE, Lights, NORMAL, POSITION, eye, is_covered, nothing, toward_eye, uncover, view_directions, view_planes,
-    view_vector,
+    COMBINE, Lights, NORMAL, POSITION, eye, is_bare, is_covered, nothing, toward_eye, uncover, view_directions,
+    view_planes, view_vector,
 };
 use trochoid_graph::*;
 use trochoid_scene::Projector;
@@ -74,6 +74,10 @@ struct Mirror {
 impl Prepared for Mirror {
     fn fill(&self, _block: &Block, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let Some(mask) = outputs.take(0, 0) else { return Ok(()) };
+        if is_bare(inputs) {
+            mask.fill(0.0);
+            return Ok(());
+        }
         let normals = view_planes(inputs, NORMAL);
         let views = view_directions(inputs, &self.eye, mask.len())?;
         let variances = inputs.view_if_any("view", ViewChannel::SlopeVariance).unwrap_or_default();

@@ -57,6 +57,11 @@ pub(crate) fn is_covered(node: &Settled, inputs: &References<'_>) -> bool {
     inputs.view(node.source("view"), ViewChannel::Coverage) > 0.0
 }
 
+/// Whether no sample of a block is covered: there, a mask is 0 whatever it is made of.
+pub(crate) fn is_bare(inputs: &Inputs<'_>) -> bool {
+    inputs.view("view", ViewChannel::Coverage).iter().all(|coverage| *coverage == 0.0)
+}
+
 /// Sets a mask to its background, 0, where the view is not covered.
 pub(crate) fn uncover(inputs: &Inputs<'_>, mask: &mut [f32]) {
     for (mask, coverage) in mask.iter_mut().zip(inputs.view("view", ViewChannel::Coverage)) {

@@ -13,9 +13,11 @@
 //! resolve, of variance v in both directions together, widen it to 1/s + v/2 (Olano and Baker, *LEAN Mapping*,
 //! 2010), hence s' = s/(1 + s·v/2).
 
+use fearless_simd::{Level, Simd, dispatch};
 use glam::{DVec3, Vec3};
 
-use super::{Vectors, pick, unit_or_up, unit_or_up_f32};
+use super::power::{exp, log1p};
+use super::{Vectors, cut, pick, unit_or_up, unit_or_up_f32};
 
 /// Which two directions are compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -30,6 +32,7 @@ pub enum Model {
 /// The exponent that a lost slope variance leaves of `exponent`.
 ///
 /// Half lobe only: mirrored directions turn twice as far as normals, so that the variance counts four times there.
+#[inline]
 pub fn widened(exponent: f64, slope_variance: f64, model: Model) -> f64 {
     let factor = match model {
         Model::Half => 0.5,
@@ -74,30 +77,49 @@ pub fn fill(
     model: Model,
     out: &mut [f32],
 ) {
-    for (index, out) in out.iter_mut().enumerate() {
-        let variance = slope_variances.get(index).copied().unwrap_or(0.0);
-        let widened = widened(f64::from(exponent), f64::from(variance), model) as f32;
-        *out = lobe(pick(normals, index), pick(lights, index), pick(views, index), widened, model);
+    let mut exponents = [0.0; BLOCK];
+    for (block, out) in out.chunks_mut(BLOCK).enumerate() {
+        let (start, count) = (block * BLOCK, out.len());
+        dispatch!(Level::new(), simd => simd.vectorize(
+            #[inline(always)]
+            || {
+                let (n, l, v) = (cut(normals, start, count), cut(lights, start, count), cut(views, start, count));
+                for (index, out) in out.iter_mut().enumerate() {
+                    *out = away(pick(n, index), pick(l, index), pick(v, index), model);
+                }
+                match slope_variances.get(start..start + count) {
+                    Some(variances) => {
+                        for (to, variance) in exponents.iter_mut().zip(variances) {
+                            *to = widened(f64::from(exponent), f64::from(*variance), model) as f32;
+                        }
+                    }
+                    None => exponents.fill(exponent),
+                }
+                for (out, exponent) in out.iter_mut().zip(&exponents) {
+                    let power = exp(exponent * log1p(*out));
+                    *out = if *out >= -1.0 { power } else { 0.0 };
+                }
+            }
+        ));
     }
 }
 
-#[inline]
-fn lobe(normal: Vec3, light: Vec3, view: Vec3, exponent: f32, model: Model) -> f32 {
+/// Points that are looked at together.
+const BLOCK: usize = 128;
+
+/// −½|a − b|² of the two directions, which is −1 at right angles; −2 where nothing is mirrored.
+#[inline(always)]
+fn away(normal: Vec3, light: Vec3, view: Vec3, model: Model) -> f32 {
+    const NOTHING: f32 = -2.0;
     let (n, l, v) = (unit_or_up_f32(normal), unit_or_up_f32(light), unit_or_up_f32(view));
     let cosine = n.dot(l);
-    if cosine <= 0.0 {
-        return 0.0;
-    }
     let (a, b) = match model {
         Model::Half => match (l + v).try_normalize() {
             Some(half) => (n, half),
-            None => return 0.0,
+            None => return NOTHING,
         },
         Model::Reflection => (2.0 * cosine * n - l, v),
     };
-    if a.dot(b) <= 0.0 {
-        return 0.0;
-    }
     let away = -0.5 * (a - b).length_squared();
-    libm::expf(exponent * libm::log1pf(away.max(-1.0)))
+    if cosine <= 0.0 || a.dot(b) <= 0.0 { NOTHING } else { away.max(-1.0) }
 }

@@ -3,9 +3,10 @@
 //!
 //! F = F₀ + (1 − F₀)(1 − cos θ)⁵ with F₀ = ((η − 1)/(η + 1))², η the ratio of refractive indices.
 
+use fearless_simd::{Level, Simd, dispatch};
 use glam::DVec3;
 
-use super::{Vectors, pick, unit_or_up, unit_or_up_f32};
+use super::{Vectors, cut, pick, unit_or_up, unit_or_up_f32};
 
 /// Which cosine decides.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -49,19 +50,37 @@ pub fn reference(normal: DVec3, light: DVec3, view: DVec3, eta: f64, cosine: Cos
 /// The slices that are read differ in length.
 pub fn fill(normals: Vectors<'_>, lights: Vectors<'_>, views: Vectors<'_>, eta: f64, cosine: Cosine, out: &mut [f32]) {
     let f0 = normal_reflectance(eta) as f32;
-    for (index, out) in out.iter_mut().enumerate() {
-        let v = unit_or_up_f32(pick(views, index));
-        let cosine = match cosine {
-            Cosine::View => unit_or_up_f32(pick(normals, index)).dot(v),
-            Cosine::Half => {
-                let half = unit_or_up_f32(pick(lights, index)) + v;
-                half.try_normalize().map_or(0.0, |half| half.dot(v))
+    dispatch!(Level::new(), simd => simd.vectorize(
+        #[inline(always)]
+        || {
+            let (count, views) = (out.len(), cut(views, 0, out.len()));
+            match cosine {
+                Cosine::View => {
+                    let normals = cut(normals, 0, count);
+                    for (index, out) in out.iter_mut().enumerate() {
+                        let v = unit_or_up_f32(pick(views, index));
+                        *out = mirrored(unit_or_up_f32(pick(normals, index)).dot(v), f0);
+                    }
+                }
+                Cosine::Half => {
+                    let lights = cut(lights, 0, count);
+                    for (index, out) in out.iter_mut().enumerate() {
+                        let v = unit_or_up_f32(pick(views, index));
+                        let half = unit_or_up_f32(pick(lights, index)) + v;
+                        *out = mirrored(half.try_normalize().map_or(0.0, |half| half.dot(v)), f0);
+                    }
+                }
             }
-        };
-        let away = 1.0 - cosine.clamp(0.0, 1.0);
-        let power = away * away * away * away * away;
-        // Mix(F₀, 1, power) in the form that never leaves [F₀, 1] and is exact at both ends.
-        let range = 1.0 - f0;
-        *out = if power < 0.5 { f0 + power * range } else { 1.0 + (power - 1.0) * range };
-    }
+        }
+    ));
+}
+
+/// f32 form of [`schlick`].
+#[inline(always)]
+fn mirrored(cosine: f32, f0: f32) -> f32 {
+    let away = 1.0 - cosine.clamp(0.0, 1.0);
+    let power = away * away * away * away * away;
+    // Mix(F₀, 1, power) in the form that never leaves [F₀, 1] and is exact at both ends.
+    let range = 1.0 - f0;
+    if power < 0.5 { f0 + power * range } else { 1.0 + (power - 1.0) * range }
 }

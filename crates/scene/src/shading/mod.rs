@@ -6,13 +6,16 @@
 pub mod blinn;
 pub mod fresnel;
 pub mod lambert;
+mod power;
 
+use fearless_simd::{Level, Simd, dispatch};
 use glam::DVec3;
 
 /// Three slices of one length: the x, y and z of many vectors.
 pub type Vectors<'a> = [&'a [f32]; 3];
 
 /// The unit vector along `vector`; (0, 1, 0) where it is zero or not finite.
+#[inline]
 pub fn unit_or_up(vector: DVec3) -> DVec3 {
     vector.try_normalize().unwrap_or(DVec3::Y)
 }
@@ -30,16 +33,34 @@ pub(crate) fn unit_or_up_f32(vector: glam::Vec3) -> glam::Vec3 {
 }
 
 /// Unit vectors from points to the camera at `eye`, or against `forward` where rays are parallel, written to `out`.
+#[allow(clippy::needless_range_loop, reason = "a loop over several slices")]
 pub fn view_directions(positions: Vectors<'_>, projector: &crate::Projector, out: [&mut [f32]; 3]) {
     let [x, y, z] = out;
-    for index in 0..x.len() {
-        let view = if projector.orthographic {
-            -projector.forward
-        } else {
-            unit_or_up(projector.position - pick(positions, index).as_dvec3())
-        };
-        (x[index], y[index], z[index]) = (view.x as f32, view.y as f32, view.z as f32);
+    if projector.orthographic {
+        let view = -projector.forward;
+        x.fill(view.x as f32);
+        y.fill(view.y as f32);
+        z.fill(view.z as f32);
+        return;
     }
+    let eye = projector.position;
+    dispatch!(Level::new(), simd => simd.vectorize(
+        #[inline(always)]
+        || {
+            let count = x.len();
+            let (positions, y, z) = (cut(positions, 0, count), &mut y[..count], &mut z[..count]);
+            for index in 0..count {
+                let view = unit_or_up(eye - pick(positions, index).as_dvec3());
+                (x[index], y[index], z[index]) = (view.x as f32, view.y as f32, view.z as f32);
+            }
+        }
+    ));
+}
+
+/// So many vectors from `start` on: loops that know their number become vector code.
+#[inline(always)]
+fn cut([x, y, z]: Vectors<'_>, start: usize, count: usize) -> Vectors<'_> {
+    [&x[start..][..count], &y[start..][..count], &z[start..][..count]]
 }
 
 #[cfg(test)]
