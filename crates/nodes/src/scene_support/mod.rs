@@ -7,6 +7,7 @@ mod lit;
 mod mask;
 mod mesh;
 mod model;
+mod seen;
 mod surroundings;
 mod thickness;
 
@@ -17,7 +18,8 @@ pub(crate) use lit::{COMBINE, Lights, Vectors3, eye, toward_eye, view_directions
 pub(crate) use mask::{ViewMask, ramp};
 pub(crate) use mesh::read_mesh;
 pub(crate) use model::{patch, read_model};
-pub(crate) use surroundings::{BEYOND, DETAIL, First, Surroundings, landed};
+pub(crate) use seen::{Rays, Seen, asked};
+pub(crate) use surroundings::{BEYOND, DETAIL, Surroundings, landed};
 pub(crate) use thickness::{DISTANCE, INSET, Way};
 
 use std::sync::Arc;

@@ -36,7 +36,7 @@ fn part(mesh: tobj::Mesh) -> Result<Triangles, String> {
     let wild = |v: &f64| !v.is_finite() || v.abs() > MOST;
     if let Some(at) = mesh.positions.iter().position(wild) {
         return Err(format!(
-            "found the coordinate {} of a vertex; expected finite numbers up to {MOST:e}: correct it, or export the file \
+            "found the coordinate {:?} of a vertex; expected finite numbers up to {MOST:e}: correct it, or export the file \
              again",
             mesh.positions[at]
         ));
