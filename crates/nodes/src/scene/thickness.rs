@@ -106,8 +106,7 @@ fn refracted(direction: DVec3, normal: DVec3, ior: f64) -> DVec3 {
 impl Prepared for Thick {
     fn fill(&self, block: &Block, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let Some(out) = outputs.take(0, 0) else { return Ok(()) };
-        self.surroundings.fill(block, inputs, out, |seen, rays| self.thickness(seen, rays));
-        Ok(())
+        self.surroundings.fill(block, inputs, out, |seen, rays| self.thickness(seen, rays))
     }
 
     fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {

@@ -88,8 +88,7 @@ impl Glowing {
 impl Prepared for Glowing {
     fn fill(&self, block: &Block, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let Some(mask) = outputs.take(0, 0) else { return Ok(()) };
-        self.surroundings.fill(block, inputs, mask, |seen, rays| self.mask(seen, rays));
-        Ok(())
+        self.surroundings.fill(block, inputs, mask, |seen, rays| self.mask(seen, rays))
     }
 
     fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {

@@ -10,6 +10,7 @@ mod model;
 mod seen;
 mod surroundings;
 mod thickness;
+mod waters;
 
 pub(crate) use around::{Around, change, grown, surface_of};
 pub(crate) use copy::ViewCopy;
@@ -21,6 +22,7 @@ pub(crate) use model::{patch, read_model};
 pub(crate) use seen::{Rays, Seen, asked};
 pub(crate) use surroundings::{BEYOND, DETAIL, Surroundings, landed};
 pub(crate) use thickness::{DISTANCE, INSET, Way};
+pub(crate) use waters::{REST, TRAILS, WAVES, can_break, check_same_camera, check_sea, check_trails};
 
 use std::sync::Arc;
 use trochoid_graph::{Inputs, Reference, References, Settled, ViewChannel};

@@ -2,7 +2,7 @@
 
 use super::surroundings::{First, Surroundings};
 use super::{NORMAL, POSITION, is_covered, view_planes, view_vector};
-use trochoid_graph::{Block, ChannelSet, Inputs, References, Settled, ViewChannel};
+use trochoid_graph::{Block, ChannelSet, Inputs, NodeError, References, Settled, ViewChannel};
 use trochoid_scene::shading::unit_or_up;
 use trochoid_scene::{DVec3, Ray};
 
@@ -24,6 +24,9 @@ pub(crate) struct Rays<'a> {
     pub(crate) blocks: &'a dyn Fn(&Ray, f64) -> bool,
 }
 
+/// Points from one question whether to stop to the next.
+const ASKED: usize = 64;
+
 /// What the view must supply.
 pub(crate) fn asked() -> ChannelSet {
     ChannelSet::of(&NORMAL).union(ChannelSet::of(&POSITION)).union(ViewChannel::Coverage.into())
@@ -35,13 +38,16 @@ impl Surroundings {
     }
 
     /// Fills a block with a quantity of the points seen, by the tessellated surfaces; 0 where nothing is seen.
+    ///
+    /// # Errors
+    /// The user has asked to stop.
     pub(crate) fn fill(
         &self,
         block: &Block,
         inputs: &Inputs<'_>,
         out: &mut [f32],
         quantity: impl Fn(&Seen, Rays<'_>) -> f64,
-    ) {
+    ) -> Result<(), NodeError> {
         let (points, normals) = (view_planes(inputs, POSITION), view_planes(inputs, NORMAL));
         let coverage = inputs.view("view", ViewChannel::Coverage);
         let vector = |planes: [&[f32]; 3], index: usize| DVec3::from(planes.map(|plane| f64::from(plane[index])));
@@ -51,6 +57,10 @@ impl Surroundings {
         let window = block.window;
         let pixels = (window.y0..window.y1).flat_map(|y| (window.x0..window.x1).map(move |x| (x, y)));
         for (index, (out, (x, y))) in out.iter_mut().zip(pixels).enumerate() {
+            // Rays may take long: a soft shadow's over a row more than anybody waits.
+            if index % ASKED == 0 && inputs.cancelled() {
+                return Err(NodeError::new("cancelled"));
+            }
             *out = if coverage[index] > 0.0 {
                 let at = [x as f64 + block.offset[0], y as f64 + block.offset[1]];
                 quantity(&self.seen(at, vector(points, index), vector(normals, index)), rays) as f32
@@ -58,6 +68,7 @@ impl Surroundings {
                 0.0
             };
         }
+        Ok(())
     }
 
     /// The same of one sample, by the continuous surfaces, in f64.
