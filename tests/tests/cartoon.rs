@@ -1,6 +1,6 @@
 //! Cartoon water: foam on hostile passes, lines that stay calm afar, and floating bodies at any frame.
 
-use crate::support::{all_bits, evaluate, graph_in, sample, settings, under_all_settings, write_exr};
+use crate::support::{all_bits, evaluate, graph_in, on_passes, sample, settings, under_all_settings, write_exr};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use std::path::Path;
@@ -8,7 +8,6 @@ use trochoid::{Buffers, Cache, Plan, ReferenceFrame, Silent};
 
 #[test]
 fn waterline_foam_agrees_with_the_reference_on_hostile_passes() {
-    let folder = tempfile::tempdir().unwrap();
     let (width, height) = (19, 14);
     let nodes = r#"
         "water": { "type": "ViewFromPasses", "file": "a.exr", "depth": "water.Z", "position": "Pw" },
@@ -33,28 +32,14 @@ fn waterline_foam_agrees_with_the_reference_on_hostile_passes() {
         for name in ["Pw.X", "Pw.Y", "Pw.Z", "Pl.X", "Pl.Y", "Pl.Z"] {
             passes.push((name, plane(&[0.0, 0.1, -0.3, 0.25, 1e6, -1e30])));
         }
-        let channels: Vec<(&str, &[f32])> = passes.iter().map(|(name, plane)| (*name, &plane[..])).collect();
-        write_exr(&folder.path().join("a.exr"), width, height, &channels);
-        let text = format!(
-            r#"{{ "trochoid": 1, "format": {{ "width": {width}, "height": {height} }}, "nodes": {{ {nodes} }},
-                "outputs": {{ {} }} }}"#,
-            outputs.join(", ")
-        );
-        let graph = graph_in(folder.path(), &text);
-        let frame = under_all_settings(&graph, 1, &Buffers::new(), "foam");
-        for picture in &frame.pictures {
-            let output = &graph.outputs()[picture.output].name;
-            let reference = ReferenceFrame::new(&graph, output, 1).unwrap();
-            let (mut full, mut none) = (0, 0);
-            for (x, y) in (0..i64::from(height)).flat_map(|y| (0..i64::from(width)).map(move |x| (x, y))) {
-                let truth = reference.pixel(x, y).unwrap()[0];
-                let found = f64::from(sample(picture, 0, x, y));
-                assert!((found - truth).abs() <= 1e-5, "seed {seed}, {output} at ({x}, {y}): {found}, not {truth}");
-                full += i32::from(truth > 0.99);
-                none += i32::from(truth == 0.0);
+        on_passes([width, height], &passes, nodes, &outputs, |output, pairs| {
+            for (at, [found, truth]) in pairs.iter().enumerate() {
+                assert!((found - truth).abs() <= 1e-5, "seed {seed}, {output} at {at}: {found}, not {truth}");
             }
+            let full = pairs.iter().filter(|[_, truth]| *truth > 0.99).count();
+            let none = pairs.iter().filter(|[_, truth]| *truth == 0.0).count();
             assert!(full > 5 && none > 20, "{output} tells nothing: {full}, {none}");
-        }
+        });
     }
 }
 

@@ -26,3 +26,4 @@ mod spray;
 mod streaming;
 mod support;
 mod thesis;
+mod warnings;

@@ -115,7 +115,8 @@ fn write_item(text: &mut String, item: &Item, indent: usize) {
         Item::Port(port) => write_entry(text, port.name, &port_text(port), port.help, indent),
         Item::Knob(knob) => write_entry(text, knob.name, &knob_text(knob), knob.help, indent),
         Item::List(list) => {
-            let what = format!("{} records, each with", range(list.min, list.max));
+            let required = if list.min > 0 { "required: " } else { "" };
+            let what = format!("{required}{} records, each with", range(list.min, list.max));
             write_entry(text, list.name, &what, list.help, indent);
             list.items.iter().for_each(|item| write_item(text, item, indent + 4));
         }
@@ -143,7 +144,10 @@ fn port_text(port: &Port) -> String {
     match port.arity {
         Arity::One => format!("{accepts}{literal}"),
         Arity::Optional => format!("{accepts}{literal}; may be left open"),
-        Arity::Many { min, max } => format!("a list of {} × {accepts}{literal}", range(min, max)),
+        Arity::Many { min, max } => {
+            let open = if min == 0 { "; may be left open" } else { "; required" };
+            format!("a list of {} × {accepts}{literal}{open}", range(min, max))
+        }
     }
 }
 
@@ -219,7 +223,14 @@ fn describe_item(item: &Item) -> Value {
         }
         Item::List(list) => {
             let items: Vec<Value> = list.items.iter().map(describe_item).collect();
-            json!({ "list": list.name, "min": list.min, "max": list.max, "items": items, "help": list.help })
+            json!({
+                "list": list.name,
+                "required": list.min > 0,
+                "min": list.min,
+                "max": list.max,
+                "items": items,
+                "help": list.help,
+            })
         }
     }
 }
@@ -238,6 +249,10 @@ mod tests {
             }
             for item in declaration.items {
                 assert!(text.contains(&format!("\n  {}: ", item.name())), "{}: {}", declaration.name, item.name());
+                if let Item::List(list) = item {
+                    let required = text.contains(&format!("\n  {}: required: ", list.name));
+                    assert_eq!(required, list.min > 0, "{}: {}", declaration.name, list.name);
+                }
             }
         }
     }

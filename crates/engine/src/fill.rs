@@ -6,8 +6,8 @@
 
 use crate::kernel::{Chunk, Compiled, Machine, Plane, WeightAudit};
 use crate::plan::{Feed, Fill};
-use crate::prepare::Ready;
-use crate::{Buffers, EvalError, Plan};
+use crate::prepare::{Ready, node_error};
+use crate::{Buffers, EvalError, Monitor, Plan};
 use std::borrow::Cow;
 use std::collections::HashMap;
 use std::time::Instant;
@@ -19,6 +19,7 @@ pub(crate) struct Fills<'p> {
     plan: &'p Plan<'p>,
     ready: &'p HashMap<NodeId, Ready>,
     buffers: &'p Buffers<'p>,
+    monitor: &'p dyn Monitor,
     fills: Vec<FillState<'p>>,
     /// Which fill holds a node's planes.
     by_node: HashMap<NodeId, usize>,
@@ -68,6 +69,7 @@ impl<'p> Fills<'p> {
         ready: &'p HashMap<NodeId, Ready>,
         buffers: &'p Buffers<'p>,
         fills: &'p [Fill],
+        monitor: &'p dyn Monitor,
         chunks: &mut &'p mut [Chunk],
     ) -> Self {
         let by_node: HashMap<NodeId, usize> =
@@ -101,7 +103,7 @@ impl<'p> Fills<'p> {
                 tap_window: Window::default(),
             })
             .collect();
-        Self { plan, ready, buffers, fills, by_node, tile: Window::default() }
+        Self { plan, ready, buffers, monitor, fills, by_node, tile: Window::default() }
     }
 
     /// Fills every stage over what a tile needs of it, at one offset within the pixels; adds the time that each took to
@@ -111,11 +113,7 @@ impl<'p> Fills<'p> {
         for index in 0..self.fills.len() {
             let started = Instant::now();
             let id = self.fills[index].fill.node;
-            self.stage(index, offset).map_err(|error| {
-                let node = self.plan.graph.node(id);
-                let ty = node.ty.declaration().name.into();
-                EvalError::Node { node: node.name.clone(), ty, message: error.message }
-            })?;
+            self.stage(index, offset).map_err(|error| node_error(self.plan, id, error, self.monitor))?;
             seconds[id.0] += started.elapsed().as_secs_f64();
         }
         Ok(())
@@ -273,7 +271,9 @@ impl<'p> Fills<'p> {
             })
             .collect();
         let Some(ready) = self.ready.get(&state.fill.node) else { return Ok(()) };
-        ready.prepared.fill(&Block { window, offset }, &Inputs::new(&ports), &mut Outputs::new(outputs))?;
+        let cancelled = || self.monitor.cancelled();
+        let inputs = Inputs::new(&ports).with_cancellation(&cancelled);
+        ready.prepared.fill(&Block { window, offset }, &inputs, &mut Outputs::new(outputs))?;
         if state.fill.variance == Variance::Row {
             let width = state.window.width();
             for plane in planes.iter_mut().flatten().filter(|plane| !plane.is_empty()) {

@@ -269,7 +269,7 @@ impl Plan<'_> {
         let stop = AtomicBool::new(false);
         let work = || {
             let mut chunks = Chunks::of(self.passes.iter().flat_map(programs));
-            let mut worker = Worker::new(self, ready, buffers, judges, chunks.all());
+            let mut worker = Worker::new(self, ready, buffers, judges, monitor, chunks.all());
             let mut band = |window: Window, rows: &mut Rows<'_>| {
                 for tile in window.tiles(width, height) {
                     if monitor.cancelled() {

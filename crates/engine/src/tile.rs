@@ -6,7 +6,7 @@ use crate::judge::{Judge, is_judged, nan_count};
 use crate::kernel::{Chunk, Look, Machine, Plane, WeightAudit};
 use crate::plan::Pass;
 use crate::prepare::Ready;
-use crate::{Buffers, EvalError, Plan};
+use crate::{Buffers, EvalError, Monitor, Plan};
 use std::collections::HashMap;
 use std::sync::Arc;
 use std::time::Instant;
@@ -57,6 +57,7 @@ impl<'p> Worker<'p> {
         ready: &'p HashMap<NodeId, Ready>,
         buffers: &'p Buffers<'p>,
         judges: &'p [Option<Arc<Judge>>],
+        monitor: &'p dyn Monitor,
         mut chunks: &'p mut [Chunk],
     ) -> Self {
         let passes = plan
@@ -65,7 +66,7 @@ impl<'p> Worker<'p> {
             .map(|pass| PassState {
                 pass,
                 machine: Machine::new(&pass.program, &mut chunks),
-                fills: Fills::new(plan, ready, buffers, &pass.fills, &mut chunks),
+                fills: Fills::new(plan, ready, buffers, &pass.fills, monitor, &mut chunks),
                 sums: vec![Vec::new(); channel_count(pass)],
                 rows: vec![Vec::new(); channel_count(pass)],
             })

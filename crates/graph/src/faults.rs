@@ -1,11 +1,50 @@
 //! What a node's own checks find.
 
-use crate::{Kind, Source};
+use crate::{Body, Kind, NodeType, Settled, Source};
 
 /// Collects what [`NodeType::check`](crate::NodeType::check) finds.
 pub struct Check<'a> {
-    kinds: &'a dyn Fn(&Source<Vec<f64>>) -> Option<Kind>,
+    around: &'a dyn Around,
     faults: Vec<Fault>,
+}
+
+/// The graph around a node that is checked.
+pub trait Around {
+    /// The kind of a connection or literal, where known.
+    fn kind(&self, source: &Source<Vec<f64>>) -> Option<Kind>;
+
+    /// The node that a connection comes from, as it is at the frame, where it has no faults.
+    fn upstream(&self, source: &Source<Vec<f64>>) -> Option<Upstream>;
+
+    /// What takes the node's outputs.
+    fn users(&self) -> Vec<User>;
+}
+
+/// A node that another one takes something from.
+#[derive(Clone)]
+pub struct Upstream {
+    /// Its type.
+    pub ty: &'static dyn NodeType,
+    /// Its name in the document.
+    pub name: String,
+    /// Its ports and knobs.
+    pub node: Settled,
+}
+
+impl Upstream {
+    /// Whether what it hands on has something beside its kind: see [`Stage::offers`].
+    pub fn offers(&self, what: &str) -> bool {
+        if let Body::Stage(stage) = self.ty.body() { stage.offers().contains(&what) } else { false }
+    }
+}
+
+/// A port that takes an output, or a view of it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct User {
+    /// The name of the type of node whose port it is.
+    pub ty: &'static str,
+    /// The port.
+    pub port: &'static str,
 }
 
 /// A fault or warning within one node.
@@ -24,14 +63,24 @@ pub struct Fault {
 }
 
 impl<'a> Check<'a> {
-    /// Made by validation; `kinds` gives the kind of a connection, where it is known.
-    pub fn new(kinds: &'a dyn Fn(&Source<Vec<f64>>) -> Option<Kind>) -> Self {
-        Self { kinds, faults: Vec::new() }
+    /// Made by validation.
+    pub fn new(around: &'a dyn Around) -> Self {
+        Self { around, faults: Vec::new() }
     }
 
     /// The kind of a connection or literal, where known.
     pub fn kind(&self, source: &Source<Vec<f64>>) -> Option<Kind> {
-        (self.kinds)(source)
+        self.around.kind(source)
+    }
+
+    /// The node that a connection comes from, where it has no faults of its own.
+    pub fn upstream(&self, source: &Source<Vec<f64>>) -> Option<Upstream> {
+        self.around.upstream(source)
+    }
+
+    /// What takes the node's outputs, and what takes the views of them.
+    pub fn users(&self) -> Vec<User> {
+        self.around.users()
     }
 
     /// Reports an error.

@@ -121,8 +121,9 @@ impl Accepts {
                 "put a Clamp between: it maps the field to weights in [0, 1]".into()
             }
             (Self::Mask | Self::Weights, Kind::Field(_)) => {
-                "take one component first (for example Height or Depth), then Clamp it".into()
+                "take one component with a FieldMath (\"expression\": \"a.x\"), then Clamp it".into()
             }
+            (Self::Scalar, Kind::Field(_)) => "take one component with a FieldMath: \"expression\": \"a.x\"".into(),
             (Self::Mask, Kind::Weights(n)) => {
                 format!("give the {n} weights to a Blend with {n} colors; a mask has two ways only")
             }

@@ -37,7 +37,7 @@ pub use checked::{CheckedGraph, CheckedNode, Guarantee, OutputSpec, Precision};
 pub use declare::{Arity, Declaration, Default, End, Item, Knob, List, Output, Port, Takes};
 pub use diagnostic::{Diagnostic, Severity, nearest};
 pub use document::{Document, MAX_BYTES, MAX_NODES};
-pub use faults::{Check, Fault};
+pub use faults::{Around, Check, Fault, Upstream, User};
 pub use frame::{FrameContext, expand_frame};
 pub use kind::{Accepts, ChannelSet, Kind, ViewChannel};
 pub use lowering::Lowering;

@@ -91,6 +91,11 @@ pub trait Stage {
         ChannelSet::of(ViewChannel::ALL)
     }
 
+    /// What a handle has beside its kind, by names that the nodes which want it know, such as waves that fold.
+    fn offers(&self) -> &'static [&'static str] {
+        &[]
+    }
+
     /// Certain bounds of an output channel, known before anything is prepared.
     fn interval(&self, node: &Settled, output: usize, channel: usize) -> Option<(f64, f64)> {
         let _ = (node, output, channel);

@@ -146,12 +146,24 @@ pub struct Connection<'a> {
 /// The planes connected to a stage's ports over a block.
 pub struct Inputs<'a> {
     ports: &'a [(&'static str, Vec<Connection<'a>>)],
+    cancelled: &'a (dyn Fn() -> bool + Sync),
 }
 
 impl<'a> Inputs<'a> {
     /// Made by the engine: for each port its connections.
     pub fn new(ports: &'a [(&'static str, Vec<Connection<'a>>)]) -> Self {
-        Self { ports }
+        Self { ports, cancelled: &|| false }
+    }
+
+    /// The same with what tells whether the user has asked to stop.
+    #[must_use]
+    pub fn with_cancellation(self, cancelled: &'a (dyn Fn() -> bool + Sync)) -> Self {
+        Self { cancelled, ..self }
+    }
+
+    /// Whether the user has asked to stop: then a stage that takes long may return an error, which nobody sees.
+    pub fn cancelled(&self) -> bool {
+        (self.cancelled)()
     }
 
     /// The connections of a port: none where an optional port is open.

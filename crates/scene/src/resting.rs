@@ -10,19 +10,34 @@ use crate::{GridSurface, SeaSurface};
 /// `on_grid` and `at` describe one and the same surface: the first fast, on a grid and in f32, the second in f64.
 pub trait Resting {
     /// What is wanted at every point of a grid, row by row, with an error of at most `tolerance` of each quantity's
-    /// root mean square, or as exact as can be. Must not depend on the number of threads.
+    /// root mean square, or as exact as can be. Must not depend on the number of threads. Told to stop, it ends as soon
+    /// as it can, and what is out is of no use.
     ///
     /// # Errors
     /// The grid has too many points, or a figure that is not finite.
-    fn on_grid(&self, grid: Grid, wanted: Wanted, tolerance: f64, out: &mut Fields) -> Result<(), GridError>;
+    fn on_grid(
+        &self,
+        grid: Grid,
+        wanted: Wanted,
+        tolerance: f64,
+        out: &mut Fields,
+        stop: &(dyn Fn() -> bool + Sync),
+    ) -> Result<(), GridError>;
 
     /// The displaced surface at a rest point (x₀, z₀) under a footprint in meters, in f64.
     fn at(&self, rest: [f64; 2], footprint: f64) -> Sample;
 }
 
 impl Resting for SeaSurface {
-    fn on_grid(&self, grid: Grid, wanted: Wanted, tolerance: f64, out: &mut Fields) -> Result<(), GridError> {
-        GridPlan::new(grid, wanted, self.frame.len(), tolerance)?.evaluate(&self.frame, out);
+    fn on_grid(
+        &self,
+        grid: Grid,
+        wanted: Wanted,
+        tolerance: f64,
+        out: &mut Fields,
+        stop: &(dyn Fn() -> bool + Sync),
+    ) -> Result<(), GridError> {
+        GridPlan::new(grid, wanted, self.frame.len(), tolerance)?.evaluate_unless(&self.frame, out, stop);
         Ok(())
     }
 
@@ -33,7 +48,14 @@ impl Resting for SeaSurface {
 
 /// Points move up and down alone, whatever the footprint; where the surface ends, they rest.
 impl Resting for GridSurface {
-    fn on_grid(&self, grid: Grid, wanted: Wanted, _tolerance: f64, out: &mut Fields) -> Result<(), GridError> {
+    fn on_grid(
+        &self,
+        grid: Grid,
+        wanted: Wanted,
+        _tolerance: f64,
+        out: &mut Fields,
+        _stop: &(dyn Fn() -> bool + Sync),
+    ) -> Result<(), GridError> {
         grid.validate()?;
         out.reset(wanted, grid.columns * grid.rows);
         let columns = grid.columns.max(1);

@@ -141,6 +141,12 @@ impl GridPlan {
 
     /// What is wanted at every point of the grid, row by row.
     pub fn evaluate(&mut self, frame: &SeaFrame, out: &mut Fields) {
+        self.evaluate_unless(frame, out, &|| false);
+    }
+
+    /// The same unless told to stop, which it asks at each row where points are summed wave by wave: then what is out
+    /// is of no use.
+    pub fn evaluate_unless(&mut self, frame: &SeaFrame, out: &mut Fields, stop: &(dyn Fn() -> bool + Sync)) {
         let (grid, wanted) = (self.grid, self.wanted);
         out.reset(wanted, grid.columns * grid.rows);
         if frame.is_empty() || grid.columns * grid.rows == 0 {
@@ -163,27 +169,31 @@ impl GridPlan {
         match &mut self.transform {
             Transform::Single(transform) => transform.evaluate(frame, grid, &shares, out),
             Transform::Double(transform) => transform.evaluate(frame, grid, &shares, out),
-            Transform::None if self.method == Method::Separable => frame.separable(grid, &shares, wanted, out),
-            Transform::None => direct(frame, grid, wanted, out),
+            Transform::None if self.method == Method::Separable => frame.separable(grid, &shares, wanted, out, stop),
+            Transform::None => direct(frame, grid, wanted, out, stop),
         }
     }
 }
 
 /// Row by row, by the sum for any points.
-fn direct(frame: &SeaFrame, grid: Grid, wanted: Wanted, out: &mut Fields) {
+fn direct(frame: &SeaFrame, grid: Grid, wanted: Wanted, out: &mut Fields, stop: &(dyn Fn() -> bool + Sync)) {
     let wanted = Wanted { slope_variance: false, ..wanted };
     let x: Vec<f64> = (0..grid.columns).map(|column| grid.origin[0] + column as f64 * grid.step[0]).collect();
     let footprint = vec![grid.footprint; grid.columns];
     let row = |row: usize| {
+        if stop() {
+            return None;
+        }
         let z = vec![grid.origin[1] + row as f64 * grid.step[1]; grid.columns];
         let mut fields = Fields::default();
         frame.direct(Points { x: &x, z: &z, footprint: &footprint }, wanted, &mut fields);
-        fields
+        Some(fields)
     };
     let rows: Vec<usize> = (0..grid.rows).collect();
     // A few rows at a time, so that they take little beside the result.
     for rows in rows.chunks(64) {
-        let results: Vec<Fields> = rows.par_iter().map(|&index| row(index)).collect();
+        let results: Option<Vec<Fields>> = rows.par_iter().map(|&index| row(index)).collect();
+        let Some(results) = results else { return };
         for (mut fields, &row) in results.into_iter().zip(rows) {
             for (out, values) in out.sums_mut().into_iter().zip(fields.sums_mut()) {
                 if !out.is_empty() {

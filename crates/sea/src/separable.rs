@@ -15,7 +15,14 @@ impl SeaFrame {
     /// exp(iθ) is a factor of the column times one of the row, so that a sine and cosine for each column and wave,
     /// and one for each row and wave, replace those of every point: a point and wave costs one complex product. The
     /// column factors take 128 bytes for sixteen columns and a wave.
-    pub(crate) fn separable(&self, grid: Grid, shares: &[f32], wanted: Wanted, out: &mut Fields) {
+    pub(crate) fn separable(
+        &self,
+        grid: Grid,
+        shares: &[f32],
+        wanted: Wanted,
+        out: &mut Fields,
+        stop: &(dyn Fn() -> bool + Sync),
+    ) {
         let level = Level::new();
         let factors = self.factors(level, grid, shares.len());
         let mut rows: Vec<[&mut [f32]; SUMS]> = (0..grid.rows).map(|_| std::array::from_fn(|_| &mut [][..])).collect();
@@ -26,6 +33,9 @@ impl SeaFrame {
         }
         let kinds = kinds(wanted);
         rows.into_par_iter().enumerate().for_each(|(row, mut out)| {
+            if stop() {
+                return;
+            }
             let z = grid.origin[1] + row as f64 * grid.step[1];
             let mut origins = vec![0.0; shares.len()];
             self.phases.at(grid.origin[0], z, &mut origins);

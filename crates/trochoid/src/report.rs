@@ -117,11 +117,11 @@ pub fn frame_report(graph: &CheckedGraph, frame: &Frame, write_seconds: f64) -> 
     })
 }
 
-/// What was evaluated, cached and left out, for a picture's metadata.
+/// What was needed and left out, for a picture's metadata: nothing that depends on what a cache held, so that equal
+/// renders make equal files.
 pub(crate) fn plan_summary(frame: &Frame) -> String {
     let count = |name: &str| frame.nodes.iter().filter(|node| node.state.name() == name).count();
-    let (evaluated, cached, left_out) = (count("evaluated"), count("cached"), count("left_out"));
-    format!("{evaluated} nodes evaluated, {cached} cached, {left_out} left out")
+    format!("{} nodes evaluated, {} left out", count("evaluated") + count("cached"), count("left_out"))
 }
 
 /// JSON has no infinity: the smallest weight of a picture without weights, and the like, become null.

@@ -12,7 +12,7 @@ pub(super) fn table() -> Vec<Bad> {
         nodes(
             "a Field of 3 as a mask",
             r#""a": { "type": "Invert", "weight": "normal" }"#,
-            &[&["a Field of 3 components", "take one component first"]],
+            &[&["a Field of 3 components", "take one component with a FieldMath", "\"a.x\"", "then Clamp it"]],
         ),
         nodes(
             "a Field as Weights",
@@ -103,6 +103,26 @@ pub(super) fn table() -> Vec<Bad> {
             "a mask in a stop",
             r#""a": { "type": "Ramp", "weight": "t", "stops": [{ "at": 0, "color": "t" }] }"#,
             &[&["color: found \"t\", a mask", "control colors make the color"]],
+        ),
+        nodes(
+            "two components as one",
+            r#""uv": { "type": "UV", "view": "view" }, "a": { "type": "Clamp", "field": "uv" }"#,
+            &[&["bad.json:6:", "FieldMath", "\"a.x\""]],
+        ),
+        nodes(
+            "what floats on no water",
+            r#""model": { "type": "Mesh", "file": "a.obj" }, "a": { "type": "Float", "model": "model", "sea": "model", "bodies": [{}] }"#,
+            &[&["bad.json:6:", "sea: found \"model\", a Mesh, which has no plane at rest", "RippleSea or ToonSea"]],
+        ),
+        nodes(
+            "a model to bake",
+            r#""model": { "type": "Mesh", "file": "a.obj" }, "a": { "type": "Bake", "sea": "model" }"#,
+            &[&["bad.json:6:", "sea: found \"model\", a Mesh, which has no plane at rest", "RippleSea or ToonSea"]],
+        ),
+        nodes(
+            "no list",
+            r#""a": { "type": "Float", "model": "sea", "sea": "sea" }"#,
+            &[&["no \"bodies\"", "a list of 1 to 64", "give \"bodies\": [{ … }, …], records with \"x\", \"z\""]],
         ),
     ]
 }

@@ -81,5 +81,10 @@ pub(super) fn table() -> Vec<Bad> {
             r#""beauty": { "color": "x" }, "beauty": { "color": "y" }"#,
             &[&["\"beauty\" a second time"]],
         ),
+        outputs(
+            "a Field in a PNG",
+            r#""beauty": { "field": "depth", "file": "a.png" }"#,
+            &[&["bad.json:7:39: beauty", "found \"a.png\", a PNG, for a Field", "give the path the ending .exr"]],
+        ),
     ]
 }

@@ -7,7 +7,8 @@ pub(crate) use files::{folder, write_exr};
 
 use std::path::{Path, PathBuf};
 use trochoid::{
-    Buffers, Cache, CheckedGraph, Frame, Instructions, Judging, Picture, Plan, Settings, Silent, State, Switches, parse,
+    Buffers, Cache, CheckedGraph, Frame, Instructions, Judging, Picture, Plan, ReferenceFrame, Settings, Silent, State,
+    Switches, parse,
 };
 
 /// The workspace's root.
@@ -127,6 +128,35 @@ pub(crate) fn under_all_settings(graph: &CheckedGraph, frame: i64, buffers: &Buf
         }
     }
     expected
+}
+
+/// Evaluates these nodes and outputs on passes, written to `a.exr`, under all settings, and hands every output's name,
+/// values found and true values, row by row, to `judge`.
+pub(crate) fn on_passes(
+    [width, height]: [u32; 2],
+    passes: &[(&str, Vec<f32>)],
+    nodes: &str,
+    outputs: &[String],
+    mut judge: impl FnMut(&str, &[[f64; 2]]),
+) {
+    let folder = tempfile::tempdir().unwrap();
+    let channels: Vec<(&str, &[f32])> = passes.iter().map(|(name, plane)| (*name, &plane[..])).collect();
+    write_exr(&folder.path().join("a.exr"), width, height, &channels);
+    let text = format!(
+        r#"{{ "trochoid": 1, "format": {{ "width": {width}, "height": {height} }}, "nodes": {{ {nodes} }},
+            "outputs": {{ {} }} }}"#,
+        outputs.join(", ")
+    );
+    let graph = graph_in(folder.path(), &text);
+    let frame = under_all_settings(&graph, 1, &Buffers::new(), "passes");
+    for picture in &frame.pictures {
+        let output = &graph.outputs()[picture.output].name;
+        let reference = ReferenceFrame::new(&graph, output, 1).unwrap();
+        let pixels = (0..i64::from(height)).flat_map(|y| (0..i64::from(width)).map(move |x| (x, y)));
+        let pairs: Vec<[f64; 2]> =
+            pixels.map(|(x, y)| [f64::from(sample(picture, 0, x, y)), reference.pixel(x, y).unwrap()[0]]).collect();
+        judge(output, &pairs);
+    }
 }
 
 /// A sample of a picture.

@@ -119,3 +119,30 @@ fn neither_threads_nor_optimization_change_a_bit() {
     assert_eq!(one, render("three", &["--threads", "3"]));
     assert_eq!(one, render("unoptimized", &["--unoptimized"]));
 }
+
+#[test]
+fn equal_frames_are_equal_files_whatever_a_cache_held() {
+    let scene = Scene::new(&SCENE.replace(
+        "\"mix\":",
+        "\"camera\": { \"type\": \"Camera\" }, \"s\": { \"type\": \"RippleSea\" }, \"v\": { \"type\": \"Render\",
+         \"camera\": \"camera\", \"surfaces\": [\"s\"] }, \"lit\": { \"type\": \"Mix\", \"a\": \"#123\",
+         \"b\": \"#456\", \"weight\": \"v.coverage\" }, \"mix\":",
+    ).replace("\"a\": \"#000\"", "\"a\": \"lit\""));
+    let report = |frames: &str| {
+        let run = scene.run(&["render", "a.json", "--frames", frames, "--report", "-"]).code(0);
+        run.json()["frames"].as_array().unwrap().last().unwrap()["nodes"]["camera"]["state"].clone()
+    };
+    assert_eq!(report("1-2"), "cached");
+    let files = || ["out/beauty.0002.exr", "out/mask.0002.png"].map(|name| fs::read(scene.path(name)).unwrap());
+    let of_run = files();
+    assert_eq!(report("2"), "evaluated");
+    assert!(files() == of_run);
+}
+
+#[test]
+fn what_a_file_keeps_free_is_not_shown() {
+    let scene = Scene::new(SCENE);
+    scene.run(&["render", "a.json", "--frames", "1"]).code(0);
+    let run = scene.run(&["info", "out/beauty.0001.exr"]).code(0);
+    assert!(run.out.contains("trochoid:plan") && !run.out.contains("reserved"), "{}", run.out);
+}

@@ -70,7 +70,7 @@ impl<'a> Checker<'a> {
         let expected = format!("a list of {}", count(list.min, list.max, "record"));
         let Some(value) = value else {
             if list.min > 0 {
-                self.error(place, format!("no \"{}\"", list.name), expected, format!("add it: {}", list.help));
+                self.error(place, format!("no \"{}\"", list.name), expected, how_to_write(list));
             }
             return Vec::new();
         };
@@ -83,7 +83,7 @@ impl<'a> Checker<'a> {
                 })
                 .collect(),
             _ => {
-                self.error(place, value.brief(), expected, list.help);
+                self.error(place, value.brief(), expected, how_to_write(list));
                 Vec::new()
             }
         }
@@ -298,6 +298,14 @@ impl<'a> Checker<'a> {
         self.error(place, value.brief(), expected(takes), "correct the value");
         None
     }
+}
+
+/// What to write for a list.
+fn how_to_write(list: &List) -> String {
+    let keys: Vec<String> = item_names(list.items).map(|name| format!("\"{name}\"")).collect();
+    let (most, more) = (keys.len().min(4), if keys.len() > 4 { ", …" } else { "" });
+    let keys = format!("{}{more}", keys[..most].join(", "));
+    format!("give \"{}\": [{{ … }}, …], records with {keys}: {}", list.name, list.help)
 }
 
 /// Whether an object says so.

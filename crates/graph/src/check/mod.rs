@@ -9,8 +9,8 @@ mod wiring;
 
 use crate::spanned::{Entry, Json, Spanned, shorten};
 use crate::{
-    Check, CheckedGraph, CheckedNode, Diagnostic, Document, Kind, NodeType, Record, Registry, Settled, Severity,
-    Source, nearest, refusal,
+    Around, Check, CheckedGraph, CheckedNode, Diagnostic, Document, Kind, NodeType, Record, Registry, Settled,
+    Severity, Source, Upstream, User, nearest, refusal,
 };
 use items::Names;
 use std::collections::HashMap;
@@ -295,23 +295,24 @@ impl<'a> Checker<'a> {
 
     /// Runs each node's own checks at the first and last frame and at every key.
     fn node_rules(&mut self, drafts: &[Draft<'_>], first: i64, last: i64) {
-        for draft in drafts.iter().filter(|draft| !draft.faulty && !draft.disabled) {
+        let users = direct_users(drafts);
+        for (index, draft) in drafts.iter().enumerate().filter(|(_, draft)| !draft.faulty && !draft.disabled) {
             let Some(ty) = draft.ty else { continue };
-            let kinds = |source: &Source<Vec<f64>>| kind_of(source, drafts);
             let mut faults = Vec::new();
-            let mut rules = |settled: &Settled| {
-                let mut check = Check::new(&kinds);
+            let mut rules = |frame: f64, settled: &Settled| {
+                let around = Surroundings { drafts, users: &users, node: index, frame };
+                let mut check = Check::new(&around);
                 ty.check(settled, &mut check);
                 faults.extend(check.into_faults());
             };
             let mut frames = draft.record.key_frames();
             if frames.is_empty() {
-                rules(&draft.settled);
+                rules(first as f64, &draft.settled);
             } else {
                 frames.extend([first as f64, last as f64]);
                 frames.sort_by(f64::total_cmp);
                 frames.dedup();
-                frames.into_iter().for_each(|frame| rules(&draft.record.settle(frame)));
+                frames.into_iter().for_each(|frame| rules(frame, &draft.record.settle(frame)));
             }
             faults.dedup();
             for fault in faults {
@@ -321,6 +322,48 @@ impl<'a> Checker<'a> {
                 self.report(severity, place, fault.found, fault.expected, fault.remedy);
             }
         }
+    }
+}
+
+/// What takes each node's outputs: the node, and the port. Where it is disabled, or nobody knows what it is, nothing.
+fn direct_users(drafts: &[Draft<'_>]) -> Vec<Vec<(usize, User)>> {
+    let mut users = vec![Vec::new(); drafts.len()];
+    for (index, draft) in drafts.iter().enumerate().filter(|(_, draft)| !draft.disabled) {
+        let Some(ty) = draft.ty else { continue };
+        for (port, sources) in draft.record.ports() {
+            for source in sources {
+                let Source::Output { node, .. } = source else { continue };
+                users[node.0].push((index, User { ty: ty.declaration().name, port }));
+            }
+        }
+    }
+    users
+}
+
+/// The graph around a node at a frame.
+struct Surroundings<'d, 'a> {
+    drafts: &'d [Draft<'a>],
+    users: &'d [Vec<(usize, User)>],
+    node: usize,
+    frame: f64,
+}
+
+impl Around for Surroundings<'_, '_> {
+    fn kind(&self, source: &Source<Vec<f64>>) -> Option<Kind> {
+        kind_of(source, self.drafts)
+    }
+
+    fn upstream(&self, source: &Source<Vec<f64>>) -> Option<Upstream> {
+        let Source::Output { node, .. } = source else { return None };
+        let draft = self.drafts.get(node.0).filter(|draft| !draft.faulty)?;
+        Some(Upstream { ty: draft.ty?, name: draft.name.into(), node: draft.record.settle(self.frame) })
+    }
+
+    fn users(&self) -> Vec<User> {
+        let direct = &self.users[self.node];
+        let views = direct.iter().filter(|(node, _)| self.drafts[*node].kinds.contains(&Kind::View));
+        let of_views = views.flat_map(|(node, _)| &self.users[*node]);
+        direct.iter().chain(of_views).map(|(_, user)| *user).collect()
     }
 }
 

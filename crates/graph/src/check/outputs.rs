@@ -3,7 +3,7 @@
 use super::items::Names;
 use super::{Checker, Draft, Place, kind_of};
 use crate::spanned::{Entry, Json, Spanned, shorten};
-use crate::{Guarantee, Kind, OutputSpec, Precision, Source};
+use crate::{Guarantee, Kind, OutputSpec, Precision, Severity, Source};
 
 const KEYS: [&str; 8] = ["color", "weights", "field", "file", "layer", "precision", "require", "notes"];
 
@@ -42,6 +42,7 @@ impl<'a> Checker<'a> {
             require: None,
         };
         let (mut source, mut required_at) = (None, None);
+        let (mut file_at, mut precision_at) = (place, place);
         for item in entries {
             let place = place.at(item.value.offset);
             match (item.key.as_str(), &item.value.json) {
@@ -67,10 +68,12 @@ impl<'a> Checker<'a> {
                 }
                 ("file", Json::String(text)) if !text.is_empty() && !text.contains('\0') => {
                     spec.file = Some(text.clone());
+                    file_at = place;
                 }
                 ("layer", Json::String(text)) if is_layer(text) => spec.layer = Some(text.clone()),
                 ("precision", Json::String(text)) if Precision::from_name(text).is_some() => {
                     spec.precision = Precision::from_name(text);
+                    precision_at = place;
                 }
                 ("require", _) => {
                     spec.require = self.require(&item.value, place);
@@ -126,6 +129,8 @@ impl<'a> Checker<'a> {
             };
             let found = format!("\"{}\", a {}", drafts[node.0].name, spec.kind);
             self.error(place, found, format!("a {}", item.key), remedy);
+        } else {
+            self.stored(&spec, file_at, precision_at);
         }
         Some(spec)
     }
@@ -170,6 +175,26 @@ impl<'a> Checker<'a> {
             }
         }
         guarantee
+    }
+
+    /// The file must be able to hold what is rendered, and should not round it coarsely.
+    fn stored(&mut self, spec: &OutputSpec, file: Place<'_>, precision: Place<'_>) {
+        if let Some(path) = &spec.file
+            && path.to_lowercase().ends_with(".png")
+            && !matches!(spec.kind, Kind::Color | Kind::Weights(2))
+        {
+            let found = format!("\"{}\", a PNG, for a {}", shorten(path), spec.kind);
+            self.error(file, found, "an EXR: PNG holds one color or one mask", "give the path the ending .exr");
+        }
+        if let (Kind::Field(_), Some(Precision::Half)) = (spec.kind, spec.precision) {
+            self.report(
+                Severity::Warning,
+                precision,
+                "precision half for a Field, which keeps 3 digits: 1000 m to half a meter".into(),
+                "float, in which measures keep 7".into(),
+                "remove it: float is the default of Fields".into(),
+            );
+        }
     }
 
     /// The file's ending must be one that can be written, and its precision one that the format has.

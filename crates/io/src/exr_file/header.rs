@@ -220,7 +220,8 @@ impl<R> Builder<'_, R> {
         };
         let chromaticities: Option<Chromaticities> =
             find("chromaticities").and_then(|attribute| attribute::chromaticities(&attribute.bytes));
-        let shown = attributes.iter().filter(|attribute| attribute.name != "channels");
+        // Room that a writer kept free says nothing.
+        let shown = attributes.iter().filter(|attribute| attribute.name != "channels" && attribute.kind != "free");
         let info = PartInfo {
             name: string("name"),
             display,

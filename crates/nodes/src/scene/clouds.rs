@@ -289,13 +289,22 @@ impl Cloudy {
     }
 
     /// What rays gather in one layer: all of them at once, step by step.
-    fn gather(&self, layer: &Layer, rays: &[Ray], lit: bool) -> Vec<Gathered> {
+    fn gather(
+        &self,
+        layer: &Layer,
+        rays: &[Ray],
+        lit: bool,
+        inputs: &Inputs<'_>,
+    ) -> Result<Vec<Gathered>, NodeError> {
         let mut gathered = vec![Gathered::NOTHING; rays.len()];
         let mut spans: Vec<(usize, [f64; 2])> = (rays.iter().enumerate())
             .filter_map(|(index, ray)| Some((index, layer.span(ray, self.distance)?)))
             .collect();
         let mut noise = vec![0.0; spans.len()];
         for step in 0..self.steps {
+            if inputs.cancelled() {
+                return Err(NodeError::new("cancelled"));
+            }
             spans.retain(|(index, _)| gathered[*index].left > OPAQUE);
             noise.truncate(spans.len());
             let part = |[near, far]: [f64; 2]| (far - near) / self.steps as f64;
@@ -331,7 +340,7 @@ impl Cloudy {
                 gathered[ray].add(Self::covers(layer, density, part(span)), bright, at(span));
             }
         }
-        gathered
+        Ok(gathered)
     }
 
     /// What a ray gathers in one layer, in f64.
@@ -360,7 +369,7 @@ impl Cloudy {
 }
 
 impl Prepared for Cloudy {
-    fn fill(&self, block: &Block, _inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
+    fn fill(&self, block: &Block, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let mut planes = [outputs.take(0, 0), outputs.take(1, 0), outputs.take(2, 0)];
         if planes.iter().all(Option::is_none) {
             return Ok(());
@@ -370,7 +379,9 @@ impl Prepared for Cloudy {
         let rays: Vec<Ray> =
             pixels.map(|(x, y)| self.eye.ray(x as f64 + block.offset[0], y as f64 + block.offset[1])).collect();
         let lit = planes[1].is_some();
-        let by_layer: Vec<Vec<Gathered>> = self.layers.iter().map(|layer| self.gather(layer, &rays, lit)).collect();
+        let by_layer: Result<Vec<Vec<Gathered>>, NodeError> =
+            self.layers.iter().map(|layer| self.gather(layer, &rays, lit, inputs)).collect();
+        let by_layer = by_layer?;
         for (index, ray) in rays.iter().enumerate() {
             let values = self.resolve(ray, by_layer.iter().map(|gathered| gathered[index]));
             for (plane, value) in planes.iter_mut().zip(values) {

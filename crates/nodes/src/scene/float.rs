@@ -1,6 +1,6 @@
 //! Float: bodies that ride on a sea.
 
-use crate::scene_support::{Standing, SurfaceHandle};
+use crate::scene_support::{Standing, SurfaceHandle, check_sea};
 use trochoid_graph::*;
 use trochoid_scene::{Floating, Pose, RigidBodies};
 
@@ -44,6 +44,10 @@ impl NodeType for Float {
         &DECLARATION
     }
 
+    fn check(&self, node: &Settled, check: &mut Check<'_>) {
+        check_sea(node, check, "sea");
+    }
+
     fn body(&self) -> Body<'_> {
         Body::Stage(self)
     }
@@ -82,7 +86,7 @@ impl Stage for Float {
 
 #[cfg(test)]
 mod tests {
-    use crate::testing::{Frame, graph};
+    use crate::testing::{Frame, graph, refused};
     use std::path::Path;
 
     #[test]
@@ -98,7 +102,7 @@ mod tests {
             )
         };
         assert!(Frame::new(graph("field", &nodes("water"), Path::new(".")).unwrap()).is_ok());
-        let error = Frame::new(graph("field", &nodes("m"), Path::new(".")).unwrap()).err().unwrap();
-        assert!(error.message.contains("expected water"), "{error}");
+        let faults = refused("field", &nodes("m"));
+        assert!(faults.contains("which has no plane at rest") && faults.contains("RippleSea or ToonSea"), "{faults}");
     }
 }

@@ -1,14 +1,11 @@
 //! Shadow: what keeps the light away.
 
-use crate::scene_support::{
-    BEYOND, COMBINE, DETAIL, First, Lights, NORMAL, POSITION, Surroundings, is_covered, landed, nothing, view_planes,
-    view_vector,
-};
+use crate::scene_support::{BEYOND, COMBINE, DETAIL, Lights, Rays, Seen, Surroundings, asked, landed};
 use std::f64::consts::TAU;
 use std::sync::Arc;
 use trochoid_graph::*;
+use trochoid_scene::Ray;
 use trochoid_scene::shading::unit_or_up;
-use trochoid_scene::{DVec3, Ray};
 
 pub(crate) static NODE: &dyn NodeType = &Shadow;
 
@@ -64,7 +61,7 @@ impl NodeType for Shadow {
 
 impl Stage for Shadow {
     fn asks(&self, _node: &Settled, _wanted: &[bool]) -> ChannelSet {
-        ChannelSet::of(&NORMAL).union(ChannelSet::of(&POSITION)).union(ViewChannel::Coverage.into())
+        asked()
     }
 
     fn prepare(&self, node: &Settled, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
@@ -94,20 +91,12 @@ struct Shadowed {
     bias: f64,
 }
 
-/// What rays meet.
-#[derive(Clone, Copy)]
-struct Rays<'a> {
-    first: First<'a>,
-    blocks: &'a dyn Fn(&Ray, f64) -> bool,
-}
-
 /// 2π/Φ², the golden angle.
 const GOLDEN: f64 = 2.399_963_229_728_653;
 
 impl Shadowed {
-    /// The mask of a point that is seen at a place in pixels.
-    fn mask(&self, at: [f64; 2], point: DVec3, normal: DVec3, rays: Rays<'_>) -> f64 {
-        let (normal, facet) = (unit_or_up(normal), self.surroundings.facet(point));
+    fn mask(&self, seen: &Seen, rays: Rays<'_>) -> f64 {
+        let &Seen { at, point, normal, facet } = seen;
         let origin = landed(point, normal, facet, rays.first) + normal * (self.bias * facet);
         // Two-dimensional golden ratios: neighbors turn their rays as differently as can be.
         let turn = 0.754_877_666_246_693 * at[0] + 0.569_840_290_998_053 * at[1];
@@ -130,33 +119,12 @@ impl Shadowed {
 impl Prepared for Shadowed {
     fn fill(&self, block: &Block, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let Some(mask) = outputs.take(0, 0) else { return Ok(()) };
-        let (points, normals) = (view_planes(inputs, POSITION), view_planes(inputs, NORMAL));
-        let coverage = inputs.view("view", ViewChannel::Coverage);
-        let vector = |planes: [&[f32]; 3], index: usize| DVec3::from(planes.map(|plane| f64::from(plane[index])));
-        let window = block.window;
-        let pixels = (window.y0..window.y1).flat_map(|y| (window.x0..window.x1).map(move |x| (x, y)));
-        for (index, (mask, (x, y))) in mask.iter_mut().zip(pixels).enumerate() {
-            *mask = if coverage[index] > 0.0 {
-                let at = [x as f64 + block.offset[0], y as f64 + block.offset[1]];
-                let first = |ray: &_, limit| self.surroundings.first(ray, limit);
-                let blocks = |ray: &_, limit| self.surroundings.blocks(ray, limit);
-                let rays = Rays { first: &first, blocks: &blocks };
-                self.mask(at, vector(points, index), vector(normals, index), rays) as f32
-            } else {
-                0.0
-            };
-        }
-        Ok(())
+        self.surroundings.fill(block, inputs, mask, |seen, rays| self.mask(seen, rays))
     }
 
     fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
-        if !is_covered(&self.node, inputs) {
-            return Ok(nothing());
-        }
-        let (point, normal) = (view_vector(&self.node, inputs, POSITION), view_vector(&self.node, inputs, NORMAL));
-        let first = |ray: &_, limit| self.surroundings.first_reference(ray, limit);
-        let rays = Rays { first: &first, blocks: &|ray, limit| first(ray, limit).is_some() };
-        Ok(vec![Reference::Mask(self.mask(inputs.at, point, normal, rays))])
+        let quantity = |seen: &Seen, rays: Rays<'_>| self.mask(seen, rays);
+        Ok(vec![Reference::Mask(self.surroundings.quantity_reference(&self.node, inputs, quantity))])
     }
 
     fn bytes(&self) -> usize {

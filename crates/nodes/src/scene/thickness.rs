@@ -1,9 +1,6 @@
 //! Thickness: how much water light has to pass.
 
-use crate::scene_support::{
-    BEYOND, DETAIL, DISTANCE, First, INSET, NORMAL, POSITION, Surroundings, Way, eye, is_covered, toward_eye,
-    view_planes, view_vector,
-};
+use crate::scene_support::{BEYOND, DETAIL, DISTANCE, INSET, Rays, Seen, Surroundings, Way, asked, eye, toward_eye};
 use std::sync::Arc;
 use trochoid_graph::*;
 use trochoid_scene::shading::unit_or_up;
@@ -58,7 +55,7 @@ impl NodeType for Thickness {
 
 impl Stage for Thickness {
     fn asks(&self, _node: &Settled, _wanted: &[bool]) -> ChannelSet {
-        ChannelSet::of(&NORMAL).union(ChannelSet::of(&POSITION)).union(ViewChannel::Coverage.into())
+        asked()
     }
 
     fn interval(&self, node: &Settled, _output: usize, _channel: usize) -> Option<(f64, f64)> {
@@ -90,13 +87,12 @@ struct Thick {
 }
 
 impl Thick {
-    fn thickness(&self, point: DVec3, normal: DVec3, first: First<'_>) -> f64 {
-        let normal = unit_or_up(normal);
+    fn thickness(&self, seen: &Seen, rays: Rays<'_>) -> f64 {
         let along = match &self.light {
-            Some(light) => light.illuminate(point).direction,
-            None => refracted(-unit_or_up(toward_eye(&self.eye, point)), normal, self.ior),
+            Some(light) => light.illuminate(seen.point).direction,
+            None => refracted(-unit_or_up(toward_eye(&self.eye, seen.point)), seen.normal, self.ior),
         };
-        self.way.length(point, normal, along, self.surroundings.facet(point), first)
+        self.way.length(seen, along, rays.first)
     }
 }
 
@@ -108,29 +104,14 @@ fn refracted(direction: DVec3, normal: DVec3, ior: f64) -> DVec3 {
 }
 
 impl Prepared for Thick {
-    fn fill(&self, _block: &Block, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
+    fn fill(&self, block: &Block, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let Some(out) = outputs.take(0, 0) else { return Ok(()) };
-        let (points, normals) = (view_planes(inputs, POSITION), view_planes(inputs, NORMAL));
-        let coverage = inputs.view("view", ViewChannel::Coverage);
-        let vector = |planes: [&[f32]; 3], index: usize| DVec3::from(planes.map(|plane| f64::from(plane[index])));
-        for (index, out) in out.iter_mut().enumerate() {
-            *out = if coverage[index] > 0.0 {
-                let first = |ray: &_, limit| self.surroundings.first(ray, limit);
-                self.thickness(vector(points, index), vector(normals, index), &first) as f32
-            } else {
-                0.0
-            };
-        }
-        Ok(())
+        self.surroundings.fill(block, inputs, out, |seen, rays| self.thickness(seen, rays))
     }
 
     fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
-        if !is_covered(&self.node, inputs) {
-            return Ok(vec![Reference::Field(vec![0.0])]);
-        }
-        let (point, normal) = (view_vector(&self.node, inputs, POSITION), view_vector(&self.node, inputs, NORMAL));
-        let first = |ray: &_, limit| self.surroundings.first_reference(ray, limit);
-        Ok(vec![Reference::Field(vec![self.thickness(point, normal, &first)])])
+        let quantity = |seen: &Seen, rays: Rays<'_>| self.thickness(seen, rays);
+        Ok(vec![Reference::Field(vec![self.surroundings.quantity_reference(&self.node, inputs, quantity)])])
     }
 
     fn bytes(&self) -> usize {

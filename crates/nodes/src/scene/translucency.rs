@@ -1,13 +1,12 @@
 //! Translucency: light that shines through thin water.
 
 use crate::scene_support::{
-    BEYOND, COMBINE, DETAIL, DISTANCE, First, INSET, Lights, NORMAL, POSITION, Surroundings, Way, eye, is_covered,
-    nothing, toward_eye, view_planes, view_vector,
+    BEYOND, COMBINE, DETAIL, DISTANCE, INSET, Lights, Rays, Seen, Surroundings, Way, asked, eye, toward_eye,
 };
 use std::sync::Arc;
 use trochoid_graph::*;
+use trochoid_scene::Projector;
 use trochoid_scene::shading::unit_or_up;
-use trochoid_scene::{DVec3, Projector};
 
 pub(crate) static NODE: &dyn NodeType = &Translucency;
 
@@ -49,7 +48,7 @@ impl NodeType for Translucency {
 
 impl Stage for Translucency {
     fn asks(&self, _node: &Settled, _wanted: &[bool]) -> ChannelSet {
-        ChannelSet::of(&NORMAL).union(ChannelSet::of(&POSITION)).union(ViewChannel::Coverage.into())
+        asked()
     }
 
     fn prepare(&self, node: &Settled, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
@@ -76,41 +75,25 @@ struct Glowing {
 }
 
 impl Glowing {
-    fn mask(&self, point: DVec3, normal: DVec3, first: First<'_>) -> f64 {
-        let (normal, facet) = (unit_or_up(normal), self.surroundings.facet(point));
-        let view = unit_or_up(toward_eye(&self.eye, point));
-        self.lights.reference(point, |light| {
+    fn mask(&self, seen: &Seen, rays: Rays<'_>) -> f64 {
+        let view = unit_or_up(toward_eye(&self.eye, seen.point));
+        self.lights.reference(seen.point, |light| {
             let facing = (0.5 * (1.0 - view.dot(light))).clamp(0.0, 1.0);
-            let length = self.way.length(point, normal, light, facet, first);
+            let length = self.way.length(seen, light, rays.first);
             libm::exp(-length / self.absorption) * libm::pow(facing, self.facing)
         })
     }
 }
 
 impl Prepared for Glowing {
-    fn fill(&self, _block: &Block, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
+    fn fill(&self, block: &Block, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let Some(mask) = outputs.take(0, 0) else { return Ok(()) };
-        let (points, normals) = (view_planes(inputs, POSITION), view_planes(inputs, NORMAL));
-        let coverage = inputs.view("view", ViewChannel::Coverage);
-        let vector = |planes: [&[f32]; 3], index: usize| DVec3::from(planes.map(|plane| f64::from(plane[index])));
-        for (index, mask) in mask.iter_mut().enumerate() {
-            *mask = if coverage[index] > 0.0 {
-                let first = |ray: &_, limit| self.surroundings.first(ray, limit);
-                self.mask(vector(points, index), vector(normals, index), &first) as f32
-            } else {
-                0.0
-            };
-        }
-        Ok(())
+        self.surroundings.fill(block, inputs, mask, |seen, rays| self.mask(seen, rays))
     }
 
     fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
-        if !is_covered(&self.node, inputs) {
-            return Ok(nothing());
-        }
-        let (point, normal) = (view_vector(&self.node, inputs, POSITION), view_vector(&self.node, inputs, NORMAL));
-        let first = |ray: &_, limit| self.surroundings.first_reference(ray, limit);
-        Ok(vec![Reference::Mask(self.mask(point, normal, &first))])
+        let quantity = |seen: &Seen, rays: Rays<'_>| self.mask(seen, rays);
+        Ok(vec![Reference::Mask(self.surroundings.quantity_reference(&self.node, inputs, quantity))])
     }
 
     fn bytes(&self) -> usize {

@@ -1,5 +1,6 @@
 //! WaterlineFoam: foam where something pierces the water, or lies shallow under it.
 
+use crate::scene_support::check_same_camera;
 use trochoid_graph::*;
 
 pub(crate) static NODE: &dyn NodeType = &WaterlineFoam;
@@ -40,6 +41,10 @@ static DECLARATION: Declaration = Declaration {
 impl NodeType for WaterlineFoam {
     fn declaration(&self) -> &'static Declaration {
         &DECLARATION
+    }
+
+    fn check(&self, node: &Settled, check: &mut Check<'_>) {
+        check_same_camera(node, check, ["view", "behind"]);
     }
 
     fn body(&self) -> Body<'_> {
@@ -136,6 +141,25 @@ impl Prepared for Foaming {
 #[cfg(test)]
 mod tests {
     use super::Foam;
+    use crate::testing::{graph, refused};
+    use std::path::Path;
+
+    #[test]
+    fn one_camera_sees_both_views() {
+        let nodes = |other: &str| {
+            format!(
+                r#""a": {{ "type": "Camera", "fov": 40 }},
+                "b": {{ "type": "Camera", "fov": {{ "keys": [[1, {other}]] }} }},
+                "s": {{ "type": "GerstnerSea", "count": 0 }},
+                "v": {{ "type": "Render", "camera": "a", "surfaces": ["s"] }},
+                "w": {{ "type": "Render", "camera": "b", "surfaces": ["s"] }},
+                "out": {{ "type": "WaterlineFoam", "view": "v", "behind": "w" }}"#
+            )
+        };
+        let faults = refused("weights", &nodes("41"));
+        assert!(faults.contains("views of two cameras") && faults.contains("connect the camera of"), "{faults}");
+        assert!(graph("weights", &nodes("40"), Path::new(".")).is_ok(), "two nodes that are the same camera");
+    }
 
     #[test]
     fn the_source_line_is_a_share_of_everything() {

@@ -1,5 +1,6 @@
 //! Passes that hand on channels of a view as they are.
 
+use super::check_trails;
 use trochoid_graph::*;
 
 /// A node type whose one output is some channels of its view.
@@ -13,6 +14,12 @@ pub(crate) struct ViewCopy {
 impl NodeType for ViewCopy {
     fn declaration(&self) -> &'static Declaration {
         self.declaration
+    }
+
+    fn check(&self, node: &Settled, check: &mut Check<'_>) {
+        if self.channels.contains(&ViewChannel::Rift) {
+            check_trails(node, check);
+        }
     }
 
     fn body(&self) -> Body<'_> {

@@ -7,8 +7,10 @@ mod lit;
 mod mask;
 mod mesh;
 mod model;
+mod seen;
 mod surroundings;
 mod thickness;
+mod waters;
 
 pub(crate) use around::{Around, change, grown, surface_of};
 pub(crate) use copy::ViewCopy;
@@ -17,8 +19,10 @@ pub(crate) use lit::{COMBINE, Lights, Vectors3, eye, toward_eye, view_directions
 pub(crate) use mask::{ViewMask, ramp};
 pub(crate) use mesh::read_mesh;
 pub(crate) use model::{patch, read_model};
-pub(crate) use surroundings::{BEYOND, DETAIL, First, Surroundings, landed};
+pub(crate) use seen::{Rays, Seen, asked};
+pub(crate) use surroundings::{BEYOND, DETAIL, Surroundings, landed};
 pub(crate) use thickness::{DISTANCE, INSET, Way};
+pub(crate) use waters::{REST, TRAILS, WAVES, can_break, check_same_camera, check_sea, check_trails};
 
 use std::sync::Arc;
 use trochoid_graph::{Inputs, Reference, References, Settled, ViewChannel};

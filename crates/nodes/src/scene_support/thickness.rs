@@ -1,5 +1,6 @@
 //! How thick water is along rays that leave it.
 
+use super::seen::Seen;
 use super::surroundings::{First, UNDER, landed};
 use trochoid_graph::{Item, Knob, Settled};
 use trochoid_scene::{DVec3, Ray};
@@ -28,8 +29,9 @@ impl Way {
         Self { inset: node.number("inset"), distance: node.number("distance") }
     }
 
-    /// Length of the way from under a point with a unit normal out of the water, along a unit vector.
-    pub(crate) fn length(self, point: DVec3, normal: DVec3, along: DVec3, facet: f64, first: First<'_>) -> f64 {
+    /// Length of the way from under a seen point out of the water, along a unit vector.
+    pub(crate) fn length(self, seen: &Seen, along: DVec3, first: First<'_>) -> f64 {
+        let &Seen { point, normal, facet, .. } = seen;
         let surface = landed(point, normal, facet, first);
         // A little below it, so that the surface itself is not its other side.
         let inward = Ray { origin: surface - normal * (UNDER * facet), direction: -normal };

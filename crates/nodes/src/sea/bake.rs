@@ -1,6 +1,6 @@
 //! Bake: a sea as images, for other renderers.
 
-use crate::scene_support::{SurfaceHandle, y_up_to};
+use crate::scene_support::{SurfaceHandle, check_sea, y_up_to};
 use rayon::prelude::*;
 use std::sync::Arc;
 use trochoid_graph::*;
@@ -101,6 +101,10 @@ impl NodeType for Bake {
         &DECLARATION
     }
 
+    fn check(&self, node: &Settled, check: &mut Check<'_>) {
+        check_sea(node, check, "sea");
+    }
+
     fn body(&self) -> Body<'_> {
         Body::Stage(self)
     }
@@ -128,7 +132,11 @@ impl Stage for Bake {
         }
         let sea = resting(&surface)?;
         let mut fields = Fields::default();
-        sea.on_grid(grid, wanted, node.number("tolerance"), &mut fields).map_err(NodeError::new)?;
+        let stop = prepare.cancellation();
+        sea.on_grid(grid, wanted, node.number("tolerance"), &mut fields, stop).map_err(NodeError::new)?;
+        if prepare.cancelled() {
+            return Err(NodeError::new("cancelled"));
+        }
         let sample = |point: usize| {
             let value = |values: &Vec<f32>| values.get(point).map_or(0.0, |value| f64::from(*value));
             Sample {
@@ -200,7 +208,7 @@ impl Prepared for Baked {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::{Frame, graph};
+    use crate::testing::{Frame, graph, refused};
     use std::path::Path;
     use trochoid_image::Format;
     use trochoid_sea::{ExplicitWave, Sea, Wave};
@@ -328,8 +336,8 @@ mod tests {
         let model = r#""sea": { "type": "BezierModel", "patches": [{ "points": [{ "at": [0, 0, 0] },
             { "at": [1, 0, 0] }, { "at": [0, 0, 1] }, { "at": [1, 0, 1] }] }] },
             "b": { "type": "Bake", "sea": "sea" }"#;
-        let error = baked(model, 4, 4).err().unwrap().message;
-        assert!(error.contains("without a plane at rest") && error.contains("GerstnerSea"), "{error}");
+        let faults = refused("field", &format!("{model}, {PICKED}"));
+        assert!(faults.contains("which has no plane at rest") && faults.contains("GerstnerSea"), "{faults}");
         let sea = r#""sea": { "type": "GerstnerSea", "count": 3 }, "b": { "type": "Bake", "sea": "sea" }"#;
         let error = baked(sea, 1 << 15, 1 << 15).err().unwrap().message;
         assert!(error.contains("32768 × 32768 points") && error.contains("at most"), "{error}");
@@ -347,5 +355,7 @@ mod tests {
         let kinds = &frame.graph.node(id).kinds;
         let prepare = Prepare::new(&frame.context, kinds, &wanted, &handles, &|| false, &pool);
         assert_eq!(Bake.prepare(&settled, &prepare).unwrap().bytes(), 4 * 3 * size_of::<f32>());
+        let stopped = Prepare::new(&frame.context, kinds, &wanted, &handles, &|| true, &pool);
+        assert_eq!(Bake.prepare(&settled, &stopped).err().unwrap().message, "cancelled");
     }
 }

@@ -1,6 +1,6 @@
 //! DriftLines: lines that bursts draw behind them.
 
-use crate::scene_support::{Around, grown, is_covered};
+use crate::scene_support::{Around, check_trails, grown, is_covered};
 use trochoid_graph::*;
 use trochoid_image::Window;
 use trochoid_sea::toon::LineRow;
@@ -62,6 +62,10 @@ static DECLARATION: Declaration = Declaration {
 impl NodeType for DriftLines {
     fn declaration(&self) -> &'static Declaration {
         &DECLARATION
+    }
+
+    fn check(&self, node: &Settled, check: &mut Check<'_>) {
+        check_trails(node, check);
     }
 
     fn body(&self) -> Body<'_> {

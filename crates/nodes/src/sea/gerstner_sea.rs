@@ -1,6 +1,6 @@
 //! GerstnerSea: a sum of trochoidal waves.
 
-use crate::scene_support::SurfaceHandle;
+use crate::scene_support::{REST, SurfaceHandle, WAVES};
 use std::sync::Arc;
 use trochoid_graph::*;
 use trochoid_scene::SeaSurface;
@@ -173,7 +173,9 @@ impl NodeType for GerstnerSea {
             }
         };
         let folds = folding(waves);
-        if folds.folded_share > FoldOptions::default().tolerated_share {
+        // What takes folds for breaking crests wants them.
+        let wants = |user: User| matches!((user.ty, user.port), ("Spray", "sea") | ("FoldFoam" | "CrestFoam", "view"));
+        if folds.folded_share > FoldOptions::default().tolerated_share && !check.users().into_iter().any(wants) {
             let found = format!("crests that fold over on {:.2} % of the sea", 100.0 * folds.folded_share);
             let sharpness = node.number("sharpness") * folds.unfolded_scale;
             let remedy = if node.list("waves").is_empty() && node.list("groups").is_empty() {
@@ -219,6 +221,10 @@ impl Stage for GerstnerSea {
 
     fn formatted(&self) -> bool {
         false
+    }
+
+    fn offers(&self) -> &'static [&'static str] {
+        &[REST, WAVES]
     }
 
     fn prepare(&self, node: &Settled, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {

@@ -1,6 +1,6 @@
 //! RippleSea: the crossed ripples of cartoon water.
 
-use crate::scene_support::Standing;
+use crate::scene_support::{REST, Standing};
 use trochoid_graph::*;
 use trochoid_scene::SeaSurface;
 use trochoid_sea::{Ripple, Sea, Wave};
@@ -66,6 +66,10 @@ impl Stage for RippleSea {
 
     fn formatted(&self) -> bool {
         false
+    }
+
+    fn offers(&self) -> &'static [&'static str] {
+        &[REST]
     }
 
     fn prepare(&self, node: &Settled, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {

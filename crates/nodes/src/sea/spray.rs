@@ -1,6 +1,6 @@
 //! Spray: drops that breaking crests and bursts throw into the air.
 
-use crate::scene_support::{SurfaceHandle, eye};
+use crate::scene_support::{SurfaceHandle, can_break, eye};
 use std::sync::{Arc, OnceLock};
 use trochoid_graph::*;
 use trochoid_scene::Projector;
@@ -141,7 +141,24 @@ impl NodeType for Spray {
 
     fn check(&self, node: &Settled, check: &mut Check<'_>) {
         if let Err(error) = spray(node) {
-            check.error(error.figure(), error, "a spray within its limits", "change the knobs named");
+            return check.error(error.figure(), error, "a spray within its limits", "change the knobs named");
+        }
+        if !node.list("bursts").is_empty() {
+            return;
+        }
+        let [x, z, _] = node.vector3("size");
+        if x == 0.0 || z == 0.0 {
+            let found = format!("a region of {x} × {z} m, in which nothing is thrown, and no bursts");
+            check.warning(
+                "size",
+                found,
+                "a region of some size, or bursts",
+                "make \"size\" larger, or give \"bursts\"",
+            );
+        } else if !can_break(node, check, "sea") && (node.all("sea").is_empty() || node.number("threshold") <= 1.0) {
+            let found = "a spray without bursts, on nothing that breaks: it throws nothing";
+            let remedy = "connect a GerstnerSea to \"sea\", or give \"bursts\"";
+            check.warning("sea", found, "the waves of a GerstnerSea, or bursts", remedy);
         }
     }
 

@@ -1,8 +1,7 @@
 //! ToonSea: a height field that bursts raise as they travel.
 
-use crate::scene_support::SurfaceHandle;
-use std::any::Any;
-use std::sync::{Arc, Mutex, OnceLock};
+use crate::scene_support::{REST, SurfaceHandle, TRAILS};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use trochoid_graph::*;
 use trochoid_scene::GridSurface;
 use trochoid_sea::toon::{
@@ -247,14 +246,33 @@ fn sea(node: &Settled) -> Result<Sea, String> {
     Sea::new(basin, motion, behavior, bursts).map_err(|error| error.to_string())
 }
 
+/// Seconds that the steps before the first frame take, by what a step of many cells and of many bursts takes on a
+/// machine of today.
+fn preroll_seconds(sea: &Sea) -> f64 {
+    const STEP: f64 = 2e-5;
+    const CELL: f64 = 6e-10;
+    const BURST: f64 = 2e-7;
+    let step = STEP + CELL * sea.basin().cells() as f64 + BURST * sea.bursts().len() as f64;
+    f64::from(sea.behavior().preroll) * step
+}
+
 impl NodeType for ToonSea {
     fn declaration(&self) -> &'static Declaration {
         &DECLARATION
     }
 
     fn check(&self, node: &Settled, check: &mut Check<'_>) {
-        if let Err(error) = sea(node) {
-            check.error("c1", error, "a sea that stays bounded", "change the knob named");
+        match sea(node) {
+            Err(error) => check.error("c1", error, "a sea that stays bounded", "change the knob named"),
+            Ok(sea) => {
+                let minutes = preroll_seconds(&sea) / 60.0;
+                if minutes > 1.0 {
+                    let steps = sea.behavior().preroll;
+                    let found = format!("{steps} steps before the first frame, about {minutes:.0} minutes or more");
+                    let remedy = "make \"preroll\", \"columns\" and \"rows\" smaller, or let bursts be fewer";
+                    check.warning("preroll", found, "at most a minute of them", remedy);
+                }
+            }
         }
     }
 
@@ -277,6 +295,10 @@ impl Stage for ToonSea {
 
     fn formatted(&self) -> bool {
         false
+    }
+
+    fn offers(&self) -> &'static [&'static str] {
+        &[REST, TRAILS]
     }
 
     fn prepare(&self, node: &Settled, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
@@ -308,10 +330,10 @@ impl Stage for ToonSea {
             // Whatever stopped it may have done so within a step.
             Err(_) => sea.simulate(Wanted::default()).at(time).height.to_vec(),
         };
-        let held: [Arc<dyn Any + Send + Sync>; 3] = [simulation, rift.shared.clone(), drift.shared.clone()];
+        let simulations = Simulations { heights: simulation, trails: [rift.shared.clone(), drift.shared.clone()] };
         let surface: SurfaceHandle =
             Arc::new(place.grid(heights).with_trails(move || rift.rift(), move || drift.drift()));
-        Ok(Box::new(Surging { surface, sea, time, place, _held: held, reference: OnceLock::new() }))
+        Ok(Box::new(Surging { surface, sea, time, place, simulations, reference: OnceLock::new() }))
     }
 }
 
@@ -374,13 +396,36 @@ impl Place {
     }
 }
 
+/// The simulations that all frames share, held for the next one.
+struct Simulations {
+    heights: Arc<Mutex<Simulation>>,
+    /// Of the rift and of the drift, which begin when they are first asked for.
+    trails: [Arc<Mutex<Option<Simulation>>>; 2],
+}
+
+impl Simulations {
+    /// Of each simulation the share of one of those that hold it, and the fields that were taken from it.
+    fn bytes(&self) -> usize {
+        fn share<T>(held: &Arc<Mutex<T>>, bytes: impl FnOnce(&T) -> usize) -> usize {
+            bytes(&held.lock().unwrap_or_else(PoisonError::into_inner)).div_ceil(Arc::strong_count(held))
+        }
+        let trail = |(held, fields): (_, usize)| {
+            share(held, |trail: &Option<Simulation>| {
+                trail
+                    .as_ref()
+                    .map_or(0, |trail| trail.bytes() + fields * trail.sea().basin().cells() * size_of::<f32>())
+            })
+        };
+        share(&self.heights, Simulation::bytes) + self.trails.iter().zip([1, 5]).map(trail).sum::<usize>()
+    }
+}
+
 struct Surging {
     surface: SurfaceHandle,
     sea: Sea,
     time: f64,
     place: Place,
-    /// The simulations, for the next frame.
-    _held: [Arc<dyn Any + Send + Sync>; 3],
+    simulations: Simulations,
     /// The same surface from the f64 simulation, made when a reference is first asked for.
     reference: OnceLock<SurfaceHandle>,
 }
@@ -398,7 +443,6 @@ impl Prepared for Surging {
     }
 
     fn bytes(&self) -> usize {
-        // The surface, and this frame's share of the simulation that all frames share.
-        self.sea.basin().cells() * 60
+        self.sea.basin().cells() * size_of::<f32>() + self.simulations.bytes()
     }
 }

@@ -127,6 +127,10 @@ impl Propagator {
         Self { factors: std::array::from_fn(|index| transfers.iter().map(|factors| factors[index]).collect()) }
     }
 
+    pub(crate) fn bytes(&self) -> usize {
+        self.factors.iter().map(|factors| factors.capacity() * size_of::<f32>()).sum()
+    }
+
     /// Advances all modes, under a force or none.
     pub(crate) fn apply(&self, a: &mut [f32], b: &mut [f32], force: Option<&[f32]>) {
         const LENGTH: usize = 1 << 13;

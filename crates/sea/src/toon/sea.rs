@@ -54,6 +54,12 @@ pub struct Scratch {
     pub(crate) splat: Splat,
 }
 
+impl Scratch {
+    pub(crate) fn bytes(&self) -> usize {
+        self.stamps.capacity() * size_of::<Stamp>() + self.splat.bytes()
+    }
+}
+
 impl ToonSea {
     /// A sea that is stable and within bounds.
     ///

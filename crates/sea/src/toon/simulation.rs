@@ -48,6 +48,12 @@ struct State {
     drift: [Vec<f32>; DRIFTS],
 }
 
+impl State {
+    fn fields(&self) -> impl Iterator<Item = &Vec<f32>> {
+        [&self.a, &self.b, &self.rift].into_iter().chain(&self.drift)
+    }
+}
+
 /// Fields of a sea at one time, row by row.
 #[derive(Clone, Copy, Debug)]
 pub struct ToonFrame<'a> {
@@ -104,6 +110,15 @@ impl Simulation {
     /// The sea that is simulated.
     pub fn sea(&self) -> &ToonSea {
         &self.sea
+    }
+
+    /// Bytes held: fields, and what is kept for their next step.
+    pub fn bytes(&self) -> usize {
+        let fields = [&self.force, &self.coefficients, &self.height];
+        let fields: usize =
+            fields.into_iter().chain(self.state.fields()).chain(self.shown.fields()).map(Vec::capacity).sum();
+        let propagators: usize = self.propagators.iter().map(|(_, propagator)| propagator.bytes()).sum();
+        fields * size_of::<f32>() + propagators + self.scratch.bytes()
     }
 
     /// The fields at a time in seconds; the sea at rest before its preroll.

@@ -89,6 +89,13 @@ pub(crate) struct Splat {
     boxes: Vec<[u32; 4]>,
 }
 
+impl Splat {
+    pub(crate) fn bytes(&self) -> usize {
+        (self.starts.capacity() + self.members.capacity()) * size_of::<u32>()
+            + self.boxes.capacity() * size_of::<[u32; 4]>()
+    }
+}
+
 /// The fields of a step: those without cells are not touched.
 pub(crate) struct Targets<'a> {
     /// Heights, and the factor of what is added to them.

@@ -289,3 +289,21 @@ fn grids_that_cannot_be_are_refused() {
     assert!(matches!(refused(Grid { footprint: -1.0, ..grid(2, 2, 1.0) }), GridError::Meters("footprint", _)));
     assert!(refused(Grid { origin: [f64::INFINITY, 0.0], ..grid(2, 2, 1.0) }).to_string().contains("origin"));
 }
+
+#[test]
+fn sums_stop_when_they_are_told_to() {
+    use std::sync::atomic::{AtomicUsize, Ordering};
+    let sea = sea(GerstnerSpectrum { count: 30, ..GerstnerSpectrum::default() });
+    let wanted = Wanted { displacement: true, ..Wanted::default() };
+    let grid = grid(20, 300, 0.9);
+    for method in [Method::Direct, Method::Separable] {
+        let mut plan = GridPlan::by(method, grid, wanted).expect("a legal grid");
+        let (mut whole, mut stopped) = (Fields::default(), Fields::default());
+        plan.evaluate(&sea.at(1.0), &mut whole);
+        let asked = AtomicUsize::new(0);
+        plan.evaluate_unless(&sea.at(1.0), &mut stopped, &|| asked.fetch_add(1, Ordering::Relaxed) >= 10);
+        let filled = |fields: &Fields| fields.displacement[1].iter().filter(|height| **height != 0.0).count();
+        assert_eq!(filled(&whole), 20 * 300, "{method:?}");
+        assert!(filled(&stopped) <= 20 * 10, "{method:?}: {} of {}", filled(&stopped), filled(&whole));
+    }
+}

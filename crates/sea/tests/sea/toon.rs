@@ -343,3 +343,27 @@ fn bodies_press_and_heap() {
         assert!(wrong.bursts().expect_err("a wrong body").to_string().contains("of a body"), "{wrong:?}");
     }
 }
+
+#[test]
+fn bytes_are_those_of_what_is_kept() {
+    let basin = Basin { columns: 70, rows: 40, spacing: 0.3, boundary: Boundary::Replicate };
+    let bursts = bursts(&mut Random(5), &basin, 12);
+    let physics = Physics { speed: 2.0, damping: 3.0, frequency: 5.0, push: None };
+    // Fields of a literal sea: two heights. Of modes: their two numbers, at the step and where a frame ends, force,
+    // coefficients, heights, and six factors for a step and for the part that a frame ends in.
+    for (motion, fields) in
+        [(Motion::Literal(Mixing::default()), 2), (Motion::Physical { physics, rate: 60.0 }, 4 + 3 + 12)]
+    {
+        let sea = ToonSea::new(basin, motion, Behavior::default(), bursts.clone()).expect("valid");
+        let bytes = |wanted: Wanted| {
+            let mut simulation = sea.simulate(wanted);
+            simulation.at(0.71);
+            simulation.bytes()
+        };
+        let (none, all) = (bytes(Wanted::default()), bytes(ALL));
+        let cells = basin.cells() * size_of::<f32>();
+        assert!((fields * cells..(fields + 1) * cells).contains(&none), "{motion:?}: {none} of {cells}");
+        let trails = if matches!(motion, Motion::Literal(_)) { 6 } else { 12 };
+        assert!((trails * cells..(trails + 1) * cells).contains(&(all - none)), "{motion:?}: {all} after {none}");
+    }
+}

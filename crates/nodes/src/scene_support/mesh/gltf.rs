@@ -20,16 +20,23 @@ pub(super) fn parts(bytes: &[u8]) -> Result<Vec<Triangles>, String> {
         let length = bytes.get(8..12).and_then(|bytes| bytes.try_into().ok()).map_or(0, u32::from_le_bytes) as usize;
         if length < GLB_HEADERS || length > bytes.len() {
             let found = bytes.len();
-            return Err(format!("found {found} bytes of a GLB that says it has {length}; expected the whole file"));
+            return Err(format!(
+                "found {found} bytes of a GLB that says it has {length}; expected the whole file: copy it again"
+            ));
         }
     }
-    let Gltf { document, blob } = Gltf::from_slice_without_validation(bytes).map_err(|error| error.to_string())?;
+    let Gltf { document, blob } = Gltf::from_slice_without_validation(bytes).map_err(|error| {
+        format!(
+            "found JSON or a GLB that is no glTF ({error}); expected glTF 2.0: export the mesh again, as .glb or .obj"
+        )
+    })?;
     let json = document.into_json();
     check_positions(&json)?;
-    let document = Document::from_json(json).map_err(|error| error.to_string())?;
+    let document = Document::from_json(json)
+        .map_err(|error| format!("found a glTF with a fault ({error}); expected a valid one: export the mesh again"))?;
     let buffers = buffers(&document, blob.as_deref())?;
     let scene = document.default_scene().or_else(|| document.scenes().next());
-    let scene = scene.ok_or("found no scene; expected one, with nodes that show meshes")?;
+    let scene = scene.ok_or("found no scene; expected one, with nodes that show meshes: export the whole scene")?;
     let mut reader = Reader { buffers, seen: vec![false; document.nodes().count()], parts: Vec::new(), vertices: 0 };
     // Each node with what its parents do to it.
     let mut open: Vec<(Node<'_>, Transform)> = scene.nodes().map(|node| (node, IDENTITY)).collect();

@@ -23,7 +23,15 @@ const BYTES_PER_BYTE: u64 = 32;
 pub(crate) fn read_mesh(path: &Path, memory: u64) -> Result<Triangles, NodeError> {
     let fault = |message: String| NodeError::new(format!("{}: {message}", path.display()));
     let limit = memory / BYTES_PER_BYTE;
-    let file = std::fs::File::open(path).map_err(|error| fault(error.to_string()))?;
+    let file = std::fs::File::open(path).map_err(|error| {
+        fault(format!(
+            "found no file that can be read ({error}); expected a mesh: correct \"file\", whose path starts at the \
+             document's folder"
+        ))
+    })?;
+    if path.is_dir() {
+        return Err(fault("found a folder; expected a mesh: name a .obj, .glb or .gltf file in it".into()));
+    }
     let mut bytes = Vec::new();
     file.take(limit + 1).read_to_end(&mut bytes).map_err(|error| fault(error.to_string()))?;
     if bytes.len() as u64 > limit {

@@ -2,7 +2,7 @@
 
 use std::cell::Cell;
 use std::io::{BufRead, Read};
-use tobj::LoadOptions;
+use tobj::{LoadError, LoadOptions};
 use trochoid_scene::{DVec3, Triangles};
 
 /// The objects and groups of a file; points, lines and materials are left out.
@@ -13,7 +13,7 @@ pub(super) fn parts(bytes: &[u8]) -> Result<Vec<Triangles>, String> {
     let mut lines = Lines { rest: bytes, line: &line };
     // Colors are the document's, so no material file is opened.
     let models = tobj::load_obj_buf(&mut lines, &options, |_| Ok(Default::default()))
-        .map_err(|error| format!("line {}: {error}", line.get()))?
+        .map_err(|error| format!("line {}: {}", line.get(), explained(&error)))?
         .0;
     models
         .into_iter()
@@ -36,7 +36,7 @@ fn part(mesh: tobj::Mesh) -> Result<Triangles, String> {
     let wild = |v: &f64| !v.is_finite() || v.abs() > MOST;
     if let Some(at) = mesh.positions.iter().position(wild) {
         return Err(format!(
-            "found the coordinate {} of a vertex; expected finite numbers up to {MOST:e}: correct it, or export the file \
+            "found the coordinate {:?} of a vertex; expected finite numbers up to {MOST:e}: correct it, or export the file \
              again",
             mesh.positions[at]
         ));
@@ -44,6 +44,22 @@ fn part(mesh: tobj::Mesh) -> Result<Triangles, String> {
     // The library drops what a corner lacks, which would shift what the others have.
     part.check().map_err(|error| format!("{error}: give all corners of an object the same parts, such as 1/1/1"))?;
     Ok(part)
+}
+
+/// What the library found, with what it wants and what to do.
+fn explained(error: &LoadError) -> String {
+    let (expected, remedy) = match error {
+        LoadError::PositionParseError => ("v and three numbers", "correct the line"),
+        LoadError::NormalParseError => ("vn and three numbers", "correct the line"),
+        LoadError::TexcoordParseError => ("vt and two numbers", "correct the line"),
+        LoadError::FaceParseError => ("f and corners such as 1, 1/1, 1//1 or 1/1/1", "correct the line"),
+        LoadError::FaceVertexOutOfBounds => ("corners of vertices that come before the face", "correct the index"),
+        LoadError::FaceTexCoordOutOfBounds => ("corners of texture coordinates before the face", "correct the index"),
+        LoadError::FaceNormalOutOfBounds => ("corners of normals that come before the face", "correct the index"),
+        LoadError::ReadError => ("text in UTF-8", "is it a mesh? Read are .obj, .glb and .gltf"),
+        _ => ("a Wavefront OBJ", "export the mesh again, as .obj or .glb"),
+    };
+    format!("found a {error}; expected {expected}: {remedy}")
 }
 
 /// Lines handed out, counted.
@@ -93,7 +109,7 @@ fn check_faces(bytes: &[u8]) -> Result<(), String> {
                 let (count, what) = (counts[kind], KINDS[kind].1);
                 return Err(format!(
                     "line {}: found the index {number} after {count} {what}; expected 1 to their number, or -1 to \
-                     -{count} to count back",
+                     -{count} to count back: correct it",
                     index + 1
                 ));
             }

@@ -1,0 +1,89 @@
+//! Quantities of seen points from which rays go on: what they ask of a view, and how a block of them is filled.
+
+use super::surroundings::{First, Surroundings};
+use super::{NORMAL, POSITION, is_covered, view_planes, view_vector};
+use trochoid_graph::{Block, ChannelSet, Inputs, NodeError, References, Settled, ViewChannel};
+use trochoid_scene::shading::unit_or_up;
+use trochoid_scene::{DVec3, Ray};
+
+/// A point that is seen.
+pub(crate) struct Seen {
+    /// Where in the picture, in pixels.
+    pub(crate) at: [f64; 2],
+    pub(crate) point: DVec3,
+    /// Of length 1.
+    pub(crate) normal: DVec3,
+    /// Size of the facets there, in meters.
+    pub(crate) facet: f64,
+}
+
+/// What rays meet.
+#[derive(Clone, Copy)]
+pub(crate) struct Rays<'a> {
+    pub(crate) first: First<'a>,
+    pub(crate) blocks: &'a dyn Fn(&Ray, f64) -> bool,
+}
+
+/// Points from one question whether to stop to the next.
+const ASKED: usize = 64;
+
+/// What the view must supply.
+pub(crate) fn asked() -> ChannelSet {
+    ChannelSet::of(&NORMAL).union(ChannelSet::of(&POSITION)).union(ViewChannel::Coverage.into())
+}
+
+impl Surroundings {
+    fn seen(&self, at: [f64; 2], point: DVec3, normal: DVec3) -> Seen {
+        Seen { at, point, normal: unit_or_up(normal), facet: self.facet(point) }
+    }
+
+    /// Fills a block with a quantity of the points seen, by the tessellated surfaces; 0 where nothing is seen.
+    ///
+    /// # Errors
+    /// The user has asked to stop.
+    pub(crate) fn fill(
+        &self,
+        block: &Block,
+        inputs: &Inputs<'_>,
+        out: &mut [f32],
+        quantity: impl Fn(&Seen, Rays<'_>) -> f64,
+    ) -> Result<(), NodeError> {
+        let (points, normals) = (view_planes(inputs, POSITION), view_planes(inputs, NORMAL));
+        let coverage = inputs.view("view", ViewChannel::Coverage);
+        let vector = |planes: [&[f32]; 3], index: usize| DVec3::from(planes.map(|plane| f64::from(plane[index])));
+        let first = |ray: &_, limit| self.first(ray, limit);
+        let blocks = |ray: &_, limit| self.blocks(ray, limit);
+        let rays = Rays { first: &first, blocks: &blocks };
+        let window = block.window;
+        let pixels = (window.y0..window.y1).flat_map(|y| (window.x0..window.x1).map(move |x| (x, y)));
+        for (index, (out, (x, y))) in out.iter_mut().zip(pixels).enumerate() {
+            // Rays may take long: a soft shadow's over a row more than anybody waits.
+            if index % ASKED == 0 && inputs.cancelled() {
+                return Err(NodeError::new("cancelled"));
+            }
+            *out = if coverage[index] > 0.0 {
+                let at = [x as f64 + block.offset[0], y as f64 + block.offset[1]];
+                quantity(&self.seen(at, vector(points, index), vector(normals, index)), rays) as f32
+            } else {
+                0.0
+            };
+        }
+        Ok(())
+    }
+
+    /// The same of one sample, by the continuous surfaces, in f64.
+    pub(crate) fn quantity_reference(
+        &self,
+        node: &Settled,
+        inputs: &References<'_>,
+        quantity: impl Fn(&Seen, Rays<'_>) -> f64,
+    ) -> f64 {
+        if !is_covered(node, inputs) {
+            return 0.0;
+        }
+        let (point, normal) = (view_vector(node, inputs, POSITION), view_vector(node, inputs, NORMAL));
+        let first = |ray: &_, limit| self.first_reference(ray, limit);
+        let rays = Rays { first: &first, blocks: &|ray, limit| first(ray, limit).is_some() };
+        quantity(&self.seen(inputs.at, point, normal), rays)
+    }
+}
