@@ -30,7 +30,7 @@ pub(crate) fn scheduled(program: &Program, parts: u32) -> Program {
 
 /// Splits what takes long into what can begin early, and the rest.
 fn split(program: &mut Program) {
-    // Masks that are ready, by open branch.
+    // Masks that are ready, by open branch: which of it and what is around it comes first is not known yet.
     let mut ready = vec![BTreeSet::new()];
     for item in std::mem::take(&mut program.items) {
         match &item {
@@ -41,8 +41,7 @@ fn split(program: &mut Program) {
                 program.items.push(Item::Within { x: over, to: *to });
                 continue;
             }
-            Item::Compute { op: Op::Mix { t, .. }, .. } if ready.iter().all(|masks| !masks.contains(t)) => {
-                ready.last_mut().map(|masks| masks.insert(*t));
+            Item::Compute { op: Op::Mix { t, .. }, .. } if ready.last_mut().is_some_and(|masks| masks.insert(*t)) => {
                 program.items.push(Item::Ready(*t));
             }
             Item::Gate { .. } => ready.push(BTreeSet::new()),
@@ -87,6 +86,7 @@ impl Scheduler<'_> {
                     break;
                 }
             }
+            debug_assert!(best.0 < LATER, "the first of all waits for nothing");
             let Some(unit) = waiting.remove(best.1) else { unreachable!("places are counted") };
             self.now = self.now.max(best.0);
             self.place(unit.items);
