@@ -193,7 +193,13 @@ impl Hull {
         if excess <= 0.0 {
             return None;
         }
-        let nearest = if self.holds(projection) { projection } else { self.nearest_on_edges(point) };
+        if self.holds(projection) {
+            // The facet's own normal: that of a difference is the less exact the nearer the point is.
+            let (facet, _) = self.worst_facet(point)?;
+            let normal = facet.normal;
+            return Some(Witness { normal, offset: dot(normal, projection), distance: excess });
+        }
+        let nearest = self.nearest_on_edges(point);
         let distance = length(sub(point, nearest));
         let normal = unit(sub(point, nearest));
         (distance > 0.0).then(|| Witness { normal, offset: dot(normal, nearest), distance })
