@@ -7,7 +7,7 @@ use std::collections::HashMap;
 
 pub(crate) type Result<T = ()> = std::result::Result<T, IcedError>;
 
-/// A vector register, by number.
+/// A register of vectors, by number, or of masks: wide code has such registers, in narrow code masks are vectors.
 pub(crate) type Reg = u8;
 
 const ZMM: [AsmRegisterZmm; 32] = [
@@ -22,8 +22,9 @@ const XMM: [AsmRegisterXmm; 16] =
     [xmm0, xmm1, xmm2, xmm3, xmm4, xmm5, xmm6, xmm7, xmm8, xmm9, xmm10, xmm11, xmm12, xmm13, xmm14, xmm15];
 const MASKS: [AsmRegisterK; 8] = [k0, k1, k2, k3, k4, k5, k6, k7];
 
-/// The mask register that nothing keeps.
-pub(crate) const SCRATCH_MASK: u8 = 7;
+/// The mask register that nothing keeps, and one more that nothing writes by.
+pub(crate) const SCRATCH_MASK: Reg = 7;
+pub(crate) const OTHER_MASK: Reg = 0;
 
 /// Registers for pointers to rows; further ones are fetched when they are needed.
 const POINTERS: [AsmRegister64; 8] = [r10, r11, rbx, rbp, r12, r13, r14, r15];
@@ -48,7 +49,7 @@ pub(crate) struct Assembler {
     /// Sixteen lanes, or eight.
     pub(crate) wide: bool,
     pool: Vec<u32>,
-    known: HashMap<(u64, bool), i32>,
+    known: HashMap<Vec<u32>, i32>,
     rows: usize,
     /// Vectors worked on side by side.
     parts: u32,
@@ -93,6 +94,11 @@ impl Assembler {
         self.a.jb(self.top)
     }
 
+    /// Where to compare into for a while: narrow code needs a vector for it.
+    pub(crate) fn scratch(&self, vector: Reg) -> Reg {
+        if self.wide { SCRATCH_MASK } else { vector }
+    }
+
     /// Bytes of a vector.
     fn bytes(&self) -> i32 {
         if self.wide { 64 } else { 32 }
@@ -112,26 +118,31 @@ impl Assembler {
         Ok((self.a.assemble(0)?, self.pool))
     }
 
-    /// Where a constant lies.
-    fn constant(&mut self, value: f32) -> i32 {
-        let bits = value.to_bits();
-        let pool = &mut self.pool;
-        *self.known.entry((bits.into(), false)).or_insert_with(|| {
-            pool.push(bits);
-            4 * (pool.len() as i32 - 1)
+    /// Where a constant lies: once, which wide code spreads over all lanes, or in all lanes of a narrow vector.
+    fn constant(&mut self, bits: &[u32]) -> i32 {
+        let (pool, copies) = (&mut self.pool, if self.wide { 1 } else { 8 / bits.len() });
+        *self.known.entry(bits.to_vec()).or_insert_with(|| {
+            // Doubles start at even places.
+            if pool.len() % bits.len() == 1 {
+                pool.push(0);
+            }
+            let at = 4 * pool.len() as i32;
+            (0..copies).for_each(|_| pool.extend(bits));
+            at
         })
     }
 
-    fn double(&mut self, value: f64) -> i32 {
+    /// A constant in memory, as an operand.
+    fn single(&mut self, value: f32) -> AsmMemoryOperand {
+        let at = rsi + self.constant(&[value.to_bits()]);
+        if self.wide { dword_bcst(at) } else { ymmword_ptr(at) }
+    }
+
+    /// The same in f64.
+    fn double(&mut self, value: f64) -> AsmMemoryOperand {
         let bits = value.to_bits();
-        let pool = &mut self.pool;
-        *self.known.entry((bits, true)).or_insert_with(|| {
-            if pool.len() % 2 == 1 {
-                pool.push(0);
-            }
-            pool.extend([bits as u32, (bits >> 32) as u32]);
-            4 * (pool.len() as i32 - 2)
-        })
+        let at = rsi + self.constant(&[bits as u32, (bits >> 32) as u32]);
+        if self.wide { qword_bcst(at) } else { ymmword_ptr(at) }
     }
 
     /// The register that holds a row's address.
@@ -206,54 +217,61 @@ impl Assembler {
 
     /// A constant in all lanes.
     pub(crate) fn fill(&mut self, to: Reg, value: f32) -> Result {
-        let from = dword_ptr(rsi + self.constant(value));
+        let at = rsi + self.constant(&[value.to_bits()]);
         if self.wide {
-            self.a.vbroadcastss(ZMM[to as usize], from)
+            self.a.vbroadcastss(ZMM[to as usize], dword_ptr(at))
         } else {
-            self.a.vbroadcastss(YMM[to as usize], from)
+            self.a.vmovups(YMM[to as usize], ymmword_ptr(at))
         }
     }
 
     pub(crate) fn fill_double(&mut self, to: Reg, value: f64) -> Result {
-        let from = qword_ptr(rsi + self.double(value));
+        let bits = value.to_bits();
+        let at = rsi + self.constant(&[bits as u32, (bits >> 32) as u32]);
         if self.wide {
-            self.a.vbroadcastsd(ZMM[to as usize], from)
+            self.a.vbroadcastsd(ZMM[to as usize], qword_ptr(at))
         } else {
-            self.a.vbroadcastsd(YMM[to as usize], from)
+            self.a.vmovups(YMM[to as usize], ymmword_ptr(at))
         }
     }
 
-    /// A constant in the lanes of a mask, 0 in the others. Wide only.
-    pub(crate) fn fill_masked(&mut self, to: Reg, mask: u8, value: f32) -> Result {
-        let from = dword_ptr(rsi + self.constant(value));
-        self.a.vbroadcastss(masked(to, mask).z(), from)
+    /// A constant in the lanes of a mask, another in the others. Narrow code does it by bits: to select takes the units that
+    /// multiply.
+    pub(crate) fn choose(&mut self, to: Reg, mask: Reg, others: f32, lanes: f32) -> Result {
+        if self.wide {
+            if others.to_bits() != 0 {
+                self.fill(to, others)?;
+                return self.select_constant(to, mask, to, lanes);
+            }
+            let from = dword_ptr(rsi + self.constant(&[lanes.to_bits()]));
+            return self.a.vbroadcastss(masked(to, mask).z(), from);
+        }
+        let change = self.single(f32::from_bits(others.to_bits() ^ lanes.to_bits()));
+        self.a.vandps(YMM[to as usize], YMM[mask as usize], change)?;
+        if others.to_bits() != 0 {
+            let from = self.single(others);
+            self.a.vxorps(YMM[to as usize], YMM[to as usize], from)?;
+        }
+        Ok(())
     }
 
-    /// A constant in the lanes of a mask; the others stay. Wide only.
-    pub(crate) fn fill_where(&mut self, to: Reg, mask: u8, value: f32) -> Result {
-        let from = dword_ptr(rsi + self.constant(value));
-        self.a.vbroadcastss(masked(to, mask), from)
+    /// b in the lanes of a mask, else a.
+    pub(crate) fn select(&mut self, to: Reg, mask: Reg, a: Reg, b: Reg) -> Result {
+        if self.wide {
+            self.a.vblendmps(masked(to, mask), ZMM[a as usize], ZMM[b as usize])
+        } else {
+            self.a.vblendvps(YMM[to as usize], YMM[a as usize], YMM[b as usize], YMM[mask as usize])
+        }
     }
 
-    /// The lanes of a mask; the others stay. Wide only.
-    pub(crate) fn copy_where(&mut self, to: Reg, mask: u8, from: Reg) -> Result {
-        self.a.vmovaps(masked(to, mask), ZMM[from as usize])
-    }
-
-    /// b in the lanes of a mask, else a. Wide only.
-    pub(crate) fn select(&mut self, to: Reg, mask: u8, a: Reg, b: Reg) -> Result {
-        self.a.vblendmps(masked(to, mask), ZMM[a as usize], ZMM[b as usize])
-    }
-
-    /// A constant in the lanes of a mask, else a. Wide only.
-    pub(crate) fn select_constant(&mut self, to: Reg, mask: u8, a: Reg, value: f32) -> Result {
-        let from = dword_bcst(rsi + self.constant(value));
-        self.a.vblendmps(masked(to, mask), ZMM[a as usize], from)
-    }
-
-    /// b where the sign of the mask is set, else a. Narrow only.
-    pub(crate) fn blend(&mut self, to: Reg, mask: Reg, a: Reg, b: Reg) -> Result {
-        self.a.vblendvps(YMM[to as usize], YMM[a as usize], YMM[b as usize], YMM[mask as usize])
+    /// A constant in the lanes of a mask, else a.
+    pub(crate) fn select_constant(&mut self, to: Reg, mask: Reg, a: Reg, value: f32) -> Result {
+        let from = self.single(value);
+        if self.wide {
+            self.a.vblendmps(masked(to, mask), ZMM[a as usize], from)
+        } else {
+            self.a.vblendvps(YMM[to as usize], YMM[a as usize], from, YMM[mask as usize])
+        }
     }
 
     /// Narrow only.
@@ -280,37 +298,22 @@ impl Assembler {
         }
     }
 
-    /// With a constant as the second operand; `spare` is lost (narrow vectors have to load it there).
-    pub(crate) fn two_constant(&mut self, op: Two, to: Reg, a: Reg, value: f32, spare: Reg) -> Result {
+    /// With a constant as the second operand.
+    pub(crate) fn two_constant(&mut self, op: Two, to: Reg, a: Reg, value: f32) -> Result {
         debug_assert!(!op.is_double());
-        if self.wide {
-            let from = dword_bcst(rsi + self.constant(value));
-            self.two_address(op, to, a, from)
-        } else {
-            self.fill(spare, value)?;
-            self.two(op, to, a, spare)
-        }
+        let from = self.single(value);
+        self.two_address(op, to, a, from)
     }
 
     /// The same in f64.
-    pub(crate) fn two_double(&mut self, op: Two, to: Reg, a: Reg, value: f64, spare: Reg) -> Result {
+    pub(crate) fn two_double(&mut self, op: Two, to: Reg, a: Reg, value: f64) -> Result {
         debug_assert!(op.is_double());
-        if self.wide {
-            let from = qword_bcst(rsi + self.double(value));
-            self.two_address(op, to, a, from)
-        } else {
-            self.fill_double(spare, value)?;
-            self.two(op, to, a, spare)
-        }
-    }
-
-    /// a − b in the lanes of a mask; the others stay. Wide only.
-    pub(crate) fn sub_where(&mut self, to: Reg, mask: u8, a: Reg, b: Reg) -> Result {
-        self.a.vsubps(masked(to, mask), ZMM[a as usize], ZMM[b as usize])
+        let from = self.double(value);
+        self.two_address(op, to, a, from)
     }
 
     /// d + a·b in the lanes of a mask, in f64. Wide only.
-    pub(crate) fn fma_double_where(&mut self, to: Reg, mask: u8, a: Reg, b: Reg) -> Result {
+    pub(crate) fn fma_double_where(&mut self, to: Reg, mask: Reg, a: Reg, b: Reg) -> Result {
         self.a.vfmadd231pd(masked(to, mask), ZMM[a as usize], ZMM[b as usize])
     }
 
@@ -329,68 +332,61 @@ impl Assembler {
         }
     }
 
-    /// |x| in f64; `spare` is lost.
-    pub(crate) fn magnitude(&mut self, of: Reg, spare: Reg) -> Result {
-        let mask = f64::from_bits(u64::MAX >> 1);
+    /// |x| in f64.
+    pub(crate) fn magnitude(&mut self, of: Reg) -> Result {
+        let from = self.double(f64::from_bits(u64::MAX >> 1));
         if self.wide {
-            let from = qword_bcst(rsi + self.double(mask));
             self.a.vpandq(ZMM[of as usize], ZMM[of as usize], from)
         } else {
-            self.fill_double(spare, mask)?;
-            self.a.vandpd(YMM[of as usize], YMM[of as usize], YMM[spare as usize])
+            self.a.vandpd(YMM[of as usize], YMM[of as usize], from)
         }
     }
 
-    /// Compares with a constant into a mask register. Wide only.
-    pub(crate) fn compare_constant(&mut self, mask: u8, how: Compare, a: Reg, value: f32) -> Result {
-        let from = dword_bcst(rsi + self.constant(value));
-        self.a.vcmpps(MASKS[mask as usize], ZMM[a as usize], from, how as i32)
-    }
-
-    /// Compares two vectors into a mask register. Wide only.
-    pub(crate) fn compare(&mut self, mask: u8, how: Compare, a: Reg, b: Reg) -> Result {
-        self.a.vcmpps(MASKS[mask as usize], ZMM[a as usize], ZMM[b as usize], how as i32)
-    }
-
-    /// Compares f64 with 0 into a mask register. Wide only.
-    pub(crate) fn compare_double_zero(&mut self, mask: u8, how: Compare, a: Reg) -> Result {
-        let from = qword_bcst(rsi + self.double(0.0));
-        self.a.vcmppd(MASKS[mask as usize], ZMM[a as usize], from, how as i32)
-    }
-
-    /// Compares two vectors into one of all ones or zeros. Narrow only.
-    pub(crate) fn compare_narrow(&mut self, to: Reg, how: Compare, a: Reg, b: Reg) -> Result {
-        self.a.vcmpps(YMM[to as usize], YMM[a as usize], YMM[b as usize], how as i32)
-    }
-
-    /// The same of f64. Narrow only.
-    pub(crate) fn compare_double_narrow(&mut self, to: Reg, how: Compare, a: Reg, b: Reg) -> Result {
-        self.a.vcmppd(YMM[to as usize], YMM[a as usize], YMM[b as usize], how as i32)
-    }
-
-    /// Keeps in the scratch mask, or in `to`, only the lanes that have the bits of a constant in `a` as well; `spare` is
-    /// lost.
-    pub(crate) fn equals_too(&mut self, to: Reg, a: Reg, value: f32, spare: Reg) -> Result {
+    /// Compares two vectors into a mask.
+    pub(crate) fn compare(&mut self, mask: Reg, how: Compare, a: Reg, b: Reg) -> Result {
         if self.wide {
-            let from = dword_bcst(rsi + self.constant(value));
-            let (found, other) = (MASKS[SCRATCH_MASK as usize], MASKS[0]);
-            self.a.vpcmpeqd(other, ZMM[a as usize], from)?;
-            self.a.kandw(found, found, other)
+            self.a.vcmpps(MASKS[mask as usize], ZMM[a as usize], ZMM[b as usize], how as i32)
         } else {
-            self.fill(spare, value)?;
-            self.a.vpcmpeqd(YMM[spare as usize], YMM[a as usize], YMM[spare as usize])?;
-            self.and(to, to, spare)
+            self.a.vcmpps(YMM[mask as usize], YMM[a as usize], YMM[b as usize], how as i32)
         }
     }
 
-    /// Which lanes have the bits of a constant: into the scratch mask, or into `to`; `spare` is lost.
-    pub(crate) fn equals(&mut self, to: Reg, a: Reg, value: f32, spare: Reg) -> Result {
+    /// Compares with a constant into a mask.
+    pub(crate) fn compare_constant(&mut self, mask: Reg, how: Compare, a: Reg, value: f32) -> Result {
+        let from = self.single(value);
         if self.wide {
-            let from = dword_bcst(rsi + self.constant(value));
-            self.a.vpcmpeqd(MASKS[SCRATCH_MASK as usize], ZMM[a as usize], from)
+            self.a.vcmpps(MASKS[mask as usize], ZMM[a as usize], from, how as i32)
         } else {
-            self.fill(spare, value)?;
-            self.a.vpcmpeqd(YMM[to as usize], YMM[a as usize], YMM[spare as usize])
+            self.a.vcmpps(YMM[mask as usize], YMM[a as usize], from, how as i32)
+        }
+    }
+
+    /// Compares f64 with 0 into a mask.
+    pub(crate) fn compare_double_zero(&mut self, mask: Reg, how: Compare, a: Reg) -> Result {
+        let from = self.double(0.0);
+        if self.wide {
+            self.a.vcmppd(MASKS[mask as usize], ZMM[a as usize], from, how as i32)
+        } else {
+            self.a.vcmppd(YMM[mask as usize], YMM[a as usize], from, how as i32)
+        }
+    }
+
+    /// Which lanes have the bits of a constant.
+    pub(crate) fn equals(&mut self, mask: Reg, a: Reg, value: f32) -> Result {
+        let from = self.single(value);
+        if self.wide {
+            self.a.vpcmpeqd(MASKS[mask as usize], ZMM[a as usize], from)
+        } else {
+            self.a.vpcmpeqd(YMM[mask as usize], YMM[a as usize], from)
+        }
+    }
+
+    /// Keeps in a mask only the lanes that are in another one as well.
+    pub(crate) fn both(&mut self, mask: Reg, other: Reg) -> Result {
+        if self.wide {
+            self.a.kandw(MASKS[mask as usize], MASKS[mask as usize], MASKS[other as usize])
+        } else {
+            self.and(mask, mask, other)
         }
     }
 
@@ -408,10 +404,10 @@ impl Assembler {
         self.a.jmp(to)
     }
 
-    /// Jumps if what [`equals`](Self::equals) found, in all lanes.
+    /// Jumps if a mask has all lanes.
     pub(crate) fn jump_if_all(&mut self, found: Reg, to: CodeLabel) -> Result {
         if self.wide {
-            self.a.kortestw(MASKS[SCRATCH_MASK as usize], MASKS[SCRATCH_MASK as usize])?;
+            self.a.kortestw(MASKS[found as usize], MASKS[found as usize])?;
             return self.a.jb(to);
         }
         self.a.vmovmskps(eax, YMM[found as usize])?;
@@ -447,7 +443,7 @@ impl Assembler {
 }
 
 /// A register of which an instruction writes the lanes of a mask.
-fn masked(register: Reg, mask: u8) -> AsmRegisterZmm {
+fn masked(register: Reg, mask: Reg) -> AsmRegisterZmm {
     let register = ZMM[register as usize];
     match mask {
         1 => register.k1(),

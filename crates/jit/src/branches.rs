@@ -1,6 +1,6 @@
 //! Branches that are jumped over where nothing comes of them.
 
-use crate::assembler::{Place, Result};
+use crate::assembler::{OTHER_MASK, Place, Reg, Result, SCRATCH_MASK};
 use crate::program::Item;
 use crate::registers::{Holder, Move};
 use crate::translate::Translator;
@@ -16,19 +16,21 @@ pub(crate) struct Skip {
 impl Translator<'_> {
     /// Jumps over a branch where it is closed in all vectors side by side.
     pub(crate) fn gate(&mut self, parts: &[Item], closed: f32) -> Result {
-        let [found, spare] = self.take_all()?;
+        let vectors: [Reg; 2] = self.take_all()?;
+        let [found, other] = if self.asm.wide { [SCRATCH_MASK, OTHER_MASK] } else { vectors };
         for (index, part) in parts.iter().enumerate() {
             let Item::Gate { t, .. } = part else { continue };
             let x = self.value(*t)?;
             if index == 0 {
-                self.asm.equals(found, x, closed, spare)?;
+                self.asm.equals(found, x, closed)?;
             } else {
-                self.asm.equals_too(found, x, closed, spare)?;
+                self.asm.equals(other, x, closed)?;
+                self.asm.both(found, other)?;
             }
         }
         let label = self.asm.label();
         self.asm.jump_if_all(found, label)?;
-        self.give_back(&[found, spare]);
+        self.give_back(&vectors);
         self.gates.push((self.registers.snapshot(), label));
         Ok(())
     }

@@ -14,8 +14,8 @@ const MOST_ITEMS: usize = 50_000;
 pub struct Code {
     /// Written, then made executable and never written again.
     map: Mmap,
-    /// In pairs, for alignment.
-    constants: Vec<u64>,
+    /// On cache lines.
+    constants: Vec<Lanes>,
     slots: usize,
     inputs: usize,
     lines: usize,
@@ -25,7 +25,7 @@ pub struct Code {
 }
 
 /// What the code is called with: the table of rows, the constants, the state, the slots, and the bytes of a row.
-type Entry = unsafe extern "sysv64" fn(*const *const f32, *const u64, *mut Lanes, *mut Lanes, usize);
+type Entry = unsafe extern "sysv64" fn(*const *const f32, *const Lanes, *mut Lanes, *mut Lanes, usize);
 
 impl Code {
     /// Compiles a program; `None` where the processor lacks the instructions, the system refuses executable memory, or
@@ -45,8 +45,8 @@ impl Code {
         let translated = translate(program, set, stores).ok()?;
         let mut map = MmapMut::map_anon(translated.code.len()).ok()?;
         map.copy_from_slice(&translated.code);
-        let pairs = translated.constants.chunks(2);
-        let constants = pairs.map(|pair| u64::from(pair[0]) | u64::from(*pair.get(1).unwrap_or(&0)) << 32).collect();
+        let lines = translated.constants.chunks(16);
+        let constants = lines.map(|line| Lanes(std::array::from_fn(|at| line.get(at).copied().unwrap_or(0)))).collect();
         Some(Self {
             map: map.make_exec().ok()?,
             constants,

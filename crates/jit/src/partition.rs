@@ -21,8 +21,8 @@ impl Translator<'_> {
                 let (sum_low, sum_high) = (sums[2 * channel], sums[2 * channel + 1]);
                 if let Some(constant) = self.constant(*value).filter(|constant| constant.is_finite()) {
                     // 0 times what is finite adds nothing.
-                    self.asm.two_double(Two::FmaDouble, sum_low, low, constant.into(), value_low)?;
-                    self.asm.two_double(Two::FmaDouble, sum_high, high, constant.into(), value_low)?;
+                    self.asm.two_double(Two::FmaDouble, sum_low, low, constant.into())?;
+                    self.asm.two_double(Two::FmaDouble, sum_high, high, constant.into())?;
                     continue;
                 }
                 let x = self.value(*value)?;
@@ -36,8 +36,7 @@ impl Translator<'_> {
                         // The product is exact.
                         self.asm.two(Two::MulDouble, value, value, weight)?;
                         let mask = self.take()?;
-                        self.asm.zero(mask)?;
-                        self.asm.compare_double_narrow(mask, Compare::NotEqual, weight, mask)?;
+                        self.asm.compare_double_zero(mask, Compare::NotEqual, weight)?;
                         self.asm.and(value, value, mask)?;
                         self.asm.two(Two::AddDouble, sum, sum, value)?;
                         self.give_back(&[mask]);
@@ -67,18 +66,11 @@ impl Translator<'_> {
         for (index, weight) in weights.iter().enumerate() {
             let x = self.value(*weight)?;
             self.round(rounded, x, spare)?;
-            if self.asm.wide {
-                self.asm.compare(SCRATCH_MASK, Compare::Greater, x, best)?;
-                self.asm.fill_where(owner, SCRATCH_MASK, number(index))?;
-                self.asm.copy_where(best, SCRATCH_MASK, x)?;
-                self.asm.copy_where(big, SCRATCH_MASK, rounded)?;
-            } else {
-                self.asm.compare_narrow(spare, Compare::Greater, x, best)?;
-                self.asm.fill(low, number(index))?;
-                self.asm.blend(owner, spare, owner, low)?;
-                self.asm.blend(best, spare, best, x)?;
-                self.asm.blend(big, spare, big, rounded)?;
-            }
+            let mask = self.asm.scratch(spare);
+            self.asm.compare(mask, Compare::Greater, x, best)?;
+            self.asm.select_constant(owner, mask, owner, number(index))?;
+            self.asm.select(best, mask, best, x)?;
+            self.asm.select(big, mask, big, rounded)?;
             self.give_back(&[x]);
             self.asm.widen(low, high, rounded)?;
             self.asm.two(Two::AddDouble, sum_low, sum_low, low)?;
@@ -98,12 +90,9 @@ impl Translator<'_> {
         for ((index, value), slot) in to.iter().enumerate().zip(slots) {
             let d = self.take()?;
             self.asm.load(d, Place::Slot(slot))?;
-            self.asm.equals(low, owner, number(index), spare)?;
-            if self.asm.wide {
-                self.asm.copy_where(d, SCRATCH_MASK, big)?;
-            } else {
-                self.asm.blend(d, low, d, big)?;
-            }
+            let mask = self.asm.scratch(low);
+            self.asm.equals(mask, owner, number(index))?;
+            self.asm.select(d, mask, d, big)?;
             // Its slot is its home from now on, should it have to give way.
             self.asm.store(Place::Slot(slot), d)?;
             self.registers.set_slot(*value, slot);
@@ -115,16 +104,11 @@ impl Translator<'_> {
 
     /// `round_weight`: from ½ up nothing, below by way of adding ½.
     fn round(&mut self, to: Reg, x: Reg, spare: Reg) -> Result {
-        self.asm.two_constant(Two::Add, to, x, 0.5, spare)?;
-        self.asm.two_constant(Two::Sub, to, to, 0.5, spare)?;
-        if self.asm.wide {
-            self.asm.compare_constant(SCRATCH_MASK, Compare::AtLeast, x, 0.5)?;
-            self.asm.copy_where(to, SCRATCH_MASK, x)
-        } else {
-            self.asm.fill(spare, 0.5)?;
-            self.asm.compare_narrow(spare, Compare::AtLeast, x, spare)?;
-            self.asm.blend(to, spare, to, x)
-        }
+        self.asm.two_constant(Two::Add, to, x, 0.5)?;
+        self.asm.two_constant(Two::Sub, to, to, 0.5)?;
+        let mask = self.asm.scratch(spare);
+        self.asm.compare_constant(mask, Compare::AtLeast, x, 0.5)?;
+        self.asm.select(to, mask, to, x)
     }
 
     pub(crate) fn see_sum(&mut self, weights: &[Value], state: u32) -> Result {
@@ -139,8 +123,8 @@ impl Translator<'_> {
             self.asm.two(Two::AddDouble, sum_high, sum_high, high)?;
         }
         for (sum, state) in [(sum_low, state), (sum_high, state + 1)] {
-            self.asm.two_double(Two::SubDouble, sum, sum, 1.0, low)?;
-            self.asm.magnitude(sum, low)?;
+            self.asm.two_double(Two::SubDouble, sum, sum, 1.0)?;
+            self.asm.magnitude(sum)?;
             self.asm.load(high, Place::State(state))?;
             // NaN is taken, as the second.
             self.asm.two(Two::MaxDouble, high, high, sum)?;

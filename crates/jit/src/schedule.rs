@@ -5,18 +5,20 @@ use crate::program::{Item, Op, Program, Value};
 use std::collections::{BTreeSet, VecDeque};
 use std::ops::Range;
 
-/// Items that are looked at for the next one. More of them keep more values alive at once.
-const WINDOW: usize = 48;
+/// Items that are looked at for the next one, wide and narrow. More of them keep more values alive at once, for which narrow
+/// code has few registers.
+const WINDOW: [usize; 2] = [48, 2];
 /// When what is not there yet is there.
 const LATER: u64 = u64::MAX;
 
 /// The program in an order in which more of it runs at once, for so many vectors side by side.
-pub(crate) fn scheduled(program: &Program, parts: u32) -> Program {
+pub(crate) fn scheduled(program: &Program, wide: bool, parts: u32) -> Program {
     let mut program = program.clone();
     split(&mut program);
     let count = program.values as usize;
     let mut scheduler = Scheduler {
         items: &program.items,
+        window: WINDOW[usize::from(!wide)],
         parts: parts.into(),
         now: 0,
         values: vec![LATER; count],
@@ -61,6 +63,7 @@ struct Unit {
 
 struct Scheduler<'p> {
     items: &'p [Item],
+    window: usize,
     parts: u64,
     /// In quarters of a cycle, as all times.
     now: u64,
@@ -77,7 +80,7 @@ impl Scheduler<'_> {
         while !waiting.is_empty() {
             // The first that waits for nothing, or else for the shortest time.
             let mut best = (LATER, 0);
-            for (place, unit) in waiting.iter().enumerate().take(WINDOW) {
+            for (place, unit) in waiting.iter().enumerate().take(self.window) {
                 let from = self.from(unit);
                 if from < best.0 {
                     best = (from, place);

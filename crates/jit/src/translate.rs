@@ -1,6 +1,6 @@
 //! From a program to machine code, item by item.
 
-use crate::assembler::{Assembler, Place, Reg, Result, SCRATCH_MASK};
+use crate::assembler::{Assembler, Place, Reg, Result};
 use crate::branches::Skip;
 use crate::operations::{Compare, Two};
 use crate::program::{Item, Op, Program, Value};
@@ -32,7 +32,7 @@ pub(crate) fn translate(program: &Program, set: Set, stores: Stores) -> Result<T
     let count = if wide { 32 } else { 16 };
     let parts = PARTS[usize::from(!wide)];
     let fixed = if wide { 2 } else { 0 };
-    let program = &scheduled(program, parts);
+    let program = &scheduled(program, wide, parts);
     let pinned = pinned(program, PINNED[usize::from(!wide)]);
     let mut translator = Translator {
         asm: Assembler::new(wide, parts, program.inputs + program.lines + program.outputs)?,
@@ -183,22 +183,21 @@ impl Translator<'_> {
             Item::Partition { weights, to } => self.partition(weights, to),
             Item::Over { x, min, width, to } => {
                 let x = self.value(*x)?;
-                let [d, spare] = self.pair()?;
-                self.asm.two_constant(Two::Sub, d, x, *min, spare)?;
-                self.asm.two_constant(Two::Div, d, d, *width, spare)?;
+                let d = self.take()?;
+                self.asm.two_constant(Two::Sub, d, x, *min)?;
+                self.asm.two_constant(Two::Div, d, d, *width)?;
                 self.define(*to, d);
                 Ok(())
             }
             Item::Within { x, to } => {
                 let x_in = self.value(*x)?;
                 let d = self.over(*x, x_in, &[])?;
-                let spare = if self.asm.wide { d } else { self.take()? };
                 // Where both are equal, or one is NaN, the second is taken.
-                self.asm.two_constant(Two::Max, d, x_in, 0.0, spare)?;
+                self.asm.two_constant(Two::Max, d, x_in, 0.0)?;
                 if self.asm.wide {
-                    self.asm.two(Two::Min, d, d, ONE)?;
+                    self.asm.two(Two::Min, d, d, ONE)?
                 } else {
-                    self.asm.two_constant(Two::Min, d, d, 1.0, spare)?;
+                    self.asm.two_constant(Two::Min, d, d, 1.0)?
                 }
                 self.define(*to, d);
                 Ok(())
@@ -227,16 +226,10 @@ impl Translator<'_> {
             Op::Clamp { .. } => unreachable!("clamps are split"),
             Op::Step { x, threshold } => {
                 let x = self.value(x)?;
-                let [d, spare] = self.pair()?;
-                if self.asm.wide {
-                    self.asm.compare_constant(SCRATCH_MASK, Compare::AtLeast, x, threshold)?;
-                    self.asm.fill_masked(d, SCRATCH_MASK, 1.0)?;
-                } else {
-                    self.asm.fill(spare, threshold)?;
-                    self.asm.compare_narrow(d, Compare::AtLeast, x, spare)?;
-                    self.asm.fill(spare, 1.0)?;
-                    self.asm.and(d, d, spare)?;
-                }
+                let d = self.take()?;
+                let mask = self.asm.scratch(d);
+                self.asm.compare_constant(mask, Compare::AtLeast, x, threshold)?;
+                self.asm.choose(d, mask, 0.0, 1.0)?;
                 self.define(to, d);
                 Ok(())
             }
@@ -261,12 +254,12 @@ impl Translator<'_> {
             }
             Op::Smooth(t) => {
                 let t = self.value(t)?;
-                let [low, high, factor, spare] = self.take_all()?;
+                let [low, high, factor] = self.take_all()?;
                 self.asm.widen(low, high, t)?;
                 for half in [low, high] {
                     // 2·t is exact, so this is 3 − 2·t rounded once.
                     self.asm.fill_double(factor, 3.0)?;
-                    self.asm.two_double(Two::FnmaDouble, factor, half, 2.0, spare)?;
+                    self.asm.two_double(Two::FnmaDouble, factor, half, 2.0)?;
                     self.asm.two(Two::MulDouble, half, half, half)?;
                     self.asm.two(Two::MulDouble, half, half, factor)?;
                 }
@@ -304,12 +297,6 @@ impl Translator<'_> {
         }
     }
 
-    /// A register, and one that narrow vectors need for constants.
-    fn pair(&mut self) -> Result<[Reg; 2]> {
-        let d = self.take()?;
-        Ok([d, if self.asm.wide { d } else { self.take()? }])
-    }
-
     /// A mask made ready: which end is nearer, and how far it is from there.
     fn by(&mut self, t: Value) -> Result<By> {
         if let Some(by) = self.registers.by.iter().find(|by| by.of == t).copied() {
@@ -318,33 +305,20 @@ impl Translator<'_> {
         }
         let x = self.value(t)?;
         let by = self.take()?;
-        let near = if self.asm.wide { self.registers.near(t) } else { End::B };
-        let mask = match near {
-            End::A => {
-                let mask = self.registers.mask(self.at);
-                self.asm.compare(mask, Compare::Less, x, HALF)?;
-                self.asm.two(Two::Sub, by, x, ONE)?;
-                self.asm.copy_where(by, mask, x)?;
-                mask
-            }
-            End::B if self.asm.wide => {
-                let mask = self.registers.mask(self.at);
-                self.asm.compare(mask, Compare::NotLess, x, HALF)?;
-                self.asm.copy(by, x)?;
-                self.asm.sub_where(by, mask, x, ONE)?;
-                mask
-            }
-            End::B => {
-                let mask = self.take()?;
-                self.asm.fill(mask, 0.5)?;
-                self.asm.compare_narrow(mask, Compare::NotLess, x, mask)?;
-                self.asm.fill(by, 1.0)?;
-                self.asm.two(Two::Sub, by, x, by)?;
-                self.asm.blend(by, mask, x, by)?;
-                self.registers.hold(mask, Holder::Near(t));
-                mask
-            }
-        };
+        let mask = if self.asm.wide { self.registers.mask(self.at) } else { self.take()? };
+        let near = self.registers.near(t);
+        let how = if near == End::A { Compare::Less } else { Compare::NotLess };
+        if self.asm.wide {
+            self.asm.compare(mask, how, x, HALF)?;
+            self.asm.two(Two::Sub, by, x, ONE)?;
+            self.select(by, near, mask, x, by)?;
+        } else {
+            self.asm.compare_constant(mask, how, x, 0.5)?;
+            let [others, lanes] = if near == End::A { [1.0, 0.0] } else { [0.0, 1.0] };
+            self.asm.choose(by, mask, others, lanes)?;
+            self.asm.two(Two::Sub, by, x, by)?;
+            self.registers.hold(mask, Holder::Near(t));
+        }
         self.registers.hold(by, Holder::By(t));
         let by = By { of: t, by, mask, near };
         self.registers.by.push(by);
@@ -355,61 +329,32 @@ impl Translator<'_> {
         let By { by, mask, near, .. } = self.by(t)?;
         let d = match (self.constant(a), self.constant(b)) {
             (Some(from), Some(until)) => {
-                let [d, spare] = self.pair()?;
-                if self.asm.wide {
-                    let [far, near] = if near == End::A { [until, from] } else { [from, until] };
-                    self.asm.fill(d, far)?;
-                    self.asm.fill_where(d, mask, near)?;
-                } else {
-                    self.asm.fill(d, from)?;
-                    self.asm.fill(spare, until)?;
-                    self.asm.blend(d, mask, d, spare)?;
-                }
-                self.asm.two_constant(Two::Fma, d, by, until - from, spare)?;
+                let d = self.take()?;
+                let [far, near] = if near == End::A { [until, from] } else { [from, until] };
+                self.asm.choose(d, mask, far, near)?;
+                self.asm.two_constant(Two::Fma, d, by, until - from)?;
                 d
             }
             // Of −0 and 0 the other sign would come out.
-            (None, Some(until)) if self.asm.wide && near == End::B && until != 0.0 => {
+            (None, Some(until)) if near == End::B && until != 0.0 => {
                 let a_in = self.value(a)?;
                 let difference = self.take()?;
-                self.asm.two_constant(Two::Sub, difference, a_in, until, difference)?;
+                self.asm.two_constant(Two::Sub, difference, a_in, until)?;
                 let d = self.over(a, a_in, &[b, t])?;
                 self.asm.select_constant(d, mask, a_in, until)?;
                 self.asm.two(Two::Fnma, d, by, difference)?;
                 d
             }
-            (None, Some(until)) => {
-                let a_in = self.value(a)?;
-                let [difference, d] = self.take_all()?;
-                self.asm.fill(difference, until)?;
-                self.select(d, near, mask, a_in, difference)?;
-                self.asm.two(Two::Sub, difference, difference, a_in)?;
-                self.asm.two(Two::Fma, d, by, difference)?;
-                d
-            }
-            (Some(from), None) if self.asm.wide && near == End::A => {
+            (Some(from), None) if near == End::A => {
                 let b_in = self.value(b)?;
                 let difference = self.take()?;
-                self.asm.two_constant(Two::Sub, difference, b_in, from, difference)?;
+                self.asm.two_constant(Two::Sub, difference, b_in, from)?;
                 let d = self.over(b, b_in, &[a, t])?;
                 self.asm.select_constant(d, mask, b_in, from)?;
                 self.asm.two(Two::Fma, d, by, difference)?;
                 d
             }
-            (Some(from), None) => {
-                let b = self.value(b)?;
-                let [difference, d] = self.take_all()?;
-                self.asm.fill(d, from)?;
-                self.asm.two(Two::Sub, difference, b, d)?;
-                if self.asm.wide {
-                    self.asm.copy_where(d, mask, b)?;
-                } else {
-                    self.asm.blend(d, mask, d, b)?;
-                }
-                self.asm.two(Two::Fma, d, by, difference)?;
-                d
-            }
-            (None, None) => {
+            _ => {
                 let (a_in, b_in) = (self.value(a)?, self.value(b)?);
                 let difference = self.take()?;
                 self.asm.two(Two::Sub, difference, b_in, a_in)?;
@@ -440,8 +385,7 @@ impl Translator<'_> {
     fn select(&mut self, to: Reg, near: End, mask: Reg, a: Reg, b: Reg) -> Result {
         match near {
             End::A => self.asm.select(to, mask, b, a),
-            End::B if self.asm.wide => self.asm.select(to, mask, a, b),
-            End::B => self.asm.blend(to, mask, a, b),
+            End::B => self.asm.select(to, mask, a, b),
         }
     }
 
