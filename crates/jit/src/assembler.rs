@@ -312,6 +312,11 @@ impl Assembler {
         self.two_address(op, to, a, from)
     }
 
+    /// a − b in the lanes of a mask; the others stay. Wide only.
+    pub(crate) fn sub_where(&mut self, to: Reg, mask: Reg, a: Reg, b: Reg) -> Result {
+        self.a.vsubps(masked(to, mask), ZMM[a as usize], ZMM[b as usize])
+    }
+
     /// d + a·b in the lanes of a mask, in f64. Wide only.
     pub(crate) fn fma_double_where(&mut self, to: Reg, mask: Reg, a: Reg, b: Reg) -> Result {
         self.a.vfmadd231pd(masked(to, mask), ZMM[a as usize], ZMM[b as usize])

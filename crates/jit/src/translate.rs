@@ -310,8 +310,14 @@ impl Translator<'_> {
         let how = if near == End::A { Compare::Less } else { Compare::NotLess };
         if self.asm.wide {
             self.asm.compare(mask, how, x, HALF)?;
-            self.asm.two(Two::Sub, by, x, ONE)?;
-            self.select(by, near, mask, x, by)?;
+            if near == End::A {
+                self.asm.two(Two::Sub, by, x, ONE)?;
+                self.asm.select(by, mask, by, x)?;
+            } else {
+                // Copies cost nothing.
+                self.asm.copy(by, x)?;
+                self.asm.sub_where(by, mask, x, ONE)?;
+            }
         } else {
             self.asm.compare_constant(mask, how, x, 0.5)?;
             let [others, lanes] = if near == End::A { [1.0, 0.0] } else { [0.0, 1.0] };
