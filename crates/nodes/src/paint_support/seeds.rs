@@ -88,7 +88,7 @@ fn cells_per_unit(level: i64) -> f64 {
 #[inline(always)]
 fn cell(coordinate: f64) -> i64 {
     let toward_zero = coordinate as i64;
-    toward_zero - i64::from(toward_zero as f64 > coordinate)
+    toward_zero.saturating_sub(i64::from(toward_zero as f64 > coordinate))
 }
 
 /// The most cells that a patch is looked for along an axis: those of patches seen at grazing angles are many.
@@ -138,14 +138,16 @@ impl Cells {
 pub(crate) fn seeds_of(patch: &Patch, pixels: f64, cells: &mut Cells, mut found: impl FnMut(Seed)) {
     let Some(lower) = level_of(patch.area, pixels) else { return };
     let Patch { low, high, .. } = *patch;
-    for level in [lower, lower + 1] {
-        let scale = cells_per_unit(level);
-        let (first, last) = (low.map(|x| cell(x * scale)), high.map(|x| cell(x * scale)));
-        if (0..2).any(|axis| last[axis].saturating_sub(first[axis]) > MOST) {
-            continue;
-        }
-        for i in first[0]..=last[0] {
-            for j in first[1]..=last[1] {
+    let scale = cells_per_unit(lower);
+    let (first, last) = (low.map(|x| cell(x * scale)), high.map(|x| cell(x * scale)));
+    if (0..2).any(|axis| last[axis].saturating_sub(first[axis]) > MOST) {
+        return;
+    }
+    for up in 0..2 {
+        // A cell of the upper level is two by two of the lower.
+        let (level, scale) = (lower + up, if up == 0 { scale } else { 0.5 * scale });
+        for i in first[0] >> up..(last[0] >> up).saturating_add(1) {
+            for j in first[1] >> up..(last[1] >> up).saturating_add(1) {
                 let (key, point) = cells.get(level, patch.tag, i, j, scale);
                 let outside = |axis: usize| point[axis] < low[axis] || point[axis] > high[axis];
                 if outside(0) || outside(1) {
@@ -178,7 +180,7 @@ pub(crate) fn within(corners: &[[f64; 2]; 4], point: [f64; 2]) -> Option<[f64; 2
         return Some([s, t]);
     }
     let [s, t] = shares(d, c, b);
-    (s >= 0.0 && t >= 0.0 && s + t < 1.0).then(|| [1.0 - s, 1.0 - t])
+    (s >= 0.0 && t >= 0.0 && s + t < 1.0).then_some([1.0 - s, 1.0 - t])
 }
 
 #[cfg(test)]
