@@ -23,7 +23,8 @@ const SEA: &str = r##"
     "uncovered": { "type": "Invert", "weight": "view.coverage" },
     "dark": { "type": "Invert", "weight": "light" }"##;
 
-const STROKES: &str = r#""type": "Strokes", "view": "view", "flow": "flow", "size": "nearness", "detail": 0.25, "layers": [
+const STROKES: &str = r#""type": "Strokes", "view": "view", "flow": "flow", "size": "nearness", "detail": 0.25,
+    "layers": [
     { "length": 14, "width": 4, "spacing": 4, "stray": 3 },
     { "length": 9, "width": 2.5, "spacing": 3, "opacity": 1, "turn": 40 },
     { "length": 5, "width": 1, "spacing": 2.5, "bristle": 0.2 }]"#;
@@ -162,7 +163,8 @@ fn strokes_move_with_the_water_and_not_with_the_picture() {
             "mask": {{ "type": "Clamp", "field": "noise", "min": -0.5, "max": 0.5 }},
             "image": {{ "type": "Mix", "a": "#000", "b": "#fff", "weight": "mask" }},
             "out": {{ "type": "Strokes", "image": "image", "view": "view", "anchor": "{anchor}", "layers": [
-                {{ "length": 10, "width": 4, "spacing": 4 }}, {{ "length": 5, "width": 2, "spacing": 3, "stray": 2 }}] }}"##
+                {{ "length": 10, "width": 4, "spacing": 4 }},
+                {{ "length": 5, "width": 2, "spacing": 3, "stray": 2 }}] }}"##
         )
     };
     let difference = |anchor: &str, output: &str| {

@@ -10,12 +10,13 @@ static DECLARATION: Declaration = Declaration {
     name: "Sheet",
     end: End::Back,
     summary: "Spans a grid of colors over two masks, and meets every one of them.",
-    formula: "Σ hᵢ(u)·hⱼ(v)·Cⱼᵢ, the hat functions h over the places of the columns and rows: between two places t = (u − \
-              atᵢ)/(atᵢ₊₁ − atᵢ) of the way to the next; `smooth` eases t²(3 − 2t). Colors row by row, u fastest.",
-    edge_cases: "At a crossing exactly its color; before the first and after the last column or row theirs. Two columns \
-                 or rows at one place are a hard edge, with the later one at the place itself.",
-    source: "Piecewise bilinear interpolation as a partition of unity: products of hat functions. Unlike a Patch, whose \
-             inner colors pull without being met.",
+    formula: "Σ hᵢ(u)·hⱼ(v)·Cⱼᵢ, the hat functions h over the places of the columns and rows: between two places t = \
+              (u − atᵢ)/(atᵢ₊₁ − atᵢ) of the way to the next; `smooth` eases t²(3 − 2t). Colors row by row, u \
+              fastest.",
+    edge_cases: "At a crossing exactly its color; before the first and after the last column or row theirs. Two \
+                 columns or rows at one place are a hard edge, with the later one at the place itself.",
+    source: "Piecewise bilinear interpolation as a partition of unity: products of hat functions. Unlike a Patch, \
+             whose inner colors pull without being met.",
     items: &[
         Port::one("u", Accepts::Mask, "Along a row of colors."),
         Port::one("v", Accepts::Mask, "From row to row."),

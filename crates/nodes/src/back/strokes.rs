@@ -15,18 +15,19 @@ struct Strokes;
 static DECLARATION: Declaration = Declaration {
     name: "Strokes",
     end: End::Back,
-    summary: "Lays an image anew with strokes of a brush, each of which takes one color at its seed and follows a flow.",
-    formula: "Stroke over stroke, layer over layer, the first lowest: (1 − w)·below + w·c, c the image at the stroke's \
-              source. a along and b across the stroke, −1 to 1, b less a bend by a² as the flow turns: w = opacity · \
-              min(1, 2.2(1 − a²)(1 − b²)) · (1 − 0.55·bristle·(1 − hair)) · (1 − 0.8·bristle·max(a, 0)·hair), hair(b) \
-              in [0, 1]. Seeds: one point a cell of square grids of sides 2^ℓ on the surface at rest, of the two levels \
-              next to one point in `spacing`² pixels, which fade into each other.",
-    edge_cases: "Seeds are fixed on the surface, so that strokes move with it and neither boil nor swim; where none is \
-                 seen, on the picture. All but the share `lost` end where the surface does or depth jumps, and take \
-                 their color from their own side. Strokes fade out beside what hides their seed, and at the picture's \
-                 border. What no stroke covers is the image itself. Weights come of geometry alone and are those of \
-                 every color: a picture of other colors has the same strokes, and no color is added to the palette. \
-                 Each sample of a pixel is painted apart.",
+    summary: "Lays an image anew with strokes of a brush, each of which takes one color at its seed and follows a \
+              flow.",
+    formula: "Stroke over stroke, layer over layer, the first lowest: (1 − w)·below + w·c, c the image at the \
+              stroke's source. a along and b across the stroke, −1 to 1, b less a bend by a² as the flow turns: w = \
+              opacity · min(1, 2.2(1 − a²)(1 − b²)) · (1 − 0.55·bristle·(1 − hair)) · (1 − 0.8·bristle·max(a, \
+              0)·hair), hair(b) in [0, 1]. Seeds: one point a cell of square grids of sides 2^ℓ on the surface at \
+              rest, of the two levels next to one point in `spacing`² pixels, which fade into each other.",
+    edge_cases: "Seeds are fixed on the surface, so that strokes move with it and neither boil nor swim; where none \
+                 is seen, on the picture. All but the share `lost` end where the surface does or depth jumps, and \
+                 take their color from their own side. Strokes fade out beside what hides their seed, and at the \
+                 picture's border. What no stroke covers is the image itself. Weights come of geometry alone and are \
+                 those of every color: a picture of other colors has the same strokes, and no color is added to the \
+                 palette. Each sample of a pixel is painted apart.",
     source: "Meier, Painterly Rendering for Animation, 1996; Litwinowicz, Processing Images and Video for an \
              Impressionist Effect, 1997; Hertzmann, Painterly Rendering with Curved Brush Strokes of Multiple Sizes, \
              1998.",

@@ -12,9 +12,10 @@ static DECLARATION: Declaration = Declaration {
     name: "Grain",
     end: End::Front,
     summary: "A mask of the weave of canvas, or of the tooth of paper, that lies still on the picture: ½ in the mean.",
-    formula: "½ + relief·(h − mean)/2, limited to [0, 1]. canvas: threads cross, one over, one under; h = sin(πs)·(0.55 + \
-              0.45·sin(πr)) of the thread on top, s across and r along it from crossing to crossing, times 1 + \
-              slub·n, n noise drawn out along the thread. paper: h = 0.7·fbm + 0.3·(2·ridged − 1), its fibers drawn out.",
+    formula: "½ + relief·(h − mean)/2, limited to [0, 1]. canvas: threads cross, one over, one under; h = \
+              sin(πs)·(0.55 + 0.45·sin(πr)) of the thread on top, s across and r along it from crossing to crossing, \
+              times 1 + slub·n, n noise drawn out along the thread. paper: h = 0.7·fbm + 0.3·(2·ridged − 1), its \
+              fibers drawn out.",
     edge_cases: "As threads get finer than two pixels the weave fades to its mean, with those of less than one pixel \
                  nothing is left. Threads are counted in picture heights, so that the grain does not change with the \
                  picture's size.",

@@ -9,11 +9,12 @@ struct Scumble;
 static DECLARATION: Declaration = Declaration {
     name: "Scumble",
     end: End::Front,
-    summary: "Breaks a soft density into paint dragged over a grain: closed where it is dense, in flecks where it is thin.",
+    summary: "Breaks a soft density into paint dragged over a grain: closed where it is dense, in flecks where it is \
+              thin.",
     formula: "s = body·density + dry·(noise − level); t = (s − from)/(to − from) limited to [0, 1]; t²(3 − 2t) · \
               min(density/thin, 1).",
-    edge_cases: "0 where the density is 0, whatever the noise. `dry` 0 leaves a curve of the density. `from` = `to` makes \
-                 hard flecks.",
+    edge_cases: "0 where the density is 0, whatever the noise. `dry` 0 leaves a curve of the density. `from` = `to` \
+                 makes hard flecks.",
     source: "Scumbling: opaque paint, nearly dry, dragged over what lies below.",
     items: &[
         Port::one("density", Accepts::Mask, "How much paint: the alpha of a Spray, foam, mist."),

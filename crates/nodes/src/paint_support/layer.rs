@@ -64,7 +64,7 @@ pub(crate) fn layers(node: &Settled) -> Vec<Layer> {
 /// How far around its seed a stroke looks for its color, for what hides it, and for how the flow turns, in pixels.
 pub(crate) const MARGIN: i64 = 8;
 
-/// How far the strokes of these layers reach from their seeds, in pixels: bent ones to the side by 0.3 of the way along.
+/// How far the strokes of these layers reach from their seeds, in pixels: bent ones to the side by 0.3 of the way.
 pub(crate) fn reach(layers: &[Layer]) -> i64 {
     let reach = |layer: &Layer| libm::hypot(layer.half[0], 0.3 * layer.half[0] + layer.half[1].max(0.5));
     layers.iter().map(reach).fold(0.0, f64::max).ceil() as i64 + 1

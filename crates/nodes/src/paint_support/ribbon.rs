@@ -40,8 +40,8 @@ pub(crate) struct Ribbon {
 }
 
 impl Ribbon {
-    /// From a root in pixels, in a direction in radians clockwise from the right, so long and with half a width so large,
-    /// both in pixels.
+    /// From a root in pixels, in a direction in radians clockwise from the right, so long and with half a width so
+    /// large, both in pixels.
     pub(crate) fn new(shape: &Shape, root: [f64; 2], direction: f64, length: f64, half_width: f64) -> Self {
         let way = |step: usize| step as f64 / STEPS as f64;
         let angles: [f64; STEPS + 1] =

@@ -29,7 +29,7 @@ pub(crate) struct Manner {
 }
 
 impl Manner {
-    /// Of the least jump of depth that is an edge, as a share of the depth, and the share of strokes that go on over it.
+    /// Of the least jump of depth that is an edge, as a share of the depth, and the share of strokes that go over it.
     pub(crate) fn new(edge: f64, lost: f64) -> Self {
         let look = |index: usize| {
             let (sin, cos) = libm::sincos(TAU * index as f64 / LOOKS as f64);
@@ -226,8 +226,8 @@ impl Stroke {
         [libm::ceil(self.at[0] + low - 1e-3) as i64, libm::floor(self.at[0] + high + 1e-3) as i64]
     }
 
-    /// The same as [`Self::covers`] in f32 for pixels of a row, after so many of those that begin so far from the middle:
-    /// counted from the same pixel whatever part of the row is filled, they have the same bits.
+    /// The same as [`Self::covers`] in f32 for pixels of a row, after so many of those that begin so far from the
+    /// middle: counted from the same pixel whatever part of the row is filled, they have the same bits.
     #[inline(always)]
     pub(crate) fn cover_row(&self, [dx, dy]: [f64; 2], skipped: i64, parts: &[f32], depths: &[f32], out: &mut [f32]) {
         let [cos, sin] = self.along;

@@ -14,17 +14,17 @@ struct FlowField;
 static DECLARATION: Declaration = Declaration {
     name: "FlowField",
     end: End::Front,
-    summary: "Makes directions in the picture: up the slope of a surface, along its crests, along or across what a Field \
-              shows, or by hand.",
-    formula: "slope: the projection of Y − n(n·Y), the steepest way up, n the normal; crest: of Y × n; gradient: (∂f/∂x, \
-              ∂f/∂y) by central differences; contour: at right angles to it; constant: (1, 0). Turned by `turn`; on \
-              surfaces drawn to the projection of `calm` as 1 − n·Y falls from steep to flat; turned by `waver` times \
-              noise. A direction is that of a line: v is taken as (cos 2φ, sin 2φ), those are smoothed by a Gaussian \
-              of `smooth` pixels, and half the angle is the result, x ≥ 0.",
-    edge_cases: "Where nothing is seen, `still`; the same where a direction vanishes. The length is 1 where all around \
-                 agree, and 0 where lines of every direction meet: (0, 0). Noise lies on the picture.",
-    source: "Litwinowicz, 1997 (strokes across gradients); Kass and Witkin, Analyzing Oriented Patterns, 1987 (doubled \
-             angles).",
+    summary: "Makes directions in the picture: up the slope of a surface, along its crests, along or across what a \
+              Field shows, or by hand.",
+    formula: "slope: the projection of Y − n(n·Y), the steepest way up, n the normal; crest: of Y × n; gradient: \
+              (∂f/∂x, ∂f/∂y) by central differences; contour: at right angles to it; constant: (1, 0). Turned by \
+              `turn`; on surfaces drawn to the projection of `calm` as 1 − n·Y falls from steep to flat; turned by \
+              `waver` times noise. A direction is that of a line: v is taken as (cos 2φ, sin 2φ), those are smoothed \
+              by a Gaussian of `smooth` pixels, and half the angle is the result, x ≥ 0.",
+    edge_cases: "Where nothing is seen, `still`; the same where a direction vanishes. The length is 1 where all \
+                 around agree, and 0 where lines of every direction meet: (0, 0). Noise lies on the picture.",
+    source: "Litwinowicz, 1997 (strokes across gradients); Kass and Witkin, Analyzing Oriented Patterns, 1987 \
+             (doubled angles).",
     items: &[
         Port::optional("view", Accepts::View, "The surfaces; for slope and crest."),
         Port::optional("field", Accepts::Scalar, "What gradient and contour follow."),

@@ -13,16 +13,16 @@ struct Hooks;
 static DECLARATION: Declaration = Declaration {
     name: "Hooks",
     end: End::Front,
-    summary: "Draws ribbons on bending spines that are rooted in a surface, such as claws of foam, and hands over where in \
-              its ribbon each pixel lies.",
-    formula: "Direction of a spine after the share s of its way: θ₀ + curl·s^late; half its width: width/2·(1 − s)^taper·\
-              (1 + bulge·sin πs)·√min(1, s/0.14). θ₀ is `direction` between the pictures of the axes u and v at the \
-              root, both taken as one long. A place belongs to the step of the spine whose middle is nearest in half \
-              widths, up to one: ends and bends are round. Of two ribbons the later in the list is on top.",
-    edge_cases: "A root that is hidden has no ribbon; one that is seen at several places has one at each. Ribbons reach \
-                 out over what lies behind their root, not over what is nearer. Where there is none, all outputs are 0. \
-                 Ribbons longer than `reach` are as long as that. Needs a view with a camera. Each sample of a pixel is \
-                 drawn apart.",
+    summary: "Draws ribbons on bending spines that are rooted in a surface, such as claws of foam, and hands over \
+              where in its ribbon each pixel lies.",
+    formula: "Direction of a spine after the share s of its way: θ₀ + curl·s^late; half its width: width/2·(1 − \
+              s)^taper·(1 + bulge·sin πs)·√min(1, s/0.14). θ₀ is `direction` between the pictures of the axes u and v \
+              at the root, both taken as one long. A place belongs to the step of the spine whose middle is nearest \
+              in half widths, up to one: ends and bends are round. Of two ribbons the later in the list is on top.",
+    edge_cases: "A root that is hidden has no ribbon; one that is seen at several places has one at each. Ribbons \
+                 reach out over what lies behind their root, not over what is nearer. Where there is none, all \
+                 outputs are 0. Ribbons longer than `reach` are as long as that. Needs a view with a camera. Each \
+                 sample of a pixel is drawn apart.",
     source: "The foam of Hokusai's Great Wave.",
     items: &[
         Port::one("view", Accepts::View, "The surface."),

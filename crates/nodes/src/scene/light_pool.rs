@@ -12,11 +12,11 @@ static DECLARATION: Declaration = Declaration {
     name: "LightPool",
     end: End::Front,
     summary: "A mask of pools of light in the world, as sun makes that falls through gaps of the clouds.",
-    formula: "s = Σ strengthᵢ·exp(−(a/length)² − (b/width)²) + ragged·noise, a and b the horizontal distances from the \
-              pool's center along and across its direction; t = (s − from)/(to − from) limited to [0, 1]; t²(3 − 2t). \
-              With a `light` each point counts where its ray of light meets the height 0.",
-    edge_cases: "0 where nothing is seen. Without pools the noise alone has gaps. A light that comes from the horizon or \
-                 below, or has a place, moves nothing. `from` = `to` is a hard edge.",
+    formula: "s = Σ strengthᵢ·exp(−(a/length)² − (b/width)²) + ragged·noise, a and b the horizontal distances from \
+              the pool's center along and across its direction; t = (s − from)/(to − from) limited to [0, 1]; t²(3 − \
+              2t). With a `light` each point counts where its ray of light meets the height 0.",
+    edge_cases: "0 where nothing is seen. Without pools the noise alone has gaps. A light that comes from the horizon \
+                 or below, or has a place, moves nothing. `from` = `to` is a hard edge.",
     source: "Gaussian spots, broken by noise: how marine painters lead the eye.",
     items: &[
         Port::one("view", Accepts::View, "What light falls on."),
