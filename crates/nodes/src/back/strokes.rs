@@ -123,16 +123,24 @@ struct Painting {
 }
 
 impl Painting {
+    /// The upper left pixels of all patches whose strokes may reach so far into a window.
+    fn near(&self, window: Window, reach: i64) -> Window {
+        let picture = self.picture;
+        Window::new(
+            (window.x0 - reach - 1).max(picture.x0),
+            (window.y0 - reach - 1).max(picture.y0),
+            (window.x1 + reach).min(picture.x1 - 1),
+            (window.y1 + reach).min(picture.y1 - 1),
+        )
+    }
+
     /// Every stroke that reaches a window, by layer.
     fn strokes(&self, window: Window, around: &impl Canvas) -> Vec<(usize, Stroke)> {
         let mut strokes = Vec::new();
         let mut cells: Vec<Cells> = self.layers.iter().map(|layer| Cells::new(layer.key)).collect();
-        let near = Window::new(
-            (window.x0 - self.reach - 1).max(self.picture.x0),
-            (window.y0 - self.reach - 1).max(self.picture.y0),
-            (window.x1 + self.reach).min(self.picture.x1 - 1),
-            (window.y1 + self.reach).min(self.picture.y1 - 1),
-        );
+        // Fine layers reach less far.
+        let windows: Vec<Window> = self.layers.iter().map(|layer| self.near(window, reach(&[*layer]))).collect();
+        let near = self.near(window, self.reach);
         for y in near.y0..near.y1 {
             let mut left = [around.corner(near.x0, y), around.corner(near.x0, y + 1)];
             for x in near.x0..near.x1 {
@@ -141,7 +149,10 @@ impl Painting {
                 left = right;
                 let Some(patch) = placed(corners, self.manner.step) else { continue };
                 let [size, ..] = around.shares(x, y);
-                for ((index, layer), cells) in self.layers.iter().enumerate().zip(&mut cells) {
+                for (((index, layer), cells), near) in self.layers.iter().enumerate().zip(&mut cells).zip(&windows) {
+                    if !near.contains(x, y) {
+                        continue;
+                    }
                     seeds_of(&patch, pixels(layer, size), cells, |seed| {
                         strokes.extend(Stroke::new(layer, &self.manner, &seed, [x, y], around).map(|s| (index, s)));
                     });
