@@ -18,6 +18,7 @@ mod library;
 mod light_paths;
 mod lines;
 mod merging;
+mod painter;
 mod palette;
 mod random;
 mod scale;

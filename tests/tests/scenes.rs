@@ -118,6 +118,11 @@ fn cheaper(node: &CheckedNode, graph: &CheckedGraph) -> Vec<String> {
 fn scenes_agree_with_the_reference() {
     for path in documents() {
         let loaded = load(&path, &[]).unwrap();
+        // Each pixel of these asks for thousands of others; `painter` and the golden cases hold them on small pictures.
+        let asks_far = |node: &CheckedNode| matches!(node.ty.declaration().name, "Strokes" | "Hooks");
+        if loaded.graph.nodes().iter().any(asks_far) {
+            continue;
+        }
         let shorter: Vec<String> = loaded.graph.nodes().iter().flat_map(|node| cheaper(node, &loaded.graph)).collect();
         let graph = small(&load(&path, &shorter).unwrap().graph, 64, 36);
         let (frame, window) = (graph.frames().0, graph.format().window());

@@ -12,6 +12,7 @@ mod filter_support;
 mod front_support;
 #[cfg(feature = "io")]
 mod io_support;
+mod paint_support;
 #[cfg(feature = "scene")]
 mod scene_support;
 #[cfg(test)]

@@ -1,0 +1,486 @@
+//! Strokes: a picture laid anew with a brush.
+
+use crate::filter_support::{fill, kind, numbers, value};
+use crate::paint_support::{
+    Around, Cells, Corner, LAYERS, Layer, MARGIN, Manner, Stroke, layers, pixels, placed, reach, seeds_of,
+};
+use fearless_simd::{Level, Simd, dispatch};
+use trochoid_graph::*;
+use trochoid_image::Window;
+
+pub(crate) static NODE: &dyn NodeType = &Strokes;
+
+struct Strokes;
+
+static DECLARATION: Declaration = Declaration {
+    name: "Strokes",
+    end: End::Back,
+    summary: "Lays an image anew with strokes of a brush, each of which takes one color at its seed and follows a \
+              flow.",
+    formula: "Stroke over stroke, layer over layer, the first lowest: (1 − w)·below + w·c, c the image at the \
+              stroke's source. a along and b across the stroke, −1 to 1, b less a bend by a² as the flow turns: w = \
+              opacity · min(1, 2.2(1 − a²)(1 − b²)) · (1 − 0.55·bristle·(1 − hair)) · (1 − 0.8·bristle·max(a, \
+              0)·hair), hair(b) in [0, 1]. Seeds: one point a cell of square grids of sides 2^ℓ on the surface at \
+              rest, of the two levels next to one point in `spacing`² pixels, which fade into each other.",
+    edge_cases: "Seeds are fixed on the surface, so that strokes move with it and neither boil nor swim; where none \
+                 is seen, on the picture. All but the share `lost` end where the surface does or depth jumps, and \
+                 take their color from their own side. Strokes fade out beside what hides their seed, and at the \
+                 picture's border. What no stroke covers is the image itself. Weights come of geometry alone and are \
+                 those of every color: a picture of other colors has the same strokes, and no color is added to the \
+                 palette. Each sample of a pixel is painted apart.",
+    source: "Meier, Painterly Rendering for Animation, 1996; Litwinowicz, Processing Images and Video for an \
+             Impressionist Effect, 1997; Hertzmann, Painterly Rendering with Curved Brush Strokes of Multiple Sizes, \
+             1998.",
+    items: &[
+        Port::one("image", Accepts::Image, "What is painted."),
+        Port::optional("view", Accepts::View, "The surfaces that strokes lie on; without it they lie on the picture."),
+        Port::optional(
+            "flow",
+            Accepts::Field,
+            "Direction of the strokes, two components, right and down; by default \
+                                                to the right.",
+        ),
+        Port::optional("size", Accepts::Mask, "Share of length, width and spacing at a place; 1/16 is the least."),
+        Port::optional("density", Accepts::Mask, "Share of the strokes at a place."),
+        Port::optional("detail", Accepts::Mask, "Where 1, the last layer alone paints."),
+        List::of("layers", LAYERS, 1, 8, "Layers, the coarsest first."),
+        Knob::choice("anchor", &["rest", "screen"], "What seeds are fixed to: the surface at rest, or the picture.")
+            .item(),
+        Knob::number("edge", 0.12, 1e-3, 1e3, "The least jump of depth that is an edge, as a share of the depth.")
+            .item(),
+        Knob::number("lost", 0.3, 0.0, 1.0, "Share of strokes that go on over edges.").item(),
+        Knob::integer("seed", 0, 0, 1_000_000_000, "Which strokes of all that have these figures.").item(),
+    ],
+    outputs: &[Output::new("image", Kind::ANY, "The painted image, of the same kind.")],
+    revision: 1,
+};
+
+const RESTS: [ViewChannel; 3] = [ViewChannel::RestX, ViewChannel::RestY, ViewChannel::RestZ];
+
+/// Whether seeds are fixed to surfaces.
+fn is_on_surfaces(node: &Settled) -> bool {
+    !node.all("view").is_empty() && node.text("anchor") == "rest"
+}
+
+impl NodeType for Strokes {
+    fn declaration(&self) -> &'static Declaration {
+        &DECLARATION
+    }
+
+    fn check(&self, node: &Settled, check: &mut Check<'_>) {
+        if let Some(flow) = node.all("flow").first()
+            && let Some(kind) = check.kind(flow)
+            && kind != Kind::Field(2)
+        {
+            let remedy = "connect a FlowField, or make two components with FieldMath";
+            check.error("flow", kind, "a Field of 2 components: right and down", remedy);
+        }
+    }
+
+    fn body(&self) -> Body<'_> {
+        Body::Stage(self)
+    }
+}
+
+impl Stage for Strokes {
+    fn asks(&self, node: &Settled, _wanted: &[bool]) -> ChannelSet {
+        let rests = if is_on_surfaces(node) { ChannelSet::of(&RESTS) } else { ChannelSet::EMPTY };
+        rests.union(ViewChannel::Coverage.into())
+    }
+
+    fn prefers(&self, _node: &Settled, _wanted: &[bool]) -> ChannelSet {
+        ChannelSet::of(&[ViewChannel::Depth, ViewChannel::Surface])
+    }
+
+    fn regions_of_interest(&self, node: &Settled, _port: &str, window: Window) -> Window {
+        let by = reach(&layers(node)) + MARGIN + 2;
+        Window::new(window.x0 - by, window.y0 - by, window.x1 + by, window.y1 + by)
+    }
+
+    fn prepare(&self, node: &Settled, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
+        let layers = layers(node);
+        Ok(Box::new(Painting {
+            node: node.clone(),
+            kind: kind(prepare),
+            picture: prepare.frame.format.window(),
+            reach: reach(&layers),
+            layers,
+            manner: Manner::new(node.number("edge"), node.number("lost")),
+            on_surfaces: is_on_surfaces(node),
+        }))
+    }
+}
+
+struct Painting {
+    node: Settled,
+    kind: Kind,
+    picture: Window,
+    layers: Vec<Layer>,
+    /// How far strokes reach from their seeds, in pixels.
+    reach: i64,
+    manner: Manner,
+    on_surfaces: bool,
+}
+
+impl Painting {
+    /// The upper left pixels of all patches whose strokes may reach so far into a window.
+    fn near(&self, window: Window, reach: i64) -> Window {
+        let picture = self.picture;
+        Window::new(
+            (window.x0 - reach - 1).max(picture.x0),
+            (window.y0 - reach - 1).max(picture.y0),
+            (window.x1 + reach).min(picture.x1 - 1),
+            (window.y1 + reach).min(picture.y1 - 1),
+        )
+    }
+
+    /// Every stroke that reaches a window, by layer.
+    fn strokes(&self, window: Window, around: &impl Canvas) -> Vec<(usize, Stroke)> {
+        let mut strokes = Vec::new();
+        let mut cells: Vec<Cells> = self.layers.iter().map(|layer| Cells::new(layer.key)).collect();
+        // Fine layers reach less far.
+        let windows: Vec<Window> = self.layers.iter().map(|layer| self.near(window, reach(&[*layer]))).collect();
+        let near = self.near(window, self.reach);
+        for y in near.y0..near.y1 {
+            let mut left = [around.corner(near.x0, y), around.corner(near.x0, y + 1)];
+            for x in near.x0..near.x1 {
+                let right = [around.corner(x + 1, y), around.corner(x + 1, y + 1)];
+                let corners = [left[0], right[0], left[1], right[1]];
+                left = right;
+                let Some(patch) = placed(corners, self.manner.step) else { continue };
+                let [size, ..] = around.shares(x, y);
+                for (((index, layer), cells), near) in self.layers.iter().enumerate().zip(&mut cells).zip(&windows) {
+                    if !near.contains(x, y) {
+                        continue;
+                    }
+                    seeds_of(&patch, pixels(layer, size), cells, |seed| {
+                        strokes.extend(Stroke::new(layer, &self.manner, &seed, [x, y], around).map(|s| (index, s)));
+                    });
+                }
+            }
+        }
+        strokes
+    }
+}
+
+/// The picture as strokes see it.
+trait Canvas: Around {
+    fn corner(&self, x: i64, y: i64) -> Corner;
+}
+
+/// The planes of a block.
+struct Planes<'a> {
+    picture: Window,
+    /// How far samples lie from their pixels' upper left corners.
+    offset: [f64; 2],
+    view: Window,
+    /// Over the view's window.
+    parts: Vec<f32>,
+    depths: Option<&'a [f32]>,
+    /// Where seeds are fixed to surfaces.
+    rests: Option<[&'a [f32]; 3]>,
+    flow: Option<&'a Connection<'a>>,
+    /// Size, density, detail.
+    shares: [Option<&'a Connection<'a>>; 3],
+}
+
+/// Where a pixel stands in a window, or the nearest one that does.
+#[inline(always)]
+fn index(window: Window, x: i64, y: i64) -> usize {
+    let column = x.clamp(window.x0, window.x1 - 1) - window.x0;
+    let row = y.clamp(window.y0, window.y1 - 1) - window.y0;
+    row as usize * window.width() + column as usize
+}
+
+/// A sample of a connection.
+#[inline(always)]
+fn sample(connection: Option<&Connection<'_>>, channel: usize, x: i64, y: i64) -> Option<f64> {
+    let connection = connection?;
+    let plane = (*connection.planes.get(channel)?)?;
+    Some(f64::from(plane[index(connection.window, x, y)]))
+}
+
+impl<'a> Planes<'a> {
+    fn new(painting: &Painting, block: &Block, inputs: &Inputs<'a>) -> Self {
+        let picture = painting.picture;
+        let view = inputs.all("view").first();
+        let channel = |channel: ViewChannel| view.and_then(|view| view.planes[channel as usize]);
+        let window = view.map_or(picture, |view| view.window);
+        let parts = match (channel(ViewChannel::Coverage), channel(ViewChannel::Surface)) {
+            (Some(coverage), Some(surfaces)) => coverage
+                .iter()
+                .zip(surfaces)
+                .map(|(c, surface)| if *c > 0.0 { surface.max(0.0) } else { -1.0 })
+                .collect(),
+            (Some(coverage), None) => coverage.iter().map(|c| if *c > 0.0 { 0.0 } else { -1.0 }).collect(),
+            _ => Vec::new(),
+        };
+        let rests = RESTS.map(|rest| channel(rest).unwrap_or_default());
+        Self {
+            picture,
+            offset: block.offset,
+            view: window,
+            parts,
+            depths: channel(ViewChannel::Depth),
+            rests: painting.on_surfaces.then_some(rests),
+            flow: inputs.all("flow").first(),
+            shares: ["size", "density", "detail"].map(|port| inputs.all(port).first()),
+        }
+    }
+
+    /// Parts and depths of some pixels of a row within the window, as far as they are known.
+    fn row(&self, x: [i64; 2], y: i64) -> [Option<&[f32]>; 2] {
+        let start = index(self.view, x[0], y);
+        let row = start..start + (x[1] - x[0]) as usize;
+        [self.parts.get(row.clone()), self.depths.and_then(|depths| depths.get(row))]
+    }
+}
+
+impl Around for Planes<'_> {
+    #[inline(always)]
+    fn inside(&self, x: i64, y: i64) -> bool {
+        self.picture.contains(x, y)
+    }
+
+    #[inline(always)]
+    fn part(&self, x: i64, y: i64) -> f64 {
+        if self.parts.is_empty() { -1.0 } else { f64::from(self.parts[index(self.view, x, y)]) }
+    }
+
+    #[inline(always)]
+    fn depth(&self, x: i64, y: i64) -> f64 {
+        self.depths.map_or(f64::INFINITY, |depths| f64::from(depths[index(self.view, x, y)]))
+    }
+
+    #[inline(always)]
+    fn flow(&self, x: i64, y: i64) -> [f64; 2] {
+        [0, 1].map(|axis| sample(self.flow, axis, x, y).unwrap_or(1.0 - axis as f64))
+    }
+
+    #[inline(always)]
+    fn shares(&self, x: i64, y: i64) -> [f64; 3] {
+        let [size, density, detail] = self.shares;
+        [
+            sample(size, 0, x, y).unwrap_or(1.0),
+            sample(density, 0, x, y).unwrap_or(1.0),
+            sample(detail, 0, x, y).unwrap_or(0.0),
+        ]
+    }
+}
+
+impl Canvas for Planes<'_> {
+    #[inline(always)]
+    fn corner(&self, x: i64, y: i64) -> Corner {
+        let part = self.part(x, y);
+        let rest = match self.rests {
+            Some(rests) if part >= 0.0 => rests.map(|plane| f64::from(plane[index(self.view, x, y)])),
+            _ => [x as f64 + self.offset[0], 0.0, y as f64 + self.offset[1]],
+        };
+        Corner { rest, part, depth: self.depth(x, y) }
+    }
+}
+
+/// What is painted on: what each stroke adds, and what they leave to see of the image, from the uppermost down.
+struct Sums {
+    /// By channel.
+    sums: Vec<Vec<f64>>,
+    left: Vec<f64>,
+}
+
+impl Sums {
+    /// Adds a stroke that covers so much of some pixels of a row, of values by channel.
+    #[inline(always)]
+    fn add(&mut self, start: usize, covers: &[f32], values: &[f64], weights: &mut [f64]) {
+        let left = &mut self.left[start..start + covers.len()];
+        for ((weight, left), covers) in weights.iter_mut().zip(left).zip(covers) {
+            *weight = f64::from(*covers) * *left;
+            *left -= *weight;
+        }
+        for (sums, value) in self.sums.iter_mut().zip(values) {
+            let sums = &mut sums[start..start + covers.len()];
+            if value.is_finite() {
+                for (sum, weight) in sums.iter_mut().zip(&*weights) {
+                    *sum += weight * value;
+                }
+                continue;
+            }
+            // Nothing of infinity is nothing.
+            for (sum, weight) in sums.iter_mut().zip(&*weights).filter(|(_, weight)| **weight > 0.0) {
+                *sum += weight * value;
+            }
+        }
+    }
+}
+
+impl Prepared for Painting {
+    fn fill(&self, block: &Block, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
+        let window = block.window;
+        let image = &inputs.all("image")[0];
+        let planes = Planes::new(self, block, inputs);
+        let mut strokes = self.strokes(window, &planes);
+        // From the uppermost down; strokes of surfaces that stand at several places are told apart by where they are.
+        strokes.sort_unstable_by(|(layer, a), (other, b)| {
+            let at = |axis: usize| a.at[axis].total_cmp(&b.at[axis]);
+            other.cmp(layer).then(b.order.cmp(&a.order)).then_with(|| at(1)).then_with(|| at(0))
+        });
+        let area = window.area();
+        let mut sums = Sums { sums: vec![vec![0.0; area]; self.kind.channels()], left: vec![1.0; area] };
+        let width = window.width();
+        let (mut covers, mut weights) = (vec![0.0f32; width], vec![0.0f64; width]);
+        let (flat, far) = (vec![-1.0f32; width], vec![f32::INFINITY; width]);
+        let level = Level::new();
+        for (_, stroke) in &strokes {
+            let [x, y] = stroke.source;
+            let values: Vec<f64> =
+                (0..self.kind.channels()).map(|channel| sample(Some(image), channel, x, y).unwrap_or(0.0)).collect();
+            dispatch!(level, simd => simd.vectorize(#[inline(always)] || {
+                let [first, last] = stroke.rows();
+                for y in first.max(window.y0)..(last + 1).min(window.y1) {
+                    let [begin, end] = stroke.columns(y);
+                    let (x0, x1) = (begin.max(window.x0), (end + 1).min(window.x1));
+                    if x0 >= x1 {
+                        continue;
+                    }
+                    let count = (x1 - x0) as usize;
+                    let [parts, depths] = planes.row([x0, x1], y);
+                    let (parts, depths) = (parts.unwrap_or(&flat[..count]), depths.unwrap_or(&far[..count]));
+                    let from = [begin as f64 - stroke.at[0], y as f64 - stroke.at[1]];
+                    stroke.cover_row(from, x0 - begin, parts, depths, &mut covers[..count]);
+                    sums.add(index(window, x0, y), &covers[..count], &values, &mut weights[..count]);
+                }
+            }));
+        }
+        fill(self.kind, area, outputs, |channel, out| {
+            let rows = out.chunks_mut(width).zip(window.y0..);
+            for ((row, y), start) in rows.zip((0..).step_by(width)) {
+                for ((out, x), pixel) in row.iter_mut().zip(window.x0..).zip(start..) {
+                    let own = sample(Some(image), channel, x, y).unwrap_or(0.0);
+                    let left = sums.left[pixel];
+                    let sum = sums.sums[channel][pixel] + if left > 0.0 { left * own } else { 0.0 };
+                    // Between +∞ and −∞ there is no mean.
+                    *out = if sum.is_nan() { own as f32 } else { sum as f32 };
+                }
+            }
+        });
+        Ok(())
+    }
+
+    fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
+        let seen = Seen::new(self, inputs);
+        let [x, y] = seen.pixel;
+        let mut strokes = self.strokes(Window::new(x, y, x + 1, y + 1), &seen);
+        strokes.sort_by(|(layer, a), (other, b)| {
+            let at = |axis: usize| b.at[axis].total_cmp(&a.at[axis]);
+            layer.cmp(other).then(a.order.cmp(&b.order)).then_with(|| at(1)).then_with(|| at(0))
+        });
+        let image = self.node.source("image");
+        let own = numbers(inputs, image);
+        let mut painted = own.clone();
+        for (_, stroke) in strokes {
+            let from = [x as f64 - stroke.at[0], y as f64 - stroke.at[1]];
+            let w = stroke.covers(from, seen.part(x, y), seen.depth(x, y));
+            if w == 0.0 {
+                continue;
+            }
+            let source = inputs.moved((stroke.source[0] - x) as f64, (stroke.source[1] - y) as f64);
+            for (below, color) in painted.iter_mut().zip(numbers(&source, image)) {
+                *below = if w < 1.0 { (1.0 - w) * *below + w * color } else { color };
+            }
+        }
+        for (painted, own) in painted.iter_mut().zip(own).filter(|(painted, _)| painted.is_nan()) {
+            *painted = own;
+        }
+        Ok(vec![value(self.kind, painted)])
+    }
+}
+
+/// What the reference sees around a pixel.
+struct Seen<'a> {
+    painting: &'a Painting,
+    inputs: &'a References<'a>,
+    pixel: [i64; 2],
+    offset: [f64; 2],
+    /// What was asked for already.
+    views: std::cell::RefCell<std::collections::HashMap<(i64, i64), Vec<f64>>>,
+}
+
+impl<'a> Seen<'a> {
+    fn new(painting: &'a Painting, inputs: &'a References<'a>) -> Self {
+        let pixel = inputs.at.map(|at| at.floor() as i64);
+        let offset = [0, 1].map(|axis| inputs.at[axis] - pixel[axis] as f64);
+        Self { painting, inputs, pixel, offset, views: std::cell::RefCell::default() }
+    }
+
+    /// What the sample of a pixel is given; beyond the picture that of the nearest pixel.
+    fn there(&self, x: i64, y: i64) -> References<'a> {
+        let picture = self.painting.picture;
+        let (x, y) = (x.clamp(picture.x0, picture.x1 - 1), y.clamp(picture.y0, picture.y1 - 1));
+        self.inputs.moved((x - self.pixel[0]) as f64, (y - self.pixel[1]) as f64)
+    }
+
+    fn view(&self, x: i64, y: i64, channel: ViewChannel) -> f64 {
+        let Some(source) = self.painting.node.all("view").first() else {
+            return f64::from(channel.background());
+        };
+        let mut views = self.views.borrow_mut();
+        let channels = views.entry((x, y)).or_insert_with(|| match self.there(x, y).value(source) {
+            Reference::View(channels) => channels,
+            _ => Vec::new(),
+        });
+        channels.get(channel as usize).copied().unwrap_or(f64::from(channel.background()))
+    }
+
+    fn number(&self, port: &str, x: i64, y: i64, default: f64) -> f64 {
+        self.painting.node.all(port).first().map_or(default, |source| self.there(x, y).scalar(source))
+    }
+}
+
+impl Around for Seen<'_> {
+    fn inside(&self, x: i64, y: i64) -> bool {
+        self.painting.picture.contains(x, y)
+    }
+
+    fn part(&self, x: i64, y: i64) -> f64 {
+        if self.view(x, y, ViewChannel::Coverage) > 0.0 { self.view(x, y, ViewChannel::Surface).max(0.0) } else { -1.0 }
+    }
+
+    fn depth(&self, x: i64, y: i64) -> f64 {
+        self.view(x, y, ViewChannel::Depth)
+    }
+
+    fn flow(&self, x: i64, y: i64) -> [f64; 2] {
+        match self.painting.node.all("flow").first().map(|flow| self.there(x, y).value(flow)) {
+            Some(Reference::Field(flow)) => [flow[0], flow[1]],
+            _ => [1.0, 0.0],
+        }
+    }
+
+    fn shares(&self, x: i64, y: i64) -> [f64; 3] {
+        [("size", 1.0), ("density", 1.0), ("detail", 0.0)].map(|(port, default)| self.number(port, x, y, default))
+    }
+}
+
+impl Canvas for Seen<'_> {
+    fn corner(&self, x: i64, y: i64) -> Corner {
+        let part = self.part(x, y);
+        let rest = if self.painting.on_surfaces && part >= 0.0 {
+            RESTS.map(|channel| self.view(x, y, channel))
+        } else {
+            [x as f64 + self.offset[0], 0.0, y as f64 + self.offset[1]]
+        };
+        Corner { rest, part, depth: self.depth(x, y) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::testing::refused;
+
+    #[test]
+    fn a_flow_has_two_components() {
+        let nodes = r##""x": { "type": "ScreenX" },
+            "out": { "type": "Strokes", "image": "#808080", "flow": "x", "layers": [{}] }"##;
+        let faults = refused("color", nodes);
+        assert!(faults.contains("2 components"), "{faults}");
+    }
+}

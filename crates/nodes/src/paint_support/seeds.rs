@@ -1,0 +1,272 @@
+//! Where strokes begin: points that are fixed on the surface, found again in each picture.
+//!
+//! Each level of a hierarchy of square grids has one point a cell, drawn from the cell's number; the cells of level ℓ
+//! measure 2^ℓ. What is seen between four pixels is a patch of the surface: it holds the points that lie in it, of the
+//! two levels whose density in the picture is next to what is asked for, one fading out as the other fades in.
+
+use super::{draw, key};
+
+/// What one pixel sees.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Corner {
+    /// The point of the surface at rest; where none is seen, that of the picture.
+    pub(crate) rest: [f64; 3],
+    /// Index of the surface; −1 where none is seen.
+    pub(crate) part: f64,
+    /// +∞ where nothing is seen.
+    pub(crate) depth: f64,
+}
+
+/// A patch of the surface that four pixels see, flattened along the axis in which it faces most: fixed on the surface,
+/// whatever the view.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Patch {
+    /// Upper left, upper right, lower left, lower right.
+    corners: [[f64; 2]; 4],
+    /// Least and greatest of both coordinates.
+    low: [f64; 2],
+    high: [f64; 2],
+    /// Its area.
+    pub(crate) area: f64,
+    /// The axis, and whether a surface is seen.
+    tag: i64,
+}
+
+/// The point of a cell that lies in a patch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Seed {
+    /// What its random numbers are made of.
+    pub(crate) key: u64,
+    /// Its place, in pixels from the center of the patch's upper left pixel.
+    pub(crate) at: [f64; 2],
+    /// How much of it is there, in [0, 1], by its level.
+    pub(crate) share: f64,
+}
+
+/// The patch between four pixels (upper left, upper right, lower left, lower right), `None` where they see different
+/// things: two depths of a patch differ by no more than the factor `step`.
+#[inline(always)]
+pub(crate) fn placed(corners: [Corner; 4], step: f64) -> Option<Patch> {
+    let [a, b, c, d] = corners;
+    if a.part != b.part || a.part != c.part || a.part != d.part {
+        return None;
+    }
+    let near = a.depth.min(b.depth).min(c.depth.min(d.depth));
+    let far = a.depth.max(b.depth).max(c.depth.max(d.depth));
+    if far > near * step {
+        return None;
+    }
+    let less = |p: [f64; 3], q: [f64; 3]| [p[0] - q[0], p[1] - q[1], p[2] - q[2]];
+    let (p, q) = (less(d.rest, a.rest), less(c.rest, b.rest));
+    let areas = [p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]].map(f64::abs);
+    // Seas lie flat.
+    let axis = if areas[1] >= areas[0] && areas[1] >= areas[2] { 1 } else { usize::from(areas[2] > areas[0]) * 2 };
+    let kept = [[1, 2], [0, 2], [0, 1]][axis];
+    let flat = |corner: Corner| kept.map(|axis| corner.rest[axis]);
+    let tag = axis as i64 + if a.part < 0.0 { 3 } else { 0 };
+    let [a, b, c, d] = corners.map(flat);
+    let low = [0, 1].map(|axis: usize| a[axis].min(b[axis]).min(c[axis].min(d[axis])));
+    let high = [0, 1].map(|axis: usize| a[axis].max(b[axis]).max(c[axis].max(d[axis])));
+    Some(Patch { corners: [a, b, c, d], low, high, area: areas[axis] / 2.0, tag })
+}
+
+/// The lower of the two levels for one point in so many pixels², by the area of a patch; `None` where it has none.
+#[inline(always)]
+pub(crate) fn level_of(area: f64, pixels: f64) -> Option<i64> {
+    let cell = area * pixels;
+    // The exponent of a number is the whole part of its logarithm.
+    (cell > 1e-30 && cell < 1e30).then(|| ((cell.to_bits() >> 52) as i64 - 1023).div_euclid(2))
+}
+
+/// 2^−level.
+#[inline(always)]
+fn cells_per_unit(level: i64) -> f64 {
+    f64::from_bits(((1023 - level) as u64) << 52)
+}
+
+/// The cell of a coordinate.
+#[inline(always)]
+fn cell(coordinate: f64) -> i64 {
+    let toward_zero = coordinate as i64;
+    toward_zero.saturating_sub(i64::from(toward_zero as f64 > coordinate))
+}
+
+/// The most cells that a patch is looked for along an axis: those of patches seen at grazing angles are many.
+const MOST: i64 = 15;
+
+/// A cell that was looked into.
+#[derive(Clone, Copy, Debug)]
+struct Known {
+    /// Level and tag in one number.
+    grid: i64,
+    i: i64,
+    j: i64,
+    key: u64,
+    point: [f64; 2],
+}
+
+/// The cells of one layer that were looked into last: those of patches side by side are often the same.
+#[derive(Clone, Debug)]
+pub(crate) struct Cells {
+    layer: u64,
+    /// By the last bits of level and cell.
+    known: [Known; 8],
+}
+
+impl Cells {
+    /// Those of a layer of this key.
+    pub(crate) fn new(layer: u64) -> Self {
+        Self { layer, known: [Known { grid: i64::MAX, i: 0, j: 0, key: 0, point: [0.0; 2] }; 8] }
+    }
+
+    /// The key and the point of a cell of a level.
+    #[inline(always)]
+    fn get(&mut self, level: i64, tag: i64, i: i64, j: i64, scale: f64) -> (u64, [f64; 2]) {
+        let known = &mut self.known[(4 * (level & 1) + 2 * (i & 1) + (j & 1)) as usize];
+        let grid = level * 8 + tag;
+        if known.grid != grid || known.i != i || known.j != j {
+            let key = key(key(key(self.layer, grid), i), j);
+            let point = [(i as f64 + draw(key, 0)) / scale, (j as f64 + draw(key, 1)) / scale];
+            *known = Known { grid, i, j, key, point };
+        }
+        (known.key, known.point)
+    }
+}
+
+/// The seeds in a patch, one in so many pixels², for a layer.
+#[inline(always)]
+pub(crate) fn seeds_of(patch: &Patch, pixels: f64, cells: &mut Cells, mut found: impl FnMut(Seed)) {
+    let Some(lower) = level_of(patch.area, pixels) else { return };
+    let Patch { low, high, .. } = *patch;
+    let scale = cells_per_unit(lower);
+    let (first, last) = (low.map(|x| cell(x * scale)), high.map(|x| cell(x * scale)));
+    if (0..2).any(|axis| last[axis].saturating_sub(first[axis]) > MOST) {
+        return;
+    }
+    for up in 0..2 {
+        // A cell of the upper level is two by two of the lower.
+        let (level, scale) = (lower + up, if up == 0 { scale } else { 0.5 * scale });
+        for i in first[0] >> up..(last[0] >> up).saturating_add(1) {
+            for j in first[1] >> up..(last[1] >> up).saturating_add(1) {
+                let (key, point) = cells.get(level, patch.tag, i, j, scale);
+                let outside = |axis: usize| point[axis] < low[axis] || point[axis] > high[axis];
+                if outside(0) || outside(1) {
+                    continue;
+                }
+                if let Some(at) = within(&patch.corners, point) {
+                    let above = 0.5 * libm::log2(patch.area * pixels) - lower as f64;
+                    let share = if level == lower { 1.0 - above } else { above };
+                    found(Seed { key, at, share: share.clamp(0.0, 1.0) });
+                }
+            }
+        }
+    }
+}
+
+/// Where between four corners (upper left, upper right, lower left, lower right) a point lies, straight within each of
+/// their two triangles, as shares of the ways across and down.
+#[inline(always)]
+pub(crate) fn within(corners: &[[f64; 2]; 4], point: [f64; 2]) -> Option<[f64; 2]> {
+    let [a, b, c, d] = *corners;
+    // Shares of the ways from a corner to two others.
+    let shares = |from: [f64; 2], to: [f64; 2], other: [f64; 2]| {
+        let less = |p: [f64; 2]| [p[0] - from[0], p[1] - from[1]];
+        let (u, v, p) = (less(to), less(other), less(point));
+        let area = u[0] * v[1] - u[1] * v[0];
+        [(p[0] * v[1] - p[1] * v[0]) / area, (u[0] * p[1] - u[1] * p[0]) / area]
+    };
+    let [s, t] = shares(a, b, c);
+    if s >= 0.0 && t >= 0.0 && s + t <= 1.0 {
+        return Some([s, t]);
+    }
+    let [s, t] = shares(d, c, b);
+    (s >= 0.0 && t >= 0.0 && s + t < 1.0).then_some([1.0 - s, 1.0 - t])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The patches of a plane at rest that is seen bent, sheared and so large.
+    fn patches(size: f64, moved: [f64; 2]) -> Vec<([i64; 2], Patch)> {
+        let corner = |x: i64, y: i64| {
+            let (x, y) = (x as f64 * 0.7 + moved[0], y as f64 + moved[1]);
+            let rest = [size * (x + 0.2 * libm::sin(y)), 3.0, size * (y + 0.3 * x)];
+            Corner { rest, part: 0.0, depth: 1.0 }
+        };
+        let all = (0..40).flat_map(|y| (0..60).map(move |x| (x, y)));
+        all.filter_map(|(x, y)| {
+            let corners = [corner(x, y), corner(x + 1, y), corner(x, y + 1), corner(x + 1, y + 1)];
+            Some(([x, y], placed(corners, 1.1)?))
+        })
+        .collect()
+    }
+
+    #[test]
+    fn there_are_as_many_as_asked_for_at_any_size() {
+        for size in [1e-3, 0.03, 1.0, 1.3, 1.7, 2.0, 70.0, 1e5] {
+            for spacing in [1.5, 4.0, 9.0f64] {
+                let (mut sum, mut cells) = (0.0, Cells::new(3));
+                for (_, patch) in patches(size, [0.0; 2]) {
+                    seeds_of(&patch, spacing * spacing, &mut cells, |seed| sum += seed.share);
+                }
+                let expected = 40.0 * 60.0 / (spacing * spacing);
+                let slack = 3.0 * expected.sqrt() + 0.3 * expected;
+                assert!((sum - expected).abs() < slack, "{sum} at size {size}, expected {expected}");
+            }
+        }
+    }
+
+    #[test]
+    fn they_stay_where_they_are_on_the_surface() {
+        // The surface moves by a part of a pixel: so do its seeds, and none comes but at the borders.
+        let find = |moved: [f64; 2]| {
+            let (mut found, mut cells) = (std::collections::BTreeMap::new(), Cells::new(5));
+            for ([x, y], patch) in patches(0.8, moved) {
+                seeds_of(&patch, 25.0, &mut cells, |seed| {
+                    let at = [x as f64 + seed.at[0], y as f64 + seed.at[1]];
+                    assert!(found.insert(seed.key, (at, seed.share)).is_none(), "found twice");
+                });
+            }
+            found
+        };
+        let (before, after) = (find([0.0; 2]), find([-0.07, 0.1]));
+        let mut kept = 0;
+        for (key, (at, share)) in &before {
+            let inner = (2.0..58.0).contains(&at[0]) && (2.0..38.0).contains(&at[1]);
+            match after.get(key) {
+                Some((there, now)) => {
+                    let moved = [there[0] - at[0], there[1] - at[1]];
+                    assert!((moved[0] - 0.1).abs() < 0.05 && (moved[1] + 0.1).abs() < 0.05, "{moved:?}");
+                    assert!((share - now).abs() < 0.3, "{share} becomes {now}");
+                    kept += 1;
+                }
+                None => assert!(!inner || *share < 0.3, "a seed of share {share} at {at:?} is gone"),
+            }
+        }
+        assert!(kept > 60, "{kept} seeds kept");
+    }
+
+    #[test]
+    fn levels_are_whole_logarithms() {
+        for exponent in -40..40 {
+            let area = libm::exp2(f64::from(exponent) * 0.37);
+            let expected = libm::floor(0.5 * libm::log2(area * 9.0)) as i64;
+            assert_eq!(level_of(area, 9.0), Some(expected));
+        }
+        assert_eq!(level_of(0.0, 9.0), None);
+        assert_eq!(level_of(f64::INFINITY, 9.0), None);
+        assert_eq!(level_of(f64::NAN, 9.0), None);
+    }
+
+    #[test]
+    fn patches_do_not_span_edges() {
+        let corner = |part: f64, depth: f64| Corner { rest: [0.0, depth, part], part, depth };
+        let near = corner(0.0, 10.0);
+        assert!(placed([near, near, near, corner(1.0, 10.0)], 1.1).is_none());
+        assert!(placed([near, corner(0.0, 12.0), near, near], 1.1).is_none());
+        assert!(placed([near, corner(0.0, 10.5), near, near], 1.1).is_some());
+        let sky = corner(-1.0, f64::INFINITY);
+        assert!(placed([sky; 4], 1.1).is_some_and(|patch| patch.area.is_nan() || patch.area == 0.0));
+    }
+}

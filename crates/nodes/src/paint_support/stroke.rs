@@ -1,0 +1,267 @@
+//! One stroke: where it lies, whence its color, and how much it covers.
+
+use super::{Layer, MARGIN, Seed, draw};
+use std::f64::consts::TAU;
+
+/// What a stroke is told of the picture: at pixels, which are those nearest to what lies beyond.
+pub(crate) trait Around {
+    /// Whether a pixel belongs to the picture.
+    fn inside(&self, x: i64, y: i64) -> bool;
+    /// Index of the surface; −1 where none is seen.
+    fn part(&self, x: i64, y: i64) -> f64;
+    /// +∞ where nothing is seen.
+    fn depth(&self, x: i64, y: i64) -> f64;
+    /// Direction of the strokes, of any length.
+    fn flow(&self, x: i64, y: i64) -> [f64; 2];
+    /// Shares of the size, of the strokes, and of what only the last layer paints.
+    fn shares(&self, x: i64, y: i64) -> [f64; 3];
+}
+
+/// What strokes of all layers have in common.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Manner {
+    /// The largest ratio of depths that is no edge.
+    pub(crate) step: f64,
+    /// Share of strokes that pay edges no heed.
+    lost: f64,
+    /// Unit vectors all around, in which a stroke looks for what hides it.
+    looks: [[f64; 2]; LOOKS],
+}
+
+impl Manner {
+    /// Of the least jump of depth that is an edge, as a share of the depth, and the share of strokes that go over it.
+    pub(crate) fn new(edge: f64, lost: f64) -> Self {
+        let look = |index: usize| {
+            let (sin, cos) = libm::sincos(TAU * index as f64 / LOOKS as f64);
+            [cos, sin]
+        };
+        Self { step: 1.0 + edge, lost, looks: std::array::from_fn(look) }
+    }
+}
+
+/// A stroke.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Stroke {
+    /// Its middle, in pixels from the center of pixel (0, 0).
+    pub(crate) at: [f64; 2],
+    /// Unit vector along it.
+    along: [f64; 2],
+    /// Half its length and width, in pixels.
+    half: [f64; 2],
+    /// How far its ends bend to the side, in half widths.
+    bend: f64,
+    opacity: f64,
+    bristle: f64,
+    /// Where its hairs stand.
+    hairs: [f64; 2],
+    /// Where edges cut it: the surface that it lies on, and its depth.
+    edge: Option<(f64, f64)>,
+    step: f64,
+    /// The pixel whose color it takes.
+    pub(crate) source: [i64; 2],
+    /// Its place in the order of painting within its layer.
+    pub(crate) order: u64,
+}
+
+/// The smallest share of the size, and half width in pixels: a thinner stroke is as wide and covers less.
+const LEAST_SIZE: f64 = 1.0 / 16.0;
+const LEAST_HALF_WIDTH: f64 = 0.5;
+/// How soft strokes come and go, of all that are there.
+const SOFT: f64 = 0.25;
+/// The most that a stroke bends from its middle to its end, in radians.
+const MOST_BEND: f64 = 0.6;
+/// Directions in which a stroke looks for what hides it.
+const LOOKS: usize = 16;
+/// Hairs across half a width, of two kinds.
+const HAIRS: [f64; 2] = [2.3, 3.9];
+
+/// Share of the size, and pixels² for one stroke, at a place of a size's share.
+#[inline(always)]
+pub(crate) fn pixels(layer: &Layer, size: f64) -> f64 {
+    let side = (layer.spacing * size.clamp(LEAST_SIZE, 1.0)).max(1.5);
+    side * side
+}
+
+/// The nearest whole number.
+#[inline(always)]
+fn rounded(x: f64) -> i64 {
+    let up = x + 0.5;
+    let toward_zero = up as i64;
+    toward_zero - i64::from(toward_zero as f64 > up)
+}
+
+/// A number of [0, 1] that rises and falls in turn.
+#[inline(always)]
+fn hair(x: f64) -> f64 {
+    2.0 * (x - libm::floor(x + 0.5)).abs()
+}
+
+fn unit([x, y]: [f64; 2]) -> [f64; 2] {
+    let length = (x * x + y * y).sqrt();
+    if length > 0.0 && length.is_finite() { [x / length, y / length] } else { [1.0, 0.0] }
+}
+
+fn cross(a: [f64; 2], b: [f64; 2]) -> f64 {
+    a[0] * b[1] - a[1] * b[0]
+}
+
+impl Stroke {
+    /// The stroke of a seed in a patch whose upper left pixel is `pixel`; `None` where there is nothing of it.
+    pub(crate) fn new(
+        layer: &Layer,
+        manner: &Manner,
+        seed: &Seed,
+        pixel: [i64; 2],
+        around: &impl Around,
+    ) -> Option<Self> {
+        let random = |which: u64| draw(seed.key, which);
+        let at = [0, 1].map(|axis| pixel[axis] as f64 + seed.at[axis]);
+        let nearest = at.map(rounded);
+        let [x, y] = nearest;
+        let [size, density, detail] = around.shares(x, y);
+        let kept = seed.share * density * if layer.is_last { 1.0 } else { 1.0 - detail };
+        let there = ((kept * (1.0 + SOFT) - random(2)) / SOFT).clamp(0.0, 1.0);
+        if there <= 0.0 {
+            return None;
+        }
+        let size = size.clamp(LEAST_SIZE, 1.0) * (0.6 + 0.4 * there);
+        let mut half = [layer.half[0] * (0.5 + 0.5 * random(3)), layer.half[1] * (0.5 + 0.5 * random(4))];
+        half = half.map(|half| half * size);
+        let thin = (half[1] / LEAST_HALF_WIDTH).min(1.0);
+        half[1] = half[1].max(LEAST_HALF_WIDTH);
+        let look = half[0].clamp(1.0, MARGIN as f64);
+        let (part, depth) = (around.part(x, y), around.depth(x, y));
+        let open = Self::open(manner, [x, y], depth, look, around);
+        let opacity = layer.opacity * there * thin * open;
+        if opacity <= 0.0 {
+            return None;
+        }
+        let flow = unit(around.flow(x, y));
+        let beside = |ahead: f64| {
+            let there = [0, 1].map(|axis| rounded(at[axis] + ahead * flow[axis]));
+            // A line's direction is two.
+            let other = unit(around.flow(there[0], there[1]));
+            let turned = flow[0] * other[0] + flow[1] * other[1] < 0.0;
+            if turned { -cross(flow, other) } else { cross(flow, other) }
+        };
+        let turning = 0.5 * (beside(look) - beside(-look)) * half[0] / look;
+        let (sin, cos) = libm::sincos(layer.turn * (2.0 * random(5) - 1.0));
+        let sign = if random(6) < 0.5 { -1.0 } else { 1.0 };
+        let along = [sign * (flow[0] * cos - flow[1] * sin), sign * (flow[0] * sin + flow[1] * cos)];
+        let (sin, cos) = libm::sincos(TAU * random(7));
+        let far = layer.stray.min(MARGIN as f64) * random(8);
+        let mut source = [at[0] + far * cos, at[1] + far * sin].map(rounded);
+        let same = |[x, y]: [i64; 2]| {
+            around.inside(x, y) && around.part(x, y) == part && near(around.depth(x, y), depth, manner.step)
+        };
+        let keeps_to_edges = random(9) >= manner.lost;
+        if keeps_to_edges && !same(source) {
+            source = nearest;
+        }
+        Some(Self {
+            at,
+            along,
+            half,
+            bend: turning.clamp(-MOST_BEND, MOST_BEND) * half[0] / (2.0 * half[1]) * sign,
+            opacity,
+            bristle: layer.bristle,
+            hairs: [random(10), random(11)],
+            edge: keeps_to_edges.then_some((part, depth)),
+            step: manner.step,
+            source,
+            order: seed.key,
+        })
+    }
+
+    /// How much of a stroke is there beside what hides its surroundings, so that none comes or goes at once.
+    fn open(manner: &Manner, [x, y]: [i64; 2], depth: f64, look: f64, around: &impl Around) -> f64 {
+        let hides = |[right, down]: [f64; 2]| {
+            let there = [x + rounded(look * right), y + rounded(look * down)];
+            let depth_there = around.depth(there[0], there[1]);
+            !around.inside(there[0], there[1]) || (depth_there < depth && !near(depth_there, depth, manner.step))
+        };
+        let hidden = manner.looks.into_iter().filter(|look| hides(*look)).count();
+        (1.0 - 2.0 * hidden as f64 / LOOKS as f64).max(0.0)
+    }
+
+    /// How much it covers of a place so far from its middle that sees so much, in f64, straight from the formula.
+    pub(crate) fn covers(&self, [dx, dy]: [f64; 2], part: f64, depth: f64) -> f64 {
+        let [cos, sin] = self.along;
+        let a = (dx * cos + dy * sin) / self.half[0];
+        let b = (dy * cos - dx * sin) / self.half[1] - self.bend * a * a;
+        let cut = self.edge.is_some_and(|(own, far)| part != own || !near(depth, far, self.step));
+        if a.abs() > 1.0 || b.abs() > 1.0 || cut {
+            return 0.0;
+        }
+        let body = (2.2 * (1.0 - a * a) * (1.0 - b * b)).min(1.0);
+        let hair = 0.5 * (hair(HAIRS[0] * b + self.hairs[0]) + hair(HAIRS[1] * b + self.hairs[1]));
+        let dry = 1.0 - 0.55 * self.bristle * (1.0 - hair);
+        let end = 1.0 - 0.8 * self.bristle * a.max(0.0) * hair;
+        self.opacity * body * dry * end
+    }
+
+    /// The rows that it may cover.
+    pub(crate) fn rows(&self) -> [i64; 2] {
+        let [cos, sin] = self.along;
+        let aside = (1.0 + self.bend.abs()) * self.half[1];
+        let reach = self.half[0] * sin.abs() + aside * cos.abs();
+        [libm::ceil(self.at[1] - reach) as i64, libm::floor(self.at[1] + reach) as i64]
+    }
+
+    /// The columns that it may cover in a row: where two strips, along and across, cross it.
+    pub(crate) fn columns(&self, y: i64) -> [i64; 2] {
+        let [cos, sin] = self.along;
+        let dy = y as f64 - self.at[1];
+        let aside = (1.0 + self.bend.abs()) * self.half[1];
+        let reach = self.half[0] * cos.abs() + aside * sin.abs();
+        let (mut low, mut high) = (-reach, reach);
+        for (slope, offset, most) in [(cos, dy * sin, self.half[0]), (-sin, dy * cos, aside)] {
+            if slope.abs() > 1e-9 {
+                let (one, other) = ((-most - offset) / slope, (most - offset) / slope);
+                (low, high) = (low.max(one.min(other)), high.min(one.max(other)));
+            } else if offset.abs() > most {
+                return [0, -1];
+            }
+        }
+        [libm::ceil(self.at[0] + low - 1e-3) as i64, libm::floor(self.at[0] + high + 1e-3) as i64]
+    }
+
+    /// The same as [`Self::covers`] in f32 for pixels of a row, after so many of those that begin so far from the
+    /// middle: counted from the same pixel whatever part of the row is filled, they have the same bits.
+    #[inline(always)]
+    pub(crate) fn cover_row(&self, [dx, dy]: [f64; 2], skipped: i64, parts: &[f32], depths: &[f32], out: &mut [f32]) {
+        let [cos, sin] = self.along;
+        let (half, bend) = (self.half, self.bend as f32);
+        // Along and across at the row's begin, and by pixel.
+        let (a0, a1) = (((dx * cos + dy * sin) / half[0]) as f32, (cos / half[0]) as f32);
+        let (b0, b1) = (((dy * cos - dx * sin) / half[1]) as f32, (-sin / half[1]) as f32);
+        let (own, far) = self.edge.unwrap_or((0.0, 1.0));
+        let (own, far, step) = (own as f32, far as f32, self.step as f32);
+        let is_free = self.edge.is_none();
+        let far_step = far * step;
+        let [h0, h1] = self.hairs.map(|hair| hair as f32);
+        let (bristle, opacity) = (self.bristle as f32, self.opacity as f32);
+        // What is added and taken away again leaves the nearest whole number.
+        const WHOLE: f32 = 12_582_912.0;
+        let hair = |x: f32| 2.0 * (x - ((x + WHOLE) - WHOLE)).abs();
+        for (index, ((out, part), depth)) in out.iter_mut().zip(parts).zip(depths).enumerate() {
+            let x = (skipped as usize + index) as f32;
+            let a = a1.mul_add(x, a0);
+            let b = (-bend * a).mul_add(a, b1.mul_add(x, b0));
+            let (aa, bb) = (1.0 - a * a, 1.0 - b * b);
+            let body = (2.2 * aa * bb).min(1.0);
+            let hair = 0.5 * (hair((HAIRS[0] as f32).mul_add(b, h0)) + hair((HAIRS[1] as f32).mul_add(b, h1)));
+            let dry = 1.0 - 0.55 * bristle * (1.0 - hair);
+            let end = 1.0 - 0.8 * bristle * a.max(0.0) * hair;
+            let same = (*part == own) & (*depth <= far_step) & (far <= *depth * step);
+            let covers = (aa >= 0.0) & (bb >= 0.0) & (is_free | same);
+            *out = if covers { opacity * body * dry * end } else { 0.0 };
+        }
+    }
+}
+
+/// Whether two depths are no edge.
+#[inline(always)]
+fn near(a: f64, b: f64, step: f64) -> bool {
+    a <= b * step && b <= a * step
+}

@@ -1,0 +1,398 @@
+//! FlowField: the direction of brush strokes.
+
+use crate::filter_support::{Kernel, Shape, filter};
+use crate::front_support::{Axes, Noise, NoiseKind, Screen, noise_reference};
+use crate::scene_support::{NORMAL, POSITION, eye, grown};
+use trochoid_graph::*;
+use trochoid_image::Window;
+use trochoid_scene::{DVec3, Projector};
+
+pub(crate) static NODE: &dyn NodeType = &FlowField;
+
+struct FlowField;
+
+static DECLARATION: Declaration = Declaration {
+    name: "FlowField",
+    end: End::Front,
+    summary: "Makes directions in the picture: up the slope of a surface, along its crests, along or across what a \
+              Field shows, or by hand.",
+    formula: "slope: the projection of Y − n(n·Y), the steepest way up, n the normal; crest: of Y × n; gradient: \
+              (∂f/∂x, ∂f/∂y) by central differences; contour: at right angles to it; constant: (1, 0). Turned by \
+              `turn`; on surfaces drawn to the projection of `calm` as 1 − n·Y falls from steep to flat; turned by \
+              `waver` times noise. A direction is that of a line: v is taken as (cos 2φ, sin 2φ), those are smoothed \
+              by a Gaussian of `smooth` pixels, and half the angle is the result, x ≥ 0.",
+    edge_cases: "Where nothing is seen, `still`; the same where a direction vanishes. The length is 1 where all \
+                 around agree, and 0 where lines of every direction meet: (0, 0). Noise lies on the picture.",
+    source: "Litwinowicz, 1997 (strokes across gradients); Kass and Witkin, Analyzing Oriented Patterns, 1987 \
+             (doubled angles).",
+    items: &[
+        Port::optional("view", Accepts::View, "The surfaces; for slope and crest."),
+        Port::optional("field", Accepts::Scalar, "What gradient and contour follow."),
+        Knob::choice("along", &["slope", "crest", "gradient", "contour", "constant"], "Which way.").item(),
+        Knob::number("turn", 0.0, -360.0, 360.0, "Turns directions, clockwise.").unit("degrees").item(),
+        Knob::vector("calm", &[1.0, 0.0, 0.0], "Direction in the world where the surface lies flat.").item(),
+        Knob::number("flat", 0.0, 0.0, 2.0, "1 − n·Y up to which `calm` alone counts.").item(),
+        Knob::number("steep", 0.0, 0.0, 2.0, "1 − n·Y from which the surface alone counts.").item(),
+        Knob::number("still", 0.0, -360.0, 360.0, "Direction where nothing is seen, clockwise from the right.")
+            .unit("degrees")
+            .item(),
+        Knob::number("waver", 0.0, 0.0, 360.0, "How far noise turns directions, to either side.")
+            .unit("degrees")
+            .item(),
+        Knob::number("waver_scale", 0.3, 1e-3, 1e3, "Size of the noise.").unit("picture heights").item(),
+        Knob::number("smooth", 0.0, 0.0, 64.0, "Standard deviation of the smoothing.").unit("pixels").item(),
+        Knob::integer("seed", 0, 0, 1_000_000_000, "Which noise of all that have these figures.").item(),
+    ],
+    outputs: &[
+        Output::new("flow", Kind::Field(2), "The direction: right and down, at most 1 long."),
+        Output::new("length", Kind::MASK, "Its length: how much directions agree."),
+    ],
+    revision: 1,
+};
+
+/// Whether directions come of the surface.
+fn is_of_surface(node: &Settled) -> bool {
+    matches!(node.text("along"), "slope" | "crest")
+}
+
+/// Whether they come of a field.
+fn is_of_field(node: &Settled) -> bool {
+    matches!(node.text("along"), "gradient" | "contour")
+}
+
+fn shape(node: &Settled) -> (Shape, f64) {
+    (Shape::Gaussian, node.number("smooth"))
+}
+
+impl NodeType for FlowField {
+    fn declaration(&self) -> &'static Declaration {
+        &DECLARATION
+    }
+
+    fn check(&self, node: &Settled, check: &mut Check<'_>) {
+        let along = node.text("along");
+        if is_of_surface(node) && node.all("view").is_empty() {
+            let remedy = "connect \"view\", or follow a field (gradient, contour)";
+            check.error("along", format!("{along} without a view"), "surfaces to follow", remedy);
+        }
+        if is_of_field(node) && node.all("field").is_empty() {
+            let remedy = "connect \"field\", or follow a surface (slope, crest)";
+            check.error("along", format!("{along} without a field"), "a field to follow", remedy);
+        }
+        if node.number("steep") < node.number("flat") {
+            let found = format!("{} below flat, {}", node.number("steep"), node.number("flat"));
+            check.error("steep", found, "at least as much", "swap them");
+        }
+    }
+
+    fn body(&self) -> Body<'_> {
+        Body::Stage(self)
+    }
+}
+
+impl Stage for FlowField {
+    fn asks(&self, node: &Settled, _wanted: &[bool]) -> ChannelSet {
+        if !is_of_surface(node) {
+            return ChannelSet::EMPTY;
+        }
+        ChannelSet::of(&NORMAL).union(ChannelSet::of(&POSITION)).union(ViewChannel::Coverage.into())
+    }
+
+    fn interval(&self, _node: &Settled, output: usize, _channel: usize) -> Option<(f64, f64)> {
+        Some(if output == 1 { (0.0, 1.0) } else { (-1.0, 1.0) })
+    }
+
+    fn regions_of_interest(&self, node: &Settled, port: &str, window: Window) -> Window {
+        let (shape, size) = shape(node);
+        let difference = if port == "field" { 1 } else { 0 };
+        grown(window, shape.radius(size) + difference)
+    }
+
+    fn prepare(&self, node: &Settled, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
+        let (shape, size) = shape(node);
+        let axes = Axes {
+            scale: node.number("waver_scale"),
+            octaves: 2,
+            lacunarity: 2.0,
+            gain: 0.5,
+            seed: node.integer("seed") as u32,
+        };
+        let calm = DVec3::from(node.vector3("calm")).try_normalize();
+        Ok(Box::new(Flowing {
+            node: node.clone(),
+            picture: prepare.frame.format.window(),
+            eye: if is_of_surface(node) { Some(eye(node, prepare, prepare.frame.format)?) } else { None },
+            of_field: is_of_field(node),
+            crosswise: matches!(node.text("along"), "crest" | "contour"),
+            turn: libm::sincos(node.number("turn").to_radians()),
+            still: libm::sincos(node.number("still").to_radians()),
+            calm: calm.unwrap_or(DVec3::X),
+            flat: [node.number("flat"), node.number("steep")],
+            waver: node.number("waver").to_radians(),
+            noise: Noise::new(NoiseKind::Fbm, axes, None),
+            screen: Screen::of(prepare.frame.format),
+            kernel: Kernel::new(shape, size),
+            radius: shape.radius(size),
+        }))
+    }
+}
+
+struct Flowing {
+    node: Settled,
+    picture: Window,
+    /// Where directions come of the surface.
+    eye: Option<Projector>,
+    of_field: bool,
+    /// At right angles to the way up.
+    crosswise: bool,
+    /// Sines and cosines.
+    turn: (f64, f64),
+    still: (f64, f64),
+    calm: DVec3,
+    flat: [f64; 2],
+    waver: f64,
+    noise: Noise,
+    screen: Screen,
+    kernel: Kernel,
+    /// How far the kernel reaches at most, in pixels.
+    radius: i64,
+}
+
+/// A unit vector; `None` for one that vanishes.
+fn unit([x, y]: [f64; 2]) -> Option<[f64; 2]> {
+    let length = (x * x + y * y).sqrt();
+    (length > 1e-12 && length.is_finite()).then(|| [x / length, y / length])
+}
+
+/// A unit vector turned clockwise in a picture whose y points down.
+fn turned([x, y]: [f64; 2], (sin, cos): (f64, f64)) -> [f64; 2] {
+    [x * cos - y * sin, x * sin + y * cos]
+}
+
+/// (cos 2φ, sin 2φ) of a unit vector: the same for both ways along a line.
+fn doubled([x, y]: [f64; 2]) -> [f64; 2] {
+    [x * x - y * y, 2.0 * x * y]
+}
+
+/// The way along a line of which [`doubled`] gave these, and how long they are; to the right, or down.
+fn halved([c, s]: [f64; 2]) -> ([f64; 2], f64) {
+    let length = (c * c + s * s).sqrt().min(1.0);
+    if length < 1e-6 {
+        return ([0.0; 2], 0.0);
+    }
+    let cos = (c / length).clamp(-1.0, 1.0);
+    let (x, y) = (((1.0 + cos) / 2.0).sqrt(), ((1.0 - cos) / 2.0).sqrt());
+    ([x * length, if s < 0.0 { -y * length } else { y * length }], length)
+}
+
+/// Where a direction at a point of the world leads in the picture.
+fn projected(eye: &Projector, point: DVec3, direction: DVec3) -> Option<[f64; 2]> {
+    let along = [direction.dot(eye.right), -direction.dot(eye.up)];
+    if eye.orthographic {
+        return unit(along);
+    }
+    let offset = point - eye.position;
+    let (depth, deeper) = (offset.dot(eye.forward), direction.dot(eye.forward));
+    // The slope of a quotient, times depth² > 0.
+    let at = [offset.dot(eye.right), -offset.dot(eye.up)];
+    unit([0, 1].map(|axis| along[axis] * depth - at[axis] * deeper))
+}
+
+impl Flowing {
+    /// (cos 2φ, sin 2φ) on a surface.
+    fn on_surface(&self, eye: &Projector, point: DVec3, normal: DVec3) -> [f64; 2] {
+        let still = [self.still.1, self.still.0];
+        let upward = DVec3::Y - normal * normal.y;
+        let way = if self.crosswise { DVec3::Y.cross(normal) } else { upward };
+        let of_surface = projected(eye, point, way).map(|way| turned(way, self.turn));
+        let calm = projected(eye, point, self.calm - normal * self.calm.dot(normal)).unwrap_or(still);
+        let Some(of_surface) = of_surface else { return doubled(calm) };
+        let steep = crate::scene_support::ramp(1.0 - normal.y, self.flat[0], self.flat[1] - self.flat[0]);
+        let share = steep * steep * (3.0 - 2.0 * steep);
+        let (of_surface, calm) = (doubled(of_surface), doubled(calm));
+        [0, 1].map(|axis| share * of_surface[axis] + (1.0 - share) * calm[axis])
+    }
+
+    /// The same of a field's change to the right and down.
+    fn of_change(&self, change: [f64; 2]) -> [f64; 2] {
+        let Some([x, y]) = unit(change) else { return doubled([self.still.1, self.still.0]) };
+        doubled(turned(if self.crosswise { [-y, x] } else { [x, y] }, self.turn))
+    }
+
+    /// Turned by noise, which doubled angles do twice.
+    fn wavering(&self, doubled: [f64; 2], noise: f64) -> [f64; 2] {
+        if self.waver == 0.0 { doubled } else { turned(doubled, libm::sincos(2.0 * self.waver * noise)) }
+    }
+
+    /// Doubled directions over a window, before they are smoothed.
+    fn lines(&self, window: Window, block: &Block, inputs: &Inputs<'_>) -> [Vec<f32>; 2] {
+        let mut lines = [vec![0.0f32; window.area()], vec![0.0f32; window.area()]];
+        let pixels = || (window.y0..window.y1).flat_map(|y| (window.x0..window.x1).map(move |x| (x, y)));
+        let mut noise = vec![0.0f32; if self.waver > 0.0 { window.area() } else { 0 }];
+        if self.waver > 0.0 {
+            let place = |(x, y): (i64, i64)| self.screen.at([x as f64 + block.offset[0], y as f64 + block.offset[1]]);
+            self.noise.fill::<2>(pixels().map(place), &[], &mut noise);
+        }
+        let still = doubled(turned([1.0, 0.0], if self.is_by_hand() { self.turn } else { self.still }));
+        let view = inputs.all("view").first();
+        let field = inputs.all("field").first().and_then(|field| Some((field.window, field.planes[0]?)));
+        for (index, (x, y)) in pixels().enumerate() {
+            let line = match (&self.eye, view, field) {
+                (Some(eye), Some(view), _) => {
+                    let at = nearest(view.window, x, y);
+                    let channel =
+                        |channel: ViewChannel| view.planes[channel as usize].map_or(0.0, |p| f64::from(p[at]));
+                    if channel(ViewChannel::Coverage) > 0.0 {
+                        let vector = |channels: [ViewChannel; 3]| DVec3::from(channels.map(channel));
+                        self.on_surface(eye, vector(POSITION), vector(NORMAL))
+                    } else {
+                        still
+                    }
+                }
+                (None, _, Some((window, plane))) if self.of_field => {
+                    let at = |x: i64, y: i64| f64::from(plane[nearest(window, x, y)]);
+                    self.of_change([at(x + 1, y) - at(x - 1, y), at(x, y + 1) - at(x, y - 1)])
+                }
+                _ => still,
+            };
+            let line = self.wavering(line, noise.get(index).copied().map_or(0.0, f64::from));
+            lines[0][index] = line[0] as f32;
+            lines[1][index] = line[1] as f32;
+        }
+        lines
+    }
+
+    fn is_by_hand(&self) -> bool {
+        self.eye.is_none() && !self.of_field
+    }
+
+    /// The doubled direction that the reference sees so many pixels away.
+    fn line(&self, inputs: &References<'_>, dx: i64, dy: i64) -> [f64; 2] {
+        // Beyond the picture its border repeats.
+        let inside = |at: f64, by: i64, first: i64, end: i64| {
+            ((at.floor() as i64 + by).clamp(first, end - 1) - at.floor() as i64) as f64
+        };
+        let [x, y] = inputs.at;
+        let there = inputs
+            .moved(inside(x, dx, self.picture.x0, self.picture.x1), inside(y, dy, self.picture.y0, self.picture.y1));
+        let still = doubled(turned([1.0, 0.0], if self.is_by_hand() { self.turn } else { self.still }));
+        let line = if let Some(eye) = &self.eye {
+            let channel = |channel: ViewChannel| there.view(self.node.source("view"), channel);
+            let vector = |channels: [ViewChannel; 3]| DVec3::from(channels.map(channel));
+            if channel(ViewChannel::Coverage) > 0.0 {
+                self.on_surface(eye, vector(POSITION), vector(NORMAL))
+            } else {
+                still
+            }
+        } else if self.of_field {
+            let field = self.node.source("field");
+            let at = |dx: f64, dy: f64| there.moved(dx, dy).scalar(field);
+            self.of_change([at(1.0, 0.0) - at(-1.0, 0.0), at(0.0, 1.0) - at(0.0, -1.0)])
+        } else {
+            still
+        };
+        self.wavering(line, noise_reference(&self.noise, &self.screen.at(there.at), 0.0))
+    }
+}
+
+/// Where a pixel stands in a window, or the nearest one that does.
+fn nearest(window: Window, x: i64, y: i64) -> usize {
+    let column = x.clamp(window.x0, window.x1 - 1) - window.x0;
+    let row = y.clamp(window.y0, window.y1 - 1) - window.y0;
+    row as usize * window.width() + column as usize
+}
+
+impl Prepared for Flowing {
+    fn fill(&self, block: &Block, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
+        let window = block.window;
+        let from = grown(window, self.radius).intersect(self.picture);
+        let mut lines = self.lines(from, block, inputs);
+        if self.radius > 0 {
+            lines = lines.map(|line| {
+                let mut smooth = vec![0.0f32; window.area()];
+                filter([&self.kernel, &self.kernel], (from, &line), self.picture, window, &mut smooth);
+                smooth
+            });
+        }
+        let (mut x, mut y, mut length) = (outputs.take(0, 0), outputs.take(0, 1), outputs.take(1, 0));
+        for (index, (c, s)) in lines[0].iter().zip(&lines[1]).enumerate() {
+            let (way, long) = halved([f64::from(*c), f64::from(*s)]);
+            for (plane, value) in [(&mut x, way[0]), (&mut y, way[1]), (&mut length, long)] {
+                if let Some(plane) = plane {
+                    plane[index] = value as f32;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
+        let (shape, size) = shape(&self.node);
+        let weights = shape.reference(size);
+        let mut sum = [0.0; 2];
+        for (dy, down) in &weights {
+            for (dx, across) in &weights {
+                let line = self.line(inputs, *dx, *dy);
+                sum = [0, 1].map(|axis| sum[axis] + across * down * line[axis]);
+            }
+        }
+        let (way, length) = halved(sum);
+        Ok(vec![Reference::Field(way.to_vec()), Reference::Mask(length)])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::{frame, refused};
+
+    #[test]
+    fn halving_undoes_doubling() {
+        for degrees in -89..=90 {
+            let (sin, cos) = libm::sincos(f64::from(degrees).to_radians());
+            let ([x, y], length) = halved(doubled([cos, sin]));
+            assert!((length - 1.0).abs() < 1e-12);
+            assert!((x - cos).abs() < 1e-7 && (y - sin).abs() < 1e-7, "{degrees}: {x}, {y}");
+            let (other, _) = halved(doubled([-cos, -sin]));
+            assert_eq!(other, [x, y], "a line has two directions");
+        }
+        assert_eq!(halved([0.0; 2]), ([0.0; 2], 0.0));
+    }
+
+    #[test]
+    fn projection_is_the_slope_of_places_in_the_picture() {
+        let camera = trochoid_scene::Camera {
+            position: DVec3::new(1.0, 4.0, 9.0),
+            target: DVec3::new(0.0, 1.0, 0.0),
+            roll: 0.3,
+            projection: trochoid_scene::Projection::Perspective { fov: 0.9 },
+        };
+        let eye = camera.projector(trochoid_image::Format::new(64, 48, 1).unwrap());
+        for index in 0..200 {
+            let t = f64::from(index);
+            let point = DVec3::new(3.0 * libm::sin(t), libm::sin(2.7 * t), -4.0 + 3.0 * libm::cos(1.3 * t));
+            let way = DVec3::new(libm::cos(5.1 * t), libm::sin(3.3 * t), libm::cos(t));
+            let place = |by: f64| eye.project(point + way * by).unwrap().0;
+            let (before, after) = (place(-1e-5), place(1e-5));
+            let expected = unit([after[0] - before[0], after[1] - before[1]]).unwrap();
+            let found = projected(&eye, point, way).unwrap();
+            assert!((0..2).all(|axis| (found[axis] - expected[axis]).abs() < 1e-5), "{found:?}, {expected:?}");
+        }
+    }
+
+    #[test]
+    fn directions_by_hand_are_the_same_everywhere() {
+        let frame = frame("field", r#""out": { "type": "FlowField", "along": "constant", "turn": 30 }"#);
+        let truth = frame.truth([1.5, 1.5]);
+        assert!((truth[0] - 0.75f64.sqrt()).abs() < 1e-9 && (truth[1] - 0.5).abs() < 1e-9, "{truth:?}");
+        let id = frame.graph.find("out").unwrap();
+        assert!((frame.filled(id, 0, 1, [1.5, 1.5]) - 0.5).abs() < 1e-6);
+    }
+
+    #[test]
+    fn needs_what_it_follows() {
+        assert!(refused("field", r#""out": { "type": "FlowField" }"#).contains("slope without a view"));
+        let contour = r#""out": { "type": "FlowField", "along": "contour" }"#;
+        assert!(refused("field", contour).contains("contour without a field"));
+    }
+}
