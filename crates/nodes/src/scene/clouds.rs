@@ -289,13 +289,7 @@ impl Cloudy {
     }
 
     /// What rays gather in one layer: all of them at once, step by step.
-    fn gather(
-        &self,
-        layer: &Layer,
-        rays: &[Ray],
-        lit: bool,
-        inputs: &Inputs<'_>,
-    ) -> Result<Vec<Gathered>, NodeError> {
+    fn gather(&self, layer: &Layer, rays: &[Ray], lit: bool, inputs: &Inputs<'_>) -> Result<Vec<Gathered>, NodeError> {
         let mut gathered = vec![Gathered::NOTHING; rays.len()];
         let mut spans: Vec<(usize, [f64; 2])> = (rays.iter().enumerate())
             .filter_map(|(index, ray)| Some((index, layer.span(ray, self.distance)?)))
