@@ -32,7 +32,7 @@ pub struct Upstream {
 }
 
 impl Upstream {
-    /// Whether what it hands on has something beside its kind: see [`Stage::offers`].
+    /// Whether what it hands on has something beside its kind: see [`Stage::offers`](crate::Stage::offers).
     pub fn offers(&self, what: &str) -> bool {
         if let Body::Stage(stage) = self.ty.body() { stage.offers().contains(&what) } else { false }
     }
