@@ -21,7 +21,7 @@ impl Hull {
     #[must_use]
     pub fn exit(&self, pixel: &[f32; 3], margin: f64) -> Option<f64> {
         let point = pixel.map(f64::from);
-        let Some((excess, projection)) = self.project(point) else {
+        let Some((_, excess, projection)) = self.project(point) else {
             return Some(f64::INFINITY);
         };
         if excess <= 0.0 {

@@ -176,7 +176,7 @@ impl Hull {
     /// volume it is 0 up to rounding. +∞ for the empty hull and for a point that is not finite.
     #[must_use]
     pub fn signed_distance(&self, point: [f64; 3]) -> f64 {
-        let Some((excess, projection)) = self.project(point) else {
+        let Some((_, excess, projection)) = self.project(point) else {
             return f64::INFINITY;
         };
         if excess <= 0.0 || self.holds(projection) {
@@ -189,13 +189,12 @@ impl Hull {
     /// finite, or the hull empty.
     #[must_use]
     pub fn witness(&self, point: [f64; 3]) -> Option<Witness> {
-        let (excess, projection) = self.project(point)?;
+        let (facet, excess, projection) = self.project(point)?;
         if excess <= 0.0 {
             return None;
         }
         if self.holds(projection) {
             // The facet's own normal: that of a difference is the less exact the nearer the point is.
-            let (facet, _) = self.worst_facet(point)?;
             let normal = facet.normal;
             return Some(Witness { normal, offset: dot(normal, projection), distance: excess });
         }
@@ -205,13 +204,13 @@ impl Hull {
         (distance > 0.0).then(|| Witness { normal, offset: dot(normal, nearest), distance })
     }
 
-    /// The largest excess over all facets, and the point projected onto the plane of that facet.
-    fn project(&self, point: Point) -> Option<(f64, Point)> {
+    /// The facet that a point exceeds most, by how much, and the point projected onto its plane.
+    fn project(&self, point: Point) -> Option<(&Facet, f64, Point)> {
         if !point.iter().all(|v| v.is_finite()) {
             return None;
         }
         let (facet, excess) = self.worst_facet(point)?;
-        Some((excess, along(point, -excess, facet.normal)))
+        Some((facet, excess, along(point, -excess, facet.normal)))
     }
 
     fn worst_facet(&self, point: Point) -> Option<(&Facet, f64)> {
