@@ -8,6 +8,7 @@ mod bad_documents;
 mod branches;
 mod cartoon;
 mod demand;
+mod diagram;
 mod drift;
 mod extremes;
 mod filters;

@@ -7,9 +7,14 @@
 
 mod check;
 mod failure;
+mod frames;
+mod graph;
 mod info;
 mod interrupt;
 mod nodes;
+mod outputs;
+mod preview;
+mod progress;
 mod render;
 mod schema;
 mod shell;
@@ -45,6 +50,10 @@ enum Command {
     Render(render::Args),
     /// Check a document: faults, guarantees, what is left out and why
     Check(check::Args),
+    /// Draw a document's graph, with its control colors, as SVG
+    Graph(graph::Args),
+    /// Render an output small, as an animated WebP
+    Preview(preview::Args),
     /// List the node types, or print the manual of one
     Nodes(nodes::Args),
     /// Print the JSON Schema of documents
@@ -65,6 +74,8 @@ fn main() -> ExitCode {
     let outcome = match &cli.command {
         Command::Render(args) => render::run(args),
         Command::Check(args) => check::run(args),
+        Command::Graph(args) => graph::run(args),
+        Command::Preview(args) => preview::run(args),
         Command::Nodes(args) => nodes::run(args),
         Command::Schema => schema::run(),
         Command::Info(args) => info::run(args),

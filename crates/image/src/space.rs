@@ -80,6 +80,14 @@ impl WorkingSpace {
             Self::Srgb => color.map(srgb_decode),
         }
     }
+
+    /// Encodes a color of this space for an sRGB display; 0 to 1 is what it shows.
+    pub fn to_display(self, color: [f64; 3]) -> [f64; 3] {
+        match self {
+            Self::Srgb => color,
+            _ => self.to_linear_srgb(color).map(srgb_encode),
+        }
+    }
 }
 
 impl std::fmt::Display for WorkingSpace {

@@ -3,7 +3,7 @@
 use std::path::{Component, Path, PathBuf};
 use trochoid_engine::{Frame, Picture};
 use trochoid_graph::{CheckedGraph, Kind, OutputSpec, Precision, expand_frame};
-use trochoid_image::{Plane, Window, WorkingSpace, srgb_encode};
+use trochoid_image::{Plane, Window, WorkingSpace};
 use trochoid_io::{ExrChannel, ExrImage, PngImage, SampleType, Samples, write_exr, write_png8, write_png16};
 
 /// A file to be written for one frame, and the outputs that go into it.
@@ -223,7 +223,7 @@ fn write_png(
     let space = graph.space();
     let linear = picture.kind == Kind::Color && space != WorkingSpace::Srgb;
     let rgb = color_rows(&picture.planes).filter(|_| linear);
-    let encoded = rgb.map(|rgb| convert(rgb, |color| space.to_linear_srgb(color).map(srgb_encode)));
+    let encoded = rgb.map(|rgb| convert(rgb, |color| space.to_display(color)));
     let window: Window = frame.window;
     let channels = samples_of(&picture.planes, encoded.as_ref());
     let mut image = PngImage::new(window.width() as u32, window.height() as u32, channels);

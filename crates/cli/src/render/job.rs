@@ -1,16 +1,16 @@
 //! What a run has to do, looked at before anything is evaluated; and doing it.
 
-use super::progress::Progress;
 use super::{Args, line};
 use crate::failure::{FAILED, Failure, INTERRUPTED, MISSED};
-use crate::interrupt;
+use crate::progress::Progress;
+use crate::{frames, interrupt, outputs};
 use serde_json::{Value, json};
 use std::collections::{BTreeSet, HashSet};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 use trochoid::{
     Cache, CheckedGraph, EvalError, FileSink, Fingerprints, Frame, Guarantee, Monitor, OutputFile, Plan, RunReport,
-    Settings, Sink, Switches, check_destination, frame_report, misses, nearest, output_files, write_output,
+    Settings, Sink, Switches, check_destination, frame_report, misses, output_files, write_output,
 };
 
 /// How a plan becomes a frame; tests put another in its place.
@@ -44,8 +44,8 @@ impl<'a> Job<'a> {
         frames: Option<Vec<i64>>,
         faults: &mut Vec<Failure>,
     ) -> Self {
-        let outputs = choose_outputs(graph, &args.output, faults);
-        let frames = frames.unwrap_or_else(|| all_frames(graph, args.frames.is_some(), faults));
+        let outputs = outputs::choose(graph, &args.output, faults);
+        let frames = frames.unwrap_or_else(|| frames::all(graph, args.frames.is_some(), faults));
         let mut settings = Settings::default();
         settings.threads = usize::from(args.threads);
         if args.unoptimized {
@@ -206,43 +206,4 @@ fn interrupted() -> Failure {
 
 fn stop_if_asked() -> Result<(), Failure> {
     if interrupt::asked() { Err(interrupted()) } else { Ok(()) }
-}
-
-/// Indices of the outputs of these names, each once; all outputs for no names.
-fn choose_outputs(graph: &CheckedGraph, names: &[String], faults: &mut Vec<Failure>) -> Vec<usize> {
-    let known: Vec<&str> = graph.outputs().iter().map(|output| output.name.as_str()).collect();
-    if names.is_empty() {
-        return (0..known.len()).collect();
-    }
-    let mut chosen = Vec::new();
-    for name in names {
-        match known.iter().position(|known| known == name) {
-            Some(index) if chosen.contains(&index) => {}
-            Some(index) => chosen.push(index),
-            None => {
-                let remedy = match nearest(name, known.iter().copied()) {
-                    Some(near) => format!("did you mean {near}?"),
-                    None => "choose one of them".into(),
-                };
-                let message = format!("--output: found \"{name}\"; expected one of {}", known.join(", "));
-                faults.push(Failure::usage(message, remedy));
-            }
-        }
-    }
-    // A stand-in where no name fits, so that the pattern is looked at all the same.
-    if chosen.is_empty() { vec![0] } else { chosen }
-}
-
-/// All frames of the document, unless a list was given that could not be read.
-fn all_frames(graph: &CheckedGraph, given: bool, faults: &mut Vec<Failure>) -> Vec<i64> {
-    let (first, last) = graph.frames();
-    if given {
-        return vec![first];
-    }
-    if last - first >= 1_000_000 {
-        let message = format!("found the document's {} frames; expected at most 1000000 in one run", last - first + 1);
-        faults.push(Failure::usage(message, "choose some of them with --frames"));
-        return vec![first];
-    }
-    (first..=last).collect()
 }

@@ -1,12 +1,10 @@
 //! `trochoid render`: documents into files.
 
-mod frames;
 mod job;
 mod line;
-mod progress;
 
 use crate::failure::Failure;
-use crate::{interrupt, shell};
+use crate::{frames, interrupt, shell};
 use job::Job;
 use std::path::PathBuf;
 use trochoid::{Diagnostic, Guarantee, RunReport, RunStatus};

@@ -11,7 +11,7 @@ use trochoid::Monitor;
 const STEPS: u64 = 1000;
 
 /// Shows how far a run is, and asks whether it should stop.
-pub(super) struct Progress {
+pub(crate) struct Progress {
     bar: ProgressBar,
     /// Where the bar stood when the frame began.
     start: u64,
@@ -20,7 +20,7 @@ pub(super) struct Progress {
 
 impl Progress {
     /// A bar for so many frames; on stderr, and only where that is a terminal.
-    pub(super) fn new(frames: usize, hidden: bool) -> Self {
+    pub(crate) fn new(frames: usize, hidden: bool) -> Self {
         let target = if hidden { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
         let bar = ProgressBar::with_draw_target(Some(frames as u64 * STEPS), target);
         let template = "{bar:20} {percent:>3} %  {elapsed} elapsed, {left} left  {wide_msg}";
@@ -39,29 +39,29 @@ impl Progress {
         Self { bar, start: 0, frame: 0 }
     }
 
-    pub(super) fn begin(&mut self, index: usize, frame: i64) {
+    pub(crate) fn begin(&mut self, index: usize, frame: i64) {
         (self.start, self.frame) = (index as u64 * STEPS, frame);
         self.bar.set_position(self.start);
         self.bar.set_message(format!("frame {frame}"));
     }
 
     /// A frame that costs nothing must not count in the estimate of what is left.
-    pub(super) fn skip(&self) {
+    pub(crate) fn skip(&self) {
         self.bar.set_position(self.start + STEPS);
         self.bar.reset_eta();
     }
 
     /// Prints a line on stdout, above the bar.
-    pub(super) fn print(&self, text: &str) -> Result<(), Failure> {
+    pub(crate) fn print(&self, text: &str) -> Result<(), Failure> {
         self.bar.suspend(|| shell::print(text))
     }
 
     /// Prints messages on stderr, above the bar.
-    pub(super) fn tell(&self, messages: &[String]) {
+    pub(crate) fn tell(&self, messages: &[String]) {
         self.bar.suspend(|| shell::tell(messages));
     }
 
-    pub(super) fn finish(&self) {
+    pub(crate) fn finish(&self) {
         self.bar.finish_and_clear();
     }
 }

@@ -1,6 +1,8 @@
 //! Lists of frames: `1-10,20-40x2`.
 
+use crate::failure::Failure;
 use std::collections::HashSet;
+use trochoid::CheckedGraph;
 
 /// Most frames of one run.
 const MOST: usize = 1_000_000;
@@ -32,6 +34,20 @@ pub(crate) fn parse(list: &str) -> Result<Vec<i64>, Vec<String>> {
         }
     }
     if faults.is_empty() { Ok(frames) } else { Err(faults) }
+}
+
+/// All frames of the document, unless a list was given that could not be read.
+pub(crate) fn all(graph: &CheckedGraph, given: bool, faults: &mut Vec<Failure>) -> Vec<i64> {
+    let (first, last) = graph.frames();
+    if given {
+        return vec![first];
+    }
+    if last - first >= MOST as i64 {
+        let message = format!("found the document's {} frames; expected at most 1000000 in one run", last - first + 1);
+        faults.push(Failure::usage(message, "choose some of them with --frames"));
+        return vec![first];
+    }
+    (first..=last).collect()
 }
 
 /// First and last frame of a piece, and the step; or what was expected.

@@ -1,0 +1,51 @@
+//! `trochoid graph`: a document's graph as a picture.
+
+use crate::failure::Failure;
+use crate::{outputs, shell};
+use std::path::PathBuf;
+use trochoid::{Diagnostic, Plan, Settings};
+
+/// Options of `trochoid graph`.
+#[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Examples:\n  trochoid graph storm.json -o storm.svg\n  trochoid graph storm.json --output beauty -o -"
+)]
+pub(crate) struct Args {
+    /// The document
+    #[arg(value_name = "GRAPH")]
+    graph: PathBuf,
+    /// Show what this output needs; may be repeated [default: every node of the document]
+    #[arg(long, value_name = "NAME")]
+    output: Vec<String>,
+    /// The SVG file to write; - is stdout
+    #[arg(short, long, value_name = "FILE")]
+    out: PathBuf,
+    /// Set a knob or port; VALUE is JSON or a bare word, such as storm.height=3
+    #[arg(long, value_name = "NODE.KNOB=VALUE")]
+    set: Vec<String>,
+}
+
+/// Draws a document's graph.
+///
+/// # Errors
+/// The document is invalid or cannot be read, has no such output, or the file cannot be written.
+pub(crate) fn run(args: &Args) -> Result<(), Failure> {
+    let loaded = trochoid::load(&args.graph, &args.set)?;
+    shell::tell(&loaded.warnings.iter().map(Diagnostic::to_string).collect::<Vec<_>>());
+    let graph = &loaded.graph;
+    let mut faults = Vec::new();
+    let chosen = outputs::choose(graph, &args.output, &mut faults);
+    Failure::all(faults)?;
+    let shown: &[usize] = if args.output.is_empty() { &[] } else { &chosen };
+    let names: Vec<&str> = args.output.iter().map(String::as_str).collect();
+    // What cannot be planned, because it would take too much memory, is drawn all the same.
+    let left_out = match Plan::new(graph, &names, graph.frames().0, &[], &Settings::default()) {
+        Ok(plan) => plan.left_out().iter().map(|why| why.as_ref().map(ToString::to_string)).collect(),
+        Err(_) => vec![None; graph.nodes().len()],
+    };
+    let picture = trochoid_diagram::tree(graph, shown, &left_out);
+    if args.out.as_os_str() == "-" {
+        return shell::print(&picture);
+    }
+    Ok(trochoid::write_whole(&args.out, picture.as_bytes())?)
+}

@@ -1,0 +1,228 @@
+//! `trochoid preview`: frames of an output, small, as one animated picture.
+
+use crate::failure::{FAILED, Failure, INTERRUPTED};
+use crate::progress::Progress;
+use crate::{frames, interrupt, outputs, shell};
+use std::path::PathBuf;
+use trochoid::{Buffers, Cache, CheckedGraph, Diagnostic, EvalError, Kind, Picture, Plan, Settings, check_destination};
+use webp_animation::{ColorMode, Encoder, EncoderOptions, EncodingConfig};
+
+/// Options of `trochoid preview`.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "\
+A preview is for looking: it is compressed with loss, and carries no guarantee about its colors.
+
+Examples:
+  trochoid preview storm.json -o storm.webp
+  trochoid preview storm.json --frames 1-96x2 --shrink 4 --quality 75 -o storm.webp")]
+pub(crate) struct Args {
+    /// The document
+    #[arg(value_name = "GRAPH")]
+    graph: PathBuf,
+    /// Show this output, a Color or a mask [default: the first]
+    #[arg(long, value_name = "NAME")]
+    output: Option<String>,
+    /// Frames, such as 1-96x2 (every second one) [default: all frames of the document]
+    #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
+    frames: Option<String>,
+    /// Average blocks of N × N pixels to one
+    #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u16).range(1..=64))]
+    shrink: u16,
+    /// Quality of the compression, 0 to 100
+    #[arg(long, value_name = "Q", default_value_t = 80, value_parser = clap::value_parser!(u8).range(0..=100))]
+    quality: u8,
+    /// The WebP file to write
+    #[arg(short, long, value_name = "FILE")]
+    out: PathBuf,
+    /// Set a knob or port; VALUE is JSON or a bare word, such as storm.height=3
+    #[arg(long, value_name = "NODE.KNOB=VALUE")]
+    set: Vec<String>,
+    /// Show no progress
+    #[arg(long)]
+    quiet: bool,
+}
+
+/// WebP's largest width and height.
+const LARGEST: u32 = 16_383;
+
+/// Renders the frames asked for into one animation, which repeats for ever.
+///
+/// # Errors
+/// Everything that is wrong beforehand, at once; later, what stopped the run. Then nothing is written.
+pub(crate) fn run(args: &Args) -> Result<(), Failure> {
+    let loaded = trochoid::load(&args.graph, &args.set)?;
+    shell::tell(&loaded.warnings.iter().map(Diagnostic::to_string).collect::<Vec<_>>());
+    let graph = &loaded.graph;
+    let mut faults = Vec::new();
+    let output = outputs::choose(graph, args.output.as_slice(), &mut faults)[0];
+    let chosen = choose_frames(graph, args.frames.as_deref(), &mut faults);
+    let size = [graph.format().width(), graph.format().height()].map(|size| size.div_ceil(u32::from(args.shrink)));
+    look(args, graph, output, size, &mut faults);
+    Failure::all(faults)?;
+    interrupt::watch()?;
+
+    let cannot = |error: webp_animation::Error| Failure::new(FAILED, format!("{}: {error}", args.out.display()));
+    let encoding = EncodingConfig::new_lossy(f32::from(args.quality));
+    let options = EncoderOptions { encoding_config: Some(encoding), color_mode: ColorMode::Rgb, ..Default::default() };
+    let mut encoder = Encoder::new_with_options((size[0], size[1]), options).map_err(cannot)?;
+    let mut progress = Progress::new(chosen.len(), args.quiet);
+    let mut cache = Cache::new();
+    let times = times(&chosen, graph.fps());
+    for (index, &frame) in chosen.iter().enumerate() {
+        progress.begin(index, frame);
+        let picture = render(graph, output, frame, &mut cache, &progress)?;
+        cache.forget_unused();
+        encoder.add_frame(&shrink(graph, &picture, usize::from(args.shrink)), times[index]).map_err(cannot)?;
+    }
+    let file = encoder.finalize(times[chosen.len()]).map_err(cannot)?;
+    progress.finish();
+    Ok(trochoid::write_whole(&args.out, &file)?)
+}
+
+fn choose_frames(graph: &CheckedGraph, list: Option<&str>, faults: &mut Vec<Failure>) -> Vec<i64> {
+    match list.map(frames::parse).transpose() {
+        Ok(Some(frames)) => frames,
+        Ok(None) => frames::all(graph, false, faults),
+        Err(pieces) => {
+            faults.extend(pieces.into_iter().map(|piece| Failure::usage(piece, "write for example 1-96x2")));
+            Vec::new()
+        }
+    }
+}
+
+/// Adds what is wrong with the output or the file.
+fn look(args: &Args, graph: &CheckedGraph, output: usize, size: [u32; 2], faults: &mut Vec<Failure>) {
+    let spec = &graph.outputs()[output];
+    if !matches!(spec.kind, Kind::Color | Kind::Weights(2)) {
+        let message = format!("output \"{}\" is a {}; expected a Color or a mask", spec.name, spec.kind);
+        faults.push(Failure::usage(message, "choose another with --output"));
+    }
+    if size.iter().any(|&side| side > LARGEST) {
+        let message = format!("found a preview of {} × {} pixels; expected at most {LARGEST} a side", size[0], size[1]);
+        faults.push(Failure::usage(message, "raise --shrink"));
+    }
+    if !args.out.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("webp")) {
+        let message = format!("--out {}: found another ending; expected .webp", args.out.display());
+        faults.push(Failure::usage(message, "name the file for example storm.webp; render writes .png and .exr"));
+    }
+    faults.extend(check_destination(&args.out).err().map(Failure::from));
+}
+
+fn render(
+    graph: &CheckedGraph,
+    output: usize,
+    frame: i64,
+    cache: &mut Cache,
+    progress: &Progress,
+) -> Result<Picture, Failure> {
+    let failed = |error: &dyn std::fmt::Display| Failure::new(FAILED, format!("frame {frame}: {error}"));
+    let stopped = || Failure::new(INTERRUPTED, "interrupted; nothing was written");
+    if interrupt::asked() {
+        return Err(stopped());
+    }
+    let name = graph.outputs()[output].name.as_str();
+    let plan = Plan::new(graph, &[name], frame, &[], &Settings::default()).map_err(|error| failed(&error))?;
+    let evaluated = plan.evaluate(&Buffers::new(), cache, progress).map_err(|error| match error {
+        EvalError::Cancelled => stopped(),
+        error => failed(&error),
+    })?;
+    evaluated.pictures.into_iter().next().ok_or_else(|| failed(&"no picture was made"))
+}
+
+/// When each frame begins, in milliseconds from the first, and when the last ends. Frames that are further apart stay
+/// as long as those between them would have.
+fn times(frames: &[i64], fps: f64) -> Vec<i32> {
+    let mut gaps: Vec<f64> = frames.windows(2).map(|two| (two[1] - two[0]).abs().max(1) as f64).collect();
+    gaps.push(gaps.last().copied().unwrap_or(1.0));
+    let mut now = 0.0;
+    let mut times = vec![0];
+    for gap in gaps {
+        now += gap * 1000.0 / fps;
+        times.push(now.round() as i32);
+    }
+    times
+}
+
+/// Blocks of pixels averaged to one with equal weights, encoded for display: R, G, B bytes row by row.
+fn shrink(graph: &CheckedGraph, picture: &Picture, block: usize) -> Vec<u8> {
+    let [width, height] = [graph.format().width(), graph.format().height()].map(|side| side as usize);
+    let color = picture.kind == Kind::Color;
+    let mut bytes = Vec::with_capacity(width.div_ceil(block) * height.div_ceil(block) * 3);
+    for top in (0..height).step_by(block) {
+        for left in (0..width).step_by(block) {
+            let mut sum = [0.0_f64; 3];
+            let (bottom, right) = ((top + block).min(height), (left + block).min(width));
+            for row in top..bottom {
+                for (channel, sum) in sum.iter_mut().enumerate() {
+                    let plane = &picture.planes[if color { channel } else { 0 }];
+                    let samples = &plane.samples()[row * width + left..row * width + right];
+                    *sum += samples.iter().map(|&sample| f64::from(sample)).sum::<f64>();
+                }
+            }
+            let mean = sum.map(|sum| sum / ((bottom - top) * (right - left)) as f64);
+            let shown = if color { graph.space().to_display(mean) } else { mean };
+            bytes.extend(shown.map(|value| (value.clamp(0.0, 1.0) * 255.0).round() as u8));
+        }
+    }
+    bytes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const GRAPH: &str = r##"{
+      "trochoid": 1, "format": { "width": 6, "height": 3 }, "working_space": "srgb",
+      "frames": { "first": 1, "last": 4, "fps": 20 },
+      "nodes": {
+        "across": { "type": "ScreenX" },
+        "beauty": { "type": "Mix", "a": { "keys": [[1, "#000000"], [4, "#ff0000"]] }, "b": "#ffffff", "weight": "across" }
+      },
+      "outputs": { "beauty": { "color": "beauty" }, "mask": { "weights": "across" } }
+    }"##;
+
+    fn args(folder: &std::path::Path, out: &str) -> Args {
+        let graph = folder.join("graph.json");
+        std::fs::write(&graph, GRAPH).unwrap();
+        let out = folder.join(out);
+        Args { graph, output: None, frames: None, shrink: 2, quality: 90, out, set: Vec::new(), quiet: true }
+    }
+
+    #[test]
+    fn an_animation_has_the_size_and_times_that_were_asked_for() {
+        let folder = tempfile::tempdir().unwrap();
+        let args = Args { frames: Some("1-4x3".into()), ..args(folder.path(), "x.webp") };
+        run(&args).unwrap();
+        let bytes = std::fs::read(&args.out).unwrap();
+        let frames: Vec<_> = webp_animation::Decoder::new(&bytes).unwrap().into_iter().collect();
+        assert_eq!(frames.len(), 2);
+        assert_eq!(frames[0].dimensions(), (3, 2));
+        assert_eq!(frames.iter().map(webp_animation::Frame::timestamp).collect::<Vec<_>>(), [150, 300], "ends, in ms");
+        let first = |frame: usize| frames[frame].data()[0];
+        assert!(first(1) > first(0) + 100, "{} after {}", first(1), first(0));
+    }
+
+    #[test]
+    fn what_is_wrong_is_told_at_once_and_nothing_is_written() {
+        let folder = tempfile::tempdir().unwrap();
+        let args = Args { frames: Some("x".into()), output: Some("beuty".into()), ..args(folder.path(), "x.gif") };
+        let failure = run(&args).unwrap_err();
+        assert_eq!((failure.code, failure.messages.len()), (crate::failure::INVALID, 3), "{:?}", failure.messages);
+        assert!(!args.out.exists());
+    }
+
+    #[test]
+    fn blocks_are_averaged_and_shown() {
+        let loaded = trochoid::parse("graph.json", GRAPH, std::path::Path::new("."), &[]).unwrap();
+        let picture = render(&loaded.graph, 0, 1, &mut Cache::new(), &Progress::new(1, true)).unwrap();
+        // Columns hold 0, 51, … 255.
+        assert_eq!(shrink(&loaded.graph, &picture, 2)[..9], [26, 26, 26, 128, 128, 128, 230, 230, 230]);
+        assert_eq!(shrink(&loaded.graph, &picture, 4).len(), 2 * 3);
+    }
+
+    #[test]
+    fn frames_last_until_the_next() {
+        assert_eq!(times(&[1, 3, 4], 10.0), [0, 200, 300, 400]);
+        assert_eq!(times(&[7], 24.0), [0, 42]);
+    }
+}

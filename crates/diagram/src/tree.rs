@@ -1,0 +1,277 @@
+//! A graph as SVG.
+
+use crate::layers::{Net, Point, layers};
+use crate::palette::{Swatch, controls, palette};
+use svg::node::element::path::Data;
+use svg::node::element::{Circle, Group, Path, Rectangle, Text, Title};
+use svg::{Document, Node as _};
+use trochoid_graph::{CheckedGraph, End, Kind, NodeId, OutputSpec, Source};
+
+const MARGIN: f64 = 28.0;
+const PADDING: f64 = 12.0;
+const NAME: f64 = 13.0;
+const TYPE: f64 = 11.0;
+/// Side of a color in a box, and colors in a row there.
+const SWATCH: f64 = 12.0;
+const IN_A_ROW: usize = 12;
+/// Side of a color below the graph, and what its name takes beneath it.
+const CONTROL: f64 = 44.0;
+const LABEL: f64 = 16.0;
+
+const PAPER: &str = "#f6f3ec";
+const CARD: &str = "#fffdf8";
+const LINE: &str = "#cbc4b6";
+const INK: &str = "#22303a";
+const GRAY: &str = "#6d747a";
+const FRONT: &str = "#5a86a3";
+const BACK: &str = "#c1844d";
+const SANS: &str = "Inter, 'Segoe UI', Roboto, 'Helvetica Neue', Arial, sans-serif";
+
+/// One box: a node of the document, or one of its outputs.
+struct Card {
+    name: String,
+    kind: String,
+    stripe: &'static str,
+    swatches: Vec<Swatch>,
+    title: String,
+    dim: bool,
+    size: [f64; 2],
+}
+
+impl Card {
+    fn new(name: &str, kind: String, stripe: &'static str, swatches: Vec<Swatch>, title: String, dim: bool) -> Self {
+        let name = printable(name);
+        let columns = swatches.len().min(IN_A_ROW) as f64;
+        let rows = swatches.len().div_ceil(IN_A_ROW) as f64;
+        let text = (width(&name) * NAME).max(width(&kind) * TYPE).max(columns * SWATCH);
+        let below = if rows > 0.0 { rows * SWATCH + 6.0 } else { 0.0 };
+        Self { kind, stripe, swatches, title, dim, size: [text + 2.0 * PADDING, 42.0 + below], name }
+    }
+
+    fn node(graph: &CheckedGraph, id: NodeId, left_out: Option<&str>) -> Self {
+        let node = graph.node(id);
+        let declaration = node.ty.declaration();
+        let stripe = if declaration.end == End::Front { FRONT } else { BACK };
+        let why = left_out.map_or(String::new(), |why| format!("\nLeft out: {why}"));
+        let title = format!("{} ({}): {}{why}", node.name, declaration.name, declaration.summary);
+        Self::new(&node.name, declaration.name.into(), stripe, controls(graph, id), title, left_out.is_some())
+    }
+
+    fn output(spec: &OutputSpec) -> Self {
+        let required = spec.require.map_or(String::new(), |require| format!(", within the {}", require.name()));
+        let title = format!("Output {}: {}{required}", spec.name, spec.kind);
+        Self::new(&spec.name, format!("output{required}"), INK, Vec::new(), title, false)
+    }
+
+    fn draw(&self, corner: Point) -> Group {
+        let [x, y] = [corner[0] + MARGIN, corner[1] + MARGIN];
+        let frame = Rectangle::new().set("x", x).set("y", y).set("rx", 6);
+        let frame = frame.set("width", self.size[0]).set("height", self.size[1]).set("fill", CARD).set("stroke", LINE);
+        let stripe = Rectangle::new().set("x", x).set("y", y + 6.0).set("width", 3);
+        let stripe = stripe.set("height", self.size[1] - 12.0).set("fill", self.stripe);
+        let name = text(&self.name, [x + PADDING, y + 18.0], NAME, INK).set("font-weight", 600);
+        let kind = text(&self.kind, [x + PADDING, y + 33.0], TYPE, GRAY);
+        let mut group = Group::new();
+        if self.dim {
+            group = group.set("opacity", 0.42);
+        }
+        group = group.add(Title::new(printable(&self.title))).add(frame).add(stripe).add(name).add(kind);
+        for (index, swatch) in self.swatches.iter().enumerate() {
+            let at = [(index % IN_A_ROW) as f64, (index / IN_A_ROW) as f64];
+            let square = Rectangle::new().set("x", x + PADDING + at[0] * SWATCH).set("y", y + 40.0 + at[1] * SWATCH);
+            let square = square.set("width", SWATCH - 1.0).set("height", SWATCH - 1.0);
+            group.append(square.set("fill", swatch.to_string()).set("stroke", LINE).set("stroke-width", 0.5));
+        }
+        group
+    }
+}
+
+/// Draws a graph as SVG: sources at the top, outputs at the bottom, control colors below.
+///
+/// `outputs` are indices of outputs to show, with all that is connected to them; every node of the document where it is
+/// empty. `left_out` says by node why it is not evaluated; it is drawn pale then. Wires are colored by what they carry.
+///
+/// # Panics
+/// An output has no such index, or `left_out` is shorter than the nodes.
+pub fn tree(graph: &CheckedGraph, outputs: &[usize], left_out: &[Option<String>]) -> String {
+    let all: Vec<usize> = (0..graph.outputs().len()).collect();
+    let chosen = if outputs.is_empty() { &all } else { outputs };
+    let roots = chosen.iter().map(|&index| graph.outputs()[index].node);
+    let shown = if outputs.is_empty() { vec![true; graph.nodes().len()] } else { graph.upstream(roots) };
+
+    let mut cards = Vec::new();
+    let mut card_of = vec![None; graph.nodes().len()];
+    for index in (0..graph.nodes().len()).filter(|&index| shown[index]) {
+        card_of[index] = Some(cards.len());
+        cards.push(Card::node(graph, NodeId(index), left_out[index].as_deref()));
+    }
+    let mut wires = Wires::default();
+    for (index, card) in card_of.iter().enumerate() {
+        for source in card.iter().flat_map(|_| graph.node(NodeId(index)).record.sources()) {
+            if let (Source::Output { node, output }, Some(to)) = (source, *card) {
+                wires.join(&card_of, *node, *output, to);
+            }
+        }
+    }
+    for spec in chosen.iter().map(|&index| &graph.outputs()[index]) {
+        wires.join(&card_of, spec.node, spec.output, cards.len());
+        cards.push(Card::output(spec));
+    }
+    let sizes: Vec<[f64; 2]> = cards.iter().map(|card| card.size).collect();
+    let layout = layers(&sizes, &wires.nets);
+
+    let mut lines = Group::new().set("fill", "none").set("stroke-width", 1.6).set("stroke-linecap", "round");
+    let mut pins = Group::new();
+    for (pieces, (node, output)) in layout.wires.iter().zip(&wires.ends) {
+        let checked = graph.node(*node);
+        let (kind, names) = (checked.kinds[*output], checked.ty.declaration().outputs);
+        let name = names.get(*output).map_or("", |output| output.name);
+        let mut group = Group::new().set("stroke", color(kind));
+        group.append(Title::new(printable(&format!("{}.{name}: {kind}", checked.name))));
+        for piece in pieces {
+            group.append(Path::new().set("d", curve(piece)));
+        }
+        lines.append(group);
+        // The last point of a piece that leads to a box; trunks end between layers.
+        let tops = pieces.iter().filter(|piece| piece.len() == 2).map(|piece| piece[1]);
+        for [x, y] in tops.chain(pieces.iter().flat_map(|piece| piece.first()).take(1).copied()) {
+            pins.append(dot([x + MARGIN, y + MARGIN], color(kind)));
+        }
+    }
+    let controls = palette(graph, &shown);
+    let width = (layout.size[0]).max(8.0 * CONTROL) + 2.0 * MARGIN;
+    let (below, height) = swatches(&controls, width, layout.size[1] + 2.0 * MARGIN);
+    let paper = Rectangle::new().set("width", width).set("height", height).set("fill", PAPER);
+    let mut document = Document::new().set("width", width.ceil()).set("height", height.ceil());
+    document = document.set("viewBox", (0, 0, width.ceil(), height.ceil())).set("font-family", SANS);
+    document = document.add(Title::new(printable(graph.name()))).add(paper).add(lines);
+    for (card, corner) in cards.iter().zip(&layout.corners) {
+        document = document.add(card.draw(*corner));
+    }
+    format!("{}\n", document.add(pins).add(below))
+}
+
+/// The nets of a graph, and the output of a node at which each begins.
+#[derive(Default)]
+struct Wires {
+    nets: Vec<Net>,
+    ends: Vec<(NodeId, usize)>,
+}
+
+impl Wires {
+    fn join(&mut self, card_of: &[Option<usize>], node: NodeId, output: usize, to: usize) {
+        let Some(from) = card_of[node.0] else { return };
+        let end = (node, output);
+        let index = self.ends.iter().position(|known| *known == end).unwrap_or_else(|| {
+            self.ends.push(end);
+            self.nets.push(Net { from, to: Vec::new() });
+            self.nets.len() - 1
+        });
+        if !self.nets[index].to.contains(&to) {
+            self.nets[index].to.push(to);
+        }
+    }
+}
+
+/// The color of wires that carry a kind.
+fn color(kind: Kind) -> &'static str {
+    match kind {
+        Kind::Color => "#d08a2e",
+        Kind::Weights(_) => "#3f9a76",
+        Kind::Field(_) => "#4a7fc1",
+        Kind::View => "#8a6bb0",
+        Kind::Surface => "#7d8790",
+        Kind::Camera | Kind::Light => "#b9b2a3",
+    }
+}
+
+/// Straight down through layers, and in a curve from one to the next.
+fn curve(points: &[Point]) -> Data {
+    let at = |point: Point| (point[0] + MARGIN, point[1] + MARGIN);
+    let mut data = Data::new().move_to(at(points[0]));
+    for two in points.windows(2) {
+        let (from, to) = (two[0], two[1]);
+        let middle = (from[1] + to[1]) / 2.0;
+        data = if from[0] == to[0] {
+            data.line_to(at(to))
+        } else {
+            data.cubic_curve_to((at([from[0], middle]), at([to[0], middle]), at(to)))
+        };
+    }
+    data
+}
+
+fn dot(at: Point, fill: &str) -> Circle {
+    Circle::new().set("cx", at[0]).set("cy", at[1]).set("r", 2.6).set("fill", fill)
+}
+
+/// The control colors in rows below `top`, and where they end.
+fn swatches(controls: &[Swatch], width: f64, top: f64) -> (Group, f64) {
+    let mut group = Group::new();
+    if controls.is_empty() {
+        return (group, top);
+    }
+    let count = match controls.len() {
+        1 => "1 control color".into(),
+        count => format!("{count} control colors"),
+    };
+    group.append(text(&count, [MARGIN, top + 8.0], TYPE, GRAY));
+    let columns = (((width - 2.0 * MARGIN) / (CONTROL + 8.0)) as usize).max(1);
+    for (index, swatch) in controls.iter().enumerate() {
+        let x = MARGIN + (index % columns) as f64 * (CONTROL + 8.0);
+        let y = top + 18.0 + (index / columns) as f64 * (CONTROL + LABEL + 6.0);
+        let square = Rectangle::new().set("x", x).set("y", y).set("rx", 4).set("width", CONTROL).set("height", CONTROL);
+        group.append(square.set("fill", swatch.to_string()).set("stroke", LINE));
+        group.append(text(&swatch.to_string(), [x, y + CONTROL + 11.0], 9.5, GRAY));
+    }
+    let rows = controls.len().div_ceil(columns) as f64;
+    (group, top + 18.0 + rows * (CONTROL + LABEL + 6.0) + MARGIN / 2.0)
+}
+
+fn text(content: &str, at: Point, size: f64, fill: &str) -> Text {
+    Text::new(content).set("x", at[0]).set("y", at[1]).set("font-size", size).set("fill", fill)
+}
+
+/// Width of a text in units of its size, for a sans serif at hand: only boxes depend on it.
+fn width(text: &str) -> f64 {
+    let em = |c: char| match c {
+        'i' | 'j' | 'l' | '.' | ',' | '\'' | '|' => 0.3,
+        'f' | 'r' | 't' | ' ' => 0.4,
+        'm' | 'w' => 0.9,
+        'M' | 'W' => 0.95,
+        'A'..='Z' => 0.7,
+        c if c.is_ascii() => 0.6,
+        _ => 1.0,
+    };
+    text.chars().map(em).sum()
+}
+
+/// Without control characters, which XML does not know, and not so long that it would stretch the picture.
+fn printable(text: &str) -> String {
+    let mut shown: String =
+        text.chars().take(400).map(|c| if c.is_control() && c != '\n' { '\u{fffd}' } else { c }).collect();
+    if text.chars().count() > 400 {
+        shown.push('…');
+    }
+    shown
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_of_any_kind_stay_text() {
+        assert_eq!(printable("a\u{1}<b>"), "a\u{fffd}<b>");
+        assert_eq!(printable(&"x".repeat(500)).chars().count(), 401);
+        let drawn = text("<b> & \"c\"", [0.0, 0.0], 1.0, INK).to_string();
+        assert!(drawn.contains("&lt;b&gt; &amp;"), "{drawn}");
+    }
+
+    #[test]
+    fn wires_of_a_kind_have_a_color() {
+        let kinds = [Kind::Color, Kind::MASK, Kind::Field(1), Kind::View, Kind::Surface, Kind::Camera];
+        let colors: std::collections::HashSet<_> = kinds.map(color).into_iter().collect();
+        assert_eq!(colors.len(), kinds.len());
+    }
+}
