@@ -63,3 +63,22 @@ fn what_an_output_does_not_need_can_be_left_away() {
     assert!(all.contains("Left out: disabled") && all.contains("opacity"));
     assert!(!one.contains("opacity"));
 }
+
+#[test]
+fn the_trees_that_are_shown_are_those_of_the_scenes() {
+    let folder = root().join("graphs/trees");
+    let trees: Vec<_> = std::fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+    assert!(trees.len() >= 5, "{} trees", trees.len());
+    for tree in trees {
+        let name = tree.file_stem().unwrap().to_str().unwrap();
+        let loaded = trochoid::load(&root().join(format!("graphs/{name}.json")), &[]).unwrap();
+        let graph = &loaded.graph;
+        let plan = trochoid::Plan::new(graph, &[], graph.frames().0, &[], &trochoid::Settings::default()).unwrap();
+        let left_out: Vec<_> = plan.left_out().iter().map(|why| why.as_ref().map(ToString::to_string)).collect();
+        let drawn = trochoid_diagram::tree(graph, &[], &left_out);
+        // The title names the path that the document was loaded by.
+        let after_title = |text: &str| text.split_once("</title>").map(|(_, rest)| rest.to_string());
+        let shown = std::fs::read_to_string(&tree).unwrap();
+        assert!(after_title(&shown) == after_title(&drawn), "graphs/trees/{name}.svg is old: run samples/gallery.sh");
+    }
+}

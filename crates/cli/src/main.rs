@@ -52,7 +52,7 @@ enum Command {
     Check(check::Args),
     /// Draw a document's graph, with its control colors, as SVG
     Graph(graph::Args),
-    /// Render an output small, as an animated WebP
+    /// Render an output small, as an animated WebP or one PNG
     Preview(preview::Args),
     /// List the node types, or print the manual of one
     Nodes(nodes::Args),

@@ -1,20 +1,22 @@
-//! `trochoid preview`: frames of an output, small, as one animated picture.
+//! `trochoid preview`: frames of an output, small, as one animated picture; or one frame as a still.
 
 use crate::failure::{FAILED, Failure, INTERRUPTED};
 use crate::progress::Progress;
 use crate::{frames, interrupt, outputs, shell};
 use std::path::PathBuf;
+use trochoid::io::{PngImage, Samples, write_png8};
 use trochoid::{Buffers, Cache, CheckedGraph, Diagnostic, EvalError, Kind, Picture, Plan, Settings, check_destination};
 use webp_animation::{ColorMode, Encoder, EncoderOptions, EncodingConfig};
 
 /// Options of `trochoid preview`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
-A preview is for looking: it is compressed with loss, and carries no guarantee about its colors.
+An animation is compressed with loss, and carries no guarantee about its colors.
 
 Examples:
   trochoid preview storm.json -o storm.webp
-  trochoid preview storm.json --frames 1-96x2 --shrink 4 --quality 75 -o storm.webp")]
+  trochoid preview storm.json --frames 1-96x2 --shrink 4 --quality 75 -o storm.webp
+  trochoid preview storm.json --frames 12 -o storm.png")]
 pub(crate) struct Args {
     /// The document
     #[arg(value_name = "GRAPH")]
@@ -28,10 +30,10 @@ pub(crate) struct Args {
     /// Average blocks of N × N pixels to one
     #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u16).range(1..=64))]
     shrink: u16,
-    /// Quality of the compression, 0 to 100
+    /// Quality of the animation's compression, 0 to 100
     #[arg(long, value_name = "Q", default_value_t = 80, value_parser = clap::value_parser!(u8).range(0..=100))]
     quality: u8,
-    /// The WebP file to write
+    /// The file to write: .webp for an animation, .png for one frame
     #[arg(short, long, value_name = "FILE")]
     out: PathBuf,
     /// Set a knob or port; VALUE is JSON or a bare word, such as storm.height=3
@@ -57,26 +59,41 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let output = outputs::choose(graph, args.output.as_slice(), &mut faults)[0];
     let chosen = choose_frames(graph, args.frames.as_deref(), &mut faults);
     let size = [graph.format().width(), graph.format().height()].map(|size| size.div_ceil(u32::from(args.shrink)));
-    look(args, graph, output, size, &mut faults);
+    look(args, graph, output, chosen.len(), size, &mut faults);
     Failure::all(faults)?;
     interrupt::watch()?;
 
-    let cannot = |error: webp_animation::Error| Failure::new(FAILED, format!("{}: {error}", args.out.display()));
-    let encoding = EncodingConfig::new_lossy(f32::from(args.quality));
-    let options = EncoderOptions { encoding_config: Some(encoding), color_mode: ColorMode::Rgb, ..Default::default() };
-    let mut encoder = Encoder::new_with_options((size[0], size[1]), options).map_err(cannot)?;
     let mut progress = Progress::new(chosen.len(), args.quiet);
     let mut cache = Cache::new();
-    let times = times(&chosen, graph.fps());
-    for (index, &frame) in chosen.iter().enumerate() {
-        progress.begin(index, frame);
-        let picture = render(graph, output, frame, &mut cache, &progress)?;
+    let mut small = |index: usize| {
+        progress.begin(index, chosen[index]);
+        let picture = render(graph, output, chosen[index], &mut cache, &progress)?;
         cache.forget_unused();
-        encoder.add_frame(&shrink(graph, &picture, usize::from(args.shrink)), times[index]).map_err(cannot)?;
+        Ok::<_, Failure>(shrink(graph, &picture, usize::from(args.shrink)))
+    };
+    if ends(args, "png") {
+        let channels = small(0)?;
+        let channels = channels.each_ref().map(|channel| Samples::contiguous(channel));
+        let image = PngImage { clamp: true, ..PngImage::new(size[0], size[1], channels) };
+        write_png8(&args.out, &image).map_err(|error| Failure::new(FAILED, error))?;
+    } else {
+        let cannot = |error: webp_animation::Error| Failure::new(FAILED, format!("{}: {error}", args.out.display()));
+        let encoding = Some(EncodingConfig::new_lossy(f32::from(args.quality)));
+        let options = EncoderOptions { encoding_config: encoding, color_mode: ColorMode::Rgb, ..Default::default() };
+        let mut encoder = Encoder::new_with_options((size[0], size[1]), options).map_err(cannot)?;
+        let times = times(&chosen, graph.fps());
+        for (index, time) in times[..chosen.len()].iter().enumerate() {
+            encoder.add_frame(&bytes(&small(index)?), *time).map_err(cannot)?;
+        }
+        let file = encoder.finalize(times[chosen.len()]).map_err(cannot)?;
+        trochoid::write_whole(&args.out, &file)?;
     }
-    let file = encoder.finalize(times[chosen.len()]).map_err(cannot)?;
     progress.finish();
-    Ok(trochoid::write_whole(&args.out, &file)?)
+    Ok(())
+}
+
+fn ends(args: &Args, ending: &str) -> bool {
+    args.out.extension().is_some_and(|found| found.eq_ignore_ascii_case(ending))
 }
 
 fn choose_frames(graph: &CheckedGraph, list: Option<&str>, faults: &mut Vec<Failure>) -> Vec<i64> {
@@ -91,7 +108,7 @@ fn choose_frames(graph: &CheckedGraph, list: Option<&str>, faults: &mut Vec<Fail
 }
 
 /// Adds what is wrong with the output or the file.
-fn look(args: &Args, graph: &CheckedGraph, output: usize, size: [u32; 2], faults: &mut Vec<Failure>) {
+fn look(args: &Args, graph: &CheckedGraph, output: usize, frames: usize, size: [u32; 2], faults: &mut Vec<Failure>) {
     let spec = &graph.outputs()[output];
     if !matches!(spec.kind, Kind::Color | Kind::Weights(2)) {
         let message = format!("output \"{}\" is a {}; expected a Color or a mask", spec.name, spec.kind);
@@ -101,9 +118,12 @@ fn look(args: &Args, graph: &CheckedGraph, output: usize, size: [u32; 2], faults
         let message = format!("found a preview of {} × {} pixels; expected at most {LARGEST} a side", size[0], size[1]);
         faults.push(Failure::usage(message, "raise --shrink"));
     }
-    if !args.out.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("webp")) {
-        let message = format!("--out {}: found another ending; expected .webp", args.out.display());
-        faults.push(Failure::usage(message, "name the file for example storm.webp; render writes .png and .exr"));
+    if ends(args, "png") && frames > 1 {
+        let message = format!("--out {}: found {frames} frames; expected one in a PNG", args.out.display());
+        faults.push(Failure::usage(message, "choose one with --frames, or name the file for example storm.webp"));
+    } else if !ends(args, "png") && !ends(args, "webp") {
+        let message = format!("--out {}: found another ending; expected .webp or .png", args.out.display());
+        faults.push(Failure::usage(message, "name the file for example storm.webp"));
     }
     faults.extend(check_destination(&args.out).err().map(Failure::from));
 }
@@ -143,28 +163,30 @@ fn times(frames: &[i64], fps: f64) -> Vec<i32> {
     times
 }
 
-/// Blocks of pixels averaged to one with equal weights, encoded for display: R, G, B bytes row by row.
-fn shrink(graph: &CheckedGraph, picture: &Picture, block: usize) -> Vec<u8> {
+/// Blocks of pixels averaged to one with equal weights, encoded for display.
+fn shrink(graph: &CheckedGraph, picture: &Picture, block: usize) -> [Vec<f32>; 3] {
     let [width, height] = [graph.format().width(), graph.format().height()].map(|side| side as usize);
     let color = picture.kind == Kind::Color;
-    let mut bytes = Vec::with_capacity(width.div_ceil(block) * height.div_ceil(block) * 3);
+    let mut small: [Vec<f32>; 3] = Default::default();
     for top in (0..height).step_by(block) {
         for left in (0..width).step_by(block) {
-            let mut sum = [0.0_f64; 3];
             let (bottom, right) = ((top + block).min(height), (left + block).min(width));
-            for row in top..bottom {
-                for (channel, sum) in sum.iter_mut().enumerate() {
-                    let plane = &picture.planes[if color { channel } else { 0 }];
-                    let samples = &plane.samples()[row * width + left..row * width + right];
-                    *sum += samples.iter().map(|&sample| f64::from(sample)).sum::<f64>();
-                }
-            }
-            let mean = sum.map(|sum| sum / ((bottom - top) * (right - left)) as f64);
+            let mean = [0, 1, 2].map(|channel| {
+                let samples = picture.planes[if color { channel } else { 0 }].samples();
+                let rows = (top..bottom).flat_map(|row| &samples[row * width + left..row * width + right]);
+                rows.map(|&sample| f64::from(sample)).sum::<f64>() / ((bottom - top) * (right - left)) as f64
+            });
             let shown = if color { graph.space().to_display(mean) } else { mean };
-            bytes.extend(shown.map(|value| (value.clamp(0.0, 1.0) * 255.0).round() as u8));
+            small.iter_mut().zip(shown).for_each(|(channel, value)| channel.push(value as f32));
         }
     }
-    bytes
+    small
+}
+
+/// R, G, B pixel by pixel, of 8 bits each.
+fn bytes([r, g, b]: &[Vec<f32>; 3]) -> Vec<u8> {
+    let pixels = r.iter().zip(g).zip(b).flat_map(|((r, g), b)| [*r, *g, *b]);
+    pixels.map(|value| (value.clamp(0.0, 1.0) * 255.0).round() as u8).collect()
 }
 
 #[cfg(test)]
@@ -203,6 +225,17 @@ mod tests {
     }
 
     #[test]
+    fn one_frame_is_a_still() {
+        let folder = tempfile::tempdir().unwrap();
+        let args = Args { frames: Some("4".into()), shrink: 3, ..args(folder.path(), "x.png") };
+        run(&args).unwrap();
+        let info = trochoid::io::info(&args.out, &trochoid::io::Limits::default()).unwrap();
+        assert_eq!((info.parts[0].data.width(), info.parts[0].data.height()), (2, 1));
+        let failure = run(&Args { frames: None, ..args }).unwrap_err();
+        assert!(failure.messages[0].contains("4 frames"), "{:?}", failure.messages);
+    }
+
+    #[test]
     fn what_is_wrong_is_told_at_once_and_nothing_is_written() {
         let folder = tempfile::tempdir().unwrap();
         let args = Args { frames: Some("x".into()), output: Some("beuty".into()), ..args(folder.path(), "x.gif") };
@@ -216,8 +249,8 @@ mod tests {
         let loaded = trochoid::parse("graph.json", GRAPH, std::path::Path::new("."), &[]).unwrap();
         let picture = render(&loaded.graph, 0, 1, &mut Cache::new(), &Progress::new(1, true)).unwrap();
         // Columns hold 0, 51, … 255.
-        assert_eq!(shrink(&loaded.graph, &picture, 2)[..9], [26, 26, 26, 128, 128, 128, 230, 230, 230]);
-        assert_eq!(shrink(&loaded.graph, &picture, 4).len(), 2 * 3);
+        assert_eq!(bytes(&shrink(&loaded.graph, &picture, 2))[..9], [26, 26, 26, 128, 128, 128, 230, 230, 230]);
+        assert_eq!(shrink(&loaded.graph, &picture, 4)[2].len(), 2);
     }
 
     #[test]

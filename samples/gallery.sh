@@ -1,0 +1,27 @@
+#!/usr/bin/env bash
+# Renders what README.md and graphs/README.md show: stills at half size, animated previews, and trees of the graphs.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+cargo build --release
+trochoid=${CARGO_TARGET_DIR:-target}/release/trochoid
+
+still() { "$trochoid" preview "graphs/$1.json" --output "${3:-beauty}" --frames "$2" -o "samples/$1.png"; }
+moving() { "$trochoid" preview "graphs/$1.json" --frames "$2" --shrink 4 --quality 78 -o "samples/$1.webp"; }
+tree() { "$trochoid" graph "graphs/$1.json" -o "graphs/trees/$1.svg"; }
+
+still stormy_sea 48
+still stormy_sea_bare 48
+still great_wave 33
+still toon_sea 48
+still cartoon_bay 48
+still toon_teapot 4
+still from_passes 1
+
+moving stormy_sea 1-96x2
+moving great_wave 1-48
+moving cartoon_bay 1-96x2
+moving toon_teapot 1-48x2
+
+for scene in stormy_sea stormy_sea_bare great_wave toon_sea cartoon_bay toon_teapot from_passes; do
+  tree "$scene"
+done
