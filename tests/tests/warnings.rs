@@ -77,7 +77,7 @@ fn measures_in_half_precision_and_long_prerolls_are_said() {
     };
     assert_eq!(said("float", 1000), [""; 0]);
     let [half] = &said("half", 1000)[..] else { panic!("{:?}", said("half", 1000)) };
-    assert!(half.contains("test.json:3:") && half.contains("half for a Field"), "{half}");
+    assert!(half.contains("test.json:4:") && half.contains("half for a Field"), "{half}");
     let [long] = &said("float", 100_000)[..] else { panic!("{:?}", said("float", 100_000)) };
     assert!(long.contains("test.json:2:") && long.contains("preroll: found work for about"), "{long}");
 }
