@@ -1,8 +1,7 @@
 //! Ways of light from what is seen: thickness, light shining through, and shadows, on mild and on hostile scenes.
 
 use crate::support::{all_bits, evaluate, graph, sample, settings, state, under_all_settings};
-use std::sync::atomic::{AtomicUsize, Ordering};
-use trochoid::{Buffers, Cache, CheckedGraph, EvalError, Monitor, Plan, ReferenceFrame, State};
+use trochoid::{Buffers, CheckedGraph, ReferenceFrame, State};
 
 const OUTPUTS: &str = r#""thick": { "field": "thick" }, "behind": { "field": "behind" },
     "glow": { "weights": "glow" }, "shade": { "weights": "shade" }, "soft": { "weights": "soft" }"#;
@@ -196,48 +195,5 @@ fn the_wind_carries_clouds_along() {
         assert!((density - same).abs() < 1e-3, "{density}, expected {same}");
         // Where there is next to no cloud, its light is next to nothing over next to nothing.
         assert!((density * light - same * lit).abs() < 1e-3, "{light}, expected {lit}");
-    }
-}
-
-/// Asks to stop from some question on; counts them.
-struct Stopping {
-    asked: AtomicUsize,
-    from: usize,
-}
-
-impl Monitor for Stopping {
-    fn cancelled(&self) -> bool {
-        self.asked.fetch_add(1, Ordering::Relaxed) >= self.from
-    }
-}
-
-#[test]
-fn clouds_shadows_and_bakes_stop_within_a_tile() {
-    let nodes = [
-        ("Clouds", r#""out": { "type": "Clouds", "camera": "camera", "light": "sun", "layers": [{ "cover": 0.8 }] }"#),
-        ("Shadow", r#""out": { "type": "Shadow", "view": "view", "lights": ["sun"] }"#),
-        ("Bake", r#""bake": { "type": "Bake", "sea": "s" }, "out": { "type": "Clamp", "field": "bake.height" }"#),
-    ];
-    for (name, node) in nodes {
-        let graph = graph(
-            r#""width": 40, "height": 24"#,
-            &format!(
-                r#""camera": {{ "type": "Camera", {ABOVE} }}, "sun": {{ "type": "Light" }}, "s": {MILD},
-                "view": {{ "type": "Render", "camera": "camera", "surfaces": ["s"] }}, {node}"#
-            ),
-            r#""out": { "weights": "out" }"#,
-        );
-        let one_tile = settings(|s| (s.threads, s.tile) = (1, Some((64, 64))));
-        let run = |from: usize| {
-            let monitor = Stopping { asked: AtomicUsize::new(0), from };
-            let plan = Plan::new(&graph, &[], 1, &[], &one_tile).unwrap();
-            let result = plan.evaluate(&Buffers::new(), &mut Cache::new(), &monitor);
-            (result.map(|_| ()), monitor.asked.into_inner())
-        };
-        // Before each of at most five nodes is prepared and before the tile; the others are asked within.
-        let (whole, asked) = run(usize::MAX);
-        assert!(whole.is_ok() && asked >= 9, "{name} asked {asked} times");
-        let (stopped, _) = run(asked - 2);
-        assert!(matches!(stopped, Err(EvalError::Cancelled)), "{name}: {stopped:?}");
     }
 }

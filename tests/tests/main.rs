@@ -6,6 +6,7 @@
 mod architecture;
 mod bad_documents;
 mod branches;
+mod cancellation;
 mod cartoon;
 mod demand;
 mod diagram;

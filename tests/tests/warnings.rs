@@ -69,14 +69,148 @@ fn measures_in_half_precision_and_long_prerolls_are_said() {
     let said = |precision: &str, preroll: u32| -> Vec<String> {
         let text = format!(
             r#"{{ "trochoid": 1, "format": {{ "width": 4, "height": 4 }}, "nodes": {{
-"sea": {{ "type": "ToonSea", "columns": 1024, "rows": 1024, "preroll": {preroll} }}, "bake": {{ "type": "Bake", "sea": "sea" }} }},
+"sea": {{ "type": "ToonSea", "columns": 1024, "rows": 1024, "preroll": {preroll},
+    "bursts": [{{ "path": [1, 1, 2, 2, 3, 3, 4, 4] }}] }}, "bake": {{ "type": "Bake", "sea": "sea" }} }},
 "outputs": {{ "out": {{ "field": "bake.height", "file": "a.exr", "precision": "{precision}" }} }} }}"#
         );
         parse("test.json", &text, Path::new("."), &[]).unwrap().warnings.iter().map(ToString::to_string).collect()
     };
     assert_eq!(said("float", 1000), [""; 0]);
     let [half] = &said("half", 1000)[..] else { panic!("{:?}", said("half", 1000)) };
-    assert!(half.contains("test.json:3:") && half.contains("half for a Field"), "{half}");
+    assert!(half.contains("test.json:4:") && half.contains("half for a Field"), "{half}");
     let [long] = &said("float", 100_000)[..] else { panic!("{:?}", said("float", 100_000)) };
-    assert!(long.contains("test.json:2:") && long.contains("100000 steps") && long.contains("minutes"), "{long}");
+    assert!(long.contains("test.json:2:") && long.contains("preroll: found work for about"), "{long}");
+}
+
+/// What is said of the node "out" among these nodes, in a picture of this format.
+fn said_of_out(format: &str, nodes: &str, out: &str, output: &str) -> Vec<String> {
+    let text = format!(
+        r##"{{ "trochoid": 1, "format": {{ {format} }}, "nodes": {{
+"camera": {{ "type": "Camera" }}, "sun": {{ "type": "Light" }}, "sea": {{ "type": "GerstnerSea", "count": 4 }}, {nodes}
+"view": {{ "type": "Render", "camera": "camera", "surfaces": ["sea"] }},
+"x": {{ "type": "ScreenX" }}, "image": {{ "type": "Mix", "a": "#000", "b": "#fff", "weight": "x" }},
+"out": {{ {out} }} }}, "outputs": {{ "out": {{ {output} }} }} }}"##
+    );
+    let loaded = parse("test.json", &text, Path::new("."), &[]).unwrap_or_else(|error| panic!("{error}\n{text}"));
+    let all = loaded.warnings.iter().map(ToString::to_string);
+    all.filter(|text| text.contains("node \"out\"") && !text.contains("no output needs")).collect()
+}
+
+#[test]
+fn knobs_that_take_minutes_are_said_with_the_knob() {
+    let layer = r#"{ "length": 512, "width": 256, "spacing": 1.5 }"#;
+    let eight = [layer; 8].join(", ");
+    let row = r#"{ "from": [-9, 0], "to": [9, 0], "count": 512, "length": 1000 }"#;
+    let many = [row; 64].join(", ");
+    let cloudy = [r#"{ "octaves": 16 }"#; 8].join(", ");
+    for (out, output, knob) in [
+        (format!(r#""type": "Strokes", "image": "image", "layers": [{eight}]"#), r#""color": "out""#, "layers"),
+        (format!(r#""type": "Hooks", "view": "view", "reach": 512, "rows": [{many}]"#), r#""weights": "out""#, "rows"),
+        (r#""type": "Blur", "image": "image", "size": 10000"#.into(), r#""color": "out""#, "size"),
+        (
+            format!(r#""type": "Clouds", "camera": "camera", "light": "sun", "steps": 256, "layers": [{cloudy}]"#),
+            r#""weights": "out""#,
+            "steps",
+        ),
+    ] {
+        let said = said_of_out(r#""width": 1920, "height": 1080, "samples": 16"#, "", &out, output);
+        let [only] = &said[..] else { panic!("{out}: {said:?}") };
+        let expected = format!("node \"out\", {knob}: found work for about ");
+        assert!(only.contains(&expected) && only.contains("of one core") && only.contains("\n  remedy: "), "{only}");
+        // The same is no news where the picture is small.
+        let small = said_of_out(r#""width": 8, "height": 6"#, "", &out, output);
+        assert_eq!(small, [""; 0], "{out}");
+    }
+    let waves = |count: u32| {
+        let nodes = format!(r#""many": {{ "type": "GerstnerSea", "count": {count}, "sharpness": 0 }},"#);
+        let text = format!(
+            r#"{{ "trochoid": 1, "format": {{ "width": 7680, "height": 4320 }}, "nodes": {{ {nodes}
+                "camera": {{ "type": "Camera" }},
+                "view": {{ "type": "Render", "camera": "camera", "surfaces": ["many"] }},
+                "out": {{ "type": "Depth", "view": "view" }} }}, "outputs": {{ "out": {{ "field": "out" }} }} }}"#
+        );
+        let loaded = parse("test.json", &text, Path::new("."), &[]).unwrap();
+        loaded.warnings.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n")
+    };
+    assert!(waves(100_000).contains("count: found work for about 32 seconds"), "{}", waves(100_000));
+    assert_eq!(waves(1000), "");
+}
+
+#[test]
+fn what_shows_nothing_is_said() {
+    let toon = |more: &str| format!(r#""toon": {{ "type": "ToonSea", "columns": 16, "rows": 16{more} }},"#);
+    let small = r#""width": 8, "height": 6"#;
+    for (nodes, out, output, parts) in [
+        (
+            r#""other": { "type": "RippleSea" },"#.to_owned(),
+            r#""type": "ObjectMask", "view": "view", "surfaces": ["other"]"#,
+            r#""weights": "out""#,
+            &["\"other\", which \"view\" does not show", "add it to the surfaces of \"view\""][..],
+        ),
+        (
+            String::new(),
+            r#""type": "Render", "camera": "camera", "surfaces": ["sea", "sea"]"#,
+            r#""weights": "out.coverage""#,
+            &["\"sea\" twice", "name it once"],
+        ),
+        (
+            String::new(),
+            r#""type": "Hooks", "view": "view", "rows": [{}, { "from": [5000, 0], "to": [6000, 0] }]"#,
+            r#""weights": "out""#,
+            &["row 1, 5000 m from the camera", "raise \"length\""],
+        ),
+        (
+            String::new(),
+            r#""type": "LightPool", "view": "view""#,
+            r#""weights": "out""#,
+            &["no pools and no noise", "give \"pools\""],
+        ),
+    ] {
+        let said = said_of_out(small, &nodes, out, output);
+        let [only] = &said[..] else { panic!("{out}: {said:?}") };
+        assert!(parts.iter().all(|part| only.contains(part)), "{only}");
+    }
+    let of_toon = |more: &str| {
+        let text = format!(
+            r#"{{ "trochoid": 1, "format": {{ {small} }}, "nodes": {{ {} "out": {{ "type": "Bake", "sea": "toon" }} }},
+                "outputs": {{ "out": {{ "field": "out.height" }} }} }}"#,
+            toon(more)
+        );
+        let loaded = parse("test.json", &text, Path::new("."), &[]).unwrap();
+        loaded.warnings.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n")
+    };
+    assert!(of_toon("").contains("no bursts, guides or bodies: the sea lies still"), "{}", of_toon(""));
+    let away = of_toon(r#", "guides": [{ "path": [100, 100, 200, 200, 300, 300, 400, 400] }]"#);
+    assert!(away.contains("guides: found every path beside the grid of 2.25 × 2.25 m"), "{away}");
+    assert_eq!(of_toon(r#", "bursts": [{ "path": [-2, -2, 1, 1, 2, 2, 5, 5] }]"#), "");
+    // A row that misses the only grid.
+    let toon = toon(r#", "bursts": [{ "path": [0, 0, 1, 1, 2, 2, 3, 3] }]"#);
+    let nodes = format!(r#"{toon} "on": {{ "type": "Render", "camera": "camera", "surfaces": ["toon"] }},"#);
+    let hooks = |from: f64| {
+        let out = format!(r#""type": "Hooks", "view": "on", "rows": [{{ "from": [{from}, 0], "to": [9, 0] }}]"#);
+        said_of_out(small, &nodes, &out, r#""weights": "out""#).join("\n")
+    };
+    assert!(hooks(8.0).contains("row 0 beside the grids of all surfaces"), "{}", hooks(8.0));
+    assert_eq!(hooks(1.0), "");
+}
+
+#[test]
+fn colors_beyond_white_and_branches_that_nobody_needs_are_said_once() {
+    let said = |space: &str, color: &str| -> Vec<String> {
+        let text = format!(
+            r##"{{ "trochoid": 1, "format": {{ "width": 4, "height": 4 }}, "working_space": "{space}", "nodes": {{
+"x": {{ "type": "ScreenX" }}, "y": {{ "type": "Invert", "weight": "x" }}, "z": {{ "type": "Invert", "weight": "y" }},
+"out": {{ "type": "Constant", "color": {color} }} }}, "outputs": {{ "out": {{ "color": "out" }} }} }}"##
+        );
+        let loaded = parse("test.json", &text, Path::new("."), &[]).unwrap();
+        loaded.warnings.iter().map(ToString::to_string).collect()
+    };
+    let branch = said("srgb", "[1, 0, 0]");
+    let [only] = &branch[..] else { panic!("{branch:?}") };
+    assert!(only.contains("node \"z\"") && only.contains("nor what it needs: x, y"), "{only}");
+    let red = said("srgb", "[255, 0, 0]").join("\n");
+    assert!(red.contains("color: found the color [255, 0, 0]") && red.contains("divide by 255"), "{red}");
+    assert_eq!(said("srgb", "[1.5, 0, 0]").len(), 2);
+    assert_eq!(said("linear-srgb", "[1.5, 0, 0]").len(), 1, "light may be brighter than white");
+    assert_eq!(said("linear-srgb", "[255, 0, 0]").len(), 2);
 }

@@ -60,13 +60,16 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let refused = args.strict && !loaded.warnings.is_empty();
     let findings = Findings::of(&loaded.graph);
     if args.json {
-        shell::print_json(&to_json(&loaded, &findings, !refused))?;
+        shell::print_json(&to_json(&loaded, &findings, !refused && findings.unplanned.is_none()))?;
     } else {
         shell::tell(&loaded.warnings.iter().map(Diagnostic::to_string).collect::<Vec<_>>());
         shell::print(&to_text(&loaded, &findings))?;
     }
-    if refused && args.json {
+    if (refused || findings.unplanned.is_some()) && args.json {
         return Err(Failure::silent(INVALID));
+    }
+    if let Some(reason) = findings.unplanned {
+        return Err(Failure::new(INVALID, reason));
     }
     if refused {
         let found = count(Severity::Warning, loaded.warnings.len());
@@ -107,7 +110,8 @@ fn to_text(loaded: &Loaded, findings: &Findings) -> String {
         0 => String::new(),
         number => format!(", {}", count(Severity::Warning, number)),
     };
-    let mut text = format!("{HEADING}{}{HEADING:#}: valid{warnings}\n", printable(graph.name()));
+    let verdict = if findings.unplanned.is_some() { "cannot be rendered" } else { "valid" };
+    let mut text = format!("{HEADING}{}{HEADING:#}: {verdict}{warnings}\n", printable(graph.name()));
     let samples = match format.samples() {
         1 => "1 sample a pixel".into(),
         samples => format!("{samples} samples a pixel"),
@@ -122,9 +126,6 @@ fn to_text(loaded: &Loaded, findings: &Findings) -> String {
         let kind = output.kind.to_string();
         let file = output.file.as_ref().map_or(String::new(), |file| format!(" → {}", printable(file)));
         let _ = writeln!(text, "  {:width$}  {kind}: {holds}{required}{file}", output.name);
-    }
-    if let Some(reason) = &findings.unplanned {
-        let _ = writeln!(text, "\n{HEADING}Not planned{HEADING:#}\n{}", wrap(reason, 2).trim_end());
     }
     let left_out: Vec<(&str, &LeftOut)> = named(graph, &findings.left_out).collect();
     if !left_out.is_empty() {

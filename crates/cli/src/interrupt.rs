@@ -1,11 +1,20 @@
 //! Ctrl-C, as a question that long work asks now and then.
 
 use crate::failure::{FAILED, Failure, INTERRUPTED};
+use crate::shell;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+/// How long long work may take to notice; then the process ends as if asked twice.
+const PATIENCE: Duration = Duration::from_secs(1);
+
+/// What is told then.
+pub(crate) const INTERRUPTION: &str = "interrupted; finished files are whole, others were not begun";
 
 static ASKED: AtomicBool = AtomicBool::new(false);
 
-/// From now on an interrupt or termination signal does not end the process but is remembered; a second one ends it.
+/// From now on an interrupt or termination signal does not end the process but is remembered, so that what runs can
+/// stop in order; a second one ends it, and so does time.
 ///
 /// # Errors
 /// The system takes no handler.
@@ -15,6 +24,11 @@ pub(crate) fn watch() -> Result<(), Failure> {
             // Whoever asks twice does not wait for what is being computed. What is half written keeps another name.
             std::process::exit(i32::from(INTERRUPTED));
         }
+        std::thread::spawn(|| {
+            std::thread::sleep(PATIENCE);
+            shell::tell(&[format!("error: {INTERRUPTION}")]);
+            std::process::exit(i32::from(INTERRUPTED));
+        });
     };
     match ctrlc::set_handler(asked) {
         Ok(()) | Err(ctrlc::Error::MultipleHandlers) => Ok(()),

@@ -111,6 +111,9 @@ impl<'p> Fills<'p> {
     pub(crate) fn fill(&mut self, tile: Window, offset: [f64; 2], seconds: &mut [f64]) -> Result<(), EvalError> {
         self.place(tile);
         for index in 0..self.fills.len() {
+            if self.monitor.cancelled() {
+                return Err(EvalError::Cancelled);
+            }
             let started = Instant::now();
             let id = self.fills[index].fill.node;
             self.stage(index, offset).map_err(|error| node_error(self.plan, id, error, self.monitor))?;

@@ -21,7 +21,8 @@ pub enum PlanError {
     },
     /// The pictures would take more memory than allowed.
     #[error(
-        "{needed} bytes are needed for pictures of {window}, more than the limit of {limit}: evaluate a smaller region, or raise the limit"
+        "found pictures of {window}, which take {needed} bytes; expected at most {limit} bytes: lower the format's \
+         \"width\" and \"height\", or have fewer outputs"
     )]
     Memory {
         /// Bytes needed.

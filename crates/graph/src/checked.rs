@@ -1,7 +1,7 @@
 //! A validated graph: having one is the proof that only input and output, bad data, memory or cancellation
 //! can stop its evaluation.
 
-use crate::{Body, FrameContext, Kind, NodeId, NodeType, Record, Settled, Source};
+use crate::{Body, FrameContext, Kind, NodeId, NodeType, Record, Settled, Source, Work};
 use std::path::{Path, PathBuf};
 use trochoid_image::{Format, WorkingSpace};
 
@@ -18,6 +18,8 @@ pub struct CheckedNode {
     pub kinds: Vec<Kind>,
     /// Whether the document disables it; nothing is connected to it then.
     pub disabled: bool,
+    /// Line and column in the document.
+    pub place: [usize; 2],
 }
 
 impl std::fmt::Debug for CheckedNode {
@@ -197,6 +199,17 @@ impl CheckedGraph {
             folder: self.folder.clone(),
             memory_limit,
         }
+    }
+
+    /// What nodes take so long at a frame that it should be said, see [`Work::MOST`]: each with its name.
+    pub fn heavy(&self, frame: i64) -> Vec<(&str, Work)> {
+        let time = self.frame_context(frame, u64::MAX).time;
+        let needed = self.reached(self.outputs.iter().map(|output| output.node), frame);
+        let nodes = self.nodes.iter().enumerate().filter(|(index, _)| needed[*index]);
+        let work = nodes.filter_map(|(index, node)| {
+            Some((node.name.as_str(), node.ty.work(&self.settle(NodeId(index), frame), self.format, time)?))
+        });
+        work.filter(|(_, work)| work.is_heavy()).collect()
     }
 
     /// A node's knobs at a frame.

@@ -85,10 +85,19 @@ pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) ->
     let lower = name.to_lowercase();
     candidates
         .into_iter()
-        .map(|candidate| (strsim::jaro_winkler(&lower, &candidate.to_lowercase()), candidate))
+        .map(|candidate| (candidate, candidate.to_lowercase()))
+        .filter(|(_, known)| is_slip(&lower, known))
+        .map(|(candidate, known)| (strsim::jaro_winkler(&lower, &known), candidate))
         .filter(|(likeness, _)| *likeness > 0.75)
         .max_by(|a, b| a.0.total_cmp(&b.0))
         .map(|(_, candidate)| candidate)
+}
+
+/// Whether a few keys make the difference: of three letters one; or one is the beginning of the other.
+fn is_slip(name: &str, known: &str) -> bool {
+    let (short, long) = if name.len() < known.len() { (name, known) } else { (known, name) };
+    let slips = strsim::osa_distance(name, known);
+    (short.chars().count() >= 3 && long.starts_with(short)) || slips <= (long.chars().count() / 3).max(1)
 }
 
 #[cfg(test)]
@@ -100,5 +109,8 @@ mod tests {
         assert_eq!(nearest("wieght", ["a", "b", "weight"]), Some("weight"));
         assert_eq!(nearest("gerstnersea", ["GerstnerSea", "Render"]), Some("GerstnerSea"));
         assert_eq!(nearest("zzz", ["weight", "color"]), None);
+        assert_eq!(nearest("of", ["view", "other", "soft"]), None);
+        assert_eq!(nearest("sinn", ["min", "sin", "sign"]), Some("sin"));
+        assert_eq!(nearest("rot", ["x", "rotate"]), Some("rotate"));
     }
 }

@@ -98,6 +98,13 @@ impl Document {
         else {
             return Err(Box::new(fault));
         };
+        if let Some((list, _)) = knob.split_once('.') {
+            fault.node = Some(shorten(node));
+            fault.found = format!("\"{}\", which reaches into \"{}\"", shorten(knob), shorten(list));
+            fault.expected = "a knob of the node itself".into();
+            fault.remedy = format!("set all of \"{0}\", such as --set '{node}.{0}=[{{ … }}]'", shorten(list));
+            return Err(Box::new(fault));
+        }
         let mut value = match parse(value) {
             Ok(value) => value,
             // A bare word or color; anything that looks like JSON must be JSON.

@@ -74,6 +74,8 @@ pub enum Accepts {
     Scalar,
     /// A Field of any number of components, or a mask.
     Field,
+    /// A Field of two components.
+    Direction,
     /// Any image: a Color, a mask, Weights or a Field; a literal color, or a literal number in [0, 1] as a mask.
     Image,
     /// A Surface.
@@ -96,6 +98,7 @@ impl Accepts {
                 | (Self::Weights, Kind::Weights(_))
                 | (Self::Scalar, Kind::Field(1))
                 | (Self::Field, Kind::Field(_))
+                | (Self::Direction, Kind::Field(2))
                 | (Self::Image, Kind::Color | Kind::Weights(_) | Kind::Field(_))
                 | (Self::Surface, Kind::Surface)
                 | (Self::Camera, Kind::Camera)
@@ -123,11 +126,14 @@ impl Accepts {
             (Self::Mask | Self::Weights, Kind::Field(_)) => {
                 "take one component with a FieldMath (\"expression\": \"a.x\"), then Clamp it".into()
             }
+            (Self::Direction, Kind::Weights(_) | Kind::Field(_)) => {
+                "connect a FlowField, or make two components with FieldMath".into()
+            }
             (Self::Scalar, Kind::Field(_)) => "take one component with a FieldMath: \"expression\": \"a.x\"".into(),
             (Self::Mask, Kind::Weights(n)) => {
                 format!("give the {n} weights to a Blend with {n} colors; a mask has two ways only")
             }
-            (Self::Mask | Self::Weights | Self::Scalar | Self::Field, Kind::Color) => {
+            (Self::Mask | Self::Weights | Self::Scalar | Self::Field | Self::Direction, Kind::Color) => {
                 "colors never become weights, or the picture would not stay linear in its palette; \
                  read the picture as a field (Read with \"as\": \"field\") and Clamp it"
                     .into()
@@ -137,6 +143,9 @@ impl Accepts {
             }
             (Self::View, Kind::Surface | Kind::Camera) => {
                 "put a Render between: it looks at surfaces through a camera".into()
+            }
+            (Self::Surface, Kind::View) => {
+                "name the surfaces themselves, such as a GerstnerSea; a View is what a camera sees of them".into()
             }
             (_, Kind::View) => "put a pass between, for example NonSpecular or Depth".into(),
             _ => format!("connect a {self}"),
@@ -151,6 +160,7 @@ impl fmt::Display for Accepts {
             Self::Mask => "mask",
             Self::Weights => "Weights",
             Self::Scalar | Self::Field => "Field",
+            Self::Direction => "Field of 2 components",
             Self::Image => "Color, mask, Weights or Field",
             Self::Surface => "Surface",
             Self::Camera => "Camera",

@@ -29,6 +29,7 @@ mod registry;
 mod schema;
 mod spanned;
 mod stage_io;
+mod work;
 
 pub use animated::{Animated, Interpolation};
 pub use build::{Builder, Mask, Value, Weights, load};
@@ -50,3 +51,4 @@ pub use registry::Registry;
 pub use schema::schema;
 pub use spanned::{MAX_DEPTH, MAX_VALUES};
 pub use stage_io::{Block, Connection, Inputs, Outputs, Pool, Prepare};
+pub use work::Work;

@@ -10,12 +10,12 @@
 
 use crate::{
     Block, ChannelSet, Check, Declaration, FrameContext, Inputs, Kind, Lowering, Outputs, Prepare, Reference,
-    References, Settled, Value, ViewChannel,
+    References, Settled, Value, ViewChannel, Work,
 };
 use std::any::Any;
 use std::path::PathBuf;
 use std::sync::Arc;
-use trochoid_image::{Rgb, Window};
+use trochoid_image::{Format, Rgb, Window};
 
 /// A type of node.
 pub trait NodeType: Send + Sync + 'static {
@@ -42,6 +42,14 @@ pub trait NodeType: Send + Sync + 'static {
     /// Reports what ranges of single knobs cannot express. Called at every key frame.
     fn check(&self, node: &Settled, check: &mut Check<'_>) {
         let _ = (node, check);
+    }
+
+    /// About how long the node itself takes for a frame of a format, where legal knobs can make that very long:
+    /// validation warns of it, see [`Work::MOST`]. `time` is that of the frame, in seconds since the first one, for
+    /// what has to be stepped up to there.
+    fn work(&self, node: &Settled, format: Format, time: f64) -> Option<Work> {
+        let _ = (node, format, time);
+        None
     }
 
     /// What a user may want to know of the node at a frame, in sentences: shown by `trochoid check`.
@@ -89,6 +97,11 @@ pub trait Stage {
     fn supplies(&self, node: &Settled) -> ChannelSet {
         let _ = node;
         ChannelSet::of(ViewChannel::ALL)
+    }
+
+    /// Channels that no setting could make a node with a View as output supply.
+    fn lacks(&self) -> ChannelSet {
+        ChannelSet::EMPTY
     }
 
     /// What a handle has beside its kind, by names that the nodes which want it know, such as waves that fold.
@@ -239,5 +252,10 @@ impl NodeError {
     /// An error from anything that can be shown.
     pub fn new(message: impl ToString) -> Self {
         Self { message: message.to_string() }
+    }
+
+    /// What a node returns that stops because it was asked to; nobody sees it.
+    pub fn cancelled() -> Self {
+        Self::new("cancelled")
     }
 }

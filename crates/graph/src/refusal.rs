@@ -72,6 +72,13 @@ pub const REFUSALS: &[Refusal] = &[
         rewrite: "Mix with a mask that says where which color shows",
     },
     Refusal {
+        names: &["Multiply", "Screen"],
+        reason: "the weights of one color are the channels of the other, each its own, and do not sum to 1",
+        witness: "red (1, 0, 0) times green (0, 1, 0) is black, off the segment between them",
+        rewrite: "Mix toward a darker color (for Multiply) or a brighter one (for Screen), the pass as the weight; \
+                  Multiply and Screen here combine the masks in their \"weights\"",
+    },
+    Refusal {
         names: &["LumaKey", "ChromaKey", "Keyer", "Primatte", "IBKColour", "Luminance"],
         reason: "weights made from colors would make the picture depend on its palette more than linearly",
         witness: "doubling a control color would change every other color's weight",

@@ -162,7 +162,7 @@ fn connection(accepts: Accepts) -> Value {
         Accepts::Weights => {
             json!({ "anyOf": [reference, { "type": "array", "items": { "type": "number", "minimum": 0 } }] })
         }
-        Accepts::Surface | Accepts::Camera | Accepts::Light | Accepts::View => reference,
+        Accepts::Direction | Accepts::Surface | Accepts::Camera | Accepts::Light | Accepts::View => reference,
     }
 }
 

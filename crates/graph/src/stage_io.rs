@@ -117,6 +117,14 @@ impl<'a> Prepare<'a> {
         (self.cancelled)()
     }
 
+    /// Whether a stage may go on, for `?` in all that may take long.
+    ///
+    /// # Errors
+    /// The user has asked to stop.
+    pub fn go_on(&self) -> Result<(), NodeError> {
+        if self.cancelled() { Err(NodeError::cancelled()) } else { Ok(()) }
+    }
+
     /// The same for threads that a stage starts.
     pub fn cancellation(&self) -> &'a (dyn Fn() -> bool + Sync) {
         self.cancelled
@@ -164,6 +172,19 @@ impl<'a> Inputs<'a> {
     /// Whether the user has asked to stop: then a stage that takes long may return an error, which nobody sees.
     pub fn cancelled(&self) -> bool {
         (self.cancelled)()
+    }
+
+    /// Whether a stage may go on, for `?` in all that may take long.
+    ///
+    /// # Errors
+    /// The user has asked to stop.
+    pub fn go_on(&self) -> Result<(), NodeError> {
+        if self.cancelled() { Err(NodeError::cancelled()) } else { Ok(()) }
+    }
+
+    /// The same for threads that a stage starts.
+    pub fn cancellation(&self) -> &'a (dyn Fn() -> bool + Sync) {
+        self.cancelled
     }
 
     /// The connections of a port: none where an optional port is open.

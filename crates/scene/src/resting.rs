@@ -54,17 +54,19 @@ impl Resting for GridSurface {
         wanted: Wanted,
         _tolerance: f64,
         out: &mut Fields,
-        _stop: &(dyn Fn() -> bool + Sync),
+        stop: &(dyn Fn() -> bool + Sync),
     ) -> Result<(), GridError> {
         grid.validate()?;
         out.reset(wanted, grid.columns * grid.rows);
         let columns = grid.columns.max(1);
-        let at = |index: usize| {
-            let [column, row] = [index % columns, index / columns].map(|place| place as f64);
+        let at = |row: usize, column: usize| {
+            let [column, row] = [column, row].map(|place| place as f64);
             self.at([grid.origin[0] + column * grid.step[0], grid.origin[1] + row * grid.step[1]], grid.footprint)
         };
         let fill = |out: &mut Vec<f32>, value: &(dyn Fn(Sample) -> f64 + Sync)| {
-            out.par_iter_mut().enumerate().for_each(|(index, out)| *out = value(at(index)) as f32);
+            out.par_chunks_mut(columns).enumerate().filter(|_| !stop()).for_each(|(row, out)| {
+                out.iter_mut().enumerate().for_each(|(column, out)| *out = value(at(row, column)) as f32);
+            });
         };
         fill(&mut out.displacement[1], &|sample| sample.displacement[1]);
         for (axis, slope) in out.slope.iter_mut().enumerate() {

@@ -144,8 +144,7 @@ impl GridPlan {
         self.evaluate_unless(frame, out, &|| false);
     }
 
-    /// The same unless told to stop, which it asks at each row where points are summed wave by wave: then what is out
-    /// is of no use.
+    /// The same unless told to stop, which it asks at each row or so: then what is out is of no use.
     pub fn evaluate_unless(&mut self, frame: &SeaFrame, out: &mut Fields, stop: &(dyn Fn() -> bool + Sync)) {
         let (grid, wanted) = (self.grid, self.wanted);
         out.reset(wanted, grid.columns * grid.rows);
@@ -167,8 +166,8 @@ impl GridPlan {
             return;
         }
         match &mut self.transform {
-            Transform::Single(transform) => transform.evaluate(frame, grid, &shares, out),
-            Transform::Double(transform) => transform.evaluate(frame, grid, &shares, out),
+            Transform::Single(transform) => transform.evaluate(frame, grid, &shares, out, stop),
+            Transform::Double(transform) => transform.evaluate(frame, grid, &shares, out, stop),
             Transform::None if self.method == Method::Separable => frame.separable(grid, &shares, wanted, out, stop),
             Transform::None => direct(frame, grid, wanted, out, stop),
         }

@@ -68,6 +68,9 @@ impl Default for WaveGroup {
 }
 
 impl WaveGroup {
+    /// The least [`along`](Self::along), in wavelengths.
+    pub const LEAST_ALONG: f64 = 0.31;
+
     /// The waves of this group.
     ///
     /// # Errors
@@ -123,7 +126,8 @@ impl WaveGroup {
         within("wavelength", self.wavelength, (1e-3, 1e6), "0.001 to 1,000,000 meters")?;
         within("height", self.height, any, "a finite number of meters")?;
         within("direction", self.direction, any, "a finite azimuth")?;
-        within("along", self.along / self.wavelength, (0.31, 1e6), "0.31 wavelengths or more")?;
+        let least = (Self::LEAST_ALONG, 1e6);
+        within("along", self.along / self.wavelength, least, "0.31 wavelengths or more")?;
         within("across", self.across, (1e-3, 1e9), "0.001 to 1e9 meters")?;
         within("focus", self.focus[0], (-1e9, 1e9), "at most 1e9 meters from the origin")?;
         within("focus", self.focus[1], (-1e9, 1e9), "at most 1e9 meters from the origin")?;

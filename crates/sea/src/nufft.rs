@@ -120,15 +120,23 @@ impl<T: Real> Nufft<T> {
         }
     }
 
-    /// Adds the first waves of the frame, each attenuated by its share, to those sums that have room in `out`.
-    pub(crate) fn evaluate(&mut self, frame: &SeaFrame, grid: Grid, shares: &[f32], out: &mut Fields) {
+    /// Adds the first waves of the frame, each attenuated by its share, to those sums that have room in `out`; told to
+    /// stop, it ends within a few lines.
+    pub(crate) fn evaluate(
+        &mut self,
+        frame: &SeaFrame,
+        grid: Grid,
+        shares: &[f32],
+        out: &mut Fields,
+        stop: &(dyn Fn() -> bool + Sync),
+    ) {
         let Some(extent) = self.place(frame, grid, shares) else { return };
         for (sum, values) in out.sums_mut().into_iter().enumerate() {
-            if !values.is_empty() {
+            if !values.is_empty() && !stop() {
                 self.amplify(frame, sum);
-                self.spread(extent);
-                self.transform_columns(extent);
-                self.transform_rows(extent, values);
+                self.spread(extent, stop);
+                self.transform_columns(extent, stop);
+                self.transform_rows(extent, values, stop);
             }
         }
     }
@@ -190,7 +198,7 @@ impl<T: Real> Nufft<T> {
 
     /// Puts every source on the lines around it. Each band of lines takes its sources in the same order, whoever
     /// fills it.
-    fn spread(&mut self, extent: Extent) {
+    fn spread(&mut self, extent: Extent, stop: &(dyn Fn() -> bool + Sync)) {
         let width = self.kernel.width;
         self.spectrum.resize(extent.blocks * extent.lines, Zero::zero());
         let (sources, weights, amplitudes) = (&self.sources, &self.weights, &self.amplitudes);
@@ -201,6 +209,9 @@ impl<T: Real> Nufft<T> {
             let first = sources.partition_point(|source| source.first[1] + width as i64 <= from);
             let last = sources.partition_point(|source| source.first[1] < to);
             for index in first..last {
+                if index % 1024 == 0 && stop() {
+                    return;
+                }
                 let source = &sources[index];
                 let (along_x, along_z) = weights[index * 2 * width..][..2 * width].split_at(width);
                 let start = (source.first[0] - extent.first[0]) as usize;
@@ -221,7 +232,7 @@ impl<T: Real> Nufft<T> {
     }
 
     /// From wave numbers to rows along z, for four lines along x at once.
-    fn transform_columns(&mut self, extent: Extent) {
+    fn transform_columns(&mut self, extent: Extent, stop: &(dyn Fn() -> bool + Sync)) {
         let axis = &self.axes[1];
         let roots: Vec<[Complex<T>; WIDTH]> = (0..extent.lines)
             .map(|line| std::array::from_fn(|residue| axis.root(residue, extent.first[1] + line as i64)))
@@ -233,6 +244,9 @@ impl<T: Real> Nufft<T> {
         columns.for_each_init(
             || axis.scratch(),
             |(buffer, scratch), (block, column)| {
+                if stop() {
+                    return;
+                }
                 for residue in 0..WIDTH.min(axis.count) {
                     buffer.fill(Zero::zero());
                     for ((line, &place), roots) in
@@ -250,7 +264,7 @@ impl<T: Real> Nufft<T> {
     }
 
     /// From lines along x to points, two rows at once: one is the real, the other the imaginary part.
-    fn transform_rows(&self, extent: Extent, out: &mut [f32]) {
+    fn transform_rows(&self, extent: Extent, out: &mut [f32], stop: &(dyn Fn() -> bool + Sync)) {
         let ([axis, rows], columns) = (&self.axes, &self.columns);
         let lines = || (0..extent.blocks * WIDTH).map(|line| extent.first[0] + line as i64);
         let roots: Vec<Line<T>> = lines()
@@ -265,6 +279,9 @@ impl<T: Real> Nufft<T> {
         pairs.for_each_init(
             || axis.scratch(),
             |(buffer, scratch), (pair, out)| {
+                if stop() {
+                    return;
+                }
                 let row = 2 * pair;
                 let two = out.len() > axis.count;
                 let scale = half * rows.correction[row];

@@ -74,7 +74,7 @@ pub struct WaveError {
 
 impl std::fmt::Display for WaveError {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{} {} is refused: {}", self.quantity, self.found, self.expected)
+        write!(f, "{} {}; expected {}", self.quantity, self.found, self.expected)
     }
 }
 

@@ -47,8 +47,8 @@ pub use trochoid_engine::{
 };
 pub use trochoid_graph::{
     Accepts, Arity, CheckedGraph, CheckedNode, Declaration, Default as KnobDefault, Diagnostic, End, Guarantee, Item,
-    Kind, Knob, NodeId, NodeType, OutputSpec, Port, Precision, REFUSALS, Refusal, Registry, Severity, Takes, expected,
-    nearest, refusal, schema,
+    Kind, Knob, NodeId, NodeType, OutputSpec, Port, Precision, REFUSALS, Refusal, Registry, Severity, Takes, Work,
+    expected, nearest, refusal, schema,
 };
 pub use trochoid_image::{Format, Plane, Rgb, Window, WorkingSpace};
 pub use trochoid_io as io;

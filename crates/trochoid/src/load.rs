@@ -133,8 +133,8 @@ pub fn missing_files(graph: &CheckedGraph) -> Vec<Diagnostic> {
         Diagnostic {
             severity: Severity::Warning,
             file: graph.name().into(),
-            line: 0,
-            column: 0,
+            line: graph.nodes()[index].place[0],
+            column: graph.nodes()[index].place[1],
             node: Some(graph.nodes()[index].name.clone()),
             port: Some("file".into()),
             found: format!("no file {} at frame {frame}{more}", path.display()),

@@ -7,6 +7,7 @@ mod graphs;
 mod kinds;
 mod outputs;
 mod refusals;
+mod slips;
 mod syntax;
 mod top;
 mod values;
@@ -106,6 +107,7 @@ fn table() -> Vec<Bad> {
         values::table(),
         graphs::table(),
         refusals::table(),
+        slips::table(),
         outputs::table(),
     ]
     .into_iter()
@@ -210,6 +212,7 @@ fn faults_of_set_name_the_option() {
         ("x.color=#12", ["--set x.color=#12", "#rrggbb"]),
         ("x.color=[1, 2", ["--set x.color=[1, 2", "EOF"]),
         ("x.color=[1, 2, -3]", ["found -3", "--set x.color=[1, 2, -3]"]),
+        ("x.stops.0.at=1", ["which reaches into \"stops\"", "--set 'x.stops=[{ … }]'"]),
         ("x.type=Plus", ["the operation Plus", "--set x.type=Plus"]),
     ] {
         let text = set(assignment);

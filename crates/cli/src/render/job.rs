@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 use trochoid::{
     Cache, CheckedGraph, EvalError, FileSink, Fingerprints, Frame, Guarantee, Monitor, OutputFile, Plan, RunReport,
-    Settings, Sink, Switches, check_destination, frame_report, misses, output_files, write_output,
+    Settings, Sink, Switches, Work, check_destination, frame_report, misses, output_files, write_output,
 };
 
 /// How a plan becomes a frame; tests put another in its place.
@@ -94,6 +94,20 @@ impl<'a> Job<'a> {
         let mut folders = HashSet::new();
         let looked_at = written.iter().filter(|path| path.is_dir() || folders.insert(path.parent())).chain(report);
         faults.extend(looked_at.filter_map(|path| check_destination(path).err()).map(Failure::from));
+    }
+
+    /// Nodes whose first frame takes so long that it should be said, beside those that checking warned of.
+    pub(super) fn warnings(&self) -> Vec<String> {
+        let known = self.graph.heavy(self.graph.frames().0);
+        let begin = self.frames.first().copied().unwrap_or_default();
+        let news =
+            self.graph.heavy(begin).into_iter().filter(|(name, _)| !known.iter().any(|(known, _)| known == name));
+        let text = |(name, work): (&str, Work)| {
+            let (found, expected) = (work.found(), Work::expected());
+            let place = format!("frame {begin}: node \"{name}\", {}", work.item);
+            format!("warning: {place}: found {found}; expected {expected}\n  remedy: {}", work.remedy)
+        };
+        news.map(text).collect()
     }
 
     /// Renders frame after frame.
@@ -201,7 +215,7 @@ impl<'a> Job<'a> {
 }
 
 fn interrupted() -> Failure {
-    Failure::new(INTERRUPTED, "interrupted; finished files are whole, others were not begun")
+    Failure::new(INTERRUPTED, interrupt::INTERRUPTION)
 }
 
 fn stop_if_asked() -> Result<(), Failure> {

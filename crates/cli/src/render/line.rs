@@ -18,7 +18,9 @@ pub(super) fn rendered(graph: &CheckedGraph, frame: &Frame, files: &[(OutputFile
     }
     let repaired: u64 = frame.nodes.iter().map(|node| node.repaired).sum();
     if repaired > 0 {
-        facts.push(format!("{repaired} values repaired"));
+        let names: Vec<&str> =
+            frame.nodes.iter().filter(|node| node.repaired > 0).map(|node| node.name.as_str()).collect();
+        facts.push(format!("{repaired} values repaired in {}", printable(&names.join(", "))));
     }
     facts.push(format!("{seconds:.2} s"));
     format!("frame {}: {}  {}\n", frame.number, places.join(", "), facts.join(", "))

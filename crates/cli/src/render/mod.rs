@@ -46,7 +46,7 @@ pub(crate) struct Args {
     /// Switch every optimization off; no bit of the pictures changes
     #[arg(long)]
     unoptimized: bool,
-    /// Write a report of the run as JSON; - is stdout
+    /// Write a report of the run as JSON, in folders that are made where there are none; - is stdout
     #[arg(long, value_name = "FILE")]
     report: Option<PathBuf>,
     /// Skip frames whose files were made from the same document, --set, inputs and frame
@@ -107,6 +107,7 @@ fn run_with(args: &Args, evaluate: &job::Evaluate<'_>) -> Result<(), Failure> {
     shell::tell(&loaded.warnings.iter().map(Diagnostic::to_string).collect::<Vec<_>>());
     let job = Job::new(&loaded.graph, args, frames, &mut faults);
     Failure::all(faults)?;
+    shell::tell(&job.warnings());
     interrupt::watch()?;
     let mut report = RunReport::new(&loaded.graph);
     let outcome = job.run(evaluate, &mut report);

@@ -5,7 +5,10 @@ use super::{Checker, Draft, Place};
 use crate::declare::{Default, Takes};
 use crate::registry::item_names;
 use crate::spanned::{Entry, Json, Spanned, shorten};
-use crate::{Accepts, Animated, Arity, Declaration, Item, Knob, List, NodeId, Port, Record, Setting, Source, nearest};
+use crate::{
+    Accepts, Animated, Arity, Declaration, Item, Knob, List, NodeId, Port, Record, Setting, Severity, Source, nearest,
+    refusal,
+};
 use std::collections::HashMap;
 
 /// What a reference may name: nodes, each with its position and declaration.
@@ -36,8 +39,17 @@ impl<'a> Checker<'a> {
             }
         }
         let before = self.diagnostics.len();
+        // Names that other compositors give to operations on colors.
+        if let Some(refusal) = refusal(ty.declaration().name)
+            && own.iter().any(|entry| matches!(entry.key.as_str(), "a" | "b" | "A" | "B"))
+        {
+            let offset = entries_type(&entry.value).unwrap_or(entry.offset);
+            self.refused(Place { offset, port: Some("type"), ..place }, ty.declaration().name, refusal);
+            draft.faulty = true;
+            return;
+        }
         draft.record = self.record(ty.declaration().items, &own, place, names);
-        draft.faulty = self.diagnostics.len() > before;
+        draft.faulty = self.diagnostics[before..].iter().any(|found| found.severity == Severity::Error);
     }
 
     fn record(&mut self, items: &'static [Item], entries: &[&'a Entry], place: Place<'_>, names: &Names<'a>) -> Record {
@@ -78,6 +90,11 @@ impl<'a> Checker<'a> {
             Json::Array(items) if (list.min..=list.max).contains(&items.len()) => items
                 .iter()
                 .filter_map(|item| {
+                    if !matches!(item.json, Json::Object(_)) {
+                        let expected = format!("a record: {{ {} }}", keys_of(list));
+                        self.error(place.at(item.offset), item.brief(), expected, how_to_write(list));
+                        return None;
+                    }
                     let entries = self.object(item, place, "an object")?;
                     Some(self.record(list.items, &entries, place.at(item.offset), names))
                 })
@@ -118,7 +135,7 @@ impl<'a> Checker<'a> {
     fn source(&mut self, accepts: Accepts, value: &'a Spanned, place: Place<'_>, names: &Names<'a>) -> Option<Source> {
         match &value.json {
             Json::String(text) if !(accepts.takes_color() && text.starts_with('#')) => {
-                self.reference(text, place, names)
+                self.reference(text, place, names, accepts.takes_color())
             }
             Json::Number(number)
                 if matches!(accepts, Accepts::Mask | Accepts::Image) && !(0.0..=1.0).contains(number) =>
@@ -165,12 +182,20 @@ impl<'a> Checker<'a> {
         }
     }
 
-    pub(super) fn reference(&mut self, text: &str, place: Place<'_>, names: &Names<'a>) -> Option<Source> {
+    /// The node and output that a text names; where a literal color could stand there too, says how to write one.
+    pub(super) fn reference(
+        &mut self,
+        text: &str,
+        place: Place<'_>,
+        names: &Names<'a>,
+        or_color: bool,
+    ) -> Option<Source> {
         let (name, output) = text.split_once('.').map_or((text, None), |(name, output)| (name, Some(output)));
         let Some(&(node, declaration)) = names.get(name) else {
             let near = if self.is_full() { None } else { nearest(name, names.keys().copied()) };
             let remedy = match near {
                 Some(near) => format!("did you mean \"{near}\"?"),
+                None if or_color => "add the node, or correct the name; a color is written \"#rrggbb\"".into(),
                 None => "add the node, or correct the name".into(),
             };
             self.error(
@@ -235,7 +260,7 @@ impl<'a> Checker<'a> {
                 .animated(value, place, |checker, value, place| {
                     let number = checker.number(value, min as f64, max as f64, place)?;
                     if number.fract() != 0.0 {
-                        checker.error(place, value.brief(), "a whole number", format!("write {}", number.round()));
+                        checker.error(place, value.brief(), "a whole number", format!("write {}", number.trunc()));
                         return None;
                     }
                     Some(vec![number])
@@ -300,12 +325,22 @@ impl<'a> Checker<'a> {
     }
 }
 
-/// What to write for a list.
-fn how_to_write(list: &List) -> String {
+/// The first keys of a list's records.
+fn keys_of(list: &List) -> String {
     let keys: Vec<String> = item_names(list.items).map(|name| format!("\"{name}\"")).collect();
     let (most, more) = (keys.len().min(4), if keys.len() > 4 { ", …" } else { "" });
-    let keys = format!("{}{more}", keys[..most].join(", "));
-    format!("give \"{}\": [{{ … }}, …], records with {keys}: {}", list.name, list.help)
+    format!("{}{more}", keys[..most].join(", "))
+}
+
+/// What to write for a list.
+fn how_to_write(list: &List) -> String {
+    format!("give \"{}\": [{{ … }}, …], records with {}: {}", list.name, keys_of(list), list.help)
+}
+
+/// Where an object names its type.
+fn entries_type(value: &Spanned) -> Option<usize> {
+    let Json::Object(entries) = &value.json else { return None };
+    entries.iter().find(|entry| entry.key == "type").map(|entry| entry.value.offset)
 }
 
 /// Whether an object says so.

@@ -9,12 +9,13 @@ mod wiring;
 
 use crate::spanned::{Entry, Json, Spanned, shorten};
 use crate::{
-    Around, Check, CheckedGraph, CheckedNode, Diagnostic, Document, Kind, NodeType, Record, Registry, Settled,
-    Severity, Source, Upstream, User, nearest, refusal,
+    Around, Check, CheckedGraph, CheckedNode, Diagnostic, Document, Fault, Item, Kind, Knob, NodeType, Record, Refusal,
+    Registry, Setting, Settled, Severity, Source, Takes, Upstream, User, Work, nearest, refusal,
 };
 use items::Names;
 use std::collections::HashMap;
 use std::path::Path;
+use top::Top;
 pub use values::expected;
 
 /// Checks a document against the node types of a registry.
@@ -75,6 +76,18 @@ struct Draft<'a> {
 }
 
 impl Draft<'_> {
+    /// Whether a choice without a default is not made, or not one of those that there are.
+    fn lacks_a_choice(&self) -> bool {
+        let items = self.ty.map_or(&[][..], |ty| ty.declaration().items);
+        self.faulty
+            && items.iter().any(|item| match item {
+                Item::Knob(knob @ Knob { default: None, takes: Takes::Choice(_), .. }) => {
+                    !self.record.knobs.iter().any(|(name, value)| *name == knob.name && *value != Setting::Unset)
+                }
+                _ => false,
+            })
+    }
+
     /// Where an item stands in the text, or the node where the item is not written.
     fn offset_of(&self, item: &str) -> usize {
         self.offsets.iter().find(|known| known.0 == item).map_or(self.offset, |known| known.1)
@@ -196,7 +209,7 @@ impl<'a> Checker<'a> {
         }
         self.connections(&drafts);
         let order = self.order(&drafts)?;
-        self.node_rules(&drafts, top.first, top.last);
+        self.node_rules(&drafts, &top);
         let outputs = match root.iter().find(|entry| entry.key == "outputs") {
             Some(entry) => self.outputs(&entry.value, &drafts, &names),
             None => {
@@ -218,8 +231,9 @@ impl<'a> Checker<'a> {
             .into_iter()
             .map(|draft| {
                 let ty = draft.ty?;
-                let Draft { name, disabled, record, kinds, .. } = draft;
-                Some(CheckedNode { name: name.into(), ty, record, kinds, disabled })
+                let Draft { name, disabled, record, kinds, offset, .. } = draft;
+                let (_, line, column) = document.place(offset);
+                Some(CheckedNode { name: name.into(), ty, record, kinds, disabled, place: [line, column] })
             })
             .collect::<Option<Vec<_>>>()?;
         Some(CheckedGraph {
@@ -280,11 +294,16 @@ impl<'a> Checker<'a> {
         draft
     }
 
+    /// Reports an operation on colors that leaves the hull.
+    fn refused(&mut self, place: Place<'_>, name: &str, refusal: &Refusal) {
+        let found = format!("the operation {}", shorten(name));
+        let expected = format!("a convex operation: {}; {}", refusal.reason, refusal.witness);
+        self.error(place, found, expected, refusal.rewrite);
+    }
+
     fn unknown_type(&mut self, place: Place<'_>, ty: &str) {
         if let Some(refusal) = refusal(ty) {
-            let found = format!("the operation {}", shorten(ty));
-            let expected = format!("a convex operation: {}; {}", refusal.reason, refusal.witness);
-            return self.error(place, found, expected, refusal.rewrite);
+            return self.refused(place, ty, refusal);
         }
         let remedy = match nearest(ty, self.registry.names()) {
             Some(near) => format!("did you mean \"{near}\"?"),
@@ -294,16 +313,19 @@ impl<'a> Checker<'a> {
     }
 
     /// Runs each node's own checks at the first and last frame and at every key.
-    fn node_rules(&mut self, drafts: &[Draft<'_>], first: i64, last: i64) {
+    fn node_rules(&mut self, drafts: &[Draft<'_>], top: &Top) {
+        let (first, last) = (top.first, top.last);
         let users = direct_users(drafts);
         for (index, draft) in drafts.iter().enumerate().filter(|(_, draft)| !draft.faulty && !draft.disabled) {
             let Some(ty) = draft.ty else { continue };
-            let mut faults = Vec::new();
+            let (mut faults, mut work): (Vec<Fault>, Option<Work>) = (Vec::new(), None);
             let mut rules = |frame: f64, settled: &Settled| {
                 let around = Surroundings { drafts, users: &users, node: index, frame };
                 let mut check = Check::new(&around);
                 ty.check(settled, &mut check);
                 faults.extend(check.into_faults());
+                let here = top.format.and_then(|format| ty.work(settled, format, 0.0));
+                work = here.into_iter().chain(work).max_by(|a, b| a.seconds.total_cmp(&b.seconds));
             };
             let mut frames = draft.record.key_frames();
             if frames.is_empty() {
@@ -315,6 +337,11 @@ impl<'a> Checker<'a> {
                 frames.into_iter().for_each(|frame| rules(frame, &draft.record.settle(frame)));
             }
             faults.dedup();
+            // What is wrong may be what makes it long.
+            if let Some(work) = work.filter(|work| work.is_heavy() && faults.iter().all(|fault| fault.warning)) {
+                let (item, found, expected, remedy) = (work.item, work.found(), Work::expected(), work.remedy.into());
+                faults.push(Fault { item, found, expected, remedy, warning: true });
+            }
             for fault in faults {
                 let offset = draft.offset_of(fault.item);
                 let place = Place { offset, node: Some(draft.name), port: Some(fault.item) };
@@ -372,7 +399,8 @@ fn name_kinds(drafts: &mut [Draft<'_>], first: i64) {
     for draft in drafts.iter_mut() {
         if let Some(ty) = draft.ty {
             draft.settled = draft.record.settle(first as f64);
-            draft.kinds = ty.outputs(&draft.settled);
+            // Where a choice that must be made is wrong, it may be the one that decides.
+            draft.kinds = if draft.lacks_a_choice() { Vec::new() } else { ty.outputs(&draft.settled) };
         }
     }
     name_passed_kinds(drafts);

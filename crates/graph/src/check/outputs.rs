@@ -55,7 +55,7 @@ impl<'a> Checker<'a> {
                             "make it an output of its own",
                         );
                     }
-                    source = Some((item, self.reference(text, place, names)));
+                    source = Some((item, self.reference(text, place, names, false)));
                 }
                 ("color" | "weights" | "field", _) => {
                     self.error(

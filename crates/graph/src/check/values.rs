@@ -3,8 +3,8 @@
 use super::{Checker, Place};
 use crate::declare::Takes;
 use crate::spanned::{Json, Spanned, number_text};
-use crate::{Animated, Interpolation, Source};
-use trochoid_image::{parse_hex, srgb_decode};
+use crate::{Animated, Interpolation, Severity, Source};
+use trochoid_image::{WorkingSpace, parse_hex, srgb_decode};
 
 impl<'a> Checker<'a> {
     /// Numbers as weights: ≥ 0, with sum 1 up to the rounding of decimal fractions.
@@ -81,12 +81,31 @@ impl<'a> Checker<'a> {
                     None
                 }
             },
-            Json::Array(items) if items.len() == 3 => {
-                items.iter().map(|item| self.number(item, 0.0, f64::from(f32::MAX), place.at(item.offset))).collect()
+            Json::Array(items) if items.len() == 3 && !items.iter().any(is_color_or_list) => {
+                let color: Option<Vec<f64>> = items
+                    .iter()
+                    .map(|item| self.number(item, 0.0, f64::from(f32::MAX), place.at(item.offset)))
+                    .collect();
+                let most = color.iter().flatten().copied().fold(0.0, f64::max);
+                if most > brightest(self.space) {
+                    let found = format!("the color {}", value_text(items));
+                    let remedy = if most > 16.0 {
+                        format!("divide by {}, or write \"#rrggbb\"", if most > 255.0 { most } else { 255.0 })
+                    } else {
+                        "lower it, or choose a linear working space, in which light may be brighter than white".into()
+                    };
+                    let expected = "channels from 0 to 1, where 1 is white".into();
+                    self.report(Severity::Warning, place.at(value.offset), found, expected, remedy);
+                }
+                color
+            }
+            Json::Array(items) if items.iter().any(is_color_or_list) => {
+                let remedy = "list the colors one after another, without brackets around some of them";
+                self.error(place, value.brief(), expected(&Takes::Color), remedy);
+                None
             }
             _ => {
-                let expected = "a color: \"#rrggbb\" in sRGB, or [r, g, b] in the working space";
-                self.error(place, value.brief(), expected, "write a color");
+                self.error(place, value.brief(), expected(&Takes::Color), "write a color");
                 None
             }
         }
@@ -99,6 +118,14 @@ impl<'a> Checker<'a> {
         place: Place<'_>,
         mut read: impl FnMut(&mut Self, &'a Spanned, Place<'_>) -> Option<Vec<f64>>,
     ) -> Option<Animated> {
+        if let Json::Array(items) = &value.json
+            && let [first, ..] = &items[..]
+            && items.iter().all(|item| matches!(&item.json, Json::Array(pair) if pair.len() == 2))
+        {
+            let remedy = format!("write {{ \"keys\": [{}, …] }}: each key is [frame, value]", pair_text(first));
+            self.error(place, "a list of pairs", "one value, or a keyed one", remedy);
+            return None;
+        }
         if !matches!(value.json, Json::Object(_)) {
             return read(self, value, place).map(Animated::constant);
         }
@@ -144,12 +171,38 @@ impl<'a> Checker<'a> {
             self.error(place, "a keyed value without \"keys\"", "\"keys\": [[frame, value], …]", "add the keys");
             return None;
         };
+        if let Some([before, after]) = keys.windows(2).map(|pair| [pair[0].0, pair[1].0]).find(|[a, b]| a >= b) {
+            let found = format!("keys out of order: frame {after} after frame {before}");
+            self.error(place, found, "frames that ascend, each once", "sort the keys by frame; each is [frame, value]");
+            return None;
+        }
         let animated = Animated::keyed(keys, interpolation);
         if animated.is_none() {
-            self.error(place, "keys out of order", "frames that ascend, each once", "sort the keys by frame");
+            self.error(place, "keys of different sizes", "values alike", "give each key the same number of values");
         }
         animated
     }
+}
+
+/// Whether an item is no channel of a color, but a color or a list itself.
+fn is_color_or_list(item: &Spanned) -> bool {
+    matches!(item.json, Json::String(_) | Json::Array(_))
+}
+
+/// The largest channel that is surely meant: what is encoded for display ends at 1, while light may be brighter.
+fn brightest(space: WorkingSpace) -> f64 {
+    if space == WorkingSpace::Srgb { 1.0 } else { 16.0 }
+}
+
+/// A list of numbers as it was written.
+fn value_text(items: &[Spanned]) -> String {
+    let texts: Vec<String> = items.iter().map(Spanned::brief).collect();
+    format!("[{}]", texts.join(", "))
+}
+
+/// A pair as it was written.
+fn pair_text(value: &Spanned) -> String {
+    if let Json::Array(items) = &value.json { value_text(items) } else { value.brief() }
 }
 
 /// What a knob takes, in words.

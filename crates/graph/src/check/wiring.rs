@@ -1,9 +1,12 @@
 //! Edges: disabled nodes, kinds, views, cycles, and what no output needs.
 
 use super::{Checker, Draft, Place, kind_of};
-use crate::{Accepts, Arity, Body, ChannelSet, Item, Kind, NodeId, OutputSpec, Port, Record, Severity, Source};
+use crate::{
+    Accepts, Arity, Body, ChannelSet, Item, Kind, NodeId, OutputSpec, Port, Record, Severity, Source, refusal,
+};
 use petgraph::algo::{tarjan_scc, toposort};
 use petgraph::graph::{DiGraph, NodeIndex};
+use std::collections::BTreeSet;
 
 impl<'a> Checker<'a> {
     /// Leads every edge from a disabled node to what it hands on, or removes the edge.
@@ -63,13 +66,22 @@ impl<'a> Checker<'a> {
                     }
                     let Some(Body::Stage(view)) = drafts[node.0].ty.map(|ty| ty.body()) else { continue };
                     let missing = asks.minus(view.supplies(&drafts[node.0].record.settle(0.0)));
-                    self.missing_channels(missing, port, draft, &drafts[node.0]);
+                    let never = missing.minus(view.lacks()) != missing;
+                    self.missing_channels(missing, never, port, draft, &drafts[node.0]);
                 }
             }
         }
     }
 
-    fn missing_channels(&mut self, missing: ChannelSet, port: &'static str, draft: &Draft<'_>, view: &Draft<'_>) {
+    /// Reports channels that a view has not; `never` says that no setting of it could change that.
+    fn missing_channels(
+        &mut self,
+        missing: ChannelSet,
+        never: bool,
+        port: &'static str,
+        draft: &Draft<'_>,
+        view: &Draft<'_>,
+    ) {
         if missing.is_empty() {
             return;
         }
@@ -78,8 +90,15 @@ impl<'a> Checker<'a> {
         let offset = draft.offset_of(port);
         let place = Place { offset, node: Some(draft.name), port: Some(port) };
         let found = format!("the view \"{}\", which has no {}", view.name, names.join(", no "));
-        let remedy = format!("give \"{}\" the pass that holds it, or use another pass here", view.name);
-        self.error(place, found, format!("a view with {}", names.join(", ")), remedy);
+        let mut expected = format!("a view with {}", names.join(", "));
+        let remedy = if never {
+            expected.push_str(": the view of a Render");
+            let ty = view.ty.map_or("node", |ty| ty.declaration().name);
+            format!("connect a Render, which sees the surfaces themselves; no pass of a {ty} holds that")
+        } else {
+            format!("give \"{}\" the pass that holds it, or use another pass here", view.name)
+        };
+        self.error(place, found, expected, remedy);
     }
 
     fn kinds(&mut self, items: &'static [Item], record: &Record, draft: &Draft<'_>, drafts: &[Draft<'a>]) {
@@ -111,7 +130,14 @@ impl<'a> Checker<'a> {
         let offset = draft.offset_of(port);
         let place = Place { offset, node: Some(draft.name), port: Some(port) };
         let found_text = format!("\"{}\", a {found}", drafts[node.0].name);
-        self.error(place, found_text, format!("a {accepts}"), accepts.remedy(found));
+        let operation = draft.ty.and_then(|ty| refusal(ty.declaration().name));
+        match operation.filter(|_| found == Kind::Color) {
+            Some(operation) => {
+                let expected = format!("a {accepts}: {}; {}", operation.reason, operation.witness);
+                self.error(place, found_text, expected, operation.rewrite);
+            }
+            None => self.error(place, found_text, format!("a {accepts}"), accepts.remedy(found)),
+        }
     }
 
     /// The nodes, inputs before outputs; reports every loop.
@@ -162,16 +188,31 @@ impl<'a> Checker<'a> {
             }
             drafts[node].record.each_node(|node| open.push(node.0));
         }
-        for (draft, _) in drafts.iter().zip(used).filter(|(draft, used)| !used && !draft.disabled) {
+        let is_loose = |node: usize| !used[node] && !drafts[node].disabled;
+        // Of a branch, its end alone.
+        let mut ends = vec![true; drafts.len()];
+        for draft in drafts {
+            draft.record.each_node(|node| ends[node.0] = false);
+        }
+        for end in (0..drafts.len()).filter(|&node| ends[node] && is_loose(node)) {
+            let (mut branch, mut open) = (BTreeSet::new(), vec![end]);
+            while let Some(node) = open.pop() {
+                if is_loose(node) && branch.insert(node) {
+                    drafts[node].record.each_node(|node| open.push(node.0));
+                }
+            }
+            branch.remove(&end);
+            let others: Vec<&str> = branch.iter().map(|&node| drafts[node].name).take(6).collect();
+            let more = if branch.len() > others.len() { ", …" } else { "" };
+            let (found, remedy) = if branch.is_empty() {
+                ("a node that no output needs".into(), "it is not evaluated; connect it, or remove it")
+            } else {
+                let found = format!("a node that no output needs, nor what it needs: {}{more}", others.join(", "));
+                (found, "they are not evaluated; connect it, or remove them")
+            };
+            let draft = &drafts[end];
             let place = Place { offset: draft.offset, node: Some(draft.name), port: None };
-            let remedy = "it is not evaluated; connect it, or remove it";
-            self.report(
-                Severity::Warning,
-                place,
-                "a node that no output needs".into(),
-                "every node to be used".into(),
-                remedy.into(),
-            );
+            self.report(Severity::Warning, place, found, "every node to be used".into(), remedy.into());
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::filter_support::{Kernel, Shape, fill, filter, kind, mean, numbers, value};
 use trochoid_graph::*;
-use trochoid_image::Window;
+use trochoid_image::{Format, Window};
 
 pub(crate) static NODE: &dyn NodeType = &Blur;
 
@@ -42,6 +42,17 @@ const MOST: f64 = 10_000.0;
 impl NodeType for Blur {
     fn declaration(&self) -> &'static Declaration {
         &DECLARATION
+    }
+
+    fn work(&self, node: &Settled, format: Format, _time: f64) -> Option<Work> {
+        // A weight times a sample of a color.
+        const WEIGHT: f64 = 2.4e-10;
+        let sides = [format.width(), format.height()];
+        let weights: f64 = (sizes(node).iter().zip(sides))
+            .map(|(size, side)| (2.0 * shape(node).radius(*size) as f64).min(2.0 * f64::from(side)))
+            .sum();
+        let seconds = WEIGHT * weights * format.window().area() as f64 * f64::from(format.samples());
+        Some(Work { seconds, item: "size", remedy: "lower \"size\", or have fewer samples or pixels" })
     }
 
     fn body(&self) -> Body<'_> {
@@ -94,10 +105,11 @@ impl Prepared for Blurring {
         let image = &inputs.all("image")[0];
         fill(self.kind, block.window.area(), outputs, |channel, out| {
             if let Some(Some(samples)) = image.planes.get(channel) {
-                filter(self.kernels.each_ref(), (image.window, samples), image.extent, block.window, out);
+                let stop = inputs.cancellation();
+                filter(self.kernels.each_ref(), (image.window, samples), image.extent, block.window, stop, out);
             }
         });
-        Ok(())
+        inputs.go_on()
     }
 
     fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {

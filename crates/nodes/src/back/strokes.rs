@@ -6,7 +6,7 @@ use crate::paint_support::{
 };
 use fearless_simd::{Level, Simd, dispatch};
 use trochoid_graph::*;
-use trochoid_image::Window;
+use trochoid_image::{Format, Window};
 
 pub(crate) static NODE: &dyn NodeType = &Strokes;
 
@@ -36,9 +36,8 @@ static DECLARATION: Declaration = Declaration {
         Port::optional("view", Accepts::View, "The surfaces that strokes lie on; without it they lie on the picture."),
         Port::optional(
             "flow",
-            Accepts::Field,
-            "Direction of the strokes, two components, right and down; by default \
-                                                to the right.",
+            Accepts::Direction,
+            "Direction of the strokes, right and down: a FlowField, say; by default to the right.",
         ),
         Port::optional("size", Accepts::Mask, "Share of length, width and spacing at a place; 1/16 is the least."),
         Port::optional("density", Accepts::Mask, "Share of the strokes at a place."),
@@ -67,14 +66,21 @@ impl NodeType for Strokes {
         &DECLARATION
     }
 
-    fn check(&self, node: &Settled, check: &mut Check<'_>) {
-        if let Some(flow) = node.all("flow").first()
-            && let Some(kind) = check.kind(flow)
-            && kind != Kind::Field(2)
-        {
-            let remedy = "connect a FlowField, or make two components with FieldMath";
-            check.error("flow", kind, "a Field of 2 components: right and down", remedy);
-        }
+    fn work(&self, node: &Settled, format: Format, _time: f64) -> Option<Work> {
+        // A sample, a stroke, and a sample that a stroke covers.
+        const SAMPLE: f64 = 2.6e-7;
+        const STROKE: f64 = 1.5e-6;
+        const COVERED: f64 = 2.0e-9;
+        let layer = |layer: &Layer| {
+            let strokes = 1.0 / (layer.spacing * layer.spacing);
+            // Strokes are half as large at least.
+            strokes * (STROKE + COVERED * 0.56 * 4.0 * layer.half[0] * layer.half[1])
+        };
+        let samples = format.window().area() as f64 * f64::from(format.samples());
+        let seconds = samples * (SAMPLE + layers(node).iter().map(layer).sum::<f64>());
+        let remedy = "raise \"spacing\", or lower \"length\" and \"width\": each place is painted \
+                      length · width / spacing² times; or have fewer samples or pixels";
+        Some(Work { seconds, item: "layers", remedy })
     }
 
     fn body(&self) -> Body<'_> {
@@ -135,13 +141,19 @@ impl Painting {
     }
 
     /// Every stroke that reaches a window, by layer.
-    fn strokes(&self, window: Window, around: &impl Canvas) -> Vec<(usize, Stroke)> {
+    fn strokes(
+        &self,
+        window: Window,
+        around: &impl Canvas,
+        go_on: impl Fn() -> Result<(), NodeError>,
+    ) -> Result<Vec<(usize, Stroke)>, NodeError> {
         let mut strokes = Vec::new();
         let mut cells: Vec<Cells> = self.layers.iter().map(|layer| Cells::new(layer.key)).collect();
         // Fine layers reach less far.
         let windows: Vec<Window> = self.layers.iter().map(|layer| self.near(window, reach(&[*layer]))).collect();
         let near = self.near(window, self.reach);
         for y in near.y0..near.y1 {
+            go_on()?;
             let mut left = [around.corner(near.x0, y), around.corner(near.x0, y + 1)];
             for x in near.x0..near.x1 {
                 let right = [around.corner(x + 1, y), around.corner(x + 1, y + 1)];
@@ -159,7 +171,7 @@ impl Painting {
                 }
             }
         }
-        strokes
+        Ok(strokes)
     }
 }
 
@@ -317,7 +329,7 @@ impl Prepared for Painting {
         let window = block.window;
         let image = &inputs.all("image")[0];
         let planes = Planes::new(self, block, inputs);
-        let mut strokes = self.strokes(window, &planes);
+        let mut strokes = self.strokes(window, &planes, || inputs.go_on())?;
         // From the uppermost down; strokes of surfaces that stand at several places are told apart by where they are.
         strokes.sort_unstable_by(|(layer, a), (other, b)| {
             let at = |axis: usize| a.at[axis].total_cmp(&b.at[axis]);
@@ -329,7 +341,11 @@ impl Prepared for Painting {
         let (mut covers, mut weights) = (vec![0.0f32; width], vec![0.0f64; width]);
         let (flat, far) = (vec![-1.0f32; width], vec![f32::INFINITY; width]);
         let level = Level::new();
-        for (_, stroke) in &strokes {
+        for (number, (_, stroke)) in strokes.iter().enumerate() {
+            // The largest strokes take a millisecond, the smallest less than it takes to ask.
+            if number % 64 == 0 {
+                inputs.go_on()?;
+            }
             let [x, y] = stroke.source;
             let values: Vec<f64> =
                 (0..self.kind.channels()).map(|channel| sample(Some(image), channel, x, y).unwrap_or(0.0)).collect();
@@ -368,7 +384,7 @@ impl Prepared for Painting {
     fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
         let seen = Seen::new(self, inputs);
         let [x, y] = seen.pixel;
-        let mut strokes = self.strokes(Window::new(x, y, x + 1, y + 1), &seen);
+        let mut strokes = self.strokes(Window::new(x, y, x + 1, y + 1), &seen, || Ok(()))?;
         strokes.sort_by(|(layer, a), (other, b)| {
             let at = |axis: usize| b.at[axis].total_cmp(&a.at[axis]);
             layer.cmp(other).then(a.order.cmp(&b.order)).then_with(|| at(1)).then_with(|| at(0))

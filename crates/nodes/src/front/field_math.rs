@@ -45,7 +45,8 @@ const INPUTS: [&str; 4] = ["a", "b", "c", "d"];
 fn expression(node: &Settled, widths: [Option<usize>; 4]) -> Result<Expression, [String; 3]> {
     let expression = parse(node.text("expression"), widths).map_err(|fault| {
         let place = format!("column {} of the expression", fault.column);
-        [format!("{} at {place}", fault.found), fault.expected, "write it as the manual of FieldMath says".into()]
+        let remedy = fault.remedy.unwrap_or_else(|| "write it as `trochoid nodes FieldMath` says".into());
+        [format!("{} at {place}", fault.found), fault.expected, remedy]
     })?;
     let components = node.integer("components") as usize;
     if expression.width == components {

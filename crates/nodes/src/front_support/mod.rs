@@ -10,6 +10,8 @@ mod program;
 mod screen;
 
 pub(crate) use expression::Expression;
+#[cfg(feature = "scene")]
+pub(crate) use noise::Octave;
 pub(crate) use noise::{Axes, Noise, NoiseKind};
 #[cfg(feature = "scene")]
 pub(crate) use noise_reference::edges as edges_reference;

@@ -12,6 +12,7 @@
 
 use super::expression::{Expression, Node};
 use super::program::Function;
+use trochoid_graph::nearest;
 
 /// What is wrong, and where: a column in characters, from 1.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -19,6 +20,14 @@ pub(crate) struct Fault {
     pub(crate) column: usize,
     pub(crate) found: String,
     pub(crate) expected: String,
+    /// What to do, where that is known.
+    pub(crate) remedy: Option<String>,
+}
+
+impl Fault {
+    fn with_remedy(self, remedy: String) -> Self {
+        Self { remedy: Some(remedy), ..self }
+    }
 }
 
 /// Deeper than any formula that a person writes; beyond it the stack would be at risk.
@@ -33,7 +42,12 @@ pub(crate) fn parse(text: &str, inputs: [Option<usize>; 4]) -> Result<Expression
     let characters: Vec<char> = text.chars().collect();
     if characters.len() > LENGTH {
         let expected = format!("at most {LENGTH} characters");
-        return Err(Fault { column: LENGTH + 1, found: format!("{} characters", characters.len()), expected });
+        return Err(Fault {
+            column: LENGTH + 1,
+            found: format!("{} characters", characters.len()),
+            expected,
+            remedy: None,
+        });
     }
     let mut parser = Parser { text: characters, at: 0, depth: 0, inputs };
     let expression = parser.comparison()?;
@@ -71,7 +85,7 @@ impl Parser {
     }
 
     fn fault_at(&self, at: usize, found: impl Into<String>, expected: impl Into<String>) -> Fault {
-        Fault { column: at + 1, found: found.into(), expected: expected.into() }
+        Fault { column: at + 1, found: found.into(), expected: expected.into(), remedy: None }
     }
 
     /// Takes a sign where it stands here.
@@ -239,13 +253,21 @@ impl Parser {
         match ["a", "b", "c", "d"].iter().position(|input| *input == name) {
             Some(index) => match self.inputs[index] {
                 Some(width) => Ok(Expression { node: Node::Input(index), width }),
-                None => Err(self.fault_at(at, format!("input {name}, which is open"), "a connected input")),
+                None => {
+                    let fault =
+                        self.fault_at(at, format!("input {name}, to which nothing is connected"), "a connected input");
+                    Err(fault.with_remedy(format!("connect \"{name}\", or leave it out of the expression")))
+                }
             },
             None if Function::named(name).is_some() || matches!(name, "dot" | "length") => {
                 self.at = at + name.len();
                 Err(self.fault(&format!("'(' after {name}")))
             }
-            None => Err(self.fault_at(at, format!("\"{name}\""), "an input a, b, c or d, pi, or a function")),
+            None => {
+                let fault = self.fault_at(at, format!("\"{name}\""), "an input a, b, c or d, pi, or a function");
+                Err(fault
+                    .with_remedy("connect the Field to \"a\", \"b\", \"c\" or \"d\", and write that letter".into()))
+            }
         }
     }
 
@@ -275,7 +297,12 @@ impl Parser {
             (_, Some(function)) => function.arguments(),
             _ => {
                 let expected = format!("a function: {}, dot or length", Function::names().join(", "));
-                return Err(self.fault_at(at, format!("\"{name}\""), expected));
+                let fault = self.fault_at(at, format!("\"{name}\""), expected);
+                let names = Function::names().into_iter().chain(["dot", "length"]);
+                return Err(match nearest(name, names) {
+                    Some(near) => fault.with_remedy(format!("did you mean \"{near}\"?")),
+                    None => fault,
+                });
             }
         };
         if !(least..=most).contains(&arguments.len()) {
@@ -418,7 +445,7 @@ mod tests {
             ("clamp(1, 2)", 1, "2 arguments of clamp"),
             ("a + b", 3, "3 components beside 2 components"),
             ("dot(a, b)", 1, "3 components beside 2 components"),
-            ("c + d", 5, "input d, which is open"),
+            ("c + d", 5, "input d, to which nothing"),
             ("b.z", 3, "letters xy"),
             ("b.", 3, "\".\""),
             ("[a, b]", 1, "5 components"),

@@ -81,6 +81,12 @@ impl Stage for ViewFromPasses {
         given.fold(ViewChannel::Coverage.into(), |all, (_, channels)| all.union(*channels))
     }
 
+    fn lacks(&self) -> ChannelSet {
+        let passes =
+            PASSES.iter().fold(ViewChannel::Coverage.into(), |all: ChannelSet, (_, channels)| all.union(*channels));
+        ChannelSet::of(ViewChannel::ALL).minus(passes)
+    }
+
     fn interval(&self, _node: &Settled, output: usize, channel: usize) -> Option<(f64, f64)> {
         use ViewChannel::{Coverage, NormalX, NormalY, NormalZ};
         match ViewChannel::ALL.get(channel) {

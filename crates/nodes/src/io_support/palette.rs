@@ -50,7 +50,7 @@ pub(crate) fn walked(stream: &Stream, cancelled: &(dyn Fn() -> bool + Sync)) -> 
             if let [r, g, b] = row {
                 gathered.add_row(r, g, b);
             }
-            if cancelled() { Err(NodeError::new("cancelled")) } else { Ok(()) }
+            if cancelled() { Err(NodeError::cancelled()) } else { Ok(()) }
         })?;
         Ok(gathered)
     };

@@ -1,7 +1,7 @@
 //! BezierModel: a surface of Bézier patches.
 
 use crate::scene_support::{
-    FLIP, ROTATE, SCALE, Standing, TRANSLATE, check_scale, patch, placement, read_model, vector,
+    FLIP, ROTATE, SCALE, Standing, TRANSLATE, check_ending, check_scale, patch, placement, read_model, vector,
 };
 use std::path::PathBuf;
 use trochoid_graph::*;
@@ -86,6 +86,7 @@ impl NodeType for BezierModel {
 
     fn check(&self, node: &Settled, check: &mut Check<'_>) {
         check_scale(node, check);
+        check_ending(node, check, "model", &["json"]);
         match inline(node) {
             Err((knob, found, expected)) => check.error(knob, found, expected, "add or remove points"),
             Ok(patches) if patches.is_empty() && !node.is_set("model") => {

@@ -30,9 +30,22 @@ static DECLARATION: Declaration = Declaration {
     revision: 1,
 };
 
+/// Coordinates beyond this leave nothing of a scene.
+const FARTHEST: f64 = 1e10;
+
 impl NodeType for Camera {
     fn declaration(&self) -> &'static Declaration {
         &DECLARATION
+    }
+
+    fn check(&self, node: &Settled, check: &mut Check<'_>) {
+        for knob in ["position", "target"] {
+            let place = node.vector3(knob);
+            if place.iter().any(|part| part.abs() > FARTHEST) {
+                let expected = format!("coordinates within ±{FARTHEST:e} m, where a picture still shows something");
+                check.error(knob, format!("{place:?}"), expected, "move the camera nearer to the scene");
+            }
+        }
     }
 
     fn body(&self) -> Body<'_> {

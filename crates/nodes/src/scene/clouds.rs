@@ -1,8 +1,9 @@
 //! Clouds: layers of procedural density, lit by a light.
 
 use crate::front_support::{Axes, Noise, NoiseKind, noise_reference};
-use crate::scene_support::ramp;
+use crate::scene_support::clouds::{BEND, Cut, Layer, MORE_STEPS};
 use trochoid_graph::*;
+use trochoid_image::Format;
 use trochoid_scene::{Camera, DVec3, Light, Projector, Ray};
 
 pub(crate) static NODE: &dyn NodeType = &Clouds;
@@ -14,21 +15,29 @@ static DECLARATION: Declaration = Declaration {
     end: End::Front,
     summary: "Layers of clouds with volume, lit by a light: dark where they are thick, silver at edges near the light.",
     formula: "D = ramp((n − θ)/`softness`), θ = 1 − 2·`cover` + `rounding`·(2q − 1)², with gradient noise n and the \
-              share q of the layer's thickness H below; each of `steps` equal parts s of a ray in a layer covers a = 1 \
-              − exp(−`opacity`·D·s/H) of what lies behind. It shines with b = exp(−`shade`·D̄)(1 − `sunward`(1 − f²)), \
-              D̄ the mean of D, without what is finer than H/3, at \
-              1/6, 1/2 and 5/6 of H toward the light, f = (1 + d · L)/2. Over all: Σ T·a·b/Σ T·a, \
-              drawn to 1 by `silver`·f¹⁶(1 − density).",
-    edge_cases: "Without clouds density and light are 0, the depth +∞. Nothing is seen beyond `distance`. Layers that \
-                 overlap lie behind each other as their bases do. A ray ends in a layer that leaves less than \
-                 1/500 of what lies behind.",
+              share q of the layer's thickness H below, its mean where n is finer than is seen. A ray's way w in a \
+              layer has `steps`·min(max(w/H, 1), 6) parts; each, s long, covers a = 1 − exp(−`opacity`·D·s/H) of what \
+              lies behind. It shines with b = exp(−`shade`·D̄)(1 − `sunward`(1 − f²)), D̄ the mean of D, without what \
+              is finer than H/3, at 1/6, 1/2 and 5/6 of H toward the light, f = (1 + d · L)/2. Over all: Σ T·a·b/Σ \
+              T·a, drawn to 1 by `silver`·f¹⁶(1 − density).",
+    edge_cases: "Without clouds density and light are 0, the depth +∞. Layers bend with the Earth (6371 km) around a \
+                 perspective camera, so that they come down to the horizon. Clouds fade over the last quarter of \
+                 `distance`. Layers that overlap lie behind each other as their bases do. A ray ends in a layer that \
+                 leaves less than 1/500 of what lies behind.",
     source: "Kajiya and Von Herzen, Ray Tracing Volume Densities, 1984; Schneider, The Real-Time Volumetric \
              Cloudscapes of Horizon Zero Dawn, 2015: density toward the light, silver lining.",
     items: &[
         Port::one("camera", Accepts::Camera, "From where they are seen."),
         Port::one("light", Accepts::Light, "What lights them."),
         List::of("layers", LAYER, 1, 8, "The layers."),
-        Knob::integer("steps", 6, 1, 256, "Into how many parts a ray is cut within a layer.").item(),
+        Knob::integer(
+            "steps",
+            6,
+            1,
+            256,
+            "Into how many parts a ray straight up is cut within a layer; a slanting one into up to six times as many.",
+        )
+        .item(),
         Knob::number("shade", 2.5, 0.0, 100.0, "How dark clouds are that stand in their own light.").item(),
         Knob::number("sunward", 0.5, 0.0, 1.0, "How much darker clouds are on the other side of the sky.").item(),
         Knob::number("silver", 0.6, 0.0, 1.0, "How bright thin edges are in front of the light.").item(),
@@ -42,14 +51,14 @@ static DECLARATION: Declaration = Declaration {
         )
         .unit("degrees")
         .item(),
-        Knob::number("distance", 1e5, 1.0, 1e7, "How far one sees.").unit("m").item(),
+        Knob::number("distance", 5e5, 1.0, 1e7, "How far one sees.").unit("m").item(),
     ],
     outputs: &[
         Output::new("density", Kind::MASK, "How much clouds cover."),
         Output::new("light", Kind::MASK, "How brightly what is seen of them is lit."),
         Output::new("depth", Kind::Field(1), "Mean depth of what is seen of them, m."),
     ],
-    revision: 1,
+    revision: 2,
 };
 
 static LAYER: &[Item] = &[
@@ -71,12 +80,29 @@ static LAYER: &[Item] = &[
 const LIGHT_STEPS: usize = 3;
 /// What may be left of what lies behind where a ray ends.
 const OPAQUE: f64 = 2e-3;
+/// Share of the distance over which clouds fade.
+const FADING: f64 = 0.25;
 /// Least slope of a ray that stretches what a pixel covers of a layer.
 const GRAZING: f64 = 0.02;
 
 impl NodeType for Clouds {
     fn declaration(&self) -> &'static Declaration {
         &DECLARATION
+    }
+
+    fn work(&self, node: &Settled, format: Format, _time: f64) -> Option<Work> {
+        // A lookup of a step, and what an octave adds, with those toward the light.
+        const STEP: f64 = 2e-8;
+        const OCTAVE: f64 = 3e-9;
+        let layer = |layer: &Settled| STEP + OCTAVE * layer.number("octaves");
+        let samples = format.window().area() as f64 * f64::from(format.samples());
+        let steps = 0.5 * MORE_STEPS * node.number("steps");
+        let seconds = samples * steps * node.list("layers").iter().map(layer).sum::<f64>();
+        Some(Work {
+            seconds,
+            item: "steps",
+            remedy: "lower \"steps\", or have fewer layers, octaves, samples or pixels",
+        })
     }
 
     fn body(&self) -> Body<'_> {
@@ -122,8 +148,10 @@ impl Stage for Clouds {
             })
             .collect();
         layers.sort_by(|a, b| a.base.total_cmp(&b.base));
+        let eye = camera.projector(prepare.frame.format);
         Ok(Box::new(Cloudy {
-            eye: camera.projector(prepare.frame.format),
+            eye,
+            bend: if eye.orthographic { 0.0 } else { BEND },
             light: *light,
             layers,
             steps: node.integer("steps") as usize,
@@ -135,58 +163,10 @@ impl Stage for Clouds {
     }
 }
 
-/// One layer at the frame's time.
-struct Layer {
-    base: f64,
-    thickness: f64,
-    /// Noise at which the middle of the layer begins to hold clouds.
-    sparse: f64,
-    softness: f64,
-    rounding: f64,
-    opacity: f64,
-    noise: Noise,
-    /// Where the wind blows, x and z.
-    wind: [f64; 2],
-    stretch: f64,
-    /// How far it has blown, in meters.
-    moved: f64,
-}
-
-impl Layer {
-    /// The stretch of a ray within the layer, at most `limit` away.
-    fn span(&self, ray: &Ray, limit: f64) -> Option<[f64; 2]> {
-        let (from, to) = (self.base - ray.origin.y, self.base + self.thickness - ray.origin.y);
-        let (near, far) = if ray.direction.y == 0.0 {
-            if from > 0.0 || to < 0.0 {
-                return None;
-            }
-            (0.0, limit)
-        } else {
-            let (a, b) = (from / ray.direction.y, to / ray.direction.y);
-            (a.min(b).max(0.0), a.max(b).min(limit))
-        };
-        (far > near).then_some([near, far])
-    }
-
-    /// The place of a point in the noise.
-    fn place(&self, point: DVec3) -> [f64; 3] {
-        let [x, z] = self.wind;
-        [(point.x * x + point.z * z - self.moved) / self.stretch, point.y, point.z * x - point.x * z]
-    }
-
-    /// The density where the noise at a height is `noise`.
-    fn density(&self, noise: f64, height: f64) -> f64 {
-        let below = (height - self.base) / self.thickness;
-        if !(0.0..=1.0).contains(&below) {
-            return 0.0;
-        }
-        let from_middle = 2.0 * below - 1.0;
-        ramp(noise, self.sparse + self.rounding * from_middle * from_middle, self.softness)
-    }
-}
-
 struct Cloudy {
     eye: Projector,
+    /// How much layers sink with distance, in 1/m.
+    bend: f64,
     light: Light,
     /// From the lowest base to the highest.
     layers: Vec<Layer>,
@@ -228,9 +208,10 @@ impl Gathered {
 
 /// A point of a ray that lies in a cloud.
 struct Dense {
-    /// Index of the ray, and its stretch within the layer.
+    /// Index of the ray, and how far along it, and how long the part is.
     ray: usize,
-    span: [f64; 2],
+    at: f64,
+    length: f64,
     point: DVec3,
     /// Toward the light.
     light: DVec3,
@@ -248,9 +229,17 @@ impl Cloudy {
         pixel.max(0.5 * part)
     }
 
-    /// The share of a part of a ray that clouds of a density cover.
-    fn covers(layer: &Layer, density: f64, part: f64) -> f64 {
-        1.0 - libm::exp(-layer.opacity * density * part / layer.thickness)
+    /// The share of a part of a ray, so far away, that clouds of a density cover.
+    fn covers(&self, layer: &Layer, density: f64, part: f64, distance: f64) -> f64 {
+        let left = ((self.distance - distance) / (FADING * self.distance)).clamp(0.0, 1.0);
+        let fade = left * left * (3.0 - 2.0 * left);
+        1.0 - libm::exp(-layer.opacity * density * fade * part / layer.thickness)
+    }
+
+    /// The height of a point over a plane that sinks with the distance from the camera.
+    fn height(&self, point: DVec3) -> f64 {
+        let (x, z) = (point.x - self.eye.position.x, point.z - self.eye.position.z);
+        point.y + self.bend * (x * x + z * z)
     }
 
     /// How brightly a point shines whose mean density toward the light is `shaded`.
@@ -291,31 +280,30 @@ impl Cloudy {
     /// What rays gather in one layer: all of them at once, step by step.
     fn gather(&self, layer: &Layer, rays: &[Ray], lit: bool, inputs: &Inputs<'_>) -> Result<Vec<Gathered>, NodeError> {
         let mut gathered = vec![Gathered::NOTHING; rays.len()];
-        let mut spans: Vec<(usize, [f64; 2])> = (rays.iter().enumerate())
-            .filter_map(|(index, ray)| Some((index, layer.span(ray, self.distance)?)))
+        let mut cuts: Vec<(usize, Cut)> = (rays.iter().enumerate())
+            .filter_map(|(index, ray)| Some((index, layer.cut(layer.span(ray, self.bend, self.distance)?, self.steps))))
             .collect();
-        let mut noise = vec![0.0; spans.len()];
-        for step in 0..self.steps {
-            if inputs.cancelled() {
-                return Err(NodeError::new("cancelled"));
+        let mut noise = vec![0.0; cuts.len()];
+        for step in 0.. {
+            inputs.go_on()?;
+            cuts.retain(|(index, cut)| gathered[*index].left > OPAQUE && cut.at(step).is_some());
+            if cuts.is_empty() {
+                break;
             }
-            spans.retain(|(index, _)| gathered[*index].left > OPAQUE);
-            noise.truncate(spans.len());
-            let part = |[near, far]: [f64; 2]| (far - near) / self.steps as f64;
-            let at = |span: [f64; 2]| span[0] + (step as f64 + 0.5) * part(span);
-            let places = spans.iter().map(|(index, span)| layer.place(rays[*index].at(at(*span))));
-            let prints: Vec<f32> = spans
-                .iter()
-                .map(|(index, span)| self.footprint(&rays[*index], at(*span), part(*span)) as f32)
-                .collect();
+            noise.truncate(cuts.len());
+            let parts = || cuts.iter().filter_map(|(index, cut)| Some((*index, cut.part, cut.at(step)?)));
+            let place = |point: DVec3| layer.place(point, self.height(point));
+            let places = parts().map(|(index, _, (at, _))| place(rays[index].at(at)));
+            let prints: Vec<f32> =
+                parts().map(|(index, part, (at, _))| self.footprint(&rays[index], at, part) as f32).collect();
             layer.noise.fill(places, &prints, &mut noise);
             let (mut dense, mut dense_prints) = (Vec::new(), Vec::new());
-            for (((index, span), noise), print) in spans.iter().zip(&noise).zip(&prints) {
-                let point = rays[*index].at(at(*span));
-                let density = layer.density(f64::from(*noise), point.y);
+            for (((ray, _, (at, length)), noise), print) in parts().zip(&noise).zip(&prints) {
+                let point = rays[ray].at(at);
+                let density = layer.density(f64::from(*noise), self.height(point), layer.spread(f64::from(*print)));
                 if density > 0.0 {
                     let light = self.light.illuminate(point).direction;
-                    dense.push(Dense { ray: *index, span: *span, point, light, density, shaded: 0.0 });
+                    dense.push(Dense { ray, at, length, point, light, density, shaded: 0.0 });
                     dense_prints.push(print.max(Self::light_step(layer) as f32));
                 }
             }
@@ -323,15 +311,15 @@ impl Cloudy {
                 let mut noise = vec![0.0; dense.len()];
                 for ahead in 0..LIGHT_STEPS {
                     let point = |dense: &Dense| Self::toward(layer, dense.point, dense.light, ahead);
-                    layer.noise.fill(dense.iter().map(|dense| layer.place(point(dense))), &dense_prints, &mut noise);
+                    layer.noise.fill(dense.iter().map(|dense| place(point(dense))), &dense_prints, &mut noise);
                     for (dense, noise) in dense.iter_mut().zip(&noise) {
-                        dense.shaded += layer.density(f64::from(*noise), point(dense).y);
+                        dense.shaded += layer.density(f64::from(*noise), self.height(point(dense)), 0.0);
                     }
                 }
             }
-            for Dense { ray, span, light, density, shaded, .. } in dense {
+            for Dense { ray, at, length, light, density, shaded, .. } in dense {
                 let bright = self.bright(&rays[ray], light, shaded / LIGHT_STEPS as f64);
-                gathered[ray].add(Self::covers(layer, density, part(span)), bright, at(span));
+                gathered[ray].add(self.covers(layer, density, length, at), bright, at);
             }
         }
         Ok(gathered)
@@ -340,23 +328,24 @@ impl Cloudy {
     /// What a ray gathers in one layer, in f64.
     fn gather_reference(&self, layer: &Layer, ray: &Ray) -> Gathered {
         let mut gathered = Gathered::NOTHING;
-        let Some([near, far]) = layer.span(ray, self.distance) else { return gathered };
-        let part = (far - near) / self.steps as f64;
-        let density = |point: DVec3, footprint: f64| {
-            layer.density(noise_reference(&layer.noise, &layer.place(point), footprint), point.y)
+        let Some(span) = layer.span(ray, self.bend, self.distance) else { return gathered };
+        let cut = layer.cut(span, self.steps);
+        let density = |point: DVec3, footprint: f64, spread: f64| {
+            let height = self.height(point);
+            layer.density(noise_reference(&layer.noise, &layer.place(point, height), footprint), height, spread)
         };
-        for step in 0..self.steps {
+        for (distance, length) in (0..).map_while(|step| cut.at(step)) {
             if gathered.left <= OPAQUE {
                 break;
             }
-            let distance = near + (step as f64 + 0.5) * part;
-            let (point, footprint) = (ray.at(distance), self.footprint(ray, distance, part));
+            let (point, footprint) = (ray.at(distance), self.footprint(ray, distance, cut.part));
             let light = self.light.illuminate(point).direction;
             let coarse = footprint.max(Self::light_step(layer));
             let shaded: f64 =
-                (0..LIGHT_STEPS).map(|ahead| density(Self::toward(layer, point, light, ahead), coarse)).sum();
+                (0..LIGHT_STEPS).map(|ahead| density(Self::toward(layer, point, light, ahead), coarse, 0.0)).sum();
             let bright = self.bright(ray, light, shaded / LIGHT_STEPS as f64);
-            gathered.add(Self::covers(layer, density(point, footprint), part), bright, distance);
+            let density = density(point, footprint, layer.spread(footprint));
+            gathered.add(self.covers(layer, density, length, distance), bright, distance);
         }
         gathered
     }

@@ -1,6 +1,6 @@
 //! Float: bodies that ride on a sea.
 
-use crate::scene_support::{Standing, SurfaceHandle, check_sea};
+use crate::scene_support::{REST, Standing, SurfaceHandle, check_sea};
 use trochoid_graph::*;
 use trochoid_scene::{Floating, Pose, RigidBodies};
 
@@ -46,6 +46,12 @@ impl NodeType for Float {
 
     fn check(&self, node: &Settled, check: &mut Check<'_>) {
         check_sea(node, check, "sea");
+        if let Some(model) = node.all("model").first().and_then(|source| check.upstream(source))
+            && model.offers(REST)
+        {
+            let found = format!("\"{}\", a {}, which is water itself", model.name, model.ty.declaration().name);
+            check.error("model", found, "a model that floats", "connect a Mesh or a BezierModel");
+        }
     }
 
     fn body(&self) -> Body<'_> {

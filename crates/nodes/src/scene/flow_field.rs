@@ -83,6 +83,10 @@ impl NodeType for FlowField {
             let found = format!("{} below flat, {}", node.number("steep"), node.number("flat"));
             check.error("steep", found, "at least as much", "swap them");
         }
+        if is_of_surface(node) && node.number("steep") > 0.0 && node.vector3("calm") == [0.0; 3] {
+            let remedy = "write for example [1, 0, 0], or \"steep\": 0 for no calm direction";
+            check.error("calm", "[0, 0, 0], which leads nowhere", "a direction in the world", remedy);
+        }
     }
 
     fn body(&self) -> Body<'_> {
@@ -225,7 +229,7 @@ impl Flowing {
     }
 
     /// Doubled directions over a window, before they are smoothed.
-    fn lines(&self, window: Window, block: &Block, inputs: &Inputs<'_>) -> [Vec<f32>; 2] {
+    fn lines(&self, window: Window, block: &Block, inputs: &Inputs<'_>) -> Result<[Vec<f32>; 2], NodeError> {
         let mut lines = [vec![0.0f32; window.area()], vec![0.0f32; window.area()]];
         let pixels = || (window.y0..window.y1).flat_map(|y| (window.x0..window.x1).map(move |x| (x, y)));
         let mut noise = vec![0.0f32; if self.waver > 0.0 { window.area() } else { 0 }];
@@ -237,6 +241,9 @@ impl Flowing {
         let view = inputs.all("view").first();
         let field = inputs.all("field").first().and_then(|field| Some((field.window, field.planes[0]?)));
         for (index, (x, y)) in pixels().enumerate() {
+            if x == window.x0 {
+                inputs.go_on()?;
+            }
             let line = match (&self.eye, view, field) {
                 (Some(eye), Some(view), _) => {
                     let at = nearest(view.window, x, y);
@@ -259,7 +266,7 @@ impl Flowing {
             lines[0][index] = line[0] as f32;
             lines[1][index] = line[1] as f32;
         }
-        lines
+        Ok(lines)
     }
 
     fn is_by_hand(&self) -> bool {
@@ -306,13 +313,15 @@ impl Prepared for Flowing {
     fn fill(&self, block: &Block, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let window = block.window;
         let from = grown(window, self.radius).intersect(self.picture);
-        let mut lines = self.lines(from, block, inputs);
+        let mut lines = self.lines(from, block, inputs)?;
         if self.radius > 0 {
             lines = lines.map(|line| {
                 let mut smooth = vec![0.0f32; window.area()];
-                filter([&self.kernel, &self.kernel], (from, &line), self.picture, window, &mut smooth);
+                let kernels = [&self.kernel, &self.kernel];
+                filter(kernels, (from, &line), self.picture, window, inputs.cancellation(), &mut smooth);
                 smooth
             });
+            inputs.go_on()?;
         }
         let (mut x, mut y, mut length) = (outputs.take(0, 0), outputs.take(0, 1), outputs.take(1, 0));
         for (index, (c, s)) in lines[0].iter().zip(&lines[1]).enumerate() {

@@ -1,9 +1,9 @@
 //! Hooks: claws of foam that grow on a surface.
 
 use crate::paint_support::{Ribbon, Shape, draw, key, within};
-use crate::scene_support::{Around, eye, grown};
+use crate::scene_support::{Around, check_roots, eye, grown};
 use trochoid_graph::*;
-use trochoid_image::Window;
+use trochoid_image::{Format, Window};
 use trochoid_scene::Projector;
 
 pub(crate) static NODE: &dyn NodeType = &Hooks;
@@ -78,6 +78,21 @@ const UV: [ViewChannel; 2] = [ViewChannel::U, ViewChannel::V];
 impl NodeType for Hooks {
     fn declaration(&self) -> &'static Declaration {
         &DECLARATION
+    }
+
+    fn check(&self, node: &Settled, check: &mut Check<'_>) {
+        check_roots(node, check);
+    }
+
+    fn work(&self, node: &Settled, format: Format, _time: f64) -> Option<Work> {
+        // A sample, and a sample near a ribbon.
+        const SAMPLE: f64 = 1.5e-7;
+        const NEAR: f64 = 1e-9;
+        let ribbons = |row: &Settled| row.number("count") * (1.0 + row.number("thumbs"));
+        let (pixels, reach) = (format.window().area() as f64, node.number("reach"));
+        let near = node.list("rows").iter().map(ribbons).sum::<f64>() * pixels.min(reach * reach);
+        let seconds = f64::from(format.samples()) * (SAMPLE * pixels + NEAR * near);
+        Some(Work { seconds, item: "rows", remedy: "lower \"count\" of the rows, \"reach\", or the samples or pixels" })
     }
 
     fn body(&self) -> Body<'_> {
@@ -256,10 +271,17 @@ impl Growing {
     }
 
     /// All ribbons whose roots lie between pixels of a window, as far as the picture goes, the uppermost first.
-    fn ribbons(&self, near: Window, seen: impl Fn(i64, i64) -> Seen, size: impl Fn(i64, i64) -> f64) -> Vec<Grown> {
+    fn ribbons(
+        &self,
+        near: Window,
+        seen: impl Fn(i64, i64) -> Seen,
+        size: impl Fn(i64, i64) -> f64,
+        go_on: impl Fn() -> Result<(), NodeError>,
+    ) -> Result<Vec<Grown>, NodeError> {
         let mut found = Vec::new();
         let last = (self.picture.x1 - 1, self.picture.y1 - 1);
         for y in near.y0.max(self.picture.y0)..near.y1.min(last.1) {
+            go_on()?;
             for x in near.x0.max(self.picture.x0)..near.x1.min(last.0) {
                 let corners = [seen(x, y), seen(x + 1, y), seen(x, y + 1), seen(x + 1, y + 1)];
                 let surface = corners[0].surface;
@@ -292,7 +314,7 @@ impl Growing {
             let [first, second] = [at(a), at(b)];
             b.order.cmp(&a.order).then(first[0].total_cmp(&second[0])).then(first[1].total_cmp(&second[1]))
         });
-        found
+        Ok(found)
     }
 
     /// Values of a ribbon at a place, where it is not hidden.
@@ -327,13 +349,14 @@ impl Prepared for Growing {
             })
         };
         let near = grown(window, self.reach.ceil() as i64 + 1);
-        let ribbons = self.ribbons(near, seen, size_at);
+        let ribbons = self.ribbons(near, seen, size_at, || inputs.go_on())?;
         let mut planes: [Option<&mut [f32]>; OUTPUTS] = std::array::from_fn(|output| outputs.take(output, 0));
         planes.iter_mut().flatten().for_each(|plane| plane.fill(0.0));
         let mut taken = vec![false; window.area()];
         for grown in &ribbons {
             let [[x0, x1], [y0, y1]] = grown.ribbon.bounds();
             for y in (y0.ceil() as i64).max(window.y0)..(y1.floor() as i64 + 1).min(window.y1) {
+                inputs.go_on()?;
                 for x in (x0.ceil() as i64).max(window.x0)..(x1.floor() as i64 + 1).min(window.x1) {
                     let index = (y - window.y0) as usize * window.width() + (x - window.x0) as usize;
                     if taken[index] {
@@ -364,7 +387,7 @@ impl Prepared for Growing {
         };
         let size = |x: i64, y: i64| self.node.all("size").first().map_or(1.0, |size| there(x, y).scalar(size));
         let near = grown(Window::new(x, y, x + 1, y + 1), self.reach.ceil() as i64 + 1);
-        let ribbons = self.ribbons(near, seen, size);
+        let ribbons = self.ribbons(near, seen, size, || Ok(()))?;
         let depth = seen(x, y).depth;
         let values = ribbons.iter().find_map(|grown| self.values(grown, [x as f64, y as f64], depth));
         let values = values.unwrap_or([0.0; OUTPUTS]);

@@ -1,5 +1,6 @@
 //! InFront: which of two views is nearer.
 
+use crate::scene_support::check_same_camera;
 use trochoid_graph::*;
 
 pub(crate) static NODE: &dyn NodeType = &InFront;
@@ -26,6 +27,10 @@ static DECLARATION: Declaration = Declaration {
 impl NodeType for InFront {
     fn declaration(&self) -> &'static Declaration {
         &DECLARATION
+    }
+
+    fn check(&self, node: &Settled, check: &mut Check<'_>) {
+        check_same_camera(node, check, ["view", "other"]);
     }
 
     fn body(&self) -> Body<'_> {
@@ -78,6 +83,18 @@ impl Prepared for Compared {
 #[cfg(test)]
 mod tests {
     use super::mask;
+    use crate::testing::refused;
+
+    #[test]
+    fn depths_by_two_cameras_are_refused() {
+        let nodes = r#""a": { "type": "Camera" }, "b": { "type": "Camera", "fov": 41 },
+            "s": { "type": "GerstnerSea", "count": 0 },
+            "v": { "type": "Render", "camera": "a", "surfaces": ["s"] },
+            "w": { "type": "Render", "camera": "b", "surfaces": ["s"] },
+            "out": { "type": "InFront", "view": "v", "other": "w" }"#;
+        let faults = refused("weights", nodes);
+        assert!(faults.contains("views of two cameras") && faults.contains("connect the camera of"), "{faults}");
+    }
 
     #[test]
     fn nothing_is_behind_everything() {

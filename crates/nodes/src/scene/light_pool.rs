@@ -58,6 +58,10 @@ impl NodeType for LightPool {
             let found = format!("{} below from, {}", node.number("to"), node.number("from"));
             check.error("to", found, "at least as much", "swap them, and Invert the mask");
         }
+        if node.list("pools").is_empty() && node.all("noise").is_empty() {
+            let found = "no pools and no noise: the light is the same everywhere";
+            check.warning("pools", found, "pools, or a noise that has gaps", "give \"pools\", or connect \"noise\"");
+        }
     }
 
     fn body(&self) -> Body<'_> {

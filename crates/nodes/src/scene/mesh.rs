@@ -1,6 +1,8 @@
 //! Mesh: a model of triangles.
 
-use crate::scene_support::{FLIP, ROTATE, SCALE, Standing, TRANSLATE, UP, check_scale, placement, read_mesh, to_y_up};
+use crate::scene_support::{
+    FLIP, ROTATE, SCALE, Standing, TRANSLATE, UP, check_ending, check_scale, placement, read_mesh, to_y_up,
+};
 use std::path::PathBuf;
 use trochoid_graph::*;
 use trochoid_scene::{DVec3, MAX_TRIANGLES, TriangleModel, Triangles};
@@ -41,6 +43,7 @@ impl NodeType for Mesh {
 
     fn check(&self, node: &Settled, check: &mut Check<'_>) {
         check_scale(node, check);
+        check_ending(node, check, "file", &["obj", "glb", "gltf"]);
     }
 
     fn body(&self) -> Body<'_> {

@@ -39,6 +39,17 @@ impl NodeType for ObjectMask {
         if let Some(index) = indices.iter().find(|index| index.fract() != 0.0 || !(0.0..64.0).contains(*index)) {
             check.error("indices", index.to_string(), "whole numbers from 0 to 63", "write the place in the list");
         }
+        let view = node.all("view").first().and_then(|source| check.upstream(source));
+        let Some(view) = view.filter(|view| view.ty.declaration().name == "Render") else { return };
+        let held = view.node.all("surfaces");
+        let strangers = node.all("surfaces").iter().filter(|chosen| !held.contains(chosen));
+        let names: Vec<String> =
+            strangers.filter_map(|source| Some(format!("\"{}\"", check.upstream(source)?.name))).collect();
+        if !names.is_empty() {
+            let found = format!("{}, which \"{}\" does not show: nowhere is any of it", names.join(", "), view.name);
+            let remedy = format!("add it to the surfaces of \"{}\", or choose one of those", view.name);
+            check.warning("surfaces", found, "surfaces of the view", remedy);
+        }
     }
 
     fn body(&self) -> Body<'_> {

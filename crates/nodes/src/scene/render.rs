@@ -34,6 +34,15 @@ impl NodeType for Render {
         &DECLARATION
     }
 
+    fn check(&self, node: &Settled, check: &mut Check<'_>) {
+        let surfaces = node.all("surfaces");
+        let again = surfaces.iter().enumerate().find(|(index, source)| surfaces[..*index].contains(source));
+        if let Some(twice) = again.and_then(|(_, source)| check.upstream(source)) {
+            let found = format!("\"{}\" twice: the same surface at the same place", twice.name);
+            check.warning("surfaces", found, "each surface once", "name it once");
+        }
+    }
+
     fn body(&self) -> Body<'_> {
         Body::Stage(self)
     }

@@ -45,6 +45,11 @@ impl NodeType for WaterlineFoam {
 
     fn check(&self, node: &Settled, check: &mut Check<'_>) {
         check_same_camera(node, check, ["view", "behind"]);
+        if node.all("view") == node.all("behind") {
+            let found = "the same view as \"view\": nothing lies behind itself, and all of it would be foam";
+            let remedy = "connect a Render of the same camera with all surfaces but the water";
+            check.error("behind", found, "a view without the water", remedy);
+        }
     }
 
     fn body(&self) -> Body<'_> {
@@ -159,6 +164,15 @@ mod tests {
         let faults = refused("weights", &nodes("41"));
         assert!(faults.contains("views of two cameras") && faults.contains("connect the camera of"), "{faults}");
         assert!(graph("weights", &nodes("40"), Path::new(".")).is_ok(), "two nodes that are the same camera");
+    }
+
+    #[test]
+    fn water_before_itself_is_refused() {
+        let nodes = r#""c": { "type": "Camera" }, "s": { "type": "GerstnerSea", "count": 0 },
+            "v": { "type": "Render", "camera": "c", "surfaces": ["s"] },
+            "out": { "type": "WaterlineFoam", "view": "v", "behind": "v" }"#;
+        let faults = refused("weights", nodes);
+        assert!(faults.contains("nothing lies behind itself") && faults.contains("but the water"), "{faults}");
     }
 
     #[test]

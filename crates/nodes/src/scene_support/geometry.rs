@@ -39,6 +39,23 @@ pub(crate) fn check_scale(node: &Settled, check: &mut Check<'_>) {
     }
 }
 
+/// Refuses a file whose name says that another node reads it.
+pub(crate) fn check_ending(node: &Settled, check: &mut Check<'_>, knob: &'static str, endings: &[&str]) {
+    const READERS: [(&[&str], &str, &str); 3] = [
+        (&["obj", "glb", "gltf"], "a mesh of triangles", "Mesh"),
+        (&["json"], "a model of Bézier patches", "BezierModel"),
+        (&["exr", "png", "jpg", "jpeg", "tif", "tiff"], "a picture", "Texture"),
+    ];
+    let name = node.text(knob).to_lowercase();
+    let is_one = |endings: &[&str]| endings.iter().any(|ending| name.ends_with(&format!(".{ending}")));
+    let reader = READERS.iter().find(|(known, ..)| is_one(known)).filter(|_| !is_one(endings));
+    if let Some((_, what, reader)) = reader {
+        let expected = format!("a file with the ending .{}", endings.join(", ."));
+        let remedy = format!("read it by the node {reader}, or choose another file");
+        check.error(knob, format!("\"{}\", {what}", node.text(knob)), expected, remedy);
+    }
+}
+
 /// A surface at one frame.
 pub(crate) struct Standing(SurfaceHandle);
 

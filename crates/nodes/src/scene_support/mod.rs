@@ -1,12 +1,14 @@
 //! What camera, lights, Render and passes share.
 
 mod around;
+pub(crate) mod clouds;
 mod copy;
 mod geometry;
 mod lit;
 mod mask;
 mod mesh;
 mod model;
+mod parted;
 mod seen;
 mod surroundings;
 mod thickness;
@@ -14,15 +16,18 @@ mod waters;
 
 pub(crate) use around::{Around, change, grown, surface_of};
 pub(crate) use copy::ViewCopy;
-pub(crate) use geometry::{FLIP, ROTATE, SCALE, Standing, TRANSLATE, UP, check_scale, placement, to_y_up, y_up_to};
+pub(crate) use geometry::{
+    FLIP, ROTATE, SCALE, Standing, TRANSLATE, UP, check_ending, check_scale, placement, to_y_up, y_up_to,
+};
 pub(crate) use lit::{COMBINE, Lights, Vectors3, eye, toward_eye, view_directions};
 pub(crate) use mask::{ViewMask, ramp};
 pub(crate) use mesh::read_mesh;
 pub(crate) use model::{patch, read_model};
+pub(crate) use parted::{Parted, parted};
 pub(crate) use seen::{Rays, Seen, asked};
 pub(crate) use surroundings::{BEYOND, DETAIL, Surroundings, landed};
 pub(crate) use thickness::{DISTANCE, INSET, Way};
-pub(crate) use waters::{REST, TRAILS, WAVES, can_break, check_same_camera, check_sea, check_trails};
+pub(crate) use waters::{REST, TRAILS, WAVES, can_break, check_roots, check_same_camera, check_sea, check_trails};
 
 use std::sync::Arc;
 use trochoid_graph::{Inputs, Reference, References, Settled, ViewChannel};

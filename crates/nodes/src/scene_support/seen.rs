@@ -58,8 +58,8 @@ impl Surroundings {
         let pixels = (window.y0..window.y1).flat_map(|y| (window.x0..window.x1).map(move |x| (x, y)));
         for (index, (out, (x, y))) in out.iter_mut().zip(pixels).enumerate() {
             // Rays may take long: a soft shadow's over a row more than anybody waits.
-            if index % ASKED == 0 && inputs.cancelled() {
-                return Err(NodeError::new("cancelled"));
+            if index % ASKED == 0 {
+                inputs.go_on()?;
             }
             *out = if coverage[index] > 0.0 {
                 let at = [x as f64 + block.offset[0], y as f64 + block.offset[1]];

@@ -60,3 +60,56 @@ pub(crate) fn check_same_camera(node: &Settled, check: &mut Check<'_>, ports: [&
         check.error(ports[1], found, format!("a view by the camera of \"{}\"", ports[0]), remedy);
     }
 }
+
+/// How many of their lengths away ribbons are smaller than a pixel.
+const TINY: f64 = 2000.0;
+
+/// Warns of rows whose roots lie beside every surface of the node's view, or so far from its camera that nothing of
+/// them is seen: where all surfaces are seas, on which u and v are meters.
+pub(crate) fn check_roots(node: &Settled, check: &mut Check<'_>) {
+    let Some(view) = connected(node, check, "view").filter(|view| view.ty.declaration().name == "Render") else {
+        return;
+    };
+    let surfaces: Option<Vec<Upstream>> =
+        view.node.all("surfaces").iter().map(|source| check.upstream(source).filter(|sea| sea.offers(REST))).collect();
+    let (Some(surfaces), Some(camera)) = (surfaces, check.upstream(view.node.source("camera"))) else { return };
+    let [x, _, z] = camera.node.vector3("position");
+    let is_far = camera.node.text("projection") == "perspective";
+    for (index, row) in node.list("rows").iter().enumerate() {
+        let ends = ["from", "to"].map(|knob| row.vector3(knob));
+        let misses = |sea: &Upstream| grid(sea).is_some_and(|grid| misses(grid, ends));
+        if surfaces.iter().all(misses) {
+            let found = format!("row {index} beside the grids of all surfaces: it has no ribbon");
+            let remedy = "move \"from\" and \"to\" onto the surface, in meters of its x and z";
+            check.warning("rows", found, "roots on a surface", remedy);
+        }
+        let away = distance(ends, [x, z]);
+        if is_far && away > TINY * row.number("length") {
+            let found =
+                format!("row {index}, {away:.0} m from the camera, with ribbons {} m long", row.number("length"));
+            let remedy = "move \"from\" and \"to\" nearer, or raise \"length\"";
+            check.warning("rows", found, "ribbons that are seen, larger than a pixel", remedy);
+        }
+    }
+}
+
+/// Where a sea of cells lies: its least and greatest x, z. None for one without end.
+fn grid(sea: &Upstream) -> Option<[[f64; 2]; 2]> {
+    let node = &sea.node;
+    let side = |knob: &str| (node.number(knob) - 1.0) * node.number("spacing");
+    let least = [node.number("x"), node.number("z")];
+    sea.offers(TRAILS).then(|| [least, [least[0] + side("columns"), least[1] + side("rows")]])
+}
+
+/// Whether a line between two points lies beside a rectangle for certain.
+fn misses([least, most]: [[f64; 2]; 2], ends: [[f64; 3]; 2]) -> bool {
+    (0..2).any(|axis| ends.iter().all(|end| end[axis] < least[axis]) || ends.iter().all(|end| end[axis] > most[axis]))
+}
+
+/// How far the nearest point of a line lies.
+fn distance([from, to]: [[f64; 3]; 2], place: [f64; 2]) -> f64 {
+    let (along, off) = ([to[0] - from[0], to[1] - from[1]], [place[0] - from[0], place[1] - from[1]]);
+    let square = along[0] * along[0] + along[1] * along[1];
+    let share = if square > 0.0 { ((along[0] * off[0] + along[1] * off[1]) / square).clamp(0.0, 1.0) } else { 0.0 };
+    libm::hypot(off[0] - share * along[0], off[1] - share * along[1])
+}

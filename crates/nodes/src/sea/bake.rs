@@ -134,9 +134,7 @@ impl Stage for Bake {
         let mut fields = Fields::default();
         let stop = prepare.cancellation();
         sea.on_grid(grid, wanted, node.number("tolerance"), &mut fields, stop).map_err(NodeError::new)?;
-        if prepare.cancelled() {
-            return Err(NodeError::new("cancelled"));
-        }
+        prepare.go_on()?;
         let sample = |point: usize| {
             let value = |values: &Vec<f32>| values.get(point).map_or(0.0, |value| f64::from(*value));
             Sample {
@@ -150,8 +148,14 @@ impl Stage for Bake {
             if !(0..4).any(|output| asked(output) && CHANNELS[output].contains(&channel)) {
                 return Vec::new();
             }
-            (0..points).into_par_iter().map(|point| channels(&sample(point), up)[channel] as f32).collect()
+            let value = |point: usize| channels(&sample(point), up)[channel] as f32;
+            let mut image = vec![0.0; points];
+            image.par_chunks_mut(grid.columns).enumerate().filter(|_| !stop()).for_each(|(row, out)| {
+                out.iter_mut().zip(row * grid.columns..).for_each(|(out, point)| *out = value(point));
+            });
+            image
         });
+        prepare.go_on()?;
         Ok(Box::new(Baked { surface, grid, up, images }))
     }
 }

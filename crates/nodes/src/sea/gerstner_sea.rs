@@ -1,8 +1,9 @@
 //! GerstnerSea: a sum of trochoidal waves.
 
-use crate::scene_support::{REST, SurfaceHandle, WAVES};
+use crate::scene_support::{Parted, REST, SurfaceHandle, WAVES, parted};
 use std::sync::Arc;
 use trochoid_graph::*;
+use trochoid_image::Format;
 use trochoid_scene::SeaSurface;
 use trochoid_sea::{
     Convention, Dispersion, ExplicitWave, FoldOptions, Folding, GerstnerSpectrum, MAX_WAVES, Sea, Wave, WaveGroup,
@@ -146,6 +147,15 @@ fn waves(node: &Settled) -> Result<Vec<Wave>, String> {
             waves: [group.integer("waves_along") as usize, group.integer("waves_across") as usize],
             seed: group.integer("seed") as u64,
         };
+        let least = WaveGroup::LEAST_ALONG * group.wavelength;
+        if group.along < least {
+            return Err(format!(
+                "group {index} with \"along\" {} m; expected at least {least:.3} m, {} of its wavelength: a shorter \
+                 one would need waves that run the other way; raise \"along\", or lower its \"wavelength\"",
+                group.along,
+                WaveGroup::LEAST_ALONG
+            ));
+        }
         waves.extend(group.waves().map_err(|error| format!("group {index}: {error}"))?);
     }
     Ok(waves)
@@ -164,12 +174,9 @@ impl NodeType for GerstnerSea {
         let waves = match waves(node) {
             Ok(waves) => waves,
             Err(error) => {
-                return check.error(
-                    if error.starts_with("group") { "groups" } else { "waves" },
-                    error,
-                    "waves within the model's range",
-                    "change the knob named",
-                );
+                let Parted { item, found, expected, remedy } = parted(&error, DECLARATION.items);
+                let item = item.unwrap_or(if found.starts_with("group") { "groups" } else { "waves" });
+                return check.error(item, found, expected, remedy);
             }
         };
         let folds = folding(waves);
@@ -187,6 +194,17 @@ impl NodeType for GerstnerSea {
         }
     }
 
+    fn work(&self, node: &Settled, format: Format, _time: f64) -> Option<Work> {
+        // A wave at a vertex, of which a picture of a sea has 1.5 a pixel, within limits.
+        const WAVE: f64 = 4e-11;
+        let group = |group: &Settled| group.number("waves_along") * group.number("waves_across");
+        let waves =
+            node.number("count") + node.list("waves").len() as f64 + node.list("groups").iter().map(group).sum::<f64>();
+        let vertices = (1.5 * format.window().area() as f64).clamp(1e6, 8e6);
+        let remedy = "lower \"count\", the waves of \"groups\", or the pixels";
+        Some(Work { seconds: WAVE * waves * vertices, item: "count", remedy })
+    }
+
     fn notes(&self, node: &Settled) -> Vec<String> {
         let Ok(waves) = waves(node) else { return Vec::new() };
         let count = waves.len();
@@ -195,17 +213,20 @@ impl NodeType for GerstnerSea {
         let verdict = if folds.folded_share > FoldOptions::default().tolerated_share {
             format!("crests fold over on {share:.2} % of it; all sharpnesses × {:.3} would not", folds.unfolded_scale)
         } else if folds.unfolded_scale.is_finite() {
-            format!("crests do not fold; all sharpnesses could grow × {:.3} until they do", folds.unfolded_scale)
+            format!("no crest folds over; all sharpnesses could grow × {:.3} until some do", folds.unfolded_scale)
         } else {
-            "crests never fold".into()
+            "no crest ever folds over".into()
         };
-        let proof = if folds.proved() { "proved by λ1 < 1" } else { "by sampling: λ1 ≥ 1 proves nothing" };
+        let points = FoldOptions::default().samples;
+        let proof = if folds.proved() {
+            "proved for every place and time".into()
+        } else {
+            format!("looked at {points} places, which is no proof")
+        };
         vec![format!(
-            "{count} waves; {verdict} ({proof}; λ1 {:.3}, Σq {:.3}, least det J {:.3} over {} points)",
-            folds.lambda[0],
-            folds.q_sum,
-            folds.jacobian_min,
-            FoldOptions::default().samples,
+            "{count} waves; {verdict} ({proof}). Where water is squeezed most, {:.3} of its area is left (det J; λ1 \
+             {:.3}, below 1 would be the proof; Σq {:.3})",
+            folds.jacobian_min, folds.lambda[0], folds.q_sum,
         )]
     }
 

@@ -194,7 +194,7 @@ impl Stage for Spray {
         })?;
         let (time, brush) = (prepare.frame.time, brush(node));
         let projector = eye(node, prepare, prepare.frame.format)?;
-        let drops = run.at(time).map_err(NodeError::new)?;
+        let drops = run.at_unless(time, prepare.cancellation()).map_err(NodeError::new)?;
         let dabs = Dabs::new(&projector, &drops, &brush).map_err(NodeError::new)?;
         Ok(Box::new(Spraying { node: node.clone(), run, time, projector, brush, dabs, reference: OnceLock::new() }))
     }
@@ -216,8 +216,9 @@ impl Prepared for Spraying {
     fn fill(&self, block: &Block, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let [alpha, depth, age] = [0, 1, 2].map(|output| outputs.take(output, 0));
         let surface = inputs.view("view", ViewChannel::Depth);
-        self.dabs.fill(block.window, block.offset, surface, Planes { alpha, depth, age });
-        Ok(())
+        let planes = Planes { alpha, depth, age };
+        self.dabs.fill_unless(block.window, block.offset, surface, planes, inputs.cancellation());
+        inputs.go_on()
     }
 
     fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {

@@ -1,8 +1,9 @@
 //! ToonSea: a height field that bursts raise as they travel.
 
-use crate::scene_support::{REST, SurfaceHandle, TRAILS};
+use crate::scene_support::{Parted, REST, SurfaceHandle, TRAILS, parted};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use trochoid_graph::*;
+use trochoid_image::Format;
 use trochoid_scene::GridSurface;
 use trochoid_sea::toon::{
     Basin, Behavior, Body as Afloat, Boundary, Burst, Combine, Drift, Drifted, Guide, Mixing, Motion, Physics, Rift,
@@ -246,14 +247,29 @@ fn sea(node: &Settled) -> Result<Sea, String> {
     Sea::new(basin, motion, behavior, bursts).map_err(|error| error.to_string())
 }
 
-/// Seconds that the steps before the first frame take, by what a step of many cells and of many bursts takes on a
-/// machine of today.
-fn preroll_seconds(sea: &Sea) -> f64 {
-    const STEP: f64 = 2e-5;
-    const CELL: f64 = 6e-10;
-    const BURST: f64 = 2e-7;
-    let step = STEP + CELL * sea.basin().cells() as f64 + BURST * sea.bursts().len() as f64;
-    f64::from(sea.behavior().preroll) * step
+/// Warns of a sea that lies still.
+fn check_bursts(sea: &Sea, check: &mut Check<'_>) {
+    let remedy = "give \"guides\" or \"bursts\" with a \"path\" on the grid";
+    if sea.bursts().is_empty() {
+        let found = "no bursts, guides or bodies: the sea lies still";
+        return check.warning("bursts", found, "something that raises waves", remedy);
+    }
+    let basin = sea.basin();
+    let sides = [basin.columns, basin.rows].map(|cells| (cells - 1) as f64 * basin.spacing);
+    // A profile ends within three radii.
+    let misses = |burst: &Burst| {
+        let reach = 3.0 * burst.influence[0].max(burst.influence[1]) * burst.peak.max(1.0);
+        (0..2).any(|axis| {
+            burst.path.iter().all(|point| point[axis] < -reach)
+                || burst.path.iter().all(|point| point[axis] > sides[axis] + reach)
+        })
+    };
+    if basin.boundary != Boundary::Periodic && sea.bursts().iter().all(misses) {
+        let [x, z] = sides;
+        let found = format!("every path beside the grid of {x:.2} × {z:.2} m: the sea lies still");
+        let item = ["bursts", "guides", "bodies"];
+        check.warning(item[usize::from(sea.bursts().len() > 1)], found, "a path over the grid", remedy);
+    }
 }
 
 impl NodeType for ToonSea {
@@ -263,17 +279,24 @@ impl NodeType for ToonSea {
 
     fn check(&self, node: &Settled, check: &mut Check<'_>) {
         match sea(node) {
-            Err(error) => check.error("c1", error, "a sea that stays bounded", "change the knob named"),
-            Ok(sea) => {
-                let minutes = preroll_seconds(&sea) / 60.0;
-                if minutes > 1.0 {
-                    let steps = sea.behavior().preroll;
-                    let found = format!("{steps} steps before the first frame, about {minutes:.0} minutes or more");
-                    let remedy = "make \"preroll\", \"columns\" and \"rows\" smaller, or let bursts be fewer";
-                    check.warning("preroll", found, "at most a minute of them", remedy);
-                }
+            Err(error) => {
+                let Parted { item, found, expected, remedy } = parted(&error, DECLARATION.items);
+                check.error(item.unwrap_or("c1"), found, expected, remedy);
             }
+            Ok(sea) => check_bursts(&sea, check),
         }
+    }
+
+    fn work(&self, node: &Settled, _format: Format, time: f64) -> Option<Work> {
+        // A step, a cell of it, and a burst in it.
+        const STEP: f64 = 2e-5;
+        const CELL: f64 = 6e-10;
+        const BURST: f64 = 2e-7;
+        let sea = sea(node).ok()?;
+        let step = STEP + CELL * sea.basin().cells() as f64 + BURST * sea.bursts().len() as f64;
+        let remedy = "lower \"preroll\", \"columns\" or \"rows\", have fewer bursts or let them end sooner; or begin \
+                      at an earlier frame: the first one takes all steps up to it, each after that only its own";
+        Some(Work { seconds: sea.steps_to(time) as f64 * step, item: "preroll", remedy })
     }
 
     fn notes(&self, node: &Settled) -> Vec<String> {
@@ -323,7 +346,7 @@ impl Stage for ToonSea {
         let heights = match simulation.lock() {
             Ok(mut simulation) => {
                 if !simulation.reach(time, prepare.cancellation()) {
-                    return Err(NodeError::new("cancelled"));
+                    return Err(NodeError::cancelled());
                 }
                 simulation.at(time).height.to_vec()
             }

@@ -141,6 +141,18 @@ impl Dabs {
     /// The same at one sample of every pixel of a window, which stands at `offset` in its pixel, before the surfaces at
     /// the depths of `surface`: the same bits.
     pub fn fill(&self, window: Window, offset: [f64; 2], surface: &[f32], planes: Planes<'_>) {
+        self.fill_unless(window, offset, surface, planes, &|| false);
+    }
+
+    /// The same unless told to stop, which it asks at every stamp: then what is filled is of no use.
+    pub fn fill_unless(
+        &self,
+        window: Window,
+        offset: [f64; 2],
+        surface: &[f32],
+        planes: Planes<'_>,
+        stop: &dyn Fn() -> bool,
+    ) {
         let mut sums = vec![Sprayed::NONE; window.area()];
         let [columns, rows] = self.bins;
         let bin = |at: i64, count: i64| at.div_euclid(BIN).clamp(0, count - 1);
@@ -149,7 +161,8 @@ impl Dabs {
                 for column in bin(window.x0, columns)..=bin(window.x1 - 1, columns) {
                     let within =
                         window.intersect(Window::new(column * BIN, row * BIN, (column + 1) * BIN, (row + 1) * BIN));
-                    self.fill_bin((row * columns + column) as usize, within, window, offset, surface, &mut sums);
+                    let bin = (row * columns + column) as usize;
+                    self.fill_bin(bin, [within, window], offset, surface, stop, &mut sums);
                 }
             }
         }
@@ -166,13 +179,16 @@ impl Dabs {
     fn fill_bin(
         &self,
         bin: usize,
-        within: Window,
-        window: Window,
+        [within, window]: [Window; 2],
         offset: [f64; 2],
         surface: &[f32],
+        stop: &dyn Fn() -> bool,
         sums: &mut [Sprayed],
     ) {
         for &entry in &self.entries[self.starts[bin] as usize..self.starts[bin + 1] as usize] {
+            if stop() {
+                return;
+            }
             let dab = &self.dabs[entry as usize];
             let [left, top, right, bottom] = dab.bounds();
             let first = |edge: f64, offset: f64, least: i64| ((edge - offset).floor().max(least as f64)) as i64;

@@ -43,12 +43,19 @@ impl<'a> Breeder<'a> {
     }
 
     /// The drops born in a step, cell by cell.
-    pub(crate) fn step(&mut self, step: i64) -> Result<Vec<Birth>, SprayError> {
+    pub(crate) fn step(&mut self, step: i64, stop: &(dyn Fn() -> bool + Sync)) -> Result<Vec<Birth>, SprayError> {
         let spray = self.spray;
         let frame = self.sea.at(spray.moment(step));
-        self.plan.evaluate(&frame, &mut self.fields);
+        self.plan.evaluate_unless(&frame, &mut self.fields, stop);
+        // What is out is of no use then.
+        if stop() {
+            return Err(SprayError::Stopped);
+        }
         let mut chosen: Vec<Candidate> = Vec::new();
         for (index, cell) in spray.cells().iter().enumerate() {
+            if index % 1024 == 0 && stop() {
+                return Err(SprayError::Stopped);
+            }
             let (jacobian, doubt) = self.jacobian(index);
             if jacobian - doubt >= spray.threshold {
                 continue;

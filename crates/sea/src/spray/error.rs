@@ -15,6 +15,8 @@ pub enum SprayError {
     Crowd(f64),
     /// More drops at a time than [`MAX_DROPS`].
     Drops,
+    /// Nothing is wrong: it was told to stop.
+    Stopped,
 }
 
 impl SprayError {
@@ -24,7 +26,7 @@ impl SprayError {
             Self::Figure(figure, _) => figure,
             Self::Cells(..) => "cell",
             Self::Steps(_) | Self::Work(_) => "rate",
-            Self::Crowd(_) | Self::Drops => "density",
+            Self::Crowd(_) | Self::Drops | Self::Stopped => "density",
         }
     }
 }
@@ -58,6 +60,7 @@ impl std::fmt::Display for SprayError {
                 "more than {MAX_DROPS} drops at a time are refused; make \"density\", \"size\", \"lifetime\" or the \
                  counts of \"bursts\" smaller"
             ),
+            Self::Stopped => f.write_str("stopped"),
         }
     }
 }

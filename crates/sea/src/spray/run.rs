@@ -57,13 +57,21 @@ impl SprayRun {
     /// # Errors
     /// More than [`MAX_DROPS`].
     pub fn at(&self, time: f64) -> Result<Vec<Droplet>, SprayError> {
-        let steps = self.births(time)?;
+        self.at_unless(time, &|| false)
+    }
+
+    /// The same unless told to stop, which it asks within every step.
+    ///
+    /// # Errors
+    /// More than [`MAX_DROPS`], or [`SprayError::Stopped`].
+    pub fn at_unless(&self, time: f64, stop: &(dyn Fn() -> bool + Sync)) -> Result<Vec<Droplet>, SprayError> {
+        let steps = self.births(time, stop)?;
         let born = steps.iter().flat_map(|births| births.iter().copied()).chain(self.spray.thrown(time));
         Ok(born.filter_map(|birth| self.spray.droplet(&birth, self.level, time)).collect())
     }
 
     /// The births of every step that matters at a time.
-    fn births(&self, time: f64) -> Result<Vec<Arc<[Birth]>>, SprayError> {
+    fn births(&self, time: f64, stop: &(dyn Fn() -> bool + Sync)) -> Result<Vec<Arc<[Birth]>>, SprayError> {
         let Some(level) = self.level else { return Ok(Vec::new()) };
         // A sea without waves has det J = 1 everywhere.
         if self.spray.expected() == 0.0 || (self.sea.waves().is_empty() && self.spray.threshold <= 1.0) {
@@ -78,7 +86,7 @@ impl SprayRun {
                 Some(births) => births.clone(),
                 None => {
                     let breeder = breeder.get_or_insert_with(|| Breeder::new(&self.spray, &self.sea, level));
-                    breeder.step(step)?.into()
+                    breeder.step(step, stop)?.into()
                 }
             };
             total += births.len();

@@ -24,12 +24,12 @@ pub enum ToonError {
 impl std::fmt::Display for ToonError {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            Self::Range { quantity, found, expected } => write!(f, "{quantity} {found} is refused: {expected}"),
+            Self::Range { quantity, found, expected } => write!(f, "{quantity} {found}; expected {expected}"),
             Self::Unstable(instability) => instability.fmt(f),
             Self::NotResampled { found: [c1, c2] } => write!(
                 f,
-                "c1 {c1}, c2 {c2} cannot be resampled: some mode changes its sign at every step, so that half a step \
-                 has no real value; expected 0 < c1 < 1 and c2 of 0 or more, or the literal motion"
+                "c1 {c1}, c2 {c2}, which cannot be resampled: some mode changes its sign at every step, so that half a \
+                 step has no real value; expected 0 < c1 < 1 and c2 of 0 or more, or the literal motion"
             ),
         }
     }

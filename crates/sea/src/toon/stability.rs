@@ -41,8 +41,8 @@ impl std::fmt::Display for Instability {
         let ([c1, c2], [near1, near2]) = (self.found, self.nearest);
         write!(
             f,
-            "c1 {c1}, c2 {c2} is refused: the sea would grow by {:.4} a step; expected |c1| ≤ 1 and \
-             |2·c1·λ + c2| ≤ 1 + c1 for each mode λ of the grid; the nearest that holds: c1 {near1:.4}, c2 {near2:.4}",
+            "c1 {c1}, c2 {c2}, with which the sea grows by {:.4} a step; expected |c1| ≤ 1 and |2·c1·λ + c2| ≤ 1 + c1 \
+             for each mode λ of the grid; the nearest that holds: c1 {near1:.4}, c2 {near2:.4}",
             self.growth
         )
     }

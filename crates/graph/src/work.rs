@@ -1,0 +1,59 @@
+//! How long nodes take for a frame, reckoned from their knobs before anything runs.
+
+/// About how long a node takes for one frame, and what makes it take long.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Work {
+    /// Seconds of one core, by what each step takes on a machine of today: the same on every machine.
+    pub seconds: f64,
+    /// The knob, list or port to change first.
+    pub item: &'static str,
+    /// What to make smaller or larger.
+    pub remedy: &'static str,
+}
+
+impl Work {
+    /// The most that validation takes for meant, in seconds of one core.
+    pub const MOST: f64 = 30.0;
+
+    /// Whether somebody should be told beforehand.
+    pub fn is_heavy(&self) -> bool {
+        self.seconds > Self::MOST
+    }
+
+    /// What was found, for messages.
+    pub fn found(&self) -> String {
+        format!("work for about {} of one core at each frame", duration(self.seconds))
+    }
+
+    /// What was expected, for messages.
+    pub fn expected() -> String {
+        format!("at most {}", duration(Self::MOST))
+    }
+}
+
+/// A duration in the unit that a person would choose.
+fn duration(seconds: f64) -> String {
+    let (value, unit) = match seconds {
+        s if s < 100.0 => (s, "seconds"),
+        s if s < 6_000.0 => (s / 60.0, "minutes"),
+        s if s < 172_800.0 => (s / 3600.0, "hours"),
+        s => (s / 86_400.0, "days"),
+    };
+    format!("{value:.0} {unit}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn durations_have_units_for_people() {
+        for (seconds, text) in
+            [(30.0, "30 seconds"), (119.0, "2 minutes"), (5400.0, "90 minutes"), (36e3, "10 hours"), (1e7, "116 days")]
+        {
+            assert_eq!(duration(seconds), text);
+        }
+        let work = |seconds: f64| Work { seconds, item: "size", remedy: "make it smaller" };
+        assert!(work(31.0).is_heavy() && !work(30.0).is_heavy() && work(f64::INFINITY).is_heavy());
+    }
+}

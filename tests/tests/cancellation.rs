@@ -1,0 +1,66 @@
+//! What takes long asks between its rows, steps or ribbons whether it should stop, not only the engine between tiles.
+
+use crate::support::settings;
+use std::path::Path;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use trochoid::{Buffers, Cache, EvalError, Monitor, Plan, parse};
+
+/// Says "stop" from the answer after so many on.
+struct Fires {
+    after: usize,
+    asked: AtomicUsize,
+}
+
+impl Monitor for Fires {
+    fn cancelled(&self) -> bool {
+        self.asked.fetch_add(1, Ordering::Relaxed) >= self.after
+    }
+}
+
+/// Nodes that others need; `out` is the node that is asked to stop.
+const SCENE: &str = r##""camera": { "type": "Camera", "position": [0, 5, 12] }, "sun": { "type": "Light" },
+    "sea": { "type": "GerstnerSea", "count": 40, "sharpness": 2 },
+    "toon": { "type": "ToonSea", "columns": 16, "rows": 16, "preroll": 1,
+        "bursts": [{ "path": [0, 0, 1, 1, 2, 2, 3, 3] }] },
+    "view": { "type": "Render", "camera": "camera", "surfaces": ["sea"] },
+    "x": { "type": "ScreenX" }, "image": { "type": "Mix", "a": "#000", "b": "#fff", "weight": "x" }"##;
+
+#[test]
+fn nodes_that_take_long_stop_between_tiles_too() {
+    for (out, output) in [
+        (r#""type": "Strokes", "image": "image", "view": "view", "layers": [{}]"#, r#""color": "out""#),
+        (r#""type": "Strokes", "image": "image", "layers": [{ "spacing": 2 }]"#, r#""color": "out""#),
+        (r#""type": "Hooks", "view": "view", "rows": [{ "from": [-5, 0], "to": [5, 0] }]"#, r#""weights": "out""#),
+        (r#""type": "Blur", "image": "image", "size": 3"#, r#""color": "out""#),
+        (r#""type": "Clouds", "camera": "camera", "light": "sun", "steps": 64, "layers": [{}]"#, r#""weights": "out""#),
+        (r#""type": "Shadow", "view": "view", "lights": ["sun"]"#, r#""weights": "out""#),
+        (r#""type": "FlowField", "view": "view""#, r#""field": "out""#),
+        (r#""type": "FlowField", "field": "x", "along": "contour", "smooth": 4"#, r#""field": "out""#),
+        (r#""type": "Spray", "view": "view", "sea": "sea""#, r#""weights": "out""#),
+        (
+            r#""type": "Spray", "view": "view", "bursts": [{ "time": -0.5, "position": [0, 5, 0] }]"#,
+            r#""weights": "out""#,
+        ),
+        (r#""type": "Bake", "sea": "sea", "tolerance": 1e-6"#, r#""field": "out.height""#),
+        (r#""type": "Bake", "sea": "sea", "tolerance": 1e-3"#, r#""field": "out.normal""#),
+        (r#""type": "Bake", "sea": "toon""#, r#""field": "out.normal""#),
+    ] {
+        let text = format!(
+            r#"{{ "trochoid": 1, "format": {{ "width": 64, "height": 48 }}, "nodes": {{ {SCENE},
+                "out": {{ {out} }} }}, "outputs": {{ "out": {{ {output} }} }} }}"#
+        );
+        let loaded = parse("test.json", &text, Path::new("."), &[]).unwrap_or_else(|error| panic!("{error}\n{text}"));
+        let plan =
+            Plan::new(&loaded.graph, &[], 1, &[], &settings(|s| (s.threads, s.tile) = (1, Some((64, 64))))).unwrap();
+        // More than the engine itself asks: before each of at most six stages prepares, before the only tile, and
+        // before each of at most four is filled.
+        let after = 12;
+        let monitor = Fires { after, asked: AtomicUsize::new(0) };
+        let stopped = plan.evaluate(&Buffers::new(), &mut Cache::new(), &monitor);
+        let asked = monitor.asked.load(Ordering::Relaxed);
+        assert!(matches!(stopped, Err(EvalError::Cancelled)), "{out}: asked {asked} times");
+        // And it gets through when nobody stops it.
+        let never = Fires { after: usize::MAX, asked: AtomicUsize::new(0) };
+        assert!(plan.evaluate(&Buffers::new(), &mut Cache::new(), &never).is_ok(), "{out}");
+    }
+}
