@@ -85,21 +85,37 @@ impl Prepared for Warping {
             |plane: Option<&[f32]>, index: usize| self.split(plane.map_or(0.0, |plane| f64::from(plane[index])));
         let column = |x: i64| (x.clamp(from.x0, from.x1 - 1) - from.x0) as usize;
         let row = |y: i64| (y.clamp(from.y0, from.y1 - 1) - from.y0) as usize * from.width();
-        // Where each sample looks, once for all channels.
-        let taps: Vec<([usize; 4], [f32; 4])> = (window.y0..window.y1)
-            .flat_map(|y| (window.x0..window.x1).map(move |x| (x, y)))
+        // Where each sample that is moved looks, once for all channels.
+        let places = (window.y0..window.y1).flat_map(|y| (window.x0..window.x1).map(move |x| (x, y)));
+        let taps: Vec<(usize, [usize; 4], [f32; 4])> = places
             .enumerate()
-            .map(|(index, (x, y))| {
+            .filter_map(|(index, (x, y))| {
                 let ((dx, u), (dy, v)) = (split(dx, index), split(dy, index));
+                if (dx, dy) == (0, 0) && u == 0.0 && v == 0.0 {
+                    return None;
+                }
                 let (left, right) = (column(x + dx), column(x + dx + 1));
                 let (above, below) = (row(y + dy), row(y + dy + 1));
-                ([above + left, above + right, below + left, below + right], weights(u, v))
+                Some((index, [above + left, above + right, below + left, below + right], weights(u, v)))
             })
             .collect();
         fill(self.kind, window.area(), outputs, |channel, out| {
             if let Some(Some(samples)) = image.planes.get(channel) {
-                for (out, (at, weights)) in out.iter_mut().zip(&taps) {
-                    *out = blended(at.map(|at| samples[at]), weights);
+                // All others see what lies in their own place.
+                for (y, out) in (window.y0..window.y1).zip(out.chunks_exact_mut(window.width().max(1))) {
+                    let (first, end) = (window.x0.max(from.x0), window.x1.min(from.x1));
+                    for (x, out) in (window.x0..window.x1).zip(out.iter_mut()) {
+                        if x < first || x >= end {
+                            *out = samples[row(y) + column(x)];
+                        }
+                    }
+                    if first < end {
+                        let within = (first - window.x0) as usize..(end - window.x0) as usize;
+                        out[within].copy_from_slice(&samples[row(y) + column(first)..][..(end - first) as usize]);
+                    }
+                }
+                for (index, at, weights) in &taps {
+                    out[*index] = blended(at.map(|at| samples[at]), weights);
                 }
             }
         });

@@ -83,16 +83,23 @@ struct Drawn {
     /// Sine and cosine of the angle by which it is turned.
     turn: (f64, f64),
     form: Form,
-    /// Nothing of it lies farther from its center.
-    radius: f64,
+    /// The least and greatest x and y of it on the picture.
+    bounds: [[f64; 2]; 2],
 }
 
 enum Form {
     Disc(f64),
     /// Half the size without the rounding, and the rounding.
     Box([f64; 2], f64),
-    /// Corners from the center, the first again at the end.
-    Polygon(Vec<[f64; 2]>),
+    Polygon(Polygon),
+}
+
+/// Corners, the first again at the end.
+struct Polygon {
+    /// From the center, before it is turned.
+    corners: Vec<[f64; 2]>,
+    /// On the picture.
+    seen: Vec<[f64; 2]>,
 }
 
 impl Drawn {
@@ -100,22 +107,33 @@ impl Drawn {
         // Farther off than any picture all is alike, and nothing overflows.
         let pixels = |heights: f64| (heights * screen.height).clamp(-1e12, 1e12);
         let [x, y, _] = shape.vector3("center").map(pixels);
-        let (form, radius) = match shape.text("form") {
+        let turn = libm::sincos(shape.number("angle").to_radians());
+        let around = |reach: f64| [[x - reach, y - reach], [x + reach, y + reach]];
+        let (form, bounds) = match shape.text("form") {
             "box" => {
                 let [width, height, _] = shape.vector3("size").map(|side| pixels(side) / 2.0);
                 let corner = pixels(shape.number("corner")).min(width).min(height);
-                (Form::Box([width - corner, height - corner], corner), width + height)
+                (Form::Box([width - corner, height - corner], corner), around(width + height))
             }
             "polygon" => {
                 let mut corners: Vec<[f64; 2]> =
                     shape.numbers("points").chunks_exact(2).map(|pair| [pixels(pair[0]), pixels(pair[1])]).collect();
                 corners.extend(corners.first().copied());
-                let radius = corners.iter().map(|[x, y]| x.abs() + y.abs()).fold(0.0, f64::max);
-                (Form::Polygon(corners), radius)
+                let (sin, cos) = turn;
+                let seen: Vec<[f64; 2]> =
+                    corners.iter().map(|[a, b]| [x + a * cos - b * sin, y + a * sin + b * cos]).collect();
+                let extreme = |of: fn(f64, f64) -> f64, from: f64| {
+                    seen.iter().fold([from; 2], |all, at| [of(all[0], at[0]), of(all[1], at[1])])
+                };
+                let bounds = [extreme(f64::min, f64::INFINITY), extreme(f64::max, f64::NEG_INFINITY)];
+                (Form::Polygon(Polygon { corners, seen }), bounds)
             }
-            _ => (Form::Disc(pixels(shape.number("radius"))), pixels(shape.number("radius"))),
+            _ => {
+                let radius = pixels(shape.number("radius"));
+                (Form::Disc(radius), around(radius))
+            }
         };
-        Self { center: [x, y], turn: libm::sincos(shape.number("angle").to_radians()), form, radius }
+        Self { center: [x, y], turn, form, bounds }
     }
 
     /// A place on the picture as the shape has it before it is turned and moved.
@@ -135,15 +153,35 @@ impl Drawn {
                 let inside = beyond[0].max(beyond[1]).min(0.0);
                 length(beyond.map(|side| side.max(0.0))) + inside - corner
             }
-            Form::Polygon(corners) => {
-                let (mut nearest, mut inside) = (f64::INFINITY, false);
-                for side in corners.windows(2) {
-                    nearest = nearest.min(away(place, side[0], side[1]));
-                    inside ^= crosses(place, side[0], side[1]);
-                }
-                if inside { -nearest } else { nearest }
-            }
+            Form::Polygon(polygon) => polygon.signed(place, 0..polygon.corners.len() - 1),
         }
+    }
+}
+
+impl Polygon {
+    /// Signed distance to the nearest of some sides, negative inside all of them.
+    fn signed(&self, place: [f64; 2], sides: impl IntoIterator<Item = usize>) -> f64 {
+        let of = |side: usize| (self.corners[side], self.corners[side + 1]);
+        let nearest = sides.into_iter().map(of).map(|(a, b)| away(place, a, b)).fold(f64::INFINITY, f64::min);
+        let inside = self.corners.windows(2).fold(false, |inside, side| inside ^ crosses(place, side[0], side[1]));
+        if inside { -nearest } else { nearest }
+    }
+
+    /// The sides that come within `reach` of a row of the picture, and where along it they do.
+    fn near(&self, row: f64, reach: f64) -> Vec<(std::ops::RangeInclusive<f64>, usize)> {
+        let mut near = Vec::new();
+        for (index, side) in self.seen.windows(2).enumerate() {
+            let ([ax, ay], [bx, by]) = (side[0], side[1]);
+            if ay.max(by) < row - reach || ay.min(by) > row + reach {
+                continue;
+            }
+            // The part of the side within the band; all of it where it lies along the row.
+            let at = |y: f64| if ay == by { ax } else { ax + ((y - ay) / (by - ay)).clamp(0.0, 1.0) * (bx - ax) };
+            let ends = if (ay - by).abs() <= reach { [ax, bx] } else { [at(row - reach), at(row + reach)] };
+            near.push((ends[0].min(ends[1]) - reach..=ends[0].max(ends[1]) + reach, index));
+        }
+        near.sort_by(|a, b| a.0.start().total_cmp(b.0.start()));
+        near
     }
 }
 
@@ -188,21 +226,44 @@ impl Prepared for Drawing {
         let window = block.window;
         for shape in &self.drawn {
             // Pixels beyond the shape and its edge, and a pixel more for rounding, stay as they are.
-            let reach = shape.radius + self.edge / 2.0 + 1.0;
-            let within = |center: f64, offset: f64, first: i64, end: i64| {
-                let from = (center - reach - offset).floor().max(first as f64) as i64;
-                let to = (center + reach - offset).ceil().min((end - 1) as f64) as i64;
+            let reach = self.edge / 2.0 + 1.0;
+            let [low, high] = shape.bounds;
+            let within = |axis: usize, first: i64, end: i64| {
+                let from = (low[axis] - reach - block.offset[axis]).floor().max(first as f64) as i64;
+                let to = (high[axis] + reach - block.offset[axis]).ceil().min((end - 1) as f64) as i64;
                 from..to + 1
             };
-            let rows = within(shape.center[1], block.offset[1], window.y0, window.y1);
-            for y in rows {
-                for x in within(shape.center[0], block.offset[0], window.x0, window.x1) {
-                    let out = &mut mask[(y - window.y0) as usize * window.width() + (x - window.x0) as usize];
-                    // A pixel that is full stays so.
-                    if *out < 1.0 {
-                        let at = [x as f64 + block.offset[0], y as f64 + block.offset[1]];
-                        *out = out.max(self.mask(shape.distance(at)) as f32);
+            let columns = within(0, window.x0, window.x1);
+            for y in within(1, window.y0, window.y1) {
+                let row = &mut mask[(y - window.y0) as usize * window.width()..][..window.width()];
+                let at = y as f64 + block.offset[1];
+                let place = |x: i64| shape.place([x as f64 + block.offset[0], at]);
+                let mut draw = |x: i64, distance: f64| {
+                    let out = &mut row[(x - window.x0) as usize];
+                    *out = out.max(self.mask(distance) as f32);
+                };
+                let Form::Polygon(polygon) = &shape.form else {
+                    columns.clone().for_each(|x| draw(x, shape.distance([x as f64 + block.offset[0], at])));
+                    continue;
+                };
+                let near = polygon.near(at, reach);
+                let (mut x, mut begun) = (columns.start, 0);
+                while x < columns.end {
+                    let here = x as f64 + block.offset[0];
+                    begun += near[begun..].iter().take_while(|(span, _)| *span.start() <= here).count();
+                    let beside = near[..begun].iter().filter(|(span, _)| here <= *span.end()).map(|(_, side)| *side);
+                    if beside.clone().next().is_some() {
+                        draw(x, polygon.signed(place(x), beside));
+                        x += 1;
+                        continue;
                     }
+                    // Up to the next side all lies inside, or all outside, too far away for the edge.
+                    let next = near.get(begun).map_or(f64::INFINITY, |(span, _)| *span.start() - block.offset[0]);
+                    let end = (next.ceil().min(columns.end as f64) as i64).max(x + 1);
+                    if polygon.signed(place(x), []) < 0.0 {
+                        (x..end).for_each(|x| draw(x, f64::NEG_INFINITY));
+                    }
+                    x = end;
                 }
             }
         }

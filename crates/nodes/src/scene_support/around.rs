@@ -26,6 +26,21 @@ impl<'a> Around<'a> {
         row as usize * window.width() + column as usize
     }
 
+    /// A row of a plane, from one column up to another.
+    pub(crate) fn row(&self, plane: &[f32], y: i64, columns: std::ops::Range<i64>, row: &mut Vec<f32>) {
+        row.clear();
+        let Window { x0, x1, .. } = self.view.window;
+        // Columns within the plane lie side by side.
+        let (first, end) = (columns.start.max(x0), columns.end.min(x1));
+        if first < end {
+            row.extend((columns.start..first).map(|x| plane[self.index(x, y)]));
+            row.extend_from_slice(&plane[self.index(first, y)..][..(end - first) as usize]);
+            row.extend((end..columns.end).map(|x| plane[self.index(x, y)]));
+        } else {
+            row.extend(columns.map(|x| plane[self.index(x, y)]));
+        }
+    }
+
     /// The number of samples in a plane.
     pub(crate) fn area(&self) -> usize {
         self.view.window.area()

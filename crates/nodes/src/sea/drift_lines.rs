@@ -128,21 +128,17 @@ impl Prepared for Drawn {
         let weights = around.whole(ViewChannel::DriftWeight);
         let heights = around.whole(ViewChannel::Height);
         let Window { x0, x1, y0, .. } = block.window;
-        let gather = |plane: &[f32], y: i64, from: i64, to: i64, row: &mut Vec<f32>| {
-            row.clear();
-            row.extend((from..to).map(|x| plane[around.index(x, y)]));
-        };
         let mut rows: [Vec<f32>; 8] = std::array::from_fn(|_| Vec::new());
         for (y, out) in (y0..).zip(mask.chunks_exact_mut(block.window.width().max(1))) {
             let [weight, height, cos, sin, above_cos, above_sin, below_cos, below_sin] = &mut rows;
-            gather(weights, y, x0, x1, weight);
-            gather(heights, y, x0, x1, height);
-            gather(planes[0], y, x0 - 1, x1 + 1, cos);
-            gather(planes[1], y, x0 - 1, x1 + 1, sin);
-            gather(planes[0], y - 1, x0, x1, above_cos);
-            gather(planes[1], y - 1, x0, x1, above_sin);
-            gather(planes[0], y + 1, x0, x1, below_cos);
-            gather(planes[1], y + 1, x0, x1, below_sin);
+            around.row(weights, y, x0..x1, weight);
+            around.row(heights, y, x0..x1, height);
+            around.row(planes[0], y, x0 - 1..x1 + 1, cos);
+            around.row(planes[1], y, x0 - 1..x1 + 1, sin);
+            around.row(planes[0], y - 1, x0..x1, above_cos);
+            around.row(planes[1], y - 1, x0..x1, above_sin);
+            around.row(planes[0], y + 1, x0..x1, below_cos);
+            around.row(planes[1], y + 1, x0..x1, below_sin);
             let beside = [[&above_cos[..], &above_sin[..]], [&below_cos[..], &below_sin[..]]];
             self.lines.fill(&LineRow { weight, height, phase: [cos, sin], beside }, out);
         }
