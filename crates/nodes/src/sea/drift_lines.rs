@@ -127,6 +127,11 @@ impl Prepared for Drawn {
         let planes = self.phase.map(|channel| around.whole(channel));
         let weights = around.whole(ViewChannel::DriftWeight);
         let heights = around.whole(ViewChannel::Height);
+        // Without trails there are no lines.
+        if weights.iter().all(|weight| *weight == 0.0) {
+            mask.fill(0.0);
+            return Ok(());
+        }
         let Window { x0, x1, y0, .. } = block.window;
         let gather = |plane: &[f32], y: i64, from: i64, to: i64, row: &mut Vec<f32>| {
             row.clear();
