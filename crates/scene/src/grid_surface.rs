@@ -4,7 +4,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::shading::unit_or_up;
-use crate::surface::{Hit, Mesh, Surface, Topology};
+use crate::surface::{Anchor, Hit, Mesh, Surface, Topology};
 use crate::{Channel, ChannelSet, Projector, Ray, Resting};
 
 /// Chord error in pixels that a cell may make at its nearest, at a crest three times as sharp as the root mean square.
@@ -391,6 +391,15 @@ impl Surface for GridSurface {
         let [u, v] =
             [0, 1].map(|axis| ((place[axis] - self.origin[axis]) / self.spacing).clamp(0.0, (counts[axis] - 1) as f64));
         Some(self.level + self.within(u, v)[0])
+    }
+
+    fn anchors(&self, [x, z]: [f64; 2]) -> Vec<Anchor> {
+        let anchor = |[height, dx, dz]: [f64; 3]| Anchor {
+            point: DVec3::new(x, self.level + height, z),
+            along_u: DVec3::new(1.0, dx, 0.0),
+            along_v: DVec3::new(0.0, dz, 1.0),
+        };
+        self.height(x, z).map(anchor).into_iter().collect()
     }
 
     fn resting(&self) -> Option<&dyn Resting> {

@@ -46,6 +46,6 @@ pub use obstacles::{Obstacles, first_reference, surroundings};
 pub use resting::Resting;
 pub use rigid::{Pose, RigidBodies};
 pub use sea_surface::SeaSurface;
-pub use surface::{Hit, Mesh, Surface, Topology};
+pub use surface::{Anchor, Hit, Mesh, Surface, Topology};
 pub use triangles::{MAX_TRIANGLES, TriangleModel, Triangles, TrianglesError};
 pub use visible::{Stats, Visible};

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use crate::surface::{Hit, Mesh, Surface, Topology};
+use crate::surface::{Anchor, Hit, Mesh, Surface, Topology};
 use crate::{ChannelSet, Projector, Ray};
 
 /// Where a rigid body stands.
@@ -103,6 +103,17 @@ fn triangles(topology: &Topology, first: u32) -> Vec<[u32; 3]> {
 }
 
 impl Surface for RigidBodies {
+    fn anchors(&self, uv: [f64; 2]) -> Vec<Anchor> {
+        let anchors = self.model.anchors(uv);
+        let stand = |pose: &Pose| {
+            let (turn, point) = (|way| pose.turn(way), |point| pose.apply(point));
+            let place =
+                |at: &Anchor| Anchor { point: point(at.point), along_u: turn(at.along_u), along_v: turn(at.along_v) };
+            anchors.iter().map(place).collect::<Vec<_>>()
+        };
+        self.poses.iter().flat_map(stand).collect()
+    }
+
     fn tessellate(&self, projector: &Projector, wanted: ChannelSet) -> Mesh {
         let mut all = Mesh::empty(0.0);
         let mut joined = Vec::new();

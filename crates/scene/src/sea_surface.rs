@@ -3,7 +3,7 @@ use trochoid_sea::{Sea, SeaFrame};
 
 use crate::extent::{Bounds, Sector, Strip};
 use crate::spacing::Spacing;
-use crate::surface::{Hit, Mesh, Surface};
+use crate::surface::{Anchor, Hit, Mesh, Surface};
 use crate::{ChannelSet, Projector, Ray, Resting, reference, tessellate};
 
 /// An endless sea at one time.
@@ -127,6 +127,16 @@ impl Surface for SeaSurface {
     fn height_at(&self, place: [f64; 2], footprint: f64) -> Option<f64> {
         let rest = self.rest_above(place, footprint);
         Some(self.level + self.frame.evaluate(rest, footprint).displacement[1])
+    }
+
+    fn anchors(&self, uv: [f64; 2]) -> Vec<Anchor> {
+        let sample = self.frame.evaluate(uv, 0.0);
+        let ([xx, xz, zz], [yx, yz]) = (sample.strain, sample.slope);
+        vec![Anchor {
+            point: self.point(uv, 0.0).0,
+            along_u: DVec3::new(1.0 + xx, yx, xz),
+            along_v: DVec3::new(xz, yz, 1.0 + zz),
+        }]
     }
 
     fn resting(&self) -> Option<&dyn Resting> {

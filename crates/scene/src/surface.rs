@@ -28,10 +28,27 @@ pub trait Surface: Send + Sync {
         None
     }
 
+    /// Every point that has these texture coordinates; none of surfaces that do not know them.
+    fn anchors(&self, uv: [f64; 2]) -> Vec<Anchor> {
+        let _ = uv;
+        Vec::new()
+    }
+
     /// The same surface by its rest points, where it lies over a resting plane.
     fn resting(&self) -> Option<&dyn Resting> {
         None
     }
+}
+
+/// A point of a surface by its texture coordinates (u, v).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Anchor {
+    /// The point in the world.
+    pub point: DVec3,
+    /// ∂P/∂u, or at least its direction.
+    pub along_u: DVec3,
+    /// ∂P/∂v, or at least its direction.
+    pub along_v: DVec3,
 }
 
 /// How the vertices of a mesh hang together.

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use std::collections::HashMap;
 
 use crate::bezier::Placement;
-use crate::surface::{Hit, Mesh, Surface, Topology};
+use crate::surface::{Anchor, Hit, Mesh, Surface, Topology};
 use crate::{ChannelSet, Projector, Ray};
 
 /// Most triangles, and most vertices, of one mesh.
@@ -207,6 +207,29 @@ fn mean_normals(positions: &[DVec3], triangles: &[[u32; 3]]) -> Vec<DVec3> {
 }
 
 impl Surface for TriangleModel {
+    /// Of every triangle within which they lie.
+    fn anchors(&self, uv: [f64; 2]) -> Vec<Anchor> {
+        let uvs = &self.mesh.uvs;
+        let anchor = |triangle: &[u32; 3]| {
+            let corners = triangle.map(|vertex| vertex as usize);
+            let [a, b, c] = corners.map(|corner| *uvs.get(corner).unwrap_or(&[f64::NAN; 2]));
+            let ([p, q], r) = ([b, c].map(|to| [to[0] - a[0], to[1] - a[1]]), [uv[0] - a[0], uv[1] - a[1]]);
+            let area = p[0] * q[1] - p[1] * q[0];
+            let [s, t] = [(r[0] * q[1] - r[1] * q[0]) / area, (p[0] * r[1] - p[1] * r[0]) / area];
+            // Fails where the triangle has no area, or no coordinates.
+            (s >= 0.0 && t >= 0.0 && s + t < 1.0).then(|| {
+                let [a, b, c] = corners.map(|corner| self.positions[corner]);
+                let (b, c) = (b - a, c - a);
+                Anchor {
+                    point: a + b * s + c * t,
+                    along_u: (b * q[1] - c * p[1]) / area,
+                    along_v: (c * p[0] - b * q[0]) / area,
+                }
+            })
+        };
+        self.triangles.iter().filter_map(anchor).collect()
+    }
+
     fn tessellate(&self, projector: &Projector, wanted: ChannelSet) -> Mesh {
         let relative = |point: &DVec3| (*point - projector.position).as_vec3().to_array();
         let when = |channels: ChannelSet| wanted.intersects(channels);

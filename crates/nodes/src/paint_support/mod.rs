@@ -1,5 +1,7 @@
 //! What the painter's nodes share: random numbers of strokes, where strokes begin, and their shape.
 
+#[cfg(feature = "scene")]
+mod claw;
 mod layer;
 mod random;
 #[cfg(feature = "scene")]
@@ -7,11 +9,11 @@ mod ribbon;
 mod seeds;
 mod stroke;
 
+#[cfg(feature = "scene")]
+pub(crate) use claw::{Claw, Places, VALUES, covered};
 pub(crate) use layer::{LAYERS, Layer, MARGIN, layers, reach};
 pub(crate) use random::{draw, key};
 #[cfg(feature = "scene")]
 pub(crate) use ribbon::{Ribbon, Shape};
-#[cfg(feature = "scene")]
-pub(crate) use seeds::within;
 pub(crate) use seeds::{Cells, Corner, Seed, placed, seeds_of};
 pub(crate) use stroke::{Around, Manner, Stroke, pixels};

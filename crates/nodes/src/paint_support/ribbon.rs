@@ -82,26 +82,47 @@ impl Ribbon {
     /// Where a place lies in it: of all steps of the spine, in that whose middle is nearest in its own widths. Ends
     /// and bends are round.
     pub(crate) fn at(&self, place: [f64; 2]) -> Option<Within> {
-        let mut found: Option<Within> = None;
-        for step in 0..STEPS {
-            let ([ax, ay], [bx, by]) = (self.points[step], self.points[step + 1]);
-            let (dx, dy) = (bx - ax, by - ay);
-            let (px, py) = (place[0] - ax, place[1] - ay);
-            let squared = dx * dx + dy * dy;
-            let t = if squared > 0.0 { ((px * dx + py * dy) / squared).clamp(0.0, 1.0) } else { 0.0 };
-            let (ox, oy) = (px - t * dx, py - t * dy);
-            let half_width = self.widths[step] + t * (self.widths[step + 1] - self.widths[step]);
-            let distance = (ox * ox + oy * oy).sqrt();
-            if distance > half_width || half_width <= 0.0 {
-                continue;
-            }
-            let side = if dx * oy - dy * ox < 0.0 { -1.0 } else { 1.0 };
-            let across = side * distance / half_width;
-            if found.is_none_or(|found| across.abs() < found.across.abs()) {
-                found = Some(Within { along: (step as f64 + t) / STEPS as f64, across, half_width });
-            }
+        (0..STEPS).fold(None, |found, step| Within::deeper(found, self.at_step(step, place)))
+    }
+
+    /// Least and greatest x, then y, of the places of one step of the spine.
+    pub(crate) fn step_bounds(&self, step: usize) -> [[f64; 2]; 2] {
+        let (from, to, wide) = (self.points[step], self.points[step + 1], self.widths[step].max(self.widths[step + 1]));
+        [0, 1].map(|axis| [from[axis].min(to[axis]) - wide, from[axis].max(to[axis]) + wide])
+    }
+
+    /// Where a place lies in one step of the spine.
+    #[inline]
+    pub(crate) fn at_step(&self, step: usize, place: [f64; 2]) -> Option<Within> {
+        let ([ax, ay], [bx, by]) = (self.points[step], self.points[step + 1]);
+        let (dx, dy) = (bx - ax, by - ay);
+        let (px, py) = (place[0] - ax, place[1] - ay);
+        let squared = dx * dx + dy * dy;
+        let t = if squared > 0.0 { ((px * dx + py * dy) / squared).clamp(0.0, 1.0) } else { 0.0 };
+        let (ox, oy) = (px - t * dx, py - t * dy);
+        let half_width = self.widths[step] + t * (self.widths[step + 1] - self.widths[step]);
+        let distance = (ox * ox + oy * oy).sqrt();
+        if distance > half_width || half_width <= 0.0 {
+            return None;
         }
-        found
+        let side = if dx * oy - dy * ox < 0.0 { -1.0 } else { 1.0 };
+        Some(Within { along: (step as f64 + t) / STEPS as f64, across: side * distance / half_width, half_width })
+    }
+}
+
+impl Within {
+    /// The distance to the rim in pixels.
+    pub(crate) fn inset(&self) -> f64 {
+        (1.0 - self.across.abs()) * self.half_width
+    }
+
+    /// Of two steps, that whose middle is nearer in its own widths; the first, if equal.
+    pub(crate) fn deeper(first: Option<Self>, second: Option<Self>) -> Option<Self> {
+        match (first, second) {
+            (Some(a), Some(b)) if b.across.abs() < a.across.abs() => second,
+            (None, _) => second,
+            _ => first,
+        }
     }
 }
 

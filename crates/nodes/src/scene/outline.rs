@@ -32,6 +32,13 @@ static DECLARATION: Declaration = Declaration {
         )
         .item(),
         Knob::bool("objects", true, "Lines between different surfaces, and before the sky.").item(),
+        List::of(
+            "together",
+            &[Knob::numbers("surfaces", 1, 64, "Their places in the Render's list, from 0.").item()],
+            0,
+            64,
+            "Groups of surfaces that count as one: the first of each.",
+        ),
         Knob::number(
             "depth_step",
             0.1,
@@ -53,6 +60,20 @@ impl NodeType for Outline {
     fn body(&self) -> Body<'_> {
         Body::Stage(self)
     }
+}
+
+/// As what each surface counts: those of a group as its first.
+fn counts_as(node: &Settled) -> Vec<f64> {
+    let mut counts_as: Vec<f64> = (0..64).map(f64::from).collect();
+    for group in node.list("together") {
+        let surfaces = group.numbers("surfaces");
+        for surface in surfaces {
+            if let (Some(entry), Some(first)) = (counts_as.get_mut(*surface as usize), surfaces.first()) {
+                *entry = *first;
+            }
+        }
+    }
+    counts_as
 }
 
 /// How far owners stand from what they draw.
@@ -95,6 +116,7 @@ impl Stage for Outline {
             },
             objects: node.bool("objects"),
             depth_step: node.number("depth_step"),
+            counts_as: counts_as(node),
         }))
     }
 }
@@ -114,6 +136,8 @@ struct Drawing {
     owner: Owner,
     objects: bool,
     depth_step: f64,
+    /// As what each surface counts.
+    counts_as: Vec<f64>,
 }
 
 /// What a sample sees: the surface's index, −1 for the sky, and 1/depth.
@@ -136,6 +160,12 @@ impl Seen {
 }
 
 impl Drawing {
+    /// What a sample sees, of a group its first surface.
+    fn seen(&self, surface: f64, depth: f64) -> Seen {
+        let surface = if surface < 0.0 { surface } else { *self.counts_as.get(surface as usize).unwrap_or(&surface) };
+        Seen::new(surface, depth)
+    }
+
     /// Whether an edge parts `a` from `b` beside it; `before` and `after` stand farther out in the same line.
     #[inline]
     fn parted(&self, before: Seen, a: Seen, b: Seen, after: Seen) -> bool {
@@ -181,7 +211,7 @@ impl Prepared for Drawing {
             .surfaces()
             .into_iter()
             .zip(depths)
-            .map(|(surface, depth)| Seen::new(f64::from(surface), f64::from(*depth)))
+            .map(|(surface, depth)| self.seen(f64::from(surface), f64::from(*depth)))
             .collect();
         let at = |x: i64, y: i64| seen[around.index(x, y)];
         let thickness = inputs.all("thickness").first().and_then(|connection| connection.planes[0]);
@@ -228,7 +258,7 @@ impl Prepared for Drawing {
         let seen: Vec<Seen> = (0..side * side)
             .map(|index| {
                 let there = inputs.moved((from + index % side) as f64, (from + index / side) as f64);
-                Seen::new(surface_of(&self.node, &there), there.view(view, ViewChannel::Depth))
+                self.seen(surface_of(&self.node, &there), there.view(view, ViewChannel::Depth))
             })
             .collect();
         let at = |x: i64, y: i64| seen[((y - from) * side + x - from) as usize];

@@ -127,6 +127,11 @@ impl Prepared for Drawn {
         let planes = self.phase.map(|channel| around.whole(channel));
         let weights = around.whole(ViewChannel::DriftWeight);
         let heights = around.whole(ViewChannel::Height);
+        // Without trails there are no lines.
+        if weights.iter().all(|weight| *weight == 0.0) {
+            mask.fill(0.0);
+            return Ok(());
+        }
         let Window { x0, x1, y0, .. } = block.window;
         let mut rows: [Vec<f32>; 8] = std::array::from_fn(|_| Vec::new());
         for (y, out) in (y0..).zip(mask.chunks_exact_mut(block.window.width().max(1))) {

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::{Bicubic, tessellate, trace};
-use crate::surface::{Hit, Mesh, Surface};
+use crate::surface::{Anchor, Hit, Mesh, Surface};
 use crate::{ChannelSet, Projector, Ray};
 
 /// Most patches of one model.
@@ -98,6 +98,19 @@ impl Placed {
     }
 }
 
+impl Placed {
+    /// Where in the patch texture coordinates lie. Of patches side by side an edge belongs to that which begins there,
+    /// and the last edge, at 1, to that which ends there.
+    fn place(&self, uv: [f64; 2]) -> Option<[f64; 2]> {
+        let share = |axis: usize| {
+            let [from, to] = [self.uv[0][axis], self.uv[1][axis]];
+            let inside = uv[axis] >= from && (uv[axis] < to || (uv[axis] == to && to == 1.0));
+            inside.then(|| (uv[axis] - from) / (to - from))
+        };
+        Some([share(0)?, share(1)?])
+    }
+}
+
 /// A surface of Bézier patches.
 ///
 /// Rest points are those of the model's own space, before it is placed, so that textures stay on it. Patches are seen
@@ -142,5 +155,14 @@ impl Surface for PatchModel {
 
     fn trace(&self, projector: &Projector, ray: &Ray) -> Option<Hit> {
         trace::trace(self, projector, ray)
+    }
+
+    fn anchors(&self, uv: [f64; 2]) -> Vec<Anchor> {
+        let anchor = |placed: &Placed| {
+            let [u, v] = placed.place(uv)?;
+            let [along_u, along_v] = placed.shape.tangents(u, v);
+            Some(Anchor { point: placed.shape.evaluate(u, v), along_u, along_v })
+        };
+        self.placed.iter().filter_map(anchor).collect()
     }
 }

@@ -1,5 +1,6 @@
 //! What cameras see, against the f64 references and against what is known of it.
 
+mod anchors;
 mod bezier;
 mod edges;
 mod float;
