@@ -7,7 +7,7 @@ mod ribbon;
 mod seeds;
 mod stroke;
 
-pub(crate) use layer::{LAYERS, Layer, MARGIN, layers, reach};
+pub(crate) use layer::{LAYERS, Layer, MARGIN, STRIDES, layers, reach};
 pub(crate) use random::{draw, key};
 #[cfg(feature = "scene")]
 pub(crate) use ribbon::{Ribbon, Shape};
