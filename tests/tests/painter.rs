@@ -6,7 +6,7 @@ use trochoid::{Buffers, CheckedGraph, Format, Picture, ReferenceFrame, Window};
 
 const FORMAT: &str = r#""width": 56, "height": 40"#;
 
-/// A sea with hills before a sky, painted in three layers; control colors are to be put in.
+/// A sea with hills before a sky, painted in four layers; control colors are to be put in.
 const SEA: &str = r##"
     "camera": { "type": "Camera", "position": [0, 4, 0], "target": [0, 3, -10], "fov": 60 },
     "sea": { "type": "GerstnerSea", "count": 12, "wavelength": 12, "height": 3, "seed": 3 },
@@ -25,7 +25,8 @@ const SEA: &str = r##"
 
 const STROKES: &str = r#""type": "Strokes", "view": "view", "flow": "flow", "size": "nearness", "detail": 0.25,
     "layers": [
-    { "length": 14, "width": 4, "spacing": 5.5, "stray": 3 },
+    { "length": 12, "width": 5, "spacing": 5.5, "turn": 30 },
+    { "length": 14, "width": 4, "spacing": 4, "stray": 3 },
     { "length": 9, "width": 2.5, "spacing": 3, "opacity": 1, "turn": 40 },
     { "length": 5, "width": 1, "spacing": 2.5, "bristle": 0.2 }]"#;
 
