@@ -7,7 +7,7 @@ const WIDTH: usize = 96;
 const HEIGHT: usize = 54;
 
 fn storm() -> CheckedGraph {
-    let loaded = load(&root().join("graphs/stormy_sea.json"), &[]).unwrap();
+    let loaded = load(&root().join("graphs/open_sea.json"), &[]).unwrap();
     loaded.graph.with_format(Format::new(WIDTH as u32, HEIGHT as u32, 4).unwrap())
 }
 

@@ -310,7 +310,11 @@ impl<'p> Fills<'p> {
         Some(if plane.stride == width || height == 1 {
             plane.samples[plane.start..plane.start + region.area()].into()
         } else {
-            (0..height).flat_map(|y| plane.row(y, width)).copied().collect()
+            let mut samples = Vec::with_capacity(region.area());
+            for y in 0..height {
+                samples.extend_from_slice(plane.row(y, width));
+            }
+            samples.into()
         })
     }
 

@@ -189,8 +189,8 @@ impl Plan<'_> {
             // Whole rows, so that every block of a file is decoded once.
             Some(rows) => (self.window.width(), TILE.1.max(4 * down).next_multiple_of(rows.max(1))),
             None if in_place && across + down == 0 => (self.window.width(), TILE.1),
-            // Tiles that are large against what they share with their neighbors.
-            None => (TILE.0.max(4 * across), TILE.1.max(4 * down)),
+            // Tiles that are large against what they share with their neighbors, and wide: threads share the bands.
+            None => (TILE.0.max(12 * across), TILE.1.max(6 * down)),
         }
     }
 

@@ -2,7 +2,7 @@
 
 use crate::filter_support::{fill, kind, numbers, value};
 use crate::paint_support::{
-    Around, Cells, Corner, LAYERS, Layer, MARGIN, Manner, Stroke, layers, pixels, placed, reach, seeds_of,
+    Around, Cells, Corner, LAYERS, Layer, MARGIN, Manner, STRIDES, Stroke, layers, pixels, placed, reach, seeds_of,
 };
 use fearless_simd::{Level, Simd, dispatch};
 use trochoid_graph::*;
@@ -99,7 +99,7 @@ impl Stage for Strokes {
     }
 
     fn regions_of_interest(&self, node: &Settled, _port: &str, window: Window) -> Window {
-        let by = reach(&layers(node)) + MARGIN + 2;
+        let by = reach(&layers(node)) + MARGIN + 1 + STRIDES[1];
         Window::new(window.x0 - by, window.y0 - by, window.x1 + by, window.y1 + by)
     }
 
@@ -109,7 +109,6 @@ impl Stage for Strokes {
             node: node.clone(),
             kind: kind(prepare),
             picture: prepare.frame.format.window(),
-            reach: reach(&layers),
             layers,
             manner: Manner::new(node.number("edge"), node.number("lost")),
             on_surfaces: is_on_surfaces(node),
@@ -117,26 +116,27 @@ impl Stage for Strokes {
     }
 }
 
+/// Width and height of the parts of a block that are painted one after the other.
+const PART: (usize, usize) = (128, 64);
+
 struct Painting {
     node: Settled,
     kind: Kind,
     picture: Window,
     layers: Vec<Layer>,
-    /// How far strokes reach from their seeds, in pixels.
-    reach: i64,
     manner: Manner,
     on_surfaces: bool,
 }
 
 impl Painting {
-    /// The upper left pixels of all patches whose strokes may reach so far into a window.
-    fn near(&self, window: Window, reach: i64) -> Window {
+    /// The upper left pixels of all patches so large whose strokes may reach so far into a window.
+    fn near(&self, window: Window, reach: i64, stride: i64) -> Window {
         let picture = self.picture;
         Window::new(
-            (window.x0 - reach - 1).max(picture.x0),
-            (window.y0 - reach - 1).max(picture.y0),
-            (window.x1 + reach).min(picture.x1 - 1),
-            (window.y1 + reach).min(picture.y1 - 1),
+            (window.x0 - reach - stride).max(picture.x0),
+            (window.y0 - reach - stride).max(picture.y0),
+            (window.x1 + reach).min(picture.x1 - stride),
+            (window.y1 + reach).min(picture.y1 - stride),
         )
     }
 
@@ -148,26 +148,33 @@ impl Painting {
         go_on: impl Fn() -> Result<(), NodeError>,
     ) -> Result<Vec<(usize, Stroke)>, NodeError> {
         let mut strokes = Vec::new();
-        let mut cells: Vec<Cells> = self.layers.iter().map(|layer| Cells::new(layer.key)).collect();
-        // Fine layers reach less far.
-        let windows: Vec<Window> = self.layers.iter().map(|layer| self.near(window, reach(&[*layer]))).collect();
-        let near = self.near(window, self.reach);
-        for y in near.y0..near.y1 {
-            go_on()?;
-            let mut left = [around.corner(near.x0, y), around.corner(near.x0, y + 1)];
-            for x in near.x0..near.x1 {
-                let right = [around.corner(x + 1, y), around.corner(x + 1, y + 1)];
-                let corners = [left[0], right[0], left[1], right[1]];
-                left = right;
-                let Some(patch) = placed(corners, self.manner.step) else { continue };
-                let [size, ..] = around.shares(x, y);
-                for (((index, layer), cells), near) in self.layers.iter().enumerate().zip(&mut cells).zip(&windows) {
-                    if !near.contains(x, y) {
-                        continue;
+        for stride in STRIDES {
+            // Fine layers reach less far.
+            let mut layers: Vec<(usize, &Layer, Window, Cells)> = Vec::new();
+            for (index, layer) in self.layers.iter().enumerate().filter(|(_, layer)| layer.stride() == stride) {
+                layers.push((index, layer, self.near(window, reach(&[*layer]), stride), Cells::new(layer.key)));
+            }
+            let Some(all) = layers.iter().map(|(_, _, near, _)| *near).reduce(Window::union) else { continue };
+            // Patches stand at the same places whatever the window.
+            let [x0, y0] = [all.x0, all.y0].map(|first| first + (-first).rem_euclid(stride));
+            for y in (y0..all.y1).step_by(stride as usize) {
+                go_on()?;
+                let mut left = [around.corner(x0, y), around.corner(x0, y + stride)];
+                for x in (x0..all.x1).step_by(stride as usize) {
+                    let right = [around.corner(x + stride, y), around.corner(x + stride, y + stride)];
+                    let corners = [left[0], right[0], left[1], right[1]];
+                    left = right;
+                    let Some(patch) = placed(corners, stride as f64, self.manner.step) else { continue };
+                    let [size, ..] = around.shares(x, y);
+                    for (index, layer, near, cells) in &mut layers {
+                        if !near.contains(x, y) {
+                            continue;
+                        }
+                        seeds_of(&patch, pixels(layer, size), cells, |seed| {
+                            let stroke = Stroke::new(layer, &self.manner, &seed, [x, y], around);
+                            strokes.extend(stroke.map(|stroke| (*index, stroke)));
+                        });
                     }
-                    seeds_of(&patch, pixels(layer, size), cells, |seed| {
-                        strokes.extend(Stroke::new(layer, &self.manner, &seed, [x, y], around).map(|s| (index, s)));
-                    });
                 }
             }
         }
@@ -340,29 +347,50 @@ impl Prepared for Painting {
         let width = window.width();
         let (mut covers, mut weights) = (vec![0.0f32; width], vec![0.0f64; width]);
         let (flat, far) = (vec![-1.0f32; width], vec![f32::INFINITY; width]);
-        let level = Level::new();
-        for (number, (_, stroke)) in strokes.iter().enumerate() {
-            // The largest strokes take a millisecond, the smallest less than it takes to ask.
-            if number % 64 == 0 {
-                inputs.go_on()?;
-            }
+        let channels = self.kind.channels();
+        let mut values = Vec::with_capacity(strokes.len() * channels);
+        for (_, stroke) in &strokes {
             let [x, y] = stroke.source;
-            let values: Vec<f64> =
-                (0..self.kind.channels()).map(|channel| sample(Some(image), channel, x, y).unwrap_or(0.0)).collect();
+            values.extend((0..channels).map(|channel| sample(Some(image), channel, x, y).unwrap_or(0.0)));
+        }
+        let level = Level::new();
+        // Part by part, so that what is painted on stays near; no bit depends on where parts end.
+        let parts: Vec<Window> = window.tiles(PART.0, PART.1).collect();
+        let across = width.div_ceil(PART.0);
+        let mut on: Vec<Vec<u32>> = vec![Vec::new(); parts.len()];
+        for (index, (_, stroke)) in strokes.iter().enumerate() {
+            let bounds = stroke.bounds().intersect(window);
+            if bounds.is_empty() {
+                continue;
+            }
+            let column = |x: i64| (x - window.x0) as usize / PART.0;
+            let row = |y: i64| (y - window.y0) as usize / PART.1;
+            for row in row(bounds.y0)..=row(bounds.y1 - 1) {
+                for column in column(bounds.x0)..=column(bounds.x1 - 1) {
+                    on[row * across + column].push(index as u32);
+                }
+            }
+        }
+        for (part, on) in parts.into_iter().zip(on) {
+            inputs.go_on()?;
             dispatch!(level, simd => simd.vectorize(#[inline(always)] || {
-                let [first, last] = stroke.rows();
-                for y in first.max(window.y0)..(last + 1).min(window.y1) {
-                    let [begin, end] = stroke.columns(y);
-                    let (x0, x1) = (begin.max(window.x0), (end + 1).min(window.x1));
-                    if x0 >= x1 {
-                        continue;
+                for index in &on {
+                    let stroke = &strokes[*index as usize].1;
+                    let values = &values[*index as usize * channels..][..channels];
+                    let [first, last] = stroke.rows();
+                    for y in first.max(part.y0)..(last + 1).min(part.y1) {
+                        let [begin, end] = stroke.columns(y);
+                        let (x0, x1) = (begin.max(part.x0), (end + 1).min(part.x1));
+                        if x0 >= x1 {
+                            continue;
+                        }
+                        let count = (x1 - x0) as usize;
+                        let [parts, depths] = planes.row([x0, x1], y);
+                        let (parts, depths) = (parts.unwrap_or(&flat[..count]), depths.unwrap_or(&far[..count]));
+                        let from = [begin as f64 - stroke.at[0], y as f64 - stroke.at[1]];
+                        stroke.cover_row(from, x0 - begin, parts, depths, &mut covers[..count]);
+                        sums.add(self::index(window, x0, y), &covers[..count], values, &mut weights[..count]);
                     }
-                    let count = (x1 - x0) as usize;
-                    let [parts, depths] = planes.row([x0, x1], y);
-                    let (parts, depths) = (parts.unwrap_or(&flat[..count]), depths.unwrap_or(&far[..count]));
-                    let from = [begin as f64 - stroke.at[0], y as f64 - stroke.at[1]];
-                    stroke.cover_row(from, x0 - begin, parts, depths, &mut covers[..count]);
-                    sums.add(index(window, x0, y), &covers[..count], &values, &mut weights[..count]);
                 }
             }));
         }

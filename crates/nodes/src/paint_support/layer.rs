@@ -42,6 +42,16 @@ pub(crate) struct Layer {
     pub(crate) key: u64,
 }
 
+impl Layer {
+    /// How many pixels the corners of the patches stand apart in which its seeds are looked for: few strokes need few.
+    pub(crate) fn stride(&self) -> i64 {
+        if self.spacing < 5.0 { 1 } else { STRIDES[1] }
+    }
+}
+
+/// Sides of patches in which seeds are looked for, in pixels.
+pub(crate) const STRIDES: [i64; 2] = [1, 2];
+
 /// The layers of a node, the lowest first.
 pub(crate) fn layers(node: &Settled) -> Vec<Layer> {
     let list = node.list("layers");

@@ -11,7 +11,7 @@ mod stroke;
 
 #[cfg(feature = "scene")]
 pub(crate) use claw::{Claw, Places, VALUES, covered};
-pub(crate) use layer::{LAYERS, Layer, MARGIN, layers, reach};
+pub(crate) use layer::{LAYERS, Layer, MARGIN, STRIDES, layers, reach};
 pub(crate) use random::{draw, key};
 #[cfg(feature = "scene")]
 pub(crate) use ribbon::{Ribbon, Shape};

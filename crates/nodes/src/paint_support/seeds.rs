@@ -26,8 +26,12 @@ pub(crate) struct Patch {
     /// Least and greatest of both coordinates.
     low: [f64; 2],
     high: [f64; 2],
-    /// Its area.
+    /// How many pixels its corners stand apart.
+    side: f64,
+    /// Its area over that of its pixels.
     pub(crate) area: f64,
+    /// Index of the surface; −1 where none is seen.
+    part: f64,
     /// The axis, and whether a surface is seen.
     tag: i64,
 }
@@ -41,12 +45,14 @@ pub(crate) struct Seed {
     pub(crate) at: [f64; 2],
     /// How much of it is there, in [0, 1], by its level.
     pub(crate) share: f64,
+    /// Index of the surface that it lies on; −1 for none.
+    pub(crate) part: f64,
 }
 
-/// The patch between four pixels (upper left, upper right, lower left, lower right), `None` where they see different
-/// things: two depths of a patch differ by no more than the factor `step`.
+/// The patch between four pixels (upper left, upper right, lower left, lower right) that stand `side` pixels apart,
+/// `None` where they see different things: two depths of a patch differ by no more than the factor `step`.
 #[inline(always)]
-pub(crate) fn placed(corners: [Corner; 4], step: f64) -> Option<Patch> {
+pub(crate) fn placed(corners: [Corner; 4], side: f64, step: f64) -> Option<Patch> {
     let [a, b, c, d] = corners;
     if a.part != b.part || a.part != c.part || a.part != d.part {
         return None;
@@ -64,10 +70,12 @@ pub(crate) fn placed(corners: [Corner; 4], step: f64) -> Option<Patch> {
     let kept = [[1, 2], [0, 2], [0, 1]][axis];
     let flat = |corner: Corner| kept.map(|axis| corner.rest[axis]);
     let tag = axis as i64 + if a.part < 0.0 { 3 } else { 0 };
+    let part = a.part;
     let [a, b, c, d] = corners.map(flat);
     let low = [0, 1].map(|axis: usize| a[axis].min(b[axis]).min(c[axis].min(d[axis])));
     let high = [0, 1].map(|axis: usize| a[axis].max(b[axis]).max(c[axis].max(d[axis])));
-    Some(Patch { corners: [a, b, c, d], low, high, area: areas[axis] / 2.0, tag })
+    let area = areas[axis] / (2.0 * side * side);
+    Some(Patch { corners: [a, b, c, d], low, high, side, area, part, tag })
 }
 
 /// The lower of the two levels for one point in so many pixels², by the area of a patch; `None` where it has none.
@@ -154,9 +162,10 @@ pub(crate) fn seeds_of(patch: &Patch, pixels: f64, cells: &mut Cells, mut found:
                     continue;
                 }
                 if let Some(at) = within(&patch.corners, point) {
+                    let at = at.map(|share| share * patch.side);
                     let above = 0.5 * libm::log2(patch.area * pixels) - lower as f64;
                     let share = if level == lower { 1.0 - above } else { above };
-                    found(Seed { key, at, share: share.clamp(0.0, 1.0) });
+                    found(Seed { key, at, share: share.clamp(0.0, 1.0), part: patch.part });
                 }
             }
         }
@@ -197,7 +206,7 @@ mod tests {
         let all = (0..40).flat_map(|y| (0..60).map(move |x| (x, y)));
         all.filter_map(|(x, y)| {
             let corners = [corner(x, y), corner(x + 1, y), corner(x, y + 1), corner(x + 1, y + 1)];
-            Some(([x, y], placed(corners, 1.1)?))
+            Some(([x, y], placed(corners, 1.0, 1.1)?))
         })
         .collect()
     }
@@ -248,6 +257,32 @@ mod tests {
     }
 
     #[test]
+    fn larger_patches_hold_the_seeds_of_those_in_them() {
+        // A plane whose rest points are straight in the picture: both tilings find each seed at the same place.
+        let corner = |x: i64, y: i64| Corner { rest: [0.3 * x as f64, 0.0, 0.2 * y as f64], part: 2.0, depth: 1.0 };
+        let find = |side: i64| {
+            let (mut found, mut cells) = (std::collections::BTreeMap::new(), Cells::new(9));
+            for (y, x) in
+                (0..40).step_by(side as usize).flat_map(|y| (0..60).step_by(side as usize).map(move |x| (y, x)))
+            {
+                let [right, below] = [x + side, y + side];
+                let corners = [corner(x, y), corner(right, y), corner(x, below), corner(right, below)];
+                let patch = placed(corners, side as f64, 1.1).unwrap();
+                seeds_of(&patch, 36.0, &mut cells, |seed| {
+                    assert_eq!(seed.part, 2.0);
+                    found.insert(seed.key, [x as f64 + seed.at[0], y as f64 + seed.at[1], seed.share]);
+                });
+            }
+            found
+        };
+        let (small, large) = (find(1), find(2));
+        assert!(small.len() > 60 && small.keys().eq(large.keys()), "{} and {} seeds", small.len(), large.len());
+        for (a, b) in small.values().zip(large.values()) {
+            assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-9), "{a:?}, {b:?}");
+        }
+    }
+
+    #[test]
     fn levels_are_whole_logarithms() {
         for exponent in -40..40 {
             let area = libm::exp2(f64::from(exponent) * 0.37);
@@ -263,10 +298,10 @@ mod tests {
     fn patches_do_not_span_edges() {
         let corner = |part: f64, depth: f64| Corner { rest: [0.0, depth, part], part, depth };
         let near = corner(0.0, 10.0);
-        assert!(placed([near, near, near, corner(1.0, 10.0)], 1.1).is_none());
-        assert!(placed([near, corner(0.0, 12.0), near, near], 1.1).is_none());
-        assert!(placed([near, corner(0.0, 10.5), near, near], 1.1).is_some());
+        assert!(placed([near, near, near, corner(1.0, 10.0)], 1.0, 1.1).is_none());
+        assert!(placed([near, corner(0.0, 12.0), near, near], 1.0, 1.1).is_none());
+        assert!(placed([near, corner(0.0, 10.5), near, near], 2.0, 1.1).is_some());
         let sky = corner(-1.0, f64::INFINITY);
-        assert!(placed([sky; 4], 1.1).is_some_and(|patch| patch.area.is_nan() || patch.area == 0.0));
+        assert!(placed([sky; 4], 1.0, 1.1).is_some_and(|patch| patch.area.is_nan() || patch.area == 0.0));
     }
 }

@@ -2,6 +2,7 @@
 
 use super::{Layer, MARGIN, Seed, draw};
 use std::f64::consts::TAU;
+use trochoid_image::Window;
 
 /// What a stroke is told of the picture: at pixels, which are those nearest to what lies beyond.
 pub(crate) trait Around {
@@ -90,6 +91,19 @@ fn rounded(x: f64) -> i64 {
     toward_zero - i64::from(toward_zero as f64 > up)
 }
 
+/// The greatest whole number that is not above one.
+#[inline(always)]
+fn floor(x: f64) -> i64 {
+    let toward_zero = x as i64;
+    toward_zero - i64::from(toward_zero as f64 > x)
+}
+
+/// The least whole number that is not below one.
+#[inline(always)]
+fn ceiling(x: f64) -> i64 {
+    -floor(-x)
+}
+
 /// A number of [0, 1] that rises and falls in turn.
 #[inline(always)]
 fn hair(x: f64) -> f64 {
@@ -131,6 +145,10 @@ impl Stroke {
         half[1] = half[1].max(LEAST_HALF_WIDTH);
         let look = half[0].clamp(1.0, MARGIN as f64);
         let (part, depth) = (around.part(x, y), around.depth(x, y));
+        // Something thin may stand between the corners of its patch.
+        if part != seed.part {
+            return None;
+        }
         let open = Self::open(manner, [x, y], depth, look, around);
         let opacity = layer.opacity * there * thin * open;
         if opacity <= 0.0 {
@@ -200,12 +218,19 @@ impl Stroke {
         self.opacity * body * dry * end
     }
 
+    /// The pixels that it may cover.
+    pub(crate) fn bounds(&self) -> Window {
+        let ([cos, sin], [y0, y1]) = (self.along, self.rows());
+        let reach = self.half[0] * cos.abs() + (1.0 + self.bend.abs()) * self.half[1] * sin.abs() + 1e-3;
+        Window::new(ceiling(self.at[0] - reach), y0, floor(self.at[0] + reach) + 1, y1 + 1)
+    }
+
     /// The rows that it may cover.
     pub(crate) fn rows(&self) -> [i64; 2] {
         let [cos, sin] = self.along;
         let aside = (1.0 + self.bend.abs()) * self.half[1];
         let reach = self.half[0] * sin.abs() + aside * cos.abs();
-        [libm::ceil(self.at[1] - reach) as i64, libm::floor(self.at[1] + reach) as i64]
+        [ceiling(self.at[1] - reach), floor(self.at[1] + reach)]
     }
 
     /// The columns that it may cover in a row: where two strips, along and across, cross it.
@@ -223,7 +248,7 @@ impl Stroke {
                 return [0, -1];
             }
         }
-        [libm::ceil(self.at[0] + low - 1e-3) as i64, libm::floor(self.at[0] + high + 1e-3) as i64]
+        [ceiling(self.at[0] + low - 1e-3), floor(self.at[0] + high + 1e-3)]
     }
 
     /// The same as [`Self::covers`] in f32 for pixels of a row, after so many of those that begin so far from the

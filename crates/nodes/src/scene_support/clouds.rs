@@ -115,7 +115,7 @@ impl Cut {
     pub(crate) fn at(self, step: usize) -> Option<(f64, f64)> {
         let step = step as f64;
         let share = (self.count - step).min(1.0);
-        (share > 0.0).then(|| (self.near + (step + 0.5 * share) * self.part, share * self.part))
+        (share > 0.0).then_some((self.near + (step + 0.5 * share) * self.part, share * self.part))
     }
 }
 
