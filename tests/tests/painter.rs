@@ -186,3 +186,31 @@ fn strokes_move_with_the_water_and_not_with_the_picture() {
     assert!(rest < 1e-3, "strokes on the water change by {rest}");
     assert!(screen > 10.0 * rest.max(1e-4), "strokes on the picture change by {screen} alone");
 }
+
+/// How much of the picture hooks cover, on a sheet that a degree a frame turns away from the eye and back.
+fn hooked(graph: &CheckedGraph, frame: i64) -> f64 {
+    let frame = evaluate(graph, frame, &Buffers::new(), &settings(|_| ()));
+    let window = graph.format().window();
+    let places = (window.y0..window.y1).flat_map(|y| (window.x0..window.x1).map(move |x| (x, y)));
+    places.map(|(x, y)| f64::from(sample(&frame.pictures[0], 0, x, y))).sum()
+}
+
+#[test]
+fn hooks_come_and_go_by_growing() {
+    let nodes = r#"
+        "camera": { "type": "Camera", "position": [0, 0, 20], "target": [0, 0, 0], "projection": "orthographic", "height": 8 },
+        "sheet": { "type": "BezierModel", "rotate": { "keys": [[1, [0, 0, 0]], [181, [180, 0, 0]]] }, "rails": [
+            { "points": [{ "at": [-4, 2, 0] }, { "at": [0, 2.5, 0] }, { "at": [4, 2, 0] }] },
+            { "points": [{ "at": [-4, -2, 0] }, { "at": [0, -2.5, 0] }, { "at": [4, -2, 0] }] }] },
+        "view": { "type": "Render", "camera": "camera", "surfaces": ["sheet"] },
+        "hooks": { "type": "Hooks", "view": "view", "rows": [
+            { "from": [0.1, 0.5], "to": [0.9, 0.5], "count": 5, "length": 2, "width": 0.8, "thumbs": 2 }] }"#;
+    let graph = graph(FORMAT, nodes, r#""mask": { "weights": "hooks.mask" }"#);
+    let covered: Vec<f64> = (55..=127).map(|frame| hooked(&graph, frame)).collect();
+    let most = covered.iter().copied().fold(0.0, f64::max);
+    assert!(most > 25.0, "{most} pixels");
+    assert_eq!(covered[91 - 55], 0.0, "seen from its edge");
+    for (step, pair) in covered.windows(2).enumerate() {
+        assert!((pair[0] - pair[1]).abs() < 0.25 * most, "{pair:?} of {most} at {} degrees", step + 54);
+    }
+}

@@ -51,9 +51,9 @@ fn leads_back(what: &str, surface: &dyn Surface) {
 }
 
 fn sheet() -> PatchModel {
-    let rail =
-        |j: i32| (0..6).map(|i| DVec3::new(f64::from(i) - 2.5, f64::from((i * j) % 3) * 0.3, f64::from(j) - 1.5));
-    let rails = Rails { rails: (0..4).map(|j| rail(j).collect()).collect(), closed_u: false, closed_v: false };
+    let point = |i: i32, j: i32| DVec3::new(f64::from(i) - 2.5, f64::from((i * j) % 3) * 0.3, f64::from(j) - 1.5);
+    let rail = |j: i32| (0..6).map(|i| point(i, j)).collect();
+    let rails = Rails { rails: (0..4).map(rail).collect(), closed_u: false, closed_v: false };
     let placement = Placement { rotate: DVec3::new(0.1, 0.4, -0.2), ..Placement::default() };
     PatchModel::new(&rails.patches().expect("rails"), placement, false, Tessellation::Uniform { segments: 8 })
 }
