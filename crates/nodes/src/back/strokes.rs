@@ -23,7 +23,8 @@ static DECLARATION: Declaration = Declaration {
               0)·hair), hair(b) in [0, 1]. Seeds: one point a cell of square grids of sides 2^ℓ on the surface at \
               rest, of the two levels next to one point in `spacing`² pixels, which fade into each other.",
     edge_cases: "Seeds are fixed on the surface, so that strokes move with it and neither boil nor swim; where none \
-                 is seen, on the picture. All but the share `lost` end where the surface does or depth jumps, and \
+                 is seen, on the picture. From a spacing of 5 pixels on they are sought between every second \
+                 pixel. All but the share `lost` end where the surface does or depth jumps, and \
                  take their color from their own side. Strokes fade out beside what hides their seed, and at the \
                  picture's border. What no stroke covers is the image itself. Weights come of geometry alone and are \
                  those of every color: a picture of other colors has the same strokes, and no color is added to the \
@@ -51,7 +52,7 @@ static DECLARATION: Declaration = Declaration {
         Knob::integer("seed", 0, 0, 1_000_000_000, "Which strokes of all that have these figures.").item(),
     ],
     outputs: &[Output::new("image", Kind::ANY, "The painted image, of the same kind.")],
-    revision: 1,
+    revision: 2,
 };
 
 const RESTS: [ViewChannel; 3] = [ViewChannel::RestX, ViewChannel::RestY, ViewChannel::RestZ];
