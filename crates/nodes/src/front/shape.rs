@@ -279,6 +279,8 @@ impl Prepared for Drawing {
 #[cfg(test)]
 mod tests {
     use crate::testing::{frame, refused};
+    use trochoid_graph::{Block, Inputs, Outputs};
+    use trochoid_image::Window;
 
     #[test]
     fn shapes_agree_with_the_reference_wherever_they_lie() {
@@ -303,6 +305,32 @@ mod tests {
                     let (found, truth) = (frame.filled(id, 0, 0, at), frame.truth(at)[1]);
                     assert!((f64::from(found) - truth).abs() < 1e-6, "{list} at {at:?}: {found}, expected {truth}");
                 }
+            }
+        }
+    }
+
+    #[test]
+    fn rows_of_polygons_agree_with_the_reference() {
+        let star = "0, -6, 1, 4, -5, -2, 5, -2, -1, 4, 8, 8, -8, 8, 8, 7.9";
+        let comb = "-9, 6, -9, -6, -8, 5, -7, -6, -6.9, 5, 0, -5.5, 0.1, 5, 9, -6, 9, -6, 9, 6";
+        for (points, angle, edge) in [star, comb]
+            .iter()
+            .flat_map(|p| [0, 33, 90, 181].map(|a| (p, a)))
+            .flat_map(|(p, a)| [0, 1, 9].map(|e| (p, a, e)))
+        {
+            let shape = format!(
+                r#""out": {{ "type": "Shape", "edge": {edge}, "shapes": [{{ "form": "polygon", "center": [9.3, 6.1],
+                    "angle": {angle}, "points": [{points}] }}] }}"#
+            );
+            let frame = frame("weights", &shape);
+            let block = Block { window: Window::new(-7, -5, 70, 45), offset: [0.27, 0.81] };
+            let mut plane = vec![f32::NAN; block.window.area()];
+            let mut outputs = Outputs::new(vec![vec![Some(&mut plane[..])]]);
+            frame.node("out").fill(&block, &Inputs::new(&[]), &mut outputs).unwrap();
+            let places = (-5..45).flat_map(|y| (-7..70).map(move |x| [f64::from(x) + 0.27, f64::from(y) + 0.81]));
+            for (found, at) in plane.iter().zip(places) {
+                let truth = frame.truth(at)[1];
+                assert!((f64::from(*found) - truth).abs() < 1e-6, "{shape} at {at:?}: {found}, expected {truth}");
             }
         }
     }
