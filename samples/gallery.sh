@@ -5,17 +5,21 @@ cd "$(dirname "$0")/.."
 cargo build --release
 trochoid=${CARGO_TARGET_DIR:-target}/release/trochoid
 
-still() { "$trochoid" preview "graphs/$1.json" --output "${3:-beauty}" --frames "$2" -o "samples/$1.png"; }
+still() { "$trochoid" preview "graphs/$1.json" --output beauty --frames "$2" --shrink "${3:-2}" -o "samples/$1.png"; }
 moving() { "$trochoid" preview "graphs/$1.json" --frames "$2" --shrink 4 --quality 78 -o "samples/$1.webp"; }
 tree() { "$trochoid" graph "graphs/$1.json" -o "graphs/trees/$1.svg"; }
 
-still stormy_sea 48
-still stormy_sea_bare 48
+still stormy_sea 36
+still stormy_sea_bare 36
+still open_sea 1
 still great_wave 33
 still toon_sea 48
 still cartoon_bay 48
 still toon_teapot 4
-still from_passes 1
+still from_passes 1 1
+still glow 25 1
+still cartoon_water 48 1
+still painted_normals 1 1
 
 moving stormy_sea 1-96x2
 moving great_wave 1-48

@@ -19,6 +19,7 @@ impl Monitor for Fires {
 
 /// Nodes that others need; `out` is the node that is asked to stop.
 const SCENE: &str = r##""camera": { "type": "Camera", "position": [0, 5, 12] }, "sun": { "type": "Light" },
+    "up": { "type": "Camera", "position": [0, 5, 12], "target": [0, 20, -30] },
     "sea": { "type": "GerstnerSea", "count": 40, "sharpness": 2 },
     "toon": { "type": "ToonSea", "columns": 16, "rows": 16, "preroll": 1,
         "bursts": [{ "path": [0, 0, 1, 1, 2, 2, 3, 3] }] },
@@ -32,7 +33,7 @@ fn nodes_that_take_long_stop_between_tiles_too() {
         (r#""type": "Strokes", "image": "image", "layers": [{ "spacing": 2 }]"#, r#""color": "out""#),
         (r#""type": "Hooks", "view": "view", "rows": [{ "from": [-5, 0], "to": [5, 0] }]"#, r#""weights": "out""#),
         (r#""type": "Blur", "image": "image", "size": 3"#, r#""color": "out""#),
-        (r#""type": "Clouds", "camera": "camera", "light": "sun", "steps": 64, "layers": [{}]"#, r#""weights": "out""#),
+        (r#""type": "Clouds", "camera": "up", "light": "sun", "steps": 64, "layers": [{}]"#, r#""weights": "out""#),
         (r#""type": "Shadow", "view": "view", "lights": ["sun"]"#, r#""weights": "out""#),
         (r#""type": "FlowField", "view": "view""#, r#""field": "out""#),
         (r#""type": "FlowField", "field": "x", "along": "contour", "smooth": 4"#, r#""field": "out""#),

@@ -179,7 +179,7 @@ fn pictures_beyond_the_limit_are_refused_before_anything_is_allocated() {
     match Plan::new(&graph, &[], 1, &[], &Settings::default()) {
         Err(error @ PlanError::Memory { needed, .. }) => {
             assert_eq!(needed, (1 << 20) * 2047 * 12);
-            assert!(error.to_string().contains("smaller region"), "{error}");
+            assert!(error.to_string().contains("\"width\" and \"height\""), "{error}");
         }
         other => panic!("{:?}", other.map(|_| ())),
     }

@@ -100,12 +100,9 @@ fn said_of_out(format: &str, nodes: &str, out: &str, output: &str) -> Vec<String
 fn knobs_that_take_minutes_are_said_with_the_knob() {
     let layer = r#"{ "length": 512, "width": 256, "spacing": 1.5 }"#;
     let eight = [layer; 8].join(", ");
-    let row = r#"{ "from": [-9, 0], "to": [9, 0], "count": 512, "length": 1000 }"#;
-    let many = [row; 64].join(", ");
     let cloudy = [r#"{ "octaves": 16 }"#; 8].join(", ");
     for (out, output, knob) in [
         (format!(r#""type": "Strokes", "image": "image", "layers": [{eight}]"#), r#""color": "out""#, "layers"),
-        (format!(r#""type": "Hooks", "view": "view", "reach": 512, "rows": [{many}]"#), r#""weights": "out""#, "rows"),
         (r#""type": "Blur", "image": "image", "size": 10000"#.into(), r#""color": "out""#, "size"),
         (
             format!(r#""type": "Clouds", "camera": "camera", "light": "sun", "steps": 256, "layers": [{cloudy}]"#),

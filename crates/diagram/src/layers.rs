@@ -67,7 +67,8 @@ pub fn layers(boxes: &[[f64; 2]], nets: &[Net]) -> Layout {
     }
     edges.sort_unstable();
     edges.dedup();
-    let centers = centers(&vertices, &edges);
+    let mut centers = centers(&vertices, &edges);
+    part(&mut centers, &vertices, &rank_of);
 
     let count = rank_of.iter().max().map_or(0, |last| last + 1);
     let mut heights = vec![0.0_f64; count];
@@ -161,6 +162,42 @@ fn centers(vertices: &[(u32, (f64, f64))], edges: &[(u32, u32)]) -> Vec<f64> {
         start += right - left + 2.0 * BESIDE;
     }
     centers
+}
+
+/// Moves what overlaps in a layer apart, all together as little as can be: least squares under an order, by pooling
+/// neighbors that violate it.
+fn part(centers: &mut [f64], vertices: &[(u32, (f64, f64))], rank_of: &[usize]) {
+    let mut rows = vec![Vec::new(); rank_of.iter().max().map_or(0, |last| last + 1)];
+    for (vertex, &rank) in rank_of.iter().enumerate() {
+        rows[rank].push(vertex);
+    }
+    for row in &mut rows {
+        row.sort_by(|&a, &b| centers[a].total_cmp(&centers[b]).then(a.cmp(&b)));
+        // Without the widths before them, centers that do not overlap ascend.
+        let mut before = vec![0.0; row.len()];
+        for index in 1..row.len() {
+            let widths = vertices[row[index - 1]].1.0 + vertices[row[index]].1.0;
+            before[index] = before[index - 1] + widths / 2.0 + BESIDE;
+        }
+        let mut pools: Vec<(f64, usize)> = Vec::new();
+        for (index, &vertex) in row.iter().enumerate() {
+            let mut pool = (centers[vertex] - before[index], 1);
+            while let Some((sum, count)) =
+                pools.last().copied().filter(|(sum, count)| sum / *count as f64 > pool.0 / pool.1 as f64)
+            {
+                pool = (pool.0 + sum, pool.1 + count);
+                pools.pop();
+            }
+            pools.push(pool);
+        }
+        let settled = pools.iter().flat_map(|(sum, count)| std::iter::repeat_n(sum / *count as f64, *count));
+        for ((&vertex, start), before) in row.iter().zip(settled).zip(&before) {
+            centers[vertex] = start + before;
+        }
+    }
+    let left =
+        (0..centers.len()).map(|vertex| centers[vertex] - vertices[vertex].1.0 / 2.0).fold(f64::INFINITY, f64::min);
+    centers.iter_mut().for_each(|center| *center -= left);
 }
 
 /// Where wires touch boxes: side by side in the order in which they come, so that they do not cross at the box.

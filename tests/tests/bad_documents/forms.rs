@@ -107,7 +107,7 @@ pub(super) fn table() -> Vec<Bad> {
         nodes(
             "a stop as a number",
             r#""a": { "type": "Ramp", "weight": "t", "stops": [3] }"#,
-            &[&["bad.json:6:49", "stops: found 3", "an object"]],
+            &[&["bad.json:6:49", "stops: found 3", "a record"]],
         ),
         nodes("no stops", r#""a": { "type": "Ramp", "weight": "t", "stops": [] }"#, &[&["stops: found a list of 0"]]),
         nodes(

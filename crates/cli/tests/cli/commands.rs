@@ -27,7 +27,11 @@ fn check_tells_guarantees_and_what_is_left_out() {
 fn check_warns_of_files_that_are_not_there() {
     let scene = Scene::new(READS);
     let run = scene.run(&["check", "a.json"]).code(0);
-    assert!(run.err.contains("warning: a.json: node \"in\", file: found no file in.exr at frame 1"), "{}", run.err);
+    assert!(
+        run.err.contains("warning: a.json:2:14: node \"in\", file: found no file in.exr at frame 1"),
+        "{}",
+        run.err
+    );
     scene.run(&["check", "a.json", "--strict"]).code(2);
     scene.write_picture("in.exr", 0.5);
     assert_eq!(scene.run(&["check", "a.json", "--strict"]).code(0).err, "");

@@ -45,7 +45,8 @@ impl<'a> Checker<'a> {
         {
             let offset = entries_type(&entry.value).unwrap_or(entry.offset);
             self.refused(Place { offset, port: Some("type"), ..place }, ty.declaration().name, refusal);
-            draft.faulty = true;
+            // It counts as a type that there is not: its record has none of the items of its namesake.
+            (draft.ty, draft.faulty) = (None, true);
             return;
         }
         draft.record = self.record(ty.declaration().items, &own, place, names);

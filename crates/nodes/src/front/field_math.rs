@@ -198,7 +198,7 @@ mod tests {
         let faults = of(r#""out": { "type": "FieldMath", "expression": "[1, 2, 3]" }"#);
         assert!(faults.contains("set \\\"components\\\" to 3"), "{faults}");
         let faults = of(r#""out": { "type": "FieldMath", "expression": "a + b", "a": 1 }"#);
-        assert!(faults.contains("input b, which is open"), "{faults}");
+        assert!(faults.contains("input b, to which nothing is connected"), "{faults}");
         of(r#""out": { "type": "FieldMath" }"#);
     }
 }

@@ -95,10 +95,13 @@ pub(crate) fn check_roots(node: &Settled, check: &mut Check<'_>) {
 
 /// Where a sea of cells lies: its least and greatest x, z. None for one without end.
 fn grid(sea: &Upstream) -> Option<[[f64; 2]; 2]> {
+    if !sea.offers(TRAILS) {
+        return None;
+    }
     let node = &sea.node;
     let side = |knob: &str| (node.number(knob) - 1.0) * node.number("spacing");
     let least = [node.number("x"), node.number("z")];
-    sea.offers(TRAILS).then(|| [least, [least[0] + side("columns"), least[1] + side("rows")]])
+    Some([least, [least[0] + side("columns"), least[1] + side("rows")]])
 }
 
 /// Whether a line between two points lies beside a rectangle for certain.
