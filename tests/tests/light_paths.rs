@@ -106,20 +106,19 @@ fn a_light_below_the_horizon_leaves_the_sea_in_shadow() {
 
 #[test]
 fn a_view_of_passes_alone_is_refused() {
-    let folder = tempfile::tempdir().unwrap();
-    let plane = [1.0f32; 4];
-    let names = ["depth.Z", "N.X", "N.Y", "N.Z", "P.X", "P.Y", "P.Z"];
-    crate::support::write_exr(&folder.path().join("a.exr"), 2, 2, &names.map(|name| (name, &plane[..])));
-    let text = r#"{ "trochoid": 1, "format": { "width": 2, "height": 2 }, "nodes": {
-        "camera": { "type": "Camera" }, "sun": { "type": "Light" },
-        "view": { "type": "ViewFromPasses", "file": "a.exr", "depth": "depth.Z", "normal": "N", "position": "P",
-            "camera": "camera" },
-        "out": { "type": "Shadow", "view": "view", "lights": ["sun"] } },
-        "outputs": { "out": { "weights": "out" } } }"#;
-    let graph = crate::support::graph_in(folder.path(), text);
-    let plan = trochoid::Plan::new(&graph, &[], 1, &[], &settings(|_| ())).unwrap();
-    let error = plan.evaluate(&Buffers::new(), &mut trochoid::Cache::new(), &trochoid::Silent).unwrap_err();
-    assert!(error.to_string().contains("connect a Render"), "{error}");
+    for (ty, output) in [("Shadow", "weights"), ("Translucency", "weights"), ("Thickness", "field")] {
+        let lights = if ty == "Thickness" { "" } else { r#", "lights": ["sun"]"# };
+        let text = format!(
+            r#"{{ "trochoid": 1, "format": {{ "width": 2, "height": 2 }}, "nodes": {{
+            "camera": {{ "type": "Camera" }}, "sun": {{ "type": "Light" }},
+            "view": {{ "type": "ViewFromPasses", "file": "a.exr", "depth": "depth.Z", "normal": "N", "position": "P",
+                "camera": "camera" }},
+            "out": {{ "type": "{ty}", "view": "view"{lights} }} }},
+            "outputs": {{ "out": {{ "{output}": "out" }} }} }}"#
+        );
+        let error = trochoid::parse("test.json", &text, std::path::Path::new("."), &[]).unwrap_err().to_string();
+        assert!(error.contains("a view of passes") && error.contains("connect a Render"), "{error}");
+    }
 }
 
 /// A sea whose clouds, shadows and glow count as much as `weight` says.

@@ -21,8 +21,9 @@ pub enum PlanError {
     },
     /// The pictures would take more memory than allowed.
     #[error(
-        "found pictures of {window}, which take {needed} bytes; expected at most {limit} bytes: lower the format's \
-         \"width\" and \"height\", or have fewer outputs"
+        "found pictures of {} × {} pixels, which take {:.1} GB; expected at most {:.1} GB: lower the format's \
+         \"width\" and \"height\", or render fewer outputs at once",
+        window.width(), window.height(), *needed as f64 / 1e9, *limit as f64 / 1e9
     )]
     Memory {
         /// Bytes needed.

@@ -10,6 +10,12 @@ pub(super) fn table() -> Vec<Bad> {
             &[&["which has no rift", "the view of a Render", "connect a Render", "no pass of a ViewFromPasses"]],
         ),
         nodes(
+            "hooks on passes",
+            r#""p": { "type": "ViewFromPasses", "file": "a.exr", "depth": "d" },
+                "a": { "type": "Hooks", "view": "p", "rows": [{}] }"#,
+            &[&["node \"a\", view", "\"p\", a view of passes, which knows no surfaces", "connect a Render"]],
+        ),
+        nodes(
             "a pass that is not named",
             r#""p": { "type": "ViewFromPasses", "file": "a.exr", "depth": "d" },
                 "a": { "type": "Normal", "view": "p" }"#,
@@ -23,7 +29,7 @@ pub(super) fn table() -> Vec<Bad> {
         nodes(
             "a short key that is like none",
             r#""a": { "type": "InFront", "view": "view", "other": "view", "of": "view" }"#,
-            &[&["unknown key \"of\"", "known: view, other, soft"]],
+            &[&["unknown key \"of\"", "rename it to one of these, or remove it: view, other, soft"]],
         ),
         nodes(
             "a fraction between two inputs",

@@ -20,7 +20,7 @@ pub(super) fn rendered(graph: &CheckedGraph, frame: &Frame, files: &[(OutputFile
     if repaired > 0 {
         let names: Vec<&str> =
             frame.nodes.iter().filter(|node| node.repaired > 0).map(|node| node.name.as_str()).collect();
-        facts.push(format!("{repaired} values repaired in {}", printable(&names.join(", "))));
+        facts.push(format!("{repaired} illegal values (NaN) replaced in {}", printable(&names.join(", "))));
     }
     facts.push(format!("{seconds:.2} s"));
     format!("frame {}: {}  {}\n", frame.number, places.join(", "), facts.join(", "))

@@ -157,7 +157,7 @@ impl<'a> Checker<'a> {
     fn unknown_key(&mut self, place: Place<'_>, key: &str, known: &[&str]) {
         let remedy = match nearest(key, known.iter().copied()) {
             Some(near) => format!("did you mean \"{near}\"?"),
-            None => format!("remove it; known: {}", known.join(", ")),
+            None => format!("rename it to one of these, or remove it: {}", known.join(", ")),
         };
         self.error(place, format!("unknown key \"{}\"", shorten(key)), "a known key", remedy);
     }

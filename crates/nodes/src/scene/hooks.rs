@@ -1,7 +1,7 @@
 //! Hooks: claws of foam that grow on a surface.
 
 use crate::paint_support::{Claw, Places, Ribbon, Shape, VALUES, covered, draw, key};
-use crate::scene_support::{Looking, check_roots, eye, toward_eye};
+use crate::scene_support::{Looking, check_roots, check_surfaces, eye, toward_eye};
 use trochoid_graph::*;
 use trochoid_scene::shading::unit_or_up;
 use trochoid_scene::{Anchor, Projector};
@@ -96,6 +96,7 @@ impl NodeType for Hooks {
     }
 
     fn check(&self, node: &Settled, check: &mut Check<'_>) {
+        check_surfaces(node, check);
         check_roots(node, check);
     }
 

@@ -1,6 +1,6 @@
 //! Shadow: what keeps the light away.
 
-use crate::scene_support::{BEYOND, COMBINE, DETAIL, Lights, Rays, Seen, Surroundings, asked, landed};
+use crate::scene_support::{BEYOND, COMBINE, DETAIL, Lights, Rays, Seen, Surroundings, asked, check_surfaces, landed};
 use std::f64::consts::TAU;
 use std::sync::Arc;
 use trochoid_graph::*;
@@ -52,6 +52,10 @@ static DECLARATION: Declaration = Declaration {
 impl NodeType for Shadow {
     fn declaration(&self) -> &'static Declaration {
         &DECLARATION
+    }
+
+    fn check(&self, node: &Settled, check: &mut Check<'_>) {
+        check_surfaces(node, check);
     }
 
     fn body(&self) -> Body<'_> {

@@ -1,6 +1,8 @@
 //! Thickness: how much water light has to pass.
 
-use crate::scene_support::{BEYOND, DETAIL, DISTANCE, INSET, Rays, Seen, Surroundings, Way, asked, eye, toward_eye};
+use crate::scene_support::{
+    BEYOND, DETAIL, DISTANCE, INSET, Rays, Seen, Surroundings, Way, asked, check_surfaces, eye, toward_eye,
+};
 use std::sync::Arc;
 use trochoid_graph::*;
 use trochoid_scene::shading::unit_or_up;
@@ -42,6 +44,7 @@ impl NodeType for Thickness {
     }
 
     fn check(&self, node: &Settled, check: &mut Check<'_>) {
+        check_surfaces(node, check);
         if node.text("ray") == "light" && node.all("light").is_empty() {
             let found = "the ray light without a light";
             check.error("ray", found, "a light that the way leads to", "connect \"light\", or use \"eye\"");

@@ -1,7 +1,8 @@
 //! Translucency: light that shines through thin water.
 
 use crate::scene_support::{
-    BEYOND, COMBINE, DETAIL, DISTANCE, INSET, Lights, Rays, Seen, Surroundings, Way, asked, eye, toward_eye,
+    BEYOND, COMBINE, DETAIL, DISTANCE, INSET, Lights, Rays, Seen, Surroundings, Way, asked, check_surfaces, eye,
+    toward_eye,
 };
 use std::sync::Arc;
 use trochoid_graph::*;
@@ -39,6 +40,10 @@ static DECLARATION: Declaration = Declaration {
 impl NodeType for Translucency {
     fn declaration(&self) -> &'static Declaration {
         &DECLARATION
+    }
+
+    fn check(&self, node: &Settled, check: &mut Check<'_>) {
+        check_surfaces(node, check);
     }
 
     fn body(&self) -> Body<'_> {

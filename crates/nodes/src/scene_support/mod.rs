@@ -27,7 +27,9 @@ pub(crate) use parted::{Parted, parted};
 pub(crate) use seen::{Rays, Seen, asked};
 pub(crate) use surroundings::{BEYOND, DETAIL, Surroundings, landed};
 pub(crate) use thickness::{DISTANCE, INSET, Way};
-pub(crate) use waters::{REST, TRAILS, WAVES, can_break, check_roots, check_same_camera, check_sea, check_trails};
+pub(crate) use waters::{
+    REST, TRAILS, WAVES, can_break, check_roots, check_same_camera, check_sea, check_surfaces, check_trails,
+};
 
 use std::sync::Arc;
 use trochoid_graph::{Inputs, Reference, References, Settled, ViewChannel};

@@ -42,6 +42,15 @@ pub(crate) fn check_trails(node: &Settled, check: &mut Check<'_>) {
     }
 }
 
+/// Refuses a view of passes where rays, or the points of surfaces, are asked for.
+pub(crate) fn check_surfaces(node: &Settled, check: &mut Check<'_>) {
+    let passes = connected(node, check, "view").filter(|view| view.ty.declaration().name == "ViewFromPasses");
+    if let Some(view) = passes {
+        let found = format!("\"{}\", a view of passes, which knows no surfaces", view.name);
+        check.error("view", found, "a view of surfaces", "connect a Render");
+    }
+}
+
 /// Refuses views of two cameras where one camera has to see both.
 pub(crate) fn check_same_camera(node: &Settled, check: &mut Check<'_>, ports: [&'static str; 2]) {
     let views = ports.map(|port| connected(node, check, port));

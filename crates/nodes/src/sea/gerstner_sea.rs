@@ -211,9 +211,15 @@ impl NodeType for GerstnerSea {
         let folds = folding(waves);
         let share = 100.0 * folds.folded_share;
         let verdict = if folds.folded_share > FoldOptions::default().tolerated_share {
-            format!("crests fold over on {share:.2} % of it; all sharpnesses × {:.3} would not", folds.unfolded_scale)
+            format!(
+                "crests fold over on {share:.2} % of the sea; with every \"sharpness\" times {:.3} none would",
+                folds.unfolded_scale
+            )
         } else if folds.unfolded_scale.is_finite() {
-            format!("no crest folds over; all sharpnesses could grow × {:.3} until some do", folds.unfolded_scale)
+            format!(
+                "crests fold over on {share:.2} % of the sea; they begin to with every \"sharpness\" times {:.3}",
+                folds.unfolded_scale
+            )
         } else {
             "no crest ever folds over".into()
         };
@@ -221,11 +227,11 @@ impl NodeType for GerstnerSea {
         let proof = if folds.proved() {
             "proved for every place and time".into()
         } else {
-            format!("looked at {points} places, which is no proof")
+            format!("estimated from {points} places")
         };
         vec![format!(
-            "{count} waves; {verdict} ({proof}). Where water is squeezed most, {:.3} of its area is left (det J; λ1 \
-             {:.3}, below 1 would be the proof; Σq {:.3})",
+            "{count} waves; {verdict} ({proof}). In figures: least det J {:.3} (1 at rest, negative where folded), λ1 {:.3} \
+             (less than 1 proves that nothing folds), Σq {:.3}",
             folds.jacobian_min, folds.lambda[0], folds.q_sum,
         )]
     }
