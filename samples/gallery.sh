@@ -21,9 +21,9 @@ still glow 25 1
 still cartoon_water 48 1
 still painted_normals 1 1
 
-moving stormy_sea 1-96x2
+moving stormy_sea 1-96x4
 moving great_wave 1-48
-moving cartoon_bay 1-96x2
+moving cartoon_bay 1-96x4
 moving toon_teapot 1-48x2
 
 for scene in stormy_sea stormy_sea_bare great_wave toon_sea cartoon_bay toon_teapot from_passes; do
