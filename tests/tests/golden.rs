@@ -6,7 +6,7 @@
 use crate::support::{evaluate, folder, graph_in, root, sample, settings, under_all_settings};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
-use trochoid::{Buffers, CheckedGraph, Format, Picture, ReferenceFrame, registry};
+use trochoid::{Buffers, CheckedGraph, Format, Picture, ReferenceFrame, Shading, registry};
 
 fn cases() -> PathBuf {
     root().join("tests/nodes")
@@ -46,7 +46,7 @@ fn meets_expectation(ty: &str, graph: &CheckedGraph, expected: &Value) {
 /// Fast path against the f64 reference, and against itself under all settings.
 fn holds_itself(ty: &str, graph: &CheckedGraph, expected: &Value) {
     let number = expected["frame"].as_i64().unwrap_or(graph.frames().0);
-    let what = format!("{ty}, {} samples", graph.format().samples());
+    let what = format!("{ty}, {} samples, shaded by the {}", graph.format().samples(), graph.format().shading().name());
     let frame = under_all_settings(graph, number, &Buffers::new(), &what);
     let tolerance = expected["reference_tolerance"].as_f64().unwrap();
     for picture in &frame.pictures {
@@ -88,8 +88,9 @@ fn every_type_has_a_case_that_holds() {
         let expected = json(&cases().join(format!("{name}.expect.json")));
         let run = std::panic::AssertUnwindSafe(|| {
             meets_expectation(name, &graph, &expected);
-            for samples in [1, 4] {
+            for (samples, shading) in [(1, Shading::Sample), (4, Shading::Sample), (4, Shading::Pixel)] {
                 let format = Format::new(graph.format().width(), graph.format().height(), samples).unwrap();
+                let format = format.with_shading(shading);
                 holds_itself(name, &graph.clone().with_format(format), &expected);
             }
         });

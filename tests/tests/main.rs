@@ -25,6 +25,7 @@ mod palette;
 mod random;
 mod scale;
 mod scenes;
+mod shading;
 mod spray;
 mod streaming;
 mod support;

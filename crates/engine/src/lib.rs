@@ -27,6 +27,7 @@ mod rules;
 mod run;
 mod schedule;
 mod settings;
+mod shading;
 #[cfg(test)]
 mod tests;
 mod tile;

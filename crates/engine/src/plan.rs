@@ -3,6 +3,7 @@
 use crate::judge::Judge;
 use crate::kernel::Compiled;
 use crate::planner::Planner;
+use crate::shading::Shared;
 use crate::{LeftOut, Settings};
 use std::sync::{Arc, OnceLock};
 use trochoid_graph::{CheckedGraph, FrameContext, Kind, NodeId, Settled, Slot, Variance};
@@ -72,6 +73,17 @@ pub(crate) struct Fill {
     pub(crate) taps: Option<Compiled>,
     /// Whether the pass' own program reads it, so that it is needed over the whole tile.
     pub(crate) read: bool,
+    /// The views that must see the same surface for a sample to take the result at the pixel's first one; `None` where it
+    /// never does.
+    pub(crate) shared: Option<Vec<NodeId>>,
+}
+
+impl Fill {
+    /// Whether it fills a plane.
+    pub(crate) fn fills(&self, slot: &Slot) -> bool {
+        self.node == slot.node
+            && self.wanted.get(slot.output).and_then(|channels| channels.get(slot.channel)) == Some(&true)
+    }
 }
 
 /// Where a plane of a stage's input comes from.
@@ -132,6 +144,8 @@ pub struct Plan<'g> {
     pub(crate) bound: Vec<bool>,
     /// The threads, once they are needed.
     pub(crate) pool: OnceLock<Result<rayon::ThreadPool, String>>,
+    /// What samples share.
+    pub(crate) shared: Shared,
     /// By node: `None` where it is evaluated.
     pub(crate) left_out: Vec<Option<LeftOut>>,
 }

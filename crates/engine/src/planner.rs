@@ -62,7 +62,9 @@ impl<'g> Planner<'g, '_> {
         let output_roots: Vec<Vec<u32>> = output_roots.iter().map(&remap).collect();
         let taps: HashMap<_, Vec<u32>> = taps.iter().map(|(key, positions)| (*key, remap(positions))).collect();
 
-        let scheduler = Scheduler { planner: &self, lowered: &lowered, program: &optimized.program, taps: &taps };
+        let shared = self.shared(&lowered);
+        let program = &optimized.program;
+        let scheduler = Scheduler { planner: &self, lowered: &lowered, program, taps: &taps, shared: &shared };
         // Colors and weights are averaged over the pixel's samples; a field is taken at the pixel's center.
         let format = graph.format();
         let offsets: Vec<[f64; 2]> = (0..format.samples()).map(|i| format.sample_offset(i)).collect();
@@ -105,6 +107,7 @@ impl<'g> Planner<'g, '_> {
             keys,
             bound: self.bound,
             pool: OnceLock::new(),
+            shared,
             left_out,
         }
     }

@@ -2,12 +2,13 @@
 
 use crate::fill::extents;
 use crate::prepare::{Ready, prepare};
+use crate::shading::TELLING;
 use crate::{Cache, EvalError, Plan, PlanError, Settings, Silent, Switches};
 use std::cell::RefCell;
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 use trochoid_graph::{Body, CheckedGraph, Kind, NodeId, Reference, References, Source};
-use trochoid_image::Window;
+use trochoid_image::{Shading, Window};
 
 /// A frame that can be evaluated in f64 at any pixel.
 pub struct ReferenceFrame<'g> {
@@ -135,9 +136,43 @@ impl Evaluation<'_, '_> {
         }
     }
 
+    /// The first sample of the pixel, where the one at a place takes a stage's results from there.
+    fn shares(&self, id: NodeId, at: [f64; 2]) -> Result<Option<[f64; 2]>, EvalError> {
+        let plan = &self.frame.plan;
+        let Some(views) = &plan.shared[id.0] else { return Ok(None) };
+        let format = plan.graph.format();
+        let pixel = at.map(f64::floor);
+        let place = |sample: u32| {
+            let offset = format.sample_offset(sample);
+            [pixel[0] + offset[0], pixel[1] + offset[1]]
+        };
+        // Of fields only the center is asked, which is no sample.
+        if !(1..format.samples()).any(|sample| place(sample) == at) {
+            return Ok(None);
+        }
+        for view in views {
+            let told = |at: [f64; 2]| {
+                self.output(*view, 0, at).map(|told| match told {
+                    Reference::View(channels) => {
+                        let [surface, depth] = TELLING.map(|channel| channels[channel as usize]);
+                        (surface, depth)
+                    }
+                    _ => unreachable!("stages share by views"),
+                })
+            };
+            if !Shading::is_shared(told(place(0))?, told(at)?) {
+                return Ok(None);
+            }
+        }
+        Ok(Some(place(0)))
+    }
+
     fn node(&self, id: NodeId, at: [f64; 2]) -> Result<Vec<Reference>, EvalError> {
         let plan = &self.frame.plan;
         let node = plan.graph.node(id);
+        if let Some(first) = self.shares(id, at)? {
+            return (0..node.kinds.len()).map(|output| self.output(id, output, first)).collect();
+        }
         let Some(settled) = &plan.settled[id.0] else { return Ok(Vec::new()) };
         // Inputs cannot refuse where they are asked, so their error is kept, and told in place of the node's result.
         let failed = RefCell::new(None);

@@ -6,8 +6,20 @@ use crate::lower::Lowered;
 use crate::optimize::{cone, extract};
 use crate::plan::{Feed, Fill, Pass};
 use crate::planner::Planner;
-use std::collections::HashMap;
-use trochoid_graph::{ChannelSet, Kind, NodeId, Op, Program, Settled, Slot, Source, Stage, Variance, ViewChannel};
+use crate::shading::{Shared, TELLING};
+use std::collections::{HashMap, HashSet};
+use trochoid_graph::{
+    ChannelSet, Kind, NodeId, Op, Program, Rate, Settled, Slot, Source, Stage, Variance, ViewChannel,
+};
+
+/// What stages are to fill.
+#[derive(Default)]
+struct Wanted {
+    /// By node, by output, by channel.
+    channels: HashMap<NodeId, Vec<Vec<bool>>>,
+    /// What is read at every sample, and not only where samples do not share.
+    apart: HashSet<Slot>,
+}
 
 /// Turns an optimized program and the stages around it into passes.
 pub(crate) struct Scheduler<'p, 'g, 's> {
@@ -15,6 +27,7 @@ pub(crate) struct Scheduler<'p, 'g, 's> {
     pub(crate) lowered: &'p Lowered,
     pub(crate) program: &'p Program,
     pub(crate) taps: &'p HashMap<(NodeId, usize), Vec<u32>>,
+    pub(crate) shared: &'p Shared,
 }
 
 impl Scheduler<'_, '_, '_> {
@@ -30,40 +43,45 @@ impl Scheduler<'_, '_, '_> {
         if !self.switches().demand {
             needed.fill(true);
         }
-        let mut wanted: HashMap<NodeId, Vec<Vec<bool>>> = HashMap::new();
-        self.want_loads(&needed, &mut wanted);
+        let mut wanted = Wanted::default();
+        self.want_loads(&needed, true, &mut wanted);
         if !self.switches().demand {
             // Everything reachable, every channel.
             for (index, settled) in self.lowered.settled.iter().enumerate() {
                 let id = NodeId(index);
                 if settled.is_some() && self.lowered.stands_in[index] == id && self.planner.stage(id).is_some() {
-                    wanted.insert(id, self.channels(id, true));
+                    wanted.channels.insert(id, self.channels(id, true));
                 }
             }
         }
-        let mut fills = Vec::new();
+        let sharing = offsets.len() > 1;
+        let mut fills: Vec<Fill> = Vec::new();
         for &id in graph.order().iter().rev() {
             if self.planner.bound[id.0] {
-                if let Some(wanted) = wanted.remove(&id) {
-                    let variance = Variance::Pixel;
-                    fills.push(Fill { node: id, wanted, variance, inputs: Vec::new(), taps: None, read: false });
+                if let Some(wanted) = wanted.channels.remove(&id) {
+                    let (variance, inputs) = (Variance::Pixel, Vec::new());
+                    fills.push(Fill { node: id, wanted, variance, inputs, taps: None, read: false, shared: None });
                 }
                 continue;
             }
             let (Some(stage), Some(settled)) = (self.planner.stage(id), self.lowered.settled[id.0].as_ref()) else {
                 continue;
             };
-            let Some(own) = wanted.get(&id).cloned() else { continue };
-            let fill = self.fill(id, stage, settled, own, &mut wanted);
+            let Some(own) = wanted.channels.get(&id).cloned() else { continue };
+            let shared = self.shared[id.0].clone().filter(|_| sharing);
+            let mut fill = self.fill(id, stage, settled, (own, shared), &mut wanted);
+            if sharing && stage.rate(settled) == Rate::Surface && graph.node(id).kinds.contains(&Kind::View) {
+                fills.extend(split(&mut fill, &wanted.apart));
+            }
             // Cameras, lights and surfaces are only prepared.
             if fill.wanted.iter().any(|channels| channels.iter().any(|&channel| channel)) {
                 fills.push(fill);
             }
         }
         fills.reverse();
-        let program = self.compile(&roots, !self.switches().demand);
+        let program = self.compile(&roots, !self.switches().demand, self.switches().hoist);
         for fill in &mut fills {
-            fill.read = program.planes.iter().any(|slot| slot.node == fill.node);
+            fill.read = program.planes.iter().any(|slot| fill.fills(slot));
         }
         let halo = self.halo(&fills);
         let mut owners = Vec::new();
@@ -76,19 +94,22 @@ impl Scheduler<'_, '_, '_> {
     }
 
     /// Marks what `needed` operations load.
-    fn want_loads(&self, needed: &[bool], wanted: &mut HashMap<NodeId, Vec<Vec<bool>>>) {
+    fn want_loads(&self, needed: &[bool], apart: bool, wanted: &mut Wanted) {
         for (op, _) in self.program.ops().iter().zip(needed).filter(|(_, needed)| **needed).map(|(op, _)| op) {
             match op {
-                Op::Load(slot) => self.want(wanted, *slot),
-                Op::LoadColor(slot) => (0..3).for_each(|channel| self.want(wanted, Slot { channel, ..*slot })),
+                Op::Load(slot) => self.want(wanted, *slot, apart),
+                Op::LoadColor(slot) => (0..3).for_each(|channel| self.want(wanted, Slot { channel, ..*slot }, apart)),
                 _ => {}
             }
         }
     }
 
-    fn want(&self, wanted: &mut HashMap<NodeId, Vec<Vec<bool>>>, slot: Slot) {
-        let own = wanted.entry(slot.node).or_insert_with(|| self.channels(slot.node, false));
+    fn want(&self, wanted: &mut Wanted, slot: Slot, apart: bool) {
+        let own = wanted.channels.entry(slot.node).or_insert_with(|| self.channels(slot.node, false));
         own[slot.output][slot.channel] = true;
+        if apart {
+            wanted.apart.insert(slot);
+        }
     }
 
     /// What a view can supply.
@@ -113,37 +134,46 @@ impl Scheduler<'_, '_, '_> {
         id: NodeId,
         stage: &'static dyn Stage,
         settled: &Settled,
-        own: Vec<Vec<bool>>,
-        wanted: &mut HashMap<NodeId, Vec<Vec<bool>>>,
+        (own, shared): (Vec<Vec<bool>>, Option<Vec<NodeId>>),
+        wanted: &mut Wanted,
     ) -> Fill {
+        let apart = shared.is_none();
+        for view in shared.iter().flatten() {
+            for channel in TELLING {
+                self.want(wanted, Slot { node: *view, output: 0, channel: channel as usize }, true);
+            }
+        }
         let outputs_wanted: Vec<bool> = own.iter().map(|channels| channels.iter().any(|&channel| channel)).collect();
         let asks = stage.asks(settled, &outputs_wanted);
         let prefers = stage.prefers(settled, &outputs_wanted);
         let mut tap_roots: Vec<u32> = Vec::new();
         let mut inputs = Vec::new();
         for (port, sources) in settled.ports() {
-            let feeds = sources.iter().map(|source| self.feed(source, asks, prefers, &mut tap_roots, wanted)).collect();
+            let feeds = sources
+                .iter()
+                .map(|source| self.feed(source, (asks, prefers), apart, &mut tap_roots, wanted))
+                .collect();
             inputs.push((port, feeds));
         }
         let taps = (!tap_roots.is_empty()).then(|| {
-            self.want_loads(&cone(self.program, tap_roots.iter().copied()), wanted);
-            self.compile(&tap_roots, false)
+            self.want_loads(&cone(self.program, tap_roots.iter().copied()), apart, wanted);
+            self.compile(&tap_roots, false, self.switches().hoist && apart)
         });
         let variance = if self.switches().hoist {
             (0..own.len()).map(|output| stage.variance(settled, output)).max().unwrap_or(Variance::Pixel)
         } else {
             Variance::Pixel
         };
-        Fill { node: id, wanted: own, variance, inputs, taps, read: false }
+        Fill { node: id, wanted: own, variance, inputs, taps, read: false, shared }
     }
 
     fn feed(
         &self,
         source: &Source<Vec<f64>>,
-        asks: ChannelSet,
-        prefers: ChannelSet,
+        (asks, prefers): (ChannelSet, ChannelSet),
+        apart: bool,
         tap_roots: &mut Vec<u32>,
-        wanted: &mut HashMap<NodeId, Vec<Vec<bool>>>,
+        wanted: &mut Wanted,
     ) -> Vec<Feed> {
         match self.handed_on(source) {
             Source::Number(values) | Source::Color(values) => {
@@ -162,7 +192,7 @@ impl Scheduler<'_, '_, '_> {
                     return feeds;
                 }
                 // A camera, light or surface still has to be prepared.
-                wanted.entry(*node).or_insert_with(|| self.channels(*node, false));
+                wanted.channels.entry(*node).or_insert_with(|| self.channels(*node, false));
                 let asks = asks.union(prefers.intersect(self.supplies(*node)));
                 (0..kind.channels())
                     .map(|channel| {
@@ -170,7 +200,7 @@ impl Scheduler<'_, '_, '_> {
                             return Feed::Nothing;
                         }
                         let slot = Slot { node: *node, output: *output, channel };
-                        self.want(wanted, slot);
+                        self.want(wanted, slot, apart);
                         Feed::Slot(slot)
                     })
                     .collect()
@@ -236,7 +266,8 @@ impl Scheduler<'_, '_, '_> {
     }
 
     /// Compiles what `roots` need, or everything. Before a stage it must not be everything: that reads the stage itself.
-    fn compile(&self, roots: &[u32], everything: bool) -> Compiled {
+    /// Without `hoist` it may run over single pixels in place of rows.
+    fn compile(&self, roots: &[u32], everything: bool, hoist: bool) -> Compiled {
         let mut kept = cone(self.program, roots.iter().copied());
         if everything {
             kept.fill(true);
@@ -255,7 +286,7 @@ impl Scheduler<'_, '_, '_> {
             })
         };
         let options = Options {
-            hoist: switches.hoist,
+            hoist,
             fuse: switches.fuse,
             everything: !switches.demand,
             instructions: self.planner.settings.instructions,
@@ -291,4 +322,19 @@ impl Scheduler<'_, '_, '_> {
         }
         graph.order().iter().filter_map(|id| Some((*id, wanted.remove(id)?))).collect()
     }
+}
+
+/// Leaves a view what every sample needs, and gives the rest: channels that samples share which see the same surface.
+fn split(view: &mut Fill, apart: &HashSet<Slot>) -> Option<Fill> {
+    let mut rest = view.clone();
+    for (output, channels) in view.wanted.iter_mut().enumerate() {
+        for (channel, wanted) in channels.iter_mut().enumerate() {
+            let slot = Slot { node: view.node, output, channel };
+            let is_rest = *wanted && !apart.contains(&slot);
+            rest.wanted[output][channel] = is_rest;
+            *wanted &= !is_rest;
+        }
+    }
+    rest.shared = Some(vec![view.node]);
+    rest.wanted.iter().flatten().any(|wanted| *wanted).then_some(rest)
 }

@@ -107,7 +107,7 @@ impl<'p> Worker<'p> {
         let (plan, judges) = (self.plan, self.judges);
         let state = &mut self.passes[index];
         let pass = state.pass;
-        state.fills.fill(place.tile, pass.offsets[0], &mut self.fill_seconds)?;
+        state.fills.fill(place.tile, (0, pass.offsets[0]), &mut self.fill_seconds)?;
         let started = Instant::now();
         let width = place.tile.width();
         let planes = state.fills.planes(&pass.program);
@@ -146,8 +146,8 @@ impl<'p> Worker<'p> {
         }
         state.rows.iter_mut().for_each(|row| row.resize(width, 0.0));
         let mut normalized = None;
-        for &offset in &pass.offsets {
-            state.fills.fill(place.tile, offset, &mut self.fill_seconds)?;
+        for sample in pass.offsets.iter().copied().enumerate() {
+            state.fills.fill(place.tile, sample, &mut self.fill_seconds)?;
             let started = Instant::now();
             let planes = state.fills.planes(&pass.program);
             // What the caller gave is the same for every sample.

@@ -121,6 +121,12 @@ pub trait Stage {
         Variance::Pixel
     }
 
+    /// Which samples of a pixel may share a result, where the document shades by the pixel.
+    fn rate(&self, node: &Settled) -> Rate {
+        let _ = node;
+        Rate::Sample
+    }
+
     /// What of the images connected to a port is needed to fill `window`: of a filter, more than the window itself.
     ///
     /// A larger window must not need less, and it must grow by as much wherever it lies. May reach beyond the picture:
@@ -189,7 +195,7 @@ pub trait Prepared: Send + Sync {
     ///
     /// # Errors
     /// Inputs break the contract of their kind at some pixel, or a file does that is read on demand.
-    fn fill(&self, block: &Block, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
+    fn fill(&self, block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let _ = (block, inputs, outputs);
         Ok(())
     }
@@ -214,6 +220,20 @@ pub trait Prepared: Send + Sync {
 
 /// What a front-end node makes and another takes: a surface, a camera or a light.
 pub type Handle = Arc<dyn Any + Send + Sync>;
+
+/// Which samples of a pixel may share a stage's result, where the document shades by the pixel
+/// ([`Shading`](trochoid_image::Shading)).
+///
+/// Whatever is not of [`Rate::Sample`] may be asked for single pixels, and takes places from [`Block::pixels`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Rate {
+    /// None: it has edges of its own, or looks around.
+    Sample,
+    /// Those that see the same surface: it varies smoothly over each, and takes its inputs where it stands.
+    Surface,
+    /// All: it varies smoothly over the whole picture.
+    Pixel,
+}
 
 /// How a value varies over the picture; ordered from least to most.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]

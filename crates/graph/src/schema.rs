@@ -2,7 +2,7 @@
 
 use crate::{Accepts, Arity, Default, Item, Knob, Precision, Registry, Takes};
 use serde_json::{Map, Value, json};
-use trochoid_image::{MAX_SIDE, WorkingSpace};
+use trochoid_image::{MAX_SIDE, Shading, WorkingSpace};
 
 /// The JSON Schema (draft 2020-12) of documents that use the node types of a registry.
 pub fn schema(registry: &Registry) -> Value {
@@ -38,7 +38,14 @@ pub fn schema(registry: &Registry) -> Value {
                 "properties": {
                     "width": { "type": "integer", "minimum": 1, "maximum": MAX_SIDE },
                     "height": { "type": "integer", "minimum": 1, "maximum": MAX_SIDE },
-                    "samples": { "enum": [1, 4, 16], "default": 1 }
+                    "samples": { "enum": [1, 4, 16], "default": 1 },
+                    "shading": {
+                        "enum": Shading::ALL.map(Shading::name),
+                        "default": Shading::default().name(),
+                        "description": "Where the samples of a pixel take passes that vary smoothly over a surface: each \
+                                        at its own place, or, some four times as fast, those that see the same surface \
+                                        at the place of the pixel's first one."
+                    }
                 }
             },
             "working_space": {

@@ -131,13 +131,51 @@ impl<'a> Prepare<'a> {
     }
 }
 
-/// A block of samples: one sample of each pixel of a window.
+/// A block of samples: one sample of each pixel of a window, or of single pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Block {
-    /// The pixels.
+pub struct Block<'a> {
+    /// The pixels. Of single pixels, which only stages are given that are not of [`Rate::Sample`](crate::Rate), a row
+    /// of as many somewhere: see [`Block::pixels`].
     pub window: Window,
     /// Where in its pixel the sample lies, from the upper left corner, in pixels.
     pub offset: [f64; 2],
+    /// The pixels where they are single ones.
+    pub scattered: Option<&'a [[i64; 2]]>,
+}
+
+impl<'a> Block<'a> {
+    /// One sample of each pixel of a window.
+    pub fn of(window: Window, offset: [f64; 2]) -> Self {
+        Self { window, offset, scattered: None }
+    }
+
+    /// One sample of each of these pixels.
+    pub fn scattered(pixels: &'a [[i64; 2]], offset: [f64; 2]) -> Self {
+        Self { window: Window::new(0, 0, pixels.len() as i64, 1), offset, scattered: Some(pixels) }
+    }
+
+    /// The pixels, in the order of the planes.
+    pub fn pixels(&self) -> impl Iterator<Item = [i64; 2]> + use<'a> {
+        let window = if self.scattered.is_some() { Window::default() } else { self.window };
+        let row = move |y: i64| (window.x0..window.x1).map(move |x| [x, y]);
+        (window.y0..window.y1).flat_map(row).chain(self.scattered.unwrap_or_default().iter().copied())
+    }
+
+    /// The places of the samples in the picture, in pixels.
+    pub fn places(&self) -> impl Iterator<Item = [f64; 2]> + use<'a> {
+        let [right, down] = self.offset;
+        self.pixels().map(move |[x, y]| [x as f64 + right, y as f64 + down])
+    }
+
+    /// A pixel by its index in the planes, where there is one.
+    pub fn pixel(&self, index: usize) -> Option<[i64; 2]> {
+        if let Some(pixels) = self.scattered {
+            return pixels.get(index).copied();
+        }
+        let width = self.window.width();
+        (index < self.window.area())
+            .then(|| [self.window.x0 + (index % width) as i64, self.window.y0 + (index / width) as i64])
+    }
 }
 
 /// One connection of a stage over a block.

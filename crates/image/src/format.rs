@@ -5,12 +5,54 @@ pub const MAX_SIDE: u32 = 1 << 20;
 /// Largest number of pixels of a picture.
 pub const MAX_PIXELS: u64 = 1 << 31;
 
-/// The size of a document's pictures and how many samples each pixel averages.
+/// The size of a document's pictures, how many samples each pixel averages, and how often they are shaded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Format {
     width: u32,
     height: u32,
     samples: u32,
+    shading: Shading,
+}
+
+/// Where the samples of a pixel take passes that vary smoothly over a surface. What is visible, and every back-end
+/// operation, is evaluated at each sample.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Shading {
+    /// Each at its own place.
+    #[default]
+    Sample,
+    /// At the place of the pixel's first sample, where both see the same surface at nearly the same depth, see
+    /// [`Shading::SAME_DEPTH`]: the multisampling of graphics processors.
+    Pixel,
+}
+
+impl Shading {
+    /// Every shading.
+    pub const ALL: [Self; 2] = [Self::Sample, Self::Pixel];
+
+    /// Samples of a pixel share their shading where their depths differ by at most so much of the first one's. On
+    /// surfaces that are seen under less than about three degrees they do not.
+    pub const SAME_DEPTH: f64 = 1.0 / 64.0;
+
+    /// As documents name it.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Sample => "sample",
+            Self::Pixel => "pixel",
+        }
+    }
+
+    /// The shading of that name.
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|shading| shading.name() == name)
+    }
+
+    /// Whether a sample that sees a surface at a depth takes its shading from the first one of its pixel. Nothing is
+    /// seen at depth +∞.
+    pub fn is_shared(first: (f64, f64), (surface, depth): (f64, f64)) -> bool {
+        let near = (depth - first.1).abs() <= Self::SAME_DEPTH * first.1.abs();
+        surface == first.0 && (near || depth == first.1)
+    }
 }
 
 /// Why a picture's format is refused.
@@ -55,7 +97,18 @@ impl Format {
         if !matches!(samples, 1 | 4 | 16) {
             return Err(FormatError::Samples { samples });
         }
-        Ok(Self { width, height, samples })
+        Ok(Self { width, height, samples, shading: Shading::Sample })
+    }
+
+    /// The same, shaded so often.
+    #[must_use]
+    pub fn with_shading(self, shading: Shading) -> Self {
+        Self { shading, ..self }
+    }
+
+    /// How often pixels are shaded.
+    pub fn shading(self) -> Shading {
+        self.shading
     }
 
     /// Width in pixels.

@@ -9,7 +9,7 @@ mod space;
 mod window;
 
 pub use color::{HexError, parse_hex};
-pub use format::{Format, FormatError, MAX_PIXELS, MAX_SIDE};
+pub use format::{Format, FormatError, MAX_PIXELS, MAX_SIDE, Shading};
 pub use plane::{Plane, PlaneError};
 pub use space::{Chromaticities, WorkingSpace, srgb_decode, srgb_encode};
 pub use window::{Tiles, Window};

@@ -109,7 +109,7 @@ impl Frame {
     #[cfg_attr(not(feature = "io"), allow(dead_code, reason = "only files are judged"))]
     pub(crate) fn fill_all(&self, name: &str) -> Result<(), NodeError> {
         let id = self.graph.find(name).unwrap();
-        let block = Block { window: self.context.format.window(), offset: [0.5; 2] };
+        let block = Block::of(self.context.format.window(), [0.5; 2]);
         let plane = |_| vec![f32::NAN; block.window.area()];
         let kinds = &self.graph.node(id).kinds;
         let mut memory: Vec<Vec<Vec<f32>>> =
@@ -121,7 +121,7 @@ impl Frame {
     /// One channel of a stage at one sample, by its fill.
     pub(crate) fn filled(&self, id: NodeId, output: usize, channel: usize, at: [f64; 2]) -> f32 {
         let (x, y) = (at[0].floor() as i64, at[1].floor() as i64);
-        let block = Block { window: Window::new(x, y, x + 1, y + 1), offset: [at[0].fract(), at[1].fract()] };
+        let block = Block::of(Window::new(x, y, x + 1, y + 1), [at[0].fract(), at[1].fract()]);
         let mut plane = [f32::NAN];
         let mut planes: Vec<Vec<Option<&mut [f32]>>> = Vec::new();
         for kind in &self.graph.node(id).kinds {

@@ -1,5 +1,6 @@
 //! Which triangle each sample sees.
 
+use std::borrow::Cow;
 use std::cell::RefCell;
 
 use trochoid_image::Window;
@@ -9,8 +10,56 @@ use crate::project::{BIN, ScreenVertex};
 
 /// The triangle that each sample of a window sees.
 pub(crate) struct Seen {
+    pub(crate) window: Window,
     /// Primitive and which of its triangles, packed; [`NOTHING`] where there is none.
     pub(crate) triangles: Vec<u64>,
+}
+
+/// What samples see that lie side by side, or scattered.
+pub(crate) struct Row<'a> {
+    /// Their places in the planes to be filled.
+    pub(crate) first: usize,
+    pub(crate) y: i64,
+    /// The first one's pixel, of samples side by side; else that of each.
+    pub(crate) x: Result<i64, &'a [[i64; 2]]>,
+    pub(crate) triangles: Cow<'a, [u64]>,
+}
+
+impl Seen {
+    fn start(&self, x: i64, y: i64) -> usize {
+        (y - self.window.y0) as usize * self.window.width() + (x - self.window.x0) as usize
+    }
+
+    /// The rows of a window within this one.
+    pub(crate) fn within(&self, window: Window) -> impl Iterator<Item = Row<'_>> {
+        let width = window.width();
+        (window.y0..window.y1).enumerate().map(move |(row, y)| {
+            let start = self.start(window.x0, y);
+            let triangles = self.triangles[start..start + width].into();
+            Row { first: row * width, y, x: Ok(window.x0), triangles }
+        })
+    }
+
+    /// Pixels of this window, by runs in one row.
+    pub(crate) fn at<'a>(&'a self, pixels: &'a [[i64; 2]]) -> impl Iterator<Item = Row<'a>> {
+        let mut first = 0;
+        pixels.chunk_by(|a, b| a[1] == b[1]).map(move |pixels| {
+            let triangles = pixels.iter().map(|&[x, y]| self.triangles[self.start(x, y)]).collect();
+            let row = Row { first, y: pixels[0][1], x: Err(pixels), triangles };
+            first += pixels.len();
+            row
+        })
+    }
+}
+
+impl Row<'_> {
+    /// The pixel of a sample.
+    pub(crate) fn x(&self, column: usize) -> i64 {
+        match self.x {
+            Ok(first) => first + column as i64,
+            Err(pixels) => pixels[column][0],
+        }
+    }
 }
 
 pub(crate) const NOTHING: u64 = u64::MAX;
@@ -107,7 +156,8 @@ impl Visible {
             return take(&self.rasterize(window, &[offset])[0]);
         };
         MEMORY.with_borrow_mut(|memory| {
-            let known = memory.iter().position(|known| known.view == self.number && known.window == window);
+            let known = |known: &Remembered| known.view == self.number && known.window.intersect(window) == window;
+            let known = memory.iter().position(known);
             let known = known.map(|known| memory.remove(known)).unwrap_or_else(|| {
                 let seen = self.rasterize(window, &self.offsets);
                 Remembered { view: self.number, window, seen }
@@ -121,7 +171,8 @@ impl Visible {
     /// The nearest triangle at each sample, for every offset; of two equally near ones that with the lower number.
     pub(crate) fn rasterize(&self, window: Window, offsets: &[[f64; 2]]) -> Vec<Seen> {
         let inside = window.intersect(Window::sized(self.projector.size[0] as u32, self.projector.size[1] as u32));
-        let mut seen: Vec<Seen> = offsets.iter().map(|_| Seen { triangles: vec![NOTHING; window.area()] }).collect();
+        let mut seen: Vec<Seen> =
+            offsets.iter().map(|_| Seen { window, triangles: vec![NOTHING; window.area()] }).collect();
         if inside.is_empty() {
             return seen;
         }

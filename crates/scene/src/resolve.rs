@@ -4,9 +4,8 @@
 
 use fearless_simd::{Level, Simd, dispatch};
 use glam::DVec3;
-use trochoid_image::Window;
 
-use crate::raster::{NOTHING, Seen};
+use crate::raster::{NOTHING, Row};
 use crate::shading::unit_or_up;
 use crate::surface::Mesh;
 use crate::{Channel, ChannelSet, Projector, Samples, Visible};
@@ -19,7 +18,7 @@ type Lanes = [f64; BLOCK];
 
 /// A sample that sees a triangle.
 struct Hit {
-    /// Its column in the window.
+    /// Which of its row it is.
     column: usize,
     surface: usize,
     triangle: [u32; 3],
@@ -37,22 +36,34 @@ struct Block<'a> {
 
 impl Visible {
     /// Interpolates what the seen triangles carry; background where there is none.
-    pub(crate) fn resolve(&self, seen: &Seen, window: Window, offset: [f64; 2], wanted: ChannelSet, out: &mut Samples) {
+    pub(crate) fn resolve<'s>(
+        &self,
+        rows: impl Iterator<Item = Row<'s>>,
+        offset: [f64; 2],
+        wanted: ChannelSet,
+        out: &mut Samples,
+    ) {
         // The offset that the raster rounded to, so that the ray meets the triangle that was found.
         let unit = f64::from(1_u32 << self.raster.bits);
         let offset = offset.map(|part| self.raster.fix(part) as f64 / unit);
         dispatch!(Level::new(), simd => simd.vectorize(
             #[inline(always)]
-            || self.resolve_rows(seen, window, offset, wanted, out)
+            || self.resolve_rows(rows, offset, wanted, out)
         ));
     }
 
     #[inline(always)]
-    fn resolve_rows(&self, seen: &Seen, window: Window, offset: [f64; 2], wanted: ChannelSet, out: &mut Samples) {
-        let width = window.width();
-        let mut hits: Vec<Hit> = Vec::with_capacity(width);
-        for (row, numbers) in seen.triangles.chunks_exact(width).enumerate() {
-            let start = row * width;
+    fn resolve_rows<'s>(
+        &self,
+        rows: impl Iterator<Item = Row<'s>>,
+        offset: [f64; 2],
+        wanted: ChannelSet,
+        out: &mut Samples,
+    ) {
+        let mut hits: Vec<Hit> = Vec::new();
+        for row in rows {
+            let (start, numbers) = (row.first, &row.triangles);
+            let width = numbers.len();
             hits.clear();
             let mut column = 0;
             while column < width {
@@ -73,11 +84,11 @@ impl Visible {
                 hits.push(Hit { column, surface, triangle });
                 column += 1;
             }
-            let y = (window.y0 + row as i64) as f64 + offset[1];
+            let y = row.y as f64 + offset[1];
             for hits in hits.chunk_by(|a, b| a.surface == b.surface).flat_map(|hits| hits.chunks(BLOCK)) {
                 let mut x = [0.0; BLOCK];
                 for (x, hit) in x.iter_mut().zip(hits) {
-                    *x = (window.x0 + hit.column as i64) as f64 + offset[0];
+                    *x = row.x(hit.column) as f64 + offset[0];
                 }
                 let mesh = &self.layers[hits[0].surface].mesh;
                 self.answer(&Block { hits, mesh, start, x, y }, wanted, out);
@@ -300,7 +311,7 @@ fn blend<const N: usize>(values: &[[Lanes; N]; 3], weights: &[Lanes; 3]) -> [Lan
 
 #[cfg(test)]
 mod tests {
-    use trochoid_image::Format;
+    use trochoid_image::{Format, Window};
 
     use super::*;
     use crate::surface::{Hit, Topology};
@@ -466,6 +477,19 @@ mod tests {
             let seen = &visible.rasterize(window, &[offset])[0];
             let together = &visible.rasterize(window, &visible.offsets)[case as usize % 4];
             assert!(together.triangles == seen.triangles, "case {case}: samples together and each by itself");
+            let some: Vec<[i64; 2]> = (0..window.area() as i64)
+                .filter(|index| random.0.wrapping_mul(2 * *index as u64 + 1) % 5 < 2)
+                .map(|index| [window.x0 + index % 90, window.y0 + index / 90])
+                .collect();
+            let mut alone = Samples::new();
+            visible.fill_pixels(&some, offset, ChannelSet::ALL, &mut alone);
+            for (index, [x, y]) in some.iter().enumerate() {
+                let whole = (y - window.y0) as usize * 90 + (x - window.x0) as usize;
+                for channel in Channel::ALL {
+                    let bits = |samples: &Samples, index: usize| samples.channel(channel)[index].to_bits();
+                    assert_eq!(bits(&alone, index), bits(&samples, whole), "case {case}, {channel:?} at {x}, {y}");
+                }
+            }
             let mut hits = 0;
             for (index, &number) in seen.triangles.iter().enumerate() {
                 let place = [index % window.width(), index / window.width()];

@@ -126,7 +126,23 @@ impl Visible {
         if window.is_empty() || wanted == ChannelSet::NONE {
             return;
         }
-        self.look(window, offset, |seen| self.resolve(seen, window, offset, wanted, out));
+        self.look(window, offset, |seen| self.resolve(seen.within(window), offset, wanted, out));
+    }
+
+    /// The same for single pixels, in place of the row of a window of as many, whose bits they have in any window.
+    ///
+    /// Pixels of a window that the thread has just asked for are fastest, row by row.
+    ///
+    /// # Panics
+    /// A channel is wanted that was not prepared.
+    pub fn fill_pixels(&self, pixels: &[[i64; 2]], offset: [f64; 2], wanted: ChannelSet, out: &mut Samples) {
+        assert!(self.wanted.includes(wanted), "a view is asked only for the channels it was prepared for");
+        out.shape(Window::new(0, 0, pixels.len() as i64, 1), wanted);
+        if pixels.is_empty() || wanted == ChannelSet::NONE {
+            return;
+        }
+        let around = pixels.iter().fold(Window::default(), |all, &[x, y]| all.union(Window::new(x, y, x + 1, y + 1)));
+        self.look(around, offset, |seen| self.resolve(seen.at(pixels), offset, wanted, out));
     }
 }
 

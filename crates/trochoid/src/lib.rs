@@ -50,7 +50,7 @@ pub use trochoid_graph::{
     Kind, Knob, NodeId, NodeType, OutputSpec, Port, Precision, REFUSALS, Refusal, Registry, Severity, Takes, Work,
     expected, nearest, refusal, schema,
 };
-pub use trochoid_image::{Format, Plane, Rgb, Window, WorkingSpace};
+pub use trochoid_image::{Format, Plane, Rgb, Shading, Window, WorkingSpace};
 pub use trochoid_io as io;
 
 /// The version of Trochoid.

@@ -47,7 +47,7 @@ struct Blended {
 }
 
 impl Prepared for Blended {
-    fn fill(&self, block: &Block, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
+    fn fill(&self, block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let image = &inputs.all("image")[0];
         let (from, window) = (image.window, block.window);
         assert!(from.intersect(image.extent) == from && from.intersect(window) == window);

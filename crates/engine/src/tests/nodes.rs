@@ -63,7 +63,7 @@ impl Stage for Slope {
 struct Sloping(f64);
 
 impl Prepared for Sloping {
-    fn fill(&self, block: &Block, _inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
+    fn fill(&self, block: &Block<'_>, _inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let width = block.window.width();
         for (i, value) in outputs.take(0, 0).unwrap().iter_mut().enumerate() {
             let x = block.window.x0 as f64 + (i % width) as f64 + block.offset[0];

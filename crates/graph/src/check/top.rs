@@ -2,7 +2,7 @@
 
 use super::{Checker, Place};
 use crate::spanned::{Entry, Json, Spanned};
-use trochoid_image::{Format, FormatError, MAX_PIXELS, MAX_SIDE, WorkingSpace};
+use trochoid_image::{Format, FormatError, MAX_PIXELS, MAX_SIDE, Shading, WorkingSpace};
 
 /// What the top of a document says.
 pub(super) struct Top {
@@ -55,14 +55,19 @@ impl<'a> Checker<'a> {
     fn format(&mut self, value: &'a Spanned) -> Option<Format> {
         let place = Place::top(value.offset, "format");
         let entries = self.object(value, place, "an object with \"width\" and \"height\"")?;
-        let (mut width, mut height, mut samples) = (None, None, Some(1));
+        let (mut width, mut height, mut samples, mut shading) = (None, None, Some(1), Shading::default());
         for entry in entries {
             let slot = match entry.key.as_str() {
                 "width" => &mut width,
                 "height" => &mut height,
                 "samples" => &mut samples,
+                "shading" => {
+                    shading = self.shading(entry)?;
+                    continue;
+                }
                 key => {
-                    self.unknown_key(Place::top(entry.offset, "format"), key, &["width", "height", "samples"]);
+                    let keys = ["width", "height", "samples", "shading"];
+                    self.unknown_key(Place::top(entry.offset, "format"), key, &keys);
                     continue;
                 }
             };
@@ -86,6 +91,7 @@ impl<'a> Checker<'a> {
             return None;
         };
         Format::new(width, height, samples)
+            .map(|format| format.with_shading(shading))
             .map_err(|error| {
                 let (found, expected, remedy) = match error {
                     FormatError::Side { .. } => (
@@ -105,6 +111,20 @@ impl<'a> Checker<'a> {
                 self.error(place, found, expected, remedy);
             })
             .ok()
+    }
+
+    fn shading(&mut self, entry: &'a Entry) -> Option<Shading> {
+        let found = match &entry.value.json {
+            Json::String(name) => Shading::from_name(name),
+            _ => None,
+        };
+        if found.is_none() {
+            let place = Place::top(entry.value.offset, &entry.key);
+            let remedy = "\"pixel\" shades once what varies smoothly over a surface; \"sample\" at each sample";
+            let names = Shading::ALL.map(Shading::name);
+            self.error(place, entry.value.brief(), format!("one of {}", names.join(", ")), remedy);
+        }
+        found
     }
 
     fn working_space(&mut self, value: &'a Spanned) {

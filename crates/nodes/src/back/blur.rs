@@ -101,7 +101,7 @@ impl Prepared for Blurring {
         inputs("image")
     }
 
-    fn fill(&self, block: &Block, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
+    fn fill(&self, block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let image = &inputs.all("image")[0];
         fill(self.kind, block.window.area(), outputs, |channel, out| {
             if let Some(Some(samples)) = image.planes.get(channel) {

@@ -221,7 +221,7 @@ fn sample(connection: Option<&Connection<'_>>, channel: usize, x: i64, y: i64) -
 }
 
 impl<'a> Planes<'a> {
-    fn new(painting: &Painting, block: &Block, inputs: &Inputs<'a>) -> Self {
+    fn new(painting: &Painting, block: &Block<'_>, inputs: &Inputs<'a>) -> Self {
         let picture = painting.picture;
         let view = inputs.all("view").first();
         let channel = |channel: ViewChannel| view.and_then(|view| view.planes[channel as usize]);
@@ -333,7 +333,7 @@ impl Sums {
 }
 
 impl Prepared for Painting {
-    fn fill(&self, block: &Block, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
+    fn fill(&self, block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let window = block.window;
         let image = &inputs.all("image")[0];
         let planes = Planes::new(self, block, inputs);

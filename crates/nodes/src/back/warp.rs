@@ -76,7 +76,7 @@ impl Prepared for Warping {
         inputs("image").intersect(inputs("dx")).intersect(inputs("dy"))
     }
 
-    fn fill(&self, block: &Block, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
+    fn fill(&self, block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let image = &inputs.all("image")[0];
         let (window, from) = (block.window, image.window);
         let displacements = |port: &str| inputs.all(port).first().and_then(|connection| connection.planes[0]);

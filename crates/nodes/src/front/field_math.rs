@@ -89,6 +89,10 @@ impl Stage for FieldMath {
         false
     }
 
+    fn rate(&self, _node: &Settled) -> Rate {
+        Rate::Surface
+    }
+
     fn prepare(&self, node: &Settled, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
         Ok(Box::new(Computing {
             node: node.clone(),
@@ -118,7 +122,7 @@ impl Computing {
     }
 
     /// Sets NaN to its substitute, and keeps where that was: tiles may compute a pixel more than once.
-    fn repair(&self, block: &Block, component: usize, plane: &mut [f32]) {
+    fn repair(&self, block: &Block<'_>, component: usize, plane: &mut [f32]) {
         if !plane.iter().any(|value| value.is_nan()) {
             return;
         }
@@ -127,8 +131,7 @@ impl Computing {
         let bits = repaired.entry((component, block.offset.map(f64::to_bits))).or_insert_with(|| vec![0; words]);
         for (index, value) in plane.iter_mut().enumerate().filter(|(_, value)| value.is_nan()) {
             *value = self.nan as f32;
-            let (row, column) = (index / block.window.width(), index % block.window.width());
-            let (x, y) = (block.window.x0 + column as i64, block.window.y0 + row as i64);
+            let Some([x, y]) = block.pixel(index) else { continue };
             if self.picture.contains(x, y) {
                 let place = (y - self.picture.y0) as usize * self.picture.width() + (x - self.picture.x0) as usize;
                 bits[place / 64] |= 1 << (place % 64);
@@ -138,7 +141,7 @@ impl Computing {
 }
 
 impl Prepared for Computing {
-    fn fill(&self, block: &Block, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
+    fn fill(&self, block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let planes = INPUTS.map(|port| inputs.all(port).first().map(|connection| &connection.planes[..]));
         let expression = self.expression(planes.map(|planes| planes.map(<[_]>::len)))?;
         let mut wanted: Vec<_> = (0..expression.width).map(|component| outputs.take(0, component)).collect();

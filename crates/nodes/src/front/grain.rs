@@ -52,6 +52,10 @@ impl Stage for Grain {
         Some((0.0, 1.0))
     }
 
+    fn rate(&self, _node: &Settled) -> Rate {
+        Rate::Pixel
+    }
+
     fn prepare(&self, node: &Settled, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
         let paper = node.text("kind") == "paper";
         let threads = node.number("threads");
@@ -130,15 +134,13 @@ impl Ground {
 }
 
 impl Prepared for Ground {
-    fn fill(&self, block: &Block, _inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
+    fn fill(&self, block: &Block<'_>, _inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let Some(mask) = outputs.take(0, 0) else { return Ok(()) };
-        let (window, [right, down]) = (block.window, block.offset);
         if self.kept == 0.0 || self.relief == 0.0 {
             mask.fill(0.5);
             return Ok(());
         }
-        let pixels = (window.y0..window.y1).flat_map(|y| (window.x0..window.x1).map(move |x| (x, y)));
-        let places: Vec<[f64; 2]> = pixels.map(|(x, y)| self.place([x as f64 + right, y as f64 + down])).collect();
+        let places: Vec<[f64; 2]> = block.places().map(|place| self.place(place)).collect();
         let mut noises = [vec![0.0f32; places.len()], vec![0.0f32; places.len()]];
         for (axis, (noise, out)) in self.noises.iter().zip(&mut noises).enumerate() {
             noise.fill::<2>(places.iter().map(|place| self.lookups(*place)[axis]), &[], out);

@@ -124,6 +124,10 @@ impl Stage for Noise {
         Some(kind(node).range())
     }
 
+    fn rate(&self, _node: &Settled) -> Rate {
+        Rate::Surface
+    }
+
     fn prepare(&self, node: &Settled, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
         let axes = Axes {
             scale: node.number("scale"),
@@ -195,27 +199,23 @@ impl Footprints {
 
     /// Of a block of samples; empty where all are 0.
     #[cfg_attr(not(feature = "scene"), allow(unused_variables, reason = "only views have depths"))]
-    fn over(&self, block: &Block, depths: Option<&[f32]>) -> Vec<f32> {
-        let window = block.window;
-        let pixels = (window.y0..window.y1).flat_map(|y| (window.x0..window.x1).map(move |x| (x, y)));
+    fn over(&self, block: &Block<'_>, depths: Option<&[f32]>) -> Vec<f32> {
         match (self, depths) {
             (Self::None, _) => Vec::new(),
-            (Self::Even(size), _) => vec![*size as f32; window.area()],
+            (Self::Even(size), _) => vec![*size as f32; block.window.area()],
             #[cfg(feature = "scene")]
             (Self::Seen(_), None) => Vec::new(),
             #[cfg(feature = "scene")]
-            (Self::Seen(_), Some(depths)) => pixels
-                .zip(depths)
-                .map(|((x, y), depth)| [x as f64 + block.offset[0], y as f64 + block.offset[1], f64::from(*depth)])
-                .map(|[x, y, depth]| self.at([x, y], depth) as f32)
-                .collect(),
+            (Self::Seen(_), Some(depths)) => {
+                block.places().zip(depths).map(|(place, depth)| self.at(place, f64::from(*depth)) as f32).collect()
+            }
         }
     }
 }
 
 impl Noisy {
     /// Fills the noise at the places that some channels of the view give.
-    fn on<const S: usize>(&self, block: &Block, inputs: &Inputs<'_>, channels: [ViewChannel; S], out: &mut [f32]) {
+    fn on<const S: usize>(&self, block: &Block<'_>, inputs: &Inputs<'_>, channels: [ViewChannel; S], out: &mut [f32]) {
         let footprints = self.footprints.over(block, inputs.view_if_any("view", ViewChannel::Depth));
         let planes = channels.map(|channel| inputs.view("view", channel));
         let place = |index: usize| std::array::from_fn(|axis| f64::from(planes[axis][index]) - self.moved(axis, S));
@@ -235,19 +235,17 @@ impl Noisy {
 }
 
 impl Prepared for Noisy {
-    fn fill(&self, block: &Block, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
+    fn fill(&self, block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let Some(out) = outputs.take(0, 0) else { return Ok(()) };
         match channels(&self.node).len() {
             3 => self.on(block, inputs, WORLD, out),
             2 => self.on(block, inputs, REST, out),
             _ => {
-                let (window, [right, down]) = (block.window, block.offset);
-                let place = |(x, y): (i64, i64)| {
-                    let [x, y] = self.screen.at([x as f64 + right, y as f64 + down]);
+                let place = |pixels: [f64; 2]| {
+                    let [x, y] = self.screen.at(pixels);
                     [x - self.offset[0], y - self.offset[1]]
                 };
-                let pixels = (window.y0..window.y1).flat_map(|y| (window.x0..window.x1).map(move |x| (x, y)));
-                self.noise.fill::<2>(pixels.map(place), &self.footprints.over(block, None), out);
+                self.noise.fill::<2>(block.places().map(place), &self.footprints.over(block, None), out);
             }
         }
         Ok(())

@@ -48,7 +48,7 @@ struct Across {
 }
 
 impl Prepared for Across {
-    fn fill(&self, block: &Block, _inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
+    fn fill(&self, block: &Block<'_>, _inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let Some(plane) = outputs.take(0, 0) else { return Ok(()) };
         let columns = block.window.width();
         if columns == 0 {

@@ -48,7 +48,7 @@ struct Down {
 }
 
 impl Prepared for Down {
-    fn fill(&self, block: &Block, _inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
+    fn fill(&self, block: &Block<'_>, _inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let Some(plane) = outputs.take(0, 0) else { return Ok(()) };
         let last = f64::from(self.height) - 1.0;
         let start = block.window.y0 as f64 + block.offset[1] - 0.5;

@@ -56,6 +56,10 @@ impl Stage for Scumble {
         false
     }
 
+    fn rate(&self, _node: &Settled) -> Rate {
+        Rate::Surface
+    }
+
     fn prepare(&self, node: &Settled, _prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
         let figures = ["body", "dry", "level", "from", "to", "thin"].map(|knob| node.number(knob));
         Ok(Box::new(Dragging { node: node.clone(), figures }))
@@ -84,7 +88,7 @@ impl Dragging {
 }
 
 impl Prepared for Dragging {
-    fn fill(&self, _block: &Block, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
+    fn fill(&self, _block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let Some(mask) = outputs.take(0, 0) else { return Ok(()) };
         let plane = |port: &str| inputs.planes(port, 0)[0].unwrap_or_default();
         for ((out, density), noise) in mask.iter_mut().zip(plane("density")).zip(plane("noise")) {

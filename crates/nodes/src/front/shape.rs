@@ -220,7 +220,7 @@ impl Drawing {
 }
 
 impl Prepared for Drawing {
-    fn fill(&self, block: &Block, _inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
+    fn fill(&self, block: &Block<'_>, _inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let Some(mask) = outputs.take(0, 0) else { return Ok(()) };
         mask.fill(0.0);
         let window = block.window;
@@ -323,7 +323,7 @@ mod tests {
                     "angle": {angle}, "points": [{points}] }}] }}"#
             );
             let frame = frame("weights", &shape);
-            let block = Block { window: Window::new(-7, -5, 70, 45), offset: [0.27, 0.81] };
+            let block = Block::of(Window::new(-7, -5, 70, 45), [0.27, 0.81]);
             let mut plane = vec![f32::NAN; block.window.area()];
             let mut outputs = Outputs::new(vec![vec![Some(&mut plane[..])]]);
             frame.node("out").fill(&block, &Inputs::new(&[]), &mut outputs).unwrap();

@@ -115,7 +115,7 @@ impl Prepared for Decoded {
         self.layers.iter().flatten().fold(picture, |window, layer| window.union(layer.window()))
     }
 
-    fn fill(&self, block: &Block, _inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
+    fn fill(&self, block: &Block<'_>, _inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         for (channel, layer) in self.layers.iter().enumerate() {
             if let (Some(layer), Some(plane)) = (layer, outputs.take(0, channel)) {
                 layer.fill(block, plane);
@@ -167,7 +167,7 @@ impl Prepared for Streamed {
         picture.union(self.stream.window())
     }
 
-    fn fill(&self, block: &Block, _inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
+    fn fill(&self, block: &Block<'_>, _inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let mut outs: Vec<_> = self.targets.iter().map(|channel| outputs.take(0, *channel)).collect();
         self.stream.fill(block, &mut outs)
     }

@@ -168,7 +168,7 @@ impl Prepared for Looked {
         }
     }
 
-    fn fill(&self, block: &Block, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
+    fn fill(&self, block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let coordinate = |port: &str| inputs.planes(port, 0).first().copied().flatten().unwrap_or_default();
         let places = coordinate("u").iter().zip(coordinate("v"));
         // Where each sample looks, once for all channels.

@@ -298,7 +298,7 @@ impl Prepared for View {
         self.camera.clone()
     }
 
-    fn fill(&self, block: &Block, _inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
+    fn fill(&self, block: &Block<'_>, _inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         for pass in &self.passes {
             let mut outs: Vec<_> = pass.channels.iter().map(|channel| outputs.take(0, *channel as usize)).collect();
             let mut copy = None;

@@ -90,7 +90,7 @@ impl Fit {
     /// Lays rows of a picture over a block. `line` gives the pixels from (x, y) on, one row for each channel.
     pub(crate) fn lay(
         &self,
-        block: &Block,
+        block: &Block<'_>,
         outs: &mut [Option<&mut [f32]>],
         mut line: impl FnMut(i64, i64, &mut [Option<&mut [f32]>]) -> Result<(), NodeError>,
     ) -> Result<(), NodeError> {
@@ -190,7 +190,7 @@ impl Layer {
     }
 
     /// The samples of a block, row by row.
-    pub(crate) fn fill(&self, block: &Block, out: &mut [f32]) {
+    pub(crate) fn fill(&self, block: &Block<'_>, out: &mut [f32]) {
         let window = block.window;
         if window.is_empty() {
             return;
@@ -287,7 +287,7 @@ mod tests {
 
     fn filled(layer: &Layer, window: Window) -> Vec<f32> {
         let mut out = vec![f32::NAN; window.area()];
-        let block = Block { window, offset: [0.5, 0.5] };
+        let block = Block::of(window, [0.5, 0.5]);
         layer.fill(&block, &mut out);
         for (index, value) in out.iter().enumerate() {
             let (x, y) = super::super::legal::place(window, index);

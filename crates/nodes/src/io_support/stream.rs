@@ -67,7 +67,7 @@ impl Stream {
     }
 
     /// The samples of a block, row by row, of every channel that is wanted.
-    pub(crate) fn fill(&self, block: &Block, outs: Targets<'_, '_>) -> Result<(), NodeError> {
+    pub(crate) fn fill(&self, block: &Block<'_>, outs: Targets<'_, '_>) -> Result<(), NodeError> {
         if outs.iter().all(Option::is_none) {
             return Ok(());
         }

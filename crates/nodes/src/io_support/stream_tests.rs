@@ -80,7 +80,7 @@ impl Case {
     }
 }
 
-fn fill(stream: &Stream, block: &Block, unwanted: Option<usize>) -> Result<Vec<Vec<f32>>, NodeError> {
+fn fill(stream: &Stream, block: &Block<'_>, unwanted: Option<usize>) -> Result<Vec<Vec<f32>>, NodeError> {
     let mut planes = vec![vec![f32::NAN; block.window.area()]; stream.outputs];
     let mut outs: Vec<Option<&mut [f32]>> = planes
         .iter_mut()
@@ -103,7 +103,7 @@ fn same(case: &Case, what: &str) {
     for (width, height) in [(1, 1), (3, 2), (7, 40), (60, 16), (90, 90)] {
         for (x, y) in [(0, 0), (-20, -9), (5, 17), (33, 30), (70, 80)] {
             for offset in [[0.5, 0.5], [0.125, 0.875]] {
-                blocks.push(Block { window: Window::new(x, y, x + width, y + height), offset });
+                blocks.push(Block::of(Window::new(x, y, x + width, y + height), offset));
             }
         }
     }
@@ -216,7 +216,7 @@ fn reads_of_one_file_decode_it_once() {
     for offset in [0.25, 0.75] {
         tiles.par_iter().for_each(|tile| {
             for (stream, (_, plane)) in streams.iter().zip(&channels) {
-                let found = fill(stream, &Block { window: *tile, offset: [offset; 2] }, None).unwrap();
+                let found = fill(stream, &Block::of(*tile, [offset; 2]), None).unwrap();
                 let start = tile.y0 as usize * 40;
                 assert_eq!(found[0], plane[start..start + tile.area()]);
             }
@@ -246,11 +246,11 @@ fn the_first_fault_is_reported_whoever_asks() {
     for rows in [5496..5512, 0..16, 4999..5001] {
         let window = Window::new(2, rows.start, 3, rows.end);
         let stream = case.stream(&Pool::new());
-        let block = Block { window, offset: [0.5; 2] };
+        let block = Block::of(window, [0.5; 2]);
         assert_eq!(fill(&stream, &block, None).unwrap_err().message, decoded);
         assert_eq!(stream.reference([2.5, rows.start as f64 + 4.5]).is_err(), rows.start == 5496);
     }
-    let fine = Block { window: Window::sized(3, 2), offset: [0.5; 2] };
+    let fine = Block::of(Window::sized(3, 2), [0.5; 2]);
     fill(&case.stream(&Pool::new()), &fine, None).unwrap();
 }
 
@@ -266,7 +266,7 @@ fn a_truncated_file_is_refused_where_it_ends() {
         std::fs::write(&path, &bytes[..bytes.len() / 2]).unwrap();
         let case = Case::new(folder.path(), (64, 200), "field", r#""as": "field""#);
         let stream = case.stream(&Pool::new());
-        let part = |y0: i64| Block { window: Window::new(0, y0, 64, y0 + 10), offset: [0.5; 2] };
+        let part = |y0: i64| Block::of(Window::new(0, y0, 64, y0 + 10), [0.5; 2]);
         fill(&stream, &part(0), None).unwrap();
         let first = fill(&stream, &part(190), None).unwrap_err().message;
         assert!(first.contains("the end of the file") || first.contains("an offset from"), "{first}");

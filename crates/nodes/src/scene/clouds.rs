@@ -115,6 +115,10 @@ impl Stage for Clouds {
         true
     }
 
+    fn rate(&self, _node: &Settled) -> Rate {
+        Rate::Pixel
+    }
+
     fn prepare(&self, node: &Settled, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
         let cameras: Vec<Camera> = prepare.handles(node, "camera")?;
         let lights: Vec<Light> = prepare.handles(node, "light")?;
@@ -352,15 +356,12 @@ impl Cloudy {
 }
 
 impl Prepared for Cloudy {
-    fn fill(&self, block: &Block, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
+    fn fill(&self, block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let mut planes = [outputs.take(0, 0), outputs.take(1, 0), outputs.take(2, 0)];
         if planes.iter().all(Option::is_none) {
             return Ok(());
         }
-        let window = block.window;
-        let pixels = (window.y0..window.y1).flat_map(|y| (window.x0..window.x1).map(move |x| (x, y)));
-        let rays: Vec<Ray> =
-            pixels.map(|(x, y)| self.eye.ray(x as f64 + block.offset[0], y as f64 + block.offset[1])).collect();
+        let rays: Vec<Ray> = block.places().map(|[x, y]| self.eye.ray(x, y)).collect();
         let lit = planes[1].is_some();
         let by_layer: Result<Vec<Vec<Gathered>>, NodeError> =
             self.layers.iter().map(|layer| self.gather(layer, &rays, lit, inputs)).collect();

@@ -84,7 +84,7 @@ fn curvature(here: Point, beside: [[Option<Point>; 2]; 2]) -> f64 {
 }
 
 impl Prepared for Bending {
-    fn fill(&self, block: &Block, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
+    fn fill(&self, block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let Some(plane) = outputs.take(0, 0) else { return Ok(()) };
         let around = Around::of(inputs);
         let (positions, normals) = (view_planes(inputs, POSITION), view_planes(inputs, NORMAL));

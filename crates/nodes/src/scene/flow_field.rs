@@ -112,6 +112,10 @@ impl Stage for FlowField {
         grown(window, shape.radius(size) + difference)
     }
 
+    fn rate(&self, _node: &Settled) -> Rate {
+        Rate::Pixel
+    }
+
     fn prepare(&self, node: &Settled, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
         let (shape, size) = shape(node);
         let axes = Axes {
@@ -229,7 +233,7 @@ impl Flowing {
     }
 
     /// Doubled directions over a window, before they are smoothed.
-    fn lines(&self, window: Window, block: &Block, inputs: &Inputs<'_>) -> Result<[Vec<f32>; 2], NodeError> {
+    fn lines(&self, window: Window, block: &Block<'_>, inputs: &Inputs<'_>) -> Result<[Vec<f32>; 2], NodeError> {
         let mut lines = [vec![0.0f32; window.area()], vec![0.0f32; window.area()]];
         let pixels = || (window.y0..window.y1).flat_map(|y| (window.x0..window.x1).map(move |x| (x, y)));
         let mut noise = vec![0.0f32; if self.waver > 0.0 { window.area() } else { 0 }];
@@ -310,7 +314,7 @@ fn nearest(window: Window, x: i64, y: i64) -> usize {
 }
 
 impl Prepared for Flowing {
-    fn fill(&self, block: &Block, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
+    fn fill(&self, block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let window = block.window;
         let from = grown(window, self.radius).intersect(self.picture);
         let mut lines = self.lines(from, block, inputs)?;

@@ -56,6 +56,10 @@ impl Stage for Fresnel {
         ChannelSet::of(&POSITION)
     }
 
+    fn rate(&self, _node: &Settled) -> Rate {
+        Rate::Surface
+    }
+
     fn prepare(&self, node: &Settled, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
         let cosine = if node.text("cosine") == "half" { Cosine::Half } else { Cosine::View };
         Ok(Box::new(Mirror {
@@ -77,7 +81,7 @@ struct Mirror {
 }
 
 impl Prepared for Mirror {
-    fn fill(&self, _block: &Block, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
+    fn fill(&self, _block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let Some(mask) = outputs.take(0, 0) else { return Ok(()) };
         if is_bare(inputs) {
             mask.fill(0.0);

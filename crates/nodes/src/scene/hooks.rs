@@ -268,7 +268,7 @@ impl Growing {
 }
 
 impl Prepared for Growing {
-    fn fill(&self, block: &Block, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
+    fn fill(&self, block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let window = block.window;
         let depths = inputs.view("view", ViewChannel::Depth);
         let mut planes: [Option<&mut [f32]>; VALUES] = std::array::from_fn(|output| outputs.take(output, 0));

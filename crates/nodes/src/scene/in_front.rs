@@ -65,7 +65,7 @@ fn mask(depth: f64, other: f64, soft: f64) -> f64 {
 }
 
 impl Prepared for Compared {
-    fn fill(&self, _block: &Block, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
+    fn fill(&self, _block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let Some(out) = outputs.take(0, 0) else { return Ok(()) };
         let [depth, other] = ["view", "other"].map(|port| inputs.view(port, ViewChannel::Depth));
         for ((out, depth), other) in out.iter_mut().zip(depth).zip(other) {

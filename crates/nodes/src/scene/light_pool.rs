@@ -82,6 +82,10 @@ impl Stage for LightPool {
         false
     }
 
+    fn rate(&self, _node: &Settled) -> Rate {
+        Rate::Surface
+    }
+
     fn prepare(&self, node: &Settled, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
         let pool = |pool: &Settled| {
             let (sin, cos) = libm::sincos(pool.number("direction").to_radians());
@@ -150,7 +154,7 @@ impl Falling {
 }
 
 impl Prepared for Falling {
-    fn fill(&self, _block: &Block, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
+    fn fill(&self, _block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let Some(mask) = outputs.take(0, 0) else { return Ok(()) };
         let planes = view_planes(inputs, POSITION);
         let noise = inputs.all("noise").first().and_then(|connection| connection.planes[0]);

@@ -230,7 +230,7 @@ impl Drawing {
 }
 
 impl Prepared for Drawing {
-    fn fill(&self, block: &Block, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
+    fn fill(&self, block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let place = &inputs.all("place")[0];
         let [across, along] = [0, 1].map(|axis| place.planes[axis].unwrap_or_default());
         let thickness = inputs.all("thickness").first().and_then(|connection| connection.planes[0]);

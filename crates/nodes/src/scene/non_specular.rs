@@ -46,6 +46,10 @@ impl Stage for NonSpecular {
         ChannelSet::of(&POSITION)
     }
 
+    fn rate(&self, _node: &Settled) -> Rate {
+        Rate::Surface
+    }
+
     fn prepare(&self, node: &Settled, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
         let lights = Lights::of(node, prepare)?;
         Ok(Box::new(Lit { node: node.clone(), lights, power: node.number("power") }))
@@ -59,7 +63,7 @@ struct Lit {
 }
 
 impl Prepared for Lit {
-    fn fill(&self, _block: &Block, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
+    fn fill(&self, _block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let Some(mask) = outputs.take(0, 0) else { return Ok(()) };
         if is_bare(inputs) {
             mask.fill(0.0);

@@ -62,6 +62,10 @@ impl Stage for ObjectMask {
         ViewChannel::Surface.into()
     }
 
+    fn rate(&self, _node: &Settled) -> Rate {
+        Rate::Surface
+    }
+
     fn prepare(&self, node: &Settled, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
         let chosen: Vec<SurfaceHandle> = prepare.handles(node, "surfaces")?;
         let mut indices: Vec<f32> = node.numbers("indices").iter().map(|index| *index as f32).collect();
@@ -92,7 +96,7 @@ impl Chosen {
 }
 
 impl Prepared for Chosen {
-    fn fill(&self, _block: &Block, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
+    fn fill(&self, _block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let Some(mask) = outputs.take(0, 0) else { return Ok(()) };
         for (mask, surface) in mask.iter_mut().zip(inputs.view("view", ViewChannel::Surface)) {
             *mask = self.mask(*surface);

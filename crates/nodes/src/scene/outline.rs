@@ -202,7 +202,7 @@ impl Drawing {
 const STEPS: [(i64, i64); 2] = [(1, 0), (0, 1)];
 
 impl Prepared for Drawing {
-    fn fill(&self, block: &Block, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
+    fn fill(&self, block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let Some(mask) = outputs.take(0, 0) else { return Ok(()) };
         mask.fill(0.0);
         let around = Around::of(inputs);

@@ -57,6 +57,10 @@ impl Stage for Render {
         is_coverage.then_some((0.0, 1.0))
     }
 
+    fn rate(&self, _node: &Settled) -> Rate {
+        Rate::Surface
+    }
+
     fn prepare(&self, node: &Settled, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
         let camera: scene::Camera = prepare.handles(node, "camera")?[0];
         let surfaces: Vec<SurfaceHandle> = prepare.handles(node, "surfaces")?;
@@ -96,7 +100,7 @@ impl Prepared for Seen {
         Some(std::sync::Arc::new(Looking { camera: self.camera, surfaces: self.surfaces.clone() }))
     }
 
-    fn fill(&self, block: &Block, _inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
+    fn fill(&self, block: &Block<'_>, _inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let Some(visible) = &self.visible else { return Ok(()) };
         let planes: Vec<_> =
             CHANNELS.into_iter().enumerate().filter_map(|(i, c)| Some((c, outputs.take(0, i)?))).collect();
@@ -106,7 +110,10 @@ impl Prepared for Seen {
             wanted = wanted.union(scene::ChannelSet::COVERAGE);
         }
         SAMPLES.with_borrow_mut(|samples| {
-            visible.fill(block.window, block.offset, wanted, samples);
+            match block.scattered {
+                None => visible.fill(block.window, block.offset, wanted, samples),
+                Some(pixels) => visible.fill_pixels(pixels, block.offset, wanted, samples),
+            }
             for (channel, plane) in planes {
                 plane.copy_from_slice(samples.channel(channel));
             }

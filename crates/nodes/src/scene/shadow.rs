@@ -121,7 +121,7 @@ impl Shadowed {
 }
 
 impl Prepared for Shadowed {
-    fn fill(&self, block: &Block, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
+    fn fill(&self, block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let Some(mask) = outputs.take(0, 0) else { return Ok(()) };
         self.surroundings.fill(block, inputs, mask, |seen, rays| self.mask(seen, rays))
     }

@@ -121,7 +121,7 @@ impl Turning {
 }
 
 impl Prepared for Turning {
-    fn fill(&self, block: &Block, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
+    fn fill(&self, block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let around = Around::of(inputs);
         let [nx, ny, nz] = view_planes(inputs, NORMAL);
         let views = view_directions(inputs, &self.eye, around.area())?;

@@ -65,6 +65,10 @@ impl Stage for Sky {
         Some((0.0, 1.0))
     }
 
+    fn rate(&self, _node: &Settled) -> Rate {
+        Rate::Surface
+    }
+
     fn prepare(&self, node: &Settled, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
         let eye = eye(node, prepare, prepare.frame.format)?;
         Ok(Box::new(Looking { node: node.clone(), eye, from: node.number("from"), to: node.number("to") }))
@@ -94,19 +98,17 @@ fn mirrored(direction: DVec3, normal: DVec3) -> DVec3 {
 }
 
 impl Prepared for Looking {
-    fn fill(&self, block: &Block, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
-        let window = block.window;
-        let pixels = || (window.y0..window.y1).flat_map(|y| (window.x0..window.x1).map(move |x| (x, y)));
-        let ray = |(x, y): (i64, i64)| self.eye.ray(x as f64 + block.offset[0], y as f64 + block.offset[1]).direction;
+    fn fill(&self, block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
+        let ray = |[x, y]: [f64; 2]| self.eye.ray(x, y).direction;
         if let Some(sky) = outputs.take(0, 0) {
-            sky.iter_mut().zip(pixels()).for_each(|(out, pixel)| *out = self.mask(ray(pixel)) as f32);
+            sky.iter_mut().zip(block.places()).for_each(|(out, at)| *out = self.mask(ray(at)) as f32);
         }
         let Some(reflected) = outputs.take(1, 0) else { return Ok(()) };
         let normals = view_planes(inputs, NORMAL);
         let coverage = inputs.view("view", ViewChannel::Coverage);
-        for (index, (out, pixel)) in reflected.iter_mut().zip(pixels()).enumerate() {
+        for (index, (out, at)) in reflected.iter_mut().zip(block.places()).enumerate() {
             let normal = DVec3::from(normals.map(|plane| f64::from(plane[index])));
-            *out = if coverage[index] > 0.0 { self.mask(mirrored(ray(pixel), normal)) as f32 } else { 0.0 };
+            *out = if coverage[index] > 0.0 { self.mask(mirrored(ray(at), normal)) as f32 } else { 0.0 };
         }
         Ok(())
     }

@@ -51,6 +51,10 @@ impl Stage for Specular {
         ChannelSet::of(&POSITION).union(ViewChannel::SlopeVariance.into())
     }
 
+    fn rate(&self, _node: &Settled) -> Rate {
+        Rate::Surface
+    }
+
     fn prepare(&self, node: &Settled, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
         let model = if node.text("model") == "reflection" { Model::Reflection } else { Model::Half };
         Ok(Box::new(Mirror {
@@ -72,7 +76,7 @@ struct Mirror {
 }
 
 impl Prepared for Mirror {
-    fn fill(&self, _block: &Block, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
+    fn fill(&self, _block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let Some(mask) = outputs.take(0, 0) else { return Ok(()) };
         if is_bare(inputs) {
             mask.fill(0.0);

@@ -234,7 +234,7 @@ impl Drawing {
 }
 
 impl Prepared for Drawing {
-    fn fill(&self, _block: &Block, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
+    fn fill(&self, _block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let coverage = inputs.view("view", ViewChannel::Coverage);
         let planes = RESTS.map(|channel| inputs.view("view", channel));
         let rest = |index: usize| DVec3::from(planes.map(|plane| f64::from(plane[index])));

@@ -66,6 +66,10 @@ impl Stage for Thickness {
         Some((0.0, f64::from(node.number("distance") as f32)))
     }
 
+    fn rate(&self, _node: &Settled) -> Rate {
+        Rate::Surface
+    }
+
     fn prepare(&self, node: &Settled, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
         let lights: Vec<Light> = prepare.handles(node, "light")?;
         Ok(Box::new(Thick {
@@ -107,7 +111,7 @@ fn refracted(direction: DVec3, normal: DVec3, ior: f64) -> DVec3 {
 }
 
 impl Prepared for Thick {
-    fn fill(&self, block: &Block, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
+    fn fill(&self, block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let Some(out) = outputs.take(0, 0) else { return Ok(()) };
         self.surroundings.fill(block, inputs, out, |seen, rays| self.thickness(seen, rays))
     }

@@ -56,6 +56,10 @@ impl Stage for Translucency {
         asked()
     }
 
+    fn rate(&self, _node: &Settled) -> Rate {
+        Rate::Surface
+    }
+
     fn prepare(&self, node: &Settled, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
         Ok(Box::new(Glowing {
             node: node.clone(),
@@ -91,7 +95,7 @@ impl Glowing {
 }
 
 impl Prepared for Glowing {
-    fn fill(&self, block: &Block, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
+    fn fill(&self, block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let Some(mask) = outputs.take(0, 0) else { return Ok(()) };
         self.surroundings.fill(block, inputs, mask, |seen, rays| self.mask(seen, rays))
     }

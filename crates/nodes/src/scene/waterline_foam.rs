@@ -113,7 +113,7 @@ struct Foaming {
 }
 
 impl Prepared for Foaming {
-    fn fill(&self, _block: &Block, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
+    fn fill(&self, _block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let Some(mask) = outputs.take(0, 0) else { return Ok(()) };
         let planes = |channel| ["view", "behind"].map(|port| inputs.view(port, channel));
         let depths = planes(ViewChannel::Depth);

@@ -32,6 +32,10 @@ impl Stage for ViewCopy {
         ChannelSet::of(self.channels)
     }
 
+    fn rate(&self, _node: &Settled) -> Rate {
+        Rate::Surface
+    }
+
     fn prepare(&self, node: &Settled, _prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
         Ok(Box::new(Copying { node: node.clone(), channels: self.channels }))
     }
@@ -43,7 +47,7 @@ struct Copying {
 }
 
 impl Prepared for Copying {
-    fn fill(&self, _block: &Block, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
+    fn fill(&self, _block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         for (index, channel) in self.channels.iter().enumerate() {
             if let Some(plane) = outputs.take(0, index) {
                 plane.copy_from_slice(inputs.view("view", *channel));

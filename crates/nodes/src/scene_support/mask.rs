@@ -50,6 +50,10 @@ impl Stage for ViewMask {
         false
     }
 
+    fn rate(&self, _node: &Settled) -> Rate {
+        Rate::Surface
+    }
+
     fn prepare(&self, node: &Settled, _prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
         Ok(Box::new(Masking { node: node.clone(), channels: self.channels, formula: (self.formula)(node) }))
     }
@@ -62,7 +66,7 @@ struct Masking {
 }
 
 impl Prepared for Masking {
-    fn fill(&self, _block: &Block, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
+    fn fill(&self, _block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let Some(mask) = outputs.take(0, 0) else { return Ok(()) };
         let planes: Vec<&[f32]> = self.channels.iter().map(|channel| inputs.view("view", *channel)).collect();
         let coverage = inputs.view("view", ViewChannel::Coverage);

@@ -43,7 +43,7 @@ impl Surroundings {
     /// The user has asked to stop.
     pub(crate) fn fill(
         &self,
-        block: &Block,
+        block: &Block<'_>,
         inputs: &Inputs<'_>,
         out: &mut [f32],
         quantity: impl Fn(&Seen, Rays<'_>) -> f64,
@@ -54,15 +54,12 @@ impl Surroundings {
         let first = |ray: &_, limit| self.first(ray, limit);
         let blocks = |ray: &_, limit| self.blocks(ray, limit);
         let rays = Rays { first: &first, blocks: &blocks };
-        let window = block.window;
-        let pixels = (window.y0..window.y1).flat_map(|y| (window.x0..window.x1).map(move |x| (x, y)));
-        for (index, (out, (x, y))) in out.iter_mut().zip(pixels).enumerate() {
+        for (index, (out, at)) in out.iter_mut().zip(block.places()).enumerate() {
             // Rays may take long: a soft shadow's over a row more than anybody waits.
             if index % ASKED == 0 {
                 inputs.go_on()?;
             }
             *out = if coverage[index] > 0.0 {
-                let at = [x as f64 + block.offset[0], y as f64 + block.offset[1]];
                 quantity(&self.seen(at, vector(points, index), vector(normals, index)), rays) as f32
             } else {
                 0.0

@@ -179,7 +179,7 @@ struct Baked {
 }
 
 impl Prepared for Baked {
-    fn fill(&self, block: &Block, _inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
+    fn fill(&self, block: &Block<'_>, _inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let Window { x0, y0, .. } = block.window;
         let columns = block.window.width();
         if columns == 0 {

@@ -121,7 +121,7 @@ struct Drawn {
 }
 
 impl Prepared for Drawn {
-    fn fill(&self, block: &Block, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
+    fn fill(&self, block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let Some(mask) = outputs.take(0, 0) else { return Ok(()) };
         let around = Around::of(inputs);
         let planes = self.phase.map(|channel| around.whole(channel));

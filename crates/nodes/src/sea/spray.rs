@@ -213,7 +213,7 @@ struct Spraying {
 }
 
 impl Prepared for Spraying {
-    fn fill(&self, block: &Block, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
+    fn fill(&self, block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let [alpha, depth, age] = [0, 1, 2].map(|output| outputs.take(output, 0));
         let surface = inputs.view("view", ViewChannel::Depth);
         let planes = Planes { alpha, depth, age };

@@ -4,10 +4,14 @@
 //! needs its region of interest, clamped to the extent of the image that it reads, so that no stage is ever asked for
 //! pixels where its image does not lie.
 
+mod shared;
+
 use crate::kernel::{Chunk, Compiled, Machine, Plane, WeightAudit};
 use crate::plan::{Feed, Fill};
 use crate::prepare::{Ready, node_error};
+use crate::shading::TELLING;
 use crate::{Buffers, EvalError, Monitor, Plan};
+use shared::{Kept, View, telling};
 use std::borrow::Cow;
 use std::collections::HashMap;
 use std::time::Instant;
@@ -21,8 +25,10 @@ pub(crate) struct Fills<'p> {
     buffers: &'p Buffers<'p>,
     monitor: &'p dyn Monitor,
     fills: Vec<FillState<'p>>,
-    /// Which fill holds a node's planes.
-    by_node: HashMap<NodeId, usize>,
+    /// Which fill holds a plane.
+    by_slot: HashMap<Slot, usize>,
+    /// What tells whether samples share.
+    views: Vec<View>,
     /// The current tile.
     tile: Window,
 }
@@ -43,6 +49,8 @@ struct FillState<'p> {
     window: Window,
     /// The pixels that the program before the stage runs over.
     tap_window: Window,
+    /// What the planes hold of the first sample, where another does not share it now.
+    kept: Kept,
 }
 
 #[derive(Clone, Copy, Debug, Default)]
@@ -72,8 +80,8 @@ impl<'p> Fills<'p> {
         monitor: &'p dyn Monitor,
         chunks: &mut &'p mut [Chunk],
     ) -> Self {
-        let by_node: HashMap<NodeId, usize> =
-            fills.iter().enumerate().map(|(index, fill)| (fill.node, index)).collect();
+        let by_slot = by_slot(fills);
+        let views = View::of(fills, &by_slot);
         let extents = extents(plan, ready, fills);
         let picture = plan.graph.format().window();
         let image = |fill: &Fill, feeds: &Vec<Feed>| {
@@ -101,22 +109,34 @@ impl<'p> Fills<'p> {
                     .collect(),
                 window: Window::default(),
                 tap_window: Window::default(),
+                kept: Kept::default(),
             })
             .collect();
-        Self { plan, ready, buffers, monitor, fills, by_node, tile: Window::default() }
+        Self { plan, ready, buffers, monitor, fills, by_slot, views, tile: Window::default() }
     }
 
-    /// Fills every stage over what a tile needs of it, at one offset within the pixels; adds the time that each took to
-    /// `seconds`.
-    pub(crate) fn fill(&mut self, tile: Window, offset: [f64; 2], seconds: &mut [f64]) -> Result<(), EvalError> {
-        self.place(tile);
+    /// Fills every stage over what a tile needs of it, for a sample of the pixels by its number and offset; adds the time
+    /// that each took to `seconds`. The first sample of a tile comes first: the others may share its results.
+    pub(crate) fn fill(
+        &mut self,
+        tile: Window,
+        (sample, offset): (usize, [f64; 2]),
+        seconds: &mut [f64],
+    ) -> Result<(), EvalError> {
+        if sample == 0 {
+            self.place(tile);
+        }
         for index in 0..self.fills.len() {
             if self.monitor.cancelled() {
                 return Err(EvalError::Cancelled);
             }
             let started = Instant::now();
             let id = self.fills[index].fill.node;
-            self.stage(index, offset).map_err(|error| node_error(self.plan, id, error, self.monitor))?;
+            let filled = match &self.fills[index].fill.shared {
+                Some(views) if sample > 0 => self.stage_apart(index, views, offset),
+                _ => self.stage(index, offset).map(|()| self.look(index, sample)),
+            };
+            filled.map_err(|error| node_error(self.plan, id, error, self.monitor))?;
             seconds[id.0] += started.elapsed().as_secs_f64();
         }
         Ok(())
@@ -150,10 +170,13 @@ impl<'p> Fills<'p> {
             let Some((stage, settled)) = state.stage else { continue };
             let own = state.own_window();
             let mut need = |slot: &Slot, window: Window| {
-                if let Some(other) = self.by_node.get(&slot.node).and_then(|&index| before.get_mut(index)) {
+                if let Some(other) = self.by_slot.get(slot).and_then(|&index| before.get_mut(index)) {
                     other.window = other.window.union(window);
                 }
             };
+            for view in state.fill.shared.iter().flatten() {
+                TELLING.iter().for_each(|channel| need(&telling(*view, *channel), state.window));
+            }
             for ((port, connections), images) in state.fill.inputs.iter().zip(&mut state.images) {
                 let asked = stage.regions_of_interest(settled, port, own);
                 for (feeds, image) in connections.iter().zip(images) {
@@ -188,7 +211,7 @@ impl<'p> Fills<'p> {
             let stride = picture.width();
             return Plane { samples, start: start(picture, stride), stride };
         }
-        match self.by_node.get(&slot.node).and_then(|&index| fills.get(index)) {
+        match self.by_slot.get(slot).and_then(|&index| fills.get(index)) {
             Some(state) => {
                 let stride = if state.one_row { 0 } else { state.window.width() };
                 let samples = &state.planes[slot.output][slot.channel];
@@ -203,6 +226,7 @@ impl<'p> Fills<'p> {
         if self.is_bound(self.fills[index].fill.node) {
             return Ok(());
         }
+        self.fills[index].kept.pixels.clear();
         // What does not vary from row to row is there already where the tile before had the same columns.
         let state = &mut self.fills[index];
         let columns = Some((state.window.x0, state.window.x1, offset));
@@ -276,7 +300,7 @@ impl<'p> Fills<'p> {
         let Some(ready) = self.ready.get(&state.fill.node) else { return Ok(()) };
         let cancelled = || self.monitor.cancelled();
         let inputs = Inputs::new(&ports).with_cancellation(&cancelled);
-        ready.prepared.fill(&Block { window, offset }, &inputs, &mut Outputs::new(outputs))?;
+        ready.prepared.fill(&Block::of(window, offset), &inputs, &mut Outputs::new(outputs))?;
         if state.fill.variance == Variance::Row {
             let width = state.window.width();
             for plane in planes.iter_mut().flatten().filter(|plane| !plane.is_empty()) {
@@ -337,6 +361,18 @@ type Held<'a> = Vec<Option<Cow<'a, [f32]>>>;
 
 /// The planes of a program's roots by root and channel.
 type Taps = HashMap<(usize, usize), Vec<f32>>;
+
+fn by_slot(fills: &[Fill]) -> HashMap<Slot, usize> {
+    let mut by_slot = HashMap::new();
+    for (index, fill) in fills.iter().enumerate() {
+        for (output, channels) in fill.wanted.iter().enumerate() {
+            for channel in (0..channels.len()).filter(|channel| channels[*channel]) {
+                by_slot.insert(Slot { node: fill.node, output, channel }, index);
+            }
+        }
+    }
+    by_slot
+}
 
 fn stage<'p>(plan: &'p Plan<'p>, node: NodeId) -> Option<(&'static dyn Stage, &'p Settled)> {
     match plan.graph.node(node).ty.body() {
