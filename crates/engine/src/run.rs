@@ -57,6 +57,18 @@ impl Tally {
     }
 }
 
+/// Into how many bands to divide a picture, at least so many, for threads that share them: few, since each computes
+/// `halo` more rows at both ends; many, since at the end of the picture a thread idles for half a band on average.
+fn divided(height: usize, least: usize, halo: usize, threads: usize) -> usize {
+    let least = least.max(1);
+    let rows = |bands: usize| {
+        let band = height as f64 / bands as f64 + 2.0 * halo as f64;
+        (bands as f64 / threads as f64 + 0.5) * band
+    };
+    let most = least.max(2 * threads).min(height.max(1));
+    (least..=most).min_by(|a, b| rows(*a).total_cmp(&rows(*b))).unwrap_or(least)
+}
+
 impl Plan<'_> {
     /// Evaluates the plan. `buffers` supplies what was bound; `cache` keeps what the next frame can use.
     ///
@@ -190,7 +202,12 @@ impl Plan<'_> {
             Some(rows) => (self.window.width(), TILE.1.max(4 * down).next_multiple_of(rows.max(1))),
             None if in_place && across + down == 0 => (self.window.width(), TILE.1),
             // Tiles that are large against what they share with their neighbors, and wide: threads share the bands.
-            None => (TILE.0.max(12 * across), TILE.1.max(6 * down)),
+            None => {
+                let (width, height) = (self.window.width(), self.window.height());
+                let columns = (width / TILE.0.max(12 * across)).max(1);
+                let rows = divided(height, height / TILE.1.max(6 * down), down, rayon::current_num_threads());
+                (width.div_ceil(columns), height.div_ceil(rows))
+            }
         }
     }
 

@@ -14,6 +14,7 @@
 pub mod bezier;
 mod camera;
 mod channel;
+mod edges;
 mod extent;
 mod float;
 mod footprint;

@@ -474,13 +474,17 @@ mod tests {
             let offset = format.sample_offset(case % 4);
             let mut samples = Samples::new();
             visible.fill(window, offset, ChannelSet::ALL, &mut samples);
-            let seen = &visible.rasterize(window, &[offset])[0];
-            let together = &visible.rasterize(window, &visible.offsets)[case as usize % 4];
-            assert!(together.triangles == seen.triangles, "case {case}: samples together and each by itself");
-            let some: Vec<[i64; 2]> = (0..window.area() as i64)
-                .filter(|index| random.0.wrapping_mul(2 * *index as u64 + 1) % 5 < 2)
-                .map(|index| [window.x0 + index % 90, window.y0 + index / 90])
-                .collect();
+            // What is seen by all samples together, and by this one alone, as an offset that is no sample's is asked.
+            let all = || (0..window.area() as i64).map(|index| [window.x0 + index % 90, window.y0 + index / 90]);
+            let look = |visible: &Visible| {
+                let mut numbers = Vec::new();
+                visible.look(window, offset, |seen| numbers.extend(all().map(|[x, y]| seen.triangle(x, y))));
+                numbers
+            };
+            let alone = Visible::prepare(&camera, &surfaces, Format::new(90, 50, 1).expect("valid"), ChannelSet::ALL);
+            let seen = look(&visible);
+            assert!(look(&alone) == seen, "case {case}: samples together and each by itself");
+            let some: Vec<[i64; 2]> = all().filter(|_| random.next() < 0.4).collect();
             let mut alone = Samples::new();
             visible.fill_pixels(&some, offset, ChannelSet::ALL, &mut alone);
             for (index, [x, y]) in some.iter().enumerate() {
@@ -491,7 +495,7 @@ mod tests {
                 }
             }
             let mut hits = 0;
-            for (index, &number) in seen.triangles.iter().enumerate() {
+            for (index, &number) in seen.iter().enumerate() {
                 let place = [index % window.width(), index / window.width()];
                 let pixel = [0, 1].map(|axis| {
                     let unit = f64::from(1_u32 << visible.raster.bits);
@@ -506,7 +510,7 @@ mod tests {
                     assert!(same, "case {case}, {channel:?} at {place:?}: {found} and {truth}");
                 }
             }
-            assert!(hits > 100 && hits < seen.triangles.len(), "case {case}: {hits} hits");
+            assert!(hits > 100 && hits < seen.len(), "case {case}: {hits} hits");
         }
     }
 }

@@ -3,7 +3,7 @@
 use crate::filter_support::numbers;
 use crate::front_support::{Expression, Program, parse};
 use std::collections::HashMap;
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, OnceLock, PoisonError};
 use trochoid_graph::*;
 use trochoid_image::Window;
 
@@ -98,6 +98,7 @@ impl Stage for FieldMath {
             node: node.clone(),
             nan: node.number("nan"),
             picture: prepare.frame.format.window(),
+            program: OnceLock::new(),
             repaired: Mutex::default(),
         }))
     }
@@ -110,6 +111,8 @@ struct Computing {
     node: Settled,
     nan: f64,
     picture: Window,
+    /// The formula, once the inputs are known.
+    program: OnceLock<Result<Program, NodeError>>,
     repaired: Mutex<Repaired>,
 }
 
@@ -143,14 +146,17 @@ impl Computing {
 impl Prepared for Computing {
     fn fill(&self, block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let planes = INPUTS.map(|port| inputs.all(port).first().map(|connection| &connection.planes[..]));
-        let expression = self.expression(planes.map(|planes| planes.map(<[_]>::len)))?;
-        let mut wanted: Vec<_> = (0..expression.width).map(|component| outputs.take(0, component)).collect();
+        let program = self
+            .program
+            .get_or_init(|| Ok(Program::new(&self.expression(planes.map(|planes| planes.map(<[_]>::len)))?)));
+        let program = program.as_ref().map_err(Clone::clone)?;
+        let mut wanted: Vec<_> = (0..program.width()).map(|component| outputs.take(0, component)).collect();
         let load = |first: usize, input: usize, component: usize, run: &mut [f64]| {
             if let Some(Some(plane)) = planes[input].and_then(|planes| planes.get(component)) {
                 run.iter_mut().zip(&plane[first..]).for_each(|(out, value)| *out = f64::from(*value));
             }
         };
-        Program::new(&expression).run(block.window.area(), load, |first, component, run| {
+        program.run(block.window.area(), load, |first, component, run| {
             if let Some(plane) = &mut wanted[component] {
                 plane[first..].iter_mut().zip(run).for_each(|(out, value)| *out = *value as f32);
             }

@@ -1,6 +1,7 @@
 //! Expressions of FieldMath for many samples at once: a list of steps, each over a run of samples.
 
 use super::expression::{Expression, Node};
+use fearless_simd::{Level, Simd, dispatch};
 use std::collections::HashMap;
 
 macro_rules! functions {
@@ -22,7 +23,7 @@ macro_rules! functions {
             }
 
             /// The function over a run of samples.
-            #[inline]
+            #[inline(always)]
             fn fill(self, [a, b, c]: [&[f64]; 3], out: &mut [f64]) {
                 match self {
                     $(Self::$name => {
@@ -151,6 +152,11 @@ impl Program {
         Self { steps: building.steps, results }
     }
 
+    /// Components of the result.
+    pub(crate) fn width(&self) -> usize {
+        self.results.len()
+    }
+
     /// Computes `count` samples, run by run. `load(first, input, component, run)` gives a run of an input from sample
     /// `first` on, `store(first, component, run)` takes a run of the result.
     pub(crate) fn run(
@@ -158,6 +164,19 @@ impl Program {
         count: usize,
         mut load: impl FnMut(usize, usize, usize, &mut [f64]),
         mut store: impl FnMut(usize, usize, &[f64]),
+    ) {
+        dispatch!(Level::new(), simd => simd.vectorize(
+            #[inline(always)]
+            || self.run_here(count, &mut load, &mut store)
+        ));
+    }
+
+    #[inline(always)]
+    fn run_here(
+        &self,
+        count: usize,
+        load: &mut impl FnMut(usize, usize, usize, &mut [f64]),
+        store: &mut impl FnMut(usize, usize, &[f64]),
     ) {
         let mut memory = vec![[0.0; RUN]; self.steps.len()];
         for (place, step) in self.steps.iter().enumerate() {

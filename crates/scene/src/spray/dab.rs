@@ -61,7 +61,7 @@ impl Sprayed {
     /// No drop. Until [`done`](Self::done), `alpha` holds what is left uncovered, and `age` Σ αᵢ·ageᵢ.
     pub(super) const NONE: Self = Self { alpha: 1.0, depth: f64::INFINITY, age: 0.0, weight: 0.0 };
 
-    #[inline]
+    #[inline(always)]
     pub(super) fn add(&mut self, dab: &Dab, alpha: f64) {
         if alpha > 0.0 {
             self.alpha *= 1.0 - alpha;
@@ -81,10 +81,11 @@ impl Sprayed {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Dab {
     center: [f64; 2],
-    /// Unit vector along the stamp.
-    axis: [f64; 2],
-    /// Half its length and half its width in pixels.
-    half: [f64; 2],
+    /// Nothing of it lies beyond: left, top, right, bottom.
+    pub(super) bounds: [f64; 4],
+    /// A pixel's way along the stamp and across it, in halves of its length and width.
+    along: [f64; 2],
+    across: [f64; 2],
     print: Print,
     /// Alpha at its middle.
     strength: f64,
@@ -120,26 +121,18 @@ impl Dab {
         // Paint that is spread over more pixels than the drop has covers less of each.
         strength *= size * (size + drawn_out) / (width * length);
         let print = Print::new(form, drop, [length, width]);
-        Some(Self { center, axis, half: [length, width], print, strength, depth, age: drop.age })
-    }
-
-    /// Nothing of it lies beyond: left, top, right, bottom.
-    pub(super) fn bounds(&self) -> [f64; 4] {
-        let reach = |a: f64, b: f64| {
-            let (a, b) = (a * self.half[0], b * self.half[1]);
-            (a * a + b * b).sqrt()
-        };
-        let ([x, y], [dx, dy]) = (self.center, self.axis);
-        let (across, down) = (reach(dx, dy), reach(dy, dx));
-        [x - across, y - down, x + across, y + down]
+        let [dx, dy] = axis;
+        let (along, across) = ([dx / length, dy / length], [-dy / width, dx / width]);
+        let bounds = bounds(center, axis, [length, width]);
+        Some(Self { center, bounds, along, across, print, strength, depth, age: drop.age })
     }
 
     /// What it covers at a place before a surface at a planar depth.
-    #[inline]
+    #[inline(always)]
     pub(super) fn alpha(&self, place: [f64; 2], surface: f64, brush: &Brush) -> f64 {
         let [x, y] = [place[0] - self.center[0], place[1] - self.center[1]];
-        let along = (x * self.axis[0] + y * self.axis[1]) / self.half[0];
-        let across = (y * self.axis[0] - x * self.axis[1]) / self.half[1];
+        let along = x * self.along[0] + y * self.along[1];
+        let across = x * self.across[0] + y * self.across[1];
         let inside = 1.0 - along * along - across * across;
         if inside <= 0.0 {
             return 0.0;
@@ -155,6 +148,16 @@ impl Dab {
         }
         self.strength * seen * self.print.cover(along, across, inside)
     }
+}
+
+/// What a stamp of this half length and width along an axis stays within: left, top, right, bottom.
+fn bounds([x, y]: [f64; 2], [dx, dy]: [f64; 2], half: [f64; 2]) -> [f64; 4] {
+    let reach = |a: f64, b: f64| {
+        let (a, b) = (a * half[0], b * half[1]);
+        (a * a + b * b).sqrt()
+    };
+    let (across, down) = (reach(dx, dy), reach(dy, dx));
+    [x - across, y - down, x + across, y + down]
 }
 
 /// The direction in which a drop crosses the picture, and half the pixels that it crosses in `time`.

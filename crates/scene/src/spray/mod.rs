@@ -30,6 +30,7 @@ pub use trochoid_sea::spray::Droplet;
 
 use crate::Projector;
 use dab::Dab;
+use fearless_simd::{Level, Simd, dispatch};
 use trochoid_image::Window;
 
 /// Side of a bin in pixels.
@@ -162,7 +163,10 @@ impl Dabs {
                     let within =
                         window.intersect(Window::new(column * BIN, row * BIN, (column + 1) * BIN, (row + 1) * BIN));
                     let bin = (row * columns + column) as usize;
-                    self.fill_bin(bin, [within, window], offset, surface, stop, &mut sums);
+                    dispatch!(Level::new(), simd => simd.vectorize(
+                        #[inline(always)]
+                        || self.fill_bin(bin, [within, window], offset, surface, stop, &mut sums)
+                    ));
                 }
             }
         }
@@ -176,6 +180,7 @@ impl Dabs {
         write(planes.age, |sum| sum.age);
     }
 
+    #[inline(always)]
     fn fill_bin(
         &self,
         bin: usize,
@@ -190,7 +195,7 @@ impl Dabs {
                 return;
             }
             let dab = &self.dabs[entry as usize];
-            let [left, top, right, bottom] = dab.bounds();
+            let [left, top, right, bottom] = dab.bounds;
             let first = |edge: f64, offset: f64, least: i64| ((edge - offset).floor().max(least as f64)) as i64;
             let end = |edge: f64, offset: f64, most: i64| ((edge - offset).ceil().min((most - 1) as f64)) as i64 + 1;
             for y in first(top, offset[1], within.y0)..end(bottom, offset[1], within.y1) {
@@ -208,7 +213,7 @@ impl Dabs {
 
 /// The first and last column and row of bins that a stamp may touch; `None` where it lies beside the picture.
 fn reach(dab: &Dab, bins: [i64; 2]) -> Option<[[i64; 2]; 2]> {
-    let [left, top, right, bottom] = dab.bounds();
+    let [left, top, right, bottom] = dab.bounds;
     let along = |from: f64, to: f64, count: i64| {
         let end = (count * BIN) as f64;
         // A pixel more on each side, since a sample may lie on its pixel's edge.

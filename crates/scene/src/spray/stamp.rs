@@ -58,7 +58,7 @@ impl Print {
     }
 
     /// Share of the paint at a place in the stamp, of which the distance from the middle is 1 − `inside` squared.
-    #[inline]
+    #[inline(always)]
     pub(super) fn cover(&self, along: f64, across: f64, inside: f64) -> f64 {
         match self.form {
             Form::Disc | Form::Streak => (2.0 * inside).min(1.0),
@@ -75,6 +75,7 @@ impl Print {
 }
 
 /// Smooth noise in [0, 1], one random number a unit of each axis.
+#[inline(always)]
 fn noise(seed: u32, x: f64, y: f64) -> f64 {
     let (column, row) = (x.floor(), y.floor());
     let ease = |t: f64| t * t * (3.0 - 2.0 * t);
@@ -93,6 +94,7 @@ fn noise(seed: u32, x: f64, y: f64) -> f64 {
 }
 
 /// Spreads the bits of a number over all of its bits: a bijection (Wellons, hash-prospector, "lowbias32").
+#[inline(always)]
 fn mix(mut x: u32) -> u32 {
     x ^= x >> 16;
     x = x.wrapping_mul(0x7feb_352d);

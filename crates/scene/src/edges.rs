@@ -1,0 +1,146 @@
+//! The edge functions of a triangle in the picture, in whole numbers.
+
+use std::ops::{Add, BitAnd, BitOr, Mul, Sub};
+
+use crate::project::ScreenVertex;
+
+/// Whole numbers in which edge functions are exact.
+pub(crate) trait Whole:
+    Copy + Ord + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + BitAnd<Output = Self> + BitOr<Output = Self>
+{
+    /// The number, which must fit.
+    fn of(number: i64) -> Self;
+    fn float(self) -> f64;
+}
+
+impl Whole for i64 {
+    #[inline(always)]
+    fn of(number: i64) -> Self {
+        number
+    }
+
+    #[inline(always)]
+    fn float(self) -> f64 {
+        self as f64
+    }
+}
+
+/// For triangles of less than 2¹³ each way and pixels of at most 2¹²: a function is then below 2²⁹ at a sample of any
+/// pixel that one of their points lies in.
+impl Whole for i32 {
+    #[inline(always)]
+    fn of(number: i64) -> Self {
+        number as Self
+    }
+
+    #[inline(always)]
+    fn float(self) -> f64 {
+        f64::from(self)
+    }
+}
+
+/// Edge functions A·x + B·y + C over the triangle, each at least 0 inside and on the edges that belong to it.
+pub(crate) struct Edges<I> {
+    a: [I; 3],
+    b: [I; 3],
+    /// Their values at the place where they begin.
+    pub(crate) first: [I; 3],
+    /// What was taken from each: 0 where the edge itself belongs to the triangle, else 1.
+    least: [I; 3],
+    /// Keys of the corner across from each edge, over twice the area.
+    keys: [f64; 3],
+}
+
+impl<I: Whole> Edges<I> {
+    /// The functions from a place on; `None` for a triangle without area.
+    ///
+    /// Both orientations are seen: where a sea folds over, its triangles turn over. A sample exactly on an edge
+    /// belongs to the triangle for which the edge is a top or a left one, so that exactly one of two neighbors
+    /// takes it.
+    #[inline(always)]
+    pub(crate) fn new(mut corners: [ScreenVertex; 3], from: [i64; 2]) -> Option<Self> {
+        let at = |vertex: ScreenVertex| (I::of(i64::from(vertex.x) - from[0]), I::of(i64::from(vertex.y) - from[1]));
+        let ((x0, y0), (x1, y1), (x2, y2)) = (at(corners[0]), at(corners[1]), at(corners[2]));
+        let zero = I::of(0);
+        let mut area = (x1 - x0) * (y2 - y0) - (y1 - y0) * (x2 - x0);
+        if area == zero {
+            return None;
+        }
+        if area < zero {
+            corners.swap(1, 2);
+            area = zero - area;
+        }
+        let (mut a, mut b, mut first, mut least) = ([zero; 3], [zero; 3], [zero; 3], [zero; 3]);
+        for edge in 0..3 {
+            let (px, py) = at(corners[(edge + 1) % 3]);
+            let (qx, qy) = at(corners[(edge + 2) % 3]);
+            a[edge] = py - qy;
+            b[edge] = qx - px;
+            // With positive area and y down: a left edge rises (A > 0), a top edge is level and runs right (B > 0).
+            let takes_edge = a[edge] > zero || (a[edge] == zero && b[edge] > zero);
+            least[edge] = I::of(i64::from(!takes_edge));
+            first[edge] = zero - a[edge] * px - b[edge] * py - least[edge];
+        }
+        let area = area.float();
+        let key = |corner: usize| f64::from(corners[corner].key) / area;
+        Some(Self { a, b, first, least, keys: [key(0), key(1), key(2)] })
+    }
+
+    /// How much the functions change over some way.
+    #[inline(always)]
+    pub(crate) fn change(&self, x: I, y: I) -> [I; 3] {
+        let of = |edge: usize| self.a[edge] * x + self.b[edge] * y;
+        [of(0), of(1), of(2)]
+    }
+
+    /// At least 0 where places with these values belong to the triangle.
+    #[inline(always)]
+    pub(crate) fn inside(at: [I; 3]) -> I {
+        at[0] | at[1] | at[2]
+    }
+
+    /// Key at a place with these values.
+    #[inline(always)]
+    pub(crate) fn key(&self, at: [I; 3]) -> f64 {
+        let weight = |edge: usize| (at[edge] + self.least[edge]).float() * self.keys[edge];
+        weight(0) + weight(1) + weight(2)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn half_the_width_holds_every_small_triangle() {
+        let mut state = 7_u64;
+        let mut random = |most: i64| {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            ((state >> 33) as i64) % most
+        };
+        let pixel = 1 << 12;
+        for case in 0..20_000 {
+            // As far from one another as they may be, and from where the functions begin: a pixel to the right or less.
+            let side = if case % 2 == 0 { 1 << 13 } else { 9 };
+            let origin = [random(1 << 27), random(1 << 27)];
+            let corners = [(); 3].map(|()| ScreenVertex {
+                x: (origin[0] + random(side)) as i32,
+                y: (origin[1] + random(side)) as i32,
+                key: random(1000) as f32 / 7.0,
+            });
+            let from = origin.map(|at| at + random(side + pixel) - pixel);
+            let (narrow, wide) = (Edges::<i32>::new(corners, from), Edges::<i64>::new(corners, from));
+            assert_eq!(narrow.is_some(), wide.is_some(), "case {case}");
+            let (Some(narrow), Some(wide)) = (narrow, wide) else { continue };
+            for _ in 0..8 {
+                let [x, y] = [random(side + 2 * pixel), random(side + 2 * pixel)];
+                let (by_narrow, by_wide) = (narrow.change(x as i32, y as i32), wide.change(x, y));
+                let at_narrow = [0, 1, 2].map(|edge| narrow.first[edge] + by_narrow[edge]);
+                let at_wide = [0, 1, 2].map(|edge| wide.first[edge] + by_wide[edge]);
+                assert_eq!(at_narrow.map(i64::from), at_wide, "case {case}");
+                assert_eq!(Edges::inside(at_narrow) >= 0, at_wide.iter().all(|value| *value >= 0));
+                assert_eq!(narrow.key(at_narrow).to_bits(), wide.key(at_wide).to_bits());
+            }
+        }
+    }
+}
