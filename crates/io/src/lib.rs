@@ -32,6 +32,7 @@
 #![cfg_attr(test, allow(clippy::unwrap_used, reason = "a test may panic"))]
 
 mod atomic;
+mod describe;
 mod error;
 mod exr_file;
 mod info;
@@ -47,6 +48,7 @@ mod source;
 mod statistics;
 
 pub use atomic::{discard_partial_files, write_bytes};
+pub use describe::describe;
 pub use error::Error;
 pub use exr_file::{
     BandBuffer, EncodeScratch, EncodedBand, ExrChannel, ExrHeader, ExrImage, ExrReader, ExrWriter, write_exr,
