@@ -32,6 +32,7 @@ fn nodes_that_take_long_stop_between_tiles_too() {
         (r#""type": "Strokes", "image": "image", "view": "view", "layers": [{}]"#, r#""color": "out""#),
         (r#""type": "Strokes", "image": "image", "layers": [{ "spacing": 2 }]"#, r#""color": "out""#),
         (r#""type": "Hooks", "view": "view", "rows": [{ "from": [-5, 0], "to": [5, 0] }]"#, r#""weights": "out""#),
+        (r#""type": "Render", "camera": "camera", "surfaces": ["sea"]"#, r#""weights": "out.coverage""#),
         (r#""type": "Blur", "image": "image", "size": 3"#, r#""color": "out""#),
         (r#""type": "Clouds", "camera": "up", "light": "sun", "steps": 64, "layers": [{}]"#, r#""weights": "out""#),
         (r#""type": "Shadow", "view": "view", "lights": ["sun"]"#, r#""weights": "out""#),

@@ -32,6 +32,26 @@ fn what_means_nothing_is_said() {
         (spray(r#""sea": "ripples""#), &["it throws nothing", "connect a GerstnerSea", "or give \"bursts\""][..]),
         (spray(r#""seed": 1"#), &["it throws nothing"]),
         (spray(r#""sea": "waves", "size": [0, 0]"#), &["a region of 0 × 0 m", "make \"size\" larger"]),
+        (
+            r#""type": "ObjectMask", "view": "on_waves", "indices": [0, 7, 3]"#.into(),
+            &["indices: found the surface 3, 7 of \"on_waves\", which has 1", "0, its only surface"],
+        ),
+        (
+            r#""type": "Hooks", "view": "on_toon", "surface": 2, "rows": [{}]"#.into(),
+            &["surface: found the surface 2 of \"on_toon\", which has 2", "expected 0 to 1"],
+        ),
+        (
+            r#""type": "Hooks", "view": "on_toon", "rows": [{ "surface": 1 }, { "surface": 2 }]"#.into(),
+            &["rows: found the surface 2 of \"on_toon\""],
+        ),
+        (
+            r#""type": "Hooks", "view": "on_waves", "rows": [{}, { "from": [-5, 60], "to": [5, 60] }]"#.into(),
+            &["rows: found row 1 behind the camera", "turn the camera"],
+        ),
+        (
+            r#""type": "InFront", "view": "on_waves", "other": "on_waves""#.into(),
+            &["other: found the view itself", "connect a Render"],
+        ),
         (r#""type": "Rift", "view": "on_waves""#.into(), &["no surface has trails of bursts", "add a ToonSea"]),
         (r#""type": "DriftLines", "view": "on_ripples""#.into(), &["no surface has trails of bursts", "add a ToonSea"]),
     ] {
@@ -47,11 +67,36 @@ fn what_means_nothing_is_said() {
         spray(r#""sea": "ripples", "threshold": 2"#),
         spray(r#""sea": "waves""#),
         spray(r#""sea": "waves", "size": [0, 0], "bursts": [{}]"#),
+        r#""type": "ObjectMask", "view": "on_toon", "indices": [0, 1]"#.into(),
+        r#""type": "Hooks", "view": "on_toon", "surface": 1, "rows": [{ "surface": 0 }, {}]"#.into(),
+        r#""type": "Hooks", "view": "on_waves", "rows": [{ "from": [-5, 60], "to": [5, 0] }]"#.into(),
+        r#""type": "InFront", "view": "on_waves", "other": "on_toon""#.into(),
         r#""type": "Rift", "view": "on_toon""#.into(),
         r#""type": "DriftLines", "view": "on_toon""#.into(),
     ] {
         assert_eq!(warnings(&out), [""; 0], "{out}");
     }
+}
+
+#[test]
+fn what_floats_twice_is_said() {
+    let said = |model: &str| -> Vec<String> {
+        let text = format!(
+            r#"{{ "trochoid": 1, "format": {{ "width": 4, "height": 4 }}, "nodes": {{
+"camera": {{ "type": "Camera" }}, "sea": {{ "type": "RippleSea" }},
+"model": {{ "type": "BezierModel", "patches": [{{ "points": [{{ "at": [0, 0, 0] }}, {{ "at": [1, 0, 0] }},
+    {{ "at": [0, 0, 1] }}, {{ "at": [1, 0, 1] }}] }}] }},
+"boat": {{ "type": "Float", "model": "model", "sea": "sea", "bodies": [{{}}] }},
+"out": {{ "type": "Float", "model": "{model}", "sea": "sea", "bodies": [{{}}] }},
+"view": {{ "type": "Render", "camera": "camera", "surfaces": ["boat", "out"] }},
+"depth": {{ "type": "Depth", "view": "view" }} }},
+"outputs": {{ "out": {{ "field": "depth" }} }} }}"#
+        );
+        parse("test.json", &text, Path::new("."), &[]).unwrap().warnings.iter().map(ToString::to_string).collect()
+    };
+    assert_eq!(said("model"), [""; 0]);
+    let [twice] = &said("boat")[..] else { panic!("{:?}", said("boat")) };
+    assert!(twice.contains("node \"out\", model: found \"boat\", which floats already"), "{twice}");
 }
 
 #[test]
@@ -101,6 +146,7 @@ fn knobs_that_take_minutes_are_said_with_the_knob() {
     let layer = r#"{ "length": 512, "width": 256, "spacing": 1.5 }"#;
     let eight = [layer; 8].join(", ");
     let cloudy = [r#"{ "octaves": 16 }"#; 8].join(", ");
+    let clawed = [r#"{ "count": 500, "thumbs": 4 }"#; 64].join(", ");
     for (out, output, knob) in [
         (format!(r#""type": "Strokes", "image": "image", "layers": [{eight}]"#), r#""color": "out""#, "layers"),
         (r#""type": "Blur", "image": "image", "size": 10000"#.into(), r#""color": "out""#, "size"),
@@ -109,6 +155,7 @@ fn knobs_that_take_minutes_are_said_with_the_knob() {
             r#""weights": "out""#,
             "steps",
         ),
+        (format!(r#""type": "Hooks", "view": "view", "rows": [{clawed}]"#), r#""weights": "out""#, "rows"),
     ] {
         let said = said_of_out(r#""width": 1920, "height": 1080, "samples": 16"#, "", &out, output);
         let [only] = &said[..] else { panic!("{out}: {said:?}") };
@@ -205,6 +252,19 @@ fn colors_beyond_white_and_branches_that_nobody_needs_are_said_once() {
     let branch = said("srgb", "[1, 0, 0]");
     let [only] = &branch[..] else { panic!("{branch:?}") };
     assert!(only.contains("node \"z\"") && only.contains("nor what it needs: x, y"), "{only}");
+    // Two ends of one branch, and a node that hangs on nothing.
+    let text = r##"{ "trochoid": 1, "format": { "width": 4, "height": 4 }, "nodes": {
+"x": { "type": "ScreenX" }, "y": { "type": "Invert", "weight": "x" }, "z": { "type": "Invert", "weight": "x" },
+"w": { "type": "ScreenY" },
+"out": { "type": "Constant", "color": "#fff" } }, "outputs": { "out": { "color": "out" } } }"##;
+    let loaded = parse("test.json", text, Path::new("."), &[]).unwrap();
+    let two: Vec<String> = loaded.warnings.iter().map(ToString::to_string).collect();
+    let [branch, single] = &two[..] else { panic!("{two:?}") };
+    assert!(
+        branch.contains("node \"y\": found a node that no output needs, nor z, nor what they need: x;"),
+        "{branch}"
+    );
+    assert!(single.contains("node \"w\": found a node that no output needs;"), "{single}");
     let red = said("srgb", "[255, 0, 0]").join("\n");
     assert!(red.contains("color: found the color [255, 0, 0]") && red.contains("divide by 255"), "{red}");
     assert_eq!(said("srgb", "[1.5, 0, 0]").len(), 2);

@@ -50,12 +50,14 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let all: Vec<usize> = (0..loaded.graph.outputs().len()).collect();
     if let Err(error) = trochoid::output_files(&loaded.graph, &all, first, first != last, None) {
         if args.json {
-            let fault = json!({ "severity": "error", "port": "outputs", "found": error.to_string() });
+            let text = error.to_string();
+            let faults: Vec<Value> =
+                text.lines().map(|fault| json!({ "severity": "error", "port": "outputs", "found": fault })).collect();
             let name = args.graph.display().to_string();
-            shell::print_json(&json!({ "document": name, "valid": false, "diagnostics": [fault] }))?;
+            shell::print_json(&json!({ "document": name, "valid": false, "diagnostics": faults }))?;
             return Err(Failure::silent(INVALID));
         }
-        return Err(Failure::new(INVALID, error.to_string()));
+        return Err(error.into());
     }
     let refused = args.strict && !loaded.warnings.is_empty();
     let findings = Findings::of(&loaded.graph);

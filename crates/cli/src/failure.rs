@@ -74,8 +74,12 @@ impl From<LoadError> for Failure {
 
 impl From<OutputError> for Failure {
     fn from(error: OutputError) -> Self {
-        let code = if matches!(error, OutputError::Pattern(_)) { INVALID } else { FAILED };
-        Self::new(code, error)
+        match error {
+            OutputError::Pattern(faults) => {
+                Self { code: INVALID, messages: faults.iter().map(|fault| format!("error: {fault}")).collect() }
+            }
+            error => Self::new(FAILED, error),
+        }
     }
 }
 

@@ -1,7 +1,8 @@
 //! `trochoid graph`: a document's graph as a picture.
 
 use crate::failure::Failure;
-use crate::{outputs, shell};
+use crate::outputs;
+use crate::shell::{self, printable};
 use std::path::PathBuf;
 use trochoid::{Diagnostic, Plan, Settings};
 
@@ -47,5 +48,6 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     if args.out.as_os_str() == "-" {
         return shell::print(&picture);
     }
-    Ok(trochoid::write_whole(&args.out, picture.as_bytes())?)
+    trochoid::write_whole(&args.out, picture.as_bytes())?;
+    shell::print(&format!("graph of {} → {}\n", printable(graph.name()), printable(&args.out.display().to_string())))
 }

@@ -21,19 +21,25 @@ static ASKED: AtomicBool = AtomicBool::new(false);
 pub(crate) fn watch() -> Result<(), Failure> {
     let asked = || {
         if ASKED.swap(true, Ordering::Relaxed) {
-            // Whoever asks twice does not wait for what is being computed. What is half written keeps another name.
-            std::process::exit(i32::from(INTERRUPTED));
+            // Whoever asks twice does not wait for what is being computed.
+            end(&[]);
         }
         std::thread::spawn(|| {
             std::thread::sleep(PATIENCE);
-            shell::tell(&[format!("error: {INTERRUPTION}")]);
-            std::process::exit(i32::from(INTERRUPTED));
+            end(&[format!("error: {INTERRUPTION}")]);
         });
     };
     match ctrlc::set_handler(asked) {
         Ok(()) | Err(ctrlc::Error::MultipleHandlers) => Ok(()),
         Err(error) => Err(Failure::new(FAILED, format!("interrupts cannot be watched: {error}"))),
     }
+}
+
+/// Ends the process at once. What is half written is removed before anything is told.
+fn end(messages: &[String]) -> ! {
+    trochoid::discard_partial_files();
+    shell::tell(messages);
+    std::process::exit(i32::from(INTERRUPTED))
 }
 
 /// Whether the user has asked to stop.

@@ -2,7 +2,8 @@
 
 use crate::failure::{FAILED, Failure, INTERRUPTED};
 use crate::progress::Progress;
-use crate::{frames, interrupt, outputs, shell};
+use crate::shell::{self, printable};
+use crate::{frames, interrupt, outputs};
 use std::path::PathBuf;
 use trochoid::io::{PngImage, Samples, write_png8};
 use trochoid::{Buffers, Cache, CheckedGraph, Diagnostic, EvalError, Kind, Picture, Plan, Settings, check_destination};
@@ -89,7 +90,15 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
         trochoid::write_whole(&args.out, &file)?;
     }
     progress.finish();
-    Ok(())
+    if args.quiet {
+        return Ok(());
+    }
+    let frames = match chosen[..] {
+        [frame] => format!("frame {frame}"),
+        _ => format!("{} frames", chosen.len()),
+    };
+    let (name, out) = (&graph.outputs()[output].name, printable(&args.out.display().to_string()));
+    shell::print(&format!("{frames}: {name} → {out}  {} × {} pixels\n", size[0], size[1]))
 }
 
 fn ends(args: &Args, ending: &str) -> bool {

@@ -2,13 +2,16 @@
 
 use rust_sugiyama::configure::{Config, CrossingMinimization, RankingType};
 use rust_sugiyama::from_vertices_and_edges;
+use std::collections::BTreeMap;
 
 /// Between neighbors in a layer.
-const BESIDE: f64 = 22.0;
+const BESIDE: f64 = 10.0;
 /// Between layers.
 const BETWEEN: f64 = 46.0;
 /// What a wire that passes a layer takes there.
 const PASSING: f64 = 8.0;
+/// How often layers are drawn toward those above and below them.
+const SWEEPS: usize = 40;
 /// More boxes than these are not compared pair by pair: it would take minutes.
 const COMPARED: usize = 1500;
 
@@ -36,7 +39,8 @@ pub struct Layout {
 }
 
 /// Lays boxes of the sizes given, in pixels, out in layers: each stands above all that it leads to, as low as that
-/// allows, in an order with few crossings (Sugiyama, Tagawa and Toda 1981; Brandes and Köpf 2001).
+/// allows, in an order with few crossings (Sugiyama, Tagawa and Toda 1981; Brandes and Köpf 2001), and as near to
+/// what it is joined to as its neighbors allow: the squares of all wires' widths are least.
 ///
 /// A net that leads past layers runs through each of them once, whatever the number of boxes that it leads to. The nets
 /// must have no cycle, as those of a checked graph have none. The same boxes and nets always lie the same.
@@ -67,8 +71,7 @@ pub fn layers(boxes: &[[f64; 2]], nets: &[Net]) -> Layout {
     }
     edges.sort_unstable();
     edges.dedup();
-    let mut centers = centers(&vertices, &edges);
-    part(&mut centers, &vertices, &rank_of);
+    let centers = centers(&vertices, &edges, &rank_of, boxes.len());
 
     let count = rank_of.iter().max().map_or(0, |last| last + 1);
     let mut heights = vec![0.0_f64; count];
@@ -91,7 +94,7 @@ pub fn layers(boxes: &[[f64; 2]], nets: &[Net]) -> Layout {
     });
     let pins = Pins::new(boxes, nets, &passing, &ranks, &centers);
     let wires = nets.iter().enumerate().map(|(index, net)| {
-        let start = [pins.below(index), corners[net.from][1] + boxes[net.from][1]];
+        let start = [pins.below[index], corners[net.from][1] + boxes[net.from][1]];
         let through = |vertex: usize| {
             let rank = rank_of[vertex];
             [[centers[vertex], tops[rank]], [centers[vertex], tops[rank] + heights[rank]]]
@@ -105,7 +108,7 @@ pub fn layers(boxes: &[[f64; 2]], nets: &[Net]) -> Layout {
         for (nth, &to) in net.to.iter().enumerate() {
             let steps = ranks[to] - ranks[net.from] - 1;
             let from = if steps == 0 { start } else { through(passing[index][steps - 1])[1] };
-            pieces.push(vec![from, [pins.above(index, nth), corners[to][1]]]);
+            pieces.push(vec![from, [pins.above[index][nth], corners[to][1]]]);
         }
         pieces
     });
@@ -138,8 +141,9 @@ fn ranks(count: usize, nets: &[Net]) -> Vec<usize> {
     height.iter().map(|height| highest - height).collect()
 }
 
-/// By vertex: its center along x; parts that nothing joins stand side by side, the left edge of all at 0.
-fn centers(vertices: &[(u32, (f64, f64))], edges: &[(u32, u32)]) -> Vec<f64> {
+/// By vertex: its center along x; parts that nothing joins stand side by side, the left edge of all at 0. The first
+/// `boxes` vertices are boxes, all others stand for wires.
+fn centers(vertices: &[(u32, (f64, f64))], edges: &[(u32, u32)], rank_of: &[usize], boxes: usize) -> Vec<f64> {
     let config = Config {
         vertex_spacing: BESIDE,
         dummy_vertices: false,
@@ -148,61 +152,80 @@ fn centers(vertices: &[(u32, (f64, f64))], edges: &[(u32, u32)]) -> Vec<f64> {
         transpose: vertices.len() <= COMPARED,
         ..Config::default()
     };
+    let mut joined = vec![Vec::new(); vertices.len()];
+    for [above, below] in edges.iter().map(|(above, below)| [*above as usize, *below as usize]) {
+        // Wires run the straighter the longer they are (Gansner, Koutsofios, North and Vo 1993).
+        let strength = [1.0, 2.0, 8.0][usize::from(above >= boxes) + usize::from(below >= boxes)];
+        joined[above].push((below, strength));
+        joined[below].push((above, strength));
+    }
+    let width = |vertex: usize| vertices[vertex].1.0;
     let mut centers = vec![0.0; vertices.len()];
     let mut start = 0.0;
     let mut parts = from_vertices_and_edges(vertices, edges, &config);
     parts.sort_by_key(|(part, ..)| part.iter().map(|(vertex, _)| *vertex).min());
     for (part, ..) in parts {
-        let half = |vertex: usize| vertices[vertex].1.0 / 2.0;
-        let left = part.iter().map(|&(vertex, (x, _))| x - half(vertex)).fold(f64::INFINITY, f64::min);
-        let right = part.iter().map(|&(vertex, (x, _))| x + half(vertex)).fold(f64::NEG_INFINITY, f64::max);
-        for (vertex, (x, _)) in part {
-            centers[vertex] = start + x - left;
+        let mut rows: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+        for &(vertex, (x, _)) in &part {
+            centers[vertex] = x;
+            rows.entry(rank_of[vertex]).or_default().push(vertex);
         }
+        let mut rows: Vec<Vec<usize>> = rows.into_values().collect();
+        for row in &mut rows {
+            row.sort_by(|&a, &b| centers[a].total_cmp(&centers[b]).then(a.cmp(&b)));
+            settle(row, &mut centers, width, |vertex, centers| [centers[vertex], 1.0]);
+        }
+        // The library leaves as much room to a whole column as its widest box needs.
+        for sweep in 0..SWEEPS {
+            for nth in 0..rows.len() {
+                let row = &rows[if sweep % 2 == 0 { nth } else { rows.len() - 1 - nth }];
+                settle(row, &mut centers, width, |vertex, centers| {
+                    let sums = joined[vertex].iter().fold([0.0, 0.0], |[sum, strengths], &(other, strength)| {
+                        [sum + strength * centers[other], strengths + strength]
+                    });
+                    if sums[1] > 0.0 { [sums[0] / sums[1], sums[1]] } else { [centers[vertex], 1.0] }
+                });
+            }
+        }
+        let left = part.iter().map(|&(v, _)| centers[v] - width(v) / 2.0).fold(f64::INFINITY, f64::min);
+        let right = part.iter().map(|&(v, _)| centers[v] + width(v) / 2.0).fold(f64::NEG_INFINITY, f64::max);
+        part.iter().for_each(|&(vertex, _)| centers[vertex] = start + centers[vertex] - left);
         start += right - left + 2.0 * BESIDE;
     }
     centers
 }
 
-/// Moves what overlaps in a layer apart, all together as little as can be: least squares under an order, by pooling
-/// neighbors that violate it.
-fn part(centers: &mut [f64], vertices: &[(u32, (f64, f64))], rank_of: &[usize]) {
-    let mut rows = vec![Vec::new(); rank_of.iter().max().map_or(0, |last| last + 1)];
-    for (vertex, &rank) in rank_of.iter().enumerate() {
-        rows[rank].push(vertex);
+/// Places the vertices of a layer in their order, none over another, all together as near as can be to where each is
+/// drawn, by how strongly it is: least squares under an order, by pooling neighbors that violate it.
+fn settle(row: &[usize], centers: &mut [f64], width: impl Fn(usize) -> f64, drawn: impl Fn(usize, &[f64]) -> [f64; 2]) {
+    // Without the widths before them, centers that do not overlap ascend.
+    let mut before = Vec::with_capacity(row.len());
+    // Sums of strength times place and of strength, and the number of vertices.
+    let mut pools: Vec<(f64, f64, usize)> = Vec::new();
+    for (index, &vertex) in row.iter().enumerate() {
+        before.push(match index.checked_sub(1) {
+            Some(last) => before[last] + (width(row[last]) + width(vertex)) / 2.0 + BESIDE,
+            None => 0.0,
+        });
+        let [place, strength] = drawn(vertex, centers);
+        let mut pool = (strength * (place - before[index]), strength, 1);
+        while let Some(last) = pools.last().copied().filter(|last| last.0 / last.1 > pool.0 / pool.1) {
+            pool = (pool.0 + last.0, pool.1 + last.1, pool.2 + last.2);
+            pools.pop();
+        }
+        pools.push(pool);
     }
-    for row in &mut rows {
-        row.sort_by(|&a, &b| centers[a].total_cmp(&centers[b]).then(a.cmp(&b)));
-        // Without the widths before them, centers that do not overlap ascend.
-        let mut before = vec![0.0; row.len()];
-        for index in 1..row.len() {
-            let widths = vertices[row[index - 1]].1.0 + vertices[row[index]].1.0;
-            before[index] = before[index - 1] + widths / 2.0 + BESIDE;
-        }
-        let mut pools: Vec<(f64, usize)> = Vec::new();
-        for (index, &vertex) in row.iter().enumerate() {
-            let mut pool = (centers[vertex] - before[index], 1);
-            while let Some((sum, count)) =
-                pools.last().copied().filter(|(sum, count)| sum / *count as f64 > pool.0 / pool.1 as f64)
-            {
-                pool = (pool.0 + sum, pool.1 + count);
-                pools.pop();
-            }
-            pools.push(pool);
-        }
-        let settled = pools.iter().flat_map(|(sum, count)| std::iter::repeat_n(sum / *count as f64, *count));
-        for ((&vertex, start), before) in row.iter().zip(settled).zip(&before) {
-            centers[vertex] = start + before;
-        }
+    let settled = pools.iter().flat_map(|(sum, strength, count)| std::iter::repeat_n(sum / strength, *count));
+    for ((&vertex, start), before) in row.iter().zip(settled).zip(&before) {
+        centers[vertex] = start + before;
     }
-    let left =
-        (0..centers.len()).map(|vertex| centers[vertex] - vertices[vertex].1.0 / 2.0).fold(f64::INFINITY, f64::min);
-    centers.iter_mut().for_each(|center| *center -= left);
 }
 
 /// Where wires touch boxes: side by side in the order in which they come, so that they do not cross at the box.
 struct Pins {
+    /// By net: where it leaves its box.
     below: Vec<f64>,
+    /// By net and by box that it leads to: where it arrives.
     above: Vec<Vec<f64>>,
 }
 
@@ -229,14 +252,6 @@ impl Pins {
             spread(wires, boxes[at][0], centers[at], |(index, nth), x| above[index][nth] = x);
         }
         Self { below, above }
-    }
-
-    fn below(&self, net: usize) -> f64 {
-        self.below[net]
-    }
-
-    fn above(&self, net: usize, nth: usize) -> f64 {
-        self.above[net][nth]
     }
 }
 

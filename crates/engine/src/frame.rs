@@ -1,7 +1,7 @@
 //! What an evaluation gives: pictures, what was counted on them, and where the time went.
 
 use crate::LeftOut;
-use trochoid_graph::{Guarantee, Kind};
+use trochoid_graph::{CheckedGraph, Guarantee, Kind, NodeError, NodeId};
 use trochoid_image::{Plane, Rgb, Window};
 use trochoid_weights::Audit;
 
@@ -9,8 +9,10 @@ use trochoid_weights::Audit;
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum EvalError {
     /// A node could not read its files, or its input data are illegal.
-    #[error("node \"{node}\" ({ty}): {message}")]
+    #[error("{place}: node \"{node}\" ({ty}): {message}")]
     Node {
+        /// Document, line and column: of the file's name where the node reads one.
+        place: String,
         /// The node's name.
         node: String,
         /// Its type.
@@ -41,6 +43,19 @@ pub enum EvalError {
     /// The monitor asked to stop.
     #[error("cancelled")]
     Cancelled,
+}
+
+impl EvalError {
+    /// What a node says, with its place.
+    pub(crate) fn of(graph: &CheckedGraph, id: NodeId, error: NodeError) -> Self {
+        let node = graph.node(id);
+        Self::Node {
+            place: graph.place_of(id, node.file_item()),
+            node: node.name.clone(),
+            ty: node.ty.declaration().name.into(),
+            message: error.message,
+        }
+    }
 }
 
 /// Observes an evaluation; called from many threads.

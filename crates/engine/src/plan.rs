@@ -22,11 +22,13 @@ pub enum PlanError {
     },
     /// The pictures would take more memory than allowed.
     #[error(
-        "found pictures of {} × {} pixels, which take {:.1} GB; expected at most {:.1} GB: lower the format's \
-         \"width\" and \"height\", or render fewer outputs at once",
+        "{place}: format: found pictures of {} × {} pixels, which take {:.1} GB; expected at most {:.1} GB: \
+         lower the format's \"width\" and \"height\", or render fewer outputs at once",
         window.width(), window.height(), *needed as f64 / 1e9, *limit as f64 / 1e9
     )]
     Memory {
+        /// Where the document says how large they are: document, line and column.
+        place: String,
         /// Bytes needed.
         needed: u64,
         /// Bytes allowed.
@@ -174,7 +176,12 @@ impl<'g> Plan<'g> {
         let planes: u64 = chosen.iter().map(|&index| graph.outputs()[index].kind.channels() as u64).sum();
         let needed = planes.saturating_mul(4).saturating_mul(window.area() as u64);
         if needed > settings.memory_limit {
-            return Err(PlanError::Memory { needed, limit: settings.memory_limit, window });
+            return Err(PlanError::Memory {
+                place: graph.place_of_format(),
+                needed,
+                limit: settings.memory_limit,
+                window,
+            });
         }
         let bound = bind(graph, bound)?;
         let context = graph.frame_context(frame, settings.memory_limit);

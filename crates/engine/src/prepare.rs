@@ -167,6 +167,5 @@ pub(crate) fn node_error(plan: &Plan<'_>, id: NodeId, error: NodeError, monitor:
     if monitor.cancelled() {
         return EvalError::Cancelled;
     }
-    let node = plan.graph.node(id);
-    EvalError::Node { node: node.name.clone(), ty: node.ty.declaration().name.into(), message: error.message }
+    EvalError::of(plan.graph, id, error)
 }

@@ -190,11 +190,7 @@ impl Evaluation<'_, '_> {
         let outputs = match node.ty.body() {
             Body::Pointwise(pointwise) => Ok(vec![pointwise.reference(settled, &inputs)]),
             Body::Stage(_) => match self.frame.ready.get(&id) {
-                Some(ready) => ready.prepared.reference(&inputs).map_err(|error| EvalError::Node {
-                    node: node.name.clone(),
-                    ty: node.ty.declaration().name.into(),
-                    message: error.message,
-                }),
+                Some(ready) => ready.prepared.reference(&inputs).map_err(|error| EvalError::of(plan.graph, id, error)),
                 None => Ok(Vec::new()),
             },
         };

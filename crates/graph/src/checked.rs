@@ -1,7 +1,7 @@
 //! A validated graph: having one is the proof that only input and output, bad data, memory or cancellation
 //! can stop its evaluation.
 
-use crate::{Body, FrameContext, Kind, NodeId, NodeType, Record, Settled, Source, Work};
+use crate::{Body, FrameContext, Item, Kind, NodeId, NodeType, Record, Settled, Source, Takes, Work};
 use std::path::{Path, PathBuf};
 use trochoid_image::{Format, WorkingSpace};
 
@@ -20,6 +20,23 @@ pub struct CheckedNode {
     pub disabled: bool,
     /// Line and column in the document.
     pub place: [usize; 2],
+    /// Line and column of the value of each item that is written there.
+    pub places: Vec<(&'static str, [usize; 2])>,
+}
+
+impl CheckedNode {
+    /// Line and column of an item's value in the document; those of the node where it is not written.
+    pub fn place_of(&self, item: &str) -> [usize; 2] {
+        self.places.iter().find(|known| known.0 == item).map_or(self.place, |known| known.1)
+    }
+
+    /// The knob that names a file, if it has one.
+    pub fn file_item(&self) -> Option<&'static str> {
+        self.ty.declaration().items.iter().find_map(|item| match item {
+            Item::Knob(knob) if matches!(knob.takes, Takes::Path) => Some(knob.name),
+            _ => None,
+        })
+    }
 }
 
 impl std::fmt::Debug for CheckedNode {
@@ -112,6 +129,7 @@ pub struct CheckedGraph {
     pub(crate) name: String,
     pub(crate) folder: PathBuf,
     pub(crate) format: Format,
+    pub(crate) format_place: [usize; 2],
     pub(crate) space: WorkingSpace,
     pub(crate) first: i64,
     pub(crate) last: i64,
@@ -167,6 +185,19 @@ impl CheckedGraph {
     /// A node.
     pub fn node(&self, id: NodeId) -> &CheckedNode {
         &self.nodes[id.0]
+    }
+
+    /// Where a node stands, or one of its items: document, line and column.
+    pub fn place_of(&self, id: NodeId, item: Option<&str>) -> String {
+        let node = self.node(id);
+        let [line, column] = item.map_or(node.place, |item| node.place_of(item));
+        format!("{}:{line}:{column}", self.name)
+    }
+
+    /// Where the document says how large pictures are: document, line and column.
+    pub fn place_of_format(&self) -> String {
+        let [line, column] = self.format_place;
+        format!("{}:{line}:{column}", self.name)
     }
 
     /// The node of that name.

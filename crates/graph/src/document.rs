@@ -118,6 +118,7 @@ impl Document {
         };
         let place = OVERRIDE + self.overrides.len();
         relocate(&mut value, place);
+        let at_top = matches!(&self.root.json, Json::Object(entries) if entries.iter().any(|entry| entry.key == node));
         let entries = match &mut self.root.json {
             Json::Object(entries) => entries.iter_mut().find(|entry| entry.key == "nodes"),
             _ => None,
@@ -136,7 +137,10 @@ impl Document {
         }
         fault.found = format!("node \"{}\"", shorten(node));
         fault.expected = "a node of the document".into();
-        if let Some(near) = crate::nearest(node, names.iter().map(String::as_str)) {
+        if at_top {
+            fault.found = format!("\"{}\", which is no node but stands beside them", shorten(node));
+            fault.remedy = format!("change \"{}\" in the document itself: --set reaches nodes alone", shorten(node));
+        } else if let Some(near) = crate::nearest(node, names.iter().map(String::as_str)) {
             fault.remedy = format!("did you mean \"{near}\"?");
         }
         Err(Box::new(fault))

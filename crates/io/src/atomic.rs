@@ -1,10 +1,33 @@
 //! Files that appear whole or not at all.
 
+use std::collections::BTreeSet;
 use std::fs::{self, File};
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard};
 
 use crate::Error;
+
+/// The temporary files of this process. Whoever makes, renames or removes one holds the lock meanwhile.
+static PARTIAL: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
+
+fn partial() -> MutexGuard<'static, BTreeSet<PathBuf>> {
+    PARTIAL.lock().unwrap_or_else(|error| error.into_inner())
+}
+
+/// Removes every file that is still being written, for a process that is about to exit without unwinding.
+///
+/// From then on no file appears: threads that would begin or complete one wait for ever, and so do further calls.
+/// Completed files stay as they are.
+pub fn discard_partial_files() {
+    let files = partial();
+    for file in files.iter() {
+        // Nobody is left to be told of a file that cannot be removed.
+        let _ = fs::remove_file(file);
+    }
+    // Unlocked, another thread could begin the next file before the process ends.
+    std::mem::forget(files);
+}
 
 /// A file on its way: written under a temporary name in the same folder, until it takes its place.
 ///
@@ -13,13 +36,18 @@ pub(crate) struct AtomicFile {
     path: PathBuf,
     target: PathBuf,
     pub(crate) writer: BufWriter<File>,
-    temporary: tempfile::TempPath,
+    temporary: Temporary,
 }
 
-impl AtomicFile {
-    /// Starts an empty file.
-    pub(crate) fn create(path: &Path) -> Result<Self, Error> {
-        let target = destination(path)?;
+/// The name of a temporary file, registered as long as there is such a file.
+struct Temporary {
+    name: PathBuf,
+    /// `None` once the file has another name.
+    file: Option<tempfile::TempPath>,
+}
+
+impl Temporary {
+    fn create(folder: &Path) -> std::io::Result<(File, Self)> {
         let mut builder = tempfile::Builder::new();
         builder.prefix(".trochoid-").suffix(".partial");
         #[cfg(unix)]
@@ -28,8 +56,40 @@ impl AtomicFile {
             // A temporary file is private by default; a picture is as readable as the user's other files (umask applies).
             builder.permissions(fs::Permissions::from_mode(0o666));
         }
-        let file = builder.tempfile_in(folder(&target)).map_err(Error::io(path, "create a file in the folder"))?;
-        let (file, temporary) = file.into_parts();
+        let mut names = partial();
+        let (file, temporary) = builder.tempfile_in(folder)?.into_parts();
+        let name = temporary.to_path_buf();
+        names.insert(name.clone());
+        Ok((file, Self { name, file: Some(temporary) }))
+    }
+
+    fn persist(mut self, target: &Path) -> std::io::Result<()> {
+        let _names = partial();
+        // What cannot be renamed is handed back, and removed when `self` goes.
+        match self.file.take().map(|file| file.persist(target)) {
+            Some(Err(failed)) => {
+                self.file = Some(failed.path);
+                Err(failed.error)
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+impl Drop for Temporary {
+    fn drop(&mut self) {
+        let mut names = partial();
+        drop(self.file.take());
+        names.remove(&self.name);
+    }
+}
+
+impl AtomicFile {
+    /// Starts an empty file.
+    pub(crate) fn create(path: &Path) -> Result<Self, Error> {
+        let target = destination(path)?;
+        let (file, temporary) =
+            Temporary::create(folder(&target)).map_err(Error::io(path, "create a file in the folder"))?;
         Ok(Self { path: path.into(), target, writer: BufWriter::new(file), temporary })
     }
 
@@ -40,7 +100,7 @@ impl AtomicFile {
         // On disk before the name changes: after a power cut the name must not lead to missing bytes.
         writer.get_ref().sync_all().map_err(Error::io(&path, "write the file to disk"))?;
         drop(writer);
-        temporary.persist(&target).map_err(|error| Error::io(&path, "rename the finished file")(error.error))?;
+        temporary.persist(&target).map_err(Error::io(&path, "rename the finished file"))?;
         #[cfg(unix)]
         if let Ok(folder) = File::open(folder(&target)) {
             // Makes the new name itself durable. Some file systems refuse; the picture is complete either way.
@@ -58,6 +118,15 @@ pub(crate) fn write_atomically(
     let mut file = AtomicFile::create(path)?;
     fill(&mut file.writer)?;
     file.commit()
+}
+
+/// Writes bytes into a file that appears whole or not at all.
+///
+/// # Errors
+/// Something that is no regular file stands there, or the file cannot be written; the old one is untouched then.
+pub fn write_bytes(path: impl AsRef<Path>, bytes: &[u8]) -> Result<(), Error> {
+    let path = path.as_ref();
+    write_atomically(path, |writer| writer.write_all(bytes).map_err(Error::io(path, "write the file")))
 }
 
 fn folder(target: &Path) -> &Path {

@@ -1,11 +1,14 @@
 use std::path::{Path, PathBuf};
 
+/// What is attempted first with a file that is to be read.
+pub(crate) const OPEN: &str = "open the file";
+
 /// Why a file was not read or not written. Every message names the place, what was found, and what to do.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
     /// The operating system refused to open, read or write.
-    #[error("{}: cannot {action}: {source}", path.display())]
+    #[error("{}: cannot {action}: {source}{}", path.display(), remedy(action, source))]
     Io {
         /// The file.
         path: PathBuf,
@@ -25,6 +28,17 @@ pub enum Error {
         found: String,
         /// What belongs there.
         expected: String,
+    },
+    /// The file is of a kind that is not read.
+    #[error(
+        "{}: found {found}, expected a picture: EXR, PNG, JPEG and TIFF are read; convert it, or name another file",
+        path.display()
+    )]
+    NoPicture {
+        /// The file.
+        path: PathBuf,
+        /// What it is, by its first bytes.
+        found: String,
     },
     /// The file may be valid, but this kind of content is not read.
     #[error("{}: {place}: {found} is not supported: {remedy}", path.display())]
@@ -122,6 +136,7 @@ impl Error {
         match self {
             Self::Io { path, .. }
             | Self::Invalid { path, .. }
+            | Self::NoPicture { path, .. }
             | Self::Unsupported { path, .. }
             | Self::TooLarge { path, .. }
             | Self::OutOfMemory { path, .. }
@@ -148,6 +163,15 @@ impl Error {
 
     pub(crate) fn unwritable(path: &Path, found: impl Into<String>, expected: &'static str) -> Self {
         Self::Unwritable { path: path.into(), found: found.into(), expected }
+    }
+}
+
+/// What to do about a file that the system does not open.
+fn remedy(action: &str, source: &std::io::Error) -> &'static str {
+    match source.kind() {
+        std::io::ErrorKind::NotFound if action == OPEN => "; correct the path, or make the file first",
+        std::io::ErrorKind::PermissionDenied if action == OPEN => "; allow reading it",
+        _ => "",
     }
 }
 

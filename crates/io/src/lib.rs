@@ -2,7 +2,8 @@
 //!
 //! [`info`] reads a header, [`read`] decodes what a [`Selection`] asks for, [`write_exr`], [`write_png8`] and
 //! [`write_png16`] write, [`read_metadata`] hands back what they were given as metadata. [`ExrReader`] and [`ExrWriter`]
-//! do the same band by band, from many threads, without ever holding the whole picture.
+//! do the same band by band, from many threads, without ever holding the whole picture. [`write_bytes`] writes any other
+//! file as safely; [`discard_partial_files`] leaves nothing half written behind where a process exits early.
 //!
 //! Every header is checked against [`Limits`] before anything is allocated for pixels: a file of a few hundred bytes
 //! can claim a picture of many gigabytes. A damaged file is an [`Error`] that names the place, never a panic.
@@ -31,6 +32,7 @@
 #![cfg_attr(test, allow(clippy::unwrap_used, reason = "a test may panic"))]
 
 mod atomic;
+mod describe;
 mod error;
 mod exr_file;
 mod info;
@@ -45,6 +47,8 @@ mod selection;
 mod source;
 mod statistics;
 
+pub use atomic::{discard_partial_files, write_bytes};
+pub use describe::describe;
 pub use error::Error;
 pub use exr_file::{
     BandBuffer, EncodeScratch, EncodedBand, ExrChannel, ExrHeader, ExrImage, ExrReader, ExrWriter, write_exr,

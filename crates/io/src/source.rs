@@ -4,7 +4,8 @@ use std::fs::File;
 use std::io::{BufRead, BufReader, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
-use crate::{Error, FileKind};
+use crate::error::OPEN;
+use crate::{Error, FileKind, describe};
 
 /// A file or bytes in memory, with the name for messages and the length that every claim is held against.
 pub(crate) struct Source<R> {
@@ -16,12 +17,12 @@ pub(crate) struct Source<R> {
 /// Opens a regular file.
 pub(crate) fn open(path: &Path) -> Result<Source<BufReader<File>>, Error> {
     // Asked before opening: opening a pipe would wait for its writer.
-    let found = std::fs::metadata(path).map_err(Error::io(path, "open the file"))?;
+    let found = std::fs::metadata(path).map_err(Error::io(path, OPEN))?;
     if !found.is_file() {
         let source = std::io::Error::new(std::io::ErrorKind::InvalidInput, "not a regular file");
-        return Err(Error::io(path, "open the file")(source));
+        return Err(Error::io(path, OPEN)(source));
     }
-    let file = File::open(path).map_err(Error::io(path, "open the file"))?;
+    let file = File::open(path).map_err(Error::io(path, OPEN))?;
     Ok(Source { path: path.into(), length: found.len(), reader: BufReader::new(file) })
 }
 
@@ -68,13 +69,10 @@ impl<R: Read + Seek> Source<R> {
     pub(crate) fn kind(&mut self) -> Result<FileKind, Error> {
         let mut magic = Vec::new();
         self.seek(0)?;
-        let read = (&mut self.reader).take(8).read_to_end(&mut magic);
+        let read = (&mut self.reader).take(64).read_to_end(&mut magic);
         read.map_err(Error::io(&self.path, "read the file"))?;
         self.seek(0)?;
-        FileKind::of(&magic).ok_or_else(|| {
-            let found = if magic.is_empty() { "an empty file".into() } else { format!("bytes {magic:02x?}") };
-            Error::invalid(&self.path, "first bytes", found, "an EXR, PNG, JPEG or TIFF file")
-        })
+        FileKind::of(&magic).ok_or_else(|| Error::NoPicture { path: self.path.clone(), found: describe(&magic) })
     }
 
     pub(crate) fn seek(&mut self, position: u64) -> Result<(), Error> {

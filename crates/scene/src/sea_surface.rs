@@ -106,14 +106,23 @@ fn inverse([xx, xz, zz]: [f64; 3], [x, z]: [f64; 2]) -> [f64; 2] {
 
 impl Surface for SeaSurface {
     fn tessellate(&self, projector: &Projector, wanted: ChannelSet) -> Mesh {
+        self.tessellate_unless(projector, wanted, &|| false).unwrap_or_else(|| Mesh::empty(self.level))
+    }
+
+    fn tessellate_unless(
+        &self,
+        projector: &Projector,
+        wanted: ChannelSet,
+        stop: &(dyn Fn() -> bool + Sync),
+    ) -> Option<Mesh> {
         let mesh = if projector.orthographic {
             Strip::new(projector, self.level, self.bounds, tessellate::strip_depth(self, &self.spacing, projector))
-                .map(|strip| tessellate::strip(self, &self.spacing, projector, &strip, wanted))
+                .map(|strip| tessellate::strip(self, &self.spacing, projector, &strip, wanted, stop))
         } else {
             Sector::new(projector, self.level, self.bounds)
-                .map(|sector| tessellate::sector(self, &self.spacing, projector, &sector, wanted))
+                .map(|sector| tessellate::sector(self, &self.spacing, projector, &sector, wanted, stop))
         };
-        mesh.unwrap_or_else(|| Mesh::empty(self.level))
+        mesh.unwrap_or_else(|| Some(Mesh::empty(self.level)))
     }
 
     fn trace(&self, projector: &Projector, ray: &Ray) -> Option<Hit> {

@@ -13,6 +13,16 @@ pub trait Surface: Send + Sync {
     /// mesh is right where nothing can be seen.
     fn tessellate(&self, projector: &Projector, wanted: ChannelSet) -> Mesh;
 
+    /// The same, or `None` soon after `stop` has first said that nobody waits for it any longer.
+    fn tessellate_unless(
+        &self,
+        projector: &Projector,
+        wanted: ChannelSet,
+        stop: &(dyn Fn() -> bool + Sync),
+    ) -> Option<Mesh> {
+        (!stop()).then(|| self.tessellate(projector, wanted))
+    }
+
     /// The first point of the continuous surface along a ray from the camera, in f64.
     fn trace(&self, projector: &Projector, ray: &Ray) -> Option<Hit>;
 

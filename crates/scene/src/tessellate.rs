@@ -49,14 +49,15 @@ trait Layout: Sync {
     fn row(&self, row: usize, wanted: Wanted, scratch: &mut Scratch);
 }
 
-/// A grid over the sector, to the horizon.
+/// A grid over the sector, to the horizon; `None` soon after `stop` says so.
 pub(crate) fn sector(
     sea: &SeaSurface,
     spacing: &Spacing,
     projector: &Projector,
     sector: &Sector,
     wanted: ChannelSet,
-) -> Mesh {
+    stop: &(dyn Fn() -> bool + Sync),
+) -> Option<Mesh> {
     let mut spacing = spacing.clone();
     let (mut radii, mut columns) = rings(sea, &spacing, projector, sector);
     let vertices = radii.len() as f64 * columns as f64;
@@ -69,7 +70,7 @@ pub(crate) fn sector(
         let turn = |column: usize| TAU * if column == columns { 0.0 } else { column as f64 / columns as f64 };
         let directions = (0..=columns).map(|column| libm::sincos(turn(column))).collect();
         let layout = Disc { sea, projector, center: sector.apex, radii, directions };
-        Rows { sea, projector, columns: columns + 1, rows, layout }.mesh(wanted)
+        Rows { sea, projector, columns: columns + 1, rows, layout }.mesh(wanted, stop)
     } else {
         let [x, z] = sector.heading;
         let slope = libm::tan(sector.width / 2.0);
@@ -83,7 +84,7 @@ pub(crate) fn sector(
             }
         };
         let layout = Across { lines: Lines::new(&sea.frame, columns + 1), columns: columns + 1, line };
-        Rows { sea, projector, columns: columns + 1, rows, layout }.mesh(wanted)
+        Rows { sea, projector, columns: columns + 1, rows, layout }.mesh(wanted, stop)
     }
 }
 
@@ -128,14 +129,15 @@ pub(crate) fn strip_depth(sea: &SeaSurface, spacing: &Spacing, projector: &Proje
     MAX_ROWS * spacing.at(print, projector.pixel_size(1.0)).min(1e6)
 }
 
-/// A regular grid under an orthographic camera.
+/// A regular grid under an orthographic camera; `None` soon after `stop` says so.
 pub(crate) fn strip(
     sea: &SeaSurface,
     spacing: &Spacing,
     projector: &Projector,
     strip: &Strip,
     wanted: ChannelSet,
-) -> Mesh {
+    stop: &(dyn Fn() -> bool + Sync),
+) -> Option<Mesh> {
     let print = footprint(projector, DVec3::new(0.0, sea.level, 0.0));
     let mut step = spacing.at(print, projector.pixel_size(1.0));
     let (width, depth) = (strip.u[1] - strip.u[0], strip.v[1] - strip.v[0]);
@@ -155,7 +157,7 @@ pub(crate) fn strip(
     };
     let columns = columns as usize + 1;
     let layout = Across { lines: Lines::new(&sea.frame, columns), columns, line };
-    Rows { sea, projector, columns, rows: rows as usize + 1, layout }.mesh(wanted)
+    Rows { sea, projector, columns, rows: rows as usize + 1, layout }.mesh(wanted, stop)
 }
 
 /// Buffers of one thread.
@@ -218,7 +220,7 @@ impl Layout for Disc<'_> {
 }
 
 impl<L: Layout> Rows<'_, L> {
-    fn mesh(&self, wanted: ChannelSet) -> Mesh {
+    fn mesh(&self, wanted: ChannelSet, stop: &(dyn Fn() -> bool + Sync)) -> Option<Mesh> {
         let len = self.columns * self.rows;
         let size = |channels: ChannelSet| if wanted.intersects(channels) { len } else { 0 };
         let mut mesh = Mesh {
@@ -247,10 +249,14 @@ impl<L: Layout> Rows<'_, L> {
                 slope_variances: slope_variances.next().unwrap_or_default(),
             });
         }
-        rows.into_par_iter().enumerate().for_each_init(Scratch::default, |scratch, (index, row)| {
+        let filled = rows.into_par_iter().enumerate().try_for_each_init(Scratch::default, |scratch, (index, row)| {
+            if stop() {
+                return None;
+            }
             self.row(index, row, scratch);
+            Some(())
         });
-        mesh
+        filled.map(|()| mesh)
     }
 
     fn row(&self, index: usize, row: Row<'_>, scratch: &mut Scratch) {

@@ -67,13 +67,28 @@ impl Visible {
     /// # Panics
     /// The surfaces have 2³² vertices or cells together.
     pub fn prepare(camera: &Camera, surfaces: &[&dyn Surface], format: Format, wanted: ChannelSet) -> Self {
+        let whole = Self::prepare_unless(camera, surfaces, format, wanted, &|| false);
+        whole.expect("nothing stops it")
+    }
+
+    /// The same, or `None` soon after `stop` has first said that nobody waits for it any longer.
+    ///
+    /// # Panics
+    /// As [`Visible::prepare`].
+    pub fn prepare_unless(
+        camera: &Camera,
+        surfaces: &[&dyn Surface],
+        format: Format,
+        wanted: ChannelSet,
+        stop: &(dyn Fn() -> bool + Sync),
+    ) -> Option<Self> {
         let projector = camera.projector(format);
         let bins =
             [i64::from(format.width()).div_euclid(BIN[0]) + 1, i64::from(format.height()).div_euclid(BIN[1]) + 1];
         let mut pairs = Vec::new();
         let (mut layers, mut firsts, mut first) = (Vec::new(), Vec::new(), 0_usize);
         for surface in surfaces {
-            let mesh = surface.tessellate(&projector, wanted);
+            let mesh = surface.tessellate_unless(&projector, wanted, stop)?;
             let number = u32::try_from(first).expect("fewer than 2³² primitives");
             let layer = Layer::new(mesh, &projector, bins, number, &mut pairs);
             first += layer.primitives + layer.clipped.len();
@@ -85,7 +100,7 @@ impl Visible {
         let raster = Raster::new(&projector);
         let offsets = (0..format.samples()).map(|sample| format.sample_offset(sample)).collect();
         let number = VIEWS.fetch_add(1, Ordering::Relaxed);
-        Self { projector, raster, layers, firsts, bins, starts, binned, offsets, number, wanted }
+        Some(Self { projector, raster, layers, firsts, bins, starts, binned, offsets, number, wanted })
     }
 
     /// The camera's projection.

@@ -2,7 +2,6 @@
 
 use crate::OutputError;
 use std::fs;
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 /// The folder of a file; the current one for a bare name.
@@ -51,26 +50,15 @@ pub fn check_destination(path: &Path) -> Result<(), OutputError> {
 /// The folder cannot be made, or the file cannot be written.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), OutputError> {
     let cannot = |error: std::io::Error| refuse(path, format!("cannot be written: {error}"));
-    let target = match fs::metadata(path) {
-        Ok(found) if found.is_file() => fs::canonicalize(path).map_err(cannot)?,
-        Ok(_) => return fs::write(path, bytes).map_err(cannot),
-        Err(_) => path.into(),
-    };
-    let folder = folder_of(&target);
-    fs::create_dir_all(folder).map_err(cannot)?;
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".trochoid-").suffix(".partial");
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        // As readable as the user's other files: the umask applies.
-        builder.permissions(fs::Permissions::from_mode(0o666));
+    match fs::metadata(path) {
+        Ok(found) if !found.is_file() => fs::write(path, bytes).map_err(cannot),
+        found => {
+            if found.is_err() {
+                fs::create_dir_all(folder_of(path)).map_err(cannot)?;
+            }
+            Ok(trochoid_io::write_bytes(path, bytes)?)
+        }
     }
-    let mut file = builder.tempfile_in(folder).map_err(cannot)?;
-    file.write_all(bytes).map_err(cannot)?;
-    file.as_file().sync_all().map_err(cannot)?;
-    file.persist(&target).map_err(|error| cannot(error.error))?;
-    Ok(())
 }
 
 #[cfg(test)]

@@ -52,6 +52,7 @@ pub use trochoid_graph::{
 };
 pub use trochoid_image::{Format, Plane, Rgb, Shading, Window, WorkingSpace};
 pub use trochoid_io as io;
+pub use trochoid_io::discard_partial_files;
 
 /// The version of Trochoid.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");

@@ -1,7 +1,7 @@
 use std::collections::{BTreeMap, HashMap};
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
-use trochoid_graph::{CheckedGraph, Diagnostic, Document, Item, MAX_BYTES, NodeId, Registry, Severity, Takes, check};
+use trochoid_graph::{CheckedGraph, Diagnostic, Document, MAX_BYTES, NodeId, Registry, Severity, check};
 
 /// All node types of this build.
 pub fn registry() -> &'static Registry {
@@ -130,18 +130,16 @@ pub fn missing_files(graph: &CheckedGraph) -> Vec<Diagnostic> {
             1 => ", and none at 1 more frame".into(),
             more => format!(", and none at {more} more frames"),
         };
-        let items = graph.nodes()[index].ty.declaration().items;
-        let path_of = |item: &Item| match item {
-            Item::Knob(knob) if matches!(knob.takes, Takes::Path) => Some(knob.name),
-            _ => None,
-        };
+        let node = &graph.nodes()[index];
+        let item = node.file_item();
+        let [line, column] = item.map_or(node.place, |item| node.place_of(item));
         Diagnostic {
             severity: Severity::Warning,
             file: graph.name().into(),
-            line: graph.nodes()[index].place[0],
-            column: graph.nodes()[index].place[1],
-            node: Some(graph.nodes()[index].name.clone()),
-            port: items.iter().find_map(path_of).map(String::from),
+            line,
+            column,
+            node: Some(node.name.clone()),
+            port: item.map(String::from),
             found: format!("no file {} at frame {frame}{more}", path.display()),
             expected: "a file to read".into(),
             remedy: "correct the path, which is relative to the document, or make the file before rendering".into(),

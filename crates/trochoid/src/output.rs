@@ -18,9 +18,9 @@ pub struct OutputFile {
 /// Why files cannot be named or written.
 #[derive(Debug, thiserror::Error)]
 pub enum OutputError {
-    /// The pattern gives several pictures the same name.
-    #[error("{0}")]
-    Pattern(String),
+    /// Files cannot be named so: everything that is wrong, such as one name for several pictures.
+    #[error("{}", .0.join("\n"))]
+    Pattern(Vec<String>),
     /// The file cannot be written.
     #[error(transparent)]
     Io(#[from] trochoid_io::Error),
@@ -57,12 +57,18 @@ pub fn output_files(
     several_frames: bool,
     pattern: Option<&str>,
 ) -> Result<Vec<OutputFile>, OutputError> {
-    let refuse = |text: String| Err(OutputError::Pattern(text));
+    let mut faults: Vec<String> = Vec::new();
+    // What is wrong with a pattern is said once, however many outputs it names.
+    let mut refuse = |text: String| {
+        if !faults.contains(&text) {
+            faults.push(text);
+        }
+    };
     if let Some(pattern) = pattern
         && outputs.len() > 1
         && !pattern.contains("{output}")
     {
-        return refuse(format!(
+        refuse(format!(
             "the pattern \"{pattern}\" gives {} outputs one name: add {{output}}, or choose one with --output",
             outputs.len()
         ));
@@ -71,34 +77,35 @@ pub fn output_files(
     for &index in outputs {
         let spec = &graph.outputs()[index];
         let own = spec.file.as_deref();
-        let template = pattern.or(own).unwrap_or("{output}.####.exr").replace("{output}", &spec.name);
+        let written = pattern.or(own).unwrap_or("{output}.####.exr");
+        let template = written.replace("{output}", &spec.name);
+        let lower = template.to_lowercase();
+        let is_png = lower.ends_with(".png");
         if let Some((_, rest)) = template.split_once('{') {
             let found = rest.split_once('}').map_or(rest, |(name, _)| name);
-            return refuse(format!(
-                "\"{template}\" has the unknown placeholder {{{found}}}: {{output}}, #### and %04d are known"
+            refuse(format!(
+                "\"{written}\" has the unknown placeholder {{{found}}}: {{output}}, #### and %04d are known"
             ));
-        }
-        let lower = template.to_lowercase();
-        if !lower.ends_with(".exr") && !lower.ends_with(".png") {
-            return refuse(format!("\"{template}\" has an ending that cannot be written: use .exr or .png"));
+        } else if !lower.ends_with(".exr") && !is_png {
+            refuse(format!("\"{written}\" has an ending that cannot be written: use .exr or .png"));
         }
         if several_frames && expand_frame(&template, 0) == expand_frame(&template, 1) {
-            return refuse(format!("\"{template}\" gives all frames one name: add #### or %04d"));
+            refuse(format!("\"{written}\" gives all frames one name: add #### or %04d"));
         }
-        if lower.ends_with(".png") && !matches!(spec.kind, Kind::Color | Kind::Weights(2)) {
-            return refuse(format!(
-                "output \"{}\" is a {}, which PNG cannot hold: write it as .exr",
-                spec.name, spec.kind
-            ));
+        if is_png && !matches!(spec.kind, Kind::Color | Kind::Weights(2)) {
+            refuse(format!("output \"{}\" is a {}, which PNG cannot hold: write it as .exr", spec.name, spec.kind));
         }
         let relative = PathBuf::from(expand_frame(&template, frame));
         let path = if pattern.is_none() && own.is_some() { graph.folder().join(relative) } else { relative };
         let path = normalized(&path);
         match files.iter_mut().find(|file| file.path == path) {
-            Some(_) if lower.ends_with(".png") => {
-                return refuse(format!("\"{template}\" is the file of several outputs; PNG holds one: use .exr"));
+            Some(file) => {
+                // A pattern without {output} was refused already.
+                if is_png && pattern.is_none() {
+                    refuse(format!("\"{written}\" is the file of several outputs; PNG holds one: use .exr"));
+                }
+                file.outputs.push(index);
             }
-            Some(file) => file.outputs.push(index),
             None => files.push(OutputFile { path, outputs: vec![index] }),
         }
     }
@@ -106,10 +113,10 @@ pub fn output_files(
         let mut layers: Vec<&str> = file.outputs.iter().map(|index| layer(&graph.outputs()[*index], file)).collect();
         layers.sort_unstable();
         if let Some(pair) = layers.windows(2).find(|pair| pair[0] == pair[1]) {
-            return refuse(format!("{}: two outputs are the layer \"{}\": name another", file.path.display(), pair[0]));
+            refuse(format!("{}: two outputs are the layer \"{}\": name another", file.path.display(), pair[0]));
         }
     }
-    Ok(files)
+    if faults.is_empty() { Ok(files) } else { Err(OutputError::Pattern(faults)) }
 }
 
 /// The path without `.` and without `folder/..`, so that two spellings of one file are one.

@@ -99,6 +99,7 @@ pub fn frame_report(graph: &CheckedGraph, frame: &Frame, write_seconds: f64) -> 
                 "estimated": node.estimated,
                 "pixels": node.pixels,
                 "bytes": node.bytes,
+                "repaired": node.repaired,
             });
             (node.name.clone(), value)
         })

@@ -16,6 +16,29 @@ pub(super) fn table() -> Vec<Bad> {
             &[&["node \"a\", view", "\"p\", a view of passes, which knows no surfaces", "connect a Render"]],
         ),
         nodes(
+            "masks in a and b",
+            r#""a": { "type": "Multiply", "a": "t", "b": 0.5 }, "b": { "type": "Screen", "b": "a.mask" }"#,
+            &[
+                &["weights: found \"a\" and \"b\"", "masks in one list", "write \"weights\": [\"t\", 0.5]"],
+                &["weights: found \"b\"", "write \"weights\": [\"a.mask\"]"],
+            ],
+        ),
+        nodes(
+            "a color among masks",
+            r##""a": { "type": "Multiply", "weights": ["t", "#ffffff"] }"##,
+            &[&["the color \"#ffffff\"", "expected a mask", "write a number from 0 to 1"]],
+        ),
+        nodes(
+            "a color for a field",
+            r##""a": { "type": "Clamp", "field": "#808080" }"##,
+            &[&["the color \"#808080\"", "expected a Field", "write a number"]],
+        ),
+        nodes(
+            "a picture as a mask",
+            r#""a": { "type": "Read", "file": "a.png", "as": "mask" }"#,
+            &[&["found \"mask\"", "color, weights, field", "a mask is weights of one channel"]],
+        ),
+        nodes(
             "a pass that is not named",
             r#""p": { "type": "ViewFromPasses", "file": "a.exr", "depth": "d" },
                 "a": { "type": "Normal", "view": "p" }"#,

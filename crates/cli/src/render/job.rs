@@ -33,6 +33,8 @@ struct Done {
     line: String,
     /// What was missed.
     misses: Vec<String>,
+    /// Nodes in which illegal values were replaced, and how many.
+    replaced: Vec<(String, u64)>,
     skipped: bool,
 }
 
@@ -104,10 +106,27 @@ impl<'a> Job<'a> {
             self.graph.heavy(begin).into_iter().filter(|(name, _)| !known.iter().any(|(known, _)| known == name));
         let text = |(name, work): (&str, Work)| {
             let (found, expected) = (work.found(), Work::expected());
-            let place = format!("frame {begin}: node \"{name}\", {}", work.item);
+            let id = self.graph.find(name);
+            let at = id.map_or(String::new(), |id| format!("{}: ", self.graph.place_of(id, Some(work.item))));
+            let place = format!("{at}frame {begin}: node \"{name}\", {}", work.item);
             format!("warning: {place}: found {found}; expected {expected}\n  remedy: {}", work.remedy)
         };
         news.map(text).collect()
+    }
+
+    /// What is said of a node in which illegal values were replaced, unless its author asked for just that.
+    fn warning_of_replaced(&self, name: &str, count: u64, frame: i64) -> Option<String> {
+        let id = self.graph.find(name)?;
+        let asked = |item: &str| matches!(item, "repair" | "nan");
+        if self.graph.node(id).places.iter().any(|(item, _)| asked(item)) {
+            return None;
+        }
+        let values = if count == 1 { "illegal value (NaN), which was" } else { "illegal values (NaN), which were" };
+        Some(format!(
+            "warning: {}: node \"{name}\", frame {frame}: found {count} {values} replaced; expected numbers\n  \
+             remedy: correct what it is given; a FieldMath's \"nan\" says what else is to stand there",
+            self.graph.place_of(id, None)
+        ))
     }
 
     /// Renders frame after frame.
@@ -116,6 +135,8 @@ impl<'a> Job<'a> {
         let mut cache = Cache::new();
         let mut fingerprints = Fingerprints::new();
         let mut missed = 0;
+        // Once is enough for each node.
+        let mut told = HashSet::new();
         for (index, &frame) in self.frames.iter().enumerate() {
             progress.begin(index, frame);
             let done = self.frame(frame, evaluate, &mut cache, &mut fingerprints, &progress)?;
@@ -130,6 +151,9 @@ impl<'a> Job<'a> {
             }
             missed += usize::from(!done.misses.is_empty());
             progress.tell(&done.misses);
+            let news = done.replaced.iter().filter(|(name, _)| told.insert(name.clone()));
+            let news = news.filter_map(|(name, count)| self.warning_of_replaced(name, *count, frame));
+            progress.tell(&news.collect::<Vec<_>>());
             report.push(done.report);
         }
         progress.finish();
@@ -159,7 +183,7 @@ impl<'a> Job<'a> {
             let files: Vec<Value> = current.iter().map(|file| self.describe(file, "up to date")).collect();
             let report = json!({ "frame": number, "skipped": true, "files": files });
             let line = line::skipped(self.graph, number, &current);
-            return Ok(Done { report, line, misses: Vec::new(), skipped: true });
+            return Ok(Done { report, line, misses: Vec::new(), replaced: Vec::new(), skipped: true });
         }
         let names: Vec<&str> = open
             .iter()
@@ -205,7 +229,10 @@ impl<'a> Job<'a> {
                 "error: {miss}\n  remedy: its file was not written; render it without the requirement to look at it"
             )
         });
-        Ok(Done { report, line, misses: misses.collect(), skipped: false })
+        let replaced =
+            frame.nodes.iter().filter(|node| node.repaired > 0).map(|node| (node.name.clone(), node.repaired));
+        let replaced = replaced.collect();
+        Ok(Done { report, line, misses: misses.collect(), replaced, skipped: false })
     }
 
     fn describe(&self, file: &OutputFile, state: &str) -> Value {

@@ -100,3 +100,26 @@ fn a_cancelled_evaluation_is_an_interruption() {
     assert_eq!(report(folder.path())["status"], "interrupted");
     assert!(!folder.path().join("beauty.1.exr").exists());
 }
+
+#[test]
+fn long_work_at_a_late_frame_is_told_by_its_place() {
+    let folder = tempfile::tempdir().unwrap();
+    let args = arguments(folder.path());
+    let sea = r#"{ "trochoid": 1, "format": { "width": 8, "height": 4 }, "nodes": {
+"camera": { "type": "Camera" },
+"sea": { "type": "ToonSea", "columns": 512, "rows": 512, "bursts": [{ "path": [1, 1, 2, 2, 3, 3, 4, 4] }] },
+"view": { "type": "Render", "camera": "camera", "surfaces": ["sea"] },
+"depth": { "type": "Depth", "view": "view" } }, "outputs": { "depth": { "field": "depth" } } }"#;
+    std::fs::write(&args.graph, sea).unwrap();
+    let loaded = trochoid::load(&args.graph, &[]).unwrap();
+    let warnings = |frame: i64| {
+        let mut faults = Vec::new();
+        let job = Job::new(&loaded.graph, &args, Some(vec![frame]), &mut faults);
+        assert!(faults.is_empty(), "{faults:?}");
+        job.warnings()
+    };
+    assert_eq!(warnings(1), [""; 0]);
+    let [late] = &warnings(1_000_000)[..] else { panic!("{:?}", warnings(1_000_000)) };
+    let words = format!("warning: {}:3:1: frame 1000000: node \"sea\", preroll: found work for", args.graph.display());
+    assert!(late.starts_with(&words), "{late}");
+}

@@ -28,13 +28,25 @@ fn check_warns_of_files_that_are_not_there() {
     let scene = Scene::new(READS);
     let run = scene.run(&["check", "a.json"]).code(0);
     assert!(
-        run.err.contains("warning: a.json:2:14: node \"in\", file: found no file in.exr at frame 1"),
+        run.err.contains("warning: a.json:2:46: node \"in\", file: found no file in.exr at frame 1"),
         "{}",
         run.err
     );
     scene.run(&["check", "a.json", "--strict"]).code(2);
     scene.write_picture("in.exr", 0.5);
     assert_eq!(scene.run(&["check", "a.json", "--strict"]).code(0).err, "");
+}
+
+#[test]
+fn trees_and_previews_tell_their_file() {
+    let scene = Scene::new(SCENE);
+    scene.run(&["graph", "a.json", "-o", "tree.svg"]).code(0).says(&["graph of a.json → tree.svg\n"]);
+    scene.run(&["graph", "a.json", "-o", "-"]).code(0).says(&["<svg"]);
+    let preview = |more: &[&str]| scene.run(&[&["preview", "a.json", "--output", "beauty"], more].concat()).code(0);
+    preview(&["-o", "all.webp"]).says(&["3 frames: beauty → all.webp  8 × 4 pixels\n"]);
+    preview(&["-o", "one.png", "--frames", "2"]).says(&["frame 2: beauty → one.png"]);
+    assert_eq!(preview(&["-o", "one.png", "--frames", "2", "--quiet"]).out, "");
+    assert_eq!(scene.files(), ["all.webp", "one.png", "tree.svg"]);
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! What is refused, with which exit code; and that nothing is written then.
 
 use crate::scene::{READS, SCENE, Scene};
+use serde_json::Value;
 use std::fs;
 
 #[test]
@@ -75,15 +76,48 @@ fn input_output_and_bad_data_are_code_1() {
     let scene = Scene::new(READS);
     scene.run(&["render", "none.json"]).fails(1, &["none.json: cannot be read"]);
     scene.run(&["render", "."]).fails(1, &["is a folder"]);
-    scene.run(&["render", "a.json"]).fails(1, &["frame 1: node \"in\" (Read)", "in.exr"]);
+    scene
+        .run(&["render", "a.json"])
+        .fails(1, &["frame 1: a.json:2:46: node \"in\" (Read)", "in.exr", "correct the path"]);
     scene.run(&["info", "none.exr"]).fails(1, &["none.exr"]);
-    scene.run(&["info", "a.json"]).fails(1, &["a.json"]);
+    scene.run(&["info", "a.json"]).fails(1, &["a.json", "found JSON", "EXR, PNG, JPEG and TIFF"]);
     scene.has_no_files();
     scene.write_picture("in.exr", -0.5);
     scene.run(&["render", "a.json"]).fails(1, &["-0.5"]);
+    fs::write(scene.path("in.exr"), b"GIF89a").unwrap();
+    scene.run(&["render", "a.json"]).fails(1, &["in.exr: found a GIF picture", "convert it"]);
     fs::write(scene.path("in.exr"), b"v/1\x01 no picture at all").unwrap();
     scene.run(&["render", "a.json"]).fails(1, &["in.exr"]);
     assert_eq!(scene.files(), ["in.exr"]);
+}
+
+#[test]
+fn pictures_beyond_memory_are_refused_by_their_place() {
+    let scene = Scene::new(&SCENE.replace("\"width\": 16, \"height\": 8", "\"width\": 40000, \"height\": 40000"));
+    let words = ["a.json:2:13: format: found pictures of 40000 × 40000 pixels", "lower the format's"];
+    scene.run(&["render", "a.json", "--frames", "1"]).fails(1, &words);
+    let checked = scene.run(&["check", "a.json"]).code(2);
+    assert!(words.iter().all(|word| checked.err.contains(word)), "{}", checked.err);
+    scene.has_no_files();
+}
+
+#[test]
+fn all_that_is_wrong_with_a_pattern_is_told_at_once() {
+    let fields = SCENE
+        .replace("\"across\": {", "\"f\": { \"type\": \"FieldMath\", \"expression\": \"2\" }, \"across\": {")
+        .replace("\"outputs\": {", "\"outputs\": { \"x\": { \"field\": \"f\" }, \"y\": { \"field\": \"f\" },");
+    let scene = Scene::new(&fields);
+    let run = scene.run(&["render", "a.json", "--out", "{output}.png"]).code(2);
+    for words in ["\"{output}.png\" gives all frames one name", "output \"x\" is a Field", "output \"y\" is a Field"] {
+        assert_eq!(run.err.matches(words).count(), 1, "{}", run.err);
+    }
+    assert_eq!(run.err.matches("error: ").count(), 3, "{}", run.err);
+    let shared = SCENE
+        .replace("out/mask.####.png", "m.png")
+        .replace("\"mask\": {", "\"other\": { \"weights\": \"across\", \"file\": \"m.png\" }, \"mask\": {");
+    let json = Scene::new(&shared).run(&["check", "a.json", "--json"]).code(2).json();
+    let found: Vec<&Value> = json["diagnostics"].as_array().unwrap().iter().map(|fault| &fault["found"]).collect();
+    assert_eq!(found.len(), 2, "{json:#}");
 }
 
 #[test]

@@ -65,6 +65,28 @@ fn resume_renders_again_when_an_input_has_changed() {
 }
 
 #[test]
+fn values_that_were_replaced_are_told_once_by_their_node() {
+    let nan = |more: &str| {
+        let fm = format!("\"fm\": {{ \"type\": \"FieldMath\", \"expression\": \"0/0*a\", \"a\": \"across\"{more} }}");
+        let scene = SCENE.replace(
+            "\"across\": {",
+            &format!("{fm}, \"c\": {{ \"type\": \"Clamp\", \"field\": \"fm\" }}, \"across\": {{"),
+        );
+        Scene::new(&scene.replace("\"weight\": \"across\"", "\"weight\": \"c\""))
+    };
+    let scene = nan("");
+    let beauty = ["render", "a.json", "--output", "beauty"];
+    let quiet = scene.run(&[&beauty[..], &["--quiet"]].concat()).code(0);
+    assert_eq!(quiet.err.matches("warning: ").count(), 1, "{}", quiet.err);
+    let words = "warning: a.json:3:14: node \"fm\", frame 1: found 128 illegal values (NaN), which were replaced";
+    assert!(quiet.err.contains(words) && quiet.err.contains("\n  remedy: "), "{}", quiet.err);
+    let json = scene.run(&[&beauty[..], &["--json", "--frames", "2"]].concat()).code(0).json();
+    assert_eq!(json["nodes"]["fm"]["repaired"], 128);
+    assert_eq!(json["nodes"]["across"]["repaired"], 0);
+    assert_eq!(nan(", \"nan\": 0.5").run(&beauty).code(0).err, "", "it was asked for");
+}
+
+#[test]
 fn requirements_that_hold_are_no_obstacle() {
     for guarantee in ["hull", "box"] {
         let scene = Scene::new(SCENE);

@@ -79,3 +79,35 @@ fn an_interrupt_stops_with_code_130_and_leaves_whole_files_alone() {
     assert_eq!(report["status"], "interrupted");
     assert!(!report["frames"].as_array().unwrap().is_empty());
 }
+
+/// A sea that takes far longer to compute than anyone waits for an interruption.
+#[cfg(unix)]
+const HEAVY: &str = r##"{ "trochoid": 1, "format": { "width": 3840, "height": 2160 },
+  "nodes": { "camera": { "type": "Camera", "position": [0, 40, 0.1], "target": [0, 0, 0] },
+             "sea": { "type": "GerstnerSea", "count": 20000 },
+             "view": { "type": "Render", "camera": "camera", "surfaces": ["sea"] },
+             "height": { "type": "Height", "view": "view" } },
+  "outputs": { "height": { "field": "height" } } }"##;
+
+#[cfg(unix)]
+#[test]
+fn an_interrupt_within_a_file_leaves_nothing_of_it() {
+    // Who asks once waits for the work to stop or for the end of patience; who asks twice waits for nothing.
+    for interrupts in [1, 2] {
+        let scene = Scene::new(HEAVY);
+        let arguments = ["render", "a.json", "--out", "h.####.exr"];
+        let child = scene.command(&arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+        let begun = Instant::now();
+        while !scene.files().iter().any(|name| name.contains("partial")) {
+            assert!(begun.elapsed() < Duration::from_secs(120), "no file is begun");
+            std::thread::sleep(Duration::from_millis(10));
+        }
+        for _ in 0..interrupts {
+            // The second may find nobody left.
+            Command::new("kill").args(["-INT", &child.id().to_string()]).stderr(Stdio::null()).status().unwrap();
+        }
+        let output = child.wait_with_output().unwrap();
+        assert_eq!(output.status.code(), Some(130), "{}", String::from_utf8_lossy(&output.stderr));
+        assert!(scene.files().is_empty(), "{:?}", scene.files());
+    }
+}

@@ -6,8 +6,8 @@ use crate::declare::{Default, Takes};
 use crate::registry::item_names;
 use crate::spanned::{Entry, Json, Spanned, shorten};
 use crate::{
-    Accepts, Animated, Arity, Declaration, Item, Knob, List, NodeId, Port, Record, Setting, Severity, Source, nearest,
-    refusal,
+    Accepts, Animated, Arity, Declaration, Item, Kind, Knob, List, NodeId, Port, Record, Setting, Severity, Source,
+    nearest, refusal,
 };
 use std::collections::HashMap;
 
@@ -40,11 +40,20 @@ impl<'a> Checker<'a> {
         }
         let before = self.diagnostics.len();
         // Names that other compositors give to operations on colors.
-        if let Some(refusal) = refusal(ty.declaration().name)
-            && own.iter().any(|entry| matches!(entry.key.as_str(), "a" | "b" | "A" | "B"))
-        {
-            let offset = entries_type(&entry.value).unwrap_or(entry.offset);
-            self.refused(Place { offset, port: Some("type"), ..place }, ty.declaration().name, refusal);
+        let operands: Vec<&Entry> =
+            own.iter().copied().filter(|entry| matches!(entry.key.as_str(), "a" | "b" | "A" | "B")).collect();
+        if let (Some(refusal), Some(first)) = (refusal(ty.declaration().name), operands.first()) {
+            if operands.iter().all(|entry| is_mask(&entry.value, names)) {
+                // Nothing is wrong with the operation, only with how it is written.
+                let listed: Vec<String> = operands.iter().map(|entry| entry.value.brief()).collect();
+                let keys: Vec<String> = operands.iter().map(|entry| format!("\"{}\"", entry.key)).collect();
+                let remedy = format!("write \"weights\": [{}]", listed.join(", "));
+                let place = Place { port: Some("weights"), ..place.at(first.offset) };
+                self.error(place, keys.join(" and "), "masks in one list, \"weights\"", remedy);
+            } else {
+                let offset = entries_type(&entry.value).unwrap_or(entry.offset);
+                self.refused(Place { offset, port: Some("type"), ..place }, ty.declaration().name, refusal);
+            }
             // It counts as a type that there is not: its record has none of the items of its namesake.
             (draft.ty, draft.faulty) = (None, true);
             return;
@@ -135,6 +144,16 @@ impl<'a> Checker<'a> {
 
     fn source(&mut self, accepts: Accepts, value: &'a Spanned, place: Place<'_>, names: &Names<'a>) -> Option<Source> {
         match &value.json {
+            Json::String(text) if !accepts.takes_color() && text.starts_with('#') => {
+                let remedy = match accepts {
+                    Accepts::Mask => "write a number from 0 to 1, or the name of a mask; a color is no weight",
+                    Accepts::Weights => "write the name of a node, or numbers that sum to 1; a color is no weight",
+                    Accepts::Scalar | Accepts::Field => "write a number, or the name of a node",
+                    _ => "write the name of a node",
+                };
+                self.error(place, format!("the color {}", value.brief()), format!("a {accepts}"), remedy);
+                None
+            }
             Json::String(text) if !(accepts.takes_color() && text.starts_with('#')) => {
                 self.reference(text, place, names, accepts.takes_color())
             }
@@ -281,7 +300,7 @@ impl<'a> Checker<'a> {
                 Json::String(text) => {
                     let remedy = match nearest(text, words.iter().copied()) {
                         Some(near) => format!("did you mean \"{near}\"?"),
-                        None => "choose one of them".into(),
+                        None => format!("choose one of them: {}", knob.help),
                     };
                     self.error(place, value.brief(), expected(&knob.takes), remedy);
                     None
@@ -336,6 +355,25 @@ fn keys_of(list: &List) -> String {
 /// What to write for a list.
 fn how_to_write(list: &List) -> String {
     format!("give \"{}\": [{{ … }}, …], records with {}: {}", list.name, keys_of(list), list.help)
+}
+
+/// Whether a value is a mask for certain: a number from 0 to 1, or a node whose type makes masks alone.
+fn is_mask(value: &Spanned, names: &Names<'_>) -> bool {
+    match &value.json {
+        Json::Number(number) => (0.0..=1.0).contains(number),
+        Json::String(text) => {
+            let (name, output) =
+                text.split_once('.').map_or((text.as_str(), None), |(name, output)| (name, Some(output)));
+            let outputs =
+                names.get(name).and_then(|(_, declaration)| *declaration).map_or(&[][..], |known| known.outputs);
+            let made = match output {
+                Some(output) => outputs.iter().find(|known| known.name == output),
+                None => outputs.first(),
+            };
+            made.is_some_and(|made| made.kind == Kind::MASK)
+        }
+        _ => false,
+    }
 }
 
 /// Where an object names its type.

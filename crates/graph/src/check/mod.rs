@@ -231,15 +231,22 @@ impl<'a> Checker<'a> {
             .into_iter()
             .map(|draft| {
                 let ty = draft.ty?;
-                let Draft { name, disabled, record, kinds, offset, .. } = draft;
-                let (_, line, column) = document.place(offset);
-                Some(CheckedNode { name: name.into(), ty, record, kinds, disabled, place: [line, column] })
+                let Draft { name, disabled, record, kinds, offset, offsets, .. } = draft;
+                let place = |offset: usize| {
+                    let (_, line, column) = document.place(offset);
+                    [line, column]
+                };
+                let places = offsets.into_iter().map(|(item, offset)| (item, place(offset)));
+                // What `--set` sets stands nowhere in the document.
+                let places = places.filter(|(_, [line, _])| *line > 0).collect();
+                Some(CheckedNode { name: name.into(), ty, record, kinds, disabled, place: place(offset), places })
             })
             .collect::<Option<Vec<_>>>()?;
         Some(CheckedGraph {
             name: document.name().into(),
             folder: folder.into(),
             format: top.format?,
+            format_place: format_place(document, &root),
             space: self.space,
             first: top.first,
             last: top.last,
@@ -350,6 +357,13 @@ impl<'a> Checker<'a> {
             }
         }
     }
+}
+
+/// Line and column of the format.
+fn format_place(document: &Document, root: &[&Entry]) -> [usize; 2] {
+    let format = root.iter().find(|entry| entry.key == "format");
+    let (_, line, column) = document.place(format.map_or(0, |entry| entry.value.offset));
+    [line, column]
 }
 
 /// What takes each node's outputs: the node, and the port. Where it is disabled, or nobody knows what it is, nothing.

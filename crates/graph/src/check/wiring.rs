@@ -189,26 +189,50 @@ impl<'a> Checker<'a> {
             drafts[node].record.each_node(|node| open.push(node.0));
         }
         let is_loose = |node: usize| !used[node] && !drafts[node].disabled;
-        // Of a branch, its end alone.
-        let mut ends = vec![true; drafts.len()];
-        for draft in drafts {
-            draft.record.each_node(|node| ends[node.0] = false);
+        let mut is_end = vec![true; drafts.len()];
+        let mut joined = vec![Vec::new(); drafts.len()];
+        for (index, draft) in drafts.iter().enumerate() {
+            draft.record.each_node(|node| {
+                is_end[node.0] = false;
+                if is_loose(index) && is_loose(node.0) {
+                    joined[index].push(node.0);
+                    joined[node.0].push(index);
+                }
+            });
         }
-        for end in (0..drafts.len()).filter(|&node| ends[node] && is_loose(node)) {
+        let mut seen = vec![false; drafts.len()];
+        for end in 0..drafts.len() {
+            if !is_end[end] || !is_loose(end) || seen[end] {
+                continue;
+            }
+            // All that hangs together is one branch, whatever the number of its ends.
             let (mut branch, mut open) = (BTreeSet::new(), vec![end]);
             while let Some(node) = open.pop() {
-                if is_loose(node) && branch.insert(node) {
-                    drafts[node].record.each_node(|node| open.push(node.0));
+                if branch.insert(node) {
+                    seen[node] = true;
+                    open.extend(&joined[node]);
                 }
             }
             branch.remove(&end);
-            let others: Vec<&str> = branch.iter().map(|&node| drafts[node].name).take(6).collect();
-            let more = if branch.len() > others.len() { ", …" } else { "" };
-            let (found, remedy) = if branch.is_empty() {
-                ("a node that no output needs".into(), "it is not evaluated; connect it, or remove it")
+            let names = |nodes: &[usize]| {
+                let names: Vec<&str> = nodes.iter().map(|&node| drafts[node].name).take(6).collect();
+                format!("{}{}", names.join(", "), if nodes.len() > names.len() { ", …" } else { "" })
+            };
+            let (ends, others): (Vec<usize>, Vec<usize>) = branch.into_iter().partition(|&node| is_end[node]);
+            let mut found = "a node that no output needs".to_string();
+            if !ends.is_empty() {
+                found += &format!(", nor {}", names(&ends));
+            }
+            if !others.is_empty() {
+                let need = if ends.is_empty() { "it needs" } else { "they need" };
+                found += &format!(", nor what {need}: {}", names(&others));
+            }
+            let remedy = if ends.is_empty() && others.is_empty() {
+                "it is not evaluated; connect it, or remove it"
+            } else if ends.is_empty() {
+                "they are not evaluated; connect it, or remove them"
             } else {
-                let found = format!("a node that no output needs, nor what it needs: {}{more}", others.join(", "));
-                (found, "they are not evaluated; connect it, or remove them")
+                "they are not evaluated; connect them, or remove them"
             };
             let draft = &drafts[end];
             let place = Place { offset: draft.offset, node: Some(draft.name), port: None };

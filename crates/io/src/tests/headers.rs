@@ -240,8 +240,13 @@ fn a_header_is_described() {
 
 #[test]
 fn other_files_are_refused() {
-    for bytes in [&b""[..], b"v", b"GIF89a..", b"\x76\x2f\x31\x01", b"\x76\x2f\x31\x01\x02\0\0\0"] {
-        let error = info::info_of(&mut Source::of_bytes(bytes.to_vec()), &SMALL).unwrap_err();
+    let refused = |bytes: &[u8]| info::info_of(&mut Source::of_bytes(bytes.to_vec()), &SMALL).unwrap_err();
+    for (bytes, found) in [(&b""[..], "an empty file"), (b"v", "text"), (b"GIF89a..", "a GIF picture")] {
+        let error = refused(bytes);
+        assert!(matches!(error, Error::NoPicture { .. }) && error.to_string().contains(found), "{error}");
+    }
+    for bytes in [&b"\x76\x2f\x31\x01"[..], b"\x76\x2f\x31\x01\x02\0\0\0"] {
+        let error = refused(bytes);
         assert!(matches!(error, Error::Invalid { .. }), "{error}");
     }
     let folder = tempfile::tempdir().unwrap();

@@ -2,7 +2,8 @@
 
 use crate::filter_support::{fill, kind, numbers, value};
 use crate::paint_support::{
-    Around, Cells, Corner, LAYERS, Layer, MARGIN, Manner, STRIDES, Stroke, layers, pixels, placed, reach, seeds_of,
+    Around, Canvas, Cells, LAYERS, Layer, MARGIN, Manner, Planes, RESTS, STRIDES, Seen, Stroke, index as place, layers,
+    pixels, placed, reach, sample, seeds_of,
 };
 use fearless_simd::{Level, Simd, dispatch};
 use trochoid_graph::*;
@@ -54,8 +55,6 @@ static DECLARATION: Declaration = Declaration {
     outputs: &[Output::new("image", Kind::ANY, "The painted image, of the same kind.")],
     revision: 2,
 };
-
-const RESTS: [ViewChannel; 3] = [ViewChannel::RestX, ViewChannel::RestY, ViewChannel::RestZ];
 
 /// Whether seeds are fixed to surfaces.
 fn is_on_surfaces(node: &Settled) -> bool {
@@ -183,123 +182,6 @@ impl Painting {
     }
 }
 
-/// The picture as strokes see it.
-trait Canvas: Around {
-    fn corner(&self, x: i64, y: i64) -> Corner;
-}
-
-/// The planes of a block.
-struct Planes<'a> {
-    picture: Window,
-    /// How far samples lie from their pixels' upper left corners.
-    offset: [f64; 2],
-    view: Window,
-    /// Over the view's window.
-    parts: Vec<f32>,
-    depths: Option<&'a [f32]>,
-    /// Where seeds are fixed to surfaces.
-    rests: Option<[&'a [f32]; 3]>,
-    flow: Option<&'a Connection<'a>>,
-    /// Size, density, detail.
-    shares: [Option<&'a Connection<'a>>; 3],
-}
-
-/// Where a pixel stands in a window, or the nearest one that does.
-#[inline(always)]
-fn index(window: Window, x: i64, y: i64) -> usize {
-    let column = x.clamp(window.x0, window.x1 - 1) - window.x0;
-    let row = y.clamp(window.y0, window.y1 - 1) - window.y0;
-    row as usize * window.width() + column as usize
-}
-
-/// A sample of a connection.
-#[inline(always)]
-fn sample(connection: Option<&Connection<'_>>, channel: usize, x: i64, y: i64) -> Option<f64> {
-    let connection = connection?;
-    let plane = (*connection.planes.get(channel)?)?;
-    Some(f64::from(plane[index(connection.window, x, y)]))
-}
-
-impl<'a> Planes<'a> {
-    fn new(painting: &Painting, block: &Block<'_>, inputs: &Inputs<'a>) -> Self {
-        let picture = painting.picture;
-        let view = inputs.all("view").first();
-        let channel = |channel: ViewChannel| view.and_then(|view| view.planes[channel as usize]);
-        let window = view.map_or(picture, |view| view.window);
-        let parts = match (channel(ViewChannel::Coverage), channel(ViewChannel::Surface)) {
-            (Some(coverage), Some(surfaces)) => coverage
-                .iter()
-                .zip(surfaces)
-                .map(|(c, surface)| if *c > 0.0 { surface.max(0.0) } else { -1.0 })
-                .collect(),
-            (Some(coverage), None) => coverage.iter().map(|c| if *c > 0.0 { 0.0 } else { -1.0 }).collect(),
-            _ => Vec::new(),
-        };
-        let rests = RESTS.map(|rest| channel(rest).unwrap_or_default());
-        Self {
-            picture,
-            offset: block.offset,
-            view: window,
-            parts,
-            depths: channel(ViewChannel::Depth),
-            rests: painting.on_surfaces.then_some(rests),
-            flow: inputs.all("flow").first(),
-            shares: ["size", "density", "detail"].map(|port| inputs.all(port).first()),
-        }
-    }
-
-    /// Parts and depths of some pixels of a row within the window, as far as they are known.
-    fn row(&self, x: [i64; 2], y: i64) -> [Option<&[f32]>; 2] {
-        let start = index(self.view, x[0], y);
-        let row = start..start + (x[1] - x[0]) as usize;
-        [self.parts.get(row.clone()), self.depths.and_then(|depths| depths.get(row))]
-    }
-}
-
-impl Around for Planes<'_> {
-    #[inline(always)]
-    fn inside(&self, x: i64, y: i64) -> bool {
-        self.picture.contains(x, y)
-    }
-
-    #[inline(always)]
-    fn part(&self, x: i64, y: i64) -> f64 {
-        if self.parts.is_empty() { -1.0 } else { f64::from(self.parts[index(self.view, x, y)]) }
-    }
-
-    #[inline(always)]
-    fn depth(&self, x: i64, y: i64) -> f64 {
-        self.depths.map_or(f64::INFINITY, |depths| f64::from(depths[index(self.view, x, y)]))
-    }
-
-    #[inline(always)]
-    fn flow(&self, x: i64, y: i64) -> [f64; 2] {
-        [0, 1].map(|axis| sample(self.flow, axis, x, y).unwrap_or(1.0 - axis as f64))
-    }
-
-    #[inline(always)]
-    fn shares(&self, x: i64, y: i64) -> [f64; 3] {
-        let [size, density, detail] = self.shares;
-        [
-            sample(size, 0, x, y).unwrap_or(1.0),
-            sample(density, 0, x, y).unwrap_or(1.0),
-            sample(detail, 0, x, y).unwrap_or(0.0),
-        ]
-    }
-}
-
-impl Canvas for Planes<'_> {
-    #[inline(always)]
-    fn corner(&self, x: i64, y: i64) -> Corner {
-        let part = self.part(x, y);
-        let rest = match self.rests {
-            Some(rests) if part >= 0.0 => rests.map(|plane| f64::from(plane[index(self.view, x, y)])),
-            _ => [x as f64 + self.offset[0], 0.0, y as f64 + self.offset[1]],
-        };
-        Corner { rest, part, depth: self.depth(x, y) }
-    }
-}
-
 /// What is painted on: what each stroke adds, and what they leave to see of the image, from the uppermost down.
 struct Sums {
     /// By channel.
@@ -336,7 +218,7 @@ impl Prepared for Painting {
     fn fill(&self, block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let window = block.window;
         let image = &inputs.all("image")[0];
-        let planes = Planes::new(self, block, inputs);
+        let planes = Planes::new(self.picture, self.on_surfaces, block, inputs);
         let mut strokes = self.strokes(window, &planes, || inputs.go_on())?;
         // From the uppermost down; strokes of surfaces that stand at several places are told apart by where they are.
         strokes.sort_unstable_by(|(layer, a), (other, b)| {
@@ -390,7 +272,7 @@ impl Prepared for Painting {
                         let (parts, depths) = (parts.unwrap_or(&flat[..count]), depths.unwrap_or(&far[..count]));
                         let from = [begin as f64 - stroke.at[0], y as f64 - stroke.at[1]];
                         stroke.cover_row(from, x0 - begin, parts, depths, &mut covers[..count]);
-                        sums.add(self::index(window, x0, y), &covers[..count], values, &mut weights[..count]);
+                        sums.add(place(window, x0, y), &covers[..count], values, &mut weights[..count]);
                     }
                 }
             }));
@@ -411,7 +293,7 @@ impl Prepared for Painting {
     }
 
     fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
-        let seen = Seen::new(self, inputs);
+        let seen = Seen::new(&self.node, self.picture, self.on_surfaces, inputs);
         let [x, y] = seen.pixel;
         let mut strokes = self.strokes(Window::new(x, y, x + 1, y + 1), &seen, || Ok(()))?;
         strokes.sort_by(|(layer, a), (other, b)| {
@@ -436,84 +318,6 @@ impl Prepared for Painting {
             *painted = own;
         }
         Ok(vec![value(self.kind, painted)])
-    }
-}
-
-/// What the reference sees around a pixel.
-struct Seen<'a> {
-    painting: &'a Painting,
-    inputs: &'a References<'a>,
-    pixel: [i64; 2],
-    offset: [f64; 2],
-    /// What was asked for already.
-    views: std::cell::RefCell<std::collections::HashMap<(i64, i64), Vec<f64>>>,
-}
-
-impl<'a> Seen<'a> {
-    fn new(painting: &'a Painting, inputs: &'a References<'a>) -> Self {
-        let pixel = inputs.at.map(|at| at.floor() as i64);
-        let offset = [0, 1].map(|axis| inputs.at[axis] - pixel[axis] as f64);
-        Self { painting, inputs, pixel, offset, views: std::cell::RefCell::default() }
-    }
-
-    /// What the sample of a pixel is given; beyond the picture that of the nearest pixel.
-    fn there(&self, x: i64, y: i64) -> References<'a> {
-        let picture = self.painting.picture;
-        let (x, y) = (x.clamp(picture.x0, picture.x1 - 1), y.clamp(picture.y0, picture.y1 - 1));
-        self.inputs.moved((x - self.pixel[0]) as f64, (y - self.pixel[1]) as f64)
-    }
-
-    fn view(&self, x: i64, y: i64, channel: ViewChannel) -> f64 {
-        let Some(source) = self.painting.node.all("view").first() else {
-            return f64::from(channel.background());
-        };
-        let mut views = self.views.borrow_mut();
-        let channels = views.entry((x, y)).or_insert_with(|| match self.there(x, y).value(source) {
-            Reference::View(channels) => channels,
-            _ => Vec::new(),
-        });
-        channels.get(channel as usize).copied().unwrap_or(f64::from(channel.background()))
-    }
-
-    fn number(&self, port: &str, x: i64, y: i64, default: f64) -> f64 {
-        self.painting.node.all(port).first().map_or(default, |source| self.there(x, y).scalar(source))
-    }
-}
-
-impl Around for Seen<'_> {
-    fn inside(&self, x: i64, y: i64) -> bool {
-        self.painting.picture.contains(x, y)
-    }
-
-    fn part(&self, x: i64, y: i64) -> f64 {
-        if self.view(x, y, ViewChannel::Coverage) > 0.0 { self.view(x, y, ViewChannel::Surface).max(0.0) } else { -1.0 }
-    }
-
-    fn depth(&self, x: i64, y: i64) -> f64 {
-        self.view(x, y, ViewChannel::Depth)
-    }
-
-    fn flow(&self, x: i64, y: i64) -> [f64; 2] {
-        match self.painting.node.all("flow").first().map(|flow| self.there(x, y).value(flow)) {
-            Some(Reference::Field(flow)) => [flow[0], flow[1]],
-            _ => [1.0, 0.0],
-        }
-    }
-
-    fn shares(&self, x: i64, y: i64) -> [f64; 3] {
-        [("size", 1.0), ("density", 1.0), ("detail", 0.0)].map(|(port, default)| self.number(port, x, y, default))
-    }
-}
-
-impl Canvas for Seen<'_> {
-    fn corner(&self, x: i64, y: i64) -> Corner {
-        let part = self.part(x, y);
-        let rest = if self.painting.on_surfaces && part >= 0.0 {
-            RESTS.map(|channel| self.view(x, y, channel))
-        } else {
-            [x as f64 + self.offset[0], 0.0, y as f64 + self.offset[1]]
-        };
-        Corner { rest, part, depth: self.depth(x, y) }
     }
 }
 

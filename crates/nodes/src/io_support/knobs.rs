@@ -4,7 +4,9 @@ use trochoid_graph::{Check, Item, Kind, Knob, Settled};
 
 pub(crate) const FILE: Item = Knob::path("file", "The picture; #### or %04d stands for the frame.").item();
 pub(crate) const AS: Item =
-    Knob::choice("as", &["color", "weights", "field"], "What the values mean.").required().item();
+    Knob::choice("as", &["color", "weights", "field"], "What the values mean: a mask is weights of one channel.")
+        .required()
+        .item();
 pub(crate) const PART: Item = Knob::text("part", "Part of a multi-part EXR, by name or number.").item();
 pub(crate) const LAYER: Item = Knob::text("layer", "Layer of an EXR; by default the main one.").item();
 pub(crate) const CHANNELS: Item = Knob::texts(

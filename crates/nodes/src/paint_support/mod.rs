@@ -1,5 +1,6 @@
-//! What the painter's nodes share: random numbers of strokes, where strokes begin, and their shape.
+//! What the painter's nodes share: random numbers of strokes, where strokes begin, what they see around them, and their shape.
 
+mod canvas;
 #[cfg(feature = "scene")]
 mod claw;
 mod layer;
@@ -9,6 +10,7 @@ mod ribbon;
 mod seeds;
 mod stroke;
 
+pub(crate) use canvas::{Canvas, Planes, RESTS, Seen, index, sample};
 #[cfg(feature = "scene")]
 pub(crate) use claw::{Claw, Places, VALUES, covered};
 pub(crate) use layer::{LAYERS, Layer, MARGIN, STRIDES, layers, reach};

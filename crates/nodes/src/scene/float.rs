@@ -46,9 +46,13 @@ impl NodeType for Float {
 
     fn check(&self, node: &Settled, check: &mut Check<'_>) {
         check_sea(node, check, "sea");
-        if let Some(model) = node.all("model").first().and_then(|source| check.upstream(source))
-            && model.offers(REST)
-        {
+        let Some(model) = node.all("model").first().and_then(|source| check.upstream(source)) else { return };
+        if model.ty.declaration().name == DECLARATION.name {
+            let found = format!("\"{}\", which floats already: its places count as a part of the model", model.name);
+            let remedy = "connect its model here too, or list all places in its \"bodies\"";
+            check.warning("model", found, "a model that stands still", remedy);
+        }
+        if model.offers(REST) {
             let found = format!("\"{}\", a {}, which is water itself", model.name, model.ty.declaration().name);
             check.error("model", found, "a model that floats", "connect a Mesh or a BezierModel");
         }

@@ -1,8 +1,9 @@
 //! Hooks: claws of foam that grow on a surface.
 
 use crate::paint_support::{Claw, Places, Ribbon, Shape, VALUES, covered, draw, key};
-use crate::scene_support::{Looking, check_roots, check_surfaces, eye, toward_eye};
+use crate::scene_support::{Looking, check_indices, check_roots, check_surfaces, eye, toward_eye};
 use trochoid_graph::*;
+use trochoid_image::Format;
 use trochoid_scene::shading::unit_or_up;
 use trochoid_scene::{Anchor, Projector};
 
@@ -98,6 +99,21 @@ impl NodeType for Hooks {
     fn check(&self, node: &Settled, check: &mut Check<'_>) {
         check_surfaces(node, check);
         check_roots(node, check);
+        let own = |of: &Settled| of.is_set("surface").then(|| of.number("surface"));
+        check_indices(node, check, "surface", own(node).into_iter());
+        check_indices(node, check, "rows", node.list("rows").iter().filter_map(own));
+    }
+
+    fn work(&self, node: &Settled, format: Format, _time: f64) -> Option<Work> {
+        // A ribbon at a sample, for each pixel of its length; and a thumb beside it, as a share of that.
+        const PIXEL: f64 = 1.5e-6;
+        const THUMB: f64 = 0.25;
+        // How large ribbons are in the picture is known to the camera alone: taken is a claw of a large wave.
+        let length = f64::from(format.height()) / 24.0;
+        let row = |row: &Settled| row.number("count") * (1.0 + THUMB * row.number("thumbs"));
+        let ribbons: f64 = node.list("rows").iter().map(row).sum();
+        let remedy = "lower the \"count\" or \"thumbs\" of rows, or have fewer samples or pixels";
+        Some(Work { seconds: PIXEL * length * f64::from(format.samples()) * ribbons, item: "rows", remedy })
     }
 
     fn body(&self) -> Body<'_> {

@@ -31,6 +31,10 @@ impl NodeType for InFront {
 
     fn check(&self, node: &Settled, check: &mut Check<'_>) {
         check_same_camera(node, check, ["view", "other"]);
+        if node.source("view") == node.source("other") {
+            let found = "the view itself, of which nothing is in front of itself: the mask tells nothing";
+            check.warning("other", found, "another view", "connect a Render of what may be behind");
+        }
     }
 
     fn body(&self) -> Body<'_> {

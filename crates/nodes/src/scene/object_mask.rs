@@ -1,6 +1,6 @@
 //! ObjectMask: which object is seen.
 
-use crate::scene_support::{Looking, SurfaceHandle};
+use crate::scene_support::{Looking, SurfaceHandle, check_indices};
 use std::sync::Arc;
 use trochoid_graph::*;
 
@@ -38,6 +38,8 @@ impl NodeType for ObjectMask {
         }
         if let Some(index) = indices.iter().find(|index| index.fract() != 0.0 || !(0.0..64.0).contains(*index)) {
             check.error("indices", index.to_string(), "whole numbers from 0 to 63", "write the place in the list");
+        } else {
+            check_indices(node, check, "indices", indices.iter().copied());
         }
         let view = node.all("view").first().and_then(|source| check.upstream(source));
         let Some(view) = view.filter(|view| view.ty.declaration().name == "Render") else { return };

@@ -74,10 +74,15 @@ impl Stage for Render {
             wanted = wanted.union(scene::ChannelSet::COVERAGE);
         }
         let format = prepare.frame.format;
-        let visible = (wanted != scene::ChannelSet::NONE).then(|| {
+        let mut visible = None;
+        if wanted != scene::ChannelSet::NONE {
             let surfaces: Vec<&dyn scene::Surface> = surfaces.iter().map(|surface| surface.as_ref()).collect();
-            scene::Visible::prepare(&camera, &surfaces, format, wanted)
-        });
+            let stop = prepare.cancellation();
+            visible = scene::Visible::prepare_unless(&camera, &surfaces, format, wanted, stop);
+            if visible.is_none() {
+                return Err(NodeError::cancelled());
+            }
+        }
         Ok(Box::new(Seen { camera, surfaces, format, visible }))
     }
 }

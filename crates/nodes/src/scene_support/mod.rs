@@ -28,7 +28,8 @@ pub(crate) use seen::{Rays, Seen, asked};
 pub(crate) use surroundings::{BEYOND, DETAIL, Surroundings, landed};
 pub(crate) use thickness::{DISTANCE, INSET, Way};
 pub(crate) use waters::{
-    REST, TRAILS, WAVES, can_break, check_roots, check_same_camera, check_sea, check_surfaces, check_trails,
+    REST, TRAILS, WAVES, can_break, check_indices, check_roots, check_same_camera, check_sea, check_surfaces,
+    check_trails,
 };
 
 use std::sync::Arc;

@@ -47,7 +47,13 @@ struct Sheet {
 /// # Errors
 /// The file cannot be read, or is larger.
 fn read_limited(path: &Path, limit: u64) -> Result<Vec<u8>, NodeError> {
-    let fault = |error: std::io::Error| NodeError::new(format!("{}: {error}", path.display()));
+    let fault = |error: std::io::Error| {
+        NodeError::new(format!(
+            "{}: found no file that can be read ({error}); expected a model: correct its path, which starts at the \
+             document's folder",
+            path.display()
+        ))
+    };
     let file = std::fs::File::open(path).map_err(fault)?;
     let mut bytes = Vec::new();
     file.take(limit + 1).read_to_end(&mut bytes).map_err(fault)?;
@@ -68,7 +74,15 @@ pub(crate) fn read_model(path: &Path) -> Result<Vec<Patch>, NodeError> {
 }
 
 fn patches(bytes: &[u8]) -> Result<Vec<Patch>, String> {
-    let model: Model = serde_json::from_slice(bytes).map_err(|error| error.to_string())?;
+    let model: Model = serde_json::from_slice(bytes).map_err(|error| {
+        if error.is_data() {
+            return format!("found {error}; expected a model of patches: correct the file there");
+        }
+        format!(
+            "found a file that is no JSON ({error}); expected a model of patches, JSON with \"trochoid_model\": 1: \
+             name one, or correct it there"
+        )
+    })?;
     if model.trochoid_model != 1 {
         return Err(format!("found \"trochoid_model\": {}; expected 1", model.trochoid_model));
     }

@@ -1,5 +1,6 @@
 //! What surfaces have beside their shape, and the checks that what needs it gets it.
 
+use std::collections::BTreeSet;
 use trochoid_graph::{Check, Settled, Source, Upstream};
 
 /// A plane at rest, over which it stands: of every sea.
@@ -70,6 +71,26 @@ pub(crate) fn check_same_camera(node: &Settled, check: &mut Check<'_>, ports: [&
     }
 }
 
+/// Warns of places in the list of a Render's surfaces at which none stands.
+pub(crate) fn check_indices(
+    node: &Settled,
+    check: &mut Check<'_>,
+    item: &'static str,
+    indices: impl Iterator<Item = f64>,
+) {
+    let Some(view) = connected(node, check, "view").filter(|view| view.ty.declaration().name == "Render") else {
+        return;
+    };
+    let count = view.node.all("surfaces").len();
+    let beyond: BTreeSet<u64> = indices.filter(|index| *index >= count as f64).map(|index| index as u64).collect();
+    if !beyond.is_empty() {
+        let listed: Vec<String> = beyond.iter().map(u64::to_string).collect();
+        let found = format!("the surface {} of \"{}\", which has {count}", listed.join(", "), view.name);
+        let expected = if count == 1 { "0, its only surface".into() } else { format!("0 to {}", count - 1) };
+        check.warning(item, found, expected, "the first in the Render's list is 0");
+    }
+}
+
 /// How many of their lengths away ribbons are smaller than a pixel.
 const TINY: f64 = 2000.0;
 
@@ -99,7 +120,35 @@ pub(crate) fn check_roots(node: &Settled, check: &mut Check<'_>) {
             let remedy = "move \"from\" and \"to\" nearer, or raise \"length\"";
             check.warning("rows", found, "ribbons that are seen, larger than a pixel", remedy);
         }
+        let own = if row.is_set("surface") { row } else { node };
+        let only = own.is_set("surface").then(|| own.number("surface"));
+        let mut grown = surfaces.iter().enumerate().filter(|(index, _)| only.is_none_or(|only| only == *index as f64));
+        if is_far && grown.clone().next().is_some() && grown.all(|(_, sea)| is_behind(&camera, sea, row)) {
+            let found = format!("row {index} behind the camera: nothing of it is seen");
+            check.warning(
+                "rows",
+                found,
+                "roots in front of the camera",
+                "move \"from\" and \"to\", or turn the camera",
+            );
+        }
     }
+}
+
+/// Whether all roots of a row, and all that ribbons of their length could reach, stand behind a camera.
+fn is_behind(camera: &Upstream, sea: &Upstream, row: &Settled) -> bool {
+    let [position, target] = ["position", "target"].map(|knob| camera.node.vector3(knob));
+    let forward = [0, 1, 2].map(|axis| target[axis] - position[axis]);
+    let long = libm::hypot(libm::hypot(forward[0], forward[1]), forward[2]);
+    let forward = if long > 0.0 { forward.map(|part| part / long) } else { [0.0, 0.0, -1.0] };
+    let scatter = row.vector3("scatter");
+    // Ribbons begin within the scatter and reach two lengths at most.
+    let reach = libm::hypot(scatter[0], scatter[1]) + 2.0 * row.number("length");
+    let ahead = |[x, z, _]: [f64; 3]| {
+        let off = [x - position[0], sea.node.number("level") - position[1], z - position[2]];
+        off[0] * forward[0] + off[1] * forward[1] + off[2] * forward[2]
+    };
+    ["from", "to"].into_iter().all(|knob| ahead(row.vector3(knob)) < -reach)
 }
 
 /// Where a sea of cells lies: its least and greatest x, z. None for one without end.

@@ -209,19 +209,16 @@ impl NodeType for GerstnerSea {
         let Ok(waves) = waves(node) else { return Vec::new() };
         let count = waves.len();
         let folds = folding(waves);
-        let share = 100.0 * folds.folded_share;
         let verdict = if folds.folded_share > FoldOptions::default().tolerated_share {
             format!(
-                "crests fold over on {share:.2} % of the sea; with every \"sharpness\" times {:.3} none would",
+                "crests fold over on {:.2} % of the sea; with {:.3} times the sharpness they would not",
+                100.0 * folds.folded_share,
                 folds.unfolded_scale
             )
         } else if folds.unfolded_scale.is_finite() {
-            format!(
-                "crests fold over on {share:.2} % of the sea; they begin to with every \"sharpness\" times {:.3}",
-                folds.unfolded_scale
-            )
+            format!("crests do not fold over, nor would they up to {:.3} times the sharpness", folds.unfolded_scale)
         } else {
-            "no crest ever folds over".into()
+            "crests do not fold over, however sharp".into()
         };
         let points = FoldOptions::default().samples;
         let proof = if folds.proved() {

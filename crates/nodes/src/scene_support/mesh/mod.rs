@@ -42,12 +42,19 @@ pub(crate) fn read_mesh(path: &Path, memory: u64) -> Result<Triangles, NodeError
 
 /// The mesh in a file's bytes.
 fn mesh(bytes: &[u8]) -> Result<Triangles, String> {
+    // Text has no 0 byte; what has one is a picture, say.
+    if !bytes.starts_with(b"glTF") && bytes.iter().take(1024).any(|byte| *byte == 0) {
+        return Err("found a binary file that is no GLB; expected a mesh: .obj, .glb and .gltf are read".into());
+    }
     let text = bytes.iter().find(|byte| !byte.is_ascii_whitespace());
     let parts =
         if bytes.starts_with(b"glTF") || text == Some(&b'{') { gltf::parts(bytes)? } else { obj::parts(bytes)? };
     let whole = joined(parts)?;
     if whole.triangles.is_empty() {
-        return Err("found no triangle; expected a mesh: export its faces too".into());
+        return Err(
+            "found no triangle; expected a mesh, .obj, .glb or .gltf: export its faces too, or name another file"
+                .into(),
+        );
     }
     whole.check().map_err(|error| error.to_string())?;
     Ok(whole)
