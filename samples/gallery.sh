@@ -16,7 +16,7 @@ still great_wave 33
 still toon_sea 48
 still cartoon_bay 48
 still toon_teapot 4
-still from_passes 1 1
+still from_passes 1
 still glow 25 1
 still cartoon_water 48 1
 still painted_normals 1 1
