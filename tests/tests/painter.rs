@@ -154,7 +154,8 @@ fn a_layers_density_is_that_of_the_port() {
     let graph = graph(FORMAT, &nodes, &outputs.join(", "));
     let frame = evaluate(&graph, 1, &Buffers::new(), &settings(|_| ()));
     let [port, layers, full, coarse] = ["port", "layers", "full", "coarse"].map(|name| picture(&graph, &frame, name));
-    let differ = |a: &Picture, b: &Picture| pixels(a).filter(|(x, y)| sample(a, 0, *x, *y) != sample(b, 0, *x, *y)).count();
+    let differ =
+        |a: &Picture, b: &Picture| pixels(a).filter(|(x, y)| sample(a, 0, *x, *y) != sample(b, 0, *x, *y)).count();
     assert_eq!(differ(port, layers), 0, "half of each layer is half of all");
     assert!(differ(full, layers) > 200, "half the strokes change {} pixels alone", differ(full, layers));
     assert!(differ(full, coarse) > 200 && differ(layers, coarse) > 200, "each layer has a density of its own");

@@ -13,7 +13,8 @@ pub(crate) const LAYERS: &[Item] = &[
     Knob::number("spacing", 8.0, 1.5, 512.0, "How far strokes stand apart: one in a square of this side.")
         .unit("pixels")
         .item(),
-    Knob::number("density", 1.0, 0.0, 1.0, "Share of the strokes that are laid, times that of the port `density`.").item(),
+    Knob::number("density", 1.0, 0.0, 1.0, "Share of the strokes that are laid, times that of the port `density`.")
+        .item(),
     Knob::number("opacity", 0.8, 0.0, 1.0, "How much a stroke covers in its middle.").item(),
     Knob::number("turn", 12.0, 0.0, 180.0, "How far a stroke may turn off the flow, to either side.")
         .unit("degrees")
