@@ -135,6 +135,33 @@ fn the_reference_paints_the_same() {
 }
 
 #[test]
+fn a_layers_density_is_that_of_the_port() {
+    let strokes = |density: &str, first: &str, last: &str| {
+        format!(
+            r##"{{ "type": "Strokes", "image": "x", "density": {density}, "layers": [
+                {{ "length": 9, "width": 4, "spacing": 6, "density": {first} }},
+                {{ "length": 6, "width": 2, "spacing": 3, "density": {last} }}] }}"##
+        )
+    };
+    let nodes = format!(
+        r#""x": {{ "type": "ScreenX" }}, "port": {}, "layers": {}, "full": {}, "coarse": {}"#,
+        strokes("0.5", "1", "1"),
+        strokes("1", "0.5", "0.5"),
+        strokes("1", "1", "1"),
+        strokes("1", "1", "0")
+    );
+    let outputs = ["port", "layers", "full", "coarse"].map(|name| format!(r#""{name}": {{ "weights": "{name}" }}"#));
+    let graph = graph(FORMAT, &nodes, &outputs.join(", "));
+    let frame = evaluate(&graph, 1, &Buffers::new(), &settings(|_| ()));
+    let [port, layers, full, coarse] = ["port", "layers", "full", "coarse"].map(|name| picture(&graph, &frame, name));
+    let differ =
+        |a: &Picture, b: &Picture| pixels(a).filter(|(x, y)| sample(a, 0, *x, *y) != sample(b, 0, *x, *y)).count();
+    assert_eq!(differ(port, layers), 0, "half of each layer is half of all");
+    assert!(differ(full, layers) > 200, "half the strokes change {} pixels alone", differ(full, layers));
+    assert!(differ(full, coarse) > 200 && differ(layers, coarse) > 200, "each layer has a density of its own");
+}
+
+#[test]
 fn no_stroke_that_keeps_to_edges_crosses_one() {
     // Sea and sky of one color each: whatever keeps to its side changes nothing.
     let kept = sea(["[1, 0, 0]", "[1, 0, 0]", "[0, 0, 1]"], 0.0);

@@ -64,8 +64,11 @@ fn the_schema_refuses_what_it_should() {
 
 /// A scene at a format that tests can afford; one that reads pictures without `fit` keeps its own.
 fn small(graph: &CheckedGraph, width: u32, height: u32) -> CheckedGraph {
-    let files = graph.nodes().iter().any(|node| matches!(node.ty.declaration().name, "Read" | "ViewFromPasses"));
-    if files {
+    let fixed = |node: &CheckedNode| {
+        let reads = matches!(node.ty.declaration().name, "Read" | "ViewFromPasses");
+        reads && !node.record.settle(graph.frames().0 as f64).is_set("fit")
+    };
+    if graph.nodes().iter().any(fixed) {
         return graph.clone();
     }
     graph.clone().with_format(Format::new(width, height, 1).unwrap())

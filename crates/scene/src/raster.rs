@@ -3,13 +3,15 @@
 #![allow(clippy::needless_range_loop, reason = "loops over lanes of several arrays")]
 
 use std::cell::RefCell;
+use std::ops::Range;
 
 use fearless_simd::{Level, Simd, dispatch};
 use trochoid_image::Window;
 
 use crate::Visible;
 use crate::edges::{Edges, Whole};
-use crate::project::{BIN, ScreenVertex};
+use crate::project::{BIN, Layer, ScreenVertex};
+use crate::surface::Topology;
 
 /// The triangles that one sample of each pixel of a window sees.
 #[derive(Clone, Copy)]
@@ -159,11 +161,7 @@ impl Visible {
     ) {
         let inside = window.intersect(Window::sized(self.projector.size[0] as u32, self.projector.size[1] as u32));
         let (triangles, keys) = (triangles.as_chunks_mut::<N>().0, keys.as_chunks_mut::<N>().0);
-        let outer = [0, 1].map(|axis| {
-            let along = || shifts.iter().map(|shift| shift[axis]);
-            [along().min().unwrap_or_default(), along().max().unwrap_or_default()]
-        });
-        let mut samples = Samples { window, shifts, outer, triangles, keys };
+        let mut samples = Samples::new(window, shifts, self.raster.bits, triangles, keys);
         for bin_y in inside.y0.div_euclid(BIN[1])..inside.y1.div_euclid(BIN[1]) + 1 {
             for bin_x in inside.x0.div_euclid(BIN[0])..inside.x1.div_euclid(BIN[0]) + 1 {
                 let (x0, y0) = (bin_x * BIN[0], bin_y * BIN[1]);
@@ -183,15 +181,63 @@ impl Visible {
 
     #[inline(always)]
     fn cover_bin<const N: usize>(&self, primitives: &[u32], part: Window, samples: &mut Samples<'_, N>) {
+        let mut at = Cursor { layers: &self.layers, firsts: &self.firsts, layer: 0, row: 0, cells: 0..0 };
         for &primitive in primitives {
-            let layer = self.layer(primitive);
-            let local = (primitive - self.firsts[layer]) as usize;
-            let layer = &self.layers[layer];
-            for (half, triangle) in layer.triangles(local).iter().enumerate() {
-                let vertex = |corner: usize| layer.screen[triangle[corner] as usize];
-                let corners = [vertex(0), vertex(1), vertex(2)];
-                let number = u64::from(primitive) * 2 + half as u64;
-                samples.cover(corners, number, part, self.raster.bits);
+            let number = u64::from(primitive) * 2;
+            let (layer, corners) = at.corners(primitive);
+            match corners {
+                Ok([a, b, c, d]) => {
+                    let corner = |vertex: u32| layer.screen[vertex as usize];
+                    let [a, b, c, d] = [corner(a), corner(b), corner(c), corner(d)];
+                    samples.cover([a, b, c], number, part, self.raster.bits);
+                    samples.cover([b, d, c], number + 1, part, self.raster.bits);
+                }
+                Err([a, b, c]) => {
+                    let corner = |vertex: u32| layer.screen[vertex as usize];
+                    samples.cover([corner(a), corner(b), corner(c)], number, part, self.raster.bits);
+                }
+            }
+        }
+    }
+}
+
+/// Goes through primitives that mostly follow one another.
+struct Cursor<'a> {
+    layers: &'a [Layer],
+    firsts: &'a [u32],
+    /// The layer, and of a grid the row and its cells, that the last primitive was of.
+    layer: usize,
+    row: u32,
+    cells: Range<u32>,
+}
+
+impl<'a> Cursor<'a> {
+    /// The layer of a primitive, and its corners: four of a cell, as [`Layer::triangles`] has them, or three.
+    #[inline(always)]
+    fn corners(&mut self, primitive: u32) -> (&'a Layer, Result<[u32; 4], [u32; 3]>) {
+        let is_within = |layer: usize| {
+            self.firsts[layer] <= primitive && self.firsts.get(layer + 1).is_none_or(|next| primitive < *next)
+        };
+        if !is_within(self.layer) {
+            self.layer = self.firsts.partition_point(|&first| first <= primitive) - 1;
+            self.cells = 0..0;
+        }
+        let layer = &self.layers[self.layer];
+        let local = primitive - self.firsts[self.layer];
+        if local as usize >= layer.primitives {
+            return (layer, Err(layer.clipped[local as usize - layer.primitives]));
+        }
+        match &layer.mesh.topology {
+            Topology::Triangles(triangles) => (layer, Err(triangles[local as usize])),
+            Topology::Grid { columns, .. } => {
+                let columns = *columns as u32;
+                if !self.cells.contains(&local) {
+                    self.row = local / (columns - 1);
+                    let first = self.row * (columns - 1);
+                    self.cells = first..first + columns - 1;
+                }
+                let a = self.row * columns + (local - self.cells.start);
+                (layer, Ok([a, a + 1, a + columns, a + columns + 1]))
             }
         }
     }
@@ -204,12 +250,41 @@ struct Samples<'a, const N: usize> {
     shifts: [[i32; 2]; N],
     /// The least and the greatest of these, across and down.
     outer: [[i32; 2]; 2],
+    /// How far apart samples stand along an axis, as a power of two.
+    apart: u32,
     triangles: &'a mut [[u64; N]],
     /// Keys of what is seen.
     keys: &'a mut [[f64; N]],
 }
 
-impl<const N: usize> Samples<'_, N> {
+impl<'a, const N: usize> Samples<'a, N> {
+    fn new(
+        window: Window,
+        shifts: [[i32; 2]; N],
+        bits: u32,
+        triangles: &'a mut [[u64; N]],
+        keys: &'a mut [[f64; N]],
+    ) -> Self {
+        let along = |axis: usize| {
+            let mut along = shifts.map(|shift| shift[axis]);
+            along.sort_unstable();
+            along
+        };
+        let outer = [0, 1].map(|axis| [along(axis)[0], along(axis)[N - 1]]);
+        // Every one of as many rows and columns of a pixel holds a sample, as formats have it; else they may be anywhere.
+        let rows = bits.saturating_sub(N.ilog2());
+        let even = |axis: usize| along(axis).windows(2).all(|pair| pair[1] - pair[0] == 1 << rows);
+        let apart = if bits >= N.ilog2() && even(0) && even(1) { rows } else { 0 };
+        Self { window, shifts, outer, apart, triangles, keys }
+    }
+
+    /// Whether no sample stands from one place to another along an axis.
+    #[inline(always)]
+    fn is_between(&self, axis: usize, least: i32, most: i32) -> bool {
+        let row = |at: i32| (at - self.outer[axis][0]) >> self.apart;
+        row(most) == row(least - 1)
+    }
+
     /// Gives every sample of `part` that the triangle covers, and that sees nothing nearer, its number.
     #[inline(always)]
     fn cover(&mut self, corners: [ScreenVertex; 3], number: u64, part: Window, bits: u32) {
@@ -217,15 +292,21 @@ impl<const N: usize> Samples<'_, N> {
         let range = |axis: usize, values: [i32; 3], low: i64, high: i64| {
             let least = values[0].min(values[1]).min(values[2]);
             let most = values[0].max(values[1]).max(values[2]);
+            if self.is_between(axis, least, most) {
+                return ([1, 0], 0);
+            }
             let [first, last] = self.outer[axis];
             let up = (1 << bits) - 1;
             let pixels = [i64::from((least - last + up) >> bits), i64::from((most - first) >> bits)];
             ([pixels[0].max(low), pixels[1].min(high - 1)], most - least)
         };
         let [p, q, r] = corners;
-        let ([x0, x1], width) = range(0, [p.x, q.x, r.x], part.x0, part.x1);
         let ([y0, y1], height) = range(1, [p.y, q.y, r.y], part.y0, part.y1);
-        if y0 > y1 || x0 > x1 {
+        if y0 > y1 {
+            return;
+        }
+        let ([x0, x1], width) = range(0, [p.x, q.x, r.x], part.x0, part.x1);
+        if x0 > x1 {
             return;
         }
         let pixels = Window::new(x0, y0, x1 + 1, y1 + 1);

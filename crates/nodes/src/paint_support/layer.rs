@@ -13,6 +13,8 @@ pub(crate) const LAYERS: &[Item] = &[
     Knob::number("spacing", 8.0, 1.5, 512.0, "How far strokes stand apart: one in a square of this side.")
         .unit("pixels")
         .item(),
+    Knob::number("density", 1.0, 0.0, 1.0, "Share of the strokes that are laid, times that of the port `density`.")
+        .item(),
     Knob::number("opacity", 0.8, 0.0, 1.0, "How much a stroke covers in its middle.").item(),
     Knob::number("turn", 12.0, 0.0, 180.0, "How far a stroke may turn off the flow, to either side.")
         .unit("degrees")
@@ -30,6 +32,8 @@ pub(crate) struct Layer {
     pub(crate) half: [f64; 2],
     /// Side of the square that holds one stroke, in pixels.
     pub(crate) spacing: f64,
+    /// Share of the strokes that are there.
+    pub(crate) density: f64,
     pub(crate) opacity: f64,
     /// In radians.
     pub(crate) turn: f64,
@@ -61,6 +65,7 @@ pub(crate) fn layers(node: &Settled) -> Vec<Layer> {
         .map(|(index, layer)| Layer {
             half: ["length", "width"].map(|knob| layer.number(knob) / 2.0),
             spacing: layer.number("spacing"),
+            density: layer.number("density"),
             opacity: layer.number("opacity"),
             turn: layer.number("turn").to_radians(),
             stray: layer.number("stray"),

@@ -133,7 +133,7 @@ impl Stroke {
         let nearest = at.map(rounded);
         let [x, y] = nearest;
         let [size, density, detail] = around.shares(x, y);
-        let kept = seed.share * density * if layer.is_last { 1.0 } else { 1.0 - detail };
+        let kept = seed.share * density * layer.density * if layer.is_last { 1.0 } else { 1.0 - detail };
         let there = ((kept * (1.0 + SOFT) - random(2)) / SOFT).clamp(0.0, 1.0);
         if there <= 0.0 {
             return None;
