@@ -49,9 +49,10 @@ impl Shading {
 
     /// Whether a sample that sees a surface at a depth takes its shading from the first one of its pixel. Nothing is
     /// seen at depth +∞.
+    #[inline]
     pub fn is_shared(first: (f64, f64), (surface, depth): (f64, f64)) -> bool {
         let near = (depth - first.1).abs() <= Self::SAME_DEPTH * first.1.abs();
-        surface == first.0 && (near || depth == first.1)
+        (surface == first.0) & (near | (depth == first.1))
     }
 }
 

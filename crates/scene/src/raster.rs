@@ -280,7 +280,7 @@ impl<'a, const N: usize> Samples<'a, N> {
 
     /// Whether no sample stands from one place to another along an axis.
     #[inline(always)]
-    fn is_between(&self, axis: usize, least: i32, most: i32) -> bool {
+    fn misses(&self, axis: usize, least: i32, most: i32) -> bool {
         let row = |at: i32| (at - self.outer[axis][0]) >> self.apart;
         row(most) == row(least - 1)
     }
@@ -292,7 +292,7 @@ impl<'a, const N: usize> Samples<'a, N> {
         let range = |axis: usize, values: [i32; 3], low: i64, high: i64| {
             let least = values[0].min(values[1]).min(values[2]);
             let most = values[0].max(values[1]).max(values[2]);
-            if self.is_between(axis, least, most) {
+            if self.misses(axis, least, most) {
                 return ([1, 0], 0);
             }
             let [first, last] = self.outer[axis];

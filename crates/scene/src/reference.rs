@@ -6,7 +6,7 @@ use trochoid_image::Format;
 use crate::extent::HORIZON_M;
 use crate::shading::unit_or_up;
 use crate::surface::{Hit, Surface};
-use crate::{Camera, Projector, Ray, SeaSurface, footprint};
+use crate::{Camera, Projector, Ray, SeaSurface};
 
 /// What a camera sees at (`x`, `y`) pixels from the upper left corner: the nearest hit of all surfaces.
 pub fn trace(camera: &Camera, surfaces: &[&dyn Surface], format: Format, x: f64, y: f64) -> Option<Hit> {
@@ -53,7 +53,7 @@ pub(crate) fn trace_sea(sea: &SeaSurface, projector: &Projector, ray: &Ray) -> O
     let gap = |distance: f64, guess: &mut [f64; 2]| {
         let point = ray.at(distance);
         *guess = rest_below(sea, projector, point, *guess);
-        let print = footprint(projector, DVec3::new(guess[0], sea.level, guess[1]));
+        let print = sea.footprint(projector, DVec3::new(guess[0], sea.level, guess[1]));
         point.y - sea.level - sea.frame.evaluate(*guess, print).displacement[1]
     };
     let mut guess = [ray.at(start).x, ray.at(start).z];
@@ -61,7 +61,7 @@ pub(crate) fn trace_sea(sea: &SeaSurface, projector: &Projector, ray: &Ray) -> O
     let mut at_near = gap(near, &mut guess);
     while near < end {
         let rest = DVec3::new(guess[0], sea.level, guess[1]);
-        let length = sea.shortest.max(footprint(projector, rest)) / STEPS_PER_LENGTH;
+        let length = sea.shortest.max(sea.footprint(projector, rest)) / STEPS_PER_LENGTH;
         let mut far = (near + length.max(1e-9 * near)).min(end);
         if rise == 0.0 {
             far = end;
@@ -98,7 +98,7 @@ pub(crate) fn submerged(sea: &SeaSurface, projector: &Projector) -> bool {
         return eye.y < sea.level;
     }
     let rest = rest_below(sea, projector, eye, [eye.x, eye.z]);
-    let print = footprint(projector, DVec3::new(rest[0], sea.level, rest[1]));
+    let print = sea.footprint(projector, DVec3::new(rest[0], sea.level, rest[1]));
     eye.y - sea.level < sea.frame.evaluate(rest, print).displacement[1]
 }
 
@@ -106,7 +106,7 @@ pub(crate) fn submerged(sea: &SeaSurface, projector: &Projector) -> bool {
 fn rest_below(sea: &SeaSurface, projector: &Projector, point: DVec3, guess: [f64; 2]) -> [f64; 2] {
     let mut rest = guess;
     for _ in 0..INVERSIONS {
-        let print = footprint(projector, DVec3::new(rest[0], sea.level, rest[1]));
+        let print = sea.footprint(projector, DVec3::new(rest[0], sea.level, rest[1]));
         let sample = sea.frame.evaluate(rest, print);
         let error = [rest[0] + sample.displacement[0] - point.x, rest[1] + sample.displacement[2] - point.z];
         if libm::hypot(error[0], error[1]) <= 1e-11 * (1.0 + libm::hypot(point.x, point.z)) {
@@ -127,7 +127,7 @@ fn rest_below(sea: &SeaSurface, projector: &Projector, point: DVec3, guess: [f64
 
 fn hit(sea: &SeaSurface, projector: &Projector, ray: &Ray, distance: f64, rest: [f64; 2], from_below: bool) -> Hit {
     let rest_point = DVec3::new(rest[0], sea.level, rest[1]);
-    let (_, normal, slope_variance) = sea.point(rest, footprint(projector, rest_point));
+    let (_, normal, slope_variance) = sea.point(rest, sea.footprint(projector, rest_point));
     let position = ray.at(distance);
     // The side in the air: toward a ray that comes from there, along one that comes from the water.
     let jacobian = normal.y;

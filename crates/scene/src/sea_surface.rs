@@ -19,6 +19,8 @@ pub struct SeaSurface {
     /// Shortest wave in meters; infinite without waves.
     pub(crate) shortest: f64,
     spacing: Spacing,
+    /// Pixels' sides over that of what waves are filtered by.
+    pub(crate) detail: f64,
 }
 
 /// Standard deviations of the displacement that the search for visible points allows for: of a normal distribution,
@@ -46,7 +48,20 @@ impl SeaSurface {
             drift: sea.horizontal_bound(),
             shortest: sea.waves().iter().map(|wave| wave.wavelength).fold(f64::INFINITY, f64::min),
             spacing: Spacing::new(sea),
+            detail: 1.0,
         }
+    }
+
+    /// The same, drawn as for pixels so many times as fine: by half of that it has a quarter of the vertices, and waves
+    /// that two pixels cannot resolve become roughness.
+    #[must_use]
+    pub fn with_detail(self, detail: f64) -> Self {
+        Self { detail, ..self }
+    }
+
+    /// The footprint in meters by which waves are filtered that a camera sees at a rest point.
+    pub(crate) fn footprint(&self, projector: &Projector, rest: DVec3) -> f64 {
+        crate::footprint(projector, rest) / self.detail
     }
 
     /// World y of the rest level in meters.

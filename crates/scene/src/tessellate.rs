@@ -9,7 +9,7 @@ use trochoid_sea::{Fields, Line, LineScratch, Lines, Points, Wanted};
 use crate::extent::{Sector, Strip};
 use crate::spacing::Spacing;
 use crate::surface::{Mesh, Topology};
-use crate::{Channel, ChannelSet, Projector, SeaSurface, footprint, reference};
+use crate::{Channel, ChannelSet, Projector, SeaSurface, reference};
 
 /// Most vertices of one sea for each pixel of the picture; beyond it vertices move apart.
 ///
@@ -20,9 +20,10 @@ const VERTICES_PER_PIXEL: f64 = 1.5;
 const LEAST_LIMIT: f64 = 1e6;
 const GREATEST_LIMIT: f64 = 8e6;
 
-/// Most vertices of one sea in a picture.
-fn limit(projector: &Projector) -> f64 {
-    (VERTICES_PER_PIXEL * projector.size[0] * projector.size[1]).clamp(LEAST_LIMIT, GREATEST_LIMIT)
+/// Most vertices of a sea in a picture.
+fn limit(sea: &SeaSurface, projector: &Projector) -> f64 {
+    let pixels = projector.size[0] * projector.size[1] * sea.detail * sea.detail;
+    (VERTICES_PER_PIXEL * pixels).clamp(LEAST_LIMIT, GREATEST_LIMIT)
 }
 /// Fewest cells across a view: a flat sea needs no more.
 const MIN_COLUMNS: f64 = 8.0;
@@ -61,8 +62,8 @@ pub(crate) fn sector(
     let mut spacing = spacing.clone();
     let (mut radii, mut columns) = rings(sea, &spacing, projector, sector);
     let vertices = radii.len() as f64 * columns as f64;
-    if vertices > limit(projector) {
-        spacing.coarseness = libm::sqrt(vertices / limit(projector));
+    if vertices > limit(sea, projector) {
+        spacing.coarseness = libm::sqrt(vertices / limit(sea, projector));
         (radii, columns) = rings(sea, &spacing, projector, sector);
     }
     let rows = radii.len();
@@ -92,7 +93,7 @@ pub(crate) fn sector(
 fn ahead(sea: &SeaSurface, projector: &Projector, along: f64) -> f64 {
     let [x, z] = projector.heading();
     let eye = projector.position;
-    footprint(projector, DVec3::new(eye.x + x * along, sea.level, eye.z + z * along))
+    sea.footprint(projector, DVec3::new(eye.x + x * along, sea.level, eye.z + z * along))
 }
 
 /// Distances of the rows from the apex, and the number of cells in each row.
@@ -125,7 +126,7 @@ fn rings(sea: &SeaSurface, spacing: &Spacing, projector: &Projector, sector: &Se
 
 /// How deep an orthographic view reaches at most, in meters.
 pub(crate) fn strip_depth(sea: &SeaSurface, spacing: &Spacing, projector: &Projector) -> f64 {
-    let print = footprint(projector, DVec3::new(0.0, sea.level, 0.0));
+    let print = sea.footprint(projector, DVec3::new(0.0, sea.level, 0.0));
     MAX_ROWS * spacing.at(print, projector.pixel_size(1.0)).min(1e6)
 }
 
@@ -138,13 +139,13 @@ pub(crate) fn strip(
     wanted: ChannelSet,
     stop: &(dyn Fn() -> bool + Sync),
 ) -> Option<Mesh> {
-    let print = footprint(projector, DVec3::new(0.0, sea.level, 0.0));
+    let print = sea.footprint(projector, DVec3::new(0.0, sea.level, 0.0));
     let mut step = spacing.at(print, projector.pixel_size(1.0));
     let (width, depth) = (strip.u[1] - strip.u[0], strip.v[1] - strip.v[0]);
     let count = |length: f64, step: f64| (length / step).ceil().max(MIN_COLUMNS);
     let vertices = count(width, step) * count(depth, step);
-    if vertices > limit(projector) {
-        step *= libm::sqrt(vertices / limit(projector));
+    if vertices > limit(sea, projector) {
+        step *= libm::sqrt(vertices / limit(sea, projector));
     }
     let (columns, rows) = (count(width, step), count(depth, step));
     let line = |row: usize| {
@@ -213,7 +214,7 @@ impl Layout for Disc<'_> {
             let rest = [self.center[0] + self.radii[row] * cos, self.center[1] + self.radii[row] * sin];
             x.push(rest[0]);
             z.push(rest[1]);
-            prints.push(footprint(self.projector, DVec3::new(rest[0], self.sea.level, rest[1])));
+            prints.push(self.sea.footprint(self.projector, DVec3::new(rest[0], self.sea.level, rest[1])));
         }
         self.sea.frame.direct(Points { x, z, footprint: prints }, wanted, fields);
     }

@@ -11,7 +11,7 @@ use crate::plan::{Feed, Fill};
 use crate::prepare::{Ready, node_error};
 use crate::shading::TELLING;
 use crate::{Buffers, EvalError, Monitor, Plan};
-use shared::{Kept, View, telling};
+use shared::{Apart, Kept, View, telling};
 use std::borrow::Cow;
 use std::collections::HashMap;
 use std::time::Instant;
@@ -29,6 +29,8 @@ pub(crate) struct Fills<'p> {
     by_slot: HashMap<Slot, usize>,
     /// What tells whether samples share.
     views: Vec<View>,
+    /// Where the current sample does not share.
+    apart: Vec<Apart>,
     /// The current tile.
     tile: Window,
 }
@@ -112,7 +114,7 @@ impl<'p> Fills<'p> {
                 kept: Kept::default(),
             })
             .collect();
-        Self { plan, ready, buffers, monitor, fills, by_slot, views, tile: Window::default() }
+        Self { plan, ready, buffers, monitor, fills, by_slot, views, apart: Vec::new(), tile: Window::default() }
     }
 
     /// Fills every stage over what a tile needs of it, for a sample of the pixels by its number and offset; adds the time
@@ -126,6 +128,7 @@ impl<'p> Fills<'p> {
         if sample == 0 {
             self.place(tile);
         }
+        self.apart.clear();
         for index in 0..self.fills.len() {
             if self.monitor.cancelled() {
                 return Err(EvalError::Cancelled);
@@ -226,7 +229,7 @@ impl<'p> Fills<'p> {
         if self.is_bound(self.fills[index].fill.node) {
             return Ok(());
         }
-        self.fills[index].kept.pixels.clear();
+        self.fills[index].kept.indices.clear();
         // What does not vary from row to row is there already where the tile before had the same columns.
         let state = &mut self.fills[index];
         let columns = Some((state.window.x0, state.window.x1, offset));

@@ -1,9 +1,10 @@
 //! Stages whose results the samples of a pixel share: of all but the first sample, only what differs is filled.
 
-use super::{FillState, Fills};
+use super::{FillState, Fills, Held, Taps};
 use crate::kernel::{Machine, Plane};
 use crate::plan::{Feed, Fill};
 use crate::shading::TELLING;
+use std::borrow::Cow;
 use std::collections::HashMap;
 use trochoid_graph::{Block, Connection, Inputs, NodeError, NodeId, Outputs, Slot, ViewChannel};
 use trochoid_image::{Shading, Window};
@@ -20,11 +21,20 @@ pub(super) struct View {
     differs: Vec<bool>,
 }
 
+/// The pixels of a window at which the current sample does not share, by the views that say so.
+pub(super) struct Apart {
+    views: Vec<NodeId>,
+    window: Window,
+    /// As indices into planes over the window.
+    indices: Vec<usize>,
+    pixels: Vec<[i64; 2]>,
+}
+
 /// Results of the first sample, by plane, at the pixels where those of another stand in their place.
 #[derive(Default)]
 pub(super) struct Kept {
     /// As indices into the planes.
-    pub(super) pixels: Vec<usize>,
+    pub(super) indices: Vec<usize>,
     values: Vec<Vec<f32>>,
 }
 
@@ -46,6 +56,12 @@ impl View {
         nodes.into_iter().filter_map(view).collect()
     }
 
+    /// Whether the sample differs, over a row of a window within its own.
+    fn row(&self, window: Window, y: i64) -> &[bool] {
+        let start = (y - self.window.y0) as usize * self.window.width() + (window.x0 - self.window.x0) as usize;
+        &self.differs[start..start + window.width()]
+    }
+
     /// Compares what a sample sees with what the first one saw.
     fn compare(&mut self, sample: usize, window: Window, [surfaces, depths]: [&[f32]; 2]) {
         if sample == 0 {
@@ -53,12 +69,12 @@ impl View {
             self.first = [surfaces.to_vec(), depths.to_vec()];
             return;
         }
+        self.differs.resize(surfaces.len(), false);
         let first = self.first[0].iter().zip(&self.first[1]);
-        self.differs.clear();
-        self.differs.extend(first.zip(surfaces.iter().zip(depths)).map(|(first, sample)| {
+        for ((differs, first), sample) in self.differs.iter_mut().zip(first).zip(surfaces.iter().zip(depths)) {
             let pair = |(surface, depth): (&f32, &f32)| (f64::from(*surface), f64::from(*depth));
-            !Shading::is_shared(pair(first), pair(sample))
-        }));
+            *differs = !Shading::is_shared(pair(first), pair(sample));
+        }
     }
 }
 
@@ -75,99 +91,87 @@ impl<'p> Fills<'p> {
     /// Fills a stage where the current sample does not share with the first one, and leaves the first one's results
     /// elsewhere.
     pub(super) fn stage_apart(&mut self, index: usize, views: &[NodeId], offset: [f64; 2]) -> Result<(), NodeError> {
-        let mut kept = std::mem::take(&mut self.fills[index].kept);
-        let mut own = std::mem::take(&mut self.fills[index].planes);
+        let window = self.fills[index].window;
+        let known = self.apart.iter().position(|apart| apart.window == window && apart.views == views);
+        let apart = match known {
+            Some(known) => self.apart.swap_remove(known),
+            None => self.differing(views, window),
+        };
+        let state = &mut self.fills[index];
+        let mut kept = std::mem::take(&mut state.kept);
+        let mut own = std::mem::take(&mut state.planes);
+        let mut machine = state.taps.take();
         let mut planes: Vec<&mut Vec<f32>> = own.iter_mut().flatten().filter(|plane| !plane.is_empty()).collect();
         for (plane, values) in planes.iter_mut().zip(&kept.values) {
-            kept.pixels.iter().zip(values).for_each(|(pixel, value)| plane[*pixel] = *value);
+            kept.indices.iter().zip(values).for_each(|(index, value)| plane[*index] = *value);
         }
-        self.differing(views, self.fills[index].window, &mut kept.pixels);
+        kept.indices.clone_from(&apart.indices);
         kept.values.resize_with(planes.len(), Vec::new);
         for (plane, values) in planes.iter().zip(&mut kept.values) {
             values.clear();
-            values.extend(kept.pixels.iter().map(|pixel| plane[*pixel]));
+            values.extend(apart.indices.iter().map(|index| plane[*index]));
         }
         let mut filled = Ok(());
-        if !kept.pixels.is_empty() {
-            let mut machine = self.fills[index].taps.take();
-            let found = self.fill_pixels(index, &kept.pixels, offset, machine.as_mut());
-            self.fills[index].taps = machine;
-            filled = found.map(|found| {
+        if !apart.indices.is_empty() {
+            filled = self.fill_pixels(index, &apart, offset, machine.as_mut()).map(|found| {
                 for (plane, values) in planes.iter_mut().zip(found) {
-                    kept.pixels.iter().zip(values).for_each(|(pixel, value)| plane[*pixel] = value);
+                    apart.indices.iter().zip(values).for_each(|(index, value)| plane[*index] = value);
                 }
             });
         }
         let state = &mut self.fills[index];
-        (state.planes, state.kept) = (own, kept);
+        (state.planes, state.kept, state.taps) = (own, kept, machine);
+        self.apart.push(apart);
         filled
     }
 
-    /// The pixels of a window, by index, at which some view sees something else than at the first sample.
-    fn differing(&self, views: &[NodeId], window: Window, pixels: &mut Vec<usize>) {
-        pixels.clear();
-        let width = window.width();
-        let views: Vec<&View> = self.views.iter().filter(|view| views.contains(&view.node)).collect();
-        for y in window.y0..window.y1 {
-            let row = |view: &&View| {
-                let start = (y - view.window.y0) as usize * view.window.width() + (window.x0 - view.window.x0) as usize;
-                start..start + width
-            };
-            let first = (y - window.y0) as usize * width;
-            match views[..] {
-                [view] => {
-                    let row = &view.differs[row(&view)];
-                    pixels.extend(row.iter().enumerate().filter(|(_, differs)| **differs).map(|(x, _)| first + x));
-                }
-                _ => pixels.extend(
-                    (0..width)
-                        .filter(|x| views.iter().any(|view| view.differs[row(view).start + x]))
-                        .map(|x| first + x),
-                ),
+    /// The pixels of a window at which some view sees something else than at the first sample.
+    fn differing(&self, views: &[NodeId], window: Window) -> Apart {
+        let asked: Vec<&View> = self.views.iter().filter(|view| views.contains(&view.node)).collect();
+        let (mut indices, mut pixels) = (Vec::new(), Vec::new());
+        for (y, first) in (window.y0..window.y1).zip((0..).step_by(window.width())) {
+            let rows: Vec<&[bool]> = asked.iter().map(|view| view.row(window, y)).collect();
+            for x in (0..window.width()).filter(|x| rows.iter().any(|row| row[*x])) {
+                indices.push(first + x);
+                pixels.push([window.x0 + x as i64, y]);
             }
         }
+        Apart { views: views.to_vec(), window, indices, pixels }
     }
 
     /// The stage's planes at single pixels of its window.
     fn fill_pixels(
         &self,
         index: usize,
-        pixels: &[usize],
+        apart: &Apart,
         offset: [f64; 2],
         machine: Option<&mut Machine<'p>>,
     ) -> Result<Vec<Vec<f32>>, NodeError> {
         let (state, before) = (&self.fills[index], &self.fills[..index]);
         let Some(ready) = self.ready.get(&state.fill.node) else { return Ok(Vec::new()) };
-        let taps = self.tap_pixels(state, pixels, before, machine);
-        let gather = |feed: &Feed| -> Option<Vec<f32>> {
+        let taps = self.tap_pixels(state, apart, before, machine);
+        let count = apart.indices.len();
+        let gather = |feed: &Feed| -> Option<Cow<'_, [f32]>> {
             Some(match feed {
                 Feed::Nothing => return None,
-                Feed::Constant(value) => vec![*value; pixels.len()],
-                Feed::Tap(root, channel) => taps.get(&(*root, *channel))?.clone(),
-                Feed::Slot(slot) => self.gather(slot, state.window, pixels, before),
+                Feed::Constant(value) => vec![*value; count].into(),
+                Feed::Tap(root, channel) => taps.get(&(*root, *channel))?.into(),
+                Feed::Slot(slot) => self.gather(slot, apart, before).into(),
             })
         };
-        let held: Vec<Vec<Vec<Option<Vec<f32>>>>> = state
+        let block = Block::scattered(&apart.pixels, offset);
+        let held: Vec<(&'static str, Vec<Held<'_>>)> = state
             .fill
             .inputs
             .iter()
-            .map(|(_, connections)| connections.iter().map(|feeds| feeds.iter().map(gather).collect()).collect())
-            .collect();
-        let places: Vec<[i64; 2]> = pixels
-            .iter()
-            .map(|pixel| {
-                let (x, y) = (pixel % state.window.width(), pixel / state.window.width());
-                [state.window.x0 + x as i64, state.window.y0 + y as i64]
+            .map(|(port, connections)| {
+                (*port, connections.iter().map(|feeds| feeds.iter().map(gather).collect()).collect())
             })
             .collect();
-        let block = Block::scattered(&places, offset);
-        let ports: Vec<(&'static str, Vec<Connection<'_>>)> = state
-            .fill
-            .inputs
+        let ports: Vec<(&'static str, Vec<Connection<'_>>)> = held
             .iter()
-            .zip(&held)
-            .map(|((port, _), held)| {
-                let connections = held.iter().map(|held| Connection {
+            .map(|(port, connections)| {
+                let connections = connections.iter().map(|held| Connection {
                     planes: held.iter().map(Option::as_deref).collect(),
                     window: block.window,
                     extent: block.window,
@@ -175,8 +179,8 @@ impl<'p> Fills<'p> {
                 (*port, connections.collect())
             })
             .collect();
-        let wanted = || state.fill.wanted.iter().flatten();
-        let mut found = vec![vec![0.0; pixels.len()]; wanted().filter(|wanted| **wanted).count()];
+        let wanted = state.fill.wanted.iter().flatten().filter(|wanted| **wanted);
+        let mut found = vec![vec![0.0; count]; wanted.count()];
         let mut targets = found.iter_mut();
         let outputs = state
             .fill
@@ -193,25 +197,29 @@ impl<'p> Fills<'p> {
         Ok(found)
     }
 
-    /// A plane at single pixels of a window.
-    fn gather(&self, slot: &Slot, window: Window, pixels: &[usize], before: &[FillState<'_>]) -> Vec<f32> {
-        let (plane, width) = (self.plane(slot, window, before), window.width());
-        pixels.iter().map(|pixel| plane.samples[plane.start + pixel / width * plane.stride + pixel % width]).collect()
+    /// A plane at single pixels.
+    fn gather(&self, slot: &Slot, apart: &Apart, before: &[FillState<'_>]) -> Vec<f32> {
+        let (plane, window) = (self.plane(slot, apart.window, before), apart.window);
+        if plane.stride == window.width() {
+            let samples = &plane.samples[plane.start..];
+            return apart.indices.iter().map(|index| samples[*index]).collect();
+        }
+        let at = |[x, y]: &[i64; 2]| plane.start + (y - window.y0) as usize * plane.stride + (x - window.x0) as usize;
+        apart.pixels.iter().map(|pixel| plane.samples[at(pixel)]).collect()
     }
 
     /// Runs the pointwise program before a stage at single pixels of its window.
     fn tap_pixels(
         &self,
         state: &FillState<'_>,
-        pixels: &[usize],
+        apart: &Apart,
         before: &[FillState<'_>],
         machine: Option<&mut Machine<'p>>,
-    ) -> super::Taps {
-        let mut taps = super::Taps::new();
+    ) -> Taps {
+        let mut taps = Taps::new();
         if let (Some(machine), Some(compiled)) = (machine, &state.fill.taps) {
-            let planes: Vec<Vec<f32>> =
-                compiled.planes.iter().map(|slot| self.gather(slot, state.window, pixels, before)).collect();
-            let stride = pixels.len();
+            let planes: Vec<Vec<f32>> = compiled.planes.iter().map(|slot| self.gather(slot, apart, before)).collect();
+            let stride = apart.indices.len();
             let planes: Vec<Plane<'_>> = planes.iter().map(|samples| Plane { samples, start: 0, stride }).collect();
             machine.tile(&planes, stride, 1, &mut |root, channel, _, row| {
                 taps.entry((root, channel)).or_default().extend_from_slice(row);

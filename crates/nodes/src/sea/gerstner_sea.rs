@@ -42,6 +42,14 @@ static DECLARATION: Declaration = Declaration {
         Knob::choice("convention", &["settled", "thesis"], "Signs and weights as settled, or as printed.").item(),
         Knob::integer("seed", 0, 0, 1_000_000_000, "Which sea of all that have these figures.").item(),
         Knob::number("level", 0.0, -1e5, 1e5, "World y of the sea at rest.").unit("m").item(),
+        Knob::number(
+            "detail",
+            1.0,
+            0.05,
+            4.0,
+            "How fine waves are drawn: 1 as pixels resolve them; 0.5 as two pixels do, with a quarter of the vertices.",
+        )
+        .item(),
         List::of("waves", WAVE, 0, 10_000, "Waves set by hand, besides the random ones."),
         List::of("groups", GROUP, 0, 100, "Crests set by hand, each a packet of waves that meet at a place and time."),
     ],
@@ -254,7 +262,7 @@ impl Stage for GerstnerSea {
     fn prepare(&self, node: &Settled, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
         let sea = Sea::new(waves(node).map_err(NodeError::new)?);
         let surface = SeaSurface::new(&sea, prepare.frame.time, node.number("level"));
-        Ok(Box::new(Surging(Arc::new(surface))))
+        Ok(Box::new(Surging(Arc::new(surface.with_detail(node.number("detail"))))))
     }
 }
 

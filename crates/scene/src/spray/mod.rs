@@ -154,43 +154,60 @@ impl Dabs {
         planes: Planes<'_>,
         stop: &dyn Fn() -> bool,
     ) {
-        let mut sums = vec![Sprayed::NONE; window.area()];
         let [columns, rows] = self.bins;
         let bin = |at: i64, count: i64| at.div_euclid(BIN).clamp(0, count - 1);
-        if !window.is_empty() {
-            for row in bin(window.y0, rows)..=bin(window.y1 - 1, rows) {
-                for column in bin(window.x0, columns)..=bin(window.x1 - 1, columns) {
-                    let within =
-                        window.intersect(Window::new(column * BIN, row * BIN, (column + 1) * BIN, (row + 1) * BIN));
-                    let bin = (row * columns + column) as usize;
-                    dispatch!(Level::new(), simd => simd.vectorize(
-                        #[inline(always)]
-                        || self.fill_bin(bin, [within, window], offset, surface, stop, &mut sums)
-                    ));
+        if window.is_empty() {
+            return;
+        }
+        let Planes { mut alpha, mut depth, mut age } = planes;
+        // Bins at the picture's border stand for all that lies beyond it.
+        let edge = |index: i64, count: i64, low: i64, high: i64| {
+            (if index == 0 { low } else { index * BIN }, if index == count - 1 { high } else { (index + 1) * BIN })
+        };
+        let mut sums = Vec::new();
+        for row in bin(window.y0, rows)..=bin(window.y1 - 1, rows) {
+            for column in bin(window.x0, columns)..=bin(window.x1 - 1, columns) {
+                let (x0, x1) = edge(column, columns, window.x0, window.x1);
+                let (y0, y1) = edge(row, rows, window.y0, window.y1);
+                let within = window.intersect(Window::new(x0, y0, x1, y1));
+                let bin = (row * columns + column) as usize;
+                let entries = &self.entries[self.starts[bin] as usize..self.starts[bin + 1] as usize];
+                sums.clear();
+                sums.resize(within.area(), Sprayed::NONE);
+                dispatch!(Level::new(), simd => simd.vectorize(
+                    #[inline(always)]
+                    || self.fill_bin(entries, [within, window], offset, surface, stop, &mut sums)
+                ));
+                for (sums, y) in sums.chunks_exact(within.width().max(1)).zip(within.y0..) {
+                    let start = (y - window.y0) as usize * window.width() + (within.x0 - window.x0) as usize;
+                    let write = |plane: &mut Option<&mut [f32]>, value: fn(&Sprayed) -> f64| {
+                        let Some(plane) = plane else { return };
+                        let out = &mut plane[start..start + sums.len()];
+                        if entries.is_empty() {
+                            out.fill(value(&Sprayed::NONE.done()) as f32);
+                        } else {
+                            out.iter_mut().zip(sums).for_each(|(out, sum)| *out = value(&sum.done()) as f32);
+                        }
+                    };
+                    write(&mut alpha, |sum| sum.alpha);
+                    write(&mut depth, |sum| sum.depth);
+                    write(&mut age, |sum| sum.age);
                 }
             }
         }
-        let write = |plane: Option<&mut [f32]>, value: fn(&Sprayed) -> f64| {
-            for (out, sum) in plane.into_iter().flatten().zip(&sums) {
-                *out = value(&sum.done()) as f32;
-            }
-        };
-        write(planes.alpha, |sum| sum.alpha);
-        write(planes.depth, |sum| sum.depth);
-        write(planes.age, |sum| sum.age);
     }
 
     #[inline(always)]
     fn fill_bin(
         &self,
-        bin: usize,
+        entries: &[u32],
         [within, window]: [Window; 2],
         offset: [f64; 2],
         surface: &[f32],
         stop: &dyn Fn() -> bool,
         sums: &mut [Sprayed],
     ) {
-        for &entry in &self.entries[self.starts[bin] as usize..self.starts[bin + 1] as usize] {
+        for &entry in entries {
             if stop() {
                 return;
             }
@@ -198,13 +215,14 @@ impl Dabs {
             let [left, top, right, bottom] = dab.bounds;
             let first = |edge: f64, offset: f64, least: i64| ((edge - offset).floor().max(least as f64)) as i64;
             let end = |edge: f64, offset: f64, most: i64| ((edge - offset).ceil().min((most - 1) as f64)) as i64 + 1;
+            let columns = first(left, offset[0], within.x0)..end(right, offset[0], within.x1);
             for y in first(top, offset[1], within.y0)..end(bottom, offset[1], within.y1) {
                 let row = (y - window.y0) as usize * window.width();
-                for x in first(left, offset[0], within.x0)..end(right, offset[0], within.x1) {
-                    let index = row + (x - window.x0) as usize;
+                let own = (y - within.y0) as usize * within.width();
+                for x in columns.clone() {
+                    let seen = f64::from(surface[row + (x - window.x0) as usize]);
                     let place = [x as f64 + offset[0], y as f64 + offset[1]];
-                    let alpha = dab.alpha(place, f64::from(surface[index]), &self.brush);
-                    sums[index].add(dab, alpha);
+                    sums[own + (x - within.x0) as usize].add(dab, dab.alpha(place, seen, &self.brush));
                 }
             }
         }
