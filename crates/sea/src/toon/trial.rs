@@ -55,7 +55,7 @@ pub struct Transient {
 /// The product's step on either kind of state.
 enum Stepper {
     Cells { mixing: Mixing, field: Field },
-    Modes { modes: Modes, propagator: Propagator, a: Vec<f32>, b: Vec<f32>, weight: Vec<f64> },
+    Modes { modes: Modes, propagator: Box<Propagator>, a: Vec<f32>, b: Vec<f32>, weight: Vec<f64> },
 }
 
 impl Stepper {
@@ -65,7 +65,7 @@ impl Stepper {
             Motion::Literal(mixing) => Self::Cells { mixing: *mixing, field: Field { height, before: other } },
             _ => {
                 let modes = Modes::new(basin);
-                let propagator = Propagator::new(motion, basin, &modes, 1.0 / motion.rate());
+                let propagator = Box::new(Propagator::new(motion, basin, &modes, 1.0 / motion.rate()));
                 let [a, b] = [height, other].map(|mut field| {
                     let mut coefficients = Vec::new();
                     modes.forward(&mut field, &mut coefficients);
