@@ -176,7 +176,7 @@ mod tests {
         let path = folder.path().join("maps/map.png");
         write(&path, "sea", &map).unwrap();
         let info = trochoid::io::info(&path, &trochoid::io::Limits::default()).unwrap();
-        assert_eq!((info.parts[0].data.width(), info.parts[0].data.height()), (WIDTH as u64, HEIGHT as u64));
+        assert_eq!((info.parts[0].data.width(), info.parts[0].data.height()), (WIDTH, HEIGHT));
         let around = |map: &StabilityMap| draw("sea", map).unwrap();
         assert_ne!(around(&map), around(&StabilityMap { point: [0.0, 0.0], ..map.clone() }));
         assert_ne!(around(&map), around(&StabilityMap { growth: vec![0.5, 0.6], ..map.clone() }));
