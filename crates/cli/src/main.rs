@@ -18,6 +18,7 @@ mod progress;
 mod render;
 mod schema;
 mod shell;
+mod stability;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
@@ -54,6 +55,8 @@ enum Command {
     Graph(graph::Args),
     /// Render an output small, as an animated WebP or one PNG
     Preview(preview::Args),
+    /// Say how seas behave in the long run: what is stable, by how much, what would break it
+    Stability(stability::Args),
     /// List the node types, or print the manual of one
     Nodes(nodes::Args),
     /// Print the JSON Schema of documents
@@ -76,6 +79,7 @@ fn main() -> ExitCode {
         Command::Check(args) => check::run(args),
         Command::Graph(args) => graph::run(args),
         Command::Preview(args) => preview::run(args),
+        Command::Stability(args) => stability::run(args),
         Command::Nodes(args) => nodes::run(args),
         Command::Schema => schema::run(),
         Command::Info(args) => info::run(args),

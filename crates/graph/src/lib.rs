@@ -28,6 +28,7 @@ mod refusal;
 mod registry;
 mod schema;
 mod spanned;
+mod stability;
 mod stage_io;
 mod work;
 
@@ -50,5 +51,6 @@ pub use refusal::{REFUSALS, Refusal, refusal};
 pub use registry::Registry;
 pub use schema::schema;
 pub use spanned::{MAX_DEPTH, MAX_VALUES};
+pub use stability::{Figure, Relation, Stability, StabilityMap, Verdict};
 pub use stage_io::{Block, Connection, Inputs, Outputs, Pool, Prepare};
 pub use work::Work;

@@ -10,7 +10,7 @@
 
 use crate::{
     Block, ChannelSet, Check, Declaration, FrameContext, Inputs, Kind, Lowering, Outputs, Prepare, Reference,
-    References, Settled, Value, ViewChannel, Work,
+    References, Settled, Stability, Value, ViewChannel, Work,
 };
 use std::any::Any;
 use std::path::PathBuf;
@@ -56,6 +56,13 @@ pub trait NodeType: Send + Sync + 'static {
     fn notes(&self, node: &Settled) -> Vec<String> {
         let _ = node;
         Vec::new()
+    }
+
+    /// Of a node that time moves, how its numbers behave in the long run: theory beside measurements, which may take
+    /// some seconds. Shown by `trochoid stability`.
+    fn stability(&self, node: &Settled) -> Option<Stability> {
+        let _ = node;
+        None
     }
 
     /// How the node computes.

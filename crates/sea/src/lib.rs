@@ -39,6 +39,7 @@ mod lanes;
 mod line;
 mod method;
 mod nufft;
+mod phase;
 mod ripple;
 mod separable;
 mod spectrum;

@@ -32,6 +32,7 @@ mod load;
 mod output;
 mod report;
 mod resume;
+mod stability;
 mod stream;
 
 pub use files::{check_destination, write_whole};
@@ -40,15 +41,16 @@ pub use load::{LoadError, Loaded, load, missing_files, parse, registry};
 pub use output::{OutputError, OutputFile, output_files, write_output};
 pub use report::{RunReport, RunStatus, frame_report};
 pub use resume::Fingerprints;
+pub use stability::stability;
 pub use stream::FileSink;
 pub use trochoid_engine::{
     Audit, Buffers, Cache, EvalError, Frame, Instructions, Judging, LeftOut, Monitor, NodeReport, Phases, Picture,
     Plan, PlanError, ReferenceError, ReferenceFrame, Settings, ShadingPlan, Silent, Sink, State, Switches,
 };
 pub use trochoid_graph::{
-    Accepts, Arity, CheckedGraph, CheckedNode, Declaration, Default as KnobDefault, Diagnostic, End, Guarantee, Item,
-    Kind, Knob, NodeId, NodeType, OutputSpec, Port, Precision, REFUSALS, Refusal, Registry, Severity, Takes, Work,
-    expected, nearest, refusal, schema,
+    Accepts, Arity, CheckedGraph, CheckedNode, Declaration, Default as KnobDefault, Diagnostic, End, Figure, Guarantee,
+    Item, Kind, Knob, NodeId, NodeType, OutputSpec, Port, Precision, REFUSALS, Refusal, Registry, Relation, Severity,
+    Stability, StabilityMap, Takes, Verdict, Work, expected, nearest, refusal, schema,
 };
 pub use trochoid_image::{Format, Plane, Rgb, Shading, Window, WorkingSpace};
 pub use trochoid_io as io;

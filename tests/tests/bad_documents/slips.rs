@@ -94,7 +94,9 @@ pub(super) fn table() -> Vec<Bad> {
             &[&[
                 "c1: found c1 0.9, c2 1.9, with which the sea grows",
                 "; expected |c1| ≤ 1",
-                "remedy: the nearest that holds: c1",
+                "remedy: set \"c1\" ",
+                "the nearest that are stable with \"mode\" \"literal\"; or set \"mode\" \"physical\"",
+                "the same waves are about \"speed\" ",
             ]],
         ),
         nodes(

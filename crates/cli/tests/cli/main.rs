@@ -7,4 +7,5 @@ mod commands;
 mod refusals;
 mod render;
 mod scene;
+mod stability;
 mod streams;

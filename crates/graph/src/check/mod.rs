@@ -331,8 +331,13 @@ impl<'a> Checker<'a> {
                 let mut check = Check::new(&around);
                 ty.check(settled, &mut check);
                 faults.extend(check.into_faults());
-                let here = top.format.and_then(|format| ty.work(settled, format, 0.0));
-                work = here.into_iter().chain(work).max_by(|a, b| a.seconds.total_cmp(&b.seconds));
+                let at = |time: f64| top.format.and_then(|format| ty.work(settled, format, time));
+                // Of what is stepped, a frame after another takes the steps between.
+                let next = if last > first { at(1.0 / top.fps) } else { None };
+                let here = at(0.0);
+                let between = next.zip(here).map(|(next, here)| Work { seconds: next.seconds - here.seconds, ..next });
+                let all = here.into_iter().chain(between).chain(work);
+                work = all.max_by(|a, b| a.seconds.total_cmp(&b.seconds));
             };
             let mut frames = draft.record.key_frames();
             if frames.is_empty() {

@@ -10,6 +10,8 @@ mod mesh;
 mod model;
 mod parted;
 mod seen;
+#[cfg(feature = "sea")]
+pub(crate) mod stability;
 mod surroundings;
 mod thickness;
 mod waters;

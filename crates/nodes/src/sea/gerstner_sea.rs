@@ -1,6 +1,6 @@
 //! GerstnerSea: a sum of trochoidal waves.
 
-use crate::scene_support::{Parted, REST, SurfaceHandle, WAVES, parted};
+use crate::scene_support::{Parted, REST, SurfaceHandle, WAVES, parted, stability};
 use std::sync::Arc;
 use trochoid_graph::*;
 use trochoid_image::Format;
@@ -239,6 +239,10 @@ impl NodeType for GerstnerSea {
              (less than 1 proves that nothing folds), Σq {:.3}",
             folds.jacobian_min, folds.lambda[0], folds.q_sum,
         )]
+    }
+
+    fn stability(&self, node: &Settled) -> Option<Stability> {
+        Some(stability::waves(waves(node).ok()?))
     }
 
     fn body(&self) -> Body<'_> {

@@ -1,6 +1,6 @@
 //! RippleSea: the crossed ripples of cartoon water.
 
-use crate::scene_support::{REST, Standing};
+use crate::scene_support::{REST, Standing, stability};
 use trochoid_graph::*;
 use trochoid_scene::SeaSurface;
 use trochoid_sea::{Ripple, Sea, Wave};
@@ -52,6 +52,10 @@ fn waves(node: &Settled) -> Result<[Wave; 2], String> {
 impl NodeType for RippleSea {
     fn declaration(&self) -> &'static Declaration {
         &DECLARATION
+    }
+
+    fn stability(&self, node: &Settled) -> Option<Stability> {
+        Some(stability::waves(waves(node).ok()?.to_vec()))
     }
 
     fn body(&self) -> Body<'_> {

@@ -1,13 +1,13 @@
 //! ToonSea: a height field that bursts raise as they travel.
 
-use crate::scene_support::{Parted, REST, SurfaceHandle, TRAILS, parted};
+use crate::scene_support::{Parted, REST, SurfaceHandle, TRAILS, parted, stability};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use trochoid_graph::*;
 use trochoid_image::Format;
 use trochoid_scene::GridSurface;
 use trochoid_sea::toon::{
-    Basin, Behavior, Body as Afloat, Boundary, Burst, Combine, Drift, Drifted, Guide, Mixing, Motion, Physics, Rift,
-    Shape, Simulation, ToonError, ToonFrame, ToonSea as Sea, Wanted, reference,
+    Basin, Behavior, Body as Afloat, Boundary, Burst, Combine, Drift, Drifted, Forecast, Guide, Instability, Mixing,
+    Motion, Physics, Rift, Shape, Simulation, ToonError, ToonFrame, ToonSea as Sea, Wanted, reference,
 };
 
 pub(crate) static NODE: &dyn NodeType = &ToonSea;
@@ -181,9 +181,8 @@ fn body(record: &Settled) -> Result<Vec<Burst>, ToonError> {
     Afloat { way: way(record), length, beam, draught }.bursts()
 }
 
-/// The sea that the knobs describe.
-fn sea(node: &Settled) -> Result<Sea, String> {
-    let basin = Basin {
+fn basin(node: &Settled) -> Basin {
+    Basin {
         columns: node.integer("columns") as usize,
         rows: node.integer("rows") as usize,
         spacing: node.number("spacing"),
@@ -192,27 +191,61 @@ fn sea(node: &Settled) -> Result<Sea, String> {
             "fixed" => Boundary::Fixed,
             _ => Boundary::Replicate,
         },
-    };
+    }
+}
+
+fn optional(node: &Settled, knob: &str) -> Option<f64> {
+    node.is_set(knob).then(|| node.number(knob))
+}
+
+fn motion(node: &Settled) -> Motion {
     let mixing = Mixing { c1: node.number("c1"), c2: node.number("c2") };
     let rate = node.number("rate");
-    let optional = |knob: &str| node.is_set(knob).then(|| node.number(knob));
-    let motion = match node.text("mode") {
+    match node.text("mode") {
         "literal" => Motion::Literal(mixing),
         "physical" => {
             let physics = Physics {
                 speed: node.number("speed"),
                 damping: node.number("damping"),
                 frequency: node.number("frequency"),
-                push: optional("push"),
+                push: optional(node, "push"),
             };
             Motion::Physical { physics, rate }
         }
         _ => Motion::Resampled { mixing, rate },
+    }
+}
+
+/// What to do about coefficients that are refused: the nearest that are not, or the waves that cannot be unstable.
+fn coefficients(node: &Settled) -> Option<String> {
+    let (motion, basin) = (motion(node), basin(node));
+    let (Motion::Literal(mixing) | Motion::Resampled { mixing, .. }) = motion else { return None };
+    let (nearest, mut advice) = match Instability::check(mixing, &basin) {
+        Err(Instability { nearest: [c1, c2], .. }) => {
+            (Mixing { c1, c2 }, format!("set \"c1\" {c1}, \"c2\" {c2}, the nearest that are stable"))
+        }
+        Ok(()) => (mixing, "keep them".into()),
     };
+    let again = match motion {
+        Motion::Resampled { rate, .. } => Motion::Resampled { mixing: nearest, rate },
+        other => other,
+    };
+    if matches!(Sea::new(basin, again, Behavior::default(), Vec::new()), Err(ToonError::NotResampled { .. })) {
+        advice.push_str(" with \"mode\" \"literal\"");
+    }
+    let Physics { speed, damping, frequency, .. } = nearest.continuum(basin.spacing);
+    Some(format!(
+        "{advice}; or set \"mode\" \"physical\", which is stable whatever its numbers: the same waves are about \
+         \"speed\" {speed:.3}, \"damping\" {damping:.2}, \"frequency\" {frequency:.2}"
+    ))
+}
+
+/// The sea that the knobs describe.
+fn sea(node: &Settled) -> Result<Sea, String> {
     let behavior = Behavior {
         shape: if node.text("burst") == "literal" { Shape::Literal } else { Shape::Intended },
         oriented: node.bool("oriented"),
-        injection: optional("injection"),
+        injection: optional(node, "injection"),
         preroll: node.integer("preroll") as u32,
         rift: Rift {
             distance: node.number("rift_distance"),
@@ -244,7 +277,16 @@ fn sea(node: &Settled) -> Result<Sea, String> {
     for record in node.list("bodies") {
         bursts.extend(body(record).map_err(|error| error.to_string())?);
     }
-    Sea::new(basin, motion, behavior, bursts).map_err(|error| error.to_string())
+    Sea::new(basin(node), motion(node), behavior, bursts).map_err(|error| error.to_string())
+}
+
+/// Warns of a level sea that nothing holds and nothing brakes.
+fn check_free(sea: &Sea, check: &mut Check<'_>) {
+    if !Forecast::new(sea.motion(), sea.basin()).bounded {
+        let found = "damping 0 and frequency 0: a level sea goes on for ever as bursts push it";
+        let remedy = "raise \"damping\" or \"frequency\"";
+        check.warning("damping", found, "something that brakes it or pulls it back", remedy);
+    }
 }
 
 /// Warns of a sea that lies still.
@@ -281,9 +323,13 @@ impl NodeType for ToonSea {
         match sea(node) {
             Err(error) => {
                 let Parted { item, found, expected, remedy } = parted(&error, DECLARATION.items);
-                check.error(item.unwrap_or("c1"), found, expected, remedy);
+                let advice = if item == Some("c1") { coefficients(node) } else { None };
+                check.error(item.unwrap_or("c1"), found, expected, advice.unwrap_or(remedy));
             }
-            Ok(sea) => check_bursts(&sea, check),
+            Ok(sea) => {
+                check_free(&sea, check);
+                check_bursts(&sea, check);
+            }
         }
     }
 
@@ -304,6 +350,10 @@ impl NodeType for ToonSea {
         let size = |cells: usize| (cells - 1) as f64 * sea.basin().spacing;
         let (x, z) = (size(sea.basin().columns), size(sea.basin().rows));
         vec![format!("{} bursts on {x:.2} × {z:.2} m", sea.bursts().len())]
+    }
+
+    fn stability(&self, node: &Settled) -> Option<Stability> {
+        Some(stability::toon(&sea(node).ok()?))
     }
 
     fn body(&self) -> Body<'_> {

@@ -104,7 +104,7 @@ impl Modes {
     }
 
     /// 1 − λ of every coefficient, as it lies.
-    pub(crate) fn gap(&self) -> impl Fn(usize) -> f64 + Sync {
+    pub(crate) fn gap(&self) -> impl Fn(usize) -> f64 + Sync + use<> {
         let (x, z) = (self.basin.axis_gaps(self.basin.columns), self.basin.axis_gaps(self.basin.rows));
         let rows = self.basin.rows;
         move |index| (x[index / rows] + z[index % rows]) / 2.0

@@ -2,9 +2,9 @@
 
 use std::f64::consts::PI;
 
-use super::propagator::transfer;
+use super::propagator::{Transfer, transfer};
 use super::spline::Spline;
-use super::{Basin, Boundary, Burst, Combine, LITERAL_HZ, Motion, Shape, ToonSea, Wanted};
+use super::{Basin, Boundary, Burst, Combine, LITERAL_HZ, Mixing, Motion, Shape, ToonSea, Wanted};
 
 /// All fields of a sea at one time, row by row.
 #[derive(Clone, Debug, PartialEq)]
@@ -51,33 +51,60 @@ fn advance(sea: &ToonSea, time: f64, seconds: f64, wanted: Wanted, state: &mut R
             }
         }
     }
-    match sea.motion {
-        Motion::Literal(mixing) => {
-            let next: Vec<f64> = (0..columns * rows)
-                .map(|cell| {
-                    let mean = mean(&sea.basin, &state.height, cell);
-                    mixing.c1 * (2.0 * mean - other[cell]) + mixing.c2 * state.height[cell] + force[cell]
-                })
-                .collect();
-            *other = std::mem::replace(&mut state.height, next);
-        }
-        _ => {
-            let basis = Basis::new(&sea.basin);
-            let (mut a, mut b) = (basis.forward(&state.height), basis.forward(other));
-            let f = basis.forward(&force);
-            for row in 0..rows {
-                for column in 0..columns {
-                    let cell = row * columns + column;
-                    let gap = (basis.gaps[0][column] + basis.gaps[1][row]) / 2.0;
-                    let m = transfer(&sea.motion, spacing, gap, seconds);
+    Advance::new(&sea.motion, &sea.basin, seconds).step(&force, &mut state.height, other);
+}
+
+/// A stretch of time of a motion, whatever raises the sea: in cells where it is the literal step, else in modes.
+pub(crate) struct Advance {
+    basin: Basin,
+    way: Way,
+}
+
+enum Way {
+    Cells(Mixing),
+    Modes(Basis, Vec<Transfer>),
+}
+
+impl Advance {
+    pub(crate) fn new(motion: &Motion, basin: &Basin, seconds: f64) -> Self {
+        let way = match motion {
+            Motion::Literal(mixing) => Way::Cells(*mixing),
+            _ => {
+                let basis = Basis::new(basin);
+                let gap =
+                    |cell: usize| (basis.gaps[0][cell % basin.columns] + basis.gaps[1][cell / basin.columns]) / 2.0;
+                let transfers = (0..basin.cells()).map(|cell| transfer(motion, basin.spacing, gap(cell), seconds));
+                let transfers = transfers.collect();
+                Way::Modes(basis, transfers)
+            }
+        };
+        Self { basin: *basin, way }
+    }
+
+    /// Takes heights, and h₋ or the velocity, over the stretch under a constant force.
+    pub(crate) fn step(&self, force: &[f64], height: &mut Vec<f64>, other: &mut Vec<f64>) {
+        match &self.way {
+            Way::Cells(mixing) => {
+                let next = (0..self.basin.cells())
+                    .map(|cell| {
+                        let mean = mean(&self.basin, height, cell);
+                        mixing.c1 * (2.0 * mean - other[cell]) + mixing.c2 * height[cell] + force[cell]
+                    })
+                    .collect();
+                *other = std::mem::replace(height, next);
+            }
+            Way::Modes(basis, transfers) => {
+                let (mut a, mut b) = (basis.forward(height), basis.forward(other));
+                let f = basis.forward(force);
+                for (cell, m) in transfers.iter().enumerate() {
                     (a[cell], b[cell]) = (
                         m[0] * a[cell] + m[1] * b[cell] + m[4] * f[cell],
                         m[2] * a[cell] + m[3] * b[cell] + m[5] * f[cell],
                     );
                 }
+                *height = basis.backward(&a);
+                *other = basis.backward(&b);
             }
-            state.height = basis.backward(&a);
-            *other = basis.backward(&b);
         }
     }
 }

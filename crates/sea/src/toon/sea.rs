@@ -81,6 +81,11 @@ impl ToonSea {
         &self.basin
     }
 
+    /// How heights move.
+    pub fn motion(&self) -> &Motion {
+        &self.motion
+    }
+
     /// What it is besides its grid, its motion and its bursts.
     pub fn behavior(&self) -> &Behavior {
         &self.behavior

@@ -1,4 +1,117 @@
-use super::{Basin, Mixing};
+//! What theory says of a motion before anything is stepped: eigenvalues, growth, the region of the stable.
+
+use std::f64::consts::LN_2;
+
+use super::{Basin, LITERAL_HZ, Mixing, Motion, Physics};
+
+/// What theory says of a motion on a grid.
+///
+/// Each mode of the recurrence obeys g² − b·g + c₁ = 0 with b = 2c₁λ + c₂, each of the wave equation
+/// s² + 2γs + ω² = 0, g = eˢᵈᵗ. [`Probe`](super::Probe) measures the same without these formulas.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Forecast {
+    /// Least and greatest eigenvalue λ of the mean of four neighbors, exactly.
+    pub eigenvalues: [f64; 2],
+    /// Greatest factor by which a mode grows in a step of the motion: the spectral radius. Below 1 everything dies away.
+    pub radius: f64,
+    /// Whether every mode stays bounded.
+    pub bounded: bool,
+    /// Steps after which half of the slowest mode is left; infinite where it stays or grows.
+    pub half_life: f64,
+    /// c·dt/dx, what waves cross in a step, in cells; none where c₁ < 0, which is no wave.
+    pub stiffness: Option<f64>,
+}
+
+impl Forecast {
+    /// The forecast of a motion, stable or not.
+    pub fn new(motion: &Motion, basin: &Basin) -> Self {
+        let gaps = basin.gaps();
+        let seconds = 1.0 / motion.rate();
+        let ends = |radius: &dyn Fn(f64) -> f64| gaps.map(radius).into_iter().fold(0.0, f64::max);
+        let (radius, bounded, stiffness) = match *motion {
+            Motion::Literal(mixing) | Motion::Resampled { mixing, .. } => {
+                let steps = seconds * LITERAL_HZ;
+                let radius = ends(&|gap| radius([mixing.c1, mixing.c2], gap));
+                let cells = (mixing.c1 >= 0.0).then(|| libm::sqrt(mixing.c1 / (1.0 + mixing.c1)) * steps);
+                (libm::pow(radius, steps), Instability::check(mixing, basin).is_ok(), cells)
+            }
+            Motion::Physical { physics, .. } => {
+                let Physics { speed, damping, frequency, .. } = physics;
+                let radius = |gap: f64| {
+                    let square = frequency * frequency + 4.0 * (speed / basin.spacing) * (speed / basin.spacing) * gap;
+                    let detuning = damping * damping - square;
+                    // −γ + √(γ² − ω²) without cancellation, where it is real.
+                    let slow = if detuning > 0.0 { -square / (damping + libm::sqrt(detuning)) } else { -damping };
+                    libm::exp(slow * seconds)
+                };
+                // A mode without any force and without drag goes on for ever as it was pushed.
+                let free = gaps[0] * speed == 0.0 && frequency == 0.0 && damping == 0.0;
+                (ends(&radius), !free, Some(speed * seconds / basin.spacing))
+            }
+        };
+        let half_life = if radius < 1.0 { -LN_2 / libm::log(radius) } else { f64::INFINITY };
+        Self { eigenvalues: [1.0 - gaps[1], 1.0 - gaps[0]], radius, bounded, half_life, stiffness }
+    }
+}
+
+impl Mixing {
+    /// Corners of the stable region of the plane (c₁, c₂) on a grid, one after the other around it. Its sides belong to
+    /// it but for c₁ = 1, where a mode may have a double root.
+    pub fn stable_region(basin: &Basin) -> Vec<[f64; 2]> {
+        let sides = sides(basin.gaps());
+        let mut corners: Vec<[f64; 2]> = Vec::new();
+        for (index, a) in sides.iter().enumerate() {
+            for b in &sides[index + 1..] {
+                let Some(corner) = a.meets(b) else { continue };
+                let known = corners.iter().any(|known| libm::hypot(known[0] - corner[0], known[1] - corner[1]) < 1e-9);
+                if !known && sides.iter().all(|side| side.inside(corner) >= -1e-12) {
+                    corners.push(corner);
+                }
+            }
+        }
+        // (0, 0) lies inside whatever the grid.
+        corners.sort_by(|a, b| libm::atan2(a[1], a[0]).total_cmp(&libm::atan2(b[1], b[0])));
+        corners
+    }
+
+    /// Distance to the nearest side of the stable region in the plane (c₁, c₂): how much may change in the worst
+    /// direction; negative outside.
+    pub fn margin(self, basin: &Basin) -> f64 {
+        let distance = |side: &HalfPlane| side.inside([self.c1, self.c2]) / libm::hypot(side.normal[0], side.normal[1]);
+        sides(basin.gaps()).iter().map(distance).fold(f64::INFINITY, f64::min)
+    }
+
+    /// How far each coefficient may go while the other stays: [c₁ from, to], [c₂ from, to]. Of a stable mixing.
+    pub fn limits(self, basin: &Basin) -> [[f64; 2]; 2] {
+        let found = [self.c1, self.c2];
+        std::array::from_fn(|axis| {
+            let mut limits = [f64::NEG_INFINITY, f64::INFINITY];
+            for side in sides(basin.gaps()) {
+                let slope = side.normal[axis];
+                let limit = found[axis] + side.inside(found) / slope;
+                if slope < 0.0 {
+                    limits[0] = f64::max(limits[0], limit);
+                } else if slope > 0.0 {
+                    limits[1] = f64::min(limits[1], limit);
+                }
+            }
+            limits
+        })
+    }
+
+    /// The wave equation of which a step of 1/60 s is this mixing in the continuum: γ·dt = (1−c₁)/(1+c₁),
+    /// c·dt/dx = √(c₁/(1+c₁)), (ω₀·dt)² = 2(1−c₁−c₂)/(1+c₁); nearest where c₁ < 0, which is no wave.
+    pub fn continuum(self, spacing: f64) -> Physics {
+        let c1 = self.c1.clamp(0.0, 1.0);
+        let over = 1.0 + c1;
+        Physics {
+            speed: LITERAL_HZ * spacing * libm::sqrt(c1 / over),
+            damping: LITERAL_HZ * (1.0 - c1) / over,
+            frequency: LITERAL_HZ * libm::sqrt(2.0 * (1.0 - c1 - self.c2).max(0.0) / over),
+            push: None,
+        }
+    }
+}
 
 /// A recurrence that grows without bound, and the nearest one that does not.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -55,6 +168,18 @@ struct HalfPlane {
 }
 
 impl HalfPlane {
+    /// Where two lines cross, unless they are parallel.
+    fn meets(&self, other: &Self) -> Option<[f64; 2]> {
+        let (a, b) = (self, other);
+        let determinant = a.normal[0] * b.normal[1] - a.normal[1] * b.normal[0];
+        (determinant.abs() > 1e-12).then(|| {
+            [
+                (a.limit * b.normal[1] - b.limit * a.normal[1]) / determinant,
+                (a.normal[0] * b.limit - b.normal[0] * a.limit) / determinant,
+            ]
+        })
+    }
+
     fn inside(&self, [c1, c2]: [f64; 2]) -> f64 {
         self.limit - self.normal[0] * c1 - self.normal[1] * c2
     }
@@ -65,6 +190,13 @@ fn planes(gaps: [f64; 2]) -> [HalfPlane; 4] {
     let upper = |gap: f64| HalfPlane { normal: [1.0 - 2.0 * gap, 1.0], limit: 1.0 };
     let lower = |gap: f64| HalfPlane { normal: [2.0 * gap - 3.0, -1.0], limit: 1.0 };
     [upper(gaps[0]), upper(gaps[1]), lower(gaps[0]), lower(gaps[1])]
+}
+
+/// All sides of the stable region: those, and |c₁| ≤ 1.
+fn sides(gaps: [f64; 2]) -> Vec<HalfPlane> {
+    let mut sides: Vec<HalfPlane> = planes(gaps).into();
+    sides.extend([1.0, -1.0].map(|sign| HalfPlane { normal: [sign, 0.0], limit: 1.0 }));
+    sides
 }
 
 fn stable(found: [f64; 2], gaps: [f64; 2], margin: f64) -> bool {
@@ -81,9 +213,7 @@ fn radius([c1, c2]: [f64; 2], gap: f64) -> f64 {
 /// The nearest point of the stable region, which is convex: on one of its sides, or in one of its corners.
 fn nearest(found: [f64; 2], gaps: [f64; 2]) -> [f64; 2] {
     let found = found.map(|value| if value.is_finite() { value } else { 0.0 });
-    let mut sides: Vec<HalfPlane> = planes(gaps).into();
-    sides.push(HalfPlane { normal: [1.0, 0.0], limit: 1.0 });
-    sides.push(HalfPlane { normal: [-1.0, 0.0], limit: 1.0 });
+    let mut sides = sides(gaps);
     for side in &mut sides {
         side.limit -= 4.0 * INSIDE;
     }
@@ -92,15 +222,7 @@ fn nearest(found: [f64; 2], gaps: [f64; 2]) -> [f64; 2] {
         let square = a.normal[0] * a.normal[0] + a.normal[1] * a.normal[1];
         let step = a.inside(found) / square;
         candidates.push([found[0] + step * a.normal[0], found[1] + step * a.normal[1]]);
-        for b in &sides[index + 1..] {
-            let determinant = a.normal[0] * b.normal[1] - a.normal[1] * b.normal[0];
-            if determinant.abs() > 1e-12 {
-                candidates.push([
-                    (a.limit * b.normal[1] - b.limit * a.normal[1]) / determinant,
-                    (a.normal[0] * b.limit - b.normal[0] * a.limit) / determinant,
-                ]);
-            }
-        }
+        candidates.extend(sides[index + 1..].iter().filter_map(|b| a.meets(b)));
     }
     let distance = |point: &[f64; 2]| libm::hypot(point[0] - found[0], point[1] - found[1]);
     let best = candidates

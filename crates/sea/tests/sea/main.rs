@@ -8,4 +8,5 @@ mod group;
 mod random;
 mod ripple;
 mod spray;
+mod stability;
 mod toon;

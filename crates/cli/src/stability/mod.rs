@@ -1,0 +1,151 @@
+//! `trochoid stability`: how nodes behave that time moves, theory beside measurements.
+
+mod map;
+mod text;
+
+use crate::failure::{FAILED, Failure};
+use crate::shell;
+use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
+use trochoid::{CheckedGraph, Diagnostic, Figure, Loaded, NodeId, Stability, check_destination};
+
+/// Options of `trochoid stability`.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "\
+What is measured comes from runs of the code that makes pictures, and from powers of its step in f64: some seconds for \
+each node. If a measurement contradicts its prediction, the exit code is 1.
+
+Examples:
+  trochoid stability -o map.png
+  trochoid stability storm.json
+  trochoid stability storm.json --set sea.c1=0.9 --set sea.c2=0.05 -o maps
+  trochoid stability --json")]
+pub(crate) struct Args {
+    /// The document [default: a ToonSea as it is by default]
+    #[arg(value_name = "GRAPH")]
+    graph: Option<PathBuf>,
+    /// Write the map of each recurrence's coefficients: to a .png where there is one, else into a folder
+    #[arg(short, long, value_name = "PATH")]
+    out: Option<PathBuf>,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+    /// The frame at which keyed knobs are taken [default: the first]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    frame: Option<i64>,
+    /// Set a knob or port; VALUE is JSON or a bare word, such as storm.height=3
+    #[arg(long, value_name = "NODE.KNOB=VALUE")]
+    set: Vec<String>,
+}
+
+/// What is looked at where no document is named.
+const DEFAULT: &str = r#"{
+  "trochoid": 1, "format": { "width": 16, "height": 16 },
+  "nodes": {
+    "sea": { "type": "ToonSea", "bursts": [{ "path": [1, 1, 1, 2, 2, 2, 2, 1] }] },
+    "bake": { "type": "Bake", "sea": "sea" }
+  },
+  "outputs": { "height": { "field": "bake.height" } }
+}"#;
+
+/// Looks at every node that time moves.
+///
+/// # Errors
+/// The document is invalid or cannot be read, a map cannot be written, or a measurement contradicts its prediction.
+pub(crate) fn run(args: &Args) -> Result<(), Failure> {
+    let Loaded { graph, warnings } = match &args.graph {
+        Some(path) => trochoid::load(path, &args.set)?,
+        None => trochoid::parse("the default ToonSea", DEFAULT, Path::new("."), &args.set)?,
+    };
+    shell::tell(&warnings.iter().map(Diagnostic::to_string).collect::<Vec<_>>());
+    if let Some(out) = &args.out {
+        let first = if is_png(out) { out.clone() } else { out.join("map.png") };
+        check_destination(&first)?;
+    }
+    let found = trochoid::stability(&graph, args.frame.unwrap_or(graph.frames().0));
+    let maps = write_maps(args, &graph, &found)?;
+    if args.json {
+        shell::print_json(&to_json(&graph, &found, &maps))?;
+    } else {
+        shell::print(&text::report(&graph, &found, &maps))?;
+    }
+    let contradicted = |(id, report): &(NodeId, Stability)| {
+        let name = &graph.node(*id).name;
+        let wrong = report.figures.iter().filter(|figure| figure.holds() == Some(false));
+        wrong.map(|figure| contradiction(name, figure)).collect::<Vec<_>>()
+    };
+    Failure::all(found.iter().flat_map(contradicted))
+}
+
+fn contradiction(name: &str, figure: &Figure) -> Failure {
+    let number = |number: Option<f64>| number.map_or("nothing".into(), text::number);
+    let (measured, predicted) = (number(figure.measured), number(figure.predicted));
+    Failure::new(FAILED, format!("node \"{name}\", {}: measured {measured}; predicted {predicted}", figure.name.trim()))
+}
+
+fn is_png(path: &Path) -> bool {
+    path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("png"))
+}
+
+/// Writes the map of each node that has one, and says where.
+fn write_maps(
+    args: &Args,
+    graph: &CheckedGraph,
+    found: &[(NodeId, Stability)],
+) -> Result<Vec<(NodeId, PathBuf)>, Failure> {
+    let Some(out) = &args.out else { return Ok(Vec::new()) };
+    let mapped: Vec<_> = found.iter().filter_map(|(id, report)| Some((*id, report.map.as_ref()?))).collect();
+    if is_png(out) && mapped.len() != 1 {
+        let message = format!("--out {}: found {} nodes with a map; expected one", out.display(), mapped.len());
+        let remedy = match mapped.len() {
+            0 => "leave --out away: only the recurrence of a ToonSea has a map",
+            _ => "name a folder, into which all maps go",
+        };
+        return Err(Failure::usage(message, remedy));
+    }
+    let mut written = Vec::new();
+    for (id, map) in mapped {
+        let name = &graph.node(id).name;
+        let path = if is_png(out) { out.clone() } else { out.join(format!("{name}.png")) };
+        map::write(&path, name, map).map_err(|error| Failure::new(FAILED, error))?;
+        written.push((id, path));
+    }
+    Ok(written)
+}
+
+fn to_json(graph: &CheckedGraph, found: &[(NodeId, Stability)], maps: &[(NodeId, PathBuf)]) -> Value {
+    let nodes = found.iter().map(|(id, report)| {
+        let figures = report.figures.iter().map(|figure| {
+            json!({
+                "figure": figure.key,
+                "unit": figure.unit,
+                "predicted": json_number(figure.predicted),
+                "measured": json_number(figure.measured),
+                "holds": figure.holds(),
+                "note": figure.note,
+            })
+        });
+        let map = maps.iter().find(|(mapped, _)| mapped == id).map(|(_, path)| path.display().to_string());
+        let region =
+            report.map.as_ref().map(|map| json!({ "axes": map.axes, "point": map.point, "region": map.region }));
+        json!({
+            "node": graph.node(*id).name,
+            "type": graph.node(*id).ty.declaration().name,
+            "verdict": report.verdict.name(),
+            "says": report.says,
+            "figures": figures.collect::<Vec<_>>(),
+            "plane": region,
+            "map": map,
+        })
+    });
+    json!({ "document": graph.name(), "nodes": nodes.collect::<Vec<_>>() })
+}
+
+/// JSON knows no infinity.
+fn json_number(number: Option<f64>) -> Value {
+    match number {
+        Some(number) if number.is_finite() => json!(number),
+        Some(number) => json!(number.to_string()),
+        None => Value::Null,
+    }
+}

@@ -1,0 +1,65 @@
+//! `trochoid stability`.
+
+use crate::scene::{SCENE, Scene};
+
+/// A small sea, so that the test is quick.
+const SMALL: [&str; 4] = ["--set", "sea.columns=24", "--set", "sea.rows=20"];
+
+fn arguments<'a>(more: &[&'a str]) -> Vec<&'a str> {
+    [&["stability"], &SMALL[..], more].concat()
+}
+
+#[test]
+fn the_default_sea_is_stable_and_drawn() {
+    let scene = Scene::new(SCENE);
+    let run = scene.run(&arguments(&["-o", "maps/sea.png"])).code(0).says(&[
+        "sea (ToonSea): stable",
+        "the slowest loses half in 9.02",
+        "What would break it: c1 outside",
+        "predicted    measured",
+        "0.92604     0.92604 = 2³⁰ steps in f64, 8 × 8 cells",
+        "map: maps/sea.png",
+    ]);
+    assert!(run.out.lines().all(|line| line.chars().count() <= 100), "{}", run.out);
+    assert!(!run.out.contains('≠'), "{}", run.out);
+    scene.run(&["info", "maps/sea.png"]).code(0).says(&["1200 × 1000 pixels"]);
+    let json = scene.run(&arguments(&["--json", "--set", "sea.mode=physical"])).code(0).json();
+    let sea = &json["nodes"][0];
+    assert_eq!((sea["node"].as_str(), sea["verdict"].as_str()), (Some("sea"), Some("stable")));
+    let figures = sea["figures"].as_array().unwrap();
+    assert!(figures.len() > 8 && figures.iter().all(|figure| figure["holds"] != false), "{json:#}");
+    // What has no coefficients has no map.
+    let none = arguments(&["-o", "a.png", "--set", "sea.mode=physical"]);
+    scene.run(&none).fails(2, &["found 0 nodes with a map; expected one", "leave --out away"]);
+}
+
+#[test]
+fn an_unstable_sea_is_refused_with_what_would_be_stable() {
+    let scene = Scene::new(SCENE);
+    let run = arguments(&["--set", "sea.mode=literal", "--set", "sea.c1=0.9", "--set", "sea.c2=-0.5"]);
+    scene.run(&run).fails(2, &["grows by 1.77", "set \"c1\" ", "the nearest that are stable", "\"mode\" \"physical\""]);
+}
+
+#[test]
+fn graphs_are_looked_at_node_by_node() {
+    let scene = Scene::new(SCENE);
+    scene.run(&["stability", "a.json"]).code(0).says(&["no node depends on time"]);
+    let seas = r#"{ "trochoid": 1, "format": { "width": 8, "height": 8 }, "nodes": {
+        "camera": { "type": "Camera" }, "sun": { "type": "Light" },
+        "storm": { "type": "GerstnerSea", "count": 40, "sharpness": 0.3 },
+        "ripples": { "type": "RippleSea" },
+        "view": { "type": "Render", "camera": "camera", "surfaces": ["storm", "ripples"] },
+        "spray": { "type": "Spray", "view": "view", "sea": "storm" } },
+        "outputs": { "spray": { "weights": "spray.alpha" }, "seen": { "weights": "view.coverage" } } }"#;
+    let seas = Scene::new(seas);
+    let run = seas.run(&["stability", "a.json"]).code(0).says(&[
+        "storm (GerstnerSea): closed form",
+        "ripples (RippleSea): closed form",
+        "spray (Spray): closed form",
+        "greatest error of a phase, turns",
+        "least det J",
+        "Nothing folds",
+    ]);
+    assert!(run.out.lines().all(|line| line.chars().count() <= 100), "{}", run.out);
+    seas.run(&["stability", "a.json", "-o", "maps"]).code(0);
+}
