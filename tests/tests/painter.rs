@@ -162,6 +162,25 @@ fn a_layers_density_is_that_of_the_port() {
 }
 
 #[test]
+fn a_draft_has_the_strokes_of_the_whole_picture() {
+    let strokes = |height: &str, figures: [f64; 4]| {
+        let [length, width, spacing, stray] = figures;
+        let nodes = format!(
+            r##""x": {{ "type": "ScreenX" }}, "t": {{ "type": "Clamp", "field": "x", "min": 0, "max": 1 }},
+            "image": {{ "type": "Mix", "a": "#102030", "b": "#f0c080", "weight": "t" }},
+            "painted": {{ "type": "Strokes", "image": "image", {height} "layers": [
+              {{ "length": {length}, "width": {width}, "spacing": {spacing}, "stray": {stray} }}] }}"##
+        );
+        let graph = graph(FORMAT, &nodes, r#""painted": { "color": "painted" }"#);
+        all_bits(&evaluate(&graph, 1, &Buffers::new(), &settings(|_| ())))
+    };
+    let own = strokes("", [12.0, 4.0, 5.0, 1.0]);
+    assert_eq!(own, strokes(r#""height": 40,"#, [12.0, 4.0, 5.0, 1.0]));
+    assert_eq!(own, strokes(r#""height": 160,"#, [48.0, 16.0, 20.0, 4.0]));
+    assert_ne!(own, strokes(r#""height": 160,"#, [12.0, 4.0, 5.0, 1.0]));
+}
+
+#[test]
 fn no_stroke_that_keeps_to_edges_crosses_one() {
     // Sea and sky of one color each: whatever keeps to its side changes nothing.
     let kept = sea(["[1, 0, 0]", "[1, 0, 0]", "[0, 0, 1]"], 0.0);

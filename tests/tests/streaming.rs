@@ -3,7 +3,8 @@
 
 use crate::support::{all_bits, evaluate, graph_in, settings, state, write_exr};
 use std::path::Path;
-use trochoid::{Buffers, Cache, CheckedGraph, EvalError, Plan, Silent, State, Window};
+use std::sync::Mutex;
+use trochoid::{Buffers, Cache, CheckedGraph, EvalError, Plan, Silent, Sink, State, Window};
 
 const SIZE: (u32, u32) = (37, 83);
 
@@ -163,6 +164,53 @@ fn a_cache_obeys_its_limit() {
             let cached = ["a", "b"].map(|name| *state(&frame, name) == State::Cached);
             assert_eq!(cached, expected, "run {run} with {limit} bytes");
             assert_eq!(cache.bytes(), kept, "run {run} with {limit} bytes");
+        }
+    }
+}
+
+/// Takes bands of sixteen rows, as compressed files do.
+struct Collected(Mutex<Vec<Vec<f32>>>);
+
+impl Sink for Collected {
+    fn rows(&self) -> usize {
+        16
+    }
+
+    fn take(&self, band: Window, rows: &[Vec<&[f32]>]) -> Result<(), EvalError> {
+        let mut planes = self.0.lock().unwrap();
+        let channels: Vec<&[f32]> = rows.iter().flatten().copied().collect();
+        planes.resize(channels.len(), vec![f32::NAN; (SIZE.0 * SIZE.1) as usize]);
+        for (plane, channel) in planes.iter_mut().zip(channels) {
+            plane[band.y0 as usize * SIZE.0 as usize..][..channel.len()].copy_from_slice(channel);
+        }
+        Ok(())
+    }
+}
+
+#[test]
+fn bands_of_a_sink_hold_every_row_however_high_tiles_are() {
+    let folder = tempfile::tempdir().unwrap();
+    write(folder.path(), None);
+    for size in [1, 5, 9, 30] {
+        let text = format!(
+            r#"{{ "trochoid": 1, "format": {{ "width": {}, "height": {} }}, "nodes": {{
+            "image": {{ "type": "Read", "file": "a.exr", "as": "color" }},
+            "across": {{ "type": "ScreenX" }}, "sure": {{ "type": "Clamp", "field": "across", "min": 0, "max": 1 }},
+            "plain": {{ "type": "Mix", "a": "image", "b": [1, 1, 1], "weight": "sure" }},
+            "out": {{ "type": "Blur", "image": "plain", "size": {size} }} }}, "outputs": {{ "out": {{ "color": "out" }} }} }}"#,
+            SIZE.0, SIZE.1
+        );
+        let graph = graph_in(folder.path(), &text);
+        let whole = evaluate(&graph, 1, &Buffers::new(), &settings(|s| s.tile = Some((1 << 20, 1 << 20))));
+        for (threads, tile) in [(1, None), (2, None), (3, None), (5, None), (2, Some((7, 5))), (3, Some((64, 24)))] {
+            let settings = settings(|s| (s.threads, s.tile) = (threads, tile));
+            let plan = Plan::new(&graph, &[], 1, &[], &settings).unwrap();
+            let sink = Collected(Mutex::default());
+            plan.evaluate_to(&sink, &Buffers::new(), &mut Cache::new(), &Silent).unwrap();
+            let found = sink.0.into_inner().unwrap();
+            for (found, whole) in found.iter().zip(&whole.pictures[0].planes) {
+                assert!(found == whole.samples(), "a blur of {size} pixels, {threads} threads, tiles of {tile:?}");
+            }
         }
     }
 }

@@ -278,7 +278,7 @@ impl Plan<'_> {
         judges: &[Option<Arc<Judge>>],
         monitor: &dyn Monitor,
     ) -> Result<Tally, EvalError> {
-        let (width, height) = self.tile(ready);
+        let (width, _) = self.tile(ready);
         let total = bands.count() * self.window.width().div_ceil(width);
         let done = AtomicUsize::new(0);
         let tally = Mutex::new(Tally::default());
@@ -288,7 +288,7 @@ impl Plan<'_> {
             let mut chunks = Chunks::of(self.passes.iter().flat_map(programs));
             let mut worker = Worker::new(self, ready, buffers, judges, monitor, chunks.all());
             let mut band = |window: Window, rows: &mut Rows<'_>| {
-                for tile in window.tiles(width, height) {
+                for tile in window.tiles(width, window.height()) {
                     if monitor.cancelled() {
                         return Err(EvalError::Cancelled);
                     }

@@ -11,6 +11,7 @@ use std::collections::{HashMap, HashSet};
 use trochoid_graph::{
     ChannelSet, Kind, NodeId, Op, Program, Rate, Settled, Slot, Source, Stage, Variance, ViewChannel,
 };
+use trochoid_image::Shading;
 
 /// What stages are to fill.
 #[derive(Default)]
@@ -54,7 +55,7 @@ impl Scheduler<'_, '_, '_> {
                 }
             }
         }
-        let sharing = offsets.len() > 1;
+        let sharing = offsets.len() > 1 && graph.format().shading() == Shading::Pixel;
         let mut fills: Vec<Fill> = Vec::new();
         for &id in graph.order().iter().rev() {
             if self.planner.bound[id.0] {
@@ -227,7 +228,8 @@ impl Scheduler<'_, '_, '_> {
 
     /// How far the stages of a pass reach beyond what is asked of it, across and down.
     fn halo(&self, fills: &[Fill]) -> (usize, usize) {
-        let picture = self.planner.graph.format().window();
+        let format = self.planner.graph.format();
+        let picture = format.window();
         let max = |a: (usize, usize), b: (usize, usize)| (a.0.max(b.0), a.1.max(b.1));
         let mut largest = (0, 0);
         let mut beyond: HashMap<NodeId, (usize, usize)> = HashMap::new();
@@ -239,7 +241,7 @@ impl Scheduler<'_, '_, '_> {
             let own = beyond.get(&fill.node).copied().unwrap_or_default();
             let mut taps = own;
             for (port, connections) in &fill.inputs {
-                let asked = stage.regions_of_interest(settled, port, picture);
+                let asked = stage.regions_of_interest(settled, port, picture, format);
                 let grown = |before: i64, after: i64, most: usize| before.max(after).clamp(0, most as i64) as usize;
                 let reach = (
                     own.0 + grown(picture.x0 - asked.x0, asked.x1 - picture.x1, picture.width()),
@@ -327,14 +329,20 @@ impl Scheduler<'_, '_, '_> {
 /// Leaves a view what every sample needs, and gives the rest: channels that samples share which see the same surface.
 fn split(view: &mut Fill, apart: &HashSet<Slot>) -> Option<Fill> {
     let mut rest = view.clone();
+    let tells = TELLING.map(|channel| Slot { node: view.node, output: 0, channel: channel as usize });
     for (output, channels) in view.wanted.iter_mut().enumerate() {
         for (channel, wanted) in channels.iter_mut().enumerate() {
             let slot = Slot { node: view.node, output, channel };
-            let is_rest = *wanted && !apart.contains(&slot);
+            let is_rest = *wanted && !apart.contains(&slot) && !tells.contains(&slot);
             rest.wanted[output][channel] = is_rest;
             *wanted &= !is_rest;
         }
     }
+    if !rest.wanted.iter().flatten().any(|wanted| *wanted) {
+        return None;
+    }
+    // What is shared is told by what every sample has.
+    tells.iter().for_each(|slot| view.wanted[slot.output][slot.channel] = true);
     rest.shared = Some(vec![view.node]);
-    rest.wanted.iter().flatten().any(|wanted| *wanted).then_some(rest)
+    Some(rest)
 }

@@ -138,8 +138,8 @@ pub trait Stage {
     ///
     /// A larger window must not need less, and it must grow by as much wherever it lies. May reach beyond the picture:
     /// engines clamp it to where the image lies, see [`Prepared::data_window`].
-    fn regions_of_interest(&self, node: &Settled, port: &str, window: Window) -> Window {
-        let _ = (node, port);
+    fn regions_of_interest(&self, node: &Settled, port: &str, window: Window, format: Format) -> Window {
+        let _ = (node, port, format);
         window
     }
 

@@ -158,6 +158,7 @@ impl<'p> Fills<'p> {
 
     /// Decides every stage's window, from the program backwards.
     fn place(&mut self, tile: Window) {
+        let format = self.plan.graph.format();
         self.tile = tile;
         for state in &mut self.fills {
             state.window = if state.fill.read { tile } else { Window::default() };
@@ -181,7 +182,7 @@ impl<'p> Fills<'p> {
                 TELLING.iter().for_each(|channel| need(&telling(*view, *channel), state.window));
             }
             for ((port, connections), images) in state.fill.inputs.iter().zip(&mut state.images) {
-                let asked = stage.regions_of_interest(settled, port, own);
+                let asked = stage.regions_of_interest(settled, port, own, format);
                 for (feeds, image) in connections.iter().zip(images) {
                     image.region = clamped(asked, image.extent);
                     for feed in feeds {

@@ -4,7 +4,7 @@ use super::nodes::{Gate, Mix, Slope, declare};
 use crate::{Buffers, Cache, Frame, Plan, ReferenceFrame, Settings, Silent, Switches};
 use std::path::Path;
 use trochoid_graph::*;
-use trochoid_image::Window;
+use trochoid_image::{Format, Window};
 
 /// A blend of each pixel with those two to the left and to the right of it: a quarter, a half, a quarter.
 struct Smear;
@@ -28,7 +28,7 @@ macro_rules! filter {
         }
 
         impl Stage for $ty {
-            fn regions_of_interest(&self, _node: &Settled, _port: &str, window: Window) -> Window {
+            fn regions_of_interest(&self, _node: &Settled, _port: &str, window: Window, _format: Format) -> Window {
                 Window { x0: window.x0 - 2, x1: window.x1 + 2, ..window }
             }
             fn prepare(&self, node: &Settled, _prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {

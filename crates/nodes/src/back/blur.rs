@@ -71,7 +71,7 @@ fn sizes(node: &Settled) -> [f64; 2] {
 }
 
 impl Stage for Blur {
-    fn regions_of_interest(&self, node: &Settled, _port: &str, window: Window) -> Window {
+    fn regions_of_interest(&self, node: &Settled, _port: &str, window: Window, _format: Format) -> Window {
         let [across, down] = sizes(node).map(|size| shape(node).radius(size));
         Window::new(window.x0 - across, window.y0 - down, window.x1 + across, window.y1 + down)
     }

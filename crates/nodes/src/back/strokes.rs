@@ -45,6 +45,17 @@ static DECLARATION: Declaration = Declaration {
         Port::optional("density", Accepts::Mask, "Share of the strokes at a place."),
         Port::optional("detail", Accepts::Mask, "Where 1, the last layer alone paints."),
         List::of("layers", LAYERS, 1, 8, "Layers, the coarsest first."),
+        Knob::integer(
+            "height",
+            1080,
+            1,
+            1 << 20,
+            "Of a picture of this height the layers' pixels are meant, whatever the format: a draft at half the size has the \
+             same strokes. The picture's own pixels if unset.",
+        )
+        .optional()
+        .unit("pixels")
+        .item(),
         Knob::choice("anchor", &["rest", "screen"], "What seeds are fixed to: the surface at rest, or the picture.")
             .item(),
         Knob::number("edge", 0.12, 1e-3, 1e3, "The least jump of depth that is an edge, as a share of the depth.")
@@ -77,7 +88,7 @@ impl NodeType for Strokes {
             strokes * (STROKE + COVERED * 0.56 * 4.0 * layer.half[0] * layer.half[1])
         };
         let samples = format.window().area() as f64 * f64::from(format.samples());
-        let seconds = samples * (SAMPLE + layers(node).iter().map(layer).sum::<f64>());
+        let seconds = samples * (SAMPLE + layers(node, format).iter().map(layer).sum::<f64>());
         let remedy = "raise \"spacing\", or lower \"length\" and \"width\": each place is painted \
                       length · width / spacing² times; or have fewer samples or pixels";
         Some(Work { seconds, item: "layers", remedy })
@@ -98,13 +109,13 @@ impl Stage for Strokes {
         ChannelSet::of(&[ViewChannel::Depth, ViewChannel::Surface])
     }
 
-    fn regions_of_interest(&self, node: &Settled, _port: &str, window: Window) -> Window {
-        let by = reach(&layers(node)) + MARGIN + 1 + STRIDES[1];
+    fn regions_of_interest(&self, node: &Settled, _port: &str, window: Window, format: Format) -> Window {
+        let by = reach(&layers(node, format)) + MARGIN + 1 + STRIDES[1];
         Window::new(window.x0 - by, window.y0 - by, window.x1 + by, window.y1 + by)
     }
 
     fn prepare(&self, node: &Settled, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
-        let layers = layers(node);
+        let layers = layers(node, prepare.frame.format);
         Ok(Box::new(Painting {
             node: node.clone(),
             kind: kind(prepare),

@@ -2,7 +2,7 @@
 
 use crate::filter_support::{blended, fill, kind, mean, numbers, value, weights};
 use trochoid_graph::*;
-use trochoid_image::Window;
+use trochoid_image::{Format, Window};
 
 pub(crate) static NODE: &dyn NodeType = &Warp;
 
@@ -43,7 +43,7 @@ impl NodeType for Warp {
 }
 
 impl Stage for Warp {
-    fn regions_of_interest(&self, node: &Settled, port: &str, window: Window) -> Window {
+    fn regions_of_interest(&self, node: &Settled, port: &str, window: Window, _format: Format) -> Window {
         let reach = if port == "image" { node.number("reach").ceil() as i64 } else { 0 };
         Window::new(window.x0 - reach, window.y0 - reach, window.x1 + reach, window.y1 + reach)
     }

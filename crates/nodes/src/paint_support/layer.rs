@@ -1,6 +1,7 @@
 //! Layers of strokes, as a document lists them.
 
 use trochoid_graph::{Item, Knob, Settled};
+use trochoid_image::Format;
 
 /// Knobs of a layer.
 pub(crate) const LAYERS: &[Item] = &[
@@ -53,22 +54,27 @@ impl Layer {
     }
 }
 
+/// How near strokes may stand, in pixels of the picture.
+const LEAST: f64 = 1.5;
+
 /// Sides of patches in which seeds are looked for, in pixels.
 pub(crate) const STRIDES: [i64; 2] = [1, 2];
 
-/// The layers of a node, the lowest first.
-pub(crate) fn layers(node: &Settled) -> Vec<Layer> {
+/// The layers of a node, the lowest first, in pixels of a format.
+pub(crate) fn layers(node: &Settled, format: Format) -> Vec<Layer> {
     let list = node.list("layers");
+    let meant = if node.is_set("height") { node.integer("height") as f64 } else { f64::from(format.height()) };
+    let scale = f64::from(format.height()) / meant;
     let base = super::key(0x7374_726f_6b65, node.integer("seed"));
     list.iter()
         .enumerate()
         .map(|(index, layer)| Layer {
-            half: ["length", "width"].map(|knob| layer.number(knob) / 2.0),
-            spacing: layer.number("spacing"),
+            half: ["length", "width"].map(|knob| layer.number(knob) / 2.0 * scale),
+            spacing: (layer.number("spacing") * scale).max(LEAST),
             density: layer.number("density"),
             opacity: layer.number("opacity"),
             turn: layer.number("turn").to_radians(),
-            stray: layer.number("stray"),
+            stray: layer.number("stray") * scale,
             bristle: layer.number("bristle"),
             is_last: index + 1 == list.len(),
             key: super::key(base, index as i64),

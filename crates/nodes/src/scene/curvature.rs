@@ -2,7 +2,7 @@
 
 use crate::scene_support::{Around, NORMAL, POSITION, change, grown, surface_of, view_planes, view_vector};
 use trochoid_graph::*;
-use trochoid_image::Window;
+use trochoid_image::{Format, Window};
 use trochoid_scene::DVec3;
 
 pub(crate) static NODE: &dyn NodeType = &Curvature;
@@ -47,7 +47,7 @@ impl Stage for Curvature {
         ViewChannel::Surface.into()
     }
 
-    fn regions_of_interest(&self, node: &Settled, _port: &str, window: Window) -> Window {
+    fn regions_of_interest(&self, node: &Settled, _port: &str, window: Window, _format: Format) -> Window {
         grown(window, node.integer("reach"))
     }
 

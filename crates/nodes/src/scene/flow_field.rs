@@ -4,7 +4,7 @@ use crate::filter_support::{Kernel, Shape, filter};
 use crate::front_support::{Axes, Noise, NoiseKind, Screen, noise_reference};
 use crate::scene_support::{NORMAL, POSITION, eye, grown};
 use trochoid_graph::*;
-use trochoid_image::Window;
+use trochoid_image::{Format, Window};
 use trochoid_scene::{DVec3, Projector};
 
 pub(crate) static NODE: &dyn NodeType = &FlowField;
@@ -106,7 +106,7 @@ impl Stage for FlowField {
         Some(if output == 1 { (0.0, 1.0) } else { (-1.0, 1.0) })
     }
 
-    fn regions_of_interest(&self, node: &Settled, port: &str, window: Window) -> Window {
+    fn regions_of_interest(&self, node: &Settled, port: &str, window: Window, _format: Format) -> Window {
         let (shape, size) = shape(node);
         let difference = if port == "field" { 1 } else { 0 };
         grown(window, shape.radius(size) + difference)

@@ -4,7 +4,7 @@ use crate::filter_support::numbers;
 use crate::paint_support::{draw, key};
 use crate::scene_support::grown;
 use trochoid_graph::*;
-use trochoid_image::Window;
+use trochoid_image::{Format, Window};
 
 pub(crate) static NODE: &dyn NodeType = &LineSet;
 
@@ -84,7 +84,7 @@ impl Stage for LineSet {
         Some((0.0, if output < node.numbers("widths").len() { 1.0 } else { 0.0 }))
     }
 
-    fn regions_of_interest(&self, _node: &Settled, port: &str, window: Window) -> Window {
+    fn regions_of_interest(&self, _node: &Settled, port: &str, window: Window, _format: Format) -> Window {
         if port == "place" { grown(window, 1) } else { window }
     }
 

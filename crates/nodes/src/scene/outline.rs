@@ -2,7 +2,7 @@
 
 use crate::scene_support::{Around, grown, surface_of};
 use trochoid_graph::*;
-use trochoid_image::Window;
+use trochoid_image::{Format, Window};
 
 pub(crate) static NODE: &dyn NodeType = &Outline;
 
@@ -94,7 +94,7 @@ impl Stage for Outline {
         Some((0.0, 1.0))
     }
 
-    fn regions_of_interest(&self, node: &Settled, port: &str, window: Window) -> Window {
+    fn regions_of_interest(&self, node: &Settled, port: &str, window: Window, _format: Format) -> Window {
         // An owner's edge, and the slope beyond it.
         if port == "view" { grown(window, reach(node.number("width")) + 2) } else { window }
     }

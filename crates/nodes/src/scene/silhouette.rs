@@ -5,7 +5,7 @@ use crate::scene_support::{
     view_vector,
 };
 use trochoid_graph::*;
-use trochoid_image::Window;
+use trochoid_image::{Format, Window};
 use trochoid_scene::Projector;
 use trochoid_scene::shading::unit_or_up;
 
@@ -64,7 +64,7 @@ impl Stage for Silhouette {
         Some((0.0, 1.0))
     }
 
-    fn regions_of_interest(&self, node: &Settled, _port: &str, window: Window) -> Window {
+    fn regions_of_interest(&self, node: &Settled, _port: &str, window: Window, _format: Format) -> Window {
         grown(window, i64::from(node.is_set("width")))
     }
 

@@ -2,7 +2,7 @@
 
 use crate::scene_support::{Around, check_trails, grown, is_covered};
 use trochoid_graph::*;
-use trochoid_image::Window;
+use trochoid_image::{Format, Window};
 use trochoid_sea::toon::LineRow;
 use trochoid_sea::toon::lines::{Lines, Place, density};
 
@@ -87,7 +87,7 @@ impl Stage for DriftLines {
         ChannelSet::of(&phase(node)).union(ChannelSet::of(&always))
     }
 
-    fn regions_of_interest(&self, _node: &Settled, _port: &str, window: Window) -> Window {
+    fn regions_of_interest(&self, _node: &Settled, _port: &str, window: Window, _format: Format) -> Window {
         grown(window, 1)
     }
 
