@@ -57,13 +57,16 @@ impl Tally {
     }
 }
 
+/// For how much of a band a thread idles at the end of a picture, on average.
+const IDLE: f64 = 0.3;
+
 /// Into how many bands to divide a picture, at least so many, for threads that share them: few, since each computes
-/// `halo` more rows at both ends; many, since at the end of the picture a thread idles for half a band on average.
+/// `halo` more rows at both ends; many, since bands differ, and at the end of the picture threads idle.
 fn divided(height: usize, least: usize, halo: usize, threads: usize) -> usize {
     let least = least.max(1);
     let rows = |bands: usize| {
         let band = height as f64 / bands as f64 + 2.0 * halo as f64;
-        (bands as f64 / threads as f64 + 0.5) * band
+        ((bands as f64 / threads as f64).max(1.0) + IDLE) * band
     };
     let most = least.max(2 * threads).min(height.max(1));
     (least..=most).min_by(|a, b| rows(*a).total_cmp(&rows(*b))).unwrap_or(least)
@@ -197,16 +200,22 @@ impl Plan<'_> {
         let bands = fills().filter_map(|fill| ready.get(&fill.node)?.prepared.rows_per_band()).max();
         let in_place = fills().all(|fill| self.bound[fill.node.0] || fill.variance <= Variance::Column);
         let (across, down) = self.halo();
+        let (width, height) = (self.window.width(), self.window.height());
+        // How high bands are that reach beyond themselves, for at least so many rows of their own.
+        let band = |least: usize| {
+            height.div_ceil(divided(height, height / TILE.1.max(least), down, rayon::current_num_threads()))
+        };
         match bands {
             // Whole rows, so that every block of a file is decoded once.
-            Some(rows) => (self.window.width(), TILE.1.max(4 * down).next_multiple_of(rows.max(1))),
+            Some(rows) => {
+                let height = if down == 0 { TILE.1 } else { band(4 * down) };
+                (width, height.next_multiple_of(rows.max(1)))
+            }
             None if in_place && across + down == 0 => (self.window.width(), TILE.1),
             // Tiles that are large against what they share with their neighbors, and wide: threads share the bands.
             None => {
-                let (width, height) = (self.window.width(), self.window.height());
                 let columns = (width / TILE.0.max(12 * across)).max(1);
-                let rows = divided(height, height / TILE.1.max(6 * down), down, rayon::current_num_threads());
-                (width.div_ceil(columns), height.div_ceil(rows))
+                (width.div_ceil(columns), band(6 * down))
             }
         }
     }
