@@ -109,6 +109,8 @@ pub(crate) struct Pass {
     /// How far beyond a tile, across and down, its stages reach: the sum along the longest chain of filters. Tiles that
     /// are small against it compute most samples several times.
     pub(crate) halo: (usize, usize),
+    /// Whether samples of a pixel share.
+    pub(crate) sharing: bool,
     pub(crate) program: Compiled,
     /// The outputs that the program's roots belong to: output of the plan, first channel.
     pub(crate) roots: Vec<(usize, usize)>,

@@ -136,20 +136,23 @@ impl Evaluation<'_, '_> {
         }
     }
 
-    /// The first sample of the pixel, where the one at a place takes a stage's results from there.
-    fn shares(&self, id: NodeId, at: [f64; 2]) -> Result<Option<[f64; 2]>, EvalError> {
-        let plan = &self.frame.plan;
-        let Some(views) = &plan.shared[id.0] else { return Ok(None) };
-        let format = plan.graph.format();
+    /// The first sample of the pixel in which a sample stands, where the document shades by the pixel.
+    fn first(&self, at: [f64; 2]) -> Option<[f64; 2]> {
+        let format = self.frame.plan.graph.format();
         let pixel = at.map(f64::floor);
         let place = |sample: u32| {
             let offset = format.sample_offset(sample);
             [pixel[0] + offset[0], pixel[1] + offset[1]]
         };
         // Of fields only the center is asked, which is no sample.
-        if !(1..format.samples()).any(|sample| place(sample) == at) {
-            return Ok(None);
-        }
+        let is_sample = format.samples() > 1 && (0..format.samples()).any(|sample| place(sample) == at);
+        (is_sample && format.shading() == Shading::Pixel).then(|| place(0))
+    }
+
+    /// The first sample of the pixel, where the one at a place takes a stage's results from there.
+    fn shares(&self, id: NodeId, at: [f64; 2]) -> Result<Option<[f64; 2]>, EvalError> {
+        let Some(views) = &self.frame.plan.shared[id.0] else { return Ok(None) };
+        let Some(first) = self.first(at).filter(|first| *first != at) else { return Ok(None) };
         for view in views {
             let told = |at: [f64; 2]| {
                 self.output(*view, 0, at).map(|told| match told {
@@ -160,11 +163,11 @@ impl Evaluation<'_, '_> {
                     _ => unreachable!("stages share by views"),
                 })
             };
-            if !Shading::is_shared(told(place(0))?, told(at)?) {
+            if !Shading::is_shared(told(first)?, told(at)?) {
                 return Ok(None);
             }
         }
-        Ok(Some(place(0)))
+        Ok(Some(first))
     }
 
     fn node(&self, id: NodeId, at: [f64; 2]) -> Result<Vec<Reference>, EvalError> {
@@ -186,7 +189,7 @@ impl Evaluation<'_, '_> {
             }
             _ => unreachable!("literals are read where they stand"),
         };
-        let inputs = References::new(&plan.context, at, &inputs);
+        let inputs = References::new(&plan.context, at, &inputs).with_first(self.first(at).unwrap_or(at));
         let outputs = match node.ty.body() {
             Body::Pointwise(pointwise) => Ok(vec![pointwise.reference(settled, &inputs)]),
             Body::Stage(_) => match self.frame.ready.get(&id) {

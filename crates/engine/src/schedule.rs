@@ -91,7 +91,7 @@ impl Scheduler<'_, '_, '_> {
                 owners.push((member, channel));
             }
         }
-        Pass { offsets, fills, halo, program, roots: owners }
+        Pass { offsets, fills, halo, sharing, program, roots: owners }
     }
 
     /// Marks what `needed` operations load.

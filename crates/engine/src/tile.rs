@@ -66,7 +66,7 @@ impl<'p> Worker<'p> {
             .map(|pass| PassState {
                 pass,
                 machine: Machine::new(&pass.program, &mut chunks),
-                fills: Fills::new(plan, ready, buffers, &pass.fills, monitor, &mut chunks),
+                fills: Fills::new(plan, ready, buffers, (&pass.fills, pass.sharing), monitor, &mut chunks),
                 sums: vec![Vec::new(); channel_count(pass)],
                 rows: vec![Vec::new(); channel_count(pass)],
             })

@@ -196,6 +196,16 @@ pub trait Prepared: Send + Sync {
         None
     }
 
+    /// What can be found once for all samples of the pixels of a block, where the document shades by the pixel: asked with
+    /// what their first sample is given, and handed to [`Prepared::fill`] at each of them ([`Inputs::found`]).
+    ///
+    /// # Errors
+    /// As [`Prepared::fill`].
+    fn find(&self, block: &Block<'_>, inputs: &Inputs<'_>) -> Result<Option<Found>, NodeError> {
+        let _ = (block, inputs);
+        Ok(None)
+    }
+
     /// Fills the planes asked for over one block of samples.
     ///
     /// A filter sees each sample of the pixel apart: the samples of all pixels at one offset are an image to it.
@@ -224,6 +234,9 @@ pub trait Prepared: Send + Sync {
         0
     }
 }
+
+/// What a stage found once for several samples of a block's pixels.
+pub type Found = Arc<dyn Any + Send + Sync>;
 
 /// What a front-end node makes and another takes: a surface, a camera or a light.
 pub type Handle = Arc<dyn Any + Send + Sync>;

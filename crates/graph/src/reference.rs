@@ -26,6 +26,8 @@ pub struct References<'a> {
     pub frame: &'a FrameContext,
     /// The sample's place in the picture, in pixels.
     pub at: [f64; 2],
+    /// That of the pixel's first sample, where the document shades by the pixel; else its own.
+    first: [f64; 2],
     inputs: &'a Upstream<'a>,
 }
 
@@ -36,12 +38,25 @@ impl<'a> References<'a> {
     /// Made by the engine. `inputs` gives the values of everything that the node is connected to, at any place; beyond
     /// the extent of an image that of the nearest pixel within, at the same place in its pixel.
     pub fn new(frame: &'a FrameContext, at: [f64; 2], inputs: &'a Upstream<'a>) -> Self {
-        Self { frame, at, inputs }
+        Self { frame, at, first: at, inputs }
+    }
+
+    /// The same of a pixel whose first sample stands there.
+    #[must_use]
+    pub fn with_first(self, first: [f64; 2]) -> Self {
+        Self { first, ..self }
+    }
+
+    /// What the pixel's first sample is given, where the document shades by the pixel; else the same: what a stage finds
+    /// once for all samples, it finds there.
+    pub fn first(&self) -> Self {
+        Self { at: self.first, ..*self }
     }
 
     /// The same as the sample so many pixels away sees it: what a filter takes its inputs from.
     pub fn moved(&self, dx: f64, dy: f64) -> Self {
-        Self { at: [self.at[0] + dx, self.at[1] + dy], ..*self }
+        let moved = |at: [f64; 2]| [at[0] + dx, at[1] + dy];
+        Self { at: moved(self.at), first: moved(self.first), ..*self }
     }
 
     /// A connected or literal value, whatever its kind; a literal number counts as a mask.

@@ -1,6 +1,6 @@
 //! What stages are given, and what they fill.
 
-use crate::{FrameContext, Handle, Kind, NodeError, NodeId, Settled, Source, ViewChannel};
+use crate::{Found, FrameContext, Handle, Kind, NodeError, NodeId, Settled, Source, ViewChannel};
 use std::any::{Any, TypeId};
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError, Weak};
@@ -193,12 +193,24 @@ pub struct Connection<'a> {
 pub struct Inputs<'a> {
     ports: &'a [(&'static str, Vec<Connection<'a>>)],
     cancelled: &'a (dyn Fn() -> bool + Sync),
+    found: Option<&'a Found>,
 }
 
 impl<'a> Inputs<'a> {
     /// Made by the engine: for each port its connections.
     pub fn new(ports: &'a [(&'static str, Vec<Connection<'a>>)]) -> Self {
-        Self { ports, cancelled: &|| false }
+        Self { ports, cancelled: &|| false, found: None }
+    }
+
+    /// The same with what was found once for several samples.
+    #[must_use]
+    pub fn with_found(self, found: Option<&'a Found>) -> Self {
+        Self { found, ..self }
+    }
+
+    /// What the stage found once for several samples, where the document shades by the pixel.
+    pub fn found<T: Any>(&self) -> Option<&'a T> {
+        self.found?.downcast_ref()
     }
 
     /// The same with what tells whether the user has asked to stop.

@@ -15,7 +15,9 @@ use shared::{Apart, Kept, View, telling};
 use std::borrow::Cow;
 use std::collections::HashMap;
 use std::time::Instant;
-use trochoid_graph::{Block, Body, Connection, Inputs, NodeError, NodeId, Outputs, Settled, Slot, Stage, Variance};
+use trochoid_graph::{
+    Block, Body, Connection, Found, Inputs, NodeError, NodeId, Outputs, Settled, Slot, Stage, Variance,
+};
 use trochoid_image::Window;
 
 /// All stages of a pass, with their planes over the current tile.
@@ -33,6 +35,8 @@ pub(crate) struct Fills<'p> {
     apart: Vec<Apart>,
     /// The current tile.
     tile: Window,
+    /// Whether samples of a pixel share.
+    sharing: bool,
 }
 
 struct FillState<'p> {
@@ -53,6 +57,8 @@ struct FillState<'p> {
     tap_window: Window,
     /// What the planes hold of the first sample, where another does not share it now.
     kept: Kept,
+    /// What the stage found for all samples at the first one.
+    found: Option<Found>,
 }
 
 #[derive(Clone, Copy, Debug, Default)]
@@ -78,7 +84,7 @@ impl<'p> Fills<'p> {
         plan: &'p Plan<'p>,
         ready: &'p HashMap<NodeId, Ready>,
         buffers: &'p Buffers<'p>,
-        fills: &'p [Fill],
+        (fills, sharing): (&'p [Fill], bool),
         monitor: &'p dyn Monitor,
         chunks: &mut &'p mut [Chunk],
     ) -> Self {
@@ -112,9 +118,21 @@ impl<'p> Fills<'p> {
                 window: Window::default(),
                 tap_window: Window::default(),
                 kept: Kept::default(),
+                found: None,
             })
             .collect();
-        Self { plan, ready, buffers, monitor, fills, by_slot, views, apart: Vec::new(), tile: Window::default() }
+        Self {
+            plan,
+            ready,
+            buffers,
+            monitor,
+            fills,
+            by_slot,
+            views,
+            apart: Vec::new(),
+            tile: Window::default(),
+            sharing,
+        }
     }
 
     /// Fills every stage over what a tile needs of it, for a sample of the pixels by its number and offset; adds the time
@@ -137,7 +155,7 @@ impl<'p> Fills<'p> {
             let id = self.fills[index].fill.node;
             let filled = match &self.fills[index].fill.shared {
                 Some(views) if sample > 0 => self.stage_apart(index, views, offset),
-                _ => self.stage(index, offset).map(|()| self.look(index, sample)),
+                _ => self.stage(index, (sample, offset)).map(|()| self.look(index, sample)),
             };
             filled.map_err(|error| node_error(self.plan, id, error, self.monitor))?;
             seconds[id.0] += started.elapsed().as_secs_f64();
@@ -226,7 +244,7 @@ impl<'p> Fills<'p> {
     }
 
     /// Fills one stage's planes.
-    fn stage(&mut self, index: usize, offset: [f64; 2]) -> Result<(), NodeError> {
+    fn stage(&mut self, index: usize, (sample, offset): (usize, [f64; 2])) -> Result<(), NodeError> {
         if self.is_bound(self.fills[index].fill.node) {
             return Ok(());
         }
@@ -242,22 +260,24 @@ impl<'p> Fills<'p> {
             let state = &mut self.fills[index];
             (std::mem::take(&mut state.planes), state.taps.take())
         };
-        let filled = self.fill_into(index, offset, &mut planes, machine.as_mut());
+        let filled = self.fill_into(index, (sample, offset), &mut planes, machine.as_mut());
         let state = &mut self.fills[index];
         if filled.is_err() {
             state.columns = None;
         }
         (state.planes, state.taps) = (planes, machine);
-        filled
+        state.found = filled?;
+        Ok(())
     }
 
+    /// The same into planes; gives what was found for all samples.
     fn fill_into(
         &self,
         index: usize,
-        offset: [f64; 2],
+        (sample, offset): (usize, [f64; 2]),
         planes: &mut [Vec<Vec<f32>>],
         machine: Option<&mut Machine<'p>>,
-    ) -> Result<(), NodeError> {
+    ) -> Result<Option<Found>, NodeError> {
         let state = &self.fills[index];
         let before = &self.fills[..index];
         let window = state.own_window();
@@ -301,17 +321,23 @@ impl<'p> Fills<'p> {
                 planes.iter_mut().zip(wanted).map(|(plane, wanted)| wanted.then_some(plane.as_mut_slice())).collect()
             })
             .collect();
-        let Some(ready) = self.ready.get(&state.fill.node) else { return Ok(()) };
+        let Some(ready) = self.ready.get(&state.fill.node) else { return Ok(None) };
         let cancelled = || self.monitor.cancelled();
         let inputs = Inputs::new(&ports).with_cancellation(&cancelled);
-        ready.prepared.fill(&Block::of(window, offset), &inputs, &mut Outputs::new(outputs))?;
+        let block = Block::of(window, offset);
+        let found = match sample {
+            0 if self.sharing => ready.prepared.find(&block, &inputs)?,
+            _ => state.found.clone(),
+        };
+        let inputs = inputs.with_found(found.as_ref());
+        ready.prepared.fill(&block, &inputs, &mut Outputs::new(outputs))?;
         if state.fill.variance == Variance::Row {
             let width = state.window.width();
             for plane in planes.iter_mut().flatten().filter(|plane| !plane.is_empty()) {
                 *plane = plane.iter().flat_map(|value| std::iter::repeat_n(*value, width)).collect();
             }
         }
-        Ok(())
+        Ok(found)
     }
 
     /// The samples of one channel over a region, row by row: in place where they lie so already.

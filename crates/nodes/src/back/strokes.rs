@@ -6,6 +6,7 @@ use crate::paint_support::{
     pixels, placed, reach, sample, seeds_of,
 };
 use fearless_simd::{Level, Simd, dispatch};
+use std::sync::Arc;
 use trochoid_graph::*;
 use trochoid_image::{Format, Window};
 
@@ -29,7 +30,7 @@ static DECLARATION: Declaration = Declaration {
                  take their color from their own side. Strokes fade out beside what hides their seed, and at the \
                  picture's border. What no stroke covers is the image itself. Weights come of geometry alone and are \
                  those of every color: a picture of other colors has the same strokes, and no color is added to the \
-                 palette. Each sample of a pixel is painted apart.",
+                 palette. Each sample of a pixel is painted apart; shaded by the pixel, with the strokes of the first one.",
     source: "Meier, Painterly Rendering for Animation, 1996; Litwinowicz, Processing Images and Video for an \
              Impressionist Effect, 1997; Hertzmann, Painterly Rendering with Curved Brush Strokes of Multiple Sizes, \
              1998.",
@@ -225,34 +226,68 @@ impl Sums {
     }
 }
 
-impl Prepared for Painting {
-    fn fill(&self, block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
-        let window = block.window;
+/// Strokes from the uppermost down, and the image's values at their sources, channel by channel.
+struct Laid {
+    strokes: Vec<Stroke>,
+    values: Vec<f64>,
+    /// Where the sample stands in its pixel that they were found for.
+    offset: [f64; 2],
+}
+
+impl Painting {
+    /// Finds the strokes of a block, for the sample whose inputs these are.
+    fn laid(&self, block: &Block<'_>, inputs: &Inputs<'_>) -> Result<Laid, NodeError> {
         let image = &inputs.all("image")[0];
         let planes = Planes::new(self.picture, self.on_surfaces, block, inputs);
-        let mut strokes = self.strokes(window, &planes, || inputs.go_on())?;
-        // From the uppermost down; strokes of surfaces that stand at several places are told apart by where they are.
+        let mut strokes = self.strokes(block.window, &planes, || inputs.go_on())?;
+        // Strokes of surfaces that stand at several places are told apart by where they are.
         strokes.sort_unstable_by(|(layer, a), (other, b)| {
             let at = |axis: usize| a.at[axis].total_cmp(&b.at[axis]);
             other.cmp(layer).then(b.order.cmp(&a.order)).then_with(|| at(1)).then_with(|| at(0))
         });
+        let strokes: Vec<Stroke> = strokes.into_iter().map(|(_, stroke)| stroke).collect();
+        let channels = self.kind.channels();
+        let mut values = Vec::with_capacity(strokes.len() * channels);
+        for stroke in &strokes {
+            let [x, y] = stroke.source;
+            values.extend((0..channels).map(|channel| sample(Some(image), channel, x, y).unwrap_or(0.0)));
+        }
+        Ok(Laid { strokes, values, offset: block.offset })
+    }
+}
+
+impl Prepared for Painting {
+    fn find(&self, block: &Block<'_>, inputs: &Inputs<'_>) -> Result<Option<Found>, NodeError> {
+        Ok(Some(Arc::new(self.laid(block, inputs)?)))
+    }
+
+    fn fill(&self, block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
+        let window = block.window;
+        let image = &inputs.all("image")[0];
+        let planes = Planes::new(self.picture, self.on_surfaces, block, inputs);
+        let own;
+        let laid = match inputs.found::<Laid>() {
+            Some(found) => found,
+            None => {
+                own = self.laid(block, inputs)?;
+                &own
+            }
+        };
+        let shift = [0, 1].map(|axis| block.offset[axis] - laid.offset[axis]);
+        let strokes: Vec<Stroke> = laid.strokes.iter().map(|stroke| stroke.seen_from(shift)).collect();
+        let values = &laid.values;
         let area = window.area();
         let mut sums = Sums { sums: vec![vec![0.0; area]; self.kind.channels()], left: vec![1.0; area] };
         let width = window.width();
         let (mut covers, mut weights) = (vec![0.0f32; width], vec![0.0f64; width]);
         let (flat, far) = (vec![-1.0f32; width], vec![f32::INFINITY; width]);
         let channels = self.kind.channels();
-        let mut values = Vec::with_capacity(strokes.len() * channels);
-        for (_, stroke) in &strokes {
-            let [x, y] = stroke.source;
-            values.extend((0..channels).map(|channel| sample(Some(image), channel, x, y).unwrap_or(0.0)));
-        }
         let level = Level::new();
         // Part by part, so that what is painted on stays near; no bit depends on where parts end.
         let parts: Vec<Window> = window.tiles(PART.0, PART.1).collect();
         let across = width.div_ceil(PART.0);
         let mut on: Vec<Vec<u32>> = vec![Vec::new(); parts.len()];
-        for (index, (_, stroke)) in strokes.iter().enumerate() {
+        for (index, stroke) in strokes.iter().enumerate() {
             let bounds = stroke.bounds().intersect(window);
             if bounds.is_empty() {
                 continue;
@@ -269,7 +304,7 @@ impl Prepared for Painting {
             inputs.go_on()?;
             dispatch!(level, simd => simd.vectorize(#[inline(always)] || {
                 for index in &on {
-                    let stroke = &strokes[*index as usize].1;
+                    let stroke = &strokes[*index as usize];
                     let values = &values[*index as usize * channels..][..channels];
                     let [first, last] = stroke.rows();
                     for y in first.max(part.y0)..(last + 1).min(part.y1) {
@@ -306,7 +341,10 @@ impl Prepared for Painting {
     fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
         let seen = Seen::new(&self.node, self.picture, self.on_surfaces, inputs);
         let [x, y] = seen.pixel;
-        let mut strokes = self.strokes(Window::new(x, y, x + 1, y + 1), &seen, || Ok(()))?;
+        let first = inputs.first();
+        let found_at = Seen::new(&self.node, self.picture, self.on_surfaces, &first);
+        let mut strokes = self.strokes(Window::new(x, y, x + 1, y + 1), &found_at, || Ok(()))?;
+        let shift = [0, 1].map(|axis| inputs.at[axis] - first.at[axis]);
         strokes.sort_by(|(layer, a), (other, b)| {
             let at = |axis: usize| b.at[axis].total_cmp(&a.at[axis]);
             layer.cmp(other).then(a.order.cmp(&b.order)).then_with(|| at(1)).then_with(|| at(0))
@@ -315,12 +353,13 @@ impl Prepared for Painting {
         let own = numbers(inputs, image);
         let mut painted = own.clone();
         for (_, stroke) in strokes {
+            let stroke = stroke.seen_from(shift);
             let from = [x as f64 - stroke.at[0], y as f64 - stroke.at[1]];
             let w = stroke.covers(from, seen.part(x, y), seen.depth(x, y));
             if w == 0.0 {
                 continue;
             }
-            let source = inputs.moved((stroke.source[0] - x) as f64, (stroke.source[1] - y) as f64);
+            let source = first.moved((stroke.source[0] - x) as f64, (stroke.source[1] - y) as f64);
             for (below, color) in painted.iter_mut().zip(numbers(&source, image)) {
                 *below = if w < 1.0 { (1.0 - w) * *below + w * color } else { color };
             }

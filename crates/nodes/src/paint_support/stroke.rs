@@ -191,6 +191,11 @@ impl Stroke {
         })
     }
 
+    /// The same from samples that stand so far from those it was found for.
+    pub(crate) fn seen_from(&self, shift: [f64; 2]) -> Self {
+        Self { at: [self.at[0] - shift[0], self.at[1] - shift[1]], ..*self }
+    }
+
     /// How much of a stroke is there beside what hides its surroundings, so that none comes or goes at once.
     fn open(manner: &Manner, [x, y]: [i64; 2], depth: f64, look: f64, around: &impl Around) -> f64 {
         let hides = |[right, down]: [f64; 2]| {
