@@ -143,6 +143,12 @@ pub trait Stage {
         window
     }
 
+    /// The same for samples after a pixel's first one, where [`Prepared::find`] has found what lies beyond: no more than
+    /// that.
+    fn regions_once_found(&self, node: &Settled, port: &str, window: Window, format: Format) -> Window {
+        self.regions_of_interest(node, port, window, format)
+    }
+
     /// Whether the result depends on the frame's time even where no knob is keyed.
     fn timed(&self) -> bool {
         false

@@ -59,6 +59,8 @@ struct FillState<'p> {
     kept: Kept,
     /// What the stage found for all samples at the first one.
     found: Option<Found>,
+    /// What is needed for the current sample: all of what the planes hold, but for what was shared.
+    need: Window,
 }
 
 #[derive(Clone, Copy, Debug, Default)]
@@ -69,8 +71,7 @@ struct Image {
 
 impl FillState<'_> {
     /// The pixels that the stage itself fills: of what does not vary along an axis, one.
-    fn own_window(&self) -> Window {
-        let window = self.window;
+    fn own_window(&self, window: Window) -> Window {
         match self.fill.variance {
             Variance::Constant | Variance::Column => Window { y1: window.y0 + 1, ..window },
             Variance::Row => Window { x1: window.x0 + 1, ..window },
@@ -119,6 +120,7 @@ impl<'p> Fills<'p> {
                 tap_window: Window::default(),
                 kept: Kept::default(),
                 found: None,
+                need: Window::default(),
             })
             .collect();
         Self {
@@ -143,11 +145,14 @@ impl<'p> Fills<'p> {
         (sample, offset): (usize, [f64; 2]),
         seconds: &mut [f64],
     ) -> Result<(), EvalError> {
-        if sample == 0 {
-            self.place(tile);
+        if sample == 0 || self.sharing {
+            self.place(tile, sample);
         }
         self.apart.clear();
         for index in 0..self.fills.len() {
+            if self.fills[index].need.is_empty() {
+                continue;
+            }
             if self.monitor.cancelled() {
                 return Err(EvalError::Cancelled);
             }
@@ -174,33 +179,45 @@ impl<'p> Fills<'p> {
         machines.map(Machine::audit).fold(WeightAudit::default(), WeightAudit::merge)
     }
 
-    /// Decides every stage's window, from the program backwards.
-    fn place(&mut self, tile: Window) {
+    /// Decides every stage's window, from the program backwards: for a later sample, what it cannot share.
+    fn place(&mut self, tile: Window, sample: usize) {
         let format = self.plan.graph.format();
         self.tile = tile;
         for state in &mut self.fills {
-            state.window = if state.fill.read { tile } else { Window::default() };
+            state.need = if state.fill.read { tile } else { Window::default() };
             state.tap_window = Window::default();
         }
         for index in (0..self.fills.len()).rev() {
             let (before, rest) = self.fills.split_at_mut(index);
             let Some(state) = rest.first_mut() else { continue };
-            if state.window.is_empty() {
+            let is_shared = sample > 0 && state.fill.shared.is_some();
+            if state.need.is_empty() && sample == 0 {
                 // Filled although nobody reads it, where demand is switched off.
-                state.window = tile;
+                state.need = tile;
+            }
+            if !is_shared {
+                state.window = state.need;
+            }
+            let is_everywhere = state.fill.shared.as_ref().is_some_and(Vec::is_empty);
+            if state.need.is_empty() || (is_shared && is_everywhere) {
+                continue;
             }
             let Some((stage, settled)) = state.stage else { continue };
-            let own = state.own_window();
+            let own = state.own_window(state.need);
             let mut need = |slot: &Slot, window: Window| {
                 if let Some(other) = self.by_slot.get(slot).and_then(|&index| before.get_mut(index)) {
-                    other.window = other.window.union(window);
+                    other.need = other.need.union(window);
                 }
             };
             for view in state.fill.shared.iter().flatten() {
-                TELLING.iter().for_each(|channel| need(&telling(*view, *channel), state.window));
+                TELLING.iter().for_each(|channel| need(&telling(*view, *channel), state.need));
             }
             for ((port, connections), images) in state.fill.inputs.iter().zip(&mut state.images) {
-                let asked = stage.regions_of_interest(settled, port, own, format);
+                let asked = if sample == 0 {
+                    stage.regions_of_interest(settled, port, own, format)
+                } else {
+                    stage.regions_once_found(settled, port, own, format)
+                };
                 for (feeds, image) in connections.iter().zip(images) {
                     image.region = clamped(asked, image.extent);
                     for feed in feeds {
@@ -280,7 +297,7 @@ impl<'p> Fills<'p> {
     ) -> Result<Option<Found>, NodeError> {
         let state = &self.fills[index];
         let before = &self.fills[..index];
-        let window = state.own_window();
+        let window = state.own_window(state.window);
         for (plane, wanted) in planes.iter_mut().flatten().zip(state.fill.wanted.iter().flatten()) {
             plane.resize(if *wanted { window.area() } else { 0 }, 0.0);
         }

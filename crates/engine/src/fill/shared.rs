@@ -14,11 +14,12 @@ pub(super) struct View {
     node: NodeId,
     /// The fill that holds what it tells.
     fill: usize,
-    window: Window,
-    /// Of the first sample: surface and depth.
+    /// Surface and depth that the first sample sees, and at which pixels.
     first: [Vec<f32>; 2],
-    /// Whether the current sample sees something else there.
+    all: Window,
+    /// Whether the current sample sees something else, and at which pixels that is known.
     differs: Vec<bool>,
+    window: Window,
 }
 
 /// The pixels of a window at which the current sample does not share, by the views that say so.
@@ -51,7 +52,8 @@ impl View {
         nodes.dedup();
         let view = |node: NodeId| {
             let fill = *by_slot.get(&telling(node, TELLING[0]))?;
-            Some(Self { node, fill, window: Window::default(), first: Default::default(), differs: Vec::new() })
+            let (all, window) = (Window::default(), Window::default());
+            Some(Self { node, fill, first: Default::default(), all, differs: Vec::new(), window })
         };
         nodes.into_iter().filter_map(view).collect()
     }
@@ -62,18 +64,24 @@ impl View {
         &self.differs[start..start + window.width()]
     }
 
-    /// Compares what a sample sees with what the first one saw.
+    /// Compares what a sample sees with what the first one saw, which was asked at as many pixels or more.
     fn compare(&mut self, sample: usize, window: Window, [surfaces, depths]: [&[f32]; 2]) {
         if sample == 0 {
-            self.window = window;
+            self.all = window;
             self.first = [surfaces.to_vec(), depths.to_vec()];
             return;
         }
+        self.window = window;
         self.differs.resize(surfaces.len(), false);
-        let first = self.first[0].iter().zip(&self.first[1]);
-        for ((differs, first), sample) in self.differs.iter_mut().zip(first).zip(surfaces.iter().zip(depths)) {
-            let pair = |(surface, depth): (&f32, &f32)| (f64::from(*surface), f64::from(*depth));
-            *differs = !Shading::is_shared(pair(first), pair(sample));
+        let width = window.width();
+        let samples = surfaces.chunks_exact(width).zip(depths.chunks_exact(width));
+        for ((differs, (surfaces, depths)), y) in self.differs.chunks_exact_mut(width).zip(samples).zip(window.y0..) {
+            let start = (y - self.all.y0) as usize * self.all.width() + (window.x0 - self.all.x0) as usize;
+            let first = self.first[0][start..start + width].iter().zip(&self.first[1][start..start + width]);
+            for ((differs, first), sample) in differs.iter_mut().zip(first).zip(surfaces.iter().zip(depths)) {
+                let pair = |(surface, depth): (&f32, &f32)| (f64::from(*surface), f64::from(*depth));
+                *differs = !Shading::is_shared(pair(first), pair(sample));
+            }
         }
     }
 }
@@ -91,7 +99,7 @@ impl<'p> Fills<'p> {
     /// Fills a stage where the current sample does not share with the first one, and leaves the first one's results
     /// elsewhere.
     pub(super) fn stage_apart(&mut self, index: usize, views: &[NodeId], offset: [f64; 2]) -> Result<(), NodeError> {
-        let window = self.fills[index].window;
+        let (window, held) = (self.fills[index].need, self.fills[index].window);
         let known = self.apart.iter().position(|apart| apart.window == window && apart.views == views);
         let apart = match known {
             Some(known) => self.apart.swap_remove(known),
@@ -105,17 +113,23 @@ impl<'p> Fills<'p> {
         for (plane, values) in planes.iter_mut().zip(&kept.values) {
             kept.indices.iter().zip(values).for_each(|(index, value)| plane[*index] = *value);
         }
-        kept.indices.clone_from(&apart.indices);
+        kept.indices.clear();
+        if window == held {
+            kept.indices.extend_from_slice(&apart.indices);
+        } else {
+            let index = |[x, y]: &[i64; 2]| (y - held.y0) as usize * held.width() + (x - held.x0) as usize;
+            kept.indices.extend(apart.pixels.iter().map(index));
+        }
         kept.values.resize_with(planes.len(), Vec::new);
         for (plane, values) in planes.iter().zip(&mut kept.values) {
             values.clear();
-            values.extend(apart.indices.iter().map(|index| plane[*index]));
+            values.extend(kept.indices.iter().map(|index| plane[*index]));
         }
         let mut filled = Ok(());
         if !apart.indices.is_empty() {
             filled = self.fill_pixels(index, &apart, offset, machine.as_mut()).map(|found| {
                 for (plane, values) in planes.iter_mut().zip(found) {
-                    apart.indices.iter().zip(values).for_each(|(index, value)| plane[*index] = value);
+                    kept.indices.iter().zip(values).for_each(|(index, value)| plane[*index] = value);
                 }
             });
         }

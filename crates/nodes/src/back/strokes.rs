@@ -115,6 +115,10 @@ impl Stage for Strokes {
         Window::new(window.x0 - by, window.y0 - by, window.x1 + by, window.y1 + by)
     }
 
+    fn regions_once_found(&self, _node: &Settled, _port: &str, window: Window, _format: Format) -> Window {
+        window
+    }
+
     fn prepare(&self, node: &Settled, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
         let layers = layers(node, prepare.frame.format);
         Ok(Box::new(Painting {
