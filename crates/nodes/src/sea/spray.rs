@@ -176,6 +176,11 @@ impl Stage for Spray {
         (output != 1).then_some((0.0, 1.0))
     }
 
+    fn rate(&self, node: &Settled) -> Rate {
+        // Smaller stamps would slip between pixels, and an edge is one of each sample.
+        if node.number("least") >= 0.5 && node.number("soft") > 0.0 { Rate::Surface } else { Rate::Sample }
+    }
+
     fn timed(&self) -> bool {
         true
     }
@@ -217,7 +222,11 @@ impl Prepared for Spraying {
         let [alpha, depth, age] = [0, 1, 2].map(|output| outputs.take(output, 0));
         let surface = inputs.view("view", ViewChannel::Depth);
         let planes = Planes { alpha, depth, age };
-        self.dabs.fill_unless(block.window, block.offset, surface, planes, inputs.cancellation());
+        let stop = inputs.cancellation();
+        match block.scattered {
+            Some(pixels) => self.dabs.fill_pixels_unless(pixels, block.offset, surface, planes, stop),
+            None => self.dabs.fill_unless(block.window, block.offset, surface, planes, stop),
+        }
         inputs.go_on()
     }
 

@@ -127,6 +127,12 @@ impl Dab {
         Some(Self { center, bounds, along, across, print, strength, depth, age: drop.age })
     }
 
+    /// Whether a place lies within the stamp's bounds: elsewhere its alpha is 0.
+    pub(super) fn may_meet(&self, [x, y]: [f64; 2]) -> bool {
+        let [left, top, right, bottom] = self.bounds;
+        left <= x && x <= right && top <= y && y <= bottom
+    }
+
     /// What it covers at a place before a surface at a planar depth.
     #[inline(always)]
     pub(super) fn alpha(&self, place: [f64; 2], surface: f64, brush: &Brush) -> f64 {

@@ -197,6 +197,41 @@ impl Dabs {
         }
     }
 
+    /// The same at one sample of each of these pixels, in the order of the planes.
+    pub fn fill_pixels_unless(
+        &self,
+        pixels: &[[i64; 2]],
+        offset: [f64; 2],
+        surface: &[f32],
+        mut planes: Planes<'_>,
+        stop: &dyn Fn() -> bool,
+    ) {
+        let [columns, rows] = self.bins;
+        let bin = |at: i64, count: i64| at.div_euclid(BIN).clamp(0, count - 1);
+        for (index, &[x, y]) in pixels.iter().enumerate() {
+            if index % 1024 == 0 && stop() {
+                return;
+            }
+            let bin = (bin(y, rows) * columns + bin(x, columns)) as usize;
+            let place = [x as f64 + offset[0], y as f64 + offset[1]];
+            let mut sum = Sprayed::NONE;
+            for &entry in &self.entries[self.starts[bin] as usize..self.starts[bin + 1] as usize] {
+                let dab = &self.dabs[entry as usize];
+                if dab.may_meet(place) {
+                    sum.add(dab, dab.alpha(place, f64::from(surface[index]), &self.brush));
+                }
+            }
+            let sum = sum.done();
+            for (plane, value) in
+                [(&mut planes.alpha, sum.alpha), (&mut planes.depth, sum.depth), (&mut planes.age, sum.age)]
+            {
+                if let Some(plane) = plane {
+                    plane[index] = value as f32;
+                }
+            }
+        }
+    }
+
     #[inline(always)]
     fn fill_bin(
         &self,
