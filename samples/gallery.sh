@@ -18,14 +18,13 @@ still cartoon_bay 48
 still toon_teapot 4
 still from_passes 1
 still glow 25 1
-still cartoon_water 48 1
-still painted_normals 1 1
 
-moving stormy_sea 1-96x4
+moving stormy_sea 1-96x2
 moving great_wave 1-48
-moving cartoon_bay 1-96x6
+moving toon_sea 1-96x2
+moving cartoon_bay 1-96x3
 moving toon_teapot 1-48
 
-for scene in stormy_sea stormy_sea_bare great_wave toon_sea cartoon_bay toon_teapot from_passes; do
+for scene in stormy_sea stormy_sea_bare great_wave toon_sea cartoon_bay toon_teapot from_passes open_sea; do
   tree "$scene"
 done

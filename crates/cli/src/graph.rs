@@ -1,6 +1,7 @@
 //! `trochoid graph`: a document's graph as a picture.
 
 use crate::failure::Failure;
+use crate::inputs::InputFiles;
 use crate::outputs;
 use crate::shell::{self, printable};
 use std::path::PathBuf;
@@ -36,6 +37,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let graph = &loaded.graph;
     let mut faults = Vec::new();
     let chosen = outputs::choose(graph, &args.output, &mut faults);
+    faults.extend(InputFiles::new(&args.graph, graph, &chosen, &[graph.frames().0]).refusal(&args.out));
     Failure::all(faults)?;
     let shown: &[usize] = if args.output.is_empty() { &[] } else { &chosen };
     let names: Vec<&str> = args.output.iter().map(String::as_str).collect();

@@ -10,6 +10,7 @@ mod failure;
 mod frames;
 mod graph;
 mod info;
+mod inputs;
 mod interrupt;
 mod nodes;
 mod outputs;

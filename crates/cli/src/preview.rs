@@ -1,6 +1,7 @@
 //! `trochoid preview`: frames of an output, small, as one animated picture; or one frame as a still.
 
 use crate::failure::{FAILED, Failure, INTERRUPTED};
+use crate::inputs::InputFiles;
 use crate::progress::Progress;
 use crate::shell::{self, printable};
 use crate::{frames, interrupt, outputs};
@@ -61,6 +62,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let chosen = choose_frames(graph, args.frames.as_deref(), &mut faults);
     let size = [graph.format().width(), graph.format().height()].map(|size| size.div_ceil(u32::from(args.shrink)));
     look(args, graph, output, chosen.len(), size, &mut faults);
+    faults.extend(InputFiles::new(&args.graph, graph, &[output], &chosen).refusal(&args.out));
     Failure::all(faults)?;
     interrupt::watch()?;
 
@@ -80,7 +82,9 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     } else {
         let cannot = |error: webp_animation::Error| Failure::new(FAILED, format!("{}: {error}", args.out.display()));
         let encoding = Some(EncodingConfig::new_lossy(f32::from(args.quality)));
-        let options = EncoderOptions { encoding_config: encoding, color_mode: ColorMode::Rgb, ..Default::default() };
+        // Every frame whole: of frames that hold only what has changed, slow drift never does so enough, and stands still.
+        let options =
+            EncoderOptions { encoding_config: encoding, color_mode: ColorMode::Rgb, kmax: 1, ..Default::default() };
         let mut encoder = Encoder::new_with_options((size[0], size[1]), options).map_err(cannot)?;
         let times = times(&chosen, graph.fps());
         for (index, time) in times[..chosen.len()].iter().enumerate() {
@@ -231,6 +235,41 @@ mod tests {
         assert_eq!(frames.iter().map(webp_animation::Frame::timestamp).collect::<Vec<_>>(), [150, 300], "ends, in ms");
         let first = |frame: usize| frames[frame].data()[0];
         assert!(first(1) > first(0) + 100, "{} after {}", first(1), first(0));
+    }
+
+    #[test]
+    fn slow_drift_does_not_stand_still() {
+        let folder = tempfile::tempdir().unwrap();
+        let args = Args { shrink: 1, ..args(folder.path(), "x.webp") };
+        let drifting = GRAPH
+            .replace(r#""width": 6, "height": 3"#, r#""width": 96, "height": 64"#)
+            .replace(r#""last": 4"#, r#""last": 24"#)
+            .replace(r##"[1, "#000000"], [4, "#ff0000"]"##, r##"[1, "#405060"], [24, "#506070"]"##);
+        std::fs::write(&args.graph, &drifting).unwrap();
+        run(&args).unwrap();
+        let bytes = std::fs::read(&args.out).unwrap();
+        let last = webp_animation::Decoder::new(&bytes).unwrap().into_iter().last().unwrap();
+        let still = trochoid::parse("graph.json", &drifting, std::path::Path::new("."), &[]).unwrap();
+        let still = render(&still.graph, 0, 24, &mut Cache::new(), &Progress::new(1, true)).unwrap();
+        let expected = |pixel: usize| (still.planes[2].samples()[pixel] * 255.0).round() as i32;
+        // The left part of a row, where the drift is all that there is.
+        let apart = (0..24).map(|x| (i32::from(last.data()[4 * (96 * 32 + x) + 2]) - expected(96 * 32 + x)).abs());
+        let furthest = apart.max().unwrap();
+        assert!(furthest < 6, "{furthest} levels from the still");
+    }
+
+    #[test]
+    fn nothing_that_the_document_reads_is_written_over() {
+        let folder = tempfile::tempdir().unwrap();
+        let args = Args { frames: Some("1".into()), ..args(folder.path(), "x.png") };
+        run(&args).unwrap();
+        let before = std::fs::read(&args.out).unwrap();
+        let reads = r##"{ "trochoid": 1, "format": { "width": 3, "height": 2 }, "working_space": "srgb",
+            "nodes": { "picture": { "type": "Read", "as": "color", "file": "x.png" } }, "outputs": { "beauty": { "color": "picture" } } }"##;
+        std::fs::write(&args.graph, reads).unwrap();
+        let failure = run(&args).unwrap_err();
+        assert!(failure.messages[0].contains("is an input of the document"), "{:?}", failure.messages);
+        assert_eq!(std::fs::read(&args.out).unwrap(), before);
     }
 
     #[test]

@@ -2,11 +2,11 @@
 
 use super::{Args, line};
 use crate::failure::{FAILED, Failure, INTERRUPTED, MISSED};
+use crate::inputs::InputFiles;
 use crate::progress::Progress;
 use crate::{frames, interrupt, outputs};
 use serde_json::{Value, json};
 use std::collections::{BTreeSet, HashSet};
-use std::path::{Path, PathBuf};
 use std::time::Instant;
 use trochoid::{
     Cache, CheckedGraph, EvalError, FileSink, Fingerprints, Frame, Guarantee, Monitor, OutputFile, Plan, RunReport,
@@ -66,31 +66,19 @@ impl<'a> Job<'a> {
     /// Whether every file can be written, and none is an input or the document itself.
     fn check_files(&self, faults: &mut Vec<Failure>) {
         let mut written = BTreeSet::new();
-        let mut read = HashSet::new();
-        let roots = || self.outputs.iter().map(|index| self.graph.outputs()[*index].node);
         for &frame in &self.frames {
             match self.files(frame) {
                 Ok(files) => written.extend(files.into_iter().map(|file| file.path)),
                 // What is wrong with a pattern is wrong at every frame.
                 Err(fault) => return faults.push(fault),
             }
-            let needed = self.graph.reached(roots(), frame);
-            read.extend(self.graph.files(&needed, &self.graph.frame_context(frame, u64::MAX)));
         }
-        let inputs: HashSet<PathBuf> = read.iter().filter_map(|path| path.canonicalize().ok()).collect();
-        let looked_at = written.iter().filter(|_| !inputs.is_empty());
-        for path in looked_at.filter(|path| path.canonicalize().is_ok_and(|path| inputs.contains(&path))) {
-            let message = format!("{}: is an input of the document, and would be written over", path.display());
-            faults.push(Failure::usage(message, "give the output another name"));
-        }
+        let inputs = InputFiles::new(&self.args.graph, self.graph, &self.outputs, &self.frames);
+        faults.extend(written.iter().filter_map(|path| inputs.refusal(path)));
         let report = self.args.report.as_ref().filter(|_| !self.args.report_on_stdout());
-        if let Some(report) = report {
-            let same =
-                |path: &Path| path.canonicalize().ok().zip(report.canonicalize().ok()).is_some_and(|(a, b)| a == b);
-            if same(&self.args.graph) || written.contains(report) || read.iter().any(|path| same(path)) {
-                let message = format!("--report {}: is a file of the document or of the run", report.display());
-                faults.push(Failure::usage(message, "give the report another name"));
-            }
+        if let Some(report) = report.filter(|report| written.contains(*report) || inputs.contains(report)) {
+            let message = format!("--report {}: is a file of the document or of the run", report.display());
+            faults.push(Failure::usage(message, "give the report another name"));
         }
         // One look at each folder is enough, and one at each place where a folder might stand.
         let mut folders = HashSet::new();

@@ -31,7 +31,7 @@ pub(crate) struct Args {
     #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
     frames: Option<String>,
     /// Where files go, such as out/{output}.####.exr [default: as the document says]
-    #[arg(long, value_name = "PATTERN")]
+    #[arg(short, long, value_name = "PATTERN")]
     out: Option<String>,
     /// Set a knob or port; VALUE is JSON or a bare word, such as storm.height=3; may be repeated
     #[arg(long, value_name = "NODE.KNOB=VALUE")]
