@@ -17,7 +17,7 @@ use rand::SeedableRng;
 use rand_pcg::Pcg64Mcg;
 use trochoid::{Buffers, Cache, Certifier, CheckedGraph, Frame, ReferenceFrame, Silent, State};
 
-const GRAPHS: u64 = 400;
+const GRAPHS: u64 = 1000;
 /// The frame at which keyed knobs take the values drawn.
 const FRAME: i64 = 2;
 
@@ -140,7 +140,7 @@ fn random_graphs_hold_every_promise() {
     assert!(tally.deepest >= 40, "the deepest graph has {} levels", tally.deepest);
     tally.ratios.sort_by(f64::total_cmp);
     let median = tally.ratios[tally.ratios.len() / 2];
-    assert!(tally.ratios.len() > 10_000 && median < 10.0, "certified is {median} times the error found");
+    assert!(tally.ratios.len() > 5_000 && median < 10.0, "{median} times the error found, of {}", tally.ratios.len());
     let share = tally.doubtful as f64 / (tally.clear + tally.doubtful) as f64;
     assert!(share > 0.0 && share < 0.1, "{share} of the samples are in doubt");
     // A bound that nothing comes near would say nothing.

@@ -113,22 +113,32 @@ impl<'g> Certifier<'g> {
             let of = |output: &crate::plan::PlannedOutput| Certified::new(output.index, output.kind, tile);
             let mut own: Vec<Certified> = plan.outputs.iter().map(of).collect();
             for (pass, fills, trace) in &mut passes {
+                let share = 1.0 / pass.offsets.len() as f64;
+                let mut means: Vec<Vec<Vec<f64>>> = own.iter().map(|_| Vec::new()).collect();
                 for (sample, offset) in pass.offsets.iter().enumerate() {
                     fills.fill(tile, (sample, *offset), &mut seconds)?;
                     let planes = fills.planes(&pass.program);
-                    let mut bounds = vec![Vec::with_capacity(tile.area()); pass.roots.len() * BOUNDS];
+                    // By root, by channel: values, then bounds.
+                    let mut rows = vec![Vec::new(); pass.roots.len() * 2 * BOUNDS];
                     trace.tile(&planes, tile.width(), tile.height(), &mut |root, channel, _, row| {
-                        if let Some(channel) = channel.checked_sub(BOUNDS) {
-                            bounds[root * BOUNDS + channel].extend_from_slice(row);
-                        }
+                        rows[root * 2 * BOUNDS + channel].extend_from_slice(row);
                     });
-                    let mut channels: Vec<Vec<Vec<f32>>> = vec![Vec::new(); own.len()];
-                    for (&(output, _), rows) in pass.roots.iter().zip(bounds.chunks_mut(BOUNDS)) {
-                        channels[output].extend(rows.iter_mut().filter(|row| !row.is_empty()).map(std::mem::take));
+                    let mut values: Vec<Vec<Vec<f32>>> = vec![Vec::new(); own.len()];
+                    let mut bounds = values.clone();
+                    for (&(output, _), rows) in pass.roots.iter().zip(rows.chunks_mut(2 * BOUNDS)) {
+                        let mut rows = rows.iter_mut().map(std::mem::take);
+                        values[output].extend(rows.by_ref().take(BOUNDS).filter(|row| !row.is_empty()));
+                        bounds[output].extend(rows.filter(|row| !row.is_empty()));
                     }
-                    let made = own.iter_mut().zip(&channels).filter(|(_, channels)| !channels.is_empty());
-                    made.for_each(|(own, channels)| own.sample(channels, 1.0 / pass.offsets.len() as f64));
+                    for (output, own) in own.iter_mut().enumerate().filter(|(output, _)| !bounds[*output].is_empty()) {
+                        own.sample(&bounds[output], share);
+                        means[output].resize(values[output].len(), vec![0.0; tile.area()]);
+                        for (means, values) in means[output].iter_mut().zip(&values[output]) {
+                            means.iter_mut().zip(values).for_each(|(mean, value)| *mean += share * f64::from(*value));
+                        }
+                    }
                 }
+                own.iter_mut().zip(&means).for_each(|(own, means)| own.average(means));
             }
             done.extend(own);
         }

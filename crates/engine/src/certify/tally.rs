@@ -1,6 +1,6 @@
 //! What is known of the errors of a picture.
 
-use trochoid_graph::{Bound, Kind};
+use trochoid_graph::{Bound, Kind, REFERENCE};
 use trochoid_image::Window;
 
 /// How many samples have bounds of which size.
@@ -111,6 +111,16 @@ impl Certified {
     /// The share of samples in doubt whose bound passes a tolerance.
     pub fn in_doubt(&self, tolerance: f64) -> f64 {
         self.unclear.above(tolerance) as f64 / (self.clear.total + self.unclear.total).max(1) as f64
+    }
+
+    /// Adds what averaging the samples of pixels has rounded, which by channel are these.
+    pub(super) fn average(&mut self, means: &[Vec<f64>]) {
+        for (means, errors) in means.iter().zip(&mut self.errors) {
+            for (mean, error) in means.iter().zip(errors) {
+                let rounded = (f64::from(*mean as f32) - mean).abs() + mean.abs() * REFERENCE;
+                *error = Bound::of(f64::from(*error) + rounded).encode();
+            }
+        }
     }
 
     /// Takes one sample of every pixel, which has this share of them: its bounds by channel, encoded.

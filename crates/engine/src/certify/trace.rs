@@ -1,6 +1,6 @@
 //! Runs a program with bounds on the errors of all that it computes: operation by operation, in rows.
 
-use crate::kernel::{CHUNK, Compiled, Plane};
+use crate::kernel::{CHUNK, Compiled, Plane, TakeRow};
 use crate::rules::error::{Operands, error};
 use std::collections::HashMap;
 use trochoid_graph::{Bound, Op, Program, Scalar, Slot, Type};
@@ -126,13 +126,7 @@ impl<'p> Trace<'p> {
 
     /// Hands over every root's rows as (root, channel, y, samples): those of its values, and [`BOUNDS`] behind, those of its
     /// bounds.
-    pub(crate) fn tile(
-        &mut self,
-        planes: &[Plane<'_>],
-        width: usize,
-        height: usize,
-        take: &mut dyn FnMut(usize, usize, usize, &[f32]),
-    ) {
+    pub(crate) fn tile(&mut self, planes: &[Plane<'_>], width: usize, height: usize, take: TakeRow<'_>) {
         for y in 0..height {
             for x in (0..width).step_by(CHUNK) {
                 let count = CHUNK.min(width - x);

@@ -6,13 +6,17 @@ use crate::kernel::{Chunk, Compiled, Machine, Plane, TakeRow, WeightAudit};
 /// The program alone, or with bounds on its errors.
 #[derive(Debug)]
 pub(super) enum Runner<'p> {
-    Machine(Machine<'p>),
+    Machine(Box<Machine<'p>>),
     Trace(Trace<'p>),
 }
 
 impl<'p> Runner<'p> {
     pub(super) fn new(compiled: &'p Compiled, bounding: bool, chunks: &mut &'p mut [Chunk]) -> Self {
-        if bounding { Self::Trace(Trace::new(compiled)) } else { Self::Machine(Machine::new(compiled, chunks)) }
+        if bounding {
+            Self::Trace(Trace::new(compiled))
+        } else {
+            Self::Machine(Box::new(Machine::new(compiled, chunks)))
+        }
     }
 
     pub(super) fn tile(&mut self, planes: &[Plane<'_>], width: usize, height: usize, take: TakeRow<'_>) {

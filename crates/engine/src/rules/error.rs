@@ -140,9 +140,11 @@ fn clamp((x, dx): (f64, Bound), min: f64, max: f64, computed: f64) -> Bound {
 }
 
 fn normalize(values: &[trochoid_graph::Scalar], floor: f64, of: &impl Operands, computed: &[f64], out: &mut [Bound]) {
+    // An infinite field counts as the largest finite one.
+    let share = |v: &trochoid_graph::Scalar| of.value(v.0, 0).clamp(0.0, f64::from(f32::MAX));
     let (mut sum, mut total, mut clear) = (0.0, 0.0, true);
     for v in values {
-        sum += of.value(v.0, 0).max(0.0);
+        sum += share(v);
         total += of.bound(v.0, 0).size;
         clear &= of.bound(v.0, 0).clear;
     }
@@ -151,7 +153,7 @@ fn normalize(values: &[trochoid_graph::Scalar], floor: f64, of: &impl Operands, 
     let (divisor, least) = (sum.max(floor), (sum - total).max(floor - slack));
     for (row, out) in out.iter_mut().enumerate() {
         let (exact, dv) = match values.get(row) {
-            Some(v) => (of.value(v.0, 0).max(0.0) / divisor, of.bound(v.0, 0).size),
+            Some(v) => (share(v) / divisor, of.bound(v.0, 0).size),
             None => (1.0 - sum / divisor, 0.0),
         };
         let moved = if row < values.len() { dv + times(exact, total + slack) } else { total + slack };
