@@ -164,8 +164,14 @@ impl Function {
                 if Self::Subtract.span([b, a, a]).holds(0.0) {
                     return Span { low: 0.0, high: 1.0, clear: false };
                 }
-                let along = Self::Divide.span([Self::Subtract.span([c, a, a]), Self::Subtract.span([b, a, a]), a]);
                 let step = |t: f64| t * t * (3.0 - 2.0 * t);
+                if a.high < b.low {
+                    // How far along it lies rises with x and falls with both ends, as far as it counts.
+                    let along = |x: f64, a: f64, b: f64| ((x - a) / (b - a)).clamp(0.0, 1.0);
+                    let ends = [along(c.low, a.high, b.high), along(c.high, a.low, b.low)];
+                    return Span::of(&ends.map(step)).with(arguments.iter().all(|argument| argument.clear));
+                }
+                let along = Self::Divide.span([Self::Subtract.span([c, a, a]), Self::Subtract.span([b, a, a]), a]);
                 Span::of(&[along.low, along.high].map(|t| step(t.clamp(0.0, 1.0))))
             }
             Self::Mix => {
