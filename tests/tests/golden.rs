@@ -6,7 +6,7 @@
 use crate::support::{evaluate, folder, graph_in, root, sample, settings, under_all_settings};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
-use trochoid::{Buffers, CheckedGraph, Format, Picture, ReferenceFrame, Shading, registry};
+use trochoid::{Buffers, Cache, Certifier, CheckedGraph, Format, Picture, ReferenceFrame, Shading, Silent, registry};
 
 fn cases() -> PathBuf {
     root().join("tests/nodes")
@@ -49,7 +49,9 @@ fn holds_itself(ty: &str, graph: &CheckedGraph, expected: &Value) {
     let what = format!("{ty}, {} samples, shaded by the {}", graph.format().samples(), graph.format().shading().name());
     let frame = under_all_settings(graph, number, &Buffers::new(), &what);
     let tolerance = expected["reference_tolerance"].as_f64().unwrap();
-    for picture in &frame.pictures {
+    let certifier = Certifier::new(graph, &[], number, &[], &settings(|_| ())).unwrap();
+    let certified = certifier.certify(&Buffers::new(), &mut Cache::new(), &Silent).unwrap();
+    for (picture, certified) in frame.pictures.iter().zip(&certified) {
         let output = &graph.outputs()[picture.output].name;
         let reference = ReferenceFrame::new(graph, output, number).unwrap();
         let window = picture.planes[0].window();
@@ -61,6 +63,12 @@ fn holds_itself(ty: &str, graph: &CheckedGraph, expected: &Value) {
             assert_eq!(truth.len(), picture.planes.len(), "{what}: {output}");
             for (channel, truth) in truth.iter().enumerate() {
                 let found = f64::from(sample(picture, channel, x, y));
+                let error = distance(found, *truth);
+                let bound = f64::from(certified.errors[channel][y as usize * window.width() + x as usize]);
+                assert!(
+                    error <= bound,
+                    "{what}: {output}, channel {channel} of ({x}, {y}): {error:e} from the reference, certified {bound:e}"
+                );
                 let scale = if truth.is_finite() { truth.abs().max(1.0) } else { 1.0 };
                 assert!(
                     distance(found, *truth) <= tolerance * scale,
@@ -109,5 +117,19 @@ fn every_case_belongs_to_a_type() {
         let name = entry.unwrap().file_name().into_string().unwrap();
         let ty = name.split('.').next().unwrap();
         assert!(registry().iter().any(|known| known.declaration().name == ty), "{name} is no type's case");
+    }
+}
+
+/// Types whose stages bound their errors: their cases are in no doubt anywhere.
+#[test]
+fn what_bounds_its_errors_is_in_no_doubt() {
+    for ty in ["ScreenX", "ScreenY", "Mix", "Ramp", "Blend", "Stack", "Normalize"] {
+        let text = std::fs::read_to_string(cases().join(format!("{ty}.json"))).unwrap();
+        let graph = graph_in(&cases(), &text);
+        let certifier = Certifier::new(&graph, &[], graph.frames().0, &[], &settings(|_| ())).unwrap();
+        for output in certifier.certify(&Buffers::new(), &mut Cache::new(), &Silent).unwrap() {
+            assert_eq!(output.unclear.total(), 0, "{ty}");
+            assert!(output.clear.max() < 1e-4 && output.clear.total() > 0, "{ty}: {}", output.clear.max());
+        }
     }
 }

@@ -1,9 +1,9 @@
 //! One pixel in detail: which controls made it, and how errors of its passes reach it.
 
 use crate::rules::blame::blame;
-use crate::rules::error::error;
+use crate::rules::error::{Operands, error};
 use crate::rules::evaluate::{Values, evaluate};
-use trochoid_graph::{NodeId, Op, Program, Slot};
+use trochoid_graph::{Bound, NodeId, Op, Program, Slot};
 
 /// A control color's share of a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,24 +21,43 @@ pub struct Blame {
 pub struct Inspection {
     program: Program,
     values: Vec<Values>,
-    errors: Vec<Values>,
+    bounds: Vec<Vec<Bound>>,
+}
+
+/// Results so far.
+struct Known<'a> {
+    values: &'a [Values],
+    bounds: &'a [Vec<Bound>],
+}
+
+impl Operands for Known<'_> {
+    fn value(&self, position: u32, row: usize) -> f64 {
+        self.values[position as usize][row]
+    }
+
+    fn bound(&self, position: u32, row: usize) -> Bound {
+        self.bounds[position as usize][row]
+    }
 }
 
 impl Inspection {
     /// Evaluates a program at a sample; `input` gives the value of each plane loaded, and a bound on its error.
-    pub fn new(program: &Program, input: &dyn Fn(&Slot) -> (f64, f64)) -> Self {
+    pub fn new(program: &Program, input: &dyn Fn(&Slot) -> (f64, Bound)) -> Self {
         let mut values: Vec<Values> = Vec::with_capacity(program.ops().len());
-        let mut errors: Vec<Values> = Vec::with_capacity(program.ops().len());
+        let mut bounds: Vec<Vec<Bound>> = Vec::with_capacity(program.ops().len());
         for (op, _) in program.ops() {
             let channel = |slot: &Slot, channel: usize| input(&Slot { channel, ..*slot });
             let value = evaluate(op, &|id| values[id as usize].clone(), &|slot, c| channel(slot, c).0);
-            let bound = error(op, &|id| values[id as usize].clone(), &|id| errors[id as usize].clone(), &|slot, c| {
-                channel(slot, c).1
-            });
+            let mut own = vec![Bound::EXACT; value.len()];
+            match op {
+                Op::Load(slot) => own[0] = channel(slot, slot.channel).1,
+                Op::LoadColor(slot) => own.iter_mut().enumerate().for_each(|(c, own)| *own = channel(slot, c).1),
+                _ => error(op, &Known { values: &values, bounds: &bounds }, &value, &mut own),
+            }
             values.push(value);
-            errors.push(bound);
+            bounds.push(own);
         }
-        Self { program: program.clone(), values, errors }
+        Self { program: program.clone(), values, bounds }
     }
 
     /// The value at a position of the program.
@@ -46,9 +65,9 @@ impl Inspection {
         &self.values[position as usize]
     }
 
-    /// A bound on its error, without the operations' own rounding; infinite where a side is not certain.
-    pub fn error(&self, position: u32) -> &[f64] {
-        &self.errors[position as usize]
+    /// Bounds on its error: of f64 arithmetic.
+    pub fn bound(&self, position: u32) -> &[Bound] {
+        &self.bounds[position as usize]
     }
 
     /// The control colors of a color and their weights, which sum to 1; controls of weight 0 are left out.

@@ -9,6 +9,7 @@
 
 mod bands;
 mod buffers;
+mod certify;
 mod controls;
 mod fill;
 mod frame;
@@ -33,6 +34,7 @@ mod tests;
 mod tile;
 
 pub use buffers::Buffers;
+pub use certify::{Certified, Certifier, Distribution};
 pub use frame::{EvalError, Frame, Monitor, NodeReport, Phases, Picture, Silent, State};
 pub use inspect::{Blame, Inspection};
 pub use left_out::LeftOut;

@@ -1,5 +1,6 @@
 //! Makes plans: lower, optimize, schedule, and explain what is left out.
 
+use crate::certify::with_bounds;
 use crate::controls::Controls;
 use crate::left_out::Reasons;
 use crate::lower::{Lowered, lower, positions};
@@ -76,12 +77,15 @@ impl<'g> Planner<'g, '_> {
             let (fields, averaged): (Vec<usize>, Vec<usize>) = all.into_iter().partition(is_field);
             vec![(averaged, offsets), (fields, vec![[0.5, 0.5]])]
         };
-        let passes: Vec<Pass> = groups
+        let mut passes: Vec<Pass> = groups
             .into_iter()
             .filter(|(members, _)| !members.is_empty())
             .map(|(members, offsets)| scheduler.pass(&members, offsets, &output_roots))
             .collect();
         let prepares = scheduler.prepares(&passes);
+        if self.settings.bounds {
+            passes.iter_mut().for_each(|pass| with_bounds(pass, graph));
+        }
         let controls = Controls { planner: &self, lowered: &lowered, program: &optimized.program, taps: &taps };
         let outputs = chosen.iter().zip(&output_roots).map(|(&index, roots)| controls.output(index, roots)).collect();
         let alive = cone(&optimized.program, output_roots.iter().chain(taps.values()).flatten().copied());

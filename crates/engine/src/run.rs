@@ -156,7 +156,7 @@ impl Plan<'_> {
     }
 
     /// Runs on as many threads as the settings say.
-    fn in_pool<R: Send>(&self, run: impl FnOnce() -> Result<R, EvalError> + Send) -> Result<R, EvalError> {
+    pub(crate) fn in_pool<R: Send>(&self, run: impl FnOnce() -> Result<R, EvalError> + Send) -> Result<R, EvalError> {
         let threads = self.settings.threads;
         if threads == 0 {
             return run();
@@ -189,6 +189,13 @@ impl Plan<'_> {
             }
         }
         Ok(())
+    }
+
+    /// Checks every value of the buffers of bound nodes.
+    pub(crate) fn validate_all(&self, buffers: &Buffers<'_>) -> Result<(), EvalError> {
+        self.validate(buffers)?;
+        let bound = self.graph.nodes().iter().zip(&self.bound).filter(|(_, bound)| **bound);
+        bound.into_iter().try_for_each(|(node, _)| buffers.validate_values(&node.name, node.kinds[0]))
     }
 
     /// Width and height of tiles.

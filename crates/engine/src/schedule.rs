@@ -1,6 +1,7 @@
 //! Which stages fill which channels, from the outputs upstream.
 
 use crate::Switches;
+use crate::certify::Origin;
 use crate::kernel::{Compiled, Legal, Options, compile};
 use crate::lower::Lowered;
 use crate::optimize::{cone, extract};
@@ -296,7 +297,11 @@ impl Scheduler<'_, '_, '_> {
             variance: &|slot| self.planner.variance(self.lowered, slot),
             legal: &legal,
         };
-        compile(&program, &roots, &options)
+        let mut compiled = compile(&program, &roots, &options);
+        if self.planner.settings.bounds {
+            compiled.origin = Origin { program, roots };
+        }
+        compiled
     }
 
     /// Every stage that some pass fills, or whose handle another stage takes, inputs first.

@@ -63,6 +63,8 @@ pub struct Settings {
     pub memory_limit: u64,
     /// The part of the picture to evaluate; all of it if `None`.
     pub region: Option<Window>,
+    /// Whether every plane has bounds on its errors beside it, as channels behind its own.
+    pub(crate) bounds: bool,
 }
 
 impl Default for Settings {
@@ -76,6 +78,7 @@ impl Default for Settings {
             judge: Judging::All,
             memory_limit: 16 << 30,
             region: None,
+            bounds: false,
         }
     }
 }

@@ -10,6 +10,7 @@
 //! to 1. So every color of an output lies in the convex hull of the control colors, whatever the passes hold.
 
 mod animated;
+mod bound;
 mod build;
 mod check;
 mod checked;
@@ -33,6 +34,7 @@ mod stage_io;
 mod work;
 
 pub use animated::{Animated, Interpolation};
+pub use bound::{Bound, LITERAL, NoBound, REFERENCE};
 pub use build::{Builder, Mask, Value, Weights, load};
 pub use check::{check, expected};
 pub use checked::{CheckedGraph, CheckedNode, Guarantee, OutputSpec, Precision};
@@ -52,5 +54,5 @@ pub use registry::Registry;
 pub use schema::schema;
 pub use spanned::{MAX_DEPTH, MAX_VALUES};
 pub use stability::{Figure, Relation, Stability, StabilityMap, Verdict};
-pub use stage_io::{Block, Connection, Inputs, Outputs, Pool, Prepare};
+pub use stage_io::{Block, Bounding, Connection, Inputs, Outputs, Pool, Prepare};
 pub use work::Work;

@@ -9,8 +9,8 @@
 //! **must not** read clocks, global state, or open files outside `prepare`.
 
 use crate::{
-    Block, ChannelSet, Check, Declaration, FrameContext, Inputs, Kind, Lowering, Outputs, Prepare, Reference,
-    References, Settled, Stability, Value, ViewChannel, Work,
+    Block, Bounding, ChannelSet, Check, Declaration, FrameContext, Inputs, Kind, Lowering, NoBound, Outputs, Prepare,
+    Reference, References, Settled, Stability, Value, ViewChannel, Work,
 };
 use std::any::Any;
 use std::path::PathBuf;
@@ -221,6 +221,17 @@ pub trait Prepared: Send + Sync {
     fn fill(&self, block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let _ = (block, inputs, outputs);
         Ok(())
+    }
+
+    /// Bounds how far each plane that [`fill`](Self::fill) filled may lie from [`reference`](Self::reference), at every sample
+    /// of a block: fills the same planes with [`Bound`]s, encoded. A reference is asked with inputs that lie within their
+    /// own bounds.
+    ///
+    /// # Errors
+    /// No honest bound is known.
+    fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
+        let _ = (bounding, outputs);
+        Err(NoBound("its method has none"))
     }
 
     /// All outputs in f64 at one sample, straight from the formula.

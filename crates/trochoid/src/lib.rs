@@ -44,8 +44,9 @@ pub use resume::Fingerprints;
 pub use stability::stability;
 pub use stream::FileSink;
 pub use trochoid_engine::{
-    Audit, Buffers, Cache, EvalError, Frame, Instructions, Judging, LeftOut, Monitor, NodeReport, Phases, Picture,
-    Plan, PlanError, ReferenceError, ReferenceFrame, Settings, ShadingPlan, Silent, Sink, State, Switches,
+    Audit, Buffers, Cache, Certified, Certifier, Distribution, EvalError, Frame, Instructions, Judging, LeftOut,
+    Monitor, NodeReport, Phases, Picture, Plan, PlanError, ReferenceError, ReferenceFrame, Settings, ShadingPlan,
+    Silent, Sink, State, Switches,
 };
 pub use trochoid_graph::{
     Accepts, Arity, CheckedGraph, CheckedNode, Declaration, Default as KnobDefault, Diagnostic, End, Figure, Guarantee,

@@ -15,9 +15,9 @@ use draw::Drawn;
 use pixels::{HEIGHT, Pixels, WIDTH};
 use rand::SeedableRng;
 use rand_pcg::Pcg64Mcg;
-use trochoid::{Buffers, CheckedGraph, Frame, ReferenceFrame, State};
+use trochoid::{Buffers, Cache, Certifier, CheckedGraph, Frame, ReferenceFrame, Silent, State};
 
-const GRAPHS: u64 = 400;
+const GRAPHS: u64 = 1000;
 /// The frame at which keyed knobs take the values drawn.
 const FRAME: i64 = 2;
 
@@ -29,6 +29,10 @@ struct Tally {
     merged: usize,
     deepest: usize,
     loosest: f64,
+    /// Certified over found.
+    ratios: Vec<f64>,
+    clear: u64,
+    doubtful: u64,
 }
 
 fn within(seed: u64, drawn: &Drawn, frame: &Frame, pixels: &Pixels, graph: &CheckedGraph, tally: &mut Tally) {
@@ -73,6 +77,36 @@ fn within(seed: u64, drawn: &Drawn, frame: &Frame, pixels: &Pixels, graph: &Chec
     }
 }
 
+/// What is certified of every sample holds, and is not much more than what is found.
+fn certified(seed: u64, drawn: &Drawn, frame: &Frame, buffers: &Buffers<'_>, graph: &CheckedGraph, tally: &mut Tally) {
+    let certifier = Certifier::new(graph, &[], FRAME, &buffers.names(), &settings(|_| ())).unwrap();
+    let certified = certifier.certify(buffers, &mut Cache::new(), &Silent).unwrap();
+    for (picture, certified) in frame.pictures.iter().zip(&certified) {
+        let name = &graph.outputs()[picture.output].name;
+        assert_eq!(picture.output, certified.output);
+        let reference = ReferenceFrame::new(graph, name, FRAME).unwrap();
+        for at in (seed as usize % 7..WIDTH * HEIGHT).step_by(7) {
+            let truth = reference.pixel((at % WIDTH) as i64, (at / WIDTH) as i64).unwrap();
+            for (channel, truth) in truth.iter().enumerate() {
+                let found = f64::from(picture.planes[channel].samples()[at]);
+                let error = if found == *truth { 0.0 } else { (found - truth).abs() };
+                let bound = f64::from(certified.errors[channel][at]);
+                assert!(
+                    error <= bound,
+                    "graph {seed}: {name}, channel {channel} of pixel {at}: {found:e} is {error:e} from the reference, \
+                     certified {bound:e}\n{}",
+                    drawn.text
+                );
+                if certified.doubt[at] == 0.0 && error > 1e-9 {
+                    tally.ratios.push(bound / error);
+                }
+            }
+        }
+        tally.doubtful += certified.unclear.total();
+        tally.clear += certified.clear.total();
+    }
+}
+
 #[test]
 fn random_graphs_hold_every_promise() {
     let folder = tempfile::tempdir().unwrap();
@@ -89,6 +123,7 @@ fn random_graphs_hold_every_promise() {
         let read = evaluate(&graph, FRAME, &Buffers::new(), &settings(|_| ()));
         assert_eq!(all_bits(&frame), all_bits(&read), "graph {seed}: buffers are not files\n{}", drawn.text);
         within(seed, &drawn, &frame, &pixels, &graph, &mut tally);
+        certified(seed, &drawn, &frame, &buffers, &graph, &mut tally);
         let states = read.nodes.iter().map(|report| &report.state);
         for state in states {
             match state {
@@ -103,6 +138,11 @@ fn random_graphs_hold_every_promise() {
     assert!(tally.pruned > 20, "{} nodes pruned", tally.pruned);
     assert!(tally.merged > 20, "{} nodes merged", tally.merged);
     assert!(tally.deepest >= 40, "the deepest graph has {} levels", tally.deepest);
+    tally.ratios.sort_by(f64::total_cmp);
+    let median = tally.ratios[tally.ratios.len() / 2];
+    assert!(tally.ratios.len() > 5_000 && median < 10.0, "{median} times the error found, of {}", tally.ratios.len());
+    let share = tally.doubtful as f64 / (tally.clear + tally.doubtful) as f64;
+    assert!(share > 0.0 && share < 0.1, "{share} of the samples are in doubt");
     // A bound that nothing comes near would say nothing.
     assert!((0.2..=1.0).contains(&tally.loosest), "the worst error is {} of its bound", tally.loosest);
 }

@@ -4,13 +4,16 @@
 //! needs its region of interest, clamped to the extent of the image that it reads, so that no stage is ever asked for
 //! pixels where its image does not lie.
 
+mod runner;
 mod shared;
 
-use crate::kernel::{Chunk, Compiled, Machine, Plane, WeightAudit};
+use crate::certify::fill_with_bounds;
+use crate::kernel::{Chunk, Compiled, Plane, WeightAudit};
 use crate::plan::{Feed, Fill};
 use crate::prepare::{Ready, node_error};
 use crate::shading::TELLING;
 use crate::{Buffers, EvalError, Monitor, Plan};
+use runner::Runner;
 use shared::{Apart, Kept, View, telling};
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -37,13 +40,15 @@ pub(crate) struct Fills<'p> {
     tile: Window,
     /// Whether samples of a pixel share.
     sharing: bool,
+    /// A row of bounds of what the caller gave: there is no truth but that.
+    exact: Vec<f32>,
 }
 
 struct FillState<'p> {
     fill: &'p Fill,
     /// `None` where a buffer of the caller stands in.
     stage: Option<(&'static dyn Stage, &'p Settled)>,
-    taps: Option<Machine<'p>>,
+    taps: Option<Runner<'p>>,
     /// By output, by channel; empty where not wanted.
     planes: Vec<Vec<Vec<f32>>>,
     one_row: bool,
@@ -93,6 +98,7 @@ impl<'p> Fills<'p> {
         let views = View::of(fills, &by_slot);
         let extents = extents(plan, ready, fills);
         let picture = plan.graph.format().window();
+        let bounding = plan.settings.bounds;
         let image = |fill: &Fill, feeds: &Vec<Feed>| {
             let extent = match feeds.iter().find(|feed| **feed != Feed::Nothing) {
                 Some(Feed::Slot(slot)) => extents.get(&slot.node),
@@ -107,7 +113,7 @@ impl<'p> Fills<'p> {
             .map(|fill| FillState {
                 fill,
                 stage: stage(plan, fill.node),
-                taps: fill.taps.as_ref().map(|taps| Machine::new(taps, chunks)),
+                taps: fill.taps.as_ref().map(|taps| Runner::new(taps, bounding, chunks)),
                 planes: fill.wanted.iter().map(|channels| vec![Vec::new(); channels.len()]).collect(),
                 one_row: fill.variance <= Variance::Column,
                 columns: None,
@@ -134,6 +140,7 @@ impl<'p> Fills<'p> {
             apart: Vec::new(),
             tile: Window::default(),
             sharing,
+            exact: if bounding { vec![0.0; picture.width()] } else { Vec::new() },
         }
     }
 
@@ -176,7 +183,7 @@ impl<'p> Fills<'p> {
     /// The extremes of weights over everything that ran before stages.
     pub(crate) fn audit(&self) -> WeightAudit {
         let machines = self.fills.iter().filter_map(|fill| fill.taps.as_ref());
-        machines.map(Machine::audit).fold(WeightAudit::default(), WeightAudit::merge)
+        machines.map(Runner::audit).fold(WeightAudit::default(), WeightAudit::merge)
     }
 
     /// Decides every stage's window, from the program backwards: for a later sample, what it cannot share.
@@ -244,6 +251,9 @@ impl<'p> Fills<'p> {
         let start =
             |within: Window, stride: usize| (over.y0 - within.y0) as usize * stride + (over.x0 - within.x0) as usize;
         if self.is_bound(slot.node) {
+            if slot.channel >= self.plan.graph.node(slot.node).kinds[slot.output].channels() {
+                return Plane { samples: &self.exact, start: 0, stride: 0 };
+            }
             let picture = self.plan.graph.format().window();
             let sources = self.buffers.get(&self.plan.graph.node(slot.node).name).unwrap_or_default();
             let samples: &[f32] = sources.get(slot.channel).copied().unwrap_or_default();
@@ -293,7 +303,7 @@ impl<'p> Fills<'p> {
         index: usize,
         (sample, offset): (usize, [f64; 2]),
         planes: &mut [Vec<Vec<f32>>],
-        machine: Option<&mut Machine<'p>>,
+        machine: Option<&mut Runner<'p>>,
     ) -> Result<Option<Found>, NodeError> {
         let state = &self.fills[index];
         let before = &self.fills[..index];
@@ -340,8 +350,12 @@ impl<'p> Fills<'p> {
             .collect();
         let Some(ready) = self.ready.get(&state.fill.node) else { return Ok(None) };
         let cancelled = || self.monitor.cancelled();
-        let inputs = Inputs::new(&ports).with_cancellation(&cancelled);
         let block = Block::of(window, offset);
+        if self.plan.settings.bounds {
+            fill_with_bounds(&*ready.prepared, &block, &ports, &cancelled, outputs)?;
+            return Ok(None);
+        }
+        let inputs = Inputs::new(&ports).with_cancellation(&cancelled);
         let found = match sample {
             0 if self.sharing => ready.prepared.find(&block, &inputs)?,
             _ => state.found.clone(),
@@ -390,7 +404,7 @@ impl<'p> Fills<'p> {
     }
 
     /// Runs the pointwise program before a stage; gives its roots' planes.
-    fn run_taps(&self, state: &FillState<'_>, before: &[FillState<'_>], machine: Option<&mut Machine<'p>>) -> Taps {
+    fn run_taps(&self, state: &FillState<'_>, before: &[FillState<'_>], machine: Option<&mut Runner<'p>>) -> Taps {
         let mut taps = Taps::new();
         if let (Some(machine), Some(compiled)) = (machine, &state.fill.taps) {
             let window = state.tap_window;

@@ -1,7 +1,9 @@
 //! Stages whose results the samples of a pixel share: of all but the first sample, only what differs is filled.
 
+use super::runner::Runner;
 use super::{FillState, Fills, Held, Taps};
-use crate::kernel::{Machine, Plane};
+use crate::certify::fill_with_bounds;
+use crate::kernel::Plane;
 use crate::plan::{Feed, Fill};
 use crate::shading::TELLING;
 use std::borrow::Cow;
@@ -159,7 +161,7 @@ impl<'p> Fills<'p> {
         index: usize,
         apart: &Apart,
         offset: [f64; 2],
-        machine: Option<&mut Machine<'p>>,
+        machine: Option<&mut Runner<'p>>,
     ) -> Result<Vec<Vec<f32>>, NodeError> {
         let (state, before) = (&self.fills[index], &self.fills[..index]);
         let Some(ready) = self.ready.get(&state.fill.node) else { return Ok(Vec::new()) };
@@ -206,6 +208,10 @@ impl<'p> Fills<'p> {
             })
             .collect();
         let cancelled = || self.monitor.cancelled();
+        if self.plan.settings.bounds {
+            fill_with_bounds(&*ready.prepared, &block, &ports, &cancelled, outputs)?;
+            return Ok(found);
+        }
         let inputs = Inputs::new(&ports).with_cancellation(&cancelled);
         ready.prepared.fill(&block, &inputs, &mut Outputs::new(outputs))?;
         Ok(found)
@@ -228,7 +234,7 @@ impl<'p> Fills<'p> {
         state: &FillState<'_>,
         apart: &Apart,
         before: &[FillState<'_>],
-        machine: Option<&mut Machine<'p>>,
+        machine: Option<&mut Runner<'p>>,
     ) -> Taps {
         let mut taps = Taps::new();
         if let (Some(machine), Some(compiled)) = (machine, &state.fill.taps) {

@@ -2,6 +2,7 @@
 
 use super::audit::Legal;
 use super::native::Native;
+use crate::certify::Origin;
 use trochoid_graph::{NodeId, Slot};
 use trochoid_memory::Instructions;
 
@@ -185,6 +186,8 @@ pub(crate) struct Compiled {
     pub(crate) roots: Vec<usize>,
     /// What the machine may use.
     pub(crate) instructions: Instructions,
+    /// What it was compiled from, where bounds on errors are asked for.
+    pub(crate) origin: Origin,
     /// What the kernels do wrong, so that tests see whether anybody notices.
     #[cfg(test)]
     pub(crate) fault: Fault,

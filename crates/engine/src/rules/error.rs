@@ -1,90 +1,162 @@
 //! How errors pass through every operation: the bounds of non-expansion.
+//!
+//! Each rule bounds what errors of the operands do to the exact operation. What the operation itself rounds is added from
+//! what it computed: the distance of its result from that of the exact operation on the same operands.
 
-use super::evaluate::Values;
-use trochoid_graph::Op;
+use trochoid_graph::{Bound, LITERAL, Op, REFERENCE};
+use trochoid_weights::reference as r;
 
-/// A bound on the error of an operation's rows at one sample, from values and bounds of its operands.
+/// The operands of an operation at one sample: what was computed, and how far that may be off, by position and row.
+pub(crate) trait Operands {
+    fn value(&self, position: u32, row: usize) -> f64;
+    fn bound(&self, position: u32, row: usize) -> Bound;
+}
+
+/// How far the results of an operation may lie from the truth at one sample, where it computed `computed`: one bound a row.
 ///
-/// `value` gives the computed values, `error` the bounds on their errors, both in rows as in
-/// [`evaluate`](super::evaluate::evaluate). Rounding of the operation itself is not included. Infinity where
-/// the side of a threshold is not certain.
-pub(crate) fn error(
-    op: &Op,
-    value: &dyn Fn(u32) -> Values,
-    error: &dyn Fn(u32) -> Values,
-    slot: &dyn Fn(&trochoid_graph::Slot, usize) -> f64,
-) -> Values {
-    let v = |s: trochoid_graph::Scalar| value(s.0)[0];
-    let e = |s: trochoid_graph::Scalar| error(s.0)[0];
+/// `Load`s have none of their own.
+pub(crate) fn error(op: &Op, of: &impl Operands, computed: &[f64], out: &mut [Bound]) {
+    let scalar = |s: trochoid_graph::Scalar| (of.value(s.0, 0), of.bound(s.0, 0));
     match op {
-        Op::Load(s) => vec![slot(s, s.channel)],
-        Op::LoadColor(s) => (0..3).map(|channel| slot(s, channel)).collect(),
-        Op::Constant(_) => vec![0.0],
-        Op::ConstantColor(_) => vec![0.0; 3],
-        Op::Clamp { x, min, max } => {
-            let (x, dx, min, max) = (v(*x), e(*x), f64::from(*min), f64::from(*max));
-            // Saturated for every value within the error: no error passes. (∞ ± ∞ is no certainty.)
-            if dx == 0.0 || x - dx >= max || x + dx < min {
-                vec![0.0]
-            } else if max == min {
-                vec![f64::INFINITY]
-            } else {
-                vec![(dx / (max - min)).min(1.0)]
+        Op::Load(_) | Op::LoadColor(_) => {}
+        // The reference takes literals as they are written.
+        Op::Constant(_) | Op::ConstantColor(_) => {
+            for (out, value) in out.iter_mut().zip(computed) {
+                *out = Bound::of(value.abs() * LITERAL);
             }
         }
+        Op::Clamp { x, min, max } => {
+            let (x, dx) = scalar(*x);
+            out[0] = clamp((x, dx), f64::from(*min), f64::from(*max), computed[0]);
+        }
         Op::Step { x, threshold } => {
-            let (x, dx, at) = (v(*x), e(*x), f64::from(*threshold));
-            vec![if dx == 0.0 || x - dx >= at || x + dx < at { 0.0 } else { f64::INFINITY }]
+            let at = f64::from(*threshold);
+            out[0] = clamp(scalar(*x), at, at, computed[0]);
         }
-        // The slope of t²(3 − 2t) is 6t(1 − t), at most 1.5.
-        Op::Smooth(t) => vec![(1.5 * e(*t)).min(1.0)],
-        // The slope of tᵖ on [0, t + dt] is at most p·(t + dt)^(p−1).
+        Op::Smooth(t) => {
+            let (t, dt) = scalar(*t);
+            // The slope of t²(3 − 2t) is 6t(1 − t), which is steepest nearest to ½.
+            let steepest = 0.5_f64.clamp((t - dt.size).max(0.0), (t + dt.size).min(1.0));
+            let slope = 6.0 * steepest * (1.0 - steepest);
+            out[0] = mask(slope * dt.size, rounded(computed[0], r::smooth(t)), dt.clear);
+        }
         Op::Power { t, p } => {
-            let (p, top) = (f64::from(*p), (v(*t) + e(*t)).min(1.0));
-            vec![(p * top.powf(p - 1.0) * e(*t)).min(1.0)]
+            let ((t, dt), p) = (scalar(*t), f64::from(*p));
+            // The slope of tᵖ on [0, t + dt] is at most p·(t + dt)^(p−1). In p it is tᵖ·ln t, at least −1/(e·p).
+            let slope = if p == 1.0 { 1.0 } else { p * r::power((t + dt.size).min(1.0), p - 1.0) };
+            out[0] = mask(slope * dt.size + 0.37 * LITERAL, rounded(computed[0], r::power(t, p)), dt.clear);
         }
-        Op::Complement(t) => vec![e(*t)],
-        Op::Product(t, u) => vec![v(*t) * e(*u) + v(*u) * e(*t) + e(*t) * e(*u)],
-        Op::Partition(weights) => weights.iter().map(|w| e(*w)).collect(),
-        Op::Normalize { values, floor } => {
-            let floor = f64::from(*floor);
-            let errors: Values = values.iter().map(|v| e(*v)).collect();
-            let total: f64 = errors.iter().sum();
-            let sum: f64 = values.iter().map(|s| v(*s).max(0.0)).sum();
-            // Over any S' ≥ max(S − total, τ): |d(v/S)| ≤ (dv + w·dS)/S'.
-            let least = (sum - total).max(floor);
-            let mut bounds: Values = values
-                .iter()
-                .zip(&errors)
-                .map(|(s, dv)| ((dv + v(*s).max(0.0) / sum.max(floor) * total) / least).min(1.0))
-                .collect();
-            bounds.push((total / least).min(1.0));
-            bounds
+        Op::Complement(t) => {
+            let (t, dt) = scalar(*t);
+            out[0] = mask(dt.size, rounded(computed[0], 1.0 - t), dt.clear);
         }
-        Op::Weight(partition, i) => vec![error(partition.0)[*i]],
+        Op::Product(t, u) => {
+            let ((t, dt), (u, du)) = (scalar(*t), scalar(*u));
+            let size = times(t, du.size) + times(u, dt.size) + times(dt.size, du.size);
+            // A factor that is 0 for certain hides what is not clear of the other.
+            let hidden = |value: f64, bound: Bound| value == 0.0 && bound.size == 0.0;
+            let clear = (dt.clear || hidden(u, du)) && (du.clear || hidden(t, dt));
+            out[0] = mask(size, rounded(computed[0], t * u), clear);
+        }
+        Op::Partition(weights) => {
+            for (row, (out, weight)) in out.iter_mut().zip(weights).enumerate() {
+                let (w, dw) = scalar(*weight);
+                *out = mask(dw.size, rounded(computed[row], w), dw.clear);
+            }
+        }
+        Op::Normalize { values, floor } => normalize(values, f64::from(*floor), of, computed, out),
+        Op::Weight(partition, i) => out[0] = of.bound(partition.0, *i),
         Op::Mix { a, b, t } => {
-            let (t, dt) = (v(*t), e(*t).min(1.0));
-            let (va, vb, ea, eb) = (value(a.0), value(b.0), error(a.0), error(b.0));
-            (0..3).map(|c| (1.0 - t) * ea[c] + t * eb[c] + dt * ((vb[c] - va[c]).abs() + ea[c] + eb[c])).collect()
+            let (t, dt) = scalar(*t);
+            let moved = dt.size.min(1.0);
+            for (row, out) in out.iter_mut().enumerate() {
+                let [(a, da), (b, db)] = [a.0, b.0].map(|color| (of.value(color, row), of.bound(color, row)));
+                let apart = (b - a).abs() + da.size + db.size;
+                let size = times(1.0 - t, da.size) + times(t, db.size) + times(moved, apart);
+                let unused = |share: f64| share == 0.0 && moved == 0.0;
+                let clear = (da.clear || unused(1.0 - t))
+                    && (db.clear || unused(t))
+                    && (dt.clear || moved == 0.0 || apart == 0.0);
+                *out = color(size, rounded(computed[row], r::mix(a, b, t)), clear);
+            }
         }
         Op::Blend { colors, weights } => {
-            let (w, dw) = (value(weights.0), error(weights.0));
-            let values: Vec<Values> = colors.iter().map(|color| value(color.0)).collect();
-            let errors: Vec<Values> = colors.iter().map(|color| error(color.0)).collect();
-            let total: f64 = dw.iter().sum();
-            (0..3)
-                .map(|c| {
-                    // Σ dw = 0, so only differences of colors count: at most half the diameter times Σ|dw|.
-                    let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
-                    let mut own = 0.0;
-                    for (i, color) in values.iter().enumerate() {
-                        low = low.min(color[c] - errors[i][c]);
-                        high = high.max(color[c] + errors[i][c]);
-                        own += (w[i] + dw[i]) * errors[i][c];
+            for (row, out) in out.iter_mut().enumerate() {
+                // Σ dw = 0, so only differences of colors count: at most half the diameter times Σ|dw|.
+                let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+                let (mut size, mut sum, mut moved, mut clear) = (0.0, 0.0, 0.0, true);
+                for (i, c) in colors.iter().enumerate() {
+                    let (w, dw) = (of.value(weights.0, i), of.bound(weights.0, i));
+                    let (c, dc) = (of.value(c.0, row), of.bound(c.0, row));
+                    let most = dw.size.min(1.0);
+                    sum += times(w, c);
+                    if w == 0.0 && most == 0.0 {
+                        continue;
                     }
-                    own + 0.5 * (high - low) * total
-                })
-                .collect()
+                    (low, high) = (low.min(c - dc.size), high.max(c + dc.size));
+                    size += times(w + most, dc.size);
+                    moved += most;
+                    clear &= dw.clear && dc.clear;
+                }
+                *out = color(size + times(0.5 * moved, high - low), rounded(computed[row], sum), clear);
+            }
         }
+    }
+}
+
+/// A product in which 0 stays 0: what has no share does not matter, however little is known of it.
+fn times(a: f64, b: f64) -> f64 {
+    if a == 0.0 || b == 0.0 { 0.0 } else { a * b }
+}
+
+/// How far what was computed lies from what is exact for the same operands.
+fn rounded(computed: f64, exact: f64) -> f64 {
+    (computed - exact).abs() + exact.abs() * REFERENCE
+}
+
+/// Masks differ by 1 at most.
+fn mask(size: f64, rounded: f64, clear: bool) -> Bound {
+    Bound::of((size + rounded).min(1.0)).with(clear)
+}
+
+fn color(size: f64, rounded: f64, clear: bool) -> Bound {
+    Bound::of(size + rounded).with(clear)
+}
+
+/// Also of steps, where `max` is `min`.
+fn clamp((x, dx): (f64, Bound), min: f64, max: f64, computed: f64) -> Bound {
+    let [slack_min, slack_max] = [min, max].map(|bound| bound.abs() * LITERAL);
+    // Saturated for every value within the error: no error passes. (∞ ± ∞ is no certainty.)
+    if x - dx.size >= max + slack_max || x + dx.size < min - slack_min {
+        return Bound::EXACT;
+    }
+    if max == min || !(max - min).is_finite() {
+        // The side is not certain.
+        return Bound { size: 1.0, clear: false };
+    }
+    let width = (max - min) - slack_min - slack_max;
+    let size = if width > 0.0 { (dx.size + slack_min + slack_max) / width } else { 1.0 };
+    mask(size, rounded(computed, r::clamp(x, min, max)), dx.clear)
+}
+
+fn normalize(values: &[trochoid_graph::Scalar], floor: f64, of: &impl Operands, computed: &[f64], out: &mut [Bound]) {
+    // An infinite field counts as the largest finite one.
+    let share = |v: &trochoid_graph::Scalar| of.value(v.0, 0).clamp(0.0, f64::from(f32::MAX));
+    let (mut sum, mut total, mut clear) = (0.0, 0.0, true);
+    for v in values {
+        sum += share(v);
+        total += of.bound(v.0, 0).size;
+        clear &= of.bound(v.0, 0).clear;
+    }
+    // Over any S' ≥ max(S − total, τ): |d(v/S)| ≤ (dv + w·dS)/S'; a change of τ moves weights by no more than itself.
+    let slack = LITERAL * floor;
+    let (divisor, least) = (sum.max(floor), (sum - total).max(floor - slack));
+    for (row, out) in out.iter_mut().enumerate() {
+        let (exact, dv) = match values.get(row) {
+            Some(v) => (share(v) / divisor, of.bound(v.0, 0).size),
+            None => (1.0 - sum / divisor, 0.0),
+        };
+        let moved = if row < values.len() { dv + times(exact, total + slack) } else { total + slack };
+        *out = mask(moved / least, rounded(computed[row], exact), clear);
     }
 }

@@ -3,7 +3,7 @@
 use crate::inspect::Inspection;
 use crate::rules::interval::{Bounds, Interval, interval};
 use proptest::prelude::*;
-use trochoid_graph::{Color, NodeId, Op, Partition, Program, Scalar, Slot};
+use trochoid_graph::{Bound, Color, NodeId, Op, Partition, Program, Scalar, Slot};
 
 const NODE: NodeId = NodeId(0);
 
@@ -40,7 +40,9 @@ fn slot(node: usize) -> Slot {
 }
 
 fn inspect(program: &Program, inputs: &[f64], errors: &[f64]) -> Inspection {
-    Inspection::new(program, &|slot| (inputs[slot.node.0 + slot.channel], errors[slot.node.0 + slot.channel]))
+    Inspection::new(program, &|slot| {
+        (inputs[slot.node.0 + slot.channel], Bound::of(errors[slot.node.0 + slot.channel]))
+    })
 }
 
 proptest! {
@@ -56,9 +58,9 @@ proptest! {
         let moved: Vec<f64> = inputs.iter().zip(&errors).zip(&signs).map(|((x, e), s)| x + e * s).collect();
         let truth = inspect(&program, &moved, &errors);
         for position in 0..program.ops().len() as u32 {
-            let values = stated.value(position).iter().zip(truth.value(position)).zip(stated.error(position));
+            let values = stated.value(position).iter().zip(truth.value(position)).zip(stated.bound(position));
             for ((computed, truth), bound) in values {
-                prop_assert!((computed - truth).abs() <= bound + 1e-12, "{:?}", program.ops()[position as usize].0);
+                prop_assert!((computed - truth).abs() <= bound.size, "{:?}", program.ops()[position as usize].0);
             }
         }
     }

@@ -1,7 +1,7 @@
 //! FieldMath: any arithmetic on fields.
 
 use crate::filter_support::numbers;
-use crate::front_support::{Expression, Program, parse};
+use crate::front_support::{Expression, Program, Span, parse};
 use std::collections::HashMap;
 use std::sync::{Mutex, OnceLock, PoisonError};
 use trochoid_graph::*;
@@ -164,6 +164,32 @@ impl Prepared for Computing {
         for (component, plane) in wanted.into_iter().enumerate() {
             if let Some(plane) = plane {
                 self.repair(block, component, plane);
+            }
+        }
+        Ok(())
+    }
+
+    fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
+        let Some(Ok(program)) = self.program.get() else { return Ok(()) };
+        let of = |inputs: &Inputs<'_>, port: usize, component: usize, sample: usize| {
+            let connection = inputs.all(INPUTS[port]).first()?;
+            Some(connection.planes.get(component).copied()??[sample])
+        };
+        let mut wanted: Vec<_> = (0..program.width()).map(|component| outputs.take(0, component)).collect();
+        for sample in 0..bounding.block.window.area() {
+            let spans = program.spans(|port, component| {
+                let value = of(bounding.inputs, port, component, sample).map_or(0.0, f64::from);
+                let bound = of(bounding.bounds, port, component, sample).map_or(Bound::EXACT, Bound::decode);
+                Span::around(value, bound)
+            });
+            for (component, (span, wanted)) in spans.iter().zip(&mut wanted).enumerate() {
+                let (Some(wanted), Some(filled)) = (wanted, bounding.filled[0][component]) else { continue };
+                let bound = if span.low.is_nan() && !span.is_any() {
+                    Bound::of(self.nan.abs() * LITERAL)
+                } else {
+                    span.bound(f64::from(filled[sample]))
+                };
+                wanted[sample] = bound.encode();
             }
         }
         Ok(())

@@ -64,6 +64,11 @@ impl Prepared for Across {
         Ok(())
     }
 
+    fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
+        bounding.rounded_once(outputs);
+        Ok(())
+    }
+
     fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
         let last = f64::from(self.width) - 1.0;
         let t = if last > 0.0 { ((inputs.at[0] - 0.5) / last).clamp(0.0, 1.0) } else { 0.5 };

@@ -8,6 +8,7 @@ mod noise_reference;
 mod parser;
 mod program;
 mod screen;
+mod span;
 
 pub(crate) use expression::Expression;
 #[cfg(feature = "scene")]
@@ -19,3 +20,4 @@ pub(crate) use noise_reference::reference as noise_reference;
 pub(crate) use parser::parse;
 pub(crate) use program::Program;
 pub(crate) use screen::Screen;
+pub(crate) use span::Span;

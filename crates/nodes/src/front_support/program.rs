@@ -1,6 +1,7 @@
 //! Expressions of FieldMath for many samples at once: a list of steps, each over a run of samples.
 
 use super::expression::{Expression, Node};
+use super::span::Span;
 use fearless_simd::{Level, Simd, dispatch};
 use std::collections::HashMap;
 
@@ -15,6 +16,12 @@ macro_rules! functions {
 
             fn text(self) -> &'static str {
                 match self { $(Self::$name => $text,)* }
+            }
+
+            /// Every function.
+            #[cfg(test)]
+            pub(crate) fn all() -> &'static [Self] {
+                Self::ALL
             }
 
             /// Fewest and most arguments.
@@ -201,6 +208,21 @@ impl Program {
                 store(start, component, &memory[*place][..length]);
             }
         }
+    }
+}
+
+impl Program {
+    /// The spans of the result's components at one sample, of those of the inputs there.
+    pub(crate) fn spans(&self, input: impl Fn(usize, usize) -> Span) -> Vec<Span> {
+        let mut spans: Vec<Span> = Vec::with_capacity(self.steps.len());
+        for step in &self.steps {
+            spans.push(match step {
+                Step::Constant(bits) => Span::exactly(f64::from_bits(*bits)),
+                Step::Input { input: port, component } => input(*port, *component),
+                Step::Apply(function, arguments) => function.span(arguments.map(|argument| spans[argument])),
+            });
+        }
+        self.results.iter().map(|place| spans[*place]).collect()
     }
 }
 

@@ -56,6 +56,15 @@ impl Prepared for Copying {
         Ok(())
     }
 
+    fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
+        for (index, channel) in self.channels.iter().enumerate() {
+            if let Some(plane) = outputs.take(0, index) {
+                plane.copy_from_slice(bounding.bounds.view("view", *channel));
+            }
+        }
+        Ok(())
+    }
+
     fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
         let view = self.node.source("view");
         Ok(vec![Reference::Field(self.channels.iter().map(|channel| inputs.view(view, *channel)).collect())])

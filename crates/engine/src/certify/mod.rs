@@ -1,0 +1,177 @@
+//! How far a picture may lie from what the f64 references give: bounds on the errors of all passes, carried through the
+//! back end by the rule of each operation.
+//!
+//! A certifying plan has two channels for each: the values, and behind them their bounds. Stages bound their own results;
+//! the program runs with bounds beside its values. Nothing of the picture is computed differently.
+
+mod stage;
+mod tally;
+mod trace;
+
+pub(crate) use stage::fill_with_bounds;
+pub use tally::{Certified, Distribution};
+pub(crate) use trace::{BOUNDS, Origin, Trace};
+
+use crate::fill::Fills;
+use crate::kernel::Chunks;
+use crate::plan::{Feed, Pass};
+use crate::prepare::{Ready, prepare};
+use crate::{Buffers, Cache, EvalError, Monitor, Plan, PlanError, Settings, Switches};
+use rayon::prelude::*;
+use std::collections::HashMap;
+use trochoid_graph::{Bound, CheckedGraph, LITERAL, NodeId};
+use trochoid_image::Window;
+
+/// Tiles that are certified one by one.
+const TILE: (usize, usize) = (128, 32);
+
+/// Makes certificates of some outputs at a frame.
+///
+/// ```
+/// # use trochoid_engine::{Buffers, Cache, Certifier, Settings, Silent};
+/// # fn show(graph: &trochoid_graph::CheckedGraph) -> Result<(), Box<dyn std::error::Error>> {
+/// let certifier = Certifier::new(graph, &["beauty"], 1, &[], &Settings::default())?;
+/// let certified = certifier.certify(&Buffers::new(), &mut Cache::new(), &Silent)?;
+/// println!("{} at most, {} of the samples in doubt", certified[0].clear.max(), certified[0].in_doubt(1.0 / 255.0));
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Debug)]
+pub struct Certifier<'g> {
+    plan: Plan<'g>,
+}
+
+impl<'g> Certifier<'g> {
+    /// As [`Plan::new`].
+    ///
+    /// # Errors
+    /// As [`Plan::new`].
+    pub fn new(
+        graph: &'g CheckedGraph,
+        outputs: &[&str],
+        frame: i64,
+        bound: &[&str],
+        settings: &Settings,
+    ) -> Result<Self, PlanError> {
+        // What optimizations fold has been rounded on the way: here every operation counts.
+        let switches = Switches { demand: true, ..Switches::NONE };
+        let settings = Settings { switches, bounds: true, tile: None, ..settings.clone() };
+        Ok(Self { plan: Plan::new(graph, outputs, frame, bound, &settings)? })
+    }
+
+    /// Bounds the error of every sample of every output, on all threads.
+    ///
+    /// # Errors
+    /// As [`Plan::evaluate`].
+    pub fn certify(
+        &self,
+        buffers: &Buffers<'_>,
+        cache: &mut Cache,
+        monitor: &dyn Monitor,
+    ) -> Result<Vec<Certified>, EvalError> {
+        let plan = &self.plan;
+        plan.in_pool(|| {
+            plan.validate_all(buffers)?;
+            let ready = prepare(plan, cache, monitor)?;
+            let (width, height) = TILE;
+            let (across, down) = plan.halo();
+            let tiles: Vec<Window> = plan.window.tiles(width.max(4 * across), height.max(4 * down)).collect();
+            let mut all: Vec<Certified> =
+                plan.outputs.iter().map(|output| Certified::new(output.index, output.kind, plan.window)).collect();
+            let parts: Result<Vec<Vec<Certified>>, EvalError> = tiles
+                .par_chunks(tiles.len().div_ceil(8 * rayon::current_num_threads()).max(1))
+                .map(|tiles| self.tiles(tiles, &ready, buffers, monitor))
+                .collect();
+            for (index, part) in parts?.into_iter().flatten().enumerate() {
+                all[index % plan.outputs.len()].add(&part);
+            }
+            Ok(all)
+        })
+    }
+
+    fn tiles(
+        &self,
+        tiles: &[Window],
+        ready: &HashMap<NodeId, Ready>,
+        buffers: &Buffers<'_>,
+        monitor: &dyn Monitor,
+    ) -> Result<Vec<Certified>, EvalError> {
+        let plan = &self.plan;
+        let mut chunks = Chunks::of([]);
+        let mut chunks = chunks.all();
+        let mut seconds = vec![0.0; plan.graph.nodes().len()];
+        let mut passes: Vec<(&Pass, Fills<'_>, Trace<'_>)> = plan
+            .passes
+            .iter()
+            .map(|pass| {
+                let fills = Fills::new(plan, ready, buffers, (&pass.fills, pass.sharing), monitor, &mut chunks);
+                (pass, fills, Trace::new(&pass.program))
+            })
+            .collect();
+        let mut done = Vec::new();
+        for &tile in tiles {
+            let of = |output: &crate::plan::PlannedOutput| Certified::new(output.index, output.kind, tile);
+            let mut own: Vec<Certified> = plan.outputs.iter().map(of).collect();
+            for (pass, fills, trace) in &mut passes {
+                let share = 1.0 / pass.offsets.len() as f64;
+                let mut means: Vec<Vec<Vec<f64>>> = own.iter().map(|_| Vec::new()).collect();
+                for (sample, offset) in pass.offsets.iter().enumerate() {
+                    fills.fill(tile, (sample, *offset), &mut seconds)?;
+                    let planes = fills.planes(&pass.program);
+                    // By root, by channel: values, then bounds.
+                    let mut rows = vec![Vec::new(); pass.roots.len() * 2 * BOUNDS];
+                    trace.tile(&planes, tile.width(), tile.height(), &mut |root, channel, _, row| {
+                        rows[root * 2 * BOUNDS + channel].extend_from_slice(row);
+                    });
+                    let mut values: Vec<Vec<Vec<f32>>> = vec![Vec::new(); own.len()];
+                    let mut bounds = values.clone();
+                    for (&(output, _), rows) in pass.roots.iter().zip(rows.chunks_mut(2 * BOUNDS)) {
+                        let mut rows = rows.iter_mut().map(std::mem::take);
+                        values[output].extend(rows.by_ref().take(BOUNDS).filter(|row| !row.is_empty()));
+                        bounds[output].extend(rows.filter(|row| !row.is_empty()));
+                    }
+                    for (output, own) in own.iter_mut().enumerate().filter(|(output, _)| !bounds[*output].is_empty()) {
+                        own.sample(&bounds[output], share);
+                        means[output].resize(values[output].len(), vec![0.0; tile.area()]);
+                        for (means, values) in means[output].iter_mut().zip(&values[output]) {
+                            means.iter_mut().zip(values).for_each(|(mean, value)| *mean += share * f64::from(*value));
+                        }
+                    }
+                }
+                own.iter_mut().zip(&means).for_each(|(own, means)| own.average(means));
+            }
+            done.extend(own);
+        }
+        Ok(done)
+    }
+}
+
+/// Gives every plane of a pass another for its bounds, as a channel behind those of its output.
+pub(crate) fn with_bounds(pass: &mut Pass, graph: &CheckedGraph) {
+    let channels = |node: NodeId, output: usize| graph.node(node).kinds[output].channels();
+    for fill in &mut pass.fills {
+        fill.wanted.iter_mut().for_each(|wanted| wanted.extend_from_within(..));
+        for feeds in fill.inputs.iter_mut().flat_map(|(_, connections)| connections) {
+            let bound = |feed: &Feed| match feed {
+                Feed::Nothing => Feed::Nothing,
+                Feed::Slot(slot) => {
+                    let mut slot = *slot;
+                    slot.channel += channels(slot.node, slot.output);
+                    Feed::Slot(slot)
+                }
+                Feed::Tap(root, channel) => Feed::Tap(*root, BOUNDS + channel),
+                Feed::Constant(value) => Feed::Constant(Bound::of(f64::from(value.abs()) * LITERAL).encode()),
+            };
+            let bounds: Vec<Feed> = feeds.iter().map(bound).collect();
+            feeds.extend(bounds);
+        }
+    }
+    let programs = pass.fills.iter_mut().filter_map(|fill| fill.taps.as_mut()).chain([&mut pass.program]);
+    for program in programs {
+        program.planes.extend_from_within(..);
+        let middle = program.planes.len() / 2;
+        for slot in &mut program.planes[middle..] {
+            slot.channel += channels(slot.node, slot.output);
+        }
+    }
+}
