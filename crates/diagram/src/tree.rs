@@ -138,7 +138,9 @@ pub fn tree(graph: &CheckedGraph, outputs: &[usize], left_out: &[Option<String>]
             pins.append(dot([x + MARGIN, y + MARGIN], color(kind)));
         }
     }
-    let controls = palette(graph, &shown);
+    // What is not evaluated mixes nothing in.
+    let evaluated: Vec<bool> = shown.iter().zip(left_out).map(|(shown, why)| *shown && why.is_none()).collect();
+    let controls = palette(graph, &evaluated);
     let width = (layout.size[0]).max(8.0 * CONTROL) + 2.0 * MARGIN;
     let (below, height) = swatches(&controls, width, layout.size[1] + 2.0 * MARGIN);
     let paper = Rectangle::new().set("width", width).set("height", height).set("fill", PAPER);

@@ -180,6 +180,6 @@ mod tests {
         let corner = |frame: i64| inline(&graph.settle(id, frame)).unwrap()[0].shape.points[15].y;
         assert_eq!((corner(1), corner(5), corner(9)), (0.0, 2.0, 4.0));
         let notes = BezierModel.notes(&graph.settle(id, 1));
-        assert!(notes[0].starts_with("2 patches, 1 joints: 1 without any gap"), "{notes:?}");
+        assert!(notes[0].starts_with("2 patches, 1 joint: no gaps"), "{notes:?}");
     }
 }

@@ -30,29 +30,30 @@ pub struct Continuity {
 
 impl std::fmt::Display for Continuity {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let plural = if self.patches == 1 { "patch" } else { "patches" };
+        let count = |count: usize, one: &str, many: &str| format!("{count} {}", if count == 1 { one } else { many });
+        f.write_str(&count(self.patches, "patch", "patches"))?;
+        // What is as one would wish takes a few words; only what is not is told in figures.
         if self.joints == 0 {
-            return write!(
-                f,
-                "{} {plural} without joints; {} open edges, {} that are points",
-                self.patches, self.open, self.points
-            );
+            f.write_str(" without joints")?;
+        } else {
+            write!(f, ", {}: ", count(self.joints, "joint", "joints"))?;
+            match self.joints - self.exact {
+                0 => f.write_str("no gaps")?,
+                gaps => write!(f, "{} of up to {:.3e} m", count(gaps, "gap", "gaps"), self.widest_gap)?,
+            }
+            match self.joints - self.smooth {
+                0 => f.write_str(", all smooth")?,
+                sharp => write!(f, ", {sharp} sharp, by up to {:.1} degrees", self.greatest_angle.to_degrees())?,
+            }
+            if self.smooth == self.joints && self.equal_handles < self.joints {
+                write!(f, ", {} with equal and opposite handles", self.equal_handles)?;
+            }
         }
-        let degrees = self.greatest_angle.to_degrees();
-        write!(
-            f,
-            "{} patches, {} joints: {} without any gap (the widest gap is {:.3e} m), {} smooth within 0.1 degrees \
-             (the sharpest turns by {degrees:.2} degrees), {} with equal and opposite handles; {} open edges, {} that \
-             are points",
-            self.patches,
-            self.joints,
-            self.exact,
-            self.widest_gap,
-            self.smooth,
-            self.equal_handles,
-            self.open,
-            self.points
-        )
+        write!(f, "; {}", count(self.open, "open edge", "open edges"))?;
+        if self.points > 0 {
+            write!(f, ", {}", count(self.points, "edge that is a point", "edges that are points"))?;
+        }
+        Ok(())
     }
 }
 
