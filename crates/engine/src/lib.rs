@@ -10,6 +10,7 @@
 mod bands;
 mod buffers;
 mod controls;
+mod explain;
 mod fill;
 mod frame;
 mod inspect;
@@ -33,6 +34,7 @@ mod tests;
 mod tile;
 
 pub use buffers::Buffers;
+pub use explain::{Account, Bound, Channels, Evidence, Fate};
 pub use frame::{EvalError, Frame, Monitor, NodeReport, Phases, Picture, Silent, State};
 pub use inspect::{Blame, Inspection};
 pub use left_out::LeftOut;

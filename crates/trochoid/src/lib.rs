@@ -39,6 +39,7 @@
 //! | `io` | Read, Texture, ViewFromPasses, nor writing of files; `io` brings `scene` |
 //! | `jit` | machine code for pointwise programs: they run as compiled kernels, with the same bits |
 
+mod costs;
 #[cfg(feature = "io")]
 mod files;
 mod judge;
@@ -52,6 +53,7 @@ mod stability;
 #[cfg(feature = "io")]
 mod stream;
 
+pub use costs::{Cost, Costs, MeasureError, measure};
 #[cfg(feature = "io")]
 pub use files::{check_destination, write_whole};
 pub use judge::{Miss, guarantee, held, misses, requirement};
@@ -65,13 +67,14 @@ pub use stability::stability;
 #[cfg(feature = "io")]
 pub use stream::FileSink;
 pub use trochoid_engine::{
-    Audit, Buffers, Cache, EvalError, Frame, Instructions, Judging, LeftOut, Monitor, NodeReport, Phases, Picture,
-    Plan, PlanError, ReferenceError, ReferenceFrame, Settings, ShadingPlan, Silent, Sink, State, Switches,
+    Account, Audit, Bound, Buffers, Cache, Channels, EvalError, Evidence, Fate, Frame, Instructions, Interval, Judging,
+    LeftOut, Monitor, NodeReport, Phases, Picture, Plan, PlanError, ReferenceError, ReferenceFrame, Settings,
+    ShadingPlan, Silent, Sink, State, Switches,
 };
 pub use trochoid_graph::{
     Accepts, Arity, CheckedGraph, CheckedNode, Declaration, Default as KnobDefault, Diagnostic, End, Figure, Guarantee,
-    Item, Kind, Knob, NodeId, NodeType, OutputSpec, Port, Precision, REFUSALS, Refusal, Registry, Relation, Severity,
-    Stability, StabilityMap, Takes, Verdict, Work, expected, nearest, refusal, schema,
+    Item, Kind, Knob, NodeId, NodeType, Omission, OutputSpec, Port, Precision, REFUSALS, Refusal, Registry, Relation,
+    Severity, Source, Stability, StabilityMap, Takes, Verdict, Work, expected, nearest, refusal, schema,
 };
 pub use trochoid_image::{Format, Plane, Rgb, Shading, Window, WorkingSpace};
 #[cfg(feature = "io")]
