@@ -4,11 +4,11 @@
 //! - `output`, `kind`, `frame`;
 //! - `nodes`, by name: `type`; `fate`, one of `evaluated`, `folded`, `hands_on`, `merged`, `left_out`; `why`, a sentence,
 //!   null where it is evaluated; `proof`, a list of `{node, type, low, high, evidence}`, from the weight or value that is
-//!   certain back to what is known; `channels`, a list of `{output, wanted, unasked}`; `seconds`, `seconds_in_full` and
-//!   `estimated` where measured (null: left out; not evaluated even in full);
+//!   certain back to what is known; `channels`, a list of `{output, wanted, unasked}`; `seconds`, `seconds_in_full`, `spread`
+//!   (by how much runs differ) and `estimated` where measured (null: left out; not evaluated even in full);
 //! - `omissions`: a list of `{node, of, what, left_out, of_all, why}`, work that stages spare themselves; or
 //!   `not_prepared`, why it is not known;
-//! - `measured`: null, or `{width, height, samples, runs, seconds, seconds_in_full}`, or `{error}`.
+//! - `measured`: null, or `{width, height, samples, runs, seconds, seconds_in_full, spread}`, or `{error}`.
 //!
 //! Infinite ends of intervals are the words `inf` and `-inf`.
 
@@ -150,8 +150,16 @@ impl Explained<'_> {
             text.push_str(std::mem::take(&mut heading));
             let node = self.graph.node(account.node);
             let wanted: usize = account.channels.iter().map(|output| output.wanted.len()).sum();
-            let saved = self.cost(account.node).filter(|cost| cost.seconds.is_some()).and_then(|cost| cost.saved());
-            let saved = saved.map_or(String::new(), |saved| format!(" ({} less)", milliseconds(saved)));
+            let saved = self.cost(account.node).and_then(|cost| {
+                cost.seconds?;
+                let (saved, spread) = (cost.saved()?, cost.spread);
+                Some(if saved > spread {
+                    format!(", which saves {}", milliseconds(saved))
+                } else {
+                    format!("; what that saves is less than runs differ by, {}", milliseconds(spread))
+                })
+            });
+            let saved = saved.unwrap_or_default();
             let name = printable(&node.name);
             let all = wanted + unasked;
             let _ = writeln!(text, "    {name} ({}): {wanted} of {all} computed{saved}", node.ty.declaration().name);
@@ -186,14 +194,13 @@ impl Explained<'_> {
             Ok(omissions) if omissions.is_empty() => {}
             Ok(omissions) => {
                 let format = self.graph.format();
-                let _ =
-                    writeln!(text, "\n  What makes no difference at {} × {} pixels", format.width(), format.height());
+                let _ = writeln!(text, "\n  Left out within nodes, at {} × {} pixels", format.width(), format.height());
                 for (id, omissions) in omissions {
                     for omission in omissions {
-                        let of = self.source(*id, omission).map_or(String::new(), |name| format!(" of \"{name}\""));
+                        let of = self.source(*id, omission).map_or(String::new(), |name| format!("of \"{name}\", "));
                         let Omission { what, count, of: all, why, .. } = omission;
                         let name = &self.graph.node(*id).name;
-                        let text_of = format!("{name}: {} of {} {what}{of}: {why}", whole(*count), whole(*all));
+                        let text_of = format!("{name}: {of}{} of {} {what}: {why}", whole(*count), whole(*all));
                         text.push_str(&wrap(&printable(&text_of), 4));
                     }
                 }
@@ -224,11 +231,13 @@ impl Explained<'_> {
                 let runs = if runs == 1 { "1 run".into() } else { format!("the least of {runs} runs") };
                 let (seconds, full) = (milliseconds(costs.seconds), milliseconds(costs.seconds_in_full));
                 let line = format!(
-                    "Measured at {} × {} pixels, {runs}: the frame takes {seconds}, and {full} with nothing left out. \
+                    "Measured at {} × {} pixels, {runs}: the frame takes {seconds}, and {full} with nothing left out; \
+                     runs differ by {}. \
                      Times of nodes are those of all threads together; of what is left out, those with nothing left out. \
                      ≈: shared out within one program by what operations cost. —: not evaluated in either case.",
                     format.width(),
-                    format.height()
+                    format.height(),
+                    milliseconds(costs.spread)
                 );
                 text.push('\n');
                 text.push_str(&wrap(&line, 2));
@@ -269,6 +278,7 @@ impl Explained<'_> {
                     "channels": channels.collect::<Vec<_>>(),
                     "seconds": cost.and_then(|cost| cost.seconds),
                     "seconds_in_full": cost.and_then(|cost| cost.seconds_in_full),
+                    "spread": cost.map(|cost| cost.spread),
                     "estimated": cost.map(|cost| cost.estimated),
                 });
                 (node.name.clone(), value)
@@ -290,6 +300,7 @@ impl Explained<'_> {
             Some(Ok(costs)) => json!({
                 "width": costs.format.width(), "height": costs.format.height(), "samples": costs.format.samples(),
                 "runs": costs.runs, "seconds": costs.seconds, "seconds_in_full": costs.seconds_in_full,
+                "spread": costs.spread,
             }),
         };
         json!({

@@ -124,7 +124,7 @@ impl Explainer<'_, '_> {
             let (op, origin) = went(at);
             *origin == id && !is_constant(op) && self.reasons.alive[optimized.map[at] as usize]
         });
-        let Some((last, (op, _))) = own().last().filter(|_| !runs && !self.reasons.planner.bound[id.0]) else {
+        let Some((last, (op, _))) = own().next_back().filter(|_| !runs && !self.reasons.planner.bound[id.0]) else {
             return Fate::Evaluated;
         };
         let mut passed = None;
@@ -134,8 +134,8 @@ impl Explainer<'_, '_> {
             }
         });
         match (went(last), passed) {
-            (_, Some(from)) => Fate::HandsOn(self.name(from)),
             ((op, _), _) if is_constant(op) => Fate::Folded,
+            (_, Some(from)) if from != id => Fate::HandsOn(self.name(from)),
             ((_, origin), _) if *origin != id => Fate::Merged(self.name(*origin)),
             _ => Fate::Evaluated,
         }

@@ -3,6 +3,7 @@
 use crate::lower::Lowered;
 use crate::optimize::{Cut, Optimized};
 use crate::planner::Planner;
+use std::collections::HashSet;
 use trochoid_graph::{Body, NodeId, Op};
 
 /// Why a node is not evaluated.
@@ -61,6 +62,7 @@ impl Reasons<'_> {
         let graph = self.planner.graph;
         let connected = graph.upstream(self.roots.iter().copied());
         let (switched_at, cut_at, is_read) = (self.switched_at(), self.cut_at(), self.is_read());
+        let reached = self.reached();
         let name = |id: NodeId| graph.node(id).name.clone();
         graph
             .nodes()
@@ -81,7 +83,7 @@ impl Reasons<'_> {
                     None
                 } else if same.0 != id {
                     Some(LeftOut::SameAs(name(same)))
-                } else if let Some(cut) = cut_at[id] {
+                } else if let Some(cut) = cut_at[id].filter(|_| !reached[id]) {
                     Some(if cut.by_weight { LeftOut::Weight(name(cut.at)) } else { LeftOut::Constant(name(cut.at)) })
                 } else if is_pointwise && is_read[id] {
                     // Merged into an equal operation of another node, or folded into a constant.
@@ -119,6 +121,30 @@ impl Reasons<'_> {
             }
         }
         at
+    }
+
+    /// Nodes with operations that outputs, or stages which are evaluated, depend on past all cuts: what they give is in
+    /// the picture, be it folded into a constant.
+    fn reached(&self) -> Vec<bool> {
+        let (graph, ops) = (self.planner.graph, self.lowered.program.ops());
+        let mut nodes = vec![false; graph.nodes().len()];
+        for root in self.roots {
+            nodes[self.lowered.stands_in[root.0].0] = true;
+        }
+        for (id, settled) in self.lowered.settled.iter().enumerate().filter(|(id, _)| self.used[*id]) {
+            if let (Some(settled), Some(_)) = (settled, self.planner.stage(NodeId(id))) {
+                settled.each_node(|input| nodes[input.0] = true);
+            }
+        }
+        let cuts: HashSet<(u32, u32)> = self.optimized.cuts.iter().map(|cut| (cut.op, cut.operand)).collect();
+        let (mut reached, mut found) = (vec![false; ops.len()], nodes.clone());
+        for (at, (op, origin)) in ops.iter().enumerate().rev() {
+            if reached[at] || nodes[origin.0] {
+                found[origin.0] = true;
+                op.operands(|operand| reached[operand as usize] |= !cuts.contains(&(at as u32, operand)));
+            }
+        }
+        found
     }
 
     /// Nodes that a cut operand came from, with the first cut that explains it.

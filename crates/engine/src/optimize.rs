@@ -21,6 +21,8 @@ pub(crate) struct Optimized {
 /// An operand that makes no difference.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Cut {
+    /// The operation, as a position in the original program.
+    pub(crate) op: u32,
     /// The operand, as a position in the original program.
     pub(crate) operand: u32,
     /// The node whose operation it is.
@@ -92,6 +94,7 @@ impl Walk<'_> {
             return None;
         }
         let constant = |s: Scalar| self.out.bounds[s.0 as usize][0].constant();
+        let here = self.out.map.len() as u32;
         match (op, original) {
             (Op::Mix { a, b, .. }, _) if a == b => Some(Shorter::Existing(a.0)),
             (Op::Mix { a, b, t }, Op::Mix { a: from, b: to, t: by }) => {
@@ -103,12 +106,18 @@ impl Walk<'_> {
                 } else {
                     return None;
                 };
-                self.out.cuts.push(Cut { operand: lost.0, at: origin, proof: (by.0, 0), by_weight: true });
+                self.out.cuts.push(Cut { op: here, operand: lost.0, at: origin, proof: (by.0, 0), by_weight: true });
                 Some(Shorter::Existing(kept.0))
             }
             (Op::Product(t, u), Op::Product(first, second)) => {
                 let mut zero = |kept: &Scalar, proof: &Scalar, lost: &Scalar| {
-                    self.out.cuts.push(Cut { operand: lost.0, at: origin, proof: (proof.0, 0), by_weight: false });
+                    self.out.cuts.push(Cut {
+                        op: here,
+                        operand: lost.0,
+                        at: origin,
+                        proof: (proof.0, 0),
+                        by_weight: false,
+                    });
                     Some(Shorter::Existing(kept.0))
                 };
                 match (constant(*t), constant(*u)) {
@@ -128,9 +137,10 @@ impl Walk<'_> {
                 // Positions of the weights stay; colors of weight 0 give way to one that is used anyway.
                 let kept = colors.iter().zip(&used).find(|(_, used)| **used).map(|(color, _)| *color)?;
                 for (way, operand) in originals.iter().enumerate() {
-                    if !used[way] && colors[way] != kept {
+                    let elsewhere = colors.iter().zip(&used).any(|(color, used)| *used && *color == colors[way]);
+                    if !used[way] && !elsewhere {
                         let proof = (by.0, way);
-                        self.out.cuts.push(Cut { operand: operand.0, at: origin, proof, by_weight: true });
+                        self.out.cuts.push(Cut { op: here, operand: operand.0, at: origin, proof, by_weight: true });
                     }
                 }
                 let replaced: Vec<Color> =
@@ -145,7 +155,7 @@ impl Walk<'_> {
                 let bounds = interval(op, &|position| self.out.bounds[position as usize].clone(), self.slot);
                 let value = bounds[0].constant()?;
                 if let Op::Clamp { x, .. } | Op::Step { x, .. } = original {
-                    self.out.cuts.push(Cut { operand: x.0, at: origin, proof: (x.0, 0), by_weight: false });
+                    self.out.cuts.push(Cut { op: here, operand: x.0, at: origin, proof: (x.0, 0), by_weight: false });
                 }
                 Some(Shorter::New(Op::Constant(value as f32)))
             }

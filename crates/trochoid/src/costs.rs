@@ -16,6 +16,8 @@ pub struct Costs {
     pub seconds: f64,
     /// Seconds for the frame with nothing left out.
     pub seconds_in_full: f64,
+    /// By how many seconds runs of one kind differed.
+    pub spread: f64,
     /// By node of the graph.
     pub nodes: Vec<Cost>,
 }
@@ -27,13 +29,15 @@ pub struct Cost {
     pub seconds: Option<f64>,
     /// With nothing left out; `None` where it is not connected to the output, or not chosen, and so never evaluated.
     pub seconds_in_full: Option<f64>,
+    /// By how many seconds runs of one kind differed: a difference below that says nothing.
+    pub spread: f64,
     /// Whether these are shares of the fused program's time, by the cost of the node's operations.
     pub estimated: bool,
 }
 
 impl Cost {
-    /// What leaving out saved of this node: all of it, or the channels of it that nobody asked for. Below 0 where the
-    /// difference is lost in what runs differ by.
+    /// What leaving out saved of this node: all of it, or the channels of it that nobody asked for. May be anything below
+    /// [`Cost::spread`], even negative.
     pub fn saved(&self) -> Option<f64> {
         Some(self.seconds_in_full? - self.seconds.unwrap_or(0.0))
     }
@@ -119,46 +123,51 @@ fn at(graph: &CheckedGraph, output: &str, frame: i64, monitor: &dyn Monitor) -> 
     // Only what leaves something out is switched off: the rest must run as fast as ever to be compared.
     let nothing = Switches { demand: false, prune: false, fold: false, merge: false, ..Switches::ALL };
     let plans = [plan(Switches::ALL)?, plan(nothing)?];
-    let mut least: [Option<Frame>; 2] = [None, None];
+    let mut bounds: [Option<[Frame; 2]>; 2] = [None, None];
     let (started, mut runs) = (Instant::now(), 0);
     while runs < RUNS && (runs == 0 || started.elapsed() < PATIENCE) {
-        for (plan, least) in plans.iter().zip(&mut least) {
+        for (plan, bounds) in plans.iter().zip(&mut bounds) {
             let found = plan.evaluate(&Buffers::new(), &mut Cache::new(), monitor)?;
-            *least = Some(match least.take() {
-                Some(before) => lesser(before, &found),
-                None => found,
-            });
+            let [least, most] = bounds.take().unwrap_or_else(|| [found.clone(), found.clone()]);
+            *bounds = Some([merged(least, &found, f64::min), merged(most, &found, f64::max)]);
         }
         runs += 1;
     }
-    let [planned, full] = least.map(Option::unwrap_or_default);
+    let [[planned, planned_most], [full, full_most]] = bounds.map(Option::unwrap_or_default);
     let seconds = |frame: &Frame| frame.seconds.prepare + frame.seconds.hull + frame.seconds.tiles;
+    let spread = (seconds(&planned_most) - seconds(&planned)).max(seconds(&full_most) - seconds(&full));
     let of = |report: &trochoid_engine::NodeReport| match report.state {
         State::LeftOut(_) => None,
         _ => Some(report.seconds),
     };
-    let nodes = planned.nodes.iter().zip(&full.nodes).map(|(planned, full)| Cost {
-        seconds: of(planned),
-        seconds_in_full: of(full),
-        estimated: planned.estimated || full.estimated,
+    let nodes = (0..graph.nodes().len()).map(|node| {
+        let [planned, planned_most, full, full_most] =
+            [&planned, &planned_most, &full, &full_most].map(|frame| &frame.nodes[node]);
+        Cost {
+            seconds: of(planned),
+            seconds_in_full: of(full),
+            spread: (planned_most.seconds - planned.seconds).max(full_most.seconds - full.seconds),
+            estimated: planned.estimated || full.estimated,
+        }
     });
     Ok(Costs {
         format: graph.format(),
         runs,
         seconds: seconds(&planned),
         seconds_in_full: seconds(&full),
+        spread,
         nodes: nodes.collect(),
     })
 }
 
-/// The least time of each phase and node.
-fn lesser(mut frame: Frame, other: &Frame) -> Frame {
-    let least = |time: &mut f64, other: f64| *time = time.min(other);
-    least(&mut frame.seconds.prepare, other.seconds.prepare);
-    least(&mut frame.seconds.hull, other.seconds.hull);
-    least(&mut frame.seconds.tiles, other.seconds.tiles);
+/// A frame with the times of each phase and node that `choose` takes of both.
+fn merged(mut frame: Frame, other: &Frame, choose: fn(f64, f64) -> f64) -> Frame {
+    let merge = |time: &mut f64, other: f64| *time = choose(*time, other);
+    merge(&mut frame.seconds.prepare, other.seconds.prepare);
+    merge(&mut frame.seconds.hull, other.seconds.hull);
+    merge(&mut frame.seconds.tiles, other.seconds.tiles);
     for (node, other) in frame.nodes.iter_mut().zip(&other.nodes) {
-        least(&mut node.seconds, other.seconds);
+        merge(&mut node.seconds, other.seconds);
     }
     frame
 }

@@ -74,7 +74,7 @@ pub use trochoid_engine::{
 pub use trochoid_graph::{
     Accepts, Arity, CheckedGraph, CheckedNode, Declaration, Default as KnobDefault, Diagnostic, End, Figure, Guarantee,
     Item, Kind, Knob, NodeId, NodeType, Omission, OutputSpec, Port, Precision, REFUSALS, Refusal, Registry, Relation,
-    Severity, Source, Stability, StabilityMap, Takes, Verdict, Work, expected, nearest, refusal, schema,
+    Severity, Source, Stability, StabilityMap, Takes, Verdict, ViewChannel, Work, expected, nearest, refusal, schema,
 };
 pub use trochoid_image::{Format, Plane, Rgb, Shading, Window, WorkingSpace};
 #[cfg(feature = "io")]

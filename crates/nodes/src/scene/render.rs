@@ -181,7 +181,7 @@ impl Prepared for Seen {
             let mean = "the pixels there do not resolve them, the farthest least";
             [
                 waves("waves", of - resolved.most as f64, everywhere),
-                waves("waves at a vertex, on average", of - resolved.mean, mean),
+                waves("waves at a vertex on average", of - resolved.mean, mean),
             ]
         })
         .flatten()
