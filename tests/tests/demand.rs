@@ -96,7 +96,8 @@ fn masks_that_are_multiplied_by_nothing_are_not_needed() {
     let graph = graph(FORMAT, &nodes, r#""out": { "color": "out" }"#);
     let frame = evaluate(&graph, 1, &Buffers::new(), &settings(|_| ()));
     for node in SIMULATOR.iter().chain(&["bright"]) {
-        assert_eq!(*state(&frame, node), State::LeftOut(LeftOut::Unneeded), "{node}");
+        let why = LeftOut::Constant("both".into());
+        assert_eq!(*state(&frame, node), State::LeftOut(why), "{node}");
     }
 }
 

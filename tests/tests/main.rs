@@ -11,6 +11,7 @@ mod cartoon;
 mod demand;
 mod diagram;
 mod drift;
+mod explain;
 mod extremes;
 mod filters;
 mod frames;

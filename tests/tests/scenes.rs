@@ -1,8 +1,10 @@
 //! The scenes that come with Trochoid: valid by the schema, inside their palette, and near the f64 truth.
 
-use crate::support::{evaluate, root, sample, settings};
+use crate::support::{all_bits, evaluate, root, sample, settings};
 use std::path::PathBuf;
-use trochoid::{Buffers, CheckedGraph, CheckedNode, Format, Guarantee, Kind, ReferenceFrame, load, registry, schema};
+use trochoid::{
+    Buffers, CheckedGraph, CheckedNode, Format, Guarantee, Kind, ReferenceFrame, Switches, load, registry, schema,
+};
 
 fn documents() -> Vec<PathBuf> {
     let entries = std::fs::read_dir(root().join("graphs")).unwrap().map(|entry| entry.unwrap().path());
@@ -95,6 +97,24 @@ fn scenes_stay_in_their_palette() {
                 assert_eq!(picture.guarantee, Some(Guarantee::Hull), "{what}");
             }
         }
+    }
+}
+
+#[test]
+fn scenes_keep_their_bits_without_any_optimization() {
+    for path in documents() {
+        let graph = load(&path, &[]).unwrap().graph;
+        let whole = graph.format();
+        // As many samples, shaded alike, so that what samples share is met too.
+        let format = Format::new(40, 23, whole.samples()).unwrap().with_shading(whole.shading());
+        // One that reads pictures without `fit` keeps its own.
+        let fixed = small(&graph, 1, 1).format() == whole;
+        let graph = if fixed { graph } else { graph.with_format(format) };
+        let (first, last) = graph.frames();
+        let at = (first + last) / 2;
+        let frame = evaluate(&graph, at, &Buffers::new(), &settings(|s| s.threads = 2));
+        let plain = evaluate(&graph, at, &Buffers::new(), &settings(|s| (s.threads, s.switches) = (2, Switches::NONE)));
+        assert!(all_bits(&frame) == all_bits(&plain), "{} has other bits at frame {at}", path.display());
     }
 }
 

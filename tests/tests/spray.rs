@@ -27,7 +27,10 @@ fn breaking(weight: &str) -> CheckedGraph {
 fn spray_without_weight_is_not_simulated() {
     let frame = |weight: &str| evaluate(&breaking(weight), 12, &Buffers::new(), &settings(|_| ()));
     let without = frame("0");
-    assert!(matches!(state(&without, "spray"), State::LeftOut(LeftOut::Weight(_) | LeftOut::Unneeded)));
+    assert!(matches!(
+        state(&without, "spray"),
+        State::LeftOut(LeftOut::Weight(_) | LeftOut::Constant(_) | LeftOut::Unneeded)
+    ));
     let plain = r##""camera": { "type": "Camera", "position": [0, 4, 16], "target": [0, 1, 0], "fov": 60 },
         "sun": { "type": "Light" },
         "sea": { "type": "GerstnerSea", "count": 12, "wavelength": 8, "height": 1.5, "sharpness": 0.9, "seed": 2 },

@@ -1,6 +1,8 @@
 //! `trochoid check`: diagnostics, guarantees, what is left out, notes.
 
+use crate::explain::{self, Explained};
 use crate::failure::{Failure, INVALID, count};
+use crate::outputs::choose;
 use crate::shell::{self, HEADING, printable, wrap};
 use serde_json::{Map, Value, json};
 use std::fmt::Write as _;
@@ -13,12 +15,24 @@ use trochoid::{
 #[derive(Debug, clap::Args)]
 #[command(
     after_help = "Examples:\n  trochoid check storm.json\n  trochoid check storm.json --strict --set storm.height=6\n  \
-                  trochoid check storm.json --json"
+                  trochoid check storm.json --json\n  trochoid check storm.json --explain --measure"
 )]
 pub(crate) struct Args {
     /// The document
     #[arg(value_name = "GRAPH")]
     graph: PathBuf,
+    /// Say of each output what is evaluated and what is left out, with the proof; prepares the frame, and so opens files
+    #[arg(long)]
+    explain: bool,
+    /// With --explain: what each node takes, and would take if nothing were left out, by evaluating the frame small
+    #[arg(long, requires = "explain")]
+    measure: bool,
+    /// With --explain: an output by name, may be repeated [default: all]
+    #[arg(long, value_name = "NAME", requires = "explain")]
+    output: Vec<String>,
+    /// The frame that is looked at [default: the first]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    frame: Option<i64>,
     /// Print JSON
     #[arg(long)]
     json: bool,
@@ -60,12 +74,20 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
         return Err(error.into());
     }
     let refused = args.strict && !loaded.warnings.is_empty();
-    let findings = Findings::of(&loaded.graph);
+    let frame = args.frame.unwrap_or(first);
+    let findings = Findings::of(&loaded.graph, frame);
+    let explained = explained(args, &loaded.graph, frame, &findings)?;
     if args.json {
-        shell::print_json(&to_json(&loaded, &findings, !refused && findings.unplanned.is_none()))?;
+        let mut json = to_json(&loaded, &findings, !refused && findings.unplanned.is_none());
+        if let Some(explained) = &explained {
+            json["explained"] = explained.iter().map(Explained::to_json).collect();
+        }
+        shell::print_json(&json)?;
     } else {
         shell::tell(&loaded.warnings.iter().map(Diagnostic::to_string).collect::<Vec<_>>());
-        shell::print(&to_text(&loaded, &findings))?;
+        let mut text = to_text(&loaded, &findings, explained.is_none());
+        explained.iter().flatten().for_each(|explained| text.push_str(&explained.to_text()));
+        shell::print(&text)?;
     }
     if (refused || findings.unplanned.is_some()) && args.json {
         return Err(Failure::silent(INVALID));
@@ -80,8 +102,29 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     Ok(())
 }
 
-/// What planning every output at the first frame tells.
+/// What `--explain` asks for.
+fn explained<'g>(
+    args: &Args,
+    graph: &'g CheckedGraph,
+    frame: i64,
+    findings: &Findings,
+) -> Result<Option<Vec<Explained<'g>>>, Failure> {
+    if !args.explain || findings.unplanned.is_some() {
+        return Ok(None);
+    }
+    let mut faults = Vec::new();
+    let outputs = choose(graph, &args.output, &mut faults);
+    Failure::all(faults)?;
+    outputs
+        .into_iter()
+        .map(|output| explain::explain(graph, output, frame, args.measure))
+        .collect::<Result<_, _>>()
+        .map(Some)
+}
+
+/// What planning every output at a frame tells.
 struct Findings {
+    frame: i64,
     /// By node: why it is left out.
     left_out: Vec<Option<LeftOut>>,
     /// Notes of the nodes that are not left out.
@@ -91,21 +134,20 @@ struct Findings {
 }
 
 impl Findings {
-    fn of(graph: &CheckedGraph) -> Self {
-        let first = graph.frames().0;
-        match Plan::new(graph, &[], first, &[], &Settings::default()) {
-            Ok(plan) => Self { left_out: plan.left_out().to_vec(), notes: plan.notes(), unplanned: None },
+    fn of(graph: &CheckedGraph, frame: i64) -> Self {
+        match Plan::new(graph, &[], frame, &[], &Settings::default()) {
+            Ok(plan) => Self { frame, left_out: plan.left_out().to_vec(), notes: plan.notes(), unplanned: None },
             Err(error) => {
                 let all = (0..graph.nodes().len()).map(NodeId);
-                let notes = all.map(|id| (id, graph.node(id).ty.notes(&graph.settle(id, first))));
+                let notes = all.map(|id| (id, graph.node(id).ty.notes(&graph.settle(id, frame))));
                 let notes = notes.filter(|(_, notes)| !notes.is_empty()).collect();
-                Self { left_out: vec![None; graph.nodes().len()], notes, unplanned: Some(error.to_string()) }
+                Self { frame, left_out: vec![None; graph.nodes().len()], notes, unplanned: Some(error.to_string()) }
             }
         }
     }
 }
 
-fn to_text(loaded: &Loaded, findings: &Findings) -> String {
+fn to_text(loaded: &Loaded, findings: &Findings, with_left_out: bool) -> String {
     let graph = &loaded.graph;
     let (format, (first, last)) = (graph.format(), graph.frames());
     let warnings = match loaded.warnings.len() {
@@ -129,15 +171,16 @@ fn to_text(loaded: &Loaded, findings: &Findings) -> String {
         let file = output.file.as_ref().map_or(String::new(), |file| format!(" → {}", printable(file)));
         let _ = writeln!(text, "  {:width$}  {kind}: {holds}{required}{file}", output.name);
     }
-    let left_out: Vec<(&str, &LeftOut)> = named(graph, &findings.left_out).collect();
+    let frame = findings.frame;
+    let left_out: Vec<(&str, &LeftOut)> = named(graph, &findings.left_out).filter(|_| with_left_out).collect();
     if !left_out.is_empty() {
-        let _ = writeln!(text, "\n{HEADING}Left out{HEADING:#} at frame {first}");
+        let _ = writeln!(text, "\n{HEADING}Left out{HEADING:#} at frame {frame}");
     }
     for (name, why) in left_out {
         let _ = writeln!(text, "  {name}: {why}");
     }
     if !findings.notes.is_empty() {
-        let _ = writeln!(text, "\n{HEADING}Notes{HEADING:#} at frame {first}");
+        let _ = writeln!(text, "\n{HEADING}Notes{HEADING:#} at frame {frame}");
     }
     for (id, notes) in &findings.notes {
         let node = graph.node(*id);

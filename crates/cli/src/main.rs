@@ -6,6 +6,7 @@
 #![cfg_attr(test, allow(clippy::unwrap_used, reason = "a test may panic"))]
 
 mod check;
+mod explain;
 mod failure;
 mod frames;
 mod graph;

@@ -3,6 +3,7 @@
 use crate::lower::Lowered;
 use crate::optimize::{Cut, Optimized};
 use crate::planner::Planner;
+use std::collections::HashSet;
 use trochoid_graph::{Body, NodeId, Op};
 
 /// Why a node is not evaluated.
@@ -18,6 +19,8 @@ pub enum LeftOut {
     Switched(String),
     /// Its weight is proved 0 everywhere, at the mixing node of this name.
     Weight(String),
+    /// The node of this name is proved to give the same whatever this one gives.
+    Constant(String),
     /// Another node computes the same.
     SameAs(String),
     /// What it feeds needs nothing of it: constants, channels that nobody reads.
@@ -32,6 +35,7 @@ impl std::fmt::Display for LeftOut {
             Self::Bound => f.write_str("a bound buffer stands in for it"),
             Self::Switched(at) => write!(f, "not chosen by \"{at}\""),
             Self::Weight(at) => write!(f, "its weight at \"{at}\" is proved 0 everywhere"),
+            Self::Constant(at) => write!(f, "\"{at}\" is proved to be the same whatever it is"),
             Self::SameAs(name) => write!(f, "the same as \"{name}\""),
             Self::Unneeded => f.write_str("nothing that is evaluated reads it"),
         }
@@ -58,6 +62,7 @@ impl Reasons<'_> {
         let graph = self.planner.graph;
         let connected = graph.upstream(self.roots.iter().copied());
         let (switched_at, cut_at, is_read) = (self.switched_at(), self.cut_at(), self.is_read());
+        let reached = self.reached();
         let name = |id: NodeId| graph.node(id).name.clone();
         graph
             .nodes()
@@ -78,8 +83,8 @@ impl Reasons<'_> {
                     None
                 } else if same.0 != id {
                     Some(LeftOut::SameAs(name(same)))
-                } else if let Some(at) = cut_at[id] {
-                    Some(LeftOut::Weight(name(at)))
+                } else if let Some(cut) = cut_at[id].filter(|_| !reached[id]) {
+                    Some(if cut.by_weight { LeftOut::Weight(name(cut.at)) } else { LeftOut::Constant(name(cut.at)) })
                 } else if is_pointwise && is_read[id] {
                     // Merged into an equal operation of another node, or folded into a constant.
                     None
@@ -118,16 +123,40 @@ impl Reasons<'_> {
         at
     }
 
+    /// Nodes with operations that outputs, or stages which are evaluated, depend on past all cuts: what they give is in
+    /// the picture, be it folded into a constant.
+    fn reached(&self) -> Vec<bool> {
+        let (graph, ops) = (self.planner.graph, self.lowered.program.ops());
+        let mut nodes = vec![false; graph.nodes().len()];
+        for root in self.roots {
+            nodes[self.lowered.stands_in[root.0].0] = true;
+        }
+        for (id, settled) in self.lowered.settled.iter().enumerate().filter(|(id, _)| self.used[*id]) {
+            if let (Some(settled), Some(_)) = (settled, self.planner.stage(NodeId(id))) {
+                settled.each_node(|input| nodes[input.0] = true);
+            }
+        }
+        let cuts: HashSet<(u32, u32)> = self.optimized.cuts.iter().map(|cut| (cut.op, cut.operand)).collect();
+        let (mut reached, mut found) = (vec![false; ops.len()], nodes.clone());
+        for (at, (op, origin)) in ops.iter().enumerate().rev() {
+            if reached[at] || nodes[origin.0] {
+                found[origin.0] = true;
+                op.operands(|operand| reached[operand as usize] |= !cuts.contains(&(at as u32, operand)));
+            }
+        }
+        found
+    }
+
     /// Nodes that a cut operand came from, with the first cut that explains it.
-    fn cut_at(&self) -> Vec<Option<NodeId>> {
+    pub(crate) fn cut_at(&self) -> Vec<Option<Cut>> {
         let graph = self.planner.graph;
         let ops = self.lowered.program.ops();
         let mut cut_at = vec![None; graph.nodes().len()];
         // What an earlier cut has explained need not be walked again, so all cuts together take one walk.
         let mut explained = vec![false; ops.len()];
         let mut passed = vec![u32::MAX; ops.len()];
-        for (index, Cut { operand, at }) in self.optimized.cuts.iter().enumerate() {
-            let mut open = vec![*operand];
+        for (index, cut) in self.optimized.cuts.iter().enumerate() {
+            let mut open = vec![cut.operand];
             let mut nodes = Vec::new();
             while let Some(position) = open.pop() {
                 let (op, origin) = &ops[position as usize];
@@ -136,7 +165,7 @@ impl Reasons<'_> {
                     continue;
                 }
                 // A literal operand bears the name of the mixing node itself, which is not cut off.
-                if origin != at {
+                if *origin != cut.at {
                     explained[position as usize] = true;
                     nodes.push(*origin);
                 }
@@ -144,7 +173,7 @@ impl Reasons<'_> {
             }
             while let Some(node) = nodes.pop() {
                 if cut_at[node.0].is_none() {
-                    cut_at[node.0] = Some(*at);
+                    cut_at[node.0] = Some(*cut);
                     graph.node(node).record.each_node(|input| nodes.push(input));
                 }
             }

@@ -11,6 +11,7 @@ mod bands;
 mod buffers;
 mod certify;
 mod controls;
+mod explain;
 mod fill;
 mod frame;
 mod inspect;
@@ -35,6 +36,7 @@ mod tile;
 
 pub use buffers::Buffers;
 pub use certify::{Certified, Certifier, Distribution};
+pub use explain::{Account, Channels, Evidence, Fate, Proved};
 pub use frame::{EvalError, Frame, Monitor, NodeReport, Phases, Picture, Silent, State};
 pub use inspect::{Blame, Inspection};
 pub use left_out::LeftOut;

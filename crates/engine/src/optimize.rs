@@ -12,17 +12,25 @@ pub(crate) struct Optimized {
     pub(crate) program: Program,
     /// Where each operation of the original went.
     pub(crate) map: Vec<u32>,
+    /// Certain bounds of each operation of the rewritten program.
+    pub(crate) bounds: Vec<Bounds>,
     /// The branches that were cut.
     pub(crate) cuts: Vec<Cut>,
 }
 
-/// A branch that a constant weight cut off.
+/// An operand that makes no difference.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Cut {
+    /// The operation, as a position in the original program.
+    pub(crate) op: u32,
     /// The operand, as a position in the original program.
     pub(crate) operand: u32,
-    /// The node that mixes.
+    /// The node whose operation it is.
     pub(crate) at: NodeId,
+    /// What proves it: a position in the original program, and a row there.
+    pub(crate) proof: (u32, usize),
+    /// Whether its weight is 0; else the operation gives the same whatever it is.
+    pub(crate) by_weight: bool,
 }
 
 /// Folds constants, cuts branches of constant weight, and merges equal operations, in one walk.
@@ -30,18 +38,10 @@ pub(crate) struct Cut {
 /// Every rewrite keeps the bits: folding calls the functions that kernels inline; Mix is exact at t = 0, 1 and
 /// for equal operands; a zero weight adds nothing to a Blend; products with 0 and 1 are exact.
 pub(crate) fn optimize(source: &Program, switches: Switches, slot: &dyn Fn(&Slot, usize) -> Interval) -> Optimized {
-    let mut walk = Walk {
-        out: Optimized::default(),
-        bounds: Vec::new(),
-        last: Vec::new(),
-        seen: HashMap::default(),
-        switches,
-        slot,
-    };
-    for (original, (op, origin)) in source.ops().iter().enumerate() {
-        let op = op.renumbered(|operand| walk.out.map[operand as usize]);
-        let position = walk.rewrite(op, *origin);
-        walk.last[position as usize] = original as u32;
+    let mut walk = Walk { out: Optimized::default(), seen: HashMap::default(), switches, slot };
+    for (op, origin) in source.ops() {
+        let renumbered = op.renumbered(|operand| walk.out.map[operand as usize]);
+        let position = walk.rewrite(renumbered, op, *origin);
         walk.out.map.push(position);
     }
     walk.out
@@ -49,9 +49,6 @@ pub(crate) fn optimize(source: &Program, switches: Switches, slot: &dyn Fn(&Slot
 
 struct Walk<'a> {
     out: Optimized,
-    bounds: Vec<Bounds>,
-    /// By position: the last operation of the original that went there, where its node stands.
-    last: Vec<u32>,
     seen: HashMap<Vec<u32>, u32>,
     switches: Switches,
     slot: &'a dyn Fn(&Slot, usize) -> Interval,
@@ -62,8 +59,9 @@ impl Walk<'_> {
         &self.out.program.ops()[position as usize].0
     }
 
-    fn rewrite(&mut self, op: Op, origin: NodeId) -> u32 {
-        let op = match self.shorter(&op, origin) {
+    /// `original` is the same operation with the operands of the original program.
+    fn rewrite(&mut self, op: Op, original: &Op, origin: NodeId) -> u32 {
+        let op = match self.shorter(&op, original, origin) {
             Some(Shorter::Existing(position)) => return position,
             Some(Shorter::New(op)) => op,
             None => op,
@@ -81,13 +79,12 @@ impl Walk<'_> {
     }
 
     fn push(&mut self, op: Op, origin: NodeId) -> u32 {
-        let bounds = interval(&op, &|position| self.bounds[position as usize].clone(), self.slot);
-        self.bounds.push(bounds);
-        self.last.push(u32::MAX);
+        let bounds = interval(&op, &|position| self.out.bounds[position as usize].clone(), self.slot);
+        self.out.bounds.push(bounds);
         self.out.program.push(op, origin)
     }
 
-    fn shorter(&mut self, op: &Op, origin: NodeId) -> Option<Shorter> {
+    fn shorter(&mut self, op: &Op, original: &Op, origin: NodeId) -> Option<Shorter> {
         if self.switches.fold
             && let Some(folded) = self.folded(op)
         {
@@ -96,36 +93,55 @@ impl Walk<'_> {
         if !self.switches.prune {
             return None;
         }
-        let constant = |s: Scalar| self.bounds[s.0 as usize][0].constant();
-        match op {
-            Op::Mix { a, b, .. } if a == b => Some(Shorter::Existing(a.0)),
-            Op::Mix { a, b, t } => {
+        let constant = |s: Scalar| self.out.bounds[s.0 as usize][0].constant();
+        let here = self.out.map.len() as u32;
+        match (op, original) {
+            (Op::Mix { a, b, .. }, _) if a == b => Some(Shorter::Existing(a.0)),
+            (Op::Mix { a, b, t }, Op::Mix { a: from, b: to, t: by }) => {
                 let weight = constant(*t)?;
                 let (kept, lost) = if weight == 0.0 {
-                    (*a, *b)
+                    (*a, *to)
                 } else if weight == 1.0 {
-                    (*b, *a)
+                    (*b, *from)
                 } else {
                     return None;
                 };
-                self.cut(lost, origin);
+                self.out.cuts.push(Cut { op: here, operand: lost.0, at: origin, proof: (by.0, 0), by_weight: true });
                 Some(Shorter::Existing(kept.0))
             }
-            Op::Product(t, u) => match (constant(*t), constant(*u)) {
-                (Some(0.0), _) | (_, Some(1.0)) => Some(Shorter::Existing(t.0)),
-                (Some(1.0), _) | (_, Some(0.0)) => Some(Shorter::Existing(u.0)),
-                _ => None,
-            },
-            Op::Blend { colors, weights } => {
-                let bounds = &self.bounds[weights.0 as usize];
+            (Op::Product(t, u), Op::Product(first, second)) => {
+                let mut zero = |kept: &Scalar, proof: &Scalar, lost: &Scalar| {
+                    self.out.cuts.push(Cut {
+                        op: here,
+                        operand: lost.0,
+                        at: origin,
+                        proof: (proof.0, 0),
+                        by_weight: false,
+                    });
+                    Some(Shorter::Existing(kept.0))
+                };
+                match (constant(*t), constant(*u)) {
+                    (Some(0.0), _) => zero(t, first, second),
+                    (_, Some(0.0)) => zero(u, second, first),
+                    (_, Some(1.0)) => Some(Shorter::Existing(t.0)),
+                    (Some(1.0), _) => Some(Shorter::Existing(u.0)),
+                    _ => None,
+                }
+            }
+            (Op::Blend { colors, weights }, Op::Blend { colors: originals, weights: by }) => {
+                let bounds = &self.out.bounds[weights.0 as usize];
                 let used: Vec<bool> = bounds.iter().map(|w| w.high > 0.0).collect();
                 if used.iter().all(|&used| used) {
                     return None;
                 }
                 // Positions of the weights stay; colors of weight 0 give way to one that is used anyway.
                 let kept = colors.iter().zip(&used).find(|(_, used)| **used).map(|(color, _)| *color)?;
-                for (color, _) in colors.iter().zip(&used).filter(|(color, used)| !**used && **color != kept) {
-                    self.cut(*color, origin);
+                for (way, operand) in originals.iter().enumerate() {
+                    let elsewhere = colors.iter().zip(&used).any(|(color, used)| *used && *color == colors[way]);
+                    if !used[way] && !elsewhere {
+                        let proof = (by.0, way);
+                        self.out.cuts.push(Cut { op: here, operand: operand.0, at: origin, proof, by_weight: true });
+                    }
                 }
                 let replaced: Vec<Color> =
                     colors.iter().zip(&used).map(|(color, used)| if *used { *color } else { kept }).collect();
@@ -135,16 +151,16 @@ impl Walk<'_> {
                 Some(Shorter::New(Op::Blend { colors: replaced, weights: *weights }))
             }
             // Proved constant by interval although made from fields.
-            Op::Clamp { .. } | Op::Step { .. } | Op::Weight(..) => {
-                let bounds = interval(op, &|position| self.bounds[position as usize].clone(), self.slot);
-                bounds[0].constant().map(|value| Shorter::New(Op::Constant(value as f32)))
+            (Op::Clamp { .. } | Op::Step { .. } | Op::Weight(..), _) => {
+                let bounds = interval(op, &|position| self.out.bounds[position as usize].clone(), self.slot);
+                let value = bounds[0].constant()?;
+                if let Op::Clamp { x, .. } | Op::Step { x, .. } = original {
+                    self.out.cuts.push(Cut { op: here, operand: x.0, at: origin, proof: (x.0, 0), by_weight: false });
+                }
+                Some(Shorter::New(Op::Constant(value as f32)))
             }
             _ => None,
         }
-    }
-
-    fn cut(&mut self, operand: Color, at: NodeId) {
-        self.out.cuts.push(Cut { operand: self.last[operand.0 as usize], at });
     }
 
     /// The operation's value, where every operand is a constant.

@@ -4,7 +4,7 @@ use crate::judge::Judge;
 use crate::kernel::Compiled;
 use crate::planner::Planner;
 use crate::shading::Shared;
-use crate::{LeftOut, Settings};
+use crate::{Account, LeftOut, Settings};
 use std::sync::{Arc, OnceLock};
 use trochoid_graph::{CheckedGraph, FrameContext, Kind, NodeId, Settled, Slot, Variance};
 use trochoid_image::Window;
@@ -169,6 +169,33 @@ impl<'g> Plan<'g> {
         bound: &[&str],
         settings: &Settings,
     ) -> Result<Self, PlanError> {
+        Self::made(graph, outputs, frame, bound, settings, None)
+    }
+
+    /// The same plan, and what becomes of each node of the graph in it, in the graph's order, with the proofs.
+    ///
+    /// # Errors
+    /// As [`Plan::new`].
+    pub fn explained(
+        graph: &'g CheckedGraph,
+        outputs: &[&str],
+        frame: i64,
+        bound: &[&str],
+        settings: &Settings,
+    ) -> Result<(Self, Vec<Account>), PlanError> {
+        let mut accounts = Vec::new();
+        let plan = Self::made(graph, outputs, frame, bound, settings, Some(&mut accounts))?;
+        Ok((plan, accounts))
+    }
+
+    fn made(
+        graph: &'g CheckedGraph,
+        outputs: &[&str],
+        frame: i64,
+        bound: &[&str],
+        settings: &Settings,
+        accounts: Option<&mut Vec<Account>>,
+    ) -> Result<Self, PlanError> {
         let picture = graph.format().window();
         let window = settings.region.unwrap_or(picture).intersect(picture);
         if window.is_empty() {
@@ -187,7 +214,7 @@ impl<'g> Plan<'g> {
         }
         let bound = bind(graph, bound)?;
         let context = graph.frame_context(frame, settings.memory_limit);
-        Ok(Planner { graph, settings, bound, frame }.plan(&chosen, context, window))
+        Ok(Planner { graph, settings, bound, frame }.plan(&chosen, context, window, accounts))
     }
 
     /// The frame.

@@ -2,6 +2,7 @@
 
 use crate::certify::with_bounds;
 use crate::controls::Controls;
+use crate::explain::{Account, Explainer};
 use crate::left_out::Reasons;
 use crate::lower::{Lowered, lower, positions};
 use crate::optimize::{cone, optimize};
@@ -23,7 +24,14 @@ pub(crate) struct Planner<'g, 's> {
 }
 
 impl<'g> Planner<'g, '_> {
-    pub(crate) fn plan(self, chosen: &[usize], context: FrameContext, window: Window) -> Plan<'g> {
+    /// The plan; what becomes of each node goes into `accounts`, where there are any.
+    pub(crate) fn plan(
+        self,
+        chosen: &[usize],
+        context: FrameContext,
+        window: Window,
+        accounts: Option<&mut Vec<Account>>,
+    ) -> Plan<'g> {
         let graph = self.graph;
         let switches = self.settings.switches;
         let roots: Vec<NodeId> = chosen.iter().map(|&index| graph.outputs()[index].node).collect();
@@ -99,6 +107,12 @@ impl<'g> Planner<'g, '_> {
             used: &self.used(&passes, &prepares),
         };
         let left_out = reasons.list();
+        if let Some(accounts) = accounts {
+            let supplies = |id| scheduler.supplies(id);
+            let explainer =
+                Explainer { reasons: &reasons, left_out: &left_out, prepares: &prepares, supplies: &supplies };
+            accounts.extend(explainer.accounts());
+        }
         Plan {
             graph,
             context,

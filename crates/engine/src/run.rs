@@ -12,7 +12,7 @@ use std::collections::HashMap;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
-use trochoid_graph::{Guarantee, Kind, NodeId, Variance};
+use trochoid_graph::{Guarantee, Kind, NodeId, Omission, Variance};
 use trochoid_image::{Plane, Window};
 use trochoid_weights::{Audit, BoxHull, HullBuilder};
 
@@ -126,6 +126,23 @@ impl Plan<'_> {
         self.run(buffers, cache, monitor, |ready| {
             let height = self.tile(ready).1.next_multiple_of(sink.rows().max(1));
             Bands::of_sink(sink, channels.clone(), self.window, height)
+        })
+    }
+
+    /// What the stages of the plan leave out of their own work at this frame, by node. Prepares all of them, but fills
+    /// nothing.
+    ///
+    /// # Errors
+    /// As [`Plan::evaluate`].
+    pub fn omissions(
+        &self,
+        cache: &mut Cache,
+        monitor: &dyn Monitor,
+    ) -> Result<Vec<(NodeId, Vec<Omission>)>, EvalError> {
+        self.in_pool(|| {
+            let ready = prepare(self, cache, monitor)?;
+            let stages = self.prepares.iter().filter_map(|(id, _)| Some((*id, ready.get(id)?.prepared.left_out())));
+            Ok(stages.filter(|(_, omissions)| !omissions.is_empty()).collect())
         })
     }
 

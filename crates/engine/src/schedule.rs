@@ -115,7 +115,7 @@ impl Scheduler<'_, '_, '_> {
     }
 
     /// What a view can supply.
-    fn supplies(&self, id: NodeId) -> ChannelSet {
+    pub(crate) fn supplies(&self, id: NodeId) -> ChannelSet {
         match (self.planner.stage(id), &self.lowered.settled[id.0]) {
             (Some(stage), Some(settled)) => stage.supplies(settled),
             _ => ChannelSet::EMPTY,

@@ -45,7 +45,7 @@ pub use faults::{Around, Check, Fault, Upstream, User};
 pub use frame::{FrameContext, expand_frame};
 pub use kind::{Accepts, ChannelSet, Kind, ViewChannel};
 pub use lowering::Lowering;
-pub use node::{Body, Found, Handle, NodeError, NodeType, Pointwise, Prepared, Rate, Stage, Variance};
+pub use node::{Body, Found, Handle, NodeError, NodeType, Omission, Pointwise, Prepared, Rate, Stage, Variance};
 pub use program::{Color, Op, Partition, Program, Scalar, Slot, Type};
 pub use record::{NodeId, Record, Setting, Settled, Source};
 pub use reference::{Reference, References};

@@ -246,10 +246,31 @@ pub trait Prepared: Send + Sync {
         0
     }
 
+    /// What of the node's work is not done because it makes no difference at this frame: waves that no pixel resolves,
+    /// drops beside the picture. May take a while; asked only where someone wants to know.
+    fn left_out(&self) -> Vec<Omission> {
+        Vec::new()
+    }
+
     /// Memory held, bytes.
     fn bytes(&self) -> usize {
         0
     }
+}
+
+/// Work that a stage spares itself at a frame, see [`Prepared::left_out`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct Omission {
+    /// The port, and the connection within it, whose work it is; `None` where it is the node's own.
+    pub port: Option<(&'static str, usize)>,
+    /// What is left out, in the plural, such as "waves".
+    pub what: &'static str,
+    /// How many are left out: a count, or the mean of counts.
+    pub count: f64,
+    /// Of how many.
+    pub of: f64,
+    /// Why they make no difference: what follows "because".
+    pub why: &'static str,
 }
 
 /// What a stage found once for several samples of a block's pixels.

@@ -14,6 +14,7 @@ mod front_support;
 mod io_support;
 mod paint_support;
 #[cfg(feature = "scene")]
+#[cfg_attr(not(feature = "sea"), allow(dead_code, unused_imports, reason = "only wave simulators use some of it"))]
 mod scene_support;
 #[cfg(test)]
 mod testing;

@@ -46,7 +46,7 @@ pub use light::{Illumination, Light};
 pub use obstacles::{Obstacles, first_reference, surroundings};
 pub use resting::Resting;
 pub use rigid::{Pose, RigidBodies};
-pub use sea_surface::SeaSurface;
+pub use sea_surface::{Resolved, SeaSurface};
 pub use surface::{Anchor, Hit, Mesh, Surface, Topology};
 pub use triangles::{MAX_TRIANGLES, TriangleModel, Triangles, TrianglesError};
 pub use visible::{Stats, Visible};

@@ -23,6 +23,17 @@ pub struct SeaSurface {
     pub(crate) detail: f64,
 }
 
+/// How many waves the pixels of a picture resolve: the others are so short that less than 1e-6 of them would be left.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Resolved {
+    /// At the vertices that resolve the most.
+    pub most: usize,
+    /// The mean over all vertices.
+    pub mean: f64,
+    /// All waves.
+    pub of: usize,
+}
+
 /// Standard deviations of the displacement that the search for visible points allows for: of a normal distribution,
 /// 4 points in 100 million lie beyond.
 const DEVIATIONS: f64 = 5.5;
@@ -62,6 +73,18 @@ impl SeaSurface {
     /// The footprint in meters by which waves are filtered that a camera sees at a rest point.
     pub(crate) fn footprint(&self, projector: &Projector, rest: DVec3) -> f64 {
         crate::footprint(projector, rest) / self.detail
+    }
+
+    /// How many of the waves a tessellation for this camera adds up; `None` where the sea is not in the picture.
+    pub fn resolved(&self, projector: &Projector) -> Option<Resolved> {
+        let rows = if projector.orthographic {
+            vec![self.frame.resolved(self.footprint(projector, DVec3::new(0.0, self.level, 0.0)))]
+        } else {
+            let sector = Sector::new(projector, self.level, self.bounds)?;
+            tessellate::resolved(self, &self.spacing, projector, &sector)
+        };
+        let mean = rows.iter().sum::<usize>() as f64 / rows.len().max(1) as f64;
+        Some(Resolved { most: rows.into_iter().max()?, mean, of: self.frame.len() })
     }
 
     /// World y of the rest level in meters.

@@ -59,13 +59,7 @@ pub(crate) fn sector(
     wanted: ChannelSet,
     stop: &(dyn Fn() -> bool + Sync),
 ) -> Option<Mesh> {
-    let mut spacing = spacing.clone();
-    let (mut radii, mut columns) = rings(sea, &spacing, projector, sector);
-    let vertices = radii.len() as f64 * columns as f64;
-    if vertices > limit(sea, projector) {
-        spacing.coarseness = libm::sqrt(vertices / limit(sea, projector));
-        (radii, columns) = rings(sea, &spacing, projector, sector);
-    }
+    let (radii, columns) = limited_rings(sea, spacing, projector, sector);
     let rows = radii.len();
     if sector.closed() {
         let turn = |column: usize| TAU * if column == columns { 0.0 } else { column as f64 / columns as f64 };
@@ -87,6 +81,35 @@ pub(crate) fn sector(
         let layout = Across { lines: Lines::new(&sea.frame, columns + 1), columns: columns + 1, line };
         Rows { sea, projector, columns: columns + 1, rows, layout }.mesh(wanted, stop)
     }
+}
+
+/// [`rings`], moved apart where vertices would be too many.
+fn limited_rings(sea: &SeaSurface, spacing: &Spacing, projector: &Projector, sector: &Sector) -> (Vec<f64>, usize) {
+    let (radii, columns) = rings(sea, spacing, projector, sector);
+    let vertices = radii.len() as f64 * columns as f64;
+    if vertices <= limit(sea, projector) {
+        return (radii, columns);
+    }
+    let mut spacing = spacing.clone();
+    spacing.coarseness = libm::sqrt(vertices / limit(sea, projector));
+    rings(sea, &spacing, projector, sector)
+}
+
+/// How many waves the footprint leaves at the vertices of a sector's grid: one number for each straight row, or each
+/// vertex of a disc.
+pub(crate) fn resolved(sea: &SeaSurface, spacing: &Spacing, projector: &Projector, sector: &Sector) -> Vec<usize> {
+    let (radii, columns) = limited_rings(sea, spacing, projector, sector);
+    if !sector.closed() {
+        return radii.iter().map(|radius| sea.frame.resolved(ahead(sea, projector, radius - sector.setback))).collect();
+    }
+    let directions: Vec<(f64, f64)> =
+        (0..columns).map(|column| libm::sincos(TAU * column as f64 / columns as f64)).collect();
+    let ring = |radius: &f64| {
+        let [x, z] = sector.apex;
+        let rest = |(sin, cos): &(f64, f64)| DVec3::new(x + radius * cos, sea.level, z + radius * sin);
+        directions.iter().map(|at| sea.frame.resolved(sea.footprint(projector, rest(at)))).collect::<Vec<_>>()
+    };
+    radii.iter().flat_map(ring).collect()
 }
 
 /// Footprint on the line across the view so far ahead of the camera's foot.

@@ -271,6 +271,12 @@ impl SeaFrame {
         self.reference.is_empty()
     }
 
+    /// How many waves a footprint in meters leaves: of each of the others less than 1e-6.
+    pub fn resolved(&self, footprint: f64) -> usize {
+        let print = (footprint as f32).min(1e15);
+        self.left(print * print)
+    }
+
     /// How many of the leading waves a footprint leaves, given its square in m².
     pub(crate) fn left(&self, footprint2: f32) -> usize {
         self.filters.partition_point(|filter| filter * footprint2 <= CUT as f32)

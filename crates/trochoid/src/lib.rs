@@ -25,36 +25,61 @@
 //!
 //! Another renderer binds its own passes ([`Buffers`]) in place of nodes, or evaluates batches of shading
 //! samples ([`ShadingPlan`]).
+//!
+//! # Features
+//!
+//! All are on by default. With `default-features = false` there are the back end, the engine, and the nodes that need
+//! nothing but the picture: enough for a renderer that binds its own passes. A document that names a node which is left
+//! out is refused like one with a node that does not exist.
+//!
+//! | feature | without it there is no |
+//! |---|---|
+//! | `scene` | camera, light, mesh, Render, nor any pass of a view |
+//! | `sea` | sea, spray, nor what they carry; `sea` brings `scene` |
+//! | `io` | Read, Texture, ViewFromPasses, nor writing of files; `io` brings `scene` |
+//! | `jit` | machine code for pointwise programs: they run as compiled kernels, with the same bits |
 
+mod costs;
+#[cfg(feature = "io")]
 mod files;
 mod judge;
 mod load;
+#[cfg(feature = "io")]
 mod output;
 mod report;
+#[cfg(feature = "io")]
 mod resume;
 mod stability;
+#[cfg(feature = "io")]
 mod stream;
 
+pub use costs::{Cost, Costs, MeasureError, measure};
+#[cfg(feature = "io")]
 pub use files::{check_destination, write_whole};
 pub use judge::{Miss, guarantee, held, misses, requirement};
 pub use load::{LoadError, Loaded, load, missing_files, parse, registry};
+#[cfg(feature = "io")]
 pub use output::{OutputError, OutputFile, output_files, write_output};
 pub use report::{RunReport, RunStatus, frame_report};
+#[cfg(feature = "io")]
 pub use resume::Fingerprints;
 pub use stability::stability;
+#[cfg(feature = "io")]
 pub use stream::FileSink;
 pub use trochoid_engine::{
-    Audit, Buffers, Cache, Certified, Certifier, Distribution, EvalError, Frame, Instructions, Judging, LeftOut,
-    Monitor, NodeReport, Phases, Picture, Plan, PlanError, ReferenceError, ReferenceFrame, Settings, ShadingPlan,
-    Silent, Sink, State, Switches,
+    Account, Audit, Buffers, Cache, Certified, Certifier, Channels, Distribution, EvalError, Evidence, Fate, Frame,
+    Instructions, Interval, Judging, LeftOut, Monitor, NodeReport, Phases, Picture, Plan, PlanError, Proved,
+    ReferenceError, ReferenceFrame, Settings, ShadingPlan, Silent, Sink, State, Switches,
 };
 pub use trochoid_graph::{
     Accepts, Arity, CheckedGraph, CheckedNode, Declaration, Default as KnobDefault, Diagnostic, End, Figure, Guarantee,
-    Item, Kind, Knob, NodeId, NodeType, OutputSpec, Port, Precision, REFUSALS, Refusal, Registry, Relation, Severity,
-    Stability, StabilityMap, Takes, Verdict, Work, expected, nearest, refusal, schema,
+    Item, Kind, Knob, NodeId, NodeType, Omission, OutputSpec, Port, Precision, REFUSALS, Refusal, Registry, Relation,
+    Severity, Source, Stability, StabilityMap, Takes, Verdict, ViewChannel, Work, expected, nearest, refusal, schema,
 };
 pub use trochoid_image::{Format, Plane, Rgb, Shading, Window, WorkingSpace};
+#[cfg(feature = "io")]
 pub use trochoid_io as io;
+#[cfg(feature = "io")]
 pub use trochoid_io::discard_partial_files;
 
 /// The version of Trochoid.

@@ -120,6 +120,7 @@ pub fn frame_report(graph: &CheckedGraph, frame: &Frame, write_seconds: f64) -> 
 
 /// What was needed and left out, for a picture's metadata: nothing that depends on what a cache held, so that equal
 /// renders make equal files.
+#[cfg(feature = "io")]
 pub(crate) fn plan_summary(frame: &Frame) -> String {
     let count = |name: &str| frame.nodes.iter().filter(|node| node.state.name() == name).count();
     format!("{} nodes evaluated, {} left out", count("evaluated") + count("cached"), count("left_out"))

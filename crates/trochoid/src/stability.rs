@@ -5,7 +5,8 @@ use trochoid_graph::{Body, CheckedGraph, NodeId, Stability, Verdict};
 /// The stability of every node that depends on time without being keyed, in the order of the document, with knobs as
 /// they are at a frame: theory beside measurements. Takes some seconds a node.
 ///
-/// ```
+#[cfg_attr(feature = "sea", doc = "```")]
+#[cfg_attr(not(feature = "sea"), doc = "```ignore")]
 /// let document = r##"{
 ///   "trochoid": 1,
 ///   "format": { "width": 4, "height": 4 },

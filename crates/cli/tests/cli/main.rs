@@ -4,6 +4,7 @@
 
 mod bad_images;
 mod commands;
+mod explain;
 mod refusals;
 mod render;
 mod scene;

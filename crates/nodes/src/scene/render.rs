@@ -168,6 +168,26 @@ impl Prepared for Seen {
         Ok(vec![Reference::View(channels), Reference::Mask(coverage)])
     }
 
+    fn left_out(&self) -> Vec<Omission> {
+        let projector = self.camera.projector(self.format);
+        let seas = self.surfaces.iter().enumerate().filter(|_| self.visible.is_some());
+        let seas = seas.filter_map(|(index, surface)| Some((index, surface.as_sea()?.resolved(&projector)?)));
+        seas.flat_map(|(index, resolved)| {
+            let of = resolved.of as f64;
+            let waves = |what, count: f64, why| {
+                (count > 0.0).then_some(Omission { port: Some(("surfaces", index)), what, count, of, why })
+            };
+            let everywhere = "no pixel resolves them: its footprint leaves less than 1e-6 of each";
+            let mean = "the pixels there do not resolve them, the farthest least";
+            [
+                waves("waves", of - resolved.most as f64, everywhere),
+                waves("waves at a vertex on average", of - resolved.mean, mean),
+            ]
+        })
+        .flatten()
+        .collect()
+    }
+
     fn bytes(&self) -> usize {
         self.visible.as_ref().map_or(0, |visible| visible.stats().bytes)
     }

@@ -201,7 +201,8 @@ impl Stage for Spray {
         let projector = eye(node, prepare, prepare.frame.format)?;
         let drops = run.at_unless(time, prepare.cancellation()).map_err(NodeError::new)?;
         let dabs = Dabs::new(&projector, &drops, &brush).map_err(NodeError::new)?;
-        Ok(Box::new(Spraying { node: node.clone(), run, time, projector, brush, dabs, reference: OnceLock::new() }))
+        let (node, drops, reference) = (node.clone(), drops.len(), OnceLock::new());
+        Ok(Box::new(Spraying { node, run, time, projector, brush, drops, dabs, reference }))
     }
 }
 
@@ -212,6 +213,8 @@ struct Spraying {
     time: f64,
     projector: Projector,
     brush: Brush,
+    /// Number of drops in the air, of which the stamps are those in the picture.
+    drops: usize,
     dabs: Dabs,
     /// The stamps of the f64 births, made when a reference is first asked for.
     reference: OnceLock<Option<Dabs>>,
@@ -240,6 +243,12 @@ impl Prepared for Spraying {
         let Sprayed { alpha, depth, age, .. } =
             dabs.at(inputs.at, inputs.view(self.node.source("view"), ViewChannel::Depth));
         Ok(vec![Reference::Mask(alpha), Reference::Field(vec![depth]), Reference::Mask(age)])
+    }
+
+    fn left_out(&self) -> Vec<Omission> {
+        let (count, of) = ((self.drops - self.dabs.len()) as f64, self.drops as f64);
+        let why = "they lie beside the picture or behind the camera, or have faded";
+        if count > 0.0 { vec![Omission { port: None, what: "drops", count, of, why }] } else { Vec::new() }
     }
 
     fn bytes(&self) -> usize {

@@ -99,8 +99,7 @@ impl<'s> Lines<'s> {
 
     /// How many of the leading waves the footprint leaves.
     fn waves(&self, line: &Line) -> usize {
-        let print = (line.footprint as f32).min(1e15);
-        self.frame.left(print * print)
+        self.frame.resolved(line.footprint)
     }
 
     fn sum(&self, line: &Line, wanted: Wanted, scratch: &mut LineScratch, out: &mut Fields) {

@@ -1,0 +1,377 @@
+//! `trochoid check --explain`: what is evaluated for an output, what is left out, why, and what that saves.
+//!
+//! As JSON, `explained` is a list of outputs, each with
+//! - `output`, `kind`, `frame`;
+//! - `nodes`, by name: `type`; `fate`, one of `evaluated`, `folded`, `hands_on`, `merged`, `left_out`; `why`, a sentence,
+//!   null where it is evaluated; `proof`, a list of `{node, type, low, high, evidence}`, from the weight or value that is
+//!   certain back to what is known; `channels`, a list of `{output, wanted, unasked}`; `seconds`, `seconds_in_full`, `spread`
+//!   (by how much runs differ) and `estimated` where measured (null: left out; not evaluated even in full);
+//! - `omissions`: a list of `{node, of, what, left_out, of_all, why}`, work that stages spare themselves; or
+//!   `not_prepared`, why it is not known;
+//! - `measured`: null, or `{width, height, samples, runs, seconds, seconds_in_full, spread}`, or `{error}`.
+//!
+//! Infinite ends of intervals are the words `inf` and `-inf`.
+
+use crate::failure::{Failure, INVALID};
+use crate::interrupt;
+use crate::shell::{HEADING, printable, wrap};
+use serde_json::{Map, Value, json};
+use std::fmt::Write as _;
+use trochoid::{
+    Account, Cache, CheckedGraph, Cost, Costs, Evidence, Fate, Interval, LeftOut, Monitor, NodeId, Omission, Plan,
+    Proved, Settings, measure,
+};
+
+/// The longer side of the picture that is evaluated to measure.
+const LARGEST: u32 = 480;
+
+/// What is known of an output at a frame.
+pub(crate) struct Explained<'g> {
+    graph: &'g CheckedGraph,
+    output: usize,
+    frame: i64,
+    accounts: Vec<Account>,
+    omissions: Result<Vec<(NodeId, Vec<Omission>)>, String>,
+    /// Where measured.
+    costs: Option<Result<Costs, String>>,
+}
+
+/// Stops where the user asks to.
+struct Interruptible;
+
+impl Monitor for Interruptible {
+    fn cancelled(&self) -> bool {
+        interrupt::asked()
+    }
+}
+
+/// Explains an output, prepares its stages, and measures it if asked to.
+///
+/// # Errors
+/// It cannot be planned.
+pub(crate) fn explain(
+    graph: &CheckedGraph,
+    output: usize,
+    frame: i64,
+    measured: bool,
+) -> Result<Explained<'_>, Failure> {
+    let name = graph.outputs()[output].name.as_str();
+    let (plan, accounts) = Plan::explained(graph, &[name], frame, &[], &Settings::default())
+        .map_err(|error| Failure::new(INVALID, error))?;
+    // Missing files are warned of already; all else is known without them.
+    let omissions = plan.omissions(&mut Cache::new(), &Interruptible).map_err(|error| error.to_string());
+    let costs =
+        measured.then(|| measure(graph, name, frame, LARGEST, &Interruptible).map_err(|error| error.to_string()));
+    Ok(Explained { graph, output, frame, accounts, omissions, costs })
+}
+
+/// Nodes that are left out for one and the same reason.
+struct Group<'e> {
+    why: String,
+    proof: &'e [Proved],
+    by_weight: bool,
+    nodes: Vec<NodeId>,
+}
+
+impl Explained<'_> {
+    fn cost(&self, id: NodeId) -> Option<Cost> {
+        self.costs.as_ref()?.as_ref().ok()?.nodes.get(id.0).copied()
+    }
+
+    /// The groups of nodes that are not evaluated, in the order of the document.
+    fn groups(&self) -> Vec<Group<'_>> {
+        let mut groups: Vec<Group<'_>> = Vec::new();
+        for account in &self.accounts {
+            let Some(why) = why(&account.fate) else { continue };
+            let same = |group: &&mut Group<'_>| group.why == why && group.proof == account.proof.as_slice();
+            match groups.iter_mut().find(same) {
+                Some(group) => group.nodes.push(account.node),
+                None => {
+                    let by_weight = matches!(account.fate, Fate::LeftOut(LeftOut::Weight(_)));
+                    groups.push(Group { why, proof: &account.proof, by_weight, nodes: vec![account.node] });
+                }
+            }
+        }
+        groups
+    }
+
+    /// As text.
+    pub(crate) fn to_text(&self) -> String {
+        let spec = &self.graph.outputs()[self.output];
+        let title = format!("{} ({})", printable(&spec.name), spec.kind);
+        let mut text = format!("\n{HEADING}{title}{HEADING:#} at frame {}\n", self.frame);
+        let evaluated: Vec<NodeId> = self
+            .accounts
+            .iter()
+            .filter(|account| account.fate == Fate::Evaluated)
+            .map(|account| account.node)
+            .collect();
+        let _ = writeln!(text, "  Evaluated: {} of {} nodes", evaluated.len(), self.accounts.len());
+        self.rows(&mut text, &evaluated, |cost| cost.seconds);
+        for group in self.groups() {
+            text.push('\n');
+            text.push_str(&wrap(&group.why, 2));
+            for (index, bound) in group.proof.iter().enumerate() {
+                let rest = group.by_weight && index == 0 && bound.interval.constant() == Some(1.0);
+                let rest = if rest { ", which leaves 1 − 1 = 0" } else { "" };
+                text.push_str(&wrap(&format!("· {}{rest}", sentence(bound)), 6));
+            }
+            self.rows(&mut text, &group.nodes, |cost| cost.seconds_in_full);
+        }
+        self.channels(&mut text);
+        self.spared(&mut text);
+        self.how(&mut text);
+        text
+    }
+
+    /// A table of nodes: name, type, and a time where measured.
+    fn rows(&self, text: &mut String, nodes: &[NodeId], time: impl Fn(&Cost) -> Option<f64>) {
+        let named = |id: &NodeId| (printable(&self.graph.node(*id).name), self.graph.node(*id).ty.declaration().name);
+        let rows: Vec<(String, &str)> = nodes.iter().map(named).collect();
+        let names = rows.iter().map(|row| row.0.chars().count()).max().unwrap_or(0);
+        let types = rows.iter().map(|row| row.1.chars().count()).max().unwrap_or(0);
+        for (id, (name, ty)) in nodes.iter().zip(rows) {
+            let cell = self.cost(*id).map_or(String::new(), |cost| match time(&cost) {
+                Some(seconds) => format!("{:>12}{}", milliseconds(seconds), if cost.estimated { " ≈" } else { "" }),
+                None => format!("{:>12}", "—"),
+            });
+            let _ = writeln!(text, "{}", format!("    {name:names$}  {ty:types$}{cell}").trim_end());
+        }
+    }
+
+    /// What views and other stages with several channels are not asked for.
+    fn channels(&self, text: &mut String) {
+        let mut heading = "\n  Channels that nobody asks for\n";
+        for account in &self.accounts {
+            let unasked: usize = account.channels.iter().map(|output| output.unasked.len()).sum();
+            if unasked == 0 {
+                continue;
+            }
+            text.push_str(std::mem::take(&mut heading));
+            let node = self.graph.node(account.node);
+            let wanted: usize = account.channels.iter().map(|output| output.wanted.len()).sum();
+            let saved = self.cost(account.node).and_then(|cost| {
+                cost.seconds?;
+                let (saved, spread) = (cost.saved()?, cost.spread);
+                Some(if saved > spread {
+                    format!(", which saves {}", milliseconds(saved))
+                } else {
+                    format!("; what that saves is less than runs differ by, {}", milliseconds(spread))
+                })
+            });
+            let saved = saved.unwrap_or_default();
+            let name = printable(&node.name);
+            let all = wanted + unasked;
+            let _ = writeln!(text, "    {name} ({}): {wanted} of {all} computed{saved}", node.ty.declaration().name);
+            for (word, list) in [("computed:", true), ("left out:", false)] {
+                let names: Vec<String> = account
+                    .channels
+                    .iter()
+                    .flat_map(|output| {
+                        let channels = if list { &output.wanted } else { &output.unasked };
+                        channels.iter().map(|channel| match channel == output.output {
+                            true => channel.clone(),
+                            false => format!("{}.{channel}", output.output),
+                        })
+                    })
+                    .collect();
+                if !names.is_empty() {
+                    text.push_str(&wrap(&format!("{word} {}", names.join(", ")), 6));
+                }
+            }
+        }
+    }
+
+    /// What stages spare themselves.
+    fn spared(&self, text: &mut String) {
+        match &self.omissions {
+            Err(reason) => {
+                text.push_str(
+                    "\n  What footprint and frame leave out is not known, because the frame cannot be prepared\n",
+                );
+                text.push_str(&wrap(&printable(reason), 6));
+            }
+            Ok(omissions) if omissions.is_empty() => {}
+            Ok(omissions) => {
+                let format = self.graph.format();
+                let _ = writeln!(text, "\n  Left out within nodes, at {} × {} pixels", format.width(), format.height());
+                for (id, omissions) in omissions {
+                    for omission in omissions {
+                        let of = self.source(*id, omission).map_or(String::new(), |name| format!("of \"{name}\", "));
+                        let Omission { what, count, of: all, why, .. } = omission;
+                        let name = &self.graph.node(*id).name;
+                        let text_of = format!("{name}: {of}{} of {} {what}: {why}", whole(*count), whole(*all));
+                        text.push_str(&wrap(&printable(&text_of), 4));
+                    }
+                }
+            }
+        }
+    }
+
+    /// The name of the node whose work is left out, where it is connected to the one that tells of it.
+    fn source(&self, id: NodeId, omission: &Omission) -> Option<&str> {
+        let (port, index) = omission.port?;
+        let settled = self.graph.settle(id, self.frame);
+        match settled.all(port).get(index)? {
+            trochoid::Source::Output { node, .. } => Some(&self.graph.node(*node).name),
+            _ => None,
+        }
+    }
+
+    /// How times were got.
+    fn how(&self, text: &mut String) {
+        match &self.costs {
+            None => {}
+            Some(Err(reason)) => {
+                text.push_str("\n  Not measured\n");
+                text.push_str(&wrap(&printable(reason), 6));
+            }
+            Some(Ok(costs)) => {
+                let (format, runs) = (costs.format, costs.runs);
+                let runs = if runs == 1 { "1 run".into() } else { format!("the least of {runs} runs") };
+                let (seconds, full) = (milliseconds(costs.seconds), milliseconds(costs.seconds_in_full));
+                let line = format!(
+                    "Measured at {} × {} pixels, {runs}: the frame takes {seconds}, and {full} with nothing left out; \
+                     runs differ by {}. \
+                     Times of nodes are those of all threads together; of what is left out, those with nothing left out. \
+                     ≈: shared out within one program by what operations cost. —: not evaluated in either case.",
+                    format.width(),
+                    format.height(),
+                    milliseconds(costs.spread)
+                );
+                text.push('\n');
+                text.push_str(&wrap(&line, 2));
+            }
+        }
+    }
+
+    /// As JSON, see the module.
+    pub(crate) fn to_json(&self) -> Value {
+        let spec = &self.graph.outputs()[self.output];
+        let nodes: Map<String, Value> = self
+            .accounts
+            .iter()
+            .map(|account| {
+                let node = self.graph.node(account.node);
+                let cost = self.cost(account.node);
+                let proof = account.proof.iter().map(|bound| {
+                    json!({
+                        "node": bound.node, "type": bound.ty,
+                        "low": end(bound.interval.low), "high": end(bound.interval.high),
+                        "evidence": evidence(bound),
+                    })
+                });
+                let channels = account.channels.iter().map(
+                    |output| json!({ "output": output.output, "wanted": output.wanted, "unasked": output.unasked }),
+                );
+                let value = json!({
+                    "type": node.ty.declaration().name,
+                    "fate": match account.fate {
+                        Fate::Evaluated => "evaluated",
+                        Fate::Folded => "folded",
+                        Fate::HandsOn(_) => "hands_on",
+                        Fate::Merged(_) => "merged",
+                        Fate::LeftOut(_) => "left_out",
+                    },
+                    "why": why(&account.fate),
+                    "proof": proof.collect::<Vec<_>>(),
+                    "channels": channels.collect::<Vec<_>>(),
+                    "seconds": cost.and_then(|cost| cost.seconds),
+                    "seconds_in_full": cost.and_then(|cost| cost.seconds_in_full),
+                    "spread": cost.map(|cost| cost.spread),
+                    "estimated": cost.map(|cost| cost.estimated),
+                });
+                (node.name.clone(), value)
+            })
+            .collect();
+        let omissions = self.omissions.as_ref().map_or(Vec::new(), |omissions| {
+            let each = omissions.iter().flat_map(|(id, omissions)| omissions.iter().map(move |one| (*id, one)));
+            each.map(|(id, one)| {
+                json!({
+                    "node": self.graph.node(id).name, "of": self.source(id, one), "what": one.what,
+                    "left_out": one.count, "of_all": one.of, "why": one.why,
+                })
+            })
+            .collect()
+        });
+        let measured = match &self.costs {
+            None => Value::Null,
+            Some(Err(error)) => json!({ "error": error }),
+            Some(Ok(costs)) => json!({
+                "width": costs.format.width(), "height": costs.format.height(), "samples": costs.format.samples(),
+                "runs": costs.runs, "seconds": costs.seconds, "seconds_in_full": costs.seconds_in_full,
+                "spread": costs.spread,
+            }),
+        };
+        json!({
+            "output": spec.name,
+            "kind": spec.kind.to_string(),
+            "frame": self.frame,
+            "nodes": nodes,
+            "omissions": omissions,
+            "not_prepared": self.omissions.as_ref().err(),
+            "measured": measured,
+        })
+    }
+}
+
+/// Why a node is not evaluated.
+fn why(fate: &Fate) -> Option<String> {
+    Some(match fate {
+        Fate::Evaluated => return None,
+        Fate::Folded => "Folded: it depends on constants alone, and is one itself".into(),
+        Fate::HandsOn(from) => format!("Nothing to compute: it hands on \"{from}\""),
+        Fate::Merged(with) => format!("Computed with \"{with}\": the operations are the same"),
+        Fate::LeftOut(why) => format!("Left out: {why}"),
+    })
+}
+
+/// What is certain of a node, and how that is known.
+fn sentence(bound: &Proved) -> String {
+    let lies = match bound.interval.constant() {
+        Some(value) => format!("is {value}"),
+        None => format!("lies in {}", interval(bound.interval)),
+    };
+    format!("\"{}\" {lies}: {}", bound.node, evidence(bound))
+}
+
+fn evidence(bound: &Proved) -> String {
+    match &bound.evidence {
+        Evidence::Written { keyed: false } => "as written in the document".into(),
+        Evidence::Written { keyed: true } => "as keyed at this frame".into(),
+        Evidence::Stated => format!("a {} never leaves that", bound.ty),
+        Evidence::Kind(kind) => format!("as every {kind}"),
+        Evidence::Computed(from) => {
+            let names: Vec<String> = from.iter().map(|name| format!("\"{name}\"")).collect();
+            format!("{} of {}", bound.ty, names.join(" and "))
+        }
+    }
+}
+
+fn interval(Interval { low, high }: Interval) -> String {
+    let end = |value: f64| match value {
+        f64::INFINITY => "∞".into(),
+        f64::NEG_INFINITY => "−∞".into(),
+        value => value.to_string(),
+    };
+    format!("[{}, {}]", end(low), end(high))
+}
+
+/// JSON knows no infinity.
+fn end(value: f64) -> Value {
+    if value.is_finite() { json!(value) } else { json!(value.to_string()) }
+}
+
+/// A count as such, a mean with one digit.
+fn whole(count: f64) -> String {
+    if count == count.trunc() { count.to_string() } else { format!("{count:.1}") }
+}
+
+fn milliseconds(seconds: f64) -> String {
+    let ms = seconds * 1e3;
+    match ms.abs() {
+        size if size >= 100.0 => format!("{ms:.0} ms"),
+        size if size >= 1.0 => format!("{ms:.1} ms"),
+        _ => format!("{ms:.3} ms"),
+    }
+}

@@ -1,0 +1,98 @@
+//! What is left of Trochoid without any feature still computes: `cargo test -p trochoid --no-default-features`.
+
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
+
+use std::path::Path;
+use trochoid::{Buffers, Cache, CheckedGraph, Kind, Plan, ReferenceFrame, Settings, ShadingPlan, Silent, parse};
+
+const WIDTH: usize = 7;
+const HEIGHT: usize = 3;
+
+/// Two passes that a renderer binds, and a picture mixed by them.
+const LOOK: &str = r##"{
+  "trochoid": 1,
+  "format": { "width": 7, "height": 3 },
+  "working_space": "srgb",
+  "nodes": {
+    "light": { "type": "ScreenX" },
+    "depth": { "type": "FieldMath", "expression": "100 * a", "a": "light" },
+    "haze": { "type": "Clamp", "field": "depth", "min": 20, "max": 80 },
+    "sea": { "type": "Mix", "a": "#14262e", "b": "#e0b981", "weight": "light" },
+    "beauty": { "type": "Mix", "a": "sea", "b": "#f0cf8e", "weight": "haze" }
+  },
+  "outputs": { "beauty": { "color": "beauty" } }
+}"##;
+
+fn look() -> CheckedGraph {
+    parse("look", LOOK, Path::new("."), &[]).unwrap().graph
+}
+
+/// A pass whose values run over all of [0, `most`], its ends among them.
+fn pass(step: usize, most: f32) -> Vec<f32> {
+    (0..WIDTH * HEIGHT).map(|at| (at * step % (WIDTH * HEIGHT)) as f32 / (WIDTH * HEIGHT - 1) as f32 * most).collect()
+}
+
+/// The picture's formula, written out in f64.
+fn truth(light: f32, depth: f32) -> [f64; 3] {
+    let color = |hex: u32| [16, 8, 0].map(|shift| f64::from(hex >> shift & 255) / 255.0);
+    let mix = |a: [f64; 3], b: [f64; 3], t: f64| [0, 1, 2].map(|c| (1.0 - t) * a[c] + t * b[c]);
+    let sea = mix(color(0x14262e), color(0xe0b981), f64::from(light));
+    mix(sea, color(0xf0cf8e), ((f64::from(depth) - 20.0) / 60.0).clamp(0.0, 1.0))
+}
+
+#[test]
+fn bound_passes_are_mixed_in_their_palette() {
+    let (graph, light, depth) = (look(), pass(5, 1.0), pass(8, 100.0));
+    let plan = Plan::new(&graph, &["beauty"], 1, &["light", "depth"], &Settings::default()).unwrap();
+    let buffers = Buffers::new().with("light", &[&light]).with("depth", &[&depth]);
+    let frame = plan.evaluate(&buffers, &mut Cache::new(), &Silent).unwrap();
+    let picture = &frame.pictures[0];
+    assert_eq!((picture.kind, picture.control_count), (Kind::Color, 3));
+    assert_eq!((picture.audit.hull_exits, picture.audit.nan_count), (0, 0));
+    for at in 0..WIDTH * HEIGHT {
+        for (channel, truth) in truth(light[at], depth[at]).into_iter().enumerate() {
+            let found = f64::from(picture.planes[channel].samples()[at]);
+            assert!((found - truth).abs() < 1e-6, "pixel {at}, channel {channel}: {found}, not {truth}");
+        }
+    }
+    // Single samples, for renderers that know no images.
+    let shading = ShadingPlan::new(&graph, "beauty", 1, &["light", "depth"], &Settings::default()).unwrap();
+    let mut out = [0; 3].map(|_| vec![0.0; WIDTH * HEIGHT]);
+    let [r, g, b] = &mut out;
+    shading.evaluate(&buffers, WIDTH * HEIGHT, &mut [r, g, b]).unwrap();
+    for (channel, plane) in out.iter().zip(&picture.planes) {
+        assert_eq!(channel, plane.samples());
+    }
+}
+
+#[test]
+fn without_buffers_its_own_passes_agree_with_the_reference() {
+    let graph = look();
+    let plan = Plan::new(&graph, &["beauty"], 1, &[], &Settings::default()).unwrap();
+    let frame = plan.evaluate(&Buffers::new(), &mut Cache::new(), &Silent).unwrap();
+    let reference = ReferenceFrame::new(&graph, "beauty", 1).unwrap();
+    for (at, (x, y)) in (0..HEIGHT as i64).flat_map(|y| (0..WIDTH as i64).map(move |x| (x, y))).enumerate() {
+        let light = x as f32 / (WIDTH - 1) as f32;
+        let formula = truth(light, 100.0 * light);
+        for (channel, truth) in reference.pixel(x, y).unwrap().into_iter().enumerate() {
+            let found = f64::from(frame.pictures[0].planes[channel].samples()[at]);
+            assert!((found - truth).abs() < 1e-6 && (truth - formula[channel]).abs() < 1e-5, "({x}, {y}): {found}");
+        }
+    }
+}
+
+#[test]
+fn what_is_left_out_is_refused_by_name() {
+    for (ty, compiled) in [
+        ("Mix", true),
+        ("Strokes", true),
+        ("Noise", true),
+        ("Render", cfg!(feature = "scene")),
+        ("GerstnerSea", cfg!(feature = "sea")),
+        ("Read", cfg!(feature = "io")),
+    ] {
+        assert_eq!(trochoid::registry().get(ty).is_some(), compiled, "{ty}");
+    }
+    let document = LOOK.replace("\"ScreenX\"", "\"NoSuchPass\"");
+    assert!(parse("look", &document, Path::new("."), &[]).is_err());
+}
