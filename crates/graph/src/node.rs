@@ -224,8 +224,8 @@ pub trait Prepared: Send + Sync {
     }
 
     /// Bounds how far each plane that [`fill`](Self::fill) filled may lie from [`reference`](Self::reference), at every sample
-    /// of a block: fills the same planes with [`Bound`]s, encoded. A reference is asked with inputs that lie within their
-    /// own bounds.
+    /// of a block: fills the same planes with [`Bound`](crate::Bound)s, encoded. A reference is asked with inputs that lie
+    /// within their own bounds.
     ///
     /// # Errors
     /// No honest bound is known.
