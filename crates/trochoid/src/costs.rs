@@ -74,7 +74,7 @@ const PATIENCE: Duration = Duration::from_secs(10);
 ///   "format": { "width": 64, "height": 32 },
 ///   "nodes": {
 ///     "across": { "type": "ScreenX" },
-///     "grain": { "type": "Noise" },
+///     "grain": { "type": "Grain" },
 ///     "old": { "type": "Mix", "a": "#222222", "b": "#885533", "weight": "grain" },
 ///     "beauty": { "type": "Mix", "a": "#ffffff", "b": "old", "weight": "never" },
 ///     "never": { "type": "Clamp", "field": "across", "min": 2, "max": 3 }
