@@ -94,10 +94,8 @@ impl PreciseSea {
             sample.slope[1] += sums.slope[1];
             sample.slope_variance += sums.variance;
         }
-        for wave in left..numbers.len() {
-            let steepness = self.waves.amplitude[wave] * numbers[wave];
-            sample.slope_variance += steepness * steepness / 2.0;
-        }
+        let rest = self.waves.amplitude[left..].iter().zip(&numbers[left..]);
+        sample.slope_variance += rest.map(|(amplitude, k)| (amplitude * k) * (amplitude * k) / 2.0).sum::<f64>();
         sample
     }
 }
