@@ -1,7 +1,9 @@
 //! The fast evaluations against the f64 reference, on ordinary and on extreme parameters.
 
 use crate::random::Random;
-use trochoid_sea::{ExplicitWave, Fields, GerstnerSpectrum, Points, Sample, Sea, SeaFrame, Wanted, Wave, attenuation};
+use trochoid_sea::{
+    ExplicitWave, Fields, GerstnerSpectrum, Points, PreciseSea, Sample, Sea, SeaFrame, Wanted, Wave, attenuation,
+};
 
 fn sea(spectrum: GerstnerSpectrum) -> Sea {
     Sea::new(spectrum.waves().expect("valid knobs"))
@@ -192,4 +194,30 @@ fn the_footprint_attenuates_and_its_loss_is_reported() {
     let lost = k * k / 2.0 * (1.0 - attenuation(k, 4.0).powi(2));
     assert!((sample.slope_variance - lost).abs() < 1e-15);
     assert_eq!(sea.at(0.0).evaluate([0.0, 0.0], 0.0).slope_variance, 0.0);
+}
+
+#[test]
+fn the_precise_sum_is_the_reference_to_rounding() {
+    let mut random = Random(5);
+    for (count, sharpness) in [(0, 0.0), (1, 0.9), (7, 0.5), (8, 0.5), (300, 0.7)] {
+        let sea = sea(GerstnerSpectrum { count, height: 4.0, sharpness, ..GerstnerSpectrum::default() });
+        let sizes: f64 = sea.waves().iter().map(|wave| wave.amplitude.abs() * (1.0 + wave.wave_number())).sum();
+        for far in [0.0, 1e3, 1e7] {
+            let frame = sea.at(far);
+            let precise = PreciseSea::new(&frame);
+            for _ in 0..200 {
+                let rest = [far + 100.0 * random.unit(), -far + 100.0 * random.unit()];
+                let footprint = [0.0, 0.3, 5.0, 60.0, 1e4][(5.0 * random.unit()) as usize % 5] * random.unit();
+                let (fast, slow) = (precise.evaluate(rest, footprint), frame.evaluate(rest, footprint));
+                // What is left of the phase at 1e7 m, in f64.
+                let allowed = sizes * (1e-14 + 1e-15 * far);
+                for (fast, slow) in values(&fast).into_iter().zip(values(&slow)).take(9) {
+                    assert!(
+                        (fast - slow).abs() <= allowed,
+                        "{count} waves at {rest:?}, {footprint}: {fast} is not {slow}"
+                    );
+                }
+            }
+        }
+    }
 }
