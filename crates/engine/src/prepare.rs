@@ -130,7 +130,8 @@ pub(crate) fn prepare(
                 let started = Instant::now();
                 let handles = |id: NodeId| -> Option<Handle> { ready.get(&id)?.prepared.handle() };
                 let cancelled = || monitor.cancelled();
-                let prepare = Prepare::new(&plan.context, &node.kinds, wanted, &handles, &cancelled, &cache.pool);
+                let prepare = Prepare::new(&plan.context, &node.kinds, wanted, &handles, &cancelled, &cache.pool)
+                    .with_bounds(plan.settings.bounds);
                 let prepared =
                     stage.prepare(settled, &prepare).map_err(|error| node_error(plan, *id, error, monitor))?;
                 let prepared: Arc<dyn Prepared> = prepared.into();
@@ -148,7 +149,8 @@ fn keys(plan: &Plan<'_>) -> Vec<Key> {
     let mut files: HashMap<NodeId, String> = HashMap::new();
     let mut keys = Vec::new();
     for (id, wanted) in &plan.prepares {
-        let mut state = String::new();
+        // What bounds need is held beside the rest.
+        let mut state = if plan.settings.bounds { "bounds ".to_owned() } else { String::new() };
         if let (Body::Stage(stage), Some(settled)) = (plan.graph.node(*id).ty.body(), &plan.settled[id.0]) {
             for file in stage.files(settled, &plan.context) {
                 let found = std::fs::metadata(&file).map(|found| (found.len(), found.modified().ok()));

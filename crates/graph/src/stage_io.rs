@@ -61,6 +61,7 @@ pub struct Prepare<'a> {
     handles: &'a dyn Fn(NodeId) -> Option<Handle>,
     cancelled: &'a (dyn Fn() -> bool + Sync),
     pool: &'a Pool,
+    bounded: bool,
 }
 
 impl<'a> Prepare<'a> {
@@ -73,7 +74,18 @@ impl<'a> Prepare<'a> {
         cancelled: &'a (dyn Fn() -> bool + Sync),
         pool: &'a Pool,
     ) -> Self {
-        Self { frame, kinds, wanted, handles, cancelled, pool }
+        Self { frame, kinds, wanted, handles, cancelled, pool, bounded: false }
+    }
+
+    /// The same where [`Prepared::bound`](crate::Prepared::bound) will be asked.
+    #[must_use]
+    pub fn with_bounds(self, bounded: bool) -> Self {
+        Self { bounded, ..self }
+    }
+
+    /// Whether [`Prepared::bound`](crate::Prepared::bound) will be asked, for what it alone needs.
+    pub fn bounded(&self) -> bool {
+        self.bounded
     }
 
     /// What all nodes share that ask for a `T` by this key.

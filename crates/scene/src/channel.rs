@@ -1,5 +1,7 @@
 use trochoid_image::Window;
 
+use crate::Hit;
+
 /// One scalar that a view can answer for each sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 #[repr(u8)]
@@ -97,6 +99,37 @@ impl Channel {
             Self::NormalY | Self::Jacobian => 1.0,
             Self::Surface => -1.0,
             _ => 0.0,
+        }
+    }
+
+    /// What the channel holds where this is seen, or nothing.
+    pub fn of(self, hit: Option<&Hit>) -> f64 {
+        let Some(hit) = hit else { return f64::from(self.background()) };
+        match self {
+            Self::Coverage => 1.0,
+            Self::Depth => hit.depth,
+            Self::PositionX => hit.position.x,
+            Self::PositionY => hit.position.y,
+            Self::PositionZ => hit.position.z,
+            Self::NormalX => hit.normal.x,
+            Self::NormalY => hit.normal.y,
+            Self::NormalZ => hit.normal.z,
+            Self::RestX => hit.rest.x,
+            Self::RestY => hit.rest.y,
+            Self::RestZ => hit.rest.z,
+            Self::Height => hit.height,
+            Self::RestDistance => hit.rest_distance,
+            Self::SlopeVariance => hit.slope_variance,
+            Self::Jacobian => hit.jacobian,
+            Self::Surface => hit.surface as f64,
+            Self::U => hit.uv[0],
+            Self::V => hit.uv[1],
+            Self::Rift => hit.trails[0],
+            Self::DriftWeight => hit.trails[1],
+            Self::AlongCos => hit.trails[2],
+            Self::AlongSin => hit.trails[3],
+            Self::AcrossCos => hit.trails[4],
+            Self::AcrossSin => hit.trails[5],
         }
     }
 }

@@ -3,6 +3,7 @@ use std::sync::{Arc, LazyLock};
 use glam::DVec3;
 use rayon::prelude::*;
 
+use crate::certain::{Near, Search, SeenGrid, Turn, contours_of_grid, meet_grid};
 use crate::shading::unit_or_up;
 use crate::surface::{Anchor, Hit, Mesh, Surface, Topology};
 use crate::{Channel, ChannelSet, Projector, Ray, Resting};
@@ -197,6 +198,21 @@ impl GridSurface {
         out.push(out[self.rows]);
     }
 
+    /// The nearest place x, z of the grid.
+    pub(crate) fn within_reach(&self, place: [f64; 2]) -> [f64; 2] {
+        let end = self.end();
+        [0, 1].map(|axis| place[axis].clamp(self.origin[axis], end[axis]))
+    }
+
+    /// Height and slopes at a place x, z of the grid, and the derivative of the first slope along z, in 1/m.
+    pub(crate) fn twisted(&self, [x, z]: [f64; 2]) -> ([f64; 3], f64) {
+        let (u, v) = ((x - self.origin[0]) / self.spacing, (z - self.origin[1]) / self.spacing);
+        let (i, j) = ((u as usize).min(self.columns - 2), (v as usize).min(self.rows - 2));
+        let (wx, (wz, dz)) = (weights(u - i as f64), weights(v - j as f64));
+        let [_, twist, _] = self.blend([i, j], wx, (dz, dz));
+        (self.blend([i, j], wx, (wz, dz)), twist / self.spacing)
+    }
+
     /// World x and z of the far corner.
     fn end(&self) -> [f64; 2] {
         let reach = |count: usize| (count - 1) as f64 * self.spacing;
@@ -341,6 +357,14 @@ impl Surface for GridSurface {
         mesh
     }
 
+    fn contours(&self, search: &Search<'_>, mesh: &Mesh) -> Option<Vec<Turn>> {
+        contours_of_grid(&SeenGrid { grid: self, eye: search.projector.position }, search, mesh)
+    }
+
+    fn meet_near(&self, projector: &Projector, ray: &Ray, near: &Near) -> Option<Hit> {
+        meet_grid(self, projector, ray, near)
+    }
+
     fn trace(&self, projector: &Projector, ray: &Ray) -> Option<Hit> {
         let low = [self.origin[0], self.level + self.bounds[0], self.origin[1]];
         let high = [self.end()[0], self.level + self.bounds[1], self.end()[1]];
@@ -378,7 +402,9 @@ impl Surface for GridSurface {
                     let middle = (near + far) / 2.0;
                     if (gap(middle) > 0.0) == (at_near > 0.0) { near = middle } else { far = middle }
                 }
-                return Some(self.hit(projector, ray, far, clamp(ray.at(far)), at_near < 0.0));
+                // Also a ray that comes from beside the grid may see its lower side, from a camera outside.
+                let inside = self.submerged(projector.position);
+                return Some(self.hit(projector, ray, far, clamp(ray.at(far)), inside));
             }
             (near, at_near) = (far, at_far);
         }
@@ -408,11 +434,11 @@ impl Surface for GridSurface {
 }
 
 impl GridSurface {
-    fn hit(&self, projector: &Projector, ray: &Ray, distance: f64, [x, z]: [f64; 2], from_below: bool) -> Hit {
+    pub(crate) fn hit(&self, projector: &Projector, ray: &Ray, distance: f64, [x, z]: [f64; 2], inside: bool) -> Hit {
         let position = ray.at(distance);
         let [_, dx, dz] = self.height(x, z).unwrap_or_default();
         let normal = unit_or_up(DVec3::new(-dx, 1.0, -dz));
-        let normal = if (normal.dot(ray.direction) > 0.0) == from_below { normal } else { -normal };
+        let normal = if (normal.dot(ray.direction) > 0.0) == inside { normal } else { -normal };
         let rest = DVec3::new(x, self.level, z);
         Hit {
             surface: 0,

@@ -13,6 +13,7 @@
 
 pub mod bezier;
 mod camera;
+mod certain;
 mod channel;
 mod edges;
 mod extent;
@@ -37,6 +38,7 @@ mod triangles;
 mod visible;
 
 pub use camera::{Camera, Projection, Projector, Ray};
+pub use certain::{Certain, Near, Search, Sight, Turn};
 pub use channel::{Channel, ChannelSet, Samples};
 pub use float::{Floating, Plane};
 pub use footprint::{GRAZING, footprint, footprint_axes};

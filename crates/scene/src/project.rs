@@ -33,6 +33,11 @@ impl Raster {
         Self { bits, limit: f64::from(1_u32 << (28 - bits)) }
     }
 
+    /// The least difference of coordinates in pixels.
+    pub(crate) fn step(self) -> f64 {
+        1.0 / f64::from(1_u32 << self.bits)
+    }
+
     /// Pixels to fixed point, to nearest.
     pub(crate) fn fix(self, pixels: f64) -> i64 {
         (pixels * f64::from(1_u32 << self.bits)).round_ties_even() as i64

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
+use crate::certain::{Near, Search, Turn};
 use crate::surface::{Anchor, Hit, Mesh, Surface, Topology};
 use crate::{ChannelSet, Projector, Ray};
 
@@ -135,11 +136,34 @@ impl Surface for RigidBodies {
         all
     }
 
+    fn contours(&self, search: &Search<'_>, mesh: &Mesh) -> Option<Vec<Turn>> {
+        self.model.contours(search, mesh)
+    }
+
+    fn meet_near(&self, projector: &Projector, ray: &Ray, near: &Near) -> Option<Hit> {
+        let away = |hit: &Hit| (hit.distance - near.distance).abs();
+        let hits = self.hits(projector, ray, |own, ray| self.model.meet_near(own, ray, near));
+        hits.min_by(|a, b| away(a).total_cmp(&away(b)))
+    }
+
     fn trace(&self, projector: &Projector, ray: &Ray) -> Option<Hit> {
-        let meet = |pose: &Pose| {
+        let hits = self.hits(projector, ray, |own, ray| self.model.trace(own, ray));
+        hits.min_by(|a, b| a.distance.total_cmp(&b.distance))
+    }
+}
+
+impl RigidBodies {
+    /// What `meet` finds of the model as each body sees camera and ray, in the world.
+    fn hits(
+        &self,
+        projector: &Projector,
+        ray: &Ray,
+        meet: impl Fn(&Projector, &Ray) -> Option<Hit>,
+    ) -> impl Iterator<Item = Hit> {
+        self.poses.iter().filter_map(move |pose| {
             let origin = pose.turn_back(ray.origin - pose.origin);
             let own = Ray { origin, direction: pose.turn_back(ray.direction) };
-            let hit = self.model.trace(&pose.projector(projector), &own)?;
+            let hit = meet(&pose.projector(projector), &own)?;
             let position = pose.apply(hit.position);
             let level = hit.position.y - hit.height;
             Some(Hit {
@@ -151,7 +175,6 @@ impl Surface for RigidBodies {
                 jacobian: 1.0,
                 ..hit
             })
-        };
-        self.poses.iter().filter_map(meet).min_by(|a, b| a.distance.total_cmp(&b.distance))
+        })
     }
 }

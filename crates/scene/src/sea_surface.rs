@@ -1,6 +1,9 @@
-use glam::DVec3;
-use trochoid_sea::{Sea, SeaFrame};
+use std::sync::{Arc, OnceLock};
 
+use glam::DVec3;
+use trochoid_sea::{PreciseSea, Sea, SeaFrame};
+
+use crate::certain::{Near, Search, SeenSea, Turn, contours_of_grid, meet_sea};
 use crate::extent::{Bounds, Sector, Strip};
 use crate::spacing::Spacing;
 use crate::surface::{Anchor, Hit, Mesh, Surface};
@@ -21,6 +24,8 @@ pub struct SeaSurface {
     spacing: Spacing,
     /// Pixels' sides over that of what waves are filtered by.
     pub(crate) detail: f64,
+    /// The waves for sums in f64, once they are asked for.
+    precise: Arc<OnceLock<PreciseSea>>,
 }
 
 /// How many waves the pixels of a picture resolve: the others are so short that less than 1e-6 of them would be left.
@@ -60,7 +65,13 @@ impl SeaSurface {
             shortest: sea.waves().iter().map(|wave| wave.wavelength).fold(f64::INFINITY, f64::min),
             spacing: Spacing::new(sea),
             detail: 1.0,
+            precise: Arc::default(),
         }
+    }
+
+    /// The sea for sums in f64.
+    pub(crate) fn precise(&self) -> &PreciseSea {
+        self.precise.get_or_init(|| PreciseSea::new(&self.frame))
     }
 
     /// The same, drawn as for pixels so many times as fine: by half of that it has a quarter of the vertices, and waves
@@ -161,6 +172,14 @@ impl Surface for SeaSurface {
                 .map(|sector| tessellate::sector(self, &self.spacing, projector, &sector, wanted, stop))
         };
         mesh.unwrap_or_else(|| Some(Mesh::empty(self.level)))
+    }
+
+    fn contours(&self, search: &Search<'_>, mesh: &Mesh) -> Option<Vec<Turn>> {
+        contours_of_grid(&SeenSea::new(self, search.projector), search, mesh)
+    }
+
+    fn meet_near(&self, projector: &Projector, ray: &Ray, near: &Near) -> Option<Hit> {
+        meet_sea(self, projector, ray, near)
     }
 
     fn trace(&self, projector: &Projector, ray: &Ray) -> Option<Hit> {

@@ -1,5 +1,6 @@
 use glam::DVec3;
 
+use crate::certain::{Near, Search, Turn};
 use crate::{ChannelSet, Projector, Ray, Resting, SeaSurface};
 
 /// Something that a camera can see.
@@ -25,6 +26,21 @@ pub trait Surface: Send + Sync {
 
     /// The first point of the continuous surface along a ray from the camera, in f64.
     fn trace(&self, projector: &Projector, ray: &Ray) -> Option<Hit>;
+
+    /// Boxes around every place of the picture where this surface, its `mesh` for the camera or anything between them may
+    /// have a contour that something sees. `None` where that is not known.
+    ///
+    /// The mesh has normals and rest points.
+    fn contours(&self, search: &Search<'_>, mesh: &Mesh) -> Option<Vec<Turn>> {
+        let _ = (search, mesh);
+        None
+    }
+
+    /// The point of the continuous surface along a ray that lies next to a point of its mesh, in f64.
+    fn meet_near(&self, projector: &Projector, ray: &Ray, near: &Near) -> Option<Hit> {
+        let _ = near;
+        self.trace(projector, ray)
+    }
 
     /// The sea of waves that it is, for what moves with the water; `None` for any other surface.
     fn as_sea(&self) -> Option<&SeaSurface> {

@@ -5,6 +5,7 @@ use rayon::prelude::*;
 use std::collections::HashMap;
 
 use crate::bezier::Placement;
+use crate::certain::{Near, Search, Turn, contours_of_facets};
 use crate::surface::{Anchor, Hit, Mesh, Surface, Topology};
 use crate::{ChannelSet, Projector, Ray};
 
@@ -250,10 +251,29 @@ impl Surface for TriangleModel {
         mesh
     }
 
+    fn contours(&self, search: &Search<'_>, mesh: &Mesh) -> Option<Vec<Turn>> {
+        contours_of_facets(mesh, search, false, 0.0)
+    }
+
+    /// That of the triangle itself, unless rounding has moved the ray beside it.
+    fn meet_near(&self, projector: &Projector, ray: &Ray, near: &Near) -> Option<Hit> {
+        // There may be several bodies of this model.
+        let triangle = near.triangle.map(|triangle| self.triangles[triangle % self.triangles.len()]);
+        let met = triangle.and_then(|triangle| Some((meet(&self.positions, triangle, ray)?, triangle)));
+        met.map_or_else(|| self.trace(projector, ray), |(met, triangle)| Some(self.hit(projector, ray, met, triangle)))
+    }
+
     fn trace(&self, projector: &Projector, ray: &Ray) -> Option<Hit> {
         let met =
             self.triangles.iter().filter_map(|triangle| Some((meet(&self.positions, *triangle, ray)?, *triangle)));
-        let ((distance, weights), triangle) = met.min_by(|a, b| a.0.0.total_cmp(&b.0.0))?;
+        let (met, triangle) = met.min_by(|a, b| a.0.0.total_cmp(&b.0.0))?;
+        Some(self.hit(projector, ray, met, triangle))
+    }
+}
+
+impl TriangleModel {
+    /// The point of a triangle by the weights of its corners.
+    fn hit(&self, projector: &Projector, ray: &Ray, (distance, weights): (f64, [f64; 3]), triangle: [u32; 3]) -> Hit {
         let corners = triangle.map(|vertex| vertex as usize);
         let blend = |vectors: &[DVec3]| (0..3).map(|i| weights[i] * vectors[corners[i]]).sum::<DVec3>();
         let position = blend(&self.positions);
@@ -267,7 +287,7 @@ impl Surface for TriangleModel {
         } else {
             [0, 1].map(|axis| (0..3).map(|i| weights[i] * self.mesh.uvs[corners[i]][axis]).sum())
         };
-        Some(Hit {
+        Hit {
             surface: 0,
             distance,
             depth: (position - projector.position).dot(projector.forward),
@@ -280,7 +300,7 @@ impl Surface for TriangleModel {
             jacobian: 1.0,
             trails: [0.0; 6],
             uv,
-        })
+        }
     }
 }
 

@@ -56,7 +56,7 @@ pub use grid::{Grid, GridError, GridPlan, MAX_POINTS, MAX_SIDE};
 pub use group::{MAX_GROUP, WaveGroup};
 pub use line::{Line, LineScratch, Lines};
 pub use method::Method;
-pub use precise::PreciseSea;
+pub use precise::{Bends, Precise, PreciseSea};
 pub use ripple::Ripple;
 pub use spectrum::{Convention, Dispersion, GerstnerSpectrum, MAX_WAVES, SpectrumError};
 pub use wave::{ExplicitWave, GRAVITY, Wave, WaveError, attenuation};

@@ -37,7 +37,7 @@ struct Waves {
 /// let sea = Sea::new(GerstnerSpectrum { count: 200, ..GerstnerSpectrum::default() }.waves()?);
 /// let frame = sea.at(3.0);
 /// let (fast, slow) = (PreciseSea::new(&frame).evaluate([7.0, -2.0], 0.4), frame.evaluate([7.0, -2.0], 0.4));
-/// assert!((fast.displacement[1] - slow.displacement[1]).abs() < 1e-13);
+/// assert!((fast.sample.displacement[1] - slow.displacement[1]).abs() < 1e-13);
 /// # Ok::<(), trochoid_sea::SpectrumError>(())
 /// ```
 #[derive(Clone, Debug)]
@@ -46,14 +46,27 @@ pub struct PreciseSea {
     level: Level,
 }
 
-/// The sums over the waves of one lane.
-#[derive(Clone, Copy, Default)]
-struct Sums {
-    displacement: [f64; 3],
-    slope: [f64; 2],
-    strain: [f64; 3],
-    variance: f64,
+/// What a sea is at a point.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Precise {
+    /// As [`SeaFrame::evaluate`] has it, without velocities.
+    pub sample: Sample,
+    /// Change of the displacement with the footprint, in meters for each meter.
+    pub by_footprint: [f64; 3],
 }
+
+/// How a sea bends at a point: second derivatives of the displacement by the rest point x, z and the footprint f, in 1/m.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Bends {
+    /// ∂²/∂x², ∂²/∂x∂z and ∂²/∂z².
+    pub by_rest: [[f64; 3]; 3],
+    /// ∂²/∂x∂f and ∂²/∂z∂f.
+    pub by_footprint: [[f64; 3]; 2],
+}
+
+/// Sums of [`Precise`], and with those of [`Bends`].
+const SUMS: usize = 12;
+const ALL_SUMS: usize = SUMS + 15;
 
 impl PreciseSea {
     /// The waves of a sea at its time.
@@ -72,38 +85,72 @@ impl PreciseSea {
         Self { waves, level: Level::new() }
     }
 
-    /// The surface at a rest point (x₀, z₀) in meters under a footprint in meters; without velocities.
+    /// The surface at a rest point (x₀, z₀) in meters under a footprint in meters.
     ///
     /// Within 1e-14 of the sum of the waves' own sizes from [`SeaFrame::evaluate`].
-    pub fn evaluate(&self, rest: [f64; 2], footprint: f64) -> Sample {
+    pub fn evaluate(&self, rest: [f64; 2], footprint: f64) -> Precise {
+        let (sums, left) = self.sums::<SUMS>(rest, footprint);
+        self.precise(sums, footprint, left)
+    }
+
+    /// The same, and how the surface bends there.
+    pub fn bent(&self, rest: [f64; 2], footprint: f64) -> (Precise, Bends) {
+        let (sums, left) = self.sums::<ALL_SUMS>(rest, footprint);
+        let mut bends = Bends::default();
+        let (by_rest, by_footprint) = sums[SUMS..].split_at(9);
+        bends.by_rest.as_flattened_mut().copy_from_slice(by_rest);
+        for (bend, sum) in bends.by_footprint.as_flattened_mut().iter_mut().zip(by_footprint) {
+            *bend = -footprint / 4.0 * sum;
+        }
+        (self.precise(sums, footprint, left), bends)
+    }
+
+    /// All sums, and how many waves the footprint left.
+    fn sums<const N: usize>(&self, rest: [f64; 2], footprint: f64) -> ([f64; N], usize) {
         let filter = footprint * footprint / 8.0;
         let numbers = &self.waves.number;
         let left = numbers.partition_point(|k| *k != 0.0 && k * k * filter <= CUT).next_multiple_of(LANES);
-        let mut sums = [Sums::default(); LANES];
+        let mut sums = [[0.0; LANES]; N];
         dispatch!(self.level, simd => simd.vectorize(
             #[inline(always)]
             || self.waves.add(rest, filter, left, &mut sums)
         ));
-        let mut sample = Sample::default();
-        for sums in sums {
-            for axis in 0..3 {
-                sample.displacement[axis] += sums.displacement[axis];
-                sample.strain[axis] += sums.strain[axis];
+        (sums.map(|lanes| lanes.iter().sum()), left)
+    }
+
+    fn precise<const N: usize>(&self, sums: [f64; N], footprint: f64, left: usize) -> Precise {
+        let Waves { amplitude, number, .. } = &self.waves;
+        let lost = amplitude[left..].iter().zip(&number[left..]).map(|(a, k)| (a * k) * (a * k) / 2.0).sum::<f64>();
+        let sample = Sample {
+            displacement: [sums[0], sums[1], sums[2]],
+            slope: [sums[3], sums[4]],
+            strain: [sums[5], sums[6], sums[7]],
+            slope_variance: sums[8] + lost,
+            ..Sample::default()
+        };
+        // The share is exp(−k²f²/8).
+        Precise { sample, by_footprint: [9, 10, 11].map(|sum| -footprint / 4.0 * sums[sum]) }
+    }
+
+    /// What the second to the fifth derivatives of the displacement by the rest point, in any direction, cannot pass under
+    /// a footprint in meters, whatever the phases: Σ max(a, |h|)·kⁿ·exp(−k²f²/8), in 1/m to 1/m⁴.
+    pub fn most_bends(&self, footprint: f64) -> [f64; 4] {
+        let Waves { amplitude, horizontal, number, .. } = &self.waves;
+        let mut bends = [0.0; 4];
+        for ((amplitude, horizontal), k) in amplitude.iter().zip(horizontal).zip(number) {
+            let share = libm::exp(-k * k * footprint * footprint / 8.0);
+            let second = amplitude.abs().max(horizontal.abs()) * k * k * share;
+            for (bend, power) in bends.iter_mut().zip([1.0, *k, k * k, k * k * k]) {
+                *bend += second * power;
             }
-            sample.slope[0] += sums.slope[0];
-            sample.slope[1] += sums.slope[1];
-            sample.slope_variance += sums.variance;
         }
-        let rest = self.waves.amplitude[left..].iter().zip(&numbers[left..]);
-        sample.slope_variance += rest.map(|(amplitude, k)| (amplitude * k) * (amplitude * k) / 2.0).sum::<f64>();
-        sample
+        bends
     }
 }
 
 impl Waves {
     #[inline(always)]
-    fn add(&self, [x0, z0]: [f64; 2], filter: f64, left: usize, sums: &mut [Sums; LANES]) {
-        let mut total = [[0.0; LANES]; 9];
+    fn add<const N: usize>(&self, [x0, z0]: [f64; 2], filter: f64, left: usize, total: &mut [[f64; LANES]; N]) {
         for start in (0..left).step_by(LANES) {
             let lanes = start..start + LANES;
             let (tx, tz) = (&self.turns[0][lanes.clone()], &self.turns[1][lanes.clone()]);
@@ -117,23 +164,32 @@ impl Waves {
                 let (a, h) = (amplitude[i] * share, horizontal[i] * share);
                 let (hk, ak) = (h * number[i], a * number[i]);
                 let whole = amplitude[i] * number[i];
-                total[0][i] -= h * dx[i] * sin;
-                total[1][i] += a * cos;
-                total[2][i] -= h * dz[i] * sin;
+                let moved = [-h * dx[i] * sin, a * cos, -h * dz[i] * sin];
+                for axis in 0..3 {
+                    total[axis][i] += moved[axis];
+                    total[9 + axis][i] += moved[axis] * number[i] * number[i];
+                }
                 total[3][i] -= ak * dx[i] * sin;
                 total[4][i] -= ak * dz[i] * sin;
                 total[5][i] -= hk * dx[i] * dx[i] * cos;
                 total[6][i] -= hk * dx[i] * dz[i] * cos;
                 total[7][i] -= hk * dz[i] * dz[i] * cos;
                 total[8][i] += whole * whole / 2.0 * (1.0 - share * share);
+                if N == ALL_SUMS {
+                    // Two derivatives multiply by −k²; one, of what is turned by a quarter, by k.
+                    let (kx, kz) = (number[i] * dx[i], number[i] * dz[i]);
+                    let turned = [-h * dx[i] * cos, -a * sin, -h * dz[i] * cos];
+                    let share = number[i] * number[i];
+                    for axis in 0..3 {
+                        for (sum, factor) in [kx * kx, kx * kz, kz * kz].into_iter().enumerate() {
+                            total[SUMS + 3 * sum + axis][i] -= factor * moved[axis];
+                        }
+                        for (sum, factor) in [kx * share, kz * share].into_iter().enumerate() {
+                            total[SUMS + 9 + 3 * sum + axis][i] += factor * turned[axis];
+                        }
+                    }
+                }
             }
-        }
-        for (i, sums) in sums.iter_mut().enumerate() {
-            let of = |sum: usize| total[sum][i];
-            sums.displacement = [of(0), of(1), of(2)];
-            sums.slope = [of(3), of(4)];
-            sums.strain = [of(5), of(6), of(7)];
-            sums.variance = of(8);
         }
     }
 }

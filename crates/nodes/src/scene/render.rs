@@ -74,16 +74,15 @@ impl Stage for Render {
             wanted = wanted.union(scene::ChannelSet::COVERAGE);
         }
         let format = prepare.frame.format;
-        let mut visible = None;
+        let (mut visible, mut certain) = (None, None);
         if wanted != scene::ChannelSet::NONE {
-            let surfaces: Vec<&dyn scene::Surface> = surfaces.iter().map(|surface| surface.as_ref()).collect();
+            let surfaces = borrowed(&surfaces);
             let stop = prepare.cancellation();
             visible = scene::Visible::prepare_unless(&camera, &surfaces, format, wanted, stop);
-            if visible.is_none() {
-                return Err(NodeError::cancelled());
-            }
+            let Some(visible) = &visible else { return Err(NodeError::cancelled()) };
+            certain = prepare.bounded().then(|| scene::Certain::new(visible, &surfaces));
         }
-        Ok(Box::new(Seen { camera, surfaces, format, visible }))
+        Ok(Box::new(Seen { camera, surfaces, format, visible, certain }))
     }
 }
 
@@ -93,7 +92,17 @@ struct Seen {
     format: Format,
     /// `None` where no channel is wanted.
     visible: Option<scene::Visible>,
+    /// Where it is certain what is seen, if someone will ask.
+    certain: Option<scene::Certain>,
 }
+
+fn borrowed(surfaces: &[SurfaceHandle]) -> Vec<&dyn scene::Surface> {
+    surfaces.iter().map(|surface| surface.as_ref()).collect()
+}
+
+/// What the reference itself may lose where it looks for the end of a ray: relative to its distance, and at a grazing
+/// angle as much more. Normals and what goes with them turn there by as many radians at most.
+const REFERENCE_RAY: f64 = 1e-8;
 
 thread_local! {
     /// Reused from tile to tile.
@@ -129,41 +138,42 @@ impl Prepared for Seen {
         Ok(())
     }
 
-    fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
-        let surfaces: Vec<&dyn scene::Surface> = self.surfaces.iter().map(|surface| surface.as_ref()).collect();
-        let hit = scene::reference::trace(&self.camera, &surfaces, self.format, inputs.at[0], inputs.at[1]);
-        let channels = match &hit {
-            None => ViewChannel::ALL.iter().map(|channel| f64::from(channel.background())).collect(),
-            Some(hit) => ViewChannel::ALL
-                .iter()
-                .map(|channel| match channel {
-                    ViewChannel::Coverage => 1.0,
-                    ViewChannel::Depth => hit.depth,
-                    ViewChannel::PositionX => hit.position.x,
-                    ViewChannel::PositionY => hit.position.y,
-                    ViewChannel::PositionZ => hit.position.z,
-                    ViewChannel::NormalX => hit.normal.x,
-                    ViewChannel::NormalY => hit.normal.y,
-                    ViewChannel::NormalZ => hit.normal.z,
-                    ViewChannel::RestX => hit.rest.x,
-                    ViewChannel::RestY => hit.rest.y,
-                    ViewChannel::RestZ => hit.rest.z,
-                    ViewChannel::Height => hit.height,
-                    ViewChannel::RestDistance => hit.rest_distance,
-                    ViewChannel::SlopeVariance => hit.slope_variance,
-                    ViewChannel::Jacobian => hit.jacobian,
-                    ViewChannel::Surface => hit.surface as f64,
-                    ViewChannel::U => hit.uv[0],
-                    ViewChannel::V => hit.uv[1],
-                    ViewChannel::Rift => hit.trails[0],
-                    ViewChannel::DriftWeight => hit.trails[1],
-                    ViewChannel::AlongCos => hit.trails[2],
-                    ViewChannel::AlongSin => hit.trails[3],
-                    ViewChannel::AcrossCos => hit.trails[4],
-                    ViewChannel::AcrossSin => hit.trails[5],
-                })
-                .collect(),
+    /// How far each channel lies from the point of the surface itself, wherever it is certain that this is what the sample
+    /// sees.
+    fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
+        let (Some(visible), Some(certain)) = (&self.visible, &self.certain) else {
+            return Err(NoBound("it was not prepared for any"));
         };
+        let pixels: Vec<[i64; 2]> = bounding.block.pixels().collect();
+        let sights = certain.sights(visible, &borrowed(&self.surfaces), &pixels, bounding.block.offset);
+        let view = CHANNELS.into_iter().enumerate().map(|(index, channel)| (channel, 0, index));
+        for (channel, output, index) in view.chain([(scene::Channel::Coverage, 1, 0)]) {
+            let (Some(filled), Some(bounds)) = (bounding.filled[output][index], outputs.take(output, index)) else {
+                continue;
+            };
+            for ((bound, value), sight) in bounds.iter_mut().zip(filled).zip(&sights) {
+                let hit = match sight {
+                    scene::Sight::Unclear => {
+                        *bound = Bound::UNKNOWN.encode();
+                        continue;
+                    }
+                    scene::Sight::Nothing => None,
+                    scene::Sight::Point(hit) => Some(hit),
+                };
+                let (value, exact) = (f64::from(*value), channel.of(hit));
+                let distance = if value == exact { 0.0 } else { (value - exact).abs() };
+                let is_whole = matches!(channel, scene::Channel::Coverage | scene::Channel::Surface);
+                let lost = hit.filter(|_| !is_whole).map_or(0.0, |hit| REFERENCE_RAY * (1.0 + hit.distance));
+                *bound = Bound::of(distance + lost).encode();
+            }
+        }
+        Ok(())
+    }
+
+    fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
+        let surfaces = borrowed(&self.surfaces);
+        let hit = scene::reference::trace(&self.camera, &surfaces, self.format, inputs.at[0], inputs.at[1]);
+        let channels = CHANNELS.iter().map(|channel| channel.of(hit.as_ref())).collect();
         let coverage = if hit.is_some() { 1.0 } else { 0.0 };
         Ok(vec![Reference::View(channels), Reference::Mask(coverage)])
     }

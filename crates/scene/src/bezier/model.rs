@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use super::{Bicubic, tessellate, trace};
+use crate::certain::{Near, Search, Turn, contours_of_facets};
 use crate::surface::{Anchor, Hit, Mesh, Surface};
 use crate::{ChannelSet, Projector, Ray};
 
@@ -153,8 +154,19 @@ impl Surface for PatchModel {
         tessellate::mesh(self, projector, wanted).0
     }
 
+    fn contours(&self, search: &Search<'_>, mesh: &Mesh) -> Option<Vec<Turn>> {
+        let tolerance = tessellate::kept(self, search.projector)?;
+        contours_of_facets(mesh, search, true, tolerance)
+    }
+
+    /// The point within the least distance to each side that holds one.
+    fn meet_near(&self, projector: &Projector, ray: &Ray, near: &Near) -> Option<Hit> {
+        let around = |share: f64| [(1.0 - share) * near.distance, (1.0 + share) * near.distance];
+        [1e-4, 1e-3, 1e-2].into_iter().find_map(|share| trace::trace(self, projector, ray, around(share)))
+    }
+
     fn trace(&self, projector: &Projector, ray: &Ray) -> Option<Hit> {
-        trace::trace(self, projector, ray)
+        trace::trace(self, projector, ray, [0.0, f64::INFINITY])
     }
 
     fn anchors(&self, uv: [f64; 2]) -> Vec<Anchor> {

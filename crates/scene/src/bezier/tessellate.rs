@@ -13,19 +13,34 @@ use crate::{ChannelSet, Projector};
 /// Most vertices of one model; beyond it vertices move apart.
 const MAX_VERTICES: f64 = 4e6;
 
+/// Greatest distance in pixels of a model's triangles from its patches for a camera; `None` of those that are cut as
+/// the document says, or of which there would be too many.
+pub(super) fn kept(model: &PatchModel, projector: &Projector) -> Option<f64> {
+    let Tessellation::Adaptive { tolerance } = model.tessellation else { return None };
+    let (_, cuts) = cuts(model, projector, tolerance);
+    (count(&cuts) <= MAX_VERTICES).then_some(tolerance)
+}
+
+/// The patches that a camera may see, and how to cut them.
+fn cuts<'a>(model: &'a PatchModel, projector: &Projector, tolerance: f64) -> (Vec<&'a Placed>, Vec<Cut>) {
+    let seen: Vec<&Placed> = model.placed.iter().filter(|placed| !outside(projector, &placed.shape.points)).collect();
+    let scale = Scale { projector, tolerance };
+    let cuts = seen.par_iter().map(|placed| plan(&placed.shape, model.tessellation, &scale)).collect();
+    (seen, cuts)
+}
+
+fn count(cuts: &[Cut]) -> f64 {
+    cuts.iter().map(Cut::vertices).sum::<usize>() as f64
+}
+
 /// The mesh of a model, and how many of its vertices have no normal.
 pub(super) fn mesh(model: &PatchModel, projector: &Projector, wanted: ChannelSet) -> (Mesh, usize) {
-    let seen: Vec<&Placed> = model.placed.iter().filter(|placed| !outside(projector, &placed.shape.points)).collect();
-    let cut = |tolerance: f64| -> Vec<Cut> {
-        let scale = Scale { projector, tolerance };
-        seen.par_iter().map(|placed| plan(&placed.shape, model.tessellation, &scale)).collect()
-    };
-    let count = |cuts: &[Cut]| cuts.iter().map(Cut::vertices).sum::<usize>() as f64;
     let tolerance = match model.tessellation {
         Tessellation::Adaptive { tolerance } => tolerance,
         Tessellation::Uniform { .. } => 1.0,
     };
-    let mut cuts = cut(tolerance);
+    let (seen, mut cuts) = cuts(model, projector, tolerance);
+    let cut = |tolerance: f64| self::cuts(model, projector, tolerance).1;
     if let Tessellation::Adaptive { .. } = model.tessellation {
         // Vertices are inverse to the tolerance, but for rounding up.
         let mut coarse = tolerance;

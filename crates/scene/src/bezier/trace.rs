@@ -27,11 +27,11 @@ struct Met {
     place: [f64; 2],
 }
 
-/// The first point of the patches along a ray.
+/// The first point of the patches along a ray, between two distances.
 ///
 /// A part of a patch lies in the hull of its control points: where that misses the ray, or lies behind what is
 /// already found, so does the part. All else is quartered.
-pub(super) fn trace(model: &PatchModel, projector: &Projector, ray: &Ray) -> Option<Hit> {
+pub(super) fn trace(model: &PatchModel, projector: &Projector, ray: &Ray, [from, to]: [f64; 2]) -> Option<Hit> {
     let (right, up) = ray.direction.any_orthonormal_pair();
     let mut nearest: Option<(usize, Met)> = None;
     for (index, placed) in model.placed.iter().enumerate() {
@@ -39,8 +39,8 @@ pub(super) fn trace(model: &PatchModel, projector: &Projector, ray: &Ray) -> Opt
             let offset = point - ray.origin;
             DVec3::new(offset.dot(right), offset.dot(up), offset.dot(ray.direction))
         });
-        let limit = nearest.as_ref().map_or(f64::INFINITY, |(_, met)| met.distance);
-        if let Some(met) = meet(lined, limit) {
+        let limit = nearest.as_ref().map_or(to, |(_, met)| met.distance);
+        if let Some(met) = meet(lined, from, limit) {
             nearest = Some((index, met));
         }
     }
@@ -71,8 +71,8 @@ pub(super) fn trace(model: &PatchModel, projector: &Projector, ray: &Ray) -> Opt
     })
 }
 
-/// The first point of one patch on the ray, nearer than `limit`.
-fn meet(shape: Bicubic, limit: f64) -> Option<Met> {
+/// The first point of one patch on the ray, from a distance on and nearer than `limit`.
+fn meet(shape: Bicubic, from: f64, limit: f64) -> Option<Met> {
     let (low, high) = shape.bounds();
     let slack = SLACK * (low.abs().max_element() + high.abs().max_element());
     let mut limit = limit;
@@ -81,13 +81,13 @@ fn meet(shape: Bicubic, limit: f64) -> Option<Met> {
     while let Some(part) = open.pop() {
         let (low, high) = part.shape.bounds();
         let misses = low.x > slack || low.y > slack || high.x < -slack || high.y < -slack;
-        if misses || high.z < 0.0 || low.z >= limit {
+        if misses || high.z < from || low.z >= limit {
             continue;
         }
         let width = 1.0 / f64::from(1_u32 << part.depth);
         if part.depth == HALVINGS {
             let distance = 0.5 * (low.z + high.z);
-            if (0.0..limit).contains(&distance) {
+            if (from..limit).contains(&distance) {
                 limit = distance;
                 found = Some(Met { distance, place: [part.u + 0.5 * width, part.v + 0.5 * width] });
             }

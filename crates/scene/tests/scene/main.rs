@@ -2,6 +2,7 @@
 
 mod anchors;
 mod bezier;
+mod certain;
 mod edges;
 mod float;
 mod grid;

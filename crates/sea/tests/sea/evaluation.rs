@@ -2,7 +2,8 @@
 
 use crate::random::Random;
 use trochoid_sea::{
-    ExplicitWave, Fields, GerstnerSpectrum, Points, PreciseSea, Sample, Sea, SeaFrame, Wanted, Wave, attenuation,
+    ExplicitWave, Fields, GerstnerSpectrum, Points, Precise, PreciseSea, Sample, Sea, SeaFrame, Wanted, Wave,
+    attenuation,
 };
 
 fn sea(spectrum: GerstnerSpectrum) -> Sea {
@@ -211,7 +212,7 @@ fn the_precise_sum_is_the_reference_to_rounding() {
                 let (fast, slow) = (precise.evaluate(rest, footprint), frame.evaluate(rest, footprint));
                 // What is left of the phase at 1e7 m, in f64.
                 let allowed = sizes * (1e-14 + 1e-15 * far);
-                for (fast, slow) in values(&fast).into_iter().zip(values(&slow)).take(9) {
+                for (fast, slow) in values(&fast.sample).into_iter().zip(values(&slow)).take(9) {
                     assert!(
                         (fast - slow).abs() <= allowed,
                         "{count} waves at {rest:?}, {footprint}: {fast} is not {slow}"
@@ -219,5 +220,57 @@ fn the_precise_sum_is_the_reference_to_rounding() {
                 }
             }
         }
+    }
+}
+
+#[test]
+fn the_precise_sum_knows_its_slopes_and_their_bounds() {
+    let sea = sea(GerstnerSpectrum { count: 60, height: 3.0, sharpness: 0.6, ..GerstnerSpectrum::default() });
+    let frame = sea.at(2.0);
+    let precise = PreciseSea::new(&frame);
+    let step = 1e-4;
+    let mut random = Random(11);
+    for _ in 0..300 {
+        let (rest, footprint) = ([50.0 * random.unit(), 50.0 * random.unit()], 0.1 + 3.0 * random.unit());
+        let moved = |by: f64| frame.evaluate(rest, footprint + by).displacement;
+        let slopes = precise.evaluate(rest, footprint).by_footprint;
+        for ((more, less), slope) in moved(step).into_iter().zip(moved(-step)).zip(slopes) {
+            assert!(((more - less) / (2.0 * step) - slope).abs() < 1e-7);
+        }
+        // Differences of displacement and bends, along x and along z.
+        let at = |by: [f64; 2]| precise.bent([rest[0] + by[0], rest[1] + by[1]], footprint);
+        let (same, bends) = at([0.0; 2]);
+        assert_eq!(same, precise.evaluate(rest, footprint));
+        let most = precise.most_bends(footprint);
+        for (axis, by) in [[step, 0.0], [0.0, step]].into_iter().enumerate() {
+            let ((after, bent_after), (before, bent_before)) = (at(by), at(by.map(|by| -by)));
+            for i in 0..3 {
+                let slope = |of: &dyn Fn(&Precise) -> f64| (of(&after) - of(&before)) / (2.0 * step);
+                let of = |precise: &Precise| precise.sample.displacement[i];
+                let second = (of(&after) - 2.0 * of(&same) + of(&before)) / (step * step);
+                assert!((second - bends.by_rest[2 * axis][i]).abs() < 1e-6);
+                assert!((slope(&|precise| precise.by_footprint[i]) - bends.by_footprint[axis][i]).abs() < 1e-6);
+                for (which, second) in bends.by_rest.iter().enumerate() {
+                    let third = (bent_after.by_rest[which][i] - bent_before.by_rest[which][i]) / (2.0 * step);
+                    assert!(second[i].abs() <= most[0] && third.abs() <= most[1] * (1.0 + 1e-6));
+                }
+            }
+            // ∂Δx/∂x along z, and ∂Δz/∂z along x.
+            let strain = |precise: &Precise| precise.sample.strain[2 - 2 * axis.min(1)];
+            let other = if axis == 1 { 0 } else { 2 };
+            let twist = (strain(&after) - strain(&before)) / (2.0 * step);
+            assert!((twist - bends.by_rest[1][other]).abs() < 1e-6);
+        }
+    }
+    // One wave alone is as bent as that at its crest.
+    let wave =
+        ExplicitWave { wavelength: 7.0, amplitude: 0.3, direction: 0.0, sharpness: 0.2, phase: 0.0, speed: None };
+    let alone = PreciseSea::new(&Sea::new(vec![Wave::try_from(wave).expect("valid")]).at(0.0));
+    let k = std::f64::consts::TAU / 7.0;
+    let share = attenuation(k, 1.5);
+    let mut expected = 0.3 * k * share;
+    for bend in alone.most_bends(1.5) {
+        expected *= k;
+        assert!((bend - expected).abs() < 1e-12);
     }
 }

@@ -1,0 +1,114 @@
+//! The two nearest triangles at each sample, one after the other: the raster's own definition.
+
+use crate::edges::Edges;
+use crate::project::BIN;
+use crate::{Projector, Visible};
+use trochoid_image::Window;
+
+/// A triangle that a sample's ray meets.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Sheet {
+    /// Primitive and which of its triangles, packed.
+    number: u64,
+    key: f64,
+}
+
+/// The nearest one and the one behind it.
+pub(super) type Sheets = [Option<Sheet>; 2];
+
+impl Sheet {
+    pub(super) fn primitive(&self) -> u32 {
+        (self.number / 2) as u32
+    }
+
+    /// Which of the primitive's triangles.
+    pub(super) fn part(&self) -> usize {
+        (self.number % 2) as usize
+    }
+
+    /// Planar depth in meters.
+    pub(super) fn depth(&self, projector: &Projector) -> f64 {
+        if projector.orthographic { -self.key } else { 1.0 / self.key }
+    }
+
+    /// Whether it is seen before another: where both are as near, by its number.
+    fn precedes(&self, other: &Self) -> bool {
+        self.key > other.key || (self.key == other.key && self.number < other.number)
+    }
+}
+
+/// The sheets at one sample of each pixel of a window.
+pub(super) struct Field {
+    window: Window,
+    sheets: Vec<Sheets>,
+}
+
+impl Field {
+    pub(super) fn at(&self, [x, y]: [i64; 2]) -> Sheets {
+        let row = (y - self.window.y0) as usize * self.window.width();
+        self.sheets[row + (x - self.window.x0) as usize]
+    }
+}
+
+impl Visible {
+    /// The two nearest triangles at the samples of a window that stand at `offset` in their pixels.
+    pub(super) fn nearest_two(&self, window: Window, offset: [f64; 2]) -> Field {
+        let mut field = Field { window, sheets: vec![[None; 2]; window.area()] };
+        let inside = window.intersect(Window::sized(self.projector.size[0] as u32, self.projector.size[1] as u32));
+        if inside.is_empty() {
+            return field;
+        }
+        let shift = offset.map(|part| self.raster.fix(part));
+        for bin_y in inside.y0.div_euclid(BIN[1])..=(inside.y1 - 1).div_euclid(BIN[1]) {
+            for bin_x in inside.x0.div_euclid(BIN[0])..=(inside.x1 - 1).div_euclid(BIN[0]) {
+                let (x0, y0) = (bin_x * BIN[0], bin_y * BIN[1]);
+                let part = inside.intersect(Window::new(x0, y0, x0 + BIN[0], y0 + BIN[1]));
+                let bin = (bin_y * self.bins[0] + bin_x) as usize;
+                for &primitive in &self.binned[self.starts[bin] as usize..self.starts[bin + 1] as usize] {
+                    self.meet_all(primitive, part, shift, &mut field);
+                }
+            }
+        }
+        field
+    }
+
+    fn meet_all(&self, primitive: u32, part: Window, shift: [i64; 2], field: &mut Field) {
+        let index = self.layer(primitive);
+        let layer = &self.layers[index];
+        let bits = self.raster.bits;
+        let triangles = layer.triangles((primitive - self.firsts[index]) as usize);
+        for (which, triangle) in triangles.iter().enumerate() {
+            let corners = triangle.map(|vertex| layer.screen[vertex as usize]);
+            let range = |of: [i32; 3], shift: i64, low: i64, high: i64| {
+                let [least, most] = [of[0].min(of[1]).min(of[2]), of[0].max(of[1]).max(of[2])].map(i64::from);
+                ((least - shift) >> bits).max(low)..(((most - shift) >> bits) + 1).min(high)
+            };
+            let columns = range(corners.map(|corner| corner.x), shift[0], part.x0, part.x1);
+            let rows = range(corners.map(|corner| corner.y), shift[1], part.y0, part.y1);
+            if columns.is_empty() || rows.is_empty() {
+                continue;
+            }
+            let Some(edges) = Edges::<i64>::new(corners, [columns.start, rows.start].map(|at| at << bits)) else {
+                continue;
+            };
+            for y in rows.clone() {
+                for x in columns.clone() {
+                    let from = |at: i64, start: i64, shift: i64| ((at - start) << bits) + shift;
+                    let change = edges.change(from(x, columns.start, shift[0]), from(y, rows.start, shift[1]));
+                    let at = [0, 1, 2].map(|edge| edges.first[edge] + change[edge]);
+                    if Edges::inside(at) < 0 {
+                        continue;
+                    }
+                    let sheet = Sheet { number: u64::from(primitive) * 2 + which as u64, key: edges.key(at) };
+                    let place = (y - field.window.y0) as usize * field.window.width() + (x - field.window.x0) as usize;
+                    let [first, second] = &mut field.sheets[place];
+                    if first.is_none_or(|first| sheet.precedes(&first)) {
+                        (*first, *second) = (Some(sheet), *first);
+                    } else if second.is_none_or(|second| sheet.precedes(&second)) {
+                        *second = Some(sheet);
+                    }
+                }
+            }
+        }
+    }
+}
