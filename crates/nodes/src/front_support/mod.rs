@@ -1,6 +1,7 @@
 //! What nodes of the front end share: screen coordinates, procedural noise and expressions.
 
 mod expression;
+mod known;
 #[cfg_attr(not(feature = "scene"), allow(dead_code, reason = "only lines on water ask for slopes"))]
 mod noise;
 #[cfg_attr(not(feature = "scene"), allow(dead_code, reason = "only lines on water ask for slopes"))]
@@ -11,6 +12,7 @@ mod screen;
 mod span;
 
 pub(crate) use expression::Expression;
+pub(crate) use known::{bound_by, bound_mask, known};
 #[cfg(feature = "scene")]
 pub(crate) use noise::Octave;
 pub(crate) use noise::{Axes, Noise, NoiseKind};

@@ -1,6 +1,7 @@
 //! What camera, lights, Render and passes share.
 
 mod around;
+mod certain;
 pub(crate) mod clouds;
 mod copy;
 mod geometry;
@@ -17,12 +18,13 @@ mod thickness;
 mod waters;
 
 pub(crate) use around::{Around, change, grown, surface_of};
+pub(crate) use certain::{Near, Toward, certain, where_covered};
 pub(crate) use copy::ViewCopy;
 pub(crate) use geometry::{
     FLIP, ROTATE, SCALE, Standing, TRANSLATE, UP, check_ending, check_scale, placement, to_y_up, y_up_to,
 };
 pub(crate) use lit::{COMBINE, Lights, Vectors3, eye, toward_eye, view_directions};
-pub(crate) use mask::{ViewMask, ramp};
+pub(crate) use mask::{Ramp, ViewMask, ramp};
 pub(crate) use mesh::read_mesh;
 pub(crate) use model::{patch, read_model};
 pub(crate) use parted::{Parted, parted};
