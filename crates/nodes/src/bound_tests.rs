@@ -499,17 +499,76 @@ const LIT: &[Case] = &[
     Case { key: "weights", nodes: r#""out": { "type": "CrestFoam", "view": "v", "softness": 0 }"#, tight: None },
 ];
 
+const PATTERNS: &[Case] = &[
+    Case { key: "field", nodes: r#""out": { "type": "Noise", "scale": 0.4, "evolution": 0.3 }"#, tight: Some(10.0) },
+    Case { key: "field", nodes: r#""out": { "type": "Noise", "view": "v", "space": "world" }"#, tight: Some(10.0) },
+    Case {
+        key: "field",
+        nodes: r#""out": { "type": "Noise", "view": "v", "space": "world", "kind": "ridged", "evolution": 2.5 }"#,
+        tight: Some(10.0),
+    },
+    Case {
+        key: "field",
+        nodes: r#""out": { "type": "Noise", "view": "v", "space": "rest", "kind": "cellular", "offset": [1e5, 0, -20] }"#,
+        tight: Some(10.0),
+    },
+    Case {
+        key: "field",
+        nodes: r#""out": { "type": "Noise", "view": "v", "space": "rest", "kind": "edges", "filter": false }"#,
+        tight: Some(10.0),
+    },
+    Case { key: "weights", nodes: r#""out": { "type": "Grain", "threads": 4 }"#, tight: Some(10.0) },
+    Case { key: "weights", nodes: r#""out": { "type": "Grain", "threads": 3, "kind": "paper" }"#, tight: Some(10.0) },
+    Case {
+        key: "weights",
+        nodes: r#""out": { "type": "Shape", "edge": 3, "shapes": [
+            { "center": [0.4, 0.5], "radius": 0.3 },
+            { "form": "polygon", "center": [1.1, 0.5], "angle": 20, "points": [-0.5, -0.4, 0.5, 0.4, 0.5, -0.4, -0.5, 0.4] }
+        ] }"#,
+        tight: Some(10.0),
+    },
+    Case {
+        key: "weights",
+        nodes: r#""out": { "type": "Scumble", "density": "mask", "noise": "field" }"#,
+        tight: Some(10.0),
+    },
+    Case {
+        key: "weights",
+        nodes: r#""out": { "type": "Scumble", "density": "mask", "noise": "field", "dry": 0 }"#,
+        tight: Some(10.0),
+    },
+    Case {
+        key: "weights",
+        nodes: r#""out": { "type": "Scumble", "density": "mask", "noise": "mask2", "from": 0.7, "to": 0.7 }"#,
+        tight: None,
+    },
+    Case {
+        key: "weights",
+        nodes: r#""out": { "type": "LightPool", "view": "v", "noise": "field", "light": "sun", "pools": [
+            { "x": 1, "z": 2, "length": 3, "width": 2, "direction": 30 }, { "x": 4, "z": 1, "length": 2, "width": 2 }
+        ] }"#,
+        tight: Some(10.0),
+    },
+    Case {
+        key: "weights",
+        nodes: r#""out": { "type": "LightPool", "view": "v", "noise": "field", "ragged": -1, "from": 0.3, "to": 0.3 }"#,
+        tight: None,
+    },
+];
+
 #[test]
 fn what_light_gives_lies_within_its_bounds() {
     hold_all(LIT);
 }
 
 #[test]
+fn patterns_lie_within_their_bounds() {
+    hold_all(PATTERNS);
+}
+
+#[test]
 fn bounds_that_are_too_small_are_found() {
-    let faults: usize = LIT
-        .iter()
-        .filter(|case| case.tight.is_some())
-        .map(|case| hold(&frame(case), How::Smooth, 1, 20.0).faults.len().min(1))
-        .sum();
-    assert_eq!(faults, LIT.iter().filter(|case| case.tight.is_some()).count(), "one each");
+    for case in [LIT, PATTERNS].into_iter().flatten().filter(|case| case.tight.is_some()) {
+        assert!(!hold(&frame(case), How::Smooth, 1, 20.0).faults.is_empty(), "{}", case.nodes);
+    }
 }

@@ -6,19 +6,21 @@ mod known;
 mod noise;
 #[cfg_attr(not(feature = "scene"), allow(dead_code, reason = "only lines on water ask for slopes"))]
 mod noise_reference;
+mod noise_span;
 mod parser;
 mod program;
 mod screen;
 mod span;
 
 pub(crate) use expression::Expression;
-pub(crate) use known::{bound_by, bound_mask, known};
+pub(crate) use known::{bound_at, bound_by, certain, known, where_covered};
 #[cfg(feature = "scene")]
 pub(crate) use noise::Octave;
 pub(crate) use noise::{Axes, Noise, NoiseKind};
 #[cfg(feature = "scene")]
 pub(crate) use noise_reference::edges as edges_reference;
 pub(crate) use noise_reference::reference as noise_reference;
+pub(crate) use noise_span::span as noise_span;
 pub(crate) use parser::parse;
 pub(crate) use program::Program;
 pub(crate) use screen::Screen;

@@ -1,10 +1,7 @@
 //! NonSpecular: how much light reaches a point, all but reflections.
 
-use crate::front_support::bound_by;
-use crate::scene_support::{
-    COMBINE, Lights, NORMAL, Near, POSITION, Toward, is_bare, is_covered, nothing, uncover, view_planes, view_vector,
-    where_covered,
-};
+use crate::front_support::{bound_by, where_covered};
+use crate::scene_support::{COMBINE, Lights, NORMAL, Near, POSITION, Toward, is_bare, is_covered, nothing, uncover, view_planes, view_vector};
 use trochoid_graph::*;
 use trochoid_scene::shading::lambert;
 

@@ -1,7 +1,7 @@
 //! ObjectMask: which object is seen.
 
-use crate::front_support::{Span, bound_by};
-use crate::scene_support::{Looking, SurfaceHandle, certain, check_indices};
+use crate::front_support::{Span, bound_by, certain};
+use crate::scene_support::{Looking, SurfaceHandle, check_indices};
 use std::sync::Arc;
 use trochoid_graph::*;
 

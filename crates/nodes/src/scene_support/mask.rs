@@ -1,7 +1,7 @@
 //! Masks that follow from some channels of a view at each sample by itself.
 
-use super::{certain, is_covered, where_covered};
-use crate::front_support::{Span, bound_by};
+use super::{is_covered};
+use crate::front_support::{Span, bound_by, certain, where_covered};
 use trochoid_graph::*;
 
 /// A node type whose one output is the product of ramps over channels, 0 where nothing is seen.

@@ -1,7 +1,6 @@
 //! What camera, lights, Render and passes share.
 
 mod around;
-mod certain;
 pub(crate) mod clouds;
 mod copy;
 mod geometry;
@@ -15,10 +14,10 @@ mod seen;
 pub(crate) mod stability;
 mod surroundings;
 mod thickness;
+mod toward;
 mod waters;
 
 pub(crate) use around::{Around, change, grown, surface_of};
-pub(crate) use certain::{Near, Toward, certain, where_covered};
 pub(crate) use copy::ViewCopy;
 pub(crate) use geometry::{
     FLIP, ROTATE, SCALE, Standing, TRANSLATE, UP, check_ending, check_scale, placement, to_y_up, y_up_to,
@@ -31,6 +30,7 @@ pub(crate) use parted::{Parted, parted};
 pub(crate) use seen::{Rays, Seen, asked};
 pub(crate) use surroundings::{BEYOND, DETAIL, Surroundings, landed};
 pub(crate) use thickness::{DISTANCE, INSET, Way};
+pub(crate) use toward::{Near, Toward};
 pub(crate) use waters::{
     REST, TRAILS, WAVES, can_break, check_indices, check_roots, check_same_camera, check_sea, check_surfaces,
     check_trails,

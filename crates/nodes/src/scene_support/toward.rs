@@ -1,29 +1,12 @@
-//! What is certain of a view at a sample: channels, points, directions.
+//! Points and directions that are certain up to a distance and an angle, and what light gives there.
 
 use super::lit::{Combine, Lights};
 use super::{NORMAL, POSITION};
-use crate::front_support::{Span, known};
+use crate::front_support::{Span, certain};
 use std::f64::consts::PI;
 use trochoid_graph::{Bounding, ViewChannel};
 use trochoid_scene::shading::unit_or_up;
 use trochoid_scene::{DVec3, Light, Projector};
-
-/// What a channel of the view may be at a sample; its background where the view does not supply it.
-pub(crate) fn certain(bounding: &Bounding<'_>, channel: ViewChannel, sample: usize) -> Span {
-    known(bounding, "view", channel as usize, sample).unwrap_or(Span::exactly(f64::from(channel.background())))
-}
-
-/// What a mask may be that is 0 where nothing is seen, and this elsewhere.
-pub(crate) fn where_covered(bounding: &Bounding<'_>, sample: usize, mask: impl FnOnce() -> Span) -> Span {
-    let coverage = certain(bounding, ViewChannel::Coverage, sample);
-    if coverage.high <= 0.0 {
-        Span::exactly(0.0)
-    } else if coverage.low > 0.0 {
-        mask()
-    } else {
-        mask().or(Span::exactly(0.0)).with(false)
-    }
-}
 
 /// A vector that is certain up to a distance.
 #[derive(Clone, Copy, Debug)]
