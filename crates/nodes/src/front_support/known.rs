@@ -57,3 +57,14 @@ pub(crate) fn bound_at(
         *bound = Bound::of(size).encode();
     }
 }
+
+/// Bounds every output of a stage that hands on what its reference does, bit for bit.
+pub(crate) fn bound_exact(bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) {
+    for (output, channels) in bounding.filled.iter().enumerate() {
+        for channel in 0..channels.len() {
+            if let Some(bounds) = outputs.take(output, channel) {
+                bounds.fill(Bound::EXACT.encode());
+            }
+        }
+    }
+}

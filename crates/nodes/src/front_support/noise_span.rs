@@ -27,12 +27,11 @@ const LOST: f64 = 1e-14;
 
 /// What one octave may be.
 fn octave_span(noise: &Noise, octave: &Octave, point: &[Span]) -> Span {
-    let middle = |along: &Span| if along.low == along.high { along.low } else { along.low / 2.0 + along.high / 2.0 };
-    let place = place(noise, octave, point.iter().map(middle));
+    let place = place(noise, octave, point.iter().map(|along| along.middle()));
     // How far off it may be along each axis of space, in cells; other numbers are rounded otherwise.
-    let reach = |(along, place): (&Span, &f64)| {
-        let half = along.high / 2.0 - along.low / 2.0;
-        if along.low == along.high { 0.0 } else { half * octave.frequency + 1e-15 * (1.0 + place.abs()) }
+    let reach = |(along, place): (&Span, &f64)| match along.half() {
+        0.0 => 0.0,
+        half => half * octave.frequency + 1e-15 * (1.0 + place.abs()),
     };
     let reach: Vec<f64> = point.iter().zip(&place).map(reach).collect();
     let (least, most) = noise.kind.range();

@@ -82,6 +82,16 @@ impl Span {
         Self::of(&[monotone(self.low), monotone(self.high)]).with(self.clear)
     }
 
+    /// Its middle.
+    pub(crate) fn middle(self) -> f64 {
+        if self.low == self.high { self.low } else { self.low / 2.0 + self.high / 2.0 }
+    }
+
+    /// Half its length; 0 where it is one number.
+    pub(crate) fn half(self) -> f64 {
+        if self.low == self.high { 0.0 } else { self.high / 2.0 - self.low / 2.0 }
+    }
+
     /// Whether a number lies within, an end included.
     pub(crate) fn holds(self, number: f64) -> bool {
         self.low <= number && number <= self.high

@@ -165,8 +165,7 @@ impl Falling {
 
     /// What the mask may be, where a point and the noise may lie anywhere in spans.
     fn span(&self, point: [Span; 3], noise: Span) -> Span {
-        let middle = point.map(|along| if along.low == along.high { along.low } else { along.low / 2.0 + along.high / 2.0 });
-        let half = point.map(|along| if along.low == along.high { 0.0 } else { along.high / 2.0 - along.low / 2.0 });
+        let (middle, half) = (point.map(Span::middle), point.map(Span::half));
         let reach = |axis: usize, along: usize| {
             let lost = LOST * (1.0 + self.slant[axis].abs()) * size(middle);
             half[along] + self.slant[axis].abs() * half[1] + if size(half) > 0.0 { lost } else { 0.0 }

@@ -20,14 +20,9 @@ impl Near {
     /// Three channels of the view.
     pub(crate) fn of(bounding: &Bounding<'_>, channels: [ViewChannel; 3], sample: usize) -> Self {
         let spans = channels.map(|channel| certain(bounding, channel, sample));
-        let halves = spans.map(|span| if span.low == span.high { 0.0 } else { span.high / 2.0 - span.low / 2.0 });
-        let middle = |axis: usize| {
-            let Span { low, high, .. } = spans[axis];
-            if low == high { low } else { low / 2.0 + high / 2.0 }
-        };
         Self {
-            vector: DVec3::new(middle(0), middle(1), middle(2)),
-            within: DVec3::from(halves).length(),
+            vector: DVec3::from(spans.map(Span::middle)),
+            within: DVec3::from(spans.map(Span::half)).length(),
             clear: spans.iter().all(|span| span.clear),
         }
     }
@@ -112,6 +107,14 @@ impl Toward {
         let chord = |turn: f64| 2.0 * libm::sin(turn.min(PI) / 2.0);
         let within = chord(self.turn) + chord(other.turn);
         Self::along(Near { vector: self.unit + other.unit, within, clear: self.clear && other.clear })
+    }
+
+    /// How high it stands over the horizon, in degrees.
+    pub(crate) fn elevation(self) -> Span {
+        let DVec3 { x, y, z } = self.unit;
+        let (angle, turn) = (libm::atan2(y, libm::sqrt(x * x + z * z)), self.turn + ROUNDED);
+        let ends = [(angle - turn).max(-PI / 2.0), (angle + turn).min(PI / 2.0)].map(f64::to_degrees);
+        Span { low: ends[0], high: ends[1], clear: self.clear }
     }
 
     /// Where a direction away from a surface is mirrored to by one of this normal.
