@@ -585,7 +585,7 @@ const VIEWS: &[Case] = &[
         tight: None,
     },
     Case { key: "weights", nodes: r#""out": { "type": "Shadow", "view": "v", "lights": ["sun"] }"#, tight: None },
-    Case { key: "field", nodes: r#""out": { "type": "Thickness", "view": "v" }"#, tight: None },
+    Case { key: "field", nodes: r#""out": { "type": "Thickness", "view": "v", "ray": "eye" }"#, tight: None },
     Case { key: "weights", nodes: r#""out": { "type": "Translucency", "view": "v", "lights": ["sun"] }"#, tight: None },
     Case {
         key: "weights",
