@@ -16,7 +16,7 @@ mod paint_support;
 #[cfg(feature = "scene")]
 #[cfg_attr(not(feature = "sea"), allow(dead_code, unused_imports, reason = "only wave simulators use some of it"))]
 mod scene_support;
-#[cfg(all(test, feature = "sea"))]
+#[cfg(all(test, feature = "io", feature = "sea"))]
 mod bound_tests;
 #[cfg(test)]
 mod testing;

@@ -59,6 +59,7 @@ pub(crate) fn bound_at(
 }
 
 /// Bounds every output of a stage that hands on what its reference does, bit for bit.
+#[cfg(feature = "io")]
 pub(crate) fn bound_exact(bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) {
     for (output, channels) in bounding.filled.iter().enumerate() {
         for channel in 0..channels.len() {

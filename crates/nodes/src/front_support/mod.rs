@@ -13,7 +13,9 @@ mod screen;
 mod span;
 
 pub(crate) use expression::Expression;
-pub(crate) use known::{bound_at, bound_by, bound_exact, certain, known, where_covered};
+#[cfg(feature = "io")]
+pub(crate) use known::bound_exact;
+pub(crate) use known::{bound_at, bound_by, certain, known, where_covered};
 #[cfg(feature = "scene")]
 pub(crate) use noise::Octave;
 pub(crate) use noise::{Axes, Noise, NoiseKind};

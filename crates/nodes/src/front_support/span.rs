@@ -133,6 +133,46 @@ impl Span {
     }
 }
 
+impl std::ops::Add for Span {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Function::Add.span([self, other, other])
+    }
+}
+
+impl std::ops::Sub for Span {
+    type Output = Self;
+
+    fn sub(self, other: Self) -> Self {
+        Function::Subtract.span([self, other, other])
+    }
+}
+
+impl std::ops::Mul for Span {
+    type Output = Self;
+
+    fn mul(self, other: Self) -> Self {
+        Function::Multiply.span([self, other, other])
+    }
+}
+
+impl std::ops::Mul<f64> for Span {
+    type Output = Self;
+
+    fn mul(self, factor: f64) -> Self {
+        self * Self::exactly(factor)
+    }
+}
+
+impl std::ops::Div for Span {
+    type Output = Self;
+
+    fn div(self, other: Self) -> Self {
+        Function::Divide.span([self, other, other])
+    }
+}
+
 impl Function {
     /// All that the function can give of numbers within these spans.
     pub(crate) fn span(self, [a, b, c]: [Span; 3]) -> Span {

@@ -369,7 +369,17 @@ impl Prepared for Drawing {
         let around = Around::of(bounding.inputs);
         let seen: Vec<NearSeen> = (0..around.area()).map(|sample| self.near(bounding, sample)).collect();
         let at = |x: i64, y: i64| &seen[around.index(x, y)];
-        let (reach, mut pixels) = (reach(self.width), bounding.block.pixels());
+        let reach = reach(self.width);
+        // Every edge across and down of which one side may own something within the window.
+        let edges = grown(bounding.block.window, reach + 1);
+        let part = |x: i64, y: i64| {
+            STEPS.map(|(dx, dy)| {
+                self.may_part(at(x - dx, y - dy), at(x, y), at(x + dx, y + dy), at(x + 2 * dx, y + 2 * dy))
+            })
+        };
+        let parted: Vec<[Holds; 2]> =
+            (edges.y0..edges.y1).flat_map(|y| (edges.x0..edges.x1).map(move |x| (x, y))).map(|(x, y)| part(x, y)).collect();
+        let mut pixels = bounding.block.pixels();
         bound_by(bounding, outputs, (0, 0), |sample| {
             let [px, py] = pixels.next().unwrap_or_default();
             let thickness = known(bounding, "thickness", 0, sample).unwrap_or(Span::exactly(1.0));
@@ -384,11 +394,13 @@ impl Prepared for Drawing {
                 }
                 for (dx, dy) in [(1, 0), (-1, 0), (0, 1), (0, -1)] {
                     let (x, y) = (px + x, py + y);
-                    let [owner, other] = [at(x, y), at(x + dx, y + dy)];
-                    let parted = self.may_part(at(x - dx, y - dy), owner, other, at(x + 2 * dx, y + 2 * dy));
+                    let (left, upper) = (x.min(x + dx), y.min(y + dy));
+                    let index = (upper - edges.y0) as usize * edges.width() + (left - edges.x0) as usize;
+                    let parted = parted[index][usize::from(dx == 0)];
                     if parted == NO {
                         continue;
                     }
+                    let [owner, other] = [at(x, y), at(x + dx, y + dy)];
                     let own = if (x, y) == (px, py) { YES } else { at(px, py).may_belong(owner, other) };
                     let owns = and(parted, and(self.may_own(owner, other, dx + dy > 0), own));
                     sure = if owns == YES { sure.max(drawn[0]) } else { sure };

@@ -1,7 +1,7 @@
 //! Silhouette: where a surface turns away from the eye.
 
-use crate::front_support::{Span, bound_by, certain, where_covered};
-use crate::scene_support::{NORMAL, POSITION, Around, Near, Toward, change, eye, grown, is_covered, surface_of, toward_eye, view_directions, view_planes, view_vector};
+use crate::front_support::{Span, bound_by, where_covered};
+use crate::scene_support::{Around, NORMAL, Near, POSITION, Toward, change, eye, grown, is_covered, may_see, surface_of, toward_eye, view_directions, view_planes, view_vector};
 use trochoid_graph::*;
 use trochoid_image::{Format, Window};
 use trochoid_scene::Projector;
@@ -121,29 +121,6 @@ impl Turning {
 /// What rounding loses of a mask.
 const LOST: f64 = 1e-12;
 
-/// The surface that a sample may see, as [`surface_of`].
-fn surface_span(bounding: &Bounding<'_>, sample: usize) -> Span {
-    let [coverage, surface] = [ViewChannel::Coverage, ViewChannel::Surface].map(|channel| certain(bounding, channel, sample));
-    if coverage.high <= 0.0 {
-        Span::exactly(-1.0)
-    } else if coverage.low > 0.0 && surface.low == surface.high {
-        Span::exactly(surface.low.max(0.0))
-    } else {
-        Span::unclear(-1.0, f64::INFINITY)
-    }
-}
-
-/// What [`change`] may give.
-fn change_span(before: Option<Span>, here: Span, after: Option<Span>) -> Option<Span> {
-    let less = |a: Span, b: Span| Span { low: a.low - b.high, high: a.high - b.low, clear: a.clear && b.clear };
-    match (before, after) {
-        (Some(before), Some(after)) => Some(less(after, before).through(|change| 0.5 * change)),
-        (Some(before), None) => Some(less(here, before)),
-        (None, Some(after)) => Some(less(after, here)),
-        (None, None) => None,
-    }
-}
-
 impl Prepared for Turning {
     fn fill(&self, block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let around = Around::of(inputs);
@@ -212,7 +189,7 @@ impl Prepared for Turning {
                     }
                 }
                 Some(width) => {
-                    let seen = |x: i64, y: i64| surface_span(bounding, around.index(x, y));
+                    let seen = |x: i64, y: i64| may_see(bounding, around.index(x, y));
                     let squared = |x: i64, y: i64| edge(around.index(x, y)).through(|e| e * e).within(0.0, 1.0);
                     let (here, own) = (seen(x, y), squared(x, y));
                     let mut clear = here.is_exact() && own.clear;
@@ -224,7 +201,7 @@ impl Prepared for Turning {
                             clear &= there.is_exact();
                             (there.low == here.low).then(|| squared(x + side * dx, y + side * dy))
                         });
-                        let Some(change) = change_span(beside[0], own, beside[1]) else { continue };
+                        let Some(change) = change(beside[0], own, beside[1]) else { continue };
                         clear &= change.clear;
                         changes[axis] = change.low.abs().max(change.high.abs());
                         least[axis] = if change.holds(0.0) { 0.0 } else { change.low.abs().min(change.high.abs()) };

@@ -163,13 +163,12 @@ impl Prepared for Foaming {
                 let background = Span::exactly(f64::from(channel.background()));
                 ["view", "behind"].map(|port| known(bounding, port, channel as usize, sample).unwrap_or(background))
             };
-            let less = |a: Span, b: Span| Span { low: a.low - b.high, high: a.high - b.low, clear: a.clear && b.clear };
             let depths = of(ViewChannel::Depth);
             let apart = if self.by_height {
                 let [above, below] = of(ViewChannel::PositionY);
-                less(above, below)
+                above - below
             } else {
-                less(depths[1], depths[0])
+                depths[1] - depths[0]
             };
             self.foam.span(depths, apart, known(bounding, "edge", 0, sample).unwrap_or(Span::exactly(0.0)))
         });

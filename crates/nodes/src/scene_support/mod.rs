@@ -17,7 +17,7 @@ mod thickness;
 mod toward;
 mod waters;
 
-pub(crate) use around::{Around, change, grown, surface_of};
+pub(crate) use around::{Around, change, grown, may_see, surface_of};
 pub(crate) use copy::ViewCopy;
 pub(crate) use geometry::{
     FLIP, ROTATE, SCALE, Standing, TRANSLATE, UP, check_ending, check_scale, placement, to_y_up, y_up_to,
