@@ -8,6 +8,8 @@
 
 #![cfg_attr(test, allow(clippy::unwrap_used, reason = "a test may panic"))]
 
+#[cfg(all(test, feature = "io", feature = "sea"))]
+mod bound_tests;
 mod filter_support;
 mod front_support;
 #[cfg(feature = "io")]
@@ -16,8 +18,6 @@ mod paint_support;
 #[cfg(feature = "scene")]
 #[cfg_attr(not(feature = "sea"), allow(dead_code, unused_imports, reason = "only wave simulators use some of it"))]
 mod scene_support;
-#[cfg(all(test, feature = "io", feature = "sea"))]
-mod bound_tests;
 #[cfg(test)]
 mod testing;
 

@@ -117,7 +117,9 @@ impl Prepared for Blurring {
         let [across, down] = sizes(&self.node).map(|size| shape(&self.node).reference(size));
         let reach = down.last().map_or(0, |(dy, _)| *dy);
         for channel in 0..self.kind.channels() {
-            let (Some(image), Some(bounds)) = (Bounded::of(bounding, "image", (self.kind, channel)), outputs.take(0, channel)) else {
+            let (Some(image), Some(bounds)) =
+                (Bounded::of(bounding, "image", (self.kind, channel)), outputs.take(0, channel))
+            else {
                 continue;
             };
             let filled = bounding.filled[0][channel].unwrap_or_default();
@@ -127,9 +129,8 @@ impl Prepared for Blurring {
             let sum = |weights: &[(i64, f64)], at: &dyn Fn(i64) -> Summed| {
                 weights.iter().fold(Summed::NOTHING, |sum, (step, weight)| sum.plus(*weight, at(*step)))
             };
-            let rows: Vec<Vec<Summed>> = (top..=bottom)
-                .map(|y| (x0..x1).map(|x| sum(&across, &|dx| image.at(x + dx, y))).collect())
-                .collect();
+            let rows: Vec<Vec<Summed>> =
+                (top..=bottom).map(|y| (x0..x1).map(|x| sum(&across, &|dx| image.at(x + dx, y))).collect()).collect();
             let pixels = (y0..y1).flat_map(|y| (x0..x1).map(move |x| (x, y)));
             for ((bound, filled), (x, y)) in bounds.iter_mut().zip(filled).zip(pixels) {
                 let row = |dy: i64| rows[((y + dy).clamp(top, bottom) - top) as usize][(x - x0) as usize];

@@ -76,7 +76,8 @@ impl Warping {
     /// How far a sample may be off that looks at a place within spans of displacements.
     fn moved(&self, image: Bounded<'_>, [x, y]: [i64; 2], spans: [Span; 2], filled: f32) -> Bound {
         let [(dx, u), (dy, v)] = spans.map(|span| self.split(span.middle()));
-        let shares = [((0, 0), (1.0 - u) * (1.0 - v)), ((1, 0), u * (1.0 - v)), ((0, 1), (1.0 - u) * v), ((1, 1), u * v)];
+        let shares =
+            [((0, 0), (1.0 - u) * (1.0 - v)), ((1, 0), u * (1.0 - v)), ((0, 1), (1.0 - u) * v), ((1, 1), u * v)];
         let middle = shares.into_iter().fold(Summed::NOTHING, |sum, ((right, down), weight)| {
             sum.plus(weight, image.at(x + dx + right, y + dy + down))
         });
@@ -170,7 +171,9 @@ impl Prepared for Warping {
         };
         let pixels: Vec<[i64; 2]> = bounding.block.pixels().collect();
         for channel in 0..self.kind.channels() {
-            let (Some(image), Some(bounds)) = (Bounded::of(bounding, "image", (self.kind, channel)), outputs.take(0, channel)) else {
+            let (Some(image), Some(bounds)) =
+                (Bounded::of(bounding, "image", (self.kind, channel)), outputs.take(0, channel))
+            else {
                 continue;
             };
             let filled = bounding.filled[0][channel].unwrap_or_default();

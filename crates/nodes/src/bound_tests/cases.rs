@@ -23,7 +23,11 @@ pub(super) const SCENE: &str = r#""c": { "type": "Camera", "position": [0, 5, 10
 
 pub(super) const LIT: &[Case] = &[
     Case { key: "weights", nodes: r#""out": { "type": "ObjectMask", "view": "v", "indices": [1] }"#, tight: None },
-    Case { key: "weights", nodes: r#""out": { "type": "NonSpecular", "view": "v", "lights": ["sun"] }"#, tight: Some(10.0) },
+    Case {
+        key: "weights",
+        nodes: r#""out": { "type": "NonSpecular", "view": "v", "lights": ["sun"] }"#,
+        tight: Some(10.0),
+    },
     Case {
         key: "weights",
         nodes: r#""out": { "type": "NonSpecular", "view": "v", "power": 0.3, "lights": ["lamp", "spot", "hard"] }"#,
@@ -34,7 +38,11 @@ pub(super) const LIT: &[Case] = &[
         nodes: r#""out": { "type": "NonSpecular", "view": "v", "power": 3.5, "lights": ["sun", "spot"], "combine": "mean" }"#,
         tight: Some(10.0),
     },
-    Case { key: "weights", nodes: r#""out": { "type": "Specular", "view": "v", "lights": ["sun"] }"#, tight: Some(10.0) },
+    Case {
+        key: "weights",
+        nodes: r#""out": { "type": "Specular", "view": "v", "lights": ["sun"] }"#,
+        tight: Some(10.0),
+    },
     Case {
         key: "weights",
         nodes: r#""out": { "type": "Specular", "view": "v", "shininess": 5000, "lights": ["lamp", "spot"] }"#,
@@ -136,12 +144,28 @@ pub(super) const VIEWS: &[Case] = &[
         nodes: r#""out": { "type": "Outline", "view": "v", "width": 2.5, "owner": "last", "depth_step": 0.05 }"#,
         tight: None,
     },
-    Case { key: "weights", nodes: r#""out": { "type": "InFront", "view": "v", "other": "w", "soft": 1 }"#, tight: Some(10.0) },
-    Case { key: "weights", nodes: r#""out": { "type": "InFront", "view": "v", "other": "w", "soft": 0 }"#, tight: None },
-    Case { key: "weights", nodes: r#""out": { "type": "Silhouette", "view": "v", "cutoff": 0.2, "ramp": 0.8 }"#, tight: Some(10.0) },
+    Case {
+        key: "weights",
+        nodes: r#""out": { "type": "InFront", "view": "v", "other": "w", "soft": 1 }"#,
+        tight: Some(10.0),
+    },
+    Case {
+        key: "weights",
+        nodes: r#""out": { "type": "InFront", "view": "v", "other": "w", "soft": 0 }"#,
+        tight: None,
+    },
+    Case {
+        key: "weights",
+        nodes: r#""out": { "type": "Silhouette", "view": "v", "cutoff": 0.2, "ramp": 0.8 }"#,
+        tight: Some(10.0),
+    },
     Case { key: "weights", nodes: r#""out": { "type": "Silhouette", "view": "v", "width": 8 }"#, tight: None },
     Case { key: "field", nodes: r#""out": { "type": "Curvature", "view": "v", "reach": 2 }"#, tight: None },
-    Case { key: "weights", nodes: r#""out": { "type": "Sky", "view": "v", "from": -90, "to": 90 }"#, tight: Some(10.0) },
+    Case {
+        key: "weights",
+        nodes: r#""out": { "type": "Sky", "view": "v", "from": -90, "to": 90 }"#,
+        tight: Some(10.0),
+    },
     Case {
         key: "weights",
         nodes: r#""out": { "type": "WaterlineFoam", "view": "v", "behind": "w", "edge": "field", "distance": 3 }"#,
@@ -173,7 +197,11 @@ pub(super) const IMAGES: &[Case] = &[
             "out": { "type": "Blur", "image": "color", "size": 2, "size_y": 0, "filter": "box" }"#,
         tight: Some(10.0),
     },
-    Case { key: "weights", nodes: r#""out": { "type": "Warp", "image": "mask", "dx": "field", "dy": "field2" }"#, tight: Some(10.0) },
+    Case {
+        key: "weights",
+        nodes: r#""out": { "type": "Warp", "image": "mask", "dx": "field", "dy": "field2" }"#,
+        tight: Some(10.0),
+    },
     Case {
         key: "field",
         nodes: r#""image": { "type": "FieldMath", "expression": "2" },

@@ -59,7 +59,8 @@ impl Drawn {
         match size {
             0.0 => value,
             size if size.is_finite() => {
-                value + size / (1.0 + 1e-6) * if draws.chance(0.3) { draws.one_of(&[-1.0, 1.0]) } else { draws.signed() }
+                value
+                    + size / (1.0 + 1e-6) * if draws.chance(0.3) { draws.one_of(&[-1.0, 1.0]) } else { draws.signed() }
             }
             _ => other,
         }

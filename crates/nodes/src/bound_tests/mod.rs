@@ -130,7 +130,9 @@ fn hold(frame: &Frame, how: How, seed: u64, tighter: f64) -> Found {
         found.endless += usize::from(bound.size.is_infinite());
         // What is smooth jumps nowhere, so what is certain up to little is off by little.
         if how == How::Smooth && bound.clear && bound.size > 0.2 {
-            found.faults.push(format!("{bound:?} for sure, where inputs are certain, at sample {sample} of seed {seed}"));
+            found
+                .faults
+                .push(format!("{bound:?} for sure, where inputs are certain, at sample {sample} of seed {seed}"));
         }
         if error > 0.0 && bound.clear && bound.size.is_finite() {
             found.ratios.push(bound.size / error);
@@ -177,7 +179,12 @@ fn hold_all(cases: &[Case]) {
             endless as f64 / all as f64
         );
         if let Some(most) = case.tight {
-            assert!(median <= most && together.ratios.len() > 100, "{}: {median} of {}", case.nodes, together.ratios.len());
+            assert!(
+                median <= most && together.ratios.len() > 100,
+                "{}: {median} of {}",
+                case.nodes,
+                together.ratios.len()
+            );
             assert!(2 * together.clear > together.all, "{}: most is in doubt", case.nodes);
         }
     }

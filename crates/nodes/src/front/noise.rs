@@ -203,9 +203,7 @@ impl Footprints {
     fn span(&self, pixels: [f64; 2], depth: Span) -> Span {
         match self {
             #[cfg(feature = "scene")]
-            Self::Seen(_) if depth.low < depth.high && depth.high.is_infinite() => {
-                Span::unclear(0.0, f64::INFINITY)
-            }
+            Self::Seen(_) if depth.low < depth.high && depth.high.is_infinite() => Span::unclear(0.0, f64::INFINITY),
             #[cfg(feature = "scene")]
             Self::Seen(eye) if depth.low < depth.high => {
                 // Along a ray it grows with the depth, as far as the point's coordinates tell depths apart.
@@ -282,7 +280,8 @@ impl Prepared for Noisy {
                 Span { low: along.low - by, high: along.high - by, ..along }
             };
             if channels.is_empty() {
-                let place: Vec<Span> = self.screen.at(at).map(Span::exactly).into_iter().enumerate().map(moved).collect();
+                let place: Vec<Span> =
+                    self.screen.at(at).map(Span::exactly).into_iter().enumerate().map(moved).collect();
                 return noise_span(&self.noise, &place, self.footprints.span(at, Span::exactly(0.0)));
             }
             where_covered(bounding, sample, || {

@@ -37,7 +37,9 @@ pub(crate) fn bound_by(
     (output, channel): (usize, usize),
     mut may_give: impl FnMut(usize) -> Span,
 ) {
-    let (Some(filled), Some(bounds)) = (bounding.filled[output][channel], outputs.take(output, channel)) else { return };
+    let (Some(filled), Some(bounds)) = (bounding.filled[output][channel], outputs.take(output, channel)) else {
+        return;
+    };
     for (sample, (bound, filled)) in bounds.iter_mut().zip(filled).enumerate() {
         *bound = may_give(sample).bound(f64::from(*filled)).encode();
     }
@@ -50,7 +52,9 @@ pub(crate) fn bound_at(
     (output, channel): (usize, usize),
     mut truth: impl FnMut([f64; 2]) -> f64,
 ) {
-    let (Some(filled), Some(bounds)) = (bounding.filled[output][channel], outputs.take(output, channel)) else { return };
+    let (Some(filled), Some(bounds)) = (bounding.filled[output][channel], outputs.take(output, channel)) else {
+        return;
+    };
     for ((bound, filled), at) in bounds.iter_mut().zip(filled).zip(bounding.block.places()) {
         let (filled, truth) = (f64::from(*filled), truth(at));
         let size = if filled == truth { 0.0 } else { (filled - truth).abs() + truth.abs() * REFERENCE };

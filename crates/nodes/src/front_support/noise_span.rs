@@ -84,7 +84,8 @@ mod tests {
             f64::from(state) / f64::from(u32::MAX) * 2.0 - 1.0
         };
         let mut ratios = Vec::new();
-        for (kind, evolution) in kinds.into_iter().flat_map(|kind| [None, Some(0.3)].map(|evolution| (kind, evolution))) {
+        for (kind, evolution) in kinds.into_iter().flat_map(|kind| [None, Some(0.3)].map(|evolution| (kind, evolution)))
+        {
             let axes = Axes { scale: 0.7, octaves: 4, lacunarity: 2.1, gain: 0.5, seed: 9 };
             let noise = Noise::new(kind, axes, evolution);
             for round in 0..4000 {
@@ -101,7 +102,10 @@ mod tests {
                     noise_reference(&noise, &moved, within(&print, random())),
                 );
                 let span = super::span(&noise, &spans, print);
-                assert!(span.holds(here) && span.holds(there), "{kind:?}: {here} and {there} beyond {span:?} at {point:?}");
+                assert!(
+                    span.holds(here) && span.holds(there),
+                    "{kind:?}: {here} and {there} beyond {span:?} at {point:?}"
+                );
                 if size == 1e-4 {
                     ratios.push((span.high - here).max(here - span.low) / (there - here).abs().max(1e-12));
                 }

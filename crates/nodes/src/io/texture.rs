@@ -4,6 +4,7 @@ use crate::filter_support::{blended, fill, value, weights};
 use crate::front_support::{Span, bound_by, known};
 use crate::io_support::{Reading, controls, knobs};
 use std::path::PathBuf;
+use std::sync::OnceLock;
 use trochoid_graph::*;
 use trochoid_image::{Plane, Rgb, Window};
 
@@ -90,7 +91,8 @@ impl Stage for Texture {
             _ => Wrap::Repeat,
         };
         let bilinear = node.text("filter") != "nearest";
-        Ok(Box::new(Looked { node: node.clone(), kind, planes, display, wrap, bilinear, repaired }))
+        let ranges = planes.iter().map(|_| OnceLock::new()).collect();
+        Ok(Box::new(Looked { node: node.clone(), kind, planes, display, wrap, bilinear, repaired, ranges }))
     }
 }
 
@@ -135,6 +137,8 @@ struct Looked {
     wrap: Wrap,
     bilinear: bool,
     repaired: u64,
+    /// The least and the greatest sample of each plane, once someone asks.
+    ranges: Vec<OnceLock<(f64, f64)>>,
 }
 
 /// Two neighbors along an axis, and how far a place lies toward the second.
@@ -172,37 +176,46 @@ impl Looked {
         if sum.is_nan() { texel(pixels[0]) } else { sum }
     }
 
-    /// What a plane may be where u and v may lie anywhere in spans.
-    fn span(&self, plane: &Plane, [u, v]: [Span; 2]) -> Span {
+    /// What a channel may be where u and v may lie anywhere in spans.
+    fn span(&self, channel: usize, [u, v]: [Span; 2]) -> Span {
+        let Some(plane) = &self.planes[channel] else { return Span::exactly(0.0) };
         if u.low == u.high && v.low == v.high {
             let truth = self.truth(plane, u.low, v.low);
             return Span::of(&[truth, truth]).with(u.clear && v.clear);
         }
         // Pixels that may count, as they follow one another beyond the picture's edges.
         let sides = [self.display.width() as f64, self.display.height() as f64];
+        let (center, more) = if self.bilinear { (0.5, 1.0) } else { (0.0, 0.0) };
         let [across, down] = [(u, sides[0]), (v, sides[1])].map(|(span, side)| {
             let lost = 1e-15 * side * (1.0 + span.low.abs() + span.high.abs());
-            [(span.low * side - 0.5 - lost).floor(), (span.high * side - 0.5 + lost).floor() + 1.0]
+            [(span.low * side - center - lost).floor(), (span.high * side - center + lost).floor() + more]
         });
         let count = |[first, last]: [f64; 2]| last - first + 1.0;
-        // Comparisons with NaN fail.
         let few = count(across) * count(down) <= MOST;
         let texels = if few { self.texels(plane, across, down) } else { Vec::new() };
-        let least = texels.iter().flatten().copied().fold(f64::INFINITY, f64::min);
-        let most = texels.iter().flatten().copied().fold(f64::NEG_INFINITY, f64::max);
+        let (least, most) = extremes(texels.iter().flatten().copied());
         if texels.is_empty() || !(most - least).is_finite() {
-            return Span::unclear(f64::NEG_INFINITY, f64::INFINITY);
+            // It is a blend of some pixels.
+            let all = || extremes(plane.samples().iter().map(|sample| f64::from(*sample)));
+            let (least, most) = *self.ranges[channel].get_or_init(all);
+            return Span::unclear(least, most);
         }
         let clear = u.clear && v.clear;
         if !self.bilinear {
-            return Span { low: least, high: most, clear: clear && least == most };
+            return Span { low: least, high: most, clear: least == most };
         }
         let (steepest_across, steepest_down) = (
             texels.iter().flat_map(|row| row.windows(2)).map(|pair| (pair[1] - pair[0]).abs()).fold(0.0, f64::max),
-            texels.windows(2).flat_map(|rows| rows[0].iter().zip(&rows[1])).map(|(a, b)| (b - a).abs()).fold(0.0, f64::max),
+            texels
+                .windows(2)
+                .flat_map(|rows| rows[0].iter().zip(&rows[1]))
+                .map(|(a, b)| (b - a).abs())
+                .fold(0.0, f64::max),
         );
         let off = u.half() * sides[0] * steepest_across + v.half() * sides[1] * steepest_down;
-        let lost = 1e-13 * (least.abs().max(most.abs()) + (u.middle().abs() * sides[0] + v.middle().abs() * sides[1]) * (most - least));
+        let lost = 1e-13
+            * (least.abs().max(most.abs())
+                + (u.middle().abs() * sides[0] + v.middle().abs() * sides[1]) * (most - least));
         let middle = self.truth(plane, u.middle(), v.middle());
         Span { low: middle - off, high: middle + off, clear }.wider(lost)
     }
@@ -222,6 +235,11 @@ impl Looked {
         let [x0, y0] = [self.display.x0, self.display.y0];
         rows.iter().map(|y| columns.iter().map(|x| f64::from(plane.nearest(x0 + x, y0 + y))).collect()).collect()
     }
+}
+
+/// The least and the greatest of some numbers.
+fn extremes(numbers: impl Iterator<Item = f64>) -> (f64, f64) {
+    numbers.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), number| (least.min(number), most.max(number)))
 }
 
 /// Most pixels that are looked at where a place is not certain.
@@ -256,10 +274,10 @@ impl Prepared for Looked {
     }
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
-        for (channel, plane) in self.planes.iter().enumerate() {
+        for channel in 0..self.planes.len() {
             bound_by(bounding, outputs, (0, channel), |sample| {
                 let place = ["u", "v"].map(|port| known(bounding, port, 0, sample).unwrap_or(Span::exactly(0.0)));
-                let span = plane.as_ref().map_or(Span::exactly(0.0), |plane| self.span(plane, place));
+                let span = self.span(channel, place);
                 if matches!(self.kind, Kind::Weights(_)) { span.within(0.0, 1.0) } else { span }
             });
         }

@@ -139,9 +139,8 @@ impl Prepared for Bending {
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
         let around = Around::of(bounding.inputs);
-        let point = |there: usize| {
-            [POSITION, NORMAL].map(|channels| channels.map(|channel| certain(bounding, channel, there)))
-        };
+        let point =
+            |there: usize| [POSITION, NORMAL].map(|channels| channels.map(|channel| certain(bounding, channel, there)));
         let mut pixels = bounding.block.pixels();
         bound_by(bounding, outputs, (0, 0), |_| {
             let [x, y] = pixels.next().unwrap_or_default();

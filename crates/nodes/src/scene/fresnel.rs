@@ -1,7 +1,10 @@
 //! Fresnel: how much of what reaches the eye is mirrored.
 
 use crate::front_support::{bound_by, where_covered};
-use crate::scene_support::{COMBINE, Lights, NORMAL, Near, POSITION, Toward, eye, is_bare, is_covered, nothing, toward_eye, uncover, view_directions, view_planes, view_vector};
+use crate::scene_support::{
+    COMBINE, Lights, NORMAL, Near, POSITION, Toward, eye, is_bare, is_covered, nothing, toward_eye, uncover,
+    view_directions, view_planes, view_vector,
+};
 use trochoid_graph::*;
 use trochoid_scene::Projector;
 use trochoid_scene::shading::fresnel::{self, Cosine};

@@ -1,7 +1,9 @@
 //! NonSpecular: how much light reaches a point, all but reflections.
 
 use crate::front_support::{bound_by, where_covered};
-use crate::scene_support::{COMBINE, Lights, NORMAL, Near, POSITION, Toward, is_bare, is_covered, nothing, uncover, view_planes, view_vector};
+use crate::scene_support::{
+    COMBINE, Lights, NORMAL, Near, POSITION, Toward, is_bare, is_covered, nothing, uncover, view_planes, view_vector,
+};
 use trochoid_graph::*;
 use trochoid_scene::shading::lambert;
 

@@ -283,12 +283,15 @@ impl Drawing {
         let foretold = |from: [f64; 2], by: [f64; 2]| [2.0 * from[0] - by[1], 2.0 * from[1] - by[0]];
         let jumps = and(
             above(apart(a.w, b.w), step),
-            and(
-                above(apart(b.w, foretold(a.w, before.w)), step),
-                above(apart(a.w, foretold(b.w, after.w)), step),
-            ),
+            and(above(apart(b.w, foretold(a.w, before.w)), step), above(apart(a.w, foretold(b.w, after.w)), step)),
         );
-        if jumps == YES { YES } else if differs == NO { jumps } else { None }
+        if jumps == YES {
+            YES
+        } else if differs == NO {
+            jumps
+        } else {
+            None
+        }
     }
 
     /// Whether an edge's `owner` draws, where it stands before the `other` along the axis or after it.
@@ -377,8 +380,10 @@ impl Prepared for Drawing {
                 self.may_part(at(x - dx, y - dy), at(x, y), at(x + dx, y + dy), at(x + 2 * dx, y + 2 * dy))
             })
         };
-        let parted: Vec<[Holds; 2]> =
-            (edges.y0..edges.y1).flat_map(|y| (edges.x0..edges.x1).map(move |x| (x, y))).map(|(x, y)| part(x, y)).collect();
+        let parted: Vec<[Holds; 2]> = (edges.y0..edges.y1)
+            .flat_map(|y| (edges.x0..edges.x1).map(move |x| (x, y)))
+            .map(|(x, y)| part(x, y))
+            .collect();
         let mut pixels = bounding.block.pixels();
         bound_by(bounding, outputs, (0, 0), |sample| {
             let [px, py] = pixels.next().unwrap_or_default();
@@ -408,9 +413,13 @@ impl Prepared for Drawing {
                 }
             }
             let jumps = sure == 0.0 && most > 0.0 && width.low > 0.0;
-            Span { low: sure, high: most, clear: thickness.clear && !jumps && most - sure <= width.high - width.low + LOST }
-                .wider(LOST)
-                .within(0.0, 1.0)
+            Span {
+                low: sure,
+                high: most,
+                clear: thickness.clear && !jumps && most - sure <= width.high - width.low + LOST,
+            }
+            .wider(LOST)
+            .within(0.0, 1.0)
         });
         Ok(())
     }

@@ -1,7 +1,10 @@
 //! Silhouette: where a surface turns away from the eye.
 
 use crate::front_support::{Span, bound_by, where_covered};
-use crate::scene_support::{Around, NORMAL, Near, POSITION, Toward, change, eye, grown, is_covered, may_see, surface_of, toward_eye, view_directions, view_planes, view_vector};
+use crate::scene_support::{
+    Around, NORMAL, Near, POSITION, Toward, change, eye, grown, is_covered, may_see, surface_of, toward_eye,
+    view_directions, view_planes, view_vector,
+};
 use trochoid_graph::*;
 use trochoid_image::{Format, Window};
 use trochoid_scene::Projector;
@@ -172,7 +175,11 @@ impl Prepared for Turning {
         bound_by(bounding, outputs, (1, 0), |sample| {
             // Where nothing is seen the mask is 1.
             let faced = where_covered(bounding, pixels[sample], || edge(pixels[sample]).through(|e| 1.0 - e));
-            if faced.is_exact() { Span::exactly(1.0 - faced.low) } else { faced.through(|faced| 1.0 - faced).within(0.0, 1.0) }
+            if faced.is_exact() {
+                Span::exactly(1.0 - faced.low)
+            } else {
+                faced.through(|faced| 1.0 - faced).within(0.0, 1.0)
+            }
         });
         let mut places = bounding.block.pixels();
         bound_by(bounding, outputs, (0, 0), |sample| {
@@ -211,7 +218,8 @@ impl Prepared for Turning {
                     }
                     let [steepest, flattest] = [changes, least].map(|[across, down]| libm::hypot(across, down));
                     let line = |squared: f64, slope: f64| Self::line(width, squared, [Some(slope), None]);
-                    let span = Span::of(&[line(own.high, flattest), line(own.low, steepest)]).wider(LOST).within(0.0, 1.0);
+                    let span =
+                        Span::of(&[line(own.high, flattest), line(own.low, steepest)]).wider(LOST).within(0.0, 1.0);
                     // Where neither the square nor its slope is certain not to vanish there is no line or a whole one.
                     span.with(flattest > 0.0 || (own.low > 0.0 && steepest == 0.0))
                 }

@@ -1,7 +1,10 @@
 //! Specular: where a light is mirrored toward the eye.
 
 use crate::front_support::{Span, bound_by, certain, where_covered};
-use crate::scene_support::{COMBINE, Lights, NORMAL, Near, POSITION, Toward, eye, is_bare, is_covered, nothing, toward_eye, uncover, view_directions, view_planes, view_vector};
+use crate::scene_support::{
+    COMBINE, Lights, NORMAL, Near, POSITION, Toward, eye, is_bare, is_covered, nothing, toward_eye, uncover,
+    view_directions, view_planes, view_vector,
+};
 use std::f64::consts::FRAC_PI_2;
 use trochoid_graph::*;
 use trochoid_scene::Projector;

@@ -119,7 +119,9 @@ impl Prepared for Thick {
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
         // The reference's rays meet the surfaces themselves: facets may let them pass, or stop them.
-        bound_by(bounding, outputs, (0, 0), |sample| where_covered(bounding, sample, || Span::unclear(0.0, self.way.most())));
+        bound_by(bounding, outputs, (0, 0), |sample| {
+            where_covered(bounding, sample, || Span::unclear(0.0, self.way.most()))
+        });
         Ok(())
     }
 

@@ -1,6 +1,6 @@
 //! Masks that follow from some channels of a view at each sample by itself.
 
-use super::{is_covered};
+use super::is_covered;
 use crate::front_support::{Span, bound_by, certain, where_covered};
 use trochoid_graph::*;
 

@@ -4,8 +4,8 @@ use crate::front_support::{Span, bound_by, certain, where_covered};
 use crate::scene_support::{Around, check_trails, grown, is_covered};
 use trochoid_graph::*;
 use trochoid_image::{Format, Window};
-use trochoid_sea::toon::{LineRow, NearPhase, NearPlace, density_span};
 use trochoid_sea::toon::lines::{Lines, Place, density};
+use trochoid_sea::toon::{LineRow, NearPhase, NearPlace, density_span};
 
 pub(crate) static NODE: &dyn NodeType = &DriftLines;
 

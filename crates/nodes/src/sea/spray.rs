@@ -273,7 +273,9 @@ impl Prepared for Spraying {
         let far = seen(depths.iter().map(|depth| -down(-depth.high)).collect());
         let rounded = |low: f32, high: f32| {
             // As planes hold what the reference gives.
-            let slack = |end: f32| if end.is_finite() { f64::from(end.abs()) * LITERAL + f64::from(f32::from_bits(1)) } else { 0.0 };
+            let slack = |end: f32| {
+                if end.is_finite() { f64::from(end.abs()) * LITERAL + f64::from(f32::from_bits(1)) } else { 0.0 }
+            };
             Span { low: f64::from(low) - slack(low), high: f64::from(high) + slack(high), clear: true }
         };
         bound_by(bounding, outputs, (0, 0), |sample| {
