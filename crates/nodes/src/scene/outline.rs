@@ -412,14 +412,9 @@ impl Prepared for Drawing {
                     most = if owns == NO { most } else { most.max(drawn[1]) };
                 }
             }
-            let jumps = sure == 0.0 && most > 0.0 && width.low > 0.0;
-            Span {
-                low: sure,
-                high: most,
-                clear: thickness.clear && !jumps && most - sure <= width.high - width.low + LOST,
-            }
-            .wider(LOST)
-            .within(0.0, 1.0)
+            // What a width is off by is no jump.
+            let clear = thickness.clear && most - sure <= width.high - width.low + LOST;
+            Span { low: sure, high: most, clear }.wider(LOST).within(0.0, 1.0)
         });
         Ok(())
     }

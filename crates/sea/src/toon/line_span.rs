@@ -56,6 +56,16 @@ impl NearPhase {
 }
 
 /// Between which numbers [`density`](super::lines::density) lies, and whether it is certain which neighbors tell an angle.
+///
+/// ```
+/// use trochoid_sea::toon::{NearPhase, density_span, lines::density};
+///
+/// let phase = |angle: f64| [angle.cos(), angle.sin()];
+/// let near = |angle: f64| NearPhase { phase: phase(angle), within: 1e-3 };
+/// let ([low, high], clear) = density_span(near(0.0), [[near(-0.2), near(0.2)]; 2]);
+/// let exact = density(phase(0.0), [[phase(-0.2), phase(0.2)]; 2]);
+/// assert!(clear && low < exact && exact < high && high - low < 0.02);
+/// ```
 pub fn density_span(here: NearPhase, beside: [[NearPhase; 2]; 2]) -> ([f64; 2], bool) {
     let mut clear = true;
     let [x, z] = beside.map(|sides| {
@@ -89,6 +99,21 @@ pub fn density_span(here: NearPhase, beside: [[NearPhase; 2]; 2]) -> ([f64; 2], 
 
 impl Lines {
     /// Between which numbers [`mask`](Self::mask) lies, and whether it jumps nowhere between them.
+    ///
+    /// ```
+    /// use trochoid_sea::toon::{NearPhase, NearPlace, lines::{Lines, Place}};
+    ///
+    /// let lines = Lines::default();
+    /// let place = Place { weight: 1.0, phase: [0.8, 0.6], height: 0.5, density: 0.1 };
+    /// let near = |number: f64| [number - 1e-4, number + 1e-4];
+    /// let ([low, high], _) = lines.mask_span(&NearPlace {
+    ///     weight: near(place.weight),
+    ///     phase: NearPhase { phase: place.phase, within: 1e-4 },
+    ///     height: near(place.height),
+    ///     density: near(place.density),
+    /// });
+    /// assert!(low <= lines.mask(&place) && lines.mask(&place) <= high && high - low < 0.1);
+    /// ```
     pub fn mask_span(&self, place: &NearPlace) -> ([f64; 2], bool) {
         let [least, most] = self.shown_span(place);
         if most <= 0.0 {
