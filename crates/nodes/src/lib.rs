@@ -8,6 +8,8 @@
 
 #![cfg_attr(test, allow(clippy::unwrap_used, reason = "a test may panic"))]
 
+#[cfg(all(test, feature = "io", feature = "sea"))]
+mod bound_tests;
 mod filter_support;
 mod front_support;
 #[cfg(feature = "io")]

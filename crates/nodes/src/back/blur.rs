@@ -1,6 +1,6 @@
 //! Blur: the mean of the pixels around.
 
-use crate::filter_support::{Kernel, Shape, fill, filter, kind, mean, numbers, value};
+use crate::filter_support::{Bounded, Kernel, Shape, Summed, fill, filter, kind, mean, numbers, value};
 use trochoid_graph::*;
 use trochoid_image::{Format, Window};
 
@@ -110,6 +110,34 @@ impl Prepared for Blurring {
             }
         });
         inputs.go_on()
+    }
+
+    fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
+        let Window { x0, x1, y0, y1 } = bounding.block.window;
+        let [across, down] = sizes(&self.node).map(|size| shape(&self.node).reference(size));
+        let reach = down.last().map_or(0, |(dy, _)| *dy);
+        for channel in 0..self.kind.channels() {
+            let (Some(image), Some(bounds)) =
+                (Bounded::of(bounding, "image", (self.kind, channel)), outputs.take(0, channel))
+            else {
+                continue;
+            };
+            let filled = bounding.filled[0][channel].unwrap_or_default();
+            // Beyond the image its last row repeats.
+            let Window { y0: first, y1: end, .. } = image.window();
+            let (top, bottom) = ((y0 - reach).clamp(first, end - 1), (y1 - 1 + reach).clamp(first, end - 1));
+            let sum = |weights: &[(i64, f64)], at: &dyn Fn(i64) -> Summed| {
+                weights.iter().fold(Summed::NOTHING, |sum, (step, weight)| sum.plus(*weight, at(*step)))
+            };
+            let rows: Vec<Vec<Summed>> =
+                (top..=bottom).map(|y| (x0..x1).map(|x| sum(&across, &|dx| image.at(x + dx, y))).collect()).collect();
+            let pixels = (y0..y1).flat_map(|y| (x0..x1).map(move |x| (x, y)));
+            for ((bound, filled), (x, y)) in bounds.iter_mut().zip(filled).zip(pixels) {
+                let row = |dy: i64| rows[((y + dy).clamp(top, bottom) - top) as usize][(x - x0) as usize];
+                *bound = sum(&down, &row).of(*filled, 0.0).encode();
+            }
+        }
+        Ok(())
     }
 
     fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {

@@ -342,6 +342,10 @@ impl Prepared for Painting {
         Ok(())
     }
 
+    fn bound(&self, _bounding: &Bounding<'_>, _outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
+        Err(NoBound("strokes begin, end and hide one another where the view says so, each from far away"))
+    }
+
     fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
         let seen = Seen::new(&self.node, self.picture, self.on_surfaces, inputs);
         let [x, y] = seen.pixel;

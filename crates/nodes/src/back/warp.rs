@@ -1,6 +1,7 @@
 //! Warp: an image looked up at displaced places.
 
-use crate::filter_support::{blended, fill, kind, mean, numbers, value, weights};
+use crate::filter_support::{Bounded, Summed, blended, fill, kind, mean, numbers, value, weights};
+use crate::front_support::{Span, known};
 use trochoid_graph::*;
 use trochoid_image::{Format, Window};
 
@@ -71,6 +72,48 @@ impl Warping {
     }
 }
 
+impl Warping {
+    /// How far a sample may be off that looks at a place within spans of displacements.
+    fn moved(&self, image: Bounded<'_>, [x, y]: [i64; 2], spans: [Span; 2], filled: f32) -> Bound {
+        let [(dx, u), (dy, v)] = spans.map(|span| self.split(span.middle()));
+        let shares =
+            [((0, 0), (1.0 - u) * (1.0 - v)), ((1, 0), u * (1.0 - v)), ((0, 1), (1.0 - u) * v), ((1, 1), u * v)];
+        let middle = shares.into_iter().fold(Summed::NOTHING, |sum, ((right, down), weight)| {
+            sum.plus(weight, image.at(x + dx + right, y + dy + down))
+        });
+        if spans.iter().all(|span| span.low == span.high) {
+            return middle.of(filled, 0.0).with(spans.iter().all(|span| span.clear));
+        }
+        // Between four pixels the image changes by no more than they do; others are reached where the place may lie there.
+        let [across, down] = spans.map(|span| [self.split(span.low).0, self.split(span.high).0 + 1]);
+        let [width, height] = [across, down].map(|[first, last]| last - first + 1);
+        if width * height > MOST {
+            let most = if matches!(self.kind, Kind::Weights(_)) { 1.0 } else { f64::INFINITY };
+            return Bound::of(most).with(false);
+        }
+        let at = |column: i64, row: i64| image.at(x + across[0] + column, y + down[0] + row);
+        let (mut steepest, mut own) = ([0.0_f64; 2], Bound::EXACT);
+        for row in 0..height {
+            for column in 0..width {
+                let here = at(column, row);
+                own = Bound { size: own.size.max(here.bound.size), clear: own.clear && here.bound.clear };
+                for (axis, there) in [(0, (column + 1, row)), (1, (column, row + 1))] {
+                    if there.0 < width && there.1 < height {
+                        let change = (at(there.0, there.1).value - here.value).abs();
+                        steepest[axis] = if change.is_nan() { f64::INFINITY } else { steepest[axis].max(change) };
+                    }
+                }
+            }
+        }
+        let off = [0, 1].map(|axis| if spans[axis].half() > 0.0 { spans[axis].half() * steepest[axis] } else { 0.0 });
+        let clear = own.clear && spans.iter().all(|span| span.clear);
+        middle.within(own).of(filled, (off[0] + off[1]) * (1.0 + 1e-9)).with(clear)
+    }
+}
+
+/// Most pixels that are looked at where a place is not certain.
+const MOST: i64 = 4096;
+
 impl Prepared for Warping {
     fn data_window(&self, _picture: Window, inputs: &dyn Fn(&str) -> Window) -> Window {
         inputs("image").intersect(inputs("dx")).intersect(inputs("dy"))
@@ -119,6 +162,26 @@ impl Prepared for Warping {
                 }
             }
         });
+        Ok(())
+    }
+
+    fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
+        let displaced = |port: &str, sample: usize| {
+            known(bounding, port, 0, sample).unwrap_or(Span::exactly(0.0)).within(-self.reach, self.reach)
+        };
+        let pixels: Vec<[i64; 2]> = bounding.block.pixels().collect();
+        for channel in 0..self.kind.channels() {
+            let (Some(image), Some(bounds)) =
+                (Bounded::of(bounding, "image", (self.kind, channel)), outputs.take(0, channel))
+            else {
+                continue;
+            };
+            let filled = bounding.filled[0][channel].unwrap_or_default();
+            for (sample, ((bound, filled), [x, y])) in bounds.iter_mut().zip(filled).zip(&pixels).enumerate() {
+                let spans = ["dx", "dy"].map(|port| displaced(port, sample));
+                *bound = self.moved(image, [*x, *y], spans, *filled).encode();
+            }
+        }
         Ok(())
     }
 

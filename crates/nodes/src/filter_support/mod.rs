@@ -4,9 +4,11 @@
 //! results stay between the values that it takes, and colors in their hull.
 
 mod bilinear;
+mod bounded;
 mod kernel;
 mod values;
 
 pub(crate) use bilinear::{blended, weights};
+pub(crate) use bounded::{Bounded, Summed};
 pub(crate) use kernel::{Kernel, Shape, filter};
 pub(crate) use values::{fill, kind, mean, numbers, value};

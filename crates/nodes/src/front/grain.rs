@@ -1,6 +1,6 @@
 //! Grain: the canvas or paper that a picture is painted on.
 
-use crate::front_support::{Axes, Noise, NoiseKind, Screen, noise_reference};
+use crate::front_support::{Axes, Noise, NoiseKind, Screen, bound_at, noise_reference};
 use std::f64::consts::PI;
 use trochoid_graph::*;
 
@@ -131,6 +131,13 @@ impl Ground {
         };
         (0.5 + 0.5 * self.relief * self.kept * height).clamp(0.0, 1.0)
     }
+
+    /// The mask in f64 at a place in pixels.
+    fn truth(&self, pixels: [f64; 2]) -> f64 {
+        let place = self.place(pixels);
+        let lookups = self.lookups(place);
+        self.mask(place, [0, 1].map(|axis: usize| noise_reference(&self.noises[axis], &lookups[axis], 0.0)))
+    }
 }
 
 impl Prepared for Ground {
@@ -151,11 +158,13 @@ impl Prepared for Ground {
         Ok(())
     }
 
+    fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
+        bound_at(bounding, outputs, (0, 0), |at| self.truth(at));
+        Ok(())
+    }
+
     fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
-        let place = self.place(inputs.at);
-        let lookups = self.lookups(place);
-        let noises = [0, 1].map(|axis: usize| noise_reference(&self.noises[axis], &lookups[axis], 0.0));
-        Ok(vec![Reference::Mask(self.mask(place, noises))])
+        Ok(vec![Reference::Mask(self.truth(inputs.at))])
     }
 }
 

@@ -1,6 +1,8 @@
 //! Noise: procedural variation that stays where it is put.
 
-use crate::front_support::{Axes, Noise as Octaves, NoiseKind, Screen, noise_reference};
+use crate::front_support::{
+    Axes, Noise as Octaves, NoiseKind, Screen, Span, bound_by, certain, noise_reference, noise_span, where_covered,
+};
 use trochoid_graph::*;
 
 pub(crate) static NODE: &dyn NodeType = &Noise;
@@ -197,6 +199,23 @@ impl Footprints {
         }
     }
 
+    /// What it may be where the depth is only known to lie in a span.
+    fn span(&self, pixels: [f64; 2], depth: Span) -> Span {
+        match self {
+            #[cfg(feature = "scene")]
+            Self::Seen(_) if depth.low < depth.high && depth.high.is_infinite() => Span::unclear(0.0, f64::INFINITY),
+            #[cfg(feature = "scene")]
+            Self::Seen(eye) if depth.low < depth.high => {
+                // Along a ray it grows with the depth, as far as the point's coordinates tell depths apart.
+                let [near, far] = [depth.low, depth.high].map(|depth| depth.max(0.0));
+                let slack = (1e-12 * (1.0 + eye.position.length() / near)).min(1.0);
+                let (low, high) = (self.at(pixels, near) * (1.0 - slack), self.at(pixels, far) * (1.0 + slack));
+                Span { low, high, clear: depth.clear }
+            }
+            _ => Span::exactly(self.at(pixels, depth.low)).with(depth.clear),
+        }
+    }
+
     /// Of a block of samples; empty where all are 0.
     #[cfg_attr(not(feature = "scene"), allow(unused_variables, reason = "only views have depths"))]
     fn over(&self, block: &Block<'_>, depths: Option<&[f32]>) -> Vec<f32> {
@@ -248,6 +267,30 @@ impl Prepared for Noisy {
                 self.noise.fill::<2>(block.places().map(place), &self.footprints.over(block, None), out);
             }
         }
+        Ok(())
+    }
+
+    fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
+        let channels = channels(&self.node);
+        let mut places = bounding.block.places();
+        bound_by(bounding, outputs, (0, 0), |sample| {
+            let at = places.next().unwrap_or_default();
+            let moved = |(axis, along): (usize, Span)| {
+                let by = self.moved(axis, if channels.is_empty() { 2 } else { channels.len() });
+                Span { low: along.low - by, high: along.high - by, ..along }
+            };
+            if channels.is_empty() {
+                let place: Vec<Span> =
+                    self.screen.at(at).map(Span::exactly).into_iter().enumerate().map(moved).collect();
+                return noise_span(&self.noise, &place, self.footprints.span(at, Span::exactly(0.0)));
+            }
+            where_covered(bounding, sample, || {
+                let along = channels.iter().map(|channel| certain(bounding, *channel, sample));
+                let place: Vec<Span> = along.enumerate().map(moved).collect();
+                let depth = certain(bounding, ViewChannel::Depth, sample);
+                noise_span(&self.noise, &place, self.footprints.span(at, depth))
+            })
+        });
         Ok(())
     }
 

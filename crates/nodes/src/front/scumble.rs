@@ -1,5 +1,6 @@
 //! Scumble: paint that a dry brush breaks.
 
+use crate::front_support::{Span, bound_by, known};
 use trochoid_graph::*;
 
 pub(crate) static NODE: &dyn NodeType = &Scumble;
@@ -87,6 +88,25 @@ impl Dragging {
     }
 }
 
+impl Dragging {
+    /// What paint may be: more density never takes from it, and neither does more noise.
+    fn span(&self, density: Span, noise: Span) -> Span {
+        let [_, dry, level, from, to, thin] = self.figures;
+        if density.high <= 0.0 {
+            return Span::exactly(0.0);
+        }
+        // Of noise without end none is left that counts nothing.
+        let endless = dry == 0.0 && noise.low < noise.high && (noise.low.is_infinite() || noise.high.is_infinite());
+        let noise = if endless { Span { low: level, high: level, ..noise } } else { noise };
+        let ends = [self.mask(density.low, noise.low), self.mask(density.high, noise.high)];
+        let paint = Span::of(&ends).wider(LOST * thin.recip()).within(0.0, 1.0).with(density.clear && noise.clear);
+        if endless { paint.or(Span::exactly(0.0)).with(false) } else { paint.with(to > from || ends[0] == ends[1]) }
+    }
+}
+
+/// What rounding may take off the rising of paint.
+const LOST: f64 = 1e-15;
+
 impl Prepared for Dragging {
     fn fill(&self, _block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let Some(mask) = outputs.take(0, 0) else { return Ok(()) };
@@ -94,6 +114,14 @@ impl Prepared for Dragging {
         for ((out, density), noise) in mask.iter_mut().zip(plane("density")).zip(plane("noise")) {
             *out = self.mask(f64::from(*density), f64::from(*noise)) as f32;
         }
+        Ok(())
+    }
+
+    fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
+        bound_by(bounding, outputs, (0, 0), |sample| {
+            let of = |port: &str| known(bounding, port, 0, sample).unwrap_or(Span::exactly(0.0));
+            self.span(of("density").within(0.0, 1.0), of("noise"))
+        });
         Ok(())
     }
 

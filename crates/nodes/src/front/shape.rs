@@ -1,6 +1,6 @@
 //! Shape: discs, boxes and polygons drawn on the picture.
 
-use crate::front_support::Screen;
+use crate::front_support::{Screen, bound_at};
 use trochoid_graph::*;
 
 pub(crate) static NODE: &dyn NodeType = &Shape;
@@ -208,6 +208,11 @@ struct Drawing {
 }
 
 impl Drawing {
+    /// The mask in f64 at a place in pixels.
+    fn truth(&self, at: [f64; 2]) -> f64 {
+        self.mask(self.drawn.iter().map(|shape| shape.distance(at)).fold(f64::INFINITY, f64::min))
+    }
+
     fn mask(&self, distance: f64) -> f64 {
         if self.edge > 0.0 {
             (0.5 - distance / self.edge).clamp(0.0, 1.0)
@@ -270,9 +275,13 @@ impl Prepared for Drawing {
         Ok(())
     }
 
+    fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
+        bound_at(bounding, outputs, (0, 0), |at| self.truth(at));
+        Ok(())
+    }
+
     fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
-        let distance = self.drawn.iter().map(|shape| shape.distance(inputs.at)).fold(f64::INFINITY, f64::min);
-        Ok(vec![Reference::Mask(self.mask(distance))])
+        Ok(vec![Reference::Mask(self.truth(inputs.at))])
     }
 }
 

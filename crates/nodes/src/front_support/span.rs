@@ -34,6 +34,9 @@ impl Span {
 
     /// How far a number may lie from what is in it.
     pub(crate) fn bound(self, number: f64) -> Bound {
+        if number.is_nan() && !self.is_exact() {
+            return Bound::UNKNOWN;
+        }
         let size = if self.low == number && self.high == number {
             0.0
         } else {
@@ -42,8 +45,56 @@ impl Span {
         if self.is_any() { Bound::UNKNOWN } else { Bound::of(size).with(self.clear) }
     }
 
-    fn with(self, clear: bool) -> Self {
+    /// The same, clear only if all of these are.
+    pub(crate) fn with(self, clear: bool) -> Self {
         Self { clear: self.clear && clear, ..self }
+    }
+
+    /// What lies between two numbers, where a side of a threshold is not certain.
+    pub(crate) fn unclear(low: f64, high: f64) -> Self {
+        Self { low, high, clear: false }
+    }
+
+    /// What either may be.
+    pub(crate) fn or(self, other: Self) -> Self {
+        if self.is_any() || other.is_any() {
+            return Self::ANY;
+        }
+        let clear = self.clear && other.clear;
+        Self { low: self.low.min(other.low), high: self.high.max(other.high), clear }
+    }
+
+    /// The same, as far as it lies between two numbers; all between them where nothing is known.
+    pub(crate) fn within(self, low: f64, high: f64) -> Self {
+        if self.low.is_nan() || self.high.is_nan() {
+            return Self::unclear(low, high);
+        }
+        Self { low: self.low.clamp(low, high), high: self.high.clamp(low, high), clear: self.clear }
+    }
+
+    /// So much more on both sides.
+    pub(crate) fn wider(self, by: f64) -> Self {
+        Self { low: self.low - by, high: self.high + by, ..self }
+    }
+
+    /// What a function that never turns gives of it, whichever way it goes.
+    pub(crate) fn through(self, monotone: impl Fn(f64) -> f64) -> Self {
+        Self::of(&[monotone(self.low), monotone(self.high)]).with(self.clear)
+    }
+
+    /// Its middle.
+    pub(crate) fn middle(self) -> f64 {
+        if self.low == self.high { self.low } else { self.low / 2.0 + self.high / 2.0 }
+    }
+
+    /// Half its length; 0 where it is one number.
+    pub(crate) fn half(self) -> f64 {
+        if self.low == self.high { 0.0 } else { self.high / 2.0 - self.low / 2.0 }
+    }
+
+    /// Whether a number lies within, an end included.
+    pub(crate) fn holds(self, number: f64) -> bool {
+        self.low <= number && number <= self.high
     }
 
     /// Whether nothing is known; of a NaN that is certain, that much is.
@@ -51,16 +102,13 @@ impl Span {
         (self.low.is_nan() || self.high.is_nan()) && !self.is_exact()
     }
 
-    fn is_exact(self) -> bool {
+    /// Whether it is one number for certain.
+    pub(crate) fn is_exact(self) -> bool {
         self.clear && self.low.to_bits() == self.high.to_bits()
     }
 
-    fn holds(self, number: f64) -> bool {
-        self.low <= number && number <= self.high
-    }
-
     /// The span of some numbers, widened for rounding.
-    fn of(numbers: &[f64]) -> Self {
+    pub(crate) fn of(numbers: &[f64]) -> Self {
         if numbers.iter().any(|number| number.is_nan()) {
             return Self::ANY;
         }
@@ -85,6 +133,46 @@ impl Span {
     }
 }
 
+impl std::ops::Add for Span {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Function::Add.span([self, other, other])
+    }
+}
+
+impl std::ops::Sub for Span {
+    type Output = Self;
+
+    fn sub(self, other: Self) -> Self {
+        Function::Subtract.span([self, other, other])
+    }
+}
+
+impl std::ops::Mul for Span {
+    type Output = Self;
+
+    fn mul(self, other: Self) -> Self {
+        Function::Multiply.span([self, other, other])
+    }
+}
+
+impl std::ops::Mul<f64> for Span {
+    type Output = Self;
+
+    fn mul(self, factor: f64) -> Self {
+        self * Self::exactly(factor)
+    }
+}
+
+impl std::ops::Div for Span {
+    type Output = Self;
+
+    fn div(self, other: Self) -> Self {
+        Function::Divide.span([self, other, other])
+    }
+}
+
 impl Function {
     /// All that the function can give of numbers within these spans.
     pub(crate) fn span(self, [a, b, c]: [Span; 3]) -> Span {
@@ -97,9 +185,9 @@ impl Function {
         if self == Self::If {
             return match (a.holds(0.0), a.is_exact()) {
                 (true, true) => c,
-                (true, false) if !a.is_any() => Span { clear: false, ..union(b, c) },
+                (true, false) if !a.is_any() => Span { clear: false, ..b.or(c) },
                 (false, _) if !a.is_any() => b.with(a.clear),
-                _ => Span { clear: false, ..union(b, c) },
+                _ => Span { clear: false, ..b.or(c) },
             };
         }
         if arguments.iter().any(|argument| argument.low.is_nan() || argument.high.is_nan()) {
@@ -188,13 +276,6 @@ impl Function {
         };
         if span.is_any() { span } else { span.with(arguments.iter().all(|argument| argument.clear)) }
     }
-}
-
-fn union(a: Span, b: Span) -> Span {
-    if a.low.is_nan() || b.low.is_nan() {
-        return Span::ANY;
-    }
-    Span { low: a.low.min(b.low), high: a.high.max(b.high), clear: a.clear && b.clear }
 }
 
 fn power(a: Span, b: Span) -> Span {

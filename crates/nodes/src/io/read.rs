@@ -1,6 +1,7 @@
 //! Read: a picture file as colors, weights or a field.
 
 use crate::filter_support;
+use crate::front_support::{bound_at, bound_exact};
 use crate::io_support::{FITS, Fit, Layer, Reading, Stream, controls, knobs, walked};
 use std::path::PathBuf;
 use trochoid_graph::*;
@@ -124,6 +125,13 @@ impl Prepared for Decoded {
         Ok(())
     }
 
+    fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
+        for (channel, layer) in self.layers.iter().enumerate() {
+            bound_at(bounding, outputs, (0, channel), |at| layer.as_ref().map_or(0.0, |layer| layer.reference(at)));
+        }
+        Ok(())
+    }
+
     fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
         let value = |layer: &Option<Layer>| layer.as_ref().map_or(0.0, |layer| layer.reference(inputs.at));
         Ok(vec![filter_support::value(self.kind, self.layers.iter().map(value).collect())])
@@ -170,6 +178,18 @@ impl Prepared for Streamed {
     fn fill(&self, block: &Block<'_>, _inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let mut outs: Vec<_> = self.targets.iter().map(|channel| outputs.take(0, *channel)).collect();
         self.stream.fill(block, &mut outs)
+    }
+
+    fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
+        if self.stream.is_exact() {
+            bound_exact(bounding, outputs);
+            return Ok(());
+        }
+        for (index, channel) in self.targets.iter().enumerate() {
+            let truth = |at| self.stream.reference(at).map_or(f64::NAN, |values| values[index]);
+            bound_at(bounding, outputs, (0, *channel), truth);
+        }
+        Ok(())
     }
 
     fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {

@@ -1,8 +1,10 @@
 //! Texture: a picture file looked up by coordinates.
 
 use crate::filter_support::{blended, fill, value, weights};
+use crate::front_support::{Span, bound_by, known};
 use crate::io_support::{Reading, controls, knobs};
 use std::path::PathBuf;
+use std::sync::OnceLock;
 use trochoid_graph::*;
 use trochoid_image::{Plane, Rgb, Window};
 
@@ -89,7 +91,8 @@ impl Stage for Texture {
             _ => Wrap::Repeat,
         };
         let bilinear = node.text("filter") != "nearest";
-        Ok(Box::new(Looked { node: node.clone(), kind, planes, display, wrap, bilinear, repaired }))
+        let ranges = planes.iter().map(|_| OnceLock::new()).collect();
+        Ok(Box::new(Looked { node: node.clone(), kind, planes, display, wrap, bilinear, repaired, ranges }))
     }
 }
 
@@ -134,6 +137,8 @@ struct Looked {
     wrap: Wrap,
     bilinear: bool,
     repaired: u64,
+    /// The least and the greatest sample of each plane, once someone asks.
+    ranges: Vec<OnceLock<(f64, f64)>>,
 }
 
 /// Two neighbors along an axis, and how far a place lies toward the second.
@@ -159,6 +164,86 @@ impl Looked {
         ([at(0, 0), at(1, 0), at(0, 1), at(1, 1)], [across, down])
     }
 }
+
+impl Looked {
+    /// A plane at u and v in f64.
+    fn truth(&self, plane: &Plane, u: f64, v: f64) -> f64 {
+        let (pixels, [across, down]) = self.taps(u, v);
+        let weights = [(1.0 - across) * (1.0 - down), across * (1.0 - down), (1.0 - across) * down, across * down];
+        let texel = |[x, y]: [i64; 2]| f64::from(plane.nearest(x, y));
+        let terms = pixels.iter().zip(weights).filter(|(_, w)| *w > 0.0);
+        let sum: f64 = terms.map(|(pixel, w)| w * texel(*pixel)).sum();
+        if sum.is_nan() { texel(pixels[0]) } else { sum }
+    }
+
+    /// What a channel may be where u and v may lie anywhere in spans.
+    fn span(&self, channel: usize, [u, v]: [Span; 2]) -> Span {
+        let Some(plane) = &self.planes[channel] else { return Span::exactly(0.0) };
+        if u.low == u.high && v.low == v.high {
+            let truth = self.truth(plane, u.low, v.low);
+            return Span::of(&[truth, truth]).with(u.clear && v.clear);
+        }
+        // Pixels that may count, as they follow one another beyond the picture's edges.
+        let sides = [self.display.width() as f64, self.display.height() as f64];
+        let (center, more) = if self.bilinear { (0.5, 1.0) } else { (0.0, 0.0) };
+        let [across, down] = [(u, sides[0]), (v, sides[1])].map(|(span, side)| {
+            let lost = 1e-15 * side * (1.0 + span.low.abs() + span.high.abs());
+            [(span.low * side - center - lost).floor(), (span.high * side - center + lost).floor() + more]
+        });
+        let count = |[first, last]: [f64; 2]| last - first + 1.0;
+        let few = count(across) * count(down) <= MOST;
+        let texels = if few { self.texels(plane, across, down) } else { Vec::new() };
+        let (least, most) = extremes(texels.iter().flatten().copied());
+        if texels.is_empty() || !(most - least).is_finite() {
+            // It is a blend of some pixels.
+            let all = || extremes(plane.samples().iter().map(|sample| f64::from(*sample)));
+            let (least, most) = *self.ranges[channel].get_or_init(all);
+            return Span::unclear(least, most);
+        }
+        let clear = u.clear && v.clear;
+        if !self.bilinear {
+            return Span { low: least, high: most, clear: least == most };
+        }
+        let (steepest_across, steepest_down) = (
+            texels.iter().flat_map(|row| row.windows(2)).map(|pair| (pair[1] - pair[0]).abs()).fold(0.0, f64::max),
+            texels
+                .windows(2)
+                .flat_map(|rows| rows[0].iter().zip(&rows[1]))
+                .map(|(a, b)| (b - a).abs())
+                .fold(0.0, f64::max),
+        );
+        let off = u.half() * sides[0] * steepest_across + v.half() * sides[1] * steepest_down;
+        let lost = 1e-13
+            * (least.abs().max(most.abs())
+                + (u.middle().abs() * sides[0] + v.middle().abs() * sides[1]) * (most - least));
+        let middle = self.truth(plane, u.middle(), v.middle());
+        Span { low: middle - off, high: middle + off, clear }.wider(lost)
+    }
+
+    /// Rows of pixels from one to another, those beyond the edges as they are wrapped.
+    fn texels(&self, plane: &Plane, across: [f64; 2], down: [f64; 2]) -> Vec<Vec<f64>> {
+        let pixels = |[first, last]: [f64; 2], side: usize, is_up: bool| -> Vec<i64> {
+            let side = side as f64;
+            let of = |at: i64| {
+                let unit = self.wrap.unit((at as f64 + 0.5) / side);
+                (((if is_up { 1.0 - unit } else { unit }) * side).floor() as i64).clamp(0, side as i64 - 1)
+            };
+            (first as i64..=last as i64).map(of).collect()
+        };
+        let columns = pixels(across, self.display.width(), false);
+        let rows = pixels(down, self.display.height(), true);
+        let [x0, y0] = [self.display.x0, self.display.y0];
+        rows.iter().map(|y| columns.iter().map(|x| f64::from(plane.nearest(x0 + x, y0 + y))).collect()).collect()
+    }
+}
+
+/// The least and the greatest of some numbers.
+fn extremes(numbers: impl Iterator<Item = f64>) -> (f64, f64) {
+    numbers.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), number| (least.min(number), most.max(number)))
+}
+
+/// Most pixels that are looked at where a place is not certain.
+const MOST: f64 = 4096.0;
 
 impl Prepared for Looked {
     fn controls(&self) -> Vec<Rgb> {
@@ -188,16 +273,20 @@ impl Prepared for Looked {
         Ok(())
     }
 
+    fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
+        for channel in 0..self.planes.len() {
+            bound_by(bounding, outputs, (0, channel), |sample| {
+                let place = ["u", "v"].map(|port| known(bounding, port, 0, sample).unwrap_or(Span::exactly(0.0)));
+                let span = self.span(channel, place);
+                if matches!(self.kind, Kind::Weights(_)) { span.within(0.0, 1.0) } else { span }
+            });
+        }
+        Ok(())
+    }
+
     fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
         let (u, v) = (inputs.scalar(self.node.source("u")), inputs.scalar(self.node.source("v")));
-        let (pixels, [across, down]) = self.taps(u, v);
-        let weights = [(1.0 - across) * (1.0 - down), across * (1.0 - down), (1.0 - across) * down, across * down];
-        let of = |plane: &Option<Plane>| {
-            let texel = |[x, y]: [i64; 2]| plane.as_ref().map_or(0.0, |plane| f64::from(plane.nearest(x, y)));
-            let terms = pixels.iter().zip(weights).filter(|(_, w)| *w > 0.0);
-            let sum: f64 = terms.map(|(pixel, w)| w * texel(*pixel)).sum();
-            if sum.is_nan() { texel(pixels[0]) } else { sum }
-        };
+        let of = |plane: &Option<Plane>| plane.as_ref().map_or(0.0, |plane| self.truth(plane, u, v));
         Ok(vec![value(self.kind, self.planes.iter().map(of).collect())])
     }
 

@@ -1,5 +1,6 @@
 //! ViewFromPasses: what another renderer saw.
 
+use crate::front_support::bound_exact;
 use crate::io_support::{Fit, Opened, Recipe, Rows, Rule, SharedFile, Stored, Stream, open_pass};
 use std::path::{Path, PathBuf};
 use trochoid_graph::*;
@@ -322,6 +323,14 @@ impl Prepared for View {
                 plane.fill(absent(*channel));
             }
         }
+        Ok(())
+    }
+
+    fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
+        if !self.passes.iter().all(|pass| pass.stream.is_exact()) {
+            return Err(NoBound("its passes are blended"));
+        }
+        bound_exact(bounding, outputs);
         Ok(())
     }
 

@@ -87,6 +87,11 @@ impl Fit {
         self.way == Way::Pixel
     }
 
+    /// Whether every sample is some pixel of the picture, as it is.
+    pub(crate) fn is_exact(&self) -> bool {
+        self.way != Way::Bilinear
+    }
+
     /// Lays rows of a picture over a block. `line` gives the pixels from (x, y) on, one row for each channel.
     pub(crate) fn lay(
         &self,

@@ -88,6 +88,11 @@ impl Stream {
         self.fit.blend(at, &mut texel)
     }
 
+    /// Whether every sample is some pixel of the file, as it is.
+    pub(crate) fn is_exact(&self) -> bool {
+        self.fit.is_exact()
+    }
+
     /// Values that were repaired in the rows that anyone asked for.
     pub(crate) fn repaired(&self) -> u64 {
         self.judged.iter().map(|judged| judged.load(Ordering::Relaxed).saturating_sub(1)).sum()

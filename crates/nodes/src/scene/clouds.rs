@@ -377,6 +377,10 @@ impl Prepared for Cloudy {
         Ok(())
     }
 
+    fn bound(&self, _bounding: &Bounding<'_>, _outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
+        Err(NoBound("its march ends, and meets layers, where what it has met says so"))
+    }
+
     fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
         let ray = self.eye.ray(inputs.at[0], inputs.at[1]);
         let [density, light, depth] =

@@ -1,15 +1,15 @@
 //! CrestFoam: foam on crests that are high and flat.
 
-use crate::scene_support::{ViewMask, ramp};
+use crate::scene_support::{Ramp, ViewMask};
 use trochoid_graph::*;
 
 pub(crate) static NODE: &dyn NodeType = &ViewMask {
     declaration: &DECLARATION,
     channels: &[ViewChannel::Height, ViewChannel::NormalY],
-    formula: |node| {
+    ramps: |node| {
         let [height, rise, flatness, softness] =
             ["height", "rise", "flatness", "softness"].map(|knob| node.number(knob));
-        Box::new(move |values| ramp(values[0], height, rise) * ramp(values[1], flatness, softness))
+        vec![Ramp::Rising { from: height, width: rise }, Ramp::Rising { from: flatness, width: softness }]
     },
 };
 

@@ -1,6 +1,7 @@
 //! Curvature: how sharply a surface bends.
 
-use crate::scene_support::{Around, NORMAL, POSITION, change, grown, surface_of, view_planes, view_vector};
+use crate::front_support::{Span, bound_by, certain};
+use crate::scene_support::{Around, NORMAL, POSITION, change, grown, may_see, surface_of, view_planes, view_vector};
 use trochoid_graph::*;
 use trochoid_image::{Format, Window};
 use trochoid_scene::DVec3;
@@ -83,6 +84,34 @@ fn curvature(here: Point, beside: [[Option<Point>; 2]; 2]) -> f64 {
     if area > 1e-6 * e * g && curvature.is_finite() { curvature } else { 0.0 }
 }
 
+/// Position and normal of a sample, each coordinate somewhere in a span.
+type NearPoint = [[Span; 3]; 2];
+
+/// What [`curvature`] may be.
+fn may_bend(here: NearPoint, beside: [[Option<NearPoint>; 2]; 2]) -> Span {
+    let along = |[before, after]: [Option<NearPoint>; 2]| -> Option<NearPoint> {
+        let of = |index: usize, axis: usize| {
+            let own = |point: NearPoint| point[index][axis];
+            change(before.map(own), own(here), after.map(own))
+        };
+        before.or(after)?;
+        let nothing = Span::exactly(0.0);
+        Some([0, 1].map(|index| [0, 1, 2].map(|axis| of(index, axis).unwrap_or(nothing))))
+    };
+    let [Some([px, nx]), Some([py, ny])] = beside.map(along) else { return Span::exactly(0.0) };
+    let dot = |a: [Span; 3], b: [Span; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+    let (e, f, g) = (dot(px, px), dot(px, py), dot(py, py));
+    let (area, least) = (e * g - f * f, e * g * 1e-6);
+    let bend = dot(px, nx) * g - (dot(px, ny) + dot(py, nx)) * f + dot(py, ny) * e;
+    if area.low > least.high {
+        bend / (area * 2.0)
+    } else if area.high < least.low {
+        Span::exactly(0.0)
+    } else {
+        Span::unclear(f64::NAN, f64::NAN)
+    }
+}
+
 impl Prepared for Bending {
     fn fill(&self, block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let Some(plane) = outputs.take(0, 0) else { return Ok(()) };
@@ -105,6 +134,31 @@ impl Prepared for Bending {
             };
             *out = curvature(point(here), [[at(-1, 0), at(1, 0)], [at(0, -1), at(0, 1)]]) as f32;
         }
+        Ok(())
+    }
+
+    fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
+        let around = Around::of(bounding.inputs);
+        let point =
+            |there: usize| [POSITION, NORMAL].map(|channels| channels.map(|channel| certain(bounding, channel, there)));
+        let mut pixels = bounding.block.pixels();
+        bound_by(bounding, outputs, (0, 0), |_| {
+            let [x, y] = pixels.next().unwrap_or_default();
+            let here = around.index(x, y);
+            let own = may_see(bounding, here);
+            let mut known = own.is_exact();
+            if known && own.low < 0.0 {
+                return Span::exactly(0.0);
+            }
+            let mut at = |dx: i64, dy: i64| {
+                let there = around.index(x + dx * self.reach, y + dy * self.reach);
+                let seen = may_see(bounding, there);
+                known &= seen.is_exact();
+                (seen.low == own.low).then(|| point(there))
+            };
+            let beside = [[at(-1, 0), at(1, 0)], [at(0, -1), at(0, 1)]];
+            if known { may_bend(point(here), beside) } else { Span::unclear(f64::NAN, f64::NAN) }
+        });
         Ok(())
     }
 

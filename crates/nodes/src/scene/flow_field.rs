@@ -339,6 +339,10 @@ impl Prepared for Flowing {
         Ok(())
     }
 
+    fn bound(&self, _bounding: &Bounding<'_>, _outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
+        Err(NoBound("where directions meet, none is near another"))
+    }
+
     fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
         let (shape, size) = shape(&self.node);
         let weights = shape.reference(size);

@@ -1,15 +1,12 @@
 //! FoldFoam: foam where the water's surface is squeezed.
 
-use crate::scene_support::{ViewMask, ramp};
+use crate::scene_support::{Ramp, ViewMask};
 use trochoid_graph::*;
 
 pub(crate) static NODE: &dyn NodeType = &ViewMask {
     declaration: &DECLARATION,
     channels: &[ViewChannel::Jacobian],
-    formula: |node| {
-        let (threshold, width) = (node.number("threshold"), node.number("width"));
-        Box::new(move |values| if values[0] < threshold { ramp(threshold - values[0], 0.0, width) } else { 0.0 })
-    },
+    ramps: |node| vec![Ramp::Falling { from: node.number("threshold"), width: node.number("width") }],
 };
 
 static DECLARATION: Declaration = Declaration {

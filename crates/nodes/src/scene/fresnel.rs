@@ -1,8 +1,9 @@
 //! Fresnel: how much of what reaches the eye is mirrored.
 
+use crate::front_support::{bound_by, where_covered};
 use crate::scene_support::{
-    COMBINE, Lights, NORMAL, POSITION, eye, is_bare, is_covered, nothing, toward_eye, uncover, view_directions,
-    view_planes, view_vector,
+    COMBINE, Lights, NORMAL, Near, POSITION, Toward, eye, is_bare, is_covered, nothing, toward_eye, uncover,
+    view_directions, view_planes, view_vector,
 };
 use trochoid_graph::*;
 use trochoid_scene::Projector;
@@ -97,6 +98,21 @@ impl Prepared for Mirror {
             })?,
         }
         uncover(inputs, mask);
+        Ok(())
+    }
+
+    fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
+        let share = |cosine: f64| fresnel::schlick(cosine, self.eta);
+        bound_by(bounding, outputs, (0, 0), |sample| {
+            where_covered(bounding, sample, || {
+                let point = Near::point(bounding, sample);
+                let view = Toward::eye(&self.eye, point);
+                match self.cosine {
+                    Cosine::View => Toward::normal(bounding, sample).cosine(view).through(share).within(0.0, 1.0),
+                    Cosine::Half => self.lights.may_give(point, |light| light.half_cosine(view).through(share)),
+                }
+            })
+        });
         Ok(())
     }
 

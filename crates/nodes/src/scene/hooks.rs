@@ -321,6 +321,10 @@ impl Prepared for Growing {
         Ok(())
     }
 
+    fn bound(&self, _bounding: &Bounding<'_>, _outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
+        Err(NoBound("a place belongs to the nearest step of a spine, and which is the nearest may change anywhere"))
+    }
+
     fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
         let depth = inputs.view(self.node.source("view"), ViewChannel::Depth);
         let (mut values, mut left) = ([0.0; VALUES], 1.0);

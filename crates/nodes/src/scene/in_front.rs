@@ -1,5 +1,6 @@
 //! InFront: which of two views is nearer.
 
+use crate::front_support::{Span, bound_by, known};
 use crate::scene_support::check_same_camera;
 use trochoid_graph::*;
 
@@ -68,6 +69,9 @@ fn mask(depth: f64, other: f64, soft: f64) -> f64 {
     }
 }
 
+/// What the difference of depths loses, relative to them.
+const LOST: f64 = 1e-15;
+
 impl Prepared for Compared {
     fn fill(&self, _block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let Some(out) = outputs.take(0, 0) else { return Ok(()) };
@@ -75,6 +79,28 @@ impl Prepared for Compared {
         for ((out, depth), other) in out.iter_mut().zip(depth).zip(other) {
             *out = mask(f64::from(*depth), f64::from(*other), self.soft) as f32;
         }
+        Ok(())
+    }
+
+    fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
+        bound_by(bounding, outputs, (0, 0), |sample| {
+            let [depth, other] = ["view", "other"].map(|port| {
+                let background = f64::from(ViewChannel::Depth.background());
+                known(bounding, port, ViewChannel::Depth as usize, sample).unwrap_or(Span::exactly(background))
+            });
+            // The mask falls with the depth and rises with the other.
+            let ends = [mask(depth.high, other.low, self.soft), mask(depth.low, other.high, self.soft)];
+            if ends.iter().any(|end| end.is_nan()) {
+                return Span::unclear(0.0, 1.0);
+            }
+            if ends[0] == ends[1] && (ends[0] == 0.0 || ends[0] == 1.0) {
+                return Span::exactly(ends[0]);
+            }
+            let smooth = self.soft > 0.0 && depth.high.is_finite() && other.high.is_finite();
+            let slack = LOST * (depth.high.abs() + other.high.abs()) / self.soft;
+            let span = Span { low: ends[0], high: ends[1], clear: smooth && depth.clear && other.clear };
+            if smooth { span.wider(slack).within(0.0, 1.0) } else { span }
+        });
         Ok(())
     }
 

@@ -1,5 +1,6 @@
 //! LightPool: sun that falls through gaps of the clouds.
 
+use crate::front_support::{Span, bound_by, certain, known, where_covered};
 use crate::scene_support::{POSITION, is_covered, nothing, uncover, view_planes, view_vector};
 use trochoid_graph::*;
 use trochoid_scene::{DVec3, Light};
@@ -134,22 +135,72 @@ struct Falling {
     to: f64,
 }
 
+/// What rounding loses of a sum, for a unit of what is added.
+const LOST: f64 = 1e-14;
+
+/// The largest of three numbers' sizes.
+fn size(numbers: [f64; 3]) -> f64 {
+    numbers.into_iter().fold(0.0, |most, number| most.max(number.abs()))
+}
+
 /// Gaussians of more than this power are nothing.
 const NOTHING: f64 = 40.0;
 
 impl Falling {
     fn mask(&self, point: DVec3, noise: f64) -> f64 {
-        let place = [point.x - self.slant[0] * point.y, point.z - self.slant[1] * point.y];
         let light = |pool: &Pool| {
-            let [dx, dz] = [place[0] - pool.center[0], place[1] - pool.center[1]];
-            let [cos, sin] = pool.along;
-            let (a, b) = ((dx * cos + dz * sin) / pool.size[0], (dz * cos - dx * sin) / pool.size[1]);
+            let [a, b] = self.across(pool, point);
             let power = a * a + b * b;
             if power < NOTHING { pool.strength * libm::exp(-power) } else { 0.0 }
         };
         let sum = self.pools.iter().map(light).sum::<f64>() + self.ragged * noise;
+        self.brightness(sum)
+    }
+
+    /// The mask of a sum of light.
+    fn brightness(&self, sum: f64) -> f64 {
         let t = crate::scene_support::ramp(sum, self.from, self.to - self.from);
         t * t * (3.0 - 2.0 * t)
+    }
+
+    /// What the mask may be, where a point and the noise may lie anywhere in spans.
+    fn span(&self, point: [Span; 3], noise: Span) -> Span {
+        let (middle, half) = (point.map(Span::middle), point.map(Span::half));
+        let reach = |axis: usize, along: usize| {
+            let lost = LOST * (1.0 + self.slant[axis].abs()) * size(middle);
+            half[along] + self.slant[axis].abs() * half[1] + if size(half) > 0.0 { lost } else { 0.0 }
+        };
+        let (dx, dz) = (reach(0, 0), reach(1, 2));
+        let (mut low, mut high) = (self.ragged * noise.low, self.ragged * noise.high);
+        (low, high) = (low.min(high), low.max(high));
+        if low.is_nan() || high.is_nan() {
+            return Span::unclear(0.0, 1.0);
+        }
+        for pool in &self.pools {
+            let [cos, sin] = pool.along.map(f64::abs);
+            let [a, b] = self.across(pool, DVec3::from(middle));
+            let away = [(a, (dx * cos + dz * sin) / pool.size[0]), (b, (dz * cos + dx * sin) / pool.size[1])];
+            let power =
+                |end: fn(f64, f64) -> f64| away.map(|(at, by)| end(at.abs(), by).max(0.0).powi(2)).iter().sum::<f64>();
+            let light = |power: f64| if power < NOTHING { pool.strength * libm::exp(-power) } else { 0.0 };
+            low += light(power(|at, by| at + by));
+            high += light(power(|at, by| at - by));
+        }
+        // What is nothing of pools, and what sums lose.
+        let strength = self.pools.iter().map(|pool| pool.strength).sum::<f64>();
+        let sum = Span { low, high, clear: true }.wider(LOST * (strength + (self.ragged * noise.high).abs()));
+        let ends = [sum.low, sum.high].map(|sum| self.brightness(sum));
+        let clear = noise.clear && point.iter().all(|along| along.clear);
+        let mask = Span::of(&ends).wider(LOST).within(0.0, 1.0);
+        mask.with(clear && (self.to > self.from || ends[0] == ends[1]))
+    }
+
+    /// How far a point lies from a pool's center along and across it, in halves of its size.
+    fn across(&self, pool: &Pool, point: DVec3) -> [f64; 2] {
+        let place = [point.x - self.slant[0] * point.y, point.z - self.slant[1] * point.y];
+        let [dx, dz] = [place[0] - pool.center[0], place[1] - pool.center[1]];
+        let [cos, sin] = pool.along;
+        [(dx * cos + dz * sin) / pool.size[0], (dz * cos - dx * sin) / pool.size[1]]
     }
 }
 
@@ -163,6 +214,16 @@ impl Prepared for Falling {
             *out = self.mask(point, noise.map_or(0.0, |noise| f64::from(noise[index]))) as f32;
         }
         uncover(inputs, mask);
+        Ok(())
+    }
+
+    fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
+        bound_by(bounding, outputs, (0, 0), |sample| {
+            where_covered(bounding, sample, || {
+                let point = POSITION.map(|channel| certain(bounding, channel, sample));
+                self.span(point, known(bounding, "noise", 0, sample).unwrap_or(Span::exactly(0.0)))
+            })
+        });
         Ok(())
     }
 

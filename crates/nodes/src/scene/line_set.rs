@@ -268,6 +268,10 @@ impl Prepared for Drawing {
         Ok(())
     }
 
+    fn bound(&self, _bounding: &Bounding<'_>, _outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
+        Err(NoBound("places beside each other say how wide an edge is, in a quotient without end"))
+    }
+
     fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
         let source = self.node.source("place");
         let place = |dx: f64, dy: f64| {

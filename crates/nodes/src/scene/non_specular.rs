@@ -1,7 +1,8 @@
 //! NonSpecular: how much light reaches a point, all but reflections.
 
+use crate::front_support::{bound_by, where_covered};
 use crate::scene_support::{
-    COMBINE, Lights, NORMAL, POSITION, is_bare, is_covered, nothing, uncover, view_planes, view_vector,
+    COMBINE, Lights, NORMAL, Near, POSITION, Toward, is_bare, is_covered, nothing, uncover, view_planes, view_vector,
 };
 use trochoid_graph::*;
 use trochoid_scene::shading::lambert;
@@ -72,6 +73,17 @@ impl Prepared for Lit {
         let normals = view_planes(inputs, NORMAL);
         self.lights.fill(inputs, mask, |light, out| lambert::fill(normals, light, self.power as f32, out))?;
         uncover(inputs, mask);
+        Ok(())
+    }
+
+    fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
+        bound_by(bounding, outputs, (0, 0), |sample| {
+            where_covered(bounding, sample, || {
+                let normal = Toward::normal(bounding, sample);
+                let share = |cosine: f64| libm::pow((cosine + 1.0) / 2.0, self.power);
+                self.lights.may_give(Near::point(bounding, sample), |light| normal.cosine(light).through(share))
+            })
+        });
         Ok(())
     }
 

@@ -1,5 +1,6 @@
 //! ObjectMask: which object is seen.
 
+use crate::front_support::{Span, bound_by, certain};
 use crate::scene_support::{Looking, SurfaceHandle, check_indices};
 use std::sync::Arc;
 use trochoid_graph::*;
@@ -103,6 +104,21 @@ impl Prepared for Chosen {
         for (mask, surface) in mask.iter_mut().zip(inputs.view("view", ViewChannel::Surface)) {
             *mask = self.mask(*surface);
         }
+        Ok(())
+    }
+
+    fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
+        bound_by(bounding, outputs, (0, 0), |sample| {
+            let surface = certain(bounding, ViewChannel::Surface, sample);
+            if surface.low == surface.high {
+                Span::exactly(f64::from(self.mask(surface.low as f32)))
+            } else if self.indices.iter().any(|index| surface.holds(f64::from(*index))) {
+                Span::unclear(0.0, 1.0)
+            } else {
+                // Whichever is seen, it is none of those.
+                Span::exactly(0.0)
+            }
+        });
         Ok(())
     }
 

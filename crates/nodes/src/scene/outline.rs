@@ -1,5 +1,6 @@
 //! Outline: lines where one thing ends before another.
 
+use crate::front_support::{Span, bound_by, certain, known};
 use crate::scene_support::{Around, grown, surface_of};
 use trochoid_graph::*;
 use trochoid_image::{Format, Window};
@@ -198,6 +199,123 @@ impl Drawing {
     }
 }
 
+/// What rounding loses of widths.
+const LOST: f64 = 1e-15;
+
+/// Whether something holds: `None` where that is not certain.
+type Holds = Option<bool>;
+const YES: Holds = Some(true);
+const NO: Holds = Some(false);
+
+fn and(a: Holds, b: Holds) -> Holds {
+    match (a, b) {
+        (YES, YES) => YES,
+        (NO, _) | (_, NO) => NO,
+        _ => None,
+    }
+}
+
+fn not(a: Holds) -> Holds {
+    a.map(|a| !a)
+}
+
+/// Whether a number is above another.
+fn above(a: [f64; 2], b: [f64; 2]) -> Holds {
+    if a[0] > b[1] {
+        YES
+    } else if a[1] <= b[0] {
+        NO
+    } else {
+        None
+    }
+}
+
+/// The absolute difference a − b of numbers that lie between others.
+fn apart(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
+    let (low, high) = (a[0] - b[1], a[1] - b[0]);
+    let slack = LOST * (a[1].abs() + b[1].abs());
+    let least = if low <= 0.0 && high >= 0.0 { 0.0 } else { low.abs().min(high.abs()) };
+    [(least - slack).max(0.0), low.abs().max(high.abs()) + slack]
+}
+
+/// What a sample may see: its surface where that is certain, and between which numbers 1/depth lies.
+struct NearSeen {
+    surface: Option<f64>,
+    w: [f64; 2],
+}
+
+impl NearSeen {
+    /// Whether it sees the same surface as another.
+    fn is_like(&self, other: &Self) -> Holds {
+        Some(self.surface? == other.surface?)
+    }
+
+    /// Whether it belongs to the owner of an edge.
+    fn may_belong(&self, owner: &Self, other: &Self) -> Holds {
+        and(self.is_like(owner), not(above(apart(self.w, owner.w), apart(self.w, other.w))))
+    }
+}
+
+impl Drawing {
+    /// What a sample may see.
+    fn near(&self, bounding: &Bounding<'_>, sample: usize) -> NearSeen {
+        let [coverage, surface, depth] = [ViewChannel::Coverage, ViewChannel::Surface, ViewChannel::Depth]
+            .map(|channel| certain(bounding, channel, sample));
+        if coverage.high <= 0.0 {
+            return NearSeen { surface: Some(-1.0), w: [0.0; 2] };
+        }
+        let w = [depth.high, depth.low].map(|depth| 1.0 / depth.max(1e-6));
+        if coverage.low > 0.0 && surface.low == surface.high {
+            let seen = self.seen(surface.low.max(0.0), depth.low);
+            NearSeen { surface: Some(seen.surface), w }
+        } else {
+            NearSeen { surface: None, w: [0.0, w[1]] }
+        }
+    }
+
+    /// Whether an edge parts `a` from `b`, as [`parted`](Self::parted) has it.
+    fn may_part(&self, before: &NearSeen, a: &NearSeen, b: &NearSeen, after: &NearSeen) -> Holds {
+        let differs = if self.objects { not(a.is_like(b)) } else { NO };
+        if differs == YES {
+            return YES;
+        }
+        let step = [0, 1].map(|end| self.depth_step * a.w[end].min(b.w[end]));
+        let foretold = |from: [f64; 2], by: [f64; 2]| [2.0 * from[0] - by[1], 2.0 * from[1] - by[0]];
+        let jumps = and(
+            above(apart(a.w, b.w), step),
+            and(above(apart(b.w, foretold(a.w, before.w)), step), above(apart(a.w, foretold(b.w, after.w)), step)),
+        );
+        if jumps == YES {
+            YES
+        } else if differs == NO {
+            jumps
+        } else {
+            None
+        }
+    }
+
+    /// Whether an edge's `owner` draws, where it stands before the `other` along the axis or after it.
+    fn may_own(&self, owner: &NearSeen, other: &NearSeen, is_first: bool) -> Holds {
+        // Of equals the first one is the nearer.
+        let nearer = if is_first { not(above(other.w, owner.w)) } else { above(owner.w, other.w) };
+        let listed = match owner.is_like(other) {
+            None => None,
+            YES => nearer,
+            NO => {
+                let rank = |seen: &NearSeen| seen.surface.map(|surface| Seen { surface, w: 0.0 }.rank());
+                rank(owner).zip(rank(other)).map(|(owner, other)| owner < other)
+            }
+        };
+        match self.owner {
+            Owner::Near => nearer,
+            Owner::Far => not(nearer),
+            Owner::Both => YES,
+            Owner::First => listed,
+            Owner::Last => not(listed),
+        }
+    }
+}
+
 /// Across and down.
 const STEPS: [(i64, i64); 2] = [(1, 0), (0, 1)];
 
@@ -247,6 +365,57 @@ impl Prepared for Drawing {
                 }
             }
         }
+        Ok(())
+    }
+
+    fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
+        let around = Around::of(bounding.inputs);
+        let seen: Vec<NearSeen> = (0..around.area()).map(|sample| self.near(bounding, sample)).collect();
+        let at = |x: i64, y: i64| &seen[around.index(x, y)];
+        let reach = reach(self.width);
+        // Every edge across and down of which one side may own something within the window.
+        let edges = grown(bounding.block.window, reach + 1);
+        let part = |x: i64, y: i64| {
+            STEPS.map(|(dx, dy)| {
+                self.may_part(at(x - dx, y - dy), at(x, y), at(x + dx, y + dy), at(x + 2 * dx, y + 2 * dy))
+            })
+        };
+        let parted: Vec<[Holds; 2]> = (edges.y0..edges.y1)
+            .flat_map(|y| (edges.x0..edges.x1).map(move |x| (x, y)))
+            .map(|(x, y)| part(x, y))
+            .collect();
+        let mut pixels = bounding.block.pixels();
+        bound_by(bounding, outputs, (0, 0), |sample| {
+            let [px, py] = pixels.next().unwrap_or_default();
+            let thickness = known(bounding, "thickness", 0, sample).unwrap_or(Span::exactly(1.0));
+            let width = thickness.through(|thickness| self.width * thickness);
+            // What is drawn for certain, and what may be.
+            let (mut sure, mut most) = (0.0_f64, 0.0_f64);
+            for (x, y) in (-reach..=reach).flat_map(|y| (-reach..=reach).map(move |x| (x, y))) {
+                let away = libm::sqrt((x * x + y * y) as f64);
+                let drawn = [width.low, width.high].map(|width| (width - away).clamp(0.0, 1.0));
+                if drawn[1] <= most && drawn[0] <= sure {
+                    continue;
+                }
+                for (dx, dy) in [(1, 0), (-1, 0), (0, 1), (0, -1)] {
+                    let (x, y) = (px + x, py + y);
+                    let (left, upper) = (x.min(x + dx), y.min(y + dy));
+                    let index = (upper - edges.y0) as usize * edges.width() + (left - edges.x0) as usize;
+                    let parted = parted[index][usize::from(dx == 0)];
+                    if parted == NO {
+                        continue;
+                    }
+                    let [owner, other] = [at(x, y), at(x + dx, y + dy)];
+                    let own = if (x, y) == (px, py) { YES } else { at(px, py).may_belong(owner, other) };
+                    let owns = and(parted, and(self.may_own(owner, other, dx + dy > 0), own));
+                    sure = if owns == YES { sure.max(drawn[0]) } else { sure };
+                    most = if owns == NO { most } else { most.max(drawn[1]) };
+                }
+            }
+            // What a width is off by is no jump.
+            let clear = thickness.clear && most - sure <= width.high - width.low + LOST;
+            Span { low: sure, high: most, clear }.wider(LOST).within(0.0, 1.0)
+        });
         Ok(())
     }
 

@@ -1,5 +1,6 @@
 //! Shadow: what keeps the light away.
 
+use crate::front_support::{Span, bound_by, where_covered};
 use crate::scene_support::{BEYOND, COMBINE, DETAIL, Lights, Rays, Seen, Surroundings, asked, check_surfaces, landed};
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -124,6 +125,12 @@ impl Prepared for Shadowed {
     fn fill(&self, block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let Some(mask) = outputs.take(0, 0) else { return Ok(()) };
         self.surroundings.fill(block, inputs, mask, |seen, rays| self.mask(seen, rays))
+    }
+
+    fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
+        // The reference's rays meet the surfaces themselves: facets may let them pass, or stop them.
+        bound_by(bounding, outputs, (0, 0), |sample| where_covered(bounding, sample, || Span::unclear(0.0, 1.0)));
+        Ok(())
     }
 
     fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {

@@ -1,8 +1,9 @@
 //! Silhouette: where a surface turns away from the eye.
 
+use crate::front_support::{Span, bound_by, where_covered};
 use crate::scene_support::{
-    Around, NORMAL, POSITION, change, eye, grown, is_covered, surface_of, toward_eye, view_directions, view_planes,
-    view_vector,
+    Around, NORMAL, Near, POSITION, Toward, change, eye, grown, is_covered, may_see, surface_of, toward_eye,
+    view_directions, view_planes, view_vector,
 };
 use trochoid_graph::*;
 use trochoid_image::{Format, Window};
@@ -120,6 +121,9 @@ impl Turning {
     }
 }
 
+/// What rounding loses of a mask.
+const LOST: f64 = 1e-12;
+
 impl Prepared for Turning {
     fn fill(&self, block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let around = Around::of(inputs);
@@ -158,6 +162,69 @@ impl Prepared for Turning {
                 }
             };
         }
+        Ok(())
+    }
+
+    fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
+        let around = Around::of(bounding.inputs);
+        let edge = |there: usize| {
+            let view = Toward::eye(&self.eye, Near::point(bounding, there));
+            Toward::normal(bounding, there).cosine(view).within(0.0, 1.0)
+        };
+        let pixels: Vec<usize> = bounding.block.pixels().map(|[x, y]| around.index(x, y)).collect();
+        bound_by(bounding, outputs, (1, 0), |sample| {
+            // Where nothing is seen the mask is 1.
+            let faced = where_covered(bounding, pixels[sample], || edge(pixels[sample]).through(|e| 1.0 - e));
+            if faced.is_exact() {
+                Span::exactly(1.0 - faced.low)
+            } else {
+                faced.through(|faced| 1.0 - faced).within(0.0, 1.0)
+            }
+        });
+        let mut places = bounding.block.pixels();
+        bound_by(bounding, outputs, (0, 0), |sample| {
+            let [x, y] = places.next().unwrap_or_default();
+            where_covered(bounding, pixels[sample], || match self.width {
+                None => {
+                    let e = edge(pixels[sample]);
+                    let ends = [self.cut(e.high), self.cut(e.low)];
+                    let cut = Span::of(&ends).wider(LOST).within(0.0, 1.0);
+                    if ends[0] == ends[1] && (ends[0] == 0.0 || ends[0] == 1.0) {
+                        Span::exactly(ends[0])
+                    } else {
+                        cut.with(e.clear && self.ramp > 0.0)
+                    }
+                }
+                Some(width) => {
+                    let seen = |x: i64, y: i64| may_see(bounding, around.index(x, y));
+                    let squared = |x: i64, y: i64| edge(around.index(x, y)).through(|e| e * e).within(0.0, 1.0);
+                    let (here, own) = (seen(x, y), squared(x, y));
+                    let mut clear = here.is_exact() && own.clear;
+                    let mut changes = [0.0; 2];
+                    let mut least = [0.0; 2];
+                    for (axis, [dx, dy]) in [[1, 0], [0, 1]].into_iter().enumerate() {
+                        let beside = [-1, 1].map(|side| {
+                            let there = seen(x + side * dx, y + side * dy);
+                            clear &= there.is_exact();
+                            (there.low == here.low).then(|| squared(x + side * dx, y + side * dy))
+                        });
+                        let Some(change) = change(beside[0], own, beside[1]) else { continue };
+                        clear &= change.clear;
+                        changes[axis] = change.low.abs().max(change.high.abs());
+                        least[axis] = if change.holds(0.0) { 0.0 } else { change.low.abs().min(change.high.abs()) };
+                    }
+                    if !clear {
+                        return Span::unclear(0.0, 1.0);
+                    }
+                    let [steepest, flattest] = [changes, least].map(|[across, down]| libm::hypot(across, down));
+                    let line = |squared: f64, slope: f64| Self::line(width, squared, [Some(slope), None]);
+                    let span =
+                        Span::of(&[line(own.high, flattest), line(own.low, steepest)]).wider(LOST).within(0.0, 1.0);
+                    // Where neither the square nor its slope is certain not to vanish there is no line or a whole one.
+                    span.with(flattest > 0.0 || (own.low > 0.0 && steepest == 0.0))
+                }
+            })
+        });
         Ok(())
     }
 

@@ -1,6 +1,7 @@
 //! Sky: how high the eye looks, straight and by way of the surface.
 
-use crate::scene_support::{NORMAL, eye, is_covered, view_planes, view_vector};
+use crate::front_support::{bound_at, bound_by, where_covered};
+use crate::scene_support::{NORMAL, Toward, eye, is_covered, view_planes, view_vector};
 use trochoid_graph::*;
 use trochoid_scene::shading::unit_or_up;
 use trochoid_scene::{DVec3, Projector};
@@ -86,10 +87,17 @@ impl Looking {
     /// The mask of a direction of any length.
     fn mask(&self, direction: DVec3) -> f64 {
         let level = (direction.x * direction.x + direction.z * direction.z).sqrt();
-        let elevation = libm::atan2(direction.y, level).to_degrees();
+        self.share(libm::atan2(direction.y, level).to_degrees())
+    }
+
+    /// The mask of an elevation in degrees.
+    fn share(&self, elevation: f64) -> f64 {
         ((elevation - self.from) / (self.to - self.from)).clamp(0.0, 1.0)
     }
 }
+
+/// What rounding loses of a share.
+const LOST: f64 = 1e-14;
 
 /// A direction as a plane of this normal mirrors it.
 fn mirrored(direction: DVec3, normal: DVec3) -> DVec3 {
@@ -110,6 +118,21 @@ impl Prepared for Looking {
             let normal = DVec3::from(normals.map(|plane| f64::from(plane[index])));
             *out = if coverage[index] > 0.0 { self.mask(mirrored(ray(at), normal)) as f32 } else { 0.0 };
         }
+        Ok(())
+    }
+
+    fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
+        let ray = |[x, y]: [f64; 2]| self.eye.ray(x, y).direction;
+        bound_at(bounding, outputs, (0, 0), |at| self.mask(ray(at)));
+        let mut places = bounding.block.places();
+        bound_by(bounding, outputs, (1, 0), |sample| {
+            let at = places.next().unwrap_or_default();
+            where_covered(bounding, sample, || {
+                // What a normal turns by, its mirror image turns by twice, and its elevation by no more.
+                let mirrored = Toward::normal(bounding, sample).mirrored(Toward::exactly(-ray(at)));
+                mirrored.elevation().through(|degrees| self.share(degrees)).wider(LOST).within(0.0, 1.0)
+            })
+        });
         Ok(())
     }
 

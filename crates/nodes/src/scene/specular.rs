@@ -1,9 +1,11 @@
 //! Specular: where a light is mirrored toward the eye.
 
+use crate::front_support::{Span, bound_by, certain, where_covered};
 use crate::scene_support::{
-    COMBINE, Lights, NORMAL, POSITION, eye, is_bare, is_covered, nothing, toward_eye, uncover, view_directions,
-    view_planes, view_vector,
+    COMBINE, Lights, NORMAL, Near, POSITION, Toward, eye, is_bare, is_covered, nothing, toward_eye, uncover,
+    view_directions, view_planes, view_vector,
 };
+use std::f64::consts::FRAC_PI_2;
 use trochoid_graph::*;
 use trochoid_scene::Projector;
 use trochoid_scene::shading::blinn::{self, Model};
@@ -75,6 +77,33 @@ struct Mirror {
     model: Model,
 }
 
+impl Mirror {
+    /// What the lobe may be of one light, for exponents of a span.
+    fn lobe(&self, [normal, light, view]: [Toward; 3], exponents: Span) -> Span {
+        let apart = match self.model {
+            Model::Half => normal.angle(light.halfway(view)),
+            Model::Reflection => normal.mirrored(light).angle(view),
+        };
+        let of = |angle: f64, exponent: f64| {
+            let away = 2.0 * libm::sin(angle / 2.0) * libm::sin(angle / 2.0);
+            if angle < FRAC_PI_2 { libm::exp(exponent * libm::log1p(-away.min(1.0))) } else { 0.0 }
+        };
+        let jumps = exponents.low == 0.0 && apart.holds(FRAC_PI_2);
+        let lobe = Span::of(&[of(apart.high, exponents.high), of(apart.low, exponents.low)]).within(0.0, 1.0);
+        let lobe = lobe.with(apart.clear && exponents.clear && !jumps);
+        // Seen from behind the surface there is no light.
+        let faces = normal.angle(light);
+        if faces.low > FRAC_PI_2 {
+            Span::exactly(0.0).with(faces.clear)
+        } else if faces.high < FRAC_PI_2 {
+            lobe
+        } else {
+            let is_dark = lobe.low == lobe.high && lobe.low == 0.0;
+            lobe.or(Span::exactly(0.0)).with(is_dark)
+        }
+    }
+}
+
 impl Prepared for Mirror {
     fn fill(&self, _block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let Some(mask) = outputs.take(0, 0) else { return Ok(()) };
@@ -90,6 +119,20 @@ impl Prepared for Mirror {
             blinn::fill(normals, light, views, self.shininess as f32, variances, self.model, out);
         })?;
         uncover(inputs, mask);
+        Ok(())
+    }
+
+    fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
+        bound_by(bounding, outputs, (0, 0), |sample| {
+            where_covered(bounding, sample, || {
+                let (point, normal) = (Near::point(bounding, sample), Toward::normal(bounding, sample));
+                let view = Toward::eye(&self.eye, point);
+                let variance = certain(bounding, ViewChannel::SlopeVariance, sample);
+                let exponents = variance.through(|variance| blinn::widened(self.shininess, variance, self.model));
+                let exponents = exponents.within(0.0, self.shininess);
+                self.lights.may_give(point, |light| self.lobe([normal, light, view], exponents))
+            })
+        });
         Ok(())
     }
 

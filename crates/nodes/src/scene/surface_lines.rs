@@ -252,6 +252,10 @@ impl Prepared for Drawing {
         Ok(())
     }
 
+    fn bound(&self, _bounding: &Bounding<'_>, _outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
+        Err(NoBound("the slope of its net jumps wherever another cell is the nearest"))
+    }
+
     fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
         if !is_covered(&self.node, inputs) {
             return Ok(vec![Reference::Mask(0.0), Reference::Field(vec![0.0]), Reference::Field(vec![0.0])]);

@@ -1,5 +1,6 @@
 //! Thickness: how much water light has to pass.
 
+use crate::front_support::{Span, bound_by, where_covered};
 use crate::scene_support::{
     BEYOND, DETAIL, DISTANCE, INSET, Rays, Seen, Surroundings, Way, asked, check_surfaces, eye, toward_eye,
 };
@@ -114,6 +115,14 @@ impl Prepared for Thick {
     fn fill(&self, block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let Some(out) = outputs.take(0, 0) else { return Ok(()) };
         self.surroundings.fill(block, inputs, out, |seen, rays| self.thickness(seen, rays))
+    }
+
+    fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
+        // The reference's rays meet the surfaces themselves: facets may let them pass, or stop them.
+        bound_by(bounding, outputs, (0, 0), |sample| {
+            where_covered(bounding, sample, || Span::unclear(0.0, self.way.most()))
+        });
+        Ok(())
     }
 
     fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {

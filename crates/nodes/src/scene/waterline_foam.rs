@@ -1,5 +1,6 @@
 //! WaterlineFoam: foam where something pierces the water, or lies shallow under it.
 
+use crate::front_support::{Span, bound_by, known};
 use crate::scene_support::check_same_camera;
 use trochoid_graph::*;
 
@@ -106,6 +107,33 @@ impl Foam {
     }
 }
 
+impl Foam {
+    /// What the mask may be, where all that it is made of may lie anywhere in spans.
+    fn span(self, [water, behind]: [Span; 2], apart: Span, edge: Span) -> Span {
+        if water.low == f64::INFINITY || behind.low == f64::INFINITY || behind.high < water.low {
+            return Span::exactly(0.0);
+        }
+        if apart.low.is_nan() || apart.high.is_nan() || edge.low.is_nan() || edge.high.is_nan() {
+            return Span::unclear(0.0, 1.0);
+        }
+        // Depths of which the water is the nearer one: foam rises with the edge and falls with what lies between.
+        let nearer = [0.0, 1.0];
+        let lost = LOST * (apart.low.abs() + apart.high.abs()).min(f64::MAX);
+        let [thin, thick] = [apart.high + lost, apart.low - lost];
+        let ends = [self.mask(nearer, thin, edge.low), self.mask(nearer, thick, edge.high)];
+        let is_seen = water.high < f64::INFINITY && behind.high < f64::INFINITY && behind.low >= water.high;
+        let low = if is_seen { ends[0] } else { 0.0 };
+        if low == ends[1] && (low == 0.0 || low == 1.0) {
+            return Span::exactly(low);
+        }
+        let clear = [water, behind, apart, edge].iter().all(|span| span.clear) && is_seen && self.solid < 1.0;
+        Span { low, high: ends[1], clear }.wider(LOST / (1.0 - self.solid).max(LOST)).within(0.0, 1.0)
+    }
+}
+
+/// What rounding loses of a share.
+const LOST: f64 = 1e-15;
+
 struct Foaming {
     node: Settled,
     foam: Foam,
@@ -126,6 +154,24 @@ impl Prepared for Foaming {
             let edge = edge.map_or(0.0, |plane| f64::from(plane[index]));
             *mask = self.foam.mask([water, behind], apart, edge) as f32;
         }
+        Ok(())
+    }
+
+    fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
+        bound_by(bounding, outputs, (0, 0), |sample| {
+            let of = |channel: ViewChannel| {
+                let background = Span::exactly(f64::from(channel.background()));
+                ["view", "behind"].map(|port| known(bounding, port, channel as usize, sample).unwrap_or(background))
+            };
+            let depths = of(ViewChannel::Depth);
+            let apart = if self.by_height {
+                let [above, below] = of(ViewChannel::PositionY);
+                above - below
+            } else {
+                depths[1] - depths[0]
+            };
+            self.foam.span(depths, apart, known(bounding, "edge", 0, sample).unwrap_or(Span::exactly(0.0)))
+        });
         Ok(())
     }
 

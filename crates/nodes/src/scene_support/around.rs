@@ -1,6 +1,7 @@
 //! What filters of a view read: a pixel and those around it.
 
-use trochoid_graph::{Connection, Inputs, References, Settled, ViewChannel};
+use crate::front_support::{Span, certain};
+use trochoid_graph::{Bounding, Connection, Inputs, References, Settled, ViewChannel};
 use trochoid_image::Window;
 
 /// A window that reaches so many pixels farther on each side.
@@ -72,6 +73,20 @@ pub(crate) fn surface_of(node: &Settled, inputs: &References<'_>) -> f64 {
     let channel = |channel: ViewChannel| inputs.view(node.source("view"), channel);
     // Views that do not tell surfaces apart hold the background's −1.
     if channel(ViewChannel::Coverage) > 0.0 { channel(ViewChannel::Surface).max(0.0) } else { -1.0 }
+}
+
+/// The surface that a sample may see, as [`Around::surfaces`]; anything where that is not certain.
+pub(crate) fn may_see(bounding: &Bounding<'_>, sample: usize) -> Span {
+    let [coverage, surface] =
+        [ViewChannel::Coverage, ViewChannel::Surface].map(|channel| certain(bounding, channel, sample));
+    if coverage.high <= 0.0 {
+        Span::exactly(-1.0)
+    } else if coverage.low > 0.0 && surface.low == surface.high {
+        // Views that do not tell surfaces apart hold the background's −1.
+        Span::exactly(surface.low.max(0.0))
+    } else {
+        Span::unclear(-1.0, f64::INFINITY)
+    }
 }
 
 /// The change of a value along an axis, of the values before, at and after a sample of those that belong to the same

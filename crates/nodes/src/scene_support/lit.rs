@@ -62,6 +62,14 @@ impl Lights {
         Ok(Self { lights: prepare.handles(node, "lights")?, combine: Combine::of(node) })
     }
 
+    pub(crate) fn lights(&self) -> &[Light] {
+        &self.lights
+    }
+
+    pub(crate) fn combine(&self) -> Combine {
+        self.combine
+    }
+
     /// Fills `mask`: `shade` gives the mask of one light from unit vectors toward it; intensity then scales it.
     ///
     /// # Errors

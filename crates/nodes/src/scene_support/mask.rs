@@ -1,19 +1,45 @@
 //! Masks that follow from some channels of a view at each sample by itself.
 
 use super::is_covered;
+use crate::front_support::{Span, bound_by, certain, where_covered};
 use trochoid_graph::*;
 
-/// A mask in [0, 1] from the values of channels at a sample.
-pub(crate) type Formula = Box<dyn Fn(&[f64]) -> f64 + Send + Sync>;
-
-/// A node type whose one output is a mask by a formula, 0 where nothing is seen.
+/// A node type whose one output is the product of ramps over channels, 0 where nothing is seen.
 pub(crate) struct ViewMask {
     /// Its declaration; the port is `view`.
     pub(crate) declaration: &'static Declaration,
-    /// The channels, in the order in which the formula takes them.
+    /// The channels, one a ramp.
     pub(crate) channels: &'static [ViewChannel],
-    /// The formula for some knobs.
-    pub(crate) formula: fn(&Settled) -> Formula,
+    /// The ramps for some knobs.
+    pub(crate) ramps: fn(&Settled) -> Vec<Ramp>,
+}
+
+/// From 0 to 1 over the values of a channel.
+#[derive(Clone, Copy)]
+pub(crate) enum Ramp {
+    /// 0 up to `from`, 1 from `from + width` on; with width 0 a step that includes `from`.
+    Rising { from: f64, width: f64 },
+    /// 0 from `from` on, 1 down from `from − width`; with width 0 a step without `from`.
+    Falling { from: f64, width: f64 },
+}
+
+impl Ramp {
+    fn at(self, x: f64) -> f64 {
+        match self {
+            Self::Rising { from, width } => ramp(x, from, width),
+            Self::Falling { from, width } if x < from => ramp(from - x, 0.0, width),
+            Self::Falling { .. } => 0.0,
+        }
+    }
+
+    /// What it may give of what a channel may be.
+    fn span(self, channel: Span) -> Span {
+        let (Self::Rising { width, .. } | Self::Falling { width, .. }) = self;
+        let mask = channel.through(|x| self.at(x)).within(0.0, 1.0);
+        let [low, high] = [channel.low, channel.high].map(|x| self.at(x));
+        // Where it is level on both sides no doubt about the channel matters.
+        if low == high && (low == 0.0 || low == 1.0) { Span::exactly(low) } else { mask.with(width > 0.0) }
+    }
 }
 
 /// 0 up to `from`, 1 from `from + width` on, straight between; with width 0 a step that includes `from`.
@@ -55,14 +81,20 @@ impl Stage for ViewMask {
     }
 
     fn prepare(&self, node: &Settled, _prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
-        Ok(Box::new(Masking { node: node.clone(), channels: self.channels, formula: (self.formula)(node) }))
+        Ok(Box::new(Masking { node: node.clone(), channels: self.channels, ramps: (self.ramps)(node) }))
     }
 }
 
 struct Masking {
     node: Settled,
     channels: &'static [ViewChannel],
-    formula: Formula,
+    ramps: Vec<Ramp>,
+}
+
+impl Masking {
+    fn mask(&self, values: &[f64]) -> f64 {
+        self.ramps.iter().zip(values).map(|(ramp, value)| ramp.at(*value)).product()
+    }
 }
 
 impl Prepared for Masking {
@@ -73,8 +105,26 @@ impl Prepared for Masking {
         let mut values = vec![0.0; planes.len()];
         for (index, out) in mask.iter_mut().enumerate() {
             values.iter_mut().zip(&planes).for_each(|(value, plane)| *value = f64::from(plane[index]));
-            *out = if coverage[index] > 0.0 { (self.formula)(&values) as f32 } else { 0.0 };
+            *out = if coverage[index] > 0.0 { self.mask(&values) as f32 } else { 0.0 };
         }
+        Ok(())
+    }
+
+    fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
+        bound_by(bounding, outputs, (0, 0), |sample| {
+            where_covered(bounding, sample, || {
+                let ramps = self.channels.iter().zip(&self.ramps);
+                let ramps: Vec<Span> =
+                    ramps.map(|(channel, ramp)| ramp.span(certain(bounding, *channel, sample))).collect();
+                // A ramp that is 0 for certain hides what is not clear of the others.
+                if ramps.iter().any(|ramp| ramp.is_exact() && ramp.low == 0.0) {
+                    return Span::exactly(0.0);
+                }
+                let ends = [|ramp: &Span| ramp.low, |ramp: &Span| ramp.high];
+                Span::of(&ends.map(|end| ramps.iter().map(end).product())).with(ramps.iter().all(|ramp| ramp.clear))
+            })
+            .within(0.0, 1.0)
+        });
         Ok(())
     }
 
@@ -84,6 +134,6 @@ impl Prepared for Masking {
         }
         let view = self.node.source("view");
         let values: Vec<f64> = self.channels.iter().map(|channel| inputs.view(view, *channel)).collect();
-        Ok(vec![Reference::Mask((self.formula)(&values))])
+        Ok(vec![Reference::Mask(self.mask(&values))])
     }
 }

@@ -14,21 +14,23 @@ mod seen;
 pub(crate) mod stability;
 mod surroundings;
 mod thickness;
+mod toward;
 mod waters;
 
-pub(crate) use around::{Around, change, grown, surface_of};
+pub(crate) use around::{Around, change, grown, may_see, surface_of};
 pub(crate) use copy::ViewCopy;
 pub(crate) use geometry::{
     FLIP, ROTATE, SCALE, Standing, TRANSLATE, UP, check_ending, check_scale, placement, to_y_up, y_up_to,
 };
 pub(crate) use lit::{COMBINE, Lights, Vectors3, eye, toward_eye, view_directions};
-pub(crate) use mask::{ViewMask, ramp};
+pub(crate) use mask::{Ramp, ViewMask, ramp};
 pub(crate) use mesh::read_mesh;
 pub(crate) use model::{patch, read_model};
 pub(crate) use parted::{Parted, parted};
 pub(crate) use seen::{Rays, Seen, asked};
 pub(crate) use surroundings::{BEYOND, DETAIL, Surroundings, landed};
 pub(crate) use thickness::{DISTANCE, INSET, Way};
+pub(crate) use toward::{Near, Toward};
 pub(crate) use waters::{
     REST, TRAILS, WAVES, can_break, check_indices, check_roots, check_same_camera, check_sea, check_surfaces,
     check_trails,

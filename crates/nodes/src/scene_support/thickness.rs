@@ -29,6 +29,11 @@ impl Way {
         Self { inset: node.number("inset"), distance: node.number("distance") }
     }
 
+    /// The longest length.
+    pub(crate) fn most(self) -> f64 {
+        self.distance
+    }
+
     /// Length of the way from under a seen point out of the water, along a unit vector.
     pub(crate) fn length(self, seen: &Seen, along: DVec3, first: First<'_>) -> f64 {
         let &Seen { point, normal, facet, .. } = seen;

@@ -1,10 +1,11 @@
 //! DriftLines: lines that bursts draw behind them.
 
+use crate::front_support::{Span, bound_by, certain, where_covered};
 use crate::scene_support::{Around, check_trails, grown, is_covered};
 use trochoid_graph::*;
 use trochoid_image::{Format, Window};
-use trochoid_sea::toon::LineRow;
 use trochoid_sea::toon::lines::{Lines, Place, density};
+use trochoid_sea::toon::{LineRow, NearPhase, NearPlace, density_span};
 
 pub(crate) static NODE: &dyn NodeType = &DriftLines;
 
@@ -147,6 +148,34 @@ impl Prepared for Drawn {
             let beside = [[&above_cos[..], &above_sin[..]], [&below_cos[..], &below_sin[..]]];
             self.lines.fill(&LineRow { weight, height, phase: [cos, sin], beside }, out);
         }
+        Ok(())
+    }
+
+    fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
+        let (around, mut pixels) = (Around::of(bounding.inputs), bounding.block.pixels());
+        bound_by(bounding, outputs, (0, 0), |_| {
+            let [x, y] = pixels.next().unwrap_or_default();
+            let here = around.index(x, y);
+            where_covered(bounding, here, || {
+                let mut clear = true;
+                let mut phase = |x: i64, y: i64| {
+                    let spans = self.phase.map(|channel| certain(bounding, channel, around.index(x, y)));
+                    clear &= spans.iter().all(|span| span.clear);
+                    let within = spans.map(Span::half);
+                    NearPhase { phase: spans.map(Span::middle), within: libm::hypot(within[0], within[1]) }
+                };
+                let own = phase(x, y);
+                let beside = [[phase(x - 1, y), phase(x + 1, y)], [phase(x, y - 1), phase(x, y + 1)]];
+                let (density, told) = density_span(own, beside);
+                let [weight, height] =
+                    [ViewChannel::DriftWeight, ViewChannel::Height].map(|channel| certain(bounding, channel, here));
+                let [weights, heights] = [weight, height].map(|span| [span.low, span.high]);
+                let ([low, high], smooth) =
+                    self.lines.mask_span(&NearPlace { weight: weights, phase: own, height: heights, density });
+                let clear = clear && told && smooth && weight.clear && height.clear;
+                Span { low, high, clear: clear || low == high }.within(0.0, 1.0)
+            })
+        });
         Ok(())
     }
 

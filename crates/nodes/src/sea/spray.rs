@@ -1,5 +1,6 @@
 //! Spray: drops that breaking crests and bursts throw into the air.
 
+use crate::front_support::{Span, bound_by, certain};
 use crate::scene_support::{SurfaceHandle, can_break, eye};
 use std::sync::{Arc, OnceLock};
 use trochoid_graph::*;
@@ -220,26 +221,85 @@ struct Spraying {
     reference: OnceLock<Option<Dabs>>,
 }
 
+impl Spraying {
+    /// The stamps of the f64 births, where they are not too many.
+    fn truth(&self) -> Option<&Dabs> {
+        let made = self.reference.get_or_init(|| {
+            let run = &self.run;
+            let drops = reference::drops(run.spray(), run.sea(), run.level(), self.time);
+            Dabs::new(&self.projector, &drops, &self.brush).ok()
+        });
+        made.as_ref()
+    }
+}
+
+/// Sets stamps over a block before surfaces at these depths.
+fn paint(dabs: &Dabs, block: &Block<'_>, surface: &[f32], planes: Planes<'_>, stop: &dyn Fn() -> bool) {
+    match block.scattered {
+        Some(pixels) => dabs.fill_pixels_unless(pixels, block.offset, surface, planes, stop),
+        None => dabs.fill_unless(block.window, block.offset, surface, planes, stop),
+    }
+}
+
+/// The nearest f32 that is not above a number.
+fn down(number: f64) -> f32 {
+    let near = number as f32;
+    if f64::from(near) > number { near.next_down() } else { near }
+}
+
 impl Prepared for Spraying {
     fn fill(&self, block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let [alpha, depth, age] = [0, 1, 2].map(|output| outputs.take(output, 0));
         let surface = inputs.view("view", ViewChannel::Depth);
         let planes = Planes { alpha, depth, age };
         let stop = inputs.cancellation();
-        match block.scattered {
-            Some(pixels) => self.dabs.fill_pixels_unless(pixels, block.offset, surface, planes, stop),
-            None => self.dabs.fill_unless(block.window, block.offset, surface, planes, stop),
-        }
+        paint(&self.dabs, block, surface, planes, stop);
         inputs.go_on()
     }
 
-    fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
-        let dabs = self.reference.get_or_init(|| {
-            let run = &self.run;
-            let drops = reference::drops(run.spray(), run.sea(), run.level(), self.time);
-            Dabs::new(&self.projector, &drops, &self.brush).ok()
+    fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
+        // Whether a drop is born at all is drawn against waves, so that no drop's error follows from another figure's.
+        let Some(dabs) = self.truth() else { return Err(NoBound("the reference's drops cover too much")) };
+        let count = bounding.block.window.area();
+        let depths: Vec<Span> = (0..count).map(|sample| certain(bounding, ViewChannel::Depth, sample)).collect();
+        // The deeper the surface, the more is seen of each drop.
+        let seen = |surface: Vec<f32>| {
+            let mut planes = [(); 3].map(|()| vec![0.0; count]);
+            let [alpha, depth, age] = planes.each_mut().map(|plane| Some(&mut plane[..]));
+            paint(dabs, bounding.block, &surface, Planes { alpha, depth, age }, &|| false);
+            planes
+        };
+        let near = seen(depths.iter().map(|depth| down(depth.low)).collect());
+        let far = seen(depths.iter().map(|depth| -down(-depth.high)).collect());
+        let rounded = |low: f32, high: f32| {
+            // As planes hold what the reference gives.
+            let slack = |end: f32| {
+                if end.is_finite() { f64::from(end.abs()) * LITERAL + f64::from(f32::from_bits(1)) } else { 0.0 }
+            };
+            Span { low: f64::from(low) - slack(low), high: f64::from(high) + slack(high), clear: true }
+        };
+        bound_by(bounding, outputs, (0, 0), |sample| {
+            let alpha = rounded(near[0][sample], far[0][sample]).within(0.0, 1.0);
+            alpha.with(depths[sample].clear && (self.brush.soft > 0.0 || near[0][sample] == far[0][sample]))
         });
-        let Some(dabs) = dabs else { return Err(NodeError::new("the reference's drops cover too much")) };
+        bound_by(bounding, outputs, (1, 0), |sample| {
+            let [nearest, farthest] = [&far, &near].map(|planes| planes[1][sample]);
+            rounded(nearest, farthest).with(nearest == farthest)
+        });
+        bound_by(bounding, outputs, (2, 0), |sample| {
+            let is_bare = far[0][sample] == 0.0 && far[1][sample] == f32::INFINITY;
+            if is_bare || depths[sample].low == depths[sample].high {
+                rounded(near[2][sample], far[2][sample]).within(0.0, 1.0)
+            } else {
+                // A mean over drops of which others may be seen.
+                Span::unclear(0.0, 1.0)
+            }
+        });
+        Ok(())
+    }
+
+    fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
+        let Some(dabs) = self.truth() else { return Err(NodeError::new("the reference's drops cover too much")) };
         let Sprayed { alpha, depth, age, .. } =
             dabs.at(inputs.at, inputs.view(self.node.source("view"), ViewChannel::Depth));
         Ok(vec![Reference::Mask(alpha), Reference::Field(vec![depth]), Reference::Mask(age)])

@@ -111,9 +111,7 @@ impl Lines {
         // Left of the way from the thick end to the thin one.
         let left = if end == self.low { 0.0 } else { ((end - height) / (end - self.low)).clamp(0.0, 1.0) };
         let half = half * libm::sqrt(left) * shown;
-        let away = f - aside;
-        let (low, high) = ((away - density / 2.0).max(-half), (away + density / 2.0).min(half));
-        ((high - low) / density).clamp(0.0, 1.0)
+        covered(f - aside, half, density)
     }
 
     /// The height at which a line ends, half its greatest width, and by how much it lies aside, in distances of lines.
@@ -125,8 +123,14 @@ impl Lines {
     }
 }
 
+/// Share of a pixel as wide as `density`, `away` from a line's middle, that the line covers to both sides by `half`.
+pub(crate) fn covered(away: f64, half: f64, density: f64) -> f64 {
+    let (low, high) = ((away - density / 2.0).max(-half), (away + density / 2.0).min(half));
+    ((high - low) / density).clamp(0.0, 1.0)
+}
+
 /// 0 up to 0, 1 from 1 on, with level ends.
-fn smooth(t: f64) -> f64 {
+pub(crate) fn smooth(t: f64) -> f64 {
     let t = t.clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)
 }
