@@ -36,9 +36,11 @@
 //! |---|---|
 //! | `scene` | camera, light, mesh, Render, nor any pass of a view |
 //! | `sea` | sea, spray, nor what they carry; `sea` brings `scene` |
-//! | `io` | Read, Texture, ViewFromPasses, nor writing of files; `io` brings `scene` |
+//! | `io` | Read, Texture, ViewFromPasses, nor writing of files, nor [`certificate`]; `io` brings `scene` |
 //! | `jit` | machine code for pointwise programs: they run as compiled kernels, with the same bits |
 
+#[cfg(feature = "io")]
+pub mod certificate;
 mod costs;
 #[cfg(feature = "io")]
 mod files;
@@ -68,8 +70,8 @@ pub use stability::stability;
 pub use stream::FileSink;
 pub use trochoid_engine::{
     Account, Audit, Buffers, Cache, Certified, Certifier, Channels, Distribution, EvalError, Evidence, Fate, Frame,
-    Instructions, Interval, Judging, LeftOut, Monitor, NodeReport, Phases, Picture, Plan, PlanError, Proved,
-    ReferenceError, ReferenceFrame, Settings, ShadingPlan, Silent, Sink, State, Switches,
+    Hull, Instructions, Interval, Judging, LeftOut, Monitor, NodeReport, Phases, Picture, Plan, PlanError, Proved,
+    ReferenceError, ReferenceFrame, ReferencePixel, Settings, ShadingPlan, Silent, Sink, State, Switches,
 };
 pub use trochoid_graph::{
     Accepts, Arity, CheckedGraph, CheckedNode, Declaration, Default as KnobDefault, Diagnostic, End, Figure, Guarantee,
