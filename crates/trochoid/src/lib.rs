@@ -61,7 +61,7 @@ pub use files::{check_destination, write_whole};
 pub use judge::{Miss, guarantee, held, misses, requirement};
 pub use load::{LoadError, Loaded, load, missing_files, parse, registry};
 #[cfg(feature = "io")]
-pub use output::{OutputError, OutputFile, output_files, write_output};
+pub use output::{OutputError, OutputFile, companion_files, output_files, write_output};
 pub use report::{RunReport, RunStatus, frame_report};
 #[cfg(feature = "io")]
 pub use resume::Fingerprints;
