@@ -1,8 +1,8 @@
 //! Certificates: what is certain of a finished picture, as JSON, and the check of it by other means.
 //!
-//! [`certify`](make::certify) writes down, of one image file, the document that it was made from, the hashes of its inputs
+//! [`certify`] writes down, of one image file, the document that it was made from, the hashes of its inputs
 //! and of its pixels, what was counted on them, how far they may lie from the f64 references, and what the plan left out.
-//! [`verify`](check::verify) takes the certificate and the image, and nothing else: it parses the document anew, evaluates
+//! [`verify`] takes the certificate and the image, and nothing else: it parses the document anew, evaluates
 //! pixels that the certificate's own digest chooses by the references ([`ReferenceFrame`](crate::ReferenceFrame)), and holds
 //! the file against them: hull, weights, error. No program, kernel, tile or plane takes part. What both ways share is
 //! reading the document and its input files, what stages prepare once a frame, and the definition of working spaces.
