@@ -8,6 +8,7 @@ mod bad_documents;
 mod branches;
 mod cancellation;
 mod cartoon;
+mod certificates;
 mod demand;
 mod diagram;
 mod drift;

@@ -1,10 +1,12 @@
+use crate::interrupt;
+use trochoid::certificate::CertificateError;
 use trochoid::{Diagnostic, LoadError, OutputError, RunStatus, Severity};
 
 /// Input or output failed, input data are bad, or the evaluation failed.
 pub(crate) const FAILED: u8 = 1;
 /// Wrong usage, or an invalid document.
 pub(crate) const INVALID: u8 = 2;
-/// A required guarantee is not met.
+/// A required guarantee is not met, or a certificate does not hold.
 pub(crate) const MISSED: u8 = 3;
 /// The user stopped it.
 pub(crate) const INTERRUPTED: u8 = 130;
@@ -78,6 +80,17 @@ impl From<OutputError> for Failure {
             OutputError::Pattern(faults) => {
                 Self { code: INVALID, messages: faults.iter().map(|fault| format!("error: {fault}")).collect() }
             }
+            error => Self::new(FAILED, error),
+        }
+    }
+}
+
+impl From<CertificateError> for Failure {
+    fn from(error: CertificateError) -> Self {
+        match error {
+            error if error.is_cancelled() => Self::new(INTERRUPTED, interrupt::INTERRUPTION),
+            CertificateError::Document(error) => error.into(),
+            CertificateError::NoCertificate { .. } => Self::new(INVALID, error),
             error => Self::new(FAILED, error),
         }
     }

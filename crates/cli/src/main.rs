@@ -1,7 +1,8 @@
 //! `trochoid`: renders documents, checks them, and prints what nodes and pictures hold.
 //!
 //! Results go to stdout, everything else to stderr. Exit codes: 0 done; 1 input or output, bad input data, or the
-//! evaluation failed; 2 usage or invalid document; 3 a required guarantee is not met; 130 interrupted.
+//! evaluation failed; 2 usage or invalid document; 3 a required guarantee is not met, or a certificate does not hold;
+//! 130 interrupted.
 
 #![cfg_attr(test, allow(clippy::unwrap_used, reason = "a test may panic"))]
 
@@ -21,6 +22,7 @@ mod render;
 mod schema;
 mod shell;
 mod stability;
+mod verify;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
@@ -35,7 +37,7 @@ use std::process::ExitCode;
         0    done\n  \
         1    input or output, bad input data, or the evaluation failed\n  \
         2    wrong usage, or an invalid document\n  \
-        3    a required guarantee is not met\n  \
+        3    a required guarantee is not met, or a certificate does not hold\n  \
         130  interrupted\n\n\
         Examples:\n  \
         trochoid check storm.json\n  \
@@ -65,6 +67,8 @@ enum Command {
     Schema,
     /// Describe a picture file: parts, layers, channels and what they hold
     Info(info::Args),
+    /// Check a certificate and its image against the f64 references
+    Verify(verify::Args),
 }
 
 fn main() -> ExitCode {
@@ -85,6 +89,7 @@ fn main() -> ExitCode {
         Command::Nodes(args) => nodes::run(args),
         Command::Schema => schema::run(),
         Command::Info(args) => info::run(args),
+        Command::Verify(args) => verify::run(args),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,

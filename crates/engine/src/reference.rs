@@ -1,9 +1,13 @@
 //! The slow f64 evaluator: the references of the nodes, sample by sample. The oracle of everything fast.
 
+mod pixels;
+
+pub use pixels::ReferencePixel;
+
 use crate::fill::extents;
 use crate::prepare::{Ready, prepare};
 use crate::shading::TELLING;
-use crate::{Cache, EvalError, Plan, PlanError, Settings, Silent, Switches};
+use crate::{Cache, EvalError, Monitor, Plan, PlanError, Settings, Silent, Switches};
 use std::cell::RefCell;
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -37,9 +41,23 @@ impl<'g> ReferenceFrame<'g> {
     /// # Errors
     /// As planning and evaluation.
     pub fn new(graph: &'g CheckedGraph, output: &str, frame: i64) -> Result<Self, ReferenceError> {
+        Self::prepared(graph, output, frame, &mut Cache::new(), &Silent)
+    }
+
+    /// The same with what a cache holds, such as of another output of the frame.
+    ///
+    /// # Errors
+    /// As [`ReferenceFrame::new`]; or the monitor asked to stop.
+    pub fn prepared(
+        graph: &'g CheckedGraph,
+        output: &str,
+        frame: i64,
+        cache: &mut Cache,
+        monitor: &dyn Monitor,
+    ) -> Result<Self, ReferenceError> {
         let settings = Settings { switches: Switches::NONE, ..Settings::default() };
         let plan = Plan::new(graph, &[output], frame, &[], &settings)?;
-        let ready = prepare(&plan, &mut Cache::new(), &Silent)?;
+        let ready = prepare(&plan, cache, monitor)?;
         let extents = extents(&plan, &ready, plan.passes.first().map_or(&[], |pass| &pass.fills));
         Ok(Self { plan, ready, extents, orders: Mutex::default() })
     }
@@ -51,12 +69,7 @@ impl<'g> ReferenceFrame<'g> {
     pub fn sample(&self, x: f64, y: f64) -> Result<Vec<f64>, EvalError> {
         let spec = &self.plan.graph.outputs()[self.plan.outputs[0].index];
         let evaluation = Evaluation { frame: self, known: RefCell::default() };
-        Ok(match evaluation.output(spec.node, spec.output, [x, y])? {
-            Reference::Color(color) => color.to_vec(),
-            Reference::Mask(t) => vec![t],
-            Reference::Weights(numbers) | Reference::Field(numbers) | Reference::View(numbers) => numbers,
-            Reference::Handle(_) => Vec::new(),
-        })
+        Ok(numbers(evaluation.output(spec.node, spec.output, [x, y])?))
     }
 
     /// A place within the extent of a node's image: of the nearest pixel the same place in it.
@@ -201,6 +214,16 @@ impl Evaluation<'_, '_> {
             Some(error) => Err(error),
             None => outputs,
         }
+    }
+}
+
+/// A value, channel by channel.
+fn numbers(value: Reference) -> Vec<f64> {
+    match value {
+        Reference::Color(color) => color.to_vec(),
+        Reference::Mask(t) => vec![t],
+        Reference::Weights(numbers) | Reference::Field(numbers) | Reference::View(numbers) => numbers,
+        Reference::Handle(_) => Vec::new(),
     }
 }
 

@@ -259,7 +259,13 @@ impl Plan<'_> {
         })
     }
 
-    fn palette(&self, output: &PlannedOutput, ready: &HashMap<NodeId, Ready>, buffers: &Buffers<'_>) -> Judge {
+    /// What a color output is judged by: the controls that it depends on, of which bound nodes have theirs in buffers.
+    pub(crate) fn palette(
+        &self,
+        output: &PlannedOutput,
+        ready: &HashMap<NodeId, Ready>,
+        buffers: &Buffers<'_>,
+    ) -> Judge {
         let mut builder = HullBuilder::new();
         let mut colors = output.constants.clone();
         builder.add(&colors);

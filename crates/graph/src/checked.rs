@@ -215,6 +215,11 @@ impl CheckedGraph {
         &self.order
     }
 
+    /// The document's meaning as text, see [`Document::canonical`](crate::Document::canonical).
+    pub fn canonical(&self) -> &str {
+        &self.canonical
+    }
+
     /// A hash of everything in the document that evaluation depends on, 64 hexadecimal digits.
     pub fn document_hash(&self) -> String {
         blake3::hash(self.canonical.as_bytes()).to_hex().to_string()

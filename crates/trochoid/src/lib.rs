@@ -36,9 +36,11 @@
 //! |---|---|
 //! | `scene` | camera, light, mesh, Render, nor any pass of a view |
 //! | `sea` | sea, spray, nor what they carry; `sea` brings `scene` |
-//! | `io` | Read, Texture, ViewFromPasses, nor writing of files; `io` brings `scene` |
+//! | `io` | Read, Texture, ViewFromPasses, nor writing of files, nor [`certificate`]; `io` brings `scene` |
 //! | `jit` | machine code for pointwise programs: they run as compiled kernels, with the same bits |
 
+#[cfg(feature = "io")]
+pub mod certificate;
 mod costs;
 #[cfg(feature = "io")]
 mod files;
@@ -59,7 +61,7 @@ pub use files::{check_destination, write_whole};
 pub use judge::{Miss, guarantee, held, misses, requirement};
 pub use load::{LoadError, Loaded, load, missing_files, parse, registry};
 #[cfg(feature = "io")]
-pub use output::{OutputError, OutputFile, output_files, write_output};
+pub use output::{OutputError, OutputFile, companion_files, output_files, write_output};
 pub use report::{RunReport, RunStatus, frame_report};
 #[cfg(feature = "io")]
 pub use resume::Fingerprints;
@@ -68,8 +70,8 @@ pub use stability::stability;
 pub use stream::FileSink;
 pub use trochoid_engine::{
     Account, Audit, Buffers, Cache, Certified, Certifier, Channels, Distribution, EvalError, Evidence, Fate, Frame,
-    Instructions, Interval, Judging, LeftOut, Monitor, NodeReport, Phases, Picture, Plan, PlanError, Proved,
-    ReferenceError, ReferenceFrame, Settings, ShadingPlan, Silent, Sink, State, Switches,
+    Hull, Instructions, Interval, Judging, LeftOut, Monitor, NodeReport, Phases, Picture, Plan, PlanError, Proved,
+    ReferenceError, ReferenceFrame, ReferencePixel, Settings, ShadingPlan, Silent, Sink, State, Switches,
 };
 pub use trochoid_graph::{
     Accepts, Arity, CheckedGraph, CheckedNode, Declaration, Default as KnobDefault, Diagnostic, End, Figure, Guarantee,

@@ -81,15 +81,12 @@ pub fn output_files(
         let template = written.replace("{output}", &spec.name);
         let lower = template.to_lowercase();
         let is_png = lower.ends_with(".png");
-        if let Some((_, rest)) = template.split_once('{') {
-            let found = rest.split_once('}').map_or(rest, |(name, _)| name);
-            refuse(format!(
-                "\"{written}\" has the unknown placeholder {{{found}}}: {{output}}, #### and %04d are known"
-            ));
+        if let Some(fault) = placeholder_fault(written, &template) {
+            refuse(fault);
         } else if !lower.ends_with(".exr") && !is_png {
             refuse(format!("\"{written}\" has an ending that cannot be written: use .exr or .png"));
         }
-        if several_frames && expand_frame(&template, 0) == expand_frame(&template, 1) {
+        if several_frames && is_same_at_all_frames(&template) {
             refuse(format!("\"{written}\" gives all frames one name: add #### or %04d"));
         }
         if is_png && !matches!(spec.kind, Kind::Color | Kind::Weights(2)) {
@@ -117,6 +114,57 @@ pub fn output_files(
         }
     }
     if faults.is_empty() { Ok(files) } else { Err(OutputError::Pattern(faults)) }
+}
+
+/// Names a further file for each file of a frame, such as its certificate.
+///
+/// `pattern` is relative to the current folder and knows `{output}` (the names of a file's outputs, with `+` between them)
+/// and `####` or `%04d`; `ending` is what the names must end with, such as ".json".
+///
+/// # Errors
+/// A pattern that gives several files, or several frames, one name; another ending.
+pub fn companion_files(
+    graph: &CheckedGraph,
+    files: &[OutputFile],
+    frame: i64,
+    several_frames: bool,
+    pattern: &str,
+    ending: &str,
+) -> Result<Vec<PathBuf>, OutputError> {
+    let mut faults = Vec::new();
+    if files.len() > 1 && !pattern.contains("{output}") {
+        faults.push(format!(
+            "the pattern \"{pattern}\" gives {} files one name: add {{output}}, or choose one output with --output",
+            files.len()
+        ));
+    }
+    let bare = pattern.replace("{output}", "");
+    faults.extend(placeholder_fault(pattern, &bare));
+    if !pattern.to_lowercase().ends_with(ending) {
+        faults.push(format!("\"{pattern}\" has another ending than {ending}: add it"));
+    }
+    if several_frames && is_same_at_all_frames(&bare) {
+        faults.push(format!("\"{pattern}\" gives all frames one name: add #### or %04d"));
+    }
+    if !faults.is_empty() {
+        return Err(OutputError::Pattern(faults));
+    }
+    let name = |file: &OutputFile| {
+        let names: Vec<&str> = file.outputs.iter().map(|index| graph.outputs()[*index].name.as_str()).collect();
+        normalized(Path::new(&expand_frame(&pattern.replace("{output}", &names.join("+")), frame)))
+    };
+    Ok(files.iter().map(name).collect())
+}
+
+/// What is wrong with a pattern of which the known placeholders are filled in already, if anything.
+fn placeholder_fault(written: &str, template: &str) -> Option<String> {
+    let (_, rest) = template.split_once('{')?;
+    let found = rest.split_once('}').map_or(rest, |(name, _)| name);
+    Some(format!("\"{written}\" has the unknown placeholder {{{found}}}: {{output}}, #### and %04d are known"))
+}
+
+fn is_same_at_all_frames(template: &str) -> bool {
+    expand_frame(template, 0) == expand_frame(template, 1)
 }
 
 /// The path without `.` and without `folder/..`, so that two spellings of one file are one.

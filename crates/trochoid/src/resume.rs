@@ -2,7 +2,7 @@
 
 use crate::{OutputFile, VERSION, held, requirement};
 use std::collections::HashMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use trochoid_graph::{CheckedGraph, Guarantee};
 
 /// The metadata entry that holds the fingerprint.
@@ -58,6 +58,12 @@ impl Fingerprints {
         let demanded = file.outputs.iter().filter_map(|index| requirement(&graph.outputs()[*index], required)).max();
         entry(KEY) == Some(self.of(graph, file, frame).as_str())
             && entry(HELD).and_then(Guarantee::from_name) >= demanded
+    }
+
+    /// Whether a file is there that was written with the [`metadata`](Self::metadata) of this fingerprint.
+    pub fn is_marked(path: &Path, fingerprint: &str) -> bool {
+        let metadata = if path.exists() { trochoid_io::read_metadata(path).unwrap_or_default() } else { Vec::new() };
+        metadata.iter().any(|(key, value)| key == KEY && value == fingerprint)
     }
 
     /// The metadata of a file: what it was made from and what was found on its pixels.

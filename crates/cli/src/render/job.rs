@@ -1,5 +1,6 @@
 //! What a run has to do, looked at before anything is evaluated; and doing it.
 
+use super::certify::{self, Beside, Certifying, Half};
 use super::{Args, line};
 use crate::failure::{FAILED, Failure, INTERRUPTED, MISSED};
 use crate::inputs::InputFiles;
@@ -7,6 +8,7 @@ use crate::progress::Progress;
 use crate::{frames, interrupt, outputs};
 use serde_json::{Value, json};
 use std::collections::{BTreeSet, HashSet};
+use std::path::PathBuf;
 use std::time::Instant;
 use trochoid::{
     Cache, CheckedGraph, EvalError, FileSink, Fingerprints, Frame, Guarantee, Monitor, OutputFile, Plan, RunReport,
@@ -63,18 +65,34 @@ impl<'a> Job<'a> {
         Ok(output_files(self.graph, &self.outputs, frame, several, self.args.out.as_deref())?)
     }
 
+    /// What is written beside each of a frame's files.
+    fn beside(&self, files: &[OutputFile], frame: i64) -> Result<Vec<Beside>, Failure> {
+        Beside::of(self.graph, self.args, files, frame, self.frames.len() > 1)
+    }
+
+    fn certifies(&self) -> bool {
+        self.args.certificate.is_some() || self.args.error.is_some()
+    }
+
     /// Whether every file can be written, and none is an input or the document itself.
     fn check_files(&self, faults: &mut Vec<Failure>) {
-        let mut written = BTreeSet::new();
+        let (mut written, mut beside) = (BTreeSet::new(), Vec::new());
         for &frame in &self.frames {
-            match self.files(frame) {
-                Ok(files) => written.extend(files.into_iter().map(|file| file.path)),
+            let files = self.files(frame);
+            match files.and_then(|files| Ok((self.beside(&files, frame)?, files))) {
+                Ok((named, files)) => {
+                    beside.extend(named);
+                    written.extend(files.into_iter().map(|file| file.path));
+                }
                 // What is wrong with a pattern is wrong at every frame.
                 Err(fault) => return faults.push(fault),
             }
         }
         let inputs = InputFiles::new(&self.args.graph, self.graph, &self.outputs, &self.frames);
         faults.extend(written.iter().filter_map(|path| inputs.refusal(path)));
+        let mut taken: HashSet<PathBuf> = written.iter().cloned().collect();
+        faults.extend(beside.iter().flat_map(|beside| beside.refusals(&inputs, &mut taken)));
+        let written: BTreeSet<PathBuf> = taken.into_iter().collect();
         let report = self.args.report.as_ref().filter(|_| !self.args.report_on_stdout());
         if let Some(report) = report.filter(|report| written.contains(*report) || inputs.contains(report)) {
             let message = format!("--report {}: is a file of the document or of the run", report.display());
@@ -164,15 +182,22 @@ impl<'a> Job<'a> {
         let started = Instant::now();
         stop_if_asked()?;
         let all = self.files(number)?;
-        let (current, open): (Vec<OutputFile>, Vec<OutputFile>) = all
-            .into_iter()
-            .partition(|file| self.args.resume && fingerprints.is_current(self.graph, file, number, self.required));
+        let beside = self.beside(&all, number)?;
+        type Files = Vec<(OutputFile, Beside)>;
+        let (current, open): (Files, Files) = all.into_iter().zip(beside).partition(|(file, beside)| {
+            self.args.resume
+                && fingerprints.is_current(self.graph, file, number, self.required)
+                && (!self.certifies() || beside.is_current(self.graph, file, number, fingerprints))
+        });
+        let up_to_date = || current.iter().map(|(file, beside)| self.describe(file, "up to date", Some(beside)));
         if open.is_empty() {
-            let files: Vec<Value> = current.iter().map(|file| self.describe(file, "up to date")).collect();
+            let files: Vec<Value> = up_to_date().collect();
             let report = json!({ "frame": number, "skipped": true, "files": files });
+            let current: Vec<OutputFile> = current.into_iter().map(|(file, _)| file).collect();
             let line = line::skipped(self.graph, number, &current);
             return Ok(Done { report, line, misses: Vec::new(), replaced: Vec::new(), skipped: true });
         }
+        let (open, beside): (Vec<OutputFile>, Vec<Beside>) = open.into_iter().unzip();
         let names: Vec<&str> = open
             .iter()
             .flat_map(|file| &file.outputs)
@@ -182,7 +207,9 @@ impl<'a> Job<'a> {
         let plan = Plan::new(self.graph, &names, number, &[], &self.settings).map_err(|error| failed(&error))?;
         // EXR files are written while their rows are made; others need the whole picture.
         let sink = FileSink::create(self.graph, &plan, &open)?;
-        let frame = evaluate(&plan, sink.as_ref().map(|sink| sink as &dyn Sink), cache, progress);
+        let [rendering, certifying] = [false, true].map(|second| Half { monitor: progress, second });
+        let monitor: &dyn Monitor = if self.certifies() { &rendering } else { progress };
+        let frame = evaluate(&plan, sink.as_ref().map(|sink| sink as &dyn Sink), cache, monitor);
         let frame = frame.map_err(|error| match (error, &sink) {
             (EvalError::Cancelled, _) => interrupted(),
             (EvalError::Sink(text), Some(sink)) => sink.failure().map_or_else(|| failed(&text), Failure::from),
@@ -203,15 +230,27 @@ impl<'a> Job<'a> {
                 }
             }
         }
-        let files: Vec<(OutputFile, bool)> = open.into_iter().map(|file| (file.clone(), keeps(&file))).collect();
         let mut report = frame_report(self.graph, &frame, writing.elapsed().as_secs_f64());
-        let described = files
-            .iter()
-            .map(|(file, written)| self.describe(file, if *written { "written" } else { "required guarantee missed" }));
-        let described: Vec<Value> =
-            described.chain(current.iter().map(|file| self.describe(file, "up to date"))).collect();
+        let mut certified = Vec::new();
+        if self.certifies() {
+            let certifying_started = Instant::now();
+            let kept: Vec<(&OutputFile, &Beside)> = open.iter().zip(&beside).filter(|(file, _)| keeps(file)).collect();
+            let run = Certifying { graph: self.graph, settings: &self.settings, required: self.required };
+            certified = run.run(&frame, &kept, cache, fingerprints, &certifying)?;
+            report["seconds"]["certify"] = json!(certifying_started.elapsed().as_secs_f64());
+            for certified in &certified {
+                let name = &self.graph.outputs()[certified.output].name;
+                report["outputs"][name]["certified"] = certify::described(certified);
+            }
+        }
+        let described = open.iter().zip(&beside).map(|(file, beside)| match keeps(file) {
+            true => self.describe(file, "written", Some(beside)),
+            false => self.describe(file, "required guarantee missed", None),
+        });
+        let described: Vec<Value> = described.chain(up_to_date()).collect();
         report["files"] = json!(described);
-        let line = line::rendered(self.graph, &frame, &files, started.elapsed().as_secs_f64());
+        let files: Vec<(OutputFile, bool)> = open.iter().map(|file| (file.clone(), keeps(file))).collect();
+        let line = line::rendered(self.graph, &frame, &files, &certified, started.elapsed().as_secs_f64());
         let misses = misses.iter().map(|miss| {
             format!(
                 "error: {miss}\n  remedy: its file was not written; render it without the requirement to look at it"
@@ -223,13 +262,15 @@ impl<'a> Job<'a> {
         Ok(Done { report, line, misses: misses.collect(), replaced, skipped: false })
     }
 
-    fn describe(&self, file: &OutputFile, state: &str) -> Value {
+    fn describe(&self, file: &OutputFile, state: &str, beside: Option<&Beside>) -> Value {
         let outputs: Vec<&str> = file.outputs.iter().map(|index| self.graph.outputs()[*index].name.as_str()).collect();
-        json!({ "path": file.path.display().to_string(), "outputs": outputs, "state": state })
+        let mut entry = json!({ "path": file.path.display().to_string(), "outputs": outputs, "state": state });
+        beside.into_iter().for_each(|beside| beside.describe(&mut entry));
+        entry
     }
 }
 
-fn interrupted() -> Failure {
+pub(super) fn interrupted() -> Failure {
     Failure::new(INTERRUPTED, interrupt::INTERRUPTION)
 }
 

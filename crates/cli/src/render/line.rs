@@ -1,10 +1,16 @@
 //! One line a frame.
 
 use crate::shell::printable;
-use trochoid::{CheckedGraph, Frame, OutputFile, held};
+use trochoid::{Certified, CheckedGraph, Frame, OutputFile, held};
 
-/// `frame 12: beauty → out/storm.0012.exr  hull, 0 exits, 1.42 s`.
-pub(super) fn rendered(graph: &CheckedGraph, frame: &Frame, files: &[(OutputFile, bool)], seconds: f64) -> String {
+/// `frame 12: beauty → out/storm.0012.exr  hull, 0 exits, 1.42 s`; where certified, with the error of what is not ambiguous.
+pub(super) fn rendered(
+    graph: &CheckedGraph,
+    frame: &Frame,
+    files: &[(OutputFile, bool)],
+    certified: &[Certified],
+    seconds: f64,
+) -> String {
     let places: Vec<String> = files.iter().map(|(file, written)| place(graph, file, *written)).collect();
     let colors = || frame.pictures.iter().filter(|picture| picture.guarantee.is_some());
     let mut facts = Vec::new();
@@ -22,8 +28,29 @@ pub(super) fn rendered(graph: &CheckedGraph, frame: &Frame, files: &[(OutputFile
             frame.nodes.iter().filter(|node| node.repaired > 0).map(|node| node.name.as_str()).collect();
         facts.push(format!("{repaired} illegal values (NaN) replaced in {}", printable(&names.join(", "))));
     }
+    facts.extend(certainty(certified));
     facts.push(format!("{seconds:.2} s"));
     format!("frame {}: {}  {}\n", frame.number, places.join(", "), facts.join(", "))
+}
+
+/// `error ≤ 3.1e-7, 0.80 % ambiguous`: of all outputs together.
+fn certainty(certified: &[Certified]) -> Option<String> {
+    let [clear, unclear] =
+        certified.iter().fold([0, 0], |[clear, unclear], c| [clear + c.clear.total(), unclear + c.unclear.total()]);
+    let share = 100.0 * unclear as f64 / (clear + unclear).max(1) as f64;
+    let share = if unclear == 0 {
+        "nothing ambiguous".into()
+    } else if clear == 0 {
+        "all ambiguous".into()
+    } else if share < 0.01 {
+        "less than 0.01 % ambiguous".into()
+    } else {
+        format!("{share:.2} % ambiguous")
+    };
+    let max = certified.iter().map(|certified| certified.clear.max()).fold(0.0, f64::max);
+    let error =
+        if clear == 0 || max.is_infinite() { "no error certified".into() } else { format!("error ≤ {max:.1e}") };
+    (!certified.is_empty()).then(|| format!("{error}, {share}"))
 }
 
 /// `frame 12: beauty → out/storm.0012.exr  up to date`.

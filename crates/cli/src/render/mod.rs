@@ -1,5 +1,6 @@
 //! `trochoid render`: documents into files.
 
+mod certify;
 mod job;
 mod line;
 
@@ -12,14 +13,15 @@ use trochoid::{Diagnostic, Guarantee, RunReport, RunStatus};
 /// Options of `trochoid render`.
 #[derive(Debug, Default, clap::Args)]
 #[command(after_help = "\
-Paths in a document are relative to it; PATTERN is relative to the current folder. {output} stands for the output's \
-name, #### or %04d for the frame.
+Paths in a document are relative to it; PATTERN and FILE are relative to the current folder. {output} stands for the \
+output's name, #### or %04d for the frame. A certificate is of one image file: of several, name each by {output}.
 
 Examples:
   trochoid render storm.json
   trochoid render storm.json --frames 1-10,20-40x2 --resume
   trochoid render storm.json --output beauty --out 'out/{output}.####.exr'
-  trochoid render storm.json --set storm.height=6 --require hull --report report.json")]
+  trochoid render storm.json --set storm.height=6 --require hull --report report.json
+  trochoid render storm.json --frames 1-96 --certificate 'out/storm.####.json'")]
 pub(crate) struct Args {
     /// The document
     #[arg(value_name = "GRAPH")]
@@ -49,6 +51,13 @@ pub(crate) struct Args {
     /// Write a report of the run as JSON, in folders that are made where there are none; - is stdout
     #[arg(long, value_name = "FILE")]
     report: Option<PathBuf>,
+    /// Certify each image: write as JSON what it was made from, how far it may lie from the f64 references, and hashes of it;
+    /// `trochoid verify` checks that
+    #[arg(long, value_name = "FILE")]
+    certificate: Option<String>,
+    /// Write how far each pixel may lie from the f64 references as EXR, with the share of its samples that are ambiguous
+    #[arg(long, value_name = "FILE")]
+    error: Option<String>,
     /// Skip frames whose files were made from the same document, --set, inputs and frame
     #[arg(long)]
     resume: bool,

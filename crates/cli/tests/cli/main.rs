@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
 mod bad_images;
+mod certify;
 mod commands;
 mod explain;
 mod refusals;

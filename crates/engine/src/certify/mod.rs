@@ -9,6 +9,7 @@ mod tally;
 mod trace;
 
 pub(crate) use stage::fill_with_bounds;
+use stage::{address, take_unbounded};
 pub use tally::{Certified, Distribution};
 pub(crate) use trace::{BOUNDS, Origin, Trace};
 
@@ -18,8 +19,10 @@ use crate::plan::{Feed, Pass};
 use crate::prepare::{Ready, prepare};
 use crate::{Buffers, Cache, EvalError, Monitor, Plan, PlanError, Settings, Switches};
 use rayon::prelude::*;
-use std::collections::HashMap;
-use trochoid_graph::{Bound, CheckedGraph, LITERAL, NodeId};
+use std::collections::{BTreeMap, HashMap};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
+use trochoid_graph::{Bound, CheckedGraph, Kind, LITERAL, NodeId};
 use trochoid_image::Window;
 
 /// Tiles that are certified one by one.
@@ -78,12 +81,23 @@ impl<'g> Certifier<'g> {
             let tiles: Vec<Window> = plan.window.tiles(width.max(4 * across), height.max(4 * down)).collect();
             let mut all: Vec<Certified> =
                 plan.outputs.iter().map(|output| Certified::new(output.index, output.kind, plan.window)).collect();
+            let run = Run { total: tiles.len(), done: AtomicUsize::new(0), unbounded: Mutex::default(), monitor };
             let parts: Result<Vec<Vec<Certified>>, EvalError> = tiles
                 .par_chunks(tiles.len().div_ceil(8 * rayon::current_num_threads()).max(1))
-                .map(|tiles| self.tiles(tiles, &ready, buffers, monitor))
+                .map(|tiles| self.tiles(tiles, &ready, buffers, &run))
                 .collect();
             for (index, part) in parts?.into_iter().flatten().enumerate() {
                 all[index % plan.outputs.len()].add(&part);
+            }
+            let unbounded = run.unbounded.into_inner().unwrap_or_else(PoisonError::into_inner);
+            for (certified, output) in all.iter_mut().zip(&plan.outputs) {
+                let node = plan.graph.outputs()[output.index].node;
+                let reached = plan.graph.reached([node], plan.frame());
+                certified.unbounded =
+                    unbounded.iter().map(|(id, why)| (*id, *why)).filter(|(id, _)| reached[id.0]).collect();
+                if output.kind == Kind::Color {
+                    certified.palette = plan.palette(output, &ready, buffers).hull.vertices().to_vec();
+                }
             }
             Ok(all)
         })
@@ -94,9 +108,14 @@ impl<'g> Certifier<'g> {
         tiles: &[Window],
         ready: &HashMap<NodeId, Ready>,
         buffers: &Buffers<'_>,
-        monitor: &dyn Monitor,
+        run: &Run<'_>,
     ) -> Result<Vec<Certified>, EvalError> {
         let plan = &self.plan;
+        // Nodes with equal keys share what was prepared.
+        let mut stages: HashMap<usize, Vec<NodeId>> = HashMap::new();
+        for (id, ready) in ready {
+            stages.entry(address(&*ready.prepared)).or_default().push(*id);
+        }
         let mut chunks = Chunks::of([]);
         let mut chunks = chunks.all();
         let mut seconds = vec![0.0; plan.graph.nodes().len()];
@@ -104,12 +123,15 @@ impl<'g> Certifier<'g> {
             .passes
             .iter()
             .map(|pass| {
-                let fills = Fills::new(plan, ready, buffers, (&pass.fills, pass.sharing), monitor, &mut chunks);
+                let fills = Fills::new(plan, ready, buffers, (&pass.fills, pass.sharing), run.monitor, &mut chunks);
                 (pass, fills, Trace::new(&pass.program))
             })
             .collect();
         let mut done = Vec::new();
         for &tile in tiles {
+            if run.monitor.cancelled() {
+                return Err(EvalError::Cancelled);
+            }
             let of = |output: &crate::plan::PlannedOutput| Certified::new(output.index, output.kind, tile);
             let mut own: Vec<Certified> = plan.outputs.iter().map(of).collect();
             for (pass, fills, trace) in &mut passes {
@@ -117,6 +139,7 @@ impl<'g> Certifier<'g> {
                 let mut means: Vec<Vec<Vec<f64>>> = own.iter().map(|_| Vec::new()).collect();
                 for (sample, offset) in pass.offsets.iter().enumerate() {
                     fills.fill(tile, (sample, *offset), &mut seconds)?;
+                    run.note(&stages);
                     let planes = fills.planes(&pass.program);
                     // By root, by channel: values, then bounds.
                     let mut rows = vec![Vec::new(); pass.roots.len() * 2 * BOUNDS];
@@ -141,8 +164,29 @@ impl<'g> Certifier<'g> {
                 own.iter_mut().zip(&means).for_each(|(own, means)| own.average(means));
             }
             done.extend(own);
+            run.monitor.progress(run.done.fetch_add(1, Ordering::Relaxed) + 1, run.total);
         }
         Ok(done)
+    }
+}
+
+/// What the threads of one certification share.
+struct Run<'m> {
+    /// Tiles in all, and those that are done.
+    total: usize,
+    done: AtomicUsize,
+    /// Stages that told of no bound, and why.
+    unbounded: Mutex<BTreeMap<NodeId, &'static str>>,
+    monitor: &'m dyn Monitor,
+}
+
+impl Run<'_> {
+    /// Takes what stages have told on this thread, known by the address of what they prepared.
+    fn note(&self, stages: &HashMap<usize, Vec<NodeId>>) {
+        for (address, why) in take_unbounded() {
+            let mut unbounded = self.unbounded.lock().unwrap_or_else(PoisonError::into_inner);
+            unbounded.extend(stages.get(&address).into_iter().flatten().map(|id| (*id, why.0)));
+        }
     }
 }
 

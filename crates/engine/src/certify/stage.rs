@@ -1,6 +1,22 @@
 //! A stage's planes with their bounds.
 
-use trochoid_graph::{Block, Bound, Bounding, Connection, Inputs, NodeError, Outputs, Prepared};
+use std::cell::RefCell;
+use trochoid_graph::{Block, Bound, Bounding, Connection, Inputs, NoBound, NodeError, Outputs, Prepared};
+
+thread_local! {
+    /// The stages that told of no bound on this thread since somebody asked, each by the address of what it prepared.
+    static UNBOUNDED: RefCell<Vec<(usize, NoBound)>> = const { RefCell::new(Vec::new()) };
+}
+
+/// The address of what a stage prepared, as [`take_unbounded`] knows it.
+pub(crate) fn address(prepared: &dyn Prepared) -> usize {
+    std::ptr::from_ref(prepared).cast::<()>() as usize
+}
+
+/// The stages that told of no bound on this thread since the last call.
+pub(crate) fn take_unbounded() -> Vec<(usize, NoBound)> {
+    UNBOUNDED.take()
+}
 
 /// What a stage is given, by port.
 pub(crate) type Ports<'a> = Vec<(&'static str, Vec<Connection<'a>>)>;
@@ -29,7 +45,13 @@ pub(crate) fn fill_with_bounds(
         planes.iter().map(|planes| planes.iter().map(|plane| plane.as_deref()).collect()).collect();
     let bounding = Bounding { block, inputs: &inputs, bounds: &limits, filled: &filled };
     let lent = targets.iter_mut().map(|planes| planes.iter_mut().map(|plane| plane.as_deref_mut()).collect());
-    if prepared.bound(&bounding, &mut Outputs::new(lent.collect())).is_err() {
+    if let Err(why) = prepared.bound(&bounding, &mut Outputs::new(lent.collect())) {
+        UNBOUNDED.with_borrow_mut(|told| {
+            let entry = (address(prepared), why);
+            if !told.contains(&entry) {
+                told.push(entry);
+            }
+        });
         targets.iter_mut().flatten().flatten().for_each(|plane| plane.fill(Bound::UNKNOWN.encode()));
     }
     Ok(())

@@ -1,7 +1,7 @@
 //! What is known of the errors of a picture.
 
-use trochoid_graph::{Bound, Kind, REFERENCE};
-use trochoid_image::Window;
+use trochoid_graph::{Bound, Kind, NodeId, REFERENCE};
+use trochoid_image::{Rgb, Window};
 
 /// How many samples have bounds of which size.
 #[derive(Clone, Debug, PartialEq)]
@@ -93,6 +93,10 @@ pub struct Certified {
     pub errors: Vec<Vec<f32>>,
     /// The share of each pixel's samples that is not clear.
     pub doubt: Vec<f32>,
+    /// Of a color, the corners of the hull of all control colors that it may be mixed from; no branch counts as left out.
+    pub palette: Vec<Rgb>,
+    /// The stages on the way to it that know no bound everywhere, and why.
+    pub unbounded: Vec<(NodeId, &'static str)>,
 }
 
 impl Certified {
@@ -105,6 +109,8 @@ impl Certified {
             unclear: Distribution::default(),
             errors: vec![vec![0.0; window.area()]; kind.channels()],
             doubt: vec![0.0; window.area()],
+            palette: Vec::new(),
+            unbounded: Vec::new(),
         }
     }
 

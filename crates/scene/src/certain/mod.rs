@@ -24,7 +24,6 @@ use crate::project::Layer;
 use crate::surface::{Hit, Surface};
 use crate::{ChannelSet, Projector, Ray, Visible};
 use glam::DVec3;
-use rayon::prelude::*;
 use sheets::{Sheet, Sheets};
 use trochoid_image::Window;
 use turns::Turns;
@@ -127,7 +126,7 @@ impl Certain {
             let place = [x as f64 + offset[0], y as f64 + offset[1]];
             self.sight(visible, surfaces, place, sheets.at([x, y]))
         };
-        pixels.par_iter().with_min_len(64).map(sight).collect()
+        pixels.iter().map(sight).collect()
     }
 
     fn sight(&self, visible: &Visible, surfaces: &[&dyn Surface], place: [f64; 2], sheets: Sheets) -> Sight {

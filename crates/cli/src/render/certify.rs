@@ -1,0 +1,155 @@
+//! Certificates and error images beside the files of a run.
+
+use super::Args;
+use super::job::interrupted;
+use crate::failure::{FAILED, Failure};
+use crate::inputs::InputFiles;
+use serde_json::{Value, json};
+use std::collections::HashSet;
+use std::path::PathBuf;
+use trochoid::certificate::{Certificate, Made, certify, error_image};
+use trochoid::{
+    Buffers, Cache, Certified, Certifier, CheckedGraph, EvalError, Fingerprints, Frame, Guarantee, Monitor, OutputFile,
+    Settings, companion_files,
+};
+
+/// What is written beside one file, where it is asked for.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Beside {
+    pub(super) certificate: Option<PathBuf>,
+    pub(super) error: Option<PathBuf>,
+}
+
+impl Beside {
+    /// Of each file of a frame.
+    pub(super) fn of(
+        graph: &CheckedGraph,
+        args: &Args,
+        files: &[OutputFile],
+        frame: i64,
+        several: bool,
+    ) -> Result<Vec<Self>, Failure> {
+        let names = |pattern: &Option<String>, ending: &str| match pattern {
+            Some(pattern) => companion_files(graph, files, frame, several, pattern, ending)
+                .map(|names| names.into_iter().map(Some).collect::<Vec<_>>()),
+            None => Ok(vec![None; files.len()]),
+        };
+        let (certificates, errors) = (names(&args.certificate, ".json")?, names(&args.error, ".exr")?);
+        Ok(certificates.into_iter().zip(errors).map(|(certificate, error)| Self { certificate, error }).collect())
+    }
+
+    pub(super) fn paths(&self) -> impl Iterator<Item = (&'static str, &PathBuf)> {
+        let certificate = self.certificate.iter().map(|path| ("--certificate", path));
+        certificate.chain(self.error.iter().map(|path| ("--error", path)))
+    }
+
+    /// What is wrong with writing there: over what is read, or over another file of the run.
+    pub(super) fn refusals(&self, inputs: &InputFiles, written: &mut HashSet<PathBuf>) -> Vec<Failure> {
+        let faults = self.paths().filter_map(|(option, path)| {
+            let taken = !written.insert(path.clone()) || inputs.contains(path);
+            taken.then(|| {
+                let message = format!("{option} {}: is a file of the document or of the run", path.display());
+                Failure::usage(message, "give it another name")
+            })
+        });
+        faults.collect()
+    }
+
+    /// Whether everything is there already, made from exactly this.
+    pub(super) fn is_current(
+        &self,
+        graph: &CheckedGraph,
+        file: &OutputFile,
+        frame: i64,
+        fingerprints: &mut Fingerprints,
+    ) -> bool {
+        let fingerprint = fingerprints.of(graph, file, frame);
+        let certificate = self.certificate.as_ref().is_none_or(|path| Certificate::is_current(path, &fingerprint));
+        certificate && self.error.as_ref().is_none_or(|path| Fingerprints::is_marked(path, &fingerprint))
+    }
+
+    /// Names what was written in a file's entry of the report.
+    pub(super) fn describe(&self, entry: &mut Value) {
+        for (option, path) in self.paths() {
+            entry[option.trim_start_matches('-')] = json!(path.display().to_string());
+        }
+    }
+}
+
+/// What certifying needs of a run.
+pub(super) struct Certifying<'a> {
+    pub(super) graph: &'a CheckedGraph,
+    pub(super) settings: &'a Settings,
+    pub(super) required: Option<Guarantee>,
+}
+
+impl Certifying<'_> {
+    /// Certifies what was written of a frame, and writes what belongs beside each file.
+    pub(super) fn run(
+        &self,
+        frame: &Frame,
+        files: &[(&OutputFile, &Beside)],
+        cache: &mut Cache,
+        fingerprints: &mut Fingerprints,
+        monitor: &dyn Monitor,
+    ) -> Result<Vec<Certified>, Failure> {
+        let Self { graph, settings, required } = *self;
+        if files.is_empty() {
+            return Ok(Vec::new());
+        }
+        let number = frame.number;
+        let failed = |error: &dyn std::fmt::Display| Failure::new(FAILED, format!("frame {number}: {error}"));
+        let outputs = files.iter().flat_map(|(file, _)| &file.outputs);
+        let names: Vec<&str> = outputs.map(|index| graph.outputs()[*index].name.as_str()).collect();
+        let certifier = Certifier::new(graph, &names, number, &[], settings).map_err(|error| failed(&error))?;
+        let certified = certifier.certify(&Buffers::new(), cache, monitor).map_err(|error| match error {
+            EvalError::Cancelled => interrupted(),
+            error => failed(&error),
+        })?;
+        for (file, beside) in files {
+            if let Some(path) = &beside.error {
+                let metadata = fingerprints.metadata(graph, file, frame);
+                error_image(graph, file, &certified, &metadata, path)?;
+            }
+            if let Some(path) = &beside.certificate {
+                let made = Made { graph, file, frame, certified: &certified, settings, required };
+                certify(&made, path).map_err(|error| failed(&error))?.write(path)?;
+            }
+        }
+        Ok(certified)
+    }
+}
+
+/// What is certain of an output's errors, for reports.
+pub(super) fn described(certified: &Certified) -> Value {
+    let finite = |value: f64| if value.is_finite() { json!(value) } else { Value::Null };
+    let samples = certified.clear.total() + certified.unclear.total();
+    json!({
+        "max": finite(certified.clear.max()),
+        "p999": finite(certified.clear.quantile(0.999)),
+        "samples": samples,
+        "ambiguous_samples": certified.unclear.total(),
+        "ambiguous_share": certified.unclear.total() as f64 / samples.max(1) as f64,
+        "ambiguous_share_beyond_8_bit": certified.in_doubt(1.0 / 255.0),
+    })
+}
+
+/// One half of a frame's work: rendering, then certifying.
+pub(super) struct Half<'m> {
+    pub(super) monitor: &'m dyn Monitor,
+    pub(super) second: bool,
+}
+
+impl Monitor for Half<'_> {
+    fn preparing(&self, node: &str) {
+        self.monitor.preparing(node);
+    }
+
+    fn progress(&self, done: usize, total: usize) {
+        self.monitor.progress(if self.second { total + done } else { done }, 2 * total);
+    }
+
+    fn cancelled(&self) -> bool {
+        self.monitor.cancelled()
+    }
+}

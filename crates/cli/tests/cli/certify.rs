@@ -1,0 +1,168 @@
+//! `trochoid render --certificate --error` and `trochoid verify`.
+
+use crate::scene::{READS, SCENE, Scene};
+use serde_json::Value;
+use std::fs;
+use trochoid::io::{Limits, PngImage, Samples, Selection, read, write_png8};
+
+const CERTIFIED: &[&str] = &[
+    "render",
+    "a.json",
+    "--frames",
+    "1-2",
+    "--certificate",
+    "cert/{output}.##.json",
+    "--error",
+    "err/{output}.####.exr",
+];
+
+fn json(scene: &Scene, name: &str) -> Value {
+    serde_json::from_slice(&fs::read(scene.path(name)).unwrap()).unwrap()
+}
+
+#[test]
+fn every_image_has_a_certificate_that_holds() {
+    let scene = Scene::new(SCENE);
+    let run = scene.run(CERTIFIED).code(0).says(&["hull, 0 exits, error ≤ ", "nothing ambiguous, "]);
+    assert_eq!(run.err, "");
+    assert_eq!(scene.files().len(), 12, "{:?}", scene.files());
+    for (output, image) in [("beauty", "exr"), ("mask", "png")] {
+        for frame in [1, 2] {
+            let certificate = format!("cert/{output}.0{frame}.json");
+            let image = format!("out/{output}.000{frame}.{image}");
+            let run = scene.run(&["verify", &certificate, &image]).code(0);
+            run.says(&[
+                &certificate,
+                "unchanged",
+                &format!("of frame {frame}"),
+                "all 128 pixels evaluated",
+                "\nholds\n",
+            ]);
+            scene.run(&["verify", &certificate, &image, "--quiet", "--all", "--document", "a.json"]).code(0);
+        }
+    }
+    let json = scene.run(&["verify", "cert/beauty.01.json", "out/beauty.0001.exr", "--pixels", "9", "--json"]).code(0);
+    let json = json.json();
+    assert_eq!(
+        (json["holds"].as_bool(), json["frame"].as_i64(), json["blocks"].as_i64()),
+        (Some(true), Some(1), Some(1))
+    );
+    assert_eq!((json["outputs"][0]["looked_at"].as_i64(), json["outputs"][0]["hull"].as_bool()), (Some(9), Some(true)));
+}
+
+#[test]
+fn the_certificate_says_what_is_certain() {
+    let scene = Scene::new(&SCENE.replace("\"height\": 8", "\"height\": 8, \"samples\": 4"));
+    scene.run(&[CERTIFIED, &["--require", "box", "--set", "mix.a=#100"]].concat()).code(0);
+    let certificate = json(&scene, "cert/beauty.02.json");
+    assert_eq!(certificate["frame"], 2);
+    assert_eq!(certificate["document"]["canonical"]["nodes"]["mix"]["a"], "#100");
+    assert_eq!(certificate["document"]["folder"], "..");
+    assert_eq!(certificate["image"]["file"], "../out/beauty.0002.exr");
+    let names: Vec<&str> =
+        certificate["plan"].as_array().unwrap().iter().map(|n| n["name"].as_str().unwrap()).collect();
+    assert_eq!(names, ["across", "mix"]);
+    let beauty = &certificate["outputs"][0];
+    assert_eq!(beauty["guarantee"], serde_json::json!({ "asked": "hull", "class": "hull", "held": "hull" }));
+    assert_eq!((beauty["controls"]["count"].as_i64(), beauty["audit"]["outside"].as_i64()), (Some(2), Some(0)));
+    assert_eq!(beauty["error"]["samples"]["count"], 4 * 128);
+    let max = beauty["error"]["samples"]["max"].as_f64().unwrap();
+    assert!(max > 0.0 && max < 1e-6, "{max}");
+    let error = read(scene.path("err/beauty.0002.exr"), &Selection::layer("error"), &Limits::default()).unwrap();
+    let names: Vec<&str> = error.channels.iter().map(|channel| channel.name.as_str()).collect();
+    assert_eq!(names, ["R", "G", "B"]);
+    let largest = error.channels.iter().flat_map(|c| c.plane.samples()).fold(0.0_f32, |most, error| most.max(*error));
+    let pixels = beauty["error"]["pixels"]["max"].as_f64().unwrap();
+    assert!((f64::from(largest) - pixels).abs() <= 1e-12 * pixels, "{largest} and {pixels}");
+    let doubt = read(scene.path("err/mask.0001.exr"), &Selection::channels(["doubt", "error.Y"]), &Limits::default());
+    assert!(doubt.unwrap().channels[0].plane.samples().iter().all(|doubt| *doubt == 0.0));
+}
+
+#[test]
+fn reports_name_the_files_and_the_errors() {
+    let scene = Scene::new(SCENE);
+    scene.run(&[CERTIFIED, &["--report", "r.json", "--quiet"]].concat()).code(0);
+    let frame = &json(&scene, "r.json")["frames"][1];
+    assert_eq!(frame["files"][0]["certificate"], "cert/beauty.02.json");
+    assert_eq!(frame["files"][1]["error"], "err/mask.0002.exr");
+    let certified = &frame["outputs"]["beauty"]["certified"];
+    assert!(certified["max"].as_f64().unwrap() < 1e-6 && certified["ambiguous_share"] == 0.0, "{certified}");
+    assert!(frame["seconds"]["certify"].as_f64().unwrap() > 0.0);
+}
+
+#[test]
+fn resume_takes_no_image_for_done_without_its_certificate() {
+    let scene = Scene::new(SCENE);
+    let resume = [CERTIFIED, &["--resume"]].concat();
+    let current = || scene.run(&resume).code(0).out.lines().map(|l| l.ends_with("up to date")).collect::<Vec<_>>();
+    scene.run(&["render", "a.json"]).code(0);
+    assert_eq!(current(), [false, false]);
+    assert_eq!(current(), [true, true]);
+    fs::remove_file(scene.path("err/mask.0001.exr")).unwrap();
+    let text = fs::read_to_string(scene.path("cert/beauty.02.json")).unwrap();
+    fs::write(scene.path("cert/beauty.02.json"), text.replace("\"frame\": 2", "\"frame\": 3")).unwrap();
+    let run = scene.run(&resume).code(0);
+    assert!(run.out.starts_with("frame 1: mask → ") && run.out.contains("\nframe 2: beauty → "), "{}", run.out);
+    assert_eq!(current(), [true, true]);
+    assert_eq!(scene.run(&["render", "a.json", "--resume"]).code(0).out.matches("up to date").count(), 3);
+}
+
+#[test]
+fn patterns_that_name_two_files_one_and_files_in_use_are_refused() {
+    let scene = Scene::new(SCENE);
+    let refused = |more: &[&str], words: &[&str]| {
+        scene.run(&[&["render", "a.json"], more].concat()).fails(2, words);
+        scene.has_no_files();
+    };
+    let patterns = ["\"c.json\" gives 2 files one name", "\"c.json\" gives all frames one name"];
+    refused(&["--certificate", "c.json"], &patterns);
+    refused(&["--error", "{outputs}.exr"], &["unknown placeholder {outputs}"]);
+    refused(&["--certificate", "{output}.##.txt"], &["another ending than .json"]);
+    let one = ["--frames", "1", "--output", "beauty"];
+    refused(&[&one[..], &["--certificate", "a.json"]].concat(), &["--certificate a.json: is a file of the document"]);
+    refused(&[&one[..], &["--error", "out/beauty.0001.exr"]].concat(), &["--error out/beauty.0001.exr: is a file"]);
+    let taken = ["--certificate", "c.json", "--report", "c.json"];
+    refused(&[&one[..], &taken].concat(), &["--report c.json: is a file"]);
+}
+
+#[test]
+fn what_does_not_hold_is_code_3_and_named() {
+    let scene = Scene::new(SCENE);
+    scene.run(CERTIFIED).code(0);
+    let (certificate, image) = ("cert/mask.01.json", "out/mask.0001.png");
+    let verify = |certificate: &str, image: &str, words: &[&str]| {
+        scene.run(&["verify", certificate, image]).fails(3, words);
+        let json = scene.run(&["verify", certificate, image, "--json"]).code(3);
+        assert!(json.json()["holds"] == false && json.err.is_empty(), "{}", json.err);
+    };
+    verify("cert/beauty.01.json", image, &["error: out/mask.0001.png: kind of file", "does not hold for out/mask"]);
+    let text = fs::read_to_string(scene.path(certificate)).unwrap();
+    fs::write(scene.path("c.json"), text.replace("\"frame\": 1", "\"frame\": 2")).unwrap();
+    verify("c.json", image, &["error: c.json: digest: found ", "has been changed"]);
+    let mut picture = read(scene.path(image), &Selection::default(), &Limits::default()).unwrap();
+    picture.channels[0].plane.samples_mut()[19] += 1.0 / 255.0;
+    let changed = PngImage::new(16, 8, [Samples::plane(&picture.channels[0].plane)]);
+    write_png8(scene.path("b.png"), &changed).unwrap();
+    verify(certificate, "b.png", &["error: b.png: block 0, x 0 to 15, y 0 to 7: found pixels of hash "]);
+    let other = SCENE.replace("#fff", "#ffe");
+    fs::write(scene.path("b.json"), other).unwrap();
+    let words = ["error: b.json: hash of the document"];
+    scene.run(&["verify", certificate, image, "--document", "b.json"]).fails(3, &words);
+    scene.run(&["verify", certificate, image, "--document", "b.json", "--set", "mix.b=#fff"]).code(0);
+}
+
+#[test]
+fn files_that_cannot_be_read_have_their_own_codes() {
+    let scene = Scene::new(READS);
+    scene.write_picture("in.exr", 0.25);
+    scene.run(&["render", "a.json", "--certificate", "c.json"]).code(0);
+    scene.run(&["verify", "c.json", "out.exr"]).code(0).says(&["its input file is the same"]);
+    scene.run(&["verify", "none.json", "out.exr"]).fails(1, &["none.json: cannot be read"]);
+    scene.run(&["verify", "c.json", "none.exr"]).fails(1, &["none.exr"]);
+    scene.run(&["verify", "a.json", "out.exr"]).fails(2, &["a.json: found JSON that does not begin with a digest"]);
+    scene.run(&["verify", "c.json", "out.exr", "--all", "--pixels", "3"]).fails(2, &["cannot be used with"]);
+    scene.write_picture("in.exr", 0.5);
+    scene.run(&["verify", "c.json", "out.exr"]).fails(3, &["in.exr: input"]);
+    fs::remove_file(scene.path("in.exr")).unwrap();
+    scene.run(&["verify", "c.json", "out.exr"]).fails(1, &["in.exr: cannot be read"]);
+}

@@ -1,0 +1,77 @@
+//! Which pixels are looked at, and how many of them chance allows to lie beyond a quantile.
+
+use std::collections::BTreeSet;
+
+/// The probability with which a certificate that is right is rejected by bad luck, at most.
+const BAD_LUCK: f64 = 1e-9;
+
+/// So many of `total` pixels, ascending, each once: chosen by a digest, so that whoever changes anything in a certificate
+/// changes the choice.
+pub(super) fn choose(digest: &str, total: usize, count: usize) -> Vec<usize> {
+    if count >= total {
+        return (0..total).collect();
+    }
+    // Of more than half, those that are not chosen are fewer.
+    let drawn = count.min(total - count);
+    let mut stream = blake3::Hasher::new().update(b"trochoid pixels ").update(digest.as_bytes()).finalize_xof();
+    let mut chosen = BTreeSet::new();
+    let total = total as u64;
+    // Numbers beyond the last multiple of the total would make the first pixels likelier.
+    let fair = u64::MAX - u64::MAX % total;
+    while chosen.len() < drawn {
+        let mut bytes = [0; 8];
+        stream.fill(&mut bytes);
+        let number = u64::from_le_bytes(bytes);
+        if number < fair {
+            chosen.insert((number % total) as usize);
+        }
+    }
+    if drawn == count {
+        return chosen.into_iter().collect();
+    }
+    (0..total as usize).filter(|pixel| !chosen.contains(pixel)).collect()
+}
+
+/// Of `looked` pixels, chosen without return from some of which at most a share of `p` lies beyond, how many may lie beyond
+/// unless something of probability [`BAD_LUCK`] has happened.
+///
+/// Hoeffding, Probability Inequalities for Sums of Bounded Random Variables, 1963, theorems 1 and 4: at least `k` of `n` do
+/// with probability at most exp(−n·D(k/n ‖ p)), D the relative entropy.
+pub(super) fn allowed(looked: u64, p: f64) -> u64 {
+    let n = looked as f64;
+    let unlikely = |k: u64| {
+        let q = k as f64 / n;
+        let term = |a: f64, b: f64| if a == 0.0 { 0.0 } else { a * (a / b).ln() };
+        q > p && -n * (term(q, p) + term(1.0 - q, 1.0 - p)) <= BAD_LUCK.ln()
+    };
+    (0..looked).find(|most| unlikely(most + 1)).unwrap_or(looked)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_choice_depends_on_the_digest_alone_and_is_spread_evenly() {
+        let some = choose("a", 10_000, 1000);
+        assert_eq!(some, choose("a", 10_000, 1000));
+        assert_ne!(some, choose("b", 10_000, 1000));
+        assert!(some.windows(2).all(|pair| pair[0] < pair[1]) && some.len() == 1000);
+        for quarter in 0..4 {
+            let count = some.iter().filter(|pixel| **pixel / 2500 == quarter).count();
+            assert!((190..=310).contains(&count), "{count} of 250 expected");
+        }
+        assert_eq!(choose("a", 10, 9).len(), 9);
+        assert_eq!(choose("a", 10, 10), (0..10).collect::<Vec<_>>());
+        assert_eq!(choose("a", 3, 10), [0, 1, 2]);
+    }
+
+    #[test]
+    fn chance_allows_more_than_the_mean_and_not_much_more() {
+        assert_eq!(allowed(0, 0.001), 0);
+        assert_eq!(allowed(1, 0.001), 1, "one in a thousand is not unlikely enough");
+        assert!((10..50).contains(&allowed(10_000, 0.001)), "{}", allowed(10_000, 0.001));
+        let many = allowed(10_000_000, 0.001);
+        assert!((10_000..10_700).contains(&many), "{many}");
+    }
+}

@@ -1,0 +1,342 @@
+//! Checking certificates: all that can be held against document, inputs and image, then pixels against the references.
+
+use super::image::StoredImage;
+use super::inputs::{files, folder_of, hashed, is_same};
+use super::make::{channels_of, format_of, plan_of};
+use super::pixels::PixelCheck;
+use super::*;
+use crate::OutputFile;
+use std::fmt;
+use std::path::Path;
+use trochoid_engine::{Cache, Monitor, ReferenceFrame};
+use trochoid_graph::{CheckedGraph, Guarantee, Kind};
+use trochoid_io::{FileKind, SampleType};
+
+/// Which pixels are evaluated by the references.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Choice {
+    /// Every one.
+    All,
+    /// So many, chosen by the certificate's digest; all of a smaller picture.
+    Some(u64),
+}
+
+impl Default for Choice {
+    /// 10,000 pixels.
+    fn default() -> Self {
+        Self::Some(10_000)
+    }
+}
+
+/// What is to be checked.
+#[derive(Clone, Copy, Debug)]
+pub struct Request<'r> {
+    /// The certificate.
+    pub certificate: &'r Path,
+    /// The image that it is said to be of.
+    pub image: &'r Path,
+    /// Which pixels are evaluated.
+    pub choice: Choice,
+    /// The document that it is said to be of, if that is asked.
+    pub document: Option<&'r CheckedGraph>,
+}
+
+/// Something that does not hold.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Failed {
+    /// Where.
+    pub place: String,
+    /// What was found there.
+    pub found: String,
+    /// What the certificate or the references say.
+    pub expected: String,
+}
+
+impl fmt::Display for Failed {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: found {}; expected {}", self.place, self.found, self.expected)
+    }
+}
+
+/// What was seen of one output.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Findings {
+    /// Its name.
+    pub output: String,
+    /// Pixels evaluated by the references.
+    pub looked_at: u64,
+    /// Pixels in all.
+    pub pixels: u64,
+    /// Of those evaluated, the ambiguous ones.
+    pub ambiguous: u64,
+    /// Whether the hull was checked: of colors that the certificate says hold it.
+    pub hull: bool,
+    /// The largest distance of a pixel that is not ambiguous from its reference, beyond what the file's format rounds, in
+    /// units of the file.
+    pub distance: f64,
+    /// The same of ambiguous pixels.
+    pub distance_ambiguous: f64,
+    /// The smallest weight of any node in the references; +∞ where there are none.
+    pub weight_min: f64,
+    /// The largest |Σω − 1| of any node in them.
+    pub weight_sum_max_deviation: f64,
+}
+
+/// What a check has found.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Verification {
+    /// The certificate, unless its digest does not hold.
+    pub frame: Option<i64>,
+    /// The version of Trochoid that made it.
+    pub trochoid: String,
+    /// Input files checked.
+    pub inputs: usize,
+    /// Blocks of pixels checked.
+    pub blocks: usize,
+    /// What was seen of each output, where document, inputs and image are as certified.
+    pub outputs: Vec<Findings>,
+    /// All that does not hold.
+    pub failures: Vec<Failed>,
+}
+
+impl Verification {
+    /// Whether everything holds.
+    pub fn holds(&self) -> bool {
+        self.failures.is_empty()
+    }
+
+    pub(super) fn fail(&mut self, place: impl ToString, found: impl ToString, expected: impl ToString) {
+        let [place, found, expected] = [place.to_string(), found.to_string(), expected.to_string()];
+        self.failures.push(Failed { place, found, expected });
+    }
+
+    /// Fails unless both are the same.
+    pub(super) fn same<T: PartialEq + fmt::Debug>(&mut self, place: impl ToString, found: &T, expected: &T) {
+        if found != expected {
+            self.fail(place, format!("{found:?}"), format!("{expected:?}"));
+        }
+    }
+}
+
+/// Blocks and nodes that are named one by one; of further ones there is only the number.
+const NAMED: usize = 8;
+
+/// Checks a certificate and the image that it is said to be of.
+///
+/// Pixels are evaluated only if the certificate is unchanged, and document, inputs and image are the certified ones. Of a
+/// pixel that is not ambiguous the file must hold what its format rounds a number to that lies within the certified error of
+/// the reference; of an ambiguous one the same within the bound of those. At most one in a thousand may pass the certified
+/// 99.9th percentile: exactly where all pixels are looked at, else as many more as chance allows (a certificate that is right
+/// is rejected once in 10⁹ times). Colors must lie in the hull of their controls up to what the format rounds, weights in
+/// [0, 1], partitions must sum to 1.
+///
+/// # Errors
+/// A file cannot be read or is not what it should be; the document is none of this version; the monitor asked to stop.
+pub fn verify(request: &Request<'_>, monitor: &dyn Monitor) -> Result<Verification, CertificateError> {
+    let mut found = Verification::default();
+    let certificate = match Certificate::read(request.certificate)? {
+        Ok(certificate) => certificate,
+        Err([digest, expected]) => {
+            let place = format!("{}: digest", request.certificate.display());
+            found.fail(place, digest, format!("{expected}: the certificate has been changed"));
+            return Ok(found);
+        }
+    };
+    (found.frame, found.trochoid) = (Some(certificate.frame), certificate.trochoid.clone());
+    let folder = folder_of(request.certificate);
+    let name = format!("{}: document", request.certificate.display());
+    let text = certificate.document.canonical.get();
+    let graph = crate::parse(&name, text, &folder.join(&certificate.document.folder), &[])?.graph;
+    document(&mut found, request, &certificate, &graph, &name);
+    let Some(outputs) = outputs(&mut found, &certificate, &graph) else { return Ok(found) };
+    let plan = plan_of(&graph, &outputs, certificate.frame, certificate.optimized)?;
+    if certificate.plan.len() != plan.len() {
+        found.fail("plan", format!("{} nodes", certificate.plan.len()), format!("{} nodes", plan.len()));
+    }
+    let differing = certificate.plan.iter().zip(&plan).filter(|(written, planned)| written != planned);
+    for (written, planned) in differing.take(NAMED) {
+        found.same(format!("plan, node \"{}\"", planned.name), written, planned);
+    }
+    inputs(&mut found, &certificate, &graph, &outputs, &folder)?;
+    let file = OutputFile { path: request.image.into(), outputs };
+    let image = StoredImage::read(request.image)?;
+    pixels_of_file(&mut found, &certificate, &graph, &file, &image);
+    let mut checks = Vec::new();
+    for (written, index) in certificate.outputs.iter().zip(&file.outputs) {
+        checks.extend(PixelCheck::new(&mut found, &certificate, written, (&graph, *index), &image));
+    }
+    if !found.holds() {
+        return Ok(found);
+    }
+    let mut cache = Cache::new();
+    let total = checks.iter().map(|check| check.count(request.choice)).sum();
+    let mut done = 0;
+    for check in checks {
+        let reference = ReferenceFrame::prepared(&graph, check.name(), certificate.frame, &mut cache, monitor)?;
+        let count = check.count(request.choice);
+        let findings = check.run(&mut found, &reference, count, &Part { monitor, before: done, total })?;
+        found.outputs.push(findings);
+        done += count;
+    }
+    Ok(found)
+}
+
+fn document(
+    found: &mut Verification,
+    request: &Request<'_>,
+    certificate: &Certificate,
+    graph: &CheckedGraph,
+    name: &str,
+) {
+    found.same(name, &graph.document_hash(), &certificate.document.hash);
+    if let Some(given) = request.document {
+        let place = format!("{}: hash of the document", given.name());
+        found.same(place, &given.document_hash(), &certificate.document.hash);
+    }
+    found.same("format", &certificate.format, &format_of(graph));
+    let nodes = certificate.outputs.iter().flat_map(|output| &output.unbounded);
+    for stage in nodes.filter(|stage| graph.find(&stage.node).is_none()) {
+        found.fail("unbounded", format!("\"{}\"", stage.node), "a node of the document");
+    }
+}
+
+/// The indices of the outputs of a certificate, whose kinds and guarantees are looked at.
+fn outputs(found: &mut Verification, certificate: &Certificate, graph: &CheckedGraph) -> Option<Vec<usize>> {
+    let mut indices = Vec::new();
+    for written in &certificate.outputs {
+        let place = format!("output \"{}\"", written.name);
+        match graph.outputs().iter().position(|output| output.name == written.name) {
+            Some(index) if !indices.contains(&index) => indices.push(index),
+            Some(_) => {
+                found.fail(place, "it twice", "it once");
+                return None;
+            }
+            None => {
+                found.fail(place, "a name of no output", "one of the document's");
+                return None;
+            }
+        }
+    }
+    if indices.is_empty() {
+        found.fail("outputs", "none", "one at least");
+        return None;
+    }
+    for (written, index) in certificate.outputs.iter().zip(&indices) {
+        let spec = &graph.outputs()[*index];
+        let place = |field: &str| format!("output \"{}\", {field}", spec.name);
+        found.same(place("kind"), &written.kind, &spec.kind.to_string());
+        found.same(place("controls"), &written.controls.is_some(), &(spec.kind == Kind::Color));
+        let class = crate::guarantee(spec).map(Guarantee::name);
+        found.same(place("guarantee.class"), &written.guarantee.as_ref().map(|g| g.class.as_str()), &class);
+        let Some(guarantee) = &written.guarantee else { continue };
+        let clean = written.audit.outside == 0 && written.audit.nan == 0;
+        let held = class.filter(|_| clean);
+        found.same(place("guarantee.held"), &guarantee.held.as_deref(), &held);
+        let asked = guarantee.asked.as_deref().map(Guarantee::from_name);
+        let strict = asked.flatten() >= spec.require && asked != Some(None);
+        if !strict || asked.flatten() > guarantee.held.as_deref().and_then(Guarantee::from_name) {
+            let expected = "what the document requires or more, and no more than what holds";
+            found.fail(place("guarantee.asked"), format!("{:?}", guarantee.asked), expected);
+        }
+    }
+    Some(indices)
+}
+
+fn inputs(
+    found: &mut Verification,
+    certificate: &Certificate,
+    graph: &CheckedGraph,
+    outputs: &[usize],
+    folder: &Path,
+) -> Result<(), CertificateError> {
+    let needed = files(graph, outputs, certificate.frame);
+    found.inputs = needed.len();
+    let mut known = vec![false; certificate.inputs.len()];
+    for path in &needed {
+        let now = hashed(path, folder)?;
+        let written = certificate.inputs.iter().position(|input| is_same(&folder.join(&input.path), path));
+        match written.map(|index| (&certificate.inputs[index], &mut known[index])) {
+            Some((input, known)) => {
+                *known = true;
+                let place = format!("{}: input", path.display());
+                found.same(&place, &(now.bytes, now.hash), &(input.bytes, input.hash.clone()));
+            }
+            None => found.fail(format!("{}: input", path.display()), "no hash of it", "one in the certificate"),
+        }
+    }
+    for (input, _) in certificate.inputs.iter().zip(known).filter(|(_, known)| !known) {
+        found.fail(format!("input {}", input.path), "a file that the document does not need", "no other file");
+    }
+    Ok(())
+}
+
+/// Holds the image's shape and the hashes of its blocks against the certificate's.
+fn pixels_of_file(
+    found: &mut Verification,
+    certificate: &Certificate,
+    graph: &CheckedGraph,
+    file: &OutputFile,
+    image: &StoredImage,
+) {
+    let at = |what: &str| format!("{}: {what}", file.path.display());
+    let written = &certificate.image;
+    let now = image.hashes(written.file.clone());
+    found.same(at("kind of file"), &now.kind, &written.kind);
+    found.same(at("parts"), &image.parts, &1);
+    found.same(at("pixels"), &image.window.to_string(), &graph.format().window().to_string());
+    found.same("image, width and height", &[written.width, written.height], &[now.width, now.height]);
+    let png = image.kind == FileKind::Png;
+    let of = |index: &usize| channels_of(graph, &graph.outputs()[*index], file, png);
+    let mut channels: Vec<(String, SampleType)> = file.outputs.iter().flat_map(of).collect();
+    channels.sort_by(|a, b| a.0.cmp(&b.0));
+    let channels: Vec<ChannelText> =
+        channels.into_iter().map(|(name, stored)| ChannelText { name, stored: stored.to_string() }).collect();
+    found.same(at("channels"), &now.channels, &channels);
+    found.same("image, channels", &written.channels, &channels);
+    for (output, index) in certificate.outputs.iter().zip(&file.outputs) {
+        let names: Vec<String> = of(index).into_iter().map(|(name, _)| name).collect();
+        found.same(format!("output \"{}\", channels", output.name), &output.channels, &names);
+    }
+    if !found.holds() {
+        return;
+    }
+    found.blocks = now.blocks.len();
+    found.same("image, block", &written.block, &now.block);
+    found.same("image, number of blocks", &written.blocks.len(), &now.blocks.len());
+    let blocks = image.window.tiles(now.block as usize, now.block as usize);
+    let pairs = now.blocks.iter().zip(&written.blocks).zip(blocks).enumerate();
+    let changed: Vec<_> = pairs.filter(|(_, ((now, written), _))| now != written).collect();
+    for (index, ((now, written), block)) in changed.iter().take(NAMED) {
+        let place =
+            at(&format!("block {index}, x {} to {}, y {} to {}", block.x0, block.x1 - 1, block.y0, block.y1 - 1));
+        found.fail(place, format!("pixels of hash {now}"), written);
+    }
+    if changed.len() > NAMED {
+        found.fail(at("further blocks"), format!("{} changed", changed.len() - NAMED), "none");
+    }
+    if changed.is_empty() {
+        found.same("image, pixels", &written.pixels, &now.pixels);
+    }
+}
+
+/// One output's share of the work.
+struct Part<'m> {
+    monitor: &'m dyn Monitor,
+    /// Pixels done before, and in all.
+    before: usize,
+    total: usize,
+}
+
+impl Monitor for Part<'_> {
+    fn preparing(&self, node: &str) {
+        self.monitor.preparing(node);
+    }
+
+    fn progress(&self, done: usize, _: usize) {
+        self.monitor.progress(self.before + done, self.total);
+    }
+
+    fn cancelled(&self) -> bool {
+        self.monitor.cancelled()
+    }
+}

@@ -1,0 +1,114 @@
+//! Image files as they stand: their samples, hashed in blocks; and images of certified errors.
+
+use super::{ChannelText, ImageHashes};
+use crate::output::{file_channels, folder_of_file};
+use crate::{OutputError, OutputFile};
+use std::path::Path;
+use trochoid_engine::Certified;
+use trochoid_graph::CheckedGraph;
+use trochoid_image::{Plane, Window};
+use trochoid_io::{ExrChannel, ExrImage, FileKind, Limits, SampleType, Samples, Selection, info, read, write_exr};
+
+/// Width and height of blocks.
+pub(super) const BLOCK: usize = 64;
+
+/// An image file, decoded.
+pub(super) struct StoredImage {
+    pub(super) kind: FileKind,
+    pub(super) parts: usize,
+    pub(super) window: Window,
+    /// Sorted by name.
+    pub(super) channels: Vec<StoredChannel>,
+}
+
+pub(super) struct StoredChannel {
+    pub(super) name: String,
+    pub(super) stored: SampleType,
+    pub(super) plane: Plane,
+}
+
+impl StoredImage {
+    /// All channels of a file's first part.
+    pub(super) fn read(path: &Path) -> Result<Self, trochoid_io::Error> {
+        let limits = Limits::default();
+        let info = info(path, &limits)?;
+        let names = info.parts[0].channels.iter().map(|channel| channel.full_name.clone());
+        let picture = read(path, &Selection::channels(names).with_part(0), &limits)?;
+        let channels = picture.channels.into_iter();
+        let channels = channels.map(|c| StoredChannel { name: c.full_name, stored: c.sample_type, plane: c.plane });
+        let mut channels: Vec<StoredChannel> = channels.collect();
+        channels.sort_by(|a, b| a.name.cmp(&b.name));
+        Ok(Self { kind: info.kind, parts: info.parts.len(), window: picture.data, channels })
+    }
+
+    pub(super) fn channel(&self, name: &str) -> Option<&StoredChannel> {
+        self.channels.iter().find(|channel| channel.name == name)
+    }
+
+    /// The hashes of all blocks.
+    pub(super) fn hashes(&self, file: String) -> ImageHashes {
+        let blocks: Vec<String> = self.window.tiles(BLOCK, BLOCK).map(|block| self.hash(block)).collect();
+        ImageHashes {
+            block: BLOCK as u32,
+            channels: self
+                .channels
+                .iter()
+                .map(|channel| ChannelText { name: channel.name.clone(), stored: channel.stored.to_string() })
+                .collect(),
+            file,
+            height: self.window.height() as u32,
+            kind: self.kind.to_string(),
+            pixels: blake3::hash(blocks.concat().as_bytes()).to_hex().to_string(),
+            width: self.window.width() as u32,
+            blocks,
+        }
+    }
+
+    fn hash(&self, block: Window) -> String {
+        let mut hasher = blake3::Hasher::new();
+        let mut bytes = Vec::with_capacity(4 * BLOCK);
+        for channel in &self.channels {
+            for row in (block.y0..block.y1).filter_map(|y| channel.plane.row(y)) {
+                let start = (block.x0 - self.window.x0) as usize;
+                bytes.clear();
+                bytes.extend(row[start..start + block.width()].iter().flat_map(|sample| sample.to_le_bytes()));
+                hasher.update(&bytes);
+            }
+        }
+        hasher.finalize().to_hex().to_string()
+    }
+}
+
+/// Writes how far each pixel of a file may lie from the references, as EXR: for each channel `C` of an output one named
+/// `error.C`, in units of the working space, and `doubt`, the share of the pixel's samples that are ambiguous.
+///
+/// # Errors
+/// The file cannot be written.
+pub fn error_image(
+    graph: &CheckedGraph,
+    file: &OutputFile,
+    certified: &[Certified],
+    metadata: &[(String, String)],
+    path: &Path,
+) -> Result<(), OutputError> {
+    folder_of_file(path)?;
+    let mut channels = Vec::new();
+    let mut data = graph.format().window();
+    for certified in certified.iter().filter(|certified| file.outputs.contains(&certified.output)) {
+        data = certified.window;
+        let names = file_channels(graph, &graph.outputs()[certified.output], file);
+        // What stands before a channel's own name is its layer.
+        let own = |name: &str, own: &str| match name.rsplit_once('.') {
+            Some((layer, channel)) => (format!("{layer}.{own}.{channel}"), format!("{layer}.doubt")),
+            None => (format!("{own}.{name}"), "doubt".into()),
+        };
+        for ((name, _), errors) in names.iter().zip(&certified.errors) {
+            channels.push(ExrChannel::float(own(name, "error").0, Samples::contiguous(errors)));
+        }
+        if let Some((name, _)) = names.first() {
+            channels.push(ExrChannel::float(own(name, "error").1, Samples::contiguous(&certified.doubt)));
+        }
+    }
+    let metadata = metadata.to_vec();
+    Ok(write_exr(path, &ExrImage { data, display: graph.format().window(), channels, metadata, chromaticities: None })?)
+}

@@ -1,0 +1,212 @@
+//! Making certificates.
+
+use super::image::StoredImage;
+use super::inputs::{files, folder_of, hashed, seen_from};
+use super::map::PixelMap;
+use super::*;
+use crate::output::{file_channels, folder_of_file};
+use crate::{Fingerprints, OutputFile, held, requirement};
+use serde_json::value::RawValue;
+use std::path::Path;
+use trochoid_engine::{Certified, Distribution, Frame, Picture, Plan, PlanError, Settings, Switches};
+use trochoid_graph::{CheckedGraph, Guarantee, Kind, OutputSpec, Precision};
+use trochoid_image::Rgb;
+use trochoid_io::{FileKind, SampleType};
+
+/// What a certificate is made of.
+#[derive(Clone, Copy, Debug)]
+pub struct Made<'m> {
+    /// The graph.
+    pub graph: &'m CheckedGraph,
+    /// The image, written already: its pixels are taken from it as they stand there.
+    pub file: &'m OutputFile,
+    /// The frame that it was written from.
+    pub frame: &'m Frame,
+    /// Of each of the file's outputs, what is certain of its errors.
+    pub certified: &'m [Certified],
+    /// How the frame was planned.
+    pub settings: &'m Settings,
+    /// What was required of all colors.
+    pub required: Option<Guarantee>,
+}
+
+/// The certificate of an image, to be written to `path`: paths in it are relative to that one's folder, which is made.
+///
+/// # Errors
+/// The image or an input cannot be read.
+pub fn certify(made: &Made<'_>, path: &Path) -> Result<Certificate, CertificateError> {
+    let Made { graph, file, frame, .. } = *made;
+    let optimized = made.settings.switches != Switches::NONE;
+    folder_of_file(path)?;
+    let folder = folder_of(path);
+    let inputs = files(graph, &file.outputs, frame.number);
+    let inputs: Result<Vec<InputHash>, CertificateError> = inputs.iter().map(|path| hashed(path, &folder)).collect();
+    let canonical = RawValue::from_string(graph.canonical().into());
+    let canonical = canonical.map_err(|error| CertificateError::NoCertificate {
+        path: path.into(),
+        found: format!("a document that is no JSON ({error})"),
+    })?;
+    let image = StoredImage::read(&file.path)?;
+    let outputs = frame.pictures.iter().filter(|picture| file.outputs.contains(&picture.output));
+    let outputs = outputs.filter_map(|picture| {
+        let certified = made.certified.iter().find(|certified| certified.output == picture.output)?;
+        Some(output(made, picture, certified, image.kind == FileKind::Png))
+    });
+    Ok(Certificate {
+        digest: String::new(),
+        document: DocumentText { canonical, folder: seen_from(&folder, graph.folder()), hash: graph.document_hash() },
+        fingerprint: Fingerprints::new().of(graph, file, frame.number),
+        format: format_of(graph),
+        frame: frame.number,
+        image: image.hashes(seen_from(&folder, &file.path)),
+        inputs: inputs?,
+        optimized,
+        outputs: outputs.collect(),
+        plan: plan_of(graph, &file.outputs, frame.number, optimized)?,
+        trochoid: crate::VERSION.into(),
+        version: VERSION,
+    })
+}
+
+/// The format that a document asks for.
+pub(super) fn format_of(graph: &CheckedGraph) -> FormatText {
+    let format = graph.format();
+    FormatText {
+        height: format.height(),
+        samples: format.samples(),
+        shading: format.shading().name().into(),
+        width: format.width(),
+        working_space: graph.space().name().into(),
+    }
+}
+
+/// What becomes of each node where these outputs are planned by themselves.
+pub(super) fn plan_of(
+    graph: &CheckedGraph,
+    outputs: &[usize],
+    frame: i64,
+    optimized: bool,
+) -> Result<Vec<PlannedNode>, PlanError> {
+    let names: Vec<&str> = outputs.iter().map(|index| graph.outputs()[*index].name.as_str()).collect();
+    let switches = if optimized { Switches::ALL } else { Switches::NONE };
+    let mut settings = Settings::default();
+    settings.switches = switches;
+    let plan = Plan::new(graph, &names, frame, &[], &settings)?;
+    let nodes = graph.nodes().iter().zip(plan.left_out()).map(|(node, why)| PlannedNode {
+        name: node.name.clone(),
+        state: if why.is_some() { "left_out" } else { "evaluated" }.into(),
+        ty: node.ty.declaration().name.into(),
+        why: why.as_ref().map(ToString::to_string),
+    });
+    let mut nodes: Vec<PlannedNode> = nodes.collect();
+    // As in the canonical document.
+    nodes.sort_by(|a, b| a.name.cmp(&b.name));
+    Ok(nodes)
+}
+
+/// The channels of an output in its file, and how their samples are stored.
+pub(super) fn channels_of(
+    graph: &CheckedGraph,
+    spec: &OutputSpec,
+    file: &OutputFile,
+    png: bool,
+) -> Vec<(String, SampleType)> {
+    if !png {
+        return file_channels(graph, spec, file);
+    }
+    let stored = if spec.precision == Some(Precision::Uint16) { SampleType::U16 } else { SampleType::U8 };
+    let names: &[&str] = if spec.kind == Kind::Color { &["R", "G", "B"] } else { &["Y"] };
+    names.iter().map(|name| (name.to_string(), stored)).collect()
+}
+
+/// The hash of a hull's corners, whatever their order.
+pub(super) fn hash_of_corners(corners: &[Rgb]) -> String {
+    let mut corners = corners.to_vec();
+    corners.sort_by(|a, b| a.iter().zip(b).fold(std::cmp::Ordering::Equal, |o, (a, b)| o.then(a.total_cmp(b))));
+    let mut hasher = blake3::Hasher::new();
+    corners.iter().flatten().for_each(|value| {
+        hasher.update(&value.to_le_bytes());
+    });
+    hasher.finalize().to_hex().to_string()
+}
+
+fn output(made: &Made<'_>, picture: &Picture, certified: &Certified, png: bool) -> CertifiedOutput {
+    let graph = made.graph;
+    let spec = &graph.outputs()[picture.output];
+    let audit = &picture.audit;
+    let name = |guarantee: Guarantee| guarantee.name().to_string();
+    CertifiedOutput {
+        audit: AuditText {
+            judged: audit.judged,
+            margin: picture.margin,
+            nan: audit.nan_count,
+            outside: audit.hull_exits,
+            pixels: audit.pixels,
+            weight_min: finite(audit.weight_min),
+            weight_sum_max_deviation: audit.weight_sum_max_deviation,
+            worst: finite(audit.worst_exit),
+        },
+        channels: channels_of(graph, spec, made.file, png).into_iter().map(|(name, _)| name).collect(),
+        controls: picture.guarantee.map(|_| Controls {
+            count: picture.control_count as u64,
+            corners: certified.palette.len() as u64,
+            hash: hash_of_corners(&certified.palette),
+            values: picture.control_colors.clone(),
+        }),
+        error: error(certified),
+        guarantee: picture.guarantee.map(|class| GuaranteeText {
+            asked: requirement(spec, made.required).map(name),
+            class: name(class),
+            held: held(picture).map(name),
+        }),
+        kind: spec.kind.to_string(),
+        name: spec.name.clone(),
+        unbounded: certified
+            .unbounded
+            .iter()
+            .map(|(id, why)| Unbounded { node: graph.node(*id).name.clone(), why: (*why).into() })
+            .collect(),
+    }
+}
+
+fn error(certified: &Certified) -> CertifiedError {
+    let area = certified.window.area();
+    let largest = |pixel: usize| certified.errors.iter().fold(0.0_f32, |largest, errors| largest.max(errors[pixel]));
+    let is_ambiguous = |pixel: usize| certified.doubt[pixel] > 0.0;
+    let map = PixelMap::new((0..area).map(is_ambiguous));
+    let (mut clear, mut max_ambiguous) = (Vec::new(), 0.0_f32);
+    for pixel in 0..area {
+        if is_ambiguous(pixel) {
+            max_ambiguous = max_ambiguous.max(largest(pixel));
+        } else {
+            clear.push(largest(pixel));
+        }
+    }
+    clear.sort_unstable_by(f32::total_cmp);
+    // One in a thousand is beyond this one.
+    let rank = clear.len().saturating_sub(1 + clear.len() / 1000);
+    let at = |index: Option<&f32>| finite(index.map_or(0.0, |bound| f64::from(*bound)));
+    let total = certified.clear.total() + certified.unclear.total();
+    let of = |samples: &Distribution| SampleBounds {
+        count: samples.total(),
+        max: finite(samples.max()),
+        p999: finite(samples.quantile(0.999)),
+    };
+    CertifiedError {
+        ambiguous: Ambiguous {
+            map: map.encode(),
+            max: at(Some(&max_ambiguous)),
+            pixels: map.count(),
+            samples: certified.unclear.total(),
+            share: certified.unclear.total() as f64 / total.max(1) as f64,
+            share_beyond_8_bit: certified.in_doubt(1.0 / 255.0),
+        },
+        pixels: PixelBounds { count: clear.len() as u64, max: at(clear.last()), p999: at(clear.get(rank)) },
+        samples: of(&certified.clear),
+    }
+}
+
+/// JSON has no infinity.
+fn finite(value: f64) -> Option<f64> {
+    value.is_finite().then_some(value)
+}

@@ -1,0 +1,56 @@
+//! Certificates: what is certain of a finished picture, as JSON, and the check of it by other means.
+//!
+//! [`certify`] writes down, of one image file, the document that it was made from, the hashes of its inputs
+//! and of its pixels, what was counted on them, how far they may lie from the f64 references, and what the plan left out.
+//! [`verify`] takes the certificate and the image, and nothing else: it parses the document anew, evaluates
+//! pixels that the certificate's own digest chooses by the references ([`ReferenceFrame`](crate::ReferenceFrame)), and holds
+//! the file against them: hull, weights, error. No program, kernel, tile or plane takes part. What both ways share is
+//! reading the document and its input files, what stages prepare once a frame, and the definition of working spaces.
+//!
+//! ```
+//! use trochoid::certificate::{self, Choice, Made, Request};
+//! use trochoid::{Buffers, Cache, Certifier, OutputFile, Plan, Settings, Silent, write_output};
+//!
+//! let folder = tempfile::tempdir()?;
+//! let text = r##"{ "trochoid": 1, "format": { "width": 16, "height": 9 },
+//!                  "nodes": { "across": { "type": "ScreenX" },
+//!                             "mix": { "type": "Mix", "a": "#123", "b": "#fed", "weight": "across" } },
+//!                  "outputs": { "beauty": { "color": "mix" } } }"##;
+//! let graph = trochoid::parse("a.json", text, folder.path(), &[])?.graph;
+//! let (settings, mut cache) = (Settings::default(), Cache::new());
+//! let frame = Plan::new(&graph, &[], 1, &[], &settings)?.evaluate(&Buffers::new(), &mut cache, &Silent)?;
+//! let file = OutputFile { path: folder.path().join("a.png"), outputs: vec![0] };
+//! write_output(&graph, &frame, &file, &[])?;
+//!
+//! let certified = Certifier::new(&graph, &[], 1, &[], &settings)?.certify(&Buffers::new(), &mut cache, &Silent)?;
+//! let made = Made { graph: &graph, file: &file, frame: &frame, certified: &certified, settings: &settings, required: None };
+//! let path = folder.path().join("a.certificate.json");
+//! let certificate = certificate::certify(&made, &path)?;
+//! assert!(certificate.outputs[0].error.samples.max.is_some_and(|max| max < 1e-6));
+//! certificate.write(&path)?;
+//!
+//! let request = Request { certificate: &path, image: &file.path, choice: Choice::All, document: None };
+//! let found = certificate::verify(&request, &Silent)?;
+//! assert!(found.holds(), "{:?}", found.failures);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod chance;
+mod check;
+mod color;
+mod image;
+mod inputs;
+mod make;
+mod map;
+mod pixels;
+mod seal;
+mod storage;
+#[cfg(test)]
+mod tests;
+mod types;
+
+pub use check::{Choice, Failed, Findings, Request, Verification, verify};
+pub use image::error_image;
+pub use make::{Made, certify};
+pub use seal::CertificateError;
+pub use types::*;
