@@ -3,7 +3,8 @@ use std::sync::{Arc, LazyLock};
 use glam::DVec3;
 use rayon::prelude::*;
 
-use crate::certain::{Near, Search, SeenGrid, Turn, contours_of_grid, meet_grid};
+use crate::certain::{Near, Search, SeenGrid, contours_of_grid, meet_grid};
+use crate::crossing::first_crossing;
 use crate::shading::unit_or_up;
 use crate::surface::{Anchor, Hit, Mesh, Surface, Topology};
 use crate::{Channel, ChannelSet, Projector, Ray, Resting};
@@ -16,9 +17,8 @@ const VERTICES_PER_PIXEL: f64 = 1.5;
 const LEAST_LIMIT: f64 = 1e6;
 /// Most parts of a cell's side.
 const MAX_PARTS: f64 = 8.0;
-/// Steps of the reference for each cell, and halvings of the step in which it meets the surface.
+/// Steps of the reference for each cell.
 const STEPS_PER_CELL: f64 = 16.0;
-const HALVINGS: usize = 60;
 
 /// A finite height field on a regular grid, smooth between its cells.
 ///
@@ -311,6 +311,7 @@ impl Surface for GridSurface {
             level: self.level,
             displaced: true,
             inside: self.submerged(eye),
+            tolerance: None,
             topology: Topology::Grid { columns, rows },
         };
         let wanted_trail =
@@ -357,7 +358,7 @@ impl Surface for GridSurface {
         mesh
     }
 
-    fn contours(&self, search: &Search<'_>, mesh: &Mesh) -> Option<Vec<Turn>> {
+    fn contours(&self, search: &Search<'_>, mesh: &Mesh) -> bool {
         contours_of_grid(&SeenGrid { grid: self, eye: search.projector.position }, search, mesh)
     }
 
@@ -384,31 +385,17 @@ impl Surface for GridSurface {
             return None;
         }
         // Rounding may put the ends of the stretch a little outside.
-        let clamp =
-            |point: DVec3| [point.x.clamp(self.origin[0], self.end()[0]), point.z.clamp(self.origin[1], self.end()[1])];
+        let step = self.spacing / STEPS_PER_CELL / libm::hypot(ray.direction.x, ray.direction.z);
         let gap = |distance: f64| {
             let point = ray.at(distance);
-            let [x, z] = clamp(point);
+            let [x, z] = self.within_reach([point.x, point.z]);
             self.height(x, z).map_or(f64::NAN, |[height, ..]| point.y - self.level - height)
         };
-        let horizontal = libm::hypot(ray.direction.x, ray.direction.z);
-        let step = self.spacing / STEPS_PER_CELL / horizontal;
-        let (mut near, mut at_near) = (start, gap(start));
-        while near < end {
-            let mut far = (near + step.max(1e-12 * near)).min(end);
-            let at_far = gap(far);
-            if (at_near > 0.0) != (at_far > 0.0) {
-                for _ in 0..HALVINGS {
-                    let middle = (near + far) / 2.0;
-                    if (gap(middle) > 0.0) == (at_near > 0.0) { near = middle } else { far = middle }
-                }
-                // Also a ray that comes from beside the grid may see its lower side, from a camera outside.
-                let inside = self.submerged(projector.position);
-                return Some(self.hit(projector, ray, far, clamp(ray.at(far)), inside));
-            }
-            (near, at_near) = (far, at_far);
-        }
-        None
+        let distance = first_crossing([start, end], |distance| (gap(distance), step))?;
+        let point = ray.at(distance);
+        // Also a ray that comes from beside the grid may see its lower side, from a camera outside.
+        let inside = self.submerged(projector.position);
+        Some(self.hit(projector, ray, distance, self.within_reach([point.x, point.z]), inside))
     }
 
     /// Beyond the grid the heights of its edge go on. A grid holds nothing that is finer than its cells.

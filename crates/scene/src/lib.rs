@@ -15,6 +15,7 @@ pub mod bezier;
 mod camera;
 mod certain;
 mod channel;
+mod crossing;
 mod edges;
 mod extent;
 mod float;
@@ -38,7 +39,7 @@ mod triangles;
 mod visible;
 
 pub use camera::{Camera, Projection, Projector, Ray};
-pub use certain::{Certain, Near, Search, Sight, Turn};
+pub use certain::{Certain, Near, Search, Sight};
 pub use channel::{Channel, ChannelSet, Samples};
 pub use float::{Floating, Plane};
 pub use footprint::{GRAZING, footprint, footprint_axes};

@@ -2,7 +2,9 @@
 
 use glam::DVec3;
 use trochoid_image::Format;
+use trochoid_sea::Sample;
 
+use crate::crossing::first_crossing;
 use crate::extent::HORIZON_M;
 use crate::shading::unit_or_up;
 use crate::surface::{Hit, Surface};
@@ -19,8 +21,6 @@ pub fn trace(camera: &Camera, surfaces: &[&dyn Surface], format: Format, x: f64,
     hits.min_by(|a, b| a.distance.total_cmp(&b.distance))
 }
 
-/// Steps between two heights of which one is above and one below the sea, halved this often.
-const HALVINGS: usize = 60;
 /// Newton steps that invert the horizontal displacement at one point.
 const INVERSIONS: usize = 24;
 /// Steps for each shortest wave or footprint, whichever is longer.
@@ -30,8 +30,7 @@ const STEPS_PER_LENGTH: f64 = 10.0;
 ///
 /// The sea is a height over displaced places: the height at a place is that of the rest point which is carried
 /// there. The ray is marched in steps that are short against the shortest wave that the footprint leaves, until its
-/// height over the sea changes sign, and the crossing is bisected. Valid where the sea does not fold; inside folds
-/// it finds one of the sheets.
+/// height over the sea changes sign. Valid where the sea does not fold; inside folds it finds one of the sheets.
 pub(crate) fn trace_sea(sea: &SeaSurface, projector: &Projector, ray: &Ray) -> Option<Hit> {
     let (rise, height) = (sea.summit, ray.origin.y - sea.level);
     let slope = ray.direction.y;
@@ -50,38 +49,17 @@ pub(crate) fn trace_sea(sea: &SeaSurface, projector: &Projector, ray: &Ray) -> O
     if end < start {
         return None;
     }
-    let gap = |distance: f64, guess: &mut [f64; 2]| {
-        let point = ray.at(distance);
-        *guess = rest_below(sea, projector, point, *guess);
-        let print = sea.footprint(projector, DVec3::new(guess[0], sea.level, guess[1]));
-        point.y - sea.level - sea.frame.evaluate(*guess, print).displacement[1]
-    };
     let mut guess = [ray.at(start).x, ray.at(start).z];
-    let mut near = start;
-    let mut at_near = gap(near, &mut guess);
-    while near < end {
-        let rest = DVec3::new(guess[0], sea.level, guess[1]);
-        let length = sea.shortest.max(sea.footprint(projector, rest)) / STEPS_PER_LENGTH;
-        let mut far = (near + length.max(1e-9 * near)).min(end);
-        if rise == 0.0 {
-            far = end;
-        }
-        let before = guess;
-        let at_far = gap(far, &mut guess);
-        if (at_near > 0.0) != (at_far > 0.0) || at_far == 0.0 {
-            let mut inner = before;
-            for _ in 0..HALVINGS {
-                let middle = (near + far) / 2.0;
-                let at_middle = gap(middle, &mut inner);
-                if (at_middle > 0.0) == (at_near > 0.0) {
-                    near = middle;
-                } else {
-                    far = middle;
-                }
-            }
-            return Some(hit(sea, projector, ray, far, inner, at_near < 0.0));
-        }
-        (near, at_near) = (far, at_far);
+    let mut look = |distance: f64| {
+        let point = ray.at(distance);
+        guess = rest_below(sea, projector, point, guess);
+        let print = sea.footprint(projector, DVec3::new(guess[0], sea.level, guess[1]));
+        let gap = point.y - sea.level - sea.frame.evaluate(guess, print).displacement[1];
+        (gap, if rise == 0.0 { f64::INFINITY } else { sea.shortest.max(print) / STEPS_PER_LENGTH })
+    };
+    if let Some(distance) = first_crossing([start, end], &mut look) {
+        look(distance);
+        return Some(hit(sea, projector, ray, distance, guess, submerged(sea, projector)));
     }
     // A flat sea, or waves that the footprint took: the rest level itself.
     let flat = -height / slope;
@@ -125,14 +103,26 @@ fn rest_below(sea: &SeaSurface, projector: &Projector, point: DVec3, guess: [f64
     rest
 }
 
-fn hit(sea: &SeaSurface, projector: &Projector, ray: &Ray, distance: f64, rest: [f64; 2], from_below: bool) -> Hit {
-    let rest_point = DVec3::new(rest[0], sea.level, rest[1]);
-    let (_, normal, slope_variance) = sea.point(rest, sea.footprint(projector, rest_point));
-    let position = ray.at(distance);
-    // The side in the air: toward a ray that comes from there, along one that comes from the water.
+fn hit(sea: &SeaSurface, projector: &Projector, ray: &Ray, distance: f64, rest: [f64; 2], inside: bool) -> Hit {
+    let print = sea.footprint(projector, DVec3::new(rest[0], sea.level, rest[1]));
+    hit_of_sea(sea, projector, ray, distance, (rest, &sea.frame.evaluate(rest, print)), inside)
+}
+
+/// The point of a sea with this rest point, which lies at a distance along a ray.
+pub(crate) fn hit_of_sea(
+    sea: &SeaSurface,
+    projector: &Projector,
+    ray: &Ray,
+    distance: f64,
+    (rest, sample): ([f64; 2], &Sample),
+    inside: bool,
+) -> Hit {
+    let normal = DVec3::from(sample.normal());
     let jacobian = normal.y;
     let normal = unit_or_up(normal);
-    let normal = if (normal.dot(ray.direction) > 0.0) == from_below { normal } else { -normal };
+    // The side in the air: toward a ray that comes from there, along one that comes from the water.
+    let normal = if (normal.dot(ray.direction) > 0.0) == inside { normal } else { -normal };
+    let (position, rest_point) = (ray.at(distance), DVec3::new(rest[0], sea.level, rest[1]));
     Hit {
         surface: 0,
         distance,
@@ -142,7 +132,7 @@ fn hit(sea: &SeaSurface, projector: &Projector, ray: &Ray, distance: f64, rest: 
         rest: rest_point,
         height: position.y - sea.level,
         rest_distance: (position - rest_point).length(),
-        slope_variance,
+        slope_variance: sample.slope_variance,
         jacobian,
         trails: [0.0; 6],
         uv: rest,

@@ -451,6 +451,7 @@ mod tests {
                 level: 0.25,
                 displaced: has(1) && has(2),
                 inside: has(64),
+                tolerance: None,
                 topology: Topology::Triangles(triangles),
             }
         }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use crate::certain::{Near, Search, Turn};
+use crate::certain::{Near, Search};
 use crate::surface::{Anchor, Hit, Mesh, Surface, Topology};
 use crate::{ChannelSet, Projector, Ray};
 
@@ -116,11 +116,12 @@ impl Surface for RigidBodies {
     }
 
     fn tessellate(&self, projector: &Projector, wanted: ChannelSet) -> Mesh {
-        let mut all = Mesh::empty(0.0);
+        let mut all = Mesh { tolerance: Some(0.0), ..Mesh::empty(0.0) };
         let mut joined = Vec::new();
         for pose in &self.poses {
             let mesh = self.body(pose, projector, wanted);
             all.level = mesh.level;
+            all.tolerance = all.tolerance.zip(mesh.tolerance).map(|(a, b)| a.max(b));
             // A body out of sight has no vertices; those of all others hold the same.
             let own = triangles(&mesh.topology, all.positions.len() as u32);
             // Each body has its own inner side: seen from there, turned triangles say the same.
@@ -136,7 +137,7 @@ impl Surface for RigidBodies {
         all
     }
 
-    fn contours(&self, search: &Search<'_>, mesh: &Mesh) -> Option<Vec<Turn>> {
+    fn contours(&self, search: &Search<'_>, mesh: &Mesh) -> bool {
         self.model.contours(search, mesh)
     }
 

@@ -3,7 +3,7 @@ use std::sync::{Arc, OnceLock};
 use glam::DVec3;
 use trochoid_sea::{PreciseSea, Sea, SeaFrame};
 
-use crate::certain::{Near, Search, SeenSea, Turn, contours_of_grid, meet_sea};
+use crate::certain::{Near, Search, SeenSea, contours_of_grid, meet_sea};
 use crate::extent::{Bounds, Sector, Strip};
 use crate::spacing::Spacing;
 use crate::surface::{Anchor, Hit, Mesh, Surface};
@@ -174,7 +174,7 @@ impl Surface for SeaSurface {
         mesh.unwrap_or_else(|| Some(Mesh::empty(self.level)))
     }
 
-    fn contours(&self, search: &Search<'_>, mesh: &Mesh) -> Option<Vec<Turn>> {
+    fn contours(&self, search: &Search<'_>, mesh: &Mesh) -> bool {
         contours_of_grid(&SeenSea::new(self, search.projector), search, mesh)
     }
 

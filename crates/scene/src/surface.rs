@@ -1,6 +1,6 @@
 use glam::DVec3;
 
-use crate::certain::{Near, Search, Turn};
+use crate::certain::{Near, Search};
 use crate::{ChannelSet, Projector, Ray, Resting, SeaSurface};
 
 /// Something that a camera can see.
@@ -27,13 +27,13 @@ pub trait Surface: Send + Sync {
     /// The first point of the continuous surface along a ray from the camera, in f64.
     fn trace(&self, projector: &Projector, ray: &Ray) -> Option<Hit>;
 
-    /// Boxes around every place of the picture where this surface, its `mesh` for the camera or anything between them may
-    /// have a contour that something sees. `None` where that is not known.
+    /// Marks every place of the picture where this surface, its `mesh` for the camera or anything between them may have a
+    /// contour that something sees. False where that is not known.
     ///
     /// The mesh has normals and rest points.
-    fn contours(&self, search: &Search<'_>, mesh: &Mesh) -> Option<Vec<Turn>> {
+    fn contours(&self, search: &Search<'_>, mesh: &Mesh) -> bool {
         let _ = (search, mesh);
-        None
+        false
     }
 
     /// The point of the continuous surface along a ray that lies next to a point of its mesh, in f64.
@@ -116,6 +116,8 @@ pub struct Mesh {
     pub displaced: bool,
     /// Whether the camera stands on the inner side of the surface, such as under water.
     pub inside: bool,
+    /// How far triangles stand off the surface at most, in pixels, where they alone tell that; `None` where it is not known.
+    pub tolerance: Option<f64>,
     /// How vertices hang together.
     pub topology: Topology,
 }
@@ -134,6 +136,7 @@ impl Mesh {
             level,
             displaced: false,
             inside: false,
+            tolerance: None,
             topology: Topology::Triangles(Vec::new()),
         }
     }

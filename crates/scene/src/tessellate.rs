@@ -258,6 +258,7 @@ impl<L: Layout> Rows<'_, L> {
             level: self.sea.level,
             displaced: true,
             inside: reference::submerged(self.sea, self.projector),
+            tolerance: None,
             topology: Topology::Grid { columns: self.columns, rows: self.rows },
         };
         // One row for each task; channels that nobody wants have empty rows.

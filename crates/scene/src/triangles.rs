@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use std::collections::HashMap;
 
 use crate::bezier::Placement;
-use crate::certain::{Near, Search, Turn, contours_of_facets};
+use crate::certain::{Near, Search, contours_of_facets};
 use crate::surface::{Anchor, Hit, Mesh, Surface, Topology};
 use crate::{ChannelSet, Projector, Ray};
 
@@ -247,12 +247,13 @@ impl Surface for TriangleModel {
         if when(ChannelSet::UV) {
             mesh.uvs = self.mesh.uvs.par_iter().map(|uv| uv.map(|part| part as f32)).collect();
         }
+        mesh.tolerance = Some(0.0);
         mesh.topology = Topology::Triangles(self.triangles.clone());
         mesh
     }
 
-    fn contours(&self, search: &Search<'_>, mesh: &Mesh) -> Option<Vec<Turn>> {
-        contours_of_facets(mesh, search, false, 0.0)
+    fn contours(&self, search: &Search<'_>, mesh: &Mesh) -> bool {
+        contours_of_facets(mesh, search, false)
     }
 
     /// That of the triangle itself, unless rounding has moved the ray beside it.

@@ -9,7 +9,6 @@ mod tally;
 mod trace;
 
 pub(crate) use stage::fill_with_bounds;
-use stage::{address, take_unbounded};
 pub use tally::{Certified, Distribution};
 pub(crate) use trace::{BOUNDS, Origin, Trace};
 
@@ -111,11 +110,6 @@ impl<'g> Certifier<'g> {
         run: &Run<'_>,
     ) -> Result<Vec<Certified>, EvalError> {
         let plan = &self.plan;
-        // Nodes with equal keys share what was prepared.
-        let mut stages: HashMap<usize, Vec<NodeId>> = HashMap::new();
-        for (id, ready) in ready {
-            stages.entry(address(&*ready.prepared)).or_default().push(*id);
-        }
         let mut chunks = Chunks::of([]);
         let mut chunks = chunks.all();
         let mut seconds = vec![0.0; plan.graph.nodes().len()];
@@ -139,7 +133,7 @@ impl<'g> Certifier<'g> {
                 let mut means: Vec<Vec<Vec<f64>>> = own.iter().map(|_| Vec::new()).collect();
                 for (sample, offset) in pass.offsets.iter().enumerate() {
                     fills.fill(tile, (sample, *offset), &mut seconds)?;
-                    run.note(&stages);
+                    run.note(fills);
                     let planes = fills.planes(&pass.program);
                     // By root, by channel: values, then bounds.
                     let mut rows = vec![Vec::new(); pass.roots.len() * 2 * BOUNDS];
@@ -181,11 +175,10 @@ struct Run<'m> {
 }
 
 impl Run<'_> {
-    /// Takes what stages have told on this thread, known by the address of what they prepared.
-    fn note(&self, stages: &HashMap<usize, Vec<NodeId>>) {
-        for (address, why) in take_unbounded() {
-            let mut unbounded = self.unbounded.lock().unwrap_or_else(PoisonError::into_inner);
-            unbounded.extend(stages.get(&address).into_iter().flatten().map(|id| (*id, why.0)));
+    /// Takes down what stages have told.
+    fn note(&self, fills: &Fills<'_>) {
+        for (id, why) in fills.unbounded() {
+            self.unbounded.lock().unwrap_or_else(PoisonError::into_inner).insert(id, why.0);
         }
     }
 }

@@ -16,10 +16,11 @@ use crate::{Buffers, EvalError, Monitor, Plan};
 use runner::Runner;
 use shared::{Apart, Kept, View, telling};
 use std::borrow::Cow;
+use std::cell::Cell;
 use std::collections::HashMap;
 use std::time::Instant;
 use trochoid_graph::{
-    Block, Body, Connection, Found, Inputs, NodeError, NodeId, Outputs, Settled, Slot, Stage, Variance,
+    Block, Body, Connection, Found, Inputs, NoBound, NodeError, NodeId, Outputs, Settled, Slot, Stage, Variance,
 };
 use trochoid_image::Window;
 
@@ -66,6 +67,8 @@ struct FillState<'p> {
     found: Option<Found>,
     /// What is needed for the current sample: all of what the planes hold, but for what was shared.
     need: Window,
+    /// Why the stage knows no bound, if it was asked for one and said so.
+    unbounded: Cell<Option<NoBound>>,
 }
 
 #[derive(Clone, Copy, Debug, Default)]
@@ -127,6 +130,7 @@ impl<'p> Fills<'p> {
                 kept: Kept::default(),
                 found: None,
                 need: Window::default(),
+                unbounded: Cell::new(None),
             })
             .collect();
         Self {
@@ -178,6 +182,11 @@ impl<'p> Fills<'p> {
     /// The planes that a program reads over the current tile, in its order.
     pub(crate) fn planes(&self, program: &Compiled) -> Vec<Plane<'_>> {
         program.planes.iter().map(|slot| self.plane(slot, self.tile, &self.fills)).collect()
+    }
+
+    /// The stages that know no bound on what they filled last, and why.
+    pub(crate) fn unbounded(&self) -> impl Iterator<Item = (NodeId, NoBound)> {
+        self.fills.iter().filter_map(|state| Some((state.fill.node, state.unbounded.get()?)))
     }
 
     /// The extremes of weights over everything that ran before stages.
@@ -352,7 +361,7 @@ impl<'p> Fills<'p> {
         let cancelled = || self.monitor.cancelled();
         let block = Block::of(window, offset);
         if self.plan.settings.bounds {
-            fill_with_bounds(&*ready.prepared, &block, &ports, &cancelled, outputs)?;
+            state.unbounded.set(fill_with_bounds(&*ready.prepared, &block, &ports, &cancelled, outputs)?);
             return Ok(None);
         }
         let inputs = Inputs::new(&ports).with_cancellation(&cancelled);

@@ -8,7 +8,7 @@ use crate::plan::{Feed, Fill};
 use crate::shading::TELLING;
 use std::borrow::Cow;
 use std::collections::HashMap;
-use trochoid_graph::{Block, Connection, Inputs, NodeError, NodeId, Outputs, Slot, ViewChannel};
+use trochoid_graph::{Block, Bound, Connection, Inputs, NodeError, NodeId, Outputs, Slot, ViewChannel};
 use trochoid_image::{Shading, Window};
 
 /// What a view tells of the samples of the current tile.
@@ -22,6 +22,10 @@ pub(super) struct View {
     /// Whether the current sample sees something else, and at which pixels that is known.
     differs: Vec<bool>,
     window: Window,
+    /// Bounds of what the first sample sees, if they are asked for, and whether the reference may see it differ where this
+    /// one does not, or the other way.
+    first_bounds: [Vec<f32>; 2],
+    doubtful: Vec<bool>,
 }
 
 /// The pixels of a window at which the current sample does not share, by the views that say so.
@@ -31,6 +35,8 @@ pub(super) struct Apart {
     /// As indices into planes over the window.
     indices: Vec<usize>,
     pixels: Vec<[i64; 2]>,
+    /// The pixels at which the reference may say otherwise.
+    doubtful: Vec<[i64; 2]>,
 }
 
 /// Results of the first sample, by plane, at the pixels where those of another stand in their place.
@@ -55,15 +61,32 @@ impl View {
         let view = |node: NodeId| {
             let fill = *by_slot.get(&telling(node, TELLING[0]))?;
             let (all, window) = (Window::default(), Window::default());
-            Some(Self { node, fill, first: Default::default(), all, differs: Vec::new(), window })
+            Some(Self {
+                node,
+                fill,
+                first: Default::default(),
+                all,
+                differs: Vec::new(),
+                window,
+                first_bounds: Default::default(),
+                doubtful: Vec::new(),
+            })
         };
         nodes.into_iter().filter_map(view).collect()
     }
 
     /// Whether the sample differs, over a row of a window within its own.
     fn row(&self, window: Window, y: i64) -> &[bool] {
-        let start = (y - self.window.y0) as usize * self.window.width() + (window.x0 - self.window.x0) as usize;
-        &self.differs[start..start + window.width()]
+        &self.differs[self.place([window.x0, y])..][..window.width()]
+    }
+
+    /// Whether the reference may say otherwise at a pixel.
+    fn is_doubtful(&self, pixel: [i64; 2]) -> bool {
+        self.doubtful.get(self.place(pixel)).is_some_and(|doubtful| *doubtful)
+    }
+
+    fn place(&self, [x, y]: [i64; 2]) -> usize {
+        (y - self.window.y0) as usize * self.window.width() + (x - self.window.x0) as usize
     }
 
     /// Compares what a sample sees with what the first one saw, which was asked at as many pixels or more.
@@ -88,6 +111,45 @@ impl View {
     }
 }
 
+impl View {
+    /// After [`compare`](Self::compare), the same with the bounds of what is compared.
+    fn doubt(&mut self, sample: usize, [surfaces, depths]: [&[f32]; 2], bounds: [&[f32]; 2]) {
+        if sample == 0 {
+            self.first_bounds = bounds.map(<[f32]>::to_vec);
+            return;
+        }
+        let width = self.window.width();
+        let doubtful = |index: usize| {
+            let (x, y) = (self.window.x0 + (index % width) as i64, self.window.y0 + (index / width) as i64);
+            let start = (y - self.all.y0) as usize * self.all.width() + (x - self.all.x0) as usize;
+            let first = [&self.first, &self.first_bounds].map(|planes| [planes[0][start], planes[1][start]]);
+            let here = [[surfaces[index], depths[index]], [bounds[0][index], bounds[1][index]]];
+            is_doubtful(first, here)
+        };
+        self.doubtful = (0..surfaces.len()).map(doubtful).collect();
+    }
+}
+
+/// Whether samples that see this surface and depth, each within bounds, may share or not.
+fn is_doubtful([first, first_bounds]: [[f32; 2]; 2], [here, bounds]: [[f32; 2]; 2]) -> bool {
+    let [first_bounds, bounds] = [first_bounds, bounds].map(|bounds| bounds.map(Bound::decode));
+    let is_certain = |[surface, depth]: [Bound; 2]| surface.clear && depth.clear && surface.size == 0.0;
+    if !is_certain(first_bounds) || !is_certain(bounds) {
+        return true;
+    }
+    let ([surface, first], [other, depth]) = (first.map(f64::from), here.map(f64::from));
+    let (off_first, off) = (first_bounds[1].size, bounds[1].size + first_bounds[1].size);
+    if surface != other || (first == depth && off == 0.0) {
+        return false;
+    }
+    // NaN of infinite depths is in doubt.
+    let apart = (depth - first).abs();
+    let limit = |first: f64| Shading::SAME_DEPTH * first.max(0.0);
+    let is_shared = apart + off <= limit(first.abs() - off_first);
+    let is_apart = apart - off > limit(first.abs() + off_first);
+    !(is_shared || is_apart)
+}
+
 impl<'p> Fills<'p> {
     /// Looks at what a stage has told, if it is a view that is asked.
     pub(super) fn look(&mut self, index: usize, sample: usize) {
@@ -95,6 +157,11 @@ impl<'p> Fills<'p> {
             let state = &self.fills[index];
             let planes = TELLING.map(|channel| &state.planes[0][channel as usize][..]);
             view.compare(sample, state.window, planes);
+            if self.plan.settings.bounds {
+                let behind = state.planes[0].len() / 2;
+                let bounds = TELLING.map(|channel| &state.planes[0][behind + channel as usize][..]);
+                view.doubt(sample, planes, bounds);
+            }
         }
     }
 
@@ -116,12 +183,15 @@ impl<'p> Fills<'p> {
             kept.indices.iter().zip(values).for_each(|(index, value)| plane[*index] = *value);
         }
         kept.indices.clear();
+        let place = |[x, y]: &[i64; 2]| (y - held.y0) as usize * held.width() + (x - held.x0) as usize;
         if window == held {
             kept.indices.extend_from_slice(&apart.indices);
         } else {
-            let index = |[x, y]: &[i64; 2]| (y - held.y0) as usize * held.width() + (x - held.x0) as usize;
-            kept.indices.extend(apart.pixels.iter().map(index));
+            kept.indices.extend(apart.pixels.iter().map(place));
         }
+        // Behind those for which there will be other results.
+        let doubtful: Vec<usize> = apart.doubtful.iter().map(place).collect();
+        kept.indices.extend_from_slice(&doubtful);
         kept.values.resize_with(planes.len(), Vec::new);
         for (plane, values) in planes.iter().zip(&mut kept.values) {
             values.clear();
@@ -135,6 +205,12 @@ impl<'p> Fills<'p> {
                 }
             });
         }
+        for planes in own.iter_mut().filter(|_| !doubtful.is_empty()) {
+            let bounds = planes.len() / 2;
+            for plane in planes[bounds..].iter_mut().filter(|plane| !plane.is_empty()) {
+                doubtful.iter().for_each(|place| plane[*place] = Bound::UNKNOWN.encode());
+            }
+        }
         let state = &mut self.fills[index];
         (state.planes, state.kept, state.taps) = (own, kept, machine);
         self.apart.push(apart);
@@ -144,15 +220,19 @@ impl<'p> Fills<'p> {
     /// The pixels of a window at which some view sees something else than at the first sample.
     fn differing(&self, views: &[NodeId], window: Window) -> Apart {
         let asked: Vec<&View> = self.views.iter().filter(|view| views.contains(&view.node)).collect();
-        let (mut indices, mut pixels) = (Vec::new(), Vec::new());
+        let (mut indices, mut pixels, mut doubtful) = (Vec::new(), Vec::new(), Vec::new());
         for (y, first) in (window.y0..window.y1).zip((0..).step_by(window.width())) {
             let rows: Vec<&[bool]> = asked.iter().map(|view| view.row(window, y)).collect();
             for x in (0..window.width()).filter(|x| rows.iter().any(|row| row[*x])) {
                 indices.push(first + x);
                 pixels.push([window.x0 + x as i64, y]);
             }
+            if self.plan.settings.bounds {
+                let pixels = (window.x0..window.x1).map(|x| [x, y]);
+                doubtful.extend(pixels.filter(|pixel| asked.iter().any(|view| view.is_doubtful(*pixel))));
+            }
         }
-        Apart { views: views.to_vec(), window, indices, pixels }
+        Apart { views: views.to_vec(), window, indices, pixels, doubtful }
     }
 
     /// The stage's planes at single pixels of its window.
@@ -209,7 +289,7 @@ impl<'p> Fills<'p> {
             .collect();
         let cancelled = || self.monitor.cancelled();
         if self.plan.settings.bounds {
-            fill_with_bounds(&*ready.prepared, &block, &ports, &cancelled, outputs)?;
+            state.unbounded.set(fill_with_bounds(&*ready.prepared, &block, &ports, &cancelled, outputs)?);
             return Ok(found);
         }
         let inputs = Inputs::new(&ports).with_cancellation(&cancelled);

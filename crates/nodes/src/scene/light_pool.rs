@@ -173,7 +173,7 @@ impl Falling {
         let (dx, dz) = (reach(0, 0), reach(1, 2));
         let (mut low, mut high) = (self.ragged * noise.low, self.ragged * noise.high);
         (low, high) = (low.min(high), low.max(high));
-        if low.is_nan() || high.is_nan() {
+        if low.is_nan() || high.is_nan() || !(dx + dz).is_finite() {
             return Span::unclear(0.0, 1.0);
         }
         for pool in &self.pools {

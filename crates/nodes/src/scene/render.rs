@@ -80,7 +80,10 @@ impl Stage for Render {
             let stop = prepare.cancellation();
             visible = scene::Visible::prepare_unless(&camera, &surfaces, format, wanted, stop);
             let Some(visible) = &visible else { return Err(NodeError::cancelled()) };
-            certain = prepare.bounded().then(|| scene::Certain::new(visible, &surfaces));
+            if prepare.bounded() {
+                let found = scene::Certain::new(visible, &surfaces, stop);
+                certain = Some(found.ok_or_else(NodeError::cancelled)?);
+            }
         }
         Ok(Box::new(Seen { camera, surfaces, format, visible, certain }))
     }

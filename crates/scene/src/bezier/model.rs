@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::{Bicubic, tessellate, trace};
-use crate::certain::{Near, Search, Turn, contours_of_facets};
+use crate::certain::{Near, Search, contours_of_facets};
 use crate::surface::{Anchor, Hit, Mesh, Surface};
 use crate::{ChannelSet, Projector, Ray};
 
@@ -154,9 +154,8 @@ impl Surface for PatchModel {
         tessellate::mesh(self, projector, wanted).0
     }
 
-    fn contours(&self, search: &Search<'_>, mesh: &Mesh) -> Option<Vec<Turn>> {
-        let tolerance = tessellate::kept(self, search.projector)?;
-        contours_of_facets(mesh, search, true, tolerance)
+    fn contours(&self, search: &Search<'_>, mesh: &Mesh) -> bool {
+        contours_of_facets(mesh, search, true)
     }
 
     /// The point within the least distance to each side that holds one.

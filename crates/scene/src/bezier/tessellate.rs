@@ -4,7 +4,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::edge::{Scale, Shared, whole};
-use super::model::{Placed, Tessellation};
+use super::model::{MAX_SEGMENTS, Placed, Tessellation};
 use super::stitch::Cut;
 use super::{Bicubic, PatchModel};
 use crate::surface::{Mesh, Topology};
@@ -13,12 +13,13 @@ use crate::{ChannelSet, Projector};
 /// Most vertices of one model; beyond it vertices move apart.
 const MAX_VERTICES: f64 = 4e6;
 
-/// Greatest distance in pixels of a model's triangles from its patches for a camera; `None` of those that are cut as
-/// the document says, or of which there would be too many.
-pub(super) fn kept(model: &PatchModel, projector: &Projector) -> Option<f64> {
-    let Tessellation::Adaptive { tolerance } = model.tessellation else { return None };
-    let (_, cuts) = cuts(model, projector, tolerance);
-    (count(&cuts) <= MAX_VERTICES).then_some(tolerance)
+/// Greatest distance in pixels of triangles from the patches that are cut so: twice what they are cut by, for the strips
+/// along edges that are cut otherwise than what is within. `None` where they are cut as the document says, or some of them
+/// as finely as may be.
+fn kept(tessellation: Tessellation, cuts: &[Cut], limited: bool) -> Option<f64> {
+    let Tessellation::Adaptive { tolerance } = tessellation else { return None };
+    let most = |cut: &Cut| cut.edges.iter().chain(&cut.inner).any(|count| *count as usize >= MAX_SEGMENTS);
+    (!limited && !cuts.iter().any(most)).then_some(2.0 * tolerance)
 }
 
 /// The patches that a camera may see, and how to cut them.
@@ -39,14 +40,14 @@ pub(super) fn mesh(model: &PatchModel, projector: &Projector, wanted: ChannelSet
         Tessellation::Adaptive { tolerance } => tolerance,
         Tessellation::Uniform { .. } => 1.0,
     };
-    let (seen, mut cuts) = cuts(model, projector, tolerance);
-    let cut = |tolerance: f64| self::cuts(model, projector, tolerance).1;
+    let (seen, mut cuts) = self::cuts(model, projector, tolerance);
+    let limited = count(&cuts) > MAX_VERTICES;
     if let Tessellation::Adaptive { .. } = model.tessellation {
         // Vertices are inverse to the tolerance, but for rounding up.
         let mut coarse = tolerance;
         while count(&cuts) > MAX_VERTICES && coarse < 1e6 {
             coarse *= (count(&cuts) / MAX_VERTICES).max(1.25);
-            cuts = cut(coarse);
+            cuts = self::cuts(model, projector, coarse).1;
         }
     }
     let parts: Vec<Part> =
@@ -67,6 +68,7 @@ pub(super) fn mesh(model: &PatchModel, projector: &Projector, wanted: ChannelSet
         mesh.uvs.extend(part.uvs);
         without += part.without;
     }
+    mesh.tolerance = kept(model.tessellation, &cuts, limited);
     mesh.topology = Topology::Triangles(triangles);
     (mesh, without)
 }

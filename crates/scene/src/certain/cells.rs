@@ -33,9 +33,9 @@ pub(crate) trait Smooth: Sync {
     fn most(&self, corners: &[[f64; 2]; 4]) -> Most;
 }
 
-/// Sides of boxes in pixels at which patches are not cut any further, and cuts at most.
+/// Sides in pixels to which patches are cut, and cuts at most.
 const FINE: f64 = 1.0 / 8.0;
-const CUTS: u32 = 8;
+const CUTS: f64 = 8.0;
 /// Patches stand for the surface where it lies within so many pixels of them; where it may not, or is not known well
 /// enough to tell its sides, it is asked for at more points, so many times at most.
 const NEAR: f64 = 1.0 / 32.0;
@@ -83,9 +83,9 @@ struct Part {
     t: [f64; 2],
 }
 
-/// Every contour of a surface and of the grid that stands for it, whose rest points are known.
-pub(crate) fn contours_of_grid<S: Smooth>(smooth: &S, search: &Search<'_>, mesh: &Mesh) -> Option<Vec<Turn>> {
-    let Topology::Grid { columns, rows } = mesh.topology else { return mesh.positions.is_empty().then(Vec::new) };
+/// Marks every contour of a surface and of the grid that stands for it, whose rest points are known.
+pub(crate) fn contours_of_grid<S: Smooth>(smooth: &S, search: &Search<'_>, mesh: &Mesh) -> bool {
+    let Topology::Grid { columns, rows } = mesh.topology else { return mesh.positions.is_empty() };
     let eye = search.projector.position;
     let rest = |vertex: usize| {
         let [x, z] = mesh.rests[vertex].map(f64::from);
@@ -97,8 +97,10 @@ pub(crate) fn contours_of_grid<S: Smooth>(smooth: &S, search: &Search<'_>, mesh:
         (0..columns).map(|column| smooth.corner(rest(row * columns + column))).collect()
     };
     const TOGETHER: usize = 8;
-    let turns = (0..rows - 1).into_par_iter().step_by(TOGETHER).map(|first| {
-        let mut turns = Vec::new();
+    (0..rows - 1).into_par_iter().step_by(TOGETHER).for_each(|first| {
+        if search.is_stopped() {
+            return;
+        }
         let mut above = row_of(first);
         for row in first..(first + TOGETHER).min(rows - 1) {
             let below = row_of(row + 1);
@@ -109,20 +111,21 @@ pub(crate) fn contours_of_grid<S: Smooth>(smooth: &S, search: &Search<'_>, mesh:
                 let facet = vertices.map(|vertex| DVec3::from(mesh.positions[vertex].map(f64::from)));
                 let cell = Cell::new(smooth, search, corners, facet);
                 let known = cell.known(corners, [0.0, 1.0], [0.0, 1.0]);
-                cell.refine(&known, REFINED, &mut turns);
+                cell.refine(&known, REFINED);
                 let (first_row, last_row) = (row == 0, row + 2 == rows);
                 let (first_column, last_column) = (!closed && column == 0, !closed && column + 2 == columns);
                 for (ends, is_end) in
                     [([0, 1], first_row), ([2, 3], last_row), ([0, 2], first_column), ([1, 3], last_column)]
                 {
-                    turns.extend(is_end.then(|| cell.end(ends, &known)).flatten());
+                    if let Some(turn) = is_end.then(|| cell.end(ends, &known)).flatten() {
+                        search.mark(&turn);
+                    }
                 }
             }
             above = below;
         }
-        turns
     });
-    Some(turns.flatten().collect())
+    true
 }
 
 impl<'a, S: Smooth> Cell<'a, S> {
@@ -187,9 +190,13 @@ impl<'a, S: Smooth> Cell<'a, S> {
         Known { corners, part: Part { patch: Bicubic { points }, s, t }, off, turned }
     }
 
-    /// Adds boxes around all places that may have a contour: of a part whose corners are known.
-    fn refine(&self, known: &Known, times: u32, out: &mut Vec<Turn>) {
+    /// Marks all places that may have a contour: of a part whose corners are known.
+    fn refine(&self, known: &Known, times: u32) {
         let Some(turn) = self.around(known, &known.part) else { return };
+        // Orthographic cameras see no more of it than what lies before them.
+        if self.search.projector.orthographic && turn.is_cut() {
+            return self.search.mark(&turn);
+        }
         let facing = self.facing(known, &known.part);
         // Nobody can ask for what rounding has lost.
         let coarse = known.off > 2.0 * self.slack
@@ -198,18 +205,22 @@ impl<'a, S: Smooth> Cell<'a, S> {
             Facing::OneWay => {}
             Facing::Unknown | Facing::BothWays if times > 0 && coarse => {
                 for part in self.refined(known) {
-                    self.refine(&part, times - 1, out);
+                    self.refine(&part, times - 1);
                 }
             }
-            Facing::Unknown | Facing::BothWays => self.cut(known, &known.part, (facing, turn), CUTS, out),
+            Facing::Unknown | Facing::BothWays => {
+                // What the patch itself covers shrinks by each cut; how far the mesh lies beside it does not.
+                let own = Turn::around(self.search.projector, &known.part.patch.points, 0.0, 0.0);
+                let cuts = own.map_or(0.0, |own| libm::log2(own.size() / FINE).ceil());
+                self.cut(known, &known.part, (facing, turn), cuts.clamp(0.0, CUTS) as u32);
+            }
         }
     }
 
     /// The same of a part of the patch that may have one, by ever smaller parts.
-    fn cut(&self, known: &Known, part: &Part, (facing, turn): (Facing, Turn), cuts: u32, out: &mut Vec<Turn>) {
-        let least = 2.0 * (self.search.step + turn.pixels(self.search.projector, known.off));
-        if cuts == 0 || facing == Facing::Unknown || turn.size() <= FINE + least {
-            out.push(turn);
+    fn cut(&self, known: &Known, part: &Part, (facing, turn): (Facing, Turn), cuts: u32) {
+        if cuts == 0 || facing == Facing::Unknown {
+            self.search.mark(&turn);
             return;
         }
         let half = |[from, to]: [f64; 2], upper: bool| {
@@ -221,7 +232,7 @@ impl<'a, S: Smooth> Cell<'a, S> {
             let Some(turn) = self.around(known, &quarter) else { continue };
             let facing = self.facing(known, &quarter);
             if facing != Facing::OneWay {
-                self.cut(known, &quarter, (facing, turn), cuts - 1, out);
+                self.cut(known, &quarter, (facing, turn), cuts - 1);
             }
         }
     }

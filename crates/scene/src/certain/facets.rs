@@ -10,11 +10,13 @@ use std::collections::HashMap;
 const FINE: f64 = 0.25;
 const CUTS: u32 = 24;
 
-/// Contours of triangles that stand for a surface which lies within so many pixels of them, whose normals are those of
-/// its vertices where it is `curved`.
-pub(crate) fn contours_of_facets(mesh: &Mesh, search: &Search<'_>, curved: bool, pixels: f64) -> Option<Vec<Turn>> {
+/// Marks the contours of triangles that stand for a surface within their tolerance, whose normals are those of
+/// its vertices where it is `curved`: within a triangle they are taken to turn by twice as much as those of its corners
+/// differ from one another and from its own.
+pub(crate) fn contours_of_facets(mesh: &Mesh, search: &Search<'_>, curved: bool) -> bool {
+    let Some(pixels) = mesh.tolerance else { return false };
     let projector = search.projector;
-    let Topology::Triangles(triangles) = &mesh.topology else { return None };
+    let Topology::Triangles(triangles) = &mesh.topology else { return false };
     let point = |vertex: u32| DVec3::from(mesh.positions[vertex as usize].map(f64::from));
     let ray = |point: DVec3| if projector.orthographic { projector.forward } else { point };
     let is_outer = |triangle: &[u32; 3]| {
@@ -43,23 +45,28 @@ pub(crate) fn contours_of_facets(mesh: &Mesh, search: &Search<'_>, curved: bool,
         edges.iter().filter(turns_at).map(|([a, b], _)| [point(*a), point(*b), point(*b)]).collect();
     if curved {
         let turns = |(triangle, outer): &(&[u32; 3], &bool)| {
-            triangle.iter().any(|&vertex| {
-                let normal = DVec3::from(mesh.normals[vertex as usize].map(f64::from));
-                (normal.dot(ray(point(vertex))) < 0.0) != **outer
+            let [p, q, r] = triangle.map(point);
+            let own = (q - p).cross(r - p).normalize_or_zero();
+            let normals = triangle.map(|vertex| DVec3::from(mesh.normals[vertex as usize].map(f64::from)));
+            let differ = normals.iter().map(|normal| (*normal - own).length()).fold(0.0, f64::max);
+            let side = if **outer { -1.0 } else { 1.0 };
+            normals.iter().zip([p, q, r]).any(|(normal, at)| {
+                let cosine = normal.dot(ray(at).normalize_or_zero()) * side;
+                cosine <= 2.0 * differ
             })
         };
         pieces.extend(triangles.iter().zip(&outer).filter(turns).map(|(triangle, _)| triangle.map(point)));
     }
-    let boxes = pieces.par_iter().flat_map_iter(|piece| {
-        let mut turns = Vec::new();
-        cut(piece, search, pixels + search.step, CUTS, &mut turns);
-        turns
+    pieces.par_iter().for_each(|piece| {
+        if !search.is_stopped() {
+            cut(piece, search, pixels + search.step, CUTS);
+        }
     });
-    Some(boxes.collect())
+    true
 }
 
-/// Boxes around the parts of a triangle.
-fn cut(corners: &[DVec3; 3], search: &Search<'_>, pixels: f64, cuts: u32, out: &mut Vec<Turn>) {
+/// Marks the parts of a triangle.
+fn cut(corners: &[DVec3; 3], search: &Search<'_>, pixels: f64, cuts: u32) {
     let reach = corners.iter().map(|point| point.length()).fold(0.0, f64::max);
     let slack = 4.0 * f64::from(f32::EPSILON) * reach;
     let Some(turn) = Turn::around(search.projector, corners, slack, pixels) else { return };
@@ -67,7 +74,7 @@ fn cut(corners: &[DVec3; 3], search: &Search<'_>, pixels: f64, cuts: u32, out: &
         return;
     }
     if cuts == 0 || turn.size() - 2.0 * pixels <= FINE {
-        out.push(turn);
+        search.mark(&turn);
         return;
     }
     // The longest side in two.
@@ -81,6 +88,6 @@ fn cut(corners: &[DVec3; 3], search: &Search<'_>, pixels: f64, cuts: u32, out: &
         [r, p, q]
     };
     let middle = 0.5 * (p + q);
-    cut(&[p, middle, r], search, pixels, cuts - 1, out);
-    cut(&[middle, q, r], search, pixels, cuts - 1, out);
+    cut(&[p, middle, r], search, pixels, cuts - 1);
+    cut(&[middle, q, r], search, pixels, cuts - 1);
 }

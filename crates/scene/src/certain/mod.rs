@@ -4,7 +4,7 @@
 //! remains on the same sheet all the way, unless a contour passes over the sample, where a sheet turns away from the
 //! camera or ends, or two sheets change places. So every place is covered with boxes where the mesh, the surface or
 //! anything between them may have a contour ([`Turn`]); a sample beside all boxes that are nearer than what it sees, and
-//! whose two nearest sheets lie well apart, sees the surface where its ray meets it next to where it meets the mesh.
+//! where the surfaces of the nearest sheets lie behind one another as the sheets do, sees the surface where its ray meets it next to where it meets the mesh.
 //! That point is found in f64.
 
 mod cells;
@@ -18,7 +18,7 @@ pub(crate) use cells::{Corner, Most, Smooth, contours_of_grid};
 pub(crate) use facets::contours_of_facets;
 pub(crate) use grid::{SeenGrid, meet_grid};
 pub(crate) use sea::{SeenSea, meet_sea};
-pub use turns::{Search, Turn};
+pub use turns::Search;
 
 use crate::project::Layer;
 use crate::surface::{Hit, Surface};
@@ -26,7 +26,7 @@ use crate::{ChannelSet, Projector, Ray, Visible};
 use glam::DVec3;
 use sheets::{Sheet, Sheets};
 use trochoid_image::Window;
-use turns::Turns;
+use turns::{Marks, Turn};
 
 /// What a sample of the continuous surfaces sees.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -52,7 +52,7 @@ pub struct Near {
     pub inside: bool,
 }
 
-/// Sheets nearer to each other than this share of their distance are compared as they are, not as their meshes are.
+/// How much further a surface may lie along a ray than its mesh, as a share of the depth, and what is found still be it.
 const APART: f64 = 0.02;
 
 /// Channels that meshes need here.
@@ -75,7 +75,7 @@ const NEEDED: ChannelSet = ChannelSet::RESTS.union(ChannelSet::NORMAL);
 /// };
 /// let format = Format::new(64, 36, 1)?;
 /// let visible = Visible::prepare(&camera, &[&surface], format, ChannelSet::DEPTH);
-/// let certain = Certain::new(&visible, &[&surface]);
+/// let certain = Certain::new(&visible, &[&surface], &|| false).ok_or("stopped")?;
 /// let low = [32, 35];
 /// let sights = certain.sights(&visible, &[&surface], &[low], format.sample_offset(0));
 /// assert!(matches!(sights[0], Sight::Point(hit) if hit.distance < 60.0));
@@ -83,7 +83,7 @@ const NEEDED: ChannelSet = ChannelSet::RESTS.union(ChannelSet::NORMAL);
 /// ```
 #[derive(Debug)]
 pub struct Certain {
-    turns: Turns,
+    marks: Marks,
     /// By layer: rest points of the vertices, relative to the camera; x and z, and y where it is not the level.
     rests: Vec<Rests>,
 }
@@ -95,19 +95,20 @@ struct Rests {
 }
 
 impl Certain {
-    /// Looks for all contours of a view of these surfaces, which may take some times as long as the view itself.
-    pub fn new(visible: &Visible, surfaces: &[&dyn Surface]) -> Self {
+    /// Looks for all contours of a view of these surfaces, which may take some times as long as the view itself; `None` soon
+    /// after `stop` has first said that nobody waits for it any longer.
+    pub fn new(visible: &Visible, surfaces: &[&dyn Surface], stop: &(dyn Fn() -> bool + Sync)) -> Option<Self> {
         let projector = &visible.projector;
-        let search = Search::new(visible);
-        let mut turns = Vec::new();
+        let search = Search::new(visible, APART, stop);
         let mut rests = Vec::new();
         for surface in surfaces {
-            let mesh = surface.tessellate(projector, NEEDED);
-            let contours = surface.contours(&search, &mesh);
-            turns.extend(contours.unwrap_or_else(|| vec![Turn::everywhere(projector)]));
+            let mesh = surface.tessellate_unless(projector, NEEDED, stop)?;
+            if !surface.contours(&search, &mesh) {
+                search.mark(&Turn::everywhere(projector));
+            }
             rests.push(Rests { flat: mesh.rests, heights: mesh.rest_heights });
         }
-        Self { turns: Turns::new(projector, &turns), rests }
+        (!stop()).then(|| Self { marks: search.marks(), rests })
     }
 
     /// What the sample of each of these pixels sees that stands at `offset` from its pixel's upper left corner.
@@ -119,7 +120,7 @@ impl Certain {
         offset: [f64; 2],
     ) -> Vec<Sight> {
         let around = pixels.iter().fold(Window::default(), |all, &[x, y]| all.union(Window::new(x, y, x + 1, y + 1)));
-        let sheets = visible.nearest_two(around, offset);
+        let sheets = visible.nearest_sheets(around, offset);
         // Where the sample stands that the raster looked at.
         let offset = offset.map(|part| visible.raster.fix(part) as f64 * visible.raster.step());
         let sight = |&[x, y]: &[i64; 2]| {
@@ -130,23 +131,26 @@ impl Certain {
     }
 
     fn sight(&self, visible: &Visible, surfaces: &[&dyn Surface], place: [f64; 2], sheets: Sheets) -> Sight {
-        let projector = &visible.projector;
-        let depth = |sheet: &Option<Sheet>| sheet.map_or(f64::INFINITY, |sheet| sheet.depth(projector));
+        let depth = |sheet: &Option<Sheet>| sheet.map_or(f64::INFINITY, |sheet| sheet.depth(&visible.projector));
         let [first, second] = [depth(&sheets[0]), depth(&sheets[1])];
-        if self.turns.cover(place, first) {
+        if self.marks.cover(place, first) {
             return Sight::Unclear;
         }
         let Some(sheet) = &sheets[0] else { return Sight::Nothing };
-        let ray = projector.ray(place[0], place[1]);
+        let ray = visible.projector.ray(place[0], place[1]);
         let Some(hit) = self.meet(visible, surfaces, &ray, sheet) else { return Sight::Unclear };
-        let apart = second - first > APART * first;
-        if (hit.depth - first).abs() > (if apart { APART * first } else { (hit.depth - second).abs() }) {
+        let off = (hit.depth - first).abs();
+        if off > (APART * first.abs()).min((hit.depth - second).abs()) || self.marks.cover(place, hit.depth) {
             return Sight::Unclear;
         }
-        let behind = |other: Hit| other.distance > hit.distance * (1.0 + 1e-9);
-        let certain =
-            apart || sheets[1].is_some_and(|sheet| self.meet(visible, surfaces, &ray, &sheet).is_some_and(behind));
-        if certain { Sight::Point(hit) } else { Sight::Unclear }
+        // The surfaces of the sheets behind must lie behind too. One that is not found lies within its contours, which would
+        // be marked if they were near.
+        let is_behind = |sheet: &Sheet| {
+            let apart = sheet.depth(&visible.projector) - first > APART * first.abs();
+            let met = self.meet(visible, surfaces, &ray, sheet);
+            met.map_or(apart, |other| other.distance > hit.distance * (1.0 + 1e-9))
+        };
+        if sheets[1..].iter().flatten().all(is_behind) { Sight::Point(hit) } else { Sight::Unclear }
     }
 
     /// The point of the surface itself next to a sheet of its mesh.

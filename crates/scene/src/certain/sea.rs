@@ -1,7 +1,7 @@
 //! Seas of waves.
 
 use super::{Corner, Most, Near, Smooth};
-use crate::shading::unit_or_up;
+use crate::reference::hit_of_sea;
 use crate::surface::Hit;
 use crate::{Projector, Ray, SeaSurface};
 use glam::{DMat3, DVec3};
@@ -15,6 +15,11 @@ const OCTAVES: f64 = 36.0;
 /// Newton's steps to the point of a ray, and its error over 1 m + distance at which they end.
 const STEPS: usize = 12;
 const CLOSE: f64 = 1e-12;
+
+/// The Jacobian below which another part of the sea may have been carried to the same place, which the reference may see,
+/// and how far off it is looked for, as a share of how far waves carry anything.
+const CROWDED: f64 = 0.7;
+const BESIDE: [f64; 8] = [-1.0, -0.4, -0.15, -0.05, 0.05, 0.15, 0.4, 1.0];
 
 /// A sea as one camera sees it.
 pub(crate) struct SeenSea<'a> {
@@ -79,13 +84,13 @@ impl Smooth for SeenSea<'_> {
 
     /// The footprint f grows by f′ with each meter. What is left of a wave, exp(−k²f²/8), then changes by kf·f′/4 for
     /// every radian of it: by f′/2 and less at each derivative where kf ≤ 2, and of a wave with larger kf the greatest
-    /// share that counts here, e^(−k²f²/8)·(1 + kf·f′/4)³, is below what (1 + 2f′)³ allows where f′ is below 1.
+    /// share that counts here, e^(−k²f²/8)·(1 + kf·f′/4)⁵, is below what (1 + 2f′)⁵ allows where f′ is below 1.
     fn most(&self, corners: &[[f64; 2]; 4]) -> Most {
         let footprint =
             |rest: &[f64; 2]| self.sea.footprint(self.projector, DVec3::new(rest[0], self.sea.level, rest[1]));
         let least = corners.iter().map(footprint).fold(f64::INFINITY, f64::min);
         let growth = corners.iter().map(|rest| growth(self.sea, self.projector, *rest).abs()).fold(0.0, f64::max);
-        let more = (1.0 + 2.0 * growth) * (1.0 + 2.0 * growth) * (1.0 + 2.0 * growth);
+        let more = libm::pow(1.0 + 2.0 * growth, 5.0);
         let [second, _, fourth, fifth] = self.most_at(least);
         Most { fourth: fourth * more, fifth: fifth * more, twist: second * (more - 1.0) * (more - 1.0) }
     }
@@ -101,7 +106,9 @@ pub(crate) fn meet_sea(sea: &SeaSurface, projector: &Projector, ray: &Ray, near:
         let [by_x, by_z] = derivatives(sea, projector, rest, &precise);
         let ways = DMat3::from_cols(by_x, by_z, -ray.direction);
         if error.length() <= CLOSE * (1.0 + distance.abs()) {
-            return (distance >= 0.0).then(|| hit(sea, projector, ray, distance, (rest, &precise), near.inside));
+            let is_alone = || precise.sample.jacobian() > CROWDED || !is_crowded(sea, projector, rest, &precise);
+            let hit = || hit_of_sea(sea, projector, ray, distance, (rest, &precise.sample), near.inside);
+            return (distance >= 0.0 && is_alone()).then(hit);
         }
         let step = ways.inverse() * error;
         if !step.is_finite() {
@@ -113,32 +120,31 @@ pub(crate) fn meet_sea(sea: &SeaSurface, projector: &Projector, ray: &Ray, near:
     None
 }
 
-fn hit(
-    sea: &SeaSurface,
-    projector: &Projector,
-    ray: &Ray,
-    distance: f64,
-    (rest, precise): ([f64; 2], &Precise),
-    inside: bool,
-) -> Hit {
-    let normal = DVec3::from(precise.sample.normal());
-    let jacobian = normal.y;
-    let normal = unit_or_up(normal);
-    // The side in the air: toward a ray that comes from there, along one that comes from the water.
-    let normal = if (normal.dot(ray.direction) > 0.0) == inside { normal } else { -normal };
-    let (position, rest_point) = (ray.at(distance), DVec3::new(rest[0], sea.level, rest[1]));
-    Hit {
-        surface: 0,
-        distance,
-        depth: (position - projector.position).dot(projector.forward),
-        position,
-        normal,
-        rest: rest_point,
-        height: position.y - sea.level,
-        rest_distance: (position - rest_point).length(),
-        slope_variance: precise.sample.slope_variance,
-        jacobian,
-        trails: [0.0; 6],
-        uv: rest,
-    }
+/// Whether another rest point than this one is carried to the place above or below it, as in folds.
+fn is_crowded(sea: &SeaSurface, projector: &Projector, rest: [f64; 2], precise: &Precise) -> bool {
+    let [xx, xz, zz] = precise.sample.strain;
+    let [dx, _, dz] = precise.sample.displacement;
+    let place = [rest[0] + dx, rest[1] + dz];
+    // The direction in which the sea is most compressed.
+    let turn = 0.5 * libm::atan2(2.0 * xz, xx - zz) + std::f64::consts::FRAC_PI_2;
+    let (sin, cos) = libm::sincos(turn);
+    let length = sea.bounds.reach;
+    let close = CLOSE * (1.0 + libm::hypot(place[0], place[1]));
+    BESIDE.iter().any(|share| {
+        let mut other = [rest[0] + share * length * cos, rest[1] + share * length * sin];
+        for _ in 0..STEPS {
+            let there = at(sea, projector, other).sample;
+            let error = [other[0] + there.displacement[0] - place[0], other[1] + there.displacement[2] - place[1]];
+            if libm::hypot(error[0], error[1]) <= close {
+                return libm::hypot(other[0] - rest[0], other[1] - rest[1]) > 1e-6 * length;
+            }
+            let ([xx, xz, zz], jacobian) = (there.strain, there.jacobian());
+            if jacobian == 0.0 || !jacobian.is_finite() {
+                return true;
+            }
+            other[0] -= ((1.0 + zz) * error[0] - xz * error[1]) / jacobian;
+            other[1] -= ((1.0 + xx) * error[1] - xz * error[0]) / jacobian;
+        }
+        false
+    })
 }

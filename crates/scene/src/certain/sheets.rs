@@ -1,4 +1,4 @@
-//! The two nearest triangles at each sample, one after the other: the raster's own definition.
+//! The nearest triangles at each sample, one after the other: the raster's own definition.
 
 use crate::edges::Edges;
 use crate::project::BIN;
@@ -13,8 +13,8 @@ pub(super) struct Sheet {
     key: f64,
 }
 
-/// The nearest one and the one behind it.
-pub(super) type Sheets = [Option<Sheet>; 2];
+/// The nearest ones, the nearest first.
+pub(super) type Sheets = [Option<Sheet>; 3];
 
 impl Sheet {
     pub(super) fn primitive(&self) -> u32 {
@@ -51,9 +51,9 @@ impl Field {
 }
 
 impl Visible {
-    /// The two nearest triangles at the samples of a window that stand at `offset` in their pixels.
-    pub(super) fn nearest_two(&self, window: Window, offset: [f64; 2]) -> Field {
-        let mut field = Field { window, sheets: vec![[None; 2]; window.area()] };
+    /// The nearest triangles at the samples of a window that stand at `offset` in their pixels.
+    pub(super) fn nearest_sheets(&self, window: Window, offset: [f64; 2]) -> Field {
+        let mut field = Field { window, sheets: vec![[None; 3]; window.area()] };
         let inside = window.intersect(Window::sized(self.projector.size[0] as u32, self.projector.size[1] as u32));
         if inside.is_empty() {
             return field;
@@ -101,11 +101,11 @@ impl Visible {
                     }
                     let sheet = Sheet { number: u64::from(primitive) * 2 + which as u64, key: edges.key(at) };
                     let place = (y - field.window.y0) as usize * field.window.width() + (x - field.window.x0) as usize;
-                    let [first, second] = &mut field.sheets[place];
-                    if first.is_none_or(|first| sheet.precedes(&first)) {
-                        (*first, *second) = (Some(sheet), *first);
-                    } else if second.is_none_or(|second| sheet.precedes(&second)) {
-                        *second = Some(sheet);
+                    let sheets = &mut field.sheets[place];
+                    let behind = |other: &Option<Sheet>| other.is_none_or(|other| sheet.precedes(&other));
+                    if let Some(at) = sheets.iter().position(behind) {
+                        sheets[at..].rotate_right(1);
+                        sheets[at] = Some(sheet);
                     }
                 }
             }

@@ -2,11 +2,13 @@
 
 use crate::{Channel, ChannelSet, Projector, Samples, Visible};
 use glam::DVec3;
+use std::ops::Range;
+use std::sync::atomic::{AtomicI32, AtomicU64, Ordering};
 use trochoid_image::Window;
 
 /// A box of the picture in which a contour may lie.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Turn {
+pub(crate) struct Turn {
     /// Least x and y in pixels.
     low: [f32; 2],
     /// Greatest x and y.
@@ -26,6 +28,9 @@ impl Turn {
     pub(crate) fn around(projector: &Projector, points: &[DVec3], slack: f64, pixels: f64) -> Option<Self> {
         let depth = |point: &DVec3| point.dot(projector.forward);
         let near = points.iter().map(depth).fold(f64::INFINITY, f64::min) - slack;
+        if !points.iter().all(|point| point.is_finite()) {
+            return Some(Self::everywhere(projector));
+        }
         if is_beside(projector, points, slack, pixels) {
             return None;
         }
@@ -61,10 +66,9 @@ impl Turn {
         f64::from((self.high[0] - self.low[0]).max(self.high[1] - self.low[1]))
     }
 
-    fn holds(&self, place: [f64; 2], depth: f64) -> bool {
-        let within =
-            |axis: usize| place[axis] >= f64::from(self.low[axis]) && place[axis] <= f64::from(self.high[axis]);
-        within(0) && within(1) && f64::from(self.near) <= depth
+    /// Whether the contour may lie on both sides of the camera's plane, where meshes end.
+    pub(crate) fn is_cut(&self) -> bool {
+        self.near <= 0.0
     }
 }
 
@@ -77,41 +81,64 @@ fn is_beside(projector: &Projector, points: &[DVec3], slack: f64, pixels: f64) -
         let (plane, edge) = if orthographic { (side, reach) } else { (side - forward * reach, 0.0) };
         points.iter().all(|point| point.dot(plane) > edge + slack * plane.length())
     };
-    (!orthographic && points.iter().all(|point| point.dot(forward) < -slack)) || sides.into_iter().any(beyond)
+    points.iter().all(|point| point.dot(forward) < -slack) || sides.into_iter().any(beyond)
 }
 
-/// What contours are looked for in.
-#[derive(Debug)]
+/// A search for all contours of a view.
 pub struct Search<'a> {
     pub(crate) projector: &'a Projector,
     /// How far the raster may have moved a place, in pixels.
     pub(crate) step: f64,
-    columns: usize,
-    /// By pixel: the greatest depth that any of its samples sees.
+    /// By pixel: the greatest depth at which any of its samples may see something.
     farthest: Vec<f32>,
+    marks: Marks,
+    stop: &'a (dyn Fn() -> bool + Sync),
 }
 
 impl<'a> Search<'a> {
-    /// In all that a view sees.
-    pub(super) fn new(visible: &'a Visible) -> Self {
-        let [columns, rows] = visible.projector.size.map(|side| side as u32);
-        let mut farthest = vec![f32::NEG_INFINITY; columns as usize * rows as usize];
+    /// In all that a view sees, each place of which may lie so much further by its surface than by its mesh.
+    pub(super) fn new(visible: &'a Visible, further: f64, stop: &'a (dyn Fn() -> bool + Sync)) -> Self {
+        let projector = &visible.projector;
+        let [columns, rows] = projector.size.map(|side| side as usize);
+        let mut farthest = vec![f32::NEG_INFINITY; columns * rows];
         let mut samples = Samples::new();
         for offset in &visible.offsets {
-            visible.fill(Window::sized(columns, rows), *offset, ChannelSet::DEPTH, &mut samples);
+            visible.fill(Window::sized(columns as u32, rows as u32), *offset, ChannelSet::DEPTH, &mut samples);
             for (farthest, depth) in farthest.iter_mut().zip(samples.channel(Channel::Depth)) {
-                *farthest = farthest.max(*depth);
+                *farthest = farthest.max(depth + (further as f32 * depth).abs());
             }
         }
-        Self { projector: &visible.projector, step: visible.raster.step(), columns: columns as usize, farthest }
+        let pixels = columns * rows;
+        let marks = Marks {
+            columns,
+            places: (0..pixels).map(|_| AtomicU64::new(0)).collect(),
+            nearest: (0..pixels).map(|_| AtomicI32::new(ordered(f32::INFINITY))).collect(),
+        };
+        Self { projector, step: visible.raster.step(), farthest, marks, stop }
+    }
+
+    /// Whether nobody waits any longer.
+    pub(crate) fn is_stopped(&self) -> bool {
+        (self.stop)()
     }
 
     /// Whether all samples of the pixels that a box meets see what is nearer.
     pub(crate) fn hides(&self, turn: &Turn) -> bool {
-        let size = [self.columns, self.farthest.len() / self.columns];
         let mut hidden = true;
-        each_pixel(turn, size, |pixel, _| hidden &= self.farthest[pixel] * (1.0 + 2e-6) < turn.near);
+        self.marks.each_pixel(turn, |pixel, _| hidden &= self.farthest[pixel] < turn.near);
         hidden
+    }
+
+    /// Notes that a contour may lie in a box.
+    pub(crate) fn mark(&self, turn: &Turn) {
+        self.marks.each_pixel(turn, |pixel, places| {
+            self.marks.places[pixel].fetch_or(places, Ordering::Relaxed);
+            self.marks.nearest[pixel].fetch_min(ordered(turn.near), Ordering::Relaxed);
+        });
+    }
+
+    pub(super) fn marks(self) -> Marks {
+        self.marks
     }
 }
 
@@ -121,77 +148,70 @@ fn rounded(value: f64, sign: f64) -> f32 {
     if sign < 0.0 { near.next_down() } else { near.next_up() }
 }
 
-/// Boxes by the pixels that they meet.
-#[derive(Debug)]
-pub(super) struct Turns {
-    columns: usize,
-    rows: usize,
-    /// By pixel: the least depth of all boxes that hold the whole of it; NaN where none does.
-    covered: Vec<f32>,
-    /// Where each pixel's boxes begin that hold a part of it, with one more entry.
-    starts: Vec<u32>,
-    boxes: Vec<Turn>,
+/// Whole numbers in the order of floating-point numbers.
+fn ordered(value: f32) -> i32 {
+    let bits = value.to_bits() as i32;
+    bits ^ ((bits >> 31) as u32 >> 1) as i32
 }
 
-impl Turns {
-    pub(super) fn new(projector: &Projector, turns: &[Turn]) -> Self {
-        let [columns, rows] = projector.size.map(|side| side as usize);
-        let mut covered = vec![f32::NAN; columns * rows];
-        let mut starts = vec![0_u32; columns * rows + 1];
-        // First how many each pixel has, then the boxes themselves.
-        for turn in turns {
-            each_pixel(turn, [columns, rows], |pixel, whole| {
-                if whole {
-                    covered[pixel] = covered[pixel].min(turn.near);
-                } else {
-                    starts[pixel + 1] += 1;
-                }
-            });
-        }
-        for pixel in 0..columns * rows {
-            starts[pixel + 1] += starts[pixel];
-        }
-        let mut next = starts.clone();
-        let nothing = Turn { low: [0.0; 2], high: [0.0; 2], near: 0.0 };
-        let mut boxes = vec![nothing; starts[columns * rows] as usize];
-        for turn in turns {
-            each_pixel(turn, [columns, rows], |pixel, whole| {
-                if !whole {
-                    boxes[next[pixel] as usize] = *turn;
-                    next[pixel] += 1;
-                }
-            });
-        }
-        Self { columns, rows, covered, starts, boxes }
-    }
+/// Rows and columns into which a pixel is divided.
+const DIVIDED: usize = 8;
 
-    /// Whether some box holds a place, and may be as near as a depth.
-    pub(super) fn cover(&self, place: [f64; 2], depth: f64) -> bool {
-        let [x, y] = place.map(|at| at.floor());
-        if x < 0.0 || y < 0.0 || x >= self.columns as f64 || y >= self.rows as f64 {
+/// Where contours may lie.
+#[derive(Debug)]
+pub(super) struct Marks {
+    columns: usize,
+    /// By pixel, a bit for each of its parts, row by row.
+    places: Vec<AtomicU64>,
+    /// By pixel: the least depth of all its contours, [`ordered`].
+    nearest: Vec<AtomicI32>,
+}
+
+impl Marks {
+    /// Whether a contour may lie at a place, as near as a depth.
+    pub(super) fn cover(&self, [x, y]: [f64; 2], depth: f64) -> bool {
+        let (column, row) = (x.floor(), y.floor());
+        if column < 0.0 || row < 0.0 || column >= self.columns as f64 || row >= self.rows() as f64 {
             return true;
         }
-        let pixel = y as usize * self.columns + x as usize;
+        let pixel = row as usize * self.columns + column as usize;
+        let part = |at: f64, from: f64| ((at - from) * DIVIDED as f64) as usize;
+        let place = part(y, row) * DIVIDED + part(x, column);
         // Depths of the raster are f32.
-        let depth = depth * (1.0 + 1e-6);
-        let boxes = &self.boxes[self.starts[pixel] as usize..self.starts[pixel + 1] as usize];
-        f64::from(self.covered[pixel]) <= depth || boxes.iter().any(|turn| turn.holds(place, depth))
+        let depth = ordered((depth * (1.0 + 1e-6)) as f32);
+        let is_near = self.nearest[pixel].load(Ordering::Relaxed) <= depth;
+        is_near && self.places[pixel].load(Ordering::Relaxed) >> place & 1 == 1
     }
-}
 
-/// Every pixel that a box meets, and whether the box holds it whole.
-fn each_pixel(turn: &Turn, [columns, rows]: [usize; 2], mut take: impl FnMut(usize, bool)) {
-    let range = |axis: usize, count: usize| {
-        let first = turn.low[axis].floor().max(0.0) as usize;
-        first..(turn.high[axis].floor() as usize + 1).min(count)
-    };
-    if turn.high[0] < 0.0 || turn.high[1] < 0.0 {
-        return;
+    fn rows(&self) -> usize {
+        self.places.len() / self.columns
     }
-    let whole = |axis: usize, at: usize| turn.low[axis] <= at as f32 && turn.high[axis] >= (at + 1) as f32;
-    for y in range(1, rows) {
-        for x in range(0, columns) {
-            take(y * columns + x, whole(0, x) && whole(1, y));
+
+    /// Every pixel that a box meets, and the places in it.
+    fn each_pixel(&self, turn: &Turn, mut take: impl FnMut(usize, u64)) {
+        // Parts of pixels, as far as the picture reaches; NaN counts as everywhere.
+        let range = |axis: usize, count: usize| {
+            let last = (count * DIVIDED) as f32;
+            let [low, high] = [turn.low[axis], turn.high[axis]].map(|at| at * DIVIDED as f32);
+            let from = if low > 0.0 { low.min(last) as usize } else { 0 };
+            let to = if high < last { (high + 1.0).max(0.0) as usize } else { last as usize };
+            from..to
+        };
+        let (across, down) = (range(0, self.columns), range(1, self.rows()));
+        if across.is_empty() || down.is_empty() {
+            return;
+        }
+        // The parts of one pixel among those along an axis.
+        let own = |parts: &Range<usize>, pixel: usize| {
+            let of = |at: usize| at.saturating_sub(pixel * DIVIDED).min(DIVIDED);
+            of(parts.start)..of(parts.end)
+        };
+        for y in down.start / DIVIDED..down.end.div_ceil(DIVIDED) {
+            for x in across.start / DIVIDED..across.end.div_ceil(DIVIDED) {
+                let columns = own(&across, x).fold(0_u64, |bits, part| bits | 1 << part);
+                let places = own(&down, y).fold(0_u64, |bits, part| bits | columns << (part * DIVIDED));
+                take(y * self.columns + x, places);
+            }
         }
     }
 }
