@@ -18,7 +18,7 @@ const MAX_VERTICES: f64 = 4e6;
 /// as finely as may be.
 fn kept(tessellation: Tessellation, cuts: &[Cut], limited: bool) -> Option<f64> {
     let Tessellation::Adaptive { tolerance } = tessellation else { return None };
-    let most = |cut: &Cut| cut.edges.iter().chain(&cut.inner).any(|count| *count as usize >= MAX_SEGMENTS);
+    let most = |cut: &Cut| cut.edges.iter().chain(&cut.inner).any(|count| *count >= MAX_SEGMENTS);
     (!limited && !cuts.iter().any(most)).then_some(2.0 * tolerance)
 }
 

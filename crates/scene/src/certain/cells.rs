@@ -117,8 +117,8 @@ pub(crate) fn contours_of_grid<S: Smooth>(smooth: &S, search: &Search<'_>, mesh:
                 for (ends, is_end) in
                     [([0, 1], first_row), ([2, 3], last_row), ([0, 2], first_column), ([1, 3], last_column)]
                 {
-                    if let Some(turn) = is_end.then(|| cell.end(ends, &known)).flatten() {
-                        search.mark(&turn);
+                    if is_end {
+                        cell.end(ends, &known, REFINED);
                     }
                 }
             }
@@ -253,20 +253,28 @@ impl<'a, S: Smooth> Cell<'a, S> {
         points
     }
 
-    /// The box around an edge of the mesh where the surface ends.
-    fn end(&self, ends: [usize; 2], known: &Known) -> Option<Turn> {
+    /// Marks an edge between two corners of the mesh, where the surface ends, as far as it is an edge of this part.
+    fn end(&self, ends: [usize; 2], known: &Known, times: u32) {
         let edge = |i: usize| match ends {
             [0, 1] => i,
             [2, 3] => 12 + i,
             [0, 2] => 4 * i,
             _ => 4 * i + 3,
         };
+        let part = &known.part;
         let mut points = [DVec3::ZERO; 6];
-        for index in 0..4 {
-            points[index] = known.part.patch.points[edge(index)];
+        for (index, point) in points[..4].iter_mut().enumerate() {
+            *point = part.patch.points[edge(index)];
         }
-        points[4..].copy_from_slice(&ends.map(|end| self.facet[end]));
-        Turn::around(self.search.projector, &points, known.off, self.search.step)
+        points[4..].copy_from_slice(&ends.map(|end| self.on_facet(part.s[end % 2], part.t[end / 2])));
+        let projector = self.search.projector;
+        let Some(turn) = Turn::around(projector, &points, known.off, self.search.step) else { return };
+        if times > 0 && known.off > 2.0 * self.slack && turn.pixels(projector, known.off) > NEAR {
+            let parts = self.refined(known);
+            ends.iter().for_each(|end| self.end(ends, &parts[*end], times - 1));
+        } else {
+            self.search.mark(&turn);
+        }
     }
 
     /// Which sides the surface, the mesh and all between them turn to the camera in a part.

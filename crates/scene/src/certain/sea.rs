@@ -139,9 +139,6 @@ fn is_crowded(sea: &SeaSurface, projector: &Projector, rest: [f64; 2], precise: 
                 return libm::hypot(other[0] - rest[0], other[1] - rest[1]) > 1e-6 * length;
             }
             let ([xx, xz, zz], jacobian) = (there.strain, there.jacobian());
-            if jacobian == 0.0 || !jacobian.is_finite() {
-                return true;
-            }
             other[0] -= ((1.0 + zz) * error[0] - xz * error[1]) / jacobian;
             other[1] -= ((1.0 + xx) * error[1] - xz * error[0]) / jacobian;
         }

@@ -44,6 +44,11 @@ pub(super) struct Field {
 }
 
 impl Field {
+    /// Planar depth of the nearest one at each sample, +∞ where there is none.
+    pub(super) fn depths(&self, projector: &Projector) -> impl Iterator<Item = f64> {
+        self.sheets.iter().map(|sheets| sheets[0].map_or(f64::INFINITY, |sheet| sheet.depth(projector)))
+    }
+
     pub(super) fn at(&self, [x, y]: [i64; 2]) -> Sheets {
         let row = (y - self.window.y0) as usize * self.window.width();
         self.sheets[row + (x - self.window.x0) as usize]

@@ -1,7 +1,8 @@
 //! Places of a picture where something may have a contour.
 
-use crate::{Channel, ChannelSet, Projector, Samples, Visible};
+use crate::{Projector, Visible};
 use glam::DVec3;
+use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::atomic::{AtomicI32, AtomicU64, Ordering};
 use trochoid_image::Window;
@@ -84,6 +85,9 @@ fn is_beside(projector: &Projector, points: &[DVec3], slack: f64, pixels: f64) -
     points.iter().all(|point| point.dot(forward) < -slack) || sides.into_iter().any(beyond)
 }
 
+/// Rows of pixels that are looked at together.
+const BAND: usize = 32;
+
 /// A search for all contours of a view.
 pub struct Search<'a> {
     pub(crate) projector: &'a Projector,
@@ -101,13 +105,17 @@ impl<'a> Search<'a> {
         let projector = &visible.projector;
         let [columns, rows] = projector.size.map(|side| side as usize);
         let mut farthest = vec![f32::NEG_INFINITY; columns * rows];
-        let mut samples = Samples::new();
-        for offset in &visible.offsets {
-            visible.fill(Window::sized(columns as u32, rows as u32), *offset, ChannelSet::DEPTH, &mut samples);
-            for (farthest, depth) in farthest.iter_mut().zip(samples.channel(Channel::Depth)) {
-                *farthest = farthest.max(depth + (further as f32 * depth).abs());
+        let bands = farthest.par_chunks_mut(columns * BAND).enumerate();
+        bands.for_each(|(band, farthest)| {
+            let first = (band * BAND) as i64;
+            let window = Window::new(0, first, columns as i64, first + (farthest.len() / columns) as i64);
+            for offset in visible.offsets.iter().filter(|_| !stop()) {
+                let sheets = visible.nearest_sheets(window, *offset);
+                for (farthest, depth) in farthest.iter_mut().zip(sheets.depths(projector)) {
+                    *farthest = farthest.max((depth + (further * depth).abs()) as f32);
+                }
             }
-        }
+        });
         let pixels = columns * rows;
         let marks = Marks {
             columns,
