@@ -16,7 +16,7 @@ use trochoid::certificate::{Certificate, Choice, Findings, Request, Verification
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 The document is in the certificate, and its inputs are found from there: paths in it are relative to its folder. Pixels \
-are evaluated by the f64 references, which share nothing with what renders; which ones, the certificate's digest says.
+are evaluated by the f64 references, which share no program, kernel or tile with what renders; which ones, the certificate's digest says.
 
 Exit code 3 says that the certificate does not hold.
 

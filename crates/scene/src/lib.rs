@@ -19,6 +19,7 @@ mod crossing;
 mod edges;
 mod extent;
 mod float;
+mod folded;
 mod footprint;
 mod grid_surface;
 mod light;
