@@ -11,8 +11,7 @@ const BENDS: f64 = 1.0;
 /// The first distance at which the gap between a ray and a surface changes its sign, between two distances: where the sign
 /// has just changed.
 ///
-/// `look` gives the gap at a distance, and how far the next step may go, which is short against the surface's bends; 0 ends
-/// it.
+/// `look` gives the gap at a distance, and how far the next step may go, which is short against the surface's bends.
 /// Between steps the gap may touch 0 and turn, where a ray cuts a crest: so each least gap is looked for too.
 pub(crate) fn first_crossing([start, end]: [f64; 2], mut look: impl FnMut(f64) -> (f64, f64)) -> Option<f64> {
     let mut near = start;
@@ -20,7 +19,7 @@ pub(crate) fn first_crossing([start, end]: [f64; 2], mut look: impl FnMut(f64) -
     // A step more at each end, where the gap may be least beside it.
     let first = start - step;
     let mut before = (first >= 0.0).then(|| (first, look(first).0)).filter(|(_, gap)| (*gap > 0.0) == (at_near > 0.0));
-    while step > 0.0 && near < end + if step.is_finite() { step } else { 0.0 } {
+    while near < end + if step.is_finite() { step } else { 0.0 } {
         let far = if step.is_finite() { near + step.max(1e-9 * near) } else { end };
         let (at_far, next) = look(far);
         let mut gap = |distance: f64| look(distance).0;

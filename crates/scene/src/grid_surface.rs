@@ -391,7 +391,9 @@ impl Surface for GridSurface {
             let [x, z] = self.within_reach([point.x, point.z]);
             self.height(x, z).map_or(f64::NAN, |[height, ..]| point.y - self.level - height)
         };
-        let distance = first_crossing([start, end], |distance| (gap(distance), step))?;
+        // Beyond the grid's ends nothing is met.
+        let inside = |distance: f64| distance.clamp(start, end);
+        let distance = inside(first_crossing([start, end], |distance| (gap(inside(distance)), step))?);
         let point = ray.at(distance);
         // Also a ray that comes from beside the grid may see its lower side, from a camera outside.
         let inside = self.submerged(projector.position);

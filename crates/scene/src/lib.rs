@@ -19,7 +19,6 @@ mod crossing;
 mod edges;
 mod extent;
 mod float;
-mod folded;
 mod footprint;
 mod grid_surface;
 mod light;

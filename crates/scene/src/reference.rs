@@ -6,7 +6,6 @@ use trochoid_sea::Sample;
 
 use crate::crossing::first_crossing;
 use crate::extent::HORIZON_M;
-use crate::folded::first_of_folded;
 use crate::shading::unit_or_up;
 use crate::surface::{Hit, Surface};
 use crate::{Camera, Projector, Ray, SeaSurface};
@@ -22,8 +21,6 @@ pub fn trace(camera: &Camera, surfaces: &[&dyn Surface], format: Format, x: f64,
     hits.min_by(|a, b| a.distance.total_cmp(&b.distance))
 }
 
-/// Gap over 1 m + distance from which on it is a jump.
-const JUMP: f64 = 1e-7;
 /// Newton steps that invert the horizontal displacement at one point.
 const INVERSIONS: usize = 24;
 /// Steps for each shortest wave or footprint, whichever is longer.
@@ -33,8 +30,7 @@ const STEPS_PER_LENGTH: f64 = 10.0;
 ///
 /// The sea is a height over displaced places: the height at a place is that of the rest point which is carried
 /// there. The ray is marched in steps that are short against the shortest wave that the footprint leaves, until its
-/// height over the sea changes sign. Where the sea may fold, places have several heights: there the nearer of that and of
-/// what [`first_of_folded`] finds counts.
+/// height over the sea changes sign. Valid where the sea does not fold; inside folds it finds one of the sheets.
 pub(crate) fn trace_sea(sea: &SeaSurface, projector: &Projector, ray: &Ray) -> Option<Hit> {
     let (rise, height) = (sea.summit, ray.origin.y - sea.level);
     let slope = ray.direction.y;
@@ -53,7 +49,6 @@ pub(crate) fn trace_sea(sea: &SeaSurface, projector: &Projector, ray: &Ray) -> O
     if end < start {
         return None;
     }
-    let folded = if sea.may_fold() { first_of_folded(sea, projector, ray, [start, end]) } else { None };
     let mut guess = [ray.at(start).x, ray.at(start).z];
     let mut look = |distance: f64| {
         let point = ray.at(distance);
@@ -62,13 +57,9 @@ pub(crate) fn trace_sea(sea: &SeaSurface, projector: &Projector, ray: &Ray) -> O
         let gap = point.y - sea.level - sea.frame.evaluate(guess, print).displacement[1];
         (gap, if rise == 0.0 { f64::INFINITY } else { sea.shortest.max(print) / STEPS_PER_LENGTH })
     };
-    let crossing = first_crossing([start, end], &mut look).map(|distance| (distance, look(distance).0));
-    // Between the sheets of a fold the height may have jumped across the ray.
-    let is_met = |(distance, gap): &(f64, f64)| !sea.may_fold() || gap.abs() <= JUMP * (1.0 + distance);
-    let marched = crossing.filter(is_met).map(|(distance, _)| (distance, guess));
-    let nearest = marched.into_iter().chain(folded).min_by(|a, b| a.0.total_cmp(&b.0));
-    if let Some((distance, rest)) = nearest {
-        return Some(hit(sea, projector, ray, distance, rest, submerged(sea, projector)));
+    if let Some(distance) = first_crossing([start, end], &mut look) {
+        look(distance);
+        return Some(hit(sea, projector, ray, distance, guess, submerged(sea, projector)));
     }
     // A flat sea, or waves that the footprint took: the rest level itself.
     let flat = -height / slope;

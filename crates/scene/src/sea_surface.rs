@@ -24,7 +24,6 @@ pub struct SeaSurface {
     spacing: Spacing,
     /// Pixels' sides over that of what waves are filtered by.
     pub(crate) detail: f64,
-    may_fold: bool,
     /// The waves for sums in f64, once they are asked for.
     precise: Arc<OnceLock<PreciseSea>>,
 }
@@ -66,19 +65,8 @@ impl SeaSurface {
             shortest: sea.waves().iter().map(|wave| wave.wavelength).fold(f64::INFINITY, f64::min),
             spacing: Spacing::new(sea),
             detail: 1.0,
-            may_fold: largest_compression(sea) >= 1.0,
             precise: Arc::default(),
         }
-    }
-
-    /// Whether some place may have several points of the sea above it.
-    pub(crate) fn may_fold(&self) -> bool {
-        self.may_fold
-    }
-
-    /// Horizontal displacement in meters that no phases can pass.
-    pub(crate) fn drift(&self) -> f64 {
-        self.drift
     }
 
     /// The sea for sums in f64.
@@ -151,16 +139,6 @@ impl SeaSurface {
         }
         [place[0] + moved[0], place[1] + moved[1]]
     }
-}
-
-/// The larger eigenvalue of Σ q d dᵀ: below 1 nothing folds, whatever the phases.
-fn largest_compression(sea: &Sea) -> f64 {
-    let [mut xx, mut xz, mut zz] = [0.0; 3];
-    for wave in sea.waves() {
-        let (q, [x, z]) = (wave.compression().abs(), wave.direction);
-        (xx, xz, zz) = (xx + q * x * x, xz + q * x * z, zz + q * z * z);
-    }
-    (xx + zz) / 2.0 + libm::hypot((xx - zz) / 2.0, xz)
 }
 
 /// H⁻¹ of a vector, H = I + the strains, with eigenvalues of [`LEAST`] or more.

@@ -16,6 +16,11 @@ const OCTAVES: f64 = 36.0;
 const STEPS: usize = 12;
 const CLOSE: f64 = 1e-12;
 
+/// The Jacobian below which another part of the sea may have been carried to the same place, which the reference may see,
+/// and how far off it is looked for, as a share of how far waves carry anything.
+const CROWDED: f64 = 0.7;
+const BESIDE: [f64; 8] = [-1.0, -0.4, -0.15, -0.05, 0.05, 0.15, 0.4, 1.0];
+
 /// A sea as one camera sees it.
 pub(crate) struct SeenSea<'a> {
     sea: &'a SeaSurface,
@@ -101,8 +106,9 @@ pub(crate) fn meet_sea(sea: &SeaSurface, projector: &Projector, ray: &Ray, near:
         let [by_x, by_z] = derivatives(sea, projector, rest, &precise);
         let ways = DMat3::from_cols(by_x, by_z, -ray.direction);
         if error.length() <= CLOSE * (1.0 + distance.abs()) {
+            let is_alone = || precise.sample.jacobian() > CROWDED || !is_crowded(sea, projector, rest, &precise);
             let hit = || hit_of_sea(sea, projector, ray, distance, (rest, &precise.sample), near.inside);
-            return (distance >= 0.0).then(hit);
+            return (distance >= 0.0 && is_alone()).then(hit);
         }
         let step = ways.inverse() * error;
         if !step.is_finite() {
@@ -112,4 +118,30 @@ pub(crate) fn meet_sea(sea: &SeaSurface, projector: &Projector, ray: &Ray, near:
         distance -= step.z;
     }
     None
+}
+
+/// Whether another rest point than this one is carried to the place above or below it, as in folds.
+fn is_crowded(sea: &SeaSurface, projector: &Projector, rest: [f64; 2], precise: &Precise) -> bool {
+    let [xx, xz, zz] = precise.sample.strain;
+    let [dx, _, dz] = precise.sample.displacement;
+    let place = [rest[0] + dx, rest[1] + dz];
+    // The direction in which the sea is most compressed.
+    let turn = 0.5 * libm::atan2(2.0 * xz, xx - zz) + std::f64::consts::FRAC_PI_2;
+    let (sin, cos) = libm::sincos(turn);
+    let length = sea.bounds.reach;
+    let close = CLOSE * (1.0 + libm::hypot(place[0], place[1]));
+    BESIDE.iter().any(|share| {
+        let mut other = [rest[0] + share * length * cos, rest[1] + share * length * sin];
+        for _ in 0..STEPS {
+            let there = at(sea, projector, other).sample;
+            let error = [other[0] + there.displacement[0] - place[0], other[1] + there.displacement[2] - place[1]];
+            if libm::hypot(error[0], error[1]) <= close {
+                return libm::hypot(other[0] - rest[0], other[1] - rest[1]) > 1e-6 * length;
+            }
+            let ([xx, xz, zz], jacobian) = (there.strain, there.jacobian());
+            other[0] -= ((1.0 + zz) * error[0] - xz * error[1]) / jacobian;
+            other[1] -= ((1.0 + xx) * error[1] - xz * error[0]) / jacobian;
+        }
+        false
+    })
 }
