@@ -4,7 +4,6 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::certain::{Near, Search, SeenGrid, contours_of_grid, meet_grid};
-use crate::crossing::first_crossing;
 use crate::shading::unit_or_up;
 use crate::surface::{Anchor, Hit, Mesh, Surface, Topology};
 use crate::{Channel, ChannelSet, Projector, Ray, Resting};
@@ -17,8 +16,9 @@ const VERTICES_PER_PIXEL: f64 = 1.5;
 const LEAST_LIMIT: f64 = 1e6;
 /// Most parts of a cell's side.
 const MAX_PARTS: f64 = 8.0;
-/// Steps of the reference for each cell.
+/// Steps of the reference for each cell, and halvings of the step in which it meets the surface.
 const STEPS_PER_CELL: f64 = 16.0;
+const HALVINGS: usize = 60;
 
 /// A finite height field on a regular grid, smooth between its cells.
 ///
@@ -385,19 +385,29 @@ impl Surface for GridSurface {
             return None;
         }
         // Rounding may put the ends of the stretch a little outside.
-        let step = self.spacing / STEPS_PER_CELL / libm::hypot(ray.direction.x, ray.direction.z);
+        let clamp =
+            |point: DVec3| [point.x.clamp(self.origin[0], self.end()[0]), point.z.clamp(self.origin[1], self.end()[1])];
         let gap = |distance: f64| {
             let point = ray.at(distance);
-            let [x, z] = self.within_reach([point.x, point.z]);
+            let [x, z] = clamp(point);
             self.height(x, z).map_or(f64::NAN, |[height, ..]| point.y - self.level - height)
         };
-        // Beyond the grid's ends nothing is met.
-        let inside = |distance: f64| distance.clamp(start, end);
-        let distance = inside(first_crossing([start, end], |distance| (gap(inside(distance)), step))?);
-        let point = ray.at(distance);
-        // Also a ray that comes from beside the grid may see its lower side, from a camera outside.
-        let inside = self.submerged(projector.position);
-        Some(self.hit(projector, ray, distance, self.within_reach([point.x, point.z]), inside))
+        let horizontal = libm::hypot(ray.direction.x, ray.direction.z);
+        let step = self.spacing / STEPS_PER_CELL / horizontal;
+        let (mut near, mut at_near) = (start, gap(start));
+        while near < end {
+            let mut far = (near + step.max(1e-12 * near)).min(end);
+            let at_far = gap(far);
+            if (at_near > 0.0) != (at_far > 0.0) {
+                for _ in 0..HALVINGS {
+                    let middle = (near + far) / 2.0;
+                    if (gap(middle) > 0.0) == (at_near > 0.0) { near = middle } else { far = middle }
+                }
+                return Some(self.hit(projector, ray, far, clamp(ray.at(far)), at_near < 0.0));
+            }
+            (near, at_near) = (far, at_far);
+        }
+        None
     }
 
     /// Beyond the grid the heights of its edge go on. A grid holds nothing that is finer than its cells.

@@ -95,7 +95,7 @@ fn height_fields() {
         .collect();
     let grid = GridSurface::new(heights, 120, 0.4, [-24.0, -18.0], 2.0);
     let cameras = [
-        look([0.0, 8.0, 30.0], [0.0, 0.0, 0.0], WIDE),
+        look([0.0, 40.0, 6.0], [0.0, 0.0, 0.0], WIDE),
         look([0.0, 30.0, 3.0], [0.0, 2.0, 0.0], Projection::Orthographic { height: 40.0 }),
     ];
     for camera in cameras {
