@@ -147,7 +147,7 @@ fn scenes_agree_with_the_reference() {
             continue;
         }
         let shorter: Vec<String> = loaded.graph.nodes().iter().flat_map(|node| cheaper(node, &loaded.graph)).collect();
-        let graph = small(&load(&path, &shorter).unwrap().graph, 64, 36);
+        let graph = small(&load(&path, &shorter).unwrap().graph, 96, 54);
         let (frame, window) = (graph.frames().0, graph.format().window());
         let fast = evaluate(&graph, frame, &Buffers::new(), &settings(|s| s.threads = 2));
         let picture = &fast.pictures[0];

@@ -13,11 +13,12 @@
 
 pub mod bezier;
 mod camera;
+mod carried;
 mod certain;
 mod channel;
-mod crossing;
 mod edges;
 mod extent;
+mod first_point;
 mod float;
 mod footprint;
 mod grid_surface;

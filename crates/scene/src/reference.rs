@@ -4,8 +4,8 @@ use glam::DVec3;
 use trochoid_image::Format;
 use trochoid_sea::Sample;
 
-use crate::crossing::first_crossing;
 use crate::extent::HORIZON_M;
+use crate::first_point::first_point;
 use crate::shading::unit_or_up;
 use crate::surface::{Hit, Surface};
 use crate::{Camera, Projector, Ray, SeaSurface};
@@ -23,20 +23,14 @@ pub fn trace(camera: &Camera, surfaces: &[&dyn Surface], format: Format, x: f64,
 
 /// Newton steps that invert the horizontal displacement at one point.
 const INVERSIONS: usize = 24;
-/// Steps for each shortest wave or footprint, whichever is longer.
-const STEPS_PER_LENGTH: f64 = 10.0;
 
-/// The first point where the ray passes through the displaced sea.
-///
-/// The sea is a height over displaced places: the height at a place is that of the rest point which is carried
-/// there. The ray is marched in steps that are short against the shortest wave that the footprint leaves, until its
-/// height over the sea changes sign. Valid where the sea does not fold; inside folds it finds one of the sheets.
+/// The first point where a ray passes through the displaced sea, of all sheets where it folds.
 pub(crate) fn trace_sea(sea: &SeaSurface, projector: &Projector, ray: &Ray) -> Option<Hit> {
     let (rise, height) = (sea.summit, ray.origin.y - sea.level);
     let slope = ray.direction.y;
     // Nothing happens outside the slab of heights that waves reach.
     let (start, end) = if slope == 0.0 {
-        if height.abs() > rise {
+        if height.abs() > rise || rise == 0.0 {
             return None;
         }
         (0.0, HORIZON_M)
@@ -49,24 +43,8 @@ pub(crate) fn trace_sea(sea: &SeaSurface, projector: &Projector, ray: &Ray) -> O
     if end < start {
         return None;
     }
-    let mut guess = [ray.at(start).x, ray.at(start).z];
-    let mut look = |distance: f64| {
-        let point = ray.at(distance);
-        guess = rest_below(sea, projector, point, guess);
-        let print = sea.footprint(projector, DVec3::new(guess[0], sea.level, guess[1]));
-        let gap = point.y - sea.level - sea.frame.evaluate(guess, print).displacement[1];
-        (gap, if rise == 0.0 { f64::INFINITY } else { sea.shortest.max(print) / STEPS_PER_LENGTH })
-    };
-    if let Some(distance) = first_crossing([start, end], &mut look) {
-        look(distance);
-        return Some(hit(sea, projector, ray, distance, guess, submerged(sea, projector)));
-    }
-    // A flat sea, or waves that the footprint took: the rest level itself.
-    let flat = -height / slope;
-    (rise == 0.0 && flat >= 0.0 && flat.is_finite() && flat * horizontal <= HORIZON_M).then(|| {
-        let point = ray.at(flat);
-        hit(sea, projector, ray, flat, [point.x, point.z], height < 0.0)
-    })
+    let (distance, rest) = first_point(sea, projector, ray, [start, end])?;
+    Some(hit(sea, projector, ray, distance, rest, submerged(sea, projector)))
 }
 
 /// Whether a camera stands under water: below the point of the sea that is carried above or below it.

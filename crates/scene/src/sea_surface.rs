@@ -3,6 +3,7 @@ use std::sync::{Arc, OnceLock};
 use glam::DVec3;
 use trochoid_sea::{PreciseSea, Sea, SeaFrame};
 
+use crate::carried::Limits;
 use crate::certain::{Near, Search, SeenSea, contours_of_grid, meet_sea};
 use crate::extent::{Bounds, Sector, Strip};
 use crate::spacing::Spacing;
@@ -18,14 +19,13 @@ pub struct SeaSurface {
     /// Height in meters that no phases can pass: Σ|a|.
     pub(crate) summit: f64,
     /// Horizontal displacement in meters that no phases can pass: Σ|h|.
-    drift: f64,
-    /// Shortest wave in meters; infinite without waves.
-    pub(crate) shortest: f64,
+    pub(crate) drift: f64,
     spacing: Spacing,
     /// Pixels' sides over that of what waves are filtered by.
     pub(crate) detail: f64,
     /// The waves for sums in f64, once they are asked for.
     precise: Arc<OnceLock<PreciseSea>>,
+    limits: Arc<OnceLock<Limits>>,
 }
 
 /// How many waves the pixels of a picture resolve: the others are so short that less than 1e-6 of them would be left.
@@ -62,16 +62,21 @@ impl SeaSurface {
             bounds,
             summit: sea.height_bound(),
             drift: sea.horizontal_bound(),
-            shortest: sea.waves().iter().map(|wave| wave.wavelength).fold(f64::INFINITY, f64::min),
             spacing: Spacing::new(sea),
             detail: 1.0,
             precise: Arc::default(),
+            limits: Arc::default(),
         }
     }
 
     /// The sea for sums in f64.
     pub(crate) fn precise(&self) -> &PreciseSea {
         self.precise.get_or_init(|| PreciseSea::new(&self.frame))
+    }
+
+    /// What derivatives of the displacement cannot pass.
+    pub(crate) fn limits(&self) -> &Limits {
+        self.limits.get_or_init(|| Limits::new(self.precise()))
     }
 
     /// The same, drawn as for pixels so many times as fine: by half of that it has a quarter of the vertices, and waves
@@ -175,7 +180,7 @@ impl Surface for SeaSurface {
     }
 
     fn contours(&self, search: &Search<'_>, mesh: &Mesh) -> bool {
-        contours_of_grid(&SeenSea::new(self, search.projector), search, mesh)
+        contours_of_grid(&SeenSea { sea: self, projector: search.projector }, search, mesh)
     }
 
     fn meet_near(&self, projector: &Projector, ray: &Ray, near: &Near) -> Option<Hit> {

@@ -14,6 +14,9 @@ const ROUNDER: f64 = 6_755_399_441_055_744.0;
 /// Exponent from which on a wave is not added: 1e-17 of it is left.
 const CUT: f64 = 40.0;
 
+/// Exponent up to which e⁻ˣ is worked out.
+const MOST: f64 = 700.0;
+
 /// ln 2 in two parts, of which the first has so few bits that its multiples by whole numbers below 2²⁰ are exact.
 const LN_2_HIGH: f64 = f64::from_bits(LN_2.to_bits() & !0x3_ffff_ffff);
 const LN_2_LOW: f64 = 1.428_606_820_309_417_2e-6 - (LN_2_HIGH - 0.693_145_751_953_125);
@@ -132,19 +135,20 @@ impl PreciseSea {
         Precise { sample, by_footprint: [9, 10, 11].map(|sum| -footprint / 4.0 * sums[sum]) }
     }
 
-    /// What the second to the fifth derivatives of the displacement by the rest point, in any direction, cannot pass under
-    /// a footprint in meters, whatever the phases: Σ max(a, |h|)·kⁿ·exp(−k²f²/8), in 1/m to 1/m⁴.
-    pub fn most_bends(&self, footprint: f64) -> [f64; 4] {
+    /// What the displacement and its first to fifth derivatives by the rest point, in any direction, cannot pass under a
+    /// footprint in meters, whatever the phases: Σ max(a, |h|)·kⁿ·exp(−k²f²/8), in m to 1/m⁴.
+    pub fn most(&self, footprint: f64) -> [f64; 6] {
         let Waves { amplitude, horizontal, number, .. } = &self.waves;
-        let mut bends = [0.0; 4];
+        let mut most = [0.0; 6];
         for ((amplitude, horizontal), k) in amplitude.iter().zip(horizontal).zip(number) {
-            let share = libm::exp(-k * k * footprint * footprint / 8.0);
-            let second = amplitude.abs().max(horizontal.abs()) * k * k * share;
-            for (bend, power) in bends.iter_mut().zip([1.0, *k, k * k, k * k * k]) {
-                *bend += second * power;
+            let mut derivative =
+                amplitude.abs().max(horizontal.abs()) * libm::exp(-k * k * footprint * footprint / 8.0);
+            for most in &mut most {
+                *most += derivative;
+                derivative *= k;
             }
         }
-        bends
+        most
     }
 }
 
@@ -160,7 +164,8 @@ impl Waves {
             for i in 0..LANES {
                 let turns = tx[i] * x0 + tz[i] * z0 + origin[i];
                 let (sin, cos) = sincos(turns - ((turns + ROUNDER) - ROUNDER));
-                let share = exp_neg(number[i] * number[i] * filter);
+                // Next to a wave that is left, one in the same vector may be far too short to be.
+                let share = exp_neg((number[i] * number[i] * filter).min(MOST));
                 let (a, h) = (amplitude[i] * share, horizontal[i] * share);
                 let (hk, ak) = (h * number[i], a * number[i]);
                 let whole = amplitude[i] * number[i];
@@ -228,7 +233,7 @@ const COSINE: [f64; 8] = [
     1.0,
 ];
 
-/// e⁻ˣ for 0 ≤ x ≤ 700, to 1e-15 of itself.
+/// e⁻ˣ for 0 ≤ x ≤ [`MOST`], to 1e-15 of itself.
 #[inline(always)]
 fn exp_neg(x: f64) -> f64 {
     let halvings = (x * LOG2_E + ROUNDER) - ROUNDER;

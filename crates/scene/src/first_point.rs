@@ -1,0 +1,331 @@
+//! The first point of a sea on a ray, in f64, folds and all.
+//!
+//! Rectangles of rest points are cut in two, the nearest first, until bounds on the derivatives of the sea's points prove
+//! that none of a rectangle's lies on the ray, or that one may at most, which Newton's steps then find or not.
+
+use crate::carried::Carried;
+use crate::{Projector, Ray, SeaSurface};
+use glam::DVec3;
+use std::cmp::Ordering;
+use std::collections::BinaryHeap;
+
+/// Newton's steps, and how near to the ray they lead, over 1 m + distance.
+const STEPS: usize = 24;
+const CLOSE: f64 = 1e-13;
+/// Half diagonal over 1 m + distance at which a rectangle whose points all but touch the ray is not cut any further.
+const LEAST: f64 = 1e-9;
+/// Rounding of coordinates, over their size.
+const ROUNDING: f64 = 2e-15;
+/// e^(−x²/8)·x/4 is below this share of e^(−x²/16), with which a wave is left under a footprint 1/√2 as large.
+const FADING: f64 = 0.43;
+
+/// A ray, and a frame to measure how far points lie off it.
+struct Search<'a> {
+    sea: &'a SeaSurface,
+    projector: &'a Projector,
+    ray: &'a Ray,
+    /// Unit vectors at right angles to the ray, the first of them horizontal.
+    aside: [DVec3; 2],
+    /// Horizontal unit vectors: along the ray, and across it.
+    axes: [DVec3; 2],
+    end: f64,
+}
+
+/// Rest points: offsets in meters from the ray's origin along the axes.
+#[derive(Clone, Copy, Debug)]
+struct Rectangle {
+    middle: [f64; 2],
+    half: [f64; 2],
+    /// No point of it lies on the ray nearer than this.
+    nearest: f64,
+}
+
+enum Look {
+    /// No point lies on the ray.
+    Empty,
+    /// This is the only one that may; its distance and rest point.
+    Point(f64, [f64; 2]),
+    /// Some may, from this distance on.
+    From(f64),
+}
+
+/// The distance and the rest point of the first point of a sea that a ray meets between two distances.
+///
+/// Bounds count rounding, and everything else but how the footprint bends: between two looks at how it grows it is taken to
+/// grow by something in between.
+pub(crate) fn first_point(
+    sea: &SeaSurface,
+    projector: &Projector,
+    ray: &Ray,
+    [start, end]: [f64; 2],
+) -> Option<(f64, [f64; 2])> {
+    // A flat sea leaves nothing but one distance, and rounding.
+    let (start, end) = (start * (1.0 - LEAST), end * (1.0 + LEAST));
+    let horizontal = libm::hypot(ray.direction.x, ray.direction.z);
+    let along = if horizontal > 0.0 {
+        DVec3::new(ray.direction.x / horizontal, 0.0, ray.direction.z / horizontal)
+    } else {
+        DVec3::X
+    };
+    let across = DVec3::new(-along.z, 0.0, along.x);
+    let aside = [across, across.cross(ray.direction).normalize()];
+    let search = Search { sea, projector, ray, aside, axes: [along, across], end };
+    // What waves carry onto the ray rests within their reach of it.
+    let half = (end - start) * horizontal / 2.0 + sea.drift;
+    let whole =
+        Rectangle { middle: [start * horizontal + half - sea.drift, 0.0], half: [half, sea.drift], nearest: 0.0 };
+    let (mut rectangles, mut first) = (BinaryHeap::from([whole]), None::<(f64, [f64; 2])>);
+    while let Some(next) = rectangles.pop() {
+        if first.is_some_and(|(distance, _)| distance <= next.nearest) {
+            break;
+        }
+        for part in next.cut() {
+            match search.look(&part) {
+                Look::Empty => {}
+                Look::From(nearest) => rectangles.push(Rectangle { nearest, ..part }),
+                Look::Point(distance, rest) => {
+                    if first.is_none_or(|(known, _)| distance < known) {
+                        first = Some((distance, rest));
+                    }
+                }
+            }
+        }
+    }
+    first
+}
+
+impl Rectangle {
+    /// Its halves, along the longer side.
+    fn cut(&self) -> [Self; 2] {
+        let axis = usize::from(self.half[1] > self.half[0]);
+        let mut half = self.half;
+        half[axis] /= 2.0;
+        [-half[axis], half[axis]].map(|offset| {
+            let mut middle = self.middle;
+            middle[axis] += offset;
+            Self { middle, half, ..*self }
+        })
+    }
+}
+
+impl Search<'_> {
+    fn rest(&self, offset: [f64; 2]) -> [f64; 2] {
+        let place = self.ray.origin + self.axes[0] * offset[0] + self.axes[1] * offset[1];
+        [place.x, place.z]
+    }
+
+    fn look(&self, part: &Rectangle) -> Look {
+        let rest = self.rest(part.middle);
+        let middle = self.sea.carried(self.projector, rest);
+        let radius = libm::hypot(part.half[0], part.half[1]);
+        let by = self.axes.map(|axis| middle.by[0] * axis.x + middle.by[1] * axis.z);
+        let grown = self.growth(part, &middle);
+        let limits = self.sea.limits();
+        let [size, steepness, bend, ..] = limits.at(grown.least);
+        let fading = FADING * limits.at(grown.least * std::f64::consts::FRAC_1_SQRT_2)[1];
+        // What the footprint adds to second derivatives, for waves that are not much shorter than it.
+        let bend = bend * (1.0 + 2.0 * grown.most) * (1.0 + 2.0 * grown.most);
+        let uneven = fading * grown.uneven;
+        let offset = middle.point - self.ray.origin;
+        let rounding = self.rounding(middle.point);
+        // How far points lie from the middle one at most, in a direction.
+        let spread = |way: DVec3| {
+            let resting = (0..2).map(|axis| self.axes[axis].dot(way).abs() * part.half[axis]).sum::<f64>();
+            let turning = (0..2).map(|axis| by[axis].dot(way).abs() * part.half[axis]).sum::<f64>();
+            let moved = (steepness * radius + fading * grown.range).min(2.0 * size);
+            (resting + moved).min(turning + (bend * radius / 2.0 + uneven) * radius) + rounding
+        };
+        let off = self.aside.map(|way| offset.dot(way));
+        let (distance, deep) = (offset.dot(self.ray.direction), spread(self.ray.direction));
+        if (0..2).any(|side| off[side].abs() > spread(self.aside[side]))
+            || distance + deep < 0.0
+            || distance - deep > self.end
+        {
+            return Look::Empty;
+        }
+        // Within twice the radius derivatives differ from these by so much at most: if that is a quarter of their least
+        // effect, no two points are carried to one place, and each Newton's step divides the error by three at least.
+        let [a, b, c, d] =
+            [by[0].dot(self.aside[0]), by[1].dot(self.aside[0]), by[0].dot(self.aside[1]), by[1].dot(self.aside[1])];
+        let least = least_stretch([a, b, c, d]);
+        let is_least = radius <= LEAST * (1.0 + distance.abs());
+        if is_least || 4.0 * (2.0 * bend * radius + 2.0 * uneven) <= least {
+            return match self.newton(rest) {
+                Some((distance, at))
+                    if libm::hypot(at[0] - rest[0], at[1] - rest[1]) <= 2.0 * radius + LEAST * (1.0 + distance) =>
+                {
+                    if distance >= 0.0 && distance <= self.end {
+                        Look::Point(distance, at)
+                    } else {
+                        Look::Empty
+                    }
+                }
+                _ => Look::Empty,
+            };
+        }
+        Look::From(distance - deep)
+    }
+
+    /// What rounding may add to a point's offset from the ray's origin, in meters.
+    fn rounding(&self, point: DVec3) -> f64 {
+        ROUNDING * (point.abs() + self.ray.origin.abs()).max_element()
+    }
+
+    /// Newton's steps onto the ray.
+    fn newton(&self, mut rest: [f64; 2]) -> Option<(f64, [f64; 2])> {
+        for _ in 0..STEPS {
+            let here = self.sea.carried(self.projector, rest);
+            let offset = here.point - self.ray.origin;
+            let distance = offset.dot(self.ray.direction);
+            let [p, q] = self.aside.map(|way| offset.dot(way));
+            if libm::hypot(p, q) <= CLOSE * (1.0 + distance.abs()) + self.rounding(here.point) {
+                return Some((distance, rest));
+            }
+            let [[a, b], [c, d]] = self.aside.map(|way| here.by.map(|by| by.dot(way)));
+            let area = a * d - b * c;
+            rest = [rest[0] - (d * p - b * q) / area, rest[1] - (a * q - c * p) / area];
+            if !(rest[0].is_finite() && rest[1].is_finite()) {
+                return None;
+            }
+        }
+        None
+    }
+
+    /// What footprints a rectangle has, and how they grow.
+    fn growth(&self, part: &Rectangle, middle: &Carried) -> Grown {
+        let [x, z] = self.projector.heading();
+        // Footprints change along the camera's heading alone, and are least at one end or below the camera.
+        let reach: f64 =
+            (0..2).map(|axis| (self.axes[axis].x * x + self.axes[axis].z * z).abs() * part.half[axis]).sum();
+        let center = self.rest(part.middle);
+        let eye = self.projector.position;
+        let ahead = (center[0] - eye.x) * x + (center[1] - eye.z) * z;
+        let at = |ahead: f64| [eye.x + ahead * x, eye.z + ahead * z];
+        let footprint =
+            |rest: [f64; 2]| self.sea.footprint(self.projector, DVec3::new(rest[0], self.sea.level, rest[1]));
+        let ends = [ahead - reach, ahead + reach];
+        let [near, far] = ends.map(|end| footprint(at(end)));
+        let turn = footprint(at(0.0_f64.clamp(ends[0], ends[1])));
+        let least = near.min(far).min(turn).min(middle.footprint);
+        let growths = [ends[0], ends[1]].map(|end| self.sea.growth(self.projector, at(end)));
+        let bent = growths.map(|growth| (growth - middle.growth).abs());
+        Grown {
+            least,
+            range: (near.max(far) - middle.footprint).max(middle.footprint - least),
+            most: growths[0].abs().max(growths[1].abs()).max(middle.growth.abs()),
+            uneven: bent[0].max(bent[1]),
+        }
+    }
+}
+
+/// The footprints of a rectangle.
+struct Grown {
+    /// The least of them, in meters.
+    least: f64,
+    /// How far they differ from that of its middle at most, in meters.
+    range: f64,
+    /// How fast they change at most, in meters for each meter, and how much that differs from the middle.
+    most: f64,
+    uneven: f64,
+}
+
+/// The lesser singular value of a matrix [[a, b], [c, d]].
+fn least_stretch([a, b, c, d]: [f64; 4]) -> f64 {
+    let (sum, area) = (a * a + b * b + c * c + d * d, (a * d - b * c).abs());
+    let most = libm::sqrt((sum + libm::sqrt((sum * sum - 4.0 * area * area).max(0.0))) / 2.0);
+    if most > 0.0 { area / most } else { 0.0 }
+}
+
+impl PartialEq for Rectangle {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other) == Ordering::Equal
+    }
+}
+impl Eq for Rectangle {}
+impl PartialOrd for Rectangle {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+/// The nearest is the greatest, which a heap gives first.
+impl Ord for Rectangle {
+    fn cmp(&self, other: &Self) -> Ordering {
+        other.nearest.total_cmp(&self.nearest)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Camera, Projection};
+    use std::f64::consts::TAU;
+    use trochoid_image::Format;
+    use trochoid_sea::{ExplicitWave, Sea, Wave};
+
+    /// Points of a curve, in the plane of a ray, and where the ray first cuts the line through them.
+    fn first_of_line(points: impl Iterator<Item = [f64; 2]>, origin: [f64; 2], direction: [f64; 2]) -> Option<f64> {
+        let side = |[x, y]: [f64; 2]| (x - origin[0]) * direction[1] - (y - origin[1]) * direction[0];
+        let along = |[x, y]: [f64; 2]| (x - origin[0]) * direction[0] + (y - origin[1]) * direction[1];
+        let mut last: Option<[f64; 2]> = None;
+        let mut first = None::<f64>;
+        for point in points {
+            if let Some(last) = last.filter(|last| (side(*last) > 0.0) != (side(point) > 0.0)) {
+                let part = side(last) / (side(last) - side(point));
+                let distance = along(last) + part * (along(point) - along(last));
+                if distance >= 0.0 && first.is_none_or(|first| distance < first) {
+                    first = Some(distance);
+                }
+            }
+            last = Some(point);
+        }
+        first
+    }
+
+    #[test]
+    fn rays_meet_the_first_sheet_of_folds() {
+        let (length, amplitude, horizontal) = (8.0, 1.0, 2.2);
+        let wave = ExplicitWave {
+            wavelength: length,
+            amplitude,
+            direction: 0.0,
+            sharpness: horizontal * TAU / length,
+            phase: 0.0,
+            speed: None,
+        };
+        let wave = Wave::try_from(wave).expect("valid");
+        assert!((wave.horizontal - horizontal).abs() < 1e-12 && horizontal * TAU / length > 1.5, "it folds");
+        let surface = SeaSurface::new(&Sea::new(vec![wave]), 0.0, 0.0);
+        let camera = Camera {
+            position: DVec3::new(0.0, 0.0, 1.0),
+            target: DVec3::ZERO,
+            roll: 0.0,
+            // So fine that no footprint takes anything.
+            projection: Projection::Orthographic { height: 1e-3 },
+        };
+        let projector = camera.projector(Format::new(64, 64, 1).expect("valid"));
+        let (mut met, mut overhung) = (0, 0);
+        for case in 0..400 {
+            let part = |of: f64| (f64::from(case) * of).fract();
+            let (x, y, turn) = (16.0 * part(0.618) - 8.0, 3.0 * part(0.414) - 1.5, TAU * part(0.732));
+            let (sin, cos) = libm::sincos(turn);
+            let ray = Ray { origin: DVec3::new(x, y, 3.0), direction: DVec3::new(cos, sin, 0.0) };
+            let points = (-30_000..=30_000).map(|step| {
+                let rest = f64::from(step) * 1e-3;
+                let sample = surface.frame.evaluate([rest, 0.0], 0.0);
+                [rest + sample.displacement[0], sample.displacement[1]]
+            });
+            let expected = first_of_line(points, [x, y], [cos, sin]).filter(|distance| *distance < 20.0);
+            let found = first_point(&surface, &projector, &ray, [0.0, 20.0]);
+            let (Some((distance, rest)), Some(expected)) = (found, expected) else {
+                assert_eq!(found.map(|found| found.0), expected, "ray {case}");
+                continue;
+            };
+            assert!((distance - expected).abs() < 1e-4, "ray {case}: {distance} should be {expected}");
+            let there = surface.carried(&projector, rest);
+            assert!((there.point.truncate() - ray.at(distance).truncate()).length() < 1e-10, "ray {case}");
+            met += 1;
+            overhung += usize::from(there.precise.sample.jacobian() < 0.0);
+        }
+        assert!(met > 200 && overhung > 20, "{met} rays meet it, {overhung} an overhang");
+    }
+}
