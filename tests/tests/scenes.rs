@@ -1,9 +1,10 @@
 //! The scenes that come with Trochoid: valid by the schema, inside their palette, and near the f64 truth.
 
-use crate::support::{all_bits, evaluate, root, sample, settings};
+use crate::support::{all_bits, evaluate, root, sample, settings, under_all_settings};
 use std::path::PathBuf;
 use trochoid::{
-    Buffers, CheckedGraph, CheckedNode, Format, Guarantee, Kind, ReferenceFrame, Switches, load, registry, schema,
+    Buffers, Cache, Certified, Certifier, CheckedGraph, CheckedNode, Format, Guarantee, Kind, Picture, ReferenceFrame,
+    Silent, Switches, load, registry, schema,
 };
 
 fn documents() -> Vec<PathBuf> {
@@ -118,8 +119,19 @@ fn scenes_keep_their_bits_without_any_optimization() {
     }
 }
 
+#[test]
+fn samples_that_are_followed_have_the_same_bits_under_all_settings() {
+    let overrides = ["view.points=surface", "deck.points=surface", "storm.count=60"].map(String::from);
+    let graph = load(&root().join("graphs/open_sea.json"), &overrides).unwrap().graph;
+    let graph = graph.clone().with_format(Format::new(48, 27, 4).unwrap());
+    under_all_settings(&graph, 1, &Buffers::new(), "open_sea, followed");
+}
+
 /// How far a color may be from the truth: one step of 8 bits where surfaces are tessellated or baked, else rounding.
 const TOLERANCE: [f64; 2] = [4e-3, 1e-6];
+/// The same where samples are followed to the surfaces themselves and are in no doubt, and what is certified there.
+const EXACT: f64 = 1e-5;
+const CERTAIN: f64 = 1e-3;
 /// Share of pixels that may miss it, since what they see is not certain: edges of waves against waves and sky.
 const AMBIGUOUS: f64 = 0.1;
 
@@ -137,6 +149,42 @@ fn cheaper(node: &CheckedNode, graph: &CheckedGraph) -> Vec<String> {
     above.map(|(knob, most)| format!("{}.{knob}={most}", node.name)).collect()
 }
 
+/// A picture, and what is certified of it.
+struct Certain {
+    picture: Picture,
+    certified: Certified,
+}
+
+impl Certain {
+    /// The first output of a graph.
+    fn new(graph: &CheckedGraph, frame: i64) -> Self {
+        let certifier = Certifier::new(graph, &[], frame, &[], &settings(|s| s.threads = 2)).unwrap();
+        let mut certified = certifier.certify(&Buffers::new(), &mut Cache::new(), &Silent).unwrap();
+        let mut fast = evaluate(graph, frame, &Buffers::new(), &settings(|s| s.threads = 2));
+        Self { picture: fast.pictures.swap_remove(0), certified: certified.swap_remove(0) }
+    }
+
+    /// The largest error of a pixel's channels, each of which is within its bound.
+    fn error(&self, x: i64, y: i64, truth: &[f64], what: &str) -> f64 {
+        let index = y as usize * self.certified.window.width() + x as usize;
+        let error = |(channel, truth): (usize, &f64)| {
+            let found = f64::from(sample(&self.picture, channel, x, y));
+            let error = if found == *truth { 0.0 } else { (found - truth).abs() };
+            let bound = f64::from(self.certified.errors[channel][index]);
+            assert!(
+                error <= bound,
+                "{what}, channel {channel} of ({x}, {y}): {found} is not {truth}, certified {bound:e}"
+            );
+            error
+        };
+        truth.iter().enumerate().map(error).fold(0.0, f64::max)
+    }
+
+    fn is_clear(&self, x: i64, y: i64) -> bool {
+        self.certified.doubt[y as usize * self.certified.window.width() + x as usize] == 0.0
+    }
+}
+
 #[test]
 fn scenes_agree_with_the_reference() {
     for path in documents() {
@@ -146,12 +194,15 @@ fn scenes_agree_with_the_reference() {
         if loaded.graph.nodes().iter().any(asks_far) {
             continue;
         }
-        let shorter: Vec<String> = loaded.graph.nodes().iter().flat_map(|node| cheaper(node, &loaded.graph)).collect();
-        let graph = small(&load(&path, &shorter).unwrap().graph, 96, 54);
+        let mut overrides: Vec<String> =
+            loaded.graph.nodes().iter().flat_map(|node| cheaper(node, &loaded.graph)).collect();
+        let graph = small(&load(&path, &overrides).unwrap().graph, 96, 54);
+        let views = graph.nodes().iter().filter(|node| node.ty.declaration().name == "Render");
+        overrides.extend(views.map(|node| format!("{}.points=surface", node.name)));
+        let followed = small(&load(&path, &overrides).unwrap().graph, 96, 54);
         let (frame, window) = (graph.frames().0, graph.format().window());
-        let fast = evaluate(&graph, frame, &Buffers::new(), &settings(|s| s.threads = 2));
-        let picture = &fast.pictures[0];
-        let name = &graph.outputs()[picture.output].name;
+        let [meshed, followed] = [&graph, &followed].map(|graph| Certain::new(graph, frame));
+        let name = &graph.outputs()[meshed.picture.output].name;
         let reference = ReferenceFrame::new(&graph, name, frame).unwrap();
         let approximated = graph.nodes().iter().any(|node| matches!(node.ty.declaration().name, "Render" | "Bake"));
         let tolerance = if approximated { TOLERANCE[0] } else { TOLERANCE[1] };
@@ -162,15 +213,19 @@ fn scenes_agree_with_the_reference() {
             let x = (i * 37 + 11) % window.width() as i64;
             let y = (i * window.height() as i64 / count).min(window.height() as i64 - 1);
             let truth = reference.pixel(x, y).unwrap();
-            let error =
-                (0..truth.len()).map(|c| (f64::from(sample(picture, c, x, y)) - truth[c]).abs()).fold(0.0, f64::max);
+            let what = path.display().to_string();
+            let error = meshed.error(x, y, &truth, &what);
             errors.push(error);
             off += usize::from(error > tolerance);
+            let error = followed.error(x, y, &truth, &what);
+            assert!(error < EXACT || !followed.is_clear(x, y), "{what}, ({x}, {y}): {error:e}");
         }
         errors.sort_by(f64::total_cmp);
         let median = errors[errors.len() / 2];
         let text = format!("{}: {off} of {count} pixels miss, median {median:e}", path.display());
         assert!(off as f64 <= AMBIGUOUS * count as f64, "{text}");
         assert!(median < tolerance / 4.0, "{text}");
+        let most = followed.certified.clear.max();
+        assert!(most < CERTAIN, "{}: {most:e} is certified", path.display());
     }
 }

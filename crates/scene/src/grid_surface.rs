@@ -3,7 +3,8 @@ use std::sync::{Arc, LazyLock};
 use glam::DVec3;
 use rayon::prelude::*;
 
-use crate::certain::{Near, Search, SeenGrid, contours_of_grid, meet_grid};
+use crate::certain::{Search, SeenGrid, contours_of_grid, meet_grid};
+use crate::points::Near;
 use crate::shading::unit_or_up;
 use crate::surface::{Anchor, Hit, Mesh, Surface, Topology};
 use crate::{Channel, ChannelSet, Projector, Ray, Resting};
@@ -403,7 +404,7 @@ impl Surface for GridSurface {
                     let middle = (near + far) / 2.0;
                     if (gap(middle) > 0.0) == (at_near > 0.0) { near = middle } else { far = middle }
                 }
-                return Some(self.hit(projector, ray, far, clamp(ray.at(far)), at_near < 0.0));
+                return Some(self.hit(projector, ray, far, clamp(ray.at(far)), self.submerged(projector.position)));
             }
             (near, at_near) = (far, at_far);
         }

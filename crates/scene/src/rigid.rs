@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use crate::certain::{Near, Search};
+use crate::certain::Search;
+use crate::points::Near;
 use crate::surface::{Anchor, Hit, Mesh, Surface, Topology};
 use crate::{ChannelSet, Projector, Ray};
 
@@ -64,10 +65,15 @@ impl RigidBodies {
         &self.poses
     }
 
-    /// The mesh of one body.
-    fn body(&self, pose: &Pose, projector: &Projector, wanted: ChannelSet) -> Mesh {
+    /// The mesh of one body, of which `tessellate` makes what its own camera sees.
+    fn body(
+        &self,
+        pose: &Pose,
+        projector: &Projector,
+        tessellate: impl Fn(&Projector) -> Option<Mesh>,
+    ) -> Option<Mesh> {
         let own = pose.projector(projector);
-        let mut mesh = self.model.tessellate(&own, wanted);
+        let mut mesh = tessellate(&own)?;
         // What is relative to the camera only turns.
         let turn = |vector: &mut [f32; 3]| {
             *vector = pose.turn(DVec3::from(vector.map(f64::from))).as_vec3().to_array();
@@ -82,7 +88,30 @@ impl RigidBodies {
             shift(z, moved.z);
         }
         mesh.rest_heights.iter_mut().for_each(|y| shift(y, moved.y));
-        mesh
+        Some(mesh)
+    }
+
+    /// The mesh of all bodies.
+    fn bodies(&self, projector: &Projector, tessellate: impl Fn(&Projector) -> Option<Mesh>) -> Option<Mesh> {
+        let mut all = Mesh { tolerance: Some(0.0), ..Mesh::empty(0.0) };
+        let mut joined = Vec::new();
+        for pose in &self.poses {
+            let mesh = self.body(pose, projector, &tessellate)?;
+            all.level = mesh.level;
+            all.tolerance = all.tolerance.zip(mesh.tolerance).map(|(a, b)| a.max(b));
+            // A body out of sight has no vertices; those of all others hold the same.
+            let own = triangles(&mesh.topology, all.positions.len() as u32);
+            // Each body has its own inner side: seen from there, turned triangles say the same.
+            joined.extend(own.into_iter().map(|[a, b, c]| if mesh.inside { [a, c, b] } else { [a, b, c] }));
+            all.positions.extend(mesh.positions);
+            all.normals.extend(mesh.normals);
+            all.rests.extend(mesh.rests);
+            all.rest_heights.extend(mesh.rest_heights);
+            all.uvs.extend(mesh.uvs);
+            all.slope_variances.extend(mesh.slope_variances);
+        }
+        all.topology = Topology::Triangles(joined);
+        Some(all)
     }
 }
 
@@ -116,25 +145,12 @@ impl Surface for RigidBodies {
     }
 
     fn tessellate(&self, projector: &Projector, wanted: ChannelSet) -> Mesh {
-        let mut all = Mesh { tolerance: Some(0.0), ..Mesh::empty(0.0) };
-        let mut joined = Vec::new();
-        for pose in &self.poses {
-            let mesh = self.body(pose, projector, wanted);
-            all.level = mesh.level;
-            all.tolerance = all.tolerance.zip(mesh.tolerance).map(|(a, b)| a.max(b));
-            // A body out of sight has no vertices; those of all others hold the same.
-            let own = triangles(&mesh.topology, all.positions.len() as u32);
-            // Each body has its own inner side: seen from there, turned triangles say the same.
-            joined.extend(own.into_iter().map(|[a, b, c]| if mesh.inside { [a, c, b] } else { [a, b, c] }));
-            all.positions.extend(mesh.positions);
-            all.normals.extend(mesh.normals);
-            all.rests.extend(mesh.rests);
-            all.rest_heights.extend(mesh.rest_heights);
-            all.uvs.extend(mesh.uvs);
-            all.slope_variances.extend(mesh.slope_variances);
-        }
-        all.topology = Topology::Triangles(joined);
-        all
+        let model = |own: &Projector| Some(self.model.tessellate(own, wanted));
+        self.bodies(projector, model).unwrap_or_else(|| Mesh::empty(0.0))
+    }
+
+    fn tessellate_finely(&self, projector: &Projector, stop: &(dyn Fn() -> bool + Sync)) -> Option<Mesh> {
+        self.bodies(projector, |own| self.model.tessellate_finely(own, stop))
     }
 
     fn contours(&self, search: &Search<'_>, mesh: &Mesh) -> bool {

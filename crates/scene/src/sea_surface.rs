@@ -4,8 +4,9 @@ use glam::DVec3;
 use trochoid_sea::{PreciseSea, Sea, SeaFrame};
 
 use crate::carried::Limits;
-use crate::certain::{Near, Search, SeenSea, contours_of_grid, meet_sea};
+use crate::certain::{Search, SeenSea, contours_of_grid, meet_sea};
 use crate::extent::{Bounds, Sector, Strip};
+use crate::points::Near;
 use crate::spacing::Spacing;
 use crate::surface::{Anchor, Hit, Mesh, Surface};
 use crate::{ChannelSet, Projector, Ray, Resting, reference, tessellate};

@@ -1,6 +1,7 @@
 use glam::DVec3;
 
-use crate::certain::{Near, Search};
+use crate::certain::Search;
+use crate::points::Near;
 use crate::{ChannelSet, Projector, Ray, Resting, SeaSurface};
 
 /// Something that a camera can see.
@@ -24,13 +25,19 @@ pub trait Surface: Send + Sync {
         (!stop()).then(|| self.tessellate(projector, wanted))
     }
 
+    /// A mesh with normals and rest points that is as much finer than a picture needs as it takes to know contours closely;
+    /// or `None` as above.
+    fn tessellate_finely(&self, projector: &Projector, stop: &(dyn Fn() -> bool + Sync)) -> Option<Mesh> {
+        self.tessellate_unless(projector, ChannelSet::RESTS.union(ChannelSet::NORMAL), stop)
+    }
+
     /// The first point of the continuous surface along a ray from the camera, in f64.
     fn trace(&self, projector: &Projector, ray: &Ray) -> Option<Hit>;
 
     /// Marks every place of the picture where this surface, its `mesh` for the camera or anything between them may have a
     /// contour that something sees. False where that is not known.
     ///
-    /// The mesh has normals and rest points.
+    /// The mesh is that of [`tessellate_finely`](Self::tessellate_finely).
     fn contours(&self, search: &Search<'_>, mesh: &Mesh) -> bool {
         let _ = (search, mesh);
         false

@@ -5,7 +5,8 @@ use rayon::prelude::*;
 use std::collections::HashMap;
 
 use crate::bezier::Placement;
-use crate::certain::{Near, Search, contours_of_facets};
+use crate::certain::{Search, contours_of_facets};
+use crate::points::Near;
 use crate::surface::{Anchor, Hit, Mesh, Surface, Topology};
 use crate::{ChannelSet, Projector, Ray};
 

@@ -3,6 +3,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use trochoid_image::{Format, Window};
 
 use crate::project::{BIN, Layer, Raster};
+use crate::surface::Mesh;
 use crate::{Camera, ChannelSet, Projector, Samples, Surface};
 
 /// What a camera sees of some surfaces: made once per frame, then asked for any pixels from any thread.
@@ -82,13 +83,26 @@ impl Visible {
         wanted: ChannelSet,
         stop: &(dyn Fn() -> bool + Sync),
     ) -> Option<Self> {
+        Self::of_meshes(camera, surfaces, format, wanted, |surface, projector| {
+            surface.tessellate_unless(projector, wanted, stop)
+        })
+    }
+
+    /// The same of meshes made otherwise, `None` where one is.
+    pub(crate) fn of_meshes(
+        camera: &Camera,
+        surfaces: &[&dyn Surface],
+        format: Format,
+        wanted: ChannelSet,
+        mesh: impl Fn(&dyn Surface, &Projector) -> Option<Mesh>,
+    ) -> Option<Self> {
         let projector = camera.projector(format);
         let bins =
             [i64::from(format.width()).div_euclid(BIN[0]) + 1, i64::from(format.height()).div_euclid(BIN[1]) + 1];
         let mut pairs = Vec::new();
         let (mut layers, mut firsts, mut first) = (Vec::new(), Vec::new(), 0_usize);
         for surface in surfaces {
-            let mesh = surface.tessellate_unless(&projector, wanted, stop)?;
+            let mesh = mesh(*surface, &projector)?;
             let number = u32::try_from(first).expect("fewer than 2³² primitives");
             let layer = Layer::new(mesh, &projector, bins, number, &mut pairs);
             first += layer.primitives + layer.clipped.len();

@@ -21,6 +21,13 @@ static DECLARATION: Declaration = Declaration {
     items: &[
         Port::one("camera", Accepts::Camera, "The point of view."),
         Port::many("surfaces", Accepts::Surface, 1, 64, "What is to be seen."),
+        Knob::choice(
+            "points",
+            &["mesh", "surface"],
+            "What passes are told of: points of the mesh that stands for a surface, or points of the surface itself next to \
+             those, which takes many times as long.",
+        )
+        .item(),
     ],
     outputs: &[
         Output::new("view", Kind::View, "The view, for passes."),
@@ -74,18 +81,23 @@ impl Stage for Render {
             wanted = wanted.union(scene::ChannelSet::COVERAGE);
         }
         let format = prepare.frame.format;
+        let follows = node.text("points") == "surface";
         let (mut visible, mut certain) = (None, None);
         if wanted != scene::ChannelSet::NONE {
             let surfaces = borrowed(&surfaces);
+            // Surfaces are looked for from rest points on.
+            let prepared = if follows { wanted.union(scene::ChannelSet::REST) } else { wanted };
             let stop = prepare.cancellation();
-            visible = scene::Visible::prepare_unless(&camera, &surfaces, format, wanted, stop);
-            let Some(visible) = &visible else { return Err(NodeError::cancelled()) };
+            visible = scene::Visible::prepare_unless(&camera, &surfaces, format, prepared, stop);
+            if visible.is_none() {
+                return Err(NodeError::cancelled());
+            }
             if prepare.bounded() {
-                let found = scene::Certain::new(visible, &surfaces, stop);
+                let found = scene::Certain::new(&camera, &surfaces, format, stop);
                 certain = Some(found.ok_or_else(NodeError::cancelled)?);
             }
         }
-        Ok(Box::new(Seen { camera, surfaces, format, visible, certain }))
+        Ok(Box::new(Seen { camera, surfaces, format, follows, visible, certain }))
     }
 }
 
@@ -93,6 +105,8 @@ struct Seen {
     camera: scene::Camera,
     surfaces: Vec<SurfaceHandle>,
     format: Format,
+    /// Whether each sample is followed to the surface itself.
+    follows: bool,
     /// `None` where no channel is wanted.
     visible: Option<scene::Visible>,
     /// Where it is certain what is seen, if someone will ask.
@@ -119,7 +133,7 @@ impl Prepared for Seen {
 
     fn fill(&self, block: &Block<'_>, _inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let Some(visible) = &self.visible else { return Ok(()) };
-        let planes: Vec<_> =
+        let mut planes: Vec<_> =
             CHANNELS.into_iter().enumerate().filter_map(|(i, c)| Some((c, outputs.take(0, i)?))).collect();
         let coverage = outputs.take(1, 0);
         let mut wanted: scene::ChannelSet = planes.iter().map(|(channel, _)| *channel).collect();
@@ -131,24 +145,35 @@ impl Prepared for Seen {
                 None => visible.fill(block.window, block.offset, wanted, samples),
                 Some(pixels) => visible.fill_pixels(pixels, block.offset, wanted, samples),
             }
-            for (channel, plane) in planes {
-                plane.copy_from_slice(samples.channel(channel));
+            for (channel, plane) in &mut planes {
+                plane.copy_from_slice(samples.channel(*channel));
             }
             if let Some(plane) = coverage {
                 plane.copy_from_slice(samples.channel(scene::Channel::Coverage));
             }
         });
+        if self.follows && !planes.is_empty() {
+            let pixels: Vec<[i64; 2]> = block.pixels().collect();
+            let points = visible.points(&borrowed(&self.surfaces), &pixels, block.offset);
+            // What the mesh shows stands where no point of the surface is near it.
+            let found = points.iter().enumerate().filter_map(|(index, point)| Some((index, point.as_ref()?)));
+            for (index, point) in found {
+                for (channel, plane) in &mut planes {
+                    plane[index] = channel.of(Some(point)) as f32;
+                }
+            }
+        }
         Ok(())
     }
 
     /// How far each channel lies from the point of the surface itself, wherever it is certain that this is what the sample
     /// sees.
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
-        let (Some(visible), Some(certain)) = (&self.visible, &self.certain) else {
+        let Some(certain) = &self.certain else {
             return Err(NoBound("it was not prepared for any"));
         };
         let pixels: Vec<[i64; 2]> = bounding.block.pixels().collect();
-        let sights = certain.sights(visible, &borrowed(&self.surfaces), &pixels, bounding.block.offset);
+        let sights = certain.sights(&borrowed(&self.surfaces), &pixels, bounding.block.offset);
         let view = CHANNELS.into_iter().enumerate().map(|(index, channel)| (channel, 0, index));
         for (channel, output, index) in view.chain([(scene::Channel::Coverage, 1, 0)]) {
             let (Some(filled), Some(bounds)) = (bounding.filled[output][index], outputs.take(output, index)) else {

@@ -251,7 +251,7 @@ impl Prepared for Spraying {
     fn fill(&self, block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let [alpha, depth, age] = [0, 1, 2].map(|output| outputs.take(output, 0));
         let surface = inputs.view("view", ViewChannel::Depth);
-        let planes = Planes { alpha, depth, age };
+        let planes = Planes { alpha, depth, age, weight: None };
         let stop = inputs.cancellation();
         paint(&self.dabs, block, surface, planes, stop);
         inputs.go_on()
@@ -264,9 +264,9 @@ impl Prepared for Spraying {
         let depths: Vec<Span> = (0..count).map(|sample| certain(bounding, ViewChannel::Depth, sample)).collect();
         // The deeper the surface, the more is seen of each drop.
         let seen = |surface: Vec<f32>| {
-            let mut planes = [(); 3].map(|()| vec![0.0; count]);
-            let [alpha, depth, age] = planes.each_mut().map(|plane| Some(&mut plane[..]));
-            paint(dabs, bounding.block, &surface, Planes { alpha, depth, age }, &|| false);
+            let mut planes = [(); 4].map(|()| vec![0.0; count]);
+            let [alpha, depth, age, weight] = planes.each_mut().map(|plane| Some(&mut plane[..]));
+            paint(dabs, bounding.block, &surface, Planes { alpha, depth, age, weight }, &|| false);
             planes
         };
         let near = seen(depths.iter().map(|depth| down(depth.low)).collect());
@@ -289,9 +289,16 @@ impl Prepared for Spraying {
         bound_by(bounding, outputs, (2, 0), |sample| {
             let is_bare = far[0][sample] == 0.0 && far[1][sample] == f32::INFINITY;
             if is_bare || depths[sample].low == depths[sample].high {
-                rounded(near[2][sample], far[2][sample]).within(0.0, 1.0)
+                return rounded(near[2][sample], far[2][sample]).within(0.0, 1.0);
+            }
+            // Before the nearer surface drops have a mean age; what is seen more of them before the farther one may be of any.
+            let [least, most] = [&near, &far].map(|planes| f64::from(planes[3][sample]));
+            if least > 0.0 && depths[sample].clear && self.brush.soft > 0.0 {
+                let more = (most - least) / most + 2.0 * LITERAL;
+                let mean = rounded(near[2][sample], near[2][sample]);
+                Span { low: mean.low * (1.0 - more), high: mean.high + more * (1.0 - mean.low), clear: true }
+                    .within(0.0, 1.0)
             } else {
-                // A mean over drops of which others may be seen.
                 Span::unclear(0.0, 1.0)
             }
         });

@@ -3,7 +3,8 @@
 use glam::DVec3;
 
 use super::{Bicubic, tessellate, trace};
-use crate::certain::{Near, Search, contours_of_facets};
+use crate::certain::{Search, contours_of_facets};
+use crate::points::Near;
 use crate::surface::{Anchor, Hit, Mesh, Surface};
 use crate::{ChannelSet, Projector, Ray};
 
@@ -11,6 +12,9 @@ use crate::{ChannelSet, Projector, Ray};
 pub const MAX_PATCHES: usize = 1 << 16;
 /// Most straight pieces of a patch's edge.
 pub const MAX_SEGMENTS: usize = 256;
+
+/// Tolerances in pixels of fine meshes, the first of which that patches allow counts.
+const FINELY: [f64; 3] = [1.0 / 64.0, 1.0 / 16.0, 1.0 / 4.0];
 
 /// A patch with its texture coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -145,13 +149,27 @@ impl PatchModel {
 
     /// Vertices without any normal, which point up, of the mesh for a camera.
     pub fn without_normal(&self, projector: &Projector) -> usize {
-        tessellate::mesh(self, projector, ChannelSet::NORMAL).1
+        tessellate::mesh(self, projector, self.tessellation, ChannelSet::NORMAL).1
     }
 }
 
 impl Surface for PatchModel {
     fn tessellate(&self, projector: &Projector, wanted: ChannelSet) -> Mesh {
-        tessellate::mesh(self, projector, wanted).0
+        tessellate::mesh(self, projector, self.tessellation, wanted).0
+    }
+
+    fn tessellate_finely(&self, projector: &Projector, stop: &(dyn Fn() -> bool + Sync)) -> Option<Mesh> {
+        let wanted = ChannelSet::RESTS.union(ChannelSet::NORMAL);
+        let mut mesh = None;
+        for tolerance in FINELY {
+            let tessellation = Tessellation::Adaptive { tolerance };
+            mesh = (!stop()).then(|| tessellate::mesh(self, projector, tessellation, wanted).0);
+            // Where patches are too large for so fine ones nothing is known of the mesh.
+            if mesh.as_ref().is_none_or(|mesh| mesh.tolerance.is_some()) {
+                break;
+            }
+        }
+        mesh
     }
 
     fn contours(&self, search: &Search<'_>, mesh: &Mesh) -> bool {

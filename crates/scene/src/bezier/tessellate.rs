@@ -23,10 +23,15 @@ fn kept(tessellation: Tessellation, cuts: &[Cut], limited: bool) -> Option<f64> 
 }
 
 /// The patches that a camera may see, and how to cut them.
-fn cuts<'a>(model: &'a PatchModel, projector: &Projector, tolerance: f64) -> (Vec<&'a Placed>, Vec<Cut>) {
+fn cuts<'a>(
+    model: &'a PatchModel,
+    projector: &Projector,
+    tessellation: Tessellation,
+    tolerance: f64,
+) -> (Vec<&'a Placed>, Vec<Cut>) {
     let seen: Vec<&Placed> = model.placed.iter().filter(|placed| !outside(projector, &placed.shape.points)).collect();
     let scale = Scale { projector, tolerance };
-    let cuts = seen.par_iter().map(|placed| plan(&placed.shape, model.tessellation, &scale)).collect();
+    let cuts = seen.par_iter().map(|placed| plan(&placed.shape, tessellation, &scale)).collect();
     (seen, cuts)
 }
 
@@ -35,19 +40,24 @@ fn count(cuts: &[Cut]) -> f64 {
 }
 
 /// The mesh of a model, and how many of its vertices have no normal.
-pub(super) fn mesh(model: &PatchModel, projector: &Projector, wanted: ChannelSet) -> (Mesh, usize) {
-    let tolerance = match model.tessellation {
+pub(super) fn mesh(
+    model: &PatchModel,
+    projector: &Projector,
+    tessellation: Tessellation,
+    wanted: ChannelSet,
+) -> (Mesh, usize) {
+    let tolerance = match tessellation {
         Tessellation::Adaptive { tolerance } => tolerance,
         Tessellation::Uniform { .. } => 1.0,
     };
-    let (seen, mut cuts) = self::cuts(model, projector, tolerance);
+    let (seen, mut cuts) = self::cuts(model, projector, tessellation, tolerance);
     let limited = count(&cuts) > MAX_VERTICES;
-    if let Tessellation::Adaptive { .. } = model.tessellation {
+    if let Tessellation::Adaptive { .. } = tessellation {
         // Vertices are inverse to the tolerance, but for rounding up.
         let mut coarse = tolerance;
         while count(&cuts) > MAX_VERTICES && coarse < 1e6 {
             coarse *= (count(&cuts) / MAX_VERTICES).max(1.25);
-            cuts = self::cuts(model, projector, coarse).1;
+            cuts = self::cuts(model, projector, tessellation, coarse).1;
         }
     }
     let parts: Vec<Part> =
@@ -68,7 +78,7 @@ pub(super) fn mesh(model: &PatchModel, projector: &Projector, wanted: ChannelSet
         mesh.uvs.extend(part.uvs);
         without += part.without;
     }
-    mesh.tolerance = kept(model.tessellation, &cuts, limited);
+    mesh.tolerance = kept(tessellation, &cuts, limited);
     mesh.topology = Topology::Triangles(triangles);
     (mesh, without)
 }

@@ -34,7 +34,7 @@ pub(crate) trait Smooth: Sync {
 }
 
 /// Sides in pixels to which patches are cut, and cuts at most.
-const FINE: f64 = 1.0 / 8.0;
+const FINE: f64 = 1.0 / 16.0;
 const CUTS: f64 = 8.0;
 /// Patches stand for the surface where it lies within so many pixels of them; where it may not, or is not known well
 /// enough to tell its sides, it is asked for at more points, so many times at most.

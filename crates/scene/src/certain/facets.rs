@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use std::collections::HashMap;
 
 /// Sides of boxes in pixels into which triangles are cut, and cuts at most.
-const FINE: f64 = 0.25;
+const FINE: f64 = 1.0 / 16.0;
 const CUTS: u32 = 24;
 
 /// Marks the contours of triangles that stand for a surface within their tolerance, whose normals are those of

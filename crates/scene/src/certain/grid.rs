@@ -1,6 +1,7 @@
 //! Height fields on grids.
 
-use super::{Corner, Most, Near, Smooth};
+use super::{Corner, Most, Smooth};
+use crate::points::Near;
 use crate::surface::Hit;
 use crate::{GridSurface, Projector, Ray};
 use glam::DVec3;

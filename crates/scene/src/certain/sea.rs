@@ -1,7 +1,8 @@
 //! Seas of waves.
 
-use super::{Corner, Most, Near, Smooth};
+use super::{Corner, Most, Smooth};
 use crate::carried::Carried;
+use crate::points::Near;
 use crate::reference::hit_of_sea;
 use crate::surface::Hit;
 use crate::{Projector, Ray, SeaSurface};

@@ -53,8 +53,8 @@ pub struct Sprayed {
     pub depth: f64,
     /// Mean age of the drops by their alphas, 0 to 1; 0 where there are none.
     pub age: f64,
-    /// Σ αᵢ.
-    weight: f64,
+    /// What the drops weigh in that mean, Σ αᵢ.
+    pub weight: f64,
 }
 
 impl Sprayed {

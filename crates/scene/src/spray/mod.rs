@@ -77,6 +77,8 @@ pub struct Planes<'a> {
     pub depth: Option<&'a mut [f32]>,
     /// Mean age of the drops.
     pub age: Option<&'a mut [f32]>,
+    /// What they weigh in that mean: the sum of their alphas.
+    pub weight: Option<&'a mut [f32]>,
 }
 
 impl Dabs {
@@ -159,7 +161,7 @@ impl Dabs {
         if window.is_empty() {
             return;
         }
-        let Planes { mut alpha, mut depth, mut age } = planes;
+        let Planes { mut alpha, mut depth, mut age, mut weight } = planes;
         // Bins at the picture's border stand for all that lies beyond it.
         let edge = |index: i64, count: i64, low: i64, high: i64| {
             (if index == 0 { low } else { index * BIN }, if index == count - 1 { high } else { (index + 1) * BIN })
@@ -192,6 +194,7 @@ impl Dabs {
                     write(&mut alpha, |sum| sum.alpha);
                     write(&mut depth, |sum| sum.depth);
                     write(&mut age, |sum| sum.age);
+                    write(&mut weight, |sum| sum.weight);
                 }
             }
         }
@@ -222,9 +225,12 @@ impl Dabs {
                 }
             }
             let sum = sum.done();
-            for (plane, value) in
-                [(&mut planes.alpha, sum.alpha), (&mut planes.depth, sum.depth), (&mut planes.age, sum.age)]
-            {
+            for (plane, value) in [
+                (&mut planes.alpha, sum.alpha),
+                (&mut planes.depth, sum.depth),
+                (&mut planes.age, sum.age),
+                (&mut planes.weight, sum.weight),
+            ] {
                 if let Some(plane) = plane {
                     plane[index] = value as f32;
                 }

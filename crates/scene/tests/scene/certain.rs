@@ -6,8 +6,8 @@ use crate::random::Draw;
 use trochoid_image::Format;
 use trochoid_scene::bezier::{Bicubic, Patch, PatchModel, Placement, Tessellation};
 use trochoid_scene::{
-    Camera, Certain, ChannelSet, DVec3, GridSurface, Hit, Pose, Projection, RigidBodies, SeaSurface, Sight, Surface,
-    TriangleModel, Triangles, Visible, reference,
+    Camera, Certain, DVec3, GridSurface, Hit, Pose, Projection, RigidBodies, SeaSurface, Sight, Surface, TriangleModel,
+    Triangles, reference,
 };
 use trochoid_sea::{ExplicitWave, GerstnerSpectrum, Sea, Wave};
 
@@ -20,12 +20,11 @@ fn look(position: [f64; 3], target: [f64; 3], projection: Projection) -> Camera 
 /// The share of samples that are unclear, where all others see what the reference sees, looked at every so many pixels.
 fn unclear(camera: &Camera, surfaces: &[&dyn Surface], size: [u32; 2], every: usize) -> f64 {
     let format = Format::new(size[0], size[1], 4).expect("valid");
-    let visible = Visible::prepare(camera, surfaces, format, ChannelSet::DEPTH);
-    let certain = Certain::new(&visible, surfaces, &|| false).expect("nobody stops it");
+    let certain = Certain::new(camera, surfaces, format, &|| false).expect("nobody stops it");
     let pixels: Vec<[i64; 2]> =
         (0..i64::from(size[1])).flat_map(|y| (0..i64::from(size[0])).map(move |x| [x, y])).collect();
     let offset = format.sample_offset(1);
-    let sights = certain.sights(&visible, surfaces, &pixels, offset);
+    let sights = certain.sights(surfaces, &pixels, offset);
     for ([x, y], sight) in pixels.iter().zip(&sights).step_by(every) {
         let place = [*x as f64 + offset[0], *y as f64 + offset[1]];
         let truth = || reference::trace(camera, surfaces, format, place[0], place[1]);
@@ -97,6 +96,8 @@ fn height_fields() {
     let cameras = [
         look([0.0, 40.0, 6.0], [0.0, 0.0, 0.0], WIDE),
         look([0.0, 30.0, 3.0], [0.0, 2.0, 0.0], Projection::Orthographic { height: 40.0 }),
+        look([0.0, 5.0, 30.0], [0.0, 1.0, 0.0], WIDE),
+        look([2.0, 5.0, 4.0], [-9.0, 1.0, -6.0], WIDE),
     ];
     for camera in cameras {
         let share = unclear(&camera, &[&grid], [160, 90], 7);

@@ -73,8 +73,12 @@ fn any_windows_and_single_pixels_give_the_bits_of_the_plain_loop() {
                         let surface: Vec<f32> = pixels(window).map(|(x, y)| depth((x * 7 + y) as usize)).collect();
                         let mut planes = [0, 1, 2].map(|_| vec![f32::NAN; window.area()]);
                         let [alpha, far, age] = &mut planes;
-                        let wanted =
-                            Planes { alpha: Some(&mut alpha[..]), depth: Some(&mut far[..]), age: Some(&mut age[..]) };
+                        let wanted = Planes {
+                            alpha: Some(&mut alpha[..]),
+                            depth: Some(&mut far[..]),
+                            age: Some(&mut age[..]),
+                            ..Planes::default()
+                        };
                         if width == 37 {
                             let single: Vec<[i64; 2]> = pixels(window).map(|(x, y)| [x, y]).collect();
                             dabs.fill_pixels_unless(&single, offset, &surface, wanted, &|| false);

@@ -7,27 +7,27 @@ use trochoid_image::Window;
 
 /// A triangle that a sample's ray meets.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Sheet {
+pub(crate) struct Sheet {
     /// Primitive and which of its triangles, packed.
     number: u64,
     key: f64,
 }
 
 /// The nearest ones, the nearest first.
-pub(super) type Sheets = [Option<Sheet>; 3];
+pub(crate) type Sheets = [Option<Sheet>; 3];
 
 impl Sheet {
-    pub(super) fn primitive(&self) -> u32 {
+    pub(crate) fn primitive(&self) -> u32 {
         (self.number / 2) as u32
     }
 
     /// Which of the primitive's triangles.
-    pub(super) fn part(&self) -> usize {
+    pub(crate) fn part(&self) -> usize {
         (self.number % 2) as usize
     }
 
     /// Planar depth in meters.
-    pub(super) fn depth(&self, projector: &Projector) -> f64 {
+    pub(crate) fn depth(&self, projector: &Projector) -> f64 {
         if projector.orthographic { -self.key } else { 1.0 / self.key }
     }
 
@@ -38,18 +38,18 @@ impl Sheet {
 }
 
 /// The sheets at one sample of each pixel of a window.
-pub(super) struct Field {
+pub(crate) struct Field {
     window: Window,
     sheets: Vec<Sheets>,
 }
 
 impl Field {
     /// Planar depth of the nearest one at each sample, +∞ where there is none.
-    pub(super) fn depths(&self, projector: &Projector) -> impl Iterator<Item = f64> {
+    pub(crate) fn depths(&self, projector: &Projector) -> impl Iterator<Item = f64> {
         self.sheets.iter().map(|sheets| sheets[0].map_or(f64::INFINITY, |sheet| sheet.depth(projector)))
     }
 
-    pub(super) fn at(&self, [x, y]: [i64; 2]) -> Sheets {
+    pub(crate) fn at(&self, [x, y]: [i64; 2]) -> Sheets {
         let row = (y - self.window.y0) as usize * self.window.width();
         self.sheets[row + (x - self.window.x0) as usize]
     }
@@ -57,7 +57,7 @@ impl Field {
 
 impl Visible {
     /// The nearest triangles at the samples of a window that stand at `offset` in their pixels.
-    pub(super) fn nearest_sheets(&self, window: Window, offset: [f64; 2]) -> Field {
+    pub(crate) fn nearest_sheets(&self, window: Window, offset: [f64; 2]) -> Field {
         let mut field = Field { window, sheets: vec![[None; 3]; window.area()] };
         let inside = window.intersect(Window::sized(self.projector.size[0] as u32, self.projector.size[1] as u32));
         if inside.is_empty() {

@@ -1,0 +1,116 @@
+//! The points of surfaces themselves, in f64, next to what their meshes show.
+
+use crate::project::Layer;
+use crate::sheets::Sheet;
+use crate::surface::{Hit, Surface};
+use crate::{Projector, Ray, Visible};
+use glam::DVec3;
+use trochoid_image::Window;
+
+/// What a mesh shows of a surface along a ray: where to look for the surface itself.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Near {
+    /// Distance along the ray in meters.
+    pub distance: f64,
+    /// The point's rest point, in the world.
+    pub rest: DVec3,
+    /// The triangle of the mesh, unless the picture's edge or the camera has cut it.
+    pub triangle: Option<usize>,
+    /// Whether the camera stands on the surface's inner side.
+    pub inside: bool,
+}
+
+/// How much further a surface may lie along a ray than its mesh, as a share of the depth, and what is found still be it.
+pub(crate) const APART: f64 = 0.02;
+
+impl Visible {
+    /// What the sample of each of these pixels sees of the surfaces themselves that stands at `offset` from its pixel's upper
+    /// left corner: where its ray meets the surface next to where it meets the nearest mesh. `None` where there is no mesh,
+    /// or no such point.
+    ///
+    /// # Panics
+    /// The view was prepared without rest points, or of other surfaces.
+    ///
+    /// ```
+    /// use trochoid_image::Format;
+    /// use trochoid_scene::{Camera, ChannelSet, DVec3, Projection, SeaSurface, Visible, reference};
+    /// use trochoid_sea::{GerstnerSpectrum, Sea};
+    ///
+    /// let sea = Sea::new(GerstnerSpectrum { count: 20, ..GerstnerSpectrum::default() }.waves()?);
+    /// let surface = SeaSurface::new(&sea, 0.0, 0.0);
+    /// let camera = Camera {
+    ///     position: DVec3::new(0.0, 6.0, 30.0),
+    ///     target: DVec3::new(0.0, 2.0, 0.0),
+    ///     roll: 0.0,
+    ///     projection: Projection::Perspective { fov: 0.7 },
+    /// };
+    /// let format = Format::new(64, 36, 1)?;
+    /// let visible = Visible::prepare(&camera, &[&surface], format, ChannelSet::REST);
+    /// let found = visible.points(&[&surface], &[[32, 35]], format.sample_offset(0))[0].ok_or("nothing")?;
+    /// let truth = reference::trace(&camera, &[&surface], format, 32.5, 35.5).ok_or("nothing")?;
+    /// assert!((found.position - truth.position).length() < 1e-9);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn points(&self, surfaces: &[&dyn Surface], pixels: &[[i64; 2]], offset: [f64; 2]) -> Vec<Option<Hit>> {
+        let sheets = self.nearest_sheets(around(pixels), offset);
+        let offset = self.on_raster(offset);
+        let point = |&[x, y]: &[i64; 2]| {
+            let sheet = sheets.at([x, y])[0]?;
+            let ray = self.projector.ray(x as f64 + offset[0], y as f64 + offset[1]);
+            let depth = sheet.depth(&self.projector);
+            self.meet(surfaces, &ray, &sheet).filter(|hit| (hit.depth - depth).abs() <= APART * depth.abs())
+        };
+        pixels.iter().map(point).collect()
+    }
+
+    /// Where the sample stands that the raster looks at.
+    pub(crate) fn on_raster(&self, offset: [f64; 2]) -> [f64; 2] {
+        offset.map(|part| self.raster.fix(part) as f64 * self.raster.step())
+    }
+
+    /// The point of the surface itself next to a sheet of its mesh.
+    pub(crate) fn meet(&self, surfaces: &[&dyn Surface], ray: &Ray, sheet: &Sheet) -> Option<Hit> {
+        let projector = &self.projector;
+        let index = self.layer(sheet.primitive());
+        let layer = &self.layers[index];
+        let local = (sheet.primitive() - self.firsts[index]) as usize;
+        let triangle = layer.triangles(local)[sheet.part()];
+        let along = ray.direction.dot(projector.forward);
+        let distance = (sheet.depth(projector) - (ray.origin - projector.position).dot(projector.forward)) / along;
+        let near = Near {
+            distance,
+            rest: rest_at(layer, triangle, projector, ray.at(distance)),
+            triangle: (local < layer.primitives).then_some(local),
+            inside: layer.mesh.inside,
+        };
+        surfaces[index].meet_near(projector, ray, &near).map(|hit| Hit { surface: index, ..hit })
+    }
+}
+
+/// The window of all these pixels.
+pub(crate) fn around(pixels: &[[i64; 2]]) -> Window {
+    pixels.iter().fold(Window::default(), |all, &[x, y]| all.union(Window::new(x, y, x + 1, y + 1)))
+}
+
+/// The rest point of a triangle's point, by the weights of its corners; the point itself where the triangle was cut.
+fn rest_at(layer: &Layer, triangle: [u32; 3], projector: &Projector, point: DVec3) -> DVec3 {
+    let (flat, heights) = (&layer.mesh.rests, &layer.mesh.rest_heights);
+    let vertices = triangle.map(|vertex| vertex as usize);
+    if vertices.iter().any(|vertex| *vertex >= flat.len()) {
+        return DVec3::new(point.x, layer.mesh.level, point.z);
+    }
+    let [p, q, r] = vertices.map(|vertex| DVec3::from(layer.mesh.positions[vertex].map(f64::from)));
+    let (a, b, to) = (q - p, r - p, point - projector.position - p);
+    let normal = a.cross(b);
+    let area = normal.length_squared().max(f64::MIN_POSITIVE);
+    let (s, t) = (to.cross(b).dot(normal) / area, a.cross(to).dot(normal) / area);
+    let blend = |values: [f64; 3]| values[0] + (values[1] - values[0]) * s + (values[2] - values[0]) * t;
+    let flat = |axis: usize| blend(vertices.map(|vertex| f64::from(flat[vertex][axis])));
+    let eye = projector.position;
+    let height = if heights.is_empty() {
+        layer.mesh.level
+    } else {
+        eye.y + blend(vertices.map(|vertex| f64::from(heights[vertex])))
+    };
+    DVec3::new(eye.x + flat(0), height, eye.z + flat(1))
+}
