@@ -64,6 +64,8 @@ pub struct Projector {
     pub scale: f64,
     /// Width and height in pixels.
     pub size: [f64; 2],
+    /// How many times as close vertices of meshes stand as pixels ask for, 1 by default.
+    pub fineness: f64,
 }
 
 impl Camera {
@@ -89,6 +91,7 @@ impl Camera {
             orthographic,
             scale,
             size,
+            fineness: 1.0,
         }
     }
 }

@@ -290,12 +290,13 @@ fn square(value: f32) -> f64 {
 impl Surface for GridSurface {
     /// Rows of vertices along z, one behind the other along x.
     fn tessellate(&self, projector: &Projector, wanted: ChannelSet) -> Mesh {
-        let limit = (VERTICES_PER_PIXEL * projector.size[0] * projector.size[1]).max(LEAST_LIMIT);
+        let fineness = projector.fineness;
+        let limit = (VERTICES_PER_PIXEL * projector.size[0] * projector.size[1]).max(LEAST_LIMIT) * fineness * fineness;
         let lines = |coarseness: f64| [0, 1].map(|axis| self.lines(projector, axis, coarseness));
-        let mut cut = lines(1.0);
+        let mut cut = lines(1.0 / fineness);
         let vertices = cut[0].len() as f64 * cut[1].len() as f64;
         if vertices > limit {
-            cut = lines(libm::sqrt(vertices / limit));
+            cut = lines(libm::sqrt(vertices / limit) / fineness);
         }
         let [along_x, along_z] = cut;
         let (rows, columns) = (along_x.len(), along_z.len());

@@ -23,7 +23,13 @@ const GREATEST_LIMIT: f64 = 8e6;
 /// Most vertices of a sea in a picture.
 fn limit(sea: &SeaSurface, projector: &Projector) -> f64 {
     let pixels = projector.size[0] * projector.size[1] * sea.detail * sea.detail;
-    (VERTICES_PER_PIXEL * pixels).clamp(LEAST_LIMIT, GREATEST_LIMIT)
+    let finer = projector.fineness * projector.fineness;
+    (VERTICES_PER_PIXEL * pixels * finer).clamp(LEAST_LIMIT * finer.min(1.0), GREATEST_LIMIT)
+}
+
+/// How far apart vertices stand at a distance in meters, under this footprint in meters.
+fn spaced(spacing: &Spacing, projector: &Projector, footprint: f64, distance: f64) -> f64 {
+    spacing.at(footprint, projector.pixel_size(distance)) / projector.fineness
 }
 /// Fewest cells across a view: a flat sea needs no more.
 const MIN_COLUMNS: f64 = 8.0;
@@ -139,7 +145,7 @@ fn rings(sea: &SeaSurface, spacing: &Spacing, projector: &Projector, sector: &Se
         let distance = libm::sqrt(away * away + clearance * clearance);
         // Of a disc, the direction in which the camera looks is the one that it sees the most of.
         let print = ahead(sea, projector, away);
-        let step = spacing.at(print, projector.pixel_size(distance));
+        let step = spaced(spacing, projector, print, distance);
         cell = cell.min(step / radius.max(sector.setback).max(clearance));
         radius += step.min(GROWTH * distance);
         radii.push(radius.min(last));
@@ -163,7 +169,7 @@ pub(crate) fn strip(
     stop: &(dyn Fn() -> bool + Sync),
 ) -> Option<Mesh> {
     let print = sea.footprint(projector, DVec3::new(0.0, sea.level, 0.0));
-    let mut step = spacing.at(print, projector.pixel_size(1.0));
+    let mut step = spaced(spacing, projector, print, 1.0);
     let (width, depth) = (strip.u[1] - strip.u[0], strip.v[1] - strip.v[0]);
     let count = |length: f64, step: f64| (length / step).ceil().max(MIN_COLUMNS);
     let vertices = count(width, step) * count(depth, step);

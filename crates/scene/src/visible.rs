@@ -68,11 +68,12 @@ impl Visible {
     /// # Panics
     /// The surfaces have 2³² vertices or cells together.
     pub fn prepare(camera: &Camera, surfaces: &[&dyn Surface], format: Format, wanted: ChannelSet) -> Self {
-        let whole = Self::prepare_unless(camera, surfaces, format, wanted, &|| false);
+        let whole = Self::prepare_unless(camera, surfaces, format, 1.0, wanted, &|| false);
         whole.expect("nothing stops it")
     }
 
-    /// The same, or `None` soon after `stop` has first said that nobody waits for it any longer.
+    /// The same with vertices so many times as close as pixels ask for, or `None` soon after `stop` has first said that
+    /// nobody waits for it any longer.
     ///
     /// # Panics
     /// As [`Visible::prepare`].
@@ -80,23 +81,24 @@ impl Visible {
         camera: &Camera,
         surfaces: &[&dyn Surface],
         format: Format,
+        fineness: f64,
         wanted: ChannelSet,
         stop: &(dyn Fn() -> bool + Sync),
     ) -> Option<Self> {
-        Self::of_meshes(camera, surfaces, format, wanted, |surface, projector| {
+        let projector = Projector { fineness, ..camera.projector(format) };
+        Self::of_meshes(projector, surfaces, format, wanted, |surface, projector| {
             surface.tessellate_unless(projector, wanted, stop)
         })
     }
 
     /// The same of meshes made otherwise, `None` where one is.
     pub(crate) fn of_meshes(
-        camera: &Camera,
+        projector: Projector,
         surfaces: &[&dyn Surface],
         format: Format,
         wanted: ChannelSet,
         mesh: impl Fn(&dyn Surface, &Projector) -> Option<Mesh>,
     ) -> Option<Self> {
-        let projector = camera.projector(format);
         let bins =
             [i64::from(format.width()).div_euclid(BIN[0]) + 1, i64::from(format.height()).div_euclid(BIN[1]) + 1];
         let mut pairs = Vec::new();

@@ -109,9 +109,7 @@ impl View {
             }
         }
     }
-}
 
-impl View {
     /// After [`compare`](Self::compare), the same with the bounds of what is compared.
     fn doubt(&mut self, sample: usize, [surfaces, depths]: [&[f32]; 2], bounds: [&[f32]; 2]) {
         if sample == 0 {

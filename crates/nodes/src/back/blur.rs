@@ -116,13 +116,7 @@ impl Prepared for Blurring {
         let Window { x0, x1, y0, y1 } = bounding.block.window;
         let [across, down] = sizes(&self.node).map(|size| shape(&self.node).reference(size));
         let reach = down.last().map_or(0, |(dy, _)| *dy);
-        for channel in 0..self.kind.channels() {
-            let (Some(image), Some(bounds)) =
-                (Bounded::of(bounding, "image", (self.kind, channel)), outputs.take(0, channel))
-            else {
-                continue;
-            };
-            let filled = bounding.filled[0][channel].unwrap_or_default();
+        for (image, filled, bounds) in Bounded::channels(bounding, self.kind, outputs) {
             // Beyond the image its last row repeats.
             let Window { y0: first, y1: end, .. } = image.window();
             let (top, bottom) = ((y0 - reach).clamp(first, end - 1), (y1 - 1 + reach).clamp(first, end - 1));

@@ -70,9 +70,7 @@ impl Warping {
         let limited = if displacement.is_nan() { 0.0 } else { displacement.clamp(-self.reach, self.reach) };
         (limited.floor() as i64, limited - limited.floor())
     }
-}
 
-impl Warping {
     /// How far a sample may be off that looks at a place within spans of displacements.
     fn moved(&self, image: Bounded<'_>, [x, y]: [i64; 2], spans: [Span; 2], filled: f32) -> Bound {
         let [(dx, u), (dy, v)] = spans.map(|span| self.split(span.middle()));
@@ -170,13 +168,7 @@ impl Prepared for Warping {
             known(bounding, port, 0, sample).unwrap_or(Span::exactly(0.0)).within(-self.reach, self.reach)
         };
         let pixels: Vec<[i64; 2]> = bounding.block.pixels().collect();
-        for channel in 0..self.kind.channels() {
-            let (Some(image), Some(bounds)) =
-                (Bounded::of(bounding, "image", (self.kind, channel)), outputs.take(0, channel))
-            else {
-                continue;
-            };
-            let filled = bounding.filled[0][channel].unwrap_or_default();
+        for (image, filled, bounds) in Bounded::channels(bounding, self.kind, outputs) {
             for (sample, ((bound, filled), [x, y])) in bounds.iter_mut().zip(filled).zip(&pixels).enumerate() {
                 let spans = ["dx", "dy"].map(|port| displaced(port, sample));
                 *bound = self.moved(image, [*x, *y], spans, *filled).encode();

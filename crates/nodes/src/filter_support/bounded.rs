@@ -1,6 +1,6 @@
 //! Images whose samples are certain up to bounds.
 
-use trochoid_graph::{Bound, Bounding, Kind, REFERENCE};
+use trochoid_graph::{Bound, Bounding, Kind, Outputs, REFERENCE};
 use trochoid_image::Window;
 
 /// One channel of the image of a filter, with its bounds.
@@ -56,12 +56,25 @@ impl Summed {
 
 impl<'a> Bounded<'a> {
     /// A channel of the first connection of a port, of a kind: weights differ by 1 at most.
-    pub(crate) fn of(bounding: &Bounding<'a>, port: &str, (kind, channel): (Kind, usize)) -> Option<Self> {
+    fn of(bounding: &Bounding<'a>, port: &str, (kind, channel): (Kind, usize)) -> Option<Self> {
         let image = &bounding.inputs.all(port)[0];
         let values = image.planes.get(channel).copied()??;
         let bounds = bounding.bounds.planes(port, 0).get(channel).copied()??;
         let most = if matches!(kind, Kind::Weights(_)) { 1.0 } else { f64::INFINITY };
         Some(Self { window: image.window, values, bounds, most })
+    }
+
+    /// Every channel that a filter of an "image" of a kind has filled and is asked for, with what was filled, and where its
+    /// bounds belong.
+    pub(crate) fn channels<'o>(
+        bounding: &Bounding<'a>,
+        kind: Kind,
+        outputs: &mut Outputs<'o>,
+    ) -> impl Iterator<Item = (Self, &'a [f32], &'o mut [f32])> {
+        (0..kind.channels()).filter_map(move |channel| {
+            let image = Self::of(bounding, "image", (kind, channel))?;
+            Some((image, bounding.filled[0][channel].unwrap_or_default(), outputs.take(0, channel)?))
+        })
     }
 
     /// The pixels that it has.

@@ -86,9 +86,7 @@ impl Dragging {
         };
         t * t * (3.0 - 2.0 * t) * (density / thin).min(1.0)
     }
-}
 
-impl Dragging {
     /// What paint may be: more density never takes from it, and neither does more noise.
     fn span(&self, density: Span, noise: Span) -> Span {
         let [_, dry, level, from, to, thin] = self.figures;

@@ -209,9 +209,7 @@ impl Program {
             }
         }
     }
-}
 
-impl Program {
     /// The spans of the result's components at one sample, of those of the inputs there.
     pub(crate) fn spans(&self, input: impl Fn(usize, usize) -> Span) -> Vec<Span> {
         let mut spans: Vec<Span> = Vec::with_capacity(self.steps.len());

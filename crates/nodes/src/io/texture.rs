@@ -163,9 +163,7 @@ impl Looked {
         let at = |x: usize, y: usize| [self.display.x0 + xs[x], self.display.y0 + ys[y]];
         ([at(0, 0), at(1, 0), at(0, 1), at(1, 1)], [across, down])
     }
-}
 
-impl Looked {
     /// A plane at u and v in f64.
     fn truth(&self, plane: &Plane, u: f64, v: f64) -> f64 {
         let (pixels, [across, down]) = self.taps(u, v);

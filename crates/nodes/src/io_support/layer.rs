@@ -79,9 +79,7 @@ impl Fit {
             }
         }
     }
-}
 
-impl Fit {
     /// Whether each pixel of the document is one of the picture.
     pub(crate) fn is_pixel(&self) -> bool {
         self.way == Way::Pixel

@@ -21,6 +21,14 @@ static DECLARATION: Declaration = Declaration {
     items: &[
         Port::one("camera", Accepts::Camera, "The point of view."),
         Port::many("surfaces", Accepts::Surface, 1, 64, "What is to be seen."),
+        Knob::number(
+            "fineness",
+            1.0,
+            0.125,
+            8.0,
+            "How many times as close vertices of meshes stand as the picture's pixels ask for.",
+        )
+        .item(),
         Knob::choice(
             "points",
             &["mesh", "surface"],
@@ -81,14 +89,14 @@ impl Stage for Render {
             wanted = wanted.union(scene::ChannelSet::COVERAGE);
         }
         let format = prepare.frame.format;
-        let follows = node.text("points") == "surface";
+        let (follows, fineness) = (node.text("points") == "surface", node.number("fineness"));
         let (mut visible, mut certain) = (None, None);
         if wanted != scene::ChannelSet::NONE {
             let surfaces = borrowed(&surfaces);
             // Surfaces are looked for from rest points on.
             let prepared = if follows { wanted.union(scene::ChannelSet::REST) } else { wanted };
             let stop = prepare.cancellation();
-            visible = scene::Visible::prepare_unless(&camera, &surfaces, format, prepared, stop);
+            visible = scene::Visible::prepare_unless(&camera, &surfaces, format, fineness, prepared, stop);
             if visible.is_none() {
                 return Err(NodeError::cancelled());
             }
@@ -207,9 +215,9 @@ impl Prepared for Seen {
     }
 
     fn left_out(&self) -> Vec<Omission> {
-        let projector = self.camera.projector(self.format);
-        let seas = self.surfaces.iter().enumerate().filter(|_| self.visible.is_some());
-        let seas = seas.filter_map(|(index, surface)| Some((index, surface.as_sea()?.resolved(&projector)?)));
+        let Some(projector) = self.visible.as_ref().map(scene::Visible::projector) else { return Vec::new() };
+        let seas = self.surfaces.iter().enumerate();
+        let seas = seas.filter_map(|(index, surface)| Some((index, surface.as_sea()?.resolved(projector)?)));
         seas.flat_map(|(index, resolved)| {
             let of = resolved.of as f64;
             let waves = |what, count: f64, why| {

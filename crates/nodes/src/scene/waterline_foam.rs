@@ -105,9 +105,7 @@ impl Foam {
             0.0
         }
     }
-}
 
-impl Foam {
     /// What the mask may be, where all that it is made of may lie anywhere in spans.
     fn span(self, [water, behind]: [Span; 2], apart: Span, edge: Span) -> Span {
         if water.low == f64::INFINITY || behind.low == f64::INFINITY || behind.high < water.low {

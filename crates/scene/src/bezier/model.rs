@@ -101,9 +101,7 @@ impl Placed {
     pub(super) fn uv(&self, place: [f64; 2]) -> [f64; 2] {
         [0, 1].map(|axis| self.uv[0][axis] + (self.uv[1][axis] - self.uv[0][axis]) * place[axis])
     }
-}
 
-impl Placed {
     /// Where in the patch texture coordinates lie. Of patches side by side an edge belongs to that which begins there,
     /// and the last edge, at 1, to that which ends there.
     fn place(&self, uv: [f64; 2]) -> Option<[f64; 2]> {

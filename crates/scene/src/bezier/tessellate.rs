@@ -47,7 +47,7 @@ pub(super) fn mesh(
     wanted: ChannelSet,
 ) -> (Mesh, usize) {
     let tolerance = match tessellation {
-        Tessellation::Adaptive { tolerance } => tolerance,
+        Tessellation::Adaptive { tolerance } => tolerance / (projector.fineness * projector.fineness),
         Tessellation::Uniform { .. } => 1.0,
     };
     let (seen, mut cuts) = self::cuts(model, projector, tessellation, tolerance);

@@ -77,7 +77,7 @@ impl Certain {
     ) -> Option<Self> {
         let needed = ChannelSet::RESTS.union(ChannelSet::NORMAL);
         let finely = |surface: &dyn Surface, projector: &Projector| surface.tessellate_finely(projector, stop);
-        let visible = Visible::of_meshes(camera, surfaces, format, needed, finely)?;
+        let visible = Visible::of_meshes(camera.projector(format), surfaces, format, needed, finely)?;
         let search = Search::new(&visible, APART, stop);
         for (surface, layer) in surfaces.iter().zip(&visible.layers) {
             if !surface.contours(&search, &layer.mesh) {

@@ -4,6 +4,7 @@ mod anchors;
 mod bezier;
 mod certain;
 mod edges;
+mod fineness;
 mod float;
 mod grid;
 mod invariance;
