@@ -153,6 +153,8 @@ impl ChannelSet {
     pub(crate) const NORMALS: Self = Self::NORMAL.union(Self::of(&[Channel::Jacobian]));
     /// What a mesh's rest points are needed for.
     pub(crate) const RESTS: Self = Self::REST.union(Self::of(&[Channel::RestDistance]));
+    /// What fine meshes have: contours are known by normals, surfaces are found from rest points on.
+    pub(crate) const FINE: Self = Self::RESTS.union(Self::NORMAL);
     /// Rest point, three channels.
     pub const REST: Self = Self::of(&[Channel::RestX, Channel::RestY, Channel::RestZ]);
     /// Texture coordinates, two channels.

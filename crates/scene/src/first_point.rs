@@ -145,9 +145,7 @@ impl Search<'_> {
         }
         // Within twice the radius derivatives differ from these by so much at most: if that is a quarter of their least
         // effect, no two points are carried to one place, and each Newton's step divides the error by three at least.
-        let [a, b, c, d] =
-            [by[0].dot(self.aside[0]), by[1].dot(self.aside[0]), by[0].dot(self.aside[1]), by[1].dot(self.aside[1])];
-        let least = least_stretch([a, b, c, d]);
+        let least = least_stretch(self.across(by));
         let is_least = radius <= LEAST * (1.0 + distance.abs());
         if is_least || 4.0 * (2.0 * bend * radius + 2.0 * uneven) <= least {
             return match self.newton(rest) {
@@ -166,6 +164,11 @@ impl Search<'_> {
         Look::From(distance - deep)
     }
 
+    /// Derivatives of a point's offset from the ray, row by row.
+    fn across(&self, by: [DVec3; 2]) -> [[f64; 2]; 2] {
+        self.aside.map(|way| by.map(|by| by.dot(way)))
+    }
+
     /// What rounding may add to a point's offset from the ray's origin, in meters.
     fn rounding(&self, point: DVec3) -> f64 {
         ROUNDING * (point.abs() + self.ray.origin.abs()).max_element()
@@ -181,7 +184,7 @@ impl Search<'_> {
             if libm::hypot(p, q) <= CLOSE * (1.0 + distance.abs()) + self.rounding(here.point) {
                 return Some((distance, rest));
             }
-            let [[a, b], [c, d]] = self.aside.map(|way| here.by.map(|by| by.dot(way)));
+            let [[a, b], [c, d]] = self.across(here.by);
             let area = a * d - b * c;
             rest = [rest[0] - (d * p - b * q) / area, rest[1] - (a * q - c * p) / area];
             if !(rest[0].is_finite() && rest[1].is_finite()) {
@@ -194,24 +197,25 @@ impl Search<'_> {
     /// What footprints a rectangle has, and how they grow.
     fn growth(&self, part: &Rectangle, middle: &Carried) -> Grown {
         let [x, z] = self.projector.heading();
-        // Footprints change along the camera's heading alone, and are least at one end or below the camera.
+        // Footprints change along the camera's heading alone.
         let reach: f64 =
             (0..2).map(|axis| (self.axes[axis].x * x + self.axes[axis].z * z).abs() * part.half[axis]).sum();
         let center = self.rest(part.middle);
         let eye = self.projector.position;
         let ahead = (center[0] - eye.x) * x + (center[1] - eye.z) * z;
         let at = |ahead: f64| [eye.x + ahead * x, eye.z + ahead * z];
-        let footprint =
-            |rest: [f64; 2]| self.sea.footprint(self.projector, DVec3::new(rest[0], self.sea.level, rest[1]));
         let ends = [ahead - reach, ahead + reach];
-        let [near, far] = ends.map(|end| footprint(at(end)));
-        let turn = footprint(at(0.0_f64.clamp(ends[0], ends[1])));
-        let least = near.min(far).min(turn).min(middle.footprint);
-        let growths = [ends[0], ends[1]].map(|end| self.sea.growth(self.projector, at(end)));
+        let least = self.sea.least_footprint(self.projector, ends).min(middle.footprint);
+        // They grow to both sides of where they are least.
+        let most = ends.map(|end| {
+            let [x, z] = at(end);
+            self.sea.footprint(self.projector, DVec3::new(x, self.sea.level, z))
+        });
+        let growths = ends.map(|end| self.sea.growth(self.projector, at(end)));
         let bent = growths.map(|growth| (growth - middle.growth).abs());
         Grown {
             least,
-            range: (near.max(far) - middle.footprint).max(middle.footprint - least),
+            range: (most[0].max(most[1]) - middle.footprint).max(middle.footprint - least),
             most: growths[0].abs().max(growths[1].abs()).max(middle.growth.abs()),
             uneven: bent[0].max(bent[1]),
         }
@@ -230,7 +234,7 @@ struct Grown {
 }
 
 /// The lesser singular value of a matrix [[a, b], [c, d]].
-fn least_stretch([a, b, c, d]: [f64; 4]) -> f64 {
+fn least_stretch([[a, b], [c, d]]: [[f64; 2]; 2]) -> f64 {
     let (sum, area) = (a * a + b * b + c * c + d * d, (a * d - b * c).abs());
     let most = libm::sqrt((sum + libm::sqrt((sum * sum - 4.0 * area * area).max(0.0))) / 2.0);
     if most > 0.0 { area / most } else { 0.0 }

@@ -6,6 +6,7 @@ use trochoid_sea::{PreciseSea, Sea, SeaFrame};
 use crate::carried::Limits;
 use crate::certain::{Search, SeenSea, contours_of_grid, meet_sea};
 use crate::extent::{Bounds, Sector, Strip};
+use crate::footprint::least_footprint;
 use crate::points::Near;
 use crate::spacing::Spacing;
 use crate::surface::{Anchor, Hit, Mesh, Surface};
@@ -90,6 +91,11 @@ impl SeaSurface {
     /// The footprint in meters by which waves are filtered that a camera sees at a rest point.
     pub(crate) fn footprint(&self, projector: &Projector, rest: DVec3) -> f64 {
         crate::footprint(projector, rest) / self.detail
+    }
+
+    /// What no footprint is less than of the rest points that lie so far ahead of the camera, in meters.
+    pub(crate) fn least_footprint(&self, projector: &Projector, ahead: [f64; 2]) -> f64 {
+        least_footprint(projector, self.level, ahead) / self.detail
     }
 
     /// How many of the waves a tessellation for this camera adds up; `None` where the sea is not in the picture.

@@ -28,7 +28,7 @@ pub trait Surface: Send + Sync {
     /// A mesh with normals and rest points that is as much finer than a picture needs as it takes to know contours closely;
     /// or `None` as above.
     fn tessellate_finely(&self, projector: &Projector, stop: &(dyn Fn() -> bool + Sync)) -> Option<Mesh> {
-        self.tessellate_unless(projector, ChannelSet::RESTS.union(ChannelSet::NORMAL), stop)
+        self.tessellate_unless(projector, ChannelSet::FINE, stop)
     }
 
     /// The first point of the continuous surface along a ray from the camera, in f64.

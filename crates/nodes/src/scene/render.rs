@@ -96,10 +96,8 @@ impl Stage for Render {
             // Surfaces are looked for from rest points on.
             let prepared = if follows { wanted.union(scene::ChannelSet::REST) } else { wanted };
             let stop = prepare.cancellation();
-            visible = scene::Visible::prepare_unless(&camera, &surfaces, format, fineness, prepared, stop);
-            if visible.is_none() {
-                return Err(NodeError::cancelled());
-            }
+            let found = scene::Visible::prepare_unless(&camera, &surfaces, format, fineness, prepared, stop);
+            visible = Some(found.ok_or_else(NodeError::cancelled)?);
             if prepare.bounded() {
                 let found = scene::Certain::new(&camera, &surfaces, format, stop);
                 certain = Some(found.ok_or_else(NodeError::cancelled)?);

@@ -157,11 +157,10 @@ impl Surface for PatchModel {
     }
 
     fn tessellate_finely(&self, projector: &Projector, stop: &(dyn Fn() -> bool + Sync)) -> Option<Mesh> {
-        let wanted = ChannelSet::RESTS.union(ChannelSet::NORMAL);
         let mut mesh = None;
         for tolerance in FINELY {
             let tessellation = Tessellation::Adaptive { tolerance };
-            mesh = (!stop()).then(|| tessellate::mesh(self, projector, tessellation, wanted).0);
+            mesh = (!stop()).then(|| tessellate::mesh(self, projector, tessellation, ChannelSet::FINE).0);
             // Where patches are too large for so fine ones nothing is known of the mesh.
             if mesh.as_ref().is_none_or(|mesh| mesh.tolerance.is_some()) {
                 break;

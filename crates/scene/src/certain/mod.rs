@@ -75,9 +75,8 @@ impl Certain {
         format: Format,
         stop: &(dyn Fn() -> bool + Sync),
     ) -> Option<Self> {
-        let needed = ChannelSet::RESTS.union(ChannelSet::NORMAL);
         let finely = |surface: &dyn Surface, projector: &Projector| surface.tessellate_finely(projector, stop);
-        let visible = Visible::of_meshes(camera.projector(format), surfaces, format, needed, finely)?;
+        let visible = Visible::of_meshes(camera.projector(format), surfaces, format, ChannelSet::FINE, finely)?;
         let search = Search::new(&visible, APART, stop);
         for (surface, layer) in surfaces.iter().zip(&visible.layers) {
             if !surface.contours(&search, &layer.mesh) {
