@@ -34,9 +34,13 @@ impl Smooth for SeenSea<'_> {
     /// every radian of it: by f′/2 and less at each derivative where kf ≤ 2, and of a wave with larger kf the greatest
     /// share that counts here, e^(−k²f²/8)·(1 + kf·f′/4)⁵, is below what (1 + 2f′)⁵ allows where f′ is below 1.
     fn most(&self, corners: &[[f64; 2]; 4]) -> Most {
-        let footprint =
-            |rest: &[f64; 2]| self.sea.footprint(self.projector, DVec3::new(rest[0], self.sea.level, rest[1]));
-        let least = corners.iter().map(footprint).fold(f64::INFINITY, f64::min);
+        let (eye, [x, z]) = (self.projector.position, self.projector.heading());
+        let ahead = corners.map(|rest| (rest[0] - eye.x) * x + (rest[1] - eye.z) * z);
+        let ends = [
+            ahead.iter().fold(f64::INFINITY, |a, b| a.min(*b)),
+            ahead.iter().fold(f64::NEG_INFINITY, |a, b| a.max(*b)),
+        ];
+        let least = self.sea.least_footprint(self.projector, ends);
         let growth = corners.iter().map(|rest| self.sea.growth(self.projector, *rest).abs()).fold(0.0, f64::max);
         let more = libm::pow(1.0 + 2.0 * growth, 5.0);
         let [_, _, second, _, fourth, fifth] = self.sea.limits().at(least);
