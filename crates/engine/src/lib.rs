@@ -35,7 +35,7 @@ mod tests;
 mod tile;
 
 pub use buffers::Buffers;
-pub use certify::{Certified, Certifier, Distribution};
+pub use certify::{Certified, Certifier, Distribution, Limiting};
 pub use explain::{Account, Channels, Evidence, Fate, Proved};
 pub use frame::{EvalError, Frame, Monitor, NodeReport, Phases, Picture, Silent, State};
 pub use inspect::{Blame, Inspection};

@@ -1,5 +1,6 @@
 //! The slow f64 evaluator: the references of the nodes, sample by sample. The oracle of everything fast.
 
+mod frame;
 mod pixels;
 
 pub use pixels::ReferencePixel;

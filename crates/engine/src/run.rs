@@ -35,11 +35,11 @@ const TILE: (usize, usize) = (256, 16);
 
 /// What the workers report when they are done.
 #[derive(Default)]
-struct Tally {
-    fill_seconds: Vec<f64>,
-    program_seconds: f64,
-    weights: WeightAudit,
-    audits: Vec<Audit>,
+pub(crate) struct Tally {
+    pub(crate) fill_seconds: Vec<f64>,
+    pub(crate) program_seconds: f64,
+    pub(crate) weights: WeightAudit,
+    pub(crate) audits: Vec<Audit>,
 }
 
 impl Tally {
@@ -245,7 +245,7 @@ impl Plan<'_> {
     }
 
     /// The hull of every control color that an output depends on.
-    fn judge(
+    pub(crate) fn judge(
         &self,
         output: &PlannedOutput,
         ready: &HashMap<NodeId, Ready>,
@@ -295,7 +295,7 @@ impl Plan<'_> {
     }
 
     /// Planes for every output, where possible those that are given.
-    fn allocate(&self, old: Vec<Picture>) -> Result<Vec<Vec<Plane>>, EvalError> {
+    pub(crate) fn allocate(&self, old: Vec<Picture>) -> Result<Vec<Vec<Plane>>, EvalError> {
         let mut old: Vec<Plane> = old.into_iter().flat_map(|picture| picture.planes).collect();
         old.retain(|plane| plane.window() == self.window);
         old.reverse();
@@ -361,7 +361,7 @@ impl Plan<'_> {
         }
     }
 
-    fn assemble(
+    pub(crate) fn assemble(
         &self,
         judges: Vec<Option<Arc<Judge>>>,
         tally: &Tally,

@@ -1,3 +1,4 @@
+use trochoid_graph::NodeId;
 use trochoid_image::Window;
 use trochoid_memory::Instructions;
 
@@ -65,6 +66,8 @@ pub struct Settings {
     pub region: Option<Window>,
     /// Whether every plane has bounds on its errors beside it, as channels behind its own.
     pub(crate) bounds: bool,
+    /// A stage whose own errors count as none, to see what they make of the bounds.
+    pub(crate) exact: Option<NodeId>,
 }
 
 impl Default for Settings {
@@ -79,6 +82,7 @@ impl Default for Settings {
             memory_limit: 16 << 30,
             region: None,
             bounds: false,
+            exact: None,
         }
     }
 }

@@ -1,4 +1,4 @@
-//! The points of surfaces themselves, in f64, next to what their meshes show.
+//! The points of surfaces themselves next to what their meshes show.
 
 use crate::project::Layer;
 use crate::sheets::Sheet;
@@ -20,6 +20,16 @@ pub struct Near {
     pub inside: bool,
 }
 
+/// How sums of waves are made at points of surfaces.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Sums {
+    /// In f32, sixteen points side by side.
+    Single,
+    /// In f64, to the last digits of the reference.
+    #[default]
+    Double,
+}
+
 /// How much further a surface may lie along a ray than its mesh, as a share of the depth, and what is found still be it.
 pub(crate) const APART: f64 = 0.02;
 
@@ -33,7 +43,7 @@ impl Visible {
     ///
     /// ```
     /// use trochoid_image::Format;
-    /// use trochoid_scene::{Camera, ChannelSet, DVec3, Projection, SeaSurface, Visible, reference};
+    /// use trochoid_scene::{Camera, ChannelSet, DVec3, Projection, SeaSurface, Sums, Visible, reference};
     /// use trochoid_sea::{GerstnerSpectrum, Sea};
     ///
     /// let sea = Sea::new(GerstnerSpectrum { count: 20, ..GerstnerSpectrum::default() }.waves()?);
@@ -46,21 +56,45 @@ impl Visible {
     /// };
     /// let format = Format::new(64, 36, 1)?;
     /// let visible = Visible::prepare(&camera, &[&surface], format, ChannelSet::REST);
-    /// let found = visible.points(&[&surface], &[[32, 35]], format.sample_offset(0))[0].ok_or("nothing")?;
+    /// let found = visible.points(&[&surface], &[[32, 35]], format.sample_offset(0), Sums::Double)[0].ok_or("nothing")?;
     /// let truth = reference::trace(&camera, &[&surface], format, 32.5, 35.5).ok_or("nothing")?;
     /// assert!((found.position - truth.position).length() < 1e-9);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    pub fn points(&self, surfaces: &[&dyn Surface], pixels: &[[i64; 2]], offset: [f64; 2]) -> Vec<Option<Hit>> {
+    pub fn points(
+        &self,
+        surfaces: &[&dyn Surface],
+        pixels: &[[i64; 2]],
+        offset: [f64; 2],
+        sums: Sums,
+    ) -> Vec<Option<Hit>> {
         let sheets = self.nearest_sheets(around(pixels), offset);
         let offset = self.on_raster(offset);
-        let point = |&[x, y]: &[i64; 2]| {
-            let sheet = sheets.at([x, y])[0]?;
-            let ray = self.projector.ray(x as f64 + offset[0], y as f64 + offset[1]);
-            let depth = sheet.depth(&self.projector);
-            self.meet(surfaces, &ray, &sheet).filter(|hit| (hit.depth - depth).abs() <= APART * depth.abs())
-        };
-        pixels.iter().map(point).collect()
+        let mut found = vec![None; pixels.len()];
+        let mut nears: Vec<(Vec<usize>, Vec<(Ray, Near)>)> = vec![Default::default(); surfaces.len()];
+        for (index, &[x, y]) in pixels.iter().enumerate() {
+            if let Some(sheet) = sheets.at([x, y])[0] {
+                let ray = self.projector.ray(x as f64 + offset[0], y as f64 + offset[1]);
+                let (surface, near) = self.near(&ray, &sheet);
+                nears[surface].0.push(index);
+                nears[surface].1.push((ray, near));
+            }
+        }
+        for (surface, (indices, nears)) in nears.iter().enumerate() {
+            let hits = match sums {
+                Sums::Single => surfaces[surface].follow(&self.projector, nears),
+                Sums::Double => {
+                    let meet = |(ray, near): &(Ray, Near)| surfaces[surface].meet_near(&self.projector, ray, near);
+                    nears.iter().map(meet).collect()
+                }
+            };
+            for ((index, (ray, near)), hit) in indices.iter().zip(nears).zip(hits) {
+                let depth = (ray.at(near.distance) - self.projector.position).dot(self.projector.forward);
+                let hit = hit.filter(|hit| (hit.depth - depth).abs() <= APART * depth.abs());
+                found[*index] = hit.map(|hit| Hit { surface, ..hit });
+            }
+        }
+        found
     }
 
     /// Where the sample stands that the raster looks at.
@@ -70,6 +104,12 @@ impl Visible {
 
     /// The point of the surface itself next to a sheet of its mesh.
     pub(crate) fn meet(&self, surfaces: &[&dyn Surface], ray: &Ray, sheet: &Sheet) -> Option<Hit> {
+        let (surface, near) = self.near(ray, sheet);
+        surfaces[surface].meet_near(&self.projector, ray, &near).map(|hit| Hit { surface, ..hit })
+    }
+
+    /// Where a ray meets a sheet, and of which surface.
+    fn near(&self, ray: &Ray, sheet: &Sheet) -> (usize, Near) {
         let projector = &self.projector;
         let index = self.layer(sheet.primitive());
         let layer = &self.layers[index];
@@ -83,7 +123,7 @@ impl Visible {
             triangle: (local < layer.primitives).then_some(local),
             inside: layer.mesh.inside,
         };
-        surfaces[index].meet_near(projector, ray, &near).map(|hit| Hit { surface: index, ..hit })
+        (index, near)
     }
 }
 

@@ -6,6 +6,7 @@ use trochoid_sea::{PreciseSea, Sea, SeaFrame};
 use crate::carried::Limits;
 use crate::certain::{Search, SeenSea, contours_of_grid, meet_sea};
 use crate::extent::{Bounds, Sector, Strip};
+use crate::followed::follow_sea;
 use crate::footprint::least_footprint;
 use crate::points::Near;
 use crate::spacing::Spacing;
@@ -192,6 +193,10 @@ impl Surface for SeaSurface {
 
     fn meet_near(&self, projector: &Projector, ray: &Ray, near: &Near) -> Option<Hit> {
         meet_sea(self, projector, ray, near)
+    }
+
+    fn follow(&self, projector: &Projector, nears: &[(Ray, Near)]) -> Vec<Option<Hit>> {
+        follow_sea(self, projector, nears)
     }
 
     fn trace(&self, projector: &Projector, ray: &Ray) -> Option<Hit> {

@@ -49,6 +49,11 @@ pub trait Surface: Send + Sync {
         self.trace(projector, ray)
     }
 
+    /// The same of many, where sums of waves may be made in f32. What a ray meets depends on that ray alone.
+    fn follow(&self, projector: &Projector, nears: &[(Ray, Near)]) -> Vec<Option<Hit>> {
+        nears.iter().map(|(ray, near)| self.meet_near(projector, ray, near)).collect()
+    }
+
     /// The sea of waves that it is, for what moves with the water; `None` for any other surface.
     fn as_sea(&self) -> Option<&SeaSurface> {
         None

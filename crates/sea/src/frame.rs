@@ -132,6 +132,11 @@ impl Phases {
         Phase { x: self.x[wave], z: self.z[wave], origin: self.origin[wave] }.at(x, z)
     }
 
+    /// The phase of one wave at the origin, in turns.
+    pub(crate) fn origin(&self, wave: usize) -> f64 {
+        self.origin[wave]
+    }
+
     /// Turns per meter of one wave.
     pub(crate) fn turns(&self, wave: usize) -> [f64; 2] {
         [self.x[wave], self.z[wave]]

@@ -22,7 +22,8 @@
 //! definition: the f64 reference has it too.
 //!
 //! # Evaluation
-//! [`SeaFrame::evaluate`] is the plain f64 sum. [`SeaFrame::direct`] does the same in f32 at any points. [`GridPlan`]
+//! [`SeaFrame::evaluate`] is the plain f64 sum. [`SeaFrame::direct`] does the same in f32 at any points, and
+//! [`SeaFrame::scattered`] at points of which none may change a bit of another. [`GridPlan`]
 //! evaluates on a regular grid, by the cheapest [`Method`] for its size: from some fifty waves on by a non-uniform
 //! Fourier transform, whose cost hardly depends on their number. All reduce every phase to one turn in f64 first.
 //! Results do not depend on the processor or the number of threads: additions, multiplications and exact roundings
@@ -42,6 +43,7 @@ mod nufft;
 mod phase;
 mod precise;
 mod ripple;
+mod scattered;
 mod separable;
 mod spectrum;
 pub mod spray;

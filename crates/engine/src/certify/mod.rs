@@ -22,7 +22,7 @@ use std::collections::{BTreeMap, HashMap};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 use trochoid_graph::{Bound, CheckedGraph, Kind, LITERAL, NodeId};
-use trochoid_image::Window;
+use trochoid_image::{Rgb, Window};
 
 /// Tiles that are certified one by one.
 const TILE: (usize, usize) = (128, 32);
@@ -94,12 +94,59 @@ impl<'g> Certifier<'g> {
                 let reached = plan.graph.reached([node], plan.frame());
                 certified.unbounded =
                     unbounded.iter().map(|(id, why)| (*id, *why)).filter(|(id, _)| reached[id.0]).collect();
-                if output.kind == Kind::Color {
-                    certified.palette = plan.palette(output, &ready, buffers).hull.vertices().to_vec();
+                match output.kind {
+                    Kind::Color => {
+                        let palette = plan.palette(output, &ready, buffers);
+                        certified.palette = palette.hull.vertices().to_vec();
+                        certified.cap(breadth(&certified.palette) + 2.0 * palette.margin);
+                    }
+                    Kind::Weights(_) => certified.cap(1.0),
+                    _ => {}
                 }
             }
             Ok(all)
         })
+    }
+
+    /// Which stage makes most of the bound at a pixel: the one without whose own errors it is least.
+    ///
+    /// Outputs are averages over the pixel's samples there, and so are bounds. What the cache holds of a certification is
+    /// used again.
+    ///
+    /// # Errors
+    /// As [`Plan::evaluate`].
+    pub fn limiting(
+        &self,
+        output: usize,
+        [x, y]: [i64; 2],
+        buffers: &Buffers<'_>,
+        cache: &mut Cache,
+        monitor: &dyn Monitor,
+    ) -> Result<Limiting, EvalError> {
+        let graph = self.plan.graph;
+        let name = graph.outputs()[output].name.as_str();
+        let bound: Vec<&str> = (0..graph.nodes().len())
+            .filter(|id| self.plan.bound[*id])
+            .map(|id| graph.node(NodeId(id)).name.as_str())
+            .collect();
+        let mut at = |exact: Option<NodeId>| {
+            let region = Some(Window::new(x, y, x + 1, y + 1));
+            let settings = Settings { region, exact, ..self.plan.settings.clone() };
+            let Ok(plan) = Plan::new(graph, &[name], self.plan.frame(), &bound, &settings) else {
+                unreachable!("a part of a plan is no larger than the plan")
+            };
+            let certified = Self { plan }.certify(buffers, cache, monitor)?;
+            Ok(certified[0].errors.iter().map(|error| f64::from(error[0])).fold(0.0, f64::max))
+        };
+        let mut limiting = Limiting { stage: None, bound: at(None)?, without: f64::INFINITY };
+        for (stage, _) in &self.plan.prepares {
+            let without = at(Some(*stage))?;
+            if without < limiting.without {
+                limiting = Limiting { stage: Some(*stage), without, ..limiting };
+            }
+        }
+        limiting.stage = limiting.stage.filter(|_| limiting.without < MATTERS * limiting.bound);
+        Ok(limiting)
     }
 
     fn tiles(
@@ -162,6 +209,29 @@ impl<'g> Certifier<'g> {
         }
         Ok(done)
     }
+}
+
+/// What limits the accuracy of an output.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Limiting {
+    /// The stage; `None` where no single one does, but the rounding of f32 all over the graph.
+    pub stage: Option<NodeId>,
+    /// The bound with its errors, in the output's own unit.
+    pub bound: f64,
+    /// The bound as if it had none.
+    pub without: f64,
+}
+
+/// A stage limits where less than this share of the bound is left without its errors.
+const MATTERS: f64 = 0.75;
+
+/// The greatest difference of two colors in any channel.
+fn breadth(palette: &[Rgb]) -> f64 {
+    let span = |channel: usize| {
+        let values = || palette.iter().map(|color| f64::from(color[channel]));
+        values().fold(f64::NEG_INFINITY, f64::max) - values().fold(f64::INFINITY, f64::min)
+    };
+    (0..3).map(span).fold(0.0, f64::max)
 }
 
 /// What the threads of one certification share.

@@ -10,6 +10,8 @@ pub struct Distribution {
     counts: Vec<u64>,
     total: u64,
     max: f64,
+    /// What no error can pass, whatever its bound.
+    limit: f64,
 }
 
 /// A number's leading bits, which order as it does: its exponent and four bits more, so 16 to the octave.
@@ -31,7 +33,7 @@ fn top(bucket: usize) -> f64 {
 
 impl Default for Distribution {
     fn default() -> Self {
-        Self { counts: vec![0; BUCKETS], total: 0, max: 0.0 }
+        Self { counts: vec![0; BUCKETS], total: 0, max: 0.0, limit: f64::INFINITY }
     }
 }
 
@@ -55,7 +57,7 @@ impl Distribution {
 
     /// The largest bound.
     pub fn max(&self) -> f64 {
-        self.max
+        self.max.min(self.limit)
     }
 
     /// What this share of the bounds does not pass, at most a sixteenth of an octave too large.
@@ -64,15 +66,15 @@ impl Distribution {
         for (bucket, count) in self.counts.iter().enumerate() {
             left = left.saturating_sub(*count);
             if left == 0 {
-                return top(bucket).min(self.max);
+                return top(bucket).min(self.max());
             }
         }
-        self.max
+        self.max()
     }
 
     /// How many bounds pass a size: at most those within a sixteenth of an octave of it too many.
     pub fn above(&self, size: f64) -> u64 {
-        if self.max <= size { 0 } else { self.counts[bucket(size)..].iter().sum() }
+        if self.max() <= size { 0 } else { self.counts[bucket(size)..].iter().sum() }
     }
 }
 
@@ -89,6 +91,8 @@ pub struct Certified {
     pub clear: Distribution,
     /// Those of samples where a side of a threshold, or what is seen, is not certain. They hold as well.
     pub unclear: Distribution,
+    /// The pixel of the sample with the largest bound of those in no doubt; `None` where all are 0.
+    pub worst: Option<[i64; 2]>,
     /// By channel, a bound on the error of each pixel, row by row.
     pub errors: Vec<Vec<f32>>,
     /// The share of each pixel's samples that is not clear.
@@ -107,6 +111,7 @@ impl Certified {
             window,
             clear: Distribution::default(),
             unclear: Distribution::default(),
+            worst: None,
             errors: vec![vec![0.0; window.area()]; kind.channels()],
             doubt: vec![0.0; window.area()],
             palette: Vec::new(),
@@ -139,6 +144,10 @@ impl Certified {
                 errors[pixel] = Bound::of(f64::from(errors[pixel]) + share * bound.size).encode();
             }
             if sample.clear {
+                if sample.size > self.clear.max {
+                    let [x, y] = [pixel % self.window.width(), pixel / self.window.width()].map(|along| along as i64);
+                    self.worst = Some([self.window.x0 + x, self.window.y0 + y]);
+                }
                 self.clear.add(sample.size);
             } else {
                 self.unclear.add(sample.size);
@@ -147,8 +156,19 @@ impl Certified {
         }
     }
 
+    /// Takes what no error can pass: picture and reference lie within it.
+    pub(super) fn cap(&mut self, limit: f64) {
+        self.clear.limit = limit;
+        self.unclear.limit = limit;
+        let most = Bound::of(limit).encode();
+        self.errors.iter_mut().flatten().for_each(|error| *error = error.min(most));
+    }
+
     /// Takes a tile of the picture.
     pub(super) fn add(&mut self, part: &Self) {
+        if part.clear.max > self.clear.max {
+            self.worst = part.worst;
+        }
         self.clear.merge(&part.clear);
         self.unclear.merge(&part.unclear);
         let (all, own) = (self.window, part.window);

@@ -361,7 +361,9 @@ impl<'p> Fills<'p> {
         let cancelled = || self.monitor.cancelled();
         let block = Block::of(window, offset);
         if self.plan.settings.bounds {
-            state.unbounded.set(fill_with_bounds(&*ready.prepared, &block, &ports, &cancelled, outputs)?);
+            let exact = self.plan.settings.exact == Some(state.fill.node);
+            let filled = fill_with_bounds((&*ready.prepared, exact), &block, &ports, &cancelled, outputs)?;
+            state.unbounded.set(filled);
             return Ok(None);
         }
         let inputs = Inputs::new(&ports).with_cancellation(&cancelled);

@@ -287,7 +287,9 @@ impl<'p> Fills<'p> {
             .collect();
         let cancelled = || self.monitor.cancelled();
         if self.plan.settings.bounds {
-            state.unbounded.set(fill_with_bounds(&*ready.prepared, &block, &ports, &cancelled, outputs)?);
+            let exact = self.plan.settings.exact == Some(state.fill.node);
+            let filled = fill_with_bounds((&*ready.prepared, exact), &block, &ports, &cancelled, outputs)?;
+            state.unbounded.set(filled);
             return Ok(found);
         }
         let inputs = Inputs::new(&ports).with_cancellation(&cancelled);

@@ -31,9 +31,9 @@ static DECLARATION: Declaration = Declaration {
         .item(),
         Knob::choice(
             "points",
-            &["mesh", "surface"],
-            "What passes are told of: points of the mesh that stands for a surface, or points of the surface itself next to \
-             those, which takes many times as long.",
+            &["mesh", "surface", "exact"],
+            "What passes are told of: points of the mesh that stands for a surface; points of the surface itself next to those, \
+             for a few times as long; or these to the digits of the reference, for many times as long.",
         )
         .item(),
     ],
@@ -41,7 +41,7 @@ static DECLARATION: Declaration = Declaration {
         Output::new("view", Kind::View, "The view, for passes."),
         Output::new("coverage", Kind::MASK, "1 where a surface is seen, else 0."),
     ],
-    revision: 1,
+    revision: 2,
 };
 
 impl NodeType for Render {
@@ -89,12 +89,15 @@ impl Stage for Render {
             wanted = wanted.union(scene::ChannelSet::COVERAGE);
         }
         let format = prepare.frame.format;
-        let (follows, fineness) = (node.text("points") == "surface", node.number("fineness"));
+        let (follows, fineness) = (follows(node.text("points")), node.number("fineness"));
         let (mut visible, mut certain) = (None, None);
         if wanted != scene::ChannelSet::NONE {
             let surfaces = borrowed(&surfaces);
             // Surfaces are looked for from rest points on.
-            let prepared = if follows { wanted.union(scene::ChannelSet::REST) } else { wanted };
+            let mut prepared = if follows.is_some() { wanted.union(scene::ChannelSet::REST) } else { wanted };
+            if prepare.bounded() {
+                prepared = prepared.union(SIGHT);
+            }
             let stop = prepare.cancellation();
             let found = scene::Visible::prepare_unless(&camera, &surfaces, format, fineness, prepared, stop);
             visible = Some(found.ok_or_else(NodeError::cancelled)?);
@@ -107,12 +110,21 @@ impl Stage for Render {
     }
 }
 
+/// How samples are followed to surfaces, by the knob's word.
+fn follows(points: &str) -> Option<scene::Sums> {
+    match points {
+        "surface" => Some(scene::Sums::Single),
+        "exact" => Some(scene::Sums::Double),
+        _ => None,
+    }
+}
+
 struct Seen {
     camera: scene::Camera,
     surfaces: Vec<SurfaceHandle>,
     format: Format,
-    /// Whether each sample is followed to the surface itself.
-    follows: bool,
+    /// Whether each sample is followed to the surface itself, and how.
+    follows: Option<scene::Sums>,
     /// `None` where no channel is wanted.
     visible: Option<scene::Visible>,
     /// Where it is certain what is seen, if someone will ask.
@@ -126,6 +138,12 @@ fn borrowed(surfaces: &[SurfaceHandle]) -> Vec<&dyn scene::Surface> {
 /// What the reference itself may lose where it looks for the end of a ray: relative to its distance, and at a grazing
 /// angle as much more. Normals and what goes with them turn there by as many radians at most.
 const REFERENCE_RAY: f64 = 1e-8;
+
+/// What tells which sheet of a surface a sample sees.
+const SIGHT: scene::ChannelSet = scene::ChannelSet::of(&[scene::Channel::Depth, scene::Channel::Surface]);
+
+/// How far apart in depth, as a share of it, a point of a sheet and that of its mesh may lie.
+const SHEET: f64 = 0.02;
 
 thread_local! {
     /// Reused from tile to tile.
@@ -158,9 +176,9 @@ impl Prepared for Seen {
                 plane.copy_from_slice(samples.channel(scene::Channel::Coverage));
             }
         });
-        if self.follows && !planes.is_empty() {
+        if let Some(sums) = self.follows.filter(|_| !planes.is_empty()) {
             let pixels: Vec<[i64; 2]> = block.pixels().collect();
-            let points = visible.points(&borrowed(&self.surfaces), &pixels, block.offset);
+            let points = visible.points(&borrowed(&self.surfaces), &pixels, block.offset, sums);
             // What the mesh shows stands where no point of the surface is near it.
             let found = points.iter().enumerate().filter_map(|(index, point)| Some((index, point.as_ref()?)));
             for (index, point) in found {
@@ -180,12 +198,13 @@ impl Prepared for Seen {
         };
         let pixels: Vec<[i64; 2]> = bounding.block.pixels().collect();
         let sights = certain.sights(&borrowed(&self.surfaces), &pixels, bounding.block.offset);
+        let same = self.sees(bounding.block, &sights);
         let view = CHANNELS.into_iter().enumerate().map(|(index, channel)| (channel, 0, index));
         for (channel, output, index) in view.chain([(scene::Channel::Coverage, 1, 0)]) {
             let (Some(filled), Some(bounds)) = (bounding.filled[output][index], outputs.take(output, index)) else {
                 continue;
             };
-            for ((bound, value), sight) in bounds.iter_mut().zip(filled).zip(&sights) {
+            for (((bound, value), sight), same) in bounds.iter_mut().zip(filled).zip(&sights).zip(&same) {
                 let hit = match sight {
                     scene::Sight::Unclear => {
                         *bound = Bound::UNKNOWN.encode();
@@ -198,7 +217,7 @@ impl Prepared for Seen {
                 let distance = if value == exact { 0.0 } else { (value - exact).abs() };
                 let is_whole = matches!(channel, scene::Channel::Coverage | scene::Channel::Surface);
                 let lost = hit.filter(|_| !is_whole).map_or(0.0, |hit| REFERENCE_RAY * (1.0 + hit.distance));
-                *bound = Bound::of(distance + lost).encode();
+                *bound = Bound::of(distance + lost).with(*same).encode();
             }
         }
         Ok(())
@@ -234,6 +253,29 @@ impl Prepared for Seen {
 
     fn bytes(&self) -> usize {
         self.visible.as_ref().map_or(0, |visible| visible.stats().bytes)
+    }
+}
+
+impl Seen {
+    /// Whether each sample's mesh shows the sheet of the surface that is there in truth.
+    fn sees(&self, block: &Block<'_>, sights: &[scene::Sight]) -> Vec<bool> {
+        let Some(visible) = &self.visible else { return vec![true; sights.len()] };
+        SAMPLES.with_borrow_mut(|samples| {
+            match block.scattered {
+                None => visible.fill(block.window, block.offset, SIGHT, samples),
+                Some(pixels) => visible.fill_pixels(pixels, block.offset, SIGHT, samples),
+            }
+            let shown = samples.channel(scene::Channel::Depth).iter().zip(samples.channel(scene::Channel::Surface));
+            let same = shown.zip(sights).map(|((depth, surface), sight)| match sight {
+                scene::Sight::Unclear => false,
+                scene::Sight::Nothing => *surface < 0.0,
+                scene::Sight::Point(hit) => {
+                    let apart = (f64::from(*depth) - hit.depth).abs();
+                    hit.surface as f32 == *surface && apart <= SHEET * hit.depth.abs()
+                }
+            });
+            same.collect()
+        })
     }
 }
 

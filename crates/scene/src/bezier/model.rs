@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 
+use super::trace::Ball;
 use super::{Bicubic, tessellate, trace};
 use crate::certain::{Search, contours_of_facets};
 use crate::points::Near;
@@ -94,6 +95,7 @@ pub(super) struct Placed {
     /// The patch in the model's own space.
     pub(super) rest: Bicubic,
     uv: [[f64; 2]; 2],
+    pub(super) ball: Ball,
 }
 
 impl Placed {
@@ -121,6 +123,7 @@ impl Placed {
 #[derive(Clone, Debug)]
 pub struct PatchModel {
     pub(super) placed: Vec<Placed>,
+    pub(super) ball: Ball,
     pub(super) tessellation: Tessellation,
     /// Whether the normal of the control points as placed stands on the inner side.
     pub(super) turned: bool,
@@ -134,10 +137,13 @@ impl PatchModel {
             .iter()
             .map(|patch| {
                 let shape = patch.shape.map(|point| placement.apply(point));
-                Placed { shape, for_normals: shape.for_normals(), rest: patch.shape, uv: patch.uv }
+                let ball = Ball::around(shape.bounds());
+                Placed { shape, for_normals: shape.for_normals(), rest: patch.shape, uv: patch.uv, ball }
             })
-            .collect();
-        Self { placed, tessellation, turned: placement.mirrors() != flip, level: 0.0 }
+            .collect::<Vec<_>>();
+        let bounds = placed.iter().map(|placed| placed.shape.bounds());
+        let ball = Ball::around(bounds.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))).unwrap_or_default());
+        Self { placed, ball, tessellation, turned: placement.mirrors() != flip, level: 0.0 }
     }
 
     /// The patches in the world.

@@ -1,16 +1,39 @@
-//! Rays against patches in f64, by subdivision alone.
+//! Rays against patches in f64: by subdivision until a part can meet the ray once only, then by Newton's steps.
 
-use glam::DVec3;
+use glam::{DMat2, DVec2, DVec3};
 
 use super::{Bicubic, PatchModel};
 use crate::surface::Hit;
 use crate::{Projector, Ray};
 
-/// Halvings of u and v: they are known to 2⁻²⁶, and so is the point against the patch's size.
+/// Halvings of u and v where nothing else finds the point: they are known to 2⁻²⁶, and so is the point against the patch's size.
 const HALVINGS: u32 = 26;
 /// Slack of the test whether a part of a patch may hold the ray, against the patch's distance and size: rounding must
 /// not open gaps between parts.
 const SLACK: f64 = 1e-12;
+
+/// What holds a patch, or a model.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Ball {
+    center: DVec3,
+    radius: f64,
+}
+
+impl Ball {
+    /// Around a box.
+    pub(super) fn around((low, high): (DVec3, DVec3)) -> Self {
+        Self { center: (low + high) / 2.0, radius: low.distance(high) / 2.0 }
+    }
+
+    /// Whether a ray may meet it between two distances.
+    fn may_meet(&self, ray: &Ray, [from, to]: [f64; 2]) -> bool {
+        let offset = self.center - ray.origin;
+        let reach = self.radius + SLACK * (self.radius + offset.length());
+        let along = offset.dot(ray.direction);
+        let aside = (offset - along * ray.direction).length();
+        !(aside > reach || along + reach < from || along - reach > to)
+    }
+}
 
 /// A patch as the ray sees it: x and y across the ray, z along it.
 struct Lined {
@@ -32,14 +55,20 @@ struct Met {
 /// A part of a patch lies in the hull of its control points: where that misses the ray, or lies behind what is
 /// already found, so does the part. All else is quartered.
 pub(super) fn trace(model: &PatchModel, projector: &Projector, ray: &Ray, [from, to]: [f64; 2]) -> Option<Hit> {
+    if !model.ball.may_meet(ray, [from, to]) {
+        return None;
+    }
     let (right, up) = ray.direction.any_orthonormal_pair();
     let mut nearest: Option<(usize, Met)> = None;
     for (index, placed) in model.placed.iter().enumerate() {
+        let limit = nearest.as_ref().map_or(to, |(_, met)| met.distance);
+        if !placed.ball.may_meet(ray, [from, limit]) {
+            continue;
+        }
         let lined = placed.shape.map(|point| {
             let offset = point - ray.origin;
             DVec3::new(offset.dot(right), offset.dot(up), offset.dot(ray.direction))
         });
-        let limit = nearest.as_ref().map_or(to, |(_, met)| met.distance);
         if let Some(met) = meet(lined, from, limit) {
             nearest = Some((index, met));
         }
@@ -93,21 +122,60 @@ fn meet(shape: Bicubic, from: f64, limit: f64) -> Option<Met> {
             }
             continue;
         }
-        let mut quarters: Vec<(f64, Lined)> = part
-            .shape
-            .quarters()
-            .into_iter()
-            .enumerate()
-            .map(|(quarter, shape)| {
-                let (u, v) = (quarter % 2, quarter / 2);
-                let place = |start: f64, half: usize| start + half as f64 * 0.5 * width;
-                let near = shape.bounds().0.z;
-                (near, Lined { shape, u: place(part.u, u), v: place(part.v, v), depth: part.depth + 1 })
-            })
-            .collect();
+        if let Some([u, v]) = crossing(&part.shape) {
+            let distance = part.shape.evaluate(u, v).z;
+            if (from..limit).contains(&distance) {
+                limit = distance;
+                found = Some(Met { distance, place: [part.u + u * width, part.v + v * width] });
+            }
+            continue;
+        }
+        let quarters = part.shape.quarters();
+        let near = quarters.each_ref().map(|shape| shape.bounds().0.z);
+        let mut order = [0, 1, 2, 3];
         // The nearest quarter is looked at first: it is popped last in, first out.
-        quarters.sort_by(|a, b| b.0.total_cmp(&a.0));
-        open.extend(quarters.into_iter().map(|(_, lined)| lined));
+        order.sort_by(|a, b| near[*b].total_cmp(&near[*a]));
+        open.extend(order.map(|quarter| {
+            let place = |start: f64, half: usize| start + half as f64 * 0.5 * width;
+            let (u, v) = (place(part.u, quarter % 2), place(part.v, quarter / 2));
+            Lined { shape: quarters[quarter], u, v, depth: part.depth + 1 }
+        }));
     }
     found
+}
+
+/// How far beside a part its point may lie: rounding must not open gaps between parts.
+const EDGE: f64 = 1e-9;
+
+/// Newton's steps to where a part crosses the ray, and the last of them.
+const STEPS: usize = 8;
+const LAST: f64 = 1e-14;
+
+/// Where a part crosses the ray, x = y = 0, if it is certain that it does so once: if its derivatives by u and v lie so close
+/// to their means, whose matrix is A, that |∂ − A| stays below the least singular value of A, it is one to one.
+fn crossing(part: &Bicubic) -> Option<[f64; 2]> {
+    let flat = part.points.map(|point| point.truncate());
+    let along_u: [DVec2; 12] = std::array::from_fn(|i| 3.0 * (flat[i / 3 * 4 + i % 3 + 1] - flat[i / 3 * 4 + i % 3]));
+    let along_v: [DVec2; 12] = std::array::from_fn(|i| 3.0 * (flat[i + 4] - flat[i]));
+    let mean = |all: &[DVec2; 12]| all.iter().sum::<DVec2>() / 12.0;
+    let (u, v) = (mean(&along_u), mean(&along_v));
+    let most = |all: &[DVec2; 12], mean: DVec2| all.iter().map(|of| (of - mean).length_squared()).fold(0.0, f64::max);
+    let off = most(&along_u, u) + most(&along_v, v);
+    // The squares of the singular values have the sum of the squares and the square of the determinant.
+    let (sum, area) = (u.length_squared() + v.length_squared(), u.perp_dot(v));
+    let greatest = (sum + libm::sqrt((sum * sum - 4.0 * area * area).max(0.0))) / 2.0;
+    if off * greatest >= 0.8 * area * area {
+        return None;
+    }
+    let mut place = DVec2::splat(0.5);
+    for _ in 0..STEPS {
+        let [along_u, along_v] = part.tangents(place.x, place.y).map(|along| along.truncate());
+        let step = DMat2::from_cols(along_u, along_v).inverse() * part.evaluate(place.x, place.y).truncate();
+        place = (place - step).clamp(DVec2::splat(-0.5), DVec2::splat(1.5));
+        if step.abs().max_element() <= LAST {
+            let is_inside = place.min_element() >= -EDGE && place.max_element() <= 1.0 + EDGE;
+            return is_inside.then(|| place.clamp(DVec2::ZERO, DVec2::ONE).to_array());
+        }
+    }
+    None
 }

@@ -4,7 +4,7 @@ use crate::random::Draw;
 use trochoid_image::Format;
 use trochoid_scene::bezier::{Bicubic, Patch, PatchModel, Placement, Tessellation};
 use trochoid_scene::{
-    Camera, Channel, ChannelSet, DVec3, GridSurface, Projection, Samples, SeaSurface, Surface, Visible, reference,
+    Camera, Channel, ChannelSet, DVec3, GridSurface, Projection, Samples, SeaSurface, Sums, Surface, Visible, reference,
 };
 use trochoid_sea::{GerstnerSpectrum, Sea};
 
@@ -26,8 +26,20 @@ fn off(surface: &dyn Surface, fineness: f64) -> f64 {
     visible.fill(format.window(), [0.5; 2], ChannelSet::DEPTH, &mut samples);
     let pixels: Vec<[i64; 2]> =
         (0..i64::from(SIZE[1])).flat_map(|y| (0..i64::from(SIZE[0])).map(move |x| [x, y])).collect();
-    let points = visible.points(&[surface], &pixels, [0.5; 2]);
+    let points = visible.points(&[surface], &pixels, [0.5; 2], Sums::Double);
+    let mut rough = Vec::new();
+    let quick = visible.points(&[surface], &pixels, [0.5; 2], Sums::Single);
+    assert_eq!(quick[700..733], visible.points(&[surface], &pixels[700..733], [0.5; 2], Sums::Single));
     let mut errors = Vec::new();
+    for (quick, point) in quick.iter().zip(&points) {
+        let (Some(quick), Some(point)) = (quick, point) else { continue };
+        let apart = (quick.position - point.position).length() / point.distance;
+        let turned = (quick.normal - point.normal).length();
+        assert!(apart < 1e-4 && turned < 2e-3, "{quick:?} should be {point:?}");
+        rough.push(turned);
+    }
+    rough.sort_by(f64::total_cmp);
+    assert!(rough[rough.len() / 2] < 1e-5, "{:e}", rough[rough.len() / 2]);
     for (index, ([x, y], point)) in pixels.iter().zip(&points).enumerate() {
         let Some(point) = point else { continue };
         errors.push((f64::from(samples.channel(Channel::Depth)[index]) - point.depth).abs());

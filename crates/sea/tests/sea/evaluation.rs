@@ -46,8 +46,11 @@ fn around(sea: &Sea, time: f64, center: f64, step: f64, footprint: f64) -> f64 {
     let z: Vec<f64> = (0..count).map(&mut place).collect();
     let prints: Vec<f64> = (0..count).map(|_| footprint * random.unit()).collect();
     let mut fields = Fields::default();
-    frame.direct(Points { x: &x, z: &z, footprint: &prints }, Wanted::ALL, &mut fields);
-    error(&frame, &x, &z, &prints, &fields)
+    let points = Points { x: &x, z: &z, footprint: &prints };
+    frame.direct(points, Wanted::ALL, &mut fields);
+    let direct = error(&frame, &x, &z, &prints, &fields);
+    frame.scattered(points, Wanted::ALL, &mut fields);
+    direct.max(error(&frame, &x, &z, &prints, &fields))
 }
 
 #[test]
@@ -86,6 +89,27 @@ fn footprints_that_hardly_vary_are_as_exact() {
     let mut fields = Fields::default();
     frame.direct(Points { x: &x, z: &x, footprint: &prints }, Wanted::ALL, &mut fields);
     assert!(error(&frame, &x, &x, &prints, &fields) < 2e-6);
+}
+
+#[test]
+fn scattered_points_do_not_change_each_other() {
+    let sea = sea(GerstnerSpectrum { count: 150, sharpness: 0.5, ..GerstnerSpectrum::default() });
+    let frame = sea.at(7.0);
+    let mut random = Random(5);
+    let [x, z]: [Vec<f64>; 2] = [1e6, 300.0].map(|far| (0..100).map(|_| far * (random.unit() - 0.5)).collect());
+    let prints: Vec<f64> = (0..100).map(|index| [0.0, 0.5, 30.0, 1e300][index % 4] * random.unit()).collect();
+    let bits = |x: &[f64], z: &[f64], footprint: &[f64]| {
+        let mut fields = Fields::default();
+        frame.scattered(Points { x, z, footprint }, Wanted::ALL, &mut fields);
+        (0..x.len()).map(|index| fast(&fields, index).map(f64::to_bits)).collect::<Vec<_>>()
+    };
+    let together = bits(&x, &z, &prints);
+    for (index, together) in together.iter().enumerate() {
+        let one = index..index + 1;
+        assert_eq!(bits(&x[one.clone()], &z[one.clone()], &prints[one])[0], *together, "{index}");
+        let from = index.saturating_sub(13);
+        assert_eq!(bits(&x[from..], &z[from..], &prints[from..])[index - from], *together, "{index}");
+    }
 }
 
 #[test]

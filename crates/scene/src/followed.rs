@@ -1,0 +1,121 @@
+//! Points of a sea next to those of its mesh, by sums in f32 at many points side by side.
+
+use crate::certain::meet_sea;
+use crate::points::Near;
+use crate::reference::hit_of_sea;
+use crate::surface::Hit;
+use crate::{Projector, Ray, SeaSurface};
+use glam::{DMat3, DVec3};
+use std::cell::RefCell;
+use trochoid_sea::{Fields, Points, Sample, Wanted};
+
+/// Points that go on together; none changes what another finds.
+const TOGETHER: usize = 64;
+
+/// Newton's steps, and how far from the ray a point may lie after which one more is enough, in footprints of its pixel.
+const STEPS: usize = 4;
+const CLOSE: f64 = 1e-3;
+
+/// A point on its way to a ray.
+struct Walk {
+    /// Which of the rays.
+    index: usize,
+    rest: [f64; 2],
+    distance: f64,
+}
+
+#[derive(Default)]
+struct Scratch {
+    x: Vec<f64>,
+    z: Vec<f64>,
+    footprint: Vec<f64>,
+    fields: Fields,
+}
+
+thread_local! {
+    /// Reused from call to call.
+    static SCRATCH: RefCell<Scratch> = RefCell::default();
+}
+
+/// As [`meet_sea`], within what the rounding of f32 makes of it; by that itself for points which this does not find.
+pub(crate) fn follow_sea(sea: &SeaSurface, projector: &Projector, nears: &[(Ray, Near)]) -> Vec<Option<Hit>> {
+    let mut found = vec![None; nears.len()];
+    for first in (0..nears.len()).step_by(TOGETHER) {
+        let range = first..(first + TOGETHER).min(nears.len());
+        let start = |index: usize| {
+            let near = &nears[index].1;
+            Walk { index, rest: [near.rest.x, near.rest.z], distance: near.distance }
+        };
+        let mut walks: Vec<Walk> = range.clone().map(start).collect();
+        SCRATCH.with_borrow_mut(|scratch| {
+            for _ in 0..STEPS {
+                scratch.look(sea, projector, &walks);
+                let mut lane = 0;
+                walks.retain_mut(|walk| {
+                    lane += 1;
+                    let (ray, near) = &nears[walk.index];
+                    let (sample, footprint) = (scratch.sample(lane - 1), scratch.footprint[lane - 1]);
+                    let Some(error) = walk.step(sea, ray, &sample) else { return true };
+                    let is_there = error <= CLOSE * footprint && walk.distance >= 0.0;
+                    if is_there {
+                        let (rest, distance) = (walk.rest, walk.distance);
+                        found[walk.index] =
+                            Some(hit_of_sea(sea, projector, ray, distance, (rest, &sample), near.inside));
+                    }
+                    !is_there
+                });
+            }
+        });
+        for walk in walks {
+            let (ray, near) = &nears[walk.index];
+            found[walk.index] = meet_sea(sea, projector, ray, near);
+        }
+    }
+    found
+}
+
+impl Scratch {
+    /// What the sea is at the rest points of these.
+    fn look(&mut self, sea: &SeaSurface, projector: &Projector, walks: &[Walk]) {
+        let Self { x, z, footprint, fields } = self;
+        [&mut *x, &mut *z, &mut *footprint].into_iter().for_each(Vec::clear);
+        for Walk { rest, .. } in walks {
+            x.push(rest[0]);
+            z.push(rest[1]);
+            footprint.push(sea.footprint(projector, DVec3::new(rest[0], sea.level, rest[1])));
+        }
+        let wanted = Wanted { displacement: true, derivatives: true, slope_variance: true, velocity: false };
+        sea.frame.scattered(Points { x, z, footprint }, wanted, fields);
+    }
+
+    fn sample(&self, lane: usize) -> Sample {
+        let of = |values: &Vec<f32>| f64::from(values[lane]);
+        let Fields { displacement, slope, strain, slope_variance, .. } = &self.fields;
+        Sample {
+            displacement: displacement.each_ref().map(of),
+            slope: slope.each_ref().map(of),
+            strain: strain.each_ref().map(of),
+            slope_variance: of(slope_variance),
+            ..Sample::default()
+        }
+    }
+}
+
+impl Walk {
+    /// Goes on by one of Newton's steps, given the sea here, and tells how far from the ray it was; `None` where there is no
+    /// such step.
+    fn step(&mut self, sea: &SeaSurface, ray: &Ray, sample: &Sample) -> Option<f64> {
+        let ([xx, xz, zz], [yx, yz]) = (sample.strain, sample.slope);
+        let point = DVec3::new(self.rest[0], sea.level, self.rest[1]) + DVec3::from(sample.displacement);
+        let error = point - ray.at(self.distance);
+        // That the footprint changes along the way is left out: it changes slowly, and steps follow.
+        let ways = DMat3::from_cols(DVec3::new(1.0 + xx, yx, xz), DVec3::new(xz, yz, 1.0 + zz), -ray.direction);
+        let step = ways.inverse() * error;
+        if !step.is_finite() {
+            return None;
+        }
+        self.rest = [self.rest[0] - step.x, self.rest[1] - step.y];
+        self.distance -= step.z;
+        Some(error.length())
+    }
+}
