@@ -16,6 +16,7 @@ mod inputs;
 mod interrupt;
 mod nodes;
 mod outputs;
+mod plan;
 mod preview;
 mod progress;
 mod render;
@@ -67,6 +68,8 @@ enum Command {
     Schema,
     /// Describe a picture file: parts, layers, channels and what they hold
     Info(info::Args),
+    /// Find the settings that meet a tolerance
+    Plan(plan::Args),
     /// Check a certificate and its image against the f64 references
     Verify(verify::Args),
 }
@@ -89,6 +92,7 @@ fn main() -> ExitCode {
         Command::Nodes(args) => nodes::run(args),
         Command::Schema => schema::run(),
         Command::Info(args) => info::run(args),
+        Command::Plan(args) => plan::run(args),
         Command::Verify(args) => verify::run(args),
     };
     match outcome {

@@ -1,6 +1,7 @@
 //! A validated graph: having one is the proof that only input and output, bad data, memory or cancellation
 //! can stop its evaluation.
 
+use crate::Tolerance;
 use crate::{Body, FrameContext, Item, Kind, NodeId, NodeType, Record, Settled, Source, Takes, Work};
 use std::path::{Path, PathBuf};
 use trochoid_image::{Format, WorkingSpace};
@@ -134,6 +135,7 @@ pub struct CheckedGraph {
     pub(crate) first: i64,
     pub(crate) last: i64,
     pub(crate) fps: f64,
+    pub(crate) tolerance: Option<Tolerance>,
     pub(crate) nodes: Vec<CheckedNode>,
     pub(crate) outputs: Vec<OutputSpec>,
     pub(crate) order: Vec<NodeId>,
@@ -175,6 +177,11 @@ impl CheckedGraph {
     /// Frames per second.
     pub fn fps(&self) -> f64 {
         self.fps
+    }
+
+    /// How accurate pictures are asked to be, where the document says so.
+    pub fn tolerance(&self) -> Option<Tolerance> {
+        self.tolerance
     }
 
     /// All nodes; a [`NodeId`] is an index here.

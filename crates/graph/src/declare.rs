@@ -116,6 +116,11 @@ pub struct Knob {
     pub animated: bool,
     /// Whether each key holds until the next, since nothing lies between the values.
     pub held: bool,
+    /// Whether its values stand from the coarsest to the most accurate, and which is chosen changes how closely and how fast
+    /// the node meets its reference, but never the reference.
+    pub accuracy: bool,
+    /// Whether the node's work grows with it.
+    pub scales: bool,
 }
 
 /// What a knob takes.
@@ -216,7 +221,7 @@ impl Knob {
         animated: bool,
         help: &'static str,
     ) -> Self {
-        Self { name, help, unit: "", takes, default, animated, held: false }
+        Self { name, help, unit: "", takes, default, animated, held: false, accuracy: false, scales: false }
     }
 
     /// A number in `[min, max]` with a default.
@@ -284,6 +289,18 @@ impl Knob {
     /// Lets each key hold until the next.
     pub const fn held(mut self) -> Self {
         self.held = true;
+        self
+    }
+
+    /// Says that its words, or numbers, stand from the coarsest to the most accurate method.
+    pub const fn accuracy(mut self) -> Self {
+        self.accuracy = true;
+        self
+    }
+
+    /// Says that the node's work grows with it.
+    pub const fn scales(mut self) -> Self {
+        self.scales = true;
         self
     }
 

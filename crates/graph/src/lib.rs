@@ -31,6 +31,7 @@ mod schema;
 mod spanned;
 mod stability;
 mod stage_io;
+mod tolerance;
 mod work;
 
 pub use animated::{Animated, Interpolation};
@@ -55,4 +56,5 @@ pub use schema::schema;
 pub use spanned::{MAX_DEPTH, MAX_VALUES};
 pub use stability::{Figure, Relation, Stability, StabilityMap, Verdict};
 pub use stage_io::{Block, Bounding, Connection, Inputs, Outputs, Pool, Prepare};
+pub use tolerance::Tolerance;
 pub use work::Work;

@@ -53,6 +53,14 @@ pub fn schema(registry: &Registry) -> Value {
                 "default": "linear-srgb",
                 "description": "Where colors mix and the guarantee holds; srgb is display-encoded, as swatches are sampled."
             },
+            "tolerance": {
+                "description": "How accurate pictures are to be: settings that give it are chosen when they are rendered.",
+                "anyOf": [
+                    { "type": "number", "exclusiveMinimum": 0, "maximum": 1 },
+                    { "enum": ["exact", "reference"] },
+                    { "type": "string", "pattern": "^[0-9.e+-]+ */ *[0-9.e+-]+$" }
+                ]
+            },
             "frames": {
                 "type": "object",
                 "description": "Range of frames; time is (frame − first)/fps seconds.",

@@ -71,16 +71,17 @@ impl Visible {
         let sheets = self.nearest_sheets(around(pixels), offset);
         let offset = self.on_raster(offset);
         let mut found = vec![None; pixels.len()];
-        let mut nears: Vec<(Vec<usize>, Vec<(Ray, Near)>)> = vec![Default::default(); surfaces.len()];
+        let mut nears: Vec<Vec<(Ray, Near)>> = vec![Vec::new(); surfaces.len()];
+        let mut places: Vec<Vec<usize>> = vec![Vec::new(); surfaces.len()];
         for (index, &[x, y]) in pixels.iter().enumerate() {
             if let Some(sheet) = sheets.at([x, y])[0] {
                 let ray = self.projector.ray(x as f64 + offset[0], y as f64 + offset[1]);
                 let (surface, near) = self.near(&ray, &sheet);
-                nears[surface].0.push(index);
-                nears[surface].1.push((ray, near));
+                nears[surface].push((ray, near));
+                places[surface].push(index);
             }
         }
-        for (surface, (indices, nears)) in nears.iter().enumerate() {
+        for (surface, (nears, places)) in nears.iter().zip(&places).enumerate() {
             let hits = match sums {
                 Sums::Single => surfaces[surface].follow(&self.projector, nears),
                 Sums::Double => {
@@ -88,10 +89,10 @@ impl Visible {
                     nears.iter().map(meet).collect()
                 }
             };
-            for ((index, (ray, near)), hit) in indices.iter().zip(nears).zip(hits) {
+            for ((place, (ray, near)), hit) in places.iter().zip(nears).zip(hits) {
                 let depth = (ray.at(near.distance) - self.projector.position).dot(self.projector.forward);
                 let hit = hit.filter(|hit| (hit.depth - depth).abs() <= APART * depth.abs());
-                found[*index] = hit.map(|hit| Hit { surface, ..hit });
+                found[*place] = hit.map(|hit| Hit { surface, ..hit });
             }
         }
         found

@@ -39,6 +39,7 @@
 //! | `io` | Read, Texture, ViewFromPasses, nor writing of files, nor [`certificate`]; `io` brings `scene` |
 //! | `jit` | machine code for pointwise programs: they run as compiled kernels, with the same bits |
 
+pub mod accuracy;
 #[cfg(feature = "io")]
 pub mod certificate;
 mod costs;
@@ -70,13 +71,14 @@ pub use stability::stability;
 pub use stream::FileSink;
 pub use trochoid_engine::{
     Account, Audit, Buffers, Cache, Certified, Certifier, Channels, Distribution, EvalError, Evidence, Fate, Frame,
-    Hull, Instructions, Interval, Judging, LeftOut, Monitor, NodeReport, Phases, Picture, Plan, PlanError, Proved,
-    ReferenceError, ReferenceFrame, ReferencePixel, Settings, ShadingPlan, Silent, Sink, State, Switches,
+    Hull, Instructions, Interval, Judging, LeftOut, Limiting, Monitor, NodeReport, Phases, Picture, Plan, PlanError,
+    Proved, ReferenceError, ReferenceFrame, ReferencePixel, Settings, ShadingPlan, Silent, Sink, State, Switches,
 };
 pub use trochoid_graph::{
     Accepts, Arity, CheckedGraph, CheckedNode, Declaration, Default as KnobDefault, Diagnostic, End, Figure, Guarantee,
     Item, Kind, Knob, NodeId, NodeType, Omission, OutputSpec, Port, Precision, REFUSALS, Refusal, Registry, Relation,
-    Severity, Source, Stability, StabilityMap, Takes, Verdict, ViewChannel, Work, expected, nearest, refusal, schema,
+    Severity, Source, Stability, StabilityMap, Takes, Tolerance, Verdict, ViewChannel, Work, expected, nearest,
+    refusal, schema,
 };
 pub use trochoid_image::{Format, Plane, Rgb, Shading, Window, WorkingSpace};
 #[cfg(feature = "io")]

@@ -1,6 +1,7 @@
 //! Certificates and error images beside the files of a run.
 
 use super::Args;
+use super::accuracy::Accuracy;
 use super::job::interrupted;
 use crate::failure::{FAILED, Failure};
 use crate::inputs::InputFiles;
@@ -89,6 +90,7 @@ impl Certifying<'_> {
         &self,
         frame: &Frame,
         files: &[(&OutputFile, &Beside)],
+        accuracy: &Accuracy,
         cache: &mut Cache,
         fingerprints: &mut Fingerprints,
         monitor: &dyn Monitor,
@@ -99,13 +101,18 @@ impl Certifying<'_> {
         }
         let number = frame.number;
         let failed = |error: &dyn std::fmt::Display| Failure::new(FAILED, format!("frame {number}: {error}"));
-        let outputs = files.iter().flat_map(|(file, _)| &file.outputs);
-        let names: Vec<&str> = outputs.map(|index| graph.outputs()[*index].name.as_str()).collect();
-        let certifier = Certifier::new(graph, &names, number, &[], settings).map_err(|error| failed(&error))?;
-        let certified = certifier.certify(&Buffers::new(), cache, monitor).map_err(|error| match error {
-            EvalError::Cancelled => interrupted(),
-            error => failed(&error),
-        })?;
+        let outputs: Vec<usize> = files.iter().flat_map(|(file, _)| file.outputs.iter().copied()).collect();
+        let names: Vec<&str> = outputs.iter().map(|index| graph.outputs()[*index].name.as_str()).collect();
+        let certified = match accuracy.known(number, &outputs) {
+            Some(known) => known,
+            None => {
+                let certifier = Certifier::new(graph, &names, number, &[], settings).map_err(|error| failed(&error))?;
+                certifier.certify(&Buffers::new(), cache, monitor).map_err(|error| match error {
+                    EvalError::Cancelled => interrupted(),
+                    error => failed(&error),
+                })?
+            }
+        };
         for (file, beside) in files {
             if let Some(path) = &beside.error {
                 let metadata = fingerprints.metadata(graph, file, frame);

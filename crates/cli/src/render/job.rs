@@ -1,5 +1,6 @@
 //! What a run has to do, looked at before anything is evaluated; and doing it.
 
+use super::accuracy::Accuracy;
 use super::certify::{self, Beside, Certifying, Half};
 use super::{Args, line};
 use crate::failure::{FAILED, Failure, INTERRUPTED, MISSED};
@@ -11,8 +12,9 @@ use std::collections::{BTreeSet, HashSet};
 use std::path::PathBuf;
 use std::time::Instant;
 use trochoid::{
-    Cache, CheckedGraph, EvalError, FileSink, Fingerprints, Frame, Guarantee, Monitor, OutputFile, Plan, RunReport,
-    Settings, Sink, Switches, Work, check_destination, frame_report, misses, output_files, write_output,
+    Cache, CheckedGraph, EvalError, FileSink, Fingerprints, Frame, Guarantee, Monitor, OutputFile, Plan,
+    ReferenceError, RunReport, Settings, Sink, Switches, Work, check_destination, frame_report, misses, output_files,
+    write_output,
 };
 
 /// How a plan becomes a frame; tests put another in its place.
@@ -27,6 +29,7 @@ pub(super) struct Job<'a> {
     settings: Settings,
     outputs: Vec<usize>,
     frames: Vec<i64>,
+    accuracy: Accuracy,
 }
 
 /// What became of a frame.
@@ -55,9 +58,20 @@ impl<'a> Job<'a> {
         if args.unoptimized {
             settings.switches = Switches::NONE;
         }
-        let job = Self { graph, args, required: args.required(), settings, outputs, frames };
+        let job =
+            Self { graph, args, required: args.required(), settings, outputs, frames, accuracy: Accuracy::default() };
         job.check_files(faults);
         job
+    }
+
+    /// The same for settings that are found, of which the graph has them already.
+    pub(super) fn with(self, accuracy: Accuracy) -> Self {
+        Self { accuracy, ..self }
+    }
+
+    /// The settings that a tolerance or a plan asks for.
+    pub(super) fn accuracy(&self) -> Result<Accuracy, Failure> {
+        Accuracy::settle(self.args, self.graph, &self.outputs, self.frames.first().copied(), &self.settings)
     }
 
     fn files(&self, frame: i64) -> Result<Vec<OutputFile>, Failure> {
@@ -71,7 +85,7 @@ impl<'a> Job<'a> {
     }
 
     fn certifies(&self) -> bool {
-        self.args.certificate.is_some() || self.args.error.is_some()
+        self.args.certificate.is_some() || self.args.error.is_some() || self.accuracy.error().is_some()
     }
 
     /// Whether every file can be written, and none is an input or the document itself.
@@ -209,13 +223,23 @@ impl<'a> Job<'a> {
         let sink = FileSink::create(self.graph, &plan, &open)?;
         let [rendering, certifying] = [false, true].map(|second| Half { monitor: progress, second });
         let monitor: &dyn Monitor = if self.certifies() { &rendering } else { progress };
-        let frame = evaluate(&plan, sink.as_ref().map(|sink| sink as &dyn Sink), cache, monitor);
+        let into = sink.as_ref().map(|sink| sink as &dyn Sink);
+        let frame = if self.accuracy.by_reference() {
+            match plan.evaluate_by_reference(into, cache, monitor) {
+                Ok(frame) => Ok(frame),
+                Err(ReferenceError::Eval(error)) => Err(error),
+                Err(ReferenceError::Plan(error)) => return Err(failed(&error)),
+            }
+        } else {
+            evaluate(&plan, into, cache, monitor)
+        };
         let frame = frame.map_err(|error| match (error, &sink) {
             (EvalError::Cancelled, _) => interrupted(),
             (EvalError::Sink(text), Some(sink)) => sink.failure().map_or_else(|| failed(&text), Failure::from),
             (error, _) => failed(&error),
         })?;
         stop_if_asked()?;
+        let taken = started.elapsed().as_secs_f64();
         let misses = misses(self.graph, &frame, self.required);
         let writing = Instant::now();
         let keeps = |file: &OutputFile| !misses.iter().any(|miss| file.outputs.contains(&miss.output));
@@ -236,7 +260,7 @@ impl<'a> Job<'a> {
             let certifying_started = Instant::now();
             let kept: Vec<(&OutputFile, &Beside)> = open.iter().zip(&beside).filter(|(file, _)| keeps(file)).collect();
             let run = Certifying { graph: self.graph, settings: &self.settings, required: self.required };
-            certified = run.run(&frame, &kept, cache, fingerprints, &certifying)?;
+            certified = run.run(&frame, &kept, &self.accuracy, cache, fingerprints, &certifying)?;
             report["seconds"]["certify"] = json!(certifying_started.elapsed().as_secs_f64());
             for certified in &certified {
                 let name = &self.graph.outputs()[certified.output].name;
@@ -251,11 +275,15 @@ impl<'a> Job<'a> {
         report["files"] = json!(described);
         let files: Vec<(OutputFile, bool)> = open.iter().map(|file| (file.clone(), keeps(file))).collect();
         let line = line::rendered(self.graph, &frame, &files, &certified, started.elapsed().as_secs_f64());
+        if self.accuracy.asked.is_some() || !self.accuracy.set.is_empty() {
+            report["accuracy"] = self.accuracy.described(number, taken);
+        }
         let misses = misses.iter().map(|miss| {
             format!(
                 "error: {miss}\n  remedy: its file was not written; render it without the requirement to look at it"
             )
         });
+        let misses = misses.chain(self.accuracy.misses(self.graph, number, &certified));
         let replaced =
             frame.nodes.iter().filter(|node| node.repaired > 0).map(|node| (node.name.clone(), node.repaired));
         let replaced = replaced.collect();

@@ -1,5 +1,6 @@
 //! `trochoid render`: documents into files.
 
+mod accuracy;
 mod certify;
 mod job;
 mod line;
@@ -8,7 +9,7 @@ use crate::failure::Failure;
 use crate::{frames, interrupt, shell};
 use job::Job;
 use std::path::PathBuf;
-use trochoid::{Diagnostic, Guarantee, RunReport, RunStatus};
+use trochoid::{Diagnostic, Guarantee, RunReport, RunStatus, Tolerance};
 
 /// Options of `trochoid render`.
 #[derive(Debug, Default, clap::Args)]
@@ -45,6 +46,13 @@ pub(crate) struct Args {
     /// document's own counts
     #[arg(long, value_name = "GUARANTEE", value_parser = ["hull", "box"])]
     require: Option<String>,
+    /// Meet this error in every displayed value, such as 1/512, by the cheapest settings that are certified to; or exact, or
+    /// reference: the f64 references themselves [default: as the document says]
+    #[arg(long, value_name = "ERROR", value_parser = crate::plan::tolerance)]
+    tolerance: Option<Tolerance>,
+    /// Use the settings of this plan, as `trochoid plan` writes it
+    #[arg(long, value_name = "FILE", conflicts_with = "tolerance")]
+    plan: Option<PathBuf>,
     /// Switch every optimization off; no bit of the pictures changes
     #[arg(long)]
     unoptimized: bool,
@@ -114,11 +122,19 @@ fn run_with(args: &Args, evaluate: &job::Evaluate<'_>) -> Result<(), Failure> {
         }
     };
     shell::tell(&loaded.warnings.iter().map(Diagnostic::to_string).collect::<Vec<_>>());
-    let job = Job::new(&loaded.graph, args, frames, &mut faults);
+    let job = Job::new(&loaded.graph, args, frames.clone(), &mut faults);
     Failure::all(faults)?;
     shell::tell(&job.warnings());
+    let accuracy = job.accuracy()?;
+    // The document again, as its settings then are.
+    let settled = if accuracy.set.is_empty() {
+        loaded.graph.clone()
+    } else {
+        trochoid::load(&args.graph, &[&args.set[..], &accuracy.set].concat())?.graph
+    };
+    let job = Job::new(&settled, args, frames, &mut Vec::new()).with(accuracy);
     interrupt::watch()?;
-    let mut report = RunReport::new(&loaded.graph);
+    let mut report = RunReport::new(&settled);
     let outcome = job.run(evaluate, &mut report);
     let status = outcome.as_ref().err().map_or(RunStatus::Done, Failure::status);
     let written = write_report(args, &report, status);

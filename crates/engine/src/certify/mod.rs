@@ -110,27 +110,42 @@ impl<'g> Certifier<'g> {
 
     /// Which stage makes most of the bound at a pixel: the one without whose own errors it is least.
     ///
-    /// Outputs are averages over the pixel's samples there, and so are bounds. What the cache holds of a certification is
-    /// used again.
-    ///
     /// # Errors
     /// As [`Plan::evaluate`].
     pub fn limiting(
+        &self,
+        output: usize,
+        pixel: [i64; 2],
+        buffers: &Buffers<'_>,
+        cache: &mut Cache,
+        monitor: &dyn Monitor,
+    ) -> Result<Limiting, EvalError> {
+        let (bound, by_stage) = self.by_stage(output, pixel, buffers, cache, monitor)?;
+        let least = by_stage.into_iter().min_by(|a, b| a.1.total_cmp(&b.1));
+        let (stage, without) = least.map_or((None, bound), |(stage, without)| (Some(stage), without));
+        Ok(Limiting { stage: stage.filter(|_| without < MATTERS * bound), bound, without })
+    }
+
+    /// The bound of an output at a pixel, and what it were if one stage had no errors of its own: of each stage on the way.
+    ///
+    /// The largest channel's, averaged over the pixel's samples. What the cache holds of a certification is used again.
+    ///
+    /// # Errors
+    /// As [`Plan::evaluate`].
+    pub fn by_stage(
         &self,
         output: usize,
         [x, y]: [i64; 2],
         buffers: &Buffers<'_>,
         cache: &mut Cache,
         monitor: &dyn Monitor,
-    ) -> Result<Limiting, EvalError> {
+    ) -> Result<(f64, Vec<(NodeId, f64)>), EvalError> {
         let graph = self.plan.graph;
         let name = graph.outputs()[output].name.as_str();
-        let bound: Vec<&str> = (0..graph.nodes().len())
-            .filter(|id| self.plan.bound[*id])
-            .map(|id| graph.node(NodeId(id)).name.as_str())
-            .collect();
+        let bound = self.plan.bound.iter().enumerate().filter(|(_, bound)| **bound);
+        let bound: Vec<&str> = bound.map(|(id, _)| graph.node(NodeId(id)).name.as_str()).collect();
+        let region = Some(Window::new(x, y, x + 1, y + 1));
         let mut at = |exact: Option<NodeId>| {
-            let region = Some(Window::new(x, y, x + 1, y + 1));
             let settings = Settings { region, exact, ..self.plan.settings.clone() };
             let Ok(plan) = Plan::new(graph, &[name], self.plan.frame(), &bound, &settings) else {
                 unreachable!("a part of a plan is no larger than the plan")
@@ -138,15 +153,9 @@ impl<'g> Certifier<'g> {
             let certified = Self { plan }.certify(buffers, cache, monitor)?;
             Ok(certified[0].errors.iter().map(|error| f64::from(error[0])).fold(0.0, f64::max))
         };
-        let mut limiting = Limiting { stage: None, bound: at(None)?, without: f64::INFINITY };
-        for (stage, _) in &self.plan.prepares {
-            let without = at(Some(*stage))?;
-            if without < limiting.without {
-                limiting = Limiting { stage: Some(*stage), without, ..limiting };
-            }
-        }
-        limiting.stage = limiting.stage.filter(|_| limiting.without < MATTERS * limiting.bound);
-        Ok(limiting)
+        let whole = at(None)?;
+        let stages = self.plan.prepares.iter().map(|(stage, _)| Ok((*stage, at(Some(*stage))?)));
+        Ok((whole, stages.collect::<Result<_, EvalError>>()?))
     }
 
     fn tiles(

@@ -69,9 +69,9 @@ impl Plan<'_> {
         if let Some(sink) = sink {
             for band in window.tiles(window.width(), sink.rows().max(1)) {
                 let start = (band.y0 - window.y0) as usize * window.width();
-                let rows = pictures.iter().map(|planes| {
-                    planes.iter().map(|plane| &plane.samples()[start..start + band.area()]).collect()
-                });
+                let rows = pictures
+                    .iter()
+                    .map(|planes| planes.iter().map(|plane| &plane.samples()[start..start + band.area()]).collect());
                 sink.take(band, &rows.collect::<Vec<_>>())?;
             }
             pictures.iter_mut().for_each(Vec::clear);

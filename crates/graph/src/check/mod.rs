@@ -251,6 +251,7 @@ impl<'a> Checker<'a> {
             first: top.first,
             last: top.last,
             fps: top.fps,
+            tolerance: top.tolerance,
             nodes,
             outputs,
             order,

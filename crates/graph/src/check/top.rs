@@ -1,6 +1,7 @@
 //! Everything outside `nodes` and `outputs`: version, format, working space, frames.
 
 use super::{Checker, Place};
+use crate::Tolerance;
 use crate::spanned::{Entry, Json, Spanned};
 use trochoid_image::{Format, FormatError, MAX_PIXELS, MAX_SIDE, Shading, WorkingSpace};
 
@@ -10,15 +11,17 @@ pub(super) struct Top {
     pub(super) first: i64,
     pub(super) last: i64,
     pub(super) fps: f64,
+    pub(super) tolerance: Option<Tolerance>,
 }
 
-const KEYS: [&str; 8] = ["trochoid", "format", "working_space", "frames", "nodes", "outputs", "ui", "notes"];
+const KEYS: [&str; 9] =
+    ["trochoid", "format", "working_space", "frames", "tolerance", "nodes", "outputs", "ui", "notes"];
 /// Frames are numbered within this range, so that times stay exact.
 const MAX_FRAME: f64 = 1e7;
 
 impl<'a> Checker<'a> {
     pub(super) fn top(&mut self, root: &[&'a Entry]) -> Top {
-        let mut top = Top { format: None, first: 1, last: 1, fps: 24.0 };
+        let mut top = Top { format: None, first: 1, last: 1, fps: 24.0, tolerance: None };
         let mut versioned = false;
         for entry in root {
             let place = Place::top(entry.value.offset, &entry.key);
@@ -37,6 +40,7 @@ impl<'a> Checker<'a> {
                 "format" => top.format = self.format(&entry.value),
                 "working_space" => self.working_space(&entry.value),
                 "frames" => self.frames(&entry.value, &mut top),
+                "tolerance" => top.tolerance = self.tolerance(&entry.value),
                 "nodes" | "outputs" | "ui" | "notes" => {}
                 key => self.unknown_key(Place::top(entry.offset, key), key, &KEYS),
             }
@@ -138,6 +142,19 @@ impl<'a> Checker<'a> {
                 self.error(place, value.brief(), format!("one of {}", names.join(", ")), "choose one of them");
             }
         }
+    }
+
+    fn tolerance(&mut self, value: &'a Spanned) -> Option<Tolerance> {
+        let tolerance = match &value.json {
+            Json::Number(error) => Tolerance::error(*error),
+            Json::String(text) => Tolerance::parse(text),
+            _ => None,
+        };
+        if tolerance.is_none() {
+            let place = Place::top(value.offset, "tolerance");
+            self.error(place, value.brief(), Tolerance::EXPECTED, "say how far pixels may be off");
+        }
+        tolerance
     }
 
     fn frames(&mut self, value: &'a Spanned, top: &mut Top) {

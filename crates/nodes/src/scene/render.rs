@@ -28,6 +28,7 @@ static DECLARATION: Declaration = Declaration {
             8.0,
             "How many times as close vertices of meshes stand as the picture's pixels ask for.",
         )
+        .accuracy()
         .item(),
         Knob::choice(
             "points",
@@ -35,6 +36,7 @@ static DECLARATION: Declaration = Declaration {
             "What passes are told of: points of the mesh that stands for a surface; points of the surface itself next to those, \
              for a few times as long; or these to the digits of the reference, for many times as long.",
         )
+        .accuracy()
         .item(),
     ],
     outputs: &[

@@ -25,7 +25,7 @@ static DECLARATION: Declaration = Declaration {
                  over. With convention \"thesis\" the sum is flat for many waves, and sharpness scales the height too.",
     source: "Thesis 3.2.1; Hinsinger, Neyret and Cani, Interactive Animation of Ocean Waves, 2002.",
     items: &[
-        Knob::integer("count", 1000, 0, MAX_WAVES as i64, "Number of random waves.").item(),
+        Knob::integer("count", 1000, 0, MAX_WAVES as i64, "Number of random waves.").scales().item(),
         Knob::number("wavelength", 20.0, 1e-3, 1e5, "Mean wavelength.").unit("m").item(),
         Knob::number("spread", 0.5, 0.0, 3.0, "Standard deviation of ln L.").item(),
         Knob::number("height", 1.0, 0.0, 1e4, "Significant wave height, 4 × RMS.").unit("m").item(),

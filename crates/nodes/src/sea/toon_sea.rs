@@ -30,8 +30,8 @@ static DECLARATION: Declaration = Declaration {
                  for the whole run up to it, from the sea at rest: only `x`, `z` and `level` are cheap to key.",
     source: "Dadfar and Welling, Japanese-Style Toon-Based Water Shader, 3.1 and 3.2; Jury's criterion for stability.",
     items: &[
-        Knob::integer("columns", 256, 2, 2048, "Cells along x.").item(),
-        Knob::integer("rows", 256, 2, 2048, "Cells along z.").item(),
+        Knob::integer("columns", 256, 2, 2048, "Cells along x.").scales().item(),
+        Knob::integer("rows", 256, 2, 2048, "Cells along z.").scales().item(),
         Knob::number("spacing", 0.15, 1e-4, 1e4, "Distance of cells.").unit("m").item(),
         Knob::number("x", 0.0, -1e6, 1e6, "World x of the grid's first cell.").unit("m").item(),
         Knob::number("z", 0.0, -1e6, 1e6, "World z of the grid's first cell.").unit("m").item(),

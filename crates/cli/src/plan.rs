@@ -1,0 +1,161 @@
+//! `trochoid plan`: settings that meet a tolerance.
+//!
+//! As JSON: the plan as `--out` writes it: `trochoid_plan`, `document_hash`, `frame`, `tolerance`, `set`, `predicted_seconds`,
+//! `certified`.
+
+use crate::failure::{FAILED, Failure, INTERRUPTED, MISSED};
+use crate::progress::Progress;
+use crate::shell::{self, printable};
+use crate::{interrupt, outputs};
+use std::path::{Path, PathBuf};
+use trochoid::accuracy::{self, Missed, PlanFile, PlanFileError, Planned, Request, TargetError};
+use trochoid::{CheckedGraph, EvalError, Monitor, Settings, Tolerance};
+
+/// Options of `trochoid plan`.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "\
+Goes from the coarsest methods to more accurate ones until the f64 bounds of all passes certify that no sample in no doubt \
+is off by more: first on strips of the picture, then on all of it. `render --plan` uses what it writes.
+
+Exit code 3 says that the most accurate methods miss the tolerance, and which pass limits them.
+
+Examples:
+  trochoid plan storm.json --tolerance 1/64 --frame 36 --out storm.plan.json
+  trochoid render storm.json --plan storm.plan.json")]
+pub(crate) struct Args {
+    /// The document
+    #[arg(value_name = "GRAPH")]
+    graph: PathBuf,
+    /// The largest error of a displayed value, such as 1/512; or exact [default: as the document says]
+    #[arg(long, value_name = "ERROR", value_parser = tolerance)]
+    tolerance: Option<Tolerance>,
+    /// The frame [default: the document's first]
+    #[arg(long, value_name = "N", allow_hyphen_values = true)]
+    frame: Option<i64>,
+    /// Plan for this output; may be repeated [default: all outputs]
+    #[arg(long, value_name = "NAME")]
+    output: Vec<String>,
+    /// Set a knob or port; VALUE is JSON or a bare word, such as storm.height=3; may be repeated
+    #[arg(long, value_name = "NODE.KNOB=VALUE")]
+    set: Vec<String>,
+    /// Number of threads; 0 takes all cores
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=1024))]
+    threads: u16,
+    /// Write the plan as JSON
+    #[arg(short, long, value_name = "FILE")]
+    out: Option<PathBuf>,
+    /// Print nothing on stdout, and show no progress
+    #[arg(long, conflicts_with = "json")]
+    quiet: bool,
+    /// Print the plan as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// A tolerance on the command line.
+pub(crate) fn tolerance(text: &str) -> Result<Tolerance, String> {
+    Tolerance::parse(text).ok_or_else(|| format!("expected {}", Tolerance::EXPECTED))
+}
+
+/// Plans.
+///
+/// # Errors
+/// The document or the options are faulty, nothing meets the tolerance, or the plan cannot be written.
+pub(crate) fn run(args: &Args) -> Result<(), Failure> {
+    let loaded = trochoid::load(&args.graph, &args.set)?;
+    shell::tell(&loaded.warnings.iter().map(ToString::to_string).collect::<Vec<_>>());
+    let graph = &loaded.graph;
+    let mut faults = Vec::new();
+    let chosen = outputs::choose(graph, &args.output, &mut faults);
+    let asked = args.tolerance.or(graph.tolerance());
+    if asked.is_none() {
+        faults.push(Failure::usage(
+            "found no --tolerance and no \"tolerance\" in the document; expected one of them",
+            "say how far pixels may be off, such as --tolerance 1/512",
+        ));
+    } else if asked == Some(Tolerance::Reference) {
+        faults.push(Failure::usage(
+            "found the tolerance reference; expected an error or exact: references have no settings to choose",
+            "render with --tolerance reference",
+        ));
+    }
+    Failure::all(faults)?;
+    let Some(asked) = asked else { return Ok(()) };
+    let mut settings = Settings::default();
+    settings.threads = usize::from(args.threads);
+    let frame = args.frame.unwrap_or(graph.frames().0);
+    interrupt::watch()?;
+    let mut progress = Progress::new(1, args.quiet);
+    progress.begin(0, frame);
+    let target = Target { path: &args.graph, set: &args.set, graph, outputs: &chosen, frame, settings: &settings };
+    let planned = target.search(asked, &progress)?;
+    progress.finish();
+    let plan = PlanFile::new(graph, frame, asked, &planned);
+    if let Some(path) = &args.out {
+        trochoid::write_whole(path, plan.text().as_bytes())?;
+    }
+    if args.json {
+        return shell::print(&plan.text());
+    }
+    if args.quiet { Ok(()) } else { shell::print(&described(graph, asked, &planned)) }
+}
+
+/// What is to meet a tolerance.
+pub(crate) struct Target<'a> {
+    pub(crate) path: &'a Path,
+    pub(crate) set: &'a [String],
+    /// The document as `set` has it.
+    pub(crate) graph: &'a CheckedGraph,
+    pub(crate) outputs: &'a [usize],
+    pub(crate) frame: i64,
+    pub(crate) settings: &'a Settings,
+}
+
+impl Target<'_> {
+    /// The settings.
+    pub(crate) fn search(&self, tolerance: Tolerance, monitor: &dyn Monitor) -> Result<Planned, Failure> {
+        let outputs: Vec<&str> = self.outputs.iter().map(|index| self.graph.outputs()[*index].name.as_str()).collect();
+        let load = |more: &[String]| trochoid::load(self.path, &[self.set, more].concat());
+        let request = Request { outputs: &outputs, frame: self.frame, tolerance, settings: self.settings };
+        accuracy::plan(&load, &request, monitor).map_err(|error| match error {
+            TargetError::Load(error) => error.into(),
+            TargetError::Evaluate(EvalError::Cancelled) => Failure::new(INTERRUPTED, interrupt::INTERRUPTION),
+            TargetError::Missed(missed) => self.missed(&missed),
+            error => Failure::new(FAILED, format!("frame {}: {error}", self.frame)),
+        })
+    }
+
+    fn missed(&self, missed: &Missed) -> Failure {
+        let within = |parts: &i32| accuracy::allowed(0.5_f64.powi(*parts), self.graph.space()) >= missed.certified;
+        let remedy = match (0..60).rev().find(within) {
+            Some(parts) => format!("ask for {} or more, or for \"reference\"", Tolerance::Error(0.5_f64.powi(parts))),
+            None => "render with --error to see where it is so; ask for \"reference\"".into(),
+        };
+        let mut failure = Failure::new(MISSED, format!("frame {}: {missed}", self.frame));
+        failure.messages[0].push_str(&format!("\n  remedy: {remedy}"));
+        failure
+    }
+}
+
+/// `tolerance 1/64: view.points=surface  error ≤ 8.5e-3, 1.45 % ambiguous, 5.9 s predicted`.
+pub(crate) fn described(graph: &CheckedGraph, asked: Tolerance, planned: &Planned) -> String {
+    let set = if planned.set.is_empty() { "nothing to choose".to_owned() } else { planned.set.join(", ") };
+    let mut facts: Vec<String> = planned
+        .certified
+        .iter()
+        .map(|certified| {
+            let (clear, all) = (certified.clear.total(), certified.clear.total() + certified.unclear.total());
+            let name = printable(&graph.outputs()[certified.output].name);
+            let share = 100.0 * (all - clear) as f64 / all.max(1) as f64;
+            format!("{name}: error ≤ {:.1e}, {share:.2} % ambiguous", certified.clear.max())
+        })
+        .collect();
+    facts.push(format!("{:.2} s predicted", planned.predicted));
+    format!("tolerance {asked}: {}  {}\n", printable(&set), facts.join(", "))
+}
+
+impl From<PlanFileError> for Failure {
+    fn from(error: PlanFileError) -> Self {
+        Self::new(crate::failure::INVALID, error)
+    }
+}

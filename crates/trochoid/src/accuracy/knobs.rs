@@ -1,0 +1,84 @@
+//! The knobs by which nodes are more or less accurate.
+
+use super::ladder::Number;
+use trochoid_graph::{CheckedGraph, Item, Knob, NodeId, Takes};
+
+/// A knob of a node that chooses among methods of one reference.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct AccuracyKnob {
+    /// The node.
+    pub node: NodeId,
+    /// Its name.
+    pub name: String,
+    /// The knob.
+    pub knob: &'static str,
+    /// Its words, from the coarsest to the most accurate.
+    pub words: &'static [&'static str],
+}
+
+impl AccuracyKnob {
+    /// What sets it to one of its words, as `NODE.KNOB=VALUE`.
+    pub fn assignment(&self, level: usize) -> String {
+        format!("{}.{}={}", self.name, self.knob, self.words[level])
+    }
+}
+
+/// Those of all nodes that some outputs need at a frame, in the order of the document.
+pub(super) fn find(graph: &CheckedGraph, outputs: &[&str], frame: i64) -> Vec<AccuracyKnob> {
+    let of = reached(graph, outputs, frame).flat_map(|id| {
+        let node = graph.node(id);
+        node.ty.declaration().items.iter().filter_map(move |item| match item {
+            Item::Knob(Knob { name: knob, takes: Takes::Choice(words), accuracy: true, .. }) => {
+                Some(AccuracyKnob { node: id, name: node.name.clone(), knob, words })
+            }
+            _ => None,
+        })
+    });
+    of.collect()
+}
+
+/// The number knobs of those nodes that are wanted, where the document does not key them.
+pub(super) fn numbers(
+    graph: &CheckedGraph,
+    outputs: &[&str],
+    frame: i64,
+    wanted: impl Fn(&Knob) -> bool,
+) -> Vec<Number> {
+    let mut numbers = Vec::new();
+    for node in reached(graph, outputs, frame) {
+        let settled = graph.settle(node, frame);
+        let node = graph.node(node);
+        let items = node.ty.declaration().items.iter();
+        numbers.extend(items.filter_map(|item| Number::of(&node.name, item, |knob| settled.number(knob), &wanted)));
+    }
+    numbers
+}
+
+/// The nodes that some outputs need at a frame; of all outputs, where none is named.
+fn reached(graph: &CheckedGraph, outputs: &[&str], frame: i64) -> impl Iterator<Item = NodeId> {
+    let named = graph.outputs().iter().filter(|output| outputs.is_empty() || outputs.contains(&output.name.as_str()));
+    let reached = graph.reached(named.map(|output| output.node), frame);
+    (0..graph.nodes().len()).filter(move |id| reached[*id]).map(NodeId)
+}
+
+/// Takes the next word for the pass that limits a picture, or for all passes that it sees; `false` where there is none.
+pub(super) fn raise(
+    knobs: &[AccuracyKnob],
+    levels: &mut [usize],
+    graph: &CheckedGraph,
+    limiting: Option<NodeId>,
+    frame: i64,
+) -> bool {
+    let open = |index: usize, levels: &[usize]| levels[index] + 1 < knobs[index].words.len();
+    let own = (0..knobs.len()).filter(|index| Some(knobs[*index].node) == limiting && open(*index, levels));
+    let own: Vec<usize> = own.collect();
+    let chosen = if own.is_empty() {
+        let seen = limiting.map(|limiting| graph.reached([limiting], frame));
+        let sees = |index: &usize| seen.as_ref().is_none_or(|seen| seen[knobs[*index].node.0]);
+        (0..knobs.len()).filter(|index| sees(index) && open(*index, levels)).collect()
+    } else {
+        own
+    };
+    chosen.iter().for_each(|index| levels[*index] += 1);
+    !chosen.is_empty()
+}

@@ -1,0 +1,48 @@
+//! Parts of a picture that stand for all of it.
+
+use super::TargetError;
+use trochoid_engine::{Buffers, Cache, Monitor, Plan, Settings};
+use trochoid_graph::CheckedGraph;
+use trochoid_image::Window;
+
+/// Which share of the picture's breadth each strip has, and where they stand: sky is above, water below.
+const SHARE: i64 = 24;
+const PLACES: [i64; 3] = [4, 11, 18];
+
+/// Upright strips, an eighth of the picture together.
+pub(super) fn strips(window: Window) -> [Window; 3] {
+    let width = window.width() as i64;
+    PLACES.map(|place| {
+        let start = window.x0 + place * width / SHARE;
+        let end = (window.x0 + (place + 1) * width / SHARE).max(start + 1).min(window.x1);
+        Window::new(start.min(end - 1), window.y0, end, window.y1)
+    })
+}
+
+/// Seconds that evaluating outputs at a frame will take: all that is prepared, and strips of the picture for all of it.
+///
+/// # Errors
+/// There is no such plan, or it cannot be evaluated.
+pub fn predict(
+    graph: &CheckedGraph,
+    outputs: &[&str],
+    frame: i64,
+    settings: &Settings,
+    monitor: &dyn Monitor,
+) -> Result<f64, TargetError> {
+    let whole = graph.format().window();
+    let mut cache = Cache::new();
+    let (mut prepared, mut tiles, mut area) = (0.0, 0.0, 0);
+    for (index, strip) in strips(whole).into_iter().enumerate() {
+        let mut settings = settings.clone();
+        settings.region = Some(strip);
+        let plan = Plan::new(graph, outputs, frame, &[], &settings)?;
+        let seconds = plan.evaluate(&Buffers::new(), &mut cache, monitor)?.seconds;
+        if index == 0 {
+            prepared = seconds.prepare + seconds.hull;
+        }
+        tiles += seconds.tiles;
+        area += strip.area();
+    }
+    Ok(prepared + tiles * whole.area() as f64 / area as f64)
+}
