@@ -6,7 +6,7 @@ use trochoid::{Diagnostic, LoadError, OutputError, RunStatus, Severity};
 pub(crate) const FAILED: u8 = 1;
 /// Wrong usage, or an invalid document.
 pub(crate) const INVALID: u8 = 2;
-/// A required guarantee is not met, or a certificate does not hold.
+/// A required guarantee or tolerance is not met, or a certificate does not hold.
 pub(crate) const MISSED: u8 = 3;
 /// The user stopped it.
 pub(crate) const INTERRUPTED: u8 = 130;

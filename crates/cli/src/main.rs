@@ -1,8 +1,8 @@
 //! `trochoid`: renders documents, checks them, and prints what nodes and pictures hold.
 //!
 //! Results go to stdout, everything else to stderr. Exit codes: 0 done; 1 input or output, bad input data, or the
-//! evaluation failed; 2 usage or invalid document; 3 a required guarantee is not met, or a certificate does not hold;
-//! 130 interrupted.
+//! evaluation failed; 2 usage or invalid document; 3 a required guarantee or tolerance is not met, or a certificate does not
+//! hold; 130 interrupted.
 
 #![cfg_attr(test, allow(clippy::unwrap_used, reason = "a test may panic"))]
 
@@ -38,7 +38,7 @@ use std::process::ExitCode;
         0    done\n  \
         1    input or output, bad input data, or the evaluation failed\n  \
         2    wrong usage, or an invalid document\n  \
-        3    a required guarantee is not met, or a certificate does not hold\n  \
+        3    a required guarantee or tolerance is not met, or a certificate does not hold\n  \
         130  interrupted\n\n\
         Examples:\n  \
         trochoid check storm.json\n  \

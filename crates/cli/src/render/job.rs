@@ -199,7 +199,9 @@ impl<'a> Job<'a> {
         let beside = self.beside(&all, number)?;
         type Files = Vec<(OutputFile, Beside)>;
         let (current, open): (Files, Files) = all.into_iter().zip(beside).partition(|(file, beside)| {
+            // A file made by faster means is none of the references'.
             self.args.resume
+                && !self.accuracy.by_reference()
                 && fingerprints.is_current(self.graph, file, number, self.required)
                 && (!self.certifies() || beside.is_current(self.graph, file, number, fingerprints))
         });

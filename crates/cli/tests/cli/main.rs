@@ -6,6 +6,7 @@ mod bad_images;
 mod certify;
 mod commands;
 mod explain;
+mod plan;
 mod refusals;
 mod render;
 mod scene;

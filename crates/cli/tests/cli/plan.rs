@@ -1,0 +1,130 @@
+//! `trochoid plan`, and `trochoid render --tolerance`, `--plan`.
+
+use crate::scene::{SCENE, Scene};
+use serde_json::Value;
+use std::fs;
+use trochoid::io::{Limits, Selection, read};
+
+/// A sea whose mesh is too coarse for most, in colors that are mixed as displayed.
+const SEA: &str = r##"{ "trochoid": 1,
+  "format": { "width": 64, "height": 36 }, "working_space": "srgb", "frames": { "first": 1, "last": 2 },
+  "nodes": { "camera": { "type": "Camera", "position": [0, 6, 30], "target": [0, 1, 0] },
+             "sea": { "type": "GerstnerSea", "count": 12, "height": 1.5 },
+             "view": { "type": "Render", "camera": "camera", "surfaces": ["sea"] },
+             "fresnel": { "type": "Fresnel", "view": "view" },
+             "water": { "type": "Mix", "a": "#1a2438", "b": "#93b4a6", "weight": "fresnel" } },
+  "outputs": { "beauty": { "color": "water", "file": "out.##.exr" } } }"##;
+
+fn json(scene: &Scene, name: &str) -> Value {
+    serde_json::from_slice(&fs::read(scene.path(name)).unwrap()).unwrap()
+}
+
+fn pixels(scene: &Scene, name: &str) -> Vec<f32> {
+    let image = read(scene.path(name), &Selection::default(), &Limits::default()).unwrap();
+    image.channels.iter().flat_map(|channel| channel.plane.samples().to_vec()).collect()
+}
+
+#[test]
+fn a_plan_is_certified_to_meet_its_tolerance_and_renders_what_the_tolerance_renders() {
+    let scene = Scene::new(SEA);
+    scene.run(&["plan", "a.json", "--tolerance", "1/64", "--out", "p.json"]).code(0).says(&[
+        "tolerance 1/64: view.points=surface",
+        "beauty: error ≤ ",
+        "s predicted",
+    ]);
+    let plan = json(&scene, "p.json");
+    assert_eq!(plan["set"], serde_json::json!({ "view.points": "surface" }));
+    let max = plan["certified"]["beauty"]["max"].as_f64().unwrap();
+    assert!(max > 0.0 && max <= 1.0 / 64.0, "{max}");
+    scene.run(&["render", "a.json", "--frames", "1", "--plan", "p.json", "--out", "planned.exr"]).code(0);
+    let asked =
+        ["render", "a.json", "--frames", "1", "--tolerance", "1/64", "--out", "asked.exr", "--report", "r.json"];
+    scene.run(&asked).code(0).says(&["tolerance 1/64: view.points=surface", "frame 1: beauty"]);
+    let set = ["render", "a.json", "--frames", "1", "--set", "view.points=surface", "--out", "set.exr"];
+    scene.run(&set).code(0);
+    assert_eq!(pixels(&scene, "planned.exr"), pixels(&scene, "set.exr"));
+    assert_eq!(pixels(&scene, "asked.exr"), pixels(&scene, "set.exr"));
+    let frame = &json(&scene, "r.json")["frames"][0];
+    assert_eq!(frame["accuracy"]["set"], serde_json::json!(["view.points=surface"]));
+    assert!(frame["accuracy"]["predicted_seconds"].as_f64().unwrap() > 0.0);
+    assert_eq!(frame["outputs"]["beauty"]["certified"]["max"].as_f64(), Some(max));
+}
+
+#[test]
+fn the_document_may_ask_for_it() {
+    let scene = Scene::new(&SEA.replace("\"working_space\"", "\"tolerance\": \"1/64\", \"working_space\""));
+    let run = scene.run(&["render", "a.json", "--frames", "1-2"]).code(0);
+    run.says(&["tolerance 1/64: view.points=surface", "frame 2: beauty"]);
+    for wrong in ["0", "2", "\"1/0\"", "\"best\"", "[1]"] {
+        let scene =
+            Scene::new(&SEA.replace("\"working_space\"", &format!("\"tolerance\": {wrong}, \"working_space\"")));
+        scene.run(&["check", "a.json"]).fails(2, &["tolerance", "1/512", "exact"]);
+    }
+}
+
+#[test]
+fn what_no_method_meets_is_refused_by_the_pass_that_limits_it() {
+    let scene = Scene::new(SEA);
+    let words = ["output \"beauty\": found ", "limited by the pass \"fresnel\" (Fresnel)", "remedy: ask for 1/"];
+    scene.run(&["plan", "a.json", "--tolerance", "1e-9"]).fails(3, &words);
+    scene.run(&["render", "a.json", "--tolerance", "1e-9"]).fails(3, &words);
+    scene.has_no_files();
+    // What the remedy says is met.
+    let refusal = scene.run(&["plan", "a.json", "--tolerance", "1e-9"]).err;
+    let reachable = refusal.split("ask for ").nth(1).unwrap().split(' ').next().unwrap();
+    scene.run(&["plan", "a.json", "--tolerance", reachable]).code(0);
+}
+
+#[test]
+fn exact_and_reference_are_within_what_is_certified() {
+    let scene = Scene::new(SEA);
+    let exact = ["render", "a.json", "--frames", "1", "--tolerance", "exact", "--out", "e.exr", "--report", "e.json"];
+    scene.run(&[&exact[..], &["--certificate", "c.json"]].concat()).code(0).says(&["view.points=exact"]);
+    let reference = ["render", "a.json", "--frames", "1", "--tolerance", "reference", "--out", "r.exr"];
+    scene.run(&reference).code(0).says(&["frame 1: beauty → r.exr  hull, 0 exits"]);
+    let [exact, reference] = ["e.exr", "r.exr"].map(|name| pixels(&scene, name));
+    let certified = json(&scene, "c.json")["outputs"][0]["error"]["samples"]["max"].as_f64().unwrap();
+    // Edges are in doubt, and stored values are rounded to 11 bits.
+    let within = exact.iter().zip(&reference).filter(|(a, b)| (**a - **b).abs() <= certified as f32 + 5e-4).count();
+    assert!(within * 100 > 97 * exact.len(), "{within} of {}", exact.len());
+    assert_ne!(
+        exact,
+        pixels(
+            &{
+                let scene = Scene::new(SEA);
+                scene.run(&["render", "a.json", "--frames", "1", "--out", "m.exr"]).code(0);
+                scene
+            },
+            "m.exr"
+        )
+    );
+}
+
+#[test]
+fn what_has_nothing_to_choose_is_certified_as_it_is() {
+    let scene = Scene::new(SCENE);
+    scene.run(&["plan", "a.json", "--tolerance", "1/512"]).code(0).says(&["nothing to choose", "mask: error ≤ "]);
+    let plan = scene.run(&["plan", "a.json", "--tolerance", "exact", "--json"]).code(0).json();
+    assert_eq!((plan["tolerance"].as_str(), plan["set"].as_object().unwrap().len()), (Some("exact"), 0));
+}
+
+#[test]
+fn faults_are_told_before_anything_is_done() {
+    let scene = Scene::new(SEA);
+    scene.run(&["plan", "a.json"]).fails(2, &["--tolerance", "1/512"]);
+    scene.run(&["plan", "a.json", "--tolerance", "reference"]).fails(2, &["render with --tolerance reference"]);
+    scene.run(&["plan", "a.json", "--tolerance", "1/64", "--output", "mask"]).fails(2, &["beauty"]);
+    scene.run(&["render", "a.json", "--tolerance", "none"]).fails(2, &["none", "1/512"]);
+    scene.run(&["render", "a.json", "--plan", "no.json"]).fails(2, &["no.json", "cannot be read"]);
+    fs::write(scene.path("bad.json"), "{\"trochoid_plan\": 1}").unwrap();
+    scene.run(&["render", "a.json", "--plan", "bad.json"]).fails(2, &["bad.json", "expected a plan"]);
+    scene.run(&["render", "a.json", "--plan", "bad.json", "--tolerance", "1/8"]).fails(2, &["--plan", "--tolerance"]);
+}
+
+#[test]
+fn a_plan_for_another_document_is_told_so() {
+    let scene = Scene::new(SEA);
+    scene.run(&["plan", "a.json", "--tolerance", "exact", "--out", "p.json"]).code(0);
+    let run = scene.run(&["render", "a.json", "--plan", "p.json", "--frames", "1", "--set", "sea.count=11"]).code(0);
+    assert!(run.err.contains("a plan for another document"), "{}", run.err);
+}
