@@ -114,7 +114,8 @@ impl fmt::Display for Missed {
 /// # Errors
 /// See [`TargetError`].
 ///
-/// ```
+#[cfg_attr(feature = "sea", doc = "```")]
+#[cfg_attr(not(feature = "sea"), doc = "```ignore")]
 /// use trochoid::accuracy::{Request, plan};
 /// use trochoid::{Settings, Silent, Tolerance, parse};
 ///
