@@ -27,31 +27,98 @@ pub fn frame(sea: &ToonSea, time: f64, wanted: Wanted) -> Reference {
     // h₋, or the velocity.
     let mut other = zero();
     let (last, part) = sea.step_at(time);
+    let stretch =
+        |seconds: f64| Stretch { sea, seconds, wanted, advance: Advance::new(&sea.motion, &sea.basin, seconds) };
+    let whole = stretch(1.0 / sea.motion.rate());
     for step in 1..=last {
-        advance(sea, sea.time_of(step), 1.0 / sea.motion.rate(), wanted, &mut state, &mut other);
+        whole.pass(sea.time_of(step), &mut state, &mut other);
     }
     if part > 0.0 {
-        advance(sea, time, part, wanted, &mut state, &mut other);
+        stretch(part).pass(time, &mut state, &mut other);
     }
     state
 }
 
-/// One stretch of time, under the bursts of its end.
-fn advance(sea: &ToonSea, time: f64, seconds: f64, wanted: Wanted, state: &mut Reference, other: &mut Vec<f64>) {
-    let Basin { columns, rows, spacing, .. } = sea.basin;
-    let mut force = vec![0.0; columns * rows];
-    for row in 0..rows {
-        for column in 0..columns {
-            let cell = row * columns + column;
-            let place = [column as f64 * spacing, row as f64 * spacing];
-            force[cell] =
-                sea.injection() * sea.bursts.iter().map(|burst| profile(sea, burst, time, place)).sum::<f64>();
-            if wanted.rift || wanted.drift {
-                trails(sea, time, seconds, place, cell, state);
+/// A stretch of time, so many seconds long.
+struct Stretch<'a> {
+    sea: &'a ToonSea,
+    seconds: f64,
+    wanted: Wanted,
+    advance: Advance,
+}
+
+/// A burst at one time.
+struct Passing<'a> {
+    burst: &'a Burst,
+    center: [f64; 2],
+    /// Cosine and sine of its heading.
+    heading: [f64; 2],
+    /// What the fade leaves.
+    left: f64,
+    /// Turns of its drift lines.
+    turns: f64,
+    /// How far from its center it does anything at all.
+    reach: f64,
+}
+
+impl<'a> Passing<'a> {
+    /// Those that are active.
+    fn all(sea: &'a ToonSea, time: f64) -> Vec<Self> {
+        let passing = |burst: &'a Burst| {
+            let spline = Spline(burst.path);
+            let (lap, progress) = burst.progress(time);
+            let (rift, drift) = (sea.behavior.rift, sea.behavior.drift);
+            let (radii, _) = burst.profile(sea.behavior.shape);
+            let farthest = |[a, b]: [f64; 2]| a.max(b);
+            let raised = match sea.behavior.shape {
+                Shape::Intended => burst.peak * farthest(burst.influence),
+                Shape::Literal => f64::INFINITY,
+            };
+            let drawn = farthest([radii[0] * drift.reach[0], radii[1] * drift.reach[1]]);
+            Self {
+                burst,
+                center: spline.point(progress),
+                heading: spline.heading(progress),
+                left: burst.left(progress),
+                turns: drift.along(lap, progress, &spline.lengths()),
+                // Rounding must not cut what is all but 0.
+                reach: (1.0 + 1e-9) * raised.max(drawn).max(rift.distance),
+            }
+        };
+        sea.bursts.iter().filter(|burst| burst.is_active(time)).map(passing).collect()
+    }
+
+    /// Whether it may do anything at a place.
+    fn reaches(&self, [x, z]: [f64; 2]) -> bool {
+        let (dx, dz) = (x - self.center[0], z - self.center[1]);
+        dx * dx + dz * dz <= self.reach * self.reach
+    }
+}
+
+impl Stretch<'_> {
+    /// Lets it pass, under the bursts of its end.
+    fn pass(&self, time: f64, state: &mut Reference, other: &mut Vec<f64>) {
+        let Self { sea, seconds, wanted, .. } = *self;
+        let Basin { columns, rows, spacing, .. } = sea.basin;
+        let bursts = Passing::all(sea, time);
+        let mut force = vec![0.0; columns * rows];
+        for row in 0..rows {
+            for column in 0..columns {
+                let cell = row * columns + column;
+                let place = [column as f64 * spacing, row as f64 * spacing];
+                force[cell] = sea.injection()
+                    * bursts
+                        .iter()
+                        .filter(|burst| burst.reaches(place))
+                        .map(|burst| profile(sea, burst, place))
+                        .sum::<f64>();
+                if wanted.rift || wanted.drift {
+                    trails(sea, &bursts, seconds, place, cell, state);
+                }
             }
         }
+        self.advance.step(&force, &mut state.height, other);
     }
-    Advance::new(&sea.motion, &sea.basin, seconds).step(&force, &mut state.height, other);
 }
 
 /// A stretch of time of a motion, whatever raises the sea: in cells where it is the literal step, else in modes.
@@ -122,21 +189,16 @@ fn mean(basin: &Basin, h: &[f64], cell: usize) -> f64 {
     (at(x - 1, z) + at(x + 1, z) + at(x, z - 1) + at(x, z + 1)) / 4.0
 }
 
-/// A burst in its own frame at a time: where a place lies along and across, and what the fade leaves.
-fn local(sea: &ToonSea, burst: &Burst, time: f64, [x, z]: [f64; 2], oriented: bool) -> ([f64; 2], f64) {
-    let spline = Spline(burst.path);
-    let (_, progress) = burst.progress(time);
-    let center = spline.point(progress);
-    let [cos, sin] = if oriented && sea.behavior.oriented { spline.heading(progress) } else { [1.0, 0.0] };
-    let (dx, dz) = (x - center[0], z - center[1]);
-    ([dx * cos + dz * sin, dz * cos - dx * sin], burst.left(progress))
+/// Where a place lies along a burst's way, if it is oriented, and across it.
+fn local(passing: &Passing<'_>, [x, z]: [f64; 2], oriented: bool) -> [f64; 2] {
+    let [cos, sin] = if oriented { passing.heading } else { [1.0, 0.0] };
+    let (dx, dz) = (x - passing.center[0], z - passing.center[1]);
+    [dx * cos + dz * sin, dz * cos - dx * sin]
 }
 
-fn profile(sea: &ToonSea, burst: &Burst, time: f64, place: [f64; 2]) -> f64 {
-    if !burst.is_active(time) {
-        return 0.0;
-    }
-    let ([along, across], left) = local(sea, burst, time, place, true);
+fn profile(sea: &ToonSea, passing: &Passing<'_>, place: [f64; 2]) -> f64 {
+    let Passing { burst, left, .. } = passing;
+    let [along, across] = local(passing, place, sea.behavior.oriented);
     let distance = libm::hypot(along / burst.influence[0], across / burst.influence[1]);
     let (p, h) = (burst.peak, burst.height);
     left * match sea.behavior.shape {
@@ -146,7 +208,7 @@ fn profile(sea: &ToonSea, burst: &Burst, time: f64, place: [f64; 2]) -> f64 {
 }
 
 /// Adds to the rift and the drift of one cell.
-fn trails(sea: &ToonSea, time: f64, seconds: f64, place: [f64; 2], cell: usize, state: &mut Reference) {
+fn trails(sea: &ToonSea, bursts: &[Passing<'_>], seconds: f64, place: [f64; 2], cell: usize, state: &mut Reference) {
     let (rift, drift) = (sea.behavior.rift, sea.behavior.drift);
     let steps = seconds * LITERAL_HZ;
     // Σ (1+ε)⁻ʲ over j = 1…steps.
@@ -156,24 +218,21 @@ fn trails(sea: &ToonSea, time: f64, seconds: f64, place: [f64; 2], cell: usize, 
     };
     let mut near = 0.0;
     let mut sums = [0.0; 5];
-    for burst in sea.bursts.iter().filter(|burst| burst.is_active(time)) {
-        let ([along, across], left) = local(sea, burst, time, place, false);
+    for passing in bursts.iter().filter(|burst| burst.reaches(place)) {
+        let Passing { burst, heading: [cos, sin], left, turns, .. } = passing;
+        let [along, across] = local(passing, place, false);
         let inside = (rift.distance - libm::hypot(along, across)).max(0.0);
         near = match rift.combine {
             Combine::Sum => near + inside,
             Combine::Nearest => inside.max(near),
         };
-        let spline = Spline(burst.path);
-        let (lap, progress) = burst.progress(time);
-        let [cos, sin] = spline.heading(progress);
         let (a, l) = (along * cos + across * sin, across * cos - along * sin);
         let (radii, _) = burst.profile(sea.behavior.shape);
         let q = libm::hypot(a / (radii[0] * drift.reach[0]), l / (radii[1] * drift.reach[1]));
         let weight = left * (1.0 - q * q).max(0.0) * (1.0 - q * q).max(0.0);
-        let s = drift.along(lap, progress, &spline.lengths());
         let swept = drift.lag * libm::sqrt(l * l + drift.softness(sea.basin.spacing));
         let angle = |meters: f64, turns: f64| libm::sincos(2.0 * PI * (meters * drift.frequency() + turns));
-        let ((along_sin, along_cos), (across_sin, across_cos)) = (angle(a - swept, s), angle(burst.lane + l, 0.0));
+        let ((along_sin, along_cos), (across_sin, across_cos)) = (angle(a - swept, *turns), angle(burst.lane + l, 0.0));
         for (sum, value) in sums.iter_mut().zip([1.0, along_cos, along_sin, across_cos, across_sin]) {
             *sum += weight * value;
         }
@@ -191,6 +250,8 @@ fn trails(sea: &ToonSea, time: f64, seconds: f64, place: [f64; 2], cell: usize, 
 struct Basis {
     size: [usize; 2],
     axes: [Vec<Vec<f64>>; 2],
+    /// The same by x, then k.
+    turned: [Vec<Vec<f64>>; 2],
     gaps: [Vec<f64>; 2],
 }
 
@@ -213,29 +274,37 @@ impl Basis {
             });
             functions.collect()
         };
-        Self { size, axes: size.map(axis), gaps: size.map(|n| basin.axis_gaps(n)) }
+        let axes = size.map(axis);
+        let turned = axes
+            .each_ref()
+            .map(|axis| (0..axis.len()).map(|x| axis.iter().map(|function| function[x]).collect()).collect());
+        Self { size, axes, turned, gaps: size.map(|n| basin.axis_gaps(n)) }
     }
 
     fn forward(&self, field: &[f64]) -> Vec<f64> {
-        self.apply(field, &|axis, k, x| self.axes[axis][k][x])
+        self.apply(field, &self.turned)
     }
 
     fn backward(&self, coefficients: &[f64]) -> Vec<f64> {
-        self.apply(coefficients, &|axis, x, k| self.axes[axis][k][x])
+        self.apply(coefficients, &self.axes)
     }
 
-    fn apply(&self, values: &[f64], matrix: &dyn Fn(usize, usize, usize) -> f64) -> Vec<f64> {
+    /// Both axes' sums, each of whose terms stand in their order: `matrices` hold by axis and input what goes to each output.
+    fn apply(&self, values: &[f64], matrices: &[Vec<Vec<f64>>; 2]) -> Vec<f64> {
         let [columns, rows] = self.size;
+        let add = |to: &mut [f64], factors: &[f64], factor: f64| {
+            to.iter_mut().zip(factors).for_each(|(to, value)| *to += value * factor);
+        };
         let mut half = vec![0.0; values.len()];
-        for row in 0..rows {
-            for out in 0..columns {
-                half[row * columns + out] = (0..columns).map(|x| matrix(0, out, x) * values[row * columns + x]).sum();
+        for (row, half) in half.chunks_exact_mut(columns).enumerate() {
+            for x in 0..columns {
+                add(half, &matrices[0][x], values[row * columns + x]);
             }
         }
         let mut full = vec![0.0; values.len()];
-        for out in 0..rows {
-            for column in 0..columns {
-                full[out * columns + column] = (0..rows).map(|z| matrix(1, out, z) * half[z * columns + column]).sum();
+        for (out, full) in full.chunks_exact_mut(columns).enumerate() {
+            for z in 0..rows {
+                add(full, &half[z * columns..][..columns], matrices[1][z][out]);
             }
         }
         full
