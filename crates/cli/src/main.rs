@@ -20,6 +20,7 @@ mod plan;
 mod preview;
 mod progress;
 mod render;
+mod report;
 mod schema;
 mod shell;
 mod stability;
@@ -70,6 +71,8 @@ enum Command {
     Info(info::Args),
     /// Find the settings that meet a tolerance
     Plan(plan::Args),
+    /// Show error against run time: settings side by side, as a page of plots
+    Report(report::Args),
     /// Check a certificate and its image against the f64 references
     Verify(verify::Args),
 }
@@ -93,6 +96,7 @@ fn main() -> ExitCode {
         Command::Schema => schema::run(),
         Command::Info(args) => info::run(args),
         Command::Plan(args) => plan::run(args),
+        Command::Report(args) => report::run(args),
         Command::Verify(args) => verify::run(args),
     };
     match outcome {

@@ -57,7 +57,7 @@ pub use info::{ChannelInfo, Compression, FileKind, Info, Levels, PartInfo, Sampl
 pub use limits::Limits;
 pub use metadata::read_metadata;
 pub use picture::{Encoding, Picture, PictureChannel, PictureInfo, read};
-pub use png_file::{PngImage, write_png8, write_png16};
+pub use png_file::{PngImage, encode_png8, write_png8, write_png16};
 pub use samples::Samples;
 pub use selection::{PartName, Selection};
 pub use statistics::{Statistics, statistics};

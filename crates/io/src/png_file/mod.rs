@@ -2,7 +2,6 @@
 
 mod text;
 
-use std::io::Write;
 use std::path::Path;
 
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
@@ -10,7 +9,6 @@ use image::{ExtendedColorType, ImageEncoder};
 
 pub(crate) use text::read_text;
 
-use crate::atomic::write_atomically;
 use crate::{Error, Samples};
 
 /// A picture to be written as PNG: display-encoded values in 0 to 1.
@@ -35,6 +33,9 @@ impl<'a> PngImage<'a> {
     }
 }
 
+const COLORS_8: [ExtendedColorType; 4] =
+    [ExtendedColorType::L8, ExtendedColorType::La8, ExtendedColorType::Rgb8, ExtendedColorType::Rgba8];
+
 /// Writes 8 bits a channel, rounded to nearest, atomically and marked as sRGB.
 ///
 /// ```
@@ -53,8 +54,17 @@ impl<'a> PngImage<'a> {
 pub fn write_png8(path: impl AsRef<Path>, image: &PngImage<'_>) -> Result<(), Error> {
     let path = path.as_ref();
     let bytes = quantize(path, image, 1, |value, bytes| bytes.push((value * 255.0).round() as u8))?;
-    let colors = [ExtendedColorType::L8, ExtendedColorType::La8, ExtendedColorType::Rgb8, ExtendedColorType::Rgba8];
-    write(path, image, &bytes, colors)
+    write(path, image, &bytes, COLORS_8)
+}
+
+/// The bytes of a file of 8 bits a channel, rounded to nearest, marked as sRGB.
+///
+/// # Errors
+/// As [`write_png8`], except that nothing is written.
+pub fn encode_png8(image: &PngImage<'_>) -> Result<Vec<u8>, Error> {
+    let path = Path::new("a picture in memory");
+    let bytes = quantize(path, image, 1, |value, bytes| bytes.push((value * 255.0).round() as u8))?;
+    encode(path, image, &bytes, COLORS_8)
 }
 
 /// Writes 16 bits a channel, rounded to nearest, atomically and marked as sRGB.
@@ -119,6 +129,10 @@ fn name(count: usize, index: usize) -> &'static str {
 }
 
 fn write(path: &Path, image: &PngImage<'_>, bytes: &[u8], colors: [ExtendedColorType; 4]) -> Result<(), Error> {
+    crate::write_bytes(path, &encode(path, image, bytes, colors)?)
+}
+
+fn encode(path: &Path, image: &PngImage<'_>, bytes: &[u8], colors: [ExtendedColorType; 4]) -> Result<Vec<u8>, Error> {
     let text = text::chunks(path, &image.metadata)?;
     let mut png = Vec::new();
     let color = colors[image.channels.len() - 1];
@@ -129,12 +143,7 @@ fn write(path: &Path, image: &PngImage<'_>, bytes: &[u8], colors: [ExtendedColor
         })?;
     // Text stands before the pixels, so that reading it back does not pass over them.
     let (head, pixels) = png.split_at(text::HEADER.min(png.len()));
-    write_atomically(path, |file| {
-        [head, &text, pixels]
-            .into_iter()
-            .try_for_each(|bytes| file.write_all(bytes))
-            .map_err(Error::io(path, "write the file"))
-    })
+    Ok([head, &text, pixels].concat())
 }
 
 #[cfg(test)]

@@ -1,6 +1,5 @@
 //! The knobs by which nodes are more or less accurate.
 
-use super::ladder::Number;
 use trochoid_graph::{CheckedGraph, Item, Knob, NodeId, Takes};
 
 /// A knob of a node that chooses among methods of one reference.
@@ -81,4 +80,41 @@ pub(super) fn raise(
     };
     chosen.iter().for_each(|index| levels[*index] += 1);
     !chosen.is_empty()
+}
+
+/// A number knob of a node.
+pub(super) struct Number {
+    node: String,
+    knob: &'static str,
+    /// Its value in the document.
+    at: f64,
+    takes: Takes,
+}
+
+impl Number {
+    fn of(node: &str, item: &Item, at: impl Fn(&str) -> f64, wanted: &dyn Fn(&Knob) -> bool) -> Option<Self> {
+        match item {
+            Item::Knob(knob @ Knob { takes: Takes::Number { .. } | Takes::Integer { .. }, .. }) if wanted(knob) => {
+                Some(Self { node: node.to_owned(), knob: knob.name, at: at(knob.name), takes: knob.takes })
+            }
+            _ => None,
+        }
+    }
+
+    pub(super) fn path(&self) -> String {
+        format!("{}.{}", self.node, self.knob)
+    }
+
+    /// So many times its value, as far as it goes.
+    pub(super) fn value(&self, factor: f64) -> f64 {
+        match self.takes {
+            Takes::Number { min, max } => (self.at * factor).clamp(min, max),
+            Takes::Integer { min, max } => (self.at * factor).round().clamp(min as f64, max as f64),
+            _ => self.at,
+        }
+    }
+
+    pub(super) fn assignment(&self, factor: f64) -> String {
+        format!("{}={}", self.path(), self.value(factor))
+    }
 }

@@ -196,6 +196,15 @@ pub fn allowed(tolerance: f64, space: WorkingSpace) -> f64 {
     }
 }
 
+/// The largest error of an output in the working space; `None` for what is not displayed.
+fn allowed_of(kind: Kind, tolerance: f64, space: WorkingSpace) -> Option<f64> {
+    match kind {
+        Kind::Color => Some(allowed(tolerance, space)),
+        Kind::Weights(_) => Some(tolerance),
+        _ => None,
+    }
+}
+
 /// Whether an output meets a tolerance with some settings.
 enum Outcome {
     Holds(Vec<Certified>),
@@ -258,13 +267,8 @@ impl Trial<'_> {
         if worst.is_none() { Err(TargetError::NothingDisplayed) } else { Ok(worst) }
     }
 
-    /// The largest error in the working space; `None` for what is not displayed.
     fn allowed(&self, kind: Kind) -> Option<f64> {
-        match kind {
-            Kind::Color => Some(allowed(self.tolerance, self.graph.space())),
-            Kind::Weights(_) => Some(self.tolerance),
-            _ => None,
-        }
+        allowed_of(kind, self.tolerance, self.graph.space())
     }
 
     fn unknown(&self, certified: &Certified) -> TargetError {

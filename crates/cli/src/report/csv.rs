@@ -1,0 +1,30 @@
+//! `report.csv`: one line a rung.
+
+use super::data::{Report, columns};
+use serde_json::Value;
+use std::error::Error;
+
+/// A header and the rungs, by RFC 4180.
+///
+/// # Errors
+/// Rows differ in their number of fields.
+pub(super) fn table(report: &Report<'_>) -> Result<Vec<u8>, Box<dyn Error>> {
+    let mut writer = ::csv::WriterBuilder::new().terminator(::csv::Terminator::CRLF).from_writer(Vec::new());
+    for (index, rung) in report.ladder.rungs.iter().enumerate() {
+        let columns = columns(report, rung);
+        if index == 0 {
+            writer.write_record(columns.iter().map(|(name, _)| *name))?;
+        }
+        writer.write_record(columns.iter().map(|(_, value)| field(value)))?;
+    }
+    writer.into_inner().map_err(|error| error.into_error().into())
+}
+
+/// Text as it is, nothing for what is unknown.
+fn field(value: &Value) -> String {
+    match value {
+        Value::Null => String::new(),
+        Value::String(text) => text.clone(),
+        value => value.to_string(),
+    }
+}

@@ -1,0 +1,84 @@
+//! Numbers as people read them.
+
+/// Two digits: `0.085`, `8.5×10⁻⁵`.
+pub(super) fn short(value: f64) -> String {
+    if value == 0.0 {
+        return "0".into();
+    }
+    if !value.is_finite() {
+        return "–".into();
+    }
+    let scientific = format!("{value:.1e}");
+    let Some((digits, exponent)) = scientific.split_once('e') else { return scientific };
+    let digits = digits.strip_suffix(".0").unwrap_or(digits);
+    match exponent.parse::<i32>() {
+        Ok(-2) | Ok(-1) => format!("{value:.*}", if exponent == "-2" { 3 } else { 2 }),
+        Ok(0) => digits.into(),
+        Ok(1..=3) => format!("{value:.0}"),
+        _ if digits == "1" => format!("10{}", raised(exponent)),
+        _ => format!("{digits}×10{}", raised(exponent)),
+    }
+}
+
+/// Digits of an exponent.
+fn raised(exponent: &str) -> String {
+    let raise = |c: char| match c {
+        '-' => '⁻',
+        _ => ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'][c.to_digit(10).unwrap_or(0) as usize],
+    };
+    exponent.chars().map(raise).collect()
+}
+
+/// `31 ms`, `1.4 s`.
+pub(super) fn seconds(value: f64) -> String {
+    match value {
+        value if !value.is_finite() => "–".into(),
+        value if value.abs() < 0.000_95 => format!("{:.2} ms", value * 1e3),
+        value if value.abs() < 0.009_5 => format!("{:.1} ms", value * 1e3),
+        value if value.abs() < 0.095 => format!("{:.0} ms", value * 1e3),
+        value if value.abs() < 0.95 => format!("{value:.2} s"),
+        value if value.abs() < 9.5 => format!("{value:.1} s"),
+        _ => format!("{value:.0} s"),
+    }
+}
+
+/// `1.45 %`; what is not 0 does not look like 0.
+pub(super) fn percent(share: f64) -> String {
+    match 100.0 * share {
+        part if !part.is_finite() => "–".into(),
+        part if part > 0.0 && part < 0.005 => "< 0.01 %".into(),
+        part if part < 10.0 => format!("{part:.2} %"),
+        part => format!("{part:.1} %"),
+    }
+}
+
+/// `12.3 MiB`.
+pub(super) fn mebibytes(bytes: usize) -> String {
+    format!("{:.1} MiB", bytes as f64 / f64::from(1 << 20))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_have_two_digits() {
+        for (value, text) in [
+            (0.0, "0"),
+            (0.5, "0.50"),
+            (0.085, "0.085"),
+            (0.0085, "8.5×10⁻³"),
+            (1e-6, "10⁻⁶"),
+            (1.0, "1"),
+            (2.54, "2.5"),
+            (37.2, "37"),
+            (1.2e12, "1.2×10¹²"),
+            (f64::NAN, "–"),
+        ] {
+            assert_eq!(short(value), text);
+        }
+        let all = [0.000_31, 0.0031, 0.031, 0.31, 3.1, 31.0].map(seconds);
+        assert_eq!(all, ["0.31 ms", "3.1 ms", "31 ms", "0.31 s", "3.1 s", "31 s"]);
+        assert_eq!([0.0, 1e-6, 0.0145, 0.9].map(percent), ["0.00 %", "< 0.01 %", "1.45 %", "90.0 %"]);
+    }
+}

@@ -1,0 +1,158 @@
+//! Error against time, certified against measured, asked against achieved.
+
+use super::labels::Labels;
+use super::{CERTIFIED, INK, LogLog, MEASURED, Mark, Outcome, REFUSED, WIDTH, around, legend, log_log, svg};
+use crate::report::data::Report;
+use plotters::prelude::*;
+use std::ops::Range;
+use trochoid::Tolerance;
+
+const HEIGHT: u32 = 480;
+
+/// Whether a plane of logarithms can show it.
+fn shows(value: f64) -> bool {
+    value.is_finite() && value > 0.0
+}
+
+/// Where a point of the plane lies on the drawing.
+fn spot(chart: &LogLog<'_>, point: (f64, f64)) -> (i32, i32) {
+    chart.backend_coord(&point)
+}
+
+fn room(chart: &LogLog<'_>) -> Labels {
+    let (across, down) = chart.plotting_area().get_pixel_range();
+    Labels::within([across.start + 4, down.start - 8, WIDTH as i32 - 4, down.end - 4])
+}
+
+/// Error against time: what is certified, and what is measured.
+pub(in crate::report) fn time(report: &Report<'_>) -> Outcome<String> {
+    let rungs = || report.rungs();
+    let x = around(rungs().map(|(rung, _)| rung.seconds));
+    let y = around(rungs().flat_map(|(rung, _)| [rung.certified.max, rung.measured.max]));
+    svg(HEIGHT, |area| {
+        let mut chart = log_log(area, [x, y], ["seconds a frame", "largest error, certified and measured"])?;
+        let mut front: Vec<(f64, f64)> = rungs()
+            .filter(|(rung, _)| rung.is_best && shows(rung.certified.max))
+            .map(|(rung, _)| (rung.seconds, rung.certified.max))
+            .collect();
+        front.sort_by(|a, b| a.0.total_cmp(&b.0));
+        chart.draw_series(LineSeries::new(front, CERTIFIED.stroke_width(2)))?;
+        let mut labels = room(&chart);
+        for (rung, _) in rungs() {
+            let points = [rung.certified.max, rung.measured.max].map(|error| (rung.seconds, error));
+            if points.iter().all(|point| shows(point.1)) {
+                chart.draw_series(LineSeries::new(points, INK.mix(0.2).stroke_width(1)))?;
+            }
+            for (point, style) in points.into_iter().zip([CERTIFIED.filled(), MEASURED.stroke_width(2)]) {
+                if shows(point.1) {
+                    chart.draw_series([Circle::new(point, 5, style)])?;
+                    labels.keep_clear(spot(&chart, point));
+                }
+            }
+        }
+        for (rung, label) in rungs() {
+            let error = [rung.certified.max, rung.measured.max].into_iter().find(|error| shows(*error));
+            if let Some(error) = error {
+                labels.put(area, spot(&chart, (rung.seconds, error)), label)?;
+            }
+        }
+        let marks = [
+            (Mark::Dot(CERTIFIED), "certified"),
+            (Mark::Ring(MEASURED), "measured"),
+            (Mark::Line, "no other settings are both faster and certified to less"),
+        ];
+        legend(area, (100, 20), &marks)?;
+        Ok(())
+    })
+}
+
+/// Certified against measured errors, the largest of each.
+pub(in crate::report) fn measured(report: &Report<'_>) -> Outcome<String> {
+    let points = || {
+        let all = report.rungs().map(|(rung, label)| ((rung.measured.max, rung.certified.max), label));
+        all.filter(|((measured, certified), _)| shows(*measured) && shows(*certified))
+    };
+    let x = around(points().map(|((measured, _), _)| measured));
+    let y = around(points().flat_map(|((measured, certified), _)| [measured, certified]));
+    svg(HEIGHT, |area| {
+        let names = ["largest measured error", "largest certified error"];
+        let mut chart = log_log(area, [x.clone(), y.clone()], names)?;
+        equal(&mut chart, &x, &y)?;
+        let mut labels = room(&chart);
+        for (point, _) in points() {
+            chart.draw_series([Circle::new(point, 5, CERTIFIED.filled())])?;
+            labels.keep_clear(spot(&chart, point));
+        }
+        for (point, label) in points() {
+            labels.put(area, spot(&chart, point), label)?;
+        }
+        legend(area, (100, 20), &[(Mark::Dot(CERTIFIED), "settings"), (Mark::Dashes, "where both are equal")])?;
+        Ok(())
+    })
+}
+
+/// The line where both coordinates are the same.
+fn equal(chart: &mut LogLog<'_>, x: &Range<f64>, y: &Range<f64>) -> Outcome<()> {
+    let (low, high) = (x.start.max(y.start), x.end.min(y.end));
+    if low < high {
+        // Dashes are cut from a series of points: the more, the straighter.
+        let points = (0..=200).map(|step| {
+            let value = low * (high / low).powf(f64::from(step) / 200.0);
+            (value, value)
+        });
+        let dashes = DashedLineSeries::new(points, 5, 5, INK.mix(0.6).stroke_width(1));
+        chart.draw_series(dashes)?;
+    }
+    Ok(())
+}
+
+/// Tolerances asked for against what is achieved; what is refused against the least that can be.
+pub(in crate::report) fn asked(report: &Report<'_>) -> Outcome<String> {
+    let ladder = report.ladder;
+    let certified = |rung: usize| ladder.rungs[rung].certified.max;
+    let methods = ladder.rungs.iter().filter(|rung| rung.is_method).map(|rung| rung.certified.max);
+    let least = methods.filter(|max| max.is_finite()).fold(f64::INFINITY, f64::min);
+    let points = || {
+        let all = ladder.attempts.iter().map(|attempt| {
+            let achieved = attempt.rung.map_or(least, certified);
+            ((attempt.allowed, achieved), attempt)
+        });
+        all.filter(|((allowed, achieved), _)| shows(*allowed) && shows(*achieved))
+    };
+    let x = around(points().map(|((allowed, _), _)| allowed));
+    let y = around(points().flat_map(|((allowed, achieved), _)| [allowed, achieved]));
+    svg(HEIGHT, |area| {
+        let names = ["error that the tolerance allows", "largest certified error"];
+        let mut chart = log_log(area, [x.clone(), y.clone()], names)?;
+        equal(&mut chart, &x, &y)?;
+        let mut labels = room(&chart);
+        for (point, attempt) in points() {
+            if attempt.rung.is_some() {
+                chart.draw_series([Circle::new(point, 5, CERTIFIED.filled())])?;
+            } else {
+                chart.draw_series([Cross::new(point, 5, REFUSED.stroke_width(2))])?;
+            }
+            labels.keep_clear(spot(&chart, point));
+        }
+        for (point, attempt) in points() {
+            let asked = Tolerance::Error(attempt.tolerance).to_string();
+            labels.put(area, spot(&chart, point), &asked)?;
+        }
+        let mut marks = vec![(Mark::Dot(CERTIFIED), "met"), (Mark::Dashes, "just as asked")];
+        let refusal = refusal(report);
+        if let Some(refusal) = &refusal {
+            marks.insert(1, (Mark::Cross(REFUSED), refusal.as_str()));
+        }
+        legend(area, (100, 20), &marks)?;
+        Ok(())
+    })
+}
+
+/// Which pass limits what is refused: the most accurate settings have but one worst place.
+fn refusal(report: &Report<'_>) -> Option<String> {
+    let refused = report.ladder.attempts.iter().find(|attempt| attempt.rung.is_none())?;
+    Some(match &refused.limiting {
+        Some((name, ty)) => format!("refused, limited by {name} ({ty})"),
+        None => "refused, limited by the rounding of f32".into(),
+    })
+}

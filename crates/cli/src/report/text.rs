@@ -1,0 +1,80 @@
+//! The report as plain text, 100 columns wide at most.
+
+use super::data::Report;
+use super::numbers::seconds;
+use crate::shell::{HEADING, printable, wrap};
+use std::fmt::Write as _;
+use trochoid::Tolerance;
+
+/// Widths of the columns: settings, and numbers.
+const LABEL: usize = 30;
+const NUMBER: usize = 11;
+const WIDTH: usize = 100;
+/// How many savings are told.
+const SAVINGS: usize = 3;
+
+/// The rungs, what became of each tolerance, and what is left out.
+pub(super) fn table(report: &Report<'_>) -> String {
+    let ladder = report.ladder;
+    let format = ladder.format;
+    let mut text = wrap(&printable(&report.summary().join(" ")), 0);
+    let size = format!("{} × {} pixels, {} samples", format.width(), format.height(), format.samples());
+    let facts = format!("{}: frame {}, {size}, {} threads", report.scene, ladder.frame, ladder.threads);
+    let _ = writeln!(text, "\n{}", clip(&printable(&facts), WIDTH));
+    let head = ["certified", "99.9 %", "measured", "ambiguous", "time", "MiB"];
+    let head: String = head.iter().map(|name| format!("{name:>NUMBER$}")).collect();
+    let _ = writeln!(text, "{HEADING}  {:LABEL$}{head}{HEADING:#}", "settings");
+    for (rung, label) in report.rungs() {
+        let cells = [
+            number(rung.certified.max),
+            number(rung.certified.p999),
+            number(rung.measured.max),
+            format!("{:.2} %", 100.0 * rung.ambiguous),
+            seconds(rung.seconds),
+            format!("{:.1}", rung.bytes as f64 / f64::from(1 << 20)),
+        ];
+        let cells: String = cells.iter().map(|cell| format!("{cell:>NUMBER$}")).collect();
+        let best = if rung.is_best { '*' } else { ' ' };
+        let _ = writeln!(text, "{best} {:LABEL$}{cells}", clip(&printable(label), LABEL - 1));
+    }
+    text.push_str("* no other settings are both faster and certified to less\n\n");
+    let _ = writeln!(text, "{HEADING}  {:12}{:12}{}{HEADING:#}", "tolerance", "allowed", "met by");
+    for attempt in &ladder.attempts {
+        let by = match (attempt.rung, &attempt.limiting) {
+            (Some(rung), _) => {
+                format!("{} in {}", report.labels[rung], seconds(ladder.rungs[rung].seconds))
+            }
+            (None, Some((node, ty))) => format!("nothing: limited by \"{node}\" ({ty})"),
+            (None, None) => "nothing: limited by the rounding of f32".into(),
+        };
+        let asked = Tolerance::Error(attempt.tolerance).to_string();
+        let line = format!("  {asked:12}{:12}{}", number(attempt.allowed), printable(&by));
+        let _ = writeln!(text, "{}", clip(&line, WIDTH));
+    }
+    let savings = report.savings();
+    if !savings.is_empty() {
+        let _ = writeln!(text, "\n{HEADING}  {:24}{:>12}  {}{HEADING:#}", "left out", "saves", "why");
+    }
+    for saving in savings.iter().take(SAVINGS) {
+        let name = clip(&printable(&format!("{} ({})", saving.node, saving.ty)), 23);
+        let saved = saving.seconds.map_or_else(|| "–".to_owned(), seconds);
+        let line = format!("  {name:24}{saved:>12}  {}", printable(&saving.why));
+        let _ = writeln!(text, "{}", clip(&line, WIDTH));
+    }
+    if savings.len() > SAVINGS {
+        let _ = writeln!(text, "  and {} more", savings.len() - SAVINGS);
+    }
+    text
+}
+
+fn number(value: f64) -> String {
+    if value.is_finite() { format!("{value:.1e}") } else { "–".into() }
+}
+
+/// At most so many characters.
+fn clip(text: &str, width: usize) -> String {
+    if text.chars().count() <= width {
+        return text.into();
+    }
+    text.chars().take(width - 1).chain(['…']).collect()
+}

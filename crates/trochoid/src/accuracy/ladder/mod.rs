@@ -1,0 +1,225 @@
+//! Error against run time: settings side by side, from the coarsest to the most accurate, each certified, measured and timed.
+
+mod rung;
+mod truth;
+mod work;
+
+pub use rung::{Errors, PassError, Rung};
+pub use work::{Saving, Scaling};
+
+use super::{Request, TargetError, allowed_of, knobs, pilot};
+use crate::{LoadError, Loaded};
+use rung::Measuring;
+use trochoid_engine::{Buffers, Cache, Certifier, Limiting, Monitor};
+use trochoid_graph::CheckedGraph;
+use trochoid_image::{Format, Window};
+use truth::Truth;
+use work::{savings, scalings};
+
+/// What is to be measured.
+#[derive(Clone, Copy, Debug)]
+pub struct LadderRequest<'a> {
+    /// Output, frame and how plans run; the tolerance does not count.
+    pub request: Request<'a>,
+    /// The size at which all is measured, if not the document's.
+    pub format: Option<Format>,
+    /// How many pixels are held against the f64 reference.
+    pub pixels: usize,
+    /// Whether all of the picture is certified, or an eighth of it.
+    pub whole: bool,
+    /// Tolerances to ask for, of displayed values.
+    pub tolerances: &'a [f64],
+}
+
+/// All that was found.
+#[derive(Clone, Debug)]
+pub struct Ladder {
+    /// The output.
+    pub output: String,
+    /// The frame.
+    pub frame: i64,
+    /// The format.
+    pub format: Format,
+    /// Threads.
+    pub threads: usize,
+    /// By falling error, as far as that is known: first those of coarse and fine meshes, then the more accurate methods.
+    pub rungs: Vec<Rung>,
+    /// What became of each tolerance.
+    pub attempts: Vec<Attempt>,
+    /// Nodes that the output does not need, or parts of their work.
+    pub savings: Vec<Saving>,
+    /// How run time grows with the work that knobs ask of nodes.
+    pub scalings: Vec<Scaling>,
+}
+
+/// A tolerance, and what it gets.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Attempt {
+    /// Of displayed values.
+    pub tolerance: f64,
+    /// What it allows in the working space.
+    pub allowed: f64,
+    /// Index of the settings that meet it; `None` where none do.
+    pub rung: Option<usize>,
+    /// Where none do, the pass that limits the most accurate settings, with its type; `None` for rounding.
+    pub limiting: Option<(String, &'static str)>,
+}
+
+/// What accuracy knobs that are numbers are multiplied by.
+const FINENESS: [f64; 4] = [0.25, 0.5, 2.0, 4.0];
+
+/// Measures an output of a document, given how to load it with assignments beyond its own.
+///
+/// # Errors
+/// As [`plan`](super::plan), except that missing a tolerance is none; or the reference fails.
+pub fn climb(
+    load: &dyn Fn(&[String]) -> Result<Loaded, LoadError>,
+    asked: &LadderRequest<'_>,
+    monitor: &dyn Monitor,
+) -> Result<Ladder, TargetError> {
+    let sized = |set: &[String]| -> Result<CheckedGraph, LoadError> {
+        let graph = load(set)?.graph;
+        Ok(match asked.format {
+            Some(format) => graph.with_format(format),
+            None => graph,
+        })
+    };
+    let graph = sized(&[])?;
+    let request = &asked.request;
+    let named = graph.outputs().iter().find(|output| output.name == request.outputs[0]);
+    let allows = |tolerance: f64| named.and_then(|output| allowed_of(output.kind, tolerance, graph.space()));
+    if named.is_some() && allows(1.0).is_none() {
+        return Err(TargetError::NothingDisplayed);
+    }
+    let window = graph.format().window();
+    let regions: Vec<Window> = if asked.whole { vec![window] } else { pilot::strips(window).to_vec() };
+    let settings = settings(&graph, request);
+    // The truth, the rungs, and three steps after them; how far a run within a step is says nothing.
+    let told = monitor;
+    let monitor = &Unhurried(monitor);
+    let (grain, steps) = (asked.pixels.max(1), settings.len() + 4);
+    let tell = |step: usize| told.progress(step * grain, steps * grain);
+    let truth = Truth::new(&graph, asked, &regions, &Part { monitor: told, steps })?;
+    let mut rungs: Vec<Rung> = Vec::new();
+    for (index, (set, is_method)) in settings.into_iter().enumerate() {
+        tell(index + 1);
+        let graph = sized(&set)?;
+        rungs.push(Measuring { graph: &graph, asked, regions: &regions, truth: &truth, monitor }.rung(set, is_method)?);
+    }
+    for index in 0..rungs.len() {
+        let own = (rungs[index].seconds, rungs[index].certified.max);
+        let beats = |other: &Rung| {
+            other.seconds <= own.0 && other.certified.max <= own.1 && (other.seconds, other.certified.max) != own
+        };
+        rungs[index].is_best = own.1.is_finite() && !rungs.iter().any(beats);
+    }
+    tell(steps - 3);
+    let limiting = rungs.last().map(|rung| limiting(&sized(&rung.set)?, request, &regions, monitor)).transpose()?;
+    let attempts = asked.tolerances.iter().map(|tolerance| {
+        let allowed = allows(*tolerance)?;
+        let rung = rungs.iter().position(|rung| rung.is_method && rung.certified.max <= allowed);
+        let limiting = if rung.is_none() { limiting.clone().flatten() } else { None };
+        Some(Attempt { tolerance: *tolerance, allowed, rung, limiting })
+    });
+    let attempts = attempts.collect::<Option<_>>().ok_or(TargetError::NothingDisplayed)?;
+    tell(steps - 2);
+    let savings = savings(&graph, request, monitor)?;
+    tell(steps - 1);
+    let scalings = scalings(&graph, request, &sized, monitor)?;
+    Ok(Ladder {
+        output: request.outputs[0].to_owned(),
+        frame: request.frame,
+        format: graph.format(),
+        threads: threads(request.settings.threads),
+        attempts,
+        savings,
+        scalings,
+        rungs,
+    })
+}
+
+/// Forwards whether to stop, and what is prepared.
+struct Unhurried<'a>(&'a dyn Monitor);
+
+impl Monitor for Unhurried<'_> {
+    fn preparing(&self, node: &str) {
+        self.0.preparing(node);
+    }
+
+    fn progress(&self, _done: usize, _total: usize) {}
+
+    fn cancelled(&self) -> bool {
+        self.0.cancelled()
+    }
+}
+
+/// The first of so many steps.
+struct Part<'a> {
+    monitor: &'a dyn Monitor,
+    steps: usize,
+}
+
+impl Monitor for Part<'_> {
+    fn preparing(&self, node: &str) {
+        self.monitor.preparing(node);
+    }
+
+    fn progress(&self, done: usize, total: usize) {
+        self.monitor.progress(done, total * self.steps);
+    }
+
+    fn cancelled(&self) -> bool {
+        self.monitor.cancelled()
+    }
+}
+
+fn threads(asked: usize) -> usize {
+    if asked > 0 { asked } else { std::thread::available_parallelism().map_or(1, usize::from) }
+}
+
+/// All settings, from the coarsest on, and whether they are methods to choose: finer and coarser meshes are not, because they
+/// change what is ambiguous.
+fn settings(graph: &CheckedGraph, request: &Request<'_>) -> Vec<(Vec<String>, bool)> {
+    let methods = knobs::find(graph, request.outputs, request.frame);
+    let at = |level: usize| -> Vec<String> {
+        methods.iter().map(|knob| knob.assignment(level.min(knob.words.len() - 1))).collect()
+    };
+    let numbers = knobs::numbers(graph, request.outputs, request.frame, |knob| knob.accuracy);
+    let most = methods.iter().map(|knob| knob.words.len()).max().unwrap_or(1);
+    let mut all = Vec::new();
+    let scaled = |factor: f64| -> Vec<String> {
+        at(0).into_iter().chain(numbers.iter().map(|number| number.assignment(factor))).collect()
+    };
+    let (coarser, finer): (Vec<f64>, Vec<f64>) = FINENESS.into_iter().partition(|factor| *factor < 1.0);
+    all.extend(coarser.into_iter().filter(|_| !numbers.is_empty()).map(|factor| (scaled(factor), false)));
+    all.push((at(0), true));
+    all.extend(finer.into_iter().filter(|_| !numbers.is_empty()).map(|factor| (scaled(factor), false)));
+    all.extend((1..most).map(|level| (at(level), true)));
+    all
+}
+
+/// The pass that limits the settings of a graph where they are worst.
+fn limiting(
+    graph: &CheckedGraph,
+    request: &Request<'_>,
+    regions: &[Window],
+    monitor: &dyn Monitor,
+) -> Result<Option<(String, &'static str)>, TargetError> {
+    let mut cache = Cache::new();
+    let mut worst: Option<(f64, usize, [i64; 2])> = None;
+    for region in regions {
+        let mut settings = request.settings.clone();
+        settings.region = Some(*region);
+        let certifier = Certifier::new(graph, request.outputs, request.frame, &[], &settings)?;
+        for certified in certifier.certify(&Buffers::new(), &mut cache, monitor)? {
+            let max = certified.clear.max();
+            if let Some(pixel) = certified.worst.filter(|_| worst.is_none_or(|(most, ..)| max > most)) {
+                worst = Some((max, certified.output, pixel));
+            }
+        }
+    }
+    let Some((_, output, pixel)) = worst else { return Ok(None) };
+    let certifier = Certifier::new(graph, request.outputs, request.frame, &[], request.settings)?;
+    let Limiting { stage, .. } = certifier.limiting(output, pixel, &Buffers::new(), &mut cache, monitor)?;
+    Ok(stage.map(|id| (graph.node(id).name.clone(), graph.node(id).ty.declaration().name)))
+}
