@@ -1,7 +1,7 @@
 //! `report.html`: one page that needs no other file, no network and no script.
 
 use super::data::Report;
-use super::numbers::short;
+use super::numbers::{count, short};
 use super::plots::{self, Outcome};
 use super::{pictures, tables};
 use crate::shell::printable;
@@ -137,11 +137,6 @@ fn worst(rung: &Rung) -> String {
 fn picture(data: &str, name: &str) -> String {
     let name = escape(name);
     format!("<figure><img src=\"{data}\" alt=\"{name}\"><figcaption>{name}</figcaption></figure>\n")
-}
-
-/// "1 sample", "4 samples".
-fn count(number: usize, what: &str) -> String {
-    format!("{number} {what}{}", if number == 1 { "" } else { "s" })
 }
 
 /// Text of a document as text of the page.

@@ -1,7 +1,7 @@
 //! The report as plain text, 100 columns wide at most.
 
 use super::data::Report;
-use super::numbers::seconds;
+use super::numbers::{count, seconds};
 use crate::shell::{HEADING, printable, wrap};
 use std::fmt::Write as _;
 use trochoid::Tolerance;
@@ -18,8 +18,9 @@ pub(super) fn table(report: &Report<'_>) -> String {
     let ladder = report.ladder;
     let format = ladder.format;
     let mut text = wrap(&printable(&report.summary().join(" ")), 0);
-    let size = format!("{} × {} pixels, {} samples", format.width(), format.height(), format.samples());
-    let facts = format!("{}: frame {}, {size}, {} threads", report.scene, ladder.frame, ladder.threads);
+    let samples = count(format.samples() as usize, "sample");
+    let size = format!("{} × {} pixels, {samples}", format.width(), format.height());
+    let facts = format!("{}: frame {}, {size}, {}", report.scene, ladder.frame, count(ladder.threads, "thread"));
     let _ = writeln!(text, "\n{}", clip(&printable(&facts), WIDTH));
     let head = ["certified", "99.9 %", "measured", "ambiguous", "time", "MiB"];
     let head: String = head.iter().map(|name| format!("{name:>NUMBER$}")).collect();
@@ -38,7 +39,7 @@ pub(super) fn table(report: &Report<'_>) -> String {
         let _ = writeln!(text, "{best} {:LABEL$}{cells}", clip(&printable(label), LABEL - 1));
     }
     text.push_str("* no other settings are both faster and certified to less\n\n");
-    let _ = writeln!(text, "{HEADING}  {:12}{:12}{}{HEADING:#}", "tolerance", "allowed", "met by");
+    let _ = writeln!(text, "{HEADING}  {:12}{:12}met by{HEADING:#}", "tolerance", "allowed");
     for attempt in &ladder.attempts {
         let by = match (attempt.rung, &attempt.limiting) {
             (Some(rung), _) => {
@@ -53,7 +54,7 @@ pub(super) fn table(report: &Report<'_>) -> String {
     }
     let savings = report.savings();
     if !savings.is_empty() {
-        let _ = writeln!(text, "\n{HEADING}  {:24}{:>12}  {}{HEADING:#}", "left out", "saves", "why");
+        let _ = writeln!(text, "\n{HEADING}  {:24}{:>12}  why{HEADING:#}", "left out", "saves");
     }
     for saving in savings.iter().take(SAVINGS) {
         let name = clip(&printable(&format!("{} ({})", saving.node, saving.ty)), 23);

@@ -22,8 +22,6 @@ use std::ops::Range;
 
 /// The page gives ink its own color by this one.
 pub(super) const INK: RGBColor = RGBColor(0x1B, 0x24, 0x30);
-/// The ground on which plots are, which the page knows likewise.
-pub(super) const PAPER: RGBColor = RGBColor(0xFE, 0xFD, 0xFB);
 const CERTIFIED: RGBColor = RGBColor(0x3B, 0x7D, 0xBD);
 const MEASURED: RGBColor = RGBColor(0xDB, 0x85, 0x2E);
 const REFUSED: RGBColor = RGBColor(0xD0, 0x4A, 0x4A);
@@ -88,9 +86,8 @@ fn ticks(range: &Range<f64>) -> Vec<f64> {
 
 /// A plane of two logarithms, with its lines and names.
 fn log_log<'a>(area: &Area<'a>, [x, y]: [Range<f64>; 2], [across, up]: [&str; 2]) -> Outcome<LogLog<'a>> {
-    let axis = |range: &Range<f64>| -> LogAxis {
-        LogCoord::from(range.clone().log_scale()).with_key_points(ticks(range))
-    };
+    let axis =
+        |range: &Range<f64>| -> LogAxis { LogCoord::from(range.clone().log_scale()).with_key_points(ticks(range)) };
     let mut chart = ChartBuilder::on(area)
         .margin_top(44)
         .margin_right(28)
