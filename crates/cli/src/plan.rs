@@ -27,7 +27,7 @@ pub(crate) struct Args {
     #[arg(value_name = "GRAPH")]
     graph: PathBuf,
     /// The largest error of a displayed value, such as 1/512; or exact [default: as the document says]
-    #[arg(long, value_name = "ERROR", value_parser = tolerance)]
+    #[arg(long, value_name = "ERROR", value_parser = tolerance, allow_hyphen_values = true)]
     tolerance: Option<Tolerance>,
     /// The frame [default: the document's first]
     #[arg(long, value_name = "N", allow_hyphen_values = true)]
@@ -121,6 +121,14 @@ impl Target<'_> {
             TargetError::Load(error) => error.into(),
             TargetError::Evaluate(EvalError::Cancelled) => Failure::new(INTERRUPTED, interrupt::INTERRUPTION),
             TargetError::Missed(missed) => self.missed(&missed),
+            unknown @ TargetError::Unknown { .. } => Failure::new(
+                MISSED,
+                format!(
+                    "frame {}: {unknown}\n  remedy: plan an output that does not depend on it, such as a pass before it; \
+                     or ask for \"exact\" or \"reference\", which certify nothing",
+                    self.frame
+                ),
+            ),
             error => Failure::new(FAILED, format!("frame {}: {error}", self.frame)),
         })
     }

@@ -48,7 +48,7 @@ pub(crate) struct Args {
     require: Option<String>,
     /// Meet this error in every displayed value, such as 1/512, by the cheapest settings that are certified to; or exact, or
     /// reference: the f64 references themselves [default: as the document says]
-    #[arg(long, value_name = "ERROR", value_parser = crate::plan::tolerance)]
+    #[arg(long, value_name = "ERROR", value_parser = crate::plan::tolerance, allow_hyphen_values = true)]
     tolerance: Option<Tolerance>,
     /// Use the settings of this plan, as `trochoid plan` writes it
     #[arg(long, value_name = "FILE", conflicts_with = "tolerance")]

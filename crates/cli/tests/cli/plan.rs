@@ -63,6 +63,19 @@ fn the_document_may_ask_for_it() {
 }
 
 #[test]
+fn a_pass_without_a_bound_is_named_with_its_reason() {
+    let lined = SEA
+        .replace("\"water\":", "\"net\": { \"type\": \"SurfaceLines\", \"view\": \"view\" }, \"water\":")
+        .replace("\"weight\": \"fresnel\"", "\"weight\": \"net.mask\"");
+    let scene = Scene::new(&lined);
+    let words = [
+        "output \"beauty\": found no sample whose error is certain, since \"net\" (SurfaceLines) knows no bound: the slope",
+        "remedy: plan an output",
+    ];
+    scene.run(&["plan", "a.json", "--tolerance", "1/64"]).fails(3, &words);
+}
+
+#[test]
 fn what_no_method_meets_is_refused_by_the_pass_that_limits_it() {
     let scene = Scene::new(SEA);
     let words = ["output \"beauty\": found ", "limited by the pass \"fresnel\" (Fresnel)", "remedy: ask for 1/"];

@@ -273,9 +273,15 @@ impl Trial<'_> {
 
     fn unknown(&self, certified: &Certified) -> TargetError {
         let output = self.graph.outputs()[certified.output].name.clone();
-        let why = certified.unbounded.first().map_or_else(
+        // Of several, the one nearest to the output says most.
+        let made = |id: NodeId| self.graph.order().iter().position(|other| *other == id);
+        let last = certified.unbounded.iter().max_by_key(|(id, _)| made(*id));
+        let why = last.map_or_else(
             || "what is seen is certain nowhere".to_owned(),
-            |(id, why)| format!("of \"{}\" {why}", self.graph.node(*id).name),
+            |(id, why)| {
+                let node = self.graph.node(*id);
+                format!("\"{}\" ({}) knows no bound: {why}", node.name, node.ty.declaration().name)
+            },
         );
         TargetError::Unknown { output, why }
     }
