@@ -78,6 +78,18 @@ impl<'c> PixelCheck<'c> {
     ) -> Option<Self> {
         let spec = &graph.outputs()[index];
         let place = |field: &str| format!("output \"{}\", {field}", written.name);
+        if let Some(controls) = &written.controls {
+            let listed = controls.values.len() as u64;
+            let complete = controls.count <= LISTED;
+            if (complete && listed != controls.count) || listed > LISTED {
+                let expected = if complete {
+                    format!("{}, which are counted", controls.count)
+                } else {
+                    format!("at most {LISTED}")
+                };
+                found.fail(place("controls.values"), format!("{listed} colors"), expected);
+            }
+        }
         let window = graph.format().window();
         let pixels = window.area() as u64;
         let (audit, error) = (&written.audit, &written.error);
@@ -289,7 +301,7 @@ impl<'c> PixelCheck<'c> {
         found.same(place("controls.hash"), &controls.hash, &hash_of_corners(all.vertices()));
         let values = &controls.values;
         let outside = values.iter().filter(|color| all.exit(color, all.margin(1)).is_some()).count();
-        if outside > 0 || values.len() as u64 > controls.count.min(LISTED) {
+        if outside > 0 {
             let wrong = format!("{} colors, of which {outside} are none of the document's", values.len());
             found.fail(place("controls.values"), wrong, "control colors of the document");
         }
