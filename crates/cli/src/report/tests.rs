@@ -124,7 +124,13 @@ fn what_is_certified_on_strips_is_said_to_be_so_wherever_it_stands() {
     for words in ["largest error on the strips, certified", "\nmet on the strips\n", ">certified on the strips</th>"] {
         assert!(html.contains(words), "no \"{words}\"");
     }
-    for words in ["certified†", "† on strips, an eighth", "met on the strips by ", "+fineness 4", "+ a coarser or finer"] {
+    for words in [
+        "certified†",
+        "† on strips, an eighth",
+        "met on the strips by ",
+        "+points mesh, fineness 4",
+        "+ a coarser or finer",
+    ] {
         assert!(text.contains(words), "no \"{words}\" in: {text}");
     }
 }

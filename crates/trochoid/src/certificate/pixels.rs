@@ -7,6 +7,7 @@ use super::image::{StoredChannel, StoredImage};
 use super::make::hash_of_corners;
 use super::map::PixelMap;
 use super::storage::before_rounding;
+use super::words::Words;
 use super::*;
 use trochoid_engine::{Hull, Monitor, ReferenceFrame, ReferencePixel};
 use trochoid_graph::{CheckedGraph, Kind};
@@ -100,7 +101,7 @@ impl<'c> PixelCheck<'c> {
         let sums = (0.0..=SUM_F32).contains(&audit.weight_sum_max_deviation);
         if !sums || audit.weight_min.is_some_and(|least| least < 0.0) {
             let weights =
-                format!("weights from {:?}, sums off by {}", audit.weight_min, audit.weight_sum_max_deviation);
+                format!("weights from {}, sums off by {}", audit.weight_min.words(), audit.weight_sum_max_deviation);
             found.fail(place("audit"), weights, format!("no weight below 0, sums of 1 within {SUM_F32:e}"));
         }
         let samples = match spec.kind {

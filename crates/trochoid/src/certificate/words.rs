@@ -19,7 +19,7 @@ macro_rules! displayed {
     };
 }
 
-displayed!(u32, u64, usize, &str, String);
+displayed!(f64, u32, u64, usize, &str, String);
 
 impl<T: Words> Words for Option<T> {
     fn words(&self) -> String {
