@@ -121,6 +121,8 @@ pub struct Knob {
     pub accuracy: bool,
     /// Whether the node's work grows with it.
     pub scales: bool,
+    /// Whether it is a length on the picture, in pixels, so that a smaller picture of the same thing takes it smaller.
+    pub drawn: bool,
 }
 
 /// What a knob takes.
@@ -221,7 +223,7 @@ impl Knob {
         animated: bool,
         help: &'static str,
     ) -> Self {
-        Self { name, help, unit: "", takes, default, animated, held: false, accuracy: false, scales: false }
+        Self { name, help, unit: "", takes, default, animated, held: false, accuracy: false, scales: false, drawn: false }
     }
 
     /// A number in `[min, max]` with a default.
@@ -302,6 +304,12 @@ impl Knob {
     pub const fn scales(mut self) -> Self {
         self.scales = true;
         self
+    }
+
+    /// Says that it is a length on the picture, in pixels, as the width of a line is.
+    pub const fn drawn(mut self) -> Self {
+        self.drawn = true;
+        self.unit("pixels")
     }
 
     /// States the unit.

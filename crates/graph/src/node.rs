@@ -10,7 +10,7 @@
 
 use crate::{
     Block, Bounding, ChannelSet, Check, Declaration, FrameContext, Inputs, Kind, Lowering, NoBound, Outputs, Prepare,
-    Reference, References, Settled, Stability, Value, ViewChannel, Work,
+    Reference, References, Settled, Spectrum, Stability, Value, ViewChannel, Work,
 };
 use std::any::Any;
 use std::path::PathBuf;
@@ -61,6 +61,12 @@ pub trait NodeType: Send + Sync + 'static {
     /// Of a node that time moves, how its numbers behave in the long run: theory beside measurements, which may take
     /// some seconds. Shown by `trochoid stability`.
     fn stability(&self, node: &Settled) -> Option<Stability> {
+        let _ = node;
+        None
+    }
+
+    /// Of a sea, the waves that it is made of.
+    fn spectrum(&self, node: &Settled) -> Option<Spectrum> {
         let _ = node;
         None
     }

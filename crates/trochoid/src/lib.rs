@@ -66,7 +66,7 @@ pub use output::{OutputError, OutputFile, companion_files, output_files, write_o
 pub use report::{RunReport, RunStatus, frame_report};
 #[cfg(feature = "io")]
 pub use resume::Fingerprints;
-pub use stability::stability;
+pub use stability::{stability, stability_of};
 #[cfg(feature = "io")]
 pub use stream::FileSink;
 pub use trochoid_engine::{
@@ -75,12 +75,12 @@ pub use trochoid_engine::{
     Proved, ReferenceError, ReferenceFrame, ReferencePixel, Settings, ShadingPlan, Silent, Sink, State, Switches,
 };
 pub use trochoid_graph::{
-    Accepts, Arity, CheckedGraph, CheckedNode, Declaration, Default as KnobDefault, Diagnostic, End, Figure, Guarantee,
-    Item, Kind, Knob, NodeId, NodeType, Omission, OutputSpec, Port, Precision, REFUSALS, Refusal, Registry, Relation,
-    Severity, Source, Stability, StabilityMap, Takes, Tolerance, Verdict, ViewChannel, Work, expected, nearest,
+    Accepts, Animated, Arity, CheckedGraph, CheckedNode, Declaration, Default as KnobDefault, Diagnostic, End, Figure, Guarantee,
+    Harmonic, Interpolation, Item, Kind, Knob, NodeId, NodeType, Omission, OutputSpec, Port, Precision, REFUSALS, Refusal, Registry, Relation,
+    Severity, Source, Spectrum, Stability, StabilityMap, Takes, Tolerance, Verdict, ViewChannel, Work, expected, nearest,
     refusal, schema,
 };
-pub use trochoid_image::{Format, Plane, Rgb, Shading, Window, WorkingSpace};
+pub use trochoid_image::{Format, Plane, Rgb, Shading, Window, WorkingSpace, srgb_decode, srgb_encode};
 #[cfg(feature = "io")]
 pub use trochoid_io as io;
 #[cfg(feature = "io")]

@@ -24,14 +24,18 @@ use trochoid_graph::{Body, CheckedGraph, NodeId, Stability, Verdict};
 /// # Ok::<(), trochoid::LoadError>(())
 /// ```
 pub fn stability(graph: &CheckedGraph, frame: i64) -> Vec<(NodeId, Stability)> {
-    let ids = (0..graph.nodes().len()).map(NodeId).filter(|id| !graph.node(*id).disabled);
-    let report = |id: NodeId| {
-        let node = graph.node(id);
-        let timed = matches!(node.ty.body(), Body::Stage(stage) if stage.timed());
-        let report = node.ty.stability(&graph.settle(id, frame));
-        Some((id, report.or_else(|| timed.then(stateless))?))
-    };
-    ids.filter_map(report).collect()
+    let ids = (0..graph.nodes().len()).map(NodeId);
+    ids.filter_map(|id| Some((id, stability_of(graph, id, frame)?))).collect()
+}
+
+/// The stability of one node; `None` of one that is disabled or that time does not move.
+pub fn stability_of(graph: &CheckedGraph, id: NodeId, frame: i64) -> Option<Stability> {
+    let node = graph.node(id);
+    if node.disabled {
+        return None;
+    }
+    let timed = matches!(node.ty.body(), Body::Stage(stage) if stage.timed());
+    node.ty.stability(&graph.settle(id, frame)).or_else(|| timed.then(stateless))
 }
 
 /// Of a node that tells nothing itself.

@@ -24,11 +24,11 @@ static DECLARATION: Declaration = Declaration {
     items: &[
         Port::one("image", Accepts::Image, "What is blurred."),
         Knob::number("size", 1.0, 0.0, MOST, "Standard deviation of the Gaussian; the box is 2·size + 1 wide.")
-            .unit("pixels")
+            .drawn()
             .item(),
         Knob::number("size_y", 1.0, 0.0, MOST, "The size down; by default that across.")
             .optional()
-            .unit("pixels")
+            .drawn()
             .item(),
         Knob::choice("filter", &["gaussian", "box"], "The kernel's shape.").item(),
     ],

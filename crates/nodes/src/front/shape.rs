@@ -18,7 +18,7 @@ static DECLARATION: Declaration = Declaration {
     source: "Signed distance fields; polygons by the even-odd rule.",
     items: &[
         List::of("shapes", SHAPE, 1, 1000, "What is drawn."),
-        Knob::number("edge", 1.0, 0.0, 1e4, "Width of the soft edge; 1 smooths a single sample.").unit("pixels").item(),
+        Knob::number("edge", 1.0, 0.0, 1e4, "Width of the soft edge; 1 smooths a single sample.").drawn().item(),
     ],
     outputs: &[Output::new("mask", Kind::MASK, "1 inside any of the shapes.")],
     revision: 1,

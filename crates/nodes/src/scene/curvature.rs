@@ -23,7 +23,7 @@ static DECLARATION: Declaration = Declaration {
     source: "Weingarten's equations; do Carmo, Differential Geometry of Curves and Surfaces, 3-3.",
     items: &[
         Port::one("view", Accepts::View, "The surface."),
-        Knob::integer("reach", 1, 1, 64, "How far to each side the change is taken.").unit("pixels").item(),
+        Knob::integer("reach", 1, 1, 64, "How far to each side the change is taken.").drawn().item(),
     ],
     outputs: &[Output::new("curvature", Kind::Field(1), "Mean curvature, 1/m.")],
     revision: 1,

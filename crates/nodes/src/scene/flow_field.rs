@@ -40,7 +40,7 @@ static DECLARATION: Declaration = Declaration {
             .unit("degrees")
             .item(),
         Knob::number("waver_scale", 0.3, 1e-3, 1e3, "Size of the noise.").unit("picture heights").item(),
-        Knob::number("smooth", 0.0, 0.0, 64.0, "Standard deviation of the smoothing.").unit("pixels").item(),
+        Knob::number("smooth", 0.0, 0.0, 64.0, "Standard deviation of the smoothing.").drawn().item(),
         Knob::integer("seed", 0, 0, 1_000_000_000, "Which noise of all that have these figures.").item(),
     ],
     outputs: &[

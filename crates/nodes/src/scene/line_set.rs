@@ -38,7 +38,7 @@ static DECLARATION: Declaration = Declaration {
         Knob::number("lean", 0.0, -1.0, 1.0, "How far to the side each next width lies, in their distance.").item(),
         Knob::number("lag", 0.0, -1e6, 1e6, "How much later along the lines each next width lies.").item(),
         Knob::number("finest", 3.0, 0.1, 1e3, "Distance of lines at which they are gone: full from twice that on.")
-            .unit("pixels")
+            .drawn()
             .item(),
         Knob::integer("seed", 0, 0, 1_000_000_000, "Which lines of all that have these figures.").item(),
     ],

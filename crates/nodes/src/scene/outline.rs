@@ -24,7 +24,7 @@ static DECLARATION: Declaration = Declaration {
     items: &[
         Port::one("view", Accepts::View, "What is outlined."),
         Port::optional("thickness", Accepts::Mask, "Share of the width at a place, such as a Noise; by default 1."),
-        Knob::number("width", 1.5, 0.0, 64.0, "How far the line reaches into the owner's side.").unit("pixels").item(),
+        Knob::number("width", 1.5, 0.0, 64.0, "How far the line reaches into the owner's side.").drawn().item(),
         Knob::choice(
             "owner",
             &["near", "far", "both", "first", "last"],

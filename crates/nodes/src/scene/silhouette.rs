@@ -32,7 +32,7 @@ static DECLARATION: Declaration = Declaration {
         Knob::number("ramp", 0.05, 0.0, 1.0, "How much more it takes until the line is gone.").item(),
         Knob::number("width", 1.5, 0.0, 100.0, "The line's width; if set, in place of the cutoff.")
             .optional()
-            .unit("pixels")
+            .drawn()
             .item(),
     ],
     outputs: &[

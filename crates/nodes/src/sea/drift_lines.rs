@@ -52,7 +52,7 @@ static DECLARATION: Declaration = Declaration {
         )
         .item(),
         Knob::number("finest", 3.0, 0.0, 1e3, "Distance of lines at which they are gone: full from twice that on.")
-            .unit("pixels")
+            .drawn()
             .item(),
         Knob::integer("seed", 0, 0, 1_000_000_000, "Which of all such drawings.").item(),
     ],

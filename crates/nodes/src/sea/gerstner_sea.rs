@@ -245,6 +245,17 @@ impl NodeType for GerstnerSea {
         Some(stability::waves(waves(node).ok()?))
     }
 
+    fn spectrum(&self, node: &Settled) -> Option<Spectrum> {
+        let waves = waves(node).ok()?;
+        let harmonic = |wave: &Wave| Harmonic {
+            wavelength: wave.wavelength,
+            amplitude: wave.amplitude,
+            direction: wave.direction[1].atan2(wave.direction[0]).to_degrees(),
+            sharpness: wave.compression(),
+        };
+        Some(Spectrum { waves: waves.iter().map(harmonic).collect(), unfolded: folding(waves).unfolded_scale })
+    }
+
     fn body(&self) -> Body<'_> {
         Body::Stage(self)
     }

@@ -55,7 +55,7 @@ static DECLARATION: Declaration = Declaration {
         Knob::number("stretch", 0.04, 0.0, 10.0, "Motion by which streaks and ragged stamps are drawn out.")
             .unit("s")
             .item(),
-        Knob::number("least", 0.7, 0.1, 100.0, "Least radius of a stamp; thinner drops fade.").unit("pixels").item(),
+        Knob::number("least", 0.7, 0.1, 100.0, "Least radius of a stamp; thinner drops fade.").drawn().item(),
         Knob::number("soft", 0.3, 0.0, 1e6, "Depth over which a surface swallows a drop.").unit("m").item(),
         Knob::integer("seed", 0, 0, 1_000_000_000, "Which spray of all that have these figures.").item(),
         List::of("bursts", BURST, 0, 1000, "Throws set by hand, such as where a wave meets a rock."),

@@ -1,0 +1,93 @@
+//! What panels and commands ask for. The editor does it, so that no panel knows another.
+
+use crate::document::{Edit, Path, Point};
+use crate::evaluate::Display;
+use std::collections::BTreeSet;
+use std::path::PathBuf;
+
+/// Something to be done.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Action {
+    /// Change the document.
+    Edit(Edit),
+    /// The gesture is over: the next change is a step of undo for itself.
+    Seal,
+    /// Replace the document's text.
+    Rewrite(String),
+    /// Take back the last change.
+    Undo,
+    /// Make it again.
+    Redo,
+    /// Choose these nodes and no others.
+    Select(BTreeSet<String>),
+    /// Show an output of a node.
+    Look(String, usize),
+    /// Show what is under a key from 1 to 9; with a node chosen, put that there first.
+    Slot(usize),
+    /// Show values in this way.
+    Display(Display),
+    /// Make pictures so many times smaller.
+    Proxy(u32),
+    /// Evaluate just this part, in shares of the picture.
+    Region(Option<[f32; 4]>),
+    /// Inspect this pixel, in shares of the picture.
+    Pick(Option<[f32; 2]>),
+    /// Let the color that is clicked next in the picture go to this place of the document.
+    Dropper(Option<Path>),
+    /// Go to a frame.
+    Frame(i64),
+    /// Play, or stop.
+    Play(bool),
+    /// Play and render these frames.
+    Range(i64, i64),
+    /// A new document.
+    New,
+    /// Ask for a document to open.
+    Open,
+    /// Open this document.
+    OpenFile(PathBuf),
+    /// Save.
+    Save,
+    /// Ask where to save.
+    SaveAs,
+    /// Take what is in the file now.
+    Reload,
+    /// Copy the chosen nodes as text.
+    Copy,
+    /// Copy them and delete them.
+    Cut,
+    /// Add what was copied, at a point of the canvas.
+    Paste(String, Point),
+    /// Copy the chosen nodes beside themselves.
+    Duplicate,
+    /// Delete the chosen nodes.
+    Delete,
+    /// Lead past the chosen nodes, or evaluate them again.
+    Disable,
+    /// Choose all nodes.
+    SelectAll,
+    /// Lay all nodes out anew, or the chosen ones.
+    Arrange,
+    /// Put a backdrop behind the chosen nodes.
+    Backdrop,
+    /// Show all nodes, or the chosen ones.
+    Frames,
+    /// Ask for a node to add.
+    AddNode,
+    /// Write the outputs of the range to their files.
+    Render,
+    /// Stop that.
+    CancelRender,
+    /// Open the command palette.
+    Palette,
+    /// Show a panel, or bring it to the front.
+    Panel(crate::layout::Pane),
+    /// Arrange panels as at first.
+    ResetPanels,
+    /// Dark, or light.
+    Theme,
+    /// Tell the user something.
+    Notice(String),
+    /// Close the window.
+    Quit,
+}

@@ -1,0 +1,97 @@
+//! Nodes as a text that survives a chat: JSON with their places.
+
+use super::edit::style;
+use super::json::{Path, quoted};
+use super::sheet::{Node, Point, Sheet, point};
+use serde_json::{Map, Value};
+use std::collections::{BTreeMap, HashMap};
+
+/// Nodes that were copied.
+pub struct Clip {
+    /// By name, in the order of their document.
+    pub nodes: Map<String, Value>,
+    /// Their upper left corners.
+    pub positions: BTreeMap<String, Point>,
+}
+
+impl Clip {
+    /// The upper left corner of all.
+    pub fn corner(&self) -> Point {
+        let least = |axis: usize| self.positions.values().map(|at| at[axis]).fold(f32::INFINITY, f32::min);
+        if self.positions.is_empty() { [0.0, 0.0] } else { [least(0), least(1)] }
+    }
+}
+
+/// Reads a copied text, also one that a chat has put between fences or quotes; `None` where it is nothing of the kind.
+pub fn read(text: &str) -> Option<Clip> {
+    let start = text.find('{')?;
+    let end = text.rfind('}')?;
+    let value: Value = serde_json::from_str(text.get(start..=end)?).ok()?;
+    // Either a document, or just its nodes.
+    let nodes = value.get("nodes").unwrap_or(&value).as_object()?.clone();
+    if nodes.is_empty() || !nodes.values().all(|node| node.get("type").is_some_and(Value::is_string)) {
+        return None;
+    }
+    let places = value.get("ui").and_then(|ui| ui.get("positions")).and_then(Value::as_object);
+    let positions = places.into_iter().flatten().filter_map(|(name, at)| Some((name.clone(), point(Some(at))?)));
+    Some(Clip { positions: positions.filter(|(name, _)| nodes.contains_key(name)).collect(), nodes })
+}
+
+/// Writes nodes as a text.
+pub fn write(sheet: &Sheet, nodes: &HashMap<&str, &Node>) -> String {
+    let mut lines = Vec::new();
+    let mut places = Vec::new();
+    for node in sheet.nodes.iter().filter(|node| nodes.contains_key(node.name.as_str())) {
+        let body = sheet.get(&Path::node(&node.name)).cloned().unwrap_or_default();
+        lines.push(format!("    {}: {}", quoted(&node.name), style(&body)));
+        places.push(format!("{}: [{:.0}, {:.0}]", quoted(&node.name), node.at[0], node.at[1]));
+    }
+    format!(
+        "{{\n  \"trochoid\": 1,\n  \"nodes\": {{\n{}\n  }},\n  \"ui\": {{ \"positions\": {{ {} }} }}\n}}\n",
+        lines.join(",\n"),
+        places.join(", ")
+    )
+}
+
+/// Renames the nodes that a node takes; what `to` does not know is taken away.
+pub fn redirect(body: &mut Value, to: &dyn Fn(&str) -> Option<String>) {
+    let Some(ty) = body.get("type").and_then(Value::as_str).and_then(|ty| trochoid::registry().get(ty)) else { return };
+    redirect_items(ty.declaration().items, body, to);
+}
+
+fn redirect_items(items: &[trochoid::Item], body: &mut Value, to: &dyn Fn(&str) -> Option<String>) {
+    let Some(entries) = body.as_object_mut() else { return };
+    for item in items {
+        match item {
+            trochoid::Item::Knob(_) => {}
+            trochoid::Item::Port(port) => match entries.get_mut(port.name) {
+                Some(Value::Array(elements)) if matches!(port.arity, trochoid::Arity::Many { .. }) => {
+                    elements.retain_mut(|element| renamed(element, to));
+                }
+                Some(value) => {
+                    if !renamed(value, to) {
+                        entries.remove(port.name);
+                    }
+                }
+                None => {}
+            },
+            trochoid::Item::List(list) => {
+                if let Some(Value::Array(records)) = entries.get_mut(list.name) {
+                    records.iter_mut().for_each(|record| redirect_items(list.items, record, to));
+                }
+            }
+        }
+    }
+}
+
+/// Renames a reference; whether it still leads somewhere.
+fn renamed(value: &mut Value, to: &dyn Fn(&str) -> Option<String>) -> bool {
+    let Value::String(text) = value else { return true };
+    if text.starts_with('#') {
+        return true;
+    }
+    let (node, output) = text.split_once('.').map_or((text.as_str(), None), |(node, output)| (node, Some(output)));
+    let Some(new) = to(node) else { return false };
+    *text = output.map_or(new.clone(), |output| format!("{new}.{output}"));
+    true
+}

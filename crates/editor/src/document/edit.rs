@@ -1,0 +1,420 @@
+//! The changes that can be made to a document, each one step of undo.
+
+use super::clip;
+use super::json::{Op, Path, Step, quoted};
+use super::sheet::{Node, Point, Sheet, Wire};
+use serde_json::{Map, Value, json};
+use std::collections::{BTreeMap, HashMap, HashSet};
+use trochoid::{Accepts, Declaration, Item, Kind, KnobDefault, Takes};
+
+/// A change: what it is called, and what it does to the text.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Edit {
+    /// What undo calls it.
+    pub label: String,
+    /// Changes with the same key, without a pause between them, are one step of undo.
+    pub merge: Option<String>,
+    /// What is done, in order.
+    pub ops: Vec<Op>,
+}
+
+impl Edit {
+    /// A change of one step.
+    pub fn new(label: impl Into<String>, ops: Vec<Op>) -> Self {
+        Self { label: label.into(), merge: None, ops }
+    }
+
+    /// The same change as a part of a gesture.
+    #[must_use]
+    pub fn merging(mut self, key: impl Into<String>) -> Self {
+        self.merge = Some(key.into());
+        self
+    }
+
+    /// Sets one value.
+    pub fn set(path: Path, value: &Value) -> Self {
+        Self::new(format!("Set {}", spoken(&path)), vec![Op::Set(path, style(value))])
+    }
+
+    /// Takes one value away, which goes back to its default.
+    pub fn reset(path: Path) -> Self {
+        Self::new(format!("Reset {}", spoken(&path)), vec![Op::Remove(path)])
+    }
+
+    /// Both changes as one, called as the first.
+    #[must_use]
+    pub fn then(mut self, next: Self) -> Self {
+        self.ops.extend(next.ops);
+        self
+    }
+}
+
+/// A place as people call it: `storm.height` for `nodes.storm.height`.
+fn spoken(path: &Path) -> String {
+    let steps = path.0.strip_prefix(&[Step::from("nodes")][..]).unwrap_or(&path.0);
+    Path(steps.to_vec()).to_string()
+}
+
+/// `2 nodes`, `1 node`.
+pub fn count(n: usize, what: &str) -> String {
+    if n == 1 { format!("1 {what}") } else { format!("{n} {what}s") }
+}
+
+/// A value as the project's documents write it: on one line, with spaces.
+pub fn style(value: &Value) -> String {
+    match value {
+        Value::Array(items) => {
+            let texts: Vec<String> = items.iter().map(style).collect();
+            format!("[{}]", texts.join(", "))
+        }
+        Value::Object(entries) if entries.is_empty() => "{}".into(),
+        Value::Object(entries) => {
+            let texts: Vec<String> =
+                entries.iter().map(|(key, value)| format!("{}: {}", quoted(key), style(value))).collect();
+            format!("{{ {} }}", texts.join(", "))
+        }
+        Value::Number(number) => number_text(number.as_f64().unwrap_or_default(), number),
+        other => other.to_string(),
+    }
+}
+
+/// A number without digits that say nothing.
+fn number_text(value: f64, number: &serde_json::Number) -> String {
+    let whole = value.fract() == 0.0 && value.abs() < 1e15;
+    if whole { format!("{value:.0}") } else { number.to_string() }
+}
+
+fn position(at: Point) -> Value {
+    let round = |x: f32| f64::from(x).round();
+    json!([round(at[0]), round(at[1])])
+}
+
+fn placed(name: &str) -> Path {
+    Path::default().to("ui").to("positions").to(name)
+}
+
+/// Moves nodes to these places.
+pub fn moved(places: &[(String, Point)]) -> Edit {
+    let ops = places.iter().map(|(name, at)| Op::Set(placed(name), style(&position(*at)))).collect();
+    Edit::new(format!("Move {}", count(places.len(), "node")), ops)
+}
+
+/// Places of many nodes at once, of the whole document.
+pub fn laid_out(sheet: &Sheet, places: &[(String, Point)]) -> Edit {
+    let mut all: Map<String, Value> =
+        sheet.nodes.iter().filter(|node| node.placed).map(|node| (node.name.clone(), position(node.at))).collect();
+    all.extend(places.iter().map(|(name, at)| (name.clone(), position(*at))));
+    let lines: Vec<String> = all.iter().map(|(name, at)| format!("{}: {}", quoted(name), style(at))).collect();
+    let text = format!("{{\n      {}\n    }}", lines.join(",\n      "));
+    Edit::new("Arrange nodes", vec![Op::Set(Path::default().to("ui").to("positions"), text)])
+}
+
+/// A new node of a type, with a value for everything that must have one and can.
+pub fn added(sheet: &Sheet, declaration: &'static Declaration, at: Point) -> (Edit, String) {
+    let name = sheet.free_name(&snake(declaration.name));
+    let mut body = Map::new();
+    body.insert("type".into(), declaration.name.into());
+    fill(declaration.items, &mut body);
+    let ops = vec![
+        Op::Set(Path::node(&name), style(&Value::Object(body))),
+        Op::Set(placed(&name), style(&position(at))),
+    ];
+    (Edit::new(format!("Add {}", declaration.name), ops), name)
+}
+
+/// `NonSpecular` as names are written: `non_specular`.
+fn snake(name: &str) -> String {
+    let mut snake = String::new();
+    for c in name.chars() {
+        if c.is_uppercase() && !snake.is_empty() {
+            snake.push('_');
+        }
+        snake.extend(c.to_lowercase());
+    }
+    snake
+}
+
+/// Gives required items a value, if any constant will do.
+fn fill(items: &[Item], body: &mut Map<String, Value>) {
+    for item in items {
+        match item {
+            Item::Port(port) => {
+                let literal = if port.accepts.takes_color() {
+                    json!("#808080")
+                } else if port.accepts == Accepts::Mask {
+                    json!(0.5)
+                } else if port.accepts.takes_number() {
+                    json!(0)
+                } else {
+                    continue;
+                };
+                match port.arity {
+                    trochoid::Arity::One => body.insert(port.name.into(), literal),
+                    trochoid::Arity::Optional => None,
+                    trochoid::Arity::Many { min: 0, .. } => None,
+                    trochoid::Arity::Many { min, .. } => body.insert(port.name.into(), vec![literal; min].into()),
+                };
+            }
+            Item::Knob(knob) if knob.default.is_none() => {
+                body.insert(knob.name.into(), stand_in(&knob.takes));
+            }
+            Item::Knob(_) => {}
+            Item::List(list) if list.min > 0 => {
+                body.insert(list.name.into(), (0..list.min).map(|index| record(list.items, index)).collect());
+            }
+            Item::List(_) => {}
+        }
+    }
+}
+
+/// A record of a list, with a value for everything that must have one.
+pub fn record(items: &[Item], index: usize) -> Value {
+    let mut body = Map::new();
+    fill(items, &mut body);
+    // Stops of a ramp ascend.
+    if let Some(at) = body.get_mut("at") {
+        *at = json!(index);
+    }
+    Value::Object(body)
+}
+
+/// A legal value of a knob that has no default.
+fn stand_in(takes: &Takes) -> Value {
+    match takes {
+        Takes::Number { min, max } => json!(0.0_f64.clamp(*min, *max)),
+        Takes::Integer { min, max } => json!(0_i64.clamp(*min, *max)),
+        Takes::Bool => json!(false),
+        Takes::Choice(words) => json!(words.first()),
+        Takes::Color => json!("#808080"),
+        Takes::Vector(n) => json!(vec![0; *n]),
+        Takes::Text | Takes::Path => json!(""),
+        Takes::Numbers { min, .. } => json!(vec![0; *min]),
+        Takes::Texts { .. } => json!([]),
+    }
+}
+
+/// The value of a knob where the document sets none.
+pub fn default_value(knob: &trochoid::Knob) -> Value {
+    match knob.default {
+        Some(KnobDefault::Number(number)) => json!(number),
+        Some(KnobDefault::Bool(value)) => json!(value),
+        Some(KnobDefault::Text(text)) => json!(text),
+        Some(KnobDefault::Vector(values)) => json!(values),
+        Some(KnobDefault::Unset) | None => stand_in(&knob.takes),
+    }
+}
+
+/// Connects an output to a pin.
+pub fn connected(sheet: &Sheet, from: (usize, usize), to: (usize, usize)) -> Edit {
+    let (node, pin) = (&sheet.nodes[to.0], &sheet.nodes[to.0].pins[to.1]);
+    let source = sheet.reference(from.0, from.1);
+    let label = format!("Connect {source} to {}", node.name);
+    Edit::new(label, vec![Op::Set(Path::node(&node.name).join(&pin.steps), quoted(&source))])
+}
+
+/// Takes the connection of a pin away. Where the node needs something there and a constant will do, it gets one.
+pub fn disconnected(sheet: &Sheet, to: (usize, usize)) -> Edit {
+    let (node, pin) = (&sheet.nodes[to.0], &sheet.nodes[to.0].pins[to.1]);
+    let path = Path::node(&node.name).join(&pin.steps);
+    let label = format!("Disconnect {}.{}", node.name, pin.label);
+    let op = match pin.accepts {
+        _ if pin.of_list || !pin.required => Op::Remove(path),
+        Accepts::Color | Accepts::Image => Op::Set(path, "\"#808080\"".into()),
+        Accepts::Mask => Op::Set(path, "0.5".into()),
+        accepts if accepts.takes_number() => Op::Set(path, "0".into()),
+        _ => Op::Remove(path),
+    };
+    Edit::new(label, vec![op])
+}
+
+/// Deletes nodes. What took their results takes instead what they took, where it is of the same kind.
+pub fn deleted(sheet: &Sheet, names: &[String]) -> Edit {
+    let gone: HashSet<usize> = names.iter().filter_map(|name| sheet.find(name)).collect();
+    let mut ops = bypass(sheet, &gone);
+    for &node in &sorted(&gone) {
+        let name = &sheet.nodes[node].name;
+        ops.push(Op::Remove(Path::node(name)));
+        if sheet.nodes[node].placed {
+            ops.push(Op::Remove(placed(name)));
+        }
+    }
+    Edit::new(format!("Delete {}", count(gone.len(), "node")), ops)
+}
+
+/// Takes nodes out of the wires that run through them, but leaves them on the canvas.
+pub fn extracted(sheet: &Sheet, names: &[String]) -> Edit {
+    let out: HashSet<usize> = names.iter().filter_map(|name| sheet.find(name)).collect();
+    let mut edit = Edit::new(format!("Extract {}", count(out.len(), "node")), bypass(sheet, &out));
+    let mut cut: Vec<(usize, usize)> = sheet
+        .wires
+        .iter()
+        .filter(|wire| out.contains(&wire.to.0) && !out.contains(&wire.from.0))
+        .map(|wire| wire.to)
+        .collect();
+    // Elements leave a list from its end on, so that the places of the others hold.
+    cut.sort_by(|a, b| b.cmp(a));
+    for to in cut {
+        edit = edit.then(disconnected(sheet, to));
+    }
+    edit
+}
+
+/// Leads all that takes results of these nodes past them.
+fn bypass(sheet: &Sheet, nodes: &HashSet<usize>) -> Vec<Op> {
+    let mut ops = Vec::new();
+    let mut removed = Vec::new();
+    for wire in sheet.wires.iter().filter(|wire| nodes.contains(&wire.from.0) && !nodes.contains(&wire.to.0)) {
+        let path = Path::node(&sheet.nodes[wire.to.0].name).join(&sheet.nodes[wire.to.0].pins[wire.to.1].steps);
+        match stand_for(sheet, wire.from, nodes) {
+            Some(source) => ops.push(Op::Set(path, quoted(&source))),
+            None => removed.push(wire.to),
+        }
+    }
+    removed.sort_by(|a, b| b.cmp(a));
+    for to in removed {
+        ops.extend(disconnected(sheet, to).ops);
+    }
+    for output in &sheet.outputs {
+        let Some(from) = sheet.source(&output.source).filter(|from| nodes.contains(&from.0)) else { continue };
+        let path = Path::default().to("outputs").to(&output.name);
+        let body = sheet.get(&path);
+        let key = ["color", "weights", "field"].into_iter().find(|key| body.is_some_and(|body| body.get(key).is_some()));
+        match (stand_for(sheet, from, nodes), key) {
+            (Some(source), Some(key)) => ops.push(Op::Set(path.to(key), quoted(&source))),
+            _ => ops.push(Op::Remove(path)),
+        }
+    }
+    ops
+}
+
+/// What a node that goes away takes itself, of the kind that it makes.
+fn stand_for(sheet: &Sheet, mut from: (usize, usize), gone: &HashSet<usize>) -> Option<String> {
+    let kind = sheet.nodes[from.0].makes.get(from.1)?.1?;
+    for _ in 0..=gone.len() {
+        if !gone.contains(&from.0) {
+            return Some(sheet.reference(from.0, from.1));
+        }
+        let mut inputs = sheet.wires.iter().filter(|wire| wire.to.0 == from.0);
+        from = inputs.find(|wire| sheet.kind(wire) == Some(kind))?.from;
+    }
+    None
+}
+
+fn sorted(nodes: &HashSet<usize>) -> Vec<usize> {
+    let mut nodes: Vec<usize> = nodes.iter().copied().collect();
+    nodes.sort_unstable();
+    nodes
+}
+
+/// Gives a node another name, everywhere.
+pub fn renamed(sheet: &Sheet, from: &str, to: &str) -> Edit {
+    let mut ops = Vec::new();
+    let Some(node) = sheet.find(from) else { return Edit::new("Rename", ops) };
+    let with_new = |text: &str| match text.split_once('.') {
+        Some((_, output)) => format!("{to}.{output}"),
+        None => to.to_string(),
+    };
+    for wire in sheet.wires.iter().filter(|wire| wire.from.0 == node) {
+        let pin = &sheet.nodes[wire.to.0].pins[wire.to.1];
+        let Some(Value::String(text)) = &pin.value else { continue };
+        ops.push(Op::Set(Path::node(&sheet.nodes[wire.to.0].name).join(&pin.steps), quoted(&with_new(text))));
+    }
+    for output in &sheet.outputs {
+        let path = Path::default().to("outputs").to(&output.name);
+        for key in ["color", "weights", "field"] {
+            if output.source.split('.').next() == Some(from) && sheet.get(&path.to(key)).is_some() {
+                ops.push(Op::Set(path.to(key), quoted(&with_new(&output.source))));
+            }
+        }
+    }
+    if sheet.nodes[node].placed {
+        ops.push(Op::Rename(placed(from), to.into()));
+    }
+    ops.push(Op::Rename(Path::node(from), to.into()));
+    Edit::new(format!("Rename {from} to {to}"), ops)
+}
+
+/// Leads past nodes, or evaluates them again.
+pub fn disabled(sheet: &Sheet, names: &[String]) -> Edit {
+    let nodes: Vec<&Node> = names.iter().filter_map(|name| sheet.node(name)).collect();
+    let off = nodes.iter().any(|node| !node.disabled);
+    let ops = nodes.iter().filter(|node| node.disabled != off).map(|node| {
+        let path = Path::node(&node.name).to("disabled");
+        if off { Op::Set(path, "true".into()) } else { Op::Remove(path) }
+    });
+    let what = if off { "Disable" } else { "Enable" };
+    Edit::new(format!("{what} {}", count(nodes.len(), "node")), ops.collect())
+}
+
+/// Puts a node into a wire: into its first pin that takes what the wire carries. `None` where none does, or what it makes
+/// does not fit below.
+pub fn inserted(sheet: &Sheet, node: usize, wire: &Wire) -> Option<Edit> {
+    let kind = sheet.kind(wire)?;
+    let into = &sheet.nodes[node];
+    let pin = into.pins.iter().position(|pin| pin.accepts.takes(kind))?;
+    let below = &sheet.nodes[wire.to.0].pins[wire.to.1];
+    let output = into.makes.iter().position(|(_, made)| {
+        made.is_some_and(|made| below.accepts.takes(if made == Kind::ANY { kind } else { made }))
+    })?;
+    let edit = connected(sheet, wire.from, (node, pin)).then(connected(sheet, (node, output), wire.to));
+    Some(Edit { label: format!("Insert {}", into.name), ..edit })
+}
+
+/// Makes a node one of another type, which keeps whatever the two have in common.
+pub fn retyped(sheet: &Sheet, name: &str, declaration: &'static Declaration) -> Edit {
+    let mut body = Map::new();
+    body.insert("type".into(), declaration.name.into());
+    fill(declaration.items, &mut body);
+    let path = Path::node(name);
+    if let Some(Value::Object(old)) = sheet.get(&path) {
+        let known: HashSet<&str> = declaration.items.iter().map(Item::name).collect();
+        for (key, value) in old.iter().filter(|(key, _)| *key != "type") {
+            if known.contains(key.as_str()) || matches!(key.as_str(), "disabled" | "notes" | "ui") {
+                body.insert(key.clone(), value.clone());
+            }
+        }
+    }
+    let ops = vec![Op::Set(path, style(&Value::Object(body)))];
+    Edit::new(format!("Make {name} a {}", declaration.name), ops)
+}
+
+/// Adds what was copied, under free names, and says which these are. `None` where the text is nothing that was copied.
+pub fn pasted(sheet: &Sheet, text: &str, at: Point) -> Option<(Edit, Vec<String>)> {
+    let clip = clip::read(text)?;
+    let mut names: BTreeMap<&str, String> = BTreeMap::new();
+    for name in clip.nodes.keys() {
+        let mut free = sheet.free_name(name);
+        while names.values().any(|taken| *taken == free) {
+            free = next_name(&free, sheet);
+        }
+        names.insert(name, free);
+    }
+    let corner = clip.corner();
+    let mut ops = Vec::new();
+    for (index, (name, body)) in clip.nodes.iter().enumerate() {
+        let mut body = body.clone();
+        clip::redirect(&mut body, &|node| match names.get(node) {
+            Some(new) => Some(new.clone()),
+            None => sheet.find(node).map(|_| node.to_string()),
+        });
+        ops.push(Op::Set(Path::node(&names[name.as_str()]), style(&body)));
+        let place = clip.positions.get(name).copied().unwrap_or([24.0 * index as f32, 90.0 * index as f32]);
+        let place = [at[0] + place[0] - corner[0], at[1] + place[1] - corner[1]];
+        ops.push(Op::Set(placed(&names[name.as_str()]), style(&position(place))));
+    }
+    let names: Vec<String> = clip.nodes.keys().map(|name| names[name.as_str()].clone()).collect();
+    Some((Edit::new(format!("Paste {}", count(names.len(), "node")), ops), names))
+}
+
+fn next_name(taken: &str, sheet: &Sheet) -> String {
+    let stem = taken.trim_end_matches(|c: char| c.is_ascii_digit());
+    let number: usize = taken[stem.len()..].parse().unwrap_or(1);
+    sheet.free_name(&format!("{stem}{}", number + 1))
+}
+
+/// The nodes and their places as a text that can be pasted.
+pub fn copied(sheet: &Sheet, names: &[String]) -> String {
+    let nodes: HashMap<&str, &Node> =
+        names.iter().filter_map(|name| Some((name.as_str(), sheet.node(name)?))).collect();
+    clip::write(sheet, &nodes)
+}

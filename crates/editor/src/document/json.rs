@@ -1,0 +1,310 @@
+//! Places in a JSON text, and the changes that touch nothing but what they name.
+
+use jsonc_parser::ast::{Array, Object, ObjectProp, Value};
+use jsonc_parser::common::Ranged;
+use jsonc_parser::{CollectOptions, ParseOptions, parse_to_ast};
+use std::fmt;
+
+/// One step from a value to one within it.
+#[derive(Clone, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Step {
+    /// To an object's entry.
+    Key(String),
+    /// To a list's element.
+    Index(usize),
+}
+
+impl From<&str> for Step {
+    fn from(key: &str) -> Self {
+        Self::Key(key.into())
+    }
+}
+
+impl From<&String> for Step {
+    fn from(key: &String) -> Self {
+        Self::Key(key.clone())
+    }
+}
+
+impl From<usize> for Step {
+    fn from(index: usize) -> Self {
+        Self::Index(index)
+    }
+}
+
+/// Where a value stands in a document, from the top.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Path(pub Vec<Step>);
+
+impl Path {
+    /// The place of a node.
+    pub fn node(name: &str) -> Self {
+        Self::default().to("nodes").to(name)
+    }
+
+    /// A place within this one.
+    #[must_use]
+    pub fn to(&self, step: impl Into<Step>) -> Self {
+        let mut steps = self.0.clone();
+        steps.push(step.into());
+        Self(steps)
+    }
+
+    /// A place several steps within this one.
+    #[must_use]
+    pub fn join(&self, steps: &[Step]) -> Self {
+        Self(self.0.iter().chain(steps).cloned().collect())
+    }
+
+    /// The value at this place of a parsed document.
+    pub fn find<'v>(&self, value: &'v serde_json::Value) -> Option<&'v serde_json::Value> {
+        self.0.iter().try_fold(value, |value, step| match step {
+            Step::Key(key) => value.get(key),
+            Step::Index(index) => value.get(index),
+        })
+    }
+}
+
+impl fmt::Display for Path {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (index, step) in self.0.iter().enumerate() {
+            match step {
+                Step::Key(key) if index == 0 => write!(f, "{key}")?,
+                Step::Key(key) => write!(f, ".{key}")?,
+                Step::Index(at) => write!(f, "[{at}]")?,
+            }
+        }
+        Ok(())
+    }
+}
+
+/// One change of a document. Values are JSON texts.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Op {
+    /// Replaces a value, or adds it: to an object as its last entry, to a list at its end. Objects on the way there are made.
+    Set(Path, String),
+    /// Puts a value into a list, before the element that stands there.
+    Insert(Path, String),
+    /// Takes an entry or element away.
+    Remove(Path),
+    /// Gives an object's entry another key.
+    Rename(Path, String),
+}
+
+/// A piece of a text replaced by another; what undo and redo are made of.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Splice {
+    /// Byte offset.
+    pub at: usize,
+    /// What stood there.
+    pub removed: String,
+    /// What stands there now.
+    pub inserted: String,
+}
+
+impl Splice {
+    /// Makes the change.
+    pub fn redo(&self, text: &mut String) {
+        text.replace_range(self.at..self.at + self.removed.len(), &self.inserted);
+    }
+
+    /// Takes the change back.
+    pub fn undo(&self, text: &mut String) {
+        text.replace_range(self.at..self.at + self.inserted.len(), &self.removed);
+    }
+
+    /// Bytes that it keeps.
+    pub fn bytes(&self) -> usize {
+        size_of::<Self>() + self.removed.len() + self.inserted.len()
+    }
+
+    /// From one text to another: the part in which they differ.
+    pub fn between(old: &str, new: &str) -> Self {
+        let (a, b) = (old.as_bytes(), new.as_bytes());
+        let mut start = a.iter().zip(b).take_while(|(a, b)| a == b).count();
+        while !(old.is_char_boundary(start) && new.is_char_boundary(start)) {
+            start -= 1;
+        }
+        let rest = a.len().min(b.len()) - start;
+        let mut end = a.iter().rev().zip(b.iter().rev()).take(rest).take_while(|(a, b)| a == b).count();
+        while !(old.is_char_boundary(old.len() - end) && new.is_char_boundary(new.len() - end)) {
+            end -= 1;
+        }
+        let (removed, inserted) = (&old[start..old.len() - end], &new[start..new.len() - end]);
+        Self { at: start, removed: removed.into(), inserted: inserted.into() }
+    }
+}
+
+/// Why a change cannot be made.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Misplaced(pub String);
+
+impl fmt::Display for Misplaced {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+/// Strict JSON.
+const STRICT: ParseOptions = ParseOptions {
+    allow_comments: false,
+    allow_loose_object_property_names: false,
+    allow_trailing_commas: false,
+    allow_missing_commas: false,
+    allow_single_quoted_strings: false,
+    allow_hexadecimal_numbers: false,
+    allow_unary_plus_numbers: false,
+    allow_bare_decimal_point_numbers: false,
+    allow_non_finite_numbers: false,
+    allow_extended_string_escapes: false,
+};
+
+/// A string as JSON writes it.
+pub fn quoted(text: &str) -> String {
+    serde_json::Value::from(text).to_string()
+}
+
+/// The change of a text that makes an operation.
+///
+/// # Errors
+/// The text is no JSON, or has no such place.
+pub fn splice(text: &str, op: &Op) -> Result<Splice, Misplaced> {
+    let parsed = parse_to_ast(text, &CollectOptions::default(), &STRICT)
+        .map_err(|error| Misplaced(format!("the document is no JSON: {error}")))?;
+    let root = parsed.value.ok_or_else(|| Misplaced("the document is empty".into()))?;
+    let (path, missing) = match op {
+        Op::Set(path, _) | Op::Insert(path, _) | Op::Remove(path) | Op::Rename(path, _) => {
+            (path, || Misplaced(format!("there is no {path}")))
+        }
+    };
+    match op {
+        Op::Set(_, value) => set(text, &root, &path.0, value).ok_or_else(missing),
+        Op::Insert(_, value) => {
+            let (Some(Step::Index(index)), steps) = (path.0.last(), &path.0[..path.0.len().saturating_sub(1)]) else {
+                return Err(missing());
+            };
+            match descend(&root, steps) {
+                Some(Value::Array(list)) if *index < list.elements.len() => {
+                    let next = &list.elements[*index];
+                    let gap = gap_before(text, next.start(), list.range.start);
+                    Ok(replaced(text, next.start(), next.start(), &format!("{value},{gap}")))
+                }
+                Some(Value::Array(list)) if *index == list.elements.len() => Ok(appended(text, list, value)),
+                _ => Err(missing()),
+            }
+        }
+        Op::Remove(_) => {
+            let (last, steps) = path.0.split_last().ok_or_else(missing)?;
+            let parent = descend(&root, steps).ok_or_else(missing)?;
+            let (ranges, index, inner): (Vec<(usize, usize)>, _, _) = match (parent, last) {
+                (Value::Object(object), Step::Key(key)) => (
+                    object.properties.iter().map(|entry| (entry.range.start, entry.range.end)).collect(),
+                    object.properties.iter().position(|entry| entry.name.as_str() == key),
+                    (object.range.start + 1, object.range.end - 1),
+                ),
+                (Value::Array(list), Step::Index(index)) => (
+                    list.elements.iter().map(|value| (value.start(), value.end())).collect(),
+                    Some(*index),
+                    (list.range.start + 1, list.range.end - 1),
+                ),
+                _ => return Err(missing()),
+            };
+            let index = index.filter(|index| *index < ranges.len()).ok_or_else(missing)?;
+            let (start, end) = if ranges.len() == 1 {
+                inner
+            } else if index + 1 == ranges.len() {
+                (ranges[index - 1].1, ranges[index].1)
+            } else {
+                (ranges[index].0, ranges[index + 1].0)
+            };
+            Ok(replaced(text, start, end, ""))
+        }
+        Op::Rename(_, key) => {
+            let (Some(Step::Key(old)), steps) = (path.0.last(), &path.0[..path.0.len().saturating_sub(1)]) else {
+                return Err(missing());
+            };
+            let Some(Value::Object(object)) = descend(&root, steps) else { return Err(missing()) };
+            let entry = entry(object, old).ok_or_else(missing)?;
+            let range = entry.name.range();
+            Ok(replaced(text, range.start, range.end, &quoted(key)))
+        }
+    }
+}
+
+fn replaced(text: &str, start: usize, end: usize, new: &str) -> Splice {
+    Splice { at: start, removed: text[start..end].into(), inserted: new.into() }
+}
+
+fn entry<'o, 'a>(object: &'o Object<'a>, key: &str) -> Option<&'o ObjectProp<'a>> {
+    object.properties.iter().find(|entry| entry.name.as_str() == key)
+}
+
+fn descend<'v, 'a>(root: &'v Value<'a>, steps: &[Step]) -> Option<&'v Value<'a>> {
+    steps.iter().try_fold(root, |value, step| match (value, step) {
+        (Value::Object(object), Step::Key(key)) => entry(object, key).map(|entry| &entry.value),
+        (Value::Array(list), Step::Index(index)) => list.elements.get(*index),
+        _ => None,
+    })
+}
+
+fn set(text: &str, root: &Value<'_>, steps: &[Step], value: &str) -> Option<Splice> {
+    // As deep as there is something.
+    let depth = (0..=steps.len()).rev().find(|&depth| descend(root, &steps[..depth]).is_some())?;
+    let found = descend(root, &steps[..depth])?;
+    if depth == steps.len() {
+        return Some(replaced(text, found.start(), found.end(), value));
+    }
+    let mut value = value.to_string();
+    for step in steps[depth + 1..].iter().rev() {
+        value = match step {
+            Step::Key(key) => format!("{{ {}: {value} }}", quoted(key)),
+            Step::Index(0) => format!("[{value}]"),
+            Step::Index(_) => return None,
+        };
+    }
+    match (found, &steps[depth]) {
+        (Value::Object(object), Step::Key(key)) => {
+            Some(added(text, object, &format!("{}: {value}", quoted(key)), depth))
+        }
+        (Value::Array(list), Step::Index(index)) if *index == list.elements.len() => Some(appended(text, list, &value)),
+        _ => None,
+    }
+}
+
+/// An entry added to the end of an object, set apart as its other entries are.
+fn added(text: &str, object: &Object<'_>, entry: &str, depth: usize) -> Splice {
+    match object.properties.last() {
+        Some(last) => {
+            let gap = gap_before(text, last.range.start, object.range.start);
+            replaced(text, last.range.end, last.range.end, &format!(",{gap}{entry}"))
+        }
+        // Objects near the top, such as all nodes, have a line for each entry.
+        None if depth <= 1 => {
+            let (outer, inner) = ("  ".repeat(depth), "  ".repeat(depth + 1));
+            let inside = format!("\n{inner}{entry}\n{outer}");
+            replaced(text, object.range.start + 1, object.range.end - 1, &inside)
+        }
+        None => replaced(text, object.range.start + 1, object.range.end - 1, &format!(" {entry} ")),
+    }
+}
+
+fn appended(text: &str, list: &Array<'_>, value: &str) -> Splice {
+    match list.elements.last() {
+        Some(last) => {
+            let gap = gap_before(text, last.start(), list.range.start);
+            replaced(text, last.end(), last.end(), &format!(",{gap}{value}"))
+        }
+        None => replaced(text, list.range.start + 1, list.range.end - 1, value),
+    }
+}
+
+/// What sets a value apart from the one before: a line break with the same indentation, or a space.
+fn gap_before(text: &str, start: usize, from: usize) -> String {
+    let between = &text[from + 1..start];
+    let line = between.rfind('\n').filter(|at| between[*at..].trim().is_empty());
+    match line {
+        Some(at) => between[at..].into(),
+        // Several in a line: where it began a line of its own, so does what comes behind it.
+        None => " ".into(),
+    }
+}

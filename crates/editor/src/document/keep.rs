@@ -1,0 +1,140 @@
+//! Copies of unsaved work, kept beside the program's other data until the document is saved or closed.
+//!
+//! Every running editor has a copy of its own and holds a lock on it. A copy without a lock is of one that ended
+//! unexpectedly.
+
+use serde_json::{Value, json};
+use std::fs::File;
+use std::path::{Path, PathBuf};
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::thread::JoinHandle;
+use std::time::{Duration, SystemTime};
+
+/// How long after a change its copy is kept at the latest.
+pub const AFTER: Duration = Duration::from_millis(800);
+
+/// Keeps the copy of one running editor.
+#[derive(Debug)]
+pub struct Keeper {
+    path: PathBuf,
+    lock: PathBuf,
+    /// Open and locked as long as the editor runs.
+    held: Option<File>,
+    tasks: Option<Sender<Task>>,
+    writer: Option<JoinHandle<()>>,
+}
+
+#[derive(Debug)]
+enum Task {
+    Keep(String),
+    Drop,
+}
+
+/// A copy whose editor has ended.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Kept {
+    /// The copy.
+    pub path: PathBuf,
+    /// The document that it is of; `None` for one never saved.
+    pub file: Option<PathBuf>,
+    /// The document's text.
+    pub text: String,
+    /// When it was kept.
+    pub when: SystemTime,
+}
+
+impl Keeper {
+    /// Starts keeping in a folder, which is made.
+    ///
+    /// # Errors
+    /// The folder takes no files.
+    pub fn new(folder: &Path) -> std::io::Result<Self> {
+        std::fs::create_dir_all(folder)?;
+        let (path, lock, held) = (0..10_000)
+            .find_map(|number| {
+                let stem = format!("{}-{number}", std::process::id());
+                let lock = folder.join(format!("{stem}.lock"));
+                let file = File::create(&lock).ok()?;
+                file.try_lock().ok()?;
+                Some((folder.join(format!("{stem}.json")), lock, file))
+            })
+            .ok_or_else(|| std::io::Error::other(format!("{}: takes no locks", folder.display())))?;
+        let (tasks, inbox) = channel();
+        let target = path.clone();
+        let writer = std::thread::Builder::new().name("keeper".into()).spawn(move || write(&target, &inbox))?;
+        Ok(Self { path, lock, held: Some(held), tasks: Some(tasks), writer: Some(writer) })
+    }
+
+    fn send(&self, task: Task) {
+        if let Some(tasks) = &self.tasks {
+            // The writer ends with the keeper only.
+            let _ = tasks.send(task);
+        }
+    }
+
+    /// Keeps a text, without waiting for the disk.
+    pub fn keep(&self, file: Option<&Path>, text: &str) {
+        self.send(Task::Keep(json!({ "file": file, "text": text }).to_string()));
+    }
+
+    /// Takes the copy away: there is nothing that could be lost.
+    pub fn forget(&self) {
+        self.send(Task::Drop);
+    }
+}
+
+impl Drop for Keeper {
+    fn drop(&mut self) {
+        self.tasks = None;
+        if let Some(writer) = self.writer.take() {
+            let _ = writer.join();
+        }
+        self.held = None;
+        let _ = std::fs::remove_file(&self.lock);
+        // A window that closes has asked what is to become of unsaved work.
+        if !std::thread::panicking() {
+            let _ = std::fs::remove_file(&self.path);
+        }
+    }
+}
+
+fn write(path: &Path, inbox: &Receiver<Task>) {
+    while let Ok(mut task) = inbox.recv() {
+        // Only the newest counts.
+        while let Ok(newer) = inbox.try_recv() {
+            task = newer;
+        }
+        match task {
+            // A full disk must not stop the work; saving will say so.
+            Task::Keep(text) => drop(trochoid::write_whole(path, text.as_bytes())),
+            Task::Drop => drop(std::fs::remove_file(path)),
+        }
+    }
+}
+
+/// The copies in a folder whose editors have ended, the newest first.
+pub fn kept(folder: &Path) -> Vec<Kept> {
+    let Ok(entries) = std::fs::read_dir(folder) else { return Vec::new() };
+    let paths = entries.flatten().map(|entry| entry.path());
+    let mut found: Vec<Kept> = paths.filter(|path| path.extension().is_some_and(|end| end == "json")).filter_map(read).collect();
+    found.sort_by(|a, b| b.when.cmp(&a.when));
+    found
+}
+
+fn read(path: PathBuf) -> Option<Kept> {
+    if let Ok(lock) = File::open(path.with_extension("lock"))
+        && lock.try_lock().is_err()
+    {
+        return None;
+    }
+    let when = std::fs::metadata(&path).ok()?.modified().ok()?;
+    let value: Value = serde_json::from_slice(&std::fs::read(&path).ok()?).ok()?;
+    let file = value.get("file").and_then(Value::as_str).map(PathBuf::from);
+    Some(Kept { file, text: value.get("text")?.as_str()?.into(), when, path })
+}
+
+/// Removes a copy for good.
+pub fn discard(kept: &Kept) {
+    let _ = std::fs::remove_file(&kept.path);
+    let _ = std::fs::remove_file(kept.path.with_extension("lock"));
+}

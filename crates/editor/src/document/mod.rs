@@ -1,0 +1,16 @@
+//! The document: its text, what it means, and the changes that can be made to it. Nothing here draws.
+
+pub mod clip;
+pub mod edit;
+pub mod history;
+pub mod json;
+pub mod keep;
+pub mod session;
+pub mod sheet;
+#[cfg(test)]
+mod tests;
+
+pub use edit::Edit;
+pub use json::{Op, Path, Step};
+pub use session::Session;
+pub use sheet::{Node, Pin, Point, Sheet, Wire};

@@ -1,0 +1,296 @@
+//! One open document: its text, what became of it, and what it means.
+
+use super::edit::Edit;
+use super::history::{Change, History};
+use super::json::{Misplaced, Splice, splice};
+use super::sheet::Sheet;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use trochoid::{CheckedGraph, Diagnostic, LoadError, Severity, missing_files, parse};
+
+/// An open document. Its text is the document; everything else here is read from it.
+#[derive(Debug)]
+pub struct Session {
+    text: String,
+    file: Option<PathBuf>,
+    history: History,
+    revision: u64,
+    meaning: Meaning,
+    /// The text that is in the file, as far as this session knows.
+    stored: String,
+}
+
+/// What a text means.
+#[derive(Clone, Debug, Default)]
+pub struct Meaning {
+    /// The graph, where the document is valid.
+    pub graph: Option<Arc<CheckedGraph>>,
+    /// Errors and warnings.
+    pub diagnostics: Vec<Diagnostic>,
+    /// What can be drawn, whether it is valid or not.
+    pub sheet: Arc<Sheet>,
+    /// Whether the text is JSON at all: if not, nothing but the text can be edited.
+    pub readable: bool,
+}
+
+impl Meaning {
+    /// Reads a text; `name` and `folder` as for [`trochoid::parse`].
+    pub fn of(name: &str, text: &str, folder: &Path) -> Self {
+        let (graph, mut diagnostics) = match parse(name, text, folder, &[]) {
+            Ok(loaded) => (Some(loaded.graph), loaded.warnings),
+            Err(LoadError::Invalid(diagnostics)) => (None, diagnostics),
+            Err(error @ LoadError::Io { .. }) => (None, vec![trouble(name, &error.to_string())]),
+        };
+        if let Some(graph) = &graph {
+            diagnostics.extend(missing_files(graph));
+        }
+        // What is too deep or too large for the graph is too deep for anything else.
+        let value = if text.len() <= 64 << 20 { serde_json::from_str(text).ok() } else { None };
+        let readable = value.is_some();
+        let sheet = Arc::new(Sheet::new(value.unwrap_or_default(), graph.as_ref()));
+        Self { graph: graph.map(Arc::new), diagnostics, sheet, readable }
+    }
+
+    /// The errors.
+    pub fn errors(&self) -> impl Iterator<Item = &Diagnostic> {
+        self.diagnostics.iter().filter(|diagnostic| diagnostic.severity == Severity::Error)
+    }
+}
+
+fn trouble(name: &str, found: &str) -> Diagnostic {
+    Diagnostic {
+        severity: Severity::Error,
+        file: name.into(),
+        line: 0,
+        column: 0,
+        node: None,
+        port: None,
+        found: found.into(),
+        expected: "a document".into(),
+        remedy: String::new(),
+    }
+}
+
+/// The document that a new window shows: a light on a ramp, so that there is something to play with.
+pub const NEW: &str = r##"{
+  "trochoid": 1,
+  "format": { "width": 1280, "height": 720, "samples": 1 },
+  "working_space": "srgb",
+  "frames": { "first": 1, "last": 96, "fps": 24 },
+  "nodes": {
+    "down": { "type": "ScreenY" },
+    "sky": { "type": "Ramp", "weight": "down", "stops": [
+      { "at": 0, "color": "#2d3f52" }, { "at": 0.6, "color": "#b98a63" }, { "at": 1, "color": "#f0cf8e" }
+    ] }
+  },
+  "outputs": {
+    "beauty": { "color": "sky", "file": "beauty.####.png", "require": { "guarantee": "hull" } }
+  }
+}
+"##;
+
+impl Session {
+    /// A document of this text, from this file.
+    pub fn new(text: String, file: Option<PathBuf>) -> Self {
+        let mut session = Self {
+            stored: text.clone(),
+            text,
+            file,
+            history: History::default(),
+            revision: 0,
+            meaning: Meaning::default(),
+        };
+        session.understand();
+        session
+    }
+
+    /// Opens a file. One with faults opens too, as long as it is text.
+    ///
+    /// # Errors
+    /// It cannot be read, or is no text, or far too large.
+    pub fn open(file: &Path) -> Result<Self, String> {
+        Ok(Self::new(read(file)?, Some(file.into())))
+    }
+
+    fn understand(&mut self) {
+        self.revision += 1;
+        self.meaning = Meaning::of(&self.name(), &self.text, &self.folder());
+    }
+
+    /// The text.
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
+    /// Where it is stored.
+    pub fn file(&self) -> Option<&Path> {
+        self.file.as_deref()
+    }
+
+    /// What stands for it in messages.
+    pub fn name(&self) -> String {
+        self.file.as_ref().map_or_else(|| "untitled.json".into(), |file| file.display().to_string())
+    }
+
+    /// Its name without the folders.
+    pub fn title(&self) -> String {
+        let name = self.file.as_ref().and_then(|file| file.file_name());
+        name.map_or_else(|| "untitled".into(), |name| name.to_string_lossy().into_owned())
+    }
+
+    /// What its paths are relative to.
+    pub fn folder(&self) -> PathBuf {
+        let folder = self.file.as_ref().and_then(|file| file.parent()).map(Path::to_path_buf);
+        folder.unwrap_or_else(|| std::env::current_dir().unwrap_or_default())
+    }
+
+    /// Grows with every change, so that what was made of an older text can be told.
+    pub fn revision(&self) -> u64 {
+        self.revision
+    }
+
+    /// What the text means.
+    pub fn meaning(&self) -> &Meaning {
+        &self.meaning
+    }
+
+    /// What the canvas draws.
+    pub fn sheet(&self) -> &Arc<Sheet> {
+        &self.meaning.sheet
+    }
+
+    /// What was done.
+    pub fn history(&self) -> &History {
+        &self.history
+    }
+
+    /// Whether there is something to save.
+    pub fn is_changed(&self) -> bool {
+        !self.history.is_saved() && self.text != self.stored
+    }
+
+    /// Makes a change, as one step of undo.
+    ///
+    /// # Errors
+    /// It names a place that is not there; nothing changes then.
+    pub fn edit(&mut self, edit: Edit) -> Result<(), Misplaced> {
+        let (text, splices) = applied(&self.text, &edit)?;
+        if splices.is_empty() {
+            return Ok(());
+        }
+        self.text = text;
+        self.history.push(Change { label: edit.label, merge: edit.merge, splices });
+        self.understand();
+        Ok(())
+    }
+
+    /// Replaces the whole text, as one step of undo.
+    pub fn replace(&mut self, text: &str, label: &str) {
+        let splice = Splice::between(&self.text, text);
+        if splice.removed != splice.inserted {
+            self.text = text.into();
+            self.history.push(Change { label: label.into(), merge: None, splices: vec![splice] });
+            self.understand();
+        }
+    }
+
+    /// What the document would mean after a change, which is not made.
+    ///
+    /// # Errors
+    /// It names a place that is not there.
+    pub fn after(&self, edit: &Edit) -> Result<Meaning, Misplaced> {
+        Ok(Meaning::of(&self.name(), &applied(&self.text, edit)?.0, &self.folder()))
+    }
+
+    /// Ends a gesture: what comes next is a step of its own.
+    pub fn seal(&mut self) {
+        self.history.seal();
+    }
+
+    /// Takes back the last change, and says what it was.
+    pub fn undo(&mut self) -> Option<String> {
+        let label = self.history.undo(&mut self.text)?.to_string();
+        self.understand();
+        Some(label)
+    }
+
+    /// Makes the change again that was taken back last, and says what it was.
+    pub fn redo(&mut self) -> Option<String> {
+        let label = self.history.redo(&mut self.text)?.to_string();
+        self.understand();
+        Some(label)
+    }
+
+    /// Writes the document to a file, whole or not at all, which is its file from then on.
+    ///
+    /// # Errors
+    /// The file cannot be written; what stood there stays.
+    pub fn save(&mut self, file: &Path) -> Result<(), String> {
+        trochoid::write_whole(file, self.text.as_bytes()).map_err(|error| error.to_string())?;
+        self.stored.clone_from(&self.text);
+        self.history.mark_saved();
+        if self.file.as_deref() != Some(file) {
+            self.file = Some(file.into());
+            self.understand();
+        }
+        Ok(())
+    }
+
+    /// Whether the file holds another text than the one that this session read or wrote; `None` where it cannot be read.
+    pub fn differs_on_disk(&self) -> Option<bool> {
+        Some(read(self.file.as_deref()?).ok()? != self.stored)
+    }
+
+    /// Takes what is in the file now, as one step of undo.
+    ///
+    /// # Errors
+    /// It cannot be read.
+    pub fn reload(&mut self) -> Result<(), String> {
+        let Some(file) = &self.file else { return Ok(()) };
+        let text = read(file)?;
+        self.replace(&text, "Reload the file");
+        self.stored = text;
+        self.history.mark_saved();
+        Ok(())
+    }
+
+    /// Keeps what is here although the file has changed: saving writes over it.
+    pub fn keep_mine(&mut self) {
+        if let Some(text) = self.file.as_deref().and_then(|file| read(file).ok()) {
+            self.stored = text;
+        }
+        self.history.mark_changed();
+    }
+
+    /// Takes back a text that was kept when the program ended unexpectedly, as one step of undo.
+    pub fn recover(&mut self, text: &str) {
+        self.replace(text, "Recover unsaved work");
+    }
+}
+
+/// A text after a change, and what became of it.
+fn applied(text: &str, edit: &Edit) -> Result<(String, Vec<Splice>), Misplaced> {
+    let mut text = text.to_string();
+    let mut splices = Vec::new();
+    for op in &edit.ops {
+        let splice = splice(&text, op)?;
+        if splice.removed != splice.inserted {
+            splice.redo(&mut text);
+            splices.push(splice);
+        }
+    }
+    Ok((text, splices))
+}
+
+fn read(file: &Path) -> Result<String, String> {
+    let found = |what: &str| format!("{}: {what}", file.display());
+    let size = std::fs::metadata(file).map_err(|error| found(&error.to_string()))?;
+    if size.is_dir() {
+        return Err(found("is a folder; name a document"));
+    }
+    if size.len() > 64 << 20 {
+        return Err(found(&format!("found {} bytes; expected a document of at most 64 MiB", size.len())));
+    }
+    let bytes = std::fs::read(file).map_err(|error| found(&error.to_string()))?;
+    String::from_utf8(bytes).map_err(|_| found("found bytes that are no UTF-8; expected a document in JSON"))
+}

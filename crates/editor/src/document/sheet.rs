@@ -1,0 +1,367 @@
+//! A document as the canvas draws it: also one that is not valid, as far as it can be understood.
+
+use super::json::{Path, Step};
+use serde_json::Value;
+use std::collections::{BTreeMap, HashMap, HashSet};
+use trochoid::{Accepts, Arity, CheckedGraph, Declaration, Item, Kind, registry};
+
+/// A point on the canvas, x to the right and y down.
+pub type Point = [f32; 2];
+
+/// Every node and wire of a document.
+#[derive(Clone, Debug, Default)]
+pub struct Sheet {
+    /// In the order of the document.
+    pub nodes: Vec<Node>,
+    /// By name.
+    index: HashMap<String, usize>,
+    /// In the order of the nodes that take them.
+    pub wires: Vec<Wire>,
+    /// What is rendered.
+    pub outputs: Vec<Output>,
+    /// First and last frame, and frames per second.
+    pub frames: (i64, i64, f64),
+    /// Width and height of pictures.
+    pub format: [u32; 2],
+    /// Colored areas behind nodes.
+    pub backdrops: BTreeMap<String, Backdrop>,
+    /// The whole document.
+    pub value: Value,
+}
+
+/// A node.
+#[derive(Clone, Debug)]
+pub struct Node {
+    /// Its name.
+    pub name: String,
+    /// What the document says that it is.
+    pub ty: String,
+    /// What is known of that type.
+    pub declaration: Option<&'static Declaration>,
+    /// Whether it is led past.
+    pub disabled: bool,
+    /// Its upper left corner.
+    pub at: Point,
+    /// Whether the document says where it stands.
+    pub placed: bool,
+    /// What it takes.
+    pub pins: Vec<Pin>,
+    /// What it makes: names and kinds, where these are known.
+    pub makes: Vec<(&'static str, Option<Kind>)>,
+}
+
+/// A place of a node for one connection.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pin {
+    /// Where it stands within the node.
+    pub steps: Vec<Step>,
+    /// What it is called.
+    pub label: String,
+    /// What it means.
+    pub help: &'static str,
+    /// What it takes.
+    pub accepts: Accepts,
+    /// Whether the node does nothing without it.
+    pub required: bool,
+    /// Whether it stands behind the others of a list, for one more.
+    pub more: bool,
+    /// The least that the list has, of which it is one.
+    pub of_list: bool,
+    /// What the document writes there.
+    pub value: Option<Value>,
+}
+
+/// A connection: from an output of a node to a pin of another.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Wire {
+    /// The node above and its output.
+    pub from: (usize, usize),
+    /// The node below and its pin.
+    pub to: (usize, usize),
+}
+
+/// What is rendered.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Output {
+    /// Its name.
+    pub name: String,
+    /// The node and its output, as written.
+    pub source: String,
+}
+
+/// A colored area behind nodes, with a title.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Backdrop {
+    /// Its upper left corner.
+    pub at: Point,
+    /// Width and height.
+    pub size: Point,
+    /// Its title, or a note.
+    pub text: String,
+    /// Which of the theme's colors.
+    pub tint: usize,
+}
+
+impl Sheet {
+    /// Reads a document's value; `graph` tells kinds, where the document is valid.
+    pub fn new(value: Value, graph: Option<&CheckedGraph>) -> Self {
+        let mut sheet = Self { frames: (1, 1, 24.0), format: [1920, 1080], ..Self::default() };
+        let entries = value.get("nodes").and_then(Value::as_object);
+        for (name, body) in entries.into_iter().flatten() {
+            sheet.index.insert(name.clone(), sheet.nodes.len());
+            sheet.nodes.push(Node::read(name, body, &value, graph));
+        }
+        sheet.pass_kinds();
+        sheet.join();
+        let outputs = value.get("outputs").and_then(Value::as_object);
+        for (name, body) in outputs.into_iter().flatten() {
+            let source = ["color", "weights", "field"].iter().find_map(|key| body.get(key)?.as_str());
+            sheet.outputs.push(Output { name: name.clone(), source: source.unwrap_or_default().into() });
+        }
+        if let Some(frames) = value.get("frames") {
+            let first = frames.get("first").and_then(Value::as_i64).unwrap_or(1);
+            let last = frames.get("last").and_then(Value::as_i64).unwrap_or(first);
+            let fps = frames.get("fps").and_then(Value::as_f64).filter(|fps| *fps > 0.0).unwrap_or(24.0);
+            sheet.frames = (first, last.max(first), fps);
+        }
+        if let Some(format) = value.get("format") {
+            let side = |key: &str| format.get(key).and_then(Value::as_u64).and_then(|side| u32::try_from(side).ok());
+            sheet.format = [side("width").unwrap_or(1920).max(1), side("height").unwrap_or(1080).max(1)];
+        }
+        let backdrops = value.get("ui").and_then(|ui| ui.get("backdrops")).and_then(Value::as_object);
+        for (name, body) in backdrops.into_iter().flatten() {
+            let (Some(at), Some(size)) = (point(body.get("at")), point(body.get("size"))) else { continue };
+            let text = body.get("text").and_then(Value::as_str).unwrap_or_default().into();
+            let tint = body.get("tint").and_then(Value::as_u64).unwrap_or(0) as usize;
+            sheet.backdrops.insert(name.clone(), Backdrop { at, size, text, tint });
+        }
+        sheet.value = value;
+        sheet
+    }
+
+    /// The node of that name.
+    pub fn find(&self, name: &str) -> Option<usize> {
+        self.index.get(name).copied()
+    }
+
+    /// The node of that name.
+    pub fn node(&self, name: &str) -> Option<&Node> {
+        Some(&self.nodes[self.find(name)?])
+    }
+
+    /// What the document writes at a place.
+    pub fn get(&self, path: &Path) -> Option<&Value> {
+        path.find(&self.value)
+    }
+
+    /// The kind of what a wire carries.
+    pub fn kind(&self, wire: &Wire) -> Option<Kind> {
+        self.nodes[wire.from.0].makes.get(wire.from.1)?.1
+    }
+
+    /// A node and its output, from how a document names them.
+    pub fn source(&self, text: &str) -> Option<(usize, usize)> {
+        let (name, output) = text.split_once('.').map_or((text, None), |(name, output)| (name, Some(output)));
+        let node = self.find(name)?;
+        let output = match output {
+            None => 0,
+            Some(output) => self.nodes[node].makes.iter().position(|(known, _)| *known == output)?,
+        };
+        Some((node, output))
+    }
+
+    /// How a document names an output of a node: the first by the node alone.
+    pub fn reference(&self, node: usize, output: usize) -> String {
+        let node = &self.nodes[node];
+        match node.makes.get(output) {
+            Some((name, _)) if output > 0 => format!("{}.{name}", node.name),
+            _ => node.name.clone(),
+        }
+    }
+
+    /// Everything that a node depends on, itself included.
+    pub fn upstream(&self, roots: impl IntoIterator<Item = usize>) -> HashSet<usize> {
+        self.walk(roots, |wire| (wire.to.0, wire.from.0))
+    }
+
+    /// Everything that depends on a node, itself included.
+    pub fn downstream(&self, roots: impl IntoIterator<Item = usize>) -> HashSet<usize> {
+        self.walk(roots, |wire| (wire.from.0, wire.to.0))
+    }
+
+    fn walk(
+        &self,
+        roots: impl IntoIterator<Item = usize>,
+        step: impl Fn(&Wire) -> (usize, usize),
+    ) -> HashSet<usize> {
+        let mut next: HashMap<usize, Vec<usize>> = HashMap::new();
+        for (from, to) in self.wires.iter().map(step) {
+            next.entry(from).or_default().push(to);
+        }
+        let mut seen = HashSet::new();
+        let mut open: Vec<usize> = roots.into_iter().collect();
+        while let Some(node) = open.pop() {
+            if seen.insert(node) {
+                open.extend(next.get(&node).into_iter().flatten());
+            }
+        }
+        seen
+    }
+
+    /// A name that no node has yet: `mix`, `mix2`, `mix3`.
+    pub fn free_name(&self, wanted: &str) -> String {
+        let taken = |name: &str| self.index.contains_key(name);
+        if !taken(wanted) {
+            return wanted.into();
+        }
+        let stem = wanted.trim_end_matches(|c: char| c.is_ascii_digit());
+        let stem = if stem.is_empty() { "node" } else { stem };
+        (2..).map(|n| format!("{stem}{n}")).find(|name| !taken(name)).unwrap_or_default()
+    }
+
+    /// Gives nodes that hand on what they are given the kind of their first connection.
+    fn pass_kinds(&mut self) {
+        // As often as the longest chain of them.
+        for _ in 0..self.nodes.len() {
+            let mut changed = false;
+            for index in 0..self.nodes.len() {
+                let open = self.nodes[index].makes.iter().any(|(_, kind)| *kind == Some(Kind::ANY));
+                if !open {
+                    continue;
+                }
+                let first = self.nodes[index].pins.iter().find_map(|pin| pin.value.as_ref());
+                let kind = match first {
+                    Some(Value::String(text)) if text.starts_with('#') => Some(Kind::Color),
+                    Some(Value::String(text)) => match self.source(text) {
+                        Some((node, output)) => self.nodes[node].makes.get(output).and_then(|(_, kind)| *kind),
+                        None => None,
+                    },
+                    Some(Value::Number(_)) => Some(Kind::MASK),
+                    Some(Value::Array(_)) => Some(Kind::Color),
+                    _ => None,
+                };
+                if kind != Some(Kind::ANY) {
+                    let makes = &mut self.nodes[index].makes;
+                    makes.iter_mut().filter(|(_, own)| *own == Some(Kind::ANY)).for_each(|(_, own)| *own = kind);
+                    changed = true;
+                }
+            }
+            if !changed {
+                break;
+            }
+        }
+    }
+
+    /// Finds the wires.
+    fn join(&mut self) {
+        for to in 0..self.nodes.len() {
+            for pin in 0..self.nodes[to].pins.len() {
+                let Some(Value::String(text)) = &self.nodes[to].pins[pin].value else { continue };
+                if let Some(from) = self.source(text) {
+                    self.wires.push(Wire { from, to: (to, pin) });
+                }
+            }
+        }
+    }
+}
+
+impl Node {
+    fn read(name: &str, body: &Value, document: &Value, graph: Option<&CheckedGraph>) -> Self {
+        let ty = body.get("type").and_then(Value::as_str).unwrap_or_default();
+        let declaration = registry().get(ty).map(|ty| ty.declaration());
+        let place = document.get("ui").and_then(|ui| ui.get("positions")).and_then(|all| point(all.get(name)));
+        let checked = graph.and_then(|graph| Some(graph.node(graph.find(name)?)));
+        let mut node = Self {
+            name: name.into(),
+            ty: ty.into(),
+            declaration,
+            disabled: body.get("disabled") == Some(&Value::Bool(true)),
+            at: place.unwrap_or_default(),
+            placed: place.is_some(),
+            pins: Vec::new(),
+            makes: Vec::new(),
+        };
+        if let Some(declaration) = declaration {
+            pins(declaration.items, body, &[], "", &mut node.pins);
+            let kinds = declaration.outputs.iter().enumerate().map(|(index, output)| {
+                let known = checked.and_then(|checked| checked.kinds.get(index).copied());
+                (output.name, known.or(Some(output.kind)))
+            });
+            node.makes = kinds.collect();
+        }
+        node
+    }
+
+    /// The pin at a place within the node.
+    pub fn pin(&self, steps: &[Step]) -> Option<usize> {
+        self.pins.iter().position(|pin| pin.steps == steps)
+    }
+}
+
+/// Every pin of some items, those of a list's records behind the list's name.
+fn pins(items: &'static [Item], body: &Value, steps: &[Step], before: &str, found: &mut Vec<Pin>) {
+    for item in items {
+        let within = |step: Step| steps.iter().cloned().chain([step]).collect::<Vec<Step>>();
+        match item {
+            Item::Knob(_) => {}
+            Item::Port(port) => {
+                let value = body.get(port.name);
+                let pin = |steps: Vec<Step>, label: String, value: Option<&Value>| Pin {
+                    steps,
+                    label,
+                    help: port.help,
+                    accepts: port.accepts,
+                    required: false,
+                    more: false,
+                    of_list: false,
+                    value: value.cloned(),
+                };
+                let label = format!("{before}{}", port.name);
+                match port.arity {
+                    Arity::One | Arity::Optional => {
+                        let required = port.arity == Arity::One;
+                        found.push(Pin { required, ..pin(within(port.name.into()), label, value) });
+                    }
+                    Arity::Many { min, max } => {
+                        let elements: &[Value] = value.and_then(Value::as_array).map_or(&[], Vec::as_slice);
+                        let at = |index: usize| {
+                            let mut steps = within(port.name.into());
+                            steps.push(index.into());
+                            steps
+                        };
+                        for (index, element) in elements.iter().enumerate() {
+                            let label = format!("{label} {}", index + 1);
+                            found.push(Pin { of_list: true, ..pin(at(index), label, Some(element)) });
+                        }
+                        if elements.len() < max {
+                            let required = elements.len() < min;
+                            let label = format!("{label} {}", elements.len() + 1);
+                            found.push(Pin {
+                                of_list: true,
+                                required,
+                                more: true,
+                                ..pin(at(elements.len()), label, None)
+                            });
+                        }
+                    }
+                }
+            }
+            Item::List(list) => {
+                let records: &[Value] =
+                    body.get(list.name).and_then(Value::as_array).map_or(&[], Vec::as_slice);
+                for (index, record) in records.iter().enumerate() {
+                    let mut steps = within(list.name.into());
+                    steps.push(index.into());
+                    pins(list.items, record, &steps, &format!("{before}{} {} ", list.name, index + 1), found);
+                }
+            }
+        }
+    }
+}
+
+/// A point as documents write it.
+pub fn point(value: Option<&Value>) -> Option<Point> {
+    let [x, y] = value?.as_array()?.as_slice() else { return None };
+    let [x, y] = [x.as_f64()? as f32, y.as_f64()? as f32];
+    (x.is_finite() && y.is_finite()).then_some([x, y])
+}

@@ -1,0 +1,110 @@
+//! What to evaluate so that a node can be looked at: a document of just that node and what it depends on, so that faults
+//! elsewhere do not matter.
+
+use crate::document::{Path, Sheet};
+use serde_json::{Map, Value, json};
+use std::path;
+use trochoid::{CheckedGraph, Kind, LoadError, Severity, parse};
+
+/// The name of the output that a lens looks through.
+pub const OUTPUT: &str = "look";
+
+/// Names of nodes that a lens adds; `_` keeps them apart from what users type, numbers from what they might.
+const CAMERA: &str = "_lens_camera_1";
+const LIGHT: &str = "_lens_light_1";
+const VIEW: &str = "_lens_view_1";
+const CLAY: &str = "_lens_clay_1";
+
+/// A node seen for itself.
+#[derive(Debug)]
+pub struct Lens {
+    /// The graph, whose only output is [`OUTPUT`].
+    pub graph: CheckedGraph,
+    /// Its document.
+    pub text: String,
+    /// Whether what is seen is the node lit like clay, because it is no picture itself.
+    pub clay: bool,
+}
+
+/// A graph that shows an output of a node.
+///
+/// # Errors
+/// The node makes nothing that can be seen, or it or something that it depends on has a fault; in a sentence.
+pub fn lens(sheet: &Sheet, node: usize, output: usize, name: &str, folder: &path::Path) -> Result<Lens, String> {
+    let mut nodes = Map::new();
+    let mut closure: Vec<usize> = sheet.upstream([node]).into_iter().collect();
+    closure.sort_unstable();
+    for index in closure {
+        let name = &sheet.nodes[index].name;
+        nodes.insert(name.clone(), sheet.get(&Path::node(name)).cloned().unwrap_or_default());
+    }
+    let shown = &sheet.nodes[node];
+    let kind = shown.makes.get(output).and_then(|(_, kind)| *kind);
+    let reference = sheet.reference(node, output);
+    let (key, source) = match kind {
+        Some(Kind::Color) => ("color", reference),
+        Some(Kind::Weights(_)) => ("weights", reference),
+        Some(Kind::Field(_)) => ("field", reference),
+        Some(Kind::View) => clay(sheet, reference, &mut nodes),
+        Some(Kind::Surface) => {
+            if !borrow(sheet, "Camera", CAMERA, &mut nodes) {
+                nodes.insert(CAMERA.into(), json!({ "type": "Camera", "position": [0, 8, 30], "target": [0, 1, 0] }));
+            }
+            let camera = borrowed(sheet, "Camera").unwrap_or(CAMERA.into());
+            nodes.insert(VIEW.into(), json!({ "type": "Render", "camera": camera, "surfaces": [reference] }));
+            clay(sheet, VIEW.into(), &mut nodes)
+        }
+        Some(kind @ (Kind::Camera | Kind::Light)) => {
+            return Err(format!("a {kind} is no picture: connect it to a Render or a pass, and look at that"));
+        }
+        None => return Err(format!("nobody knows what \"{}\" makes: its type is unknown", shown.name)),
+    };
+    let clay = matches!(kind, Some(Kind::View | Kind::Surface));
+    let mut document = Map::new();
+    for key in ["trochoid", "format", "working_space", "frames", "tolerance"] {
+        if let Some(value) = sheet.value.get(key) {
+            document.insert(key.into(), value.clone());
+        }
+    }
+    document.insert("nodes".into(), nodes.into());
+    document.insert("outputs".into(), json!({ OUTPUT: { key: source } }));
+    let text = Value::Object(document).to_string();
+    match parse(name, &text, folder, &[]) {
+        Ok(loaded) => Ok(Lens { graph: loaded.graph, text, clay }),
+        Err(LoadError::Invalid(diagnostics)) => {
+            let errors = diagnostics.iter().filter(|diagnostic| diagnostic.severity == Severity::Error);
+            // The node's own fault before those above it.
+            let worst = errors.min_by_key(|diagnostic| diagnostic.node.as_deref() != Some(shown.name.as_str()));
+            Err(worst.map_or_else(String::new, |fault| {
+                let node = fault.node.as_deref().map_or(String::new(), |node| format!("{node}: "));
+                format!("{node}found {}; expected {}", fault.found, fault.expected)
+            }))
+        }
+        Err(error) => Err(error.to_string()),
+    }
+}
+
+/// The first node of a type in the document.
+fn borrowed(sheet: &Sheet, ty: &str) -> Option<String> {
+    sheet.nodes.iter().find(|node| node.ty == ty && !node.disabled).map(|node| node.name.clone())
+}
+
+/// Brings the document's first node of a type, and whatever it depends on; whether there is one.
+fn borrow(sheet: &Sheet, ty: &str, _stand_in: &str, nodes: &mut Map<String, Value>) -> bool {
+    let Some(found) = borrowed(sheet, ty).and_then(|name| sheet.find(&name)) else { return false };
+    for index in sheet.upstream([found]) {
+        let name = &sheet.nodes[index].name;
+        nodes.entry(name.clone()).or_insert_with(|| sheet.get(&Path::node(name)).cloned().unwrap_or_default());
+    }
+    true
+}
+
+/// Lights a view like clay.
+fn clay(sheet: &Sheet, view: String, nodes: &mut Map<String, Value>) -> (&'static str, String) {
+    if !borrow(sheet, "Light", LIGHT, nodes) {
+        nodes.insert(LIGHT.into(), json!({ "type": "Light", "direction": [0.5, 0.6, 0.4] }));
+    }
+    let light = borrowed(sheet, "Light").unwrap_or(LIGHT.into());
+    nodes.insert(CLAY.into(), json!({ "type": "NonSpecular", "view": view, "lights": [light] }));
+    ("field", CLAY.into())
+}

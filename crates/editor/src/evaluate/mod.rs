@@ -1,0 +1,11 @@
+//! Evaluation on a thread of its own: what is newest first, coarse before fine, and never waited for.
+
+pub mod lens;
+pub mod shown;
+mod worker;
+#[cfg(test)]
+mod tests;
+
+pub use lens::{Lens, lens};
+pub use shown::{Channel, Display, Screen};
+pub use worker::{Job, News, Result, Subject, Thumbnail, Worker};

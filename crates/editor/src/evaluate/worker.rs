@@ -1,0 +1,522 @@
+//! The thread that evaluates.
+
+use super::lens::{Lens, OUTPUT, lens};
+use super::shown::{self, Display, Screen};
+use crate::document::Sheet;
+use std::collections::VecDeque;
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+use trochoid::{
+    Buffers, Cache, CheckedGraph, EvalError, Format, Kind, Monitor, NodeReport, Phases, Picture, Plan, Settings, Window,
+    WorkingSpace,
+};
+
+/// What is looked at.
+#[derive(Clone, Debug)]
+pub struct Subject {
+    /// The document.
+    pub sheet: Arc<Sheet>,
+    /// Grows with every change of the document.
+    pub revision: u64,
+    /// The node.
+    pub node: usize,
+    /// Its output.
+    pub output: usize,
+    /// The document's name, for messages.
+    pub name: String,
+    /// What its paths are relative to.
+    pub folder: PathBuf,
+}
+
+impl Subject {
+    fn is(&self, other: &Self) -> bool {
+        (self.revision, self.node, self.output) == (other.revision, other.node, other.output)
+            && self.folder == other.folder
+    }
+}
+
+/// A picture to be made.
+#[derive(Clone, Debug)]
+pub struct Job {
+    /// Told again with the result. A job with a newer number cancels one with an older.
+    pub generation: u64,
+    /// Of what.
+    pub subject: Subject,
+    /// The frame.
+    pub frame: i64,
+    /// By how much the finished picture is smaller than the document's: 1, 2 or 4.
+    pub proxy: u32,
+    /// The part that is wanted, in shares of the picture's width and height: left, top, right, bottom.
+    pub region: Option<[f32; 4]>,
+    /// How it is shown.
+    pub display: Display,
+    /// Whether a coarse picture comes first.
+    pub progressive: bool,
+}
+
+/// A picture, small or whole.
+#[derive(Clone, Debug)]
+pub struct Result {
+    /// Whose result it is.
+    pub generation: u64,
+    /// The frame.
+    pub frame: i64,
+    /// By how much it is smaller than the document's picture.
+    pub shrunk: u32,
+    /// Whether it is what was asked for, and not a coarse one before that.
+    pub finished: bool,
+    /// What was looked at.
+    pub subject: Subject,
+    /// What was evaluated.
+    pub lens: Arc<Lens>,
+    /// The document's format, at this size.
+    pub format: Format,
+    /// The picture.
+    pub picture: Arc<Picture>,
+    /// The picture as it is shown.
+    pub screen: Arc<Screen>,
+    /// How it is shown.
+    pub display: Display,
+    /// What nodes did.
+    pub nodes: Arc<Vec<NodeReport>>,
+    /// Seconds by phase, and in all.
+    pub seconds: (Phases, f64),
+}
+
+/// A small picture of a node, sRGB of four bytes a pixel.
+#[derive(Clone, Debug)]
+pub struct Thumbnail {
+    /// The node.
+    pub node: String,
+    /// The picture.
+    pub screen: Screen,
+}
+
+/// What the thread has to tell.
+#[derive(Clone, Debug)]
+pub enum News {
+    /// A picture.
+    Picture(Box<Result>),
+    /// A picture of another frame than the one looked at, made ahead for playing.
+    Ahead(Box<Result>),
+    /// The picture that is shown, shown otherwise.
+    Shown {
+        /// Whose picture it is.
+        generation: u64,
+        /// How it is shown.
+        display: Display,
+        /// The picture as it is shown.
+        screen: Arc<Screen>,
+    },
+    /// How much of a picture is done.
+    Progress {
+        /// Whose.
+        generation: u64,
+        /// From 0 to 1.
+        share: f32,
+    },
+    /// It could not be made.
+    Failed {
+        /// What.
+        generation: u64,
+        /// Why, in a sentence.
+        message: String,
+    },
+    /// Pictures of nodes.
+    Thumbnails(Vec<Thumbnail>),
+}
+
+/// What is to be done, the more urgent first.
+#[derive(Default)]
+struct Desk {
+    job: Option<Job>,
+    shown: Option<(u64, Arc<Picture>, WorkingSpace, Display)>,
+    thumbnails: Option<(Subject, i64)>,
+    ahead: VecDeque<Job>,
+    closed: bool,
+}
+
+impl Desk {
+    fn is_empty(&self) -> bool {
+        self.job.is_none() && self.shown.is_none() && self.thumbnails.is_none() && self.ahead.is_empty()
+    }
+}
+
+struct Office {
+    desk: Mutex<Desk>,
+    bell: Condvar,
+    /// Grows with everything that makes what is being done out of date.
+    newest: AtomicU64,
+}
+
+impl Office {
+    fn desk(&self) -> MutexGuard<'_, Desk> {
+        self.desk.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// A handle to the thread, which ends with it.
+pub struct Worker {
+    office: Arc<Office>,
+    news: Receiver<News>,
+    thread: Option<std::thread::JoinHandle<()>>,
+}
+
+/// Memory for what stages have prepared, bytes.
+const CACHE: usize = 3 << 30;
+/// Pictures that take no longer need no coarse one before them.
+const AT_ONCE: Duration = Duration::from_millis(90);
+/// Width and height of thumbnails, at most.
+pub const THUMBNAIL: [u32; 2] = [128, 80];
+
+impl Worker {
+    /// Starts the thread; `wake` is called whenever there are news.
+    ///
+    /// # Errors
+    /// The system gives no thread.
+    pub fn new(wake: impl Fn() + Send + Sync + 'static) -> std::io::Result<Self> {
+        let office =
+            Arc::new(Office { desk: Mutex::default(), bell: Condvar::new(), newest: AtomicU64::new(0) });
+        let (sender, news) = channel();
+        let theirs = office.clone();
+        let thread = std::thread::Builder::new().name("evaluate".into()).spawn(move || {
+            let mut hand = Hand { office: &theirs, news: &sender, wake: &wake, cache: Cache::with_limit(CACHE), last: None, lens: None };
+            hand.work();
+        })?;
+        Ok(Self { office, news, thread: Some(thread) })
+    }
+
+    fn change(&self, cancels: bool, change: impl FnOnce(&mut Desk)) {
+        change(&mut self.office.desk());
+        if cancels {
+            self.office.newest.fetch_add(1, Ordering::Relaxed);
+        }
+        self.office.bell.notify_one();
+    }
+
+    /// Asks for a picture, in place of all that was asked for before.
+    pub fn evaluate(&self, job: Job) {
+        self.change(true, |desk| {
+            desk.shown = None;
+            desk.ahead.clear();
+            desk.job = Some(job);
+        });
+    }
+
+    /// Asks for pictures of further frames, when nothing more urgent is to be done.
+    pub fn ahead(&self, jobs: impl IntoIterator<Item = Job>) {
+        self.change(false, |desk| desk.ahead = jobs.into_iter().collect());
+    }
+
+    /// Asks for a picture to be shown otherwise.
+    pub fn show(&self, generation: u64, picture: Arc<Picture>, space: WorkingSpace, display: Display) {
+        self.change(false, |desk| desk.shown = Some((generation, picture, space, display)));
+    }
+
+    /// Asks for small pictures of all nodes of a document at a frame; which is looked at does not matter.
+    pub fn thumbnails(&self, subject: Subject, frame: i64) {
+        self.change(false, |desk| desk.thumbnails = Some((subject, frame)));
+    }
+
+    /// Stops what is being done, and forgets what was to be done.
+    pub fn stop(&self) {
+        self.change(true, |desk| *desk = Desk { closed: desk.closed, ..Desk::default() });
+    }
+
+    /// What has happened since.
+    pub fn news(&self) -> impl Iterator<Item = News> {
+        self.news.try_iter()
+    }
+
+    /// What happens next, if anything does within a time.
+    pub fn wait(&self, time: Duration) -> Option<News> {
+        self.news.recv_timeout(time).ok()
+    }
+}
+
+impl Drop for Worker {
+    fn drop(&mut self) {
+        self.change(true, |desk| desk.closed = true);
+        if let Some(thread) = self.thread.take() {
+            let _ = thread.join();
+        }
+    }
+}
+
+/// What the thread holds.
+struct Hand<'o> {
+    office: &'o Office,
+    news: &'o Sender<News>,
+    wake: &'o (dyn Fn() + Send + Sync),
+    cache: Cache,
+    /// How long a picture took, and how many samples it had, of what was looked at last.
+    last: Option<(Duration, u64)>,
+    lens: Option<(Subject, Arc<Lens>)>,
+}
+
+enum Task {
+    Picture(Job),
+    Show(u64, Arc<Picture>, WorkingSpace, Display),
+    Thumbnails(Subject, i64),
+    Ahead(Job),
+}
+
+impl Hand<'_> {
+    fn tell(&self, news: News) {
+        // Nobody listens while the window closes.
+        let _ = self.news.send(news);
+        (self.wake)();
+    }
+
+    fn work(&mut self) {
+        loop {
+            let task = {
+                let mut desk = self.office.desk();
+                while desk.is_empty() && !desk.closed {
+                    desk = self.office.bell.wait(desk).unwrap_or_else(PoisonError::into_inner);
+                }
+                if desk.closed {
+                    return;
+                }
+                if let Some((generation, picture, space, display)) = desk.shown.take() {
+                    Task::Show(generation, picture, space, display)
+                } else if let Some(job) = desk.job.take() {
+                    Task::Picture(job)
+                } else if let Some((subject, frame)) = desk.thumbnails.take() {
+                    Task::Thumbnails(subject, frame)
+                } else if let Some(job) = desk.ahead.pop_front() {
+                    Task::Ahead(job)
+                } else {
+                    continue;
+                }
+            };
+            let stamp = self.office.newest.load(Ordering::Relaxed);
+            match task {
+                Task::Show(generation, picture, space, display) => {
+                    let screen = Arc::new(shown::screen(&picture, space, &display));
+                    self.tell(News::Shown { generation, display, screen });
+                }
+                Task::Picture(job) => self.picture(&job, stamp),
+                Task::Thumbnails(subject, frame) => self.small(&subject, frame, stamp),
+                Task::Ahead(job) => {
+                    let Ok(lens) = self.lens(&job.subject) else { continue };
+                    let monitor = Watch { office: self.office, stamp, yields: true, progress: None };
+                    if let Ok(result) = evaluate(&job, &lens, job.proxy, true, &mut self.cache, &monitor) {
+                        self.tell(News::Ahead(Box::new(result)));
+                    }
+                }
+            }
+        }
+    }
+
+    /// The graph that shows a subject, made once.
+    fn lens(&mut self, subject: &Subject) -> std::result::Result<Arc<Lens>, String> {
+        if let Some((_, lens)) = self.lens.as_ref().filter(|(known, _)| known.is(subject)) {
+            return Ok(lens.clone());
+        }
+        let same_node = |known: &Subject| {
+            (known.node, known.output) == (subject.node, subject.output)
+                && known.sheet.nodes.len() == subject.sheet.nodes.len()
+        };
+        if !self.lens.as_ref().is_some_and(|(known, _)| same_node(known)) {
+            self.last = None;
+        }
+        let lens = Arc::new(lens(&subject.sheet, subject.node, subject.output, &subject.name, &subject.folder)?);
+        self.lens = Some((subject.clone(), lens.clone()));
+        Ok(lens)
+    }
+
+    /// Makes a picture, coarse ones before it where it takes long.
+    fn picture(&mut self, job: &Job, stamp: u64) {
+        let lens = match self.lens(&job.subject) {
+            Ok(lens) => lens,
+            Err(message) => return self.tell(News::Failed { generation: job.generation, message }),
+        };
+        let format = lens.graph.format();
+        let samples = |shrink: u32| {
+            u64::from(format.width() / shrink) * u64::from(format.height() / shrink) * u64::from(format.samples())
+        };
+        let expected = self.last.map(|(time, pixels)| time.mul_f64(samples(job.proxy) as f64 / pixels.max(1) as f64));
+        let mut sizes = Vec::new();
+        if job.progressive && expected.is_none_or(|time| time > AT_ONCE) {
+            let long = expected.is_none_or(|time| time > Duration::from_millis(900));
+            sizes.extend([8, 3].into_iter().filter(|shrink| *shrink > job.proxy && (*shrink == 8 || long)));
+        }
+        sizes.push(job.proxy);
+        for shrink in sizes {
+            let tell = |share: f32| {
+                let _ = self.news.send(News::Progress { generation: job.generation, share });
+                (self.wake)();
+            };
+            let finished = shrink == job.proxy;
+            let told = Told::new(&tell);
+            let monitor = Watch {
+                office: self.office,
+                stamp,
+                yields: false,
+                progress: if finished { Some(&told) } else { None },
+            };
+            let started = Instant::now();
+            match evaluate(job, &lens, shrink, finished, &mut self.cache, &monitor) {
+                Ok(result) => {
+                    if job.region.is_none() {
+                        self.last = Some((started.elapsed(), samples(shrink)));
+                    }
+                    self.tell(News::Picture(Box::new(result)));
+                }
+                Err(Failure::Cancelled) => return,
+                Err(Failure::Because(message)) => {
+                    return self.tell(News::Failed { generation: job.generation, message });
+                }
+            }
+        }
+        self.cache.forget_unused();
+    }
+
+    fn small(&mut self, subject: &Subject, frame: i64, stamp: u64) {
+        let Some(graph) = of_every_node(&subject.sheet, &subject.name, &subject.folder) else { return };
+        let monitor = Watch { office: self.office, stamp, yields: true, progress: None };
+        let format = graph.format();
+        let shrink = (format.width() as f32 / THUMBNAIL[0] as f32).max(format.height() as f32 / THUMBNAIL[1] as f32);
+        let side = |side: u32| ((side as f32 / shrink.max(1.0)).round() as u32).max(1);
+        let Ok(format) = Format::new(side(format.width()), side(format.height()), 1) else { return };
+        let graph = graph.drawn_at(format);
+        let Ok(plan) = Plan::new(&graph, &[], frame, &[], &Settings::default()) else { return };
+        let Ok(evaluated) = plan.evaluate(&Buffers::new(), &mut self.cache, &monitor) else { return };
+        let pictures = evaluated.pictures.iter().map(|picture| Thumbnail {
+            node: graph.outputs()[picture.output].name.clone(),
+            screen: shown::screen(picture, graph.space(), &Display::default()),
+        });
+        self.tell(News::Thumbnails(pictures.collect()));
+    }
+}
+
+enum Failure {
+    Cancelled,
+    Because(String),
+}
+
+fn evaluate(
+    job: &Job,
+    lens: &Arc<Lens>,
+    shrink: u32,
+    finished: bool,
+    cache: &mut Cache,
+    monitor: &Watch<'_>,
+) -> std::result::Result<Result, Failure> {
+    let because = |error: &dyn std::fmt::Display| Failure::Because(error.to_string());
+    let started = Instant::now();
+    let whole = lens.graph.format();
+    let small;
+    let graph = if shrink == 1 {
+        &lens.graph
+    } else {
+        let side = |side: u32| side.div_ceil(shrink).max(1);
+        // A coarse picture is seen for a moment only: one sample a pixel.
+        let samples = if finished { whole.samples() } else { 1 };
+        let format = Format::new(side(whole.width()), side(whole.height()), samples)
+            .map_err(|error| because(&error))?
+            .with_shading(whole.shading());
+        small = lens.graph.clone().drawn_at(format);
+        &small
+    };
+    let format = graph.format();
+    let mut settings = Settings::default();
+    settings.region = job.region.map(|region| part(region, format));
+    let plan = Plan::new(graph, &[OUTPUT], job.frame, &[], &settings).map_err(|error| because(&error))?;
+    let mut frame = match plan.evaluate(&Buffers::new(), cache, monitor) {
+        Ok(frame) => frame,
+        Err(EvalError::Cancelled) => return Err(Failure::Cancelled),
+        Err(error) => return Err(because(&error)),
+    };
+    let picture = frame.pictures.pop().ok_or_else(|| because(&"nothing was evaluated"))?;
+    let screen = shown::screen(&picture, graph.space(), &job.display);
+    Ok(Result {
+        generation: job.generation,
+        frame: job.frame,
+        shrunk: shrink,
+        finished,
+        subject: job.subject.clone(),
+        lens: lens.clone(),
+        format,
+        picture: Arc::new(picture),
+        screen: Arc::new(screen),
+        display: job.display,
+        nodes: Arc::new(frame.nodes),
+        seconds: (frame.seconds, started.elapsed().as_secs_f64()),
+    })
+}
+
+/// The pixels of a part of the picture, at least one.
+fn part(region: [f32; 4], format: Format) -> Window {
+    let pixels = |share: f32, side: u32| (f64::from(share) * f64::from(side)).round() as i64;
+    let window = format.window();
+    let (x0, y0) = (pixels(region[0], format.width()), pixels(region[1], format.height()));
+    let (x1, y1) = (pixels(region[2], format.width()), pixels(region[3], format.height()));
+    let x0 = x0.clamp(window.x0, window.x1 - 1);
+    let y0 = y0.clamp(window.y0, window.y1 - 1);
+    Window { x0, y0, x1: x1.clamp(x0 + 1, window.x1), y1: y1.clamp(y0 + 1, window.y1) }
+}
+
+/// Tells how far an evaluation is, but not more often than anybody can see.
+struct Told<'t> {
+    tell: &'t (dyn Fn(f32) + Sync),
+    last: Mutex<Instant>,
+}
+
+impl<'t> Told<'t> {
+    fn new(tell: &'t (dyn Fn(f32) + Sync)) -> Self {
+        Self { tell, last: Mutex::new(Instant::now()) }
+    }
+}
+
+/// Stops what is out of date.
+struct Watch<'o> {
+    office: &'o Office,
+    stamp: u64,
+    /// Whether anything else is more urgent.
+    yields: bool,
+    progress: Option<&'o Told<'o>>,
+}
+
+impl Monitor for Watch<'_> {
+    fn progress(&self, done: usize, total: usize) {
+        let Some(told) = self.progress else { return };
+        let mut last = told.last.lock().unwrap_or_else(PoisonError::into_inner);
+        if last.elapsed() > Duration::from_millis(60) {
+            *last = Instant::now();
+            (told.tell)(done as f32 / total.max(1) as f32);
+        }
+    }
+
+    fn cancelled(&self) -> bool {
+        self.office.newest.load(Ordering::Relaxed) != self.stamp
+            || (self.yields && {
+                let desk = self.office.desk();
+                desk.job.is_some() || desk.shown.is_some()
+            })
+    }
+}
+
+/// A graph with an output for every node that can be seen, named after it, so that all are made at once; `None` where the
+/// document is invalid. Nodes beyond the first thousand go without.
+fn of_every_node(sheet: &Sheet, name: &str, folder: &std::path::Path) -> Option<CheckedGraph> {
+    let mut document = sheet.value.as_object()?.clone();
+    let mut outputs = serde_json::Map::new();
+    for node in sheet.nodes.iter().filter(|node| !node.disabled) {
+        let key = match node.makes.first().and_then(|(_, kind)| *kind) {
+            Some(Kind::Color) => "color",
+            Some(Kind::Weights(_)) => "weights",
+            Some(Kind::Field(_)) => "field",
+            _ => continue,
+        };
+        if outputs.len() < 1000 {
+            outputs.insert(node.name.clone(), serde_json::json!({ key: node.name }));
+        }
+    }
+    document.insert("outputs".into(), outputs.into());
+    trochoid::parse(name, &serde_json::Value::Object(document).to_string(), folder, &[]).ok().map(|loaded| loaded.graph)
+}

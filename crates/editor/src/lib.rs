@@ -1,0 +1,38 @@
+//! The graph editor: one document, in a window.
+//!
+//! Data walks one way here too:
+//!
+//!     text ─► Session ─► Sheet ─► panels ─► Actions ─► Session
+//!                 └────► Worker ─► Seen ─┘
+//!
+//! The document's *text* is the document ([`document::Session`]). Everything that is drawn is read from it, every change is an
+//! [`Edit`](document::Edit) of it that undo takes back byte by byte. Pictures are made by a worker ([`evaluate`]), the newest
+//! wish first. Panels draw a [`state::State`] and ask by [`actions::Action`]s; none knows another. The editor
+//! ([`editor::Editor`]) does what was asked for.
+
+#![cfg_attr(test, allow(clippy::unwrap_used, reason = "a test may panic"))]
+
+pub mod actions;
+mod app;
+pub mod canvas;
+pub mod commands;
+pub mod document;
+pub mod editor;
+pub mod evaluate;
+mod format;
+pub mod layout;
+mod prompts;
+mod properties;
+mod recent;
+mod render;
+mod report;
+mod source;
+pub mod state;
+mod theme;
+mod timeline;
+mod viewer;
+mod watch;
+mod waves;
+mod window;
+
+pub use app::{OpenError, open};

@@ -1,0 +1,341 @@
+//! Questions: which file, what of unsaved work, which command.
+
+use crate::actions::Action;
+use crate::commands::{COMMANDS, Command};
+use crate::document::Session;
+use crate::document::keep::{Kept, discard};
+use crate::editor::{After, Editor};
+use egui::{Context, Key, Modal, RichText, ScrollArea, Ui};
+use egui_file_dialog::FileDialog;
+use std::path::{Path, PathBuf};
+use std::time::SystemTime;
+
+/// What is being asked.
+pub struct Prompts {
+    data: Option<PathBuf>,
+    open: Option<Prompt>,
+    dialog: FileDialog,
+    /// What the file is for that the dialog asks for.
+    asking: Option<Asking>,
+}
+
+#[derive(Clone, Debug)]
+enum Asking {
+    Open,
+    /// And what comes after it is saved.
+    Save(Option<After>),
+}
+
+enum Prompt {
+    Unsaved(After),
+    External,
+    Recover(Vec<Kept>),
+    Palette { text: String, chosen: usize },
+}
+
+impl Prompts {
+    /// No question; `data` is where the program keeps its own data.
+    pub fn new(data: Option<&Path>) -> Self {
+        let json = std::sync::Arc::new(|path: &Path| path.extension().is_some_and(|end| end == "json"));
+        let dialog = FileDialog::new()
+            .add_file_filter("Documents", json)
+            .default_file_filter("Documents")
+            .add_save_extension("Document", "json")
+            .default_save_extension("Document");
+        Self { data: data.map(Path::to_path_buf), open: None, dialog, asking: None }
+    }
+
+    /// Where the program keeps its own data.
+    pub fn data(&self) -> Option<&Path> {
+        self.data.as_deref()
+    }
+
+    /// Whether an answer is needed before anything else.
+    pub fn is_open(&self) -> bool {
+        self.open.is_some() || self.asking.is_some()
+    }
+
+    /// Asks what is to become of unsaved work before something else.
+    pub fn unsaved(&mut self, after: After) {
+        self.open = Some(Prompt::Unsaved(after));
+    }
+
+    /// Asks what counts: what is here, or what another program wrote.
+    pub fn external(&mut self) {
+        if self.open.is_none() {
+            self.open = Some(Prompt::External);
+        }
+    }
+
+    /// Offers work that was kept of editors that ended unexpectedly.
+    pub fn recover(&mut self, kept: Vec<Kept>) {
+        self.open = Some(Prompt::Recover(kept));
+    }
+
+    /// Asks for a command.
+    pub fn palette(&mut self) {
+        self.open = Some(Prompt::Palette { text: String::new(), chosen: 0 });
+    }
+
+    /// Asks for a document to open.
+    pub fn ask_open(&mut self, session: &Session) {
+        self.dialog.config_mut().initial_directory = session.folder();
+        self.dialog.pick_file();
+        self.asking = Some(Asking::Open);
+    }
+
+    /// Asks where to save.
+    pub fn ask_save(&mut self, session: &Session, after: Option<After>) {
+        let config = self.dialog.config_mut();
+        config.initial_directory = session.folder();
+        config.default_file_name = match session.file() {
+            Some(_) => session.title(),
+            None => "untitled.json".into(),
+        };
+        self.dialog.save_file();
+        self.asking = Some(Asking::Save(after));
+    }
+}
+
+/// Asks what there is to ask, and does what is answered.
+pub fn prompts_ui(editor: &mut Editor, context: &Context, actions: &mut Vec<Action>) {
+    files_ui(editor, context);
+    let Some(prompt) = editor.prompts.open.take() else { return };
+    editor.prompts.open = match prompt {
+        Prompt::Unsaved(after) => unsaved_ui(editor, context, after),
+        Prompt::External => external_ui(editor, context),
+        Prompt::Recover(kept) => recover_ui(editor, context, kept),
+        Prompt::Palette { text, chosen } => palette_ui(editor, context, text, chosen, actions),
+    };
+}
+
+fn files_ui(editor: &mut Editor, context: &Context) {
+    let Some(asking) = editor.prompts.asking.clone() else { return };
+    editor.prompts.dialog.update(context);
+    if let Some(file) = editor.prompts.dialog.take_picked() {
+        editor.prompts.asking = None;
+        match asking {
+            Asking::Open => editor.go(After::Open(file), context),
+            Asking::Save(after) => {
+                editor.save(&file);
+                if let Some(after) = after.filter(|_| !editor.state().session.is_changed()) {
+                    editor.go(after, context);
+                }
+            }
+        }
+    } else if !matches!(editor.prompts.dialog.state(), egui_file_dialog::DialogState::Open) {
+        editor.prompts.asking = None;
+    }
+}
+
+fn titled(ui: &mut Ui, title: &str) {
+    ui.set_max_width(460.0);
+    ui.label(RichText::new(title).heading());
+    ui.add_space(4.0);
+}
+
+fn unsaved_ui(editor: &mut Editor, context: &Context, after: After) -> Option<Prompt> {
+    let mut answer = None;
+    let modal = Modal::new("unsaved".into()).show(context, |ui| {
+        titled(ui, "Save changes?");
+        ui.label(format!("“{}” has changes that are not saved.", editor.state().session.title()));
+        ui.add_space(8.0);
+        ui.horizontal(|ui| {
+            for word in ["Save", "Discard", "Cancel"] {
+                if ui.button(word).clicked() {
+                    answer = Some(word);
+                }
+            }
+        });
+    });
+    match answer {
+        Some("Save") => {
+            let file = editor.state().session.file().map(Path::to_path_buf);
+            match file {
+                Some(file) => {
+                    editor.save(&file);
+                    if !editor.state().session.is_changed() {
+                        editor.go(after, context);
+                    }
+                }
+                None => {
+                    let Editor { prompts, state, .. } = editor;
+                    prompts.ask_save(&state.session, Some(after));
+                }
+            }
+            None
+        }
+        Some("Discard") => {
+            editor.go(after, context);
+            None
+        }
+        Some(_) => None,
+        None if modal.should_close() => None,
+        None => Some(Prompt::Unsaved(after)),
+    }
+}
+
+fn external_ui(editor: &mut Editor, context: &Context) -> Option<Prompt> {
+    let mut answer = None;
+    let changed = editor.state().session.is_changed();
+    Modal::new("external".into()).show(context, |ui| {
+        titled(ui, "The file has changed");
+        ui.label(format!("Another program has changed “{}”.", editor.state().session.title()));
+        if changed {
+            ui.label("Changes made here are not saved. Reloading can be undone.");
+        }
+        ui.add_space(8.0);
+        ui.horizontal(|ui| {
+            if ui.button("Reload").clicked() {
+                answer = Some(Action::Reload);
+            }
+            if ui.button("Keep what is here").clicked() {
+                answer = Some(Action::Seal);
+            }
+        });
+    });
+    match answer {
+        Some(Action::Reload) => {
+            editor.act(Action::Reload, context);
+            None
+        }
+        Some(_) => {
+            editor.state.session.keep_mine();
+            None
+        }
+        None => Some(Prompt::External),
+    }
+}
+
+fn recover_ui(editor: &mut Editor, context: &Context, mut kept: Vec<Kept>) -> Option<Prompt> {
+    let (mut chosen, mut dropped, mut later) = (None, None, false);
+    Modal::new("recover".into()).show(context, |ui| {
+        titled(ui, "Recover unsaved work?");
+        ui.label("The editor ended unexpectedly. These changes were kept:");
+        ui.add_space(4.0);
+        ScrollArea::vertical().max_height(240.0).show(ui, |ui| {
+            for (index, kept) in kept.iter().enumerate() {
+                ui.horizontal(|ui| {
+                    let name = kept.file.as_ref().and_then(|file| file.file_name()).map_or_else(
+                        || "untitled".into(),
+                        |name| name.to_string_lossy().into_owned(),
+                    );
+                    let label = ui.label(RichText::new(name).strong());
+                    if let Some(file) = &kept.file {
+                        label.on_hover_text(file.display().to_string());
+                    }
+                    ui.label(ago(kept.when));
+                    if ui.button("Recover").clicked() {
+                        chosen = Some(index);
+                    }
+                    if ui.button("Discard").on_hover_text("For good: this cannot be undone.").clicked() {
+                        dropped = Some(index);
+                    }
+                });
+            }
+        });
+        ui.add_space(8.0);
+        later = ui.button("Later").on_hover_text("Asks again when the editor starts next.").clicked();
+    });
+    if let Some(index) = dropped {
+        discard(&kept.remove(index));
+    }
+    if let Some(index) = chosen {
+        let kept = kept.swap_remove(index);
+        editor.recover(&kept, context);
+        return None;
+    }
+    (!later && !kept.is_empty()).then_some(Prompt::Recover(kept))
+}
+
+fn ago(when: SystemTime) -> String {
+    let seconds = when.elapsed().map_or(0, |time| time.as_secs());
+    match seconds {
+        0..60 => "just now".into(),
+        60..3600 => format!("{} ago", crate::document::edit::count(seconds as usize / 60, "minute")),
+        3600..86_400 => format!("{} ago", crate::document::edit::count(seconds as usize / 3600, "hour")),
+        _ => format!("{} ago", crate::document::edit::count(seconds as usize / 86_400, "day")),
+    }
+}
+
+/// Whether the letters of `wanted` stand in `name` in that order, and how far apart: less is better.
+pub fn fuzzy(wanted: &str, name: &str) -> Option<usize> {
+    let name: Vec<char> = name.to_lowercase().chars().collect();
+    let mut at = 0;
+    let mut cost = 0;
+    for c in wanted.to_lowercase().chars().filter(|c| !c.is_whitespace()) {
+        let next = name[at..].iter().position(|known| *known == c)?;
+        // The first letter counts where it stands; a letter that begins a word is no gap.
+        let begins = at + next == 0 || !name[at + next - 1].is_alphanumeric();
+        cost += if begins { 0 } else { next + usize::from(at == 0) };
+        at += next + 1;
+    }
+    Some(4 * cost + name.len())
+}
+
+/// The best matches of a text among names.
+pub fn matches<'n>(wanted: &str, names: impl Iterator<Item = (usize, &'n str)>) -> Vec<usize> {
+    let mut found: Vec<(usize, usize)> =
+        names.filter_map(|(index, name)| Some((fuzzy(wanted, name)?, index))).collect();
+    if !wanted.trim().is_empty() {
+        found.sort_unstable();
+    }
+    found.into_iter().map(|(_, index)| index).collect()
+}
+
+fn palette_ui(
+    editor: &mut Editor,
+    context: &Context,
+    mut text: String,
+    mut chosen: usize,
+    actions: &mut Vec<Action>,
+) -> Option<Prompt> {
+    let state = editor.state();
+    let mut run: Option<&Command> = None;
+    let modal = Modal::new("palette".into()).show(context, |ui| {
+        ui.set_width(420.0);
+        let field = ui.add(egui::TextEdit::singleline(&mut text).hint_text("Command …").desired_width(f32::INFINITY));
+        field.request_focus();
+        if field.changed() {
+            chosen = 0;
+        }
+        let found = matches(&text, COMMANDS.iter().enumerate().map(|(index, command)| (index, command.name)));
+        let found: Vec<&Command> =
+            found.into_iter().map(|index| &COMMANDS[index]).filter(|command| (command.enabled)(state)).collect();
+        chosen = moved(ui, chosen, found.len());
+        ScrollArea::vertical().max_height(320.0).auto_shrink([false, true]).show(ui, |ui| {
+            for (index, command) in found.iter().enumerate() {
+                let keys = command.keys.map(|keys| ui.ctx().format_shortcut(&keys)).unwrap_or_default();
+                let button = egui::Button::selectable(index == chosen, command.name).shortcut_text(keys).min_size(
+                    egui::vec2(ui.available_width(), 0.0),
+                );
+                let row = ui.add(button).on_hover_text(command.help);
+                if index == chosen {
+                    row.scroll_to_me(None);
+                }
+                if row.clicked() {
+                    run = Some(command);
+                }
+            }
+            if found.is_empty() {
+                ui.weak("No command has this name.");
+            }
+        });
+        if ui.input(|input| input.key_pressed(Key::Enter)) {
+            run = found.get(chosen).copied();
+        }
+    });
+    if let Some(command) = run {
+        actions.push((command.action)(editor.state()));
+        return None;
+    }
+    (!modal.should_close()).then_some(Prompt::Palette { text, chosen })
+}
+
+/// Moves a choice in a list by the arrow keys.
+pub fn moved(ui: &Ui, chosen: usize, count: usize) -> usize {
+    let step = ui.input(|input| {
+        input.num_presses(Key::ArrowDown) as i64 - input.num_presses(Key::ArrowUp) as i64
+    });
+    (chosen as i64 + step).clamp(0, count.saturating_sub(1) as i64) as usize
+}

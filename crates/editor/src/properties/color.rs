@@ -1,0 +1,172 @@
+//! Colors: swatches, the dropper, and a painting to take colors from.
+
+use super::{Place, Properties};
+use crate::actions::Action;
+use crate::document::Edit;
+use crate::evaluate::Screen;
+use crate::state::State;
+use egui::{Button, Color32, ColorImage, Response, RichText, Sense, TextEdit, TextureOptions, Ui};
+use egui_file_dialog::{DialogState, FileDialog};
+use serde_json::{Value, json};
+use trochoid::WorkingSpace;
+
+/// sRGB values, 0 to 1, of a text such as `#2d3f52`.
+pub fn rgb(text: &str) -> Option<[f32; 3]> {
+    let digits = text.strip_prefix('#').filter(|digits| digits.len() == 6 && digits.is_ascii())?;
+    let channel = |index: usize| u8::from_str_radix(&digits[2 * index..2 * index + 2], 16).ok();
+    Some([channel(0)?, channel(1)?, channel(2)?].map(|value| f32::from(value) / 255.0))
+}
+
+/// The text of sRGB values.
+pub fn hex(color: [f32; 3]) -> String {
+    let [r, g, b] = color.map(|value| (value.clamp(0.0, 1.0) * 255.0).round() as u8);
+    format!("#{r:02x}{g:02x}{b:02x}")
+}
+
+/// What a color of a document looks like: sRGB values, 0 to 1. Numbers are in the working space.
+pub(super) fn display(value: &Value, space: WorkingSpace) -> Option<[f32; 3]> {
+    match value {
+        Value::String(text) => rgb(text),
+        Value::Array(items) => match items.as_slice() {
+            [r, g, b] => {
+                let color = [r.as_f64()?, g.as_f64()?, b.as_f64()?];
+                Some(space.to_display(color).map(|value| value.clamp(0.0, 1.0) as f32))
+            }
+            _ => None,
+        },
+        _ => None,
+    }
+}
+
+/// The working space of a document.
+pub(super) fn space(state: &State) -> WorkingSpace {
+    let name = state.sheet().value.get("working_space").and_then(Value::as_str).unwrap_or_default();
+    WorkingSpace::from_name(name).unwrap_or_default()
+}
+
+/// A color: a swatch that opens a picker, its text, and the dropper.
+pub(super) fn color_ui(ui: &mut Ui, value: &mut Value, place: &Place<'_>, actions: &mut Vec<Action>) -> Response {
+    let mut shown = display(value, space(place.state)).unwrap_or_default();
+    let swatch = egui::color_picker::color_edit_button_rgb(ui, &mut shown);
+    if swatch.changed() {
+        *value = json!(hex(shown));
+    }
+    let id = ui.id().with(("hex", place.path.to_string()));
+    let written = match &*value {
+        Value::String(text) => text.clone(),
+        other => crate::document::edit::style(other),
+    };
+    let mut text = ui.data_mut(|data| data.get_temp::<String>(id)).unwrap_or(written);
+    let field = ui.add(TextEdit::singleline(&mut text).desired_width(72.0).font(egui::TextStyle::Monospace));
+    if field.has_focus() {
+        ui.data_mut(|data| data.insert_temp(id, text.clone()));
+    } else {
+        ui.data_mut(|data| data.remove_temp::<String>(id));
+    }
+    if field.changed() {
+        if rgb(&text).is_some() {
+            *value = json!(text);
+        } else if let Ok(read @ Value::Array(_)) = serde_json::from_str(&text) {
+            *value = read;
+        }
+    }
+    let mut taking = place.state.dropper.as_ref() == Some(&place.path);
+    let dropper = ui.toggle_value(&mut taking, "⌖");
+    if dropper.on_hover_text("Takes the color that is clicked next in the picture or the reference.").changed() {
+        actions.push(Action::Dropper(taking.then(|| place.path.clone())));
+    }
+    swatch | field
+}
+
+/// The painting: opened from a file, and clicked for its colors.
+pub(super) fn reference_ui(panel: &mut Properties, ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
+    if let Some(dialog) = &mut panel.dialog {
+        dialog.update(ui.ctx());
+        if let Some(file) = dialog.take_picked() {
+            panel.dialog = None;
+            match read(&file) {
+                Ok(picture) => {
+                    let name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
+                    panel.reference = Some((name, picture));
+                    panel.texture = None;
+                }
+                Err(error) => actions.push(Action::Notice(format!("{}: {error}", file.display()))),
+            }
+        } else if !matches!(dialog.state(), DialogState::Open) {
+            panel.dialog = None;
+        }
+    }
+    let title = panel.reference.as_ref().map_or("Reference painting", |(name, _)| name);
+    egui::CollapsingHeader::new(title).id_salt("reference").show(ui, |ui| {
+        ui.horizontal(|ui| {
+            if ui.button("Open …").on_hover_text("A painting or print whose colors you want.").clicked() {
+                let pictures = std::sync::Arc::new(|path: &std::path::Path| {
+                    let end = path.extension().map(|end| end.to_string_lossy().to_lowercase());
+                    end.is_some_and(|end| ["png", "jpg", "jpeg", "tif", "tiff"].contains(&end.as_str()))
+                });
+                let mut dialog = FileDialog::new().add_file_filter("Pictures", pictures).default_file_filter("Pictures");
+                dialog.config_mut().initial_directory = state.session.folder();
+                dialog.pick_file();
+                panel.dialog = Some(dialog);
+            }
+            if panel.reference.is_some() && ui.button("Close").clicked() {
+                panel.reference = None;
+                panel.texture = None;
+            }
+        });
+        let Some((_, picture)) = &panel.reference else { return };
+        let texture = panel.texture.get_or_insert_with(|| {
+            let image = ColorImage::from_rgba_unmultiplied(picture.size, &picture.pixels);
+            ui.ctx().load_texture("reference", image, TextureOptions::LINEAR)
+        });
+        let width = ui.available_width();
+        let size = texture.size_vec2() * (width / texture.size_vec2().x).min(260.0 / texture.size_vec2().y);
+        let response = ui.add(egui::Image::new((texture.id(), size)).sense(Sense::click()));
+        let Some(at) = response.hover_pos() else { return };
+        let share = (at - response.rect.min) / response.rect.size();
+        let color = picture_at(picture, share);
+        response.clone().on_hover_text(match &state.dropper {
+            Some(place) => format!("{}: click to give it to {place}", hex(color)),
+            None => format!("{}: click to copy it", hex(color)),
+        });
+        if response.clicked() {
+            match &state.dropper {
+                Some(place) => {
+                    actions.push(Action::Edit(Edit::set(place.clone(), &json!(hex(color)))));
+                    actions.push(Action::Dropper(None));
+                }
+                None => ui.ctx().copy_text(hex(color)),
+            }
+        }
+    });
+}
+
+fn picture_at(picture: &Screen, share: egui::Vec2) -> [f32; 3] {
+    let pixel = |share: f32, count: usize| ((share * count as f32) as usize).min(count.saturating_sub(1));
+    let at = 4 * (pixel(share.y, picture.size[1]) * picture.size[0] + pixel(share.x, picture.size[0]));
+    [0, 1, 2].map(|channel| f32::from(picture.pixels[at + channel]) / 255.0)
+}
+
+/// Most pixels of a painting that is shown; larger ones are made smaller.
+const MOST: u32 = 2048;
+
+fn read(file: &std::path::Path) -> Result<Screen, String> {
+    let mut reader = image::ImageReader::open(file).and_then(|reader| reader.with_guessed_format()).map_err(|e| e.to_string())?;
+    let mut limits = image::Limits::default();
+    limits.max_image_width = Some(32_768);
+    limits.max_image_height = Some(32_768);
+    limits.max_alloc = Some(1 << 30);
+    reader.limits(limits);
+    let mut picture = reader.decode().map_err(|error| error.to_string())?;
+    if picture.width().max(picture.height()) > MOST {
+        picture = picture.thumbnail(MOST, MOST);
+    }
+    let picture = picture.to_rgba8();
+    Ok(Screen { size: [picture.width() as usize, picture.height() as usize], pixels: picture.into_raw() })
+}
+
+/// A swatch without a picker.
+pub(super) fn swatch_ui(ui: &mut Ui, color: [f32; 3], size: f32) -> Response {
+    let [r, g, b] = color.map(|value| (value * 255.0).round() as u8);
+    ui.add(Button::new(RichText::new("")).fill(Color32::from_rgb(r, g, b)).min_size(egui::vec2(size, size)))
+}

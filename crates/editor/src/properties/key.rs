@@ -1,0 +1,203 @@
+//! Values keyed over frames: their keys, and the curve through them.
+
+use super::{Place, Properties};
+use crate::actions::Action;
+use egui::{Button, Color32, RichText, Ui};
+use egui_plot::{Line, Plot, PlotPoint, PlotPoints, Points, VLine};
+use serde_json::{Value, json};
+use trochoid::{Animated, Interpolation};
+
+/// A keyed value as documents write it.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Keyed {
+    pub(super) keys: Vec<(f64, Value)>,
+    pub(super) interpolation: String,
+}
+
+impl Keyed {
+    /// The keys of a value that has some.
+    pub(super) fn read(value: &Value) -> Option<Self> {
+        let keys = value.get("keys")?.as_array()?.iter().map(|key| {
+            let [frame, value] = key.as_array()?.as_slice() else { return None };
+            Some((frame.as_f64()?, value.clone()))
+        });
+        let interpolation = value.get("interpolation").and_then(Value::as_str).unwrap_or("linear").into();
+        Some(Self { keys: keys.collect::<Option<Vec<_>>>()?, interpolation })
+    }
+
+    /// As documents write it; a plain value where no keys are left.
+    pub(super) fn write(&self) -> Value {
+        let keys: Vec<Value> = self.keys.iter().map(|(frame, value)| json!([frame, value])).collect();
+        match self.interpolation.as_str() {
+            "linear" => json!({ "keys": keys }),
+            word => json!({ "keys": keys, "interpolation": word }),
+        }
+    }
+
+    /// With a key at a frame.
+    pub(super) fn with(&self, frame: f64, value: &Value) -> Self {
+        let mut keyed = self.clone();
+        match keyed.keys.binary_search_by(|key| key.0.total_cmp(&frame)) {
+            Ok(at) => keyed.keys[at].1 = value.clone(),
+            Err(at) => keyed.keys.insert(at, (frame, value.clone())),
+        }
+        keyed
+    }
+
+    /// Whether a key stands at a frame.
+    fn has(&self, frame: f64) -> bool {
+        self.keys.iter().any(|key| key.0 == frame)
+    }
+
+    fn numbers(value: &Value) -> Vec<f64> {
+        match value {
+            Value::Array(items) => items.iter().filter_map(Value::as_f64).collect(),
+            Value::String(text) => super::color::rgb(text).map_or(Vec::new(), |rgb| rgb.map(f64::from).into()),
+            other => other.as_f64().into_iter().collect(),
+        }
+    }
+
+    fn animated(&self) -> Option<Animated> {
+        let keys = self.keys.iter().map(|(frame, value)| (*frame, Self::numbers(value))).collect();
+        Animated::keyed(keys, Interpolation::from_name(&self.interpolation).unwrap_or_default())
+    }
+
+    /// The value at a frame, of the kind that the keys have.
+    pub(super) fn at(&self, frame: f64) -> Value {
+        let Some(first) = self.keys.first() else { return Value::Null };
+        if let Some(key) = self.keys.iter().find(|key| key.0 == frame) {
+            return key.1.clone();
+        }
+        let Some(animated) = self.animated() else { return first.1.clone() };
+        let values = animated.at(frame);
+        match (&first.1, values.as_slice()) {
+            (Value::String(_), [r, g, b]) => super::color::hex([*r, *g, *b].map(|value| value as f32)).into(),
+            (Value::Array(_), values) => json!(values),
+            (Value::Number(_), [value]) => json!(value),
+            _ => first.1.clone(),
+        }
+    }
+}
+
+/// The button that sets and removes keys, and opens the curve.
+pub(super) fn button_ui(
+    panel: &mut Properties,
+    ui: &mut Ui,
+    keyed: Option<&Keyed>,
+    shown: &Value,
+    place: &Place<'_>,
+    actions: &mut Vec<Action>,
+) {
+    let frame = place.state.frame as f64;
+    let (text, help) = match keyed {
+        Some(keyed) if keyed.has(frame) => ("◆", "Removes the key at this frame."),
+        Some(_) => ("◇", "Sets a key at this frame."),
+        None => ("◇", "Keys the value over frames."),
+    };
+    let strong = keyed.is_some();
+    let text = if strong { RichText::new(text).strong() } else { RichText::new(text).weak() };
+    if ui.add(Button::new(text).frame(false)).on_hover_text(help).clicked() {
+        let value = match keyed {
+            Some(keyed) if keyed.has(frame) => {
+                let mut keyed = keyed.clone();
+                keyed.keys.retain(|key| key.0 != frame);
+                if keyed.keys.is_empty() { shown.clone() } else { keyed.write() }
+            }
+            Some(keyed) => keyed.with(frame, shown).write(),
+            None => Keyed { keys: vec![(frame, shown.clone())], interpolation: "linear".into() }.write(),
+        };
+        place.set(&value, actions);
+        actions.push(Action::Seal);
+    }
+    if keyed.is_some() {
+        let mut open = panel.curves.contains(&place.path);
+        if ui.toggle_value(&mut open, "∿").on_hover_text("Shows the curve.").changed() {
+            if open { panel.curves.insert(place.path.clone()) } else { panel.curves.remove(&place.path) };
+        }
+    }
+}
+
+/// Colors of the components of vectors.
+const COMPONENTS: [Color32; 4] = [
+    Color32::from_rgb(0xe0, 0x6a, 0x6a),
+    Color32::from_rgb(0x6a, 0xc4, 0x7e),
+    Color32::from_rgb(0x6a, 0x9c, 0xe0),
+    Color32::from_rgb(0xd0, 0xa0, 0x50),
+];
+
+/// The curve, whose keys can be dragged; a double click sets a new one.
+pub(super) fn curve_ui(ui: &mut Ui, keyed: &Keyed, unit: &str, place: &Place<'_>, actions: &mut Vec<Action>) {
+    let Some(animated) = keyed.animated() else { return };
+    let (first, last) = (place.state.range.0 as f64, place.state.range.1 as f64);
+    let first = first.min(keyed.keys.first().map_or(first, |key| key.0));
+    let last = last.max(keyed.keys.last().map_or(last, |key| key.0)).max(first + 1.0);
+    let count = animated.at(first).len().min(COMPONENTS.len());
+    let lines: Vec<Vec<[f64; 2]>> = (0..count)
+        .map(|component| {
+            let frames = (0..=200).map(|step| first + (last - first) * f64::from(step) / 200.0);
+            frames.map(|frame| [frame, animated.at(frame)[component]]).collect()
+        })
+        .collect();
+    let id = ui.id().with(("dragged key", place.path.to_string()));
+    let mut dragged = ui.data_mut(|data| data.get_temp::<Option<(usize, usize)>>(id)).flatten();
+    let plot = Plot::new(("curve", place.path.to_string()))
+        .height(150.0)
+        .x_axis_label("frame")
+        .y_axis_label(unit)
+        .allow_drag(dragged.is_none())
+        .allow_boxed_zoom(false);
+    let shown = plot.show(ui, |plot| {
+        plot.vline(VLine::new("frame", place.state.frame as f64).color(Color32::from_gray(0x90)));
+        for (component, line) in lines.iter().enumerate() {
+            plot.line(Line::new("", PlotPoints::from(line.clone())).color(COMPONENTS[component]));
+            let keys: Vec<[f64; 2]> =
+                keyed.keys.iter().filter_map(|(frame, value)| Some([*frame, *Keyed::numbers(value).get(component)?])).collect();
+            plot.points(Points::new("", PlotPoints::from(keys)).radius(5.0).color(COMPONENTS[component]));
+        }
+        plot.pointer_coordinate()
+    });
+    let pointer: Option<PlotPoint> = shown.inner;
+    let response = shown.response;
+    if response.drag_started()
+        && let Some(at) = ui.input(|input| input.pointer.press_origin())
+    {
+        let near = |(key, component): &(usize, usize)| {
+            let value = Keyed::numbers(&keyed.keys[*key].1)[*component];
+            shown.transform.position_from_point(&PlotPoint::new(keyed.keys[*key].0, value)).distance(at)
+        };
+        let all = (0..keyed.keys.len()).flat_map(|key| (0..count).map(move |component| (key, component)));
+        dragged = all.min_by(|a, b| near(a).total_cmp(&near(b))).filter(|key| near(key) < 9.0);
+    }
+    if let (Some((key, component)), Some(at), true) = (dragged, pointer, response.dragged()) {
+        let mut moved = keyed.clone();
+        let below = key.checked_sub(1).map_or(f64::NEG_INFINITY, |before| keyed.keys[before].0 + 1.0);
+        let above = keyed.keys.get(key + 1).map_or(f64::INFINITY, |after| after.0 - 1.0);
+        moved.keys[key].0 = at.x.round().clamp(below, above);
+        match &mut moved.keys[key].1 {
+            Value::Array(items) => items[component] = json!(super::knob::rounded(at.y)),
+            value @ Value::Number(_) => *value = json!(super::knob::rounded(at.y)),
+            _ => {}
+        }
+        place.set(&moved.write(), actions);
+    }
+    if response.drag_stopped() {
+        dragged = None;
+        actions.push(Action::Seal);
+    }
+    if response.double_clicked()
+        && let Some(at) = pointer
+    {
+        place.set(&keyed.with(at.x.round(), &keyed.at(at.x.round())).write(), actions);
+        actions.push(Action::Seal);
+    }
+    ui.data_mut(|data| data.insert_temp(id, dragged));
+    ui.horizontal(|ui| {
+        for word in Interpolation::NAMES {
+            if ui.selectable_label(keyed.interpolation == word, word).clicked() {
+                let keyed = Keyed { interpolation: word.into(), ..keyed.clone() };
+                place.set(&keyed.write(), actions);
+                actions.push(Action::Seal);
+            }
+        }
+    });
+}

@@ -1,0 +1,252 @@
+//! Knobs and connections of the chosen node, from its declaration.
+
+mod color;
+mod key;
+mod knob;
+mod port;
+mod ramp;
+mod record;
+mod surface;
+
+use crate::actions::Action;
+use crate::document::{Edit, Path, edit};
+use crate::evaluate::Screen;
+use crate::state::State;
+use egui::{RichText, ScrollArea, Ui};
+use serde_json::Value;
+use std::collections::HashSet;
+use trochoid::{Item, Severity};
+
+pub use color::{hex, rgb};
+
+/// What the panel holds besides what all see.
+#[derive(Default)]
+pub struct Properties {
+    /// The name while it is typed, and whose it is.
+    name: Option<(String, String)>,
+    /// Places whose curves are open.
+    curves: HashSet<Path>,
+    /// A painting to take colors from.
+    pub(crate) reference: Option<(String, Screen)>,
+    texture: Option<egui::TextureHandle>,
+    dialog: Option<egui_file_dialog::FileDialog>,
+}
+
+/// Draws the knobs of the chosen node, or of the document where none is chosen.
+pub fn properties_ui(panel: &mut Properties, ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
+    color::reference_ui(panel, ui, state, actions);
+    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| match state.chosen() {
+        Some(name) => node_ui(panel, ui, state, name, actions),
+        None if state.selection.is_empty() => document_ui(ui, state, actions),
+        None => {
+            ui.weak(format!("{} chosen", edit::count(state.selection.len(), "node")));
+        }
+    });
+}
+
+/// What a widget needs to know of where it stands.
+pub(crate) struct Place<'p> {
+    pub(crate) state: &'p State,
+    pub(crate) path: Path,
+    /// What the document writes there.
+    pub(crate) value: Option<&'p Value>,
+}
+
+impl Place<'_> {
+    /// Asks for this value at this place; changes during one gesture are one step of undo.
+    pub(crate) fn set(&self, value: &Value, actions: &mut Vec<Action>) {
+        actions.push(Action::Edit(Edit::set(self.path.clone(), value).merging(self.path.to_string())));
+    }
+
+    /// Asks for the default.
+    pub(crate) fn reset(&self, actions: &mut Vec<Action>) {
+        if self.value.is_some() {
+            actions.push(Action::Edit(Edit::reset(self.path.clone())));
+        }
+    }
+}
+
+fn node_ui(panel: &mut Properties, ui: &mut Ui, state: &State, name: &str, actions: &mut Vec<Action>) {
+    let sheet = state.sheet();
+    let Some(node) = sheet.node(name) else { return };
+    ui.horizontal(|ui| {
+        let (_, typed) = match &mut panel.name {
+            Some(known) if known.0 == name => known,
+            other => other.insert((name.into(), name.into())),
+        };
+        let field = ui.add(egui::TextEdit::singleline(typed).desired_width(150.0).font(egui::TextStyle::Heading));
+        let field = field.on_hover_text("The node's name; everything that is connected to it follows.");
+        if field.lost_focus() && typed != name {
+            let typed = typed.trim().to_string();
+            panel.name = None;
+            match wrong_name(&typed, sheet) {
+                Some(why) => actions.push(Action::Notice(why)),
+                None => {
+                    actions.push(Action::Edit(edit::renamed(sheet, name, &typed)));
+                    actions.push(Action::Select([typed].into()));
+                }
+            }
+        }
+        ui.label(RichText::new(&node.ty).strong());
+        let mut on = !node.disabled;
+        if ui.checkbox(&mut on, "On").on_hover_text("Off: what the node takes is handed on unchanged (D).").changed() {
+            actions.push(Action::Edit(edit::disabled(sheet, &[name.into()])));
+        }
+    });
+    let faults = &state.session.meaning().diagnostics;
+    for fault in faults.iter().filter(|fault| fault.node.as_deref() == Some(name)) {
+        let color = match fault.severity {
+            Severity::Error => crate::theme::error(ui.visuals()),
+            Severity::Warning => ui.visuals().warn_fg_color,
+        };
+        let port = fault.port.as_ref().map_or(String::new(), |port| format!("{port}: "));
+        ui.label(RichText::new(format!("{port}found {}; expected {}", fault.found, fault.expected)).color(color));
+        if !fault.remedy.is_empty() {
+            ui.label(RichText::new(&fault.remedy).italics());
+        }
+    }
+    let Some(declaration) = node.declaration else {
+        ui.label("No node has this type. It stays in the document as it is.");
+        return;
+    };
+    ui.add(egui::Label::new(RichText::new(declaration.summary).weak()).wrap()).on_hover_ui(|ui| {
+        ui.set_max_width(420.0);
+        ui.label(declaration.formula);
+        ui.label(declaration.edge_cases);
+        ui.weak(declaration.source);
+    });
+    ui.separator();
+    let path = Path::node(name);
+    let body = sheet.get(&path);
+    if ramp::is_ramp(declaration.items) {
+        ramp::ramp_ui(ui, state, &path, actions);
+    }
+    if node.ty == "Patch" {
+        surface::patch_ui(ui, state, &path, actions);
+    }
+    items_ui(panel, ui, state, (declaration.items, &path, body), actions);
+    ui.separator();
+    notes_ui(ui, state, &path, actions);
+}
+
+/// Why a node cannot have this name.
+fn wrong_name(name: &str, sheet: &crate::document::Sheet) -> Option<String> {
+    let legal = name.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_')
+        && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
+    if !legal {
+        return Some(format!("found the name \"{name}\"; expected letters, digits and _, not starting with a digit"));
+    }
+    sheet.find(name).map(|_| format!("there is a node \"{name}\" already: choose another name"))
+}
+
+/// The widgets of some items, in the order of their declaration.
+pub(crate) fn items_ui(
+    panel: &mut Properties,
+    ui: &mut Ui,
+    state: &State,
+    (items, path, body): (&'static [Item], &Path, Option<&Value>),
+    actions: &mut Vec<Action>,
+) {
+    for item in items {
+        let place = Place { state, path: path.to(item.name()), value: body.and_then(|body| body.get(item.name())) };
+        match item {
+            Item::Knob(knob) => knob::knob_ui(panel, ui, knob, &place, actions),
+            Item::Port(port) => port::port_ui(panel, ui, port, &place, actions),
+            Item::List(list) => record::list_ui(panel, ui, list, &place, actions),
+        }
+    }
+}
+
+/// A label with what it means.
+pub(crate) fn label_ui(ui: &mut Ui, name: &str, help: &str, set: bool) -> egui::Response {
+    let text = name.replace('_', " ");
+    let text = if set { RichText::new(text).strong() } else { RichText::new(text) };
+    let size = egui::vec2(96.0, ui.spacing().interact_size.y);
+    ui.allocate_ui_with_layout(size, egui::Layout::left_to_right(egui::Align::Center), |ui| {
+        ui.set_min_width(96.0);
+        ui.add(egui::Label::new(text).truncate().sense(egui::Sense::click()))
+    })
+    .inner
+    .on_hover_text(help)
+}
+
+fn notes_ui(ui: &mut Ui, state: &State, path: &Path, actions: &mut Vec<Action>) {
+    let place = Place { state, path: path.to("notes"), value: state.sheet().get(&path.to("notes")) };
+    let mut text = place.value.and_then(Value::as_str).unwrap_or_default().to_string();
+    let field = egui::TextEdit::multiline(&mut text).hint_text("Notes").desired_rows(2).desired_width(f32::INFINITY);
+    let field = ui.add(field);
+    if field.changed() {
+        place.set(&text.into(), actions);
+    }
+    if field.lost_focus() {
+        actions.push(Action::Seal);
+    }
+}
+
+/// What belongs to the whole document: its format, frames and working space.
+fn document_ui(ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
+    let sheet = state.sheet();
+    ui.label(RichText::new("Document").heading());
+    ui.weak("Choose a node to see its knobs.");
+    ui.separator();
+    let number = |ui: &mut Ui, label: &str, path: Path, value: f64, range: (f64, f64), actions: &mut Vec<Action>| {
+        let mut value = value;
+        ui.label(label);
+        let field = ui.add(egui::DragValue::new(&mut value).range(range.0..=range.1).fixed_decimals(0));
+        if field.changed() {
+            let place = Place { state, path, value: None };
+            place.set(&serde_json::json!(value.round() as i64), actions);
+        }
+        if field.drag_stopped() || field.lost_focus() {
+            actions.push(Action::Seal);
+        }
+    };
+    let format = Path::default().to("format");
+    egui::Grid::new("document").num_columns(4).show(ui, |ui| {
+        number(ui, "Width", format.to("width"), f64::from(sheet.format[0]), (1.0, 65_536.0), actions);
+        number(ui, "Height", format.to("height"), f64::from(sheet.format[1]), (1.0, 65_536.0), actions);
+        ui.end_row();
+        let frames = Path::default().to("frames");
+        number(ui, "First frame", frames.to("first"), sheet.frames.0 as f64, (-1e7, sheet.frames.1 as f64), actions);
+        number(ui, "Last frame", frames.to("last"), sheet.frames.1 as f64, (sheet.frames.0 as f64, 1e7), actions);
+        ui.end_row();
+        number(ui, "Frames per second", frames.to("fps"), sheet.frames.2, (1.0, 240.0), actions);
+        ui.end_row();
+    });
+    let choice = |ui: &mut Ui, label: &str, path: Path, words: &[&str], default: &str, actions: &mut Vec<Action>| {
+        let chosen = sheet.get(&path).and_then(Value::as_str).unwrap_or(default).to_string();
+        egui::ComboBox::from_label(label).selected_text(&chosen).show_ui(ui, |ui| {
+            for word in words {
+                if ui.selectable_label(*word == chosen, *word).clicked() {
+                    actions.push(Action::Edit(Edit::set(path.clone(), &(*word).into())));
+                }
+            }
+        });
+    };
+    let spaces = trochoid::WorkingSpace::ALL.map(trochoid::WorkingSpace::name);
+    choice(ui, "Working space", Path::default().to("working_space"), &spaces, "linear-srgb", actions);
+    let shadings = trochoid::Shading::ALL.map(trochoid::Shading::name);
+    choice(ui, "Shading", format.to("shading"), &shadings, "sample", actions);
+    let samples = sheet.get(&format.to("samples")).and_then(Value::as_u64).unwrap_or(1);
+    egui::ComboBox::from_label("Samples a pixel").selected_text(samples.to_string()).show_ui(ui, |ui| {
+        for count in [1_u64, 4, 16] {
+            if ui.selectable_label(count == samples, count.to_string()).clicked() {
+                actions.push(Action::Edit(Edit::set(format.to("samples"), &count.into())));
+            }
+        }
+    });
+    ui.separator();
+    ui.label(RichText::new("Outputs").strong());
+    for output in &sheet.outputs {
+        ui.horizontal(|ui| {
+            if ui.link(&output.name).on_hover_text("Shows it.").clicked()
+                && let Some((node, index)) = sheet.source(&output.source)
+            {
+                actions.push(Action::Look(sheet.nodes[node].name.clone(), index));
+            }
+            ui.weak(format!("from {}", output.source));
+        });
+    }
+    ui.separator();
+    notes_ui(ui, state, &Path::default(), actions);
+}

@@ -1,0 +1,119 @@
+//! A port: what is connected to it, or the constant that stands in its place.
+
+use super::{Place, Properties, color, key, knob, label_ui};
+use crate::actions::Action;
+use crate::document::{Edit, Path, edit};
+use egui::{Button, RichText, Ui};
+use serde_json::{Value, json};
+use trochoid::{Arity, Port};
+
+/// Draws a port: every connection of it.
+pub(super) fn port_ui(
+    panel: &mut Properties,
+    ui: &mut Ui,
+    port: &'static Port,
+    place: &Place<'_>,
+    actions: &mut Vec<Action>,
+) {
+    let many = matches!(port.arity, Arity::Many { .. });
+    if !many {
+        return source_ui(panel, ui, port, port.name, place, actions);
+    }
+    let elements = place.value.and_then(Value::as_array).map_or(&[][..], Vec::as_slice);
+    for (index, element) in elements.iter().enumerate() {
+        let own = Place { state: place.state, path: place.path.to(index), value: Some(element) };
+        source_ui(panel, ui, port, &format!("{} {}", port.name, index + 1), &own, actions);
+    }
+    let Arity::Many { max, .. } = port.arity else { return };
+    if elements.len() < max && port.accepts.takes_color() && ui.small_button(format!("Add to {}", port.name)).clicked() {
+        let value = elements.last().cloned().unwrap_or_else(|| json!("#808080"));
+        let ops = vec![crate::document::Op::Set(place.path.to(elements.len()), edit::style(&value))];
+        actions.push(Action::Edit(Edit::new(format!("Add to {}", port.name), ops)));
+    }
+}
+
+fn source_ui(
+    panel: &mut Properties,
+    ui: &mut Ui,
+    port: &'static Port,
+    name: &str,
+    place: &Place<'_>,
+    actions: &mut Vec<Action>,
+) {
+    let sheet = place.state.sheet();
+    let connected = place.value.and_then(Value::as_str).filter(|text| !text.starts_with('#'));
+    let mut curve = None;
+    ui.horizontal(|ui| {
+        let label = label_ui(ui, name, &format!("{}\n\nTakes a {}.", port.help, port.accepts), place.value.is_some());
+        label.context_menu(|ui| {
+            if ui.add_enabled(place.value.is_some(), Button::new("Remove")).clicked() {
+                place.reset(actions);
+                ui.close();
+            }
+        });
+        match (connected, place.value) {
+            (Some(text), _) => {
+                let known = sheet.source(text);
+                let color = match known {
+                    Some(_) => crate::theme::accepts(port.accepts),
+                    None => crate::theme::error(ui.visuals()),
+                };
+                let link = ui.link(RichText::new(format!("● {text}")).color(color));
+                if let Some((node, _)) = known
+                    && link.on_hover_text("Chooses that node.").clicked()
+                {
+                    actions.push(Action::Select([sheet.nodes[node].name.clone()].into()));
+                }
+                if ui.small_button("×").on_hover_text("Disconnects.").clicked() {
+                    disconnect(place, actions);
+                }
+            }
+            (None, None) if port.arity != Arity::One && !port.accepts.takes_color() => {
+                ui.weak("not connected");
+            }
+            (None, None) if !port.accepts.takes_color() && !port.accepts.takes_number() => {
+                ui.label(RichText::new(format!("needs a {}", port.accepts)).color(crate::theme::error(ui.visuals())));
+            }
+            (None, value) => {
+                let keyed = value.and_then(key::Keyed::read);
+                let frame = place.state.frame as f64;
+                let default = if port.accepts.takes_color() { json!("#808080") } else { json!(0) };
+                let shown = keyed.as_ref().map_or_else(|| value.cloned().unwrap_or(default), |keyed| keyed.at(frame));
+                let mut edited = shown.clone();
+                let as_number = matches!(shown, Value::Number(_));
+                let field = if as_number {
+                    let mask = port.accepts == trochoid::Accepts::Mask || port.accepts.takes_color();
+                    let range = if mask { (0.0, 1.0) } else { (f64::NEG_INFINITY, f64::INFINITY) };
+                    knob::number_ui(ui, &mut edited, range, "")
+                } else {
+                    color::color_ui(ui, &mut edited, place, actions)
+                };
+                if edited != shown {
+                    match &keyed {
+                        Some(keyed) => place.set(&keyed.with(frame, &edited).write(), actions),
+                        None => place.set(&edited, actions),
+                    }
+                }
+                if field.drag_stopped() || field.lost_focus() {
+                    actions.push(Action::Seal);
+                }
+                key::button_ui(panel, ui, keyed.as_ref(), &shown, place, actions);
+                curve = keyed;
+            }
+        }
+    });
+    if let Some(keyed) = curve.filter(|_| panel.curves.contains(&place.path)) {
+        key::curve_ui(ui, &keyed, "", place, actions);
+    }
+}
+
+/// Disconnects a pin as the canvas does.
+fn disconnect(place: &Place<'_>, actions: &mut Vec<Action>) {
+    let sheet = place.state.sheet();
+    let [_, crate::document::Step::Key(name), steps @ ..] = place.path.0.as_slice() else { return };
+    let Some(node) = sheet.find(name) else { return };
+    match sheet.nodes[node].pin(steps) {
+        Some(pin) => actions.push(Action::Edit(edit::disconnected(sheet, (node, pin)))),
+        None => actions.push(Action::Edit(Edit::reset(Path(place.path.0.clone())))),
+    }
+}

@@ -1,0 +1,141 @@
+//! Writes the outputs of a range of frames to their files, on a thread of its own.
+
+use crate::document::edit::count;
+use crate::state::Render;
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, AtomicU32, AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread::JoinHandle;
+use trochoid::{
+    Buffers, Cache, CheckedGraph, EvalError, Monitor, Plan, Settings, check_destination, misses, output_files,
+    write_output,
+};
+
+/// A run.
+pub struct Renderer {
+    shared: Arc<Shared>,
+    total: usize,
+    thread: Option<JoinHandle<Result<String, String>>>,
+}
+
+#[derive(Default)]
+struct Shared {
+    stop: AtomicBool,
+    done: AtomicUsize,
+    /// Thousandths of the present frame.
+    share: AtomicU32,
+    context: Mutex<Option<egui::Context>>,
+}
+
+impl Shared {
+    fn wake(&self) {
+        if let Some(context) = self.context.lock().unwrap_or_else(PoisonError::into_inner).as_ref() {
+            context.request_repaint();
+        }
+    }
+}
+
+impl Monitor for Shared {
+    fn progress(&self, done: usize, total: usize) {
+        self.share.store((1000 * done / total.max(1)) as u32, Ordering::Relaxed);
+    }
+
+    fn cancelled(&self) -> bool {
+        self.stop.load(Ordering::Relaxed)
+    }
+}
+
+impl Renderer {
+    /// Starts a run of these frames.
+    ///
+    /// # Errors
+    /// No output has a file, or a file cannot be written; nothing is evaluated then.
+    pub fn start(graph: Arc<CheckedGraph>, range: (i64, i64), context: egui::Context) -> Result<Self, String> {
+        let outputs: Vec<usize> =
+            (0..graph.outputs().len()).filter(|&index| graph.outputs()[index].file.is_some()).collect();
+        if outputs.is_empty() {
+            return Err("no output has a \"file\": add one, for example \"beauty.####.png\"".into());
+        }
+        let frames: Vec<i64> = (range.0..=range.1).collect();
+        let mut named: Vec<PathBuf> = Vec::new();
+        for &frame in &frames {
+            let files = output_files(&graph, &outputs, frame, frames.len() > 1, None).map_err(|fault| fault.to_string())?;
+            named.extend(files.into_iter().map(|file| file.path));
+        }
+        let document = std::path::absolute(graph.name()).ok();
+        for path in &named {
+            if std::path::absolute(path).ok() == document {
+                return Err(format!("{}: is the document itself; give the output another file", path.display()));
+            }
+        }
+        named.dedup_by(|a, b| a.parent() == b.parent() && !a.is_dir());
+        named.iter().try_for_each(|path| check_destination(path)).map_err(|fault| fault.to_string())?;
+        let shared = Arc::new(Shared { context: Mutex::new(Some(context)), ..Shared::default() });
+        let (theirs, total) = (shared.clone(), frames.len());
+        let run = move || {
+            let outcome = run(&graph, &outputs, &frames, &theirs);
+            theirs.wake();
+            outcome
+        };
+        let thread = std::thread::Builder::new().name("render".into()).spawn(run).map_err(|error| error.to_string())?;
+        Ok(Self { shared, total, thread: Some(thread) })
+    }
+
+    /// Stops as soon as possible. Frames that are done stay.
+    pub fn cancel(&self) {
+        self.shared.stop.store(true, Ordering::Relaxed);
+    }
+
+    /// How far it is.
+    pub fn progress(&self) -> Render {
+        Render {
+            done: (self.shared.done.load(Ordering::Relaxed), self.total),
+            share: self.shared.share.load(Ordering::Relaxed) as f32 / 1000.0,
+        }
+    }
+
+    /// How it ended, once.
+    pub fn outcome(&mut self) -> Option<Result<String, String>> {
+        let thread = self.thread.take_if(|thread| thread.is_finished())?;
+        Some(thread.join().unwrap_or_else(|_| Err("the run ended unexpectedly".into())))
+    }
+}
+
+impl Drop for Renderer {
+    fn drop(&mut self) {
+        self.cancel();
+        if let Some(thread) = self.thread.take() {
+            let _ = thread.join();
+        }
+    }
+}
+
+fn run(graph: &CheckedGraph, outputs: &[usize], frames: &[i64], shared: &Shared) -> Result<String, String> {
+    let names: Vec<&str> = outputs.iter().map(|&index| graph.outputs()[index].name.as_str()).collect();
+    let mut cache = Cache::new();
+    let mut missed = Vec::new();
+    for (index, &frame) in frames.iter().enumerate() {
+        let at = |error: &dyn std::fmt::Display| format!("Frame {frame}: {error}");
+        let plan = Plan::new(graph, &names, frame, &[], &Settings::default()).map_err(|error| at(&error))?;
+        let evaluated = match plan.evaluate(&Buffers::new(), &mut cache, shared) {
+            Ok(evaluated) => evaluated,
+            Err(EvalError::Cancelled) => {
+                return Ok(format!("Stopped after {}", count(index, "frame")));
+            }
+            Err(error) => return Err(at(&error)),
+        };
+        let files = output_files(graph, outputs, frame, frames.len() > 1, None).map_err(|error| at(&error))?;
+        for file in &files {
+            write_output(graph, &evaluated, file, &[]).map_err(|error| at(&error))?;
+        }
+        missed.extend(misses(graph, &evaluated, None).iter().map(ToString::to_string));
+        cache.forget_unused();
+        shared.done.store(index + 1, Ordering::Relaxed);
+        shared.share.store(0, Ordering::Relaxed);
+        shared.wake();
+    }
+    match missed.first() {
+        None => Ok(format!("Rendered {}", count(frames.len(), "frame"))),
+        Some(first) => Err(format!("Rendered {}, but {first}", count(frames.len(), "frame"))),
+    }
+}

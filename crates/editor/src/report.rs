@@ -1,0 +1,241 @@
+//! Where the time went, what was left out, and how accurate the settings at hand are.
+
+use crate::actions::Action;
+use crate::format::{bytes, seconds, thousands};
+use crate::state::State;
+use egui::{Color32, Grid, Rect, RichText, ScrollArea, Sense, Ui, vec2};
+use egui_plot::{Legend, Line, Plot, PlotPoints, Points};
+use std::sync::mpsc::{Receiver, channel};
+use crate::evaluate::lens::OUTPUT;
+use trochoid::accuracy::{LadderRequest, Request, climb};
+use trochoid::{Format, NodeReport, Settings, Silent, State as Became, Tolerance};
+
+/// What the panel holds besides what all see.
+#[derive(Default)]
+pub struct Report {
+    measuring: Option<Receiver<Measured>>,
+    measured: Option<Measured>,
+}
+
+/// How accurate settings are, and how long they take.
+struct Measured {
+    revision: u64,
+    outcome: Result<Vec<Step>, String>,
+}
+
+/// One setting.
+struct Step {
+    name: String,
+    /// Seconds, and the largest certified error of samples that are in no doubt.
+    seconds: f64,
+    error: f64,
+}
+
+/// Draws the report.
+pub fn report_ui(report: &mut Report, ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
+    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+        ui.collapsing(RichText::new("Times").strong(), |ui| times_ui(ui, state, actions));
+        egui::CollapsingHeader::new(RichText::new("Nodes").strong())
+            .default_open(true)
+            .show(ui, |ui| nodes_ui(ui, state, actions));
+        ui.collapsing(RichText::new("Left out").strong(), |ui| left_out_ui(ui, state, actions));
+        ui.collapsing(RichText::new("Error against time").strong(), |ui| accuracy_ui(report, ui, state));
+    });
+}
+
+fn times_ui(ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
+    let past = &state.seen.past;
+    if past.is_empty() {
+        ui.weak("Nothing has been evaluated yet.");
+        return;
+    }
+    let line = |of: fn(&crate::state::Past) -> f64| {
+        let points: Vec<[f64; 2]> =
+            past.iter().enumerate().map(|(index, past)| [index as f64, 1000.0 * of(past)]).collect();
+        PlotPoints::from(points)
+    };
+    Plot::new("times").height(120.0).y_axis_label("ms").show_x(false).legend(Legend::default()).include_y(0.0).show(
+        ui,
+        |plot| {
+            plot.line(Line::new("in all", line(|past| past.seconds[1])));
+            plot.line(Line::new("preparing", line(|past| past.seconds[0])));
+        },
+    );
+    Grid::new("past").num_columns(4).striped(true).show(ui, |ui| {
+        for past in past.iter().rev().take(8) {
+            if ui.link(&past.node).clicked() {
+                actions.push(Action::Look(past.node.clone(), 0));
+            }
+            ui.label(format!("frame {}", past.frame));
+            let size = if past.shrunk > 1 { format!(", 1/{} size", past.shrunk) } else { String::new() };
+            ui.label(format!("{}{size}", seconds(past.seconds[1])));
+            match past.exits {
+                Some(exits) => ui.label(format!("{} outside the palette", thousands(exits))),
+                None => ui.weak("no color"),
+            };
+            ui.end_row();
+        }
+    });
+}
+
+fn sorted(state: &State) -> Vec<&NodeReport> {
+    let mut nodes: Vec<&NodeReport> = state.seen.nodes.values().collect();
+    nodes.sort_by(|a, b| b.seconds.total_cmp(&a.seconds).then_with(|| a.name.cmp(&b.name)));
+    nodes
+}
+
+/// A bar a node, the longest first.
+fn nodes_ui(ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
+    let nodes = sorted(state);
+    let longest = nodes.first().map_or(0.0, |node| node.seconds);
+    if longest == 0.0 {
+        ui.weak("Nothing has been evaluated yet.");
+        return;
+    }
+    Grid::new("nodes").num_columns(3).striped(true).show(ui, |ui| {
+        for node in nodes.iter().filter(|node| node.seconds > 0.002 * longest).take(40) {
+            if ui.link(&node.name).on_hover_text(node.ty).clicked() {
+                actions.push(Action::Select([node.name.clone()].into()));
+            }
+            let (rect, response) = ui.allocate_exact_size(vec2(110.0, 12.0), Sense::hover());
+            let width = rect.width() * (node.seconds / longest) as f32;
+            let color = match node.estimated {
+                true => Color32::from_rgb(0x5c, 0x9d, 0xdc).gamma_multiply(0.6),
+                false => Color32::from_rgb(0x5c, 0x9d, 0xdc),
+            };
+            ui.painter().rect_filled(Rect::from_min_size(rect.min, vec2(width, rect.height())), 2.0, color);
+            response.on_hover_text(format!(
+                "{} on all threads together{}\n{} samples\n{}{}",
+                seconds(node.seconds),
+                if node.estimated { ", its share of the fused program" } else { "" },
+                thousands(node.pixels),
+                bytes(node.bytes),
+                if node.repaired > 0 { format!("\n{} illegal values replaced", thousands(node.repaired)) } else { String::new() },
+            ));
+            ui.label(seconds(node.seconds));
+            ui.end_row();
+        }
+    });
+}
+
+fn left_out_ui(ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
+    let mut any = false;
+    Grid::new("left out").num_columns(2).striped(true).show(ui, |ui| {
+        for node in &state.sheet().nodes {
+            let Some(report) = state.seen.nodes.get(&node.name) else { continue };
+            let Became::LeftOut(why) = &report.state else { continue };
+            any = true;
+            if ui.link(&node.name).clicked() {
+                actions.push(Action::Select([node.name.clone()].into()));
+            }
+            ui.label(why.to_string());
+            ui.end_row();
+        }
+    });
+    if !any {
+        ui.weak("Everything that the picture depends on was evaluated.");
+    }
+}
+
+/// Measures the words of accuracy of the graph in the viewer, on request: it takes a while.
+fn accuracy_ui(report: &mut Report, ui: &mut Ui, state: &State) {
+    if let Some(measured) = report.measuring.as_ref().and_then(|inbox| inbox.try_recv().ok()) {
+        report.measured = Some(measured);
+        report.measuring = None;
+    }
+    ui.horizontal(|ui| {
+        let result = state.seen.result.as_ref().filter(|_| report.measuring.is_none());
+        let button = egui::Button::new("Measure");
+        let help = "Certifies strips of the picture in the viewer with each setting of accuracy, at a quarter of its size. Takes some \
+                    seconds to minutes; `trochoid report` makes the whole page.";
+        if ui.add_enabled(result.is_some(), button).on_hover_text(help).clicked()
+            && let Some(result) = result
+        {
+            report.measuring = Some(measure(result, state.session.revision(), ui.ctx().clone()));
+        }
+        if report.measuring.is_some() {
+            ui.spinner();
+            ui.weak("Measuring …");
+        }
+    });
+    let Some(measured) = &report.measured else { return };
+    if measured.revision != state.session.revision() {
+        ui.weak("Of the document before the last change:");
+    }
+    match &measured.outcome {
+        Err(error) => {
+            ui.label(RichText::new(error).color(crate::theme::error(ui.visuals())));
+        }
+        Ok(steps) => {
+            let points: Vec<[f64; 2]> =
+                steps.iter().map(|step| [step.seconds.max(1e-6).log10(), step.error.max(1e-12).log10()]).collect();
+            let ten = |mark: egui_plot::GridMark, _: &std::ops::RangeInclusive<f64>| format!("1e{:.0}", mark.value);
+            Plot::new("accuracy")
+                .height(160.0)
+                .x_axis_label("seconds")
+                .y_axis_label("certified error")
+                .x_axis_formatter(ten)
+                .y_axis_formatter(ten)
+                .show(ui, |plot| {
+                    plot.line(Line::new("", PlotPoints::from(points.clone())));
+                    plot.points(Points::new("", PlotPoints::from(points)).radius(4.0));
+                });
+            Grid::new("steps").num_columns(3).striped(true).show(ui, |ui| {
+                for step in steps {
+                    ui.label(&step.name);
+                    ui.label(seconds(step.seconds));
+                    ui.label(format!("≤ {:.1e}", step.error));
+                    ui.end_row();
+                }
+            });
+        }
+    }
+}
+
+fn measure(result: &crate::evaluate::Result, revision: u64, context: egui::Context) -> Receiver<Measured> {
+    let (sender, inbox) = channel();
+    let result = result.clone();
+    std::thread::spawn(move || {
+        let outcome = ladder(&result);
+        // The window may be closed by then.
+        let _ = sender.send(Measured { revision, outcome });
+        context.request_repaint();
+    });
+    inbox
+}
+
+/// By how much the picture is made smaller that is measured.
+const SHRINK: u32 = 4;
+
+/// Every setting of accuracy, the coarse ones first.
+fn ladder(result: &crate::evaluate::Result) -> Result<Vec<Step>, String> {
+    let (lens, subject) = (&result.lens, &result.subject);
+    let whole = lens.graph.format();
+    let side = |side: u32| side.div_ceil(SHRINK);
+    let format = Format::new(side(whole.width()), side(whole.height()), whole.samples()).map_err(|e| e.to_string())?;
+    let load = |set: &[String]| trochoid::parse(&subject.name, &lens.text, &subject.folder, set);
+    let request = Request {
+        outputs: &[OUTPUT],
+        frame: result.frame,
+        tolerance: Tolerance::Exact,
+        settings: &Settings::default(),
+    };
+    let asked = LadderRequest {
+        request,
+        format: Some(format.with_shading(whole.shading())),
+        pixels: 0,
+        whole: false,
+        tolerances: &[],
+    };
+    let ladder = climb(&load, &asked, &Silent).map_err(|error| error.to_string())?;
+    let steps = ladder.rungs.iter().filter(|rung| rung.is_method && rung.certified.max.is_finite()).map(|rung| Step {
+        name: if rung.set.is_empty() { "as it is".into() } else { rung.set.join(", ") },
+        seconds: rung.seconds,
+        error: rung.certified.max,
+    });
+    let steps: Vec<Step> = steps.collect();
+    if steps.is_empty() {
+        return Err("no error of this picture can be certified: something that it depends on knows no bound".into());
+    }
+    Ok(steps)
+}

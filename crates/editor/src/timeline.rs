@@ -1,0 +1,135 @@
+//! The timeline: frames to scrub and play, those in memory marked, and the range that is rendered.
+
+use crate::actions::Action;
+use crate::document::{Edit, Path};
+use crate::state::State;
+use egui::{Align2, Color32, FontId, Rect, Sense, Stroke, Ui, pos2, vec2};
+
+/// What the timeline holds besides what all see.
+#[derive(Default)]
+pub struct Timeline {
+    /// Which end of the range is being dragged.
+    end: Option<bool>,
+}
+
+/// Draws the timeline.
+pub fn timeline_ui(timeline: &mut Timeline, ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
+    ui.horizontal(|ui| {
+        let (first, last) = state.range;
+        let mut button = |ui: &mut Ui, text: &str, name: &str, action: Action| {
+            let response = ui.button(text).on_hover_text(name);
+            response.widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::Button, true, name));
+            if response.clicked() {
+                actions.push(action);
+            }
+        };
+        button(ui, "⏮", "First frame (Home)", Action::Frame(first));
+        button(ui, "◀", "Previous frame (←)", Action::Frame(state.frame - 1));
+        match state.playing {
+            true => button(ui, "⏸", "Stop (Space)", Action::Play(false)),
+            false => button(ui, "▶", "Play (Space)", Action::Play(true)),
+        }
+        button(ui, "▶|", "Next frame (→)", Action::Frame(state.frame + 1));
+        button(ui, "⏭", "Last frame (End)", Action::Frame(last));
+        let mut frame = state.frame;
+        let field = ui.add(egui::DragValue::new(&mut frame).speed(0.2)).on_hover_text("Frame");
+        if field.changed() {
+            actions.push(Action::Frame(frame));
+        }
+        let width = (ui.available_width() - 170.0).max(80.0);
+        strip_ui(timeline, ui, state, width, actions);
+        let (mut from, mut to) = state.range;
+        let start = ui.add(egui::DragValue::new(&mut from).speed(0.2)).on_hover_text("First frame of the range (I)");
+        let end = ui.add(egui::DragValue::new(&mut to).speed(0.2)).on_hover_text("Last frame of the range (O)");
+        if start.changed() || end.changed() {
+            actions.push(Action::Range(from, to.max(from)));
+        }
+        let mut fps = state.sheet().frames.2;
+        let field = egui::DragValue::new(&mut fps).range(1.0..=240.0).speed(0.1).max_decimals(3).suffix(" fps");
+        let field = ui.add(field).on_hover_text("Frames per second, of the document.");
+        if field.changed() {
+            let path = Path::default().to("frames").to("fps");
+            actions.push(Action::Edit(Edit::set(path, &serde_json::json!(fps)).merging("fps")));
+        }
+        if field.drag_stopped() || field.lost_focus() {
+            actions.push(Action::Seal);
+        }
+    });
+}
+
+/// The frames, side by side.
+fn strip_ui(timeline: &mut Timeline, ui: &mut Ui, state: &State, width: f32, actions: &mut Vec<Action>) {
+    let sheet = state.sheet();
+    let low = sheet.frames.0.min(state.range.0).min(state.frame);
+    let high = sheet.frames.1.max(state.range.1).max(state.frame).max(low + 1);
+    let (rect, response) = ui.allocate_exact_size(vec2(width, 30.0), Sense::click_and_drag());
+    response.widget_info(|| egui::WidgetInfo::slider(true, state.frame as f64, "Timeline"));
+    let bar = rect.shrink2(vec2(8.0, 0.0));
+    let x = |frame: f64| bar.left() + bar.width() * ((frame - low as f64) / (high - low) as f64) as f32;
+    let frame_at = |x: f32| low + (f64::from((x - bar.left()) / bar.width()) * (high - low) as f64).round() as i64;
+    let painter = ui.painter_at(rect);
+    let visuals = ui.visuals();
+    painter.rect_filled(rect, 3.0, visuals.extreme_bg_color);
+    let range = Rect::from_min_max(pos2(x(state.range.0 as f64), rect.top()), pos2(x(state.range.1 as f64), rect.bottom()));
+    painter.rect_filled(range, 2.0, visuals.faint_bg_color.gamma_multiply(2.0));
+    let half = (0.5 * bar.width() / (high - low) as f32).max(0.5);
+    for frame in state.seen.frames.keys() {
+        let center = x(*frame as f64);
+        let mark = Rect::from_min_max(pos2(center - half, rect.bottom() - 4.0), pos2(center + half, rect.bottom()));
+        painter.rect_filled(mark, 0.0, Color32::from_rgb(0x5f, 0xb8, 0x72));
+    }
+    // Marks as dense as their numbers can be read.
+    let least = f64::from(56.0 * (high - low) as f32 / bar.width());
+    let step = [1, 2, 5, 10, 12, 20, 24, 50, 100, 200, 500, 1000, 5000, 10_000, 100_000, 1_000_000];
+    let step = step.into_iter().find(|step| *step as f64 >= least).unwrap_or(high - low).max(1);
+    let mut mark = low.div_euclid(step) * step;
+    while mark <= high {
+        if mark >= low {
+            let at = x(mark as f64);
+            painter.line_segment([pos2(at, rect.top()), pos2(at, rect.top() + 5.0)], Stroke::new(1.0, visuals.weak_text_color()));
+            painter.text(
+                pos2(at, rect.top() + 6.0),
+                Align2::CENTER_TOP,
+                mark.to_string(),
+                FontId::proportional(10.0),
+                visuals.weak_text_color(),
+            );
+        }
+        mark += step;
+    }
+    let bracket = Stroke::new(2.0, Color32::from_rgb(0xe8, 0xb0, 0x4a));
+    for (frame, side) in [(state.range.0, 1.0), (state.range.1, -1.0)] {
+        let at = x(frame as f64);
+        painter.line_segment([pos2(at, rect.top()), pos2(at, rect.bottom())], bracket);
+        for y in [rect.top() + 1.0, rect.bottom() - 1.0] {
+            painter.line_segment([pos2(at, y), pos2(at + 4.0 * side, y)], bracket);
+        }
+    }
+    let now = x(state.frame as f64);
+    painter.line_segment([pos2(now, rect.top()), pos2(now, rect.bottom())], Stroke::new(2.0, visuals.strong_text_color()));
+    let Some(pointer) = response.interact_pointer_pos() else {
+        timeline.end = None;
+        if response.hovered() {
+            response.on_hover_text("Drag to scrub; drag a bracket to change the range.");
+        }
+        return;
+    };
+    if response.drag_started() || response.clicked() {
+        let origin = ui.input(|input| input.pointer.press_origin()).unwrap_or(pointer);
+        let near = |frame: i64| (x(frame as f64) - origin.x).abs() < 5.0;
+        // The frame itself goes before the brackets.
+        timeline.end = match () {
+            () if near(state.frame) && !response.clicked() => None,
+            () if near(state.range.0) => Some(false),
+            () if near(state.range.1) => Some(true),
+            () => None,
+        };
+    }
+    let frame = frame_at(pointer.x).clamp(low, high);
+    match timeline.end.filter(|_| !response.clicked()) {
+        Some(false) => actions.push(Action::Range(frame.min(state.range.1), state.range.1)),
+        Some(true) => actions.push(Action::Range(state.range.0, frame.max(state.range.0))),
+        None if frame != state.frame => actions.push(Action::Frame(frame)),
+        None => {}
+    }
+}

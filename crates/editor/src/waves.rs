@@ -1,0 +1,339 @@
+//! The wave panel: where waves go and how large they are, what they are made of, and whether they fold or grow.
+
+use crate::actions::Action;
+use crate::document::{Edit, Node, Path};
+use crate::format::number;
+use crate::state::State;
+use egui::{Color32, RichText, ScrollArea, Sense, Slider, Stroke, Ui, pos2, vec2};
+use egui_plot::{Line, Plot, PlotPoints, Points, Polygon};
+use serde_json::{Value, json};
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, TryRecvError, channel};
+use trochoid::{CheckedGraph, Item, Knob, KnobDefault, Spectrum, Stability, Takes, stability_of};
+
+/// What the panel holds besides what all see.
+#[derive(Default)]
+pub struct Waves {
+    /// Of which sea, at which revision and frame, this is the spectrum.
+    spectrum: Option<(String, u64, i64, Option<Spectrum>)>,
+    stability: Option<(String, u64, Found)>,
+}
+
+enum Found {
+    Waiting(Receiver<Option<Stability>>),
+    Here(Option<Stability>),
+}
+
+/// Draws the sea that is chosen, or else the document's first.
+pub fn waves_ui(waves: &mut Waves, ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
+    let is_sea = |node: &&Node| matches!(node.ty.as_str(), "GerstnerSea" | "ToonSea" | "RippleSea");
+    let sheet = state.sheet();
+    let chosen = state.chosen().and_then(|name| sheet.node(name)).filter(is_sea);
+    // Whatever is chosen: the sea that it shows or floats on.
+    let above = || {
+        let start = sheet.find(state.chosen()?)?;
+        let mut above: Vec<usize> = sheet.upstream([start]).into_iter().collect();
+        above.sort_unstable();
+        above.into_iter().map(|index| &sheet.nodes[index]).find(is_sea)
+    };
+    let Some(sea) = chosen.or_else(above).or_else(|| sheet.nodes.iter().find(is_sea)) else {
+        ui.weak("The document has no sea. Add a GerstnerSea or a ToonSea (Tab in the graph).");
+        return;
+    };
+    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+        ui.horizontal(|ui| {
+            if ui.link(RichText::new(&sea.name).heading()).on_hover_text("Chooses it.").clicked() {
+                actions.push(Action::Select([sea.name.clone()].into()));
+            }
+            ui.weak(&sea.ty);
+        });
+        knobs_ui(ui, state, sea, actions);
+        let Some(graph) = &state.session.meaning().graph else {
+            ui.weak("The document has errors: correct them to see its waves.");
+            return;
+        };
+        match sea.ty.as_str() {
+            "GerstnerSea" => spectrum_ui(waves, ui, state, sea, graph),
+            _ => stability_ui(waves, ui, state, sea, graph, actions),
+        }
+    });
+}
+
+/// The knobs that make a sea what it is, in their order.
+const KNOBS: [&str; 12] = [
+    "direction",
+    "height",
+    "wavelength",
+    "sharpness",
+    "count",
+    "direction_spread",
+    "speed",
+    "period",
+    "c1",
+    "c2",
+    "damping",
+    "frequency",
+];
+
+fn knobs_ui(ui: &mut Ui, state: &State, sea: &Node, actions: &mut Vec<Action>) {
+    let Some(declaration) = sea.declaration else { return };
+    let path = Path::node(&sea.name);
+    let knob = |name: &str| {
+        declaration.items.iter().find_map(|item| match item {
+            Item::Knob(knob) if knob.name == name => Some(*knob),
+            _ => None,
+        })
+    };
+    ui.horizontal_top(|ui| {
+        if let Some(direction) = knob("direction") {
+            dial_ui(ui, &path.to("direction"), value_of(state, &path, &direction), actions);
+        }
+        ui.vertical(|ui| {
+            for name in KNOBS.into_iter().filter(|name| *name != "direction") {
+                let Some(knob) = knob(name) else { continue };
+                // What counts only under another choice would do nothing.
+                let counts = match name {
+                    "speed" if sea.ty == "GerstnerSea" => text_of(state, &path, "dispersion") == "speed",
+                    "period" => text_of(state, &path, "dispersion") == "period",
+                    _ => true,
+                };
+                if counts {
+                    slider_ui(ui, state, &path, &knob, actions);
+                }
+            }
+        });
+    });
+}
+
+fn text_of<'s>(state: &'s State, path: &Path, name: &str) -> &'s str {
+    state.sheet().get(&path.to(name)).and_then(Value::as_str).unwrap_or_default()
+}
+
+/// A knob's plain value; `None` where it is keyed.
+fn value_of(state: &State, path: &Path, knob: &Knob) -> Option<f64> {
+    match (state.sheet().get(&path.to(knob.name)), knob.default) {
+        (Some(value), _) => value.as_f64(),
+        (None, Some(KnobDefault::Number(default))) => Some(default),
+        _ => None,
+    }
+}
+
+fn set(path: &Path, value: f64, actions: &mut Vec<Action>) {
+    actions.push(Action::Edit(Edit::set(path.clone(), &json!(value)).merging(path.to_string())));
+}
+
+fn slider_ui(ui: &mut Ui, state: &State, path: &Path, knob: &Knob, actions: &mut Vec<Action>) {
+    let Some(mut value) = value_of(state, path, knob) else {
+        ui.weak(format!("{} is keyed: see Properties", knob.name.replace('_', " ")));
+        return;
+    };
+    // As far as seas go that one sees; the field beside the slider takes all that is legal.
+    let (low, high) = match knob.name {
+        "height" => (0.0, 20.0),
+        "wavelength" => (0.5, 300.0),
+        "sharpness" => (0.0, 2.0),
+        "count" => (0.0, 20_000.0),
+        "direction_spread" => (0.0, 180.0),
+        "speed" => (0.0, 40.0),
+        "period" => (0.1, 30.0),
+        "c1" | "c2" => (-1.2, 1.2),
+        "damping" => (0.0, 10.0),
+        "frequency" => (0.0, 20.0),
+        _ => (0.0, 1.0),
+    };
+    let whole = matches!(knob.takes, Takes::Integer { .. });
+    ui.horizontal(|ui| {
+        let logarithmic = matches!(knob.name, "wavelength" | "count");
+        let mut slider = Slider::new(&mut value, low..=high).clamping(egui::SliderClamping::Never).logarithmic(logarithmic);
+        slider = if whole { slider.integer() } else { slider.max_decimals(3) };
+        let unit = if knob.unit == "degrees" { "°".into() } else { format!(" {}", knob.unit) };
+        let field = ui.add(slider.suffix(unit));
+        ui.label(knob.name.replace('_', " ")).on_hover_text(knob.help);
+        if field.changed() {
+            let (min, max) = match knob.takes {
+                Takes::Number { min, max } => (min, max),
+                Takes::Integer { min, max } => (min as f64, max as f64),
+                _ => (f64::NEG_INFINITY, f64::INFINITY),
+            };
+            let value = (value.clamp(min, max) * 1e4).round() / 1e4;
+            set(&path.to(knob.name), if whole { value.round() } else { value }, actions);
+        }
+        if field.drag_stopped() || field.lost_focus() {
+            actions.push(Action::Seal);
+        }
+    });
+}
+
+/// A compass seen from above: +X to the right, +Z down.
+fn dial_ui(ui: &mut Ui, path: &Path, value: Option<f64>, actions: &mut Vec<Action>) {
+    let (rect, response) = ui.allocate_exact_size(vec2(92.0, 92.0), Sense::click_and_drag());
+    let (center, radius) = (rect.center(), 40.0);
+    let visuals = ui.visuals();
+    let painter = ui.painter_at(rect);
+    painter.circle(center, radius, visuals.extreme_bg_color, Stroke::new(1.0, visuals.weak_text_color()));
+    for (text, at) in [("X", pos2(center.x + radius - 8.0, center.y)), ("Z", pos2(center.x, center.y + radius - 8.0))] {
+        painter.text(at, egui::Align2::CENTER_CENTER, text, egui::FontId::proportional(10.0), visuals.weak_text_color());
+    }
+    let Some(degrees) = value else {
+        painter.text(center, egui::Align2::CENTER_CENTER, "keyed", egui::FontId::proportional(11.0), visuals.text_color());
+        return;
+    };
+    response.widget_info(|| egui::WidgetInfo::slider(true, degrees, "Direction"));
+    let (sin, cos) = (degrees.to_radians() as f32).sin_cos();
+    let along = vec2(cos, sin);
+    painter.arrow(center - along * radius * 0.8, along * radius * 1.6, Stroke::new(2.0, Color32::from_rgb(0x3f, 0xb5, 0xb0)));
+    if let Some(pointer) = response.interact_pointer_pos() {
+        let to: egui::Vec2 = pointer - center;
+        if to.length() > 4.0 {
+            let angle = f64::from(to.y.atan2(to.x).to_degrees());
+            // Shift takes steps of 15°.
+            let angle = if ui.input(|input| input.modifiers.shift) { (angle / 15.0).round() * 15.0 } else { angle.round() };
+            set(path, angle, actions);
+        }
+    }
+    if response.drag_stopped() || response.clicked() {
+        actions.push(Action::Seal);
+    }
+    response.on_hover_text(format!("Waves travel toward {degrees:.0}°, seen from above. Shift: steps of 15°."));
+}
+
+fn spectrum_ui(waves: &mut Waves, ui: &mut Ui, state: &State, sea: &Node, graph: &Arc<CheckedGraph>) {
+    let (revision, frame) = (state.session.revision(), state.frame);
+    let current = |known: &(String, u64, i64, Option<Spectrum>)| (known.0.as_str(), known.1, known.2) == (&sea.name, revision, frame);
+    if !waves.spectrum.as_ref().is_some_and(current) {
+        let found = graph.find(&sea.name).and_then(|id| graph.node(id).ty.spectrum(&graph.settle(id, frame)));
+        waves.spectrum = Some((sea.name.clone(), revision, frame, found));
+    }
+    let Some((.., Some(spectrum))) = &waves.spectrum else { return };
+    ui.separator();
+    let (text, color) = match spectrum.unfolded {
+        margin if margin.is_infinite() => ("Crests never fold over.".into(), ui.visuals().text_color()),
+        margin if margin >= 1.0 => (
+            format!("Crests do not fold over, nor would they up to {margin:.2} times the sharpness."),
+            ui.visuals().text_color(),
+        ),
+        margin => (
+            format!("Crests fold over: {margin:.2} times the sharpness would not."),
+            ui.visuals().warn_fg_color,
+        ),
+    };
+    ui.label(RichText::new(text).color(color));
+    ui.label(RichText::new(format!("{} waves: amplitude over length", crate::format::thousands(spectrum.waves.len() as u64))).strong());
+    // Of very many, as many as can be told apart.
+    let step = spectrum.waves.len().div_ceil(2000).max(1);
+    let stems: Vec<[f64; 2]> =
+        spectrum.waves.iter().step_by(step).map(|wave| [wave.wavelength.log10(), wave.amplitude.abs()]).collect();
+    Plot::new("spectrum")
+        .height(150.0)
+        .x_axis_label("m, crest to crest")
+        .y_axis_label("m")
+        .include_y(0.0)
+        .x_axis_formatter(|mark, _| number(10f64.powf(mark.value)))
+        .show(ui, |plot| {
+            plot.points(Points::new("", PlotPoints::from(stems)).stems(0.0).radius(1.5).color(Color32::from_rgb(0x3f, 0xb5, 0xb0)));
+        });
+    ui.label(RichText::new("Where they travel").strong());
+    let rose: Vec<[f64; 2]> = spectrum
+        .waves
+        .iter()
+        .step_by(step)
+        .map(|wave| {
+            let (sin, cos) = wave.direction.to_radians().sin_cos();
+            [cos * wave.amplitude.abs(), -sin * wave.amplitude.abs()]
+        })
+        .collect();
+    Plot::new("rose").height(150.0).data_aspect(1.0).include_x(0.0).include_y(0.0).show_axes(false).show(ui, |plot| {
+        plot.points(Points::new("", PlotPoints::from(rose)).radius(1.5).color(Color32::from_rgb(0x5c, 0x9d, 0xdc)));
+    });
+}
+
+/// The verdict on a toon sea, its figures, and where it stands on the map.
+fn stability_ui(
+    waves: &mut Waves,
+    ui: &mut Ui,
+    state: &State,
+    sea: &Node,
+    graph: &Arc<CheckedGraph>,
+    actions: &mut Vec<Action>,
+) {
+    let revision = state.session.revision();
+    ui.separator();
+    if let Some((_, _, found @ Found::Waiting(_))) = &mut waves.stability
+        && let Found::Waiting(inbox) = found
+    {
+        match inbox.try_recv() {
+            Ok(stability) => *found = Found::Here(stability),
+            Err(TryRecvError::Disconnected) => *found = Found::Here(None),
+            Err(TryRecvError::Empty) => {}
+        }
+    }
+    let current = matches!(&waves.stability, Some((name, known, _)) if (name, *known) == (&sea.name, revision));
+    let busy = matches!(&waves.stability, Some((.., Found::Waiting(_))));
+    let button = egui::Button::new(if current { "Analyze again" } else { "Analyze stability" });
+    let help = "Predicts and measures how the sea behaves in the long run; takes some seconds.";
+    ui.horizontal(|ui| {
+        if ui.add_enabled(!busy, button).on_hover_text(help).clicked()
+            && let Some(id) = graph.find(&sea.name)
+        {
+            let (sender, inbox) = channel();
+            let (graph, frame, context) = (graph.clone(), state.frame, ui.ctx().clone());
+            std::thread::spawn(move || {
+                // The panel may be gone by then.
+                let _ = sender.send(stability_of(&graph, id, frame));
+                context.request_repaint();
+            });
+            waves.stability = Some((sea.name.clone(), revision, Found::Waiting(inbox)));
+        }
+        if busy {
+            ui.spinner();
+        }
+    });
+    let Some((.., Found::Here(Some(stability)))) = &waves.stability else { return };
+    if !current {
+        ui.weak("Of the sea before the last change:");
+    }
+    ui.label(RichText::new(format!("Verdict: {}", stability.verdict.name())).strong());
+    for sentence in &stability.says {
+        ui.add(egui::Label::new(sentence).wrap());
+    }
+    if let Some(map) = &stability.map {
+        let region: Vec<[f64; 2]> = map.region.clone();
+        let [across, up] = map.axes;
+        let shown = Plot::new("stability").height(200.0).x_axis_label(across).y_axis_label(up).data_aspect(1.0).show(ui, |plot| {
+            plot.polygon(Polygon::new("stable", PlotPoints::from(region)).fill_color(Color32::from_rgb(0x5f, 0xb8, 0x72).gamma_multiply(0.35)));
+            let axes = [[[map.ranges[0][0], 0.0], [map.ranges[0][1], 0.0]], [[0.0, map.ranges[1][0]], [0.0, map.ranges[1][1]]]];
+            for axis in axes {
+                plot.line(Line::new("", PlotPoints::from(axis.to_vec())).color(Color32::from_gray(0x70)));
+            }
+            plot.points(Points::new("this sea", PlotPoints::from(vec![map.point])).radius(5.0).color(Color32::from_rgb(0xe8, 0xb0, 0x4a)));
+            plot.pointer_coordinate()
+        });
+        if shown.response.double_clicked()
+            && let Some(at) = shown.inner
+        {
+            let path = Path::node(&sea.name);
+            let round = |value: f64| json!((value * 1e4).round() / 1e4);
+            let edit = Edit::set(path.to(across), &round(at.x)).then(Edit::set(path.to(up), &round(at.y)));
+            actions.push(Action::Edit(edit));
+        }
+        ui.weak(format!("{} Double-click moves the sea there.", map.note));
+    }
+    egui::Grid::new("figures").num_columns(3).striped(true).show(ui, |ui| {
+        ui.strong("");
+        ui.strong("predicted");
+        ui.strong("measured");
+        ui.end_row();
+        for figure in &stability.figures {
+            let unit = if figure.unit.is_empty() { String::new() } else { format!(", {}", figure.unit) };
+            ui.label(format!("{}{unit}", figure.name)).on_hover_text(&figure.note);
+            let cell = |value: Option<f64>| value.map_or_else(|| "—".into(), number);
+            ui.label(cell(figure.predicted));
+            let color = match figure.holds() {
+                Some(false) => crate::theme::error(ui.visuals()),
+                _ => ui.visuals().text_color(),
+            };
+            ui.label(RichText::new(cell(figure.measured)).color(color));
+            ui.end_row();
+        }
+    });
+}

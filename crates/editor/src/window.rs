@@ -1,0 +1,148 @@
+//! The window: menus above, panels, the timeline and what is to be known below.
+
+use crate::actions::Action;
+use crate::commands::{COMMANDS, MENUS};
+use crate::editor::{Editor, Panels};
+use crate::layout::Pane;
+use crate::state::State;
+use egui::{Align, Layout, MenuBar, Panel, RichText, Ui, WidgetText};
+use egui_tiles::{SimplificationOptions, TileId, UiResponse};
+
+/// Draws the whole window.
+pub fn window_ui(editor: &mut Editor, ui: &mut Ui, actions: &mut Vec<Action>) {
+    Panel::top("menus").show(ui, |ui| menus_ui(editor, ui, actions));
+    Panel::bottom("status").show(ui, |ui| status_ui(&editor.state, ui, actions));
+    Panel::bottom("timeline").show(ui, |ui| {
+        crate::timeline::timeline_ui(&mut editor.panels.timeline, ui, &editor.state, actions);
+    });
+    egui::CentralPanel::no_frame().show(ui, |ui| {
+        let mut drawing = Drawing { state: &editor.state, panels: &mut editor.panels, actions };
+        editor.tree.ui(&mut drawing, ui);
+    });
+    let context = ui.ctx().clone();
+    crate::prompts::prompts_ui(editor, &context, actions);
+    editor.toasts.show(&context);
+}
+
+/// Draws panels where they lie.
+struct Drawing<'e> {
+    state: &'e State,
+    panels: &'e mut Panels,
+    actions: &'e mut Vec<Action>,
+}
+
+impl egui_tiles::Behavior<Pane> for Drawing<'_> {
+    fn pane_ui(&mut self, ui: &mut Ui, _: TileId, pane: &mut Pane) -> UiResponse {
+        let (panels, state, actions) = (&mut *self.panels, self.state, &mut *self.actions);
+        let framed = egui::Frame::new().inner_margin(if *pane == Pane::Canvas { 0 } else { 6 });
+        framed.show(ui, |ui| match pane {
+            Pane::Viewer => crate::viewer::viewer_ui(&mut panels.viewer, ui, state, actions),
+            Pane::Canvas => crate::canvas::canvas_ui(&mut panels.canvas, ui, state, actions),
+            Pane::Properties => crate::properties::properties_ui(&mut panels.properties, ui, state, actions),
+            Pane::Waves => crate::waves::waves_ui(&mut panels.waves, ui, state, actions),
+            Pane::Report => crate::report::report_ui(&mut panels.report, ui, state, actions),
+            Pane::Text => crate::source::source_ui(&mut panels.source, ui, state, actions),
+        });
+        UiResponse::None
+    }
+
+    fn tab_title_for_pane(&mut self, pane: &Pane) -> WidgetText {
+        pane.title().into()
+    }
+
+    fn simplification_options(&self) -> SimplificationOptions {
+        SimplificationOptions { all_panes_must_have_tabs: true, ..SimplificationOptions::default() }
+    }
+}
+
+fn menus_ui(editor: &Editor, ui: &mut Ui, actions: &mut Vec<Action>) {
+    MenuBar::new().ui(ui, |ui| {
+        for menu in MENUS {
+            ui.menu_button(menu, |ui| {
+                for command in COMMANDS.iter().filter(|command| command.menu == menu) {
+                    let mut button = egui::Button::new(command.name);
+                    if let Some(keys) = command.keys {
+                        button = button.shortcut_text(ui.ctx().format_shortcut(&keys));
+                    }
+                    let enabled = (command.enabled)(&editor.state);
+                    if ui.add_enabled(enabled, button).on_hover_text(command.help).clicked() {
+                        actions.push((command.action)(&editor.state));
+                    }
+                }
+                if menu == "File" && !editor.recent.is_empty() {
+                    ui.menu_button("Open recent", |ui| {
+                        for file in &editor.recent {
+                            let name = file.file_name().unwrap_or_default().to_string_lossy();
+                            if ui.button(name).on_hover_text(file.display().to_string()).clicked() {
+                                actions.push(Action::OpenFile(file.clone()));
+                            }
+                        }
+                    });
+                }
+            });
+        }
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            ui.weak(editor.title());
+        });
+    });
+}
+
+fn status_ui(state: &State, ui: &mut Ui, actions: &mut Vec<Action>) {
+    ui.horizontal(|ui| {
+        let meaning = state.session.meaning();
+        let errors = meaning.errors().count();
+        let warnings = meaning.diagnostics.len() - errors;
+        if errors > 0 {
+            let text = crate::document::edit::count(errors, "error");
+            let mut label = ui.button(RichText::new(text).color(crate::theme::error(ui.visuals())));
+            for fault in meaning.errors().take(6) {
+                label = label.on_hover_text(fault.to_string());
+            }
+            // The culprit is what one wants to see.
+            let culprit = meaning.errors().find_map(|fault| fault.node.clone());
+            if label.clicked() {
+                match culprit {
+                    Some(node) => actions.extend([Action::Select([node].into()), Action::Frames]),
+                    None => actions.push(Action::Panel(Pane::Text)),
+                }
+            }
+        } else {
+            ui.weak("No errors");
+        }
+        if warnings > 0 {
+            let label = ui.weak(crate::document::edit::count(warnings, "warning"));
+            let texts: Vec<String> = meaning
+                .diagnostics
+                .iter()
+                .filter(|fault| fault.severity == trochoid::Severity::Warning)
+                .take(6)
+                .map(ToString::to_string)
+                .collect();
+            label.on_hover_text(texts.join("\n\n"));
+        }
+        if !state.selection.is_empty() {
+            ui.weak(format!("{} chosen", crate::document::edit::count(state.selection.len(), "node")));
+        }
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            if let Some(render) = &state.render {
+                if ui.button("Stop").clicked() {
+                    actions.push(Action::CancelRender);
+                }
+                let (done, total) = render.done;
+                let share = (done as f32 + render.share) / total.max(1) as f32;
+                let text = format!("Rendering {} of {total}", (done + 1).min(total));
+                ui.add(egui::ProgressBar::new(share).desired_width(180.0).text(text));
+            }
+            if let Some(share) = state.seen.progress {
+                ui.add(egui::ProgressBar::new(share).desired_width(100.0));
+                ui.weak("Evaluating");
+            } else if let Some(past) = state.seen.past.last() {
+                ui.weak(crate::format::seconds(past.seconds[1]));
+                if let Some(exits) = past.exits {
+                    let text = format!("{} outside the palette", crate::format::thousands(exits));
+                    ui.weak(text).on_hover_text("Pixels that are no convex mix of the control colors, on the finished picture.");
+                }
+            }
+        });
+    });
+}
