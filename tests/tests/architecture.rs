@@ -20,7 +20,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ),
     ("trochoid-engine", &["trochoid-graph", "trochoid-image", "trochoid-jit", "trochoid-memory", "trochoid-weights"]),
     ("trochoid", &["trochoid-image", "trochoid-graph", "trochoid-engine", "trochoid-nodes", "trochoid-io"]),
-    ("trochoid-editor", &["trochoid"]),
+    ("trochoid-editor", &["trochoid", "trochoid-diagram"]),
     ("trochoid-diagram", &["trochoid-graph", "trochoid-image"]),
     ("trochoid-cli", &["trochoid", "trochoid-diagram", "trochoid-editor"]),
     ("trochoid-tests", &["trochoid", "trochoid-diagram"]),

@@ -1,4 +1,5 @@
 use crate::interrupt;
+use trochoid::accuracy::PlanFileError;
 use trochoid::certificate::CertificateError;
 use trochoid::{Diagnostic, LoadError, OutputError, RunStatus, Severity};
 
@@ -81,6 +82,17 @@ impl From<OutputError> for Failure {
                 Self { code: INVALID, messages: faults.iter().map(|fault| format!("error: {fault}")).collect() }
             }
             error => Self::new(FAILED, error),
+        }
+    }
+}
+
+impl From<PlanFileError> for Failure {
+    fn from(error: PlanFileError) -> Self {
+        match error {
+            PlanFileError::Read { .. } => Self::new(FAILED, error),
+            PlanFileError::NoPlan { .. } => {
+                Self::usage(error, "make one: trochoid plan GRAPH --tolerance 1/64 --out FILE")
+            }
         }
     }
 }

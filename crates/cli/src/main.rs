@@ -7,6 +7,8 @@
 #![cfg_attr(test, allow(clippy::unwrap_used, reason = "a test may panic"))]
 
 mod check;
+#[cfg(feature = "editor")]
+mod edit;
 mod explain;
 mod failure;
 mod frames;
@@ -53,6 +55,9 @@ struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    /// Open the graph editor
+    #[cfg(feature = "editor")]
+    Edit(edit::Args),
     /// Render outputs of a document into files
     Render(render::Args),
     /// Check a document: faults, guarantees, what is left out and why
@@ -87,6 +92,8 @@ fn main() -> ExitCode {
         }
     };
     let outcome = match &cli.command {
+        #[cfg(feature = "editor")]
+        Command::Edit(args) => edit::run(args),
         Command::Render(args) => render::run(args),
         Command::Check(args) => check::run(args),
         Command::Graph(args) => graph::run(args),

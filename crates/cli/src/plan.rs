@@ -4,12 +4,13 @@
 //! `certified`.
 
 use crate::failure::{FAILED, Failure, INTERRUPTED, MISSED};
+use crate::inputs::InputFiles;
 use crate::progress::Progress;
 use crate::shell::{self, printable};
 use crate::{interrupt, outputs};
 use std::path::{Path, PathBuf};
-use trochoid::accuracy::{self, Missed, PlanFile, PlanFileError, Planned, Request, TargetError};
-use trochoid::{CheckedGraph, EvalError, Monitor, Settings, Tolerance};
+use trochoid::accuracy::{self, Missed, PlanFile, Planned, Request, TargetError};
+use trochoid::{CheckedGraph, EvalError, Monitor, Settings, Tolerance, check_destination};
 
 /// Options of `trochoid plan`.
 #[derive(Debug, clap::Args)]
@@ -79,11 +80,17 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
             "render with --tolerance reference",
         ));
     }
+    let frame = args.frame.unwrap_or(graph.frames().0);
+    if let Some(out) = &args.out {
+        // A search takes minutes: what it could not write is told before it.
+        let all: Vec<usize> = (0..graph.outputs().len()).collect();
+        faults.extend(InputFiles::new(&args.graph, graph, &all, &[frame]).refusal(out));
+        faults.extend(check_destination(out).err().map(Failure::from));
+    }
     Failure::all(faults)?;
     let Some(asked) = asked else { return Ok(()) };
     let mut settings = Settings::default();
     settings.threads = usize::from(args.threads);
-    let frame = args.frame.unwrap_or(graph.frames().0);
     interrupt::watch()?;
     let mut progress = Progress::new(1, args.quiet);
     progress.begin(0, frame);
@@ -160,10 +167,4 @@ pub(crate) fn described(graph: &CheckedGraph, asked: Tolerance, planned: &Planne
         .collect();
     facts.push(format!("{:.2} s predicted", planned.predicted));
     format!("tolerance {asked}: {}  {}\n", printable(&set), facts.join(", "))
-}
-
-impl From<PlanFileError> for Failure {
-    fn from(error: PlanFileError) -> Self {
-        Self::new(crate::failure::INVALID, error)
-    }
 }

@@ -34,7 +34,7 @@ pub(crate) struct Args {
     #[arg(long, conflicts_with = "pixels")]
     all: bool,
     /// Evaluate so many pixels
-    #[arg(long, value_name = "N", default_value_t = 10_000)]
+    #[arg(long, value_name = "N", default_value_t = 10_000, value_parser = clap::value_parser!(u64).range(1..))]
     pixels: u64,
     /// Check that this is the certified document
     #[arg(long, value_name = "GRAPH")]
@@ -94,7 +94,8 @@ fn text(args: &Args, found: &Verification) -> String {
     let frame = found.frame.unwrap_or_default();
     let [certificate, image] = [&args.certificate, &args.image].map(|path| printable(&path.display().to_string()));
     let version = printable(&found.trochoid);
-    lines.push(format!("{certificate}: unchanged since Trochoid {version} wrote it, of frame {frame}"));
+    // Whoever changes a certificate can make a new digest: it tells slips, and no more.
+    lines.push(format!("{certificate}: agrees with its own digest; by Trochoid {version}, of frame {frame}"));
     let document =
         args.document.as_ref().map(|path| format!("{} is its document, ", printable(&path.display().to_string())));
     let inputs = match found.inputs {
@@ -103,7 +104,8 @@ fn text(args: &Args, found: &Verification) -> String {
         inputs => format!("its {inputs} input files are the same"),
     };
     lines.push(format!("{}{inputs}", document.unwrap_or_default()));
-    lines.push(format!("{image}: the certified pixels, in {} blocks", found.blocks));
+    let blocks = if found.blocks == 1 { "1 block".into() } else { format!("{} blocks", found.blocks) };
+    lines.push(format!("{image}: the certified pixels, in {blocks}"));
     for output in &found.outputs {
         lines.push(checked(output));
     }

@@ -58,9 +58,14 @@ pub static COMMANDS: &[Command] = &[
     command("File", "Open …", keys(COMMAND, Key::O), "Opens a document.", |_| Action::Open, always),
     command("File", "Save", keys(COMMAND, Key::S), "Writes the document.", |_| Action::Save, always),
     command("File", "Save as …", keys(SHIFTED, Key::S), "Writes it to another file.", |_| Action::SaveAs, always),
-    command("File", "Reload", None, "Reads the file again; undo takes that back.", |_| Action::Reload, |state| {
-        state.session.file().is_some()
-    }),
+    command(
+        "File",
+        "Reload",
+        None,
+        "Reads the file again; undo takes that back.",
+        |_| Action::Reload,
+        |state| state.session.file().is_some(),
+    ),
     command(
         "File",
         "Render range",
@@ -69,77 +74,177 @@ pub static COMMANDS: &[Command] = &[
         |_| Action::Render,
         |state| state.render.is_none() && state.session.meaning().graph.is_some(),
     ),
-    command("File", "Stop rendering", None, "Stops after the present frame.", |_| Action::CancelRender, |state| {
-        state.render.is_some()
-    }),
+    command(
+        "File",
+        "Stop rendering",
+        None,
+        "Stops after the present frame.",
+        |_| Action::CancelRender,
+        |state| state.render.is_some(),
+    ),
     command("File", "Quit", keys(COMMAND, Key::Q), "Closes the window.", |_| Action::Quit, always),
-    command("Edit", "Undo", keys(COMMAND, Key::Z), "Takes back the last change.", |_| Action::Undo, |state| {
-        state.session.history().undoes().is_some()
-    }),
-    command("Edit", "Redo", keys(SHIFTED, Key::Z), "Makes it again.", |_| Action::Redo, |state| {
-        state.session.history().redoes().is_some()
-    }),
+    command(
+        "Edit",
+        "Undo",
+        keys(COMMAND, Key::Z),
+        "Takes back the last change.",
+        |_| Action::Undo,
+        |state| state.session.history().undoes().is_some(),
+    ),
+    command(
+        "Edit",
+        "Redo",
+        keys(SHIFTED, Key::Z),
+        "Makes it again.",
+        |_| Action::Redo,
+        |state| state.session.history().redoes().is_some(),
+    ),
     command("Edit", "Cut", keys(COMMAND, Key::X), "Copies the chosen nodes and deletes them.", |_| Action::Cut, chosen),
     command("Edit", "Copy", keys(COMMAND, Key::C), "Copies the chosen nodes as text.", |_| Action::Copy, chosen),
-    command("Edit", "Duplicate", keys(COMMAND, Key::D), "Copies the chosen nodes beside themselves.", |_| {
-        Action::Duplicate
-    }, chosen),
-    command("Edit", "Delete", keys(NONE, Key::Delete), "Deletes the chosen nodes; wires are led past them.", |_| {
-        Action::Delete
-    }, chosen),
+    command(
+        "Edit",
+        "Duplicate",
+        keys(COMMAND, Key::D),
+        "Copies the chosen nodes beside themselves.",
+        |_| Action::Duplicate,
+        chosen,
+    ),
+    command(
+        "Edit",
+        "Delete",
+        keys(NONE, Key::Delete),
+        "Deletes the chosen nodes; wires are led past them.",
+        |_| Action::Delete,
+        chosen,
+    ),
     command("Edit", "Select all", keys(COMMAND, Key::A), "Chooses all nodes.", |_| Action::SelectAll, always),
-    command("Edit", "Command palette", keys(SHIFTED, Key::P), "Finds a command by its name.", |_| {
-        Action::Palette
-    }, always),
-    command("Graph", "Add node", keys(NONE, Key::Tab), "Finds a node by its name and adds it.", |_| {
-        Action::AddNode
-    }, always),
-    command("Graph", "Disable", keys(NONE, Key::D), "Leads past the chosen nodes, or evaluates them again.", |_| {
-        Action::Disable
-    }, chosen),
-    command("Graph", "Arrange", keys(NONE, Key::L), "Lays the chosen nodes out anew, or all.", |_| {
-        Action::Arrange
-    }, always),
-    command("Graph", "Backdrop", keys(Modifiers::SHIFT, Key::B), "Puts a titled area behind the chosen nodes.", |_| {
-        Action::Backdrop
-    }, always),
+    command(
+        "Edit",
+        "Command palette",
+        keys(SHIFTED, Key::P),
+        "Finds a command by its name.",
+        |_| Action::Palette,
+        always,
+    ),
+    command(
+        "Graph",
+        "Add node",
+        keys(NONE, Key::Tab),
+        "Finds a node by its name and adds it.",
+        |_| Action::AddNode,
+        always,
+    ),
+    command(
+        "Graph",
+        "Disable",
+        keys(NONE, Key::D),
+        "Leads past the chosen nodes, or evaluates them again.",
+        |_| Action::Disable,
+        chosen,
+    ),
+    command(
+        "Graph",
+        "Arrange",
+        keys(NONE, Key::L),
+        "Lays the chosen nodes out anew, or all.",
+        |_| Action::Arrange,
+        always,
+    ),
+    command(
+        "Graph",
+        "Backdrop",
+        keys(Modifiers::SHIFT, Key::B),
+        "Puts a titled area behind the chosen nodes.",
+        |_| Action::Backdrop,
+        always,
+    ),
     command("Graph", "Frame", keys(NONE, Key::F), "Shows the chosen nodes, or all.", |_| Action::Frames, always),
-    command("Viewer", "Play", keys(NONE, Key::Space), "Plays the range in real time, or stops.", |state| {
-        Action::Play(!state.playing)
-    }, always),
-    command("Viewer", "Next frame", keys(NONE, Key::ArrowRight), "Goes to the next frame.", |state| {
-        Action::Frame(state.frame + 1)
-    }, always),
-    command("Viewer", "Previous frame", keys(NONE, Key::ArrowLeft), "Goes to the frame before.", |state| {
-        Action::Frame(state.frame - 1)
-    }, always),
-    command("Viewer", "First frame", keys(NONE, Key::Home), "Goes to the range's first frame.", |state| {
-        Action::Frame(state.range.0)
-    }, always),
-    command("Viewer", "Last frame", keys(NONE, Key::End), "Goes to the range's last frame.", |state| {
-        Action::Frame(state.range.1)
-    }, always),
-    command("Viewer", "Range from here", keys(NONE, Key::I), "Lets the range begin at this frame.", |state| {
-        Action::Range(state.frame, state.range.1.max(state.frame))
-    }, always),
-    command("Viewer", "Range to here", keys(NONE, Key::O), "Lets the range end at this frame.", |state| {
-        Action::Range(state.range.0.min(state.frame), state.frame)
-    }, always),
+    command(
+        "Viewer",
+        "Play",
+        keys(NONE, Key::Space),
+        "Plays the range in real time, or stops.",
+        |state| Action::Play(!state.playing),
+        always,
+    ),
+    command(
+        "Viewer",
+        "Next frame",
+        keys(NONE, Key::ArrowRight),
+        "Goes to the next frame.",
+        |state| Action::Frame(state.frame + 1),
+        always,
+    ),
+    command(
+        "Viewer",
+        "Previous frame",
+        keys(NONE, Key::ArrowLeft),
+        "Goes to the frame before.",
+        |state| Action::Frame(state.frame - 1),
+        always,
+    ),
+    command(
+        "Viewer",
+        "First frame",
+        keys(NONE, Key::Home),
+        "Goes to the range's first frame.",
+        |state| Action::Frame(state.range.0),
+        always,
+    ),
+    command(
+        "Viewer",
+        "Last frame",
+        keys(NONE, Key::End),
+        "Goes to the range's last frame.",
+        |state| Action::Frame(state.range.1),
+        always,
+    ),
+    command(
+        "Viewer",
+        "Range from here",
+        keys(NONE, Key::I),
+        "Lets the range begin at this frame.",
+        |state| Action::Range(state.frame, state.range.1.max(state.frame)),
+        always,
+    ),
+    command(
+        "Viewer",
+        "Range to here",
+        keys(NONE, Key::O),
+        "Lets the range end at this frame.",
+        |state| Action::Range(state.range.0.min(state.frame), state.frame),
+        always,
+    ),
     command("Viewer", "Full size", None, "Evaluates every pixel.", |_| Action::Proxy(1), always),
     command("Viewer", "Half size", None, "Evaluates a quarter of the pixels.", |_| Action::Proxy(2), always),
     command("Viewer", "Quarter size", None, "Evaluates a sixteenth of the pixels.", |_| Action::Proxy(4), always),
-    command("Viewer", "Whole picture", keys(Modifiers::SHIFT, Key::W), "Evaluates all of it, not just a part.", |_| {
-        Action::Region(None)
-    }, |state| state.look.region.is_some()),
+    command(
+        "Viewer",
+        "Whole picture",
+        keys(Modifiers::SHIFT, Key::W),
+        "Evaluates all of it, not just a part.",
+        |_| Action::Region(None),
+        |state| state.look.region.is_some(),
+    ),
     command("Window", "Show viewer", None, "Shows the picture.", |_| Action::Panel(Pane::Viewer), always),
     command("Window", "Show graph", None, "Shows the graph.", |_| Action::Panel(Pane::Canvas), always),
-    command("Window", "Show properties", None, "Shows knobs and connections.", |_| {
-        Action::Panel(Pane::Properties)
-    }, always),
+    command(
+        "Window",
+        "Show properties",
+        None,
+        "Shows knobs and connections.",
+        |_| Action::Panel(Pane::Properties),
+        always,
+    ),
     command("Window", "Show waves", None, "Shows the chosen sea as waves.", |_| Action::Panel(Pane::Waves), always),
-    command("Window", "Show report", None, "Shows times, and what is left out.", |_| {
-        Action::Panel(Pane::Report)
-    }, always),
+    command(
+        "Window",
+        "Show report",
+        None,
+        "Shows times, and what is left out.",
+        |_| Action::Panel(Pane::Report),
+        always,
+    ),
     command("Window", "Show text", None, "Shows the document's text.", |_| Action::Panel(Pane::Text), always),
     command("Window", "Reset panels", None, "Arranges the panels as at first.", |_| Action::ResetPanels, always),
     command("Window", "Dark or light", None, "Changes the colors of the interface.", |_| Action::Theme, always),

@@ -237,7 +237,9 @@ impl Editor {
                     self.edit(edit);
                     self.state.selection = names.into_iter().collect();
                 }
-                None => drop(self.toasts.warning("The clipboard holds no nodes: copy some from a graph, or their JSON")),
+                None => {
+                    drop(self.toasts.warning("The clipboard holds no nodes: copy some from a graph, or their JSON"))
+                }
             },
             Action::Duplicate => {
                 let text = edit::copied(&sheet, &names);
@@ -443,9 +445,10 @@ impl Editor {
             progressive,
         };
         if self.asked.what.as_ref() != Some(&what) {
-            let same_but_frame = self.asked.what.as_ref().is_some_and(|old| {
-                (old.0, &old.1, old.2, old.4, old.5) == (what.0, &what.1, what.2, what.4, what.5)
-            });
+            let same_but_frame =
+                self.asked.what.as_ref().is_some_and(|old| {
+                    (old.0, &old.1, old.2, old.4, old.5) == (what.0, &what.1, what.2, what.4, what.5)
+                });
             if !same_but_frame {
                 self.state.seen.frames.clear();
             }

@@ -21,8 +21,7 @@ pub enum Pane {
 
 impl Pane {
     /// Every panel.
-    pub const ALL: [Self; 6] =
-        [Self::Viewer, Self::Canvas, Self::Properties, Self::Waves, Self::Report, Self::Text];
+    pub const ALL: [Self; 6] = [Self::Viewer, Self::Canvas, Self::Properties, Self::Waves, Self::Report, Self::Text];
 
     /// Its title.
     pub fn title(self) -> &'static str {

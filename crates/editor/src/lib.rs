@@ -28,6 +28,10 @@ mod render;
 mod report;
 mod source;
 pub mod state;
+#[cfg(test)]
+mod testing;
+#[cfg(test)]
+mod tests;
 mod theme;
 mod timeline;
 mod viewer;

@@ -6,7 +6,7 @@ use crate::document::Session;
 use crate::document::keep::{Kept, discard};
 use crate::editor::{After, Editor};
 use egui::{Context, Key, Modal, RichText, ScrollArea, Ui};
-use egui_file_dialog::FileDialog;
+use egui_file_dialog::{FileDialog, Filter};
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
@@ -36,7 +36,7 @@ enum Prompt {
 impl Prompts {
     /// No question; `data` is where the program keeps its own data.
     pub fn new(data: Option<&Path>) -> Self {
-        let json = std::sync::Arc::new(|path: &Path| path.extension().is_some_and(|end| end == "json"));
+        let json = Filter::new(|path: &Path| path.extension().is_some_and(|end| end == "json"));
         let dialog = FileDialog::new()
             .add_file_filter("Documents", json)
             .default_file_filter("Documents")
@@ -216,10 +216,11 @@ fn recover_ui(editor: &mut Editor, context: &Context, mut kept: Vec<Kept>) -> Op
         ScrollArea::vertical().max_height(240.0).show(ui, |ui| {
             for (index, kept) in kept.iter().enumerate() {
                 ui.horizontal(|ui| {
-                    let name = kept.file.as_ref().and_then(|file| file.file_name()).map_or_else(
-                        || "untitled".into(),
-                        |name| name.to_string_lossy().into_owned(),
-                    );
+                    let name = kept
+                        .file
+                        .as_ref()
+                        .and_then(|file| file.file_name())
+                        .map_or_else(|| "untitled".into(), |name| name.to_string_lossy().into_owned());
                     let label = ui.label(RichText::new(name).strong());
                     if let Some(file) = &kept.file {
                         label.on_hover_text(file.display().to_string());
@@ -306,9 +307,9 @@ fn palette_ui(
         ScrollArea::vertical().max_height(320.0).auto_shrink([false, true]).show(ui, |ui| {
             for (index, command) in found.iter().enumerate() {
                 let keys = command.keys.map(|keys| ui.ctx().format_shortcut(&keys)).unwrap_or_default();
-                let button = egui::Button::selectable(index == chosen, command.name).shortcut_text(keys).min_size(
-                    egui::vec2(ui.available_width(), 0.0),
-                );
+                let button = egui::Button::selectable(index == chosen, command.name)
+                    .shortcut_text(keys)
+                    .min_size(egui::vec2(ui.available_width(), 0.0));
                 let row = ui.add(button).on_hover_text(command.help);
                 if index == chosen {
                     row.scroll_to_me(None);
@@ -334,8 +335,6 @@ fn palette_ui(
 
 /// Moves a choice in a list by the arrow keys.
 pub fn moved(ui: &Ui, chosen: usize, count: usize) -> usize {
-    let step = ui.input(|input| {
-        input.num_presses(Key::ArrowDown) as i64 - input.num_presses(Key::ArrowUp) as i64
-    });
+    let step = ui.input(|input| input.num_presses(Key::ArrowDown) as i64 - input.num_presses(Key::ArrowUp) as i64);
     (chosen as i64 + step).clamp(0, count.saturating_sub(1) as i64) as usize
 }

@@ -59,7 +59,8 @@ impl Renderer {
         let frames: Vec<i64> = (range.0..=range.1).collect();
         let mut named: Vec<PathBuf> = Vec::new();
         for &frame in &frames {
-            let files = output_files(&graph, &outputs, frame, frames.len() > 1, None).map_err(|fault| fault.to_string())?;
+            let files =
+                output_files(&graph, &outputs, frame, frames.len() > 1, None).map_err(|fault| fault.to_string())?;
             named.extend(files.into_iter().map(|file| file.path));
         }
         let document = std::path::absolute(graph.name()).ok();

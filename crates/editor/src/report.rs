@@ -1,12 +1,12 @@
 //! Where the time went, what was left out, and how accurate the settings at hand are.
 
 use crate::actions::Action;
+use crate::evaluate::lens::OUTPUT;
 use crate::format::{bytes, seconds, thousands};
 use crate::state::State;
 use egui::{Color32, Grid, Rect, RichText, ScrollArea, Sense, Ui, vec2};
 use egui_plot::{Legend, Line, Plot, PlotPoints, Points};
 use std::sync::mpsc::{Receiver, channel};
-use crate::evaluate::lens::OUTPUT;
 use trochoid::accuracy::{LadderRequest, Request, climb};
 use trochoid::{Format, NodeReport, Settings, Silent, State as Became, Tolerance};
 
@@ -110,7 +110,11 @@ fn nodes_ui(ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
                 if node.estimated { ", its share of the fused program" } else { "" },
                 thousands(node.pixels),
                 bytes(node.bytes),
-                if node.repaired > 0 { format!("\n{} illegal values replaced", thousands(node.repaired)) } else { String::new() },
+                if node.repaired > 0 {
+                    format!("\n{} illegal values replaced", thousands(node.repaired))
+                } else {
+                    String::new()
+                },
             ));
             ui.label(seconds(node.seconds));
             ui.end_row();

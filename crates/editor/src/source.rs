@@ -20,7 +20,10 @@ pub fn source_ui(source: &mut Source, ui: &mut Ui, state: &State, actions: &mut 
     }
     let typed = source.draft.as_ref().is_some_and(|(_, text)| text != session.text());
     ui.horizontal(|ui| {
-        if ui.add_enabled(typed, egui::Button::new("Apply")).on_hover_text("Makes this the document (one step of undo).").clicked()
+        if ui
+            .add_enabled(typed, egui::Button::new("Apply"))
+            .on_hover_text("Makes this the document (one step of undo).")
+            .clicked()
             && let Some((_, text)) = source.draft.take()
         {
             actions.push(Action::Rewrite(text));
@@ -39,8 +42,10 @@ pub fn source_ui(source: &mut Source, ui: &mut Ui, state: &State, actions: &mut 
         };
         let place = if fault.line > 0 { format!("{}:{}: ", fault.line, fault.column) } else { String::new() };
         let node = fault.node.as_ref().map_or(String::new(), |node| format!("{node}: "));
-        ui.label(RichText::new(format!("{place}{node}found {}; expected {}", fault.found, fault.expected)).color(color))
-            .on_hover_text(&fault.remedy);
+        ui.label(
+            RichText::new(format!("{place}{node}found {}; expected {}", fault.found, fault.expected)).color(color),
+        )
+        .on_hover_text(&fault.remedy);
     }
     ScrollArea::both().auto_shrink(false).show(ui, |ui| {
         let (_, text) = source.draft.get_or_insert_with(|| (session.revision(), session.text().to_string()));

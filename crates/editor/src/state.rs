@@ -48,14 +48,7 @@ pub struct Look {
 
 impl Default for Look {
     fn default() -> Self {
-        Self {
-            node: None,
-            slots: Default::default(),
-            display: Display::default(),
-            proxy: 1,
-            region: None,
-            pick: None,
-        }
+        Self { node: None, slots: Default::default(), display: Display::default(), proxy: 1, region: None, pick: None }
     }
 }
 

@@ -70,7 +70,8 @@ fn strip_ui(timeline: &mut Timeline, ui: &mut Ui, state: &State, width: f32, act
     let painter = ui.painter_at(rect);
     let visuals = ui.visuals();
     painter.rect_filled(rect, 3.0, visuals.extreme_bg_color);
-    let range = Rect::from_min_max(pos2(x(state.range.0 as f64), rect.top()), pos2(x(state.range.1 as f64), rect.bottom()));
+    let range =
+        Rect::from_min_max(pos2(x(state.range.0 as f64), rect.top()), pos2(x(state.range.1 as f64), rect.bottom()));
     painter.rect_filled(range, 2.0, visuals.faint_bg_color.gamma_multiply(2.0));
     let half = (0.5 * bar.width() / (high - low) as f32).max(0.5);
     for frame in state.seen.frames.keys() {
@@ -86,7 +87,10 @@ fn strip_ui(timeline: &mut Timeline, ui: &mut Ui, state: &State, width: f32, act
     while mark <= high {
         if mark >= low {
             let at = x(mark as f64);
-            painter.line_segment([pos2(at, rect.top()), pos2(at, rect.top() + 5.0)], Stroke::new(1.0, visuals.weak_text_color()));
+            painter.line_segment(
+                [pos2(at, rect.top()), pos2(at, rect.top() + 5.0)],
+                Stroke::new(1.0, visuals.weak_text_color()),
+            );
             painter.text(
                 pos2(at, rect.top() + 6.0),
                 Align2::CENTER_TOP,
@@ -106,7 +110,8 @@ fn strip_ui(timeline: &mut Timeline, ui: &mut Ui, state: &State, width: f32, act
         }
     }
     let now = x(state.frame as f64);
-    painter.line_segment([pos2(now, rect.top()), pos2(now, rect.bottom())], Stroke::new(2.0, visuals.strong_text_color()));
+    painter
+        .line_segment([pos2(now, rect.top()), pos2(now, rect.bottom())], Stroke::new(2.0, visuals.strong_text_color()));
     let Some(pointer) = response.interact_pointer_pos() else {
         timeline.end = None;
         if response.hovered() {

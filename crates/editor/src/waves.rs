@@ -144,7 +144,8 @@ fn slider_ui(ui: &mut Ui, state: &State, path: &Path, knob: &Knob, actions: &mut
     let whole = matches!(knob.takes, Takes::Integer { .. });
     ui.horizontal(|ui| {
         let logarithmic = matches!(knob.name, "wavelength" | "count");
-        let mut slider = Slider::new(&mut value, low..=high).clamping(egui::SliderClamping::Never).logarithmic(logarithmic);
+        let mut slider =
+            Slider::new(&mut value, low..=high).clamping(egui::SliderClamping::Never).logarithmic(logarithmic);
         slider = if whole { slider.integer() } else { slider.max_decimals(3) };
         let unit = if knob.unit == "degrees" { "°".into() } else { format!(" {}", knob.unit) };
         let field = ui.add(slider.suffix(unit));
@@ -172,22 +173,39 @@ fn dial_ui(ui: &mut Ui, path: &Path, value: Option<f64>, actions: &mut Vec<Actio
     let painter = ui.painter_at(rect);
     painter.circle(center, radius, visuals.extreme_bg_color, Stroke::new(1.0, visuals.weak_text_color()));
     for (text, at) in [("X", pos2(center.x + radius - 8.0, center.y)), ("Z", pos2(center.x, center.y + radius - 8.0))] {
-        painter.text(at, egui::Align2::CENTER_CENTER, text, egui::FontId::proportional(10.0), visuals.weak_text_color());
+        painter.text(
+            at,
+            egui::Align2::CENTER_CENTER,
+            text,
+            egui::FontId::proportional(10.0),
+            visuals.weak_text_color(),
+        );
     }
     let Some(degrees) = value else {
-        painter.text(center, egui::Align2::CENTER_CENTER, "keyed", egui::FontId::proportional(11.0), visuals.text_color());
+        painter.text(
+            center,
+            egui::Align2::CENTER_CENTER,
+            "keyed",
+            egui::FontId::proportional(11.0),
+            visuals.text_color(),
+        );
         return;
     };
     response.widget_info(|| egui::WidgetInfo::slider(true, degrees, "Direction"));
     let (sin, cos) = (degrees.to_radians() as f32).sin_cos();
     let along = vec2(cos, sin);
-    painter.arrow(center - along * radius * 0.8, along * radius * 1.6, Stroke::new(2.0, Color32::from_rgb(0x3f, 0xb5, 0xb0)));
+    painter.arrow(
+        center - along * radius * 0.8,
+        along * radius * 1.6,
+        Stroke::new(2.0, Color32::from_rgb(0x3f, 0xb5, 0xb0)),
+    );
     if let Some(pointer) = response.interact_pointer_pos() {
         let to: egui::Vec2 = pointer - center;
         if to.length() > 4.0 {
             let angle = f64::from(to.y.atan2(to.x).to_degrees());
             // Shift takes steps of 15°.
-            let angle = if ui.input(|input| input.modifiers.shift) { (angle / 15.0).round() * 15.0 } else { angle.round() };
+            let angle =
+                if ui.input(|input| input.modifiers.shift) { (angle / 15.0).round() * 15.0 } else { angle.round() };
             set(path, angle, actions);
         }
     }
@@ -199,7 +217,9 @@ fn dial_ui(ui: &mut Ui, path: &Path, value: Option<f64>, actions: &mut Vec<Actio
 
 fn spectrum_ui(waves: &mut Waves, ui: &mut Ui, state: &State, sea: &Node, graph: &Arc<CheckedGraph>) {
     let (revision, frame) = (state.session.revision(), state.frame);
-    let current = |known: &(String, u64, i64, Option<Spectrum>)| (known.0.as_str(), known.1, known.2) == (&sea.name, revision, frame);
+    let current = |known: &(String, u64, i64, Option<Spectrum>)| {
+        (known.0.as_str(), known.1, known.2) == (&sea.name, revision, frame)
+    };
     if !waves.spectrum.as_ref().is_some_and(current) {
         let found = graph.find(&sea.name).and_then(|id| graph.node(id).ty.spectrum(&graph.settle(id, frame)));
         waves.spectrum = Some((sea.name.clone(), revision, frame, found));
@@ -212,13 +232,16 @@ fn spectrum_ui(waves: &mut Waves, ui: &mut Ui, state: &State, sea: &Node, graph:
             format!("Crests do not fold over, nor would they up to {margin:.2} times the sharpness."),
             ui.visuals().text_color(),
         ),
-        margin => (
-            format!("Crests fold over: {margin:.2} times the sharpness would not."),
-            ui.visuals().warn_fg_color,
-        ),
+        margin => (format!("Crests fold over: {margin:.2} times the sharpness would not."), ui.visuals().warn_fg_color),
     };
     ui.label(RichText::new(text).color(color));
-    ui.label(RichText::new(format!("{} waves: amplitude over length", crate::format::thousands(spectrum.waves.len() as u64))).strong());
+    ui.label(
+        RichText::new(format!(
+            "{} waves: amplitude over length",
+            crate::format::thousands(spectrum.waves.len() as u64)
+        ))
+        .strong(),
+    );
     // Of very many, as many as can be told apart.
     let step = spectrum.waves.len().div_ceil(2000).max(1);
     let stems: Vec<[f64; 2]> =
@@ -230,7 +253,12 @@ fn spectrum_ui(waves: &mut Waves, ui: &mut Ui, state: &State, sea: &Node, graph:
         .include_y(0.0)
         .x_axis_formatter(|mark, _| number(10f64.powf(mark.value)))
         .show(ui, |plot| {
-            plot.points(Points::new("", PlotPoints::from(stems)).stems(0.0).radius(1.5).color(Color32::from_rgb(0x3f, 0xb5, 0xb0)));
+            plot.points(
+                Points::new("", PlotPoints::from(stems))
+                    .stems(0.0)
+                    .radius(1.5)
+                    .color(Color32::from_rgb(0x3f, 0xb5, 0xb0)),
+            );
         });
     ui.label(RichText::new("Where they travel").strong());
     let rose: Vec<[f64; 2]> = spectrum
@@ -299,15 +327,28 @@ fn stability_ui(
     if let Some(map) = &stability.map {
         let region: Vec<[f64; 2]> = map.region.clone();
         let [across, up] = map.axes;
-        let shown = Plot::new("stability").height(200.0).x_axis_label(across).y_axis_label(up).data_aspect(1.0).show(ui, |plot| {
-            plot.polygon(Polygon::new("stable", PlotPoints::from(region)).fill_color(Color32::from_rgb(0x5f, 0xb8, 0x72).gamma_multiply(0.35)));
-            let axes = [[[map.ranges[0][0], 0.0], [map.ranges[0][1], 0.0]], [[0.0, map.ranges[1][0]], [0.0, map.ranges[1][1]]]];
-            for axis in axes {
-                plot.line(Line::new("", PlotPoints::from(axis.to_vec())).color(Color32::from_gray(0x70)));
-            }
-            plot.points(Points::new("this sea", PlotPoints::from(vec![map.point])).radius(5.0).color(Color32::from_rgb(0xe8, 0xb0, 0x4a)));
-            plot.pointer_coordinate()
-        });
+        let shown = Plot::new("stability").height(200.0).x_axis_label(across).y_axis_label(up).data_aspect(1.0).show(
+            ui,
+            |plot| {
+                plot.polygon(
+                    Polygon::new("stable", PlotPoints::from(region))
+                        .fill_color(Color32::from_rgb(0x5f, 0xb8, 0x72).gamma_multiply(0.35)),
+                );
+                let axes = [
+                    [[map.ranges[0][0], 0.0], [map.ranges[0][1], 0.0]],
+                    [[0.0, map.ranges[1][0]], [0.0, map.ranges[1][1]]],
+                ];
+                for axis in axes {
+                    plot.line(Line::new("", PlotPoints::from(axis.to_vec())).color(Color32::from_gray(0x70)));
+                }
+                plot.points(
+                    Points::new("this sea", PlotPoints::from(vec![map.point]))
+                        .radius(5.0)
+                        .color(Color32::from_rgb(0xe8, 0xb0, 0x4a)),
+                );
+                plot.pointer_coordinate()
+            },
+        );
         if shown.response.double_clicked()
             && let Some(at) = shown.inner
         {

@@ -140,7 +140,8 @@ fn status_ui(state: &State, ui: &mut Ui, actions: &mut Vec<Action>) {
                 ui.weak(crate::format::seconds(past.seconds[1]));
                 if let Some(exits) = past.exits {
                     let text = format!("{} outside the palette", crate::format::thousands(exits));
-                    ui.weak(text).on_hover_text("Pixels that are no convex mix of the control colors, on the finished picture.");
+                    ui.weak(text)
+                        .on_hover_text("Pixels that are no convex mix of the control colors, on the finished picture.");
                 }
             }
         });

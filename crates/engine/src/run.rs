@@ -270,22 +270,26 @@ impl Plan<'_> {
         let mut colors = output.constants.clone();
         builder.add(&colors);
         let mut count = 0;
+        let mut all_listed = true;
         for id in &output.control_stages {
             if self.bound[id.0] {
                 if let Some([r, g, b]) = buffers.get(&self.graph.node(*id).name) {
                     builder.add_row(r, g, b);
                     count += r.len();
+                    all_listed = false;
                 }
             } else if let Some(ready) = ready.get(id) {
                 let controls = ready.prepared.controls();
                 builder.add(&controls);
                 count += controls.len();
+                all_listed &= controls.len() <= 64;
                 colors.extend(controls.iter().take(64));
             }
         }
         colors.sort_by(|a, b| a.iter().zip(b).fold(std::cmp::Ordering::Equal, |o, (a, b)| o.then(a.total_cmp(b))));
         colors.dedup();
-        let count = if count == 0 { colors.len() } else { count + output.constants.len() };
+        // Each once, as far as they are known one by one.
+        let count = if all_listed { colors.len() } else { count + output.constants.len() };
         colors.truncate(64);
         let hull = builder.finish();
         // One level more for averaging the samples.

@@ -223,7 +223,18 @@ impl Knob {
         animated: bool,
         help: &'static str,
     ) -> Self {
-        Self { name, help, unit: "", takes, default, animated, held: false, accuracy: false, scales: false, drawn: false }
+        Self {
+            name,
+            help,
+            unit: "",
+            takes,
+            default,
+            animated,
+            held: false,
+            accuracy: false,
+            scales: false,
+            drawn: false,
+        }
     }
 
     /// A number in `[min, max]` with a default.

@@ -52,8 +52,9 @@ impl fmt::Display for Tolerance {
             Self::Error(error) => {
                 let parts = 1.0 / error;
                 let whole = parts.round();
-                // As it was asked for, most often: parts of a whole.
-                if (parts - whole).abs() < 1e-9 * whole && whole < 1e5 {
+                // As it was asked for, most often: parts of a whole. Halves of halves are such parts however small they are.
+                let is_part = (parts - whole).abs() < 1e-9 * whole && whole < 1e5;
+                if is_part || parts.log2().fract() == 0.0 {
                     if whole == 1.0 { write!(f, "1") } else { write!(f, "1/{whole}") }
                 } else {
                     write!(f, "{error:e}")

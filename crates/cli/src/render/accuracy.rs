@@ -5,9 +5,11 @@ use crate::failure::Failure;
 use crate::interrupt;
 use crate::plan::{Target, described};
 use crate::progress::Progress;
+use crate::shell::printable;
 use serde_json::{Value, json};
+use std::path::Path;
 use trochoid::accuracy::{PlanFile, Planned, allowed};
-use trochoid::{Certified, CheckedGraph, Kind, Settings, Tolerance};
+use trochoid::{Certified, CheckedGraph, Kind, LoadError, Settings, Tolerance};
 
 /// What a run was asked for, and the settings that it has for that.
 #[derive(Default)]
@@ -25,23 +27,16 @@ impl Accuracy {
         args: &Args,
         graph: &CheckedGraph,
         outputs: &[usize],
-        frame: Option<i64>,
+        frames: &[i64],
         settings: &Settings,
     ) -> Result<Self, Failure> {
         if let Some(path) = &args.plan {
             let plan = PlanFile::read(path)?;
-            if plan.document_hash != graph.document_hash() {
-                crate::shell::tell(&[format!(
-                    "warning: {}: found a plan for another document than {} as it is now; expected its own\n  remedy: plan \
-                     again: what is certified in it may not hold",
-                    path.display(),
-                    args.graph.display()
-                )]);
-            }
+            crate::shell::tell(&doubts(path, &plan, graph, frames));
             return Ok(Self { set: plan.assignments(), ..Self::default() });
         }
         let asked = args.tolerance.or(graph.tolerance());
-        let (Some(tolerance), Some(frame)) = (asked, frame) else { return Ok(Self::default()) };
+        let (Some(tolerance), Some(&frame)) = (asked, frames.first()) else { return Ok(Self::default()) };
         if tolerance == Tolerance::Reference {
             return Ok(Self { asked, ..Self::default() });
         }
@@ -55,6 +50,26 @@ impl Accuracy {
             crate::shell::print(&described(graph, tolerance, &planned))?;
         }
         Ok(Self { asked, set: planned.set.clone(), planned: Some((frame, planned)) })
+    }
+
+    /// What is wrong with a document as its settings have it: in those of a plan, which is named then.
+    pub(super) fn refused(&self, args: &Args, error: LoadError) -> Failure {
+        match (error, &args.plan) {
+            (LoadError::Invalid(mut faults), Some(plan)) => {
+                for fault in faults.iter_mut().filter(|fault| fault.file.starts_with("--set ")) {
+                    let assignment = fault.file.trim_start_matches("--set ");
+                    // Those of the command line have been found to fit.
+                    fault.file = format!("{}: set {assignment}", plan.display());
+                    fault.remedy = format!(
+                        "plan again for this document: trochoid plan {} --tolerance 1/64 --out {}",
+                        args.graph.display(),
+                        plan.display()
+                    );
+                }
+                LoadError::Invalid(faults).into()
+            }
+            (error, _) => error.into(),
+        }
     }
 
     /// Whether pictures come from the references themselves.
@@ -106,5 +121,58 @@ impl Accuracy {
             "predicted_seconds": planned.map(|(_, planned)| planned.predicted),
             "took_seconds": seconds,
         })
+    }
+}
+
+/// What a plan was not made for, of that which it is used for.
+fn doubts(path: &Path, plan: &PlanFile, graph: &CheckedGraph, frames: &[i64]) -> Vec<String> {
+    let warning = |found: &str, expected: &str, remedy: &str| {
+        format!("warning: {}: found {found}; expected {expected}\n  remedy: {remedy}", path.display())
+    };
+    let mut doubts = Vec::new();
+    let hash = graph.document_hash();
+    if plan.document_hash != hash {
+        let found = format!("a plan for another document, of the hash {}", short(&plan.document_hash));
+        let expected = format!("{}, which {} has as it is now", short(&hash), graph.name());
+        doubts.push(warning(&found, &expected, "plan again: what is certified in it may not hold"));
+    }
+    let others: Vec<i64> = frames.iter().copied().filter(|frame| *frame != plan.frame).collect();
+    let listed = match others[..] {
+        [] => None,
+        [frame] => Some(format!("frame {frame}")),
+        [first, .., last] => Some(format!("{} other frames from {first} to {last}", others.len())),
+    };
+    if let Some(listed) = listed {
+        let found = format!("a plan made at frame {}", plan.frame);
+        let expected = format!("one for {listed} as well");
+        doubts.push(warning(&found, &expected, "render with --tolerance, which certifies every frame"));
+    }
+    let planned = Tolerance::parse(&plan.tolerance);
+    if let (Some(planned), Some(asked)) = (planned, graph.tolerance())
+        && is_tighter(asked, planned)
+    {
+        let expected = format!("{asked}, for which the document asks");
+        doubts.push(warning(
+            &format!("a plan for the tolerance {planned}"),
+            &expected,
+            "plan again, or leave --plan away",
+        ));
+    }
+    doubts
+}
+
+/// The first digits of a hash, of whatever a file says that it is.
+fn short(hash: &str) -> String {
+    let digits: String = hash.chars().take(12).collect();
+    if digits.is_empty() { "nothing".into() } else { printable(&digits) + "…" }
+}
+
+/// Whether one tolerance asks for more than another.
+fn is_tighter(asked: Tolerance, planned: Tolerance) -> bool {
+    match (asked, planned) {
+        (Tolerance::Error(asked), Tolerance::Error(planned)) => asked < planned,
+        (Tolerance::Exact, Tolerance::Error(_)) => true,
+        (Tolerance::Reference, planned) => planned != Tolerance::Reference,
+        _ => false,
     }
 }

@@ -71,7 +71,7 @@ impl<'a> Job<'a> {
 
     /// The settings that a tolerance or a plan asks for.
     pub(super) fn accuracy(&self) -> Result<Accuracy, Failure> {
-        Accuracy::settle(self.args, self.graph, &self.outputs, self.frames.first().copied(), &self.settings)
+        Accuracy::settle(self.args, self.graph, &self.outputs, &self.frames, &self.settings)
     }
 
     fn files(&self, frame: i64) -> Result<Vec<OutputFile>, Failure> {

@@ -50,7 +50,7 @@ pub(crate) struct Args {
     /// reference: the f64 references themselves [default: as the document says]
     #[arg(long, value_name = "ERROR", value_parser = crate::plan::tolerance, allow_hyphen_values = true)]
     tolerance: Option<Tolerance>,
-    /// Use the settings of this plan, as `trochoid plan` writes it
+    /// Use the settings of this plan, as `trochoid plan` writes it; certifies nothing
     #[arg(long, value_name = "FILE", conflicts_with = "tolerance")]
     plan: Option<PathBuf>,
     /// Switch every optimization off; no bit of the pictures changes
@@ -130,7 +130,8 @@ fn run_with(args: &Args, evaluate: &job::Evaluate<'_>) -> Result<(), Failure> {
     let settled = if accuracy.set.is_empty() {
         loaded.graph.clone()
     } else {
-        trochoid::load(&args.graph, &[&args.set[..], &accuracy.set].concat())?.graph
+        let assignments = [&args.set[..], &accuracy.set].concat();
+        trochoid::load(&args.graph, &assignments).map_err(|error| accuracy.refused(args, error))?.graph
     };
     let job = Job::new(&settled, args, frames, &mut Vec::new()).with(accuracy);
     interrupt::watch()?;

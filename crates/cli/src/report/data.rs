@@ -2,7 +2,7 @@
 
 use super::numbers::{percent, seconds, short};
 use serde_json::{Map, Value, json};
-use trochoid::accuracy::{Ladder, Rung, Saving};
+use trochoid::accuracy::{Ladder, Limit, Rung, Saving};
 use trochoid::{CheckedGraph, Shading, Tolerance, VERSION, WorkingSpace};
 
 /// A ladder, and of what.
@@ -28,6 +28,29 @@ impl<'a> Report<'a> {
         self.ladder.rungs.iter().zip(self.labels.iter().map(String::as_str))
     }
 
+    /// Of what errors are certified and measured: all of the picture, or strips of it.
+    pub(super) fn scope(&self) -> &'static str {
+        if self.whole { "whole" } else { "strips" }
+    }
+
+    /// What is said behind figures that hold on the strips alone; nothing where they hold everywhere.
+    pub(super) fn on_strips(&self) -> &'static str {
+        if self.whole { "" } else { " on the strips" }
+    }
+
+    /// Why nothing is certain, where that is so.
+    pub(super) fn uncertain(&self) -> Option<String> {
+        let certain = self.ladder.rungs.iter().any(|rung| rung.certified.max.is_finite());
+        let limit = self.ladder.attempts.iter().find_map(|attempt| attempt.limit.as_ref());
+        let because = match limit {
+            Some(Limit::Unbounded { node, ty, why }) => format!(", since “{node}” ({ty}) knows no bound: {why}"),
+            Some(Limit::Unseen) => ", since what is seen is certain nowhere".into(),
+            _ => String::new(),
+        };
+        let (output, strips) = (&self.ladder.output, self.on_strips());
+        (!certain).then(|| format!("Nothing is certain of “{output}”{strips}: all samples are in doubt{because}."))
+    }
+
     /// What is left out, first that which saves most.
     pub(super) fn savings(&self) -> Vec<&'a Saving> {
         let mut savings: Vec<&Saving> = self.ladder.savings.iter().collect();
@@ -36,20 +59,22 @@ impl<'a> Report<'a> {
         savings
     }
 
-    /// What is most useful to know, in two sentences.
+    /// What is most useful to know, in a few sentences.
     pub(super) fn summary(&self) -> Vec<String> {
         let methods: Vec<_> = self.rungs().filter(|(rung, _)| rung.is_method).collect();
         let known = methods.iter().filter(|(rung, _)| rung.certified.max.is_finite());
         let best = known.min_by(|a, b| a.0.certified.max.total_cmp(&b.0.certified.max));
         let Some((best, label)) = best else {
-            return vec![format!("Nothing is certain of “{}”: all samples are in doubt.", self.ladder.output)];
+            return self.uncertain().into_iter().collect();
         };
         let mut first = format!(
-            "{} is certified to {} in {} a frame, {} of its samples in doubt",
+            "{} is certified to {}{} in {} a frame, {} of its samples{} in doubt",
             in_words(label, &self.ladder.output),
             short(best.certified.max),
+            self.on_strips(),
             seconds(best.seconds),
             percent(best.ambiguous),
+            if self.whole { "" } else { " there" },
         );
         if let Some((coarse, label)) = methods.first().filter(|(coarse, _)| coarse.set != best.set) {
             let bound = match coarse.certified.max {
@@ -58,7 +83,19 @@ impl<'a> Report<'a> {
             };
             first.push_str(&format!("; {label} takes {} and {bound}", seconds(coarse.seconds)));
         }
-        vec![first + ".", self.reached()]
+        let mut all = vec![first + ".", self.reached()];
+        if !self.whole {
+            all.push(STRIPS.into());
+        }
+        all
+    }
+
+    /// Settings as that which meets a tolerance.
+    pub(super) fn met_by(&self, rung: usize) -> &str {
+        match self.labels[rung].as_str() {
+            AS_IT_IS => "the document as it is",
+            label => label,
+        }
     }
 
     /// Which of the tolerances are met.
@@ -68,14 +105,17 @@ impl<'a> Report<'a> {
         let finest = finest.min_by(|a, b| a.0.tolerance.total_cmp(&b.0.tolerance));
         let refused = attempts.iter().filter(|attempt| attempt.rung.is_none());
         let refused = refused.max_by(|a, b| a.tolerance.total_cmp(&b.tolerance)).map(|refused| {
-            let pass = match &refused.limiting {
-                Some((name, ty)) => format!("“{name}” ({ty}) limits it"),
-                None => "the rounding of f32 limits it".into(),
+            let why = match &refused.limit {
+                Some(Limit::Pass { node, ty }) => format!("“{node}” ({ty}) limits it"),
+                Some(Limit::Unbounded { node, ty, .. }) => format!("“{node}” ({ty}) knows no bound"),
+                Some(Limit::Unseen) => "what is seen is certain nowhere".into(),
+                Some(Limit::Rounding) | None => "the rounding of f32 limits it".into(),
             };
-            format!("{} is refused, since {pass}", Tolerance::Error(refused.tolerance))
+            format!("{} is refused, since {why}", Tolerance::Error(refused.tolerance))
         });
         let met = finest.map(|(attempt, rung)| {
-            format!("a tolerance of {} is met by {}", Tolerance::Error(attempt.tolerance), self.labels[rung])
+            let (asked, by) = (Tolerance::Error(attempt.tolerance), self.met_by(rung));
+            format!("a tolerance of {asked} is met{} by {by}", self.on_strips())
         });
         let sentence = match (met, refused) {
             (Some(met), Some(refused)) => format!("{met}; {refused}"),
@@ -94,6 +134,10 @@ fn capital(text: &str) -> String {
     let mut chars = text.chars();
     chars.next().map_or_else(String::new, |first| first.to_uppercase().chain(chars).collect())
 }
+
+/// What strips do not say.
+pub(super) const STRIPS: &str = "Errors are certified and measured on strips alone, an eighth of the picture together: elsewhere \
+                                 they may be larger. --whole certifies all of it, and so does trochoid plan.";
 
 /// Settings of a document without accuracy knobs.
 const AS_IT_IS: &str = "as it is";
@@ -139,6 +183,7 @@ pub(super) fn columns(report: &Report<'_>, rung: &Rung) -> Vec<(&'static str, Va
         ("frame", json!(ladder.frame)),
         ("settings", json!(settings)),
         ("is_method", json!(rung.is_method)),
+        ("scope", json!(report.scope())),
         ("certified_max", finite(rung.certified.max)),
         ("certified_p999", finite(rung.certified.p999)),
         ("certified_median", finite(rung.certified.median)),
@@ -162,6 +207,16 @@ pub(super) fn columns(report: &Report<'_>, rung: &Rung) -> Vec<(&'static str, Va
     ]
 }
 
+/// A pass, with the reason why it knows no bound; or what else it is.
+fn limited_by(limit: &Limit) -> Value {
+    match limit {
+        Limit::Pass { node, ty } => json!({ "node": node, "type": ty }),
+        Limit::Unbounded { node, ty, why } => json!({ "node": node, "type": ty, "why": why }),
+        Limit::Rounding => json!("rounding"),
+        Limit::Unseen => json!("what is seen"),
+    }
+}
+
 /// Everything but pictures.
 pub(super) fn to_json(report: &Report<'_>) -> Value {
     let ladder = report.ladder;
@@ -179,10 +234,11 @@ pub(super) fn to_json(report: &Report<'_>) -> Value {
         json!({
             "tolerance": finite(attempt.tolerance),
             "allowed": finite(attempt.allowed),
+            "scope": report.scope(),
             "met": met.is_some(),
             "set": met.map(|rung| &rung.set),
             "certified_max": met.map(|rung| finite(rung.certified.max)),
-            "limited_by": attempt.limiting.as_ref().map(|(node, ty)| json!({ "node": node, "type": ty })),
+            "limited_by": attempt.limit.as_ref().map(limited_by),
         })
     });
     let savings = ladder.savings.iter().map(|saving| {

@@ -35,26 +35,32 @@ pub(super) fn page(report: &Report<'_>) -> Outcome<String> {
         count(ladder.threads, "thread"),
         report.space.name(),
     );
+    let strips = report.on_strips();
     let _ = writeln!(page, "<p class=\"summary\">{}</p>", escape(&report.summary().join(" ")));
     section(
         &mut page,
         "Error against time",
-        "What each of the settings costs, and how far its pixels may lie (certified) and do lie (measured) from the f64 \
-         reference; down and to the left is better.",
-        &figure(&plots::time(report)?, "Error against time"),
+        &format!(
+            "What each of the settings costs, and how far its pixels may lie (certified) and do lie (measured){strips} from the f64 \
+             reference; down and to the left is better."
+        ),
+        &plot(report, plots::time(report)?, "Error against time"),
     );
     section(
         &mut page,
         "Certified against measured",
         "A bound holds if its point lies on the line or above; the higher above, the more cautious it is.",
-        &figure(&plots::measured(report)?, "Certified against measured errors"),
+        &plot(report, plots::measured(report)?, "Certified against measured errors"),
     );
     section(
         &mut page,
         "Tolerance asked, and achieved",
-        "Each tolerance of displayed values, at the error that it allows in the working space; the fastest settings that meet \
-         it, or, of a refused one, the best that can be had.",
-        &figure(&plots::asked(report)?, "Tolerance asked against error achieved"),
+        &format!(
+            "Each tolerance of displayed values, at the error that it allows in the working space, and what the fastest method \
+             that meets it is certified to{strips}; or, of a refused one, the best that can be had. Methods are those among which \
+             <code>trochoid plan</code> chooses: a coarser or finer mesh is none, because it changes what is ambiguous."
+        ),
+        &plot(report, plots::asked(report)?, "Tolerance asked against error achieved"),
     );
     if let Some(svg) = plots::passes(report)? {
         section(
@@ -90,7 +96,8 @@ pub(super) fn page(report: &Report<'_>) -> Outcome<String> {
     section(
         &mut page,
         "All settings",
-        "Every figure by settings, the coarsest first; in color those than which no others are both faster and certified to less.",
+        "Every figure by settings, the coarsest first; in color those than which no others are both faster and certified to less. \
+         In italics coarser and finer meshes, among which <code>trochoid plan</code> does not choose.",
         &tables::rungs(report),
     );
     let _ = writeln!(page, "<footer>Trochoid {VERSION}</footer>\n</body>\n</html>");
@@ -104,6 +111,17 @@ fn section(page: &mut String, title: &str, caption: &str, content: &str) {
 fn figure(svg: &str, name: &str) -> String {
     let named = svg.replacen("<svg ", &format!("<svg role=\"img\" aria-label=\"{name}\" "), 1);
     format!("<figure>\n{named}</figure>")
+}
+
+/// A plot, or why there is none.
+fn plot(report: &Report<'_>, svg: Option<String>, name: &str) -> String {
+    match svg {
+        Some(svg) => figure(&svg, name),
+        None => {
+            let why = report.uncertain().unwrap_or_else(|| "No settings have errors above 0 to be drawn.".into());
+            format!("<p>{}</p>", escape(&why))
+        }
+    }
 }
 
 /// The picture, and where all is certified the maps of all methods on one scale.

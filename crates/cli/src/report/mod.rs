@@ -2,11 +2,12 @@
 //!
 //! `report.json`: `trochoid`, the version; `scene`, `output`, `frame`, `format`, `space`, `threads`; `whole`, whether all of the
 //! picture is certified; `summary`, sentences; `rungs`, a list of settings, each with the columns of `report.csv` and `set`, `passes`, a list
-//! of `{node, type, drop}`; `attempts`, a list of `{tolerance, allowed, met, set, certified_max, limited_by}`; `savings`, a list of
+//! of `{node, type, drop}`; `attempts`, a list of `{tolerance, allowed, scope, met, set, certified_max, limited_by}`, where
+//! `limited_by` is a pass, `{node, type}`, with `why` where it knows no bound, or "rounding" or "what is seen"; `savings`, a list of
 //! `{node, type, why, seconds}`; `scalings`, a list of `{knob, points: [{value, seconds}]}`.
 //!
-//! Columns of a rung: `scene`, `output`, `frame`, `settings`, `is_method` (whether `plan` may choose them); `certified_max`,
-//! `certified_p999`, `certified_median`; `measured_max`, `measured_rms`, `measured_p999`, `measured_median`, over
+//! Columns of a rung: `scene`, `output`, `frame`, `settings`, `is_method` (whether `plan` may choose them), `scope`
+//! ("whole" or "strips": on what errors are certified and measured, and tolerances are met); `certified_max`, `certified_p999`, `certified_median`; `measured_max`, `measured_rms`, `measured_p999`, `measured_median`, over
 //! `measured_pixels`; `certified_over_measured`; `ambiguous` and `ambiguous_beyond_8_bit`, shares of samples; `hull_exits`,
 //! `nan_count`; `seconds`, `seconds_spread`, `seconds_predicted`, `predicted_over_taken`; `bytes`, `threads`, `pareto`. Errors
 //! are in units of the working space. What is unknown is null, in CSV an empty field.
@@ -39,9 +40,11 @@ use trochoid::{CheckedGraph, Diagnostic, EvalError, Format, Kind, Settings, Tole
 #[command(after_help = "\
 Renders the output with settings from the coarsest to the most accurate, certifies each, holds pixels against the f64 \
 references, and times it. Writes report.html, report.json and report.csv. The references are slow: a sixth of a second a \
-pixel before a sea of 300 waves.
+pixel before a sea of 300 waves, and a minute before the first pixel of a toon sea.
 
-Bounds are certified on strips, an eighth of the picture together; --whole certifies all of it and draws where they lie.
+Bounds are certified on strips, an eighth of the picture together, and so is which tolerances are met: elsewhere errors may be \
+larger. --whole certifies all of it and draws where they lie. A tolerance is met by the fastest of the methods among which \
+`trochoid plan` chooses; coarser and finer meshes are measured beside them.
 
 Examples:
   trochoid report storm.json --frame 36 -o report

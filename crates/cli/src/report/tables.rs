@@ -29,12 +29,18 @@ pub(super) fn savings(report: &Report<'_>) -> String {
     table + "</tbody></table></div>"
 }
 
+/// Groups whose figures are of the strips where these alone are certified.
+const CERTIFIED: &str = "certified";
+const MEASURED: &str = "measured";
+const RATIO: &str = "ratio";
+const DOUBT: &str = "samples in doubt";
+
 /// Columns of the full table, by what they tell of.
 const GROUPS: &[(&str, &[&str])] = &[
-    ("certified", &["largest", "99.9 %", "median"]),
-    ("measured", &["largest", "RMS", "99.9 %", "median", "pixels"]),
-    ("ratio", &["cert. ÷ meas."]),
-    ("samples in doubt", &["all", "> 1/255"]),
+    (CERTIFIED, &["largest", "99.9 %", "median"]),
+    (MEASURED, &["largest", "RMS", "99.9 %", "median", "pixels"]),
+    (RATIO, &["cert. ÷ meas."]),
+    (DOUBT, &["all", "> 1/255"]),
     ("pixels", &["outside hull", "no number"]),
     ("time", &["median", "spread", "predicted", "÷ taken"]),
     ("memory", &["held"]),
@@ -69,7 +75,8 @@ pub(super) fn rungs(report: &Report<'_>) -> String {
     let mut table =
         String::from("<div class=\"wide\"><table>\n<thead>\n<tr><th class=\"text\" rowspan=\"2\">settings</th>");
     for (name, columns) in GROUPS {
-        let _ = write!(table, "<th class=\"group\" colspan=\"{}\">{name}</th>", columns.len());
+        let strips = if [CERTIFIED, MEASURED, RATIO, DOUBT].contains(name) { report.on_strips() } else { "" };
+        let _ = write!(table, "<th class=\"group\" colspan=\"{}\">{name}{strips}</th>", columns.len());
     }
     table.push_str("</tr>\n<tr>");
     for column in GROUPS.iter().flat_map(|(_, columns)| *columns) {
@@ -77,7 +84,12 @@ pub(super) fn rungs(report: &Report<'_>) -> String {
     }
     table.push_str("</tr>\n</thead>\n<tbody>\n");
     for (rung, label) in report.rungs() {
-        let class = if rung.is_best { " class=\"best\"" } else { "" };
+        let class = match (rung.is_best, rung.is_method) {
+            (true, true) => " class=\"best\"",
+            (true, false) => " class=\"best mesh\"",
+            (false, true) => "",
+            (false, false) => " class=\"mesh\"",
+        };
         // The assignments in full, for whoever wants to make them.
         let _ = write!(
             table,

@@ -22,8 +22,10 @@ pub(super) fn table(report: &Report<'_>) -> String {
     let size = format!("{} × {} pixels, {samples}", format.width(), format.height());
     let facts = format!("{}: frame {}, {size}, {}", report.scene, ladder.frame, count(ladder.threads, "thread"));
     let _ = writeln!(text, "\n{}", clip(&printable(&facts), WIDTH));
-    let head = ["certified", "99.9 %", "measured", "ambiguous", "time", "MiB"];
-    let head: String = head.iter().map(|name| format!("{name:>NUMBER$}")).collect();
+    let on_strips = if report.whole { "" } else { "†" };
+    let head = ["certified", "99.9 %", "measured", "ambiguous"].map(|name| format!("{name}{on_strips}"));
+    let head = head.into_iter().chain(["time".into(), "MiB".into()]);
+    let head: String = head.map(|name| format!("{name:>NUMBER$}")).collect();
     let _ = writeln!(text, "{HEADING}  {:LABEL$}{head}{HEADING:#}", "settings");
     for (rung, label) in report.rungs() {
         let cells = [
@@ -36,17 +38,23 @@ pub(super) fn table(report: &Report<'_>) -> String {
         ];
         let cells: String = cells.iter().map(|cell| format!("{cell:>NUMBER$}")).collect();
         let best = if rung.is_best { '*' } else { ' ' };
-        let _ = writeln!(text, "{best} {:LABEL$}{cells}", clip(&printable(label), LABEL - 1));
+        let mesh = if rung.is_method { ' ' } else { '+' };
+        let _ = writeln!(text, "{best}{mesh}{:LABEL$}{cells}", clip(&printable(label), LABEL - 1));
     }
-    text.push_str("* no other settings are both faster and certified to less\n\n");
-    let _ = writeln!(text, "{HEADING}  {:12}{:12}met by{HEADING:#}", "tolerance", "allowed");
+    text.push_str("* no other settings are both faster and certified to less\n");
+    if ladder.rungs.iter().any(|rung| !rung.is_method) {
+        text.push_str("+ a coarser or finer mesh: plan chooses none, since that changes what is ambiguous\n");
+    }
+    if !report.whole {
+        text.push_str("† on strips, an eighth of the picture together; --whole certifies all of it\n");
+    }
+    let by = format!("met{} by the fastest method that is certified to it", report.on_strips());
+    let _ = writeln!(text, "\n{HEADING}  {:12}{:12}{by}{HEADING:#}", "tolerance", "allowed");
     for attempt in &ladder.attempts {
-        let by = match (attempt.rung, &attempt.limiting) {
-            (Some(rung), _) => {
-                format!("{} in {}", report.labels[rung], seconds(ladder.rungs[rung].seconds))
-            }
-            (None, Some((node, ty))) => format!("nothing: limited by \"{node}\" ({ty})"),
-            (None, None) => "nothing: limited by the rounding of f32".into(),
+        let by = match (attempt.rung, &attempt.limit) {
+            (Some(rung), _) => format!("{} in {}", report.met_by(rung), seconds(ladder.rungs[rung].seconds)),
+            (None, Some(limit)) => format!("nothing: {limit}"),
+            (None, None) => "nothing".into(),
         };
         let asked = Tolerance::Error(attempt.tolerance).to_string();
         let line = format!("  {asked:12}{:12}{}", number(attempt.allowed), printable(&by));

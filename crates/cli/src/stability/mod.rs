@@ -24,7 +24,7 @@ pub(crate) struct Args {
     /// The document [default: a ToonSea as it is by default]
     #[arg(value_name = "GRAPH")]
     graph: Option<PathBuf>,
-    /// Write the map of each recurrence's coefficients: to a .png where there is one, else into a folder
+    /// Write the map of each recurrence's coefficients: to a .png where there is one, or into a folder
     #[arg(short, long, value_name = "PATH")]
     out: Option<PathBuf>,
     /// Print JSON
@@ -59,6 +59,14 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     };
     shell::tell(&warnings.iter().map(Diagnostic::to_string).collect::<Vec<_>>());
     if let Some(out) = &args.out {
+        if let Some(ending) = out.extension().filter(|_| !is_png(out) && !out.is_dir()) {
+            let message =
+                format!("--out {}: found the ending .{}; expected .png, or a folder", out.display(), ending.display());
+            return Err(Failure::usage(
+                message,
+                "name the map for example map.png, or a folder for the maps of all nodes",
+            ));
+        }
         let first = if is_png(out) { out.clone() } else { out.join("map.png") };
         check_destination(&first)?;
     }
@@ -87,6 +95,9 @@ fn is_png(path: &Path) -> bool {
     path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("png"))
 }
 
+/// What to do where there is nothing to draw.
+const NO_MAP: &str = "leave --out away: only the recurrence of a ToonSea has a map";
+
 /// Writes the map of each node that has one, and says where.
 fn write_maps(
     args: &Args,
@@ -98,10 +109,16 @@ fn write_maps(
     if is_png(out) && mapped.len() != 1 {
         let message = format!("--out {}: found {} nodes with a map; expected one", out.display(), mapped.len());
         let remedy = match mapped.len() {
-            0 => "leave --out away: only the recurrence of a ToonSea has a map",
+            0 => NO_MAP,
             _ => "name a folder, into which all maps go",
         };
         return Err(Failure::usage(message, remedy));
+    }
+    if mapped.is_empty() {
+        shell::tell(&[format!(
+            "warning: --out {}: found no node with a map; expected one at least: nothing is written there\n  remedy: {NO_MAP}",
+            out.display()
+        )]);
     }
     let mut written = Vec::new();
     for (id, map) in mapped {

@@ -33,8 +33,9 @@ fn every_image_has_a_certificate_that_holds() {
             let run = scene.run(&["verify", &certificate, &image]).code(0);
             run.says(&[
                 &certificate,
-                "unchanged",
+                "agrees with its own digest",
                 &format!("of frame {frame}"),
+                "the certified pixels, in 1 block\n",
                 "all 128 pixels evaluated",
                 "\nholds\n",
             ]);
@@ -161,8 +162,16 @@ fn files_that_cannot_be_read_have_their_own_codes() {
     scene.run(&["verify", "c.json", "none.exr"]).fails(1, &["none.exr"]);
     scene.run(&["verify", "a.json", "out.exr"]).fails(2, &["a.json: found JSON that does not begin with a digest"]);
     scene.run(&["verify", "c.json", "out.exr", "--all", "--pixels", "3"]).fails(2, &["cannot be used with"]);
+    // What evaluates nothing would hold whatever the pixels are.
+    scene.run(&["verify", "c.json", "out.exr", "--pixels", "0"]).fails(2, &["--pixels", "0 is not in 1.."]);
     scene.write_picture("in.exr", 0.5);
-    scene.run(&["verify", "c.json", "out.exr"]).fails(3, &["in.exr: input"]);
+    let run = scene.run(&["verify", "./c.json", "out.exr"]);
+    assert!(
+        run.err.contains("error: in.exr: input: found ") && run.err.contains(" bytes with the hash "),
+        "{}",
+        run.err
+    );
+    run.fails(3, &["./c.json: does not hold for out.exr"]);
     fs::remove_file(scene.path("in.exr")).unwrap();
     scene.run(&["verify", "c.json", "out.exr"]).fails(1, &["in.exr: cannot be read"]);
 }

@@ -1,6 +1,6 @@
 //! `trochoid plan`, and `trochoid render --tolerance`, `--plan`.
 
-use crate::scene::{SCENE, Scene};
+use crate::scene::{READS, SCENE, Scene};
 use serde_json::Value;
 use std::fs;
 use trochoid::io::{Limits, Selection, read};
@@ -85,6 +85,7 @@ fn what_no_method_meets_is_refused_by_the_pass_that_limits_it() {
     // What the remedy says is met.
     let refusal = scene.run(&["plan", "a.json", "--tolerance", "1e-9"]).err;
     let reachable = refusal.split("ask for ").nth(1).unwrap().split(' ').next().unwrap();
+    assert!(reachable.starts_with("1/") && !reachable.contains('e'), "{reachable}");
     scene.run(&["plan", "a.json", "--tolerance", reachable]).code(0);
 }
 
@@ -128,16 +129,74 @@ fn faults_are_told_before_anything_is_done() {
     scene.run(&["plan", "a.json", "--tolerance", "reference"]).fails(2, &["render with --tolerance reference"]);
     scene.run(&["plan", "a.json", "--tolerance", "1/64", "--output", "mask"]).fails(2, &["beauty"]);
     scene.run(&["render", "a.json", "--tolerance", "none"]).fails(2, &["none", "1/512"]);
-    scene.run(&["render", "a.json", "--plan", "no.json"]).fails(2, &["no.json", "cannot be read"]);
-    fs::write(scene.path("bad.json"), "{\"trochoid_plan\": 1}").unwrap();
-    scene.run(&["render", "a.json", "--plan", "bad.json"]).fails(2, &["bad.json", "expected a plan"]);
-    scene.run(&["render", "a.json", "--plan", "bad.json", "--tolerance", "1/8"]).fails(2, &["--plan", "--tolerance"]);
 }
 
 #[test]
-fn a_plan_for_another_document_is_told_so() {
+fn a_plan_is_written_over_nothing_that_the_document_reads_and_only_where_it_can_be() {
+    let scene = Scene::new(READS);
+    scene.write_picture("in.exr", 0.25);
+    let plan = |out: &str| scene.run(&["plan", "a.json", "--tolerance", "1/64", "-o", out]);
+    for input in ["a.json", "in.exr", "./in.exr"] {
+        let before = fs::read(scene.path(input)).unwrap();
+        plan(input).fails(2, &[input, "is an input of the document, and would be written over"]);
+        assert_eq!(fs::read(scene.path(input)).unwrap(), before);
+    }
+    plan("in.exr/p.json").fails(1, &["in.exr/p.json", "is no folder"]);
+    plan(".").fails(1, &["is a folder; name a file"]);
+    plan("plans/p.json").code(0);
+    assert_eq!(scene.files(), ["in.exr", "plans/p.json"]);
+}
+
+#[test]
+fn a_file_that_is_no_plan_is_named_with_what_to_do() {
     let scene = Scene::new(SEA);
-    scene.run(&["plan", "a.json", "--tolerance", "exact", "--out", "p.json"]).code(0);
-    let run = scene.run(&["render", "a.json", "--plan", "p.json", "--frames", "1", "--set", "sea.count=11"]).code(0);
-    assert!(run.err.contains("a plan for another document"), "{}", run.err);
+    let refused = |text: &str, words: &[&str]| {
+        fs::write(scene.path("bad.json"), text).unwrap();
+        let run = scene.run(&["render", "a.json", "--plan", "bad.json"]);
+        assert!(!run.err.contains("unknown field") && !run.err.contains("--set veiw"), "{}", run.err);
+        run.fails(2, &[&["error: bad.json: ", "remedy: "], words].concat());
+    };
+    let fields = |more: &str| {
+        format!(
+            "{{\"trochoid_plan\": 1, \"document_hash\": \"0\", \"frame\": 1, \"predicted_seconds\": 1, \"certified\": {{}}, {more}}}"
+        )
+    };
+    refused(SEA, &["found a document; expected a plan as `trochoid plan --out` writes it", "trochoid plan GRAPH"]);
+    refused("[1]", &["found JSON without \"trochoid_plan\""]);
+    refused("frame 1", &["found no JSON"]);
+    refused("{\"trochoid_plan\": 2}", &["found a plan of version 2; expected version 1"]);
+    refused("{\"trochoid_plan\": 1}", &["found a plan with faults"]);
+    refused(&fields("\"set\": {}, \"tolerance\": \"good\""), &["found the tolerance \"good\"", "1/512"]);
+    let words = ["bad.json: set veiw.points=exact: found node \"veiw\"", "trochoid plan a.json"];
+    refused(&fields("\"set\": {\"veiw.points\": \"exact\"}, \"tolerance\": \"1/64\""), &words);
+    let words = ["bad.json: set view.points=best", "view", "points"];
+    refused(&fields("\"set\": {\"view.points\": \"best\"}, \"tolerance\": \"1/64\""), &words);
+    scene.run(&["render", "a.json", "--plan", "no.json"]).fails(1, &["no.json: cannot be read"]);
+    scene.run(&["render", "a.json", "--plan", "bad.json", "--tolerance", "1/8"]).fails(2, &["--plan", "--tolerance"]);
+    assert_eq!(scene.files(), ["bad.json"]);
+}
+
+#[test]
+fn what_a_plan_was_not_made_for_is_told() {
+    let scene = Scene::new(SCENE);
+    scene.run(&["plan", "a.json", "--tolerance", "1/64", "--out", "p.json"]).code(0);
+    let warned = |arguments: &[&str], words: &[&str]| {
+        let run = scene.run(&[&["render", "--plan", "p.json"], arguments].concat()).code(0);
+        assert_eq!(run.err.matches("warning: p.json: found ").count(), words.len(), "{}", run.err);
+        words.iter().for_each(|word| assert!(run.err.contains(word), "no \"{word}\" in: {}", run.err));
+    };
+    warned(&["a.json", "--frames", "1"], &[]);
+    let other = "found a plan for another document, of the hash ";
+    warned(&["a.json", "--frames", "1", "--set", "mix.b=#ffe"], &[other]);
+    warned(&["a.json", "--frames", "2"], &["found a plan made at frame 1; expected one for frame 2 as well"]);
+    warned(&["a.json"], &["found a plan made at frame 1; expected one for 2 other frames from 2 to 3 as well"]);
+    let asks = |tolerance: &str| {
+        let text = SCENE.replace("\"format\"", &format!("\"tolerance\": \"{tolerance}\", \"format\""));
+        fs::write(scene.path("b.json"), text).unwrap();
+    };
+    asks("1/512");
+    let tighter = "found a plan for the tolerance 1/64; expected 1/512, for which the document asks";
+    warned(&["b.json", "--frames", "1"], &[other, tighter]);
+    asks("1/8");
+    warned(&["b.json", "--frames", "1"], &[other]);
 }

@@ -61,5 +61,10 @@ fn graphs_are_looked_at_node_by_node() {
         "Nothing folds",
     ]);
     assert!(run.out.lines().all(|line| line.chars().count() <= 100), "{}", run.out);
-    seas.run(&["stability", "a.json", "-o", "maps"]).code(0);
+    let run = seas.run(&["stability", "a.json", "-o", "maps"]).code(0).says(&["storm (GerstnerSea)"]);
+    assert!(run.err.contains("warning: --out maps: found no node with a map"), "{}", run.err);
+    seas.has_no_files();
+    for name in ["m.jpg", "map.PNGs"] {
+        seas.run(&["stability", "a.json", "-o", name]).fails(2, &[name, "found the ending .", "expected .png"]);
+    }
 }

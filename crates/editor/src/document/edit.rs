@@ -115,10 +115,8 @@ pub fn added(sheet: &Sheet, declaration: &'static Declaration, at: Point) -> (Ed
     let mut body = Map::new();
     body.insert("type".into(), declaration.name.into());
     fill(declaration.items, &mut body);
-    let ops = vec![
-        Op::Set(Path::node(&name), style(&Value::Object(body))),
-        Op::Set(placed(&name), style(&position(at))),
-    ];
+    let ops =
+        vec![Op::Set(Path::node(&name), style(&Value::Object(body))), Op::Set(placed(&name), style(&position(at)))];
     (Edit::new(format!("Add {}", declaration.name), ops), name)
 }
 
@@ -278,7 +276,8 @@ fn bypass(sheet: &Sheet, nodes: &HashSet<usize>) -> Vec<Op> {
         let Some(from) = sheet.source(&output.source).filter(|from| nodes.contains(&from.0)) else { continue };
         let path = Path::default().to("outputs").to(&output.name);
         let body = sheet.get(&path);
-        let key = ["color", "weights", "field"].into_iter().find(|key| body.is_some_and(|body| body.get(key).is_some()));
+        let key =
+            ["color", "weights", "field"].into_iter().find(|key| body.is_some_and(|body| body.get(key).is_some()));
         match (stand_for(sheet, from, nodes), key) {
             (Some(source), Some(key)) => ops.push(Op::Set(path.to(key), quoted(&source))),
             _ => ops.push(Op::Remove(path)),

@@ -172,11 +172,8 @@ pub fn splice(text: &str, op: &Op) -> Result<Splice, Misplaced> {
     let parsed = parse_to_ast(text, &CollectOptions::default(), &STRICT)
         .map_err(|error| Misplaced(format!("the document is no JSON: {error}")))?;
     let root = parsed.value.ok_or_else(|| Misplaced("the document is empty".into()))?;
-    let (path, missing) = match op {
-        Op::Set(path, _) | Op::Insert(path, _) | Op::Remove(path) | Op::Rename(path, _) => {
-            (path, || Misplaced(format!("there is no {path}")))
-        }
-    };
+    let (Op::Set(path, _) | Op::Insert(path, _) | Op::Remove(path) | Op::Rename(path, _)) = op;
+    let missing = || Misplaced(format!("there is no {path}"));
     match op {
         Op::Set(_, value) => set(text, &root, &path.0, value).ok_or_else(missing),
         Op::Insert(_, value) => {

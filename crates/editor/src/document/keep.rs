@@ -116,7 +116,8 @@ fn write(path: &Path, inbox: &Receiver<Task>) {
 pub fn kept(folder: &Path) -> Vec<Kept> {
     let Ok(entries) = std::fs::read_dir(folder) else { return Vec::new() };
     let paths = entries.flatten().map(|entry| entry.path());
-    let mut found: Vec<Kept> = paths.filter(|path| path.extension().is_some_and(|end| end == "json")).filter_map(read).collect();
+    let mut found: Vec<Kept> =
+        paths.filter(|path| path.extension().is_some_and(|end| end == "json")).filter_map(read).collect();
     found.sort_by(|a, b| b.when.cmp(&a.when));
     found
 }

@@ -189,11 +189,7 @@ impl Sheet {
         self.walk(roots, |wire| (wire.from.0, wire.to.0))
     }
 
-    fn walk(
-        &self,
-        roots: impl IntoIterator<Item = usize>,
-        step: impl Fn(&Wire) -> (usize, usize),
-    ) -> HashSet<usize> {
+    fn walk(&self, roots: impl IntoIterator<Item = usize>, step: impl Fn(&Wire) -> (usize, usize)) -> HashSet<usize> {
         let mut next: HashMap<usize, Vec<usize>> = HashMap::new();
         for (from, to) in self.wires.iter().map(step) {
             next.entry(from).or_default().push(to);
@@ -347,8 +343,7 @@ fn pins(items: &'static [Item], body: &Value, steps: &[Step], before: &str, foun
                 }
             }
             Item::List(list) => {
-                let records: &[Value] =
-                    body.get(list.name).and_then(Value::as_array).map_or(&[], Vec::as_slice);
+                let records: &[Value] = body.get(list.name).and_then(Value::as_array).map_or(&[], Vec::as_slice);
                 for (index, record) in records.iter().enumerate() {
                     let mut steps = within(list.name.into());
                     steps.push(index.into());

@@ -2,9 +2,9 @@
 
 pub mod lens;
 pub mod shown;
-mod worker;
 #[cfg(test)]
 mod tests;
+mod worker;
 
 pub use lens::{Lens, lens};
 pub use shown::{Channel, Display, Screen};

@@ -49,14 +49,12 @@ pub struct Screen {
 pub fn range_of(plane: &Plane) -> [f32; 2] {
     let chunks = plane.samples().par_chunks(1 << 16);
     let ends = chunks.map(|chunk| {
-        chunk.iter().filter(|value| value.is_finite()).fold([f32::INFINITY, f32::NEG_INFINITY], |[low, high], value| {
-            [low.min(*value), high.max(*value)]
-        })
+        chunk
+            .iter()
+            .filter(|value| value.is_finite())
+            .fold([f32::INFINITY, f32::NEG_INFINITY], |[low, high], value| [low.min(*value), high.max(*value)])
     });
-    let [low, high] = ends.reduce(
-        || [f32::INFINITY, f32::NEG_INFINITY],
-        |a, b| [a[0].min(b[0]), a[1].max(b[1])],
-    );
+    let [low, high] = ends.reduce(|| [f32::INFINITY, f32::NEG_INFINITY], |a, b| [a[0].min(b[0]), a[1].max(b[1])]);
     match low < high {
         true => [low, high],
         false if low == high => [low - 0.5, low + 0.5],

@@ -10,8 +10,8 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 use trochoid::{
-    Buffers, Cache, CheckedGraph, EvalError, Format, Kind, Monitor, NodeReport, Phases, Picture, Plan, Settings, Window,
-    WorkingSpace,
+    Buffers, Cache, CheckedGraph, EvalError, Format, Kind, Monitor, NodeReport, Phases, Picture, Plan, Settings,
+    Window, WorkingSpace,
 };
 
 /// What is looked at.
@@ -178,12 +178,18 @@ impl Worker {
     /// # Errors
     /// The system gives no thread.
     pub fn new(wake: impl Fn() + Send + Sync + 'static) -> std::io::Result<Self> {
-        let office =
-            Arc::new(Office { desk: Mutex::default(), bell: Condvar::new(), newest: AtomicU64::new(0) });
+        let office = Arc::new(Office { desk: Mutex::default(), bell: Condvar::new(), newest: AtomicU64::new(0) });
         let (sender, news) = channel();
         let theirs = office.clone();
         let thread = std::thread::Builder::new().name("evaluate".into()).spawn(move || {
-            let mut hand = Hand { office: &theirs, news: &sender, wake: &wake, cache: Cache::with_limit(CACHE), last: None, lens: None };
+            let mut hand = Hand {
+                office: &theirs,
+                news: &sender,
+                wake: &wake,
+                cache: Cache::with_limit(CACHE),
+                last: None,
+                lens: None,
+            };
             hand.work();
         })?;
         Ok(Self { office, news, thread: Some(thread) })

@@ -6,7 +6,7 @@ use crate::document::Edit;
 use crate::evaluate::Screen;
 use crate::state::State;
 use egui::{Button, Color32, ColorImage, Response, RichText, Sense, TextEdit, TextureOptions, Ui};
-use egui_file_dialog::{DialogState, FileDialog};
+use egui_file_dialog::{DialogState, FileDialog, Filter};
 use serde_json::{Value, json};
 use trochoid::WorkingSpace;
 
@@ -100,11 +100,12 @@ pub(super) fn reference_ui(panel: &mut Properties, ui: &mut Ui, state: &State, a
     egui::CollapsingHeader::new(title).id_salt("reference").show(ui, |ui| {
         ui.horizontal(|ui| {
             if ui.button("Open …").on_hover_text("A painting or print whose colors you want.").clicked() {
-                let pictures = std::sync::Arc::new(|path: &std::path::Path| {
+                let pictures = Filter::new(|path: &std::path::Path| {
                     let end = path.extension().map(|end| end.to_string_lossy().to_lowercase());
                     end.is_some_and(|end| ["png", "jpg", "jpeg", "tif", "tiff"].contains(&end.as_str()))
                 });
-                let mut dialog = FileDialog::new().add_file_filter("Pictures", pictures).default_file_filter("Pictures");
+                let mut dialog =
+                    FileDialog::new().add_file_filter("Pictures", pictures).default_file_filter("Pictures");
                 dialog.config_mut().initial_directory = state.session.folder();
                 dialog.pick_file();
                 panel.dialog = Some(dialog);
@@ -151,7 +152,8 @@ fn picture_at(picture: &Screen, share: egui::Vec2) -> [f32; 3] {
 const MOST: u32 = 2048;
 
 fn read(file: &std::path::Path) -> Result<Screen, String> {
-    let mut reader = image::ImageReader::open(file).and_then(|reader| reader.with_guessed_format()).map_err(|e| e.to_string())?;
+    let mut reader =
+        image::ImageReader::open(file).and_then(|reader| reader.with_guessed_format()).map_err(|e| e.to_string())?;
     let mut limits = image::Limits::default();
     limits.max_image_width = Some(32_768);
     limits.max_image_height = Some(32_768);

@@ -112,7 +112,11 @@ pub(super) fn button_ui(
     if keyed.is_some() {
         let mut open = panel.curves.contains(&place.path);
         if ui.toggle_value(&mut open, "∿").on_hover_text("Shows the curve.").changed() {
-            if open { panel.curves.insert(place.path.clone()) } else { panel.curves.remove(&place.path) };
+            if open {
+                panel.curves.insert(place.path.clone())
+            } else {
+                panel.curves.remove(&place.path)
+            };
         }
     }
 }
@@ -150,8 +154,11 @@ pub(super) fn curve_ui(ui: &mut Ui, keyed: &Keyed, unit: &str, place: &Place<'_>
         plot.vline(VLine::new("frame", place.state.frame as f64).color(Color32::from_gray(0x90)));
         for (component, line) in lines.iter().enumerate() {
             plot.line(Line::new("", PlotPoints::from(line.clone())).color(COMPONENTS[component]));
-            let keys: Vec<[f64; 2]> =
-                keyed.keys.iter().filter_map(|(frame, value)| Some([*frame, *Keyed::numbers(value).get(component)?])).collect();
+            let keys: Vec<[f64; 2]> = keyed
+                .keys
+                .iter()
+                .filter_map(|(frame, value)| Some([*frame, *Keyed::numbers(value).get(component)?]))
+                .collect();
             plot.points(Points::new("", PlotPoints::from(keys)).radius(5.0).color(COMPONENTS[component]));
         }
         plot.pointer_coordinate()

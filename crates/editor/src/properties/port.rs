@@ -25,7 +25,8 @@ pub(super) fn port_ui(
         source_ui(panel, ui, port, &format!("{} {}", port.name, index + 1), &own, actions);
     }
     let Arity::Many { max, .. } = port.arity else { return };
-    if elements.len() < max && port.accepts.takes_color() && ui.small_button(format!("Add to {}", port.name)).clicked() {
+    if elements.len() < max && port.accepts.takes_color() && ui.small_button(format!("Add to {}", port.name)).clicked()
+    {
         let value = elements.last().cloned().unwrap_or_else(|| json!("#808080"));
         let ops = vec![crate::document::Op::Set(place.path.to(elements.len()), edit::style(&value))];
         actions.push(Action::Edit(Edit::new(format!("Add to {}", port.name), ops)));

@@ -56,13 +56,17 @@ pub(super) fn ramp_ui(ui: &mut Ui, state: &State, path: &Path, actions: &mut Vec
     let steps = (bar.width() as usize / 2).max(1);
     for step in 0..steps {
         let left = bar.left() + bar.width() * step as f32 / steps as f32;
-        let piece = Rect::from_min_max(pos2(left, bar.top()), pos2(left + bar.width() / steps as f32 + 0.5, bar.bottom()));
+        let piece =
+            Rect::from_min_max(pos2(left, bar.top()), pos2(left + bar.width() / steps as f32 + 0.5, bar.bottom()));
         painter.rect_filled(piece, 0.0, paint(color_at(at(piece.center().x))));
     }
     let handle = |at: f32| pos2(x(at), bar.bottom() + 7.0);
     for (place, own) in &known {
         let center = handle(*place);
-        painter.line_segment([pos2(center.x, bar.top()), pos2(center.x, bar.bottom())], Stroke::new(1.0, Color32::from_white_alpha(90)));
+        painter.line_segment(
+            [pos2(center.x, bar.top()), pos2(center.x, bar.bottom())],
+            Stroke::new(1.0, Color32::from_white_alpha(90)),
+        );
         painter.circle(center, 6.0, paint(own.unwrap_or(gray)), Stroke::new(1.5, ui.visuals().text_color()));
     }
     let nearest = |pointer: Pos2| {

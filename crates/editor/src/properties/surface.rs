@@ -51,7 +51,12 @@ pub(super) fn patch_ui(ui: &mut Ui, state: &State, path: &Path, actions: &mut Ve
         let center = sheet.lerp_inside(share);
         let spot = Rect::from_center_size(pos2(center.x, center.y), vec2(18.0, 18.0));
         let literal = color::display(value, space);
-        ui.painter().rect_stroke(spot, 2.0, Stroke::new(1.0, Color32::from_white_alpha(160)), egui::StrokeKind::Outside);
+        ui.painter().rect_stroke(
+            spot,
+            2.0,
+            Stroke::new(1.0, Color32::from_white_alpha(160)),
+            egui::StrokeKind::Outside,
+        );
         let Some(mut shown) = literal else { continue };
         let mut own = ui.new_child(egui::UiBuilder::new().max_rect(spot).id_salt(index));
         own.spacing_mut().interact_size = vec2(18.0, 18.0);

@@ -26,10 +26,7 @@ static DECLARATION: Declaration = Declaration {
         Knob::number("size", 1.0, 0.0, MOST, "Standard deviation of the Gaussian; the box is 2·size + 1 wide.")
             .drawn()
             .item(),
-        Knob::number("size_y", 1.0, 0.0, MOST, "The size down; by default that across.")
-            .optional()
-            .drawn()
-            .item(),
+        Knob::number("size_y", 1.0, 0.0, MOST, "The size down; by default that across.").optional().drawn().item(),
         Knob::choice("filter", &["gaussian", "box"], "The kernel's shape.").item(),
     ],
     outputs: &[Output::new("image", Kind::ANY, "The blurred image, of the same kind.")],

@@ -2,6 +2,7 @@
 
 use super::Planned;
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use trochoid_graph::{CheckedGraph, Tolerance};
@@ -47,14 +48,25 @@ pub struct CertifiedText {
     pub ambiguous_share: f64,
 }
 
-/// Why a plan cannot be read.
+/// Why there is no plan in a file.
 #[derive(Debug, thiserror::Error)]
-#[error("{}: {reason}", path.display())]
-pub struct PlanFileError {
-    /// The file.
-    pub path: PathBuf,
-    /// What was found, and what was expected.
-    pub reason: String,
+pub enum PlanFileError {
+    /// The file cannot be read.
+    #[error("{}: cannot be read: {reason}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        reason: String,
+    },
+    /// The file holds something else.
+    #[error("{}: {reason}", path.display())]
+    NoPlan {
+        /// The file.
+        path: PathBuf,
+        /// What was found, and what was expected.
+        reason: String,
+    },
 }
 
 const VERSION: u32 = 1;
@@ -89,10 +101,24 @@ impl PlanFile {
     /// # Errors
     /// It is no plan; what was found, and what was expected.
     pub fn parse(text: &str) -> Result<Self, String> {
-        let plan: Self = serde_json::from_str(text)
-            .map_err(|error| format!("found {error}; expected a plan as `trochoid plan` writes it"))?;
-        if plan.trochoid_plan != VERSION {
-            return Err(format!("found a plan of version {}; expected version {VERSION}", plan.trochoid_plan));
+        const EXPECTED: &str = "expected a plan as `trochoid plan --out` writes it";
+        let value: Value =
+            serde_json::from_str(text).map_err(|error| format!("found no JSON ({error}); {EXPECTED}"))?;
+        // What it is says more than which of a plan's fields it lacks.
+        match value.get("trochoid_plan") {
+            None if value.get("trochoid").is_some() && value.get("nodes").is_some() => {
+                return Err(format!("found a document; {EXPECTED}"));
+            }
+            None => return Err(format!("found JSON without \"trochoid_plan\"; {EXPECTED}")),
+            Some(version) if version.as_u64() != Some(VERSION.into()) => {
+                return Err(format!("found a plan of version {version}; expected version {VERSION}"));
+            }
+            Some(_) => {}
+        }
+        let plan: Self =
+            serde_json::from_str(text).map_err(|error| format!("found a plan with faults ({error}); {EXPECTED}"))?;
+        if Tolerance::parse(&plan.tolerance).is_none() {
+            return Err(format!("found the tolerance \"{}\"; expected {}", plan.tolerance, Tolerance::EXPECTED));
         }
         Ok(plan)
     }
@@ -102,9 +128,12 @@ impl PlanFile {
     /// # Errors
     /// It cannot be read, or is no plan.
     pub fn read(path: &Path) -> Result<Self, PlanFileError> {
-        let fault = |reason: String| PlanFileError { path: path.into(), reason };
-        let text = std::fs::read_to_string(path).map_err(|error| fault(format!("cannot be read: {error}")))?;
-        Self::parse(&text).map_err(fault)
+        let bytes = std::fs::read(path)
+            .map_err(|error| PlanFileError::Read { path: path.into(), reason: error.to_string() })?;
+        let none = |reason: String| PlanFileError::NoPlan { path: path.into(), reason };
+        let text =
+            String::from_utf8(bytes).map_err(|_| none("found bytes that are no UTF-8; expected a plan".into()))?;
+        Self::parse(&text).map_err(none)
     }
 
     /// As JSON.

@@ -13,7 +13,7 @@ mod pilot;
 #[cfg(feature = "io")]
 pub use file::{PlanFile, PlanFileError};
 pub use knobs::AccuracyKnob;
-pub use ladder::{Attempt, Errors, Ladder, LadderRequest, PassError, Rung, Saving, Scaling, climb};
+pub use ladder::{Attempt, Errors, Ladder, LadderRequest, Limit, PassError, Rung, Saving, Scaling, climb};
 pub use pilot::predict;
 
 use crate::{LoadError, Loaded};
@@ -205,6 +205,13 @@ fn allowed_of(kind: Kind, tolerance: f64, space: WorkingSpace) -> Option<f64> {
     }
 }
 
+/// The pass that knows no bound, and why: of several the one nearest to the output, which says most.
+fn unbounded(graph: &CheckedGraph, certified: &[Certified]) -> Option<(NodeId, &'static str)> {
+    let made = |id: NodeId| graph.order().iter().position(|other| *other == id);
+    let all = certified.iter().flat_map(|certified| certified.unbounded.iter().copied());
+    all.max_by_key(|(id, _)| made(*id))
+}
+
 /// Whether an output meets a tolerance with some settings.
 enum Outcome {
     Holds(Vec<Certified>),
@@ -273,13 +280,10 @@ impl Trial<'_> {
 
     fn unknown(&self, certified: &Certified) -> TargetError {
         let output = self.graph.outputs()[certified.output].name.clone();
-        // Of several, the one nearest to the output says most.
-        let made = |id: NodeId| self.graph.order().iter().position(|other| *other == id);
-        let last = certified.unbounded.iter().max_by_key(|(id, _)| made(*id));
-        let why = last.map_or_else(
+        let why = unbounded(self.graph, std::slice::from_ref(certified)).map_or_else(
             || "what is seen is certain nowhere".to_owned(),
             |(id, why)| {
-                let node = self.graph.node(*id);
+                let node = self.graph.node(id);
                 format!("\"{}\" ({}) knows no bound: {why}", node.name, node.ty.declaration().name)
             },
         );

@@ -1,9 +1,10 @@
 //! Checking certificates: all that can be held against document, inputs and image, then pixels against the references.
 
 use super::image::StoredImage;
-use super::inputs::{files, folder_of, hashed, is_same};
+use super::inputs::{files, folder_of, hashed, is_same, plain};
 use super::make::{channels_of, format_of, plan_of};
 use super::pixels::PixelCheck;
+use super::words::{Contents, Size, Words};
 use super::*;
 use crate::OutputFile;
 use std::fmt;
@@ -111,9 +112,9 @@ impl Verification {
     }
 
     /// Fails unless both are the same.
-    pub(super) fn same<T: PartialEq + fmt::Debug>(&mut self, place: impl ToString, found: &T, expected: &T) {
+    pub(super) fn same<T: PartialEq + Words>(&mut self, place: impl ToString, found: &T, expected: &T) {
         if found != expected {
-            self.fail(place, format!("{found:?}"), format!("{expected:?}"));
+            self.fail(place, found.words(), expected.words());
         }
     }
 }
@@ -146,7 +147,7 @@ pub fn verify(request: &Request<'_>, monitor: &dyn Monitor) -> Result<Verificati
     let folder = folder_of(request.certificate);
     let name = format!("{}: document", request.certificate.display());
     let text = certificate.document.canonical.get();
-    let graph = crate::parse(&name, text, &folder.join(&certificate.document.folder), &[])?.graph;
+    let graph = crate::parse(&name, text, &plain(&folder.join(&certificate.document.folder)), &[])?.graph;
     document(&mut found, request, &certificate, &graph, &name);
     let Some(outputs) = outputs(&mut found, &certificate, &graph) else { return Ok(found) };
     let plan = plan_of(&graph, &outputs, certificate.frame, certificate.optimized)?;
@@ -225,7 +226,8 @@ fn outputs(found: &mut Verification, certificate: &Certificate, graph: &CheckedG
         let spec = &graph.outputs()[*index];
         let place = |field: &str| format!("output \"{}\", {field}", spec.name);
         found.same(place("kind"), &written.kind, &spec.kind.to_string());
-        found.same(place("controls"), &written.controls.is_some(), &(spec.kind == Kind::Color));
+        let [controls, expected] = [written.controls.is_some(), spec.kind == Kind::Color].map(named);
+        found.same(place("controls"), &controls, &expected);
         let class = crate::guarantee(spec).map(Guarantee::name);
         found.same(place("guarantee.class"), &written.guarantee.as_ref().map(|g| g.class.as_str()), &class);
         let Some(guarantee) = &written.guarantee else { continue };
@@ -236,7 +238,7 @@ fn outputs(found: &mut Verification, certificate: &Certificate, graph: &CheckedG
         let strict = asked.flatten() >= spec.require && asked != Some(None);
         if !strict || asked.flatten() > guarantee.held.as_deref().and_then(Guarantee::from_name) {
             let expected = "what the document requires or more, and no more than what holds";
-            found.fail(place("guarantee.asked"), format!("{:?}", guarantee.asked), expected);
+            found.fail(place("guarantee.asked"), guarantee.asked.words(), expected);
         }
     }
     Some(indices)
@@ -259,7 +261,7 @@ fn inputs(
             Some((input, known)) => {
                 *known = true;
                 let place = format!("{}: input", path.display());
-                found.same(&place, &(now.bytes, now.hash), &(input.bytes, input.hash.clone()));
+                found.same(&place, &Contents::of(&now), &Contents::of(input));
             }
             None => found.fail(format!("{}: input", path.display()), "no hash of it", "one in the certificate"),
         }
@@ -284,7 +286,7 @@ fn pixels_of_file(
     found.same(at("kind of file"), &now.kind, &written.kind);
     found.same(at("parts"), &image.parts, &1);
     found.same(at("pixels"), &image.window.to_string(), &graph.format().window().to_string());
-    found.same("image, width and height", &[written.width, written.height], &[now.width, now.height]);
+    found.same("image, width and height", &Size([written.width, written.height]), &Size([now.width, now.height]));
     let png = image.kind == FileKind::Png;
     let of = |index: &usize| channels_of(graph, &graph.outputs()[*index], file, png);
     let mut channels: Vec<(String, SampleType)> = file.outputs.iter().flat_map(of).collect();
@@ -297,6 +299,7 @@ fn pixels_of_file(
         let names: Vec<String> = of(index).into_iter().map(|(name, _)| name).collect();
         found.same(format!("output \"{}\", channels", output.name), &output.channels, &names);
     }
+    metadata(found, certificate, image, &at);
     if !found.holds() {
         return;
     }
@@ -317,6 +320,28 @@ fn pixels_of_file(
     if changed.is_empty() {
         found.same("image, pixels", &written.pixels, &now.pixels);
     }
+}
+
+/// Holds what the image says of itself against the certificate: a file that was stored anew may say nothing.
+fn metadata(found: &mut Verification, certificate: &Certificate, image: &StoredImage, at: &dyn Fn(&str) -> String) {
+    let expected = [
+        ("version", certificate.trochoid.clone()),
+        ("document", certificate.document.hash.clone()),
+        ("frame", certificate.frame.to_string()),
+        ("workingSpace", certificate.format.working_space.clone()),
+        ("fingerprint", certificate.fingerprint.clone()),
+    ];
+    for (name, expected) in expected {
+        let key = format!("trochoid:{name}");
+        if let Some((_, said)) = image.metadata.iter().find(|(known, _)| *known == key) {
+            found.same(at(&format!("metadata {key}")), said, &expected);
+        }
+    }
+}
+
+/// Whether there are control colors.
+fn named(controls: bool) -> &'static str {
+    if controls { "control colors" } else { "none" }
 }
 
 /// One output's share of the work.

@@ -7,7 +7,9 @@ use std::path::Path;
 use trochoid_engine::Certified;
 use trochoid_graph::CheckedGraph;
 use trochoid_image::{Plane, Window};
-use trochoid_io::{ExrChannel, ExrImage, FileKind, Limits, SampleType, Samples, Selection, info, read, write_exr};
+use trochoid_io::{
+    ExrChannel, ExrImage, FileKind, Limits, SampleType, Samples, Selection, info, read, read_metadata, write_exr,
+};
 
 /// Width and height of blocks.
 pub(super) const BLOCK: usize = 64;
@@ -19,6 +21,8 @@ pub(super) struct StoredImage {
     pub(super) window: Window,
     /// Sorted by name.
     pub(super) channels: Vec<StoredChannel>,
+    /// What stands beside the pixels: keys and values.
+    pub(super) metadata: Vec<(String, String)>,
 }
 
 pub(super) struct StoredChannel {
@@ -32,13 +36,14 @@ impl StoredImage {
     pub(super) fn read(path: &Path) -> Result<Self, trochoid_io::Error> {
         let limits = Limits::default();
         let info = info(path, &limits)?;
+        let metadata = read_metadata(path)?;
         let names = info.parts[0].channels.iter().map(|channel| channel.full_name.clone());
         let picture = read(path, &Selection::channels(names).with_part(0), &limits)?;
         let channels = picture.channels.into_iter();
         let channels = channels.map(|c| StoredChannel { name: c.full_name, stored: c.sample_type, plane: c.plane });
         let mut channels: Vec<StoredChannel> = channels.collect();
         channels.sort_by(|a, b| a.name.cmp(&b.name));
-        Ok(Self { kind: info.kind, parts: info.parts.len(), window: picture.data, channels })
+        Ok(Self { kind: info.kind, parts: info.parts.len(), window: picture.data, channels, metadata })
     }
 
     pub(super) fn channel(&self, name: &str) -> Option<&StoredChannel> {

@@ -23,6 +23,11 @@ pub(super) fn folder_of(path: &Path) -> PathBuf {
     path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new(".")).into()
 }
 
+/// A path as people write it: without `.` where that says nothing.
+pub(super) fn plain(path: &Path) -> PathBuf {
+    path.components().filter(|part| *part != Component::CurDir).collect()
+}
+
 /// A path relative to a folder, with `/` between its parts; as it stands where they have nothing in common.
 pub(super) fn seen_from(folder: &Path, path: &Path) -> String {
     let path = if path.as_os_str().is_empty() { Path::new(".") } else { path };

@@ -48,6 +48,7 @@ mod storage;
 #[cfg(test)]
 mod tests;
 mod types;
+mod words;
 
 pub use check::{Choice, Failed, Findings, Request, Verification, verify};
 pub use image::error_image;

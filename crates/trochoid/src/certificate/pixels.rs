@@ -7,6 +7,7 @@ use super::image::{StoredChannel, StoredImage};
 use super::make::hash_of_corners;
 use super::map::PixelMap;
 use super::storage::before_rounding;
+use super::words::Words;
 use super::*;
 use trochoid_engine::{Hull, Monitor, ReferenceFrame, ReferencePixel};
 use trochoid_graph::{CheckedGraph, Kind};
@@ -78,6 +79,18 @@ impl<'c> PixelCheck<'c> {
     ) -> Option<Self> {
         let spec = &graph.outputs()[index];
         let place = |field: &str| format!("output \"{}\", {field}", written.name);
+        if let Some(controls) = &written.controls {
+            let listed = controls.values.len() as u64;
+            let complete = controls.count <= LISTED;
+            if (complete && listed != controls.count) || listed > LISTED {
+                let expected = if complete {
+                    format!("{}, which are counted", controls.count)
+                } else {
+                    format!("at most {LISTED}")
+                };
+                found.fail(place("controls.values"), format!("{listed} colors"), expected);
+            }
+        }
         let window = graph.format().window();
         let pixels = window.area() as u64;
         let (audit, error) = (&written.audit, &written.error);
@@ -88,7 +101,7 @@ impl<'c> PixelCheck<'c> {
         let sums = (0.0..=SUM_F32).contains(&audit.weight_sum_max_deviation);
         if !sums || audit.weight_min.is_some_and(|least| least < 0.0) {
             let weights =
-                format!("weights from {:?}, sums off by {}", audit.weight_min, audit.weight_sum_max_deviation);
+                format!("weights from {}, sums off by {}", audit.weight_min.words(), audit.weight_sum_max_deviation);
             found.fail(place("audit"), weights, format!("no weight below 0, sums of 1 within {SUM_F32:e}"));
         }
         let samples = match spec.kind {
@@ -289,7 +302,7 @@ impl<'c> PixelCheck<'c> {
         found.same(place("controls.hash"), &controls.hash, &hash_of_corners(all.vertices()));
         let values = &controls.values;
         let outside = values.iter().filter(|color| all.exit(color, all.margin(1)).is_some()).count();
-        if outside > 0 || values.len() as u64 > controls.count.min(LISTED) {
+        if outside > 0 {
             let wrong = format!("{} colors, of which {outside} are none of the document's", values.len());
             found.fail(place("controls.values"), wrong, "control colors of the document");
         }

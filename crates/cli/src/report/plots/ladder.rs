@@ -6,6 +6,7 @@ use crate::report::data::Report;
 use plotters::prelude::*;
 use std::ops::Range;
 use trochoid::Tolerance;
+use trochoid::accuracy::Limit;
 
 const HEIGHT: u32 = 480;
 
@@ -24,13 +25,17 @@ fn room(chart: &LogLog<'_>) -> Labels {
     Labels::within([across.start + 4, down.start - 8, WIDTH as i32 - 4, down.end - 4])
 }
 
-/// Error against time: what is certified, and what is measured.
-pub(in crate::report) fn time(report: &Report<'_>) -> Outcome<String> {
+/// Error against time: what is certified, and what is measured; `None` where there is neither.
+pub(in crate::report) fn time(report: &Report<'_>) -> Outcome<Option<String>> {
     let rungs = || report.rungs();
+    if !rungs().any(|(rung, _)| shows(rung.certified.max) || shows(rung.measured.max)) {
+        return Ok(None);
+    }
     let x = around(rungs().map(|(rung, _)| rung.seconds));
     let y = around(rungs().flat_map(|(rung, _)| [rung.certified.max, rung.measured.max]));
     svg(HEIGHT, |area| {
-        let mut chart = log_log(area, [x, y], ["seconds a frame", "largest error, certified and measured"])?;
+        let error = format!("largest error{}, certified and measured", report.on_strips());
+        let mut chart = log_log(area, [x, y], ["seconds a frame", &error])?;
         let mut front: Vec<(f64, f64)> = rungs()
             .filter(|(rung, _)| rung.is_best && shows(rung.certified.max))
             .map(|(rung, _)| (rung.seconds, rung.certified.max))
@@ -64,19 +69,23 @@ pub(in crate::report) fn time(report: &Report<'_>) -> Outcome<String> {
         legend(area, (100, 20), &marks)?;
         Ok(())
     })
+    .map(Some)
 }
 
-/// Certified against measured errors, the largest of each.
-pub(in crate::report) fn measured(report: &Report<'_>) -> Outcome<String> {
+/// Certified against measured errors, the largest of each; `None` where no settings have both.
+pub(in crate::report) fn measured(report: &Report<'_>) -> Outcome<Option<String>> {
     let points = || {
         let all = report.rungs().map(|(rung, label)| ((rung.measured.max, rung.certified.max), label));
         all.filter(|((measured, certified), _)| shows(*measured) && shows(*certified))
     };
+    if points().next().is_none() {
+        return Ok(None);
+    }
     let x = around(points().map(|((measured, _), _)| measured));
     let y = around(points().flat_map(|((measured, certified), _)| [measured, certified]));
     svg(HEIGHT, |area| {
-        let names = ["largest measured error", "largest certified error"];
-        let mut chart = log_log(area, [x.clone(), y.clone()], names)?;
+        let names = ["measured", "certified"].map(|what| format!("largest {what} error{}", report.on_strips()));
+        let mut chart = log_log(area, [x.clone(), y.clone()], names.each_ref().map(String::as_str))?;
         equal(&mut chart, &x, &y)?;
         let mut labels = room(&chart);
         for (point, _) in points() {
@@ -89,6 +98,7 @@ pub(in crate::report) fn measured(report: &Report<'_>) -> Outcome<String> {
         legend(area, (100, 20), &[(Mark::Dot(CERTIFIED), "settings"), (Mark::Dashes, "where both are equal")])?;
         Ok(())
     })
+    .map(Some)
 }
 
 /// The line where both coordinates are the same.
@@ -106,8 +116,9 @@ fn equal(chart: &mut LogLog<'_>, x: &Range<f64>, y: &Range<f64>) -> Outcome<()> 
     Ok(())
 }
 
-/// Tolerances asked for against what is achieved; what is refused against the least that can be.
-pub(in crate::report) fn asked(report: &Report<'_>) -> Outcome<String> {
+/// Tolerances asked for against what is achieved; what is refused against the least that can be; `None` where nothing is
+/// certain.
+pub(in crate::report) fn asked(report: &Report<'_>) -> Outcome<Option<String>> {
     let ladder = report.ladder;
     let certified = |rung: usize| ladder.rungs[rung].certified.max;
     let methods = ladder.rungs.iter().filter(|rung| rung.is_method).map(|rung| rung.certified.max);
@@ -119,10 +130,14 @@ pub(in crate::report) fn asked(report: &Report<'_>) -> Outcome<String> {
         });
         all.filter(|((allowed, achieved), _)| shows(*allowed) && shows(*achieved))
     };
+    if points().next().is_none() {
+        return Ok(None);
+    }
     let x = around(points().map(|((allowed, _), _)| allowed));
     let y = around(points().flat_map(|((allowed, achieved), _)| [allowed, achieved]));
     svg(HEIGHT, |area| {
-        let names = ["error that the tolerance allows", "largest certified error"];
+        let certified = format!("largest certified error{}", report.on_strips());
+        let names = ["error that the tolerance allows", &certified];
         let mut chart = log_log(area, [x.clone(), y.clone()], names)?;
         equal(&mut chart, &x, &y)?;
         let mut labels = room(&chart);
@@ -138,7 +153,8 @@ pub(in crate::report) fn asked(report: &Report<'_>) -> Outcome<String> {
             let asked = Tolerance::Error(attempt.tolerance).to_string();
             labels.put(area, spot(&chart, point), &asked)?;
         }
-        let mut marks = vec![(Mark::Dot(CERTIFIED), "met"), (Mark::Dashes, "just as asked")];
+        let met = format!("met{}", report.on_strips());
+        let mut marks = vec![(Mark::Dot(CERTIFIED), met.as_str()), (Mark::Dashes, "just as asked")];
         let refusal = refusal(report);
         if let Some(refusal) = &refusal {
             marks.insert(1, (Mark::Cross(REFUSED), refusal.as_str()));
@@ -146,13 +162,15 @@ pub(in crate::report) fn asked(report: &Report<'_>) -> Outcome<String> {
         legend(area, (100, 20), &marks)?;
         Ok(())
     })
+    .map(Some)
 }
 
 /// Which pass limits what is refused: the most accurate settings have but one worst place.
 fn refusal(report: &Report<'_>) -> Option<String> {
     let refused = report.ladder.attempts.iter().find(|attempt| attempt.rung.is_none())?;
-    Some(match &refused.limiting {
-        Some((name, ty)) => format!("refused, limited by {name} ({ty})"),
-        None => "refused, limited by the rounding of f32".into(),
+    Some(match &refused.limit {
+        Some(Limit::Pass { node, ty }) => format!("refused, limited by {node} ({ty})"),
+        Some(limit) => format!("refused, {limit}"),
+        None => "refused".into(),
     })
 }

@@ -1,16 +1,19 @@
 //! Error against run time: settings side by side, from the coarsest to the most accurate, each certified, measured and timed.
 
+mod limit;
 mod rung;
 mod truth;
 mod work;
 
+pub use limit::Limit;
 pub use rung::{Errors, PassError, Rung};
 pub use work::{Saving, Scaling};
 
 use super::{Request, TargetError, allowed_of, knobs, pilot};
 use crate::{LoadError, Loaded};
+use limit::limit;
 use rung::Measuring;
-use trochoid_engine::{Buffers, Cache, Certifier, Limiting, Monitor};
+use trochoid_engine::Monitor;
 use trochoid_graph::CheckedGraph;
 use trochoid_image::{Format, Window};
 use truth::Truth;
@@ -59,10 +62,11 @@ pub struct Attempt {
     pub tolerance: f64,
     /// What it allows in the working space.
     pub allowed: f64,
-    /// Index of the settings that meet it; `None` where none do.
+    /// Index of the fastest settings that are certified to meet it, of those among which [`plan`](super::plan) chooses;
+    /// `None` where none do. Where strips of the picture alone are certified, they meet it there.
     pub rung: Option<usize>,
-    /// Where none do, the pass that limits the most accurate settings, with its type; `None` for rounding.
-    pub limiting: Option<(String, &'static str)>,
+    /// Where none do, why.
+    pub limit: Option<Limit>,
 }
 
 /// What accuracy knobs that are numbers are multiplied by.
@@ -114,12 +118,12 @@ pub fn climb(
         rungs[index].is_best = own.1.is_finite() && !rungs.iter().any(beats);
     }
     tell(steps - 3);
-    let limiting = rungs.last().map(|rung| limiting(&sized(&rung.set)?, request, &regions, monitor)).transpose()?;
+    let limit = rungs.last().map(|rung| limit(&sized(&rung.set)?, request, &regions, monitor)).transpose()?;
     let attempts = asked.tolerances.iter().map(|tolerance| {
         let allowed = allows(*tolerance)?;
-        let rung = rungs.iter().position(|rung| rung.is_method && rung.certified.max <= allowed);
-        let limiting = if rung.is_none() { limiting.clone().flatten() } else { None };
-        Some(Attempt { tolerance: *tolerance, allowed, rung, limiting })
+        let rung = fastest(&rungs, allowed);
+        let limit = if rung.is_none() { limit.clone() } else { None };
+        Some(Attempt { tolerance: *tolerance, allowed, rung, limit })
     });
     let attempts = attempts.collect::<Option<_>>().ok_or(TargetError::NothingDisplayed)?;
     tell(steps - 2);
@@ -136,6 +140,12 @@ pub fn climb(
         scalings,
         rungs,
     })
+}
+
+/// The fastest of those settings among which a plan chooses that are certified to what is allowed.
+fn fastest(rungs: &[Rung], allowed: f64) -> Option<usize> {
+    let meets = rungs.iter().enumerate().filter(|(_, rung)| rung.is_method && rung.certified.max <= allowed);
+    meets.min_by(|a, b| a.1.seconds.total_cmp(&b.1.seconds)).map(|(index, _)| index)
 }
 
 /// Forwards whether to stop, and what is prepared.
@@ -196,30 +206,4 @@ fn settings(graph: &CheckedGraph, request: &Request<'_>) -> Vec<(Vec<String>, bo
     all.extend(finer.into_iter().filter(|_| !numbers.is_empty()).map(|factor| (scaled(factor), false)));
     all.extend((1..most).map(|level| (at(level), true)));
     all
-}
-
-/// The pass that limits the settings of a graph where they are worst.
-fn limiting(
-    graph: &CheckedGraph,
-    request: &Request<'_>,
-    regions: &[Window],
-    monitor: &dyn Monitor,
-) -> Result<Option<(String, &'static str)>, TargetError> {
-    let mut cache = Cache::new();
-    let mut worst: Option<(f64, usize, [i64; 2])> = None;
-    for region in regions {
-        let mut settings = request.settings.clone();
-        settings.region = Some(*region);
-        let certifier = Certifier::new(graph, request.outputs, request.frame, &[], &settings)?;
-        for certified in certifier.certify(&Buffers::new(), &mut cache, monitor)? {
-            let max = certified.clear.max();
-            if let Some(pixel) = certified.worst.filter(|_| worst.is_none_or(|(most, ..)| max > most)) {
-                worst = Some((max, certified.output, pixel));
-            }
-        }
-    }
-    let Some((_, output, pixel)) = worst else { return Ok(None) };
-    let certifier = Certifier::new(graph, request.outputs, request.frame, &[], request.settings)?;
-    let Limiting { stage, .. } = certifier.limiting(output, pixel, &Buffers::new(), &mut cache, monitor)?;
-    Ok(stage.map(|id| (graph.node(id).name.clone(), graph.node(id).ty.declaration().name)))
 }

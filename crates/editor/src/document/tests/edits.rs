@@ -1,0 +1,169 @@
+use super::{SMALL, small};
+use crate::document::{Path, Session, edit};
+use serde_json::json;
+use trochoid::registry;
+
+fn valid(session: &Session) {
+    let errors: Vec<String> = session.meaning().errors().map(ToString::to_string).collect();
+    assert!(errors.is_empty(), "{errors:?}\n{}", session.text());
+}
+
+fn value(session: &Session, node: &str, item: &str) -> serde_json::Value {
+    session.sheet().get(&Path::node(node).to(item)).cloned().unwrap_or_default()
+}
+
+fn names(names: &[&str]) -> Vec<String> {
+    names.iter().map(|name| (*name).to_string()).collect()
+}
+
+#[test]
+fn every_type_of_node_can_be_added_and_taken_back() {
+    let mut session = small();
+    for name in registry().names() {
+        let declaration = registry().get(name).unwrap().declaration();
+        let (edit, name) = edit::added(session.sheet(), declaration, [10.0, 20.0]);
+        session.edit(edit).unwrap();
+        assert_eq!(session.sheet().node(&name).unwrap().at, [10.0, 20.0]);
+        // What can have a constant has one: errors are of connections, files and formulas alone.
+        for fault in session.meaning().errors().filter(|fault| fault.node.as_deref() == Some(name.as_str())) {
+            let port = fault.port.clone().unwrap_or_default();
+            let item = declaration.items.iter().find(|item| item.name() == port);
+            let is_open = matches!(item, Some(trochoid::Item::Port(_)));
+            let is_text = matches!(item, Some(trochoid::Item::Knob(knob))
+                if matches!(knob.takes, trochoid::Takes::Path | trochoid::Takes::Text | trochoid::Takes::Numbers { .. }));
+            let is_list = matches!(item, Some(trochoid::Item::List(_)));
+            let is_open = is_open || fault.remedy.contains("connect");
+            assert!(is_open || is_text || is_list, "{name}: {fault}");
+        }
+        session.undo();
+        assert_eq!(session.text(), SMALL);
+    }
+}
+
+#[test]
+fn deleting_leads_wires_past() {
+    let mut session = small();
+    session.edit(edit::deleted(session.sheet(), &names(&["soft"]))).unwrap();
+    valid(&session);
+    assert_eq!(session.sheet().outputs[0].source, "both", "the output shows what the node took");
+    session.edit(edit::deleted(session.sheet(), &names(&["sky", "sea"]))).unwrap();
+    assert_eq!(value(&session, "both", "colors"), json!([]));
+    session.undo();
+    session.undo();
+    assert_eq!(session.text(), SMALL);
+}
+
+#[test]
+fn renaming_reaches_every_reference() {
+    let mut session = small();
+    session.edit(edit::renamed(session.sheet(), "sky", "heaven")).unwrap();
+    valid(&session);
+    assert_eq!(value(&session, "both", "colors"), json!(["heaven", "sea"]));
+    session.edit(edit::renamed(session.sheet(), "soft", "end")).unwrap();
+    valid(&session);
+    assert_eq!(session.sheet().outputs[0].source, "end");
+}
+
+#[test]
+fn connecting_and_disconnecting_keep_a_document_valid() {
+    let mut session = small();
+    let sheet = session.sheet().clone();
+    let (sea, across) = (sheet.find("sea").unwrap(), sheet.find("down").unwrap());
+    let pin = sheet.nodes[sea].pins.iter().position(|pin| pin.label == "weight").unwrap();
+    session.edit(edit::connected(&sheet, (across, 0), (sea, pin))).unwrap();
+    assert_eq!(value(&session, "sea", "weight"), json!("down"));
+    session.edit(edit::disconnected(session.sheet(), (sea, pin))).unwrap();
+    assert_eq!(value(&session, "sea", "weight"), json!(0.5), "a mask needs a number in its place");
+    valid(&session);
+}
+
+#[test]
+fn a_node_is_put_into_a_wire_and_taken_out() {
+    let mut session = small();
+    let invert = registry().get("Blur").unwrap().declaration();
+    let (added, name) = edit::added(session.sheet(), invert, [0.0, 0.0]);
+    session.edit(added).unwrap();
+    let sheet = session.sheet().clone();
+    let (node, sea) = (sheet.find(&name).unwrap(), sheet.find("sea").unwrap());
+    let wire = *sheet.wires.iter().find(|wire| wire.to.0 == sea && sheet.nodes[wire.from.0].name == "sky").unwrap();
+    session.edit(edit::inserted(&sheet, node, &wire).unwrap()).unwrap();
+    valid(&session);
+    assert_eq!(value(&session, "sea", "b"), json!(name));
+    assert_eq!(value(&session, &name, "image"), json!("sky"));
+    session.edit(edit::extracted(session.sheet(), std::slice::from_ref(&name))).unwrap();
+    assert_eq!(value(&session, "sea", "b"), json!("sky"));
+    assert!(session.sheet().find(&name).is_some());
+}
+
+#[test]
+fn a_copy_pastes_into_a_chat_and_back() {
+    let mut session = small();
+    let text = edit::copied(session.sheet(), &names(&["sky", "sea"]));
+    let chat = format!("look at this:\n```json\n{text}```\nnice?");
+    let (edit, pasted) = edit::pasted(session.sheet(), &chat, [100.0, 50.0]).unwrap();
+    session.edit(edit).unwrap();
+    valid(&session);
+    assert_eq!(pasted, ["sky2", "sea2"]);
+    assert_eq!(value(&session, "sea2", "b"), json!("sky2"), "within the copy wires follow");
+    assert_eq!(value(&session, "sea2", "weight"), json!("across"), "beyond it they stay");
+    assert_eq!(session.sheet().node("sky2").unwrap().at, [100.0, 50.0]);
+    let mut other = Session::new("{ \"trochoid\": 1, \"nodes\": {} }".into(), None);
+    let (edit, _) = edit::pasted(other.sheet(), &text, [0.0, 0.0]).unwrap();
+    other.edit(edit).unwrap();
+    assert_eq!(value(&other, "sea", "weight"), serde_json::Value::Null, "what is not there is not asked for");
+    for junk in ["", "hello", "{}", "{\"a\": 1}", "{\"a\": {}}", "[1, 2]"] {
+        assert!(edit::pasted(session.sheet(), junk, [0.0, 0.0]).is_none(), "{junk}");
+    }
+}
+
+#[test]
+fn another_type_keeps_what_both_know() {
+    let mut session = small();
+    let screen = registry().get("Clamp").unwrap().declaration();
+    session.edit(edit::retyped(session.sheet(), "across", screen)).unwrap();
+    assert_eq!(value(&session, "across", "type"), json!("Clamp"));
+    let blend = registry().get("Patch").unwrap().declaration();
+    session.edit(edit::retyped(session.sheet(), "both", blend)).unwrap();
+    assert_eq!(value(&session, "both", "colors"), json!(["sky", "sea"]));
+}
+
+#[test]
+fn a_drag_is_one_step_and_typing_another() {
+    let mut session = small();
+    for step in 0..30 {
+        let at = [step as f32, 2.0 * step as f32];
+        session.edit(edit::moved(&[("sky".into(), at)]).merging("drag")).unwrap();
+    }
+    session.seal();
+    let path = Path::node("soft").to("size");
+    for step in 0..5 {
+        session.edit(edit::Edit::set(path.clone(), &json!(step)).merging("size")).unwrap();
+    }
+    assert_eq!(value(&session, "soft", "size"), json!(4));
+    assert_eq!(session.undo().as_deref(), Some("Set soft.size"));
+    assert_eq!(value(&session, "soft", "size"), json!(2));
+    assert_eq!(session.undo().as_deref(), Some("Move 1 node"));
+    assert_eq!(session.text(), SMALL);
+    assert!(session.undo().is_none());
+}
+
+#[test]
+fn documents_with_faults_open_and_can_be_mended() {
+    let faulty = SMALL.replace("\"weight\": \"across\"", "\"weight\": \"nowhere\"").replace("Blur", "Blurr");
+    let mut session = Session::new(faulty, None);
+    assert!(session.meaning().graph.is_none());
+    assert_eq!(session.sheet().nodes.len(), 6, "all nodes are there");
+    assert!(session.sheet().node("soft").unwrap().declaration.is_none());
+    session.edit(edit::Edit::set(Path::node("sea").to("weight"), &json!("across"))).unwrap();
+    session.edit(edit::Edit::set(Path::node("soft").to("type"), &json!("Blur"))).unwrap();
+    valid(&session);
+    let broken = Session::new("{ \"trochoid\": 1, ".into(), None);
+    assert!(!broken.meaning().readable);
+    assert_eq!(broken.meaning().errors().count(), 1);
+}
+
+#[test]
+fn numbers_are_written_as_people_write_them() {
+    let value = json!({ "a": [1.0, 2.5, -0.25], "b": { "c": "#fff000" }, "d": {}, "e": true });
+    assert_eq!(edit::style(&value), r##"{ "a": [1, 2.5, -0.25], "b": { "c": "#fff000" }, "d": {}, "e": true }"##);
+}

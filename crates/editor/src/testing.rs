@@ -1,0 +1,53 @@
+//! An editor without a window, for tests.
+
+use crate::document::Session;
+use crate::editor::Editor;
+use egui_kittest::Harness;
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+/// A window without a screen, with an editor in it.
+pub(crate) type Window = Harness<'static, Option<Editor>>;
+
+/// An editor of a document, 1280 × 800.
+pub(crate) fn window(session: Session, data: Option<PathBuf>) -> Window {
+    sized(session, data, [1280.0, 800.0])
+}
+
+/// An editor of a document in a window of a size, in points.
+pub(crate) fn sized(session: Session, data: Option<PathBuf>, size: [f32; 2]) -> Window {
+    let mut session = Some(session);
+    let draw = move |ui: &mut egui::Ui, editor: &mut Option<Editor>| {
+        if let Some(session) = session.take() {
+            *editor = Some(Editor::new(ui.ctx(), session, data.as_deref()).unwrap());
+        }
+        editor.as_mut().unwrap().ui(ui);
+    };
+    let mut window = Harness::builder().with_size(size).with_step_dt(0.02).build_ui_state(draw, None);
+    window.step();
+    window
+}
+
+/// The editor within.
+pub(crate) fn editor(window: &Window) -> &Editor {
+    window.state().as_ref().unwrap()
+}
+
+/// Draws until something holds; frames follow each other as in a window.
+pub(crate) fn until(window: &mut Window, what: &str, holds: impl Fn(&Editor) -> bool) {
+    let started = Instant::now();
+    while !holds(editor(window)) {
+        assert!(started.elapsed() < Duration::from_secs(120), "waited in vain for {what}");
+        std::thread::sleep(Duration::from_millis(2));
+        window.step();
+    }
+}
+
+/// Draws until the picture is finished, or cannot be made.
+pub(crate) fn finished(window: &mut Window) {
+    window.step();
+    until(window, "the picture", |editor| {
+        let seen = &editor.state().seen;
+        seen.progress.is_none() && (seen.failed.is_some() || seen.result.as_ref().is_some_and(|result| result.finished))
+    });
+}

@@ -1,0 +1,137 @@
+use super::{DUSK, dusk};
+use crate::actions::Action;
+use crate::document::{Session, edit};
+use crate::testing::{Window, editor, until, window};
+use egui::{Key, Modifiers};
+use egui_kittest::kittest::Queryable;
+
+fn act(window: &mut Window, action: Action) {
+    let context = window.ctx.clone();
+    window.state_mut().as_mut().unwrap().act(action, &context);
+    window.run_steps(3);
+}
+
+fn moved(x: f32) -> Action {
+    Action::Edit(edit::moved(&[("sky".into(), [x, 0.0])]))
+}
+
+#[test]
+fn a_document_is_saved_and_the_mark_goes() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("dusk.json");
+    std::fs::write(&file, DUSK).unwrap();
+    let mut window = window(Session::open(&file).unwrap(), Some(folder.path().join("data")));
+    assert_eq!(editor(&window).title(), "dusk.json — Trochoid");
+    act(&mut window, moved(7.0));
+    assert_eq!(editor(&window).title(), "● dusk.json — Trochoid");
+    window.key_press_modifiers(Modifiers::COMMAND, Key::S);
+    window.run_steps(3);
+    assert_eq!(editor(&window).title(), "dusk.json — Trochoid");
+    let saved = std::fs::read_to_string(&file).unwrap();
+    assert!(saved.contains("\"sky\": [7, 0]"), "{saved}");
+    assert_eq!(
+        saved.replace(",\n  \"ui\": { \"positions\": { \"sky\": [7, 0] } }", ""),
+        DUSK,
+        "all else stays as it was"
+    );
+}
+
+#[test]
+fn unsaved_work_is_asked_about() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("dusk.json");
+    std::fs::write(&file, DUSK).unwrap();
+    let mut window = window(Session::open(&file).unwrap(), None);
+    act(&mut window, moved(3.0));
+    act(&mut window, Action::Quit);
+    window.get_by_label("Save changes?");
+    window.get_by_label("Cancel").click();
+    window.run_steps(3);
+    assert!(!editor(&window).is_closing());
+    assert!(window.query_by_label("Save changes?").is_none());
+    act(&mut window, Action::Quit);
+    window.get_by_label("Save").click();
+    window.run_steps(3);
+    assert!(editor(&window).is_closing());
+    assert!(std::fs::read_to_string(&file).unwrap().contains("[3, 0]"));
+    let mut window = crate::testing::window(Session::open(&file).unwrap(), None);
+    act(&mut window, moved(4.0));
+    act(&mut window, Action::New);
+    window.get_by_label("Discard").click();
+    window.run_steps(3);
+    assert_eq!(editor(&window).title(), "untitled — Trochoid");
+    assert!(std::fs::read_to_string(&file).unwrap().contains("[3, 0]"), "discarded is not saved");
+}
+
+#[test]
+fn a_change_by_another_program_is_noticed_once_and_can_be_undone() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("dusk.json");
+    std::fs::write(&file, DUSK).unwrap();
+    let mut window = window(Session::open(&file).unwrap(), None);
+    act(&mut window, Action::Save);
+    window.run_steps(20);
+    assert!(window.query_by_label("The file has changed").is_none(), "its own writing is no news");
+    let other = DUSK.replace("0.25", "0.75");
+    std::fs::write(&file, &other).unwrap();
+    until(&mut window, "the question", |editor| editor.prompts.is_open());
+    window.run_steps(2);
+    window.get_by_label("Reload").click();
+    window.run_steps(3);
+    assert_eq!(editor(&window).state().session.text(), other);
+    act(&mut window, Action::Undo);
+    assert_eq!(editor(&window).state().session.text(), DUSK);
+}
+
+#[test]
+fn work_of_an_editor_that_ended_is_offered() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("dusk.json");
+    std::fs::write(&file, DUSK).unwrap();
+    let unsaved = folder.path().join("data").join("unsaved");
+    std::fs::create_dir_all(&unsaved).unwrap();
+    let lost = DUSK.replace("0.25", "0.5");
+    let copy = serde_json::json!({ "file": file, "text": lost }).to_string();
+    std::fs::write(unsaved.join("1-0.json"), copy).unwrap();
+    let mut window = window(dusk(), Some(folder.path().join("data")));
+    window.get_by_label("Recover unsaved work?");
+    window.get_by_label("Recover").click();
+    window.run_steps(3);
+    let state = editor(&window).state();
+    assert_eq!(state.session.text(), lost);
+    assert_eq!(state.session.file(), Some(file.as_path()));
+    assert!(state.session.is_changed());
+    assert_eq!(std::fs::read_to_string(&file).unwrap(), DUSK, "nothing is written before it is saved");
+    assert!(!unsaved.join("1-0.json").exists());
+}
+
+#[test]
+fn recent_documents_are_remembered() {
+    let folder = tempfile::tempdir().unwrap();
+    let (data, one, two) = (folder.path().join("data"), folder.path().join("one.json"), folder.path().join("two.json"));
+    std::fs::write(&one, DUSK).unwrap();
+    std::fs::write(&two, DUSK).unwrap();
+    drop(window(Session::open(&one).unwrap(), Some(data.clone())));
+    drop(window(Session::open(&two).unwrap(), Some(data.clone())));
+    assert_eq!(crate::recent::read(&data), [two, one.clone()]);
+    std::fs::remove_file(one).unwrap();
+    assert_eq!(crate::recent::read(&data).len(), 1, "what is gone is not offered");
+}
+
+#[test]
+fn the_range_is_rendered_to_files() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("dusk.json");
+    std::fs::write(&file, DUSK).unwrap();
+    let mut window = window(Session::open(&file).unwrap(), None);
+    act(&mut window, Action::Range(2, 4));
+    act(&mut window, Action::Render);
+    until(&mut window, "the files", |editor| editor.state().render.is_none());
+    let mut names: Vec<String> = std::fs::read_dir(folder.path())
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned())
+        .filter(|name| name.ends_with(".png"))
+        .collect();
+    names.sort();
+    assert_eq!(names, ["dusk.0002.png", "dusk.0003.png", "dusk.0004.png"]);
+}

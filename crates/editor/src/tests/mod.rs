@@ -1,0 +1,25 @@
+mod files;
+mod keys;
+mod panels;
+mod shots;
+
+use crate::document::Session;
+
+/// A ramp that a mask darkens.
+const DUSK: &str = r##"{
+  "trochoid": 1,
+  "format": { "width": 48, "height": 27 },
+  "working_space": "srgb",
+  "frames": { "first": 1, "last": 8, "fps": 24 },
+  "nodes": {
+    "down": { "type": "ScreenY" },
+    "sky": { "type": "Ramp", "weight": "down", "stops": [ { "at": 0, "color": "#2d3f52" }, { "at": 1, "color": "#f0cf8e" } ] },
+    "dusk": { "type": "Mix", "a": "sky", "b": "#14262e", "weight": 0.25 }
+  },
+  "outputs": { "beauty": { "color": "dusk", "file": "dusk.####.png" } }
+}
+"##;
+
+fn dusk() -> Session {
+    Session::new(DUSK.into(), None)
+}

@@ -1,0 +1,120 @@
+use super::{DUSK, dusk};
+use crate::actions::Action;
+use crate::document::{Path, Session};
+use crate::layout::Pane;
+use crate::testing::{Window, editor, finished, window};
+use egui_kittest::kittest::Queryable;
+use serde_json::json;
+
+fn act(window: &mut Window, action: Action) {
+    let context = window.ctx.clone();
+    window.state_mut().as_mut().unwrap().act(action, &context);
+    window.run_steps(3);
+}
+
+fn choose(window: &mut Window, name: &str) {
+    act(window, Action::Select([name.to_string()].into()));
+}
+
+#[test]
+fn a_picture_comes_and_says_that_nothing_left_the_palette() {
+    let mut window = window(dusk(), None);
+    finished(&mut window);
+    window.run_steps(2);
+    window.get_by_label("0 outside the palette");
+    window.get_by_label("No errors");
+}
+
+#[test]
+fn every_type_of_node_has_its_knobs() {
+    let mut window = window(dusk(), None);
+    for name in trochoid::registry().names() {
+        let declaration = trochoid::registry().get(name).unwrap().declaration();
+        let (edit, node) = crate::document::edit::added(editor(&window).state().sheet(), declaration, [0.0, 0.0]);
+        act(&mut window, Action::Edit(edit));
+        choose(&mut window, &node);
+        for item in declaration.items.iter().filter(|item| matches!(item, trochoid::Item::Knob(_))) {
+            let label = item.name().replace('_', " ");
+            assert!(window.query_all_by_label(&label).next().is_some(), "{name} shows {label}");
+        }
+        act(&mut window, Action::Undo);
+    }
+}
+
+#[test]
+fn a_name_is_typed_and_everything_follows() {
+    let mut window = window(dusk(), None);
+    choose(&mut window, "sky");
+    let field = window.get_all_by_value("sky").next().unwrap();
+    field.focus();
+    field.type_text("line");
+    window.run_steps(2);
+    window.key_press(egui::Key::Enter);
+    window.run_steps(3);
+    let state = editor(&window).state();
+    let renamed = state.sheet().nodes[1].name.clone();
+    assert!(renamed.contains("line"), "{renamed}");
+    assert_eq!(state.sheet().get(&Path::node("dusk").to("a")), Some(&json!(renamed)));
+    assert!(state.selection.contains(&renamed));
+}
+
+#[test]
+fn a_faulty_document_says_where() {
+    let mut window = window(Session::new(DUSK.replace("\"sky\", \"b\"", "\"skyy\", \"b\""), None), None);
+    finished(&mut window);
+    window.run_steps(2);
+    window.get_by_label("1 error").click();
+    window.run_steps(3);
+    assert!(editor(&window).state().selection.contains("dusk"), "the culprit is chosen");
+    assert!(editor(&window).state().seen.failed.is_some());
+}
+
+#[test]
+fn a_text_that_is_typed_becomes_the_document() {
+    let mut window = window(dusk(), None);
+    act(&mut window, Action::Panel(Pane::Text));
+    act(&mut window, Action::Rewrite(DUSK.replace("0.25", "0.5")));
+    assert!(editor(&window).state().session.text().contains("0.5"));
+    act(&mut window, Action::Rewrite("{ \"trochoid\": 1, ".into()));
+    window.get_by_label("1 error");
+    act(&mut window, Action::Undo);
+    act(&mut window, Action::Undo);
+    assert_eq!(editor(&window).state().session.text(), DUSK);
+}
+
+#[test]
+fn all_panels_can_be_shown_in_both_themes() {
+    let mut window = window(dusk(), None);
+    finished(&mut window);
+    for _ in 0..2 {
+        for pane in Pane::ALL {
+            act(&mut window, Action::Panel(pane));
+            assert!(window.query_all_by_label(pane.title()).next().is_some());
+        }
+        act(&mut window, Action::Theme);
+    }
+}
+
+#[test]
+fn a_sea_shows_its_waves() {
+    let text = r#"{
+      "trochoid": 1,
+      "format": { "width": 32, "height": 18 },
+      "nodes": {
+        "eye": { "type": "Camera", "position": [0, 6, 20] },
+        "storm": { "type": "GerstnerSea", "count": 40, "sharpness": 3 },
+        "view": { "type": "Render", "camera": "eye", "surfaces": ["storm"] },
+        "deep": { "type": "Depth", "view": "view" }
+      },
+      "outputs": { "depth": { "field": "deep" } }
+    }"#;
+    let mut window = window(Session::new(text.into(), None), None);
+    finished(&mut window);
+    act(&mut window, Action::Panel(Pane::Waves));
+    window.get_by_label_contains("Crests fold over");
+    let set = |sharpness: f64| {
+        Action::Edit(crate::document::Edit::set(Path::node("storm").to("sharpness"), &json!(sharpness)))
+    };
+    act(&mut window, set(0.1));
+    window.get_by_label_contains("Crests do not fold over");
+}
