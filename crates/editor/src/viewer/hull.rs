@@ -67,6 +67,7 @@ impl Cloud {
         let center = ends.map(|[low, high]| if low <= high { 0.5 * (low + high) } else { 0.5 });
         let reach = |v: &Point| (0..3).map(|axis| (v[axis] - center[axis]).powi(2)).sum::<f32>().sqrt();
         let radius = vertices.iter().map(reach).fold(0.0, f32::max).max(1e-3);
+        // That of a single point has no length.
         let real = edges.iter().filter(|[a, b]| a != b);
         Some(Self {
             of: picture.clone(),

@@ -28,6 +28,12 @@ pub(super) fn pixel(result: &Result, at: Pos2) -> Option<[i64; 2]> {
     ((window.x0..window.x1).contains(&x) && (window.y0..window.y1).contains(&y)).then_some([x, y])
 }
 
+/// The pixel of the document's picture there, whatever is evaluated of it.
+pub(super) fn named(result: &Result, at: Pos2) -> [i64; 2] {
+    let format = result.lens.graph.format();
+    blame::pixel([at.x, at.y], [format.width(), format.height()])
+}
+
 /// A pixel's value by channel.
 pub(super) fn values(result: &Result, [x, y]: [i64; 2]) -> Vec<f64> {
     result.picture.planes.iter().map(|plane| f64::from(plane.nearest(x, y))).collect()
@@ -63,10 +69,10 @@ pub(super) fn inspector_ui(ui: &mut Ui, state: &State, result: &Result, at: Pos2
     let picture = &result.picture;
     let found = pixel(result, at);
     ui.horizontal(|ui| {
-        let place = blame::pixel([at.x, at.y], [result.format.width(), result.format.height()]);
+        let place = named(result, at);
         ui.strong(format!("Pixel {}, {}", place[0], place[1]));
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            if ui.add(Button::new("✕").small().frame(false)).on_hover_text("Inspects no pixel (Esc).").clicked() {
+            if ui.add(Button::new("×").small().frame(false)).on_hover_text("Inspects no pixel (Esc).").clicked() {
                 actions.push(Action::Pick(None));
             }
         });
@@ -123,6 +129,8 @@ fn kind(result: &Result) -> String {
 fn blame_ui(ui: &mut Ui, state: &State, result: &Result, blamed: &Blamed, actions: &mut Vec<Action>) {
     ui.weak("Mixed of").on_hover_text("The control colors of this pixel and their shares, which sum to 1.");
     ScrollArea::vertical().id_salt("blame").auto_shrink(false).show(ui, |ui| {
+        ui.spacing_mut().item_spacing.y = 1.0;
+        ui.spacing_mut().interact_size.y = 15.0;
         for share in blamed.shares.iter().take(ROWS) {
             share_ui(ui, state, result, share, actions);
         }

@@ -351,7 +351,8 @@ fn bar_ui(viewer: &mut Viewer, ui: &mut Ui, stage: &Stage, state: &State, hover:
                     inspector::swatch_ui(ui, color, 12.0);
                 }
                 let values = inspector::written(&inspector::values(result, pixel), 6);
-                let text = format!("{}, {}   {values}", pixel[0], pixel[1]);
+                let [x, y] = inspector::named(result, at);
+                let text = format!("{x}, {y}   {values}");
                 ui.add(egui::Label::new(RichText::new(text).monospace().size(11.0)).truncate());
             }
         });

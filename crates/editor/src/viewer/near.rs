@@ -84,3 +84,39 @@ fn marks(picture: &Picture, distance: f64) -> Option<ColorImage> {
     });
     Some(ColorImage::new(size, pixels))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use trochoid::{Audit, Guarantee, Kind, Plane, Window};
+
+    fn picture(colors: &[[f32; 3]], palette: &[[f32; 3]]) -> Picture {
+        let window = Window::new(0, 0, colors.len() as i64, 1);
+        let plane = |channel: usize| Plane::new(window, colors.iter().map(|color| color[channel]).collect()).unwrap();
+        Picture {
+            output: 0,
+            kind: Kind::Color,
+            planes: (0..3).map(plane).collect(),
+            guarantee: Some(Guarantee::Hull),
+            audit: Audit::default(),
+            control_count: palette.len(),
+            control_colors: palette.to_vec(),
+            hull: Some(Arc::new(Hull::new(palette))),
+            margin: 0.0,
+        }
+    }
+
+    #[test]
+    fn what_is_near_a_face_is_marked_the_stronger_the_nearer() {
+        let palette = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        let colors = [[0.0, 0.2, 0.2], [0.015, 0.2, 0.2], [0.2, 0.2, 0.2]];
+        let image = marks(&picture(&colors, &palette), 0.02).unwrap();
+        let strength: Vec<u8> = image.pixels.iter().map(|pixel| pixel.a()).collect();
+        assert!(strength[0] > strength[1] && strength[1] > 0 && strength[2] == 0, "{strength:?}");
+    }
+
+    #[test]
+    fn a_flat_palette_marks_nothing() {
+        assert!(marks(&picture(&[[0.5; 3]], &[[0.0; 3], [1.0; 3]]), 0.02).is_none());
+    }
+}

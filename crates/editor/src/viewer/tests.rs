@@ -368,6 +368,7 @@ fn screenshots_of_the_viewer() {
     shot(&mut window, "difference");
     window.get_by_label("Let go of A").click();
     settle(&mut window);
+    act(&mut window, Action::Look("beauty".into(), 0));
     let center = picture(&window).center();
     hover(&mut window, center);
     press(&mut window, Key::N);

@@ -28,7 +28,8 @@ pub(super) fn toolbar_ui(viewer: &mut Viewer, ui: &mut Ui, state: &State, action
         reset(ui.add(exposure), "Exposure in stops. Double-click for 0.", || next.exposure = 0.0);
         let gamma = DragValue::new(&mut next.gamma).speed(0.005).range(0.1..=8.0).fixed_decimals(2).prefix("γ ");
         reset(ui.add(gamma), "Gamma. Double-click for 1.", || next.gamma = 1.0);
-        if matches!(kind(state), Some(Kind::Field(_))) {
+        // Whatever is shown as gray.
+        if !matches!(kind(state), Some(Kind::Color) | None) || next.channel != Channel::All {
             field_ui(ui, state, &mut next);
         }
         if next != *display {
@@ -208,7 +209,7 @@ fn compare_ui(viewer: &mut Viewer, ui: &mut Ui, state: &State) {
         let gain = DragValue::new(&mut compare.gain).speed(0.1).range(range).fixed_decimals(0).prefix("× ");
         reset(ui.add(gain), "By how much differences are multiplied. Double-click for 4.", || compare.gain = 4.0);
     }
-    let drop = ui.button("✕");
+    let drop = ui.button("×");
     drop.widget_info(|| WidgetInfo::labeled(WidgetType::Button, true, "Let go of A"));
     if drop.on_hover_text("Lets go of A.").clicked() {
         compare.held = None;
