@@ -59,14 +59,16 @@ pub(crate) struct Panels {
 #[derive(Default)]
 struct Asked {
     generation: u64,
-    /// Revision, node, output, frame, proxy, region.
-    what: Option<(u64, String, usize, i64, u32, Option<[f32; 4]>)>,
+    what: Option<What>,
     display: crate::evaluate::Display,
     thumbnails: u64,
     ahead: Option<(u64, i64)>,
     /// Picture, frame and place.
     blame: Option<(u64, i64, [f32; 2])>,
 }
+
+/// What a picture is of: revision, node, output, frame, proxy, region.
+type What = (u64, String, usize, i64, u32, Option<[f32; 4]>);
 
 /// Most memory for pictures of frames, bytes.
 const FRAMES: usize = 2 << 30;
@@ -84,7 +86,7 @@ impl Editor {
         let folder = data.map(|data| data.join("unsaved"));
         let orphans = folder.as_deref().map(kept).unwrap_or_default();
         let keeper = folder.as_deref().and_then(|folder| Keeper::new(folder).ok());
-        let recent = data.map(|data| crate::recent::read(data)).unwrap_or_default();
+        let recent = data.map(crate::recent::read).unwrap_or_default();
         let mut editor = Self {
             tree: layout::first(),
             panels: Panels::default(),
@@ -227,7 +229,9 @@ impl Editor {
             Action::SaveAs => self.prompts.ask_save(&state.session, None),
             Action::Reload => match state.session.reload() {
                 Ok(()) => self.changed(),
-                Err(error) => drop(self.toasts.error(error)),
+                Err(error) => {
+                    self.toasts.error(error);
+                }
             },
             Action::Copy | Action::Cut => {
                 context.copy_text(edit::copied(&sheet, &names));
@@ -241,7 +245,7 @@ impl Editor {
                     self.state.selection = names.into_iter().collect();
                 }
                 None => {
-                    drop(self.toasts.warning("The clipboard holds no nodes: copy some from a graph, or their JSON"))
+                    self.toasts.warning("The clipboard holds no nodes: copy some from a graph, or their JSON");
                 }
             },
             Action::Duplicate => {
@@ -281,7 +285,9 @@ impl Editor {
                 let dark = context.theme() == egui::Theme::Dark;
                 context.set_theme(if dark { egui::Theme::Light } else { egui::Theme::Dark });
             }
-            Action::Notice(text) => drop(self.toasts.info(text)),
+            Action::Notice(text) => {
+                self.toasts.info(text);
+            }
         }
     }
 
@@ -292,7 +298,9 @@ impl Editor {
         }
         match self.state.session.edit(edit) {
             Ok(()) => self.changed(),
-            Err(error) => drop(self.toasts.error(error.to_string())),
+            Err(error) => {
+                self.toasts.error(error.to_string());
+            }
         }
     }
 
@@ -323,7 +331,9 @@ impl Editor {
             After::Ask => self.prompts.ask_open(&self.state.session),
             After::Open(file) => match Session::open(&file) {
                 Ok(session) => self.start(session, context),
-                Err(error) => drop(self.toasts.error(error)),
+                Err(error) => {
+                    self.toasts.error(error);
+                }
             },
             After::Close => {
                 self.closing = true;
@@ -342,7 +352,9 @@ impl Editor {
                     self.recent = crate::recent::add(data, file);
                 }
             }
-            Err(error) => drop(self.toasts.error(error).duration(None)),
+            Err(error) => {
+                self.toasts.error(error).duration(None);
+            }
         }
     }
 
@@ -560,10 +572,10 @@ impl Editor {
                         seen.result = Some(Arc::new(result));
                     }
                 }
-                News::Progress { generation, share } if generation == self.asked.generation => {
-                    if seen.progress.is_some() {
-                        seen.progress = Some(share);
-                    }
+                News::Progress { generation, share }
+                    if generation == self.asked.generation && seen.progress.is_some() =>
+                {
+                    seen.progress = Some(share);
                 }
                 News::Failed { generation, message } if generation == self.asked.generation => {
                     seen.failed = Some(message);
@@ -595,7 +607,9 @@ impl Editor {
                 self.state.render = Some(renderer.progress());
                 self.renderer = Some(renderer);
             }
-            Err(error) => drop(self.toasts.error(error).duration(None)),
+            Err(error) => {
+                self.toasts.error(error).duration(None);
+            }
         }
     }
 
@@ -608,8 +622,12 @@ impl Editor {
         self.renderer = None;
         self.state.render = None;
         match outcome {
-            Ok(message) => drop(self.toasts.success(message).duration(None)),
-            Err(message) => drop(self.toasts.error(message).duration(None)),
+            Ok(message) => {
+                self.toasts.success(message).duration(None);
+            }
+            Err(message) => {
+                self.toasts.error(message).duration(None);
+            }
         }
     }
 

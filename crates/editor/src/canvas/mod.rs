@@ -1,39 +1,302 @@
 //! The graph: nodes, wires, and what is done to them by hand.
+//!
+//! What is drawn depends on the document alone (`plan`) and on where one looks (`view`). What the pointer does is one
+//! gesture at a time (`drag`); nothing of it changes the document before it is over.
+
+mod backdrop;
+mod connect;
+mod curve;
+mod drag;
+mod menu;
+mod minimap;
+mod node;
+mod picture;
+mod pin;
+mod place;
+mod plan;
+mod popup;
+mod search;
+#[cfg(test)]
+mod tests;
+mod view;
+mod wire;
 
 use crate::actions::Action;
 use crate::document::{Edit, Point, Sheet};
 use crate::state::State;
-use egui::Ui;
+use drag::Gesture;
+use egui::{Align2, Color32, Event, FontId, Key, Modifiers, MouseWheelUnit, PointerButton, Rect, Response, Sense};
+use egui::{Stroke, StrokeKind, Ui, UiBuilder, WidgetInfo, WidgetType, pos2, vec2};
+use plan::Plan;
 use std::collections::BTreeSet;
+use std::sync::Arc;
 
 /// What the canvas holds besides what all see.
 #[derive(Default)]
-pub struct Canvas {}
+pub struct Canvas {
+    view: view::View,
+    plan: Option<Plan>,
+    laid: place::Laid,
+    pictures: picture::Pictures,
+    gesture: Gesture,
+    /// A pin that was clicked, unless the click ended a gesture.
+    clicked: Option<plan::End>,
+    has_plugged: bool,
+    search: Option<search::Search>,
+    /// Why the last wire was not drawn, and where it would have gone.
+    refusal: Option<(connect::Refusal, egui::Pos2)>,
+    menu: Option<menu::Menu>,
+    writing: Option<backdrop::Writing>,
+    wants_frame: bool,
+    wants_search: bool,
+    /// Whether the view was set at all.
+    is_shown: bool,
+    /// Whether the wheel zooms, as that of a mouse does, or moves, as two fingers do.
+    wheel_moves: bool,
+}
 
 impl Canvas {
     /// Forgets what is under the pointer: it may be gone.
-    pub fn forget_cursor(&mut self) {}
+    pub fn forget_cursor(&mut self) {
+        self.gesture = Gesture::Idle;
+        self.menu = None;
+        self.refusal = None;
+        self.clicked = None;
+    }
 
     /// Shows the chosen nodes, or all, when it is drawn next.
-    pub fn frame(&mut self) {}
+    pub fn frame(&mut self) {
+        self.wants_frame = true;
+    }
 
     /// Asks for a node to add, when it is drawn next.
-    pub fn search(&mut self) {}
+    pub fn search(&mut self) {
+        self.wants_search = true;
+    }
+
+    /// Takes what is under the pointer and the panel's size, and what there is to draw.
+    fn prepare(&mut self, ui: &Ui, state: &State, rect: Rect) -> Plan {
+        self.view.set_rect(rect);
+        let old = self.plan.take();
+        let plan = match old {
+            Some(plan) if Arc::ptr_eq(&plan.sheet, state.sheet()) => plan,
+            old => {
+                let plan = Plan::new(state, &mut self.laid);
+                let names = |plan: &Plan| plan.sheet.nodes.iter().map(|node| node.name.clone()).collect::<Vec<String>>();
+                // Nodes that are moved may lose their wires on the way, and stay in the hand.
+                let same = old.is_some_and(|old| names(&old) == names(&plan));
+                if !(same && matches!(self.gesture, Gesture::Move(_) | Gesture::Pan(_))) {
+                    self.forget_cursor();
+                }
+                plan
+            }
+        };
+        self.pictures.tidy(state);
+        if !self.is_shown && rect.is_positive() {
+            self.is_shown = true;
+            if let Some(area) = plan.area(&BTreeSet::new()) {
+                self.view.show(area);
+            }
+        }
+        let framed = std::mem::take(&mut self.wants_frame).then(|| plan.area(&state.selection)).flatten();
+        if let Some(area) = framed {
+            self.view.show(area);
+        }
+        if std::mem::take(&mut self.wants_search) {
+            let at = ui.input(|input| input.pointer.hover_pos()).filter(|at| rect.contains(*at));
+            self.open_search(at.unwrap_or(rect.center()), connect::Wanted::Nothing);
+        }
+        plan
+    }
+
+    /// Moves and zooms the view.
+    fn navigate(&mut self, ui: &Ui, background: &Response) {
+        if !ui.rect_contains_pointer(self.view.rect) {
+            return;
+        }
+        let moves = ui.input(|input| {
+            input.events.iter().find_map(|event| match event {
+                Event::MouseWheel { unit, .. } => Some(*unit == MouseWheelUnit::Point),
+                _ => None,
+            })
+        });
+        self.wheel_moves = moves.unwrap_or(self.wheel_moves);
+        let (at, scroll, zoom, alt) = ui.input(|input| {
+            (input.pointer.latest_pos(), input.smooth_scroll_delta(), input.zoom_delta(), input.modifiers.alt)
+        });
+        let at = at.unwrap_or(background.rect.center());
+        if zoom != 1.0 {
+            self.view.zoom_at(at, zoom);
+        }
+        if self.wheel_moves {
+            self.view.pan += scroll;
+        } else if scroll.y != 0.0 {
+            self.view.zoom_at(at, (scroll.y * 0.004).exp());
+        }
+        let pressed = ui.input(|input| {
+            let by = |button| input.pointer.button_pressed(button);
+            let middle = by(PointerButton::Middle).then_some(PointerButton::Middle);
+            middle.or((alt && by(PointerButton::Primary)).then_some(PointerButton::Primary))
+        });
+        if let Some(button) = pressed.filter(|_| matches!(self.gesture, Gesture::Idle)) {
+            self.gesture = Gesture::Pan(button);
+        }
+    }
+
+    /// What is done to the empty canvas.
+    fn background(&mut self, plan: &Plan, ui: &Ui, state: &State, response: &Response, actions: &mut Vec<Action>) {
+        let wire = self.wire_hovered(plan, ui, response.hovered());
+        self.wires_ui(plan, ui, state, wire);
+        let idle = matches!(self.gesture, Gesture::Idle);
+        if idle && response.drag_started_by(PointerButton::Primary) {
+            let origin = ui.input(|input| input.pointer.press_origin());
+            let reach = wire::REACH / self.view.zoom;
+            let pressed = origin.and_then(|at| plan.nearest_wire(self.view.canvas(at), reach));
+            self.begin(plan, ui, state, pressed);
+        }
+        if idle && response.clicked() {
+            let modifiers = ui.input(|input| input.modifiers);
+            match (wire, response.interact_pointer_pos()) {
+                (Some(wire), Some(at)) if modifiers.command => {
+                    let (_, dots) = drag::with_dot(plan, wire, self.view.canvas(at));
+                    let dots: Vec<Point> = dots.into_iter().map(Into::into).collect();
+                    let to = plan.sheet.wires[wire].to;
+                    actions.push(Action::Edit(crate::document::decor::dotted(&plan.sheet, to, &dots)));
+                    actions.push(Action::Seal);
+                }
+                _ if !(modifiers.shift || modifiers.command || state.selection.is_empty()) => {
+                    actions.push(Action::Select(BTreeSet::new()));
+                }
+                _ => {}
+            }
+        }
+        if response.secondary_clicked() {
+            self.open_menu(ui, menu::About::Empty);
+        }
+    }
+
+    /// What is done by keys.
+    fn keys(&mut self, plan: &Plan, ui: &Ui, state: &State, actions: &mut Vec<Action>) {
+        if ui.ctx().text_edit_focused() {
+            return;
+        }
+        let (up, down) = ui.input_mut(|input| {
+            (input.consume_key(Modifiers::ALT, Key::ArrowUp), input.consume_key(Modifiers::ALT, Key::ArrowDown))
+        });
+        if let Some(node) = state.chosen().and_then(|name| plan.sheet.find(name)).filter(|_| up || down) {
+            let mut wires = plan.sheet.wires.iter();
+            let next = match up {
+                true => wires.find(|wire| wire.to.0 == node).map(|wire| wire.from.0),
+                false => wires.find(|wire| wire.from.0 == node).map(|wire| wire.to.0),
+            };
+            if let Some(next) = next {
+                actions.push(Action::Select([plan.sheet.nodes[next].name.clone()].into()));
+                if !self.view.seen().contains_rect(plan.boxes[next]) {
+                    self.view.center(plan.boxes[next].center());
+                }
+            }
+        }
+        if ui.rect_contains_pointer(self.view.rect) {
+            let (pasted, at) = ui.input(|input| {
+                let text = input.events.iter().find_map(|event| match event {
+                    Event::Paste(text) => Some(text.clone()),
+                    _ => None,
+                });
+                (text, input.pointer.latest_pos())
+            });
+            if let Some(text) = pasted {
+                let at = self.view.canvas(at.unwrap_or(self.view.rect.center()));
+                actions.push(Action::Paste(text, at.into()));
+            }
+        }
+    }
+
+    /// What lies over everything: lines that help, and the area that is drawn.
+    fn overlay(&self, plan: &Plan, ui: &Ui) {
+        self.pull_ui(plan, ui);
+        match &self.gesture {
+            Gesture::Area(from, _) => {
+                if let Some(at) = ui.input(|input| input.pointer.latest_pos()) {
+                    let area = Rect::from_two_pos(self.view.screen(*from), at);
+                    let color = ui.visuals().selection.bg_fill;
+                    ui.painter().rect_filled(area, 0.0, color.gamma_multiply(0.25));
+                    let line = Stroke::new(1.0, color.lerp_to_gamma(Color32::WHITE, 0.3));
+                    ui.painter().rect_stroke(area, 0.0, line, StrokeKind::Inside);
+                }
+            }
+            Gesture::Move(held) => {
+                for ends in &held.guides {
+                    let ends = ends.map(|at| self.view.screen(at));
+                    ui.painter().line_segment(ends, Stroke::new(1.0, Color32::from_rgb(0xe0, 0x7a, 0xb8)));
+                }
+            }
+            _ => {}
+        }
+        if plan.sheet.nodes.is_empty() {
+            let text = "Press Tab to add a node";
+            let color = ui.visuals().weak_text_color();
+            ui.painter().text(self.view.rect.center(), Align2::CENTER_CENTER, text, FontId::proportional(15.0), color);
+        }
+    }
+
+    /// Dots at regular distances, by which one sees the canvas move.
+    fn ground(&self, ui: &Ui) {
+        let dark = ui.visuals().dark_mode;
+        ui.painter().rect_filled(self.view.rect, 0.0, ui.visuals().panel_fill);
+        let step = 60.0 * self.view.zoom;
+        if step < 22.0 {
+            return;
+        }
+        let color = if dark { Color32::from_gray(0x36) } else { Color32::from_gray(0xd6) };
+        let first = self.view.screen(egui::Pos2::ZERO) - self.view.rect.min;
+        let start = vec2(first.x.rem_euclid(step), first.y.rem_euclid(step));
+        let mut y = self.view.rect.top() + start.y;
+        while y < self.view.rect.bottom() {
+            let mut x = self.view.rect.left() + start.x;
+            while x < self.view.rect.right() {
+                ui.painter().rect_filled(Rect::from_center_size(pos2(x, y), vec2(1.5, 1.5)), 0.0, color);
+                x += step;
+            }
+            y += step;
+        }
+    }
 }
 
 /// Places for nodes, laid out in layers: of the chosen ones, or of all where fewer than two are chosen.
-pub fn arrange(_sheet: &Sheet, _chosen: &BTreeSet<String>) -> Vec<(String, Point)> {
-    Vec::new()
+pub fn arrange(sheet: &Sheet, chosen: &BTreeSet<String>) -> Vec<(String, Point)> {
+    place::arrange(sheet, chosen)
 }
 
 /// A backdrop behind the chosen nodes; `None` where none is chosen.
-pub fn backdrop(_sheet: &Sheet, _chosen: &BTreeSet<String>) -> Option<Edit> {
-    None
+pub fn backdrop(sheet: &Sheet, chosen: &BTreeSet<String>) -> Option<Edit> {
+    let boxes = place::boxes(sheet, &mut place::Laid::default());
+    let some = chosen.iter().filter_map(|name| Some(boxes[sheet.find(name)?]));
+    Some(backdrop::behind(sheet, some.reduce(Rect::union)?))
 }
 
 /// Draws the graph.
-pub fn canvas_ui(_canvas: &mut Canvas, ui: &mut Ui, state: &State, _actions: &mut Vec<Action>) {
-    for node in &state.sheet().nodes {
-        ui.label(&node.name);
-    }
+pub fn canvas_ui(canvas: &mut Canvas, ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
+    let rect = ui.available_rect_before_wrap();
+    ui.allocate_rect(rect, Sense::hover());
+    let mut ui = ui.new_child(UiBuilder::new().id_salt("canvas").max_rect(rect));
+    ui.shrink_clip_rect(rect);
+    let ui = &mut ui;
+    let mut plan = canvas.prepare(ui, state, rect);
+    let background = ui.interact(rect, ui.id().with("background"), Sense::click_and_drag());
+    background.widget_info(|| WidgetInfo::labeled(WidgetType::Other, true, "Graph"));
+    canvas.navigate(ui, &background);
+    canvas.advance(&mut plan, ui, state, actions);
+    canvas.ground(ui);
+    canvas.backdrops_ui(&plan, ui, actions);
+    canvas.background(&plan, ui, state, &background, actions);
+    canvas.dots_ui(&plan, ui, actions);
+    canvas.nodes_ui(&plan, ui, state, actions);
+    canvas.click_pin(&plan, ui, state, actions);
+    canvas.overlay(&plan, ui);
+    canvas.minimap_ui(&plan, ui);
+    canvas.keys(&plan, ui, state, actions);
+    canvas.refusal_ui(&plan, ui, actions);
+    canvas.menu_ui(&plan, ui, state, actions);
+    canvas.search_ui(&plan, ui, state, actions);
+    canvas.plan = Some(plan);
 }

@@ -1,6 +1,7 @@
 //! The changes that can be made to a document, each one step of undo.
 
 use super::clip;
+use super::decor;
 use super::json::{Op, Path, Step, quoted};
 use super::sheet::{Node, Point, Sheet, Wire};
 use serde_json::{Map, Value, json};
@@ -232,6 +233,7 @@ pub fn deleted(sheet: &Sheet, names: &[String]) -> Edit {
     for &node in &sorted(&gone) {
         let name = &sheet.nodes[node].name;
         ops.push(Op::Remove(Path::node(name)));
+        ops.extend(decor::undotted(sheet, name));
         if sheet.nodes[node].placed {
             ops.push(Op::Remove(placed(name)));
         }
@@ -329,6 +331,7 @@ pub fn renamed(sheet: &Sheet, from: &str, to: &str) -> Edit {
     if sheet.nodes[node].placed {
         ops.push(Op::Rename(placed(from), to.into()));
     }
+    ops.extend(decor::redotted(sheet, from, to));
     ops.push(Op::Rename(Path::node(from), to.into()));
     Edit::new(format!("Rename {from} to {to}"), ops)
 }

@@ -179,7 +179,7 @@ const CACHE: usize = 3 << 30;
 /// Pictures that take no longer need no coarse one before them.
 const AT_ONCE: Duration = Duration::from_millis(90);
 /// Width and height of thumbnails, at most.
-pub const THUMBNAIL: [u32; 2] = [128, 80];
+pub(super) const THUMBNAIL: [u32; 2] = [128, 80];
 
 impl Worker {
     /// Starts the thread; `wake` is called whenever there are news.

@@ -27,7 +27,7 @@ use trochoid::Kind;
 
 /// What the viewer holds besides what all see.
 #[derive(Default)]
-pub struct Viewer {
+pub(crate) struct Viewer {
     view: View,
     image: Image,
     compare: Compare,
@@ -57,7 +57,7 @@ const BAR: f32 = 20.0;
 const NARROW: f32 = 430.0;
 
 /// Draws the picture.
-pub fn viewer_ui(viewer: &mut Viewer, ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
+pub(crate) fn viewer_ui(viewer: &mut Viewer, ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
     let whole = ui.available_rect_before_wrap();
     toolbar::toolbar_ui(viewer, ui, state, actions);
     let mut area = ui.available_rect_before_wrap();

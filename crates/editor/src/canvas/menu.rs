@@ -1,0 +1,199 @@
+//! What can be done with what was clicked with the other button.
+
+use super::Canvas;
+use super::plan::Plan;
+use super::search::Search;
+use crate::actions::Action;
+use crate::document::sheet::Backdrop;
+use crate::document::{Edit, Point, decor, edit};
+use crate::state::State;
+use crate::theme::TINTS;
+use egui::{Align, Color32, Layout, Popup, PopupKind, Pos2, Rect, Sense, Ui, WidgetInfo, WidgetType, vec2};
+
+/// What was clicked.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum About {
+    /// The chosen nodes.
+    Nodes,
+    /// A backdrop.
+    Backdrop(String),
+    /// Nothing.
+    Empty,
+}
+
+/// A menu at a place of the screen.
+pub(super) struct Menu {
+    at: Pos2,
+    about: About,
+}
+
+/// How nodes are lined up.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Line {
+    /// Left edges.
+    Left,
+    /// Upper edges.
+    Top,
+    /// Centers, one above the other.
+    Centers,
+    /// Equal distances, along the longer side.
+    Distances,
+}
+
+/// Where nodes go that are lined up.
+pub(super) fn lined_up(boxes: &[Rect], line: Line) -> Vec<Point> {
+    let all = boxes.iter().copied().fold(Rect::NOTHING, Rect::union);
+    let mean = boxes.iter().map(|own| own.center().x).sum::<f32>() / boxes.len().max(1) as f32;
+    let mut corners: Vec<Point> = boxes
+        .iter()
+        .map(|own| match line {
+            Line::Left => [all.left(), own.top()],
+            Line::Top => [own.left(), all.top()],
+            Line::Centers => [mean - own.width() / 2.0, own.top()],
+            Line::Distances => own.min.into(),
+        })
+        .collect();
+    if line == Line::Distances && boxes.len() > 2 {
+        let axis = usize::from(all.height() > all.width());
+        let extent = |size: egui::Vec2| if axis == 0 { size.x } else { size.y };
+        let mut order: Vec<usize> = (0..boxes.len()).collect();
+        order.sort_by(|a, b| boxes[*a].center()[axis].total_cmp(&boxes[*b].center()[axis]));
+        let taken: f32 = boxes.iter().map(|own| extent(own.size())).sum();
+        let gap = (extent(all.size()) - taken) / (boxes.len() - 1) as f32;
+        let mut next = all.min[axis];
+        for index in order {
+            corners[index][axis] = next;
+            next += extent(boxes[index].size()) + gap;
+        }
+    }
+    corners
+}
+
+impl Canvas {
+    /// Opens a menu at the pointer.
+    pub(super) fn open_menu(&mut self, ui: &Ui, about: About) {
+        let at = ui.input(|input| input.pointer.latest_pos()).unwrap_or(self.view.rect.center());
+        self.menu = Some(Menu { at, about });
+    }
+
+    /// Draws the menu that is open.
+    pub(super) fn menu_ui(&mut self, plan: &Plan, ui: &Ui, state: &State, actions: &mut Vec<Action>) {
+        let Some(menu) = self.menu.take() else { return };
+        let mut open = true;
+        let popup = Popup::new(ui.id().with("menu"), ui.ctx().clone(), menu.at, ui.layer_id())
+            .kind(PopupKind::Menu)
+            .layout(Layout::top_down_justified(Align::Min))
+            .style(egui::containers::menu::menu_style)
+            .width(170.0)
+            .open_bool(&mut open);
+        popup.show(|ui| match &menu.about {
+            About::Nodes => self.nodes_menu(plan, ui, state, actions, menu.at),
+            About::Backdrop(name) => self.backdrop_menu(plan, ui, name, actions),
+            About::Empty => self.empty_menu(ui, actions, menu.at),
+        });
+        if open {
+            self.menu = Some(menu);
+        }
+    }
+
+    fn empty_menu(&mut self, ui: &mut Ui, actions: &mut Vec<Action>, at: Pos2) {
+        if ui.button("Add node …").clicked() {
+            self.open_search(at, super::connect::Wanted::Nothing);
+        }
+        for (name, action) in
+            [("Select all", Action::SelectAll), ("Arrange", Action::Arrange), ("Frame", Action::Frames)]
+        {
+            if ui.button(name).clicked() {
+                actions.push(action);
+            }
+        }
+    }
+
+    fn nodes_menu(&mut self, plan: &Plan, ui: &mut Ui, state: &State, actions: &mut Vec<Action>, at: Pos2) {
+        let nodes: Vec<usize> = state.selection.iter().filter_map(|name| plan.sheet.find(name)).collect();
+        if let [node] = nodes[..] {
+            let name = &plan.sheet.nodes[node].name;
+            if ui.button("Look").clicked() {
+                actions.push(Action::Look(name.clone(), 0));
+            }
+            ui.menu_button("Look with key", |ui| {
+                for slot in 0..9 {
+                    if ui.button(format!("{}", slot + 1)).clicked() {
+                        actions.push(Action::Slot(slot));
+                    }
+                }
+            });
+            if ui.button("Replace with …").clicked() {
+                self.search = Some(Search::replacing(name, at));
+            }
+            ui.separator();
+        }
+        if nodes.len() > 1 {
+            let boxes: Vec<Rect> = nodes.iter().map(|node| plan.boxes[*node]).collect();
+            for (text, line) in [
+                ("Align left", Line::Left),
+                ("Align top", Line::Top),
+                ("Align centers", Line::Centers),
+                ("Distribute", Line::Distances),
+            ] {
+                if ui.button(text).clicked() {
+                    let names = nodes.iter().map(|node| plan.sheet.nodes[*node].name.clone());
+                    let places: Vec<(String, Point)> = names.zip(lined_up(&boxes, line)).collect();
+                    let edit = Edit { label: text.into(), ..edit::moved(&places) };
+                    actions.extend([Action::Edit(plan.freezing(edit)), Action::Seal]);
+                }
+            }
+            if ui.button("Arrange").clicked() {
+                actions.push(Action::Arrange);
+            }
+            ui.separator();
+        }
+        if ui.button("Backdrop").clicked() {
+            actions.push(Action::Backdrop);
+        }
+        let off = nodes.iter().any(|node| !plan.sheet.nodes[*node].disabled);
+        if ui.button(if off { "Disable" } else { "Enable" }).clicked() {
+            actions.push(Action::Disable);
+        }
+        if ui.button("Extract").on_hover_text("Leads wires past, and leaves the nodes unconnected.").clicked() {
+            let names: Vec<String> = state.selection.iter().cloned().collect();
+            actions.extend([Action::Edit(plan.freezing(edit::extracted(&plan.sheet, &names))), Action::Seal]);
+        }
+        ui.separator();
+        for (name, action) in [("Copy", Action::Copy), ("Duplicate", Action::Duplicate), ("Delete", Action::Delete)] {
+            if ui.button(name).clicked() {
+                actions.push(action);
+            }
+        }
+    }
+
+    fn backdrop_menu(&mut self, plan: &Plan, ui: &mut Ui, name: &str, actions: &mut Vec<Action>) {
+        let Some(body) = plan.sheet.backdrops.get(name) else { return };
+        ui.horizontal(|ui| {
+            for (tint, [r, g, b]) in TINTS.into_iter().enumerate() {
+                let (place, response) = ui.allocate_exact_size(vec2(16.0, 16.0), Sense::click());
+                response.widget_info(|| {
+                    WidgetInfo::selected(WidgetType::Button, true, tint == body.tint, format!("Color {}", tint + 1))
+                });
+                ui.painter().rect_filled(place, 3.0, Color32::from_rgb(r, g, b));
+                if response.clicked() {
+                    let body = Backdrop { tint, ..body.clone() };
+                    actions.push(Action::Edit(decor::framed("Color a backdrop", name, &body)));
+                    actions.push(Action::Seal);
+                    ui.close();
+                }
+            }
+        });
+        if ui.button("Write …").clicked() {
+            self.write(name, body);
+        }
+        if ui.button("Select nodes").clicked() {
+            let area = super::backdrop::area(body);
+            let inside = plan.boxes.iter().enumerate().filter(|(_, own)| area.contains_rect(**own));
+            actions.push(Action::Select(inside.map(|(node, _)| plan.sheet.nodes[node].name.clone()).collect()));
+        }
+        if ui.button("Delete backdrop").clicked() {
+            actions.extend([Action::Edit(decor::unframed(name)), Action::Seal]);
+        }
+    }
+}

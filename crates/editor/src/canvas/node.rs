@@ -1,0 +1,305 @@
+//! Nodes: how they are drawn, and what is done to them.
+
+use super::Canvas;
+use super::drag::{Gesture, Move};
+use super::menu::About;
+use super::place::{HEAD, has_picture};
+use super::plan::Plan;
+use super::wire::{faded, left_out};
+use crate::actions::Action;
+use crate::document::Node;
+use crate::state::State;
+use crate::{format, theme};
+use egui::text::{LayoutJob, TextFormat, TextWrapping};
+use egui::{
+    Align2, Color32, CornerRadius, FontId, PointerButton, Pos2, Rect, RichText, Sense, Shape, Stroke, StrokeKind,
+};
+use egui::{Ui, WidgetInfo, WidgetType, pos2, vec2};
+use std::collections::BTreeSet;
+use trochoid::{End as Side, State as Fate};
+
+/// What takes a larger share of the time than this says so.
+const COSTLY: f64 = 0.02;
+
+/// Colors of what nodes are made of.
+struct Paint {
+    fill: Color32,
+    edge: Color32,
+    text: Color32,
+    weak: Color32,
+    chosen: Color32,
+}
+
+impl Paint {
+    fn of(ui: &Ui) -> Self {
+        let visuals = ui.visuals();
+        let dark = visuals.dark_mode;
+        Self {
+            fill: if dark { Color32::from_gray(0x38) } else { Color32::from_gray(0xf8) },
+            edge: if dark { Color32::from_gray(0x12) } else { Color32::from_gray(0xa0) },
+            text: if dark { Color32::from_gray(0xf0) } else { Color32::from_gray(0x18) },
+            weak: if dark { Color32::from_gray(0xa8) } else { Color32::from_gray(0x58) },
+            chosen: if dark { Color32::from_rgb(0x6c, 0xb8, 0xff) } else { Color32::from_rgb(0x1c, 0x6f, 0xc4) },
+        }
+    }
+}
+
+impl Canvas {
+    /// Draws all nodes, and takes what is done to them.
+    pub(super) fn nodes_ui(&mut self, plan: &Plan, ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
+        let paint = Paint::of(ui);
+        let total: f64 = state.seen.nodes.values().map(|node| node.seconds).sum();
+        for index in 0..plan.boxes.len() {
+            if !plan.is_seen(index, &self.view) {
+                continue;
+            }
+            let node = &plan.sheet.nodes[index];
+            let seen = self.view.area(plan.boxes[index]);
+            let id = ui.id().with(("node", &node.name));
+            let response = ui.interact(seen, id, Sense::click_and_drag());
+            let chosen = state.selection.contains(&node.name);
+            response.widget_info(|| {
+                let label = format!("Node {}, {}", node.name, node.ty);
+                WidgetInfo::selected(WidgetType::Button, true, chosen, label)
+            });
+            self.draw_node(plan, ui, state, index, &paint, total);
+            self.pins_ui(plan, ui, index, response.hovered());
+            if response.clicked() {
+                actions.push(Action::Select(picked(ui, state, &node.name)));
+            }
+            if response.double_clicked() {
+                actions.push(Action::Look(node.name.clone(), 0));
+            }
+            if response.secondary_clicked() {
+                if !chosen {
+                    actions.push(Action::Select([node.name.clone()].into()));
+                }
+                self.open_menu(ui, About::Nodes);
+            }
+            if response.drag_started_by(PointerButton::Primary) && matches!(self.gesture, Gesture::Idle) {
+                self.grab(plan, ui, state, index, actions);
+            }
+            if response.hovered() && matches!(self.gesture, Gesture::Idle) {
+                response.on_hover_ui(|ui| about_ui(plan, ui, state, index, total));
+            }
+        }
+    }
+
+    /// Begins to move a node, and all that are chosen with it.
+    fn grab(&mut self, plan: &Plan, ui: &Ui, state: &State, index: usize, actions: &mut Vec<Action>) {
+        let Some(origin) = ui.input(|input| input.pointer.press_origin()) else { return };
+        let name = &plan.sheet.nodes[index].name;
+        let mut names = state.selection.clone();
+        if !names.contains(name) {
+            if !ui.input(|input| input.modifiers.shift) {
+                names.clear();
+            }
+            names.insert(name.clone());
+            actions.push(Action::Select(names.clone()));
+        }
+        let nodes = names.iter().filter_map(|name| plan.sheet.find(name)).collect();
+        self.gesture = Gesture::Move(Move::new(plan, nodes, index, self.view.canvas(origin)));
+    }
+
+    fn draw_node(&mut self, plan: &Plan, ui: &Ui, state: &State, index: usize, paint: &Paint, total: f64) {
+        let node = &plan.sheet.nodes[index];
+        let zoom = self.view.zoom;
+        let seen = self.view.area(plan.boxes[index]);
+        let painter = ui.painter();
+        let kind = theme::kind(node.makes.first().and_then(|(_, kind)| *kind));
+        let dim = node.disabled || left_out(state, &node.name);
+        // What is dim keeps its place, but lets what is not stand out.
+        let tone = |color: Color32| if dim { faded(color, ui.visuals().panel_fill, 0.55) } else { color };
+        let chosen = state.selection.contains(&node.name);
+        let round = CornerRadius::same((5.0 * zoom).clamp(1.0, 12.0) as u8);
+        let head = Rect::from_min_size(seen.min, vec2(seen.width(), HEAD * zoom));
+        let front = node.declaration.is_some_and(|known| known.end == Side::Front);
+        let family = faded(kind, paint.fill, if front { 0.82 } else { 0.55 });
+        if zoom < 0.25 {
+            painter.rect_filled(seen, round, tone(faded(kind, paint.fill, 0.4)));
+        } else {
+            if zoom > 0.4 && !dim {
+                let shadow = egui::Shadow { offset: [0, 2], blur: 6, spread: 0, color: Color32::from_black_alpha(60) };
+                painter.add(shadow.as_shape(seen, round));
+            }
+            painter.rect_filled(seen, round, tone(paint.fill));
+            let top = if has_picture(node) { CornerRadius { sw: 0, se: 0, ..round } } else { round };
+            painter.rect_filled(head, top, tone(family));
+            // The kind, also where the head is all but gray.
+            let stripe = Rect::from_min_size(head.min, vec2((4.0 * zoom).max(2.0), head.height()));
+            painter.rect_filled(stripe, CornerRadius { ne: 0, se: 0, ..top }, tone(kind));
+            if has_picture(node) {
+                self.draw_picture(ui, state, &node.name, Rect::from_min_max(head.left_bottom(), seen.max), dim);
+            }
+        }
+        let fault = plan.faults.get(&index);
+        let own = fault.is_some_and(|fault| fault.culprit == node.name);
+        let edge = match (chosen, own) {
+            (true, _) => Stroke::new(2.0, paint.chosen),
+            (false, true) => Stroke::new(1.5, theme::error(ui.visuals())),
+            (false, false) => Stroke::new(1.0, tone(paint.edge)),
+        };
+        painter.rect_stroke(seen, round, edge, StrokeKind::Outside);
+        if 12.5 * zoom >= 5.5 {
+            draw_text(ui, node, head, zoom, [tone(paint.text), tone(paint.weak)], state, total);
+        }
+        if let Some(fault) = fault {
+            let color = if own { theme::error(ui.visuals()) } else { Color32::from_rgb(0xe0, 0x92, 0x3c) };
+            let at = seen.left_top() + vec2(0.0, head.height() / 2.0);
+            badge(ui, at, if own { "!" } else { "↑" }, color, zoom);
+            let place = Rect::from_center_size(at, vec2(18.0, 18.0));
+            let response = ui.interact(place, ui.id().with(("fault", &node.name)), Sense::hover());
+            response.widget_info(|| {
+                let what = if own { "Error in" } else { "Error above" };
+                WidgetInfo::labeled(WidgetType::Label, true, format!("{what} {}", node.name))
+            });
+            response.on_hover_text(if own { fault.text.clone() } else { format!("{}: {}", fault.culprit, fault.text) });
+        }
+        self.draw_marks(plan, ui, state, index, seen);
+    }
+
+    /// Which keys show a node, whether it is looked at, and what is rendered of it.
+    fn draw_marks(&self, plan: &Plan, ui: &Ui, state: &State, index: usize, seen: Rect) {
+        let node = &plan.sheet.nodes[index];
+        let zoom = self.view.zoom;
+        let looked = state.look.node.as_ref().is_some_and(|(name, _)| *name == node.name);
+        let is_it = |name: &Option<String>| name.as_deref() == Some(node.name.as_str());
+        let slots: Vec<usize> =
+            state.look.slots.iter().enumerate().filter(|(_, name)| is_it(name)).map(|(i, _)| i + 1).collect();
+        let gold = Color32::from_rgb(0xf2, 0xc1, 0x4e);
+        if looked {
+            ui.painter().rect_stroke(
+                seen.expand(2.5),
+                7.0 * zoom.min(1.5),
+                Stroke::new(1.5, gold),
+                StrokeKind::Outside,
+            );
+        }
+        if zoom < 0.3 {
+            return;
+        }
+        for (nth, slot) in slots.iter().enumerate() {
+            let size = (15.0 * zoom).clamp(9.0, 20.0);
+            let at = seen.right_top() + vec2(-size * (nth as f32 * 1.15 + 0.4), -size * 0.1);
+            let place = Rect::from_center_size(at, vec2(size, size));
+            let (fill, text) =
+                if looked { (gold, Color32::BLACK) } else { (Color32::from_gray(0x58), Color32::from_gray(0xe8)) };
+            ui.painter().rect_filled(place, 3.0, fill);
+            ui.painter().text(at, Align2::CENTER_CENTER, slot, FontId::proportional(size * 0.75), text);
+        }
+        if let Some(names) = plan.makes.get(&index).filter(|_| zoom > 0.45) {
+            let at = seen.center_bottom() + vec2(0.0, 9.0 * zoom);
+            let text = format!("▼ {}", names.join(", "));
+            ui.painter().text(
+                at,
+                Align2::CENTER_TOP,
+                text,
+                FontId::proportional(11.0 * zoom),
+                ui.visuals().text_color(),
+            );
+        }
+    }
+
+    fn draw_picture(&mut self, ui: &Ui, state: &State, name: &str, place: Rect, dim: bool) {
+        let place = place.shrink(1.0_f32.min(self.view.zoom));
+        let bare = if ui.visuals().dark_mode { Color32::from_gray(0x2a) } else { Color32::from_gray(0xe4) };
+        let Some(texture) = self.pictures.of(ui.ctx(), state, name) else {
+            ui.painter().rect_filled(place, 0.0, bare);
+            return;
+        };
+        // As much of its middle as fills the place.
+        let size = texture.size_vec2();
+        let share = (place.size() / size).max_elem();
+        let part = place.size() / (size * share);
+        let uv = Rect::from_center_size(pos2(0.5, 0.5), part);
+        let tint = if dim { Color32::from_gray(0x58) } else { Color32::WHITE };
+        ui.painter().image(texture.id(), place, uv, tint);
+    }
+}
+
+/// Which nodes are chosen after a click on one.
+fn picked(ui: &Ui, state: &State, name: &str) -> BTreeSet<String> {
+    let modifiers = ui.input(|input| input.modifiers);
+    let mut names = state.selection.clone();
+    if modifiers.command && names.remove(name) {
+        return names;
+    }
+    if !(modifiers.shift || modifiers.command) {
+        names.clear();
+    }
+    names.insert(name.into());
+    names
+}
+
+fn draw_text(ui: &Ui, node: &Node, head: Rect, zoom: f32, colors: [Color32; 2], state: &State, total: f64) {
+    let painter = ui.painter();
+    // Half sizes, so that zooming does not make a letter of every size.
+    let size = |points: f32| FontId::proportional((points * zoom * 2.0).round() / 2.0);
+    let left = head.left() + 10.0 * zoom;
+    let width = head.width() - 16.0 * zoom;
+    let elided = |text: &str, format: TextFormat, width: f32| {
+        let mut job = LayoutJob::single_section(text.into(), format);
+        job.wrap = TextWrapping { max_width: width, max_rows: 1, break_anywhere: true, ..TextWrapping::default() };
+        painter.layout_job(job)
+    };
+    let strike = if node.disabled { Stroke::new(1.2, colors[0]) } else { Stroke::NONE };
+    let name = TextFormat { strikethrough: strike, ..TextFormat::simple(size(12.5), colors[0]) };
+    let text = elided(&node.name, name, width);
+    let line = pos2(left, head.top() + 4.0 * zoom);
+    painter.galley(line, text, colors[0]);
+    if 10.0 * zoom < 5.5 {
+        return;
+    }
+    let line = pos2(left, head.top() + 18.5 * zoom);
+    let mut width = width;
+    let seconds = state.seen.nodes.get(&node.name).map_or(0.0, |node| node.seconds);
+    if total > 0.0 && seconds > COSTLY * total {
+        let text = format::seconds(seconds);
+        let at = pos2(head.right() - 6.0 * zoom, line.y);
+        let place = painter.text(at, Align2::RIGHT_TOP, text, size(10.0), colors[0]);
+        width -= place.width() + 4.0 * zoom;
+    }
+    let text = elided(&node.ty, TextFormat::simple(size(10.0), colors[1]), width.max(1.0));
+    painter.galley(line, text, colors[1]);
+}
+
+/// A small round sign.
+pub(super) fn badge(ui: &Ui, at: Pos2, text: &str, color: Color32, zoom: f32) {
+    let radius = (8.0 * zoom).clamp(5.0, 10.0);
+    ui.painter().add(Shape::circle_filled(at, radius, color));
+    ui.painter().text(at, Align2::CENTER_CENTER, text, FontId::proportional(radius * 1.5), Color32::WHITE);
+}
+
+/// What is said of a node that is pointed at.
+fn about_ui(plan: &Plan, ui: &mut Ui, state: &State, index: usize, total: f64) {
+    ui.set_max_width(320.0);
+    let node = &plan.sheet.nodes[index];
+    ui.label(RichText::new(format!("{} — {}", node.name, node.ty)).strong());
+    match node.declaration {
+        Some(known) => ui.label(known.summary),
+        None => ui.colored_label(theme::error(ui.visuals()), format!("There is no type of node \"{}\".", node.ty)),
+    };
+    if let Some(seen) = state.seen.nodes.get(&node.name) {
+        match &seen.state {
+            Fate::Evaluated => {
+                let share = if total > 0.0 { 100.0 * seen.seconds / total } else { 0.0 };
+                let about = if seen.estimated { "about " } else { "" };
+                ui.weak(format!("Evaluated in {about}{} ({share:.1} %)", format::seconds(seen.seconds)));
+            }
+            Fate::Cached => drop(ui.weak("Taken from an earlier evaluation")),
+            Fate::LeftOut(why) => drop(ui.weak(format!("Left out: {why}"))),
+        }
+    } else if node.disabled {
+        ui.weak("Disabled: led past");
+    }
+    if let Some(fault) = plan.faults.get(&index) {
+        let color = theme::error(ui.visuals());
+        let text =
+            if fault.culprit == node.name { fault.text.clone() } else { format!("{}: {}", fault.culprit, fault.text) };
+        ui.colored_label(color, text);
+    }
+    let notes = plan.sheet.get(&crate::document::Path::node(&node.name).to("notes")).and_then(|notes| notes.as_str());
+    if let Some(notes) = notes {
+        ui.label(RichText::new(notes).italics());
+    }
+}

@@ -1,0 +1,38 @@
+//! Small pictures of nodes, on the graphics card.
+
+use crate::evaluate::Screen;
+use crate::state::State;
+use egui::{ColorImage, Context, TextureHandle, TextureOptions};
+use std::collections::HashMap;
+use std::sync::Arc;
+
+/// Pictures that were uploaded, by node.
+#[derive(Default)]
+pub(super) struct Pictures {
+    known: HashMap<String, (Arc<Screen>, TextureHandle)>,
+}
+
+impl Pictures {
+    /// The picture of a node, uploaded when it is first drawn.
+    pub(super) fn of(&mut self, context: &Context, state: &State, name: &str) -> Option<&TextureHandle> {
+        let screen = state.seen.thumbnails.get(name)?;
+        let fresh = self.known.get(name).is_some_and(|(known, _)| Arc::ptr_eq(known, screen));
+        if !fresh {
+            let [width, height] = screen.size;
+            if width * height == 0 || screen.pixels.len() != 4 * width * height {
+                return None;
+            }
+            let image = ColorImage::from_rgba_unmultiplied(screen.size, &screen.pixels);
+            let texture = context.load_texture(format!("picture of {name}"), image, TextureOptions::LINEAR);
+            self.known.insert(name.into(), (screen.clone(), texture));
+        }
+        Some(&self.known.get(name)?.1)
+    }
+
+    /// Forgets pictures of nodes that are gone.
+    pub(super) fn tidy(&mut self, state: &State) {
+        if self.known.len() > state.seen.thumbnails.len() {
+            self.known.retain(|name, _| state.seen.thumbnails.contains_key(name));
+        }
+    }
+}

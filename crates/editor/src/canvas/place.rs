@@ -1,0 +1,189 @@
+//! Where nodes stand: how large they are, and where those go that the document does not place.
+
+use crate::document::{Node, Point, Sheet};
+use egui::{Pos2, Rect, Vec2, pos2, vec2};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::hash::{DefaultHasher, Hash, Hasher};
+use trochoid::Kind;
+use trochoid_diagram::{Net, layers};
+
+/// The least width of a node.
+pub(super) const WIDTH: f32 = 120.0;
+/// Height of what says its name and type.
+pub(super) const HEAD: f32 = 34.0;
+/// Height of its picture.
+pub(super) const PICTURE: f32 = 60.0;
+/// Between pins, if there is room.
+const PIN: f32 = 17.0;
+/// What a node keeps free around it where it is laid out.
+const FREE: Vec2 = vec2(14.0, 12.0);
+
+/// Whether a node makes something that can be shown small.
+pub(super) fn has_picture(node: &Node) -> bool {
+    matches!(node.makes.first(), Some((_, Some(Kind::Color | Kind::Weights(_) | Kind::Field(_)))))
+}
+
+/// Width and height of a node.
+pub(super) fn size(node: &Node) -> Vec2 {
+    let pins = node.pins.len().max(node.makes.len()) as f32;
+    vec2(WIDTH.max(pins * 13.0 + 14.0), if has_picture(node) { HEAD + PICTURE } else { HEAD })
+}
+
+/// Where a pin stands at an edge, from the edge's left end.
+pub(super) fn along(index: usize, count: usize, width: f32) -> f32 {
+    let step = PIN.min((width - 16.0) / (count.max(2) - 1) as f32);
+    width / 2.0 + step * (index as f32 - (count as f32 - 1.0) / 2.0)
+}
+
+/// Nodes in layers, and how wires run between them.
+#[derive(Default)]
+pub(super) struct Laid {
+    /// What was laid out.
+    key: u64,
+    /// By node: its upper left corner.
+    pub(super) corners: Vec<Pos2>,
+    /// By wire: through where it passes other layers.
+    pub(super) routes: HashMap<usize, Vec<Pos2>>,
+}
+
+impl Laid {
+    /// Lays all nodes of a document out, unless they are joined as they were when that was done last.
+    pub(super) fn update(&mut self, sheet: &Sheet) {
+        let mut hasher = DefaultHasher::new();
+        sheet.wires.hash(&mut hasher);
+        for node in &sheet.nodes {
+            let size = size(node);
+            [size.x.to_bits(), size.y.to_bits()].hash(&mut hasher);
+        }
+        let key = hasher.finish() | 1;
+        if self.key != key {
+            let all: Vec<usize> = (0..sheet.nodes.len()).collect();
+            *self = Self { key, ..lay(sheet, &all) };
+        }
+    }
+}
+
+/// Lays some nodes out in layers, their wires running down.
+fn lay(sheet: &Sheet, members: &[usize]) -> Laid {
+    let place: HashMap<usize, usize> = members.iter().enumerate().map(|(at, node)| (*node, at)).collect();
+    let boxes: Vec<[f64; 2]> = members
+        .iter()
+        .map(|node| {
+            let size = size(&sheet.nodes[*node]) + 2.0 * FREE;
+            [f64::from(size.x), f64::from(size.y)]
+        })
+        .collect();
+    // By what leads there: all that takes it, and the wires that do.
+    let mut joined: BTreeMap<(usize, usize), BTreeMap<usize, Vec<usize>>> = BTreeMap::new();
+    for index in acyclic(sheet) {
+        let wire = &sheet.wires[index];
+        if let (Some(from), Some(to)) = (place.get(&wire.from.0), place.get(&wire.to.0)) {
+            joined.entry((*from, wire.from.1)).or_default().entry(*to).or_default().push(index);
+        }
+    }
+    let nets: Vec<Net> =
+        joined.iter().map(|((from, _), to)| Net { from: *from, to: to.keys().copied().collect() }).collect();
+    let layout = layers(&boxes, &nets);
+    let point = |at: [f64; 2]| pos2(at[0] as f32, at[1] as f32);
+    let mut routes = HashMap::new();
+    for (pieces, to) in layout.wires.iter().zip(joined.values()) {
+        // Where layers are passed, the first piece is what all wires of the net share.
+        let shared = if pieces.len() > to.len() { pieces[0].as_slice() } else { &[] };
+        for (piece, wires) in pieces.iter().skip(usize::from(!shared.is_empty())).zip(to.values()) {
+            let Some(end) = shared.iter().position(|at| Some(at) == piece.first()) else { continue };
+            let through: Vec<Pos2> = shared[1..=end].iter().copied().map(point).collect();
+            if !through.is_empty() {
+                routes.extend(wires.iter().map(|wire| (*wire, through.clone())));
+            }
+        }
+    }
+    let corners = layout.corners.iter().map(|at| point(*at) + FREE).collect();
+    Laid { key: 0, corners, routes }
+}
+
+/// All wires but those that close a cycle, which a document that is not valid may have.
+fn acyclic(sheet: &Sheet) -> Vec<usize> {
+    let mut below: Vec<Vec<usize>> = vec![Vec::new(); sheet.nodes.len()];
+    for (index, wire) in sheet.wires.iter().enumerate() {
+        below[wire.from.0].push(index);
+    }
+    // 1 while what is below a node is being visited, 2 afterwards.
+    let mut state = vec![0_u8; sheet.nodes.len()];
+    let mut kept = Vec::new();
+    for root in 0..sheet.nodes.len() {
+        let mut open = vec![(root, 0)];
+        while let Some((node, next)) = open.pop() {
+            if next == 0 && state[node] != 0 {
+                continue;
+            }
+            state[node] = 1;
+            let Some(&wire) = below[node].get(next) else {
+                state[node] = 2;
+                continue;
+            };
+            open.push((node, next + 1));
+            let to = sheet.wires[wire].to.0;
+            if state[to] != 1 {
+                kept.push(wire);
+                open.push((to, 0));
+            }
+        }
+    }
+    kept
+}
+
+/// By node: where it stands. Those that the document does not place are laid out.
+pub(super) fn boxes(sheet: &Sheet, laid: &mut Laid) -> Vec<Rect> {
+    let at = |node: &Node, at: Pos2| Rect::from_min_size(at, size(node));
+    let placed = sheet.nodes.iter().filter(|node| node.placed).count();
+    let mut boxes: Vec<Rect> = sheet.nodes.iter().map(|node| at(node, pos2(node.at[0], node.at[1]))).collect();
+    if placed == sheet.nodes.len() {
+        return boxes;
+    }
+    if placed == 0 {
+        laid.update(sheet);
+        return sheet.nodes.iter().zip(&laid.corners).map(|(node, corner)| at(node, *corner)).collect();
+    }
+    // Those that are left go beside what they are joined to.
+    let mut done: Vec<usize> = (0..boxes.len()).filter(|index| sheet.nodes[*index].placed).collect();
+    for index in 0..boxes.len() {
+        if sheet.nodes[index].placed {
+            continue;
+        }
+        let above = sheet.wires.iter().find(|wire| wire.to.0 == index && done.contains(&wire.from.0));
+        let below = sheet.wires.iter().find(|wire| wire.from.0 == index && done.contains(&wire.to.0));
+        let size = boxes[index].size();
+        let wanted = match (above, below) {
+            (Some(wire), _) => boxes[wire.from.0].left_bottom() + vec2(0.0, 40.0),
+            (None, Some(wire)) => boxes[wire.to.0].min - vec2(0.0, 40.0 + size.y),
+            (None, None) => done.first().map_or(Pos2::ZERO, |first| boxes[*first].right_top() + vec2(40.0, 0.0)),
+        };
+        boxes[index] = free(Rect::from_min_size(wanted, size), done.iter().map(|done| boxes[*done]));
+        done.push(index);
+    }
+    boxes
+}
+
+/// Moves a box to the right until it stands on none of the others.
+pub(super) fn free(mut wanted: Rect, others: impl Iterator<Item = Rect> + Clone) -> Rect {
+    // Each of the others can be in the way once.
+    while let Some(other) = others.clone().find(|other| other.expand(8.0).intersects(wanted)) {
+        wanted = wanted.translate(vec2(other.right() + 20.0 - wanted.left(), 0.0));
+    }
+    wanted
+}
+
+/// Places for nodes, laid out in layers: of the chosen ones, or of all where fewer than two are chosen.
+pub(super) fn arrange(sheet: &Sheet, chosen: &BTreeSet<String>) -> Vec<(String, Point)> {
+    let some: Vec<usize> = chosen.iter().filter_map(|name| sheet.find(name)).collect();
+    let some = if some.len() < 2 { (0..sheet.nodes.len()).collect() } else { some };
+    let laid = lay(sheet, &some);
+    let boxes = boxes(sheet, &mut Laid::default());
+    let corner = |corners: &mut dyn Iterator<Item = Pos2>| corners.reduce(Pos2::min).unwrap_or_default();
+    let shift = corner(&mut some.iter().map(|node| boxes[*node].min)) - corner(&mut laid.corners.iter().copied());
+    let places = some.iter().zip(&laid.corners).map(|(node, at)| {
+        let at = *at + shift;
+        (sheet.nodes[*node].name.clone(), [at.x.round(), at.y.round()])
+    });
+    places.collect()
+}

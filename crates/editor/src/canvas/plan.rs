@@ -1,0 +1,267 @@
+//! What is drawn of a document, as long as its text stays the same.
+
+use super::curve::{Curve, Through};
+use super::place::{self, Laid};
+use super::view::View;
+use crate::document::{Edit, Point, Sheet, Wire, decor, edit};
+use crate::state::State;
+use egui::{Pos2, Rect, Vec2, pos2};
+use std::collections::{BTreeSet, HashMap};
+use std::sync::Arc;
+
+/// One end that a wire can have: an output, or a pin that takes something.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) enum End {
+    /// A node's output.
+    Output(usize, usize),
+    /// A node's pin.
+    Pin(usize, usize),
+}
+
+impl End {
+    /// The node.
+    pub(super) fn node(self) -> usize {
+        match self {
+            Self::Output(node, _) | Self::Pin(node, _) => node,
+        }
+    }
+}
+
+/// What is wrong with a node, or above it.
+pub(super) struct Fault {
+    /// The node that is to blame.
+    pub(super) culprit: String,
+    /// What is wrong.
+    pub(super) text: String,
+}
+
+/// Where everything of a document lies.
+pub(super) struct Plan {
+    /// The document.
+    pub(super) sheet: Arc<Sheet>,
+    /// By node.
+    pub(super) boxes: Vec<Rect>,
+    /// By wire.
+    pub(super) curves: Vec<Curve>,
+    /// By wire: dots that the document has put.
+    pub(super) dots: Vec<Vec<Pos2>>,
+    /// By wire: through where the layout leads it.
+    routes: HashMap<usize, Vec<Pos2>>,
+    /// Where all lies.
+    pub(super) bounds: Rect,
+    /// By node.
+    pub(super) faults: HashMap<usize, Fault>,
+    /// By node: names of the outputs that it makes.
+    pub(super) makes: HashMap<usize, Vec<String>>,
+    wire_at: HashMap<(usize, usize), usize>,
+    /// Where nodes stand while some are not being dragged.
+    home: Vec<Rect>,
+    /// Which are, and by how much.
+    shifted: (BTreeSet<usize>, Vec2),
+}
+
+impl Plan {
+    /// Plans a document.
+    pub(super) fn new(state: &State, laid: &mut Laid) -> Self {
+        let sheet = state.sheet().clone();
+        let boxes = place::boxes(&sheet, laid);
+        if boxes.len() <= MOST {
+            laid.update(&sheet);
+        }
+        let routes = routes(&sheet, &boxes, laid);
+        let dots = sheet
+            .wires
+            .iter()
+            .map(|wire| decor::dots(&sheet, wire.to).into_iter().map(|at| pos2(at[0], at[1])).collect::<Vec<Pos2>>());
+        let dots: Vec<Vec<Pos2>> = dots.collect();
+        let mut makes: HashMap<usize, Vec<String>> = HashMap::new();
+        for output in &sheet.outputs {
+            if let Some((node, _)) = sheet.source(&output.source) {
+                makes.entry(node).or_default().push(output.name.clone());
+            }
+        }
+        let mut plan = Self {
+            boxes: boxes.clone(),
+            curves: Vec::new(),
+            dots,
+            routes,
+            bounds: Rect::NOTHING,
+            faults: faults(state),
+            makes,
+            wire_at: sheet.wires.iter().enumerate().map(|(index, wire)| (wire.to, index)).collect(),
+            home: boxes,
+            shifted: (BTreeSet::new(), Vec2::ZERO),
+            sheet,
+        };
+        plan.curves = (0..plan.sheet.wires.len()).map(|wire| plan.curve(wire)).collect();
+        plan.bounds = plan.around();
+        plan
+    }
+
+    fn around(&self) -> Rect {
+        let backdrops = self
+            .sheet
+            .backdrops
+            .values()
+            .map(|body| Rect::from_min_size(pos2(body.at[0], body.at[1]), body.size.into()));
+        self.boxes.iter().copied().chain(backdrops).fold(Rect::NOTHING, Rect::union)
+    }
+
+    /// Where an end of a wire is.
+    pub(super) fn end(&self, end: End) -> Pos2 {
+        let (area, node) = (self.boxes[end.node()], &self.sheet.nodes[end.node()]);
+        match end {
+            End::Output(_, output) => {
+                pos2(area.left() + place::along(output, node.makes.len(), area.width()), area.bottom())
+            }
+            End::Pin(_, pin) => pos2(area.left() + place::along(pin, node.pins.len(), area.width()), area.top()),
+        }
+    }
+
+    /// The points that a wire leads through, its ends included.
+    pub(super) fn points(&self, wire: usize) -> Vec<Pos2> {
+        let Wire { from, to } = self.sheet.wires[wire];
+        let mut points = vec![self.end(End::Output(from.0, from.1))];
+        let between = if self.dots[wire].is_empty() { self.routes.get(&wire) } else { Some(&self.dots[wire]) };
+        points.extend(between.into_iter().flatten());
+        points.push(self.end(End::Pin(to.0, to.1)));
+        points
+    }
+
+    fn curve(&self, wire: usize) -> Curve {
+        let through = if self.dots[wire].is_empty() { Through::Down } else { Through::Dots };
+        Curve::new(&self.points(wire), through)
+    }
+
+    /// Shows nodes elsewhere, while they are dragged.
+    pub(super) fn shift(&mut self, nodes: &BTreeSet<usize>, by: Vec2) {
+        if (&self.shifted.0, self.shifted.1) == (nodes, by) {
+            return;
+        }
+        let mut touched: BTreeSet<usize> = std::mem::take(&mut self.shifted.0);
+        touched.iter().for_each(|node| self.boxes[*node] = self.home[*node]);
+        nodes.iter().for_each(|node| self.boxes[*node] = self.home[*node].translate(by));
+        touched.extend(nodes);
+        for wire in 0..self.curves.len() {
+            let Wire { from, to } = self.sheet.wires[wire];
+            if touched.contains(&from.0) || touched.contains(&to.0) {
+                // A route past others holds where both ends move as one.
+                let apart = nodes.contains(&from.0) != nodes.contains(&to.0);
+                let route = if apart { self.routes.remove(&wire) } else { None };
+                self.curves[wire] = self.curve(wire);
+                if let Some(route) = route {
+                    self.routes.insert(wire, route);
+                }
+            }
+        }
+        self.shifted = (nodes.clone(), by);
+    }
+
+    /// Shows a wire's dots elsewhere, while one is dragged.
+    pub(super) fn bend(&mut self, wire: usize, dots: &[Pos2]) {
+        if self.dots[wire] != dots {
+            self.dots[wire] = dots.to_vec();
+            self.curves[wire] = self.curve(wire);
+        }
+    }
+
+    /// The wire that ends at a pin.
+    pub(super) fn wire_at(&self, to: (usize, usize)) -> Option<usize> {
+        self.wire_at.get(&to).copied()
+    }
+
+    /// The wire that is nearest to a place, if it is within reach.
+    pub(super) fn nearest_wire(&self, at: Pos2, reach: f32) -> Option<usize> {
+        let near = self.curves.iter().enumerate().filter(|(_, curve)| curve.bounds.expand(reach).contains(at));
+        let near = near.map(|(wire, curve)| (curve.distance(at), wire)).filter(|(distance, _)| *distance < reach);
+        near.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, wire)| wire)
+    }
+
+    /// The node at a place, the uppermost first.
+    pub(super) fn node_at(&self, at: Pos2) -> Option<usize> {
+        self.boxes.iter().rposition(|area| area.contains(at))
+    }
+
+    /// The end of wires that is nearest to a place, if it is within reach.
+    pub(super) fn end_at(&self, at: Pos2, reach: f32) -> Option<End> {
+        let near = (0..self.boxes.len()).filter(|node| self.boxes[*node].expand(reach).contains(at));
+        let ends = near.flat_map(|node| {
+            let pins = (0..self.sheet.nodes[node].pins.len()).map(move |pin| End::Pin(node, pin));
+            pins.chain((0..self.sheet.nodes[node].makes.len()).map(move |output| End::Output(node, output)))
+        });
+        let ends = ends.map(|end| (self.end(end).distance(at), end)).filter(|(distance, _)| *distance < reach);
+        ends.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, end)| end)
+    }
+
+    /// What nodes cover; all of them if none is named.
+    pub(super) fn area(&self, names: &BTreeSet<String>) -> Option<Rect> {
+        let some = names.iter().filter_map(|name| Some(self.boxes[self.sheet.find(name)?]));
+        some.reduce(Rect::union).or(self.bounds.is_finite().then_some(self.bounds))
+    }
+
+    /// Where a node stands, as documents write it.
+    pub(super) fn corner(&self, node: usize) -> Point {
+        self.boxes[node].min.into()
+    }
+
+    /// A change that is to leave nodes where they are seen: writes all places first, where the document has not all.
+    pub(super) fn freezing(&self, then: Edit) -> Edit {
+        if self.sheet.nodes.iter().all(|node| node.placed) {
+            return then;
+        }
+        let places: Vec<(String, Point)> =
+            self.sheet.nodes.iter().zip(&self.home).map(|(node, area)| (node.name.clone(), area.min.into())).collect();
+        Edit { ops: [edit::laid_out(&self.sheet, &places).ops, then.ops].concat(), ..then }
+    }
+
+    /// How the end of a wire is called, for those who cannot see it.
+    pub(super) fn spoken(&self, end: End) -> String {
+        let node = &self.sheet.nodes[end.node()];
+        match end {
+            End::Output(_, 0) => format!("Output of {}", node.name),
+            End::Output(_, output) => format!("Output {} of {}", node.makes[output].0, node.name),
+            End::Pin(_, pin) => format!("Input {} of {}", node.pins[pin].label, node.name),
+        }
+    }
+
+    /// Whether anything of a node can be seen.
+    pub(super) fn is_seen(&self, node: usize, view: &View) -> bool {
+        view.seen().expand(24.0 / view.zoom).intersects(self.boxes[node])
+    }
+}
+
+/// Documents with more nodes are laid out only where they do not say how.
+const MOST: usize = 300;
+
+/// Where wires run whose nodes stand to each other as the layout puts them.
+fn routes(sheet: &Sheet, boxes: &[Rect], laid: &Laid) -> HashMap<usize, Vec<Pos2>> {
+    if laid.corners.len() != boxes.len() {
+        return HashMap::new();
+    }
+    let kept = laid.routes.iter().filter_map(|(index, through)| {
+        let wire = sheet.wires.get(*index)?;
+        let [from, to] = [wire.from.0, wire.to.0].map(|node| boxes[node].min - laid.corners[node]);
+        let together = (from - to).abs().max_elem() < 2.0;
+        together.then(|| (*index, through.iter().map(|at| *at + from).collect()))
+    });
+    kept.collect()
+}
+
+/// What is wrong with nodes.
+fn faults(state: &State) -> HashMap<usize, Fault> {
+    let sheet = state.sheet();
+    let own = state.session.meaning().errors().filter_map(|error| sheet.find(error.node.as_deref()?));
+    let below = sheet.downstream(own.collect::<BTreeSet<usize>>());
+    let faults = below.into_iter().filter_map(|node| {
+        let (culprit, fault) = state.fault_of(node)?;
+        let mut text = format!("found {}; expected {}", fault.found, fault.expected);
+        if let Some(port) = &fault.port {
+            text = format!("{port}: {text}");
+        }
+        if !fault.remedy.is_empty() {
+            text = format!("{text}\n{}", fault.remedy);
+        }
+        Some((node, Fault { culprit: culprit.into(), text }))
+    });
+    faults.collect()
+}

@@ -1,0 +1,164 @@
+//! Finds a type of node by its name, and adds one.
+
+use super::Canvas;
+use super::connect::{self, Wanted};
+use super::plan::Plan;
+use crate::actions::Action;
+use crate::document::edit;
+use crate::prompts::{matches, moved};
+use crate::state::State;
+use crate::theme;
+use egui::{Area, Button, Color32, Frame, Id, Key, Order, Pos2, RichText, ScrollArea, TextEdit, Ui};
+use egui::{WidgetInfo, WidgetType, vec2};
+use trochoid::{Declaration, registry};
+
+/// What is being looked for.
+pub(super) struct Search {
+    /// On the screen, where the new node goes.
+    at: Pos2,
+    text: String,
+    chosen: usize,
+    purpose: Purpose,
+}
+
+enum Purpose {
+    /// A new node, joined in this way.
+    Add(Wanted),
+    /// Another type for the node of this name.
+    Replace(String),
+}
+
+impl Search {
+    fn new(at: Pos2, purpose: Purpose) -> Self {
+        Self { at, text: String::new(), chosen: 0, purpose }
+    }
+
+    /// Asks for another type for a node.
+    pub(super) fn replacing(name: &str, at: Pos2) -> Self {
+        Self::new(at, Purpose::Replace(name.into()))
+    }
+
+    /// Types that fit, the best matches first.
+    fn found(&self, plan: &Plan) -> Vec<&'static Declaration> {
+        let all = registry().iter().map(|ty| ty.declaration());
+        let all: Vec<&'static Declaration> = match &self.purpose {
+            Purpose::Add(wanted) => all.filter(|known| connect::suits(&plan.sheet, known, wanted)).collect(),
+            Purpose::Replace(name) => {
+                let own = plan.sheet.node(name).map(|node| node.ty.as_str());
+                all.filter(|known| Some(known.name) != own).collect()
+            }
+        };
+        let names = all.iter().enumerate().map(|(index, known)| (index, known.name));
+        matches(&self.text, names).into_iter().map(|index| all[index]).collect()
+    }
+
+    fn title(&self) -> String {
+        match &self.purpose {
+            Purpose::Add(Wanted::Takes(name, _)) => format!("What takes {name} …"),
+            Purpose::Add(Wanted::Feeds(name, _)) => format!("What feeds {name} …"),
+            Purpose::Add(_) => "Node …".into(),
+            Purpose::Replace(name) => format!("What replaces {name} …"),
+        }
+    }
+}
+
+impl Canvas {
+    /// Asks for a node to add at a place of the screen.
+    pub(super) fn open_search(&mut self, at: Pos2, wanted: Wanted) {
+        self.search = Some(Search::new(at, Purpose::Add(wanted)));
+    }
+
+    /// Asks what is looked for, and adds what is chosen.
+    pub(super) fn search_ui(&mut self, plan: &Plan, ui: &Ui, state: &State, actions: &mut Vec<Action>) {
+        let Some(mut search) = self.search.take() else { return };
+        let mut taken = None;
+        let area = Area::new(ui.id().with("search")).order(Order::Foreground).fixed_pos(search.at);
+        let shown = area.constrain_to(ui.ctx().content_rect()).show(ui.ctx(), |ui| {
+            Frame::popup(ui.style()).show(ui, |ui| {
+                ui.set_width(240.0);
+                taken = list_ui(&mut search, plan, ui);
+            });
+        });
+        let (escape, pressed) = ui.input(|input| (input.key_pressed(Key::Escape), input.pointer.any_pressed()));
+        match taken {
+            Some(declaration) => self.take(&search, plan, state, declaration, actions),
+            None if escape || pressed && !shown.response.contains_pointer() => {}
+            None => self.search = Some(search),
+        }
+    }
+
+    fn take(
+        &self,
+        search: &Search,
+        plan: &Plan,
+        state: &State,
+        declaration: &'static Declaration,
+        actions: &mut Vec<Action>,
+    ) {
+        match &search.purpose {
+            Purpose::Replace(name) => {
+                actions.push(Action::Edit(plan.freezing(edit::retyped(&plan.sheet, name, declaration))));
+                actions.push(Action::Seal);
+            }
+            Purpose::Add(wanted) => {
+                let below = Wanted::Below(state.chosen().unwrap_or_default().into(), 0);
+                let wanted = if *wanted == Wanted::Nothing && state.chosen().is_some() { &below } else { wanted };
+                // The pointer is at the middle of the new node's head.
+                let at = self.view.canvas(search.at) - vec2(super::place::WIDTH / 2.0, super::place::HEAD / 2.0);
+                let (edit, name) = connect::added(&state.session, declaration, at.into(), wanted);
+                actions.push(Action::Edit(plan.freezing(edit)));
+                actions.extend([Action::Seal, Action::Select([name].into())]);
+            }
+        }
+    }
+}
+
+fn list_ui(search: &mut Search, plan: &Plan, ui: &mut Ui) -> Option<&'static Declaration> {
+    let id = Id::new("node search");
+    // Before the field sees them.
+    let found = search.found(plan);
+    search.chosen = moved(ui, search.chosen, found.len());
+    let title = search.title();
+    let field = TextEdit::singleline(&mut search.text).id(id).hint_text(title.as_str()).desired_width(f32::INFINITY);
+    let field = ui.add(field);
+    field.widget_info(|| WidgetInfo::labeled(WidgetType::TextEdit, true, "Name of a type of node"));
+    let enter = ui.input(|input| input.key_pressed(Key::Enter));
+    field.request_focus();
+    let found = if field.changed() {
+        search.chosen = 0;
+        search.found(plan)
+    } else {
+        found
+    };
+    let mut taken = None;
+    ScrollArea::vertical().max_height(260.0).auto_shrink([false, true]).show(ui, |ui| {
+        for (index, known) in found.iter().enumerate() {
+            let kind = known.outputs.first().map(|output| output.kind);
+            let dot = RichText::new("●").color(theme::kind(kind)).size(9.0);
+            let button = Button::selectable(index == search.chosen, (dot, known.name));
+            let row = ui.add(button.min_size(vec2(ui.available_width(), 0.0))).on_hover_text(known.summary);
+            row.widget_info(|| WidgetInfo::selected(WidgetType::Button, true, index == search.chosen, known.name));
+            if index == search.chosen && (field.changed() || moving(ui)) {
+                row.scroll_to_me(None);
+            }
+            if row.clicked() {
+                taken = Some(*known);
+            }
+        }
+    });
+    match found.get(search.chosen) {
+        Some(known) => {
+            ui.separator();
+            ui.label(RichText::new(known.summary).small());
+            if enter {
+                taken = Some(known);
+            }
+        }
+        None => drop(ui.colored_label(Color32::GRAY, "No type of node fits.")),
+    }
+    taken
+}
+
+fn moving(ui: &Ui) -> bool {
+    ui.input(|input| input.key_pressed(Key::ArrowDown) || input.key_pressed(Key::ArrowUp))
+}

@@ -1,0 +1,141 @@
+//! Wires: how they are drawn, what they are called, and their dots.
+
+use super::Canvas;
+use super::curve::{Curve, Through};
+use super::drag::Gesture;
+use super::plan::{End, Plan};
+use crate::actions::Action;
+use crate::document::{Point, Wire, decor};
+use crate::state::State;
+use crate::theme;
+use egui::{Color32, PointerButton, Pos2, Rect, Sense, Shape, Stroke, Ui, WidgetInfo, WidgetType, vec2};
+use trochoid::State as Fate;
+
+/// How near the pointer must be to a wire, in points of the screen.
+pub(super) const REACH: f32 = 6.0;
+/// Radius of a dot.
+const DOT: f32 = 4.5;
+
+impl Canvas {
+    /// The wire under the pointer.
+    pub(super) fn wire_hovered(&self, plan: &Plan, ui: &Ui, background: bool) -> Option<usize> {
+        let at = ui.input(|input| input.pointer.hover_pos()).filter(|_| background)?;
+        matches!(self.gesture, Gesture::Idle)
+            .then(|| plan.nearest_wire(self.view.canvas(at), REACH / self.view.zoom))?
+    }
+
+    /// Draws all wires.
+    pub(super) fn wires_ui(&self, plan: &Plan, ui: &Ui, state: &State, hovered: Option<usize>) {
+        let seen = self.view.seen();
+        let (taken, into) = match &self.gesture {
+            Gesture::Pull(pull) => (pull.old.and_then(|old| plan.wire_at(old)), None),
+            Gesture::Move(held) => (None, held.into),
+            _ => (None, None),
+        };
+        let width = (1.7 * self.view.zoom).clamp(1.0, 3.0);
+        let labels = self.view.zoom > 0.3;
+        for (index, curve) in plan.curves.iter().enumerate() {
+            if !curve.bounds.expand(4.0).intersects(seen) {
+                continue;
+            }
+            let wire = &plan.sheet.wires[index];
+            let names = [wire.from.0, wire.to.0].map(|node| plan.sheet.nodes[node].name.as_str());
+            let chosen = names.iter().any(|name| state.selection.contains(*name));
+            let mut color = theme::kind(plan.sheet.kind(wire));
+            let mut width = width;
+            if taken == Some(index) {
+                color = color.gamma_multiply(0.2);
+            } else if hovered == Some(index) || into == Some(index) {
+                color = color.lerp_to_gamma(ui.visuals().strong_text_color(), 0.35);
+                width += 1.5;
+            } else if left_out(state, names[0]) || left_out(state, names[1]) {
+                color = color.gamma_multiply(0.22);
+            } else if !chosen {
+                color = color.gamma_multiply(0.62);
+            }
+            self.draw(ui, curve, Stroke::new(width, color));
+            if labels {
+                // It is found by what it is called; the pointer finds it by its line.
+                let place = Rect::from_center_size(self.view.screen(curve.middle()), vec2(8.0, 8.0));
+                let (from, pin) =
+                    (plan.sheet.reference(wire.from.0, wire.from.1), &plan.sheet.nodes[wire.to.0].pins[wire.to.1]);
+                let response = ui.interact(place, ui.id().with(("wire", wire)), Sense::hover());
+                response.widget_info(|| {
+                    WidgetInfo::labeled(
+                        WidgetType::Other,
+                        true,
+                        format!("Wire from {from} to {} {}", names[1], pin.label),
+                    )
+                });
+            }
+        }
+    }
+
+    fn draw(&self, ui: &Ui, curve: &Curve, stroke: Stroke) {
+        let line: Vec<Pos2> = curve.line.iter().map(|at| self.view.screen(*at)).collect();
+        ui.painter().add(Shape::line(line, stroke));
+    }
+
+    /// Draws the dots of wires, and takes what is done to them.
+    pub(super) fn dots_ui(&mut self, plan: &Plan, ui: &Ui, actions: &mut Vec<Action>) {
+        for wire in 0..plan.dots.len() {
+            let Wire { to, .. } = plan.sheet.wires[wire];
+            for (index, dot) in plan.dots[wire].iter().enumerate() {
+                let at = self.view.screen(*dot);
+                if !self.view.rect.expand(10.0).contains(at) {
+                    continue;
+                }
+                let radius = (DOT * self.view.zoom).max(2.5);
+                let place = Rect::from_center_size(at, vec2(1.0, 1.0) * (2.0 * radius + 6.0));
+                let id = ui.id().with(("dot", to, index));
+                let response = ui.interact(place, id, Sense::click_and_drag());
+                let key = || decor::key(&plan.sheet, to);
+                response.widget_info(|| {
+                    WidgetInfo::labeled(WidgetType::Button, true, format!("Dot {} of {}", index + 1, key()))
+                });
+                let color = theme::kind(plan.sheet.kind(&plan.sheet.wires[wire]));
+                let ring = if response.hovered() { ui.visuals().strong_text_color() } else { ui.visuals().window_fill };
+                ui.painter().circle(at, radius, color, Stroke::new(1.5, ring));
+                if response.drag_started_by(PointerButton::Primary) && matches!(self.gesture, Gesture::Idle) {
+                    self.gesture = Gesture::Dot(wire, index, plan.dots[wire].clone());
+                }
+                if response.double_clicked() {
+                    let mut dots: Vec<Point> = plan.dots[wire].iter().map(|at| (*at).into()).collect();
+                    dots.remove(index);
+                    actions.extend([Action::Edit(decor::dotted(&plan.sheet, to, &dots)), Action::Seal]);
+                } else if response.hovered() {
+                    response.on_hover_text("Drag to move, double-click to remove.");
+                }
+            }
+        }
+    }
+
+    /// Draws the wire that follows the pointer.
+    pub(super) fn pull_ui(&self, plan: &Plan, ui: &Ui) {
+        let Gesture::Pull(pull) = &self.gesture else { return };
+        let Some(at) = ui.input(|input| input.pointer.latest_pos()) else { return };
+        let loose = pull.target.map_or(self.view.canvas(at), |target| plan.end(target));
+        let held = plan.end(pull.held);
+        let points = if matches!(pull.held, End::Output(..)) { [held, loose] } else { [loose, held] };
+        let fits = pull.target.is_none_or(|target| super::connect::fits(&plan.sheet, pull.held, target, &pull.barred));
+        let color = match (fits, pull.held) {
+            (false, _) => theme::error(ui.visuals()),
+            (true, End::Output(node, output)) => theme::kind(super::connect::kind(&plan.sheet, (node, output))),
+            (true, End::Pin(node, pin)) => theme::accepts(plan.sheet.nodes[node].pins[pin].accepts),
+        };
+        self.draw(ui, &Curve::new(&points, Through::Down), Stroke::new(2.5, color));
+        if let Some(target) = pull.target {
+            ui.painter().circle_stroke(self.view.screen(plan.end(target)), 8.0, Stroke::new(2.0, color));
+        }
+    }
+}
+
+/// Whether a node was left out when it was looked at last.
+pub(super) fn left_out(state: &State, name: &str) -> bool {
+    state.seen.nodes.get(name).is_some_and(|node| matches!(node.state, Fate::LeftOut(_)))
+}
+
+/// A color with less of itself and more of what is behind it.
+pub(super) fn faded(color: Color32, behind: Color32, share: f32) -> Color32 {
+    color.lerp_to_gamma(behind, share)
+}

@@ -1,0 +1,138 @@
+//! What a document says of its looks besides where nodes stand: backdrops, and dots that wires run through.
+
+use super::edit::{Edit, style};
+use super::json::{Op, Path, Step};
+use super::sheet::{Backdrop, Point, Sheet, point};
+use serde_json::{Value, json};
+
+fn wires() -> Path {
+    Path::default().to("ui").to("wires")
+}
+
+fn backdrop(name: &str) -> Path {
+    Path::default().to("ui").to("backdrops").to(name)
+}
+
+fn rounded(at: Point) -> Value {
+    json!([f64::from(at[0]).round(), f64::from(at[1]).round()])
+}
+
+/// Under which key the dots of the wire to a pin are kept: `sky.weight`, `view.surfaces[1]`.
+pub fn key(sheet: &Sheet, to: (usize, usize)) -> String {
+    let node = &sheet.nodes[to.0];
+    Path(std::iter::once(Step::from(&node.name)).chain(node.pins[to.1].steps.iter().cloned()).collect()).to_string()
+}
+
+/// The dots of the wire to a pin, from the top down.
+pub fn dots(sheet: &Sheet, to: (usize, usize)) -> Vec<Point> {
+    // Most documents have none, and need no keys.
+    let Some(all) = wires().find(&sheet.value) else { return Vec::new() };
+    let points = all.get(key(sheet, to)).and_then(Value::as_array);
+    points.into_iter().flatten().filter_map(|at| point(Some(at))).collect()
+}
+
+/// Lets the wire to a pin run through these dots, or through none.
+pub fn dotted(sheet: &Sheet, to: (usize, usize), points: &[Point]) -> Edit {
+    let key = key(sheet, to);
+    let path = wires().to(&key);
+    let ops = match points {
+        [] if sheet.get(&path).is_none() => Vec::new(),
+        [] => vec![Op::Remove(path)],
+        points => vec![Op::Set(path, style(&points.iter().copied().map(rounded).collect()))],
+    };
+    Edit::new(format!("Lead the wire to {key}"), ops)
+}
+
+/// Takes away the dots of wires to a node that goes away.
+pub fn undotted(sheet: &Sheet, name: &str) -> Vec<Op> {
+    keys_of(sheet, name).map(|key| Op::Remove(wires().to(key))).collect()
+}
+
+/// Keeps the dots of wires to a node that is renamed.
+pub fn redotted(sheet: &Sheet, from: &str, to: &str) -> Vec<Op> {
+    let renamed = keys_of(sheet, from).map(|key| Op::Rename(wires().to(key), format!("{to}{}", &key[from.len()..])));
+    renamed.collect()
+}
+
+fn keys_of<'s>(sheet: &'s Sheet, name: &'s str) -> impl Iterator<Item = &'s String> {
+    let all = wires().find(&sheet.value).and_then(Value::as_object);
+    let of = move |key: &str| key.strip_prefix(name).is_some_and(|rest| rest.starts_with('.'));
+    all.into_iter().flat_map(|all| all.keys()).filter(move |key| of(key))
+}
+
+/// Adds a backdrop, or changes the one of that name.
+pub fn framed(label: &str, name: &str, body: &Backdrop) -> Edit {
+    let value = json!({
+        "at": rounded(body.at), "size": rounded(body.size), "text": body.text, "tint": body.tint,
+    });
+    Edit::new(label, vec![Op::Set(backdrop(name), style(&value))])
+}
+
+/// Takes a backdrop away; what stands on it stays.
+pub fn unframed(name: &str) -> Edit {
+    Edit::new("Delete a backdrop", vec![Op::Remove(backdrop(name))])
+}
+
+/// A name that no backdrop has yet.
+pub fn free_backdrop(sheet: &Sheet) -> String {
+    let names = (1..).map(|n: usize| format!("backdrop{n}"));
+    names.into_iter().find(|name| !sheet.backdrops.contains_key(name)).unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::document::Session;
+    use crate::document::edit::{deleted, renamed};
+    use crate::document::session::NEW;
+
+    fn new() -> Session {
+        Session::new(NEW.into(), None)
+    }
+
+    fn pin(sheet: &Sheet) -> (usize, usize) {
+        sheet.wires[0].to
+    }
+
+    #[test]
+    fn dots_are_kept_with_the_wire_and_follow_its_node() {
+        let mut session = new();
+        let sheet = session.sheet().clone();
+        assert_eq!(key(&sheet, pin(&sheet)), "sky.weight");
+        assert_eq!(dotted(&sheet, pin(&sheet), &[]).ops, []);
+        session.edit(dotted(&sheet, pin(&sheet), &[[10.4, 20.0], [30.0, 40.0]])).unwrap();
+        let sheet = session.sheet().clone();
+        assert_eq!(dots(&sheet, pin(&sheet)), [[10.0, 20.0], [30.0, 40.0]]);
+        session.edit(renamed(&sheet, "sky", "air")).unwrap();
+        let sheet = session.sheet().clone();
+        assert_eq!(key(&sheet, pin(&sheet)), "air.weight");
+        assert_eq!(dots(&sheet, pin(&sheet)).len(), 2);
+        session.edit(deleted(&sheet, &["air".into()])).unwrap();
+        assert!(!session.text().contains("air.weight"));
+        session.undo();
+        session.undo();
+        session.undo();
+        assert_eq!(session.text(), NEW);
+    }
+
+    #[test]
+    fn a_node_does_not_take_the_dots_of_one_whose_name_begins_as_its_own() {
+        let mut session = new();
+        let sheet = session.sheet().clone();
+        session.edit(dotted(&sheet, pin(&sheet), &[[1.0, 2.0]])).unwrap();
+        assert_eq!(undotted(session.sheet(), "sk"), []);
+        assert_eq!(undotted(session.sheet(), "sky").len(), 1);
+    }
+
+    #[test]
+    fn backdrops_come_back_as_they_were_put() {
+        let mut session = new();
+        let body = Backdrop { at: [-20.0, 5.0], size: [300.0, 200.0], text: "sky\nand air".into(), tint: 3 };
+        let name = free_backdrop(session.sheet());
+        session.edit(framed("Add a backdrop", &name, &body)).unwrap();
+        assert_eq!(session.sheet().backdrops[&name], body);
+        assert_ne!(free_backdrop(session.sheet()), name);
+        session.edit(unframed(&name)).unwrap();
+        assert!(session.sheet().backdrops.is_empty());
+    }
+}
