@@ -4,7 +4,7 @@ use crate::actions::Action;
 use crate::canvas::Canvas;
 use crate::document::keep::{Keeper, Kept, kept};
 use crate::document::{Edit, Session, edit};
-use crate::evaluate::{Job, News, Subject, Worker};
+use crate::evaluate::{Job, News, Question, Subject, Worker};
 use crate::layout::{self, Pane};
 use crate::prompts::Prompts;
 use crate::properties::Properties;
@@ -63,6 +63,8 @@ struct Asked {
     display: crate::evaluate::Display,
     thumbnails: u64,
     ahead: Option<(u64, i64)>,
+    /// Picture, frame and place.
+    blame: Option<(u64, i64, [f32; 2])>,
 }
 
 /// What a picture is of: revision, node, output, frame, proxy, region.
@@ -144,6 +146,7 @@ impl Editor {
         self.keep(&context);
         self.play(&context);
         self.ask();
+        self.ask_blame();
     }
 
     fn opened(&mut self, context: &Context) {
@@ -477,6 +480,7 @@ impl Editor {
                     self.worker.evaluate(job(self.asked.generation, self.state.frame, !self.state.playing));
                     self.state.seen.progress = Some(0.0);
                     self.asked.ahead = None;
+                    self.asked.blame = None;
                 }
             }
         } else if self.asked.display != look.display {
@@ -504,6 +508,30 @@ impl Editor {
             let missing = next.filter(|frame| !self.state.seen.frames.contains_key(frame)).take(8);
             let jobs: Vec<Job> = missing.map(|frame| job(self.asked.generation, frame, false)).collect();
             self.worker.ahead(jobs);
+        }
+    }
+
+    /// Asks what the pixel that is inspected is made of, once its picture is finished.
+    fn ask_blame(&mut self) {
+        let Some(at) = self.state.look.pick else {
+            self.asked.blame = None;
+            self.state.seen.blame = None;
+            return;
+        };
+        let result = self.state.seen.result.as_ref();
+        let Some(result) = result.filter(|result| result.finished && self.state.seen.progress.is_none()) else {
+            return;
+        };
+        let what = Some((result.generation, result.frame, at));
+        if result.picture.kind == trochoid::Kind::Color && self.asked.blame != what && !self.state.playing {
+            self.asked.blame = what;
+            self.worker.blame(Question {
+                generation: result.generation,
+                subject: result.subject.clone(),
+                frame: result.frame,
+                shrunk: result.shrunk,
+                at,
+            });
         }
     }
 
@@ -553,6 +581,9 @@ impl Editor {
                     seen.failed = Some(message);
                     seen.progress = None;
                     seen.result = None;
+                }
+                News::Blame(blamed) if self.asked.blame == Some((blamed.generation, blamed.frame, blamed.at)) => {
+                    seen.blame = Some(*blamed);
                 }
                 News::Thumbnails(all) => {
                     seen.thumbnails = all.into_iter().map(|one| (one.node, Arc::new(one.screen))).collect();
