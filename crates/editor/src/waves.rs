@@ -84,6 +84,8 @@ fn knobs_ui(ui: &mut Ui, state: &State, sea: &Node, actions: &mut Vec<Action>) {
             _ => None,
         })
     };
+    // A name must find its place beside each slider.
+    ui.spacing_mut().slider_width = 84.0;
     ui.horizontal_top(|ui| {
         if let Some(direction) = knob("direction") {
             dial_ui(ui, &path.to("direction"), value_of(state, &path, &direction), actions);
@@ -251,7 +253,11 @@ fn spectrum_ui(waves: &mut Waves, ui: &mut Ui, state: &State, sea: &Node, graph:
         .x_axis_label("m, crest to crest")
         .y_axis_label("m")
         .include_y(0.0)
-        .x_axis_formatter(|mark, _| number(10f64.powf(mark.value)))
+        .x_axis_formatter(|mark, _| {
+            // At whole powers of ten alone: between them the axis is not even.
+            let whole = (mark.value - mark.value.round()).abs() < 1e-6;
+            if whole { format!("{}", 10f64.powf(mark.value)) } else { String::new() }
+        })
         .show(ui, |plot| {
             plot.points(
                 Points::new("", PlotPoints::from(stems))
@@ -270,7 +276,9 @@ fn spectrum_ui(waves: &mut Waves, ui: &mut Ui, state: &State, sea: &Node, graph:
             [cos * wave.amplitude.abs(), -sin * wave.amplitude.abs()]
         })
         .collect();
-    Plot::new("rose").height(150.0).data_aspect(1.0).include_x(0.0).include_y(0.0).show_axes(false).show(ui, |plot| {
+    let reach = rose.iter().flatten().fold(0.0_f64, |most, value| most.max(value.abs()));
+    let plot = Plot::new("rose").height(150.0).data_aspect(1.0).show_axes(false);
+    plot.include_x(-reach).include_x(reach).include_y(-reach).include_y(reach).show(ui, |plot| {
         plot.points(Points::new("", PlotPoints::from(rose)).radius(1.5).color(Color32::from_rgb(0x5c, 0x9d, 0xdc)));
     });
 }

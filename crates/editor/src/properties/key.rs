@@ -2,7 +2,7 @@
 
 use super::{Place, Properties};
 use crate::actions::Action;
-use egui::{Button, Color32, RichText, Ui};
+use egui::{Color32, Sense, Shape, Stroke, Ui, vec2};
 use egui_plot::{Line, Plot, PlotPoint, PlotPoints, Points, VLine};
 use serde_json::{Value, json};
 use trochoid::{Animated, Interpolation};
@@ -89,14 +89,15 @@ pub(super) fn button_ui(
     actions: &mut Vec<Action>,
 ) {
     let frame = place.state.frame as f64;
-    let (text, help) = match keyed {
-        Some(keyed) if keyed.has(frame) => ("◆", "Removes the key at this frame."),
-        Some(_) => ("◇", "Sets a key at this frame."),
-        None => ("◇", "Keys the value over frames."),
+    let help = match keyed {
+        Some(keyed) if keyed.has(frame) => "Removes the key at this frame.",
+        Some(_) => "Sets a key at this frame.",
+        None => "Keys the value over frames.",
     };
-    let strong = keyed.is_some();
-    let text = if strong { RichText::new(text).strong() } else { RichText::new(text).weak() };
-    if ui.add(Button::new(text).frame(false)).on_hover_text(help).clicked() {
+    let filled = keyed.is_some_and(|keyed| keyed.has(frame));
+    let diamond = diamond_ui(ui, filled, keyed.is_some()).on_hover_text(help);
+    diamond.widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::Button, true, help));
+    if diamond.clicked() {
         let value = match keyed {
             Some(keyed) if keyed.has(frame) => {
                 let mut keyed = keyed.clone();
@@ -119,6 +120,20 @@ pub(super) fn button_ui(
             };
         }
     }
+}
+
+/// A diamond as timelines know it, filled where a key stands.
+fn diamond_ui(ui: &mut Ui, filled: bool, keyed: bool) -> egui::Response {
+    let (rect, response) = ui.allocate_exact_size(vec2(14.0, ui.spacing().interact_size.y), Sense::click());
+    let color = match (response.hovered(), keyed) {
+        (true, _) => ui.visuals().strong_text_color(),
+        (false, true) => Color32::from_rgb(0xe8, 0xb0, 0x4a),
+        (false, false) => ui.visuals().weak_text_color(),
+    };
+    let corners = [vec2(0.0, -4.5), vec2(4.5, 0.0), vec2(0.0, 4.5), vec2(-4.5, 0.0)].map(|to| rect.center() + to);
+    let fill = if filled { color } else { Color32::TRANSPARENT };
+    ui.painter().add(Shape::convex_polygon(corners.to_vec(), fill, Stroke::new(1.2, color)));
+    response
 }
 
 /// Colors of the components of vectors.
