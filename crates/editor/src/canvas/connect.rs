@@ -114,7 +114,12 @@ pub(super) fn connect(
         edit = edit.then(edit::disconnected(sheet, old));
     }
     match new_fault(session, &edit, &below.name) {
-        Some(why) => refuse(why, None),
+        Some(why) => {
+            // What a node hands on is guessed as long as the document is not valid.
+            let declared = above.declaration.and_then(|known| Some(known.outputs.get(from.1)?.kind));
+            let guessed = declared == Some(Kind::ANY) && !pin.accepts.takes(Kind::Field(1));
+            refuse(why, guessed.then(|| bridge(session, from, to, Kind::Field(1), at)).flatten())
+        }
         None => Ok(edit),
     }
 }

@@ -207,3 +207,14 @@ fn wires_can_be_drawn_without_dragging() {
     harness.run_ok();
     assert_eq!(harness.state().text("/nodes/other/weight"), "\"down\"");
 }
+
+#[test]
+fn a_clamp_is_offered_also_while_something_else_is_wrong() {
+    let mut harness = open(&GRAPH.replace(r#""color": "sky""#, r#""color": "nothing""#));
+    let (from, to) = (place(&harness, "Output of twice"), place(&harness, "Input weight of other"));
+    drag(&mut harness, from.center(), to.center());
+    harness.get_by_label("Put a Clamp between").click();
+    harness.run_ok();
+    assert_eq!(harness.state().text("/nodes/other/weight"), "\"clamp\"");
+    assert_eq!(harness.state().text("/nodes/clamp/field"), "\"twice\"");
+}
