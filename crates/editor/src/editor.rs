@@ -4,7 +4,7 @@ use crate::actions::Action;
 use crate::canvas::Canvas;
 use crate::document::keep::{Keeper, Kept, kept};
 use crate::document::{Edit, Session, edit};
-use crate::evaluate::{Job, News, Subject, Worker};
+use crate::evaluate::{Job, News, Question, Subject, Worker};
 use crate::layout::{self, Pane};
 use crate::prompts::Prompts;
 use crate::properties::Properties;
@@ -59,12 +59,16 @@ pub(crate) struct Panels {
 #[derive(Default)]
 struct Asked {
     generation: u64,
-    /// Revision, node, output, frame, proxy, region.
-    what: Option<(u64, String, usize, i64, u32, Option<[f32; 4]>)>,
+    what: Option<What>,
     display: crate::evaluate::Display,
     thumbnails: u64,
     ahead: Option<(u64, i64)>,
+    /// Picture, frame and place.
+    blame: Option<(u64, i64, [f32; 2])>,
 }
+
+/// What a picture is of: revision, node, output, frame, proxy, region.
+type What = (u64, String, usize, i64, u32, Option<[f32; 4]>);
 
 /// Most memory for pictures of frames, bytes.
 const FRAMES: usize = 2 << 30;
@@ -82,7 +86,7 @@ impl Editor {
         let folder = data.map(|data| data.join("unsaved"));
         let orphans = folder.as_deref().map(kept).unwrap_or_default();
         let keeper = folder.as_deref().and_then(|folder| Keeper::new(folder).ok());
-        let recent = data.map(|data| crate::recent::read(data)).unwrap_or_default();
+        let recent = data.map(crate::recent::read).unwrap_or_default();
         let mut editor = Self {
             tree: layout::first(),
             panels: Panels::default(),
@@ -142,6 +146,7 @@ impl Editor {
         self.keep(&context);
         self.play(&context);
         self.ask();
+        self.ask_blame();
     }
 
     fn opened(&mut self, context: &Context) {
@@ -224,7 +229,9 @@ impl Editor {
             Action::SaveAs => self.prompts.ask_save(&state.session, None),
             Action::Reload => match state.session.reload() {
                 Ok(()) => self.changed(),
-                Err(error) => drop(self.toasts.error(error)),
+                Err(error) => {
+                    self.toasts.error(error);
+                }
             },
             Action::Copy | Action::Cut => {
                 context.copy_text(edit::copied(&crate::canvas::placed(&sheet), &names));
@@ -238,7 +245,7 @@ impl Editor {
                     self.state.selection = names.into_iter().collect();
                 }
                 None => {
-                    drop(self.toasts.warning("The clipboard holds no nodes: copy some from a graph, or their JSON"))
+                    self.toasts.warning("The clipboard holds no nodes: copy some from a graph, or their JSON");
                 }
             },
             Action::Duplicate => {
@@ -279,7 +286,9 @@ impl Editor {
                 let dark = context.theme() == egui::Theme::Dark;
                 context.set_theme(if dark { egui::Theme::Light } else { egui::Theme::Dark });
             }
-            Action::Notice(text) => drop(self.toasts.info(text)),
+            Action::Notice(text) => {
+                self.toasts.info(text);
+            }
         }
     }
 
@@ -290,7 +299,9 @@ impl Editor {
         }
         match self.state.session.edit(edit) {
             Ok(()) => self.changed(),
-            Err(error) => drop(self.toasts.error(error.to_string())),
+            Err(error) => {
+                self.toasts.error(error.to_string());
+            }
         }
     }
 
@@ -321,7 +332,9 @@ impl Editor {
             After::Ask => self.prompts.ask_open(&self.state.session),
             After::Open(file) => match Session::open(&file) {
                 Ok(session) => self.start(session, context),
-                Err(error) => drop(self.toasts.error(error)),
+                Err(error) => {
+                    self.toasts.error(error);
+                }
             },
             After::Close => {
                 self.closing = true;
@@ -340,7 +353,9 @@ impl Editor {
                     self.recent = crate::recent::add(data, file);
                 }
             }
-            Err(error) => drop(self.toasts.error(error).duration(None)),
+            Err(error) => {
+                self.toasts.error(error).duration(None);
+            }
         }
     }
 
@@ -466,6 +481,7 @@ impl Editor {
                     self.worker.evaluate(job(self.asked.generation, self.state.frame, !self.state.playing));
                     self.state.seen.progress = Some(0.0);
                     self.asked.ahead = None;
+                    self.asked.blame = None;
                 }
             }
         } else if self.asked.display != look.display {
@@ -493,6 +509,30 @@ impl Editor {
             let missing = next.filter(|frame| !self.state.seen.frames.contains_key(frame)).take(8);
             let jobs: Vec<Job> = missing.map(|frame| job(self.asked.generation, frame, false)).collect();
             self.worker.ahead(jobs);
+        }
+    }
+
+    /// Asks what the pixel that is inspected is made of, once its picture is finished.
+    fn ask_blame(&mut self) {
+        let Some(at) = self.state.look.pick else {
+            self.asked.blame = None;
+            self.state.seen.blame = None;
+            return;
+        };
+        let result = self.state.seen.result.as_ref();
+        let Some(result) = result.filter(|result| result.finished && self.state.seen.progress.is_none()) else {
+            return;
+        };
+        let what = Some((result.generation, result.frame, at));
+        if result.picture.kind == trochoid::Kind::Color && self.asked.blame != what && !self.state.playing {
+            self.asked.blame = what;
+            self.worker.blame(Question {
+                generation: result.generation,
+                subject: result.subject.clone(),
+                frame: result.frame,
+                shrunk: result.shrunk,
+                at,
+            });
         }
     }
 
@@ -533,15 +573,18 @@ impl Editor {
                         seen.result = Some(Arc::new(result));
                     }
                 }
-                News::Progress { generation, share } if generation == self.asked.generation => {
-                    if seen.progress.is_some() {
-                        seen.progress = Some(share);
-                    }
+                News::Progress { generation, share }
+                    if generation == self.asked.generation && seen.progress.is_some() =>
+                {
+                    seen.progress = Some(share);
                 }
                 News::Failed { generation, message } if generation == self.asked.generation => {
                     seen.failed = Some(message);
                     seen.progress = None;
                     seen.result = None;
+                }
+                News::Blame(blamed) if self.asked.blame == Some((blamed.generation, blamed.frame, blamed.at)) => {
+                    seen.blame = Some(*blamed);
                 }
                 News::Thumbnails(all) => {
                     seen.thumbnails = all.into_iter().map(|one| (one.node, Arc::new(one.screen))).collect();
@@ -565,7 +608,9 @@ impl Editor {
                 self.state.render = Some(renderer.progress());
                 self.renderer = Some(renderer);
             }
-            Err(error) => drop(self.toasts.error(error).duration(None)),
+            Err(error) => {
+                self.toasts.error(error).duration(None);
+            }
         }
     }
 
@@ -578,8 +623,12 @@ impl Editor {
         self.renderer = None;
         self.state.render = None;
         match outcome {
-            Ok(message) => drop(self.toasts.success(message).duration(None)),
-            Err(message) => drop(self.toasts.error(message).duration(None)),
+            Ok(message) => {
+                self.toasts.success(message).duration(None);
+            }
+            Err(message) => {
+                self.toasts.error(message).duration(None);
+            }
         }
     }
 

@@ -1,7 +1,7 @@
 //! Numbers and times as people read them.
 
 /// A time with a unit that fits it.
-pub fn seconds(seconds: f64) -> String {
+pub(crate) fn seconds(seconds: f64) -> String {
     match seconds {
         s if s < 0.000_95 => format!("{:.0} µs", s * 1e6),
         s if s < 0.0095 => format!("{:.1} ms", s * 1e3),
@@ -12,7 +12,7 @@ pub fn seconds(seconds: f64) -> String {
 }
 
 /// A size in memory.
-pub fn bytes(bytes: usize) -> String {
+pub(crate) fn bytes(bytes: usize) -> String {
     match bytes as f64 {
         b if b < 1e3 => format!("{b:.0} B"),
         b if b < 1e6 => format!("{:.0} kB", b / 1e3),
@@ -22,11 +22,11 @@ pub fn bytes(bytes: usize) -> String {
 }
 
 /// A number in groups of three digits.
-pub fn thousands(number: u64) -> String {
+pub(crate) fn thousands(number: u64) -> String {
     let digits = number.to_string();
     let mut text = String::new();
     for (index, digit) in digits.chars().enumerate() {
-        if index > 0 && (digits.len() - index) % 3 == 0 {
+        if index > 0 && (digits.len() - index).is_multiple_of(3) {
             text.push(',');
         }
         text.push(digit);
@@ -35,7 +35,7 @@ pub fn thousands(number: u64) -> String {
 }
 
 /// A number with as many digits as say something.
-pub fn number(value: f64) -> String {
+pub(crate) fn number(value: f64) -> String {
     if value == 0.0 || !value.is_finite() {
         return value.to_string();
     }

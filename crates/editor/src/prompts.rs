@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
 /// What is being asked.
-pub struct Prompts {
+pub(crate) struct Prompts {
     data: Option<PathBuf>,
     open: Option<Prompt>,
     dialog: FileDialog,
@@ -35,7 +35,7 @@ enum Prompt {
 
 impl Prompts {
     /// No question; `data` is where the program keeps its own data.
-    pub fn new(data: Option<&Path>) -> Self {
+    pub(crate) fn new(data: Option<&Path>) -> Self {
         let json = Filter::new(|path: &Path| path.extension().is_some_and(|end| end == "json"));
         let dialog = FileDialog::new()
             .add_file_filter("Documents", json)
@@ -46,46 +46,46 @@ impl Prompts {
     }
 
     /// Where the program keeps its own data.
-    pub fn data(&self) -> Option<&Path> {
+    pub(crate) fn data(&self) -> Option<&Path> {
         self.data.as_deref()
     }
 
     /// Whether an answer is needed before anything else.
-    pub fn is_open(&self) -> bool {
+    pub(crate) fn is_open(&self) -> bool {
         self.open.is_some() || self.asking.is_some()
     }
 
     /// Asks what is to become of unsaved work before something else.
-    pub fn unsaved(&mut self, after: After) {
+    pub(crate) fn unsaved(&mut self, after: After) {
         self.open = Some(Prompt::Unsaved(after));
     }
 
     /// Asks what counts: what is here, or what another program wrote.
-    pub fn external(&mut self) {
+    pub(crate) fn external(&mut self) {
         if self.open.is_none() {
             self.open = Some(Prompt::External);
         }
     }
 
     /// Offers work that was kept of editors that ended unexpectedly.
-    pub fn recover(&mut self, kept: Vec<Kept>) {
+    pub(crate) fn recover(&mut self, kept: Vec<Kept>) {
         self.open = Some(Prompt::Recover(kept));
     }
 
     /// Asks for a command.
-    pub fn palette(&mut self) {
+    pub(crate) fn palette(&mut self) {
         self.open = Some(Prompt::Palette { text: String::new(), chosen: 0 });
     }
 
     /// Asks for a document to open.
-    pub fn ask_open(&mut self, session: &Session) {
+    pub(crate) fn ask_open(&mut self, session: &Session) {
         self.dialog.config_mut().initial_directory = session.folder();
         self.dialog.pick_file();
         self.asking = Some(Asking::Open);
     }
 
     /// Asks where to save.
-    pub fn ask_save(&mut self, session: &Session, after: Option<After>) {
+    pub(crate) fn ask_save(&mut self, session: &Session, after: Option<After>) {
         let config = self.dialog.config_mut();
         config.initial_directory = session.folder();
         config.default_file_name = match session.file() {
@@ -98,7 +98,7 @@ impl Prompts {
 }
 
 /// Asks what there is to ask, and does what is answered.
-pub fn prompts_ui(editor: &mut Editor, context: &Context, actions: &mut Vec<Action>) {
+pub(crate) fn prompts_ui(editor: &mut Editor, context: &Context, actions: &mut Vec<Action>) {
     files_ui(editor, context);
     let Some(prompt) = editor.prompts.open.take() else { return };
     editor.prompts.open = match prompt {
@@ -260,7 +260,7 @@ fn ago(when: SystemTime) -> String {
 }
 
 /// Whether the letters of `wanted` stand in `name` in that order, and how far apart: less is better.
-pub fn fuzzy(wanted: &str, name: &str) -> Option<usize> {
+pub(crate) fn fuzzy(wanted: &str, name: &str) -> Option<usize> {
     let name: Vec<char> = name.to_lowercase().chars().collect();
     let mut at = 0;
     let mut cost = 0;
@@ -275,7 +275,7 @@ pub fn fuzzy(wanted: &str, name: &str) -> Option<usize> {
 }
 
 /// The best matches of a text among names.
-pub fn matches<'n>(wanted: &str, names: impl Iterator<Item = (usize, &'n str)>) -> Vec<usize> {
+pub(crate) fn matches<'n>(wanted: &str, names: impl Iterator<Item = (usize, &'n str)>) -> Vec<usize> {
     let mut found: Vec<(usize, usize)> =
         names.filter_map(|(index, name)| Some((fuzzy(wanted, name)?, index))).collect();
     if !wanted.trim().is_empty() {
@@ -334,7 +334,7 @@ fn palette_ui(
 }
 
 /// Moves a choice in a list by the arrow keys.
-pub fn moved(ui: &Ui, chosen: usize, count: usize) -> usize {
+pub(crate) fn moved(ui: &Ui, chosen: usize, count: usize) -> usize {
     let step = ui.input(|input| input.num_presses(Key::ArrowDown) as i64 - input.num_presses(Key::ArrowUp) as i64);
     (chosen as i64 + step).clamp(0, count.saturating_sub(1) as i64) as usize
 }

@@ -10,14 +10,14 @@ fn list(data: &Path) -> PathBuf {
 }
 
 /// The documents opened lately that are still there, the newest first.
-pub fn read(data: &Path) -> Vec<PathBuf> {
+pub(crate) fn read(data: &Path) -> Vec<PathBuf> {
     let text = std::fs::read_to_string(list(data)).unwrap_or_default();
     let files: Vec<PathBuf> = serde_json::from_str(&text).unwrap_or_default();
     files.into_iter().filter(|file| file.exists()).take(MOST).collect()
 }
 
 /// Puts a document before all others.
-pub fn add(data: &Path, file: &Path) -> Vec<PathBuf> {
+pub(crate) fn add(data: &Path, file: &Path) -> Vec<PathBuf> {
     let file = std::path::absolute(file).unwrap_or_else(|_| file.into());
     let mut files = read(data);
     files.retain(|known| *known != file);

@@ -12,7 +12,7 @@ use trochoid::{
 };
 
 /// A run.
-pub struct Renderer {
+pub(crate) struct Renderer {
     shared: Arc<Shared>,
     total: usize,
     thread: Option<JoinHandle<Result<String, String>>>,
@@ -50,7 +50,7 @@ impl Renderer {
     ///
     /// # Errors
     /// No output has a file, or a file cannot be written; nothing is evaluated then.
-    pub fn start(graph: Arc<CheckedGraph>, range: (i64, i64), context: egui::Context) -> Result<Self, String> {
+    pub(crate) fn start(graph: Arc<CheckedGraph>, range: (i64, i64), context: egui::Context) -> Result<Self, String> {
         let outputs: Vec<usize> =
             (0..graph.outputs().len()).filter(|&index| graph.outputs()[index].file.is_some()).collect();
         if outputs.is_empty() {
@@ -83,12 +83,12 @@ impl Renderer {
     }
 
     /// Stops as soon as possible. Frames that are done stay.
-    pub fn cancel(&self) {
+    pub(crate) fn cancel(&self) {
         self.shared.stop.store(true, Ordering::Relaxed);
     }
 
     /// How far it is.
-    pub fn progress(&self) -> Render {
+    pub(crate) fn progress(&self) -> Render {
         Render {
             done: (self.shared.done.load(Ordering::Relaxed), self.total),
             share: self.shared.share.load(Ordering::Relaxed) as f32 / 1000.0,
@@ -96,7 +96,7 @@ impl Renderer {
     }
 
     /// How it ended, once.
-    pub fn outcome(&mut self) -> Option<Result<String, String>> {
+    pub(crate) fn outcome(&mut self) -> Option<Result<String, String>> {
         let thread = self.thread.take_if(|thread| thread.is_finished())?;
         Some(thread.join().unwrap_or_else(|_| Err("the run ended unexpectedly".into())))
     }

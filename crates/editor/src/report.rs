@@ -12,7 +12,7 @@ use trochoid::{Format, NodeReport, Settings, Silent, State as Became, Tolerance}
 
 /// What the panel holds besides what all see.
 #[derive(Default)]
-pub struct Report {
+pub(crate) struct Report {
     measuring: Option<Receiver<Measured>>,
     measured: Option<Measured>,
 }
@@ -32,7 +32,7 @@ struct Step {
 }
 
 /// Draws the report.
-pub fn report_ui(report: &mut Report, ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
+pub(crate) fn report_ui(report: &mut Report, ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         ui.collapsing(RichText::new("Times").strong(), |ui| times_ui(ui, state, actions));
         egui::CollapsingHeader::new(RichText::new("Nodes").strong())

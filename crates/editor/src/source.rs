@@ -6,13 +6,13 @@ use egui::{RichText, ScrollArea, TextEdit, Ui};
 
 /// The text while it is being edited.
 #[derive(Debug, Default)]
-pub struct Source {
+pub(crate) struct Source {
     /// What is typed, and of which revision of the document it began.
     draft: Option<(u64, String)>,
 }
 
 /// Shows the text, and its faults with their places.
-pub fn source_ui(source: &mut Source, ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
+pub(crate) fn source_ui(source: &mut Source, ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
     let session = &state.session;
     if source.draft.as_ref().is_some_and(|(revision, _)| *revision != session.revision()) {
         // Something else has changed the document; what was typed would undo that.

@@ -1,7 +1,7 @@
 //! What is open, what is chosen and what is seen: all that panels draw. Nothing here draws.
 
 use crate::document::{Path, Session, Sheet};
-use crate::evaluate::{Display, Result, Screen};
+use crate::evaluate::{Blamed, Display, Result, Screen};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::sync::Arc;
 use trochoid::NodeReport;
@@ -67,6 +67,8 @@ pub struct Seen {
     pub thumbnails: HashMap<String, Arc<Screen>>,
     /// Pictures of the frames, as far as they are of the document as it is, for playing.
     pub frames: BTreeMap<i64, Arc<Result>>,
+    /// What the pixel that is inspected is made of; of the picture before until it is known.
+    pub blame: Option<Blamed>,
     /// The evaluations so far, the newest last.
     pub past: Vec<Past>,
 }

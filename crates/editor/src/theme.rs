@@ -4,7 +4,7 @@ use egui::{Color32, Context, Stroke, Theme, Visuals, vec2};
 use trochoid::{Accepts, Kind};
 
 /// The color of what has this kind.
-pub fn kind(kind: Option<Kind>) -> Color32 {
+pub(crate) fn kind(kind: Option<Kind>) -> Color32 {
     match kind {
         Some(Kind::Color) => Color32::from_rgb(0xe8, 0xb0, 0x4a),
         Some(Kind::Weights(_)) => Color32::from_rgb(0x5f, 0xb8, 0x72),
@@ -18,7 +18,7 @@ pub fn kind(kind: Option<Kind>) -> Color32 {
 }
 
 /// The color of a pin that takes this.
-pub fn accepts(accepts: Accepts) -> Color32 {
+pub(crate) fn accepts(accepts: Accepts) -> Color32 {
     kind(match accepts {
         Accepts::Color | Accepts::Image => Some(Kind::Color),
         Accepts::Mask | Accepts::Weights => Some(Kind::MASK),
@@ -31,12 +31,12 @@ pub fn accepts(accepts: Accepts) -> Color32 {
 }
 
 /// What is wrong.
-pub fn error(visuals: &Visuals) -> Color32 {
+pub(crate) fn error(visuals: &Visuals) -> Color32 {
     visuals.error_fg_color
 }
 
 /// Colors of backdrops, for titles and areas.
-pub const TINTS: [[u8; 3]; 8] = [
+pub(crate) const TINTS: [[u8; 3]; 8] = [
     [0x4a, 0x62, 0x78],
     [0x4c, 0x6b, 0x55],
     [0x7a, 0x5c, 0x45],
@@ -48,7 +48,7 @@ pub const TINTS: [[u8; 3]; 8] = [
 ];
 
 /// The colors and distances of both themes.
-pub fn install(context: &Context) {
+pub(crate) fn install(context: &Context) {
     context.style_mut_of(Theme::Dark, |style| {
         let visuals = &mut style.visuals;
         visuals.panel_fill = Color32::from_gray(0x26);

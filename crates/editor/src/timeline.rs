@@ -7,13 +7,13 @@ use egui::{Align2, Color32, FontId, Rect, Sense, Stroke, Ui, pos2, vec2};
 
 /// What the timeline holds besides what all see.
 #[derive(Default)]
-pub struct Timeline {
+pub(crate) struct Timeline {
     /// Which end of the range is being dragged.
     end: Option<bool>,
 }
 
 /// Draws the timeline.
-pub fn timeline_ui(timeline: &mut Timeline, ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
+pub(crate) fn timeline_ui(timeline: &mut Timeline, ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
     ui.horizontal(|ui| {
         let (first, last) = state.range;
         let mut button = |ui: &mut Ui, text: &str, name: &str, action: Action| {

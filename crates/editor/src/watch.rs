@@ -7,14 +7,14 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Watches one file.
 #[derive(Default)]
-pub struct Watcher {
+pub(crate) struct Watcher {
     watcher: Option<RecommendedWatcher>,
     changed: Arc<AtomicBool>,
 }
 
 impl Watcher {
     /// Watches this file and no other.
-    pub fn watch(&mut self, file: Option<&Path>, context: &egui::Context) {
+    pub(crate) fn watch(&mut self, file: Option<&Path>, context: &egui::Context) {
         self.watcher = None;
         self.changed = Arc::default();
         let Some(file) = file.and_then(|file| std::path::absolute(file).ok()) else { return };
@@ -39,7 +39,7 @@ impl Watcher {
     }
 
     /// Whether it may have changed since this was asked last.
-    pub fn changed(&mut self) -> bool {
+    pub(crate) fn changed(&mut self) -> bool {
         self.changed.swap(false, Ordering::Relaxed)
     }
 }

@@ -13,19 +13,19 @@ use trochoid::{CheckedGraph, Item, Knob, KnobDefault, Spectrum, Stability, Takes
 
 /// What the panel holds besides what all see.
 #[derive(Default)]
-pub struct Waves {
+pub(crate) struct Waves {
     /// Of which sea, at which revision and frame, this is the spectrum.
     spectrum: Option<(String, u64, i64, Option<Spectrum>)>,
     stability: Option<(String, u64, Found)>,
 }
 
 enum Found {
-    Waiting(Receiver<Option<Stability>>),
-    Here(Option<Stability>),
+    Waiting(Receiver<Option<Box<Stability>>>),
+    Here(Option<Box<Stability>>),
 }
 
 /// Draws the sea that is chosen, or else the document's first.
-pub fn waves_ui(waves: &mut Waves, ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
+pub(crate) fn waves_ui(waves: &mut Waves, ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
     let is_sea = |node: &&Node| matches!(node.ty.as_str(), "GerstnerSea" | "ToonSea" | "RippleSea");
     let sheet = state.sheet();
     let chosen = state.chosen().and_then(|name| sheet.node(name)).filter(is_sea);
@@ -307,7 +307,7 @@ fn stability_ui(
             let (graph, frame, context) = (graph.clone(), state.frame, ui.ctx().clone());
             std::thread::spawn(move || {
                 // The panel may be gone by then.
-                let _ = sender.send(stability_of(&graph, id, frame));
+                let _ = sender.send(stability_of(&graph, id, frame).map(Box::new));
                 context.request_repaint();
             });
             waves.stability = Some((sea.name.clone(), revision, Found::Waiting(inbox)));

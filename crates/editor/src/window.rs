@@ -9,7 +9,7 @@ use egui::{Align, Layout, MenuBar, Panel, RichText, Ui, WidgetText};
 use egui_tiles::{SimplificationOptions, TileId, UiResponse};
 
 /// Draws the whole window.
-pub fn window_ui(editor: &mut Editor, ui: &mut Ui, actions: &mut Vec<Action>) {
+pub(crate) fn window_ui(editor: &mut Editor, ui: &mut Ui, actions: &mut Vec<Action>) {
     Panel::top("menus").show(ui, |ui| menus_ui(editor, ui, actions));
     Panel::bottom("status").show(ui, |ui| status_ui(&editor.state, ui, actions));
     Panel::bottom("timeline").show(ui, |ui| {

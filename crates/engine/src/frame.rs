@@ -1,9 +1,10 @@
 //! What an evaluation gives: pictures, what was counted on them, and where the time went.
 
 use crate::LeftOut;
+use std::sync::Arc;
 use trochoid_graph::{CheckedGraph, Guarantee, Kind, NodeError, NodeId};
 use trochoid_image::{Plane, Rgb, Window};
-use trochoid_weights::Audit;
+use trochoid_weights::{Audit, Hull};
 
 /// Why a plan could not be evaluated.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -127,6 +128,8 @@ pub struct Picture {
     pub control_count: usize,
     /// Up to 64 of them.
     pub control_colors: Vec<Rgb>,
+    /// The hull of all of them, which pixels were held against; `None` for pictures that are no colors.
+    pub hull: Option<Arc<Hull>>,
     /// The printed margin of rounding within which a pixel counts as inside.
     pub margin: f64,
 }

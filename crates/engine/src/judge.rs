@@ -2,6 +2,7 @@
 
 use crate::Judging;
 use crate::kernel::Range;
+use std::sync::Arc;
 use trochoid_image::Rgb;
 use trochoid_weights::{Audit, BoxHull, Hull};
 
@@ -11,7 +12,7 @@ const SAMPLED: i64 = 64;
 /// What a color output is judged by.
 #[derive(Debug)]
 pub(crate) struct Judge {
-    pub(crate) hull: Hull,
+    pub(crate) hull: Arc<Hull>,
     pub(crate) bounds: BoxHull,
     pub(crate) margin: f64,
     pub(crate) count: usize,

@@ -38,7 +38,7 @@ pub use buffers::Buffers;
 pub use certify::{Certified, Certifier, Distribution, Limiting};
 pub use explain::{Account, Channels, Evidence, Fate, Proved};
 pub use frame::{EvalError, Frame, Monitor, NodeReport, Phases, Picture, Silent, State};
-pub use inspect::{Blame, Inspection};
+pub use inspect::{Blame, Inspected, Inspection};
 pub use left_out::LeftOut;
 pub use plan::{Plan, PlanError};
 pub use points::ShadingPlan;

@@ -6,7 +6,7 @@ use crate::planner::Planner;
 use crate::shading::Shared;
 use crate::{Account, LeftOut, Settings};
 use std::sync::{Arc, OnceLock};
-use trochoid_graph::{CheckedGraph, FrameContext, Kind, NodeId, Settled, Slot, Variance};
+use trochoid_graph::{CheckedGraph, FrameContext, Kind, NodeId, Program, Settled, Slot, Variance};
 use trochoid_image::Window;
 
 /// Why a plan cannot be made.
@@ -141,6 +141,8 @@ pub struct Plan<'g> {
     pub(crate) window: Window,
     pub(crate) outputs: Vec<PlannedOutput>,
     pub(crate) passes: Vec<Pass>,
+    /// What nodes say before anything is optimized, and by output where its channels stand in it.
+    pub(crate) source: (Program, Vec<Vec<u32>>),
     /// Stages to prepare, in order, with the channels wanted by any pass.
     pub(crate) prepares: Vec<(NodeId, Vec<Vec<bool>>)>,
     pub(crate) settled: Vec<Option<Settled>>,

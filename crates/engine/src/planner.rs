@@ -68,7 +68,8 @@ impl<'g> Planner<'g, '_> {
         let optimized = optimize(&lowered.program, switches, &slot_interval);
         let remap =
             |positions: &Vec<u32>| -> Vec<u32> { positions.iter().map(|p| optimized.map[*p as usize]).collect() };
-        let output_roots: Vec<Vec<u32>> = output_roots.iter().map(&remap).collect();
+        let source_roots = output_roots;
+        let output_roots: Vec<Vec<u32>> = source_roots.iter().map(&remap).collect();
         let taps: HashMap<_, Vec<u32>> = taps.iter().map(|(key, positions)| (*key, remap(positions))).collect();
 
         let shared = self.shared(&lowered);
@@ -120,6 +121,7 @@ impl<'g> Planner<'g, '_> {
             window,
             outputs,
             passes,
+            source: (lowered.program, source_roots),
             prepares,
             settled: lowered.settled,
             keys,

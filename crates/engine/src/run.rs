@@ -189,7 +189,7 @@ impl Plan<'_> {
     }
 
     /// Checks the buffers of bound nodes. Values that only programs read are checked in passing.
-    fn validate(&self, buffers: &Buffers<'_>) -> Result<(), EvalError> {
+    pub(crate) fn validate(&self, buffers: &Buffers<'_>) -> Result<(), EvalError> {
         let picture_area = self.graph.format().window().area();
         for (id, _) in self.bound.iter().enumerate().filter(|(_, bound)| **bound) {
             let node = self.graph.node(NodeId(id));
@@ -295,7 +295,7 @@ impl Plan<'_> {
         // One level more for averaging the samples.
         let margin = hull.margin(output.mix_levels + 1);
         let bounds = BoxHull::new(hull.vertices());
-        Judge { hull, bounds, margin, count, colors }
+        Judge { hull: Arc::new(hull), bounds, margin, count, colors }
     }
 
     /// Planes for every output, where possible those that are given.
@@ -381,6 +381,7 @@ impl Plan<'_> {
                 let mut audit = tally.audits.get(index).copied().unwrap_or_default();
                 audit.weight_min = f64::from(tally.weights.min);
                 audit.weight_sum_max_deviation = tally.weights.max_deviation;
+                let hull = judge.as_ref().map(|judge| judge.hull.clone());
                 let (margin, count, colors) =
                     judge.map_or((0.0, 0, Vec::new()), |j| (j.margin, j.count, j.colors.clone()));
                 Picture {
@@ -392,6 +393,7 @@ impl Plan<'_> {
                     audit,
                     control_count: count,
                     control_colors: colors,
+                    hull,
                     margin,
                 }
             })
@@ -450,6 +452,6 @@ impl Plan<'_> {
 }
 
 /// Every program that a pass runs.
-fn programs(pass: &Pass) -> impl Iterator<Item = &Compiled> {
+pub(crate) fn programs(pass: &Pass) -> impl Iterator<Item = &Compiled> {
     pass.fills.iter().filter_map(|fill| fill.taps.as_ref()).chain([&pass.program])
 }

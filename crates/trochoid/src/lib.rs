@@ -70,8 +70,8 @@ pub use stability::{stability, stability_of};
 #[cfg(feature = "io")]
 pub use stream::FileSink;
 pub use trochoid_engine::{
-    Account, Audit, Buffers, Cache, Certified, Certifier, Channels, Distribution, EvalError, Evidence, Fate, Frame,
-    Hull, Instructions, Interval, Judging, LeftOut, Limiting, Monitor, NodeReport, Phases, Picture, Plan, PlanError,
+    Account, Audit, Blame, Buffers, Cache, Certified, Certifier, Channels, Distribution, EvalError, Evidence, Fate, Frame,
+    Hull, Inspected, Instructions, Interval, Judging, LeftOut, Limiting, Monitor, NodeReport, Phases, Picture, Plan, PlanError,
     Proved, ReferenceError, ReferenceFrame, ReferencePixel, Settings, ShadingPlan, Silent, Sink, State, Switches,
 };
 pub use trochoid_graph::{

@@ -301,3 +301,18 @@ fn a_witness_holds_however_near_the_point_is() {
         assert!(reach <= witness.offset + 1e-15, "{v:?} {witness:?}");
     }
 }
+
+#[test]
+fn edges_are_listed_once() {
+    let corner = |index: u32| [0, 1, 2].map(|axis| (index >> axis & 1) as f32);
+    let points: Vec<[f32; 3]> = (0..8).map(corner).collect();
+    // A point, a segment, a square, a cube.
+    for (count, edges) in [(0, 0), (1, 1), (2, 1), (4, 4), (8, 12)] {
+        let hull = Hull::new(&points[..count]);
+        assert_eq!(hull.edges().len(), edges, "{count}");
+        let is_corner = |end: &[f64; 3]| hull.vertices().iter().any(|v| v.map(f64::from) == *end);
+        assert!(hull.edges().iter().flatten().all(is_corner));
+        let turned = |[a, b]: [[f64; 3]; 2]| [b, a];
+        assert!(count == 1 || hull.edges().iter().all(|edge| !hull.edges().contains(&turned(*edge))));
+    }
+}

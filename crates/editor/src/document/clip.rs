@@ -64,17 +64,19 @@ fn redirect_items(items: &[trochoid::Item], body: &mut Value, to: &dyn Fn(&str) 
     for item in items {
         match item {
             trochoid::Item::Knob(_) => {}
-            trochoid::Item::Port(port) => match entries.get_mut(port.name) {
-                Some(Value::Array(elements)) if matches!(port.arity, trochoid::Arity::Many { .. }) => {
-                    elements.retain_mut(|element| renamed(element, to));
-                }
-                Some(value) => {
-                    if !renamed(value, to) {
-                        entries.remove(port.name);
+            trochoid::Item::Port(port) => {
+                let Some(value) = entries.get_mut(port.name) else { continue };
+                let leads = match value {
+                    Value::Array(elements) if matches!(port.arity, trochoid::Arity::Many { .. }) => {
+                        elements.retain_mut(|element| renamed(element, to));
+                        true
                     }
+                    value => renamed(value, to),
+                };
+                if !leads {
+                    entries.remove(port.name);
                 }
-                None => {}
-            },
+            }
             trochoid::Item::List(list) => {
                 if let Some(Value::Array(records)) = entries.get_mut(list.name) {
                     records.iter_mut().for_each(|record| redirect_items(list.items, record, to));

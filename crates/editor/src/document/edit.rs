@@ -385,10 +385,7 @@ pub fn pasted(sheet: &Sheet, text: &str, at: Point) -> Option<(Edit, Vec<String>
     let clip = clip::read(text)?;
     let mut names: BTreeMap<&str, String> = BTreeMap::new();
     for name in clip.nodes.keys() {
-        let mut free = sheet.free_name(name);
-        while names.values().any(|taken| *taken == free) {
-            free = next_name(&free, sheet);
-        }
+        let free = sheet.free_name_beside(name, |other| names.values().any(|taken| taken == other));
         names.insert(name, free);
     }
     let corner = clip.corner();
@@ -406,12 +403,6 @@ pub fn pasted(sheet: &Sheet, text: &str, at: Point) -> Option<(Edit, Vec<String>
     }
     let names: Vec<String> = clip.nodes.keys().map(|name| names[name.as_str()].clone()).collect();
     Some((Edit::new(format!("Paste {}", count(names.len(), "node")), ops), names))
-}
-
-fn next_name(taken: &str, sheet: &Sheet) -> String {
-    let stem = taken.trim_end_matches(|c: char| c.is_ascii_digit());
-    let number: usize = taken[stem.len()..].parse().unwrap_or(1);
-    sheet.free_name(&format!("{stem}{}", number + 1))
 }
 
 /// The nodes and their places as a text that can be pasted.

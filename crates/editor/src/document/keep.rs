@@ -118,7 +118,7 @@ pub fn kept(folder: &Path) -> Vec<Kept> {
     let paths = entries.flatten().map(|entry| entry.path());
     let mut found: Vec<Kept> =
         paths.filter(|path| path.extension().is_some_and(|end| end == "json")).filter_map(read).collect();
-    found.sort_by(|a, b| b.when.cmp(&a.when));
+    found.sort_by_key(|kept| std::cmp::Reverse(kept.when));
     found
 }
 

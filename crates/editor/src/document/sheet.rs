@@ -206,7 +206,12 @@ impl Sheet {
 
     /// A name that no node has yet: `mix`, `mix2`, `mix3`.
     pub fn free_name(&self, wanted: &str) -> String {
-        let taken = |name: &str| self.index.contains_key(name);
+        self.free_name_beside(wanted, |_| false)
+    }
+
+    /// A name that no node has yet, and that is not taken otherwise.
+    pub fn free_name_beside(&self, wanted: &str, taken: impl Fn(&str) -> bool) -> String {
+        let taken = |name: &str| self.index.contains_key(name) || taken(name);
         if !taken(wanted) {
             return wanted.into();
         }

@@ -1,8 +1,10 @@
 //! The thread that evaluates.
 
+use super::blame::{self, Blamed, Question};
 use super::lens::{Lens, OUTPUT, lens};
 use super::shown::{self, Display, Screen};
 use crate::document::Sheet;
+use std::borrow::Cow;
 use std::collections::VecDeque;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -127,6 +129,8 @@ pub enum News {
     },
     /// Pictures of nodes.
     Thumbnails(Vec<Thumbnail>),
+    /// What a pixel is made of.
+    Blame(Box<Blamed>),
 }
 
 /// What is to be done, the more urgent first.
@@ -134,6 +138,7 @@ pub enum News {
 struct Desk {
     job: Option<Job>,
     shown: Option<(u64, Arc<Picture>, WorkingSpace, Display)>,
+    question: Option<Question>,
     thumbnails: Option<(Subject, i64)>,
     ahead: VecDeque<Job>,
     closed: bool,
@@ -141,7 +146,11 @@ struct Desk {
 
 impl Desk {
     fn is_empty(&self) -> bool {
-        self.job.is_none() && self.shown.is_none() && self.thumbnails.is_none() && self.ahead.is_empty()
+        self.job.is_none()
+            && self.shown.is_none()
+            && self.question.is_none()
+            && self.thumbnails.is_none()
+            && self.ahead.is_empty()
     }
 }
 
@@ -170,7 +179,7 @@ const CACHE: usize = 3 << 30;
 /// Pictures that take no longer need no coarse one before them.
 const AT_ONCE: Duration = Duration::from_millis(90);
 /// Width and height of thumbnails, at most.
-pub const THUMBNAIL: [u32; 2] = [128, 80];
+pub(super) const THUMBNAIL: [u32; 2] = [128, 80];
 
 impl Worker {
     /// Starts the thread; `wake` is called whenever there are news.
@@ -207,6 +216,7 @@ impl Worker {
     pub fn evaluate(&self, job: Job) {
         self.change(true, |desk| {
             desk.shown = None;
+            desk.question = None;
             desk.ahead.clear();
             desk.job = Some(job);
         });
@@ -220,6 +230,11 @@ impl Worker {
     /// Asks for a picture to be shown otherwise.
     pub fn show(&self, generation: u64, picture: Arc<Picture>, space: WorkingSpace, display: Display) {
         self.change(false, |desk| desk.shown = Some((generation, picture, space, display)));
+    }
+
+    /// Asks what a pixel of a finished picture is made of, in place of what was asked before.
+    pub fn blame(&self, question: Question) {
+        self.change(false, |desk| desk.question = Some(question));
     }
 
     /// Asks for small pictures of all nodes of a document at a frame; which is looked at does not matter.
@@ -266,6 +281,7 @@ struct Hand<'o> {
 enum Task {
     Picture(Job),
     Show(u64, Arc<Picture>, WorkingSpace, Display),
+    Blame(Question),
     Thumbnails(Subject, i64),
     Ahead(Job),
 }
@@ -291,6 +307,8 @@ impl Hand<'_> {
                     Task::Show(generation, picture, space, display)
                 } else if let Some(job) = desk.job.take() {
                     Task::Picture(job)
+                } else if let Some(question) = desk.question.take() {
+                    Task::Blame(question)
                 } else if let Some((subject, frame)) = desk.thumbnails.take() {
                     Task::Thumbnails(subject, frame)
                 } else if let Some(job) = desk.ahead.pop_front() {
@@ -306,6 +324,13 @@ impl Hand<'_> {
                     self.tell(News::Shown { generation, display, screen });
                 }
                 Task::Picture(job) => self.picture(&job, stamp),
+                Task::Blame(question) => {
+                    let Ok(lens) = self.lens(&question.subject) else { continue };
+                    let monitor = Watch { office: self.office, stamp, yields: false, progress: None };
+                    if let Some(blamed) = blame::answer(&question, &lens, &mut self.cache, &monitor) {
+                        self.tell(News::Blame(Box::new(blamed)));
+                    }
+                }
                 Task::Thumbnails(subject, frame) => self.small(&subject, frame, stamp),
                 Task::Ahead(job) => {
                     let Ok(lens) = self.lens(&job.subject) else { continue };
@@ -391,7 +416,15 @@ impl Hand<'_> {
         let Ok(format) = Format::new(side(format.width()), side(format.height()), 1) else { return };
         let graph = graph.drawn_at(format);
         let Ok(plan) = Plan::new(&graph, &[], frame, &[], &Settings::default()) else { return };
-        let Ok(evaluated) = plan.evaluate(&Buffers::new(), &mut self.cache, &monitor) else { return };
+        let evaluated = match plan.evaluate(&Buffers::new(), &mut self.cache, &monitor) {
+            Ok(evaluated) => evaluated,
+            Err(EvalError::Cancelled) if self.office.newest.load(Ordering::Relaxed) == stamp => {
+                // Something short came between: what stages have prepared is kept meanwhile.
+                self.office.desk().thumbnails.get_or_insert((subject.clone(), frame));
+                return;
+            }
+            Err(_) => return,
+        };
         let pictures = evaluated.pictures.iter().map(|picture| Thumbnail {
             node: graph.outputs()[picture.output].name.clone(),
             screen: shown::screen(picture, graph.space(), &Display::default()),
@@ -415,20 +448,8 @@ fn evaluate(
 ) -> std::result::Result<Result, Failure> {
     let because = |error: &dyn std::fmt::Display| Failure::Because(error.to_string());
     let started = Instant::now();
-    let whole = lens.graph.format();
-    let small;
-    let graph = if shrink == 1 {
-        &lens.graph
-    } else {
-        let side = |side: u32| side.div_ceil(shrink).max(1);
-        // A coarse picture is seen for a moment only: one sample a pixel.
-        let samples = if finished { whole.samples() } else { 1 };
-        let format = Format::new(side(whole.width()), side(whole.height()), samples)
-            .map_err(|error| because(&error))?
-            .with_shading(whole.shading());
-        small = lens.graph.clone().drawn_at(format);
-        &small
-    };
+    let graph = drawn(lens, shrink, finished).map_err(|error| because(&error))?;
+    let graph = graph.as_ref();
     let format = graph.format();
     let mut settings = Settings::default();
     settings.region = job.region.map(|region| part(region, format));
@@ -454,6 +475,19 @@ fn evaluate(
         nodes: Arc::new(frame.nodes),
         seconds: (frame.seconds, started.elapsed().as_secs_f64()),
     })
+}
+
+/// A lens' graph for pictures that are so many times smaller.
+pub(super) fn drawn(lens: &Lens, shrink: u32, finished: bool) -> std::result::Result<Cow<'_, CheckedGraph>, String> {
+    if shrink == 1 {
+        return Ok(Cow::Borrowed(&lens.graph));
+    }
+    let whole = lens.graph.format();
+    let side = |side: u32| side.div_ceil(shrink).max(1);
+    // A coarse picture is seen for a moment only: one sample a pixel.
+    let samples = if finished { whole.samples() } else { 1 };
+    let format = Format::new(side(whole.width()), side(whole.height()), samples).map_err(|error| error.to_string())?;
+    Ok(Cow::Owned(lens.graph.clone().drawn_at(format.with_shading(whole.shading()))))
 }
 
 /// The pixels of a part of the picture, at least one.
@@ -502,7 +536,7 @@ impl Monitor for Watch<'_> {
         self.office.newest.load(Ordering::Relaxed) != self.stamp
             || (self.yields && {
                 let desk = self.office.desk();
-                desk.job.is_some() || desk.shown.is_some()
+                desk.job.is_some() || desk.shown.is_some() || desk.question.is_some()
             })
     }
 }

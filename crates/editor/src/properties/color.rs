@@ -5,20 +5,20 @@ use crate::actions::Action;
 use crate::document::Edit;
 use crate::evaluate::Screen;
 use crate::state::State;
-use egui::{Button, Color32, ColorImage, Response, RichText, Sense, TextEdit, TextureOptions, Ui};
+use egui::{ColorImage, Response, Sense, TextEdit, TextureOptions, Ui};
 use egui_file_dialog::{DialogState, FileDialog, Filter};
 use serde_json::{Value, json};
 use trochoid::WorkingSpace;
 
 /// sRGB values, 0 to 1, of a text such as `#2d3f52`.
-pub fn rgb(text: &str) -> Option<[f32; 3]> {
+pub(crate) fn rgb(text: &str) -> Option<[f32; 3]> {
     let digits = text.strip_prefix('#').filter(|digits| digits.len() == 6 && digits.is_ascii())?;
     let channel = |index: usize| u8::from_str_radix(&digits[2 * index..2 * index + 2], 16).ok();
     Some([channel(0)?, channel(1)?, channel(2)?].map(|value| f32::from(value) / 255.0))
 }
 
 /// The text of sRGB values.
-pub fn hex(color: [f32; 3]) -> String {
+pub(crate) fn hex(color: [f32; 3]) -> String {
     let [r, g, b] = color.map(|value| (value.clamp(0.0, 1.0) * 255.0).round() as u8);
     format!("#{r:02x}{g:02x}{b:02x}")
 }
@@ -165,10 +165,4 @@ fn read(file: &std::path::Path) -> Result<Screen, String> {
     }
     let picture = picture.to_rgba8();
     Ok(Screen { size: [picture.width() as usize, picture.height() as usize], pixels: picture.into_raw() })
-}
-
-/// A swatch without a picker.
-pub(super) fn swatch_ui(ui: &mut Ui, color: [f32; 3], size: f32) -> Response {
-    let [r, g, b] = color.map(|value| (value * 255.0).round() as u8);
-    ui.add(Button::new(RichText::new("")).fill(Color32::from_rgb(r, g, b)).min_size(egui::vec2(size, size)))
 }

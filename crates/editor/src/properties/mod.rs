@@ -17,11 +17,9 @@ use serde_json::Value;
 use std::collections::HashSet;
 use trochoid::{Item, Severity};
 
-pub use color::{hex, rgb};
-
 /// What the panel holds besides what all see.
 #[derive(Default)]
-pub struct Properties {
+pub(crate) struct Properties {
     /// The name while it is typed, and whose it is.
     name: Option<(String, String)>,
     /// Places whose curves are open.
@@ -33,7 +31,7 @@ pub struct Properties {
 }
 
 /// Draws the knobs of the chosen node, or of the document where none is chosen.
-pub fn properties_ui(panel: &mut Properties, ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
+pub(crate) fn properties_ui(panel: &mut Properties, ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
     color::reference_ui(panel, ui, state, actions);
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| match state.chosen() {
         Some(name) => node_ui(panel, ui, state, name, actions),

@@ -1,17 +1,366 @@
-//! The picture.
+//! The picture: how it is shown, what it is made of, and what is moved in it by hand.
+
+mod compare;
+mod handles;
+mod hull;
+mod inspector;
+mod near;
+mod picture;
+#[cfg(test)]
+mod tests;
+mod toolbar;
 
 use crate::actions::Action;
+use crate::document::Edit;
+use crate::evaluate::{Channel, Result};
 use crate::state::State;
-use egui::Ui;
+use compare::{Compare, Mode};
+use egui::{
+    Align, Align2, Color32, CursorIcon, FontId, Key, Layout, Modifiers, PointerButton, Pos2, Rect, Response, RichText,
+    Sense, Stroke, StrokeKind, Ui, UiBuilder, WidgetInfo, WidgetType, pos2, vec2,
+};
+use hull::Space;
+use near::Near;
+use picture::{Image, Stage, View, part, place, share};
+use serde_json::json;
+use trochoid::Kind;
 
 /// What the viewer holds besides what all see.
 #[derive(Default)]
-pub struct Viewer {}
+pub(crate) struct Viewer {
+    view: View,
+    image: Image,
+    compare: Compare,
+    space: Space,
+    near: Near,
+    /// Whether handles of seas are hidden.
+    no_handles: bool,
+    /// Whether the next drag in the picture frames the region.
+    frames_region: bool,
+    drag: Option<Drag>,
+    /// What was inspected before the last click, which may turn out to be the first of two.
+    before: Option<[f32; 2]>,
+}
+
+/// What a drag in the picture does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Drag {
+    Pan,
+    /// From a corner, in shares.
+    Region(Pos2),
+    Pick,
+}
+
+/// Height of the line below the picture.
+const BAR: f32 = 20.0;
+/// Panels narrower than this have no room for a strip beside the picture.
+const NARROW: f32 = 430.0;
 
 /// Draws the picture.
-pub fn viewer_ui(_viewer: &mut Viewer, ui: &mut Ui, state: &State, _actions: &mut Vec<Action>) {
-    match &state.seen.failed {
-        Some(why) => ui.label(why),
-        None => ui.label(format!("{:?}", state.seen.result.as_ref().map(|result| result.format))),
+pub(crate) fn viewer_ui(viewer: &mut Viewer, ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
+    let whole = ui.available_rect_before_wrap();
+    toolbar::toolbar_ui(viewer, ui, state, actions);
+    let mut area = ui.available_rect_before_wrap();
+    let mut bar = area;
+    area.max.y = (area.max.y - BAR).max(area.min.y + 1.0);
+    bar.min.y = area.max.y;
+    let result = state.seen.result.as_deref();
+    let picked = state.look.pick.filter(|_| area.width() > NARROW && !viewer.space.shown).zip(result);
+    if let Some(([x, y], result)) = picked {
+        let mut strip = area;
+        strip.min.x = strip.max.x - inspector::WIDTH;
+        area.max.x = strip.min.x;
+        let inner = strip.shrink2(vec2(8.0, 4.0));
+        ui.scope_builder(UiBuilder::new().max_rect(inner).id_salt("inspector"), |ui| {
+            ui.set_clip_rect(strip.intersect(ui.clip_rect()));
+            inspector::inspector_ui(ui, state, result, pos2(x, y), actions);
+        });
+    }
+    let size = match result.map(|result| result.lens.graph.format()) {
+        Some(format) => [format.width(), format.height()],
+        None => state.sheet().format,
     };
+    let size = vec2(size[0] as f32, size[1] as f32).max(vec2(1.0, 1.0));
+    let stage = Stage { area, size, density: ui.ctx().pixels_per_point() };
+    let hover = match result {
+        Some(result) if viewer.space.shown => {
+            viewer.space.ui(ui, area, result);
+            None
+        }
+        result => picture_ui(viewer, ui, &stage, state, result, actions),
+    };
+    if ui.rect_contains_pointer(whole) && !ui.ctx().egui_wants_keyboard_input() {
+        keys(viewer, ui, state, actions);
+    }
+    ui.scope_builder(UiBuilder::new().max_rect(bar.shrink2(vec2(4.0, 0.0))).id_salt("bar"), |ui| {
+        bar_ui(viewer, ui, &stage, state, hover);
+    });
+}
+
+/// Keys that count where the pointer is over the viewer.
+fn keys(viewer: &mut Viewer, ui: &Ui, state: &State, actions: &mut Vec<Action>) {
+    let pressed = |key: Key| ui.input_mut(|input| input.consume_key(Modifiers::NONE, key));
+    let display = state.look.display;
+    let channels = state.seen.result.as_ref().map_or(3, |result| result.picture.planes.len());
+    let is_color = state.seen.result.as_ref().is_none_or(|result| result.picture.kind == Kind::Color);
+    let mut choose = |channel: Channel| {
+        let channel = if display.channel == channel { Channel::All } else { channel };
+        actions.push(Action::Display(crate::evaluate::Display { channel, ..display }));
+    };
+    for (index, key) in [Key::R, Key::G, Key::B].into_iter().enumerate() {
+        if pressed(key) && index < channels {
+            choose(Channel::One(index));
+        }
+    }
+    if pressed(Key::Y) && is_color {
+        choose(Channel::Luminance);
+    }
+    if pressed(Key::H) {
+        viewer.space.shown = !viewer.space.shown;
+    }
+    if pressed(Key::N) {
+        viewer.near.toggle();
+    }
+    if pressed(Key::Q) {
+        viewer.no_handles = !viewer.no_handles;
+    }
+    if (state.dropper.is_some() || state.look.pick.is_some() || viewer.frames_region) && pressed(Key::Escape) {
+        if viewer.frames_region {
+            viewer.frames_region = false;
+        } else if state.dropper.is_some() {
+            actions.push(Action::Dropper(None));
+        } else {
+            actions.push(Action::Pick(None));
+        }
+    }
+    // The same key shows all of the graph where the pointer is over that.
+    let count = actions.len();
+    actions.retain(|action| *action != Action::Frames);
+    if actions.len() < count || pressed(Key::F) {
+        viewer.view.fit();
+    }
+}
+
+/// Draws the picture and what lies over it; gives the place that the pointer is at, in shares.
+fn picture_ui(
+    viewer: &mut Viewer,
+    ui: &mut Ui,
+    stage: &Stage,
+    state: &State,
+    result: Option<&Result>,
+    actions: &mut Vec<Action>,
+) -> Option<Pos2> {
+    let response = ui.allocate_rect(stage.area, Sense::click_and_drag());
+    response.widget_info(|| WidgetInfo::labeled(WidgetType::Image, true, "Picture"));
+    let painter = ui.painter().with_clip_rect(stage.area);
+    painter.rect_filled(stage.area, 0.0, picture::SURROUND);
+    let Some(result) = result else {
+        message_ui(ui, stage.area, state);
+        return None;
+    };
+    move_view(viewer, ui, stage, &response);
+    let rect = viewer.view.rect(stage);
+    let zoom = viewer.view.zoom(stage);
+    let own = part(result);
+    let shown = viewer.compare.shown(result);
+    viewer.image.upload(ui.ctx(), &shown, zoom * own.width() * stage.size.x / shown.size[0].max(1) as f32);
+    viewer.image.paint(&painter, Rect::from_min_max(place(rect, own.min), place(rect, own.max)));
+    if viewer.compare.held.as_ref().is_none_or(|held| held.mode == Mode::Wipe) {
+        viewer.near.paint(ui.ctx(), &painter, rect, result);
+    }
+    point(viewer, ui, rect, (&response, state, result), actions);
+    marks(viewer, ui, stage, rect, state);
+    viewer.compare.wipe_ui(ui, stage, rect, zoom);
+    if !viewer.no_handles && state.dropper.is_none() {
+        handles::handles_ui(ui, stage.area, rect, state, result, actions);
+    }
+    if result.lens.clay {
+        note(ui, stage.area, &clay(state));
+    } else if viewer.near.shown
+        && let Some(text) = near::objection(result)
+    {
+        note(ui, stage.area, text);
+    }
+    response.hover_pos().map(|at| share(rect, at))
+}
+
+/// Goes in and out, and moves the picture.
+fn move_view(viewer: &mut Viewer, ui: &Ui, stage: &Stage, response: &Response) {
+    if let Some(at) = response.hover_pos() {
+        let (scroll, pinch) = ui.input(|input| (input.smooth_scroll_delta().y, input.zoom_delta()));
+        let factor = (scroll * 0.005).exp() * pinch;
+        if factor != 1.0 {
+            viewer.view.zoom_at(stage, at, factor);
+        }
+    }
+    if response.dragged_by(PointerButton::Middle) || (response.dragged() && viewer.drag == Some(Drag::Pan)) {
+        viewer.view.pan(stage, response.drag_delta());
+    }
+    if response.double_clicked() {
+        viewer.view.fit();
+    }
+}
+
+/// What clicks and drags in the picture do.
+fn point(
+    viewer: &mut Viewer,
+    ui: &Ui,
+    rect: Rect,
+    (response, state, result): (&Response, &State, &Result),
+    actions: &mut Vec<Action>,
+) {
+    let at = response.interact_pointer_pos().map(|at| share(rect, at));
+    let within = |at: Pos2| at.clamp(pos2(0.0, 0.0), pos2(1.0, 1.0));
+    let modifiers = ui.input(|input| input.modifiers);
+    if let Some(place) = &state.dropper {
+        if response.hovered() {
+            ui.ctx().set_cursor_icon(CursorIcon::Crosshair);
+        }
+        let color =
+            at.and_then(|at| inspector::pixel(result, at)).and_then(|pixel| inspector::displayed(result, pixel));
+        if let Some(color) = color.filter(|_| response.clicked()) {
+            let [r, g, b, _] = color.to_array();
+            let text = format!("#{r:02x}{g:02x}{b:02x}");
+            actions.extend([Action::Edit(Edit::set(place.clone(), &json!(text))), Action::Dropper(None)]);
+        }
+        return;
+    }
+    if response.drag_started_by(PointerButton::Primary) {
+        let origin = ui.input(|input| input.pointer.press_origin()).map(|at| share(rect, at));
+        viewer.drag = match origin.or(at) {
+            _ if modifiers.alt => Some(Drag::Pan),
+            Some(at) if modifiers.shift || viewer.frames_region => Some(Drag::Region(within(at))),
+            _ => Some(Drag::Pick),
+        };
+    }
+    let picked = at.filter(|at| inspector::pixel(result, *at).is_some()).map(|at| [at.x, at.y]);
+    if viewer.drag == Some(Drag::Pick) && response.dragged_by(PointerButton::Primary) && picked.is_some() {
+        actions.push(Action::Pick(picked));
+    }
+    if response.drag_stopped() {
+        if let (Some(Drag::Region(from)), Some(to)) = (viewer.drag, at) {
+            let framed = Rect::from_two_pos(from, within(to));
+            let [w, h] = [framed.width() * rect.width(), framed.height() * rect.height()];
+            // What is as small was no drag.
+            if w > 3.0 && h > 3.0 {
+                actions.push(Action::Region(Some([framed.min.x, framed.min.y, framed.max.x, framed.max.y])));
+                viewer.frames_region = false;
+            }
+        }
+        viewer.drag = None;
+    }
+    if response.double_clicked() {
+        actions.push(Action::Pick(viewer.before));
+    } else if response.clicked() && !modifiers.alt && !modifiers.shift {
+        viewer.before = state.look.pick;
+        if picked.is_some() {
+            actions.push(Action::Pick(picked));
+        }
+    }
+}
+
+/// Draws the pixel that is inspected, and the region.
+fn marks(viewer: &Viewer, ui: &Ui, stage: &Stage, rect: Rect, state: &State) {
+    let painter = ui.painter().with_clip_rect(stage.area);
+    let frame = |framed: Rect| {
+        let framed = Rect::from_min_max(place(rect, framed.min), place(rect, framed.max));
+        painter.rect_stroke(framed, 0.0, Stroke::new(3.0, Color32::from_black_alpha(120)), StrokeKind::Outside);
+        painter.rect_stroke(framed, 0.0, Stroke::new(1.0, Color32::from_white_alpha(220)), StrokeKind::Outside);
+    };
+    if let Some([x0, y0, x1, y1]) = state.look.region {
+        frame(Rect::from_min_max(pos2(x0, y0), pos2(x1, y1)));
+    }
+    if let (Some(Drag::Region(from)), Some(pointer)) = (viewer.drag, ui.ctx().pointer_latest_pos()) {
+        frame(Rect::from_two_pos(from, share(rect, pointer).clamp(pos2(0.0, 0.0), pos2(1.0, 1.0))));
+    }
+    if let Some([x, y]) = state.look.pick {
+        let at = place(rect, pos2(x, y));
+        for (width, color) in [(3.0, Color32::from_black_alpha(150)), (1.2, Color32::WHITE)] {
+            let stroke = Stroke::new(width, color);
+            painter.circle_stroke(at, 5.0, stroke);
+            for toward in [vec2(1.0, 0.0), vec2(-1.0, 0.0), vec2(0.0, 1.0), vec2(0.0, -1.0)] {
+                painter.line_segment([at + toward * 5.0, at + toward * 10.0], stroke);
+            }
+        }
+    }
+}
+
+/// Why there is no picture.
+fn message_ui(ui: &mut Ui, area: Rect, state: &State) {
+    let (text, color) = match (&state.seen.failed, &state.look.node) {
+        (Some(why), _) => (why.clone(), Color32::from_rgb(0xf0, 0x90, 0x80)),
+        (None, None) => ("Choose a node in the graph and press 1 to see it.".into(), Color32::from_gray(190)),
+        (None, Some(_)) => ("Evaluating …".into(), Color32::from_gray(150)),
+    };
+    let room =
+        Rect::from_center_size(area.center(), vec2((area.width() - 32.0).clamp(40.0, 520.0), area.height() - 16.0));
+    let galley = ui.painter().layout(text.clone(), FontId::proportional(14.0), color, room.width());
+    let place = Align2::CENTER_CENTER.align_size_within_rect(galley.size(), room);
+    ui.scope_builder(UiBuilder::new().max_rect(place.expand(2.0)).id_salt("message"), |ui| {
+        ui.label(RichText::new(text).color(color).size(14.0));
+    });
+}
+
+/// What is seen where the node is no picture.
+fn clay(state: &State) -> String {
+    let kind = state.look.node.as_ref().and_then(|(name, output)| state.sheet().node(name)?.makes.get(*output)?.1);
+    let kind = kind.map_or_else(|| "node".into(), |kind| kind.to_string());
+    format!("Lit like clay: a {kind} is no picture")
+}
+
+/// A note in the picture's upper left corner.
+fn note(ui: &mut Ui, area: Rect, text: &str) {
+    let galley = ui.painter().layout_no_wrap(text.into(), FontId::proportional(12.0), Color32::WHITE);
+    let back = Rect::from_min_size(area.min + vec2(8.0, 8.0), galley.size() + vec2(12.0, 6.0));
+    ui.painter().rect_filled(back, 4.0, Color32::from_black_alpha(150));
+    ui.scope_builder(UiBuilder::new().max_rect(back.shrink2(vec2(6.0, 3.0))).id_salt("note"), |ui| {
+        ui.label(RichText::new(text).size(12.0).color(Color32::WHITE));
+    });
+}
+
+/// The line below: what is under the pointer, and how large the picture is.
+fn bar_ui(viewer: &mut Viewer, ui: &mut Ui, stage: &Stage, state: &State, hover: Option<Pos2>) {
+    ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+        let result = state.seen.result.as_deref();
+        if let Some(result) = result {
+            let format = &result.format;
+            ui.weak(format!("{} × {}", format.width(), format.height()));
+            if !result.finished {
+                ui.weak(format!("coarse 1/{}", result.shrunk));
+            }
+        }
+        if !viewer.space.shown {
+            ui.weak(format!("{:.0} %", 100.0 * viewer.view.zoom(stage)));
+            if ui.small_button("1:1").on_hover_text("A pixel of the document as one of the screen.").clicked() {
+                viewer.view.one_to_one(stage);
+            }
+            if ui.small_button("Fit").on_hover_text("All of the picture (F, or a double click).").clicked() {
+                viewer.view.fit();
+            }
+        }
+        ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+            if let Some(place) = &state.dropper {
+                let text = format!("Click a color for {}", spoken(place));
+                ui.add(egui::Label::new(RichText::new(text).strong()).truncate());
+            } else if viewer.space.shown {
+                ui.add(egui::Label::new(RichText::new("Drag to turn, scroll to come nearer").weak()).truncate());
+            } else if let (Some(at), Some(result)) = (hover, result)
+                && let Some(pixel) = inspector::pixel(result, at)
+            {
+                if let Some(color) = inspector::displayed(result, pixel) {
+                    inspector::swatch_ui(ui, color, 12.0);
+                }
+                let values = inspector::written(&inspector::values(result, pixel), 6);
+                let [x, y] = inspector::named(result, at);
+                let text = format!("{x}, {y}   {values}");
+                ui.add(egui::Label::new(RichText::new(text).monospace().size(11.0)).truncate());
+            }
+        });
+    });
+}
+
+/// A place of the document as people call it.
+fn spoken(place: &crate::document::Path) -> String {
+    let text = place.to_string();
+    text.strip_prefix("nodes.").map(String::from).unwrap_or(text)
 }

@@ -7,7 +7,7 @@ use trochoid_graph::*;
 use trochoid_image::{Format, Window};
 
 /// A blend of each pixel with those two to the left and to the right of it: a quarter, a half, a quarter.
-struct Smear;
+pub(super) struct Smear;
 /// The same with a negative lobe, which no filter may have.
 struct Sharpen;
 

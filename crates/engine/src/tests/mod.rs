@@ -1,6 +1,7 @@
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
 mod filters;
+mod inspect;
 mod mutation;
 mod nodes;
 mod rules;

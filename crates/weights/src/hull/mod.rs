@@ -149,6 +149,13 @@ impl Hull {
         &self.planes[..self.facets]
     }
 
+    /// The edges, each once, from end to end; of a single point, one from it to itself.
+    #[must_use]
+    pub fn edges(&self) -> &[[[f64; 3]; 2]] {
+        // The ring through two corners comes back along the same edge.
+        if self.dimension == Some(1) { &self.edges[..1] } else { &self.edges }
+    }
+
     /// 0 a point, 1 a segment, 2 a planar polygon, 3 a solid; `None` the empty hull.
     #[must_use]
     pub fn dimension(&self) -> Option<u8> {

@@ -1,0 +1,156 @@
+//! Two pictures against each other: one that was held, and the present one.
+
+use super::picture::{Image, Stage, part, place};
+use crate::evaluate::{Result, Screen};
+use egui::{Align2, Color32, CursorIcon, FontId, Rect, Sense, Stroke, Ui, WidgetInfo, WidgetType, pos2, vec2};
+use std::sync::Arc;
+
+/// How the held picture is shown with the present one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Mode {
+    /// At the left of a line.
+    Wipe,
+    /// What differs.
+    Difference,
+}
+
+/// The held picture, and how it is shown.
+#[derive(Default)]
+pub(super) struct Compare {
+    pub(super) held: Option<Held>,
+    pub(super) gain: f32,
+    image: Image,
+    difference: Option<Difference>,
+}
+
+/// A picture that was held.
+pub(super) struct Held {
+    pub(super) name: String,
+    pub(super) mode: Mode,
+    screen: Arc<Screen>,
+    /// The part of the document's picture that it shows.
+    part: Rect,
+    /// Where the line is, as a share of the picture.
+    wipe: f32,
+}
+
+/// The difference of two pictures.
+struct Difference {
+    of: [Arc<Screen>; 2],
+    gain: f32,
+    screen: Arc<Screen>,
+}
+
+impl Compare {
+    /// Holds a picture.
+    pub(super) fn hold(&mut self, name: &str, result: &Result) {
+        let (screen, part) = (result.screen.clone(), part(result));
+        let mode = self.held.as_ref().map_or(Mode::Wipe, |held| held.mode);
+        let name = format!("{name}, frame {}", result.frame);
+        self.held = Some(Held { name, mode, screen, part, wipe: 0.5 });
+        if self.gain <= 0.0 {
+            self.gain = 4.0;
+        }
+    }
+
+    /// What is shown of the present picture: itself, or how it differs.
+    pub(super) fn shown(&mut self, result: &Result) -> Arc<Screen> {
+        let Some(held) = self.held.as_ref().filter(|held| held.mode == Mode::Difference) else {
+            self.difference = None;
+            return result.screen.clone();
+        };
+        let of = [&held.screen, &result.screen];
+        let known = self.difference.as_ref().filter(|known| {
+            known.of.iter().zip(of).all(|(known, of)| Arc::ptr_eq(known, of)) && known.gain == self.gain
+        });
+        if let Some(known) = known {
+            return known.screen.clone();
+        }
+        let screen = Arc::new(difference(&held.screen, held.part, &result.screen, part(result), self.gain));
+        self.difference = Some(Difference { of: of.map(Arc::clone), gain: self.gain, screen: screen.clone() });
+        screen
+    }
+
+    /// Draws the held picture at the left of the line, and lets the line be moved.
+    pub(super) fn wipe_ui(&mut self, ui: &mut Ui, stage: &Stage, rect: Rect, zoom: f32) {
+        let Some(held) = self.held.as_mut().filter(|held| held.mode == Mode::Wipe) else { return };
+        let x = rect.left() + held.wipe * rect.width();
+        let mut left = stage.area;
+        left.max.x = x.clamp(stage.area.left(), stage.area.right());
+        let own = Rect::from_min_max(place(rect, held.part.min), place(rect, held.part.max));
+        let across = held.part.width() * stage.size.x / held.screen.size[0].max(1) as f32;
+        self.image.upload(ui.ctx(), &held.screen, zoom * across);
+        self.image.paint(&ui.painter().with_clip_rect(left.intersect(ui.clip_rect())), own);
+        let shown = stage.area.intersect(rect);
+        let grip = Rect::from_center_size(pos2(x, shown.center().y), vec2(9.0, shown.height()));
+        let line = ui.interact(grip, ui.id().with("wipe"), Sense::drag()).on_hover_cursor(CursorIcon::ResizeHorizontal);
+        line.widget_info(|| WidgetInfo::labeled(WidgetType::Slider, true, "Wipe line"));
+        if line.dragged() {
+            if let Some(pointer) = line.interact_pointer_pos() {
+                held.wipe = ((pointer.x - rect.left()) / rect.width()).clamp(0.0, 1.0);
+            }
+        }
+        let strong = line.hovered() || line.dragged();
+        let painter = ui.painter().with_clip_rect(stage.area);
+        painter.vline(x, shown.y_range(), Stroke::new(3.0, Color32::from_black_alpha(120)));
+        painter.vline(x, shown.y_range(), Stroke::new(if strong { 2.0 } else { 1.0 }, Color32::WHITE));
+        for (text, align, shift) in [("A", Align2::RIGHT_TOP, -6.0), ("B", Align2::LEFT_TOP, 6.0)] {
+            let at = pos2(x + shift, shown.top() + 6.0);
+            painter.text(at + vec2(1.0, 1.0), align, text, FontId::proportional(13.0), Color32::from_black_alpha(180));
+            painter.text(at, align, text, FontId::proportional(13.0), Color32::WHITE);
+        }
+    }
+}
+
+/// By how much two pictures differ, as they are shown. Of the size of the second; what the first has not is black there.
+fn difference(a: &Screen, part_a: Rect, b: &Screen, part_b: Rect, gain: f32) -> Screen {
+    let mut pixels = vec![255_u8; b.pixels.len()];
+    let nearest = |index: usize, axis: usize| {
+        let (low, high) = (part_b.min[axis], part_b.max[axis]);
+        let share = low + (index as f32 + 0.5) / b.size[axis] as f32 * (high - low);
+        let own = (share - part_a.min[axis]) / (part_a.max[axis] - part_a.min[axis]) * a.size[axis] as f32;
+        (own >= 0.0 && own < a.size[axis] as f32).then_some(own as usize)
+    };
+    let columns: Vec<Option<usize>> = (0..b.size[0]).map(|x| nearest(x, 0)).collect();
+    for (y, row) in pixels.chunks_exact_mut(4 * b.size[0].max(1)).enumerate() {
+        let from = nearest(y, 1);
+        for (x, pixel) in row.chunks_exact_mut(4).enumerate() {
+            let (Some(fx), Some(fy)) = (columns[x], from) else {
+                pixel[..3].fill(0);
+                continue;
+            };
+            for (channel, value) in pixel[..3].iter_mut().enumerate() {
+                let old = a.pixels[4 * (fy * a.size[0] + fx) + channel];
+                let new = b.pixels[4 * (y * b.size[0] + x) + channel];
+                *value = (f32::from(old.abs_diff(new)) * gain).min(255.0) as u8;
+            }
+        }
+    }
+    Screen { size: b.size, pixels }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const WHOLE: Rect = Rect { min: pos2(0.0, 0.0), max: pos2(1.0, 1.0) };
+
+    fn screen(size: [usize; 2], gray: &[u8]) -> Screen {
+        Screen { size, pixels: gray.iter().flat_map(|v| [*v, *v, *v, 255]).collect() }
+    }
+
+    #[test]
+    fn a_difference_is_absolute_and_multiplied() {
+        let found = difference(&screen([2, 1], &[10, 200]), WHOLE, &screen([2, 1], &[14, 190]), WHOLE, 4.0);
+        assert_eq!(found, screen([2, 1], &[16, 40]));
+    }
+
+    #[test]
+    fn pictures_of_other_sizes_and_parts_are_laid_over_each_other() {
+        let found = difference(&screen([1, 1], &[50]), WHOLE, &screen([3, 1], &[50, 60, 80]), WHOLE, 1.0);
+        assert_eq!(found, screen([3, 1], &[0, 10, 30]));
+        let right = Rect::from_min_max(pos2(0.5, 0.0), pos2(1.0, 1.0));
+        let found = difference(&screen([1, 1], &[50]), right, &screen([2, 1], &[90, 90]), WHOLE, 1.0);
+        assert_eq!(found, screen([2, 1], &[0, 40]));
+    }
+}

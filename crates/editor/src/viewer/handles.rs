@@ -1,0 +1,227 @@
+//! Paths of bursts, guides and bodies of a sea in the picture, to be moved by hand.
+
+use super::picture::{place, share};
+use crate::actions::Action;
+use crate::document::{Edit, Path};
+use crate::evaluate::Result;
+use crate::state::State;
+use egui::{
+    Align2, Color32, CursorIcon, FontId, Painter, Pos2, Rect, Sense, Shape, Stroke, Ui, WidgetInfo, WidgetType, pos2,
+    vec2,
+};
+use serde_json::{Value, json};
+use trochoid::{NodeId, Source};
+
+/// Lists of a ToonSea whose records have a path.
+const LISTS: [&str; 3] = ["guides", "bursts", "bodies"];
+/// Paths of a list that are drawn, at most.
+const PATHS: usize = 64;
+/// Pieces of a curve as it is drawn.
+const PIECES: usize = 48;
+
+type Vector = [f64; 3];
+
+/// A camera fitted to a picture whose width and height are 1.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Eye {
+    position: Vector,
+    right: Vector,
+    up: Vector,
+    forward: Vector,
+    orthographic: bool,
+    /// Widths of the picture for a tangent of 1, or for one meter.
+    scale: f64,
+    /// Width by height.
+    aspect: f64,
+}
+
+fn dot(a: Vector, b: Vector) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+fn cross(a: Vector, b: Vector) -> Vector {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+fn sum(a: Vector, by: f64, b: Vector) -> Vector {
+    [0, 1, 2].map(|axis| a[axis] + by * b[axis])
+}
+
+fn unit(a: Vector) -> Option<Vector> {
+    let length = dot(a, a).sqrt();
+    (length > 1e-6).then(|| a.map(|part| part / length))
+}
+
+impl Eye {
+    /// The camera of a picture: by its knobs at the frame.
+    pub(super) fn new(result: &Result, camera: NodeId) -> Self {
+        let graph = &result.lens.graph;
+        let knobs = graph.settle(camera, result.frame);
+        let format = graph.format();
+        let aspect = f64::from(format.width()) / f64::from(format.height());
+        let (position, target) = (knobs.vector3("position"), knobs.vector3("target"));
+        let forward = unit(sum(target, -1.0, position)).unwrap_or([0.0, 0.0, -1.0]);
+        let right = unit(cross(forward, [0.0, 1.0, 0.0])).unwrap_or([1.0, 0.0, 0.0]);
+        let up = cross(right, forward);
+        let (sin, cos) = knobs.number("roll").to_radians().sin_cos();
+        let orthographic = knobs.text("projection") == "orthographic";
+        let scale = if orthographic {
+            1.0 / (knobs.number("height") * aspect)
+        } else {
+            0.5 / (0.5 * knobs.number("fov").to_radians()).tan()
+        };
+        let turned = |a: Vector, by: f64, b: Vector| sum(a.map(|part| part * cos), by * sin, b);
+        Self {
+            position,
+            right: turned(right, -1.0, up),
+            up: turned(up, 1.0, right),
+            forward,
+            orthographic,
+            scale,
+            aspect,
+        }
+    }
+
+    /// Where a point of the world stands in the picture, in shares; `None` behind the camera.
+    pub(super) fn project(&self, point: Vector) -> Option<Pos2> {
+        let offset = sum(point, -1.0, self.position);
+        let depth = dot(offset, self.forward);
+        let scale = match self.orthographic {
+            true => self.scale,
+            false if depth > 1e-3 => self.scale / depth,
+            false => return None,
+        };
+        let (x, y) = (dot(offset, self.right) * scale, dot(offset, self.up) * scale * self.aspect);
+        Some(pos2(0.5 + x as f32, 0.5 - y as f32))
+    }
+
+    /// The point of a level plane that is seen at a place of the picture; `None` above the horizon.
+    pub(super) fn on_level(&self, at: Pos2, level: f64) -> Option<Vector> {
+        let across = (f64::from(at.x) - 0.5) / self.scale;
+        let upward = (0.5 - f64::from(at.y)) / (self.scale * self.aspect);
+        let aside = sum(self.right.map(|part| part * across), upward, self.up);
+        let (origin, direction) = match self.orthographic {
+            true => (sum(self.position, 1.0, aside), self.forward),
+            false => (self.position, sum(self.forward, 1.0, aside)),
+        };
+        let distance = (level - origin[1]) / direction[1];
+        (distance.is_finite() && distance > 0.0 && distance < 1e6).then(|| sum(origin, distance, direction))
+    }
+}
+
+/// The camera through which a sea is seen in a picture.
+fn camera(result: &Result, sea: NodeId) -> Option<NodeId> {
+    let graph = &result.lens.graph;
+    graph.nodes().iter().enumerate().find_map(|(index, node)| {
+        let is_render = node.ty.declaration().name == "Render" && graph.reached([NodeId(index)], result.frame)[sea.0];
+        let settled = is_render.then(|| graph.settle(NodeId(index), result.frame))?;
+        settled.sources().into_iter().find_map(|source| match source {
+            Source::Output { node, .. } if graph.node(*node).ty.declaration().name == "Camera" => Some(*node),
+            _ => None,
+        })
+    })
+}
+
+/// A path: its place in the document and its control points x, z, … from the sea's first cell on.
+struct Way {
+    name: String,
+    path: Path,
+    points: [f64; 8],
+}
+
+fn ways(state: &State, sea: &str) -> Vec<Way> {
+    let body = Path::node(sea);
+    let mut ways = Vec::new();
+    for list in LISTS {
+        let records = state.sheet().get(&body.to(list)).and_then(Value::as_array).map_or(&[][..], Vec::as_slice);
+        for (index, record) in records.iter().enumerate().take(PATHS) {
+            let numbers = record.get("path").and_then(Value::as_array).map_or(&[][..], Vec::as_slice);
+            let numbers: Vec<f64> = numbers.iter().filter_map(Value::as_f64).collect();
+            if let Ok(points) = <[f64; 8]>::try_from(numbers) {
+                let name = format!("{list} {}", index + 1);
+                ways.push(Way { name, path: body.to(list).to(index).to("path"), points });
+            }
+        }
+    }
+    ways
+}
+
+/// Draws the paths of the chosen sea over its picture, and lets their points be moved on the plane of the sea at rest.
+pub(super) fn handles_ui(
+    ui: &mut Ui,
+    area: Rect,
+    rect: Rect,
+    state: &State,
+    result: &Result,
+    actions: &mut Vec<Action>,
+) {
+    let Some(name) = state.chosen().filter(|name| state.sheet().node(name).is_some_and(|node| node.ty == "ToonSea"))
+    else {
+        return;
+    };
+    let graph = &result.lens.graph;
+    let Some(sea) = graph.find(name) else { return };
+    let Some(eye) = camera(result, sea).map(|camera| Eye::new(result, camera)) else { return };
+    let knobs = graph.settle(sea, result.frame);
+    let [x, z, level] = ["x", "z", "level"].map(|knob| knobs.number(knob));
+    let at = |point: [f64; 2]| eye.project([x + point[0], level, z + point[1]]).map(|share| place(rect, share));
+    let painter = ui.painter().with_clip_rect(area);
+    for way in ways(state, name) {
+        let points: [[f64; 2]; 4] = std::array::from_fn(|index| [way.points[2 * index], way.points[2 * index + 1]]);
+        curve(&painter, points, &at);
+        for (index, point) in points.into_iter().enumerate() {
+            let Some(spot) = at(point).filter(|spot| area.contains(*spot)) else { continue };
+            let id = ui.id().with((way.path.to_string(), index));
+            let grip = ui.interact(Rect::from_center_size(spot, vec2(13.0, 13.0)), id, Sense::drag());
+            grip.widget_info(|| {
+                WidgetInfo::labeled(WidgetType::Slider, true, format!("{}, point {}", way.name, index + 1))
+            });
+            let grip = grip.on_hover_cursor(CursorIcon::Grab);
+            if grip.dragged()
+                && let Some(world) = grip.interact_pointer_pos().and_then(|at| eye.on_level(share(rect, at), level))
+            {
+                let mut points = way.points;
+                for (number, world) in points[2 * index..2 * index + 2].iter_mut().zip([world[0] - x, world[2] - z]) {
+                    *number = (world * 100.0).round() / 100.0;
+                }
+                let key = format!("handle {} {index}", way.path);
+                actions.push(Action::Edit(Edit::set(way.path.clone(), &json!(points)).merging(key)));
+            }
+            if grip.drag_stopped() {
+                actions.push(Action::Seal);
+            }
+            let strong = grip.hovered() || grip.dragged();
+            let rim = Stroke::new(1.5, Color32::from_black_alpha(200));
+            let fill = if index == 0 || index == 3 { Color32::WHITE } else { Color32::from_rgb(0x3f, 0xb5, 0xb0) };
+            painter.circle(spot, if strong { 6.0 } else { 4.5 }, fill, rim);
+            if strong {
+                let text = format!("{}: {:.2}, {:.2}", way.name, point[0], point[1]);
+                let place = spot + vec2(10.0, -10.0);
+                let galley = painter.layout_no_wrap(text, FontId::proportional(12.0), Color32::WHITE);
+                let back = Align2::LEFT_BOTTOM.anchor_size(place, galley.size()).expand2(vec2(4.0, 2.0));
+                painter.rect_filled(back, 3.0, Color32::from_black_alpha(170));
+                painter.galley(back.min + vec2(4.0, 2.0), galley, Color32::WHITE);
+            }
+        }
+    }
+}
+
+/// The curve of a path, and the lines to the points that bend it.
+fn curve(painter: &Painter, points: [[f64; 2]; 4], at: &dyn Fn([f64; 2]) -> Option<Pos2>) {
+    let along = |t: f64| {
+        let s = 1.0 - t;
+        let weights = [s * s * s, 3.0 * s * s * t, 3.0 * s * t * t, t * t * t];
+        [0, 1].map(|axis| points.iter().zip(weights).map(|(point, weight)| point[axis] * weight).sum())
+    };
+    let spots: Vec<Option<Pos2>> = (0..=PIECES).map(|piece| at(along(piece as f64 / PIECES as f64))).collect();
+    for (width, color) in [(4.0, Color32::from_black_alpha(110)), (1.8, Color32::from_rgb(0x3f, 0xb5, 0xb0))] {
+        for seen in spots.split(Option::is_none).filter(|seen| seen.len() > 1) {
+            painter.add(Shape::line(seen.iter().copied().flatten().collect(), Stroke::new(width, color)));
+        }
+    }
+    for [a, b] in [[0, 1], [3, 2]] {
+        if let (Some(from), Some(to)) = (at(points[a]), at(points[b])) {
+            painter.line_segment([from, to], Stroke::new(1.0, Color32::from_white_alpha(110)));
+        }
+    }
+}

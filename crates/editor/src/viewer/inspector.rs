@@ -1,0 +1,176 @@
+//! A pixel in detail: its value, and the control colors that it is mixed of.
+
+use crate::actions::Action;
+use crate::evaluate::{Blamed, Result, Share, blame};
+use crate::format::{number, thousands};
+use crate::state::State;
+use egui::{Align, Button, Color32, Layout, Pos2, Rect, RichText, ScrollArea, Sense, Stroke, StrokeKind, Ui, vec2};
+use trochoid::{Kind, WorkingSpace};
+
+/// Width of the strip beside the picture.
+pub(super) const WIDTH: f32 = 208.0;
+/// Shares that are listed one by one; the rest, small as they are, as one.
+const ROWS: usize = 24;
+
+/// What a color of the working space looks like.
+pub(super) fn swatch(space: WorkingSpace, color: [f64; 3]) -> Color32 {
+    let [r, g, b] = space.to_display(color).map(|value| (value.clamp(0.0, 1.0) * 255.0).round() as u8);
+    Color32::from_rgb(r, g, b)
+}
+
+/// The pixel of a result at a place in shares of the picture; `None` outside of what it shows.
+pub(super) fn pixel(result: &Result, at: Pos2) -> Option<[i64; 2]> {
+    if !(0.0..1.0).contains(&at.x) || !(0.0..1.0).contains(&at.y) {
+        return None;
+    }
+    let window = result.picture.planes.first()?.window();
+    let [x, y] = blame::pixel([at.x, at.y], [result.format.width(), result.format.height()]);
+    ((window.x0..window.x1).contains(&x) && (window.y0..window.y1).contains(&y)).then_some([x, y])
+}
+
+/// The pixel of the document's picture there, whatever is evaluated of it.
+pub(super) fn named(result: &Result, at: Pos2) -> [i64; 2] {
+    let format = result.lens.graph.format();
+    blame::pixel([at.x, at.y], [format.width(), format.height()])
+}
+
+/// A pixel's value by channel.
+pub(super) fn values(result: &Result, [x, y]: [i64; 2]) -> Vec<f64> {
+    result.picture.planes.iter().map(|plane| f64::from(plane.nearest(x, y))).collect()
+}
+
+/// What a pixel looks like as it is shown.
+pub(super) fn displayed(result: &Result, [x, y]: [i64; 2]) -> Option<Color32> {
+    let window = result.picture.planes.first()?.window();
+    let index = (y - window.y0) as usize * result.screen.size[0] + (x - window.x0) as usize;
+    let pixel = result.screen.pixels.get(4 * index..4 * index + 3)?;
+    Some(Color32::from_rgb(pixel[0], pixel[1], pixel[2]))
+}
+
+/// Values as they are read: up to so many, with as many digits as say something.
+pub(super) fn written(values: &[f64], most: usize) -> String {
+    let mut text: Vec<String> = values.iter().take(most).map(|value| number(*value)).collect();
+    if values.len() > most {
+        text.push("…".into());
+    }
+    text.join("  ")
+}
+
+/// A square of a color.
+pub(super) fn swatch_ui(ui: &mut Ui, color: Color32, side: f32) {
+    let (rect, _) = ui.allocate_exact_size(vec2(side, side), Sense::hover());
+    ui.painter().rect_filled(rect, 2.0, color);
+    let rim = Stroke::new(1.0, ui.visuals().widgets.noninteractive.bg_stroke.color);
+    ui.painter().rect_stroke(rect, 2.0, rim, StrokeKind::Inside);
+}
+
+/// Draws what is known of the pixel that is inspected.
+pub(super) fn inspector_ui(ui: &mut Ui, state: &State, result: &Result, at: Pos2, actions: &mut Vec<Action>) {
+    let picture = &result.picture;
+    let found = pixel(result, at);
+    ui.horizontal(|ui| {
+        let place = named(result, at);
+        ui.strong(format!("Pixel {}, {}", place[0], place[1]));
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            if ui.add(Button::new("×").small().frame(false)).on_hover_text("Inspects no pixel (Esc).").clicked() {
+                actions.push(Action::Pick(None));
+            }
+        });
+    });
+    let Some(place) = found else {
+        ui.weak("Outside of what is evaluated.");
+        return;
+    };
+    let values = values(result, place);
+    ui.horizontal(|ui| {
+        if picture.kind == Kind::Color {
+            let color = [values[0], values[1], values[2]];
+            swatch_ui(ui, swatch(result.lens.graph.space(), color), 14.0);
+        }
+        ui.add(egui::Label::new(RichText::new(written(&values, 4)).monospace()).truncate());
+    });
+    ui.add(egui::Label::new(RichText::new(kind(result)).weak()).wrap());
+    if let Some(guarantee) = picture.guarantee {
+        let (exits, pixels) = (picture.audit.hull_exits, picture.audit.pixels);
+        let text = format!("Guarantee: {}\n{} of {} outside", guarantee.name(), thousands(exits), thousands(pixels));
+        let color = if exits > 0 { crate::theme::error(ui.visuals()) } else { ui.visuals().weak_text_color() };
+        ui.label(RichText::new(text).color(color))
+            .on_hover_text("Pixels of this picture that are no convex mix of its control colors.");
+    }
+    if picture.kind != Kind::Color {
+        return;
+    }
+    ui.separator();
+    match &state.seen.blame {
+        Some(blamed) => {
+            // The answer for another pixel stays until there is one for this.
+            let is_old = blamed.generation != result.generation || blamed.at != [at.x, at.y];
+            ui.scope(|ui| {
+                if is_old {
+                    ui.multiply_opacity(0.6);
+                }
+                blame_ui(ui, state, result, blamed, actions);
+            });
+        }
+        None if state.seen.progress.is_some() => drop(ui.weak("Its colors are found when the picture is finished.")),
+        None => drop(ui.weak("Finding its colors …")),
+    }
+}
+
+fn kind(result: &Result) -> String {
+    match (result.lens.clay, result.picture.kind) {
+        (true, _) => "Lit like clay".into(),
+        (false, Kind::Color) => format!("Color in {}", result.lens.graph.space()),
+        (false, kind) => kind.to_string(),
+    }
+}
+
+/// The control colors, the greatest share first.
+fn blame_ui(ui: &mut Ui, state: &State, result: &Result, blamed: &Blamed, actions: &mut Vec<Action>) {
+    ui.weak("Mixed of").on_hover_text("The control colors of this pixel and their shares, which sum to 1.");
+    ScrollArea::vertical().id_salt("blame").auto_shrink(false).show(ui, |ui| {
+        ui.spacing_mut().item_spacing.y = 1.0;
+        ui.spacing_mut().interact_size.y = 15.0;
+        for share in blamed.shares.iter().take(ROWS) {
+            share_ui(ui, state, result, share, actions);
+        }
+        let rest: f64 = blamed.shares.iter().skip(ROWS).map(|share| share.weight).sum();
+        if let Some(more) = blamed.shares.len().checked_sub(ROWS).filter(|more| *more > 0) {
+            ui.horizontal(|ui| {
+                ui.weak(format!("{} more", thousands(more as u64)));
+                ui.with_layout(Layout::right_to_left(Align::Center), |ui| ui.weak(percent(rest)));
+            });
+        }
+    });
+}
+
+fn share_ui(ui: &mut Ui, state: &State, result: &Result, share: &Share, actions: &mut Vec<Action>) {
+    let row = ui.horizontal(|ui| {
+        swatch_ui(ui, swatch(result.lens.graph.space(), share.color), 12.0);
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            ui.label(RichText::new(percent(share.weight)).monospace());
+            ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+                let is_chosen = state.selection.contains(&share.node);
+                let name = RichText::new(&share.node);
+                let name = if is_chosen { name.strong() } else { name };
+                let label = ui.add(egui::Label::new(name).truncate().sense(Sense::click()));
+                if label.on_hover_text(format!("{}\nClick to choose the node.", written(&share.color, 3))).clicked() {
+                    actions.extend([Action::Select([share.node.clone()].into()), Action::Frames]);
+                }
+            });
+        });
+    });
+    // The share as a line below the row.
+    let (line, _) = ui.allocate_exact_size(vec2(row.response.rect.width(), 2.0), Sense::hover());
+    ui.painter().rect_filled(line, 1.0, ui.visuals().faint_bg_color);
+    let filled = Rect::from_min_size(line.min, vec2(line.width() * share.weight.clamp(0.0, 1.0) as f32, line.height()));
+    ui.painter().rect_filled(filled, 1.0, ui.visuals().selection.bg_fill);
+}
+
+/// A share in percent.
+pub(super) fn percent(share: f64) -> String {
+    match 100.0 * share {
+        percent if percent > 0.0 && percent < 0.05 => "< 0.1 %".into(),
+        percent => format!("{percent:.1} %"),
+    }
+}

@@ -1,0 +1,400 @@
+//! The viewer as it is used: clicks and keys, and what comes of them.
+
+use super::handles::Eye;
+use crate::actions::Action;
+use crate::document::{Path, Session};
+use crate::evaluate::Channel;
+use crate::testing::{Window, editor, sized, until};
+use egui::accesskit::Role;
+use egui::{Event, Key, Modifiers, PointerButton, Pos2, Rect, pos2, vec2};
+use egui_kittest::kittest::Queryable;
+use std::path::PathBuf;
+
+const WINDOW: [f32; 2] = [1280.0, 800.0];
+
+/// A picture of three control colors.
+const MIXED: &str = r##"{
+  "trochoid": 1, "format": { "width": 64, "height": 36 },
+  "nodes": {
+    "across": { "type": "ScreenX" },
+    "first": { "type": "Mix", "a": "#ff0000", "b": "#0000ff", "weight": "across" },
+    "last": { "type": "Mix", "a": "first", "b": "#00ff00", "weight": 0.25 },
+    "dark": { "type": "Mix", "a": "#000000", "b": "#ffffff", "weight": 0.25 }
+  },
+  "outputs": { "beauty": { "color": "last" } }
+}"##;
+
+/// A sea with one guide.
+const SEA: &str = r##"{
+  "trochoid": 1, "format": { "width": 64, "height": 36 },
+  "nodes": {
+    "camera": { "type": "Camera", "position": [5, 8, 16], "target": [5, 0, 5] },
+    "waves": {
+      "type": "ToonSea", "columns": 40, "rows": 40, "spacing": 0.25, "preroll": 8,
+      "guides": [{ "path": [2, 5, 4, 5, 6, 5, 8, 5], "count": 2, "width": 2 }]
+    },
+    "view": { "type": "Render", "camera": "camera", "surfaces": ["waves"] },
+    "sea": { "type": "Mix", "a": "#102030", "b": "#e0e0d0", "weight": "view.coverage" }
+  },
+  "outputs": { "beauty": { "color": "sea" } }
+}"##;
+
+fn open(text: &str, size: [f32; 2]) -> Window {
+    let mut window = sized(Session::new(text.into(), None), None, size);
+    settle(&mut window);
+    window
+}
+
+fn act(window: &mut Window, action: Action) {
+    let context = window.ctx.clone();
+    window.state_mut().as_mut().unwrap().act(action, &context);
+    settle(window);
+}
+
+/// Draws until all is evaluated.
+fn settle(window: &mut Window) {
+    window.step();
+    until(window, "what is evaluated", |editor| {
+        let (seen, look) = (&editor.state().seen, &editor.state().look);
+        let is_color = seen.result.as_ref().is_some_and(|result| result.picture.kind == trochoid::Kind::Color);
+        let is_blamed = !is_color || look.pick.is_none() || seen.blame.as_ref().map(|blamed| blamed.at) == look.pick;
+        let is_done = seen.result.as_ref().is_some_and(|result| result.finished && result.display == look.display);
+        seen.progress.is_none() && (seen.failed.is_some() || (is_done && is_blamed))
+    });
+    // What came last is drawn now.
+    window.run_steps(2);
+}
+
+fn picture(window: &Window) -> Rect {
+    window.get_by_label("Picture").rect()
+}
+
+fn press(window: &mut Window, key: Key) {
+    window.key_press(key);
+    settle(window);
+}
+
+/// Moves the pointer there.
+fn hover(window: &mut Window, at: Pos2) {
+    window.hover_at(at);
+    window.step();
+}
+
+fn button(window: &mut Window, pos: Pos2, pressed: bool, modifiers: Modifiers) {
+    window.event(Event::PointerButton { pos, button: PointerButton::Primary, pressed, modifiers });
+    window.step();
+}
+
+fn click(window: &mut Window, at: Pos2) {
+    hover(window, at);
+    button(window, at, true, Modifiers::NONE);
+    button(window, at, false, Modifiers::NONE);
+    settle(window);
+}
+
+fn drag(window: &mut Window, from: Pos2, to: Pos2, modifiers: Modifiers) {
+    window.event(Event::ModifiersChanged(modifiers));
+    hover(window, from);
+    button(window, from, true, modifiers);
+    for step in 1..=4 {
+        hover(window, from + (to - from) * (step as f32 / 4.0));
+    }
+    button(window, to, false, modifiers);
+    window.event(Event::ModifiersChanged(Modifiers::NONE));
+    settle(window);
+}
+
+#[test]
+fn a_pixel_is_picked_and_its_colors_listed() {
+    let mut window = open(MIXED, WINDOW);
+    let center = picture(&window).center() + vec2(3.0, 3.0);
+    click(&mut window, center);
+    let state = editor(&window).state();
+    let blamed = state.seen.blame.as_ref().unwrap();
+    assert_eq!(blamed.pixel, [32, 18]);
+    let sum: f64 = blamed.shares.iter().map(|share| share.weight).sum();
+    assert!((sum - 1.0).abs() < 1e-12);
+    let names: Vec<&str> = blamed.shares.iter().map(|share| share.node.as_str()).collect();
+    assert_eq!(names, ["first", "first", "last"]);
+    for text in ["Pixel 32, 18", "25.0 %", "Mixed of", "Color in linear-srgb"] {
+        assert!(window.query_by_label(text).is_some(), "{text}");
+    }
+    // Half a pixel beyond the middle: the rows are of 38.1, 36.9 and 25 percent.
+    assert!(window.query_by_label("38.1 %").is_some() && window.query_by_label("36.9 %").is_some());
+    hover(&mut window, center);
+    press(&mut window, Key::Escape);
+    assert_eq!(editor(&window).state().look.pick, None);
+    assert!(window.query_by_label("Mixed of").is_none());
+}
+
+#[test]
+fn clicking_a_share_chooses_its_node() {
+    let mut window = open(MIXED, WINDOW);
+    let center = picture(&window).center();
+    click(&mut window, center);
+    let strip = picture(&window).right();
+    let row = window.get_all_by_label("last").find(|node| node.rect().left() > strip).unwrap().rect().center();
+    click(&mut window, row);
+    assert_eq!(editor(&window).state().chosen(), Some("last"));
+}
+
+#[test]
+fn keys_choose_channels_where_the_pointer_is() {
+    let mut window = open(MIXED, WINDOW);
+    let channel = |window: &Window| editor(window).state().look.display.channel;
+    let center = picture(&window).center();
+    hover(&mut window, center);
+    for (key, expected) in [
+        (Key::R, Channel::One(0)),
+        (Key::G, Channel::One(1)),
+        (Key::G, Channel::All),
+        (Key::B, Channel::One(2)),
+        (Key::Y, Channel::Luminance),
+        (Key::Y, Channel::All),
+    ] {
+        press(&mut window, key);
+        assert_eq!(channel(&window), expected, "{key:?}");
+    }
+    hover(&mut window, pos2(1200.0, 400.0));
+    press(&mut window, Key::R);
+    assert_eq!(channel(&window), Channel::All);
+}
+
+#[test]
+fn a_region_is_dragged_and_cleared() {
+    let mut window = open(MIXED, WINDOW);
+    let area = picture(&window);
+    let (from, to) = (area.center(), area.center() + vec2(60.0, 40.0));
+    drag(&mut window, from, to, Modifiers::SHIFT);
+    let state = editor(&window).state();
+    let region = state.look.region.unwrap();
+    assert!((region[0] - 0.5).abs() < 0.02 && region[2] > 0.52 && region[3] > region[1], "{region:?}");
+    assert_eq!(state.look.pick, None);
+    let evaluated = state.seen.result.as_ref().unwrap().picture.planes[0].window();
+    assert!(evaluated.width() < 64 && evaluated.x0 >= 31, "{evaluated:?}");
+    window.key_press_modifiers(Modifiers::SHIFT, Key::W);
+    settle(&mut window);
+    assert_eq!(editor(&window).state().look.region, None);
+    // By the button, too: once.
+    window.get_by_label("Region").click();
+    settle(&mut window);
+    drag(&mut window, from, to, Modifiers::NONE);
+    assert!(editor(&window).state().look.region.is_some());
+    drag(&mut window, from, to, Modifiers::NONE);
+    assert_eq!(editor(&window).state().look.region, Some(region));
+    window.get_by_label("Region").click();
+    settle(&mut window);
+    assert_eq!(editor(&window).state().look.region, None);
+}
+
+#[test]
+fn a_color_taken_from_the_picture_goes_where_it_was_asked_for() {
+    let mut window = open(MIXED, WINDOW);
+    act(&mut window, Action::Look("dark".into(), 0));
+    let place = Path::node("first").to("a");
+    act(&mut window, Action::Dropper(Some(place.clone())));
+    assert!(window.query_by_label("Click a color for first.a").is_some());
+    let center = picture(&window).center();
+    click(&mut window, center);
+    let state = editor(&window).state();
+    assert_eq!(state.dropper, None);
+    // A quarter of white light.
+    assert_eq!(state.sheet().get(&place).unwrap(), "#898989");
+    assert_eq!(state.look.pick, None);
+    act(&mut window, Action::Undo);
+    assert_eq!(editor(&window).state().sheet().get(&place).unwrap(), "#ff0000");
+}
+
+#[test]
+fn two_pictures_are_compared() {
+    let mut window = open(MIXED, WINDOW);
+    window.get_by_label("Hold A").click();
+    settle(&mut window);
+    act(&mut window, Action::Look("dark".into(), 0));
+    let line = window.get_by_label("Wipe line").rect().center();
+    let area = picture(&window);
+    assert!((line.x - area.center().x).abs() < 2.0);
+    drag(&mut window, line, line + vec2(80.0, 0.0), Modifiers::NONE);
+    let moved = window.get_by_label("Wipe line").rect().center();
+    assert!((moved.x - line.x - 80.0).abs() < 3.0, "{moved:?}");
+    assert_eq!(editor(&window).state().look.pick, None);
+    window.get_by_label("Diff").click();
+    settle(&mut window);
+    assert!(window.query_by_label("Wipe line").is_none());
+    window.get_by_label("Let go of A").click();
+    settle(&mut window);
+    assert!(window.query_by_label("Diff").is_none());
+}
+
+#[test]
+fn the_hull_opens_and_closes() {
+    let mut window = open(MIXED, WINDOW);
+    let center = picture(&window).center();
+    hover(&mut window, center);
+    press(&mut window, Key::H);
+    assert!(window.query_by_label("Picture").is_none());
+    let space = window.get_by_label("Hull of the palette").rect();
+    drag(&mut window, space.center(), space.center() + vec2(50.0, 20.0), Modifiers::NONE);
+    assert_eq!(editor(&window).state().look.pick, None);
+    hover(&mut window, center);
+    press(&mut window, Key::H);
+    assert!(window.query_by_label("Picture").is_some());
+}
+
+#[test]
+fn a_flat_palette_has_no_inside() {
+    let mut window = open(MIXED, WINDOW);
+    let center = picture(&window).center();
+    hover(&mut window, center);
+    press(&mut window, Key::N);
+    assert!(window.query_by_label("The palette is flat: every color lies on its face.").is_some());
+    press(&mut window, Key::N);
+    assert!(window.query_by_label("The palette is flat: every color lies on its face.").is_none());
+}
+
+#[test]
+fn what_is_no_picture_says_so() {
+    let mut window = open(SEA, WINDOW);
+    act(&mut window, Action::Look("waves".into(), 0));
+    assert!(window.query_by_label("Lit like clay: a Surface is no picture").is_some());
+    act(&mut window, Action::Look("camera".into(), 0));
+    assert!(window.query_by_label_contains("a Camera is no picture").is_some());
+    act(&mut window, Action::Look("view".into(), 1));
+    assert!(window.query_by_label_contains("Lit like clay").is_none());
+}
+
+#[test]
+fn the_picture_is_fitted_and_moved() {
+    let mut window = open(MIXED, WINDOW);
+    let center = picture(&window).center();
+    window.get_by_label("1:1").click();
+    settle(&mut window);
+    assert!(window.query_by_label("100 %").is_some());
+    hover(&mut window, center);
+    press(&mut window, Key::F);
+    assert!(window.query_by_label("100 %").is_none());
+}
+
+#[test]
+fn a_double_click_takes_numbers_back() {
+    let mut window = open(MIXED, WINDOW);
+    let display = crate::evaluate::Display { exposure: 2.0, ..Default::default() };
+    act(&mut window, Action::Display(display));
+    let area = picture(&window);
+    let numbers = window.get_all_by_role(Role::SpinButton).map(|node| node.rect().center());
+    let exposure = numbers.filter(|at| at.y < area.top() && at.x < area.right()).min_by(|a, b| a.x.total_cmp(&b.x));
+    let exposure = exposure.unwrap();
+    hover(&mut window, exposure);
+    for pressed in [true, false, true, false] {
+        button(&mut window, exposure, pressed, Modifiers::NONE);
+    }
+    settle(&mut window);
+    assert_eq!(editor(&window).state().look.display.exposure, 0.0);
+    // Nothing is being typed any more: keys count again.
+    hover(&mut window, area.center());
+    press(&mut window, Key::R);
+    assert_eq!(editor(&window).state().look.display.channel, Channel::One(0));
+}
+
+#[test]
+fn a_path_of_the_chosen_sea_is_moved_in_the_picture() {
+    let mut window = open(SEA, WINDOW);
+    assert!(window.query_by_label("guides 1, point 1").is_none());
+    act(&mut window, Action::Select(["waves".to_string()].into()));
+    let path = Path::node("waves").to("guides").to(0).to("path");
+    let written = |window: &Window| editor(window).state().sheet().get(&path).unwrap().to_string();
+    assert_eq!(written(&window), "[2,5,4,5,6,5,8,5]");
+    let grip = window.get_by_label("guides 1, point 1").rect().center();
+    drag(&mut window, grip, grip + vec2(30.0, 0.0), Modifiers::NONE);
+    let moved = written(&window);
+    assert!(moved.ends_with("4,5,6,5,8,5]") && moved != "[2,5,4,5,6,5,8,5]", "{moved}");
+    // The hand took it along: it is where it was dropped, and all of it one step of undo.
+    let now = window.get_by_label("guides 1, point 1").rect().center();
+    assert!((now - grip - vec2(30.0, 0.0)).length() < 2.0, "{now:?} {grip:?}");
+    act(&mut window, Action::Undo);
+    assert_eq!(written(&window), "[2,5,4,5,6,5,8,5]");
+    press(&mut window, Key::Q);
+    assert!(window.query_by_label("guides 1, point 1").is_none());
+}
+
+#[test]
+fn what_is_projected_comes_back() {
+    let mut window = open(SEA, [800.0, 600.0]);
+    act(&mut window, Action::Select(["waves".to_string()].into()));
+    for knobs in
+        [r#""roll": 30, "fov": 70"#, r#""projection": "orthographic", "height": 12, "roll": -20"#, r#""fov": 20"#]
+    {
+        let text = SEA.replace(r#""target": [5, 0, 5]"#, &format!(r#""target": [5, 0, 5], {knobs}"#));
+        act(&mut window, Action::Rewrite(text));
+        let result = editor(&window).state().seen.result.clone().unwrap();
+        let camera = result.lens.graph.find("camera").unwrap();
+        let eye = Eye::new(&result, camera);
+        assert!((eye.project([5.0, 0.0, 5.0]).unwrap() - pos2(0.5, 0.5)).length() < 1e-5);
+        for share in [pos2(0.2, 0.7), pos2(0.9, 0.9), pos2(0.5, 0.6)] {
+            let world = eye.on_level(share, 0.5).unwrap();
+            assert!((world[1] - 0.5).abs() < 1e-9);
+            assert!((eye.project(world).unwrap() - share).length() < 1e-4, "{knobs} {share:?}");
+        }
+    }
+}
+
+/// Writes what the viewer looks like into the folder that `TROCHOID_SHOTS` names.
+#[test]
+#[ignore = "needs a graphics driver, and minutes"]
+fn screenshots_of_the_viewer() {
+    let Some(folder) = std::env::var_os("TROCHOID_SHOTS").map(PathBuf::from) else { return };
+    let shot = |window: &mut Window, name: &str| {
+        window.run_steps(4);
+        window.render().unwrap().save(folder.join(format!("viewer_{name}.png"))).unwrap();
+    };
+    let graphs = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../graphs");
+    let session = Session::open(&graphs.join("stormy_sea_bare.json")).unwrap();
+    let mut window = sized(session, None, WINDOW);
+    act(&mut window, Action::Proxy(2));
+    shot(&mut window, "plain");
+    act(&mut window, Action::Pick(Some([0.42, 0.6])));
+    shot(&mut window, "picked");
+    window.get_by_label("Hold A").click();
+    settle(&mut window);
+    let other = editor(&window).state().sheet().nodes.iter().rev().find_map(|node| {
+        let is_color = node.makes.first().and_then(|(_, kind)| *kind) == Some(trochoid::Kind::Color);
+        (is_color && Some(&node.name) != editor(&window).state().look.node.as_ref().map(|(name, _)| name))
+            .then(|| node.name.clone())
+    });
+    act(&mut window, Action::Look(other.unwrap(), 0));
+    shot(&mut window, "wipe");
+    window.get_by_label("Diff").click();
+    settle(&mut window);
+    shot(&mut window, "difference");
+    window.get_by_label("Let go of A").click();
+    settle(&mut window);
+    act(&mut window, Action::Look("beauty".into(), 0));
+    let center = picture(&window).center();
+    hover(&mut window, center);
+    press(&mut window, Key::N);
+    hover(&mut window, center + vec2(4.0, 4.0));
+    shot(&mut window, "near");
+    press(&mut window, Key::N);
+    press(&mut window, Key::H);
+    shot(&mut window, "hull");
+    press(&mut window, Key::H);
+    act(&mut window, Action::Look("sea".into(), 0));
+    act(&mut window, Action::Pick(None));
+    shot(&mut window, "clay");
+    let display = crate::evaluate::Display { false_color: true, range: Some([0.0, 1.0]), ..Default::default() };
+    act(&mut window, Action::Display(display));
+    shot(&mut window, "field");
+    act(&mut window, Action::Look("camera".into(), 0));
+    shot(&mut window, "failed");
+
+    let session = Session::open(&graphs.join("toon_sea.json")).unwrap();
+    let mut window = sized(session, None, WINDOW);
+    act(&mut window, Action::Proxy(4));
+    act(&mut window, Action::Select(["waves".to_string()].into()));
+    let point = window.get_by_label("guides 1, point 2").rect().center();
+    hover(&mut window, point);
+    shot(&mut window, "handles");
+    act(&mut window, Action::Theme);
+    act(&mut window, Action::Pick(Some([0.5, 0.5])));
+    shot(&mut window, "light");
+}

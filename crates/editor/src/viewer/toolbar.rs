@@ -1,0 +1,217 @@
+//! The line above the picture: what is shown, and how.
+
+use super::Viewer;
+use super::compare::Mode;
+use crate::actions::Action;
+use crate::evaluate::{Channel, Display, Result, shown};
+use crate::state::State;
+use egui::{Button, ComboBox, DragValue, Response, Ui, WidgetInfo, WidgetType};
+use std::ops::RangeInclusive;
+use trochoid::Kind;
+
+/// The kind of what is shown.
+fn kind(state: &State) -> Option<Kind> {
+    state.seen.result.as_ref().map(|result| result.picture.kind)
+}
+
+/// Draws the line.
+pub(super) fn toolbar_ui(viewer: &mut Viewer, ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
+    ui.horizontal_wrapped(|ui| {
+        ui.spacing_mut().item_spacing.x = 4.0;
+        subject_ui(ui, state, actions);
+        ui.separator();
+        let display = &state.look.display;
+        let mut next = *display;
+        channels_ui(ui, kind(state), &mut next);
+        let exposure =
+            DragValue::new(&mut next.exposure).speed(0.02).range(-16.0..=16.0).fixed_decimals(1).suffix(" EV");
+        reset(ui.add(exposure), "Exposure in stops. Double-click for 0.", || next.exposure = 0.0);
+        let gamma = DragValue::new(&mut next.gamma).speed(0.005).range(0.1..=8.0).fixed_decimals(2).prefix("γ ");
+        reset(ui.add(gamma), "Gamma. Double-click for 1.", || next.gamma = 1.0);
+        // Whatever is shown as gray.
+        if !matches!(kind(state), Some(Kind::Color) | None) || next.channel != Channel::All {
+            field_ui(ui, state, &mut next);
+        }
+        if next != *display {
+            actions.push(Action::Display(next));
+        }
+        ui.separator();
+        proxy_ui(ui, state, actions);
+        let mut region = viewer.frames_region || state.look.region.is_some();
+        let toggle = ui.toggle_value(&mut region, "Region");
+        let help =
+            "Evaluates a part: drag a rectangle in the picture, also with Shift at any time. Shift+W for all of it.";
+        if toggle.on_hover_text(help).clicked() {
+            viewer.frames_region = region;
+            if state.look.region.is_some() {
+                actions.push(Action::Region(None));
+            }
+        }
+        ui.separator();
+        compare_ui(viewer, ui, state);
+        ui.separator();
+        ui.toggle_value(&mut viewer.space.shown, "Hull")
+            .on_hover_text("The colors of the picture within the hull of its control colors (H).");
+        let mut shown = viewer.near.shown;
+        let near = ui.toggle_value(&mut shown, "Near").on_hover_text("Marks pixels near the hull's faces (N).");
+        if near.clicked() {
+            viewer.near.toggle();
+        }
+        if viewer.near.shown {
+            let distance = DragValue::new(&mut viewer.near.distance).speed(0.0005).range(0.0005..=1.0).max_decimals(4);
+            reset(ui.add(distance), "How near: a distance in the working space. Double-click for 0.02.", || {
+                viewer.near.distance = 0.02;
+            });
+        }
+    });
+}
+
+/// A hint, and what a double click does.
+fn reset(response: Response, help: &str, back: impl FnOnce()) {
+    let response = response.on_hover_text(help);
+    if response.double_clicked() {
+        // The first of the clicks has begun to ask for a number.
+        response.surrender_focus();
+        back();
+    }
+}
+
+/// What is looked at: outputs of the node, and of the document.
+fn subject_ui(ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
+    let sheet = state.sheet();
+    let named = |node: usize, output: usize| sheet.reference(node, output);
+    let shown = state.look.node.as_ref().and_then(|(name, output)| Some((sheet.find(name)?, *output)));
+    let text = shown.map_or_else(|| "nothing".into(), |(node, output)| named(node, output));
+    let mut chosen = None;
+    let combo = ComboBox::from_id_salt("shown").selected_text(text).width(112.0).truncate();
+    let response = combo.show_ui(ui, |ui| {
+        if let Some((node, _)) = shown {
+            let makes = &sheet.nodes[node].makes;
+            for output in 0..makes.len() {
+                if ui.selectable_label(shown == Some((node, output)), named(node, output)).clicked() {
+                    chosen = Some((node, output));
+                }
+            }
+            ui.separator();
+        }
+        ui.weak("Outputs");
+        for output in &sheet.outputs {
+            let Some(source) = sheet.source(&output.source) else { continue };
+            if ui.selectable_label(shown == Some(source), &output.name).clicked() {
+                chosen = Some(source);
+            }
+        }
+    });
+    response.response.on_hover_text("What is shown: double-click a node in the graph, or press 1 to 9.");
+    if let Some((node, output)) = chosen {
+        actions.push(Action::Look(sheet.nodes[node].name.clone(), output));
+    }
+}
+
+/// What the channels of a kind are called, where there are several.
+fn components(kind: Option<Kind>) -> Vec<String> {
+    match kind {
+        Some(Kind::Color) | None => ["R", "G", "B"].map(String::from).into(),
+        Some(Kind::Field(n @ 2..=4)) => {
+            ["x", "y", "z", "w"].iter().take(n as usize).map(|name| (*name).into()).collect()
+        }
+        Some(Kind::Field(n) | Kind::Weights(n)) if n > 2 => (1..=n).map(|index| index.to_string()).collect(),
+        _ => Vec::new(),
+    }
+}
+
+fn channels_ui(ui: &mut Ui, kind: Option<Kind>, display: &mut Display) {
+    let names = components(kind);
+    let is_color = matches!(kind, Some(Kind::Color) | None);
+    let shown = display.channel;
+    let mut choice = |ui: &mut Ui, name: &str, channel: Channel, help: &str| {
+        if ui.selectable_label(shown == channel, name).on_hover_text(help).clicked() {
+            display.channel = channel;
+        }
+    };
+    if is_color {
+        choice(ui, "RGB", Channel::All, "All channels.");
+        for (index, name) in names.iter().enumerate() {
+            choice(ui, name, Channel::One(index), &format!("This channel alone ({name})."));
+        }
+        choice(ui, "Y", Channel::Luminance, "Luminance (Y).");
+    } else if names.len() <= 4 {
+        for (index, name) in names.iter().enumerate() {
+            let is_first = index == 0 && shown == Channel::All;
+            let channel = if is_first { Channel::All } else { Channel::One(index) };
+            choice(ui, name, channel, "This component alone.");
+        }
+    } else {
+        let index = if let Channel::One(index) = shown { index } else { 0 };
+        let text = names.get(index).cloned().unwrap_or_default();
+        ComboBox::from_id_salt("component").selected_text(text).width(40.0).show_ui(ui, |ui| {
+            for (index, name) in names.iter().enumerate() {
+                choice(ui, name, Channel::One(index), "This component alone.");
+            }
+        });
+    }
+}
+
+/// How numbers become gray: from where to where, and in which colors.
+fn field_ui(ui: &mut Ui, state: &State, display: &mut Display) {
+    ui.toggle_value(&mut display.false_color, "Colors").on_hover_text("False colors in place of gray.");
+    let mut fixed = display.range.is_some();
+    let result = state.seen.result.as_deref();
+    let toggle =
+        ui.toggle_value(&mut fixed, "Range").on_hover_text("What is black and what is white; of all values otherwise.");
+    if toggle.clicked() {
+        display.range =
+            fixed.then(|| result.map_or([0.0, 1.0], |result: &Result| shown::range(&result.picture, display)));
+    }
+    if let Some([low, high]) = &mut display.range {
+        let speed = f64::from((*high - *low).abs().max(1e-3)) * 0.01;
+        ui.add(DragValue::new(low).speed(speed).max_decimals(3)).on_hover_text("What is black.");
+        ui.add(DragValue::new(high).speed(speed).max_decimals(3)).on_hover_text("What is white.");
+    }
+}
+
+fn proxy_ui(ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
+    let proxy = state.look.proxy;
+    let text = |proxy: u32| if proxy == 1 { "1:1".to_string() } else { format!("1:{proxy}") };
+    let combo = ComboBox::from_id_salt("proxy").selected_text(text(proxy)).width(44.0);
+    let response = combo.show_ui(ui, |ui| {
+        for choice in [1, 2, 4] {
+            if ui.selectable_label(choice == proxy, text(choice)).clicked() && choice != proxy {
+                actions.push(Action::Proxy(choice));
+            }
+        }
+    });
+    response.response.on_hover_text("By how much the picture that is evaluated is smaller than the document's.");
+}
+
+fn compare_ui(viewer: &mut Viewer, ui: &mut Ui, state: &State) {
+    let compare = &mut viewer.compare;
+    let hold = ui.add_enabled(state.seen.result.is_some(), Button::new("Hold A"));
+    let help = match &compare.held {
+        Some(held) => format!("Holds the present picture in place of {}.", held.name),
+        None => "Holds the present picture to compare others with it.".into(),
+    };
+    if hold.on_hover_text(help).clicked()
+        && let Some(result) = &state.seen.result
+    {
+        let name = state.look.node.as_ref().map_or("picture", |(name, _)| name.as_str());
+        compare.hold(name, result);
+    }
+    let Some(held) = &mut compare.held else { return };
+    for (mode, text, help) in [
+        (Mode::Wipe, "Wipe", "A at the left of the line, the present picture at its right."),
+        (Mode::Difference, "Diff", "By how much the present picture differs from A."),
+    ] {
+        ui.selectable_value(&mut held.mode, mode, text).on_hover_text(help);
+    }
+    if held.mode == Mode::Difference {
+        let range: RangeInclusive<f32> = 1.0..=256.0;
+        let gain = DragValue::new(&mut compare.gain).speed(0.1).range(range).fixed_decimals(0).prefix("× ");
+        reset(ui.add(gain), "By how much differences are multiplied. Double-click for 4.", || compare.gain = 4.0);
+    }
+    let drop = ui.button("×");
+    drop.widget_info(|| WidgetInfo::labeled(WidgetType::Button, true, "Let go of A"));
+    if drop.on_hover_text("Lets go of A.").clicked() {
+        compare.held = None;
+    }
+}
