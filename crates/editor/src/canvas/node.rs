@@ -99,7 +99,7 @@ impl Canvas {
             actions.push(Action::Select(names.clone()));
         }
         let nodes = names.iter().filter_map(|name| plan.sheet.find(name)).collect();
-        self.gesture = Gesture::Move(Move::new(plan, nodes, index, self.view.canvas(origin)));
+        self.gesture = Gesture::Move(Move::new(nodes, index, self.view.canvas(origin)));
     }
 
     fn draw_node(&mut self, plan: &Plan, ui: &Ui, state: &State, index: usize, paint: &Paint, total: f64) {
@@ -149,7 +149,7 @@ impl Canvas {
         if let Some(fault) = fault {
             let color = if own { theme::error(ui.visuals()) } else { Color32::from_rgb(0xe0, 0x92, 0x3c) };
             let at = seen.left_top() + vec2(0.0, head.height() / 2.0);
-            badge(ui, at, if own { "!" } else { "↑" }, color, zoom);
+            badge(ui, at, own, color, zoom);
             let place = Rect::from_center_size(at, vec2(18.0, 18.0));
             let response = ui.interact(place, ui.id().with(("fault", &node.name)), Sense::hover());
             response.widget_info(|| {
@@ -266,11 +266,21 @@ fn draw_text(ui: &Ui, node: &Node, head: Rect, zoom: f32, colors: [Color32; 2], 
     painter.galley(line, text, colors[1]);
 }
 
-/// A small round sign.
-pub(super) fn badge(ui: &Ui, at: Pos2, text: &str, color: Color32, zoom: f32) {
+/// A small round sign: what is wrong is here, or above.
+fn badge(ui: &Ui, at: Pos2, own: bool, color: Color32, zoom: f32) {
     let radius = (8.0 * zoom).clamp(5.0, 10.0);
-    ui.painter().add(Shape::circle_filled(at, radius, color));
-    ui.painter().text(at, Align2::CENTER_CENTER, text, FontId::proportional(radius * 1.5), Color32::WHITE);
+    let painter = ui.painter();
+    painter.circle_filled(at, radius, color);
+    if own {
+        painter.text(at, Align2::CENTER_CENTER, "!", FontId::proportional(radius * 1.5), Color32::WHITE);
+    } else {
+        let line = Stroke::new(radius * 0.2, Color32::WHITE);
+        let [tip, foot] = [-0.55, 0.55].map(|y| at + vec2(0.0, y * radius));
+        painter.line_segment([tip, foot], line);
+        for side in [-0.42, 0.42] {
+            painter.line_segment([tip, tip + vec2(side, 0.45) * radius], line);
+        }
+    }
 }
 
 /// What is said of a node that is pointed at.
