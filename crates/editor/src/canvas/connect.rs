@@ -77,7 +77,7 @@ pub(super) fn best_end(sheet: &Sheet, held: End, node: usize, barred: &HashSet<u
     }
 }
 
-/// Connects an output to a pin; `old` is the pin that the wire is taken from, and `at` where a node between would stand.
+/// Connects an output to a pin; `old` is the pin from which the wire is taken, and a node between would stand `at`.
 ///
 /// # Errors
 /// The graph would not be legal.
