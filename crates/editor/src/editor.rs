@@ -234,14 +234,14 @@ impl Editor {
                 }
             },
             Action::Copy | Action::Cut => {
-                context.copy_text(edit::copied(&sheet, &names));
+                context.copy_text(edit::copied(&crate::canvas::placed(&sheet), &names));
                 if action == Action::Cut {
                     self.edit(edit::deleted(&sheet, &names));
                 }
             }
             Action::Paste(text, at) => match edit::pasted(&sheet, &text, at) {
                 Some((edit, names)) => {
-                    self.edit(edit);
+                    self.edit(crate::canvas::freezing(&sheet, edit));
                     self.state.selection = names.into_iter().collect();
                 }
                 None => {
@@ -249,6 +249,7 @@ impl Editor {
                 }
             },
             Action::Duplicate => {
+                let sheet = crate::canvas::placed(&sheet);
                 let text = edit::copied(&sheet, &names);
                 let corner = names.iter().filter_map(|name| sheet.node(name)).map(|node| node.at);
                 let corner = corner.reduce(|a, b| [a[0].min(b[0]), a[1].min(b[1])]).unwrap_or_default();

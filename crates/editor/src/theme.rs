@@ -58,6 +58,7 @@ pub(crate) fn install(context: &Context) {
         visuals.widgets.noninteractive.fg_stroke = Stroke::new(1.0, Color32::from_gray(0xc4));
         visuals.widgets.inactive.fg_stroke = Stroke::new(1.0, Color32::from_gray(0xd0));
         visuals.selection.bg_fill = Color32::from_rgb(0x2d, 0x5d, 0x86);
+        visuals.error_fg_color = Color32::from_rgb(0xec, 0x6a, 0x5e);
     });
     context.style_mut_of(Theme::Light, |style| {
         let visuals = &mut style.visuals;
@@ -65,6 +66,7 @@ pub(crate) fn install(context: &Context) {
         visuals.window_fill = Color32::from_gray(0xf6);
         visuals.extreme_bg_color = Color32::from_gray(0xfc);
         visuals.selection.bg_fill = Color32::from_rgb(0xa9, 0xcc, 0xea);
+        visuals.error_fg_color = Color32::from_rgb(0xb8, 0x2c, 0x22);
     });
     context.all_styles_mut(|style| {
         style.spacing.item_spacing = vec2(6.0, 4.0);

@@ -77,7 +77,7 @@ pub(super) fn best_end(sheet: &Sheet, held: End, node: usize, barred: &HashSet<u
     }
 }
 
-/// Connects an output to a pin; `old` is the pin that the wire is taken from, and `at` where a node between would stand.
+/// Connects an output to a pin; `old` is the pin from which the wire is taken, and a node between would stand `at`.
 ///
 /// # Errors
 /// The graph would not be legal.
@@ -114,7 +114,12 @@ pub(super) fn connect(
         edit = edit.then(edit::disconnected(sheet, old));
     }
     match new_fault(session, &edit, &below.name) {
-        Some(why) => refuse(why, None),
+        Some(why) => {
+            // What a node hands on is guessed as long as the document is not valid.
+            let declared = above.declaration.and_then(|known| Some(known.outputs.get(from.1)?.kind));
+            let guessed = declared == Some(Kind::ANY) && !pin.accepts.takes(Kind::Field(1));
+            refuse(why, guessed.then(|| bridge(session, from, to, Kind::Field(1), at)).flatten())
+        }
         None => Ok(edit),
     }
 }

@@ -1,6 +1,10 @@
 //! The lines that wires are drawn as.
 
+use super::view::View;
 use egui::{Pos2, Rect, Vec2, vec2};
+
+/// How far a drawn line may be from the curve, in points of the screen.
+const TOLERANCE: f32 = 0.2;
 
 /// How a wire runs through the points between its ends.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -43,6 +47,44 @@ impl Curve {
         Self { line, bounds }
     }
 
+    /// The pieces of it that are in view, on the screen, with no more points than can be told apart there.
+    pub(super) fn seen(&self, view: &View) -> Vec<Vec<Pos2>> {
+        let room = view.rect.expand(8.0);
+        let mut pieces = Vec::new();
+        let mut piece: Vec<Pos2> = Vec::new();
+        // Since the last point that was kept.
+        let mut left_out: Vec<Pos2> = Vec::new();
+        let mut last = None;
+        for (index, at) in self.line.iter().map(|at| view.screen(*at)).enumerate() {
+            let Some(before) = last.replace(at) else { continue };
+            if !room.intersects(Rect::from_two_pos(before, at)) {
+                if piece.len() > 1 {
+                    pieces.push(std::mem::take(&mut piece));
+                }
+                piece.clear();
+                left_out.clear();
+                continue;
+            }
+            if piece.is_empty() {
+                piece.push(before);
+            }
+            let next = self.line.get(index + 1).map(|next| view.screen(*next));
+            left_out.push(at);
+            let bends = |next: Pos2| {
+                let far = |kept: &Pos2| left_out.iter().any(|at| to_segment(*at, *kept, next) > TOLERANCE);
+                piece.last().is_none_or(far)
+            };
+            if next.is_none_or(bends) || !room.contains(at) {
+                piece.push(at);
+                left_out.clear();
+            }
+        }
+        if piece.len() > 1 {
+            pieces.push(piece);
+        }
+        pieces
+    }
+
     /// How far a place is from it.
     pub(super) fn distance(&self, at: Pos2) -> f32 {
         self.line.windows(2).map(|ends| to_segment(at, ends[0], ends[1])).fold(f32::INFINITY, f32::min)
@@ -74,7 +116,7 @@ fn cubic(line: &mut Vec<Pos2>, [a, b, c, d]: [Pos2; 4], first: bool) {
         line.push(d);
         return;
     }
-    let pieces = (a.distance(d) / 9.0).clamp(8.0, 36.0) as usize;
+    let pieces = (a.distance(d) / 6.0).clamp(16.0, 40.0) as usize;
     for piece in 1..=pieces {
         let t = piece as f32 / pieces as f32;
         let s = 1.0 - t;
@@ -91,4 +133,39 @@ pub(super) fn to_segment(at: Pos2, from: Pos2, to: Pos2) -> f32 {
     let along = to - from;
     let share = (at - from).dot(along) / along.length_sq().max(1e-6);
     at.distance(from + along * share.clamp(0.0, 1.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use egui::pos2;
+
+    fn view(zoom: f32) -> View {
+        View { rect: Rect::from_min_size(Pos2::ZERO, vec2(400.0, 300.0)), pan: Vec2::ZERO, zoom }
+    }
+
+    #[test]
+    fn a_curve_is_drawn_where_it_runs_with_few_points() {
+        let curve = Curve::new(&[pos2(20.0, 10.0), pos2(300.0, 250.0)], Through::Down);
+        for zoom in [0.1, 0.5, 1.0] {
+            let pieces = curve.seen(&view(zoom));
+            assert_eq!(pieces.len(), 1);
+            let [line] = &pieces[..] else { unreachable!() };
+            assert!(line.len() < curve.line.len());
+            for at in &curve.line {
+                let at = *at * zoom;
+                let far = line.windows(2).map(|ends| to_segment(at, ends[0], ends[1])).fold(f32::INFINITY, f32::min);
+                assert!(far < 1.2 * TOLERANCE, "{far} at {zoom}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_out_of_view_is_not_drawn() {
+        let out = Curve::new(&[pos2(20.0, 310.0), pos2(300.0, 450.0)], Through::Down);
+        assert!(out.seen(&view(1.0)).is_empty());
+        let through = Curve::new(&[pos2(-50.0, -200.0), pos2(100.0, 900.0)], Through::Down);
+        let pieces = through.seen(&view(1.0));
+        assert!(!pieces.is_empty() && pieces.concat().iter().all(|at| at.y > -60.0 && at.y < 360.0));
+    }
 }

@@ -46,9 +46,8 @@ pub(super) struct Move {
 }
 
 impl Move {
-    pub(super) fn new(plan: &Plan, nodes: BTreeSet<usize>, grabbed: usize, start: Pos2) -> Self {
-        debug_assert!(grabbed < plan.boxes.len());
-        let shake = Shake { turned: start, ..Shake::default() };
+    pub(super) fn new(nodes: BTreeSet<usize>, grabbed: usize, start: Pos2) -> Self {
+        let shake = Shake::default();
         Self { nodes, grabbed, start, by: Vec2::ZERO, shake, into: None, guides: Vec::new() }
     }
 }
@@ -56,7 +55,7 @@ impl Move {
 /// Quick turns of the pointer.
 #[derive(Default)]
 struct Shake {
-    turned: Pos2,
+    turned: Option<Pos2>,
     direction: f32,
     turns: Vec<f64>,
 }
@@ -64,18 +63,16 @@ struct Shake {
 impl Shake {
     /// Whether the pointer has turned three times within a moment.
     fn feel(&mut self, at: Pos2, now: f64, least: f32) -> bool {
-        let went = at.x - self.turned.x;
+        let went = at.x - self.turned.get_or_insert(at).x;
         if went * self.direction >= 0.0 {
             // Further on in the same direction.
             if went != 0.0 && self.direction == 0.0 {
                 self.direction = went.signum();
             }
-            if went.abs() > 0.0 {
-                self.turned = at;
-            }
+            self.turned = Some(at);
         } else if went.abs() > least {
             self.direction = -self.direction;
-            self.turned = at;
+            self.turned = Some(at);
             self.turns.push(now);
         }
         self.turns.retain(|then| now - then < 0.9);
@@ -273,7 +270,7 @@ impl Canvas {
             if !edit.ops.is_empty() {
                 // With the move that follows, one step of undo.
                 actions.push(Action::Edit(plan.freezing(edit).merging("shake")));
-                held.shake = Shake { turned: pointer.at, ..Shake::default() };
+                held.shake = Shake::default();
             }
         }
         if pointer.down {

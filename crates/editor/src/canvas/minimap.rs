@@ -7,14 +7,18 @@ use crate::theme;
 use egui::{Color32, Pos2, Rect, Sense, Stroke, StrokeKind, Ui, WidgetInfo, WidgetType, pos2, vec2};
 
 /// Its width and height, at most.
-const SIZE: [f32; 2] = [150.0, 110.0];
+const SIZE: [f32; 2] = [150.0, 120.0];
 
 impl Canvas {
     /// Draws the whole graph small; a press on it moves the view there.
     pub(super) fn minimap_ui(&mut self, plan: &Plan, ui: &Ui) {
         let seen = self.view.seen();
         let room = self.view.rect.size();
-        if !plan.bounds.is_finite() || seen.contains_rect(plan.bounds) || room.x < 420.0 || room.y < 260.0 {
+        if !plan.bounds.is_finite()
+            || seen.expand(50.0 / self.view.zoom).contains_rect(plan.bounds)
+            || room.x < 420.0
+            || room.y < 260.0
+        {
             return;
         }
         let all = plan.bounds.union(seen).expand(20.0);

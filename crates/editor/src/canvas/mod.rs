@@ -15,6 +15,7 @@ mod pin;
 mod place;
 mod plan;
 mod popup;
+mod route;
 mod search;
 #[cfg(test)]
 mod tests;
@@ -72,6 +73,12 @@ impl Canvas {
     /// Asks for a node to add, when it is drawn next.
     pub fn search(&mut self) {
         self.wants_search = true;
+    }
+
+    /// Whether what is pointed at is explained: nothing else is being said or done.
+    fn explains(&self) -> bool {
+        let speaks = self.search.is_some() || self.refusal.is_some() || self.menu.is_some();
+        !speaks && matches!(self.gesture, Gesture::Idle)
     }
 
     /// Takes what is under the pointer and the panel's size, and what there is to draw.
@@ -266,6 +273,17 @@ impl Canvas {
 /// Places for nodes, laid out in layers: of the chosen ones, or of all where fewer than two are chosen.
 pub fn arrange(sheet: &Sheet, chosen: &BTreeSet<String>) -> Vec<(String, Point)> {
     place::arrange(sheet, chosen)
+}
+
+/// The same document with places for all nodes: those where they are seen.
+pub fn placed(sheet: &Arc<Sheet>) -> Arc<Sheet> {
+    let has_all = sheet.nodes.iter().all(|node| node.placed);
+    if has_all { sheet.clone() } else { Arc::new(place::placed(sheet)) }
+}
+
+/// A change that is to leave nodes where they are seen: writes all places first, where the document has not all.
+pub fn freezing(sheet: &Sheet, then: Edit) -> Edit {
+    place::freezing(sheet, &place::boxes(sheet, &mut place::Laid::default()), then)
 }
 
 /// A backdrop behind the chosen nodes; `None` where none is chosen.

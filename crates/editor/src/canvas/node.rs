@@ -10,6 +10,7 @@ use crate::actions::Action;
 use crate::document::Node;
 use crate::state::State;
 use crate::{format, theme};
+use egui::epaint::RectShape;
 use egui::text::{LayoutJob, TextFormat, TextWrapping};
 use egui::{
     Align2, Color32, CornerRadius, FontId, PointerButton, Pos2, Rect, RichText, Sense, Shape, Stroke, StrokeKind,
@@ -38,7 +39,7 @@ impl Paint {
             fill: if dark { Color32::from_gray(0x38) } else { Color32::from_gray(0xf8) },
             edge: if dark { Color32::from_gray(0x12) } else { Color32::from_gray(0xa0) },
             text: if dark { Color32::from_gray(0xf0) } else { Color32::from_gray(0x18) },
-            weak: if dark { Color32::from_gray(0xa8) } else { Color32::from_gray(0x58) },
+            weak: if dark { Color32::from_gray(0xb8) } else { Color32::from_gray(0x58) },
             chosen: if dark { Color32::from_rgb(0x6c, 0xb8, 0xff) } else { Color32::from_rgb(0x1c, 0x6f, 0xc4) },
         }
     }
@@ -79,7 +80,7 @@ impl Canvas {
             if response.drag_started_by(PointerButton::Primary) && matches!(self.gesture, Gesture::Idle) {
                 self.grab(plan, ui, state, index, actions);
             }
-            if response.hovered() && matches!(self.gesture, Gesture::Idle) {
+            if response.hovered() && self.explains() {
                 response.on_hover_ui(|ui| about_ui(plan, ui, state, index, total));
             }
         }
@@ -98,7 +99,7 @@ impl Canvas {
             actions.push(Action::Select(names.clone()));
         }
         let nodes = names.iter().filter_map(|name| plan.sheet.find(name)).collect();
-        self.gesture = Gesture::Move(Move::new(plan, nodes, index, self.view.canvas(origin)));
+        self.gesture = Gesture::Move(Move::new(nodes, index, self.view.canvas(origin)));
     }
 
     fn draw_node(&mut self, plan: &Plan, ui: &Ui, state: &State, index: usize, paint: &Paint, total: f64) {
@@ -116,7 +117,7 @@ impl Canvas {
         let front = node.declaration.is_some_and(|known| known.end == Side::Front);
         let family = faded(kind, paint.fill, if front { 0.82 } else { 0.55 });
         if zoom < 0.25 {
-            painter.rect_filled(seen, round, tone(faded(kind, paint.fill, 0.4)));
+            painter.rect_filled(seen, 0.0, tone(faded(kind, paint.fill, 0.4)));
         } else {
             if zoom > 0.4 && !dim {
                 let shadow = egui::Shadow { offset: [0, 2], blur: 6, spread: 0, color: Color32::from_black_alpha(60) };
@@ -139,14 +140,16 @@ impl Canvas {
             (false, true) => Stroke::new(1.5, theme::error(ui.visuals())),
             (false, false) => Stroke::new(1.0, tone(paint.edge)),
         };
-        painter.rect_stroke(seen, round, edge, StrokeKind::Outside);
+        if zoom >= 0.25 || chosen || own {
+            painter.rect_stroke(seen, round, edge, StrokeKind::Outside);
+        }
         if 12.5 * zoom >= 5.5 {
             draw_text(ui, node, head, zoom, [tone(paint.text), tone(paint.weak)], state, total);
         }
         if let Some(fault) = fault {
             let color = if own { theme::error(ui.visuals()) } else { Color32::from_rgb(0xe0, 0x92, 0x3c) };
             let at = seen.left_top() + vec2(0.0, head.height() / 2.0);
-            badge(ui, at, if own { "!" } else { "↑" }, color, zoom);
+            badge(ui, at, own, color, zoom);
             let place = Rect::from_center_size(at, vec2(18.0, 18.0));
             let response = ui.interact(place, ui.id().with(("fault", &node.name)), Sense::hover());
             response.widget_info(|| {
@@ -188,23 +191,23 @@ impl Canvas {
             ui.painter().text(at, Align2::CENTER_CENTER, slot, FontId::proportional(size * 0.75), text);
         }
         if let Some(names) = plan.makes.get(&index).filter(|_| zoom > 0.45) {
-            let at = seen.center_bottom() + vec2(0.0, 9.0 * zoom);
-            let text = format!("▼ {}", names.join(", "));
-            ui.painter().text(
-                at,
-                Align2::CENTER_TOP,
-                text,
-                FontId::proportional(11.0 * zoom),
-                ui.visuals().text_color(),
-            );
+            // An arrow that leads out of the graph.
+            let tip = seen.center_bottom() + vec2(0.0, 16.0 * zoom);
+            let arrow = [vec2(-5.0, -7.0), vec2(5.0, -7.0), vec2(0.0, 0.0)].map(|corner| tip + corner * zoom);
+            let color = ui.visuals().text_color();
+            ui.painter().add(Shape::convex_polygon(arrow.to_vec(), color, Stroke::NONE));
+            let at = tip + vec2(0.0, 2.0 * zoom);
+            ui.painter().text(at, Align2::CENTER_TOP, names.join(", "), FontId::proportional(11.0 * zoom), color);
         }
     }
 
     fn draw_picture(&mut self, ui: &Ui, state: &State, name: &str, place: Rect, dim: bool) {
+        let round = ((5.0 * self.view.zoom).clamp(1.0, 12.0) - 1.0) as u8;
+        let round = CornerRadius { nw: 0, ne: 0, sw: round, se: round };
         let place = place.shrink(1.0_f32.min(self.view.zoom));
         let bare = if ui.visuals().dark_mode { Color32::from_gray(0x2a) } else { Color32::from_gray(0xe4) };
         let Some(texture) = self.pictures.of(ui.ctx(), state, name) else {
-            ui.painter().rect_filled(place, 0.0, bare);
+            ui.painter().rect_filled(place, round, bare);
             return;
         };
         // As much of its middle as fills the place.
@@ -213,7 +216,7 @@ impl Canvas {
         let part = place.size() / (size * share);
         let uv = Rect::from_center_size(pos2(0.5, 0.5), part);
         let tint = if dim { Color32::from_gray(0x58) } else { Color32::WHITE };
-        ui.painter().image(texture.id(), place, uv, tint);
+        ui.painter().add(RectShape::filled(place, round, tint).with_texture(texture.id(), uv));
     }
 }
 
@@ -263,11 +266,21 @@ fn draw_text(ui: &Ui, node: &Node, head: Rect, zoom: f32, colors: [Color32; 2], 
     painter.galley(line, text, colors[1]);
 }
 
-/// A small round sign.
-pub(super) fn badge(ui: &Ui, at: Pos2, text: &str, color: Color32, zoom: f32) {
+/// A small round sign: what is wrong is here, or above.
+fn badge(ui: &Ui, at: Pos2, own: bool, color: Color32, zoom: f32) {
     let radius = (8.0 * zoom).clamp(5.0, 10.0);
-    ui.painter().add(Shape::circle_filled(at, radius, color));
-    ui.painter().text(at, Align2::CENTER_CENTER, text, FontId::proportional(radius * 1.5), Color32::WHITE);
+    let painter = ui.painter();
+    painter.circle_filled(at, radius, color);
+    if own {
+        painter.text(at, Align2::CENTER_CENTER, "!", FontId::proportional(radius * 1.5), Color32::WHITE);
+    } else {
+        let line = Stroke::new(radius * 0.2, Color32::WHITE);
+        let [tip, foot] = [-0.55, 0.55].map(|y| at + vec2(0.0, y * radius));
+        painter.line_segment([tip, foot], line);
+        for side in [-0.42, 0.42] {
+            painter.line_segment([tip, tip + vec2(side, 0.45) * radius], line);
+        }
+    }
 }
 
 /// What is said of a node that is pointed at.

@@ -75,7 +75,7 @@ impl Canvas {
                 }
             }
         }
-        if idle && response.hovered() {
+        if self.explains() && response.hovered() {
             response.on_hover_ui(|ui| about_ui(plan, ui, end));
         }
     }
@@ -145,7 +145,9 @@ fn label(ui: &Ui, at: Pos2, radius: f32, text: &str, size: f32, color: Color32, 
     if plate {
         // Wires run here.
         let along = up * galley.size().x;
-        let corners = [start, start + along, start + along + across * height, start + across * height];
+        // No wider than needed: beside it is the next label.
+        let (near, far) = (start + across * (0.22 * height), start + across * (0.82 * height));
+        let corners = [near, near + along, far + along, far];
         let fill = ui.visuals().panel_fill.gamma_multiply(0.85);
         ui.painter().add(egui::Shape::convex_polygon(corners.to_vec(), fill, Stroke::NONE));
     }

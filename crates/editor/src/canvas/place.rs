@@ -1,6 +1,7 @@
 //! Where nodes stand: how large they are, and where those go that the document does not place.
 
-use crate::document::{Node, Point, Sheet};
+use super::route;
+use crate::document::{Edit, Node, Point, Sheet, edit};
 use egui::{Pos2, Rect, Vec2, pos2, vec2};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::hash::{DefaultHasher, Hash, Hasher};
@@ -85,19 +86,22 @@ fn lay(sheet: &Sheet, members: &[usize]) -> Laid {
         joined.iter().map(|((from, _), to)| Net { from: *from, to: to.keys().copied().collect() }).collect();
     let layout = layers(&boxes, &nets);
     let point = |at: [f64; 2]| pos2(at[0] as f32, at[1] as f32);
+    let corners: Vec<Pos2> = layout.corners.iter().map(|at| point(*at) + FREE).collect();
+    let areas: Vec<Rect> =
+        members.iter().zip(&corners).map(|(node, at)| Rect::from_min_size(*at, size(&sheet.nodes[*node]))).collect();
     let mut routes = HashMap::new();
-    for (pieces, to) in layout.wires.iter().zip(joined.values()) {
+    for (net, (pieces, to)) in layout.wires.iter().zip(joined.values()).enumerate() {
         // Where layers are passed, the first piece is what all wires of the net share.
         let shared = if pieces.len() > to.len() { pieces[0].as_slice() } else { &[] };
+        let shared: Vec<Pos2> = shared.iter().copied().map(point).collect();
+        let straight = route::straightened(&shared, &areas, net);
         for (piece, wires) in pieces.iter().skip(usize::from(!shared.is_empty())).zip(to.values()) {
-            let Some(end) = shared.iter().position(|at| Some(at) == piece.first()) else { continue };
-            let through: Vec<Pos2> = shared[1..=end].iter().copied().map(point).collect();
-            if !through.is_empty() {
-                routes.extend(wires.iter().map(|wire| (*wire, through.clone())));
-            }
+            let start = piece.first().copied().map(point);
+            let Some(end) = shared.iter().position(|at| Some(*at) == start).filter(|end| *end > 0) else { continue };
+            let through = route::without_middles(&straight[..end]);
+            routes.extend(wires.iter().map(|wire| (*wire, through.clone())));
         }
     }
-    let corners = layout.corners.iter().map(|at| point(*at) + FREE).collect();
     Laid { key: 0, corners, routes }
 }
 
@@ -140,9 +144,12 @@ pub(super) fn boxes(sheet: &Sheet, laid: &mut Laid) -> Vec<Rect> {
     if placed == sheet.nodes.len() {
         return boxes;
     }
-    if placed == 0 {
+    if 2 * placed < sheet.nodes.len() {
+        // A few that were put into a document without places do not disturb what is seen of it.
         laid.update(sheet);
-        return sheet.nodes.iter().zip(&laid.corners).map(|(node, corner)| at(node, *corner)).collect();
+        let laid_out = boxes.iter_mut().zip(&sheet.nodes).zip(&laid.corners).filter(|((_, node), _)| !node.placed);
+        laid_out.for_each(|((own, node), corner)| *own = at(node, *corner));
+        return boxes;
     }
     // Those that are left go beside what they are joined to.
     let mut done: Vec<usize> = (0..boxes.len()).filter(|index| sheet.nodes[*index].placed).collect();
@@ -162,6 +169,24 @@ pub(super) fn boxes(sheet: &Sheet, laid: &mut Laid) -> Vec<Rect> {
         done.push(index);
     }
     boxes
+}
+
+/// The same document with places for all nodes: those where they are seen.
+pub(super) fn placed(sheet: &Sheet) -> Sheet {
+    let boxes = boxes(sheet, &mut Laid::default());
+    let mut sheet = sheet.clone();
+    sheet.nodes.iter_mut().zip(&boxes).for_each(|(node, own)| node.at = own.min.into());
+    sheet
+}
+
+/// A change before which all places are written, where the document has not all.
+pub(super) fn freezing(sheet: &Sheet, boxes: &[Rect], then: Edit) -> Edit {
+    if sheet.nodes.iter().all(|node| node.placed) {
+        return then;
+    }
+    let places: Vec<(String, Point)> =
+        sheet.nodes.iter().zip(boxes).map(|(node, own)| (node.name.clone(), own.min.into())).collect();
+    Edit { ops: [edit::laid_out(sheet, &places).ops, then.ops].concat(), ..then }
 }
 
 /// Moves a box to the right until it stands on none of the others.

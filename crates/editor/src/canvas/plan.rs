@@ -3,7 +3,7 @@
 use super::curve::{Curve, Through};
 use super::place::{self, Laid};
 use super::view::View;
-use crate::document::{Edit, Point, Sheet, Wire, decor, edit};
+use crate::document::{Edit, Point, Sheet, Wire, decor};
 use crate::state::State;
 use egui::{Pos2, Rect, Vec2, pos2};
 use std::collections::{BTreeSet, HashMap};
@@ -206,12 +206,7 @@ impl Plan {
 
     /// A change that is to leave nodes where they are seen: writes all places first, where the document has not all.
     pub(super) fn freezing(&self, then: Edit) -> Edit {
-        if self.sheet.nodes.iter().all(|node| node.placed) {
-            return then;
-        }
-        let places: Vec<(String, Point)> =
-            self.sheet.nodes.iter().zip(&self.home).map(|(node, area)| (node.name.clone(), area.min.into())).collect();
-        Edit { ops: [edit::laid_out(&self.sheet, &places).ops, then.ops].concat(), ..then }
+        place::freezing(&self.sheet, &self.home, then)
     }
 
     /// How the end of a wire is called, for those who cannot see it.

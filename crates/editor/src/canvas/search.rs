@@ -134,9 +134,9 @@ fn list_ui(search: &mut Search, plan: &Plan, ui: &mut Ui) -> Option<&'static Dec
     ScrollArea::vertical().max_height(260.0).auto_shrink([false, true]).show(ui, |ui| {
         for (index, known) in found.iter().enumerate() {
             let kind = known.outputs.first().map(|output| output.kind);
-            let dot = RichText::new("●").color(theme::kind(kind)).size(9.0);
-            let button = Button::selectable(index == search.chosen, (dot, known.name));
-            let row = ui.add(button.min_size(vec2(ui.available_width(), 0.0))).on_hover_text(known.summary);
+            let button = Button::selectable(index == search.chosen, format!("    {}", known.name));
+            let row = ui.add(button.min_size(vec2(ui.available_width(), 0.0)));
+            ui.painter().circle_filled(row.rect.left_center() + vec2(9.0, 0.0), 3.5, theme::kind(kind));
             row.widget_info(|| WidgetInfo::selected(WidgetType::Button, true, index == search.chosen, known.name));
             if index == search.chosen && (field.changed() || moving(ui)) {
                 row.scroll_to_me(None);
@@ -144,6 +144,7 @@ fn list_ui(search: &mut Search, plan: &Plan, ui: &mut Ui) -> Option<&'static Dec
             if row.clicked() {
                 taken = Some(*known);
             }
+            row.on_hover_text(known.summary);
         }
     });
     match found.get(search.chosen) {

@@ -8,7 +8,7 @@ use crate::actions::Action;
 use crate::document::{Point, Wire, decor};
 use crate::state::State;
 use crate::theme;
-use egui::{Color32, PointerButton, Pos2, Rect, Sense, Shape, Stroke, Ui, WidgetInfo, WidgetType, vec2};
+use egui::{Color32, PointerButton, Rect, Sense, Shape, Stroke, Ui, WidgetInfo, WidgetType, vec2};
 use trochoid::State as Fate;
 
 /// How near the pointer must be to a wire, in points of the screen.
@@ -34,6 +34,7 @@ impl Canvas {
         };
         let width = (1.7 * self.view.zoom).clamp(1.0, 3.0);
         let labels = self.view.zoom > 0.3;
+        let ground = ui.visuals().panel_fill;
         for (index, curve) in plan.curves.iter().enumerate() {
             if !curve.bounds.expand(4.0).intersects(seen) {
                 continue;
@@ -41,17 +42,19 @@ impl Canvas {
             let wire = &plan.sheet.wires[index];
             let names = [wire.from.0, wire.to.0].map(|node| plan.sheet.nodes[node].name.as_str());
             let chosen = names.iter().any(|name| state.selection.contains(*name));
+            // Mixed with the ground rather than let through, so that wires that share their way look like one.
             let mut color = theme::kind(plan.sheet.kind(wire));
+            let muted = |color: Color32, share: f32| faded(color, ground, share);
             let mut width = width;
             if taken == Some(index) {
-                color = color.gamma_multiply(0.2);
+                color = muted(color, 0.8);
             } else if hovered == Some(index) || into == Some(index) {
                 color = color.lerp_to_gamma(ui.visuals().strong_text_color(), 0.35);
                 width += 1.5;
             } else if left_out(state, names[0]) || left_out(state, names[1]) {
-                color = color.gamma_multiply(0.22);
+                color = muted(color, 0.75);
             } else if !chosen {
-                color = color.gamma_multiply(0.62);
+                color = muted(color, if ui.visuals().dark_mode { 0.34 } else { 0.08 });
             }
             self.draw(ui, curve, Stroke::new(width, color));
             if labels {
@@ -71,9 +74,11 @@ impl Canvas {
         }
     }
 
+    /// Draws a curve: as much of it as is in view, and with no more points than can be told apart.
     fn draw(&self, ui: &Ui, curve: &Curve, stroke: Stroke) {
-        let line: Vec<Pos2> = curve.line.iter().map(|at| self.view.screen(*at)).collect();
-        ui.painter().add(Shape::line(line, stroke));
+        for line in curve.seen(&self.view) {
+            ui.painter().add(Shape::line(line, stroke));
+        }
     }
 
     /// Draws the dots of wires, and takes what is done to them.

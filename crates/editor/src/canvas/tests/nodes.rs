@@ -1,8 +1,8 @@
 use super::{Driver, GRAPH, click, drag, nowhere, open, place, press, stroke};
 use crate::actions::Action;
-use crate::canvas::arrange;
 use crate::canvas::menu::{Line, lined_up};
 use crate::canvas::place::size;
+use crate::canvas::{arrange, freezing, placed};
 use crate::document::{Session, edit};
 use egui::{Event, Key, Modifiers, MouseWheelUnit, PointerButton, Rect, TouchPhase, Vec2, pos2, vec2};
 use egui_kittest::Harness;
@@ -129,6 +129,28 @@ fn nodes_without_places_are_laid_out_and_keep_their_places_once_one_is_moved() {
     assert!(place(&harness, "Node sky, Ramp").center().distance(before.center()) < 1.5);
     harness.state_mut().state.session.undo();
     assert_eq!(harness.state().state.session.text(), text);
+}
+
+#[test]
+fn what_is_pasted_into_a_document_without_places_moves_nothing_else() {
+    let text = format!("{}\n}}\n", GRAPH[..GRAPH.find("  \"ui\"").unwrap()].trim_end().trim_end_matches(','));
+    let session = Session::new(text.clone(), None);
+    let seen = placed(session.sheet());
+    let (edit, _) = edit::pasted(session.sheet(), &edit::copied(&seen, &["sky".into()]), [500.0, 10.0]).unwrap();
+    let mut session = session;
+    session.edit(freezing(&seen, edit)).unwrap();
+    assert!(session.sheet().nodes.iter().all(|node| node.placed));
+    for node in &seen.nodes {
+        let now = session.sheet().node(&node.name).unwrap().at;
+        assert!((now[0] - node.at[0]).abs() < 1.0 && (now[1] - node.at[1]).abs() < 1.0, "{}", node.name);
+    }
+    assert_eq!(session.sheet().node("sky2").unwrap().at, [500.0, 10.0]);
+    // One that has a place among many that have none stands there.
+    let mut session = Session::new(text, None);
+    session.edit(edit::moved(&[("down".into(), [-400.0, 0.0])])).unwrap();
+    let now = placed(session.sheet());
+    assert_eq!(now.node("down").unwrap().at, [-400.0, 0.0]);
+    assert_eq!(now.node("sky").unwrap().at, seen.node("sky").unwrap().at);
 }
 
 #[test]
