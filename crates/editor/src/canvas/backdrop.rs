@@ -115,7 +115,8 @@ impl Canvas {
         }
         let origin = ui.input(|input| input.pointer.press_origin()).map(|at| self.view.canvas(at));
         let by_corner = resize.drag_started_by(PointerButton::Primary);
-        let taken = matches!(self.gesture, Gesture::Idle) && (by_corner || grip.drag_started_by(PointerButton::Primary));
+        let taken =
+            matches!(self.gesture, Gesture::Idle) && (by_corner || grip.drag_started_by(PointerButton::Primary));
         if let Some(start) = origin.filter(|_| taken) {
             let area = area(body);
             let nodes: BTreeSet<usize> =

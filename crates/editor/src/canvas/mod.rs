@@ -82,7 +82,8 @@ impl Canvas {
             Some(plan) if Arc::ptr_eq(&plan.sheet, state.sheet()) => plan,
             old => {
                 let plan = Plan::new(state, &mut self.laid);
-                let names = |plan: &Plan| plan.sheet.nodes.iter().map(|node| node.name.clone()).collect::<Vec<String>>();
+                let names =
+                    |plan: &Plan| plan.sheet.nodes.iter().map(|node| node.name.clone()).collect::<Vec<String>>();
                 // Nodes that are moved may lose their wires on the way, and stay in the hand.
                 let same = old.is_some_and(|old| names(&old) == names(&plan));
                 if !(same && matches!(self.gesture, Gesture::Move(_) | Gesture::Pan(_))) {

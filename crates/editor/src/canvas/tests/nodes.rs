@@ -1,0 +1,263 @@
+use super::{Driver, GRAPH, click, drag, nowhere, open, place, press, stroke};
+use crate::actions::Action;
+use crate::canvas::arrange;
+use crate::canvas::menu::{Line, lined_up};
+use crate::canvas::place::size;
+use crate::document::{Session, edit};
+use egui::{Event, Key, Modifiers, MouseWheelUnit, PointerButton, Rect, TouchPhase, Vec2, pos2, vec2};
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
+use std::collections::BTreeSet;
+
+#[test]
+fn an_area_chooses_what_it_touches() {
+    let mut harness = open(GRAPH);
+    let (down, sky) = (place(&harness, "Node down, ScreenY"), place(&harness, "Node sky, Ramp"));
+    drag(&mut harness, down.min - vec2(30.0, 30.0), pos2(down.right() + 10.0, sky.center().y));
+    assert_eq!(harness.state().chosen(), ["down", "sky"]);
+    let across = place(&harness, "Node across, ScreenX");
+    let from = across.min - vec2(20.0, 30.0);
+    stroke(&mut harness, &[from, across.center()], Modifiers::SHIFT);
+    assert_eq!(harness.state().chosen(), ["across", "down", "sky"]);
+    click(&mut harness, down.center(), PointerButton::Primary, Modifiers::COMMAND | Modifiers::CTRL);
+    assert_eq!(harness.state().chosen(), ["across", "sky"]);
+    let empty = nowhere(&harness);
+    click(&mut harness, empty, PointerButton::Primary, Modifiers::NONE);
+    assert!(harness.state().chosen().is_empty());
+}
+
+#[test]
+fn nodes_that_are_chosen_move_together_in_one_step_of_undo() {
+    let mut harness = open(GRAPH);
+    harness.state_mut().state.selection = ["down".to_string(), "sky".into()].into();
+    let from = place(&harness, "Node down, ScreenY").center();
+    let zoom = harness.state().canvas.view.zoom;
+    stroke(&mut harness, &[from, from + vec2(83.0, 11.0)], Modifiers::NONE);
+    let [moved, also] = [harness.state().at("down"), harness.state().at("sky")];
+    assert!((moved[0] - 83.0 / zoom).abs() < 7.0 / zoom && moved[1].abs() < 18.0 / zoom, "{moved:?}");
+    assert!((also[0] - moved[0]).abs() < 1.1 && (also[1] - moved[1] - 360.0).abs() < 1.1, "{also:?}");
+    assert_eq!(harness.state().at("across"), [260.0, 0.0]);
+    assert_eq!(harness.state_mut().state.session.undo().as_deref(), Some("Move 2 nodes"));
+    assert_eq!(harness.state().state.session.text(), GRAPH);
+}
+
+#[test]
+fn a_node_that_is_nearly_aligned_snaps() {
+    let mut harness = open(GRAPH);
+    let from = place(&harness, "Node other, Invert").center();
+    let zoom = harness.state().canvas.view.zoom;
+    // Nearly below "twice", and at another height than all.
+    drag(&mut harness, from, from + vec2(-157.0 * zoom, -60.0 * zoom));
+    assert_eq!(harness.state().at("other")[0], 260.0);
+    harness.state_mut().state.session.undo();
+    harness.run_ok();
+    stroke(&mut harness, &[from, from + vec2(-157.0 * zoom, -60.0 * zoom)], Modifiers::COMMAND | Modifiers::CTRL);
+    assert!((harness.state().at("other")[0] - 263.0).abs() < 1.6, "{:?}", harness.state().at("other"));
+}
+
+#[test]
+fn a_backdrop_takes_along_what_stands_on_it() {
+    let mut harness = open(GRAPH);
+    harness.state_mut().state.selection = ["across".to_string(), "twice".into()].into();
+    harness.state_mut().act(Action::Backdrop);
+    harness.run_ok();
+    let from = place(&harness, "Backdrop Backdrop").left_center() + vec2(12.0, 0.0);
+    let zoom = harness.state().canvas.view.zoom;
+    drag(&mut harness, from, from + vec2(40.0, 20.0) * zoom);
+    assert_eq!([harness.state().at("across"), harness.state().at("twice")], [[300.0, 20.0], [300.0, 190.0]]);
+    assert_eq!(harness.state().at("down"), [0.0, 0.0]);
+    let extent = |harness: &Harness<'_, Driver>| harness.state().state.sheet().backdrops["backdrop1"].size;
+    let before = extent(&harness);
+    let corner = place(&harness, "Size of backdrop Backdrop").center();
+    drag(&mut harness, corner, corner + vec2(30.0, 40.0) * zoom);
+    assert!(
+        (extent(&harness)[0] - before[0] - 30.0).abs() < 1.1 && (extent(&harness)[1] - before[1] - 40.0).abs() < 1.1
+    );
+    // Its text.
+    let title = place(&harness, "Backdrop Backdrop").left_center() + vec2(12.0, 0.0);
+    for _ in 0..2 {
+        press(&harness, title, true, PointerButton::Primary, Modifiers::NONE);
+        press(&harness, title, false, PointerButton::Primary, Modifiers::NONE);
+    }
+    harness.run_ok();
+    harness.get_by_label("Text of the backdrop").type_text(" of the sky");
+    harness.run_ok();
+    harness.key_press_modifiers(Modifiers::COMMAND | Modifiers::CTRL, Key::Enter);
+    harness.run_ok();
+    assert_eq!(harness.state().text("/ui/backdrops/backdrop1/text"), "\"Backdrop of the sky\"");
+}
+
+#[test]
+fn the_menu_aligns_replaces_and_disables() {
+    let mut harness = open(GRAPH);
+    harness.state_mut().state.selection = ["across".to_string(), "other".into()].into();
+    harness.run_ok();
+    let node = place(&harness, "Node other, Invert").center();
+    click(&mut harness, node, PointerButton::Secondary, Modifiers::NONE);
+    harness.get_by_label("Align left").click();
+    harness.run_ok();
+    assert_eq!(harness.state().at("other"), [260.0, 360.0]);
+    let node = place(&harness, "Node sky, Ramp").center();
+    click(&mut harness, node, PointerButton::Secondary, Modifiers::NONE);
+    assert_eq!(harness.state().chosen(), ["sky"]);
+    harness.get_by_label("Replace with …").click();
+    harness.run_ok();
+    harness.get_by_label("Name of a type of node").type_text("Mix");
+    harness.run_ok();
+    harness.key_press(Key::Enter);
+    harness.run_ok();
+    assert_eq!(harness.state().text("/nodes/sky/type"), "\"Mix\"");
+    assert_eq!(harness.state().text("/nodes/sky/weight"), "\"down\"");
+    let node = place(&harness, "Node sky, Mix").center();
+    click(&mut harness, node, PointerButton::Secondary, Modifiers::NONE);
+    harness.get_by_label("Disable").click();
+    harness.run_ok();
+    assert_eq!(harness.state().text("/nodes/sky/disabled"), "true");
+}
+
+#[test]
+fn nodes_without_places_are_laid_out_and_keep_their_places_once_one_is_moved() {
+    let text = &GRAPH[..GRAPH.find("  \"ui\"").unwrap()];
+    let text = format!("{}\n}}\n", text.trim_end().trim_end_matches(','));
+    let mut harness = open(&text);
+    assert_eq!(harness.state().state.session.text(), text, "drawing changes nothing");
+    let before = place(&harness, "Node sky, Ramp");
+    let down = place(&harness, "Node down, ScreenY");
+    assert!(down.bottom() < before.top(), "wires run from the top down");
+    drag(&mut harness, down.center(), down.center() + vec2(37.0, -29.0));
+    assert!(harness.state().state.sheet().nodes.iter().all(|node| node.placed));
+    assert!(place(&harness, "Node sky, Ramp").center().distance(before.center()) < 1.5);
+    harness.state_mut().state.session.undo();
+    assert_eq!(harness.state().state.session.text(), text);
+}
+
+#[test]
+fn a_laid_out_graph_has_no_overlaps() {
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../graphs");
+    for name in ["toon_sea.json", "great_wave.json", "glow.json"] {
+        let session = Session::open(&root.join(name)).unwrap();
+        let sheet = session.sheet();
+        let places = arrange(sheet, &BTreeSet::new());
+        assert_eq!(places.len(), sheet.nodes.len());
+        let boxes: Vec<Rect> = places
+            .iter()
+            .map(|(name, at)| Rect::from_min_size((*at).into(), size(sheet.node(name).unwrap())))
+            .collect();
+        for (index, own) in boxes.iter().enumerate() {
+            for other in &boxes[..index] {
+                assert!(!own.expand(4.0).intersects(*other), "{name}");
+            }
+        }
+        for wire in &sheet.wires {
+            assert!(boxes[wire.from.0].bottom() < boxes[wire.to.0].top(), "{name}: wires run down");
+        }
+    }
+}
+
+#[test]
+fn a_part_that_is_arranged_stays_about_where_it_was() {
+    let session = Session::new(GRAPH.into(), None);
+    let places = arrange(session.sheet(), &["across".to_string(), "twice".into()].into());
+    let names: Vec<&str> = places.iter().map(|(name, _)| name.as_str()).collect();
+    assert_eq!(names, ["across", "twice"]);
+    assert_eq!(places[0].1, [260.0, 0.0]);
+    assert!(places[1].1[1] > 90.0);
+}
+
+#[test]
+fn a_document_that_is_not_valid_is_drawn_and_tells_the_culprit() {
+    let text = GRAPH.replace("ScreenY", "ScreenZ").replace(r#""a": "across""#, r#""a": "twice""#);
+    let mut harness = open(&text);
+    assert!(harness.query_by_label("Node down, ScreenZ").is_some());
+    assert!(harness.query_by_label("Error in down").is_some());
+    assert!(harness.query_by_label("Error above sky").is_some());
+    // Also what has a cycle and no places.
+    let cut = text.find("  \"ui\"").unwrap();
+    let text = format!("{}\n}}\n", text[..cut].trim_end().trim_end_matches(','));
+    *harness.state_mut() = Driver::new(&text);
+    harness.run_ok();
+    assert!(harness.query_by_label("Node twice, FieldMath").is_some());
+    *harness.state_mut() = Driver::new("[");
+    harness.run_ok();
+    assert!(harness.query_by_label("Node twice, FieldMath").is_none());
+}
+
+#[test]
+fn the_wheel_zooms_at_the_pointer_and_the_middle_button_moves_the_view() {
+    let mut harness = open(GRAPH);
+    let before = place(&harness, "Node across, ScreenX");
+    harness.hover_at(before.center());
+    harness.event(Event::MouseWheel {
+        unit: MouseWheelUnit::Line,
+        delta: Vec2::new(0.0, 2.0),
+        phase: TouchPhase::Move,
+        modifiers: Modifiers::NONE,
+    });
+    harness.run_ok();
+    let after = place(&harness, "Node across, ScreenX");
+    assert!(after.width() > 1.1 * before.width(), "{} {}", after.width(), before.width());
+    assert!(after.center().distance(before.center()) < 2.0, "the node under the pointer stays there");
+    let at = after.center();
+    press(&harness, at, true, PointerButton::Middle, Modifiers::NONE);
+    harness.hover_at(at + vec2(20.0, 10.0));
+    harness.hover_at(at + vec2(40.0, 30.0));
+    press(&harness, at + vec2(40.0, 30.0), false, PointerButton::Middle, Modifiers::NONE);
+    harness.run_ok();
+    let moved = place(&harness, "Node across, ScreenX").center() - after.center();
+    assert!((moved - vec2(40.0, 30.0)).length() < 1.0, "{moved:?}");
+    assert!(harness.state().done.iter().all(|action| !matches!(action, Action::Edit(_))));
+}
+
+#[test]
+fn a_click_chooses_and_a_double_click_looks() {
+    let mut harness = open(GRAPH);
+    let at = place(&harness, "Node twice, FieldMath").center();
+    harness.hover_at(at);
+    for _ in 0..2 {
+        press(&harness, at, true, PointerButton::Primary, Modifiers::NONE);
+        press(&harness, at, false, PointerButton::Primary, Modifiers::NONE);
+    }
+    harness.run_ok();
+    assert_eq!(harness.state().chosen(), ["twice"]);
+    assert_eq!(harness.state().state.look.node, Some(("twice".into(), 0)));
+    harness.key_press_modifiers(Modifiers::ALT, Key::ArrowUp);
+    harness.run_ok();
+    assert_eq!(harness.state().chosen(), ["across"]);
+    harness.key_press_modifiers(Modifiers::ALT, Key::ArrowDown);
+    harness.run_ok();
+    assert_eq!(harness.state().chosen(), ["twice"]);
+}
+
+#[test]
+fn what_is_pasted_over_the_canvas_lands_at_the_pointer() {
+    let mut harness = open(GRAPH);
+    let text = edit::copied(harness.state().state.sheet(), &["other".into()]);
+    let at = nowhere(&harness);
+    harness.hover_at(at);
+    harness.event(Event::Paste(text));
+    harness.run_ok();
+    assert_eq!(harness.state().chosen(), ["other2"]);
+    assert!(place(&harness, "Node other2, Invert").min.distance(at) < 1.5);
+}
+
+#[test]
+fn boxes_are_lined_up() {
+    let boxes = [[0.0, 0.0, 10.0], [5.0, 90.0, 20.0], [2.0, 20.0, 10.0]]
+        .map(|[x, y, side]| Rect::from_min_size(pos2(x, y), vec2(side, side)));
+    assert_eq!(lined_up(&boxes, Line::Left), [[0.0, 0.0], [0.0, 90.0], [0.0, 20.0]]);
+    assert_eq!(lined_up(&boxes, Line::Top), [[0.0, 0.0], [5.0, 0.0], [2.0, 0.0]]);
+    let spread = lined_up(&boxes, Line::Distances);
+    assert_eq!(spread.map_y(), [0.0, 90.0, 45.0]);
+    let centers = lined_up(&boxes, Line::Centers);
+    assert!(centers.iter().zip(&boxes).all(|(at, own)| at[0] + own.width() / 2.0 == centers[0][0] + 5.0));
+}
+
+trait Heights {
+    fn map_y(&self) -> Vec<f32>;
+}
+
+impl Heights for Vec<[f32; 2]> {
+    fn map_y(&self) -> Vec<f32> {
+        self.iter().map(|at| at[1]).collect()
+    }
+}

@@ -1,0 +1,57 @@
+//! Pictures of the canvas, drawn by wgpu: they need a graphics driver, so they are asked for by name.
+
+use crate::actions::Action;
+use crate::canvas::{Canvas, canvas_ui};
+use crate::document::Session;
+use crate::editor::Editor;
+use crate::testing::{finished, sized, until};
+use egui::{Event, MouseWheelUnit, TouchPhase, Vec2, pos2, vec2};
+use egui_kittest::Harness;
+use std::path::{Path, PathBuf};
+
+/// The editor of a scene, with pictures of all nodes.
+fn seen(scene: &str) -> Editor {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../graphs").join(format!("{scene}.json"));
+    let mut window = sized(Session::open(&file).unwrap(), None, [400.0, 300.0]);
+    let context = window.ctx.clone();
+    window.state_mut().as_mut().unwrap().act(Action::Proxy(4), &context);
+    finished(&mut window);
+    until(&mut window, "thumbnails", |editor| !editor.state().seen.thumbnails.is_empty());
+    window.into_state().unwrap()
+}
+
+/// Writes pictures of the canvas into the folder that `TROCHOID_SHOTS` names.
+#[test]
+#[ignore = "needs a graphics driver, and a minute"]
+fn screenshots_of_the_canvas() {
+    let Some(folder) = std::env::var_os("TROCHOID_SHOTS").map(PathBuf::from) else { return };
+    for (scene, chosen, slot) in [("toon_sea", "level", 1), ("glow", "", 0)] {
+        for theme in [egui::Theme::Dark, egui::Theme::Light] {
+            let mut editor = seen(scene);
+            editor.select(&[chosen]);
+            editor.state.look.slots[slot] = Some("water_1".into());
+            let draw = |ui: &mut egui::Ui, (editor, canvas): &mut (Editor, Canvas)| {
+                canvas_ui(canvas, ui, &editor.state, &mut Vec::new());
+            };
+            let builder = Harness::builder().with_size(vec2(1600.0, 1000.0)).with_step_dt(0.1).with_theme(theme).wgpu();
+            let mut harness = builder.build_ui_state(draw, (editor, Canvas::default()));
+            crate::theme::install(&harness.ctx);
+            let name = |what: &str| folder.join(format!("canvas_{scene}_{theme:?}_{what}.png").to_lowercase());
+            harness.run_steps(4);
+            harness.render().unwrap().save(name("all")).unwrap();
+            harness.hover_at(pos2(800.0, 500.0));
+            for (lines, what) in [(1.6, "near"), (1.4, "nearer"), (1.4, "nearest")] {
+                for _ in 0..4 {
+                    harness.event(Event::MouseWheel {
+                        unit: MouseWheelUnit::Line,
+                        delta: Vec2::new(0.0, lines),
+                        phase: TouchPhase::Move,
+                        modifiers: egui::Modifiers::NONE,
+                    });
+                }
+                harness.run_steps(12);
+                harness.render().unwrap().save(name(what)).unwrap();
+            }
+        }
+    }
+}
