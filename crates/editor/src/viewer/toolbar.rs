@@ -112,9 +112,7 @@ fn subject_ui(ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
 fn components(kind: Option<Kind>) -> Vec<String> {
     match kind {
         Some(Kind::Color) | None => ["R", "G", "B"].map(String::from).into(),
-        Some(Kind::Field(n @ 2..=4)) => {
-            ["x", "y", "z", "w"].iter().take(n as usize).map(|name| (*name).into()).collect()
-        }
+        Some(Kind::Field(n @ 2..=4)) => ["x", "y", "z", "w"].iter().take(n).map(|name| (*name).into()).collect(),
         Some(Kind::Field(n) | Kind::Weights(n)) if n > 2 => (1..=n).map(|index| index.to_string()).collect(),
         _ => Vec::new(),
     }
