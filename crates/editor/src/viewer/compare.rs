@@ -85,10 +85,10 @@ impl Compare {
         let grip = Rect::from_center_size(pos2(x, shown.center().y), vec2(9.0, shown.height()));
         let line = ui.interact(grip, ui.id().with("wipe"), Sense::drag()).on_hover_cursor(CursorIcon::ResizeHorizontal);
         line.widget_info(|| WidgetInfo::labeled(WidgetType::Slider, true, "Wipe line"));
-        if line.dragged() {
-            if let Some(pointer) = line.interact_pointer_pos() {
-                held.wipe = ((pointer.x - rect.left()) / rect.width()).clamp(0.0, 1.0);
-            }
+        if line.dragged()
+            && let Some(pointer) = line.interact_pointer_pos()
+        {
+            held.wipe = ((pointer.x - rect.left()) / rect.width()).clamp(0.0, 1.0);
         }
         let strong = line.hovered() || line.dragged();
         let painter = ui.painter().with_clip_rect(stage.area);

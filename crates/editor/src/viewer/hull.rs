@@ -181,7 +181,7 @@ fn draw(painter: &Painter, cloud: &Cloud, turned: &Turned) {
         painter.line_segment([turned.place(*a).0, turned.place(*b).0], Stroke::new(1.0, line));
     }
     painter.add(Shape::mesh(mesh));
-    let radius = if cloud.corners.len() > 100 { 2.5 } else { 5.0 };
+    let radius = if cloud.corners.len() > 100 { 2.5 } else { 4.0 };
     for (corner, color) in &cloud.corners {
         painter.circle(turned.place(*corner).0, radius, *color, Stroke::new(1.0, Color32::from_white_alpha(200)));
     }

@@ -7,7 +7,7 @@ use crate::state::State;
 use egui::{Align, Button, Color32, Layout, Pos2, Rect, RichText, ScrollArea, Sense, Stroke, StrokeKind, Ui, vec2};
 use trochoid::{Kind, WorkingSpace};
 
-/// Width of the strip beside the picture.
+/// Width of the strip beside the picture, where there is room.
 pub(super) const WIDTH: f32 = 208.0;
 /// Shares that are listed one by one; the rest, small as they are, as one.
 const ROWS: usize = 24;

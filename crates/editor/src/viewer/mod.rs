@@ -54,7 +54,7 @@ enum Drag {
 /// Height of the line below the picture.
 const BAR: f32 = 20.0;
 /// Panels narrower than this have no room for a strip beside the picture.
-const NARROW: f32 = 430.0;
+const NARROW: f32 = 300.0;
 
 /// Draws the picture.
 pub(crate) fn viewer_ui(viewer: &mut Viewer, ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
@@ -68,7 +68,7 @@ pub(crate) fn viewer_ui(viewer: &mut Viewer, ui: &mut Ui, state: &State, actions
     let picked = state.look.pick.filter(|_| area.width() > NARROW && !viewer.space.shown).zip(result);
     if let Some(([x, y], result)) = picked {
         let mut strip = area;
-        strip.min.x = strip.max.x - inspector::WIDTH;
+        strip.min.x = strip.max.x - inspector::WIDTH.min(0.45 * area.width());
         area.max.x = strip.min.x;
         let inner = strip.shrink2(vec2(8.0, 4.0));
         ui.scope_builder(UiBuilder::new().max_rect(inner).id_salt("inspector"), |ui| {

@@ -76,7 +76,7 @@ fn marks(picture: &Picture, distance: f64) -> Option<ColorImage> {
             let color = [r, g, b].map(|plane| f64::from(plane.nearest(at.0, at.1)));
             let inside = -hull.signed_distance(color);
             if inside < distance {
-                let strength = 0.35 + 0.5 * (1.0 - (inside / distance).clamp(0.0, 1.0));
+                let strength = 0.15 + 0.5 * (1.0 - (inside / distance).clamp(0.0, 1.0));
                 let [r, g, b] = MARK;
                 *pixel = Color32::from_rgba_unmultiplied(r, g, b, (255.0 * strength) as u8);
             }

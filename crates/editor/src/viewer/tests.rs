@@ -397,4 +397,12 @@ fn screenshots_of_the_viewer() {
     act(&mut window, Action::Theme);
     act(&mut window, Action::Pick(Some([0.5, 0.5])));
     shot(&mut window, "light");
+
+    let session = Session::open(&graphs.join("cartoon_bay.json")).unwrap();
+    let mut window = sized(session, None, [780.0, 640.0]);
+    act(&mut window, Action::Proxy(2));
+    act(&mut window, Action::Pick(Some([0.5, 0.7])));
+    window.get_by_label("Hold A").click();
+    settle(&mut window);
+    shot(&mut window, "narrow");
 }

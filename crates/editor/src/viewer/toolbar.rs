@@ -17,7 +17,7 @@ fn kind(state: &State) -> Option<Kind> {
 /// Draws the line.
 pub(super) fn toolbar_ui(viewer: &mut Viewer, ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
     ui.horizontal_wrapped(|ui| {
-        ui.spacing_mut().item_spacing.x = 4.0;
+        ui.spacing_mut().item_spacing.x = 3.0;
         subject_ui(ui, state, actions);
         ui.separator();
         let display = &state.look.display;
@@ -83,7 +83,7 @@ fn subject_ui(ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
     let shown = state.look.node.as_ref().and_then(|(name, output)| Some((sheet.find(name)?, *output)));
     let text = shown.map_or_else(|| "nothing".into(), |(node, output)| named(node, output));
     let mut chosen = None;
-    let combo = ComboBox::from_id_salt("shown").selected_text(text).width(112.0).truncate();
+    let combo = ComboBox::from_id_salt("shown").selected_text(text).width(96.0).truncate();
     let response = combo.show_ui(ui, |ui| {
         if let Some((node, _)) = shown {
             let makes = &sheet.nodes[node].makes;
@@ -112,9 +112,7 @@ fn subject_ui(ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
 fn components(kind: Option<Kind>) -> Vec<String> {
     match kind {
         Some(Kind::Color) | None => ["R", "G", "B"].map(String::from).into(),
-        Some(Kind::Field(n @ 2..=4)) => {
-            ["x", "y", "z", "w"].iter().take(n as usize).map(|name| (*name).into()).collect()
-        }
+        Some(Kind::Field(n @ 2..=4)) => ["x", "y", "z", "w"].iter().take(n).map(|name| (*name).into()).collect(),
         Some(Kind::Field(n) | Kind::Weights(n)) if n > 2 => (1..=n).map(|index| index.to_string()).collect(),
         _ => Vec::new(),
     }
