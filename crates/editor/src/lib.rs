@@ -2,8 +2,10 @@
 //!
 //! Data walks one way here too:
 //!
-//!     text ─► Session ─► Sheet ─► panels ─► Actions ─► Session
-//!                 └────► Worker ─► Seen ─┘
+//! ```text
+//! text ─► Session ─► Sheet ─► panels ─► Actions ─► Session
+//!             └────► Worker ─► Seen ─┘
+//! ```
 //!
 //! The document's *text* is the document ([`document::Session`]). Everything that is drawn is read from it, every change is an
 //! [`Edit`](document::Edit) of it that undo takes back byte by byte. Pictures are made by a worker ([`evaluate`]), the newest

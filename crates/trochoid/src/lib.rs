@@ -70,9 +70,10 @@ pub use stability::{stability, stability_of};
 #[cfg(feature = "io")]
 pub use stream::FileSink;
 pub use trochoid_engine::{
-    Account, Audit, Blame, Buffers, Cache, Certified, Certifier, Channels, Distribution, EvalError, Evidence, Fate, Frame,
-    Hull, Inspected, Instructions, Interval, Judging, LeftOut, Limiting, Monitor, NodeReport, Phases, Picture, Plan, PlanError,
-    Proved, ReferenceError, ReferenceFrame, ReferencePixel, Settings, ShadingPlan, Silent, Sink, State, Switches,
+    Account, Audit, Blame, Buffers, Cache, Certified, Certifier, Channels, Distribution, EvalError, Evidence, Fate,
+    Frame, Hull, Inspected, Instructions, Interval, Judging, LeftOut, Limiting, Monitor, NodeReport, Phases, Picture,
+    Plan, PlanError, Proved, ReferenceError, ReferenceFrame, ReferencePixel, Settings, ShadingPlan, Silent, Sink,
+    State, Switches,
 };
 pub use trochoid_graph::{
     Accepts, Animated, Arity, CheckedGraph, CheckedNode, Declaration, Default as KnobDefault, Diagnostic, End, Figure,

@@ -65,7 +65,8 @@ fn victim() {
         number += 1;
         // As a window that is drawn.
         for _ in 0..4 {
-            let _ = context.run_ui(egui::RawInput::default(), |ui| editor.ui(ui));
+            let mut output = context.run_ui(egui::RawInput::default(), |ui| editor.ui(ui));
+            output.textures_delta.clear();
             std::thread::sleep(Duration::from_millis(10));
         }
     }
