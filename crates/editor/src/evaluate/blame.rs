@@ -1,7 +1,8 @@
 //! What a pixel is made of.
 
 use super::lens::Lens;
-use super::worker::{Subject, drawn};
+use super::wish::Subject;
+use super::worker::drawn;
 use trochoid::{Buffers, Cache, Monitor, Plan, Settings};
 
 /// A question about a pixel of a picture.

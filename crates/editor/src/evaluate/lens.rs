@@ -47,7 +47,7 @@ pub fn lens(sheet: &Sheet, node: usize, output: usize, name: &str, folder: &path
         Some(Kind::Field(_)) => ("field", reference),
         Some(Kind::View) => clay(sheet, reference, &mut nodes),
         Some(Kind::Surface) => {
-            if !borrow(sheet, "Camera", CAMERA, &mut nodes) {
+            if !borrow(sheet, "Camera", &mut nodes) {
                 nodes.insert(CAMERA.into(), json!({ "type": "Camera", "position": [0, 8, 30], "target": [0, 1, 0] }));
             }
             let camera = borrowed(sheet, "Camera").unwrap_or(CAMERA.into());
@@ -90,7 +90,7 @@ fn borrowed(sheet: &Sheet, ty: &str) -> Option<String> {
 }
 
 /// Brings the document's first node of a type, and whatever it depends on; whether there is one.
-fn borrow(sheet: &Sheet, ty: &str, _stand_in: &str, nodes: &mut Map<String, Value>) -> bool {
+fn borrow(sheet: &Sheet, ty: &str, nodes: &mut Map<String, Value>) -> bool {
     let Some(found) = borrowed(sheet, ty).and_then(|name| sheet.find(&name)) else { return false };
     for index in sheet.upstream([found]) {
         let name = &sheet.nodes[index].name;
@@ -101,10 +101,30 @@ fn borrow(sheet: &Sheet, ty: &str, _stand_in: &str, nodes: &mut Map<String, Valu
 
 /// Lights a view like clay.
 fn clay(sheet: &Sheet, view: String, nodes: &mut Map<String, Value>) -> (&'static str, String) {
-    if !borrow(sheet, "Light", LIGHT, nodes) {
+    if !borrow(sheet, "Light", nodes) {
         nodes.insert(LIGHT.into(), json!({ "type": "Light", "direction": [0.5, 0.6, 0.4] }));
     }
     let light = borrowed(sheet, "Light").unwrap_or(LIGHT.into());
     nodes.insert(CLAY.into(), json!({ "type": "NonSpecular", "view": view, "lights": [light] }));
     ("field", CLAY.into())
+}
+
+/// A graph with an output for every node that can be seen, named after it, so that all are made at once; `None` where the
+/// document is invalid. Nodes beyond the first thousand go without.
+pub(super) fn of_every_node(sheet: &Sheet, name: &str, folder: &path::Path) -> Option<CheckedGraph> {
+    let mut document = sheet.value.as_object()?.clone();
+    let mut outputs = Map::new();
+    for node in sheet.nodes.iter().filter(|node| !node.disabled) {
+        let key = match node.makes.first().and_then(|(_, kind)| *kind) {
+            Some(Kind::Color) => "color",
+            Some(Kind::Weights(_)) => "weights",
+            Some(Kind::Field(_)) => "field",
+            _ => continue,
+        };
+        if outputs.len() < 1000 {
+            outputs.insert(node.name.clone(), json!({ key: node.name }));
+        }
+    }
+    document.insert("outputs".into(), outputs.into());
+    parse(name, &Value::Object(document).to_string(), folder, &[]).ok().map(|loaded| loaded.graph)
 }

@@ -5,9 +5,11 @@ pub mod lens;
 pub mod shown;
 #[cfg(test)]
 mod tests;
+mod wish;
 mod worker;
 
 pub use blame::{Blamed, Question, Share};
 pub use lens::{Lens, lens};
 pub use shown::{Channel, Display, Screen};
-pub use worker::{Job, News, Result, Subject, Thumbnail, Worker};
+pub use wish::{Job, News, Result, Subject, Thumbnail};
+pub use worker::Worker;

@@ -1,137 +1,18 @@
 //! The thread that evaluates.
 
-use super::blame::{self, Blamed, Question};
-use super::lens::{Lens, OUTPUT, lens};
-use super::shown::{self, Display, Screen};
-use crate::document::Sheet;
+use super::blame::{self, Question};
+use super::lens::{Lens, OUTPUT, lens, of_every_node};
+use super::shown::{self, Display};
+use super::wish::{Job, News, Result, Subject, Thumbnail};
 use std::borrow::Cow;
 use std::collections::VecDeque;
-use std::path::PathBuf;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 use trochoid::{
-    Buffers, Cache, CheckedGraph, EvalError, Format, Kind, Monitor, NodeReport, Phases, Picture, Plan, Settings,
-    Window, WorkingSpace,
+    Buffers, Cache, CheckedGraph, EvalError, Format, Monitor, Picture, Plan, Settings, Window, WorkingSpace,
 };
-
-/// What is looked at.
-#[derive(Clone, Debug)]
-pub struct Subject {
-    /// The document.
-    pub sheet: Arc<Sheet>,
-    /// Grows with every change of the document.
-    pub revision: u64,
-    /// The node.
-    pub node: usize,
-    /// Its output.
-    pub output: usize,
-    /// The document's name, for messages.
-    pub name: String,
-    /// What its paths are relative to.
-    pub folder: PathBuf,
-}
-
-impl Subject {
-    fn is(&self, other: &Self) -> bool {
-        (self.revision, self.node, self.output) == (other.revision, other.node, other.output)
-            && self.folder == other.folder
-    }
-}
-
-/// A picture to be made.
-#[derive(Clone, Debug)]
-pub struct Job {
-    /// Told again with the result. A job with a newer number cancels one with an older.
-    pub generation: u64,
-    /// Of what.
-    pub subject: Subject,
-    /// The frame.
-    pub frame: i64,
-    /// By how much the finished picture is smaller than the document's: 1, 2 or 4.
-    pub proxy: u32,
-    /// The part that is wanted, in shares of the picture's width and height: left, top, right, bottom.
-    pub region: Option<[f32; 4]>,
-    /// How it is shown.
-    pub display: Display,
-    /// Whether a coarse picture comes first.
-    pub progressive: bool,
-}
-
-/// A picture, small or whole.
-#[derive(Clone, Debug)]
-pub struct Result {
-    /// Whose result it is.
-    pub generation: u64,
-    /// The frame.
-    pub frame: i64,
-    /// By how much it is smaller than the document's picture.
-    pub shrunk: u32,
-    /// Whether it is what was asked for, and not a coarse one before that.
-    pub finished: bool,
-    /// What was looked at.
-    pub subject: Subject,
-    /// What was evaluated.
-    pub lens: Arc<Lens>,
-    /// The document's format, at this size.
-    pub format: Format,
-    /// The picture.
-    pub picture: Arc<Picture>,
-    /// The picture as it is shown.
-    pub screen: Arc<Screen>,
-    /// How it is shown.
-    pub display: Display,
-    /// What nodes did.
-    pub nodes: Arc<Vec<NodeReport>>,
-    /// Seconds by phase, and in all.
-    pub seconds: (Phases, f64),
-}
-
-/// A small picture of a node, sRGB of four bytes a pixel.
-#[derive(Clone, Debug)]
-pub struct Thumbnail {
-    /// The node.
-    pub node: String,
-    /// The picture.
-    pub screen: Screen,
-}
-
-/// What the thread has to tell.
-#[derive(Clone, Debug)]
-pub enum News {
-    /// A picture.
-    Picture(Box<Result>),
-    /// A picture of another frame than the one looked at, made ahead for playing.
-    Ahead(Box<Result>),
-    /// The picture that is shown, shown otherwise.
-    Shown {
-        /// Whose picture it is.
-        generation: u64,
-        /// How it is shown.
-        display: Display,
-        /// The picture as it is shown.
-        screen: Arc<Screen>,
-    },
-    /// How much of a picture is done.
-    Progress {
-        /// Whose.
-        generation: u64,
-        /// From 0 to 1.
-        share: f32,
-    },
-    /// It could not be made.
-    Failed {
-        /// What.
-        generation: u64,
-        /// Why, in a sentence.
-        message: String,
-    },
-    /// Pictures of nodes.
-    Thumbnails(Vec<Thumbnail>),
-    /// What a pixel is made of.
-    Blame(Box<Blamed>),
-}
 
 /// What is to be done, the more urgent first.
 #[derive(Default)]
@@ -539,24 +420,4 @@ impl Monitor for Watch<'_> {
                 desk.job.is_some() || desk.shown.is_some() || desk.question.is_some()
             })
     }
-}
-
-/// A graph with an output for every node that can be seen, named after it, so that all are made at once; `None` where the
-/// document is invalid. Nodes beyond the first thousand go without.
-fn of_every_node(sheet: &Sheet, name: &str, folder: &std::path::Path) -> Option<CheckedGraph> {
-    let mut document = sheet.value.as_object()?.clone();
-    let mut outputs = serde_json::Map::new();
-    for node in sheet.nodes.iter().filter(|node| !node.disabled) {
-        let key = match node.makes.first().and_then(|(_, kind)| *kind) {
-            Some(Kind::Color) => "color",
-            Some(Kind::Weights(_)) => "weights",
-            Some(Kind::Field(_)) => "field",
-            _ => continue,
-        };
-        if outputs.len() < 1000 {
-            outputs.insert(node.name.clone(), serde_json::json!({ key: node.name }));
-        }
-    }
-    document.insert("outputs".into(), outputs.into());
-    trochoid::parse(name, &serde_json::Value::Object(document).to_string(), folder, &[]).ok().map(|loaded| loaded.graph)
 }

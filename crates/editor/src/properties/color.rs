@@ -71,7 +71,7 @@ pub(super) fn color_ui(ui: &mut Ui, value: &mut Value, place: &Place<'_>, action
         }
     }
     let mut taking = place.state.dropper.as_ref() == Some(&place.path);
-    let dropper = ui.toggle_value(&mut taking, "⌖");
+    let dropper = ui.toggle_value(&mut taking, "Pick");
     if dropper.on_hover_text("Takes the color that is clicked next in the picture or the reference.").changed() {
         actions.push(Action::Dropper(taking.then(|| place.path.clone())));
     }

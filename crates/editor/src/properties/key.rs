@@ -112,7 +112,7 @@ pub(super) fn button_ui(
     }
     if keyed.is_some() {
         let mut open = panel.curves.contains(&place.path);
-        if ui.toggle_value(&mut open, "∿").on_hover_text("Shows the curve.").changed() {
+        if ui.toggle_value(&mut open, "Curve").on_hover_text("Shows the curve.").changed() {
             if open {
                 panel.curves.insert(place.path.clone())
             } else {

@@ -42,28 +42,51 @@ fn graphs() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../graphs")
 }
 
+/// What lies around the window in these pictures, pixels.
+const MARGIN: u32 = 8;
+
 /// Writes what README shows into the folder that `TROCHOID_SHOTS` names.
 #[test]
 #[ignore = "needs a graphics driver, and minutes"]
 fn screenshots_of_scenes() {
     let Some(folder) = std::env::var_os("TROCHOID_SHOTS").map(PathBuf::from) else { return };
-    let scenes = [
-        ("stormy_sea_bare", "storm", Pane::Waves),
-        ("toon_sea", "waves", Pane::Properties),
-        ("cartoon_bay", "", Pane::Report),
+    // Which nodes the graph shows, which one is chosen, and what is seen of it.
+    let scenes: [(&str, &[&str], &str, Pane); 3] = [
+        ("stormy_sea_bare", &[], "sea", Pane::Waves),
+        ("toon_sea", &[], "waves", Pane::Properties),
+        ("cartoon_bay", &[], "", Pane::Report),
     ];
-    for (scene, chosen, pane) in scenes {
-        for (size, name) in [([1280.0, 800.0], "1280"), ([2560.0, 1440.0], "2560")] {
+    for (scene, framed, chosen, pane) in scenes {
+        for size in [[1280, 800], [2560, 1440]] {
             let session = Session::open(&graphs().join(format!("{scene}.json"))).unwrap();
-            let mut window = sized(session, None, size);
+            let points = size.map(|side: u32| (side + 2 * MARGIN) as f32);
+            let mut window = sized(session, None, points);
             act(&mut window, Action::Frame(36));
             still(&mut window);
-            if !chosen.is_empty() && editor(&window).state().sheet().find(chosen).is_some() {
-                act(&mut window, Action::Select([chosen.to_string()].into()));
-            }
+            let sheet = editor(&window).state().sheet().clone();
+            let name = editor(&window).state().look.node.clone().unwrap().0;
+            let above = |name: &str, steps: usize| {
+                let mut found = vec![sheet.find(name).unwrap()];
+                for _ in 0..steps {
+                    let wires = sheet.wires.iter().filter(|wire| found.contains(&wire.to.0));
+                    let more: Vec<usize> = wires.map(|wire| wire.from.0).collect();
+                    found.extend(more);
+                }
+                found.into_iter().map(|node| sheet.nodes[node].name.clone()).collect()
+            };
+            let framed = match framed {
+                [] => above(&name, 1),
+                names => names.iter().map(|name| (*name).to_string()).collect(),
+            };
+            act(&mut window, Action::Select(framed));
+            act(&mut window, Action::Frames);
+            let chosen = if sheet.find(chosen).is_some() { chosen } else { &name };
+            act(&mut window, Action::Select([chosen.to_string()].into()));
             act(&mut window, Action::Panel(pane));
             window.run_steps(5);
-            window.render().unwrap().save(folder.join(format!("{scene}_{name}.png"))).unwrap();
+            let picture = window.render().unwrap();
+            let picture = image::imageops::crop_imm(&picture, MARGIN, MARGIN, size[0], size[1]).to_image();
+            picture.save(folder.join(format!("{scene}_{}.png", size[0]))).unwrap();
         }
     }
 }

@@ -1,0 +1,269 @@
+//! What is asked for is done.
+
+use super::Editor;
+use crate::actions::Action;
+use crate::document::keep::Kept;
+use crate::document::{Edit, Session, edit};
+use crate::layout;
+use crate::render::Renderer;
+use crate::state::State;
+use egui::Context;
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+/// What comes after this document.
+#[derive(Clone, Debug, PartialEq)]
+pub enum After {
+    /// A new document.
+    New,
+    /// A question for a document to open.
+    Ask,
+    /// This document.
+    Open(PathBuf),
+    /// Nothing: the window closes.
+    Close,
+}
+
+impl Editor {
+    /// Does what was asked for.
+    pub fn act(&mut self, action: Action, context: &Context) {
+        let state = &mut self.state;
+        let names: Vec<String> = state.selection.iter().cloned().collect();
+        let sheet = state.sheet().clone();
+        match action {
+            Action::Edit(edit) => self.edit(edit),
+            Action::Seal => state.session.seal(),
+            Action::Rewrite(text) => {
+                state.session.replace(&text, "Edit the text");
+                self.changed();
+            }
+            Action::Undo => {
+                if let Some(label) = state.session.undo() {
+                    self.toasts.basic(format!("Undone: {label}")).duration(Some(Duration::from_millis(1500)));
+                    self.changed();
+                }
+            }
+            Action::Redo => {
+                if let Some(label) = state.session.redo() {
+                    self.toasts.basic(format!("Redone: {label}")).duration(Some(Duration::from_millis(1500)));
+                    self.changed();
+                }
+            }
+            Action::Select(names) => state.selection = names,
+            Action::Look(node, output) => state.look.node = Some((node, output)),
+            Action::Slot(slot) => {
+                if let Some(name) = state.chosen().map(String::from) {
+                    state.look.slots[slot] = Some(name);
+                }
+                if let Some(name) = state.look.slots[slot].clone().filter(|name| sheet.find(name).is_some()) {
+                    state.look.node = Some((name, 0));
+                }
+            }
+            Action::Display(display) => state.look.display = display,
+            Action::Proxy(proxy) => state.look.proxy = proxy.clamp(1, 8),
+            Action::Region(region) => state.look.region = region,
+            Action::Pick(pick) => state.look.pick = pick,
+            Action::Dropper(place) => state.dropper = place,
+            Action::Frame(frame) => {
+                state.frame = frame.clamp(-10_000_000, 10_000_000);
+                self.clock = None;
+            }
+            Action::Play(playing) => {
+                state.playing = playing;
+                self.clock = None;
+            }
+            Action::Range(first, last) => state.range = (first.min(last), first.max(last)),
+            Action::New => self.leave(After::New, context),
+            Action::Open => self.leave(After::Ask, context),
+            Action::OpenFile(file) => self.leave(After::Open(file), context),
+            Action::Quit => self.leave(After::Close, context),
+            Action::Save => match state.session.file().map(Path::to_path_buf) {
+                Some(file) => self.save(&file),
+                None => self.prompts.ask_save(&state.session, None),
+            },
+            Action::SaveAs => self.prompts.ask_save(&state.session, None),
+            Action::Reload => match state.session.reload() {
+                Ok(()) => self.changed(),
+                Err(error) => {
+                    self.toasts.error(error);
+                }
+            },
+            Action::Copy | Action::Cut => {
+                context.copy_text(edit::copied(&crate::canvas::placed(&sheet), &names));
+                if action == Action::Cut {
+                    self.edit(edit::deleted(&sheet, &names));
+                }
+            }
+            Action::Paste(text, at) => match edit::pasted(&sheet, &text, at) {
+                Some((edit, names)) => {
+                    self.edit(crate::canvas::freezing(&sheet, edit));
+                    self.state.selection = names.into_iter().collect();
+                }
+                None => {
+                    self.toasts.warning("The clipboard holds no nodes: copy some from a graph, or their JSON");
+                }
+            },
+            Action::Duplicate => {
+                let sheet = crate::canvas::placed(&sheet);
+                let text = edit::copied(&sheet, &names);
+                let corner = names.iter().filter_map(|name| sheet.node(name)).map(|node| node.at);
+                let corner = corner.reduce(|a, b| [a[0].min(b[0]), a[1].min(b[1])]).unwrap_or_default();
+                self.act(Action::Paste(text, [corner[0] + 40.0, corner[1] + 40.0]), context);
+            }
+            Action::Delete => {
+                self.panels.canvas.forget_cursor();
+                self.edit(edit::deleted(&sheet, &names));
+                self.state.selection.clear();
+            }
+            Action::Disable => self.edit(edit::disabled(&sheet, &names)),
+            Action::SelectAll => state.selection = sheet.nodes.iter().map(|node| node.name.clone()).collect(),
+            Action::Arrange => {
+                let places = crate::canvas::arrange(&sheet, &state.selection);
+                self.edit(edit::laid_out(&sheet, &places));
+            }
+            Action::Backdrop => {
+                if let Some(edit) = crate::canvas::backdrop(&sheet, &state.selection) {
+                    self.edit(edit);
+                }
+            }
+            Action::Frames => self.panels.canvas.frame(),
+            Action::AddNode => self.panels.canvas.search(),
+            Action::Render => self.render(context),
+            Action::CancelRender => {
+                if let Some(renderer) = &self.renderer {
+                    renderer.cancel();
+                }
+            }
+            Action::Palette => self.prompts.palette(),
+            Action::Panel(pane) => layout::bring(&mut self.tree, pane),
+            Action::ResetPanels => self.tree = layout::first(),
+            Action::Theme => {
+                let dark = context.theme() == egui::Theme::Dark;
+                context.set_theme(if dark { egui::Theme::Light } else { egui::Theme::Dark });
+            }
+            Action::Notice(text) => {
+                self.toasts.info(text);
+            }
+        }
+    }
+
+    pub(super) fn edit(&mut self, edit: Edit) {
+        if !self.state.session.meaning().readable {
+            self.toasts.error("The text is not JSON: correct it in the panel \"Text\" first");
+            return;
+        }
+        match self.state.session.edit(edit) {
+            Ok(()) => self.changed(),
+            Err(error) => {
+                self.toasts.error(error.to_string());
+            }
+        }
+    }
+
+    /// What follows from a change of the document.
+    pub(super) fn changed(&mut self) {
+        let sheet = self.state.session.sheet().clone();
+        self.state.selection.retain(|name| sheet.find(name).is_some());
+        self.state.seen.frames.clear();
+        self.asked.ahead = None;
+        if self.state.look.node.as_ref().is_some_and(|(name, _)| sheet.find(name).is_none()) {
+            self.state.look.node = State::first_output(&sheet);
+        }
+    }
+
+    /// Leaves this document for something else, unless there is unsaved work: then a question comes first.
+    pub(super) fn leave(&mut self, after: After, context: &Context) {
+        if self.state.session.is_changed() {
+            self.prompts.unsaved(after);
+        } else {
+            self.go(after, context);
+        }
+    }
+
+    /// Goes on to something else, whatever is unsaved.
+    pub(crate) fn go(&mut self, after: After, context: &Context) {
+        match after {
+            After::New => self.start(Session::new(crate::document::session::NEW.into(), None), context),
+            After::Ask => self.prompts.ask_open(&self.state.session),
+            After::Open(file) => match Session::open(&file) {
+                Ok(session) => self.start(session, context),
+                Err(error) => {
+                    self.toasts.error(error);
+                }
+            },
+            After::Close => {
+                self.closing = true;
+                context.send_viewport_cmd(egui::ViewportCommand::Close);
+            }
+        }
+    }
+
+    /// Saves to a file; whether it worked.
+    pub(crate) fn save(&mut self, file: &Path) {
+        // The watcher tells of this write too; it is what we know already then.
+        match self.state.session.save(file) {
+            Ok(()) => {
+                self.toasts.success(format!("Saved {}", file.display())).duration(Some(Duration::from_millis(1500)));
+                if let Some(data) = self.prompts.data() {
+                    self.recent = crate::recent::add(data, file);
+                }
+            }
+            Err(error) => {
+                self.toasts.error(error).duration(None);
+            }
+        }
+    }
+
+    /// Takes what was kept of an editor that ended unexpectedly.
+    pub(crate) fn recover(&mut self, kept: &Kept, context: &Context) {
+        let session = kept.file.as_deref().and_then(|file| Session::open(file).ok());
+        let mut session = session.unwrap_or_else(|| Session::new(String::new(), kept.file.clone()));
+        session.recover(&kept.text);
+        self.start(session, context);
+        // It is not in the file yet, so it is kept again before the old copy goes.
+        if let Some(keeper) = &self.keeper {
+            keeper.keep(self.state.session.file(), self.state.session.text());
+        }
+        crate::document::keep::discard(kept);
+    }
+
+    pub(super) fn render(&mut self, context: &Context) {
+        let Some(graph) = self.state.session.meaning().graph.clone() else {
+            self.toasts.warning("The document has errors: correct them before rendering");
+            return;
+        };
+        match Renderer::start(graph, self.state.range, context.clone()) {
+            Ok(renderer) => {
+                self.state.render = Some(renderer.progress());
+                self.renderer = Some(renderer);
+            }
+            Err(error) => {
+                self.toasts.error(error).duration(None);
+            }
+        }
+    }
+
+    pub(super) fn hear_render(&mut self, context: &Context) {
+        let Some(renderer) = &mut self.renderer else { return };
+        self.state.render = Some(renderer.progress());
+        let Some(outcome) = renderer.outcome() else {
+            return context.request_repaint_after(Duration::from_millis(200));
+        };
+        self.renderer = None;
+        self.state.render = None;
+        match outcome {
+            Ok(message) => {
+                self.toasts.success(message).duration(None);
+            }
+            Err(message) => {
+                self.toasts.error(message).duration(None);
+            }
+        }
+    }
+
+    /// Chooses nodes; what tests and prompts use.
+    pub fn select(&mut self, names: &[&str]) {
+        self.state.selection = names.iter().map(|name| (*name).to_string()).collect::<BTreeSet<String>>();
+    }
+}

@@ -1,0 +1,181 @@
+//! The editor: what is asked for is done here (`act`), and what is evaluated comes back here (`pictures`). It draws nothing
+//! itself.
+
+mod act;
+mod pictures;
+
+use crate::actions::Action;
+use crate::canvas::Canvas;
+use crate::document::Session;
+use crate::document::keep::{Keeper, kept};
+use crate::evaluate::Worker;
+use crate::layout::{self, Pane};
+use crate::prompts::Prompts;
+use crate::properties::Properties;
+use crate::render::Renderer;
+use crate::report::Report;
+use crate::source::Source;
+use crate::state::State;
+use crate::timeline::Timeline;
+use crate::viewer::Viewer;
+use crate::watch::Watcher;
+use crate::waves::Waves;
+use egui::{Context, Ui};
+use egui_notify::Toasts;
+use pictures::Asked;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+pub use act::After;
+
+/// The editor of one document.
+pub struct Editor {
+    pub(crate) state: State,
+    pub(crate) tree: egui_tiles::Tree<Pane>,
+    pub(crate) panels: Panels,
+    pub(crate) prompts: Prompts,
+    pub(crate) toasts: Toasts,
+    pub(crate) recent: Vec<PathBuf>,
+    worker: Worker,
+    asked: Asked,
+    keeper: Option<Keeper>,
+    /// The revision that is kept, and when the first change since was made.
+    kept: (u64, Option<Instant>),
+    watcher: Watcher,
+    renderer: Option<Renderer>,
+    /// Since when, and from which frame, pictures follow each other.
+    clock: Option<(Instant, i64)>,
+    closing: bool,
+}
+
+/// What panels hold besides what all see.
+#[derive(Default)]
+pub(crate) struct Panels {
+    pub(crate) canvas: Canvas,
+    pub(crate) viewer: Viewer,
+    pub(crate) properties: Properties,
+    pub(crate) timeline: Timeline,
+    pub(crate) waves: Waves,
+    pub(crate) report: Report,
+    pub(crate) source: Source,
+}
+
+impl Editor {
+    /// An editor of a document. `data` is where copies of unsaved work and the list of recent files are kept; nowhere if
+    /// `None`.
+    ///
+    /// # Errors
+    /// The system gives no thread.
+    pub fn new(context: &Context, session: Session, data: Option<&Path>) -> std::io::Result<Self> {
+        crate::theme::install(context);
+        let wake = context.clone();
+        let worker = Worker::new(move || wake.request_repaint())?;
+        let folder = data.map(|data| data.join("unsaved"));
+        let orphans = folder.as_deref().map(kept).unwrap_or_default();
+        let keeper = folder.as_deref().and_then(|folder| Keeper::new(folder).ok());
+        let recent = data.map(crate::recent::read).unwrap_or_default();
+        let mut editor = Self {
+            tree: layout::first(),
+            panels: Panels::default(),
+            prompts: Prompts::new(data),
+            toasts: Toasts::default(),
+            recent,
+            worker,
+            asked: Asked::default(),
+            keeper,
+            kept: (session.revision(), None),
+            watcher: Watcher::default(),
+            renderer: None,
+            clock: None,
+            closing: false,
+            state: State::new(session),
+        };
+        editor.opened(context);
+        if !orphans.is_empty() {
+            editor.prompts.recover(orphans);
+        }
+        Ok(editor)
+    }
+
+    /// What is open, chosen and seen.
+    pub fn state(&self) -> &State {
+        &self.state
+    }
+
+    /// The title of the window.
+    pub fn title(&self) -> String {
+        let changed = if self.state.session.is_changed() { "● " } else { "" };
+        format!("{changed}{} — Trochoid", self.state.session.title())
+    }
+
+    /// Whether the window may close now.
+    pub fn is_closing(&self) -> bool {
+        self.closing
+    }
+
+    /// Asks to close the window: at once, or after a question about unsaved changes.
+    pub fn close(&mut self, context: &Context) {
+        self.act(Action::Quit, context);
+    }
+
+    /// Draws everything, and does what was asked for.
+    pub fn ui(&mut self, ui: &mut Ui) {
+        let context = ui.ctx().clone();
+        self.hear(&context);
+        let mut actions = Vec::new();
+        if !self.prompts.is_open() {
+            crate::commands::pressed(&context, &self.state, &mut actions);
+        }
+        crate::window::window_ui(self, ui, &mut actions);
+        for action in actions {
+            self.act(action, &context);
+        }
+        self.keep(&context);
+        self.play(&context);
+        self.ask();
+        self.ask_blame();
+    }
+
+    fn opened(&mut self, context: &Context) {
+        self.watcher.watch(self.state.session.file(), context);
+        if let (Some(file), Some(data)) = (self.state.session.file(), self.prompts.data()) {
+            self.recent = crate::recent::add(data, file);
+        }
+        self.panels.canvas = Canvas::default();
+        self.asked.what = None;
+        self.asked.thumbnails = 0;
+        context.request_repaint();
+    }
+
+    fn start(&mut self, session: Session, context: &Context) {
+        self.worker.stop();
+        if let Some(keeper) = &self.keeper {
+            keeper.forget();
+        }
+        self.kept = (session.revision(), None);
+        self.state = State::new(session);
+        self.opened(context);
+    }
+
+    /// Keeps a copy of unsaved work within a second of a change.
+    fn keep(&mut self, context: &Context) {
+        let session = &self.state.session;
+        let Some(keeper) = &self.keeper else { return };
+        if session.revision() == self.kept.0 {
+            return;
+        }
+        if !session.is_changed() {
+            keeper.forget();
+            self.kept = (session.revision(), None);
+            return;
+        }
+        let since = *self.kept.1.get_or_insert_with(Instant::now);
+        match crate::document::keep::AFTER.checked_sub(since.elapsed()) {
+            Some(left) if !left.is_zero() => context.request_repaint_after(left),
+            _ => {
+                keeper.keep(session.file(), session.text());
+                self.kept = (session.revision(), None);
+            }
+        }
+    }
+}

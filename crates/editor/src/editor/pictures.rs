@@ -1,0 +1,251 @@
+//! Pictures are asked for, and taken in.
+
+use super::Editor;
+use crate::evaluate::{Job, News, Question, Subject};
+use crate::state::Past;
+use egui::Context;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+/// What was asked of the worker last.
+#[derive(Default)]
+pub(super) struct Asked {
+    pub(super) generation: u64,
+    pub(super) what: Option<What>,
+    pub(super) display: crate::evaluate::Display,
+    pub(super) thumbnails: u64,
+    pub(super) ahead: Option<(u64, i64)>,
+    /// Picture, frame and place.
+    pub(super) blame: Option<(u64, i64, [f32; 2])>,
+}
+
+/// What a picture is of: revision, node, output, frame, proxy, region.
+type What = (u64, String, usize, i64, u32, Option<[f32; 4]>);
+
+/// Most memory for pictures of frames, bytes.
+const FRAMES: usize = 2 << 30;
+
+impl Editor {
+    /// Goes to the frame that belongs to the time, as far as pictures are there.
+    pub(super) fn play(&mut self, context: &Context) {
+        let state = &mut self.state;
+        if !state.playing {
+            return;
+        }
+        let (first, last) = state.range;
+        let fps = state.sheet().frames.2;
+        let (since, from) = *self.clock.get_or_insert((Instant::now(), state.frame.clamp(first, last)));
+        let count = last - first + 1;
+        let due = from + (since.elapsed().as_secs_f64() * fps) as i64;
+        let due = first + (due - first).rem_euclid(count);
+        let next = if state.frame >= last { first } else { state.frame + 1 };
+        if due != state.frame {
+            if state.seen.frames.contains_key(&due) {
+                state.frame = due;
+            } else {
+                // What is not there yet is waited for: every frame is shown once.
+                self.clock = Some((Instant::now(), next));
+                state.frame = next;
+            }
+        }
+        if state.seen.frames.contains_key(&state.frame) {
+            context.request_repaint_after(Duration::from_secs_f64(0.5 / fps));
+        }
+    }
+
+    /// What the viewer should show.
+    pub(super) fn subject(&self) -> Option<Subject> {
+        let (name, output) = self.state.look.node.as_ref()?;
+        let sheet = self.state.sheet().clone();
+        let node = sheet.find(name)?;
+        let output = (*output).min(sheet.nodes[node].makes.len().saturating_sub(1));
+        let session = &self.state.session;
+        Some(Subject {
+            sheet,
+            revision: session.revision(),
+            node,
+            output,
+            name: session.name(),
+            folder: session.folder(),
+        })
+    }
+
+    /// Asks the worker for what is not there yet.
+    pub(super) fn ask(&mut self) {
+        let Some(subject) = self.subject() else {
+            if self.asked.what.take().is_some() {
+                self.worker.stop();
+                self.state.seen.result = None;
+                self.state.seen.progress = None;
+            }
+            return;
+        };
+        let look = &self.state.look;
+        let name = subject.sheet.nodes[subject.node].name.clone();
+        let what = (subject.revision, name, subject.output, self.state.frame, look.proxy, look.region);
+        let job = |generation: u64, frame: i64, progressive: bool| Job {
+            generation,
+            subject: subject.clone(),
+            frame,
+            proxy: look.proxy,
+            region: look.region,
+            display: look.display,
+            progressive,
+        };
+        if self.asked.what.as_ref() != Some(&what) {
+            let same_but_frame =
+                self.asked.what.as_ref().is_some_and(|old| {
+                    (old.0, &old.1, old.2, old.4, old.5) == (what.0, &what.1, what.2, what.4, what.5)
+                });
+            if !same_but_frame {
+                self.state.seen.frames.clear();
+            }
+            self.asked.generation += 1;
+            self.asked.what = Some(what);
+            self.asked.display = look.display;
+            match self.state.seen.frames.get(&self.state.frame).filter(|seen| seen.display == look.display) {
+                Some(ready) => {
+                    self.state.seen.result = Some(ready.clone());
+                    self.state.seen.failed = None;
+                    self.state.seen.progress = None;
+                }
+                None => {
+                    self.worker.evaluate(job(self.asked.generation, self.state.frame, !self.state.playing));
+                    self.state.seen.progress = Some(0.0);
+                    self.asked.ahead = None;
+                    self.asked.blame = None;
+                }
+            }
+        } else if self.asked.display != look.display {
+            self.asked.display = look.display;
+            self.state.seen.frames.clear();
+            if let Some(result) = &self.state.seen.result {
+                let space = result.lens.graph.space();
+                self.worker.show(self.asked.generation, result.picture.clone(), space, look.display);
+            }
+        }
+        if self.state.seen.progress.is_some() {
+            return;
+        }
+        let revision = subject.revision;
+        if self.asked.thumbnails != revision && !self.state.playing {
+            self.asked.thumbnails = revision;
+            self.worker.thumbnails(subject.clone(), self.state.frame);
+        }
+        // Once there is nothing else to do, the frames that come next.
+        if self.state.playing && self.asked.ahead != Some((revision, self.state.frame)) {
+            self.asked.ahead = Some((revision, self.state.frame));
+            let (first, last) = self.state.range;
+            let count = (last - first + 1).min(64);
+            let next = (1..count).map(|step| first + (self.state.frame - first + step).rem_euclid(last - first + 1));
+            let missing = next.filter(|frame| !self.state.seen.frames.contains_key(frame)).take(8);
+            let jobs: Vec<Job> = missing.map(|frame| job(self.asked.generation, frame, false)).collect();
+            self.worker.ahead(jobs);
+        }
+    }
+
+    /// Asks what the pixel that is inspected is made of, once its picture is finished.
+    pub(super) fn ask_blame(&mut self) {
+        let Some(at) = self.state.look.pick else {
+            self.asked.blame = None;
+            self.state.seen.blame = None;
+            return;
+        };
+        let result = self.state.seen.result.as_ref();
+        let Some(result) = result.filter(|result| result.finished && self.state.seen.progress.is_none()) else {
+            return;
+        };
+        let what = Some((result.generation, result.frame, at));
+        if result.picture.kind == trochoid::Kind::Color && self.asked.blame != what && !self.state.playing {
+            self.asked.blame = what;
+            self.worker.blame(Question {
+                generation: result.generation,
+                subject: result.subject.clone(),
+                frame: result.frame,
+                shrunk: result.shrunk,
+                at,
+            });
+        }
+    }
+
+    /// Takes in what has happened elsewhere.
+    pub(super) fn hear(&mut self, context: &Context) {
+        let news: Vec<News> = self.worker.news().collect();
+        let seen = &mut self.state.seen;
+        for news in news {
+            match news {
+                News::Picture(result) if result.generation == self.asked.generation => {
+                    let result = Arc::new(*result);
+                    seen.failed = None;
+                    // Where the wish for its looks has changed meanwhile, that is asked for anew.
+                    self.asked.display = result.display;
+                    if result.finished {
+                        seen.progress = None;
+                        let audit = &result.picture.audit;
+                        seen.past.push(Past {
+                            node: result.subject.sheet.nodes[result.subject.node].name.clone(),
+                            frame: result.frame,
+                            shrunk: result.shrunk,
+                            seconds: [result.seconds.0.prepare, result.seconds.1],
+                            exits: result.picture.guarantee.map(|_| audit.hull_exits),
+                        });
+                        let most = seen.past.len().saturating_sub(100);
+                        seen.past.drain(..most);
+                        seen.nodes = result.nodes.iter().map(|node| (node.name.clone(), node.clone())).collect();
+                        keep_frame(&mut seen.frames, &result, self.state.frame);
+                    }
+                    seen.result = Some(result);
+                }
+                News::Ahead(result) if result.generation == self.asked.generation => {
+                    keep_frame(&mut seen.frames, &Arc::new(*result), self.state.frame);
+                    self.asked.ahead = None;
+                }
+                News::Shown { generation, display, screen } if generation == self.asked.generation => {
+                    if let Some(result) = &seen.result {
+                        let mut result = crate::evaluate::Result::clone(result);
+                        (result.display, result.screen) = (display, screen);
+                        seen.result = Some(Arc::new(result));
+                    }
+                }
+                News::Progress { generation, share }
+                    if generation == self.asked.generation && seen.progress.is_some() =>
+                {
+                    seen.progress = Some(share);
+                }
+                News::Failed { generation, message } if generation == self.asked.generation => {
+                    seen.failed = Some(message);
+                    seen.progress = None;
+                    seen.result = None;
+                }
+                News::Blame(blamed) if self.asked.blame == Some((blamed.generation, blamed.frame, blamed.at)) => {
+                    seen.blame = Some(*blamed);
+                }
+                News::Thumbnails(all) => {
+                    seen.thumbnails = all.into_iter().map(|one| (one.node, Arc::new(one.screen))).collect();
+                }
+                _ => {}
+            }
+        }
+        if self.watcher.changed() && self.state.session.differs_on_disk() == Some(true) {
+            self.prompts.external();
+        }
+        self.hear_render(context);
+    }
+}
+
+/// Keeps a frame's picture for playing, and lets go of those furthest from the present frame.
+fn keep_frame(
+    frames: &mut std::collections::BTreeMap<i64, Arc<crate::evaluate::Result>>,
+    result: &Arc<crate::evaluate::Result>,
+    present: i64,
+) {
+    frames.insert(result.frame, result.clone());
+    let size = |result: &crate::evaluate::Result| {
+        result.screen.pixels.len() + result.picture.planes.iter().map(|plane| 4 * plane.samples().len()).sum::<usize>()
+    };
+    let mut bytes: usize = frames.values().map(|result| size(result)).sum();
+    while bytes > FRAMES && frames.len() > 1 {
+        let Some(far) = frames.keys().copied().max_by_key(|frame| (frame - present).abs()) else { break };
+        bytes -= frames.remove(&far).map_or(0, |result| size(&result));
+    }
+}
