@@ -15,7 +15,8 @@ pub(crate) fn window_ui(editor: &mut Editor, ui: &mut Ui, actions: &mut Vec<Acti
     Panel::bottom("timeline").show(ui, |ui| {
         crate::timeline::timeline_ui(&mut editor.panels.timeline, ui, &editor.state, actions);
     });
-    egui::CentralPanel::no_frame().show(ui, |ui| {
+    let filled = egui::Frame::new().fill(ui.visuals().panel_fill);
+    egui::CentralPanel::no_frame().frame(filled).show(ui, |ui| {
         let mut drawing = Drawing { state: &editor.state, panels: &mut editor.panels, actions };
         editor.tree.ui(&mut drawing, ui);
     });
