@@ -49,7 +49,6 @@ pub(crate) fn source_ui(source: &mut Source, ui: &mut Ui, state: &State, actions
     }
     ScrollArea::both().auto_shrink(false).show(ui, |ui| {
         let (_, text) = source.draft.get_or_insert_with(|| (session.revision(), session.text().to_string()));
-        // Long documents are laid out by line, and only what is seen is drawn.
         let edit = TextEdit::multiline(text).code_editor().desired_width(f32::INFINITY);
         ui.add(edit);
     });

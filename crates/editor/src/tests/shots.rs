@@ -1,6 +1,5 @@
-//! Pictures of the window, drawn by wgpu: they need a graphics driver, so CI asks for them by name.
+//! Pictures of the window, drawn by wgpu, to be looked at: they need a graphics driver, so they are made on request.
 
-use super::dusk;
 use crate::actions::Action;
 use crate::document::Session;
 use crate::layout::Pane;
@@ -19,23 +18,6 @@ fn still(window: &mut Window) {
     crate::testing::until(window, "thumbnails", |editor| !editor.state().seen.thumbnails.is_empty());
     // Times differ from run to run.
     window.run_steps(8);
-}
-
-#[test]
-#[ignore = "needs a graphics driver"]
-fn snapshot_of_a_small_document() {
-    let mut window = sized(dusk(), None, [1000.0, 640.0]);
-    still(&mut window);
-    act(&mut window, Action::Select(["sky".to_string()].into()));
-    let state = &mut window.state_mut().as_mut().unwrap().state;
-    // What was measured is not the same twice.
-    state.seen.past.clear();
-    state.seen.nodes.clear();
-    window.run_steps(3);
-    window.snapshot("editor_dark");
-    act(&mut window, Action::Theme);
-    act(&mut window, Action::Panel(Pane::Text));
-    window.snapshot("editor_light");
 }
 
 fn graphs() -> PathBuf {
