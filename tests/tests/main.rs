@@ -18,6 +18,7 @@ mod filters;
 mod frames;
 mod golden;
 mod hoisting;
+mod keeping;
 mod library;
 mod light_paths;
 mod lines;

@@ -16,6 +16,7 @@ mod fill;
 mod frame;
 mod inspect;
 mod judge;
+mod keep;
 mod kernel;
 mod left_out;
 mod lower;

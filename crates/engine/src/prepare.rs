@@ -1,17 +1,21 @@
 //! Prepares stages once a frame, and keeps what the next frame can use.
 
+use crate::keep::Filled;
+use crate::plan::Fill;
 use crate::{EvalError, Monitor, Plan};
 use std::collections::HashMap;
 use std::sync::Arc;
 use std::time::Instant;
 use trochoid_graph::{Body, Handle, NodeError, NodeId, Pool, Prepare, Prepared};
 
-/// Content key of the node, the channels wanted, and the state of the files that it depends on.
-type Key = (String, Vec<Vec<bool>>, String);
+/// Content key of the node, the channels wanted, and the state of the files that it depends on; of what it filled, the
+/// picture's format too.
+pub(crate) type Key = (String, Vec<Vec<bool>>, String);
 
-/// What stages prepared, by content key, so that what does not change from frame to frame is not done again.
+/// What stages prepared, by content key, so that what does not change from frame to frame is not done again; with
+/// [`Settings::keep`](crate::Settings::keep) also what they filled.
 ///
-/// Holds at most so many bytes as [`Prepared::bytes`] tells, and drops what was not used for the longest time: when an
+/// Holds at most so many bytes as that and [`Prepared::bytes`] tell, and drops what was not used for the longest time: when an
 /// evaluation prepares, and again when it is done, since files keep blocks decoded meanwhile. What a running evaluation
 /// uses lives on until then, whatever the cache keeps.
 pub struct Cache {
@@ -24,14 +28,29 @@ pub struct Cache {
 }
 
 struct Entry {
-    prepared: Arc<dyn Prepared>,
+    held: Held,
     used: u64,
+}
+
+#[derive(Clone)]
+enum Held {
+    Prepared(Arc<dyn Prepared>),
+    Filled(Arc<Filled>),
+}
+
+impl Held {
+    fn bytes(&self) -> usize {
+        match self {
+            Self::Prepared(prepared) => prepared.bytes(),
+            Self::Filled(filled) => filled.bytes(),
+        }
+    }
 }
 
 /// Bytes that a cache holds unless it is told otherwise.
 const LIMIT: usize = 1 << 30;
 
-/// Entries that a cache holds: few of them count by their bytes, but one may keep a file open.
+/// Prepared stages that a cache holds: few of them count by their bytes, but one may keep a file open.
 const ENTRIES: usize = 256;
 
 impl Default for Cache {
@@ -53,7 +72,7 @@ impl Cache {
 
     /// Memory held, bytes.
     pub fn bytes(&self) -> usize {
-        self.kept.values().map(|entry| entry.prepared.bytes()).sum()
+        self.kept.values().map(|entry| entry.held.bytes()).sum()
     }
 
     /// Drops what nothing has used since the last call of this: between the frames of a sequence, what only the frame before
@@ -63,30 +82,61 @@ impl Cache {
         self.kept.retain(|_, entry| entry.used > mark);
     }
 
+    pub(crate) fn limit(&self) -> usize {
+        self.limit
+    }
+
     /// What is kept under a key, which counts as used.
-    fn touch(&mut self, key: &Key) -> Option<Arc<dyn Prepared>> {
+    fn touch(&mut self, key: &Key) -> Option<Held> {
         self.clock += 1;
         let entry = self.kept.get_mut(key)?;
         entry.used = self.clock;
-        Some(entry.prepared.clone())
+        Some(entry.held.clone())
+    }
+
+    fn prepared(&mut self, key: &Key) -> Option<Arc<dyn Prepared>> {
+        match self.touch(key)? {
+            Held::Prepared(prepared) => Some(prepared),
+            Held::Filled(_) => None,
+        }
+    }
+
+    pub(crate) fn filled(&mut self, key: &Key) -> Option<Arc<Filled>> {
+        match self.touch(key)? {
+            Held::Filled(filled) => Some(filled),
+            Held::Prepared(_) => None,
+        }
     }
 
     fn keep(&mut self, key: Key, prepared: Arc<dyn Prepared>) {
-        self.clock += 1;
-        self.kept.insert(key, Entry { prepared, used: self.clock });
+        self.insert(key, Held::Prepared(prepared));
         self.trim();
+    }
+
+    /// Keeps what a stage filled; [`trim`](Self::trim) comes after the last.
+    pub(crate) fn keep_filled(&mut self, key: Key, filled: Arc<Filled>) {
+        self.insert(key, Held::Filled(filled));
+    }
+
+    fn insert(&mut self, key: Key, held: Held) {
+        self.clock += 1;
+        self.kept.insert(key, Entry { held, used: self.clock });
     }
 
     /// Drops what is too large by itself, then the oldest until the rest is within the limits.
     pub(crate) fn trim(&mut self) {
-        self.kept.retain(|_, entry| entry.prepared.bytes() <= self.limit);
-        let mut ages: Vec<(u64, usize, Key)> =
-            self.kept.iter().map(|(key, entry)| (entry.used, entry.prepared.bytes(), key.clone())).collect();
+        self.kept.retain(|_, entry| entry.held.bytes() <= self.limit);
+        let mut ages: Vec<(u64, usize, bool, Key)> = self
+            .kept
+            .iter()
+            .map(|(key, entry)| (entry.used, entry.held.bytes(), matches!(entry.held, Held::Prepared(_)), key.clone()))
+            .collect();
         ages.sort_by_key(|age| std::cmp::Reverse(age.0));
-        let mut held = 0_usize;
-        for (index, (_, bytes, key)) in ages.into_iter().enumerate() {
+        let (mut held, mut stages) = (0_usize, 0);
+        for (_, bytes, is_prepared, key) in ages {
             held = held.saturating_add(bytes);
-            if held > self.limit || index >= ENTRIES {
+            stages += usize::from(is_prepared);
+            if held > self.limit || (is_prepared && stages > ENTRIES) {
                 self.kept.remove(&key);
             }
         }
@@ -104,6 +154,8 @@ pub(crate) struct Ready {
     pub(crate) prepared: Arc<dyn Prepared>,
     pub(crate) seconds: f64,
     pub(crate) cached: bool,
+    /// The state of the files that it depends on.
+    files: String,
 }
 
 /// Prepares every stage of a plan, inputs first.
@@ -115,7 +167,7 @@ pub(crate) fn prepare(
     let mut ready: HashMap<NodeId, Ready> = HashMap::new();
     let keys = keys(plan);
     // All that this frame uses is used before anything is dropped.
-    let mut known: Vec<Option<Arc<dyn Prepared>>> = keys.iter().map(|key| cache.touch(key)).collect();
+    let mut known: Vec<Option<Arc<dyn Prepared>>> = keys.iter().map(|key| cache.prepared(key)).collect();
     cache.trim();
     for (((id, wanted), key), known) in plan.prepares.iter().zip(keys).zip(&mut known) {
         if monitor.cancelled() {
@@ -124,7 +176,7 @@ pub(crate) fn prepare(
         let node = plan.graph.node(*id);
         let (Body::Stage(stage), Some(settled)) = (node.ty.body(), &plan.settled[id.0]) else { continue };
         let entry = match known.take() {
-            Some(prepared) => Ready { prepared, seconds: 0.0, cached: true },
+            Some(prepared) => Ready { prepared, seconds: 0.0, cached: true, files: key.2 },
             None => {
                 monitor.preparing(&node.name);
                 let started = Instant::now();
@@ -135,13 +187,20 @@ pub(crate) fn prepare(
                 let prepared =
                     stage.prepare(settled, &prepare).map_err(|error| node_error(plan, *id, error, monitor))?;
                 let prepared: Arc<dyn Prepared> = prepared.into();
+                let files = key.2.clone();
                 cache.keep(key, prepared.clone());
-                Ready { prepared, seconds: started.elapsed().as_secs_f64(), cached: false }
+                Ready { prepared, seconds: started.elapsed().as_secs_f64(), cached: false, files }
             }
         };
         ready.insert(*id, entry);
     }
     Ok(ready)
+}
+
+/// The key of what a stage fills over the picture: what it is made of, which channels, and the picture's format.
+pub(crate) fn key_of_filled(plan: &Plan<'_>, fill: &Fill, ready: &Ready) -> Key {
+    let state = format!("filled {:?} {}", plan.context.format, ready.files);
+    (plan.keys[fill.node.0].clone(), fill.wanted.clone(), state)
 }
 
 /// The keys of all that a plan prepares. Files are looked at again, since a plan may be evaluated long after it was made.

@@ -3,6 +3,7 @@
 use crate::bands::{Bands, Rows};
 use crate::frame::{Frame, NodeReport, Phases, Picture, State};
 use crate::judge::Judge;
+use crate::keep::Keeping;
 use crate::kernel::{Chunks, Compiled, WeightAudit};
 use crate::plan::{Feed, Pass, PlannedOutput};
 use crate::prepare::{Ready, prepare};
@@ -163,12 +164,17 @@ impl Plan<'_> {
                 self.outputs.iter().map(|output| self.judge(output, &ready, buffers)).collect();
             let judged = started.elapsed().as_secs_f64();
             let started = Instant::now();
-            let tally = self.tiles(&bands(&ready), &ready, buffers, &judges, monitor);
+            let keeping = Keeping::new(self, &ready, cache);
+            let tally = self.tiles(&bands(&ready), &ready, buffers, (&judges, &keeping), monitor);
+            let known: Vec<NodeId> = keeping.known.keys().copied().collect();
+            if tally.is_ok() {
+                keeping.finish(cache);
+            }
             // What was decoded on demand counts as well.
             cache.trim();
             let tally = tally?;
             let seconds = Phases { prepare: prepared, hull: judged, tiles: started.elapsed().as_secs_f64() };
-            Ok(self.assemble(judges, &tally, &ready, seconds))
+            Ok(self.assemble(judges, &tally, (&ready, &known), seconds))
         })
     }
 
@@ -318,7 +324,7 @@ impl Plan<'_> {
         bands: &Bands<'_>,
         ready: &HashMap<NodeId, Ready>,
         buffers: &Buffers<'_>,
-        judges: &[Option<Arc<Judge>>],
+        (judges, keeping): (&[Option<Arc<Judge>>], &Keeping),
         monitor: &dyn Monitor,
     ) -> Result<Tally, EvalError> {
         let (width, _) = self.tile(ready);
@@ -329,7 +335,7 @@ impl Plan<'_> {
         let stop = AtomicBool::new(false);
         let work = || {
             let mut chunks = Chunks::of(self.passes.iter().flat_map(programs));
-            let mut worker = Worker::new(self, ready, buffers, judges, monitor, chunks.all());
+            let mut worker = Worker::new(self, ready, buffers, (judges, keeping), monitor, chunks.all());
             let mut band = |window: Window, rows: &mut Rows<'_>| {
                 for tile in window.tiles(width, window.height()) {
                     if monitor.cancelled() {
@@ -369,7 +375,7 @@ impl Plan<'_> {
         &self,
         judges: Vec<Option<Arc<Judge>>>,
         tally: &Tally,
-        ready: &HashMap<NodeId, Ready>,
+        ready: (&HashMap<NodeId, Ready>, &[NodeId]),
         seconds: Phases,
     ) -> Frame {
         let pictures = self
@@ -408,7 +414,8 @@ impl Plan<'_> {
         }
     }
 
-    fn node_reports(&self, tally: &Tally, ready: &HashMap<NodeId, Ready>) -> Vec<NodeReport> {
+    /// Of nodes in `known`, what an earlier evaluation filled was used.
+    fn node_reports(&self, tally: &Tally, (ready, known): (&HashMap<NodeId, Ready>, &[NodeId])) -> Vec<NodeReport> {
         // The programs' time is shared out by the cost of each node's operations.
         let mut costs = vec![0.0; self.graph.nodes().len()];
         let mut samples = vec![0u64; costs.len()];
@@ -420,7 +427,7 @@ impl Plan<'_> {
                     samples[origin.0] = taken;
                 }
             }
-            for fill in &pass.fills {
+            for fill in pass.fills.iter().filter(|fill| !known.contains(&fill.node)) {
                 samples[fill.node.0] += taken;
             }
         }

@@ -64,6 +64,10 @@ pub struct Settings {
     pub memory_limit: u64,
     /// The part of the picture to evaluate; all of it if `None`.
     pub region: Option<Window>,
+    /// Whether the cache keeps what stages fill, where the whole picture is evaluated with one sample a pixel and without
+    /// buffers of the caller, so that an edit fills again only what depends on it: for an editor's previews. Takes
+    /// 4 bytes a pixel of every channel that is filled, within the cache's limit.
+    pub keep: bool,
     /// Whether every plane has bounds on its errors beside it, as channels behind its own.
     pub(crate) bounds: bool,
     /// A stage whose own errors count as none, to see what they make of the bounds.
@@ -81,6 +85,7 @@ impl Default for Settings {
             judge: Judging::All,
             memory_limit: 16 << 30,
             region: None,
+            keep: false,
             bounds: false,
             exact: None,
         }

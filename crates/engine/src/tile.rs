@@ -3,6 +3,7 @@
 use crate::bands::Rows;
 use crate::fill::Fills;
 use crate::judge::{Judge, is_judged, nan_count};
+use crate::keep::Keeping;
 use crate::kernel::{Chunk, Look, Machine, Plane, WeightAudit};
 use crate::plan::Pass;
 use crate::prepare::Ready;
@@ -56,7 +57,7 @@ impl<'p> Worker<'p> {
         plan: &'p Plan<'p>,
         ready: &'p HashMap<NodeId, Ready>,
         buffers: &'p Buffers<'p>,
-        judges: &'p [Option<Arc<Judge>>],
+        (judges, keeping): (&'p [Option<Arc<Judge>>], &'p Keeping),
         monitor: &'p dyn Monitor,
         mut chunks: &'p mut [Chunk],
     ) -> Self {
@@ -66,7 +67,8 @@ impl<'p> Worker<'p> {
             .map(|pass| PassState {
                 pass,
                 machine: Machine::new(&pass.program, &mut chunks),
-                fills: Fills::new(plan, ready, buffers, (&pass.fills, pass.sharing), monitor, &mut chunks),
+                fills: Fills::new(plan, ready, buffers, (&pass.fills, pass.sharing), monitor, &mut chunks)
+                    .keeping(keeping),
                 sums: vec![Vec::new(); channel_count(pass)],
                 rows: vec![Vec::new(); channel_count(pass)],
             })

@@ -38,6 +38,18 @@ pub(crate) fn evaluate(graph: &CheckedGraph, frame: i64, buffers: &Buffers<'_>, 
     evaluate_some(graph, &[], frame, buffers, settings)
 }
 
+/// All outputs at a frame, with what a cache kept of earlier evaluations.
+pub(crate) fn evaluate_again(
+    graph: &CheckedGraph,
+    frame: i64,
+    buffers: &Buffers<'_>,
+    settings: &Settings,
+    cache: &mut Cache,
+) -> Frame {
+    let plan = Plan::new(graph, &[], frame, &buffers.names(), settings).unwrap();
+    plan.evaluate(buffers, cache, &Silent).unwrap()
+}
+
 /// Some outputs at a frame.
 pub(crate) fn evaluate_some(
     graph: &CheckedGraph,
@@ -68,7 +80,8 @@ pub(crate) fn settings(change: impl FnOnce(&mut Settings)) -> Settings {
     settings
 }
 
-/// Settings that must not change a bit: every switch alone on and alone off, none, tile sizes, threads.
+/// Settings that must not change a bit: every switch alone on and alone off, none, tile sizes, threads, what is kept from
+/// one evaluation to the next.
 pub(crate) fn variants() -> Vec<(String, Settings)> {
     let mut variants = vec![
         ("all switches off".into(), settings(|s| s.switches = Switches::NONE)),
@@ -87,6 +100,8 @@ pub(crate) fn variants() -> Vec<(String, Settings)> {
             "machine code, 2 threads, tiles of 37 × 3".into(),
             settings(|s| (s.compile_from, s.threads, s.tile) = (0, 2, Some((37, 3)))),
         ),
+        ("what stages fill is kept".into(), settings(|s| (s.keep, s.threads, s.tile) = (true, 2, Some((3, 2))))),
+        ("what stages filled is used".into(), settings(|s| (s.keep, s.tile) = (true, Some((5, 1))))),
         ("off, tiles of 3 × 2".into(), settings(|s| (s.switches, s.tile) = (Switches::NONE, Some((3, 2))))),
     ];
     type Field = fn(&mut Switches) -> &mut bool;
@@ -113,8 +128,13 @@ pub(crate) fn variants() -> Vec<(String, Settings)> {
 /// Evaluates under every variant, holds all bits against the default settings, and gives the latter's frame.
 pub(crate) fn under_all_settings(graph: &CheckedGraph, frame: i64, buffers: &Buffers<'_>, what: &str) -> Frame {
     let expected = evaluate(graph, frame, buffers, &settings(|_| ()));
+    let mut kept = Cache::new();
     for (name, settings) in variants() {
-        let found = evaluate(graph, frame, buffers, &settings);
+        let found = if settings.keep {
+            evaluate_again(graph, frame, buffers, &settings, &mut kept)
+        } else {
+            evaluate(graph, frame, buffers, &settings)
+        };
         for (a, b) in expected.pictures.iter().zip(&found.pictures) {
             let output = &graph.outputs()[a.output].name;
             for (channel, (a, b)) in a.planes.iter().zip(&b.planes).enumerate() {

@@ -296,7 +296,9 @@ impl Hand<'_> {
         let side = |side: u32| ((side as f32 / shrink.max(1.0)).round() as u32).max(1);
         let Ok(format) = Format::new(side(format.width()), side(format.height()), 1) else { return };
         let graph = graph.drawn_at(format);
-        let Ok(plan) = Plan::new(&graph, &[], frame, &[], &Settings::default()) else { return };
+        let mut settings = Settings::default();
+        settings.keep = true;
+        let Ok(plan) = Plan::new(&graph, &[], frame, &[], &settings) else { return };
         let evaluated = match plan.evaluate(&Buffers::new(), &mut self.cache, &monitor) {
             Ok(evaluated) => evaluated,
             Err(EvalError::Cancelled) if self.office.newest.load(Ordering::Relaxed) == stamp => {
@@ -334,6 +336,8 @@ fn evaluate(
     let format = graph.format();
     let mut settings = Settings::default();
     settings.region = job.region.map(|region| part(region, format));
+    // What an edit leaves alone is there at once in coarse pictures.
+    settings.keep = !finished;
     let plan = Plan::new(graph, &[OUTPUT], job.frame, &[], &settings).map_err(|error| because(&error))?;
     let mut frame = match plan.evaluate(&Buffers::new(), cache, monitor) {
         Ok(frame) => frame,

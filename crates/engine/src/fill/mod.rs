@@ -8,6 +8,7 @@ mod runner;
 mod shared;
 
 use crate::certify::fill_with_bounds;
+use crate::keep::{Filled, Keeping};
 use crate::kernel::{Chunk, Compiled, Plane, WeightAudit};
 use crate::plan::{Feed, Fill};
 use crate::prepare::{Ready, node_error};
@@ -43,6 +44,8 @@ pub(crate) struct Fills<'p> {
     sharing: bool,
     /// A row of bounds of what the caller gave: there is no truth but that.
     exact: Vec<f32>,
+    /// What was filled before, and what is to be kept of this.
+    keeping: Option<&'p Keeping>,
 }
 
 struct FillState<'p> {
@@ -145,7 +148,18 @@ impl<'p> Fills<'p> {
             tile: Window::default(),
             sharing,
             exact: if bounding { vec![0.0; picture.width()] } else { Vec::new() },
+            keeping: None,
         }
+    }
+
+    /// Takes from what was filled before, and keeps what is not known yet.
+    pub(crate) fn keeping(self, keeping: &'p Keeping) -> Self {
+        Self { keeping: Some(keeping), ..self }
+    }
+
+    /// What an earlier evaluation filled.
+    fn known(&self, node: NodeId) -> Option<&'p Filled> {
+        self.keeping?.known.get(&node).map(|filled| &**filled)
     }
 
     /// Fills every stage over what a tile needs of it, for a sample of the pixels by its number and offset; adds the time
@@ -200,7 +214,8 @@ impl<'p> Fills<'p> {
         let format = self.plan.graph.format();
         self.tile = tile;
         for state in &mut self.fills {
-            state.need = if state.fill.read { tile } else { Window::default() };
+            let is_kept = self.keeping.is_some_and(|keeping| keeping.wants(state.fill.node));
+            state.need = if state.fill.read || is_kept { tile } else { Window::default() };
             state.tap_window = Window::default();
         }
         for index in (0..self.fills.len()).rev() {
@@ -215,7 +230,8 @@ impl<'p> Fills<'p> {
                 state.window = state.need;
             }
             let is_everywhere = state.fill.shared.as_ref().is_some_and(Vec::is_empty);
-            if state.need.is_empty() || (is_shared && is_everywhere) {
+            let is_known = self.keeping.is_some_and(|keeping| keeping.known.contains_key(&state.fill.node));
+            if state.need.is_empty() || is_known || (is_shared && is_everywhere) {
                 continue;
             }
             let Some((stage, settled)) = state.stage else { continue };
@@ -270,6 +286,12 @@ impl<'p> Fills<'p> {
             return Plane { samples, start: start(picture, stride), stride };
         }
         match self.by_slot.get(slot).and_then(|&index| fills.get(index)) {
+            Some(state) if let Some(filled) = self.known(state.fill.node) => {
+                let picture = self.plan.graph.format().window();
+                let stride = picture.width();
+                let samples = &filled.planes[slot.output][slot.channel];
+                Plane { samples, start: start(picture, stride), stride }
+            }
             Some(state) => {
                 let stride = if state.one_row { 0 } else { state.window.width() };
                 let samples = &state.planes[slot.output][slot.channel];
@@ -281,7 +303,8 @@ impl<'p> Fills<'p> {
 
     /// Fills one stage's planes.
     fn stage(&mut self, index: usize, (sample, offset): (usize, [f64; 2])) -> Result<(), NodeError> {
-        if self.is_bound(self.fills[index].fill.node) {
+        let node = self.fills[index].fill.node;
+        if self.is_bound(node) || self.known(node).is_some() {
             return Ok(());
         }
         self.fills[index].kept.indices.clear();
@@ -303,6 +326,10 @@ impl<'p> Fills<'p> {
         }
         (state.planes, state.taps) = (planes, machine);
         state.found = filled?;
+        if let Some(keeping) = self.keeping {
+            let state = &self.fills[index];
+            keeping.take(node, (self.tile, state.window), self.plan.graph.format().window(), &state.planes);
+        }
         Ok(())
     }
 

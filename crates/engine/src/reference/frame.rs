@@ -77,7 +77,7 @@ impl Plan<'_> {
             pictures.iter_mut().for_each(Vec::clear);
         }
         let seconds = Phases { prepare, hull: 0.0, tiles: started.elapsed().as_secs_f64() };
-        let mut frame = self.assemble(judges, &tally, &ready, seconds);
+        let mut frame = self.assemble(judges, &tally, (&ready, &[]), seconds);
         for (picture, planes) in frame.pictures.iter_mut().zip(pictures) {
             picture.planes = planes;
         }

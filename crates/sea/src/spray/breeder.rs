@@ -3,11 +3,16 @@
 use super::birth::{Birth, Candidate, Water};
 use super::{MAX_DROPS, Spray, SprayError};
 use crate::{Fields, Grid, GridPlan, Points, Sea, SeaFrame, Wanted};
+use rayon::prelude::*;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Error of the sea on the grid that is good enough, since what it leaves in doubt is decided in f64.
 const TOLERANCE: f64 = 1e-3;
 /// By how many times a strain may miss its method's error before a decision could be wrong.
 const DOUBT: f64 = 4.0;
+
+/// Cells, and drops, that a thread takes at a time.
+const CHUNK: usize = 512;
 
 /// What births of a sea need, kept from step to step.
 pub(crate) struct Breeder<'a> {
@@ -51,33 +56,50 @@ impl<'a> Breeder<'a> {
         if stop() {
             return Err(SprayError::Stopped);
         }
-        let mut chosen: Vec<Candidate> = Vec::new();
-        for (index, cell) in spray.cells().iter().enumerate() {
-            if index % 1024 == 0 && stop() {
-                return Err(SprayError::Stopped);
-            }
+        let cells: Vec<[i64; 2]> = spray.cells().iter().collect();
+        let total = AtomicUsize::new(0);
+        let chosen: Result<Vec<Vec<Candidate>>, SprayError> = cells
+            .par_chunks(CHUNK)
+            .enumerate()
+            .map(|(chunk, cells)| {
+                if stop() {
+                    return Err(SprayError::Stopped);
+                }
+                let chosen = self.chosen(&frame, step, chunk * CHUNK, cells);
+                // Counted meanwhile, so that too many are never held.
+                let before = total.fetch_add(chosen.len(), Ordering::Relaxed);
+                if before + chosen.len() > MAX_DROPS { Err(SprayError::Drops) } else { Ok(chosen) }
+            })
+            .collect();
+        let chosen = chosen?.concat();
+        // Each drop is the same whoever else is in its chunk.
+        Ok(chosen.par_chunks(CHUNK).flat_map_iter(|chosen| self.births(&frame, chosen)).collect())
+    }
+
+    /// The candidates of some cells, the first of which has this index, that are born.
+    fn chosen(&self, frame: &SeaFrame, step: i64, first: usize, cells: &[[i64; 2]]) -> Vec<Candidate> {
+        let spray = self.spray;
+        let mut chosen = Vec::new();
+        for (index, cell) in (first..).zip(cells) {
             let (jacobian, doubt) = self.jacobian(index);
             if jacobian - doubt >= spray.threshold {
                 continue;
             }
             let mut exact = None;
-            spray.candidates(cell, step, |candidate, needed| {
+            spray.candidates(*cell, step, |candidate, needed| {
                 // Anything that is not a number is in doubt too.
                 let certain = (jacobian - needed).abs() > doubt;
                 let born = if certain {
                     jacobian < needed
                 } else {
-                    *exact.get_or_insert_with(|| frame.evaluate(spray.middle(cell), spray.cell).jacobian()) < needed
+                    *exact.get_or_insert_with(|| frame.evaluate(spray.middle(*cell), spray.cell).jacobian()) < needed
                 };
                 if born {
                     chosen.push(candidate);
                 }
             });
-            if chosen.len() > MAX_DROPS {
-                return Err(SprayError::Drops);
-            }
         }
-        Ok(self.births(&frame, &chosen))
+        chosen
     }
 
     /// det J at a cell's middle, and how far off it may be.

@@ -4,6 +4,7 @@ use super::birth::{Birth, Droplet};
 use super::breeder::Breeder;
 use super::{MAX_DROPS, Spray, SprayError};
 use crate::Sea;
+use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -66,8 +67,11 @@ impl SprayRun {
     /// More than [`MAX_DROPS`], or [`SprayError::Stopped`].
     pub fn at_unless(&self, time: f64, stop: &(dyn Fn() -> bool + Sync)) -> Result<Vec<Droplet>, SprayError> {
         let steps = self.births(time, stop)?;
-        let born = steps.iter().flat_map(|births| births.iter().copied()).chain(self.spray.thrown(time));
-        Ok(born.filter_map(|birth| self.spray.droplet(&birth, self.level, time)).collect())
+        let droplet = |birth: &Birth| self.spray.droplet(birth, self.level, time);
+        let mut drops: Vec<Droplet> =
+            steps.par_iter().flat_map_iter(|births| births.iter().filter_map(droplet)).collect();
+        drops.extend(self.spray.thrown(time).filter_map(|birth| droplet(&birth)));
+        Ok(drops)
     }
 
     /// The births of every step that matters at a time.

@@ -1,0 +1,109 @@
+//! What stages filled is kept for the next evaluation: it changes no bit, an edit fills again only what depends on it, and
+//! no file or buffer that has changed is missed.
+
+use crate::support::{all_bits, evaluate, evaluate_again, graph, graph_in, settings, write_exr};
+use trochoid::{Buffers, Cache, CheckedGraph, Format, Frame, Settings, Window};
+
+/// Two blurred passes, of which one depends on a color, and a program behind both.
+fn painting(dark: &str, size: f64) -> CheckedGraph {
+    let nodes = format!(
+        r##""x": {{ "type": "ScreenX" }},
+        "tooth": {{ "type": "Noise", "scale": 0.3 }},
+        "soft": {{ "type": "Blur", "image": "tooth", "size": 1.5 }},
+        "t": {{ "type": "Clamp", "field": "soft", "min": 0.2, "max": 0.8 }},
+        "paint": {{ "type": "Mix", "a": "{dark}", "b": "#f0e0a0", "weight": "x" }},
+        "smear": {{ "type": "Blur", "image": "paint", "size": {size} }},
+        "out": {{ "type": "Mix", "a": "smear", "b": "#804020", "weight": "t" }}"##
+    );
+    graph(r#""width": 40, "height": 24"#, &nodes, r#""out": { "color": "out" }"#)
+}
+
+fn keeping() -> Settings {
+    settings(|s| (s.keep, s.threads, s.tile) = (true, 2, Some((16, 4))))
+}
+
+/// Samples that a node computed.
+fn computed(frame: &Frame, node: &str) -> u64 {
+    frame.nodes.iter().find(|report| report.name == node).unwrap().pixels
+}
+
+fn again(graph: &CheckedGraph, settings: &Settings, cache: &mut Cache) -> Frame {
+    let frame = evaluate_again(graph, 1, &Buffers::new(), settings, cache);
+    let plain = evaluate(graph, 1, &Buffers::new(), &self::settings(|_| ()));
+    assert!(all_bits(&frame) == all_bits(&plain), "other bits than without anything kept");
+    frame
+}
+
+#[test]
+fn an_edit_fills_again_only_what_depends_on_it() {
+    let mut cache = Cache::new();
+    let area = 40 * 24;
+    let frame = again(&painting("#102030", 2.0), &keeping(), &mut cache);
+    assert_eq!(["tooth", "soft", "smear"].map(|node| computed(&frame, node)), [area; 3]);
+    let frame = again(&painting("#304050", 2.0), &keeping(), &mut cache);
+    assert_eq!(["tooth", "soft", "smear"].map(|node| computed(&frame, node)), [0, 0, area]);
+    // The color of before is known still, but not under another filter.
+    let frame = again(&painting("#102030", 2.0), &keeping(), &mut cache);
+    assert_eq!(["tooth", "soft", "smear"].map(|node| computed(&frame, node)), [0; 3]);
+    let frame = again(&painting("#102030", 2.25), &keeping(), &mut cache);
+    assert_eq!(["tooth", "soft", "smear"].map(|node| computed(&frame, node)), [0, 0, area]);
+    // At another size everything is another picture.
+    let smaller = painting("#102030", 2.25).with_format(Format::new(20, 12, 1).unwrap());
+    let frame = again(&smaller, &keeping(), &mut cache);
+    assert_eq!(["tooth", "soft", "smear"].map(|node| computed(&frame, node)), [area / 4; 3]);
+}
+
+#[test]
+fn several_samples_parts_and_buffers_are_never_kept() {
+    let mut cache = Cache::new();
+    let graph = painting("#102030", 2.0);
+    again(&graph, &keeping(), &mut cache);
+    let part = settings(|s| (s.keep, s.region) = (true, Some(Window::new(3, 3, 9, 9))));
+    assert_eq!(computed(&evaluate_again(&graph, 1, &Buffers::new(), &part, &mut cache), "soft"), 36);
+    let several = graph.clone().with_format(Format::new(40, 24, 4).unwrap());
+    for _ in 0..2 {
+        assert_eq!(computed(&again(&several, &keeping(), &mut cache), "soft"), 4 * 40 * 24);
+    }
+    let held = cache.bytes();
+    for level in [0.25_f32, 0.5] {
+        let plane = vec![level; 40 * 24];
+        let buffers = Buffers::new().with("x", &[&plane]);
+        let frame = evaluate_again(&graph, 1, &buffers, &keeping(), &mut cache);
+        assert!(all_bits(&frame) == all_bits(&evaluate(&graph, 1, &buffers, &settings(|_| ()))), "x of {level}");
+    }
+    assert_eq!(cache.bytes(), held, "what depends on the caller's buffers is not kept");
+}
+
+#[test]
+fn a_changed_file_is_read_again_by_the_same_plan() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.exr");
+    let text = r##"{ "trochoid": 1, "format": { "width": 6, "height": 2 },
+        "nodes": { "read": { "type": "Read", "file": "a.exr", "as": "weights", "channels": ["m"] },
+            "soft": { "type": "Blur", "image": "read", "size": 1 },
+            "out": { "type": "Mix", "a": "#000", "b": "#fff", "weight": "soft" } },
+        "outputs": { "out": { "color": "out" } } }"##;
+    let mut cache = Cache::new();
+    write_exr(&path, 6, 2, &[("m", &[0.25; 12])]);
+    let graph = graph_in(folder.path(), text);
+    let plan = trochoid::Plan::new(&graph, &[], 1, &[], &keeping()).unwrap();
+    let mut level = || {
+        let frame = plan.evaluate(&Buffers::new(), &mut cache, &trochoid::Silent).unwrap();
+        frame.pictures[0].planes[0].samples()[0]
+    };
+    let before = level();
+    assert_eq!(level().to_bits(), before.to_bits());
+    // Another length, so that it is another file however coarse the clock is.
+    write_exr(&path, 6, 2, &[("m", &[0.75; 12]), ("n", &[0.5; 12])]);
+    assert!(level() > 2.0 * before);
+}
+
+#[test]
+fn nothing_is_kept_beyond_the_limit() {
+    let graph = painting("#102030", 2.0);
+    let mut cache = Cache::with_limit(5000);
+    for _ in 0..3 {
+        again(&graph, &keeping(), &mut cache);
+        assert!(cache.bytes() <= 5000);
+    }
+}
