@@ -20,6 +20,8 @@ pub enum OpenError {
 
 struct App {
     editor: Editor,
+    /// As the system was told last: it may not tell, and every command asks for another frame.
+    title: String,
 }
 
 impl eframe::App for App {
@@ -32,8 +34,9 @@ impl eframe::App for App {
         }
         self.editor.ui(ui);
         let title = self.editor.title();
-        if context.input(|input| input.viewport().title.as_deref() != Some(title.as_str())) {
-            context.send_viewport_cmd(egui::ViewportCommand::Title(title));
+        if self.title != title {
+            context.send_viewport_cmd(egui::ViewportCommand::Title(title.clone()));
+            self.title = title;
         }
     }
 }
@@ -60,7 +63,7 @@ pub fn open(document: Option<&Path>) -> Result<(), OpenError> {
     let data = eframe::storage_dir("trochoid");
     let create = move |creation: &eframe::CreationContext<'_>| {
         let editor = Editor::new(&creation.egui_ctx, session, data.as_deref())?;
-        let app: Box<dyn eframe::App> = Box::new(App { editor });
+        let app: Box<dyn eframe::App> = Box::new(App { editor, title: String::new() });
         Ok(app)
     };
     eframe::run_native("trochoid", options, Box::new(create)).map_err(|error| OpenError::Window(error.to_string()))

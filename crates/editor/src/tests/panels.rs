@@ -118,3 +118,19 @@ fn a_sea_shows_its_waves() {
     act(&mut window, set(0.1));
     window.get_by_label_contains("Crests do not fold over");
 }
+
+#[test]
+fn a_window_at_rest_draws_nothing() {
+    let mut window = window(dusk(), None);
+    finished(&mut window);
+    // What comes after the picture comes soon: small pictures of nodes, fades.
+    let started = std::time::Instant::now();
+    let mut quiet = 0;
+    while quiet < 10 {
+        window.step();
+        quiet = if window.ctx.has_requested_repaint() { 0 } else { quiet + 1 };
+        std::thread::sleep(std::time::Duration::from_millis(2));
+        let causes = window.ctx.repaint_causes();
+        assert!(started.elapsed().as_secs() < 60, "still asked for frames: {causes:?}");
+    }
+}
