@@ -44,10 +44,20 @@ pub(super) fn space(state: &State) -> WorkingSpace {
     WorkingSpace::from_name(name).unwrap_or_default()
 }
 
+/// A button in a color, sRGB values of 0 to 1, that opens a picker for it.
+pub(super) fn picker_ui(ui: &mut Ui, color: &mut [f32; 3]) -> Response {
+    let mut bytes = color.map(|value| (value.clamp(0.0, 1.0) * 255.0).round() as u8);
+    let button = egui::color_picker::color_edit_button_srgb(ui, &mut bytes);
+    if button.changed() {
+        *color = bytes.map(|value| f32::from(value) / 255.0);
+    }
+    button
+}
+
 /// A color: a swatch that opens a picker, its text, and the dropper.
 pub(super) fn color_ui(ui: &mut Ui, value: &mut Value, place: &Place<'_>, actions: &mut Vec<Action>) -> Response {
     let mut shown = display(value, space(place.state)).unwrap_or_default();
-    let swatch = egui::color_picker::color_edit_button_rgb(ui, &mut shown);
+    let swatch = picker_ui(ui, &mut shown);
     if swatch.changed() {
         *value = json!(hex(shown));
     }

@@ -116,15 +116,19 @@ fn node_ui(panel: &mut Properties, ui: &mut Ui, state: &State, name: &str, actio
     ui.separator();
     let path = Path::node(name);
     let body = sheet.get(&path);
-    if ramp::is_ramp(declaration.items) {
-        ramp::ramp_ui(ui, state, &path, actions);
-    }
-    if node.ty == "Patch" {
-        surface::patch_ui(ui, state, &path, actions);
-    }
-    items_ui(panel, ui, state, (declaration.items, &path, body), actions);
-    ui.separator();
-    notes_ui(ui, state, &path, actions);
+    // Faults come and go above while a number is typed or dragged: the field stays in the hand all the same.
+    let own = egui::UiBuilder::new().id(ui.id().with(("knobs", name)));
+    ui.scope_builder(own, |ui| {
+        if ramp::is_ramp(declaration.items) {
+            ramp::ramp_ui(ui, state, &path, actions);
+        }
+        if node.ty == "Patch" {
+            surface::patch_ui(ui, state, &path, actions);
+        }
+        items_ui(panel, ui, state, (declaration.items, &path, body), actions);
+        ui.separator();
+        notes_ui(ui, state, &path, actions);
+    });
 }
 
 /// Why a node cannot have this name.

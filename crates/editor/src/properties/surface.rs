@@ -60,7 +60,7 @@ pub(super) fn patch_ui(ui: &mut Ui, state: &State, path: &Path, actions: &mut Ve
         let Some(mut shown) = literal else { continue };
         let mut own = ui.new_child(egui::UiBuilder::new().max_rect(spot).id_salt(index));
         own.spacing_mut().interact_size = vec2(18.0, 18.0);
-        let button = egui::color_picker::color_edit_button_rgb(&mut own, &mut shown);
+        let button = color::picker_ui(&mut own, &mut shown);
         if button.changed() {
             let own = place.to(index);
             let edit = Edit::set(own.clone(), &json!(color::hex(shown))).merging(own.to_string());

@@ -2,6 +2,7 @@ mod files;
 mod keys;
 mod panels;
 mod shots;
+mod snapshots;
 
 use crate::document::Session;
 

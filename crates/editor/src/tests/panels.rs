@@ -59,6 +59,28 @@ fn a_name_is_typed_and_everything_follows() {
 }
 
 #[test]
+fn a_number_is_typed_also_where_its_beginning_is_a_fault() {
+    let text = DUSK.replace(
+        r#""down": {"#,
+        r#""band": { "type": "Clamp", "field": "down", "min": 0.25, "max": 0.75 },
+    "down": {"#,
+    );
+    let text = text.replace(r#""weight": "down""#, r#""weight": "band""#);
+    let mut window = window(Session::new(text, None), None);
+    choose(&mut window, "band");
+    window.get_by_value("0.75").focus();
+    window.run_steps(2);
+    // One after the other: what is wrong meanwhile is said above the field, and moves it.
+    for (key, max) in [("0", 0.0), (".", 0.0), ("5", 0.5)] {
+        window.event(egui::Event::Text(key.into()));
+        window.run_steps(3);
+        let sheet = editor(&window).state().sheet();
+        let found = sheet.get(&Path::node("band").to("max")).and_then(serde_json::Value::as_f64);
+        assert_eq!(found, Some(max), "after \"{key}\"");
+    }
+}
+
+#[test]
 fn a_faulty_document_says_where() {
     let mut window = window(Session::new(DUSK.replace("\"sky\", \"b\"", "\"skyy\", \"b\""), None), None);
     finished(&mut window);
