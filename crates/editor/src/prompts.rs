@@ -117,7 +117,7 @@ fn files_ui(editor: &mut Editor, context: &Context) {
         match asking {
             Asking::Open => editor.go(After::Open(file), context),
             Asking::Save(after) => {
-                editor.save(&file);
+                editor.save(&file, context);
                 if let Some(after) = after.filter(|_| !editor.state().session.is_changed()) {
                     editor.go(after, context);
                 }
@@ -153,7 +153,7 @@ fn unsaved_ui(editor: &mut Editor, context: &Context, after: After) -> Option<Pr
             let file = editor.state().session.file().map(Path::to_path_buf);
             match file {
                 Some(file) => {
-                    editor.save(&file);
+                    editor.save(&file, context);
                     if !editor.state().session.is_changed() {
                         editor.go(after, context);
                     }

@@ -43,6 +43,8 @@ pub struct Editor {
     kept: (u64, Option<Instant>),
     watcher: Watcher,
     renderer: Option<Renderer>,
+    /// Nodes that were copied here, and the folder that their paths are relative to.
+    copied: Option<(String, PathBuf)>,
     /// Since when, and from which frame, pictures follow each other.
     clock: Option<(Instant, i64)>,
     closing: bool,
@@ -86,6 +88,7 @@ impl Editor {
             kept: (session.revision(), None),
             watcher: Watcher::default(),
             renderer: None,
+            copied: None,
             clock: None,
             closing: false,
             state: State::new(session),
