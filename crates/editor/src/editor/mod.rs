@@ -105,6 +105,19 @@ impl Editor {
         &self.state
     }
 
+    /// What is kept of the window until the editor starts next.
+    pub fn kept_window(&self, context: &Context) -> String {
+        layout::written(&self.tree, context.options(|options| options.theme_preference))
+    }
+
+    /// Lays the window out as it was kept; one that cannot be read stays as it is at first.
+    pub fn restore(&mut self, kept: &str, context: &Context) {
+        if let Some((tree, theme)) = layout::read(kept) {
+            self.tree = tree;
+            context.set_theme(theme);
+        }
+    }
+
     /// The title of the window.
     pub fn title(&self) -> String {
         let changed = if self.state.session.is_changed() { "● " } else { "" };
