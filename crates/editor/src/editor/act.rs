@@ -3,7 +3,7 @@
 use super::Editor;
 use crate::actions::Action;
 use crate::document::keep::Kept;
-use crate::document::{Edit, Session, edit, relocate};
+use crate::document::{Edit, Session, Standing, edit, relocate};
 use crate::layout;
 use crate::render::Renderer;
 use crate::state::State;
@@ -78,10 +78,7 @@ impl Editor {
             Action::Open => self.leave(After::Ask, context),
             Action::OpenFile(file) => self.leave(After::Open(file), context),
             Action::Quit => self.leave(After::Close, context),
-            Action::Save => match state.session.file().map(Path::to_path_buf) {
-                Some(file) => self.save(&file, context),
-                None => self.prompts.ask_save(&state.session, None),
-            },
+            Action::Save => self.store(None, context),
             Action::SaveAs => self.prompts.ask_save(&state.session, None),
             Action::Reload => match state.session.reload() {
                 Ok(()) => self.changed(),
@@ -208,8 +205,19 @@ impl Editor {
         }
     }
 
-    /// Saves to a file; whether it worked.
-    pub(crate) fn save(&mut self, file: &Path, context: &Context) {
+    /// Saves to the document's file, or asks where to; goes on to something else then.
+    pub(crate) fn store(&mut self, after: Option<After>, context: &Context) {
+        let session = &self.state.session;
+        let newer = Standing::of(&session.sheet().value).is_newer();
+        match session.file().map(Path::to_path_buf) {
+            Some(_) if newer && session.is_changed() => self.prompts.newer(after),
+            Some(file) => self.save(&file, after, context),
+            None => self.prompts.ask_save(session, after),
+        }
+    }
+
+    /// Saves to a file, and goes on to something else where that worked.
+    pub(crate) fn save(&mut self, file: &Path, after: Option<After>, context: &Context) {
         let moves = self.state.session.file() != Some(file);
         // The watcher tells of this write too; it is what we know already then.
         match self.state.session.save(file) {
@@ -227,6 +235,9 @@ impl Editor {
                 }
                 if let Some(data) = self.prompts.data() {
                     self.recent = crate::recent::add(data, file);
+                }
+                if let Some(after) = after {
+                    self.go(after, context);
                 }
             }
             Err(error) => {

@@ -162,7 +162,7 @@ fn a_document_saved_elsewhere_shows_the_same_picture_and_says_what_it_rewrote() 
     finished(&mut window);
     let context = window.ctx.clone();
     let file = other.join("copy.json");
-    window.state_mut().as_mut().unwrap().save(&file, &context);
+    window.state_mut().as_mut().unwrap().save(&file, None, &context);
     window.run_steps(3);
     assert_eq!(editor(&window).toasts.len(), 2, "that it is saved, and what was rewritten");
     finished(&mut window);

@@ -2,6 +2,7 @@ mod files;
 mod keys;
 mod panels;
 mod shots;
+mod versions;
 
 use crate::document::Session;
 
