@@ -1,5 +1,6 @@
 //! One open document: its text, what became of it, and what it means.
 
+use super::decor;
 use super::edit::Edit;
 use super::history::{Change, History};
 use super::json::{Misplaced, Splice, splice};
@@ -175,6 +176,7 @@ impl Session {
     /// # Errors
     /// It names a place that is not there; nothing changes then.
     pub fn edit(&mut self, edit: Edit) -> Result<(), Misplaced> {
+        let edit = decor::following(self.sheet(), edit);
         let (text, splices) = applied(&self.text, &edit)?;
         if splices.is_empty() {
             return Ok(());
