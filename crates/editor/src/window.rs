@@ -121,7 +121,7 @@ fn status_ui(state: &State, ui: &mut Ui, actions: &mut Vec<Action>) {
             let culprit = meaning.errors().find_map(|fault| fault.node.clone());
             if label.clicked() {
                 match culprit {
-                    Some(node) => actions.extend([Action::Select([node].into()), Action::Frames]),
+                    Some(node) => actions.push(Action::Visit(node)),
                     None => actions.push(Action::Panel(Pane::Text)),
                 }
             }

@@ -51,6 +51,11 @@ impl Editor {
                 }
             }
             Action::Select(names) => state.selection = names,
+            Action::Visit(name) => {
+                state.selection = [name].into();
+                layout::bring(&mut self.tree, crate::layout::Pane::Canvas);
+                self.panels.canvas.frame();
+            }
             Action::Look(node, output) => state.look.node = Some((node, output)),
             Action::Slot(slot) => {
                 if let Some(name) = state.chosen().map(String::from) {
@@ -91,7 +96,7 @@ impl Editor {
                 context.copy_text(text.clone());
                 self.copied = Some((text, self.state.session.folder()));
                 if action == Action::Cut {
-                    self.edit(edit::deleted(&sheet, &names));
+                    self.edit(crate::canvas::deleting(&sheet, &names));
                 }
             }
             Action::Paste(text, at) => match edit::pasted(&sheet, &self.carried(text), at) {
@@ -112,7 +117,7 @@ impl Editor {
             }
             Action::Delete => {
                 self.panels.canvas.forget_cursor();
-                self.edit(edit::deleted(&sheet, &names));
+                self.edit(crate::canvas::deleting(&sheet, &names));
                 self.state.selection.clear();
             }
             Action::Disable => self.edit(edit::disabled(&sheet, &names)),

@@ -6,6 +6,7 @@ mod pictures;
 
 use crate::actions::Action;
 use crate::canvas::Canvas;
+use crate::commands::Space;
 use crate::document::Session;
 use crate::document::keep::{Keeper, kept};
 use crate::evaluate::Worker;
@@ -47,6 +48,7 @@ pub struct Editor {
     copied: Option<(String, PathBuf)>,
     /// Since when, and from which frame, pictures follow each other.
     clock: Option<(Instant, i64)>,
+    space: Space,
     closing: bool,
 }
 
@@ -90,6 +92,7 @@ impl Editor {
             renderer: None,
             copied: None,
             clock: None,
+            space: Space::default(),
             closing: false,
             state: State::new(session),
         };
@@ -139,8 +142,13 @@ impl Editor {
         let context = ui.ctx().clone();
         self.hear(&context);
         let mut actions = Vec::new();
-        if !self.prompts.is_open() {
+        if self.prompts.is_open() {
+            self.space = Space::default();
+        } else {
             crate::commands::pressed(&context, &self.state, &mut actions);
+            if self.space.plays(&context) {
+                actions.push(Action::Play(!self.state.playing));
+            }
         }
         crate::window::window_ui(self, ui, &mut actions);
         for action in actions {

@@ -103,6 +103,14 @@ fn node_ui(panel: &mut Properties, ui: &mut Ui, state: &State, name: &str, actio
             ui.label(RichText::new(&fault.remedy).italics());
         }
     }
+    let above = sheet.find(name).and_then(|node| state.fault_of(node)).filter(|(culprit, _)| *culprit != name);
+    if let Some((culprit, fault)) = above {
+        let text = format!("Error above, in {culprit}: found {}; expected {}", fault.found, fault.expected);
+        let link = ui.link(RichText::new(text).color(crate::theme::error(ui.visuals())));
+        if link.on_hover_text("Leads to that node.").clicked() {
+            actions.push(Action::Visit(culprit.into()));
+        }
+    }
     let Some(declaration) = node.declaration else {
         ui.label("No node has this type. It stays in the document as it is.");
         return;

@@ -114,7 +114,10 @@ fn disconnect(place: &Place<'_>, actions: &mut Vec<Action>) {
     let [_, crate::document::Step::Key(name), steps @ ..] = place.path.0.as_slice() else { return };
     let Some(node) = sheet.find(name) else { return };
     match sheet.nodes[node].pin(steps) {
-        Some(pin) => actions.push(Action::Edit(edit::disconnected(sheet, (node, pin)))),
+        Some(pin) => {
+            let edit = edit::disconnected(sheet, (node, pin));
+            actions.push(Action::Edit(crate::canvas::freezing(sheet, edit)));
+        }
         None => actions.push(Action::Edit(Edit::reset(Path(place.path.0.clone())))),
     }
 }
