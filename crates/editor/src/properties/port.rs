@@ -44,7 +44,7 @@ fn source_ui(
     let sheet = place.state.sheet();
     let connected = place.value.and_then(Value::as_str).filter(|text| !text.starts_with('#'));
     let mut curve = None;
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         let label = label_ui(ui, name, &format!("{}\n\nTakes a {}.", port.help, port.accepts), place.value.is_some());
         label.context_menu(|ui| {
             if ui.add_enabled(place.value.is_some(), Button::new("Remove")).clicked() {

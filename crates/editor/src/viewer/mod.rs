@@ -23,6 +23,7 @@ use hull::Space;
 use near::Near;
 use picture::{Image, Stage, View, part, place, share};
 use serde_json::json;
+use std::collections::HashMap;
 use trochoid::Kind;
 
 /// What the viewer holds besides what all see.
@@ -38,6 +39,8 @@ pub(crate) struct Viewer {
     /// Whether the next drag in the picture frames the region.
     frames_region: bool,
     drag: Option<Drag>,
+    /// How wide parts of the line above the picture were when they were drawn last.
+    widths: HashMap<(toolbar::Group, u8), f32>,
     /// What was inspected before the last click, which may turn out to be the first of two.
     before: Option<[f32; 2]>,
 }
