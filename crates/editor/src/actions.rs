@@ -20,6 +20,8 @@ pub enum Action {
     Redo,
     /// Choose these nodes and no others.
     Select(BTreeSet<String>),
+    /// Choose this node and no other, and show it in the graph.
+    Visit(String),
     /// Show an output of a node.
     Look(String, usize),
     /// Show what is under a key from 1 to 9; with a node chosen, put that there first.

@@ -18,10 +18,24 @@ pub enum OpenError {
     Window(String),
 }
 
+/// Under which key the window is kept.
+const KEY: &str = "window";
+
 struct App {
     editor: Editor,
     /// As the system was told last: it may not tell, and every command asks for another frame.
     title: String,
+    context: egui::Context,
+}
+
+impl App {
+    /// An editor, its window as it was kept.
+    fn new(mut editor: Editor, context: egui::Context, storage: Option<&dyn eframe::Storage>) -> Self {
+        if let Some(kept) = storage.and_then(|storage| storage.get_string(KEY)) {
+            editor.restore(&kept, &context);
+        }
+        Self { editor, title: String::new(), context }
+    }
 }
 
 impl eframe::App for App {
@@ -38,6 +52,10 @@ impl eframe::App for App {
             context.send_viewport_cmd(egui::ViewportCommand::Title(title.clone()));
             self.title = title;
         }
+    }
+
+    fn save(&mut self, storage: &mut dyn eframe::Storage) {
+        storage.set_string(KEY, self.editor.kept_window(&self.context));
     }
 }
 
@@ -63,7 +81,7 @@ pub fn open(document: Option<&Path>) -> Result<(), OpenError> {
     let data = eframe::storage_dir("trochoid");
     let create = move |creation: &eframe::CreationContext<'_>| {
         let editor = Editor::new(&creation.egui_ctx, session, data.as_deref())?;
-        let app: Box<dyn eframe::App> = Box::new(App { editor, title: String::new() });
+        let app: Box<dyn eframe::App> = Box::new(App::new(editor, creation.egui_ctx.clone(), creation.storage));
         Ok(app)
     };
     eframe::run_native("trochoid", options, Box::new(create)).map_err(|error| OpenError::Window(error.to_string()))
@@ -71,4 +89,103 @@ pub fn open(document: Option<&Path>) -> Result<(), OpenError> {
 
 fn has_display() -> bool {
     ["DISPLAY", "WAYLAND_DISPLAY"].into_iter().any(|name| std::env::var_os(name).is_some_and(|value| !value.is_empty()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::layout::{self, Pane};
+    use eframe::{App as _, Storage};
+    use std::collections::HashMap;
+
+    /// A storage that is nowhere.
+    #[derive(Default)]
+    struct Memory(HashMap<String, String>);
+
+    impl Storage for Memory {
+        fn get_string(&self, key: &str) -> Option<String> {
+            self.0.get(key).cloned()
+        }
+
+        fn set_string(&mut self, key: &str, value: String) {
+            self.0.insert(key.into(), value);
+        }
+
+        fn remove_string(&mut self, key: &str) {
+            self.0.remove(key);
+        }
+
+        fn flush(&mut self) {}
+    }
+
+    fn app(storage: Option<&dyn Storage>) -> App {
+        let context = egui::Context::default();
+        let session = Session::new(crate::document::session::NEW.into(), None);
+        let editor = Editor::new(&context, session, None).unwrap();
+        App::new(editor, context, storage)
+    }
+
+    #[test]
+    fn panels_and_theme_are_as_they_were_left() {
+        let mut storage = Memory::default();
+        let mut first = app(Some(&storage));
+        assert!(first.editor.tree == layout::first(), "nothing was kept yet");
+        layout::bring(&mut first.editor.tree, Pane::Report);
+        assert!(first.editor.tree != layout::first());
+        let context = first.context.clone();
+        context.set_theme(egui::Theme::Light);
+        first.save(&mut storage);
+        let mut second = app(Some(&storage));
+        assert!(second.editor.tree == first.editor.tree);
+        assert_eq!(second.context.options(|options| options.theme_preference), egui::ThemePreference::Light);
+        let context = second.context.clone();
+        second.editor.act(crate::actions::Action::ResetPanels, &context);
+        second.save(&mut storage);
+        assert!(app(Some(&storage)).editor.tree == layout::first(), "what was reset stays so");
+    }
+
+    #[test]
+    fn what_is_damaged_or_of_another_version_is_as_at_first() {
+        let mut tree = layout::first();
+        layout::bring(&mut tree, Pane::Text);
+        let whole = layout::written(&tree, egui::ThemePreference::Dark);
+        assert!(layout::read(&whole).is_some_and(|(read, _)| read == tree));
+        let without = |pane: Pane| {
+            let mut tree = layout::first();
+            let tile = tree.tiles.find_pane(&pane).unwrap();
+            tree.remove_recursively(tile);
+            layout::written(&tree, egui::ThemePreference::Dark)
+        };
+        let doubled = {
+            let mut tree = layout::first();
+            let tile = tree.tiles.find_pane(&Pane::Text).unwrap();
+            tree.tiles.insert(tile, egui_tiles::Tile::Pane(Pane::Waves));
+            layout::written(&tree, egui::ThemePreference::Dark)
+        };
+        let looped = {
+            let mut tree = layout::first();
+            let root = tree.root.unwrap();
+            if let Some(egui_tiles::Tile::Container(container)) = tree.tiles.get_mut(root) {
+                container.add_child(root);
+            }
+            layout::written(&tree, egui::ThemePreference::Dark)
+        };
+        let damaged = [
+            String::new(),
+            "{}".into(),
+            whole[..whole.len() / 2].into(),
+            whole.replace("\"version\":1", "\"version\":0"),
+            whole.replace("Report", "Ledger"),
+            whole.replace("1.44", "-1.44"),
+            without(Pane::Report),
+            doubled,
+            looped,
+        ];
+        for text in damaged {
+            assert!(text != whole, "nothing was damaged");
+            let mut storage = Memory::default();
+            storage.set_string(KEY, text.clone());
+            assert!(app(Some(&storage)).editor.tree == layout::first(), "{text}");
+        }
+    }
 }

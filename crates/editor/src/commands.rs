@@ -26,6 +26,43 @@ const NONE: Modifiers = Modifiers::NONE;
 const COMMAND: Modifiers = Modifiers::COMMAND;
 const SHIFTED: Modifiers = Modifiers::COMMAND.plus(Modifiers::SHIFT);
 
+/// What plays is also what is held to move the view, so it counts when it is let go, see [`Space`].
+const PLAY: KeyboardShortcut = KeyboardShortcut::new(NONE, Key::Space);
+
+/// The space bar: while it is held, a drag moves the view; let go without one, it plays.
+#[derive(Debug, Default)]
+pub struct Space {
+    held: bool,
+    dragged: bool,
+}
+
+impl Space {
+    /// Takes what happened since it was asked last; whether the bar was let go and nothing was dragged meanwhile.
+    pub fn plays(&mut self, context: &egui::Context) -> bool {
+        let typing = context.egui_wants_keyboard_input();
+        context.input_mut(|input| {
+            if input.key_pressed(PLAY.logical_key) && !typing && input.modifiers.is_none() && !self.held {
+                *self = Self { held: true, dragged: false };
+            }
+            if !self.held {
+                return false;
+            }
+            // It does nothing else, such as pressing a button.
+            input.consume_key(NONE, PLAY.logical_key);
+            self.dragged |= input.pointer.any_down();
+            let released = input.key_released(PLAY.logical_key);
+            // Where the window loses the keyboard, nothing says that the bar is let go.
+            self.held = !released && input.key_down(PLAY.logical_key);
+            released && !self.dragged
+        })
+    }
+}
+
+/// Whether a drag that begins now moves the view: the space bar is held.
+pub fn moves_view(context: &egui::Context) -> bool {
+    !context.egui_wants_keyboard_input() && context.input(|input| input.key_down(PLAY.logical_key))
+}
+
 const fn keys(modifiers: Modifiers, key: Key) -> Option<KeyboardShortcut> {
     Some(KeyboardShortcut::new(modifiers, key))
 }
@@ -162,7 +199,7 @@ pub static COMMANDS: &[Command] = &[
     command(
         "Viewer",
         "Play",
-        keys(NONE, Key::Space),
+        Some(PLAY),
         "Plays the range in real time, or stops.",
         |state| Action::Play(!state.playing),
         always,
@@ -260,7 +297,7 @@ pub fn pressed(context: &egui::Context, state: &State, actions: &mut Vec<Action>
         let Some(keys) = command.keys else { continue };
         // Copying and cutting arrive as events of their own.
         let clipboard = keys.modifiers == COMMAND && matches!(keys.logical_key, Key::C | Key::X);
-        if clipboard || (typing && !keys.modifiers.command) {
+        if clipboard || keys == PLAY || (typing && !keys.modifiers.command) {
             continue;
         }
         if typing && matches!(keys.logical_key, Key::A | Key::Z | Key::D) {

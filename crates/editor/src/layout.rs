@@ -1,6 +1,8 @@
 //! Which panels there are, and where they lie.
 
+use egui::ThemePreference;
 use egui_tiles::{Container, Linear, LinearDir, Tile, TileId, Tiles, Tree};
+use std::collections::HashSet;
 
 /// A panel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
@@ -62,4 +64,56 @@ pub fn bring(tree: &mut Tree<Pane>, pane: Pane) {
     };
     tree.set_visible(tile, true);
     tree.make_active(|id, _| id == tile);
+}
+
+/// Raised when what is kept of the window means something else.
+const VERSION: u32 = 1;
+
+/// What is kept of the window from one run to the next.
+#[derive(serde::Serialize, serde::Deserialize)]
+struct Kept<T> {
+    version: u32,
+    panels: T,
+    theme: ThemePreference,
+}
+
+/// The window as a text to be kept.
+pub fn written(panels: &Tree<Pane>, theme: ThemePreference) -> String {
+    // Whatever cannot be written is laid out as at first when the editor starts next.
+    serde_json::to_string(&Kept { version: VERSION, panels, theme }).unwrap_or_default()
+}
+
+/// The window as it was kept; `None` where that is damaged, or of a version with other panels.
+pub fn read(text: &str) -> Option<(Tree<Pane>, ThemePreference)> {
+    let kept: Kept<Tree<Pane>> = serde_json::from_str(text).ok()?;
+    (kept.version == VERSION && is_whole(&kept.panels)).then_some((kept.panels, kept.theme))
+}
+
+/// Whether every panel can be reached, once, and has room.
+fn is_whole(tree: &Tree<Pane>) -> bool {
+    let mut open: Vec<TileId> = tree.root.into_iter().collect();
+    let mut seen = HashSet::new();
+    let mut panes = Vec::new();
+    while let Some(id) = open.pop() {
+        // A tile that stands at two places, or within itself, could not be drawn.
+        if !seen.insert(id) {
+            return false;
+        }
+        match tree.tiles.get(id) {
+            None => return false,
+            Some(Tile::Pane(pane)) => panes.push(*pane),
+            Some(Tile::Container(container)) => {
+                let mut shares: Box<dyn Iterator<Item = f32>> = match container {
+                    Container::Linear(linear) => Box::new(linear.shares.iter().map(|(_, share)| *share)),
+                    Container::Grid(grid) => Box::new(grid.col_shares.iter().chain(&grid.row_shares).copied()),
+                    Container::Tabs(_) => Box::new(std::iter::empty()),
+                };
+                if !shares.all(|share| share.is_finite() && share > 0.0) {
+                    return false;
+                }
+                open.extend(container.children());
+            }
+        }
+    }
+    panes.len() == Pane::ALL.len() && Pane::ALL.iter().all(|pane| panes.contains(pane))
 }

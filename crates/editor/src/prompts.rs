@@ -28,9 +28,14 @@ enum Asking {
 
 enum Prompt {
     Unsaved(After),
+    /// Whether to write over a document of a newer version, and what comes after it.
+    Newer(Option<After>),
     External,
     Recover(Vec<Kept>),
-    Palette { text: String, chosen: usize },
+    Palette {
+        text: String,
+        chosen: usize,
+    },
 }
 
 impl Prompts {
@@ -58,6 +63,11 @@ impl Prompts {
     /// Asks what is to become of unsaved work before something else.
     pub(crate) fn unsaved(&mut self, after: After) {
         self.open = Some(Prompt::Unsaved(after));
+    }
+
+    /// Asks whether to write over a document of a version that is not known here.
+    pub(crate) fn newer(&mut self, after: Option<After>) {
+        self.open = Some(Prompt::Newer(after));
     }
 
     /// Asks what counts: what is here, or what another program wrote.
@@ -101,12 +111,15 @@ impl Prompts {
 pub(crate) fn prompts_ui(editor: &mut Editor, context: &Context, actions: &mut Vec<Action>) {
     files_ui(editor, context);
     let Some(prompt) = editor.prompts.open.take() else { return };
-    editor.prompts.open = match prompt {
+    let next = match prompt {
         Prompt::Unsaved(after) => unsaved_ui(editor, context, after),
+        Prompt::Newer(after) => newer_ui(editor, context, after),
         Prompt::External => external_ui(editor, context),
         Prompt::Recover(kept) => recover_ui(editor, context, kept),
         Prompt::Palette { text, chosen } => palette_ui(editor, context, text, chosen, actions),
     };
+    // An answer may have led to another question.
+    editor.prompts.open = next.or(editor.prompts.open.take());
 }
 
 fn files_ui(editor: &mut Editor, context: &Context) {
@@ -116,12 +129,7 @@ fn files_ui(editor: &mut Editor, context: &Context) {
         editor.prompts.asking = None;
         match asking {
             Asking::Open => editor.go(After::Open(file), context),
-            Asking::Save(after) => {
-                editor.save(&file);
-                if let Some(after) = after.filter(|_| !editor.state().session.is_changed()) {
-                    editor.go(after, context);
-                }
-            }
+            Asking::Save(after) => editor.save(&file, after, context),
         }
     } else if !matches!(editor.prompts.dialog.state(), egui_file_dialog::DialogState::Open) {
         editor.prompts.asking = None;
@@ -150,19 +158,7 @@ fn unsaved_ui(editor: &mut Editor, context: &Context, after: After) -> Option<Pr
     });
     match answer {
         Some("Save") => {
-            let file = editor.state().session.file().map(Path::to_path_buf);
-            match file {
-                Some(file) => {
-                    editor.save(&file);
-                    if !editor.state().session.is_changed() {
-                        editor.go(after, context);
-                    }
-                }
-                None => {
-                    let Editor { prompts, state, .. } = editor;
-                    prompts.ask_save(&state.session, Some(after));
-                }
-            }
+            editor.store(Some(after), context);
             None
         }
         Some("Discard") => {
@@ -173,6 +169,42 @@ fn unsaved_ui(editor: &mut Editor, context: &Context, after: After) -> Option<Pr
         None if modal.should_close() => None,
         None => Some(Prompt::Unsaved(after)),
     }
+}
+
+fn newer_ui(editor: &mut Editor, context: &Context, after: Option<After>) -> Option<Prompt> {
+    let mut answer = None;
+    let modal = Modal::new("newer".into()).show(context, |ui| {
+        titled(ui, "Write over a newer document?");
+        let session = &editor.state().session;
+        ui.label(format!(
+            "“{}” is of a version of the document format that this editor does not know.",
+            session.title()
+        ));
+        ui.label("What it does not know stays as it is, but may not fit what was changed here.");
+        ui.add_space(8.0);
+        ui.horizontal(|ui| {
+            for word in ["Save a copy …", "Write over it", "Cancel"] {
+                if ui.button(word).clicked() {
+                    answer = Some(word);
+                }
+            }
+        });
+    });
+    match answer {
+        Some("Save a copy …") => {
+            let Editor { prompts, state, .. } = editor;
+            prompts.ask_save(&state.session, after);
+        }
+        Some("Write over it") => {
+            if let Some(file) = editor.state().session.file().map(Path::to_path_buf) {
+                editor.save(&file, after, context);
+            }
+        }
+        Some(_) => {}
+        None if modal.should_close() => {}
+        None => return Some(Prompt::Newer(after)),
+    }
+    None
 }
 
 fn external_ui(editor: &mut Editor, context: &Context) -> Option<Prompt> {

@@ -41,9 +41,10 @@ pub(crate) fn source_ui(source: &mut Source, ui: &mut Ui, state: &State, actions
             trochoid::Severity::Warning => ui.visuals().warn_fg_color,
         };
         let place = if fault.line > 0 { format!("{}:{}: ", fault.line, fault.column) } else { String::new() };
-        let node = fault.node.as_ref().map_or(String::new(), |node| format!("{node}: "));
+        let parts: Vec<&str> = [&fault.node, &fault.port].into_iter().flatten().map(String::as_str).collect();
+        let parts = if parts.is_empty() { String::new() } else { format!("{}: ", parts.join(", ")) };
         ui.label(
-            RichText::new(format!("{place}{node}found {}; expected {}", fault.found, fault.expected)).color(color),
+            RichText::new(format!("{place}{parts}found {}; expected {}", fault.found, fault.expected)).color(color),
         )
         .on_hover_text(&fault.remedy);
     }

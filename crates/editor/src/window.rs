@@ -2,6 +2,7 @@
 
 use crate::actions::Action;
 use crate::commands::{COMMANDS, MENUS};
+use crate::document::Standing;
 use crate::editor::{Editor, Panels};
 use crate::layout::Pane;
 use crate::state::State;
@@ -11,6 +12,7 @@ use egui_tiles::{SimplificationOptions, TileId, UiResponse};
 /// Draws the whole window.
 pub(crate) fn window_ui(editor: &mut Editor, ui: &mut Ui, actions: &mut Vec<Action>) {
     Panel::top("menus").show(ui, |ui| menus_ui(editor, ui, actions));
+    version_ui(&editor.state, ui, actions);
     Panel::bottom("status").show(ui, |ui| status_ui(&editor.state, ui, actions));
     Panel::bottom("timeline").show(ui, |ui| {
         crate::timeline::timeline_ui(&mut editor.panels.timeline, ui, &editor.state, actions);
@@ -88,6 +90,22 @@ fn menus_ui(editor: &Editor, ui: &mut Ui, actions: &mut Vec<Action>) {
     });
 }
 
+/// What is to be known of a document of another version, as long as it is one.
+fn version_ui(state: &State, ui: &mut Ui, actions: &mut Vec<Action>) {
+    let standing = Standing::of(&state.sheet().value);
+    let Some(notice) = standing.notice() else { return };
+    Panel::top("version").show(ui, |ui| {
+        ui.horizontal_wrapped(|ui| {
+            ui.label(RichText::new(notice).color(ui.visuals().warn_fg_color));
+            if let Some(edit) = standing.remedy()
+                && ui.button("Write the version").on_hover_text("Changes nothing else; undo takes it back.").clicked()
+            {
+                actions.push(Action::Edit(edit));
+            }
+        });
+    });
+}
+
 fn status_ui(state: &State, ui: &mut Ui, actions: &mut Vec<Action>) {
     ui.horizontal(|ui| {
         let meaning = state.session.meaning();
@@ -103,7 +121,7 @@ fn status_ui(state: &State, ui: &mut Ui, actions: &mut Vec<Action>) {
             let culprit = meaning.errors().find_map(|fault| fault.node.clone());
             if label.clicked() {
                 match culprit {
-                    Some(node) => actions.extend([Action::Select([node].into()), Action::Frames]),
+                    Some(node) => actions.push(Action::Visit(node)),
                     None => actions.push(Action::Panel(Pane::Text)),
                 }
             }

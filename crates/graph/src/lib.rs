@@ -39,7 +39,7 @@ mod work;
 pub use animated::{Animated, Interpolation};
 pub use bound::{Bound, LITERAL, NoBound, REFERENCE};
 pub use build::{Builder, Mask, Value, Weights, load};
-pub use check::{check, expected};
+pub use check::{FORMAT_VERSION, check, expected};
 pub use checked::{CheckedGraph, CheckedNode, Guarantee, OutputSpec, Precision};
 pub use declare::{Arity, Declaration, Default, End, Item, Knob, List, Output, Port, Takes};
 pub use diagnostic::{Diagnostic, Severity, nearest};

@@ -27,7 +27,12 @@ pub(super) fn table() -> Vec<Bad> {
         top(
             "unknown version",
             r#""trochoid": 2, "format": { "width": 4, "height": 4 }"#,
-            &[&["bad.json:1:15: trochoid", "found 2", "expected 1, the version", "write \"trochoid\": 1"]],
+            &[&["bad.json:1:15: trochoid", "found 2, a newer version", "expected 1, the newest", "a newer Trochoid"]],
+        ),
+        top(
+            "version before the first",
+            r#""trochoid": 0, "format": { "width": 4, "height": 4 }"#,
+            &[&["bad.json:1:15: trochoid", "found 0", "expected 1, the version", "write \"trochoid\": 1"]],
         ),
         top(
             "version as text",

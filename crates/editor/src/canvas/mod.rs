@@ -23,7 +23,7 @@ mod view;
 mod wire;
 
 use crate::actions::Action;
-use crate::document::{Edit, Point, Sheet};
+use crate::document::{Edit, Point, Sheet, edit};
 use crate::state::State;
 use drag::Gesture;
 use egui::{Align2, Color32, Event, FontId, Key, Modifiers, MouseWheelUnit, PointerButton, Rect, Response, Sense};
@@ -132,6 +132,10 @@ impl Canvas {
         let (at, scroll, zoom, alt) = ui.input(|input| {
             (input.pointer.latest_pos(), input.smooth_scroll_delta(), input.zoom_delta(), input.modifiers.alt)
         });
+        let held = crate::commands::moves_view(ui.ctx());
+        if held {
+            ui.ctx().set_cursor_icon(egui::CursorIcon::Grab);
+        }
         let at = at.unwrap_or(background.rect.center());
         if zoom != 1.0 {
             self.view.zoom_at(at, zoom);
@@ -144,7 +148,7 @@ impl Canvas {
         let pressed = ui.input(|input| {
             let by = |button| input.pointer.button_pressed(button);
             let middle = by(PointerButton::Middle).then_some(PointerButton::Middle);
-            middle.or((alt && by(PointerButton::Primary)).then_some(PointerButton::Primary))
+            middle.or(((alt || held) && by(PointerButton::Primary)).then_some(PointerButton::Primary))
         });
         if let Some(button) = pressed.filter(|_| matches!(self.gesture, Gesture::Idle)) {
             self.gesture = Gesture::Pan(button);
@@ -284,6 +288,17 @@ pub fn placed(sheet: &Arc<Sheet>) -> Arc<Sheet> {
 /// A change that is to leave nodes where they are seen: writes all places first, where the document has not all.
 pub fn freezing(sheet: &Sheet, then: Edit) -> Edit {
     place::freezing(sheet, &place::boxes(sheet, &mut place::Laid::default()), then)
+}
+
+/// Deletes nodes; the others stay where they are seen.
+pub fn deleting(sheet: &Sheet, names: &[String]) -> Edit {
+    let mut boxes = place::boxes(sheet, &mut place::Laid::default());
+    let mut rest = sheet.clone();
+    let stays = |node: &crate::document::Node| node.placed || !names.contains(&node.name);
+    let mut kept = sheet.nodes.iter().map(stays);
+    boxes.retain(|_| kept.next().unwrap_or(true));
+    rest.nodes.retain(stays);
+    place::freezing(&rest, &boxes, edit::deleted(sheet, names))
 }
 
 /// A backdrop behind the chosen nodes; `None` where none is chosen.

@@ -64,6 +64,7 @@ impl Canvas {
                 WidgetInfo::selected(WidgetType::Button, true, chosen, label)
             });
             self.draw_node(plan, ui, state, index, &paint, total);
+            self.fault_ui(plan, ui, index, actions);
             self.pins_ui(plan, ui, index, response.hovered());
             if response.clicked() {
                 actions.push(Action::Select(picked(ui, state, &node.name)));
@@ -146,19 +147,33 @@ impl Canvas {
         if 12.5 * zoom >= 5.5 {
             draw_text(ui, node, head, zoom, [tone(paint.text), tone(paint.weak)], state, total);
         }
-        if let Some(fault) = fault {
-            let color = if own { theme::error(ui.visuals()) } else { Color32::from_rgb(0xe0, 0x92, 0x3c) };
-            let at = seen.left_top() + vec2(0.0, head.height() / 2.0);
-            badge(ui, at, own, color, zoom);
-            let place = Rect::from_center_size(at, vec2(18.0, 18.0));
-            let response = ui.interact(place, ui.id().with(("fault", &node.name)), Sense::hover());
-            response.widget_info(|| {
-                let what = if own { "Error in" } else { "Error above" };
-                WidgetInfo::labeled(WidgetType::Label, true, format!("{what} {}", node.name))
-            });
-            response.on_hover_text(if own { fault.text.clone() } else { format!("{}: {}", fault.culprit, fault.text) });
-        }
         self.draw_marks(plan, ui, state, index, seen);
+    }
+
+    /// The sign of what is wrong, here or above; a click leads to the node that is to blame.
+    fn fault_ui(&self, plan: &Plan, ui: &Ui, index: usize, actions: &mut Vec<Action>) {
+        let Some(fault) = plan.faults.get(&index) else { return };
+        let name = &plan.sheet.nodes[index].name;
+        let own = fault.culprit == *name;
+        let zoom = self.view.zoom;
+        let seen = self.view.area(plan.boxes[index]);
+        let at = seen.left_top() + vec2(0.0, HEAD * zoom / 2.0);
+        let place = Rect::from_center_size(at, vec2(18.0, 18.0));
+        let response = ui.interact(place, ui.id().with(("fault", name)), Sense::click());
+        response.widget_info(|| {
+            let what = if own { "Error in" } else { "Error above" };
+            WidgetInfo::labeled(WidgetType::Button, true, format!("{what} {name}"))
+        });
+        let color = if own { theme::error(ui.visuals()) } else { Color32::from_rgb(0xe0, 0x92, 0x3c) };
+        badge(ui, at, own, color, if response.hovered() { 1.25 * zoom } else { zoom });
+        if response.clicked() {
+            actions.push(Action::Visit(fault.culprit.clone()));
+        }
+        let text = match own {
+            true => fault.text.clone(),
+            false => format!("{}: {}\n\nA click leads there.", fault.culprit, fault.text),
+        };
+        response.on_hover_text(text).on_hover_cursor(egui::CursorIcon::PointingHand);
     }
 
     /// Which keys show a node, whether it is looked at, and what is rendered of it.
@@ -248,12 +263,13 @@ fn draw_text(ui: &Ui, node: &Node, head: Rect, zoom: f32, colors: [Color32; 2], 
     let strike = if node.disabled { Stroke::new(1.2, colors[0]) } else { Stroke::NONE };
     let name = TextFormat { strikethrough: strike, ..TextFormat::simple(size(12.5), colors[0]) };
     let text = elided(&node.name, name, width);
-    let line = pos2(left, head.top() + 4.0 * zoom);
+    // Below the pins, which reach into the head.
+    let line = pos2(left, head.top() + 6.0 * zoom);
     painter.galley(line, text, colors[0]);
     if 10.0 * zoom < 5.5 {
         return;
     }
-    let line = pos2(left, head.top() + 18.5 * zoom);
+    let line = pos2(left, head.top() + 20.5 * zoom);
     let mut width = width;
     let seconds = state.seen.nodes.get(&node.name).map_or(0.0, |node| node.seconds);
     if total > 0.0 && seconds > COSTLY * total {

@@ -11,7 +11,7 @@ use trochoid_diagram::{Net, layers};
 /// The least width of a node.
 pub(super) const WIDTH: f32 = 120.0;
 /// Height of what says its name and type.
-pub(super) const HEAD: f32 = 34.0;
+pub(super) const HEAD: f32 = 38.0;
 /// Height of its picture.
 pub(super) const PICTURE: f32 = 60.0;
 /// Between pins, if there is room.

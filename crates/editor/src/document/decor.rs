@@ -60,6 +60,72 @@ fn keys_of<'s>(sheet: &'s Sheet, name: &'s str) -> impl Iterator<Item = &'s Stri
     all.into_iter().flat_map(|all| all.keys()).filter(move |key| of(key))
 }
 
+/// The same change with what it entails for dots: those of wires to elements of a list stay with their elements where
+/// others go or come.
+pub fn following(sheet: &Sheet, edit: Edit) -> Edit {
+    let all = wires().find(&sheet.value).and_then(Value::as_object);
+    let mut keys: Vec<String> = all.into_iter().flat_map(|all| all.keys().cloned()).collect();
+    if keys.is_empty() {
+        return edit;
+    }
+    let mut ops = Vec::new();
+    for op in edit.ops {
+        let own = |path: &Path| match path.0.split_last() {
+            Some((Step::Key(key), above)) if *above == *wires().0 => Some(key.clone()),
+            _ => None,
+        };
+        let mut entailed = Vec::new();
+        match &op {
+            Op::Remove(path) => {
+                keys.retain(|key| Some(key) != own(path).as_ref());
+                entailed = shifted(&mut keys, path, false);
+            }
+            Op::Insert(path, _) => entailed = shifted(&mut keys, path, true),
+            Op::Rename(path, new) if own(path).is_some() => {
+                keys.retain(|key| Some(key) != own(path).as_ref());
+                keys.push(new.clone());
+            }
+            Op::Rename(..) | Op::Set(..) => {}
+        }
+        ops.push(op);
+        ops.extend(entailed);
+    }
+    Edit { ops, ..edit }
+}
+
+/// What becomes of dots where an element of a node's list goes, or one comes before it.
+fn shifted(keys: &mut Vec<String>, place: &Path, comes: bool) -> Vec<Op> {
+    let [Step::Key(top), list @ .., Step::Index(at)] = place.0.as_slice() else { return Vec::new() };
+    if top != "nodes" {
+        return Vec::new();
+    }
+    let list = format!("{}[", Path(list.to_vec()));
+    let read = |key: &str| {
+        let (index, rest) = key.strip_prefix(&list)?.split_once(']')?;
+        Some((index.parse::<usize>().ok()?, rest.to_string()))
+    };
+    let mut behind: Vec<(usize, String)> =
+        keys.iter().filter_map(|key| read(key)).filter(|(index, _)| index >= at).collect();
+    behind.sort();
+    if comes {
+        // From the end on, so that no two have one key.
+        behind.reverse();
+    }
+    let mut ops = Vec::new();
+    for (index, rest) in behind {
+        let old = format!("{list}{index}]{rest}");
+        keys.retain(|key| *key != old);
+        if !comes && index == *at {
+            ops.push(Op::Remove(wires().to(&old)));
+            continue;
+        }
+        let new = format!("{list}{}]{rest}", if comes { index + 1 } else { index - 1 });
+        ops.push(Op::Rename(wires().to(&old), new.clone()));
+        keys.push(new);
+    }
+    ops
+}
+
 /// Adds a backdrop, or changes the one of that name.
 pub fn framed(label: &str, name: &str, body: &Backdrop) -> Edit {
     let value = json!({
@@ -122,6 +188,44 @@ mod tests {
         session.edit(dotted(&sheet, pin(&sheet), &[[1.0, 2.0]])).unwrap();
         assert_eq!(undotted(session.sheet(), "sk"), []);
         assert_eq!(undotted(session.sheet(), "sky").len(), 1);
+    }
+
+    #[test]
+    fn dots_stay_with_the_elements_of_a_list() {
+        let text =
+            NEW.replace("\"down\": {", "\"all\": { \"type\": \"Stack\", \"layers\": [0, 1, 2, 3] },\n    \"down\": {");
+        let text = text.replacen(
+            '{',
+            "{ \"ui\": { \"wires\": { \"all.layers[0]\": [[0, 0]], \"all.layers[1]\": [[1, 1]], \
+            \"all.layers[3].over\": [[3, 3]], \"all.layers[2]\": [[2, 2]], \"allx.layers[3]\": [[9, 9]] } },",
+            1,
+        );
+        let mut session = Session::new(text.clone(), None);
+        let list = Path::node("all").to("layers");
+        let wires = |session: &Session| style(&session.sheet().value["ui"]["wires"]);
+        session.edit(Edit::new("Remove", vec![Op::Remove(list.to(1))])).unwrap();
+        assert_eq!(
+            wires(&session),
+            "{ \"all.layers[0]\": [[0, 0]], \"all.layers[2].over\": [[3, 3]], \"all.layers[1]\": [[2, 2]], \
+             \"allx.layers[3]\": [[9, 9]] }"
+        );
+        session.undo();
+        assert_eq!(session.text(), text);
+        // Two at once, as nodes that are deleted leave a list.
+        session.edit(Edit::new("Remove", vec![Op::Remove(list.to(2)), Op::Remove(list.to(0))])).unwrap();
+        assert_eq!(
+            wires(&session),
+            "{ \"all.layers[0]\": [[1, 1]], \"all.layers[1].over\": [[3, 3]], \"allx.layers[3]\": [[9, 9]] }"
+        );
+        session.undo();
+        session.edit(Edit::new("Insert", vec![Op::Insert(list.to(1), "7".into())])).unwrap();
+        assert_eq!(
+            wires(&session),
+            "{ \"all.layers[0]\": [[0, 0]], \"all.layers[2]\": [[1, 1]], \"all.layers[4].over\": [[3, 3]], \
+             \"all.layers[3]\": [[2, 2]], \"allx.layers[3]\": [[9, 9]] }"
+        );
+        session.undo();
+        assert_eq!(session.text(), text);
     }
 
     #[test]

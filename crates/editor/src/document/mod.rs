@@ -6,12 +6,15 @@ pub mod edit;
 pub mod history;
 pub mod json;
 pub mod keep;
+pub mod relocate;
 pub mod session;
 pub mod sheet;
 #[cfg(test)]
 mod tests;
+pub mod version;
 
 pub use edit::Edit;
 pub use json::{Op, Path, Step};
 pub use session::Session;
 pub use sheet::{Node, Pin, Point, Sheet, Wire};
+pub use version::Standing;

@@ -1,8 +1,10 @@
 //! One open document: its text, what became of it, and what it means.
 
+use super::decor;
 use super::edit::Edit;
 use super::history::{Change, History};
 use super::json::{Misplaced, Splice, splice};
+use super::relocate::relocated;
 use super::sheet::Sheet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -174,6 +176,7 @@ impl Session {
     /// # Errors
     /// It names a place that is not there; nothing changes then.
     pub fn edit(&mut self, edit: Edit) -> Result<(), Misplaced> {
+        let edit = decor::following(self.sheet(), edit);
         let (text, splices) = applied(&self.text, &edit)?;
         if splices.is_empty() {
             return Ok(());
@@ -221,19 +224,31 @@ impl Session {
         Some(label)
     }
 
-    /// Writes the document to a file, whole or not at all, which is its file from then on.
+    /// Writes the document to a file, whole or not at all, which is its file from then on. In another folder its relative
+    /// paths are written anew, as one step of undo, so that they lead to the same files; how many is the result.
     ///
     /// # Errors
-    /// The file cannot be written; what stood there stays.
-    pub fn save(&mut self, file: &Path) -> Result<(), String> {
-        trochoid::write_whole(file, self.text.as_bytes()).map_err(|error| error.to_string())?;
-        self.stored.clone_from(&self.text);
+    /// The file cannot be written, or a path cannot lead on from there; all stays as it was.
+    pub fn save(&mut self, file: &Path) -> Result<usize, String> {
+        let moves = self.file.as_deref() != Some(file) && self.meaning.readable;
+        let edit = match file.parent().filter(|_| moves) {
+            Some(folder) => relocated(self.sheet(), &self.folder(), folder, self.file.is_some())?,
+            None => Edit::new("Save", Vec::new()),
+        };
+        let (text, splices) = applied(&self.text, &edit).map_err(|error| error.to_string())?;
+        trochoid::write_whole(file, text.as_bytes()).map_err(|error| error.to_string())?;
+        self.stored.clone_from(&text);
+        self.text = text;
+        if !splices.is_empty() {
+            self.history.seal();
+            self.history.push(Change { label: edit.label, merge: None, splices });
+        }
         self.history.mark_saved();
         if self.file.as_deref() != Some(file) {
             self.file = Some(file.into());
             self.understand();
         }
-        Ok(())
+        Ok(edit.ops.len())
     }
 
     /// Whether the file holds another text than the one that this session read or wrote; `None` where it cannot be read.
@@ -269,7 +284,7 @@ impl Session {
 }
 
 /// A text after a change, and what became of it.
-fn applied(text: &str, edit: &Edit) -> Result<(String, Vec<Splice>), Misplaced> {
+pub(super) fn applied(text: &str, edit: &Edit) -> Result<(String, Vec<Splice>), Misplaced> {
     let mut text = text.to_string();
     let mut splices = Vec::new();
     for op in &edit.ops {

@@ -3,7 +3,7 @@
 use super::Editor;
 use crate::actions::Action;
 use crate::document::keep::Kept;
-use crate::document::{Edit, Session, edit};
+use crate::document::{Edit, Session, Standing, edit, relocate};
 use crate::layout;
 use crate::render::Renderer;
 use crate::state::State;
@@ -51,6 +51,11 @@ impl Editor {
                 }
             }
             Action::Select(names) => state.selection = names,
+            Action::Visit(name) => {
+                state.selection = [name].into();
+                layout::bring(&mut self.tree, crate::layout::Pane::Canvas);
+                self.panels.canvas.frame();
+            }
             Action::Look(node, output) => state.look.node = Some((node, output)),
             Action::Slot(slot) => {
                 if let Some(name) = state.chosen().map(String::from) {
@@ -78,10 +83,7 @@ impl Editor {
             Action::Open => self.leave(After::Ask, context),
             Action::OpenFile(file) => self.leave(After::Open(file), context),
             Action::Quit => self.leave(After::Close, context),
-            Action::Save => match state.session.file().map(Path::to_path_buf) {
-                Some(file) => self.save(&file),
-                None => self.prompts.ask_save(&state.session, None),
-            },
+            Action::Save => self.store(None, context),
             Action::SaveAs => self.prompts.ask_save(&state.session, None),
             Action::Reload => match state.session.reload() {
                 Ok(()) => self.changed(),
@@ -90,12 +92,14 @@ impl Editor {
                 }
             },
             Action::Copy | Action::Cut => {
-                context.copy_text(edit::copied(&crate::canvas::placed(&sheet), &names));
+                let text = edit::copied(&crate::canvas::placed(&sheet), &names);
+                context.copy_text(text.clone());
+                self.copied = Some((text, self.state.session.folder()));
                 if action == Action::Cut {
-                    self.edit(edit::deleted(&sheet, &names));
+                    self.edit(crate::canvas::deleting(&sheet, &names));
                 }
             }
-            Action::Paste(text, at) => match edit::pasted(&sheet, &text, at) {
+            Action::Paste(text, at) => match edit::pasted(&sheet, &self.carried(text), at) {
                 Some((edit, names)) => {
                     self.edit(crate::canvas::freezing(&sheet, edit));
                     self.state.selection = names.into_iter().collect();
@@ -113,7 +117,7 @@ impl Editor {
             }
             Action::Delete => {
                 self.panels.canvas.forget_cursor();
-                self.edit(edit::deleted(&sheet, &names));
+                self.edit(crate::canvas::deleting(&sheet, &names));
                 self.state.selection.clear();
             }
             Action::Disable => self.edit(edit::disabled(&sheet, &names)),
@@ -146,6 +150,13 @@ impl Editor {
                 self.toasts.info(text);
             }
         }
+    }
+
+    /// A text to be pasted; paths of nodes that were copied from a document in another folder lead to the same files.
+    fn carried(&self, text: String) -> String {
+        let folder = self.state.session.folder();
+        let from = self.copied.as_ref().filter(|(copied, from)| copied.trim() == text.trim() && *from != folder);
+        from.and_then(|(_, from)| relocate::carried(&text, from, &folder)).unwrap_or(text)
     }
 
     pub(super) fn edit(&mut self, edit: Edit) {
@@ -199,14 +210,39 @@ impl Editor {
         }
     }
 
-    /// Saves to a file; whether it worked.
-    pub(crate) fn save(&mut self, file: &Path) {
+    /// Saves to the document's file, or asks where to; goes on to something else then.
+    pub(crate) fn store(&mut self, after: Option<After>, context: &Context) {
+        let session = &self.state.session;
+        let newer = Standing::of(&session.sheet().value).is_newer();
+        match session.file().map(Path::to_path_buf) {
+            Some(_) if newer && session.is_changed() => self.prompts.newer(after),
+            Some(file) => self.save(&file, after, context),
+            None => self.prompts.ask_save(session, after),
+        }
+    }
+
+    /// Saves to a file, and goes on to something else where that worked.
+    pub(crate) fn save(&mut self, file: &Path, after: Option<After>, context: &Context) {
+        let moves = self.state.session.file() != Some(file);
         // The watcher tells of this write too; it is what we know already then.
         match self.state.session.save(file) {
-            Ok(()) => {
+            Ok(paths) => {
                 self.toasts.success(format!("Saved {}", file.display())).duration(Some(Duration::from_millis(1500)));
+                if paths > 0 {
+                    let what = edit::count(paths, "relative path");
+                    let (were, they) = if paths == 1 { ("was", "it leads") } else { ("were", "they lead") };
+                    let text = format!("{what} {were} rewritten so that {they} to the same files from the new folder");
+                    self.toasts.info(text).duration(Some(Duration::from_secs(8)));
+                }
+                if moves {
+                    self.watcher.watch(Some(file), context);
+                    self.changed();
+                }
                 if let Some(data) = self.prompts.data() {
                     self.recent = crate::recent::add(data, file);
+                }
+                if let Some(after) = after {
+                    self.go(after, context);
                 }
             }
             Err(error) => {

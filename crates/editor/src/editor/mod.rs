@@ -6,6 +6,7 @@ mod pictures;
 
 use crate::actions::Action;
 use crate::canvas::Canvas;
+use crate::commands::Space;
 use crate::document::Session;
 use crate::document::keep::{Keeper, kept};
 use crate::evaluate::Worker;
@@ -43,8 +44,11 @@ pub struct Editor {
     kept: (u64, Option<Instant>),
     watcher: Watcher,
     renderer: Option<Renderer>,
+    /// Nodes that were copied here, and the folder that their paths are relative to.
+    copied: Option<(String, PathBuf)>,
     /// Since when, and from which frame, pictures follow each other.
     clock: Option<(Instant, i64)>,
+    space: Space,
     closing: bool,
 }
 
@@ -86,7 +90,9 @@ impl Editor {
             kept: (session.revision(), None),
             watcher: Watcher::default(),
             renderer: None,
+            copied: None,
             clock: None,
+            space: Space::default(),
             closing: false,
             state: State::new(session),
         };
@@ -100,6 +106,19 @@ impl Editor {
     /// What is open, chosen and seen.
     pub fn state(&self) -> &State {
         &self.state
+    }
+
+    /// What is kept of the window until the editor starts next.
+    pub fn kept_window(&self, context: &Context) -> String {
+        layout::written(&self.tree, context.options(|options| options.theme_preference))
+    }
+
+    /// Lays the window out as it was kept; one that cannot be read stays as it is at first.
+    pub fn restore(&mut self, kept: &str, context: &Context) {
+        if let Some((tree, theme)) = layout::read(kept) {
+            self.tree = tree;
+            context.set_theme(theme);
+        }
     }
 
     /// The title of the window.
@@ -123,8 +142,13 @@ impl Editor {
         let context = ui.ctx().clone();
         self.hear(&context);
         let mut actions = Vec::new();
-        if !self.prompts.is_open() {
+        if self.prompts.is_open() {
+            self.space = Space::default();
+        } else {
             crate::commands::pressed(&context, &self.state, &mut actions);
+            if self.space.plays(&context) {
+                actions.push(Action::Play(!self.state.playing));
+            }
         }
         crate::window::window_ui(self, ui, &mut actions);
         for action in actions {

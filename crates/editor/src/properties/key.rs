@@ -213,7 +213,7 @@ pub(super) fn curve_ui(ui: &mut Ui, keyed: &Keyed, unit: &str, place: &Place<'_>
         actions.push(Action::Seal);
     }
     ui.data_mut(|data| data.insert_temp(id, dragged));
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         for word in Interpolation::NAMES {
             if ui.selectable_label(keyed.interpolation == word, word).clicked() {
                 let keyed = Keyed { interpolation: word.into(), ..keyed.clone() };

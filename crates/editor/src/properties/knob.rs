@@ -22,7 +22,7 @@ pub(super) fn knob_ui(
         Some(keyed) => keyed.at(frame),
         None => place.value.cloned().unwrap_or_else(|| default.clone()),
     };
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         let label = label_ui(ui, knob.name, &help(knob, &default), place.value.is_some());
         label.context_menu(|ui| menu_ui(ui, knob, place, &shown, actions));
         let mut value = shown.clone();
@@ -107,7 +107,10 @@ fn widget_ui(
         }
         Takes::Choice(words) => {
             let chosen = value.as_str().unwrap_or_default().to_string();
-            let combo = ComboBox::from_id_salt(place.path.to_string()).selected_text(&chosen);
+            let combo = ComboBox::from_id_salt(place.path.to_string())
+                .width((ui.available_size_before_wrap().x - 8.0).clamp(40.0, 100.0))
+                .truncate()
+                .selected_text(&chosen);
             combo
                 .show_ui(ui, |ui| {
                     for word in words {
@@ -170,10 +173,14 @@ fn unit(unit: &str) -> String {
 /// A number: a slider where its range is one that a hand can cover, else a field to drag. Shift drags finely.
 pub(super) fn number_ui(ui: &mut Ui, value: &mut Value, (min, max): (f64, f64), suffix: &str) -> Response {
     let mut number = value.as_f64().unwrap_or_default();
-    let field = if min >= -1.0 && max <= 4.0 && max > min {
+    // The number and the button for keys stand behind a slider.
+    let room = ui.available_size_before_wrap().x - 84.0;
+    let spans = min >= -1.0 && max <= 4.0 && max > min;
+    let field = if spans && room >= 40.0 {
+        ui.spacing_mut().slider_width = room.min(120.0);
         ui.add(Slider::new(&mut number, min..=max).suffix(suffix).max_decimals(4))
     } else {
-        let speed = (number.abs() * 0.005).max(0.01);
+        let speed = if spans { (max - min) / 200.0 } else { (number.abs() * 0.005).max(0.01) };
         ui.add(DragValue::new(&mut number).range(min..=max).speed(speed).max_decimals(4).suffix(suffix))
     };
     if field.changed() {

@@ -67,7 +67,7 @@ impl Place<'_> {
 fn node_ui(panel: &mut Properties, ui: &mut Ui, state: &State, name: &str, actions: &mut Vec<Action>) {
     let sheet = state.sheet();
     let Some(node) = sheet.node(name) else { return };
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         let (_, typed) = match &mut panel.name {
             Some(known) if known.0 == name => known,
             other => other.insert((name.into(), name.into())),
@@ -101,6 +101,14 @@ fn node_ui(panel: &mut Properties, ui: &mut Ui, state: &State, name: &str, actio
         ui.label(RichText::new(format!("{port}found {}; expected {}", fault.found, fault.expected)).color(color));
         if !fault.remedy.is_empty() {
             ui.label(RichText::new(&fault.remedy).italics());
+        }
+    }
+    let above = sheet.find(name).and_then(|node| state.fault_of(node)).filter(|(culprit, _)| *culprit != name);
+    if let Some((culprit, fault)) = above {
+        let text = format!("Error above, in {culprit}: found {}; expected {}", fault.found, fault.expected);
+        let link = ui.link(RichText::new(text).color(crate::theme::error(ui.visuals())));
+        if link.on_hover_text("Leads to that node.").clicked() {
+            actions.push(Action::Visit(culprit.into()));
         }
     }
     let Some(declaration) = node.declaration else {
@@ -163,9 +171,11 @@ pub(crate) fn items_ui(
 pub(crate) fn label_ui(ui: &mut Ui, name: &str, help: &str, set: bool) -> egui::Response {
     let text = name.replace('_', " ");
     let text = if set { RichText::new(text).strong() } else { RichText::new(text) };
-    let size = egui::vec2(96.0, ui.spacing().interact_size.y);
+    // In a narrow panel, what is set needs the room more.
+    let width = (0.4 * ui.available_size_before_wrap().x).clamp(56.0, 96.0);
+    let size = egui::vec2(width, ui.spacing().interact_size.y);
     ui.allocate_ui_with_layout(size, egui::Layout::left_to_right(egui::Align::Center), |ui| {
-        ui.set_min_width(96.0);
+        ui.set_min_width(width);
         ui.add(egui::Label::new(text).truncate().sense(egui::Sense::click()))
     })
     .inner
@@ -191,6 +201,7 @@ fn document_ui(ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
     ui.label(RichText::new("Document").heading());
     ui.weak("Choose a node to see its knobs.");
     ui.separator();
+    let narrow = ui.available_width() < 280.0;
     let number = |ui: &mut Ui, label: &str, path: Path, value: f64, range: (f64, f64), actions: &mut Vec<Action>| {
         let mut value = value;
         ui.label(label);
@@ -202,22 +213,31 @@ fn document_ui(ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
         if field.drag_stopped() || field.lost_focus() {
             actions.push(Action::Seal);
         }
+        if narrow {
+            ui.end_row();
+        }
+    };
+    let next_row = |ui: &mut Ui| {
+        if !narrow {
+            ui.end_row();
+        }
     };
     let format = Path::default().to("format");
-    egui::Grid::new("document").num_columns(4).show(ui, |ui| {
+    egui::Grid::new("document").num_columns(if narrow { 2 } else { 4 }).show(ui, |ui| {
         number(ui, "Width", format.to("width"), f64::from(sheet.format[0]), (1.0, 65_536.0), actions);
         number(ui, "Height", format.to("height"), f64::from(sheet.format[1]), (1.0, 65_536.0), actions);
-        ui.end_row();
+        next_row(ui);
         let frames = Path::default().to("frames");
         number(ui, "First frame", frames.to("first"), sheet.frames.0 as f64, (-1e7, sheet.frames.1 as f64), actions);
         number(ui, "Last frame", frames.to("last"), sheet.frames.1 as f64, (sheet.frames.0 as f64, 1e7), actions);
-        ui.end_row();
+        next_row(ui);
         number(ui, "Frames per second", frames.to("fps"), sheet.frames.2, (1.0, 240.0), actions);
-        ui.end_row();
+        next_row(ui);
     });
+    let combo = (0.45 * ui.available_width()).clamp(48.0, 100.0);
     let choice = |ui: &mut Ui, label: &str, path: Path, words: &[&str], default: &str, actions: &mut Vec<Action>| {
         let chosen = sheet.get(&path).and_then(Value::as_str).unwrap_or(default).to_string();
-        egui::ComboBox::from_label(label).selected_text(&chosen).show_ui(ui, |ui| {
+        egui::ComboBox::from_label(label).width(combo).selected_text(&chosen).show_ui(ui, |ui| {
             for word in words {
                 if ui.selectable_label(*word == chosen, *word).clicked() {
                     actions.push(Action::Edit(Edit::set(path.clone(), &(*word).into())));
@@ -230,7 +250,7 @@ fn document_ui(ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
     let shadings = trochoid::Shading::ALL.map(trochoid::Shading::name);
     choice(ui, "Shading", format.to("shading"), &shadings, "sample", actions);
     let samples = sheet.get(&format.to("samples")).and_then(Value::as_u64).unwrap_or(1);
-    egui::ComboBox::from_label("Samples a pixel").selected_text(samples.to_string()).show_ui(ui, |ui| {
+    egui::ComboBox::from_label("Samples a pixel").width(combo).selected_text(samples.to_string()).show_ui(ui, |ui| {
         for count in [1_u64, 4, 16] {
             if ui.selectable_label(count == samples, count.to_string()).clicked() {
                 actions.push(Action::Edit(Edit::set(format.to("samples"), &count.into())));
@@ -240,7 +260,7 @@ fn document_ui(ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
     ui.separator();
     ui.label(RichText::new("Outputs").strong());
     for output in &sheet.outputs {
-        ui.horizontal(|ui| {
+        ui.horizontal_wrapped(|ui| {
             if ui.link(&output.name).on_hover_text("Shows it.").clicked()
                 && let Some((node, index)) = sheet.source(&output.source)
             {

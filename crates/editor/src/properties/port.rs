@@ -44,7 +44,7 @@ fn source_ui(
     let sheet = place.state.sheet();
     let connected = place.value.and_then(Value::as_str).filter(|text| !text.starts_with('#'));
     let mut curve = None;
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         let label = label_ui(ui, name, &format!("{}\n\nTakes a {}.", port.help, port.accepts), place.value.is_some());
         label.context_menu(|ui| {
             if ui.add_enabled(place.value.is_some(), Button::new("Remove")).clicked() {
@@ -114,7 +114,10 @@ fn disconnect(place: &Place<'_>, actions: &mut Vec<Action>) {
     let [_, crate::document::Step::Key(name), steps @ ..] = place.path.0.as_slice() else { return };
     let Some(node) = sheet.find(name) else { return };
     match sheet.nodes[node].pin(steps) {
-        Some(pin) => actions.push(Action::Edit(edit::disconnected(sheet, (node, pin)))),
+        Some(pin) => {
+            let edit = edit::disconnected(sheet, (node, pin));
+            actions.push(Action::Edit(crate::canvas::freezing(sheet, edit)));
+        }
         None => actions.push(Action::Edit(Edit::reset(Path(place.path.0.clone())))),
     }
 }

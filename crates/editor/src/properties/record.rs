@@ -24,7 +24,7 @@ pub(super) fn list_ui(
         for (index, record) in records.iter().enumerate() {
             let path = place.path.to(index);
             ui.push_id(index, |ui| {
-                ui.horizontal(|ui| {
+                ui.horizontal_wrapped(|ui| {
                     ui.weak((index + 1).to_string());
                     if ui.small_button("Duplicate").clicked() {
                         let op = Op::Insert(path.clone(), edit::style(record));

@@ -1,7 +1,7 @@
 use super::{DUSK, dusk};
 use crate::actions::Action;
 use crate::document::{Session, edit};
-use crate::testing::{Window, editor, until, window};
+use crate::testing::{Window, editor, finished, until, window};
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable;
 
@@ -134,4 +134,59 @@ fn the_range_is_rendered_to_files() {
         .collect();
     names.sort();
     assert_eq!(names, ["dusk.0002.png", "dusk.0003.png", "dusk.0004.png"]);
+}
+
+/// A document that reads a picture beside it, in a folder of its own.
+fn reading(folder: &std::path::Path, picture: bool) -> std::path::PathBuf {
+    std::fs::create_dir_all(folder).unwrap();
+    if picture {
+        image::RgbImage::from_pixel(2, 2, image::Rgb([9; 3])).save(folder.join("plate.png")).unwrap();
+    }
+    let file = folder.join("dusk.json");
+    let text = DUSK.replace(
+        "{ \"type\": \"ScreenY\" }",
+        "{ \"type\": \"Read\", \"as\": \"color\", \"fit\": \"nearest\", \"file\": \"plate.png\" }",
+    );
+    let text =
+        text.replace("\"weight\": \"down\", ", "\"weight\": 0.5, ").replace("\"b\": \"#14262e\"", "\"b\": \"down\"");
+    std::fs::write(&file, text).unwrap();
+    file
+}
+
+#[test]
+fn a_document_saved_elsewhere_shows_the_same_picture_and_says_what_it_rewrote() {
+    let folder = tempfile::tempdir().unwrap();
+    let (shot, other) = (reading(&folder.path().join("shot"), true), folder.path().join("other"));
+    std::fs::create_dir(&other).unwrap();
+    let mut window = window(Session::open(&shot).unwrap(), None);
+    finished(&mut window);
+    let context = window.ctx.clone();
+    let file = other.join("copy.json");
+    window.state_mut().as_mut().unwrap().save(&file, None, &context);
+    window.run_steps(3);
+    assert_eq!(editor(&window).toasts.len(), 2, "that it is saved, and what was rewritten");
+    finished(&mut window);
+    assert_eq!(editor(&window).state().seen.failed, None);
+    assert!(editor(&window).state().session.text().contains("\"../shot/plate.png\""));
+    assert!(editor(&window).state().session.text().contains("\"../shot/dusk.####.png\""));
+    // From here on the new file is what counts.
+    std::fs::write(&file, DUSK).unwrap();
+    until(&mut window, "the question", |editor| editor.prompts.is_open());
+}
+
+#[test]
+fn copied_nodes_read_the_same_files_in_a_document_of_another_folder() {
+    let folder = tempfile::tempdir().unwrap();
+    let one = reading(&folder.path().join("one"), true);
+    let two = reading(&folder.path().join("two"), false);
+    let mut window = window(Session::open(&one).unwrap(), None);
+    act(&mut window, Action::Select(["down".to_string()].into()));
+    act(&mut window, Action::Copy);
+    let sheet = crate::canvas::placed(editor(&window).state().sheet());
+    let text = edit::copied(&sheet, &["down".into()]);
+    act(&mut window, Action::OpenFile(two));
+    act(&mut window, Action::Paste(text, [0.0, 0.0]));
+    let sheet = editor(&window).state().sheet().clone();
+    assert_eq!(sheet.value["nodes"]["down2"]["file"], "../one/plate.png");
+    assert_eq!(sheet.value["nodes"]["down"]["file"], "plate.png");
 }

@@ -1,6 +1,6 @@
 use super::dusk;
 use crate::commands::{COMMANDS, MENUS};
-use crate::testing::{editor, finished, until, window};
+use crate::testing::{Window, editor, finished, until, window};
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable;
 use std::collections::HashMap;
@@ -83,4 +83,51 @@ fn a_number_shows_what_is_under_it() {
     window.key_press(Key::Num1);
     finished(&mut window);
     assert_eq!(editor(&window).state().look.node, Some(("dusk".into(), 0)));
+}
+
+#[test]
+fn the_space_bar_plays_when_it_is_let_go_unless_it_moved_the_view() {
+    let mut window = window(dusk(), None);
+    finished(&mut window);
+    let picture = window.get_by_label("Picture").rect().center();
+    let playing = |window: &Window| editor(window).state().playing;
+    window.key_down(Key::Space);
+    window.run_steps(3);
+    assert!(!playing(&window), "it may become a drag");
+    window.hover_at(picture);
+    let button = |pos: egui::Pos2, pressed: bool| egui::Event::PointerButton {
+        pos,
+        pressed,
+        button: egui::PointerButton::Primary,
+        modifiers: Modifiers::NONE,
+    };
+    window.event(button(picture, true));
+    window.run_steps(1);
+    for step in 1..=4 {
+        window.hover_at(picture + egui::vec2(12.0 * step as f32, 0.0));
+        window.run_steps(1);
+    }
+    window.event(button(picture + egui::vec2(48.0, 0.0), false));
+    window.run_steps(1);
+    window.key_up(Key::Space);
+    window.run_steps(3);
+    assert!(!playing(&window));
+    assert_eq!(editor(&window).state().look.pick, None, "the view was moved, and nothing was picked");
+    window.key_press(Key::Space);
+    window.run_steps(2);
+    assert!(playing(&window));
+}
+
+#[test]
+fn the_viewer_and_the_properties_lead_to_the_culprit() {
+    let text = super::DUSK.replace("ScreenY", "ScreenZ");
+    for button in ["Show down", "Error above, in down"] {
+        let mut window = window(crate::document::Session::new(text.clone(), None), None);
+        finished(&mut window);
+        window.state_mut().as_mut().unwrap().select(&["dusk"]);
+        window.run_steps(3);
+        window.get_by_label_contains(button).click();
+        window.run_steps(3);
+        assert_eq!(editor(&window).state().chosen(), Some("down"), "{button}");
+    }
 }

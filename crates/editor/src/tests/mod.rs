@@ -3,6 +3,7 @@ mod keys;
 mod panels;
 mod shots;
 mod snapshots;
+mod versions;
 
 use crate::document::Session;
 

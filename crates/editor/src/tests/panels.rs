@@ -2,7 +2,8 @@ use super::{DUSK, dusk};
 use crate::actions::Action;
 use crate::document::{Path, Session};
 use crate::layout::Pane;
-use crate::testing::{Window, editor, finished, window};
+use crate::testing::{Window, editor, finished, sized, window};
+use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
 use serde_json::json;
 
@@ -155,4 +156,45 @@ fn a_window_at_rest_draws_nothing() {
         let causes = window.ctx.repaint_causes();
         assert!(started.elapsed().as_secs() < 60, "still asked for frames: {causes:?}");
     }
+}
+
+#[test]
+fn a_narrow_window_cuts_nothing_off() {
+    for chosen in [None, Some("sky"), Some("dusk")] {
+        let mut window = sized(dusk(), None, [780.0, 640.0]);
+        finished(&mut window);
+        window.state_mut().as_mut().unwrap().select(chosen.as_slice());
+        window.run_steps(3);
+        // Tabs scroll.
+        let tabs = window.query_all_by_label("Properties").next().unwrap().rect().bottom();
+        for role in [Role::SpinButton, Role::Slider, Role::Button, Role::TextInput, Role::ComboBox, Role::CheckBox] {
+            for widget in window.query_all_by_role(role) {
+                let place = widget.rect();
+                assert!(place.right() <= 780.0 || place.top() < tabs, "{chosen:?}: {widget:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn what_the_line_above_the_picture_has_no_room_for_is_in_a_menu() {
+    let mut wide = window(dusk(), None);
+    finished(&mut wide);
+    assert!(wide.query_by_label("More").is_none());
+    let line = wide.get_by_label("RGB").rect().center().y;
+    assert!((wide.get_by_label("Near").rect().center().y - line).abs() < 2.0);
+    let mut narrow = sized(dusk(), None, [780.0, 640.0]);
+    finished(&mut narrow);
+    narrow.run_steps(2);
+    assert!(narrow.query_by_label("Near").is_none());
+    let line = narrow.get_by_label("RGB").rect().center().y;
+    let more = narrow.get_by_label("More");
+    assert!((more.rect().center().y - line).abs() < 2.0, "one line");
+    more.click();
+    narrow.run_steps(3);
+    narrow.get_by_label("Hold A").click();
+    narrow.run_steps(3);
+    // The menu stays open, and shows what belongs to what is held.
+    narrow.get_by_label("Diff");
+    narrow.get_by_label("Near");
 }

@@ -23,6 +23,7 @@ use hull::Space;
 use near::Near;
 use picture::{Image, Stage, View, part, place, share};
 use serde_json::json;
+use std::collections::HashMap;
 use trochoid::Kind;
 
 /// What the viewer holds besides what all see.
@@ -38,6 +39,8 @@ pub(crate) struct Viewer {
     /// Whether the next drag in the picture frames the region.
     frames_region: bool,
     drag: Option<Drag>,
+    /// How wide parts of the line above the picture were when they were drawn last.
+    widths: HashMap<(toolbar::Group, u8), f32>,
     /// What was inspected before the last click, which may turn out to be the first of two.
     before: Option<[f32; 2]>,
 }
@@ -155,7 +158,7 @@ fn picture_ui(
     let painter = ui.painter().with_clip_rect(stage.area);
     painter.rect_filled(stage.area, 0.0, picture::SURROUND);
     let Some(result) = result else {
-        message_ui(ui, stage.area, state);
+        message_ui(ui, stage.area, state, actions);
         return None;
     };
     move_view(viewer, ui, stage, &response);
@@ -228,7 +231,7 @@ fn point(
     if response.drag_started_by(PointerButton::Primary) {
         let origin = ui.input(|input| input.pointer.press_origin()).map(|at| share(rect, at));
         viewer.drag = match origin.or(at) {
-            _ if modifiers.alt => Some(Drag::Pan),
+            _ if modifiers.alt || crate::commands::moves_view(ui.ctx()) => Some(Drag::Pan),
             Some(at) if modifiers.shift || viewer.frames_region => Some(Drag::Region(within(at))),
             _ => Some(Drag::Pick),
         };
@@ -285,8 +288,8 @@ fn marks(viewer: &Viewer, ui: &Ui, stage: &Stage, rect: Rect, state: &State) {
     }
 }
 
-/// Why there is no picture.
-fn message_ui(ui: &mut Ui, area: Rect, state: &State) {
+/// Why there is no picture, and where the node is that is to blame.
+fn message_ui(ui: &mut Ui, area: Rect, state: &State, actions: &mut Vec<Action>) {
     let (text, color) = match (&state.seen.failed, &state.look.node) {
         (Some(why), _) => (why.clone(), Color32::from_rgb(0xf0, 0x90, 0x80)),
         (None, None) => ("Choose a node in the graph and press 1 to see it.".into(), Color32::from_gray(190)),
@@ -299,6 +302,15 @@ fn message_ui(ui: &mut Ui, area: Rect, state: &State) {
     ui.scope_builder(UiBuilder::new().max_rect(place.expand(2.0)).id_salt("message"), |ui| {
         ui.label(RichText::new(text).color(color).size(14.0));
     });
+    let looked = state.look.node.as_ref().and_then(|(name, _)| state.sheet().find(name));
+    if let Some((culprit, _)) = looked.filter(|_| state.seen.failed.is_some()).and_then(|node| state.fault_of(node)) {
+        let below = Rect::from_min_max(pos2(place.left(), place.bottom() + 8.0), area.max);
+        ui.scope_builder(UiBuilder::new().max_rect(below).id_salt("culprit"), |ui| {
+            if ui.button(format!("Show {culprit}")).on_hover_text("Chooses the node that is to blame.").clicked() {
+                actions.push(Action::Visit(culprit.into()));
+            }
+        });
+    }
 }
 
 /// What is seen where the node is no picture.

@@ -402,6 +402,8 @@ fn screenshots_of_the_viewer() {
     let mut window = sized(session, None, [780.0, 640.0]);
     act(&mut window, Action::Proxy(2));
     act(&mut window, Action::Pick(Some([0.5, 0.7])));
+    window.get_by_label("More").click();
+    settle(&mut window);
     window.get_by_label("Hold A").click();
     settle(&mut window);
     shot(&mut window, "narrow");

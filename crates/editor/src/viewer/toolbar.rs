@@ -5,7 +5,8 @@ use super::compare::Mode;
 use crate::actions::Action;
 use crate::evaluate::{Channel, Display, Result, shown};
 use crate::state::State;
-use egui::{Button, ComboBox, DragValue, Response, Ui, WidgetInfo, WidgetType};
+use egui::containers::menu::{MenuButton, MenuConfig};
+use egui::{Button, ComboBox, DragValue, PopupCloseBehavior, Response, Ui, WidgetInfo, WidgetType};
 use std::ops::RangeInclusive;
 use trochoid::Kind;
 
@@ -35,35 +36,110 @@ pub(super) fn toolbar_ui(viewer: &mut Viewer, ui: &mut Ui, state: &State, action
         if next != *display {
             actions.push(Action::Display(next));
         }
-        ui.separator();
-        proxy_ui(ui, state, actions);
-        let mut region = viewer.frames_region || state.look.region.is_some();
-        let toggle = ui.toggle_value(&mut region, "Region");
-        let help =
-            "Evaluates a part: drag a rectangle in the picture, also with Shift at any time. Shift+W for all of it.";
-        if toggle.on_hover_text(help).clicked() {
-            viewer.frames_region = region;
-            if state.look.region.is_some() {
-                actions.push(Action::Region(None));
+        groups_ui(viewer, ui, state, actions);
+    });
+}
+
+/// What goes into a menu where the line is too short, the last first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) enum Group {
+    Part,
+    Compare,
+    Space,
+}
+
+impl Group {
+    const ALL: [Self; 3] = [Self::Part, Self::Compare, Self::Space];
+
+    /// How many widgets of it there are: what its width depends on.
+    fn stage(self, viewer: &Viewer) -> u8 {
+        match (self, &viewer.compare.held) {
+            (Self::Part, _) | (Self::Compare, None) => 0,
+            (Self::Compare, Some(held)) => {
+                if held.mode == Mode::Difference {
+                    2
+                } else {
+                    1
+                }
             }
+            (Self::Space, _) => u8::from(viewer.near.shown),
         }
-        ui.separator();
-        compare_ui(viewer, ui, state);
-        ui.separator();
-        ui.toggle_value(&mut viewer.space.shown, "Hull")
-            .on_hover_text("The colors of the picture within the hull of its control colors (H).");
-        let mut shown = viewer.near.shown;
-        let near = ui.toggle_value(&mut shown, "Near").on_hover_text("Marks pixels near the hull's faces (N).");
-        if near.clicked() {
-            viewer.near.toggle();
+    }
+
+    fn ui(self, viewer: &mut Viewer, ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
+        match self {
+            Self::Part => {
+                proxy_ui(ui, state, actions);
+                region_ui(viewer, ui, state, actions);
+            }
+            Self::Compare => compare_ui(viewer, ui, state),
+            Self::Space => space_ui(viewer, ui),
         }
-        if viewer.near.shown {
-            let distance = DragValue::new(&mut viewer.near.distance).speed(0.0005).range(0.0005..=1.0).max_decimals(4);
-            reset(ui.add(distance), "How near: a distance in the working space. Double-click for 0.02.", || {
-                viewer.near.distance = 0.02;
-            });
+    }
+}
+
+/// Width of the menu's button and the line before it.
+const MORE: f32 = 58.0;
+/// About how wide a group is that has not been drawn yet.
+const GROUP: f32 = 110.0;
+
+/// As many groups as there is room for, the others in a menu.
+fn groups_ui(viewer: &mut Viewer, ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
+    let widths = Group::ALL.map(|group| {
+        let known = viewer.widths.get(&(group, group.stage(viewer)));
+        known.copied().unwrap_or(GROUP)
+    });
+    let room = ui.available_size_before_wrap().x;
+    let fits = |count: usize| {
+        let more = if count < Group::ALL.len() { MORE } else { 0.0 };
+        widths[..count].iter().sum::<f32>() + more <= room
+    };
+    let count = (0..=Group::ALL.len()).rev().find(|count| fits(*count)).unwrap_or(0);
+    for group in &Group::ALL[..count] {
+        let (stage, start) = (group.stage(viewer), ui.cursor().left());
+        ui.separator();
+        group.ui(viewer, ui, state, actions);
+        viewer.widths.insert((*group, stage), ui.cursor().left() - start);
+    }
+    if count == Group::ALL.len() {
+        return;
+    }
+    ui.separator();
+    let stays = MenuConfig::new().close_behavior(PopupCloseBehavior::CloseOnClickOutside);
+    let (button, _) = MenuButton::new("More").config(stays).ui(ui, |ui| {
+        for group in &Group::ALL[count..] {
+            ui.horizontal(|ui| group.ui(viewer, ui, state, actions));
         }
     });
+    button.on_hover_text("What the line has no room for.");
+}
+
+fn region_ui(viewer: &mut Viewer, ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
+    let mut region = viewer.frames_region || state.look.region.is_some();
+    let toggle = ui.toggle_value(&mut region, "Region");
+    let help = "Evaluates a part: drag a rectangle in the picture, also with Shift at any time. Shift+W for all of it.";
+    if toggle.on_hover_text(help).clicked() {
+        viewer.frames_region = region;
+        if state.look.region.is_some() {
+            actions.push(Action::Region(None));
+        }
+    }
+}
+
+fn space_ui(viewer: &mut Viewer, ui: &mut Ui) {
+    ui.toggle_value(&mut viewer.space.shown, "Hull")
+        .on_hover_text("The colors of the picture within the hull of its control colors (H).");
+    let mut shown = viewer.near.shown;
+    let near = ui.toggle_value(&mut shown, "Near").on_hover_text("Marks pixels near the hull's faces (N).");
+    if near.clicked() {
+        viewer.near.toggle();
+    }
+    if viewer.near.shown {
+        let distance = DragValue::new(&mut viewer.near.distance).speed(0.0005).range(0.0005..=1.0).max_decimals(4);
+        reset(ui.add(distance), "How near: a distance in the working space. Double-click for 0.02.", || {
+            viewer.near.distance = 0.02;
+        });
+    }
 }
 
 /// A hint, and what a double click does.

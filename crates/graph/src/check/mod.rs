@@ -15,6 +15,7 @@ use crate::{
 use items::Names;
 use std::collections::HashMap;
 use std::path::Path;
+pub use top::FORMAT_VERSION;
 use top::Top;
 pub use values::expected;
 

@@ -14,6 +14,9 @@ pub(super) struct Top {
     pub(super) tolerance: Option<Tolerance>,
 }
 
+/// The version of the document format; there is no other yet.
+pub const FORMAT_VERSION: u32 = 1;
+
 const KEYS: [&str; 9] =
     ["trochoid", "format", "working_space", "frames", "tolerance", "nodes", "outputs", "ui", "notes"];
 /// Frames are numbered within this range, so that times stay exact.
@@ -28,14 +31,7 @@ impl<'a> Checker<'a> {
             match entry.key.as_str() {
                 "trochoid" => {
                     versioned = true;
-                    if entry.value.json != Json::Number(1.0) {
-                        self.error(
-                            place,
-                            entry.value.brief(),
-                            "1, the version of the document format",
-                            "write \"trochoid\": 1",
-                        );
-                    }
+                    self.version(&entry.value, place);
                 }
                 "format" => top.format = self.format(&entry.value),
                 "working_space" => self.working_space(&entry.value),
@@ -54,6 +50,22 @@ impl<'a> Checker<'a> {
             self.error(Place::top(0, "format"), "no \"format\"", "the size of the pictures", remedy);
         }
         top
+    }
+
+    fn version(&mut self, value: &'a Spanned, place: Place<'a>) {
+        match value.json {
+            Json::Number(version) if version == f64::from(FORMAT_VERSION) => {}
+            // Its author means something that is not known here: to write another number would not help.
+            Json::Number(version) if version > f64::from(FORMAT_VERSION) => {
+                let found = format!("{}, a newer version of the document format", value.brief());
+                let expected = format!("{FORMAT_VERSION}, the newest version that this Trochoid reads");
+                self.error(place, found, expected, "open it with a newer Trochoid");
+            }
+            _ => {
+                let expected = format!("{FORMAT_VERSION}, the version of the document format");
+                self.error(place, value.brief(), expected, "write \"trochoid\": 1");
+            }
+        }
     }
 
     fn format(&mut self, value: &'a Spanned) -> Option<Format> {

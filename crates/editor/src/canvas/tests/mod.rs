@@ -4,7 +4,7 @@ mod nodes;
 mod shots;
 mod wires;
 
-use super::{Canvas, arrange, backdrop, canvas_ui};
+use super::{Canvas, arrange, backdrop, canvas_ui, deleting};
 use crate::actions::Action;
 use crate::document::{Session, edit};
 use crate::state::State;
@@ -42,7 +42,7 @@ impl Driver {
             Action::Seal => self.state.session.seal(),
             Action::Select(names) => self.state.selection = names,
             Action::Look(node, output) => self.state.look.node = Some((node, output)),
-            Action::Delete => self.state.session.edit(edit::deleted(&sheet, &names)).unwrap(),
+            Action::Delete => self.state.session.edit(deleting(&sheet, &names)).unwrap(),
             Action::Disable => self.state.session.edit(edit::disabled(&sheet, &names)).unwrap(),
             Action::Arrange => {
                 let places = arrange(&sheet, &self.state.selection);

@@ -205,6 +205,56 @@ fn a_document_that_is_not_valid_is_drawn_and_tells_the_culprit() {
 }
 
 #[test]
+fn a_click_on_the_sign_of_an_error_leads_to_the_culprit() {
+    let mut harness = open(&GRAPH.replace("ScreenY", "ScreenZ"));
+    let sign = place(&harness, "Error above sky").center();
+    click(&mut harness, sign, PointerButton::Primary, Modifiers::NONE);
+    assert_eq!(harness.state().done, [Action::Visit("down".into())], "the node below the sign is not chosen");
+    harness.get_by_label("Error in down").click();
+    harness.run_ok();
+    assert_eq!(harness.state().done.last(), Some(&Action::Visit("down".into())));
+    assert_eq!(harness.state().done.len(), 2);
+}
+
+#[test]
+fn what_is_left_stays_where_it_is_when_a_node_goes() {
+    let text = &GRAPH[..GRAPH.find("  \"ui\"").unwrap()];
+    let text = format!("{}\n}}\n", text.trim_end().trim_end_matches(','));
+    let mut harness = open(&text);
+    let rest = ["Node across, ScreenX", "Node sky, Ramp", "Node other, Invert"];
+    let before = rest.map(|name| place(&harness, name));
+    harness.state_mut().state.selection = ["twice".to_string(), "down".into()].into();
+    harness.state_mut().act(Action::Delete);
+    harness.run_ok();
+    assert!(harness.query_by_label("Node down, ScreenY").is_none());
+    for (name, before) in rest.into_iter().zip(before) {
+        let now = place(&harness, name);
+        assert!(now.center().distance(before.center()) < 1.5, "{name}: {before} {now}");
+    }
+    assert_eq!(harness.state().text("/ui/positions").matches(':').count(), 3, "none of a node that is gone");
+    assert_eq!(harness.state_mut().state.session.undo().as_deref(), Some("Delete 2 nodes"));
+    assert_eq!(harness.state().state.session.text(), text);
+    // Where all goes, there is no place to be written.
+    harness.state_mut().state.selection =
+        harness.state().state.sheet().nodes.iter().map(|node| node.name.clone()).collect();
+    harness.state_mut().act(Action::Delete);
+    assert!(!harness.state().state.session.text().contains("positions"));
+}
+
+#[test]
+fn a_drag_with_the_space_bar_held_moves_the_view() {
+    let mut harness = open(GRAPH);
+    let before = place(&harness, "Node across, ScreenX");
+    harness.key_down(Key::Space);
+    drag(&mut harness, before.center(), before.center() + vec2(40.0, 30.0));
+    harness.key_up(Key::Space);
+    harness.run_ok();
+    let moved = place(&harness, "Node across, ScreenX").center() - before.center();
+    assert!((moved - vec2(40.0, 30.0)).length() < 1.0, "{moved:?}");
+    assert!(harness.state().done.iter().all(|action| !matches!(action, Action::Edit(_) | Action::Select(_))));
+}
+
+#[test]
 fn the_wheel_zooms_at_the_pointer_and_the_middle_button_moves_the_view() {
     let mut harness = open(GRAPH);
     let before = place(&harness, "Node across, ScreenX");

@@ -1,5 +1,6 @@
 mod edits;
 mod kept;
+mod moved;
 mod places;
 mod random;
 

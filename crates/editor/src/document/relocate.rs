@@ -1,0 +1,121 @@
+//! The paths of a document that moves to another folder: they are written anew, so that they lead to the same files.
+
+use super::edit::{Edit, count};
+use super::json::{Op, Path as Place, quoted};
+use super::session::applied;
+use super::sheet::Sheet;
+use serde_json::Value;
+use std::path::{Component, Path, PathBuf};
+use trochoid::{Item, Takes, expand_frame};
+
+/// How many frames of a sequence are looked for at most.
+const FRAMES: usize = 1000;
+
+/// Writes the relative paths of a document in one folder so that they lead to the same files from another; absolute ones
+/// stay. The edit has an operation for each path that changes.
+///
+/// Of a document that has no file yet (`stored` is false) only paths to files that are there move with it, and those of
+/// outputs do not: they mean the folder that the document is saved to.
+///
+/// # Errors
+/// A path would lead through a folder whose name is no text.
+pub fn relocated(sheet: &Sheet, from: &Path, to: &Path, stored: bool) -> Result<Edit, String> {
+    let (from, to) = (real(from), real(to));
+    let mut ops = Vec::new();
+    if from != to {
+        for (place, path) in paths(sheet, stored) {
+            if path.is_empty() || Path::new(&path).is_absolute() || !(stored || is_there(sheet, &from, &path)) {
+                continue;
+            }
+            let new = rewritten(&path, &from, &to)?;
+            if new != path {
+                ops.push(Op::Set(place, quoted(&new)));
+            }
+        }
+    }
+    Ok(Edit::new(format!("Rewrite {}", count(ops.len(), "path")), ops))
+}
+
+/// Nodes as a text, copied from a document in one folder, for one in another.
+pub fn carried(text: &str, from: &Path, to: &Path) -> Option<String> {
+    let sheet = Sheet::new(serde_json::from_str(text).ok()?, None);
+    let edit = relocated(&sheet, from, to, true).ok()?;
+    Some(applied(text, &edit).ok()?.0)
+}
+
+/// Every path that a document writes, of what it reads and, if asked for, of what it renders to.
+fn paths(sheet: &Sheet, outputs: bool) -> Vec<(Place, String)> {
+    let mut found = Vec::new();
+    for node in &sheet.nodes {
+        let place = Place::node(&node.name);
+        if let (Some(declaration), Some(body)) = (node.declaration, sheet.get(&place)) {
+            collect(declaration.items, body, &place, &mut found);
+        }
+    }
+    for output in sheet.outputs.iter().filter(|_| outputs) {
+        let place = Place::default().to("outputs").to(&output.name).to("file");
+        if let Some(Value::String(path)) = sheet.get(&place) {
+            found.push((place, path.clone()));
+        }
+    }
+    found
+}
+
+fn collect(items: &[Item], body: &Value, place: &Place, found: &mut Vec<(Place, String)>) {
+    for item in items {
+        match (item, body.get(item.name())) {
+            (Item::Knob(knob), Some(Value::String(path))) if matches!(knob.takes, Takes::Path) => {
+                found.push((place.to(knob.name), path.clone()));
+            }
+            (Item::List(list), Some(Value::Array(records))) => {
+                for (index, record) in records.iter().enumerate() {
+                    collect(list.items, record, &place.to(list.name).to(index), found);
+                }
+            }
+            _ => {}
+        }
+    }
+}
+
+/// Whether a path leads to a file, at any frame of the document.
+fn is_there(sheet: &Sheet, folder: &Path, path: &str) -> bool {
+    let (first, last, _) = sheet.frames;
+    (first..=last).take(FRAMES).any(|frame| folder.join(expand_frame(path, frame)).exists())
+}
+
+/// A folder without links, from which `..` leads where it seems to.
+fn real(folder: &Path) -> PathBuf {
+    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    std::fs::canonicalize(folder).or_else(|_| std::path::absolute(folder)).unwrap_or_else(|_| folder.into())
+}
+
+/// A path relative to one folder as it is relative to another; both without links.
+fn rewritten(path: &str, from: &Path, to: &Path) -> Result<String, String> {
+    let mut target = from.to_path_buf();
+    for step in Path::new(path).components() {
+        match step {
+            Component::ParentDir => {
+                if target.is_symlink() {
+                    target = real(&target);
+                }
+                target.pop();
+            }
+            Component::Normal(name) => target.push(name),
+            Component::CurDir | Component::RootDir | Component::Prefix(_) => {}
+        }
+    }
+    // From one drive to another no path leads but the whole one.
+    let Some(relative) = pathdiff::diff_paths(&target, to) else { return text(&target) };
+    let steps: Result<Vec<String>, String> = relative.components().map(|step| text(step.as_ref())).collect();
+    Ok(steps?.join("/"))
+}
+
+fn text(path: &Path) -> Result<String, String> {
+    path.to_str().map(String::from).ok_or_else(|| {
+        format!(
+            "found \"{}\" on the way to a file that the document names; expected folders whose names are text, because a \
+             document can name no others; rename the folder, or write the path in the document from the root",
+            path.display()
+        )
+    })
+}
