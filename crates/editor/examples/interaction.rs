@@ -35,14 +35,22 @@ impl Window {
         started.elapsed()
     }
 
-    /// Draws as a screen of 60 Hz would until something holds.
+    /// Draws as a window does, whenever a frame is asked for, until something holds.
     fn until(&mut self, holds: impl Fn(&Editor) -> bool) -> Duration {
         let started = Instant::now();
         while !holds(&self.editor) {
-            self.draw(Vec::new());
-            std::thread::sleep(Duration::from_millis(2));
+            if self.context.has_requested_repaint() {
+                self.draw(Vec::new());
+            }
+            std::thread::sleep(Duration::from_millis(1));
         }
         started.elapsed()
+    }
+
+    /// Draws for a while: what comes after a picture, such as small ones of the nodes, is over then.
+    fn rest(&mut self) {
+        let started = Instant::now();
+        self.until(|_| started.elapsed() > Duration::from_secs(1));
     }
 
     fn finished(&mut self) -> Duration {
@@ -51,6 +59,7 @@ impl Window {
 
     /// Times from an edit to the first picture after it, and to the whole one.
     fn edit(&mut self, edit: Edit) -> (Duration, Duration) {
+        self.rest();
         let before = self.editor.state().seen.result.clone();
         let context = self.context.clone();
         let started = Instant::now();

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Error of the sea on the grid that is good enough, since what it leaves in doubt is decided in f64.
-const TOLERANCE: f64 = 1e-3;
+const TOLERANCE: f64 = 1e-5;
 /// By how many times a strain may miss its method's error before a decision could be wrong.
 const DOUBT: f64 = 4.0;
 
