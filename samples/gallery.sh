@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Renders what README.md and graphs/README.md show: stills at half size, animated previews, and trees of the graphs.
+# Renders what README.md and graphs/README.md show: stills at half size, animated previews, trees of the graphs, the editor.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 cargo build --release
@@ -28,3 +28,11 @@ moving toon_teapot 1-48
 for scene in stormy_sea stormy_sea_bare great_wave toon_sea cartoon_bay toon_teapot from_passes open_sea; do
   tree "$scene"
 done
+
+# The editor is drawn without a window, but not without a graphics driver.
+shots=$(mktemp -d)
+TROCHOID_SHOTS=$shots cargo test --release -p trochoid-editor --lib -- --ignored screenshots_of_scenes
+for scene in stormy_sea_bare toon_sea cartoon_bay; do
+  mv "$shots/${scene}_1280.png" "samples/editor_$scene.png"
+done
+rm -r "$shots"

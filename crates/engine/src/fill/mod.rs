@@ -4,6 +4,7 @@
 //! needs its region of interest, clamped to the extent of the image that it reads, so that no stage is ever asked for
 //! pixels where its image does not lie.
 
+mod extent;
 mod runner;
 mod shared;
 
@@ -14,6 +15,8 @@ use crate::plan::{Feed, Fill};
 use crate::prepare::{Ready, node_error};
 use crate::shading::TELLING;
 use crate::{Buffers, EvalError, Monitor, Plan};
+use extent::clamped;
+pub(crate) use extent::extents;
 use runner::Runner;
 use shared::{Apart, Kept, View, telling};
 use std::borrow::Cow;
@@ -478,39 +481,4 @@ fn stage<'p>(plan: &'p Plan<'p>, node: NodeId) -> Option<(&'static dyn Stage, &'
         Body::Stage(stage) if !plan.bound[node.0] => Some((stage, plan.settled[node.0].as_ref()?)),
         _ => None,
     }
-}
-
-/// A window that lies within another: of what lies outside, the nearest pixels, which repeat there.
-fn clamped(window: Window, within: Window) -> Window {
-    let axis = |low: i64, high: i64, first: i64, end: i64| {
-        let low = low.clamp(first, (end - 1).max(first));
-        (low, high.clamp(low + 1, end.max(low + 1)))
-    };
-    let (x0, x1) = axis(window.x0, window.x1, within.x0, within.x1);
-    let (y0, y1) = axis(window.y0, window.y1, within.y0, within.y1);
-    Window { x0, y0, x1, y1 }
-}
-
-/// What a literal reaches over: more than any picture, but small enough to compute with.
-const EVERYWHERE: Window = Window::new(-(1 << 40), -(1 << 40), 1 << 40, 1 << 40);
-
-/// How far the image of every stage reaches: the picture, and what has pixels of its own beyond it.
-pub(crate) fn extents(plan: &Plan<'_>, ready: &HashMap<NodeId, Ready>, fills: &[Fill]) -> HashMap<NodeId, Window> {
-    let picture = plan.graph.format().window();
-    let mut extents = HashMap::new();
-    for fill in fills.iter().filter(|fill| !plan.bound[fill.node.0]) {
-        let Some(ready) = ready.get(&fill.node) else { continue };
-        let of = |feeds: &Vec<Feed>| match feeds.iter().find(|feed| **feed != Feed::Nothing) {
-            Some(Feed::Slot(slot)) => extents.get(&slot.node).copied().unwrap_or(picture),
-            Some(Feed::Constant(_)) | None => EVERYWHERE,
-            _ => picture,
-        };
-        let inputs = |port: &str| {
-            let connections = fill.inputs.iter().filter(|(name, _)| *name == port).flat_map(|(_, feeds)| feeds);
-            connections.map(of).fold(EVERYWHERE, Window::intersect)
-        };
-        let extent = ready.prepared.data_window(picture, &inputs);
-        extents.insert(fill.node, if extent == EVERYWHERE { picture } else { extent.union(picture) });
-    }
-    extents
 }
