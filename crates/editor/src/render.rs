@@ -2,7 +2,7 @@
 
 use crate::document::edit::count;
 use crate::state::Render;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicU32, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
@@ -114,7 +114,7 @@ impl Drop for Renderer {
 fn run(graph: &CheckedGraph, outputs: &[usize], frames: &[i64], shared: &Shared) -> Result<String, String> {
     let names: Vec<&str> = outputs.iter().map(|&index| graph.outputs()[index].name.as_str()).collect();
     let mut cache = Cache::new();
-    let mut missed = Vec::new();
+    let (mut missed, mut folder) = (Vec::new(), None);
     for (index, &frame) in frames.iter().enumerate() {
         let at = |error: &dyn std::fmt::Display| format!("Frame {frame}: {error}");
         let plan = Plan::new(graph, &names, frame, &[], &Settings::default()).map_err(|error| at(&error))?;
@@ -129,6 +129,7 @@ fn run(graph: &CheckedGraph, outputs: &[usize], frames: &[i64], shared: &Shared)
         for file in &files {
             write_output(graph, &evaluated, file, &[]).map_err(|error| at(&error))?;
         }
+        folder = files.first().and_then(|file| std::path::absolute(&file.path).ok()?.parent().map(Path::to_path_buf));
         missed.extend(misses(graph, &evaluated, None).iter().map(ToString::to_string));
         cache.forget_unused();
         shared.done.store(index + 1, Ordering::Relaxed);
@@ -136,7 +137,10 @@ fn run(graph: &CheckedGraph, outputs: &[usize], frames: &[i64], shared: &Shared)
         shared.wake();
     }
     match missed.first() {
-        None => Ok(format!("Rendered {}", count(frames.len(), "frame"))),
+        None => {
+            let to = folder.map_or_else(String::new, |folder| format!(" into {}", folder.display()));
+            Ok(format!("Rendered {}{to}", count(frames.len(), "frame")))
+        }
         Some(first) => Err(format!("Rendered {}, but {first}", count(frames.len(), "frame"))),
     }
 }

@@ -12,6 +12,7 @@ use egui_tiles::{SimplificationOptions, TileId, UiResponse};
 /// Draws the whole window.
 pub(crate) fn window_ui(editor: &mut Editor, ui: &mut Ui, actions: &mut Vec<Action>) {
     Panel::top("menus").show(ui, |ui| menus_ui(editor, ui, actions));
+    unreadable_ui(&editor.state, ui, actions);
     version_ui(&editor.state, ui, actions);
     Panel::bottom("status").show(ui, |ui| status_ui(&editor.state, ui, actions));
     Panel::bottom("timeline").show(ui, |ui| {
@@ -86,6 +87,32 @@ fn menus_ui(editor: &Editor, ui: &mut Ui, actions: &mut Vec<Action>) {
         }
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             ui.weak(editor.title());
+        });
+    });
+}
+
+/// What is wrong with a text that is no JSON, as long as nothing else of it can be said.
+fn unreadable_ui(state: &State, ui: &mut Ui, actions: &mut Vec<Action>) {
+    let meaning = state.session.meaning();
+    let Some(fault) = meaning.errors().next().filter(|_| !meaning.readable) else { return };
+    Panel::top("unreadable").show(ui, |ui| {
+        ui.horizontal_wrapped(|ui| {
+            let place =
+                if fault.line > 0 { format!("Line {}, column {}: ", fault.line, fault.column) } else { String::new() };
+            let stays = if state.sheet().value.is_null() {
+                "Nothing else can be shown until the text is mended."
+            } else {
+                "What is shown here is as it was before, and cannot be changed until the text is mended."
+            };
+            let text = format!("{place}found {}; expected {}. {stays}", fault.found, fault.expected);
+            ui.label(RichText::new(text).color(crate::theme::error(ui.visuals())));
+            if ui.button("Show the text").clicked() {
+                actions.push(Action::Panel(Pane::Text));
+            }
+            let undo = egui::Button::new("Undo");
+            if ui.add_enabled(state.session.history().undoes().is_some(), undo).clicked() {
+                actions.push(Action::Undo);
+            }
         });
     });
 }

@@ -29,7 +29,7 @@ pub struct Meaning {
     pub graph: Option<Arc<CheckedGraph>>,
     /// Errors and warnings.
     pub diagnostics: Vec<Diagnostic>,
-    /// What can be drawn, whether it is valid or not.
+    /// What can be drawn, whether it is valid or not; of a text that is no JSON, what could be drawn before.
     pub sheet: Arc<Sheet>,
     /// Whether the text is JSON at all: if not, nothing but the text can be edited.
     pub readable: bool,
@@ -116,7 +116,12 @@ impl Session {
 
     fn understand(&mut self) {
         self.revision += 1;
+        let before = std::mem::take(&mut self.meaning);
         self.meaning = Meaning::of(&self.name(), &self.text, &self.folder());
+        if !self.meaning.readable {
+            // What was drawn last stays in sight until the text can be read again.
+            self.meaning.sheet = before.sheet;
+        }
     }
 
     /// The text.

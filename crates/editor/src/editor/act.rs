@@ -10,7 +10,7 @@ use crate::state::State;
 use egui::Context;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// What comes after this document.
 #[derive(Clone, Debug, PartialEq)]
@@ -161,7 +161,11 @@ impl Editor {
 
     pub(super) fn edit(&mut self, edit: Edit) {
         if !self.state.session.meaning().readable {
-            self.toasts.error("The text is not JSON: correct it in the panel \"Text\" first");
+            // Once, however fast one types.
+            if self.complained.is_none_or(|since| since.elapsed() > Duration::from_secs(5)) {
+                self.toasts.error("The text is not JSON: correct it in the panel \"Text\" first");
+                self.complained = Some(Instant::now());
+            }
             return;
         }
         match self.state.session.edit(edit) {

@@ -22,7 +22,7 @@ use crate::viewer::Viewer;
 use crate::watch::Watcher;
 use crate::waves::Waves;
 use egui::{Context, Ui};
-use egui_notify::Toasts;
+use egui_notify::{Anchor, Toasts};
 use pictures::Asked;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -36,6 +36,8 @@ pub struct Editor {
     pub(crate) panels: Panels,
     pub(crate) prompts: Prompts,
     pub(crate) toasts: Toasts,
+    /// The complaint about the text that was shown last, and when.
+    complained: Option<Instant>,
     pub(crate) recent: Vec<PathBuf>,
     worker: Worker,
     asked: Asked,
@@ -51,6 +53,9 @@ pub struct Editor {
     space: Space,
     closing: bool,
 }
+
+/// Notices come where they cover neither tabs nor the title: over the graph, off the timeline and the status below it.
+const ABOVE_TIMELINE: egui::Vec2 = egui::vec2(8.0, 66.0);
 
 /// What panels hold besides what all see.
 #[derive(Default)]
@@ -82,7 +87,8 @@ impl Editor {
             tree: layout::first(),
             panels: Panels::default(),
             prompts: Prompts::new(data),
-            toasts: Toasts::default(),
+            toasts: Toasts::default().with_anchor(Anchor::BottomLeft).with_margin(ABOVE_TIMELINE),
+            complained: None,
             recent,
             worker,
             asked: Asked::default(),
@@ -123,7 +129,7 @@ impl Editor {
 
     /// The title of the window.
     pub fn title(&self) -> String {
-        let changed = if self.state.session.is_changed() { "● " } else { "" };
+        let changed = if self.state.session.is_changed() { "• " } else { "" };
         format!("{changed}{} — Trochoid", self.state.session.title())
     }
 

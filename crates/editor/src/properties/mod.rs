@@ -33,6 +33,13 @@ pub(crate) struct Properties {
 /// Draws the knobs of the chosen node, or of the document where none is chosen.
 pub(crate) fn properties_ui(panel: &mut Properties, ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
     color::reference_ui(panel, ui, state, actions);
+    if !state.session.meaning().readable {
+        // Nothing can be changed but the text.
+        ui.disable();
+        if state.sheet().value.is_null() {
+            return;
+        }
+    }
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| match state.chosen() {
         Some(name) => node_ui(panel, ui, state, name, actions),
         None if state.selection.is_empty() => document_ui(ui, state, actions),

@@ -59,7 +59,7 @@ fn source_ui(
                     Some(_) => crate::theme::accepts(port.accepts),
                     None => crate::theme::error(ui.visuals()),
                 };
-                let link = ui.link(RichText::new(format!("● {text}")).color(color));
+                let link = ui.link(RichText::new(format!("• {text}")).color(color));
                 if let Some((node, _)) = known
                     && link.on_hover_text("Chooses that node.").clicked()
                 {

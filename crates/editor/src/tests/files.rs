@@ -23,7 +23,7 @@ fn a_document_is_saved_and_the_mark_goes() {
     let mut window = window(Session::open(&file).unwrap(), Some(folder.path().join("data")));
     assert_eq!(editor(&window).title(), "dusk.json — Trochoid");
     act(&mut window, moved(7.0));
-    assert_eq!(editor(&window).title(), "● dusk.json — Trochoid");
+    assert_eq!(editor(&window).title(), "• dusk.json — Trochoid");
     window.key_press_modifiers(Modifiers::COMMAND, Key::S);
     window.run_steps(3);
     assert_eq!(editor(&window).title(), "dusk.json — Trochoid");

@@ -104,3 +104,32 @@ fn versions_are_told_apart() {
     assert_eq!(of("{}"), Standing::Unknown(None));
     assert_eq!(of("[]"), Standing::Current, "what is no document at all has other faults");
 }
+
+#[test]
+fn a_text_that_is_no_json_leaves_in_sight_what_was_there() {
+    let mut window = window(Session::new(DUSK.into(), None), None);
+    finished(&mut window);
+    let look = editor(&window).state().look.clone();
+    act(&mut window, Action::Rewrite(DUSK.replace("\"nodes\": {", "\"nodes\": ")));
+    window.get_by_label_contains("What is shown here is as it was before");
+    assert_eq!(editor(&window).state().sheet().nodes.len(), 3);
+    // What is asked for meanwhile changes nothing.
+    let broken = editor(&window).state().session.text().to_string();
+    let edit = crate::document::Edit::set(Path::node("dusk").to("weight"), &json!(0.5));
+    act(&mut window, Action::Edit(edit));
+    assert_eq!(editor(&window).state().session.text(), broken);
+    window.get_by_label("Show the text").click();
+    window.run_steps(3);
+    window.get_by_label("Undo").click();
+    window.run_steps(3);
+    let state = editor(&window).state();
+    assert_eq!((state.session.text(), &state.look), (DUSK, &look));
+    assert!(window.query_by_label("Show the text").is_none());
+}
+
+#[test]
+fn a_file_that_is_no_json_opens_with_its_fault() {
+    let window = window(Session::new("{\n  \"trochoid\": 1,\n".into(), None), None);
+    window.get_by_label_contains("Nothing else can be shown until the text is mended");
+    assert!(window.query_by_label("Width").is_none());
+}

@@ -219,24 +219,31 @@ impl<'a> Checker<'a> {
                 format!("{}{}", names.join(", "), if nodes.len() > names.len() { ", …" } else { "" })
             };
             let (ends, others): (Vec<usize>, Vec<usize>) = branch.into_iter().partition(|&node| is_end[node]);
+            let draft = &drafts[end];
             let mut found = "a node that no output needs".to_string();
             if !ends.is_empty() {
                 found += &format!(", nor {}", names(&ends));
             }
             if !others.is_empty() {
-                let need = if ends.is_empty() { "it needs" } else { "they need" };
-                found += &format!(", nor what {need}: {}", names(&others));
+                let whose = if ends.is_empty() { "it needs" } else { "they need" };
+                found += &format!(", and what only {whose}: {}", names(&others));
             }
-            let remedy = if ends.is_empty() && others.is_empty() {
-                "it is not evaluated; connect it, or remove it"
-            } else if ends.is_empty() {
-                "they are not evaluated; connect it, or remove them"
-            } else {
-                "they are not evaluated; connect them, or remove them"
+            let remedy = match (ends.len(), ends.len() + others.len() + 1) {
+                (0, 1) => "it is not evaluated; connect it to what an output needs, or remove it".to_string(),
+                (0, all) => {
+                    format!(
+                        "none of the {all} is evaluated; connect {} to what an output needs, or remove all",
+                        draft.name
+                    )
+                }
+                (_, all) => format!(
+                    "none of the {all} is evaluated; connect {}, {} to what an output needs, or remove all",
+                    draft.name,
+                    names(&ends)
+                ),
             };
-            let draft = &drafts[end];
             let place = Place { offset: draft.offset, node: Some(draft.name), port: None };
-            self.report(Severity::Warning, place, found, "every node to be used".into(), remedy.into());
+            self.report(Severity::Warning, place, found, "every node to be used".into(), remedy);
         }
     }
 }

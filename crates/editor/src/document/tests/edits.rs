@@ -160,6 +160,13 @@ fn documents_with_faults_open_and_can_be_mended() {
     let broken = Session::new("{ \"trochoid\": 1, ".into(), None);
     assert!(!broken.meaning().readable);
     assert_eq!(broken.meaning().errors().count(), 1);
+    assert_eq!(broken.sheet().nodes.len(), 0);
+    // What was there before the text was broken stays in sight.
+    session.replace("{ \"trochoid\": 1, ", "Type");
+    assert!(!session.meaning().readable && session.meaning().graph.is_none());
+    assert_eq!(session.sheet().nodes.len(), 6);
+    session.undo();
+    valid(&session);
 }
 
 #[test]
