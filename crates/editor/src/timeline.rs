@@ -12,12 +12,17 @@ pub(crate) struct Timeline {
     end: Option<bool>,
 }
 
+/// Width of a button, points.
+const BUTTON: f32 = 26.0;
+
 /// Draws the timeline.
 pub(crate) fn timeline_ui(timeline: &mut Timeline, ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
     ui.horizontal(|ui| {
         let (first, last) = state.range;
         let mut button = |ui: &mut Ui, text: &str, name: &str, action: Action| {
-            let response = ui.button(text).on_hover_text(name);
+            // As wide whatever it shows, so that nothing beside it moves.
+            let button = egui::Button::new(text).min_size(vec2(BUTTON, 0.0));
+            let response = ui.add(button).on_hover_text(name);
             response.widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::Button, true, name));
             if response.clicked() {
                 actions.push(action);
@@ -91,9 +96,15 @@ fn strip_ui(timeline: &mut Timeline, ui: &mut Ui, state: &State, width: f32, act
                 [pos2(at, rect.top()), pos2(at, rect.top() + 5.0)],
                 Stroke::new(1.0, visuals.weak_text_color()),
             );
+            // Beside the brackets, not below them.
+            let (shift, align) = match mark {
+                mark if mark == state.range.0 => (4.0, Align2::LEFT_TOP),
+                mark if mark == state.range.1 => (-4.0, Align2::RIGHT_TOP),
+                _ => (0.0, Align2::CENTER_TOP),
+            };
             painter.text(
-                pos2(at, rect.top() + 6.0),
-                Align2::CENTER_TOP,
+                pos2(at + shift, rect.top() + 6.0),
+                align,
                 mark.to_string(),
                 FontId::proportional(10.0),
                 visuals.weak_text_color(),

@@ -151,7 +151,7 @@ fn slider_ui(ui: &mut Ui, state: &State, path: &Path, knob: &Knob, actions: &mut
         slider = if whole { slider.integer() } else { slider.max_decimals(3) };
         let unit = if knob.unit == "degrees" { "°".into() } else { format!(" {}", knob.unit) };
         let field = ui.add(slider.suffix(unit));
-        ui.label(knob.name.replace('_', " ")).on_hover_text(knob.help);
+        crate::prose::explained(ui.label(knob.name.replace('_', " ")), knob.help);
         if field.changed() {
             let (min, max) = match knob.takes {
                 Takes::Number { min, max } => (min, max),
@@ -237,35 +237,23 @@ fn spectrum_ui(waves: &mut Waves, ui: &mut Ui, state: &State, sea: &Node, graph:
         margin => (format!("Crests fold over: {margin:.2} times the sharpness would not."), ui.visuals().warn_fg_color),
     };
     ui.label(RichText::new(text).color(color));
-    ui.label(
-        RichText::new(format!(
-            "{} waves: amplitude over length",
-            crate::format::thousands(spectrum.waves.len() as u64)
-        ))
-        .strong(),
-    );
+    ui.label(RichText::new(format!("{}: amplitude over length", counted(spectrum.waves.len()))).strong());
+    let body = state.sheet().get(&Path::node(&sea.name));
+    let by_hand = body.and_then(|body| body.get("waves")).and_then(Value::as_array).map_or(0, Vec::len);
+    let groups = body.and_then(|body| body.get("groups")).and_then(Value::as_array).map_or(0, Vec::len);
+    let random = graph.find(&sea.name).map_or(0, |id| graph.settle(id, frame).number("count") as usize);
+    if let Some(text) = parts(spectrum.waves.len(), random, by_hand, groups) {
+        ui.weak(text);
+    }
     // Of very many, as many as can be told apart.
     let step = spectrum.waves.len().div_ceil(2000).max(1);
     let stems: Vec<[f64; 2]> =
         spectrum.waves.iter().step_by(step).map(|wave| [wave.wavelength.log10(), wave.amplitude.abs()]).collect();
-    Plot::new("spectrum")
-        .height(150.0)
-        .x_axis_label("m, crest to crest")
-        .y_axis_label("m")
-        .include_y(0.0)
-        .x_axis_formatter(|mark, _| {
-            // At whole powers of ten alone: between them the axis is not even.
-            let whole = (mark.value - mark.value.round()).abs() < 1e-6;
-            if whole { format!("{}", 10f64.powf(mark.value)) } else { String::new() }
-        })
-        .show(ui, |plot| {
-            plot.points(
-                Points::new("", PlotPoints::from(stems))
-                    .stems(0.0)
-                    .radius(1.5)
-                    .color(Color32::from_rgb(0x3f, 0xb5, 0xb0)),
-            );
-        });
+    let plot = Plot::new("spectrum").height(150.0).include_y(0.0);
+    crate::plots::logarithmic(plot, "m, crest to crest", "m").show(ui, |plot| {
+        let stems = Points::new("", PlotPoints::from(stems)).stems(0.0).radius(1.5);
+        plot.points(stems.color(Color32::from_rgb(0x3f, 0xb5, 0xb0)));
+    });
     ui.label(RichText::new("Where they travel").strong());
     let rose: Vec<[f64; 2]> = spectrum
         .waves
@@ -277,10 +265,34 @@ fn spectrum_ui(waves: &mut Waves, ui: &mut Ui, state: &State, sea: &Node, graph:
         })
         .collect();
     let reach = rose.iter().flatten().fold(0.0_f64, |most, value| most.max(value.abs()));
-    let plot = Plot::new("rose").height(150.0).data_aspect(1.0).show_axes(false);
-    plot.include_x(-reach).include_x(reach).include_y(-reach).include_y(reach).show(ui, |plot| {
-        plot.points(Points::new("", PlotPoints::from(rose)).radius(1.5).color(Color32::from_rgb(0x5c, 0x9d, 0xdc)));
-    });
+    let plot = Plot::new("rose").height(180.0).data_aspect(1.0);
+    crate::plots::above(plot, "along X: amplitude in m", "along Z, m")
+        .include_x(-reach)
+        .include_x(reach)
+        .include_y(-reach)
+        .include_y(reach)
+        .show(ui, |plot| {
+            plot.points(Points::new("", PlotPoints::from(rose)).radius(1.5).color(Color32::from_rgb(0x5c, 0x9d, 0xdc)));
+        });
+}
+
+fn counted(waves: usize) -> String {
+    let noun = if waves == 1 { "wave" } else { "waves" };
+    format!("{} {noun}", crate::format::thousands(waves as u64))
+}
+
+/// Where the waves of a sea come from, where not all are random ones.
+fn parts(all: usize, random: usize, by_hand: usize, groups: usize) -> Option<String> {
+    let of_groups = all.checked_sub(random + by_hand)?;
+    let mut parts = vec![format!("{} random", crate::format::thousands(random as u64))];
+    if by_hand > 0 {
+        parts.push(format!("{} set by hand", crate::format::thousands(by_hand as u64)));
+    }
+    if of_groups > 0 {
+        let groups = crate::document::edit::count(groups, "group");
+        parts.push(format!("{} of {groups}", crate::format::thousands(of_groups as u64)));
+    }
+    (parts.len() > 1).then(|| parts.join(", "))
 }
 
 /// The verdict on a toon sea, its figures, and where it stands on the map.
@@ -335,28 +347,26 @@ fn stability_ui(
     if let Some(map) = &stability.map {
         let region: Vec<[f64; 2]> = map.region.clone();
         let [across, up] = map.axes;
-        let shown = Plot::new("stability").height(200.0).x_axis_label(across).y_axis_label(up).data_aspect(1.0).show(
-            ui,
-            |plot| {
-                plot.polygon(
-                    Polygon::new("stable", PlotPoints::from(region))
-                        .fill_color(Color32::from_rgb(0x5f, 0xb8, 0x72).gamma_multiply(0.35)),
-                );
-                let axes = [
-                    [[map.ranges[0][0], 0.0], [map.ranges[0][1], 0.0]],
-                    [[0.0, map.ranges[1][0]], [0.0, map.ranges[1][1]]],
-                ];
-                for axis in axes {
-                    plot.line(Line::new("", PlotPoints::from(axis.to_vec())).color(Color32::from_gray(0x70)));
-                }
-                plot.points(
-                    Points::new("this sea", PlotPoints::from(vec![map.point]))
-                        .radius(5.0)
-                        .color(Color32::from_rgb(0xe8, 0xb0, 0x4a)),
-                );
-                plot.pointer_coordinate()
-            },
-        );
+        let plot = Plot::new("stability").height(200.0).data_aspect(1.0);
+        let shown = crate::plots::even(plot, across, up).show(ui, |plot| {
+            plot.polygon(
+                Polygon::new("stable", PlotPoints::from(region))
+                    .fill_color(Color32::from_rgb(0x5f, 0xb8, 0x72).gamma_multiply(0.35)),
+            );
+            let axes = [
+                [[map.ranges[0][0], 0.0], [map.ranges[0][1], 0.0]],
+                [[0.0, map.ranges[1][0]], [0.0, map.ranges[1][1]]],
+            ];
+            for axis in axes {
+                plot.line(Line::new("", PlotPoints::from(axis.to_vec())).color(Color32::from_gray(0x70)));
+            }
+            plot.points(
+                Points::new("this sea", PlotPoints::from(vec![map.point]))
+                    .radius(5.0)
+                    .color(Color32::from_rgb(0xe8, 0xb0, 0x4a)),
+            );
+            plot.pointer_coordinate()
+        });
         if shown.response.double_clicked()
             && let Some(at) = shown.inner
         {
@@ -385,4 +395,16 @@ fn stability_ui(
             ui.end_row();
         }
     });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn waves_that_are_not_random_are_told() {
+        assert_eq!(parts(300, 300, 0, 0), None);
+        assert_eq!(parts(754, 300, 4, 1).as_deref(), Some("300 random, 4 set by hand, 450 of 1 group"));
+        assert_eq!(parts(750, 300, 0, 2).as_deref(), Some("300 random, 450 of 2 groups"));
+    }
 }

@@ -182,9 +182,11 @@ fn status_ui(state: &State, ui: &mut Ui, actions: &mut Vec<Action>) {
             if let Some(share) = state.seen.progress {
                 ui.add(egui::ProgressBar::new(share).desired_width(100.0));
                 ui.weak("Evaluating");
-            } else if let Some(past) = state.seen.past.last() {
-                ui.weak(crate::format::seconds(past.seconds[1]));
-                if let Some(exits) = past.exits {
+            } else if let Some(result) = state.seen.result.as_deref().filter(|result| result.finished) {
+                // Of the picture that is shown, and of no other.
+                ui.weak(crate::format::seconds(result.seconds.1));
+                if result.picture.guarantee.is_some() {
+                    let exits = result.picture.audit.hull_exits;
                     let text = format!("{} outside the palette", crate::format::thousands(exits));
                     ui.weak(text)
                         .on_hover_text("Pixels that are no convex mix of the control colors, on the finished picture.");

@@ -163,6 +163,7 @@ impl Editor {
         self.keep(&context);
         self.play(&context);
         self.ask();
+        self.ask_held();
         self.ask_blame();
     }
 

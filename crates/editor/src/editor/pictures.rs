@@ -15,6 +15,8 @@ pub(super) struct Asked {
     pub(super) display: crate::evaluate::Display,
     pub(super) thumbnails: u64,
     pub(super) ahead: Option<(u64, i64)>,
+    /// The picture that is held, and how it was asked to be shown.
+    pub(super) held: Option<(u64, crate::evaluate::Display)>,
     /// Picture, frame and place.
     pub(super) blame: Option<(u64, i64, [f32; 2])>,
 }
@@ -144,6 +146,19 @@ impl Editor {
         }
     }
 
+    /// Asks for the picture that is held beside the present one to be shown as that is.
+    pub(super) fn ask_held(&mut self) {
+        let Some(result) = &self.state.seen.result else { return };
+        let Some((number, picture, space, display)) = self.panels.viewer.held_wanted(result) else {
+            self.asked.held = None;
+            return;
+        };
+        if self.asked.held != Some((number, display)) {
+            self.asked.held = Some((number, display));
+            self.worker.show_held(number, picture, space, display);
+        }
+    }
+
     /// Asks what the pixel that is inspected is made of, once its picture is finished.
     pub(super) fn ask_blame(&mut self) {
         let Some(at) = self.state.look.pick else {
@@ -207,6 +222,7 @@ impl Editor {
                         seen.result = Some(Arc::new(result));
                     }
                 }
+                News::Held { number, display, screen } => self.panels.viewer.take_held(number, display, screen),
                 News::Progress { generation, share }
                     if generation == self.asked.generation && seen.progress.is_some() =>
                 {

@@ -105,6 +105,15 @@ pub enum News {
         /// The picture as it is shown.
         screen: Arc<Screen>,
     },
+    /// A picture that is held beside the one looked at, shown otherwise.
+    Held {
+        /// Which.
+        number: u64,
+        /// How it is shown.
+        display: Display,
+        /// The picture as it is shown.
+        screen: Arc<Screen>,
+    },
     /// How much of a picture is done.
     Progress {
         /// Whose.

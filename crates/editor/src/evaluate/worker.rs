@@ -19,6 +19,7 @@ use trochoid::{
 struct Desk {
     job: Option<Job>,
     shown: Option<(u64, Arc<Picture>, WorkingSpace, Display)>,
+    held: Option<(u64, Arc<Picture>, WorkingSpace, Display)>,
     question: Option<Question>,
     thumbnails: Option<(Subject, i64)>,
     ahead: VecDeque<Job>,
@@ -29,6 +30,7 @@ impl Desk {
     fn is_empty(&self) -> bool {
         self.job.is_none()
             && self.shown.is_none()
+            && self.held.is_none()
             && self.question.is_none()
             && self.thumbnails.is_none()
             && self.ahead.is_empty()
@@ -113,6 +115,11 @@ impl Worker {
         self.change(false, |desk| desk.shown = Some((generation, picture, space, display)));
     }
 
+    /// Asks for a picture that is held beside to be shown otherwise.
+    pub fn show_held(&self, number: u64, picture: Arc<Picture>, space: WorkingSpace, display: Display) {
+        self.change(false, |desk| desk.held = Some((number, picture, space, display)));
+    }
+
     /// Asks what a pixel of a finished picture is made of, in place of what was asked before.
     pub fn blame(&self, question: Question) {
         self.change(false, |desk| desk.question = Some(question));
@@ -123,9 +130,11 @@ impl Worker {
         self.change(false, |desk| desk.thumbnails = Some((subject, frame)));
     }
 
-    /// Stops what is being done, and forgets what was to be done.
+    /// Stops what is being done, and forgets what was to be done but for a picture that is held beside.
     pub fn stop(&self) {
-        self.change(true, |desk| *desk = Desk { closed: desk.closed, ..Desk::default() });
+        self.change(true, |desk| {
+            *desk = Desk { closed: desk.closed, held: desk.held.take(), ..Desk::default() };
+        });
     }
 
     /// What has happened since.
@@ -162,6 +171,7 @@ struct Hand<'o> {
 enum Task {
     Picture(Job),
     Show(u64, Arc<Picture>, WorkingSpace, Display),
+    Held(u64, Arc<Picture>, WorkingSpace, Display),
     Blame(Question),
     Thumbnails(Subject, i64),
     Ahead(Job),
@@ -184,7 +194,10 @@ impl Hand<'_> {
                 if desk.closed {
                     return;
                 }
-                if let Some((generation, picture, space, display)) = desk.shown.take() {
+                // What is held goes first, so that both change as one.
+                if let Some((number, picture, space, display)) = desk.held.take() {
+                    Task::Held(number, picture, space, display)
+                } else if let Some((generation, picture, space, display)) = desk.shown.take() {
                     Task::Show(generation, picture, space, display)
                 } else if let Some(job) = desk.job.take() {
                     Task::Picture(job)
@@ -203,6 +216,10 @@ impl Hand<'_> {
                 Task::Show(generation, picture, space, display) => {
                     let screen = Arc::new(shown::screen(&picture, space, &display));
                     self.tell(News::Shown { generation, display, screen });
+                }
+                Task::Held(number, picture, space, display) => {
+                    let screen = Arc::new(shown::screen(&picture, space, &display));
+                    self.tell(News::Held { number, display, screen });
                 }
                 Task::Picture(job) => self.picture(&job, stamp),
                 Task::Blame(question) => {
@@ -421,7 +438,7 @@ impl Monitor for Watch<'_> {
         self.office.newest.load(Ordering::Relaxed) != self.stamp
             || (self.yields && {
                 let desk = self.office.desk();
-                desk.job.is_some() || desk.shown.is_some() || desk.question.is_some()
+                desk.job.is_some() || desk.shown.is_some() || desk.held.is_some() || desk.question.is_some()
             })
     }
 }

@@ -2,7 +2,7 @@
 
 use super::{Place, Properties};
 use crate::actions::Action;
-use egui::{Color32, Sense, Shape, Stroke, Ui, vec2};
+use egui::{Color32, Response, Sense, Shape, Stroke, Ui, vec2};
 use egui_plot::{Line, Plot, PlotPoint, PlotPoints, Points, VLine};
 use serde_json::{Value, json};
 use trochoid::{Animated, Interpolation};
@@ -77,6 +77,27 @@ impl Keyed {
             _ => first.1.clone(),
         }
     }
+}
+
+/// Draws what changes a value, which is that of the frame given to it, and gives what it returns with that frame: the
+/// present one, or that at which a text began to be typed, however long frames go on meanwhile.
+pub(super) fn typed_ui<R>(
+    ui: &mut Ui,
+    place: &Place<'_>,
+    content: impl FnOnce(&mut Ui, f64) -> (Response, R),
+) -> (Response, R, f64) {
+    let id = ui.id().with(("typed since", place.path.to_string()));
+    let since = ui.data(|data| data.get_temp::<f64>(id));
+    let frame = since.unwrap_or(place.state.frame as f64);
+    let (field, result) = content(ui, frame);
+    let focused = ui.memory(|memory| memory.focused()).filter(|_| ui.ctx().text_edit_focused());
+    let focused = focused.and_then(|id| ui.ctx().read_response(id));
+    if focused.is_some_and(|focused| field.rect.contains(focused.rect.center())) {
+        ui.data_mut(|data| data.insert_temp(id, frame));
+    } else if since.is_some() {
+        ui.data_mut(|data| data.remove_temp::<f64>(id));
+    }
+    (field, result, frame)
 }
 
 /// The button that sets and removes keys, and opens the curve.
@@ -159,12 +180,8 @@ pub(super) fn curve_ui(ui: &mut Ui, keyed: &Keyed, unit: &str, place: &Place<'_>
         .collect();
     let id = ui.id().with(("dragged key", place.path.to_string()));
     let mut dragged = ui.data_mut(|data| data.get_temp::<Option<(usize, usize)>>(id)).flatten();
-    let plot = Plot::new(("curve", place.path.to_string()))
-        .height(150.0)
-        .x_axis_label("frame")
-        .y_axis_label(unit)
-        .allow_drag(dragged.is_none())
-        .allow_boxed_zoom(false);
+    let plot = Plot::new(("curve", place.path.to_string())).height(150.0);
+    let plot = crate::plots::even(plot, "frame", unit).allow_drag(dragged.is_none()).allow_boxed_zoom(false);
     let shown = plot.show(ui, |plot| {
         plot.vline(VLine::new("frame", place.state.frame as f64).color(Color32::from_gray(0x90)));
         for (component, line) in lines.iter().enumerate() {

@@ -16,19 +16,22 @@ pub(super) fn knob_ui(
     actions: &mut Vec<Action>,
 ) {
     let keyed = place.value.and_then(key::Keyed::read);
-    let frame = place.state.frame as f64;
     let default = default_value(knob);
-    let shown = match &keyed {
+    let at = |frame: f64| match &keyed {
         Some(keyed) => keyed.at(frame),
         None => place.value.cloned().unwrap_or_else(|| default.clone()),
     };
+    let shown = at(place.state.frame as f64);
     ui.horizontal_wrapped(|ui| {
         let label = label_ui(ui, knob.name, &help(knob, &default), place.value.is_some());
         label.context_menu(|ui| menu_ui(ui, knob, place, &shown, actions));
-        let mut value = shown.clone();
         let unset = place.value.is_none() && matches!(knob.default, Some(trochoid::KnobDefault::Unset));
-        let field = widget_ui(ui, knob, &mut value, unset, place, actions);
-        if field.changed() || value != shown {
+        let (field, (value, before), frame) = key::typed_ui(ui, place, |ui, frame| {
+            let before = at(frame);
+            let mut value = before.clone();
+            (widget_ui(ui, knob, &mut value, unset, place, actions), (value, before))
+        });
+        if field.changed() || value != before {
             match &keyed {
                 Some(keyed) => place.set(&keyed.with(frame, &value).write(), actions),
                 None => place.set(&value, actions),
@@ -86,12 +89,19 @@ fn widget_ui(
         return ui.weak("unset") | button;
     }
     let suffix = unit(knob.unit);
+    let is_keyed = place.value.is_some_and(Value::is_object);
     match knob.takes {
-        Takes::Number { min, max } => number_ui(ui, value, (min, max), &suffix),
+        Takes::Number { min, max } => number_ui(ui, value, (min, max), &suffix, is_keyed),
         Takes::Integer { min, max } => {
             let mut number = value.as_i64().unwrap_or_default();
             let speed = (number.unsigned_abs() as f64 * 0.01).max(0.1);
-            let field = ui.add(DragValue::new(&mut number).range(min..=max).speed(speed).suffix(suffix));
+            let field = ui.add(
+                DragValue::new(&mut number)
+                    .range(min..=max)
+                    .speed(speed)
+                    .suffix(suffix)
+                    .update_while_editing(!is_keyed),
+            );
             if field.changed() {
                 *value = json!(number);
             }
@@ -126,7 +136,7 @@ fn widget_ui(
             let mut field: Option<Response> = None;
             for index in 0..count {
                 let Some(component) = value.get_mut(index) else { break };
-                let own = number_ui(ui, component, (f64::NEG_INFINITY, f64::INFINITY), "");
+                let own = number_ui(ui, component, (f64::NEG_INFINITY, f64::INFINITY), "", is_keyed);
                 field = Some(field.map_or(own.clone(), |all| all | own));
             }
             field.unwrap_or_else(|| ui.weak("—"))
@@ -170,18 +180,26 @@ fn unit(unit: &str) -> String {
     }
 }
 
-/// A number: a slider where its range is one that a hand can cover, else a field to drag. Shift drags finely.
-pub(super) fn number_ui(ui: &mut Ui, value: &mut Value, (min, max): (f64, f64), suffix: &str) -> Response {
+/// A number: a slider where its range is one that a hand can cover, else a field to drag. Shift drags finely. What is
+/// typed for a key counts when it is entered or left: until then frames may go on.
+pub(super) fn number_ui(
+    ui: &mut Ui,
+    value: &mut Value,
+    (min, max): (f64, f64),
+    suffix: &str,
+    is_keyed: bool,
+) -> Response {
     let mut number = value.as_f64().unwrap_or_default();
     // The number and the button for keys stand behind a slider.
     let room = ui.available_size_before_wrap().x - 84.0;
     let spans = min >= -1.0 && max <= 4.0 && max > min;
     let field = if spans && room >= 40.0 {
         ui.spacing_mut().slider_width = room.min(120.0);
-        ui.add(Slider::new(&mut number, min..=max).suffix(suffix).max_decimals(4))
+        ui.add(Slider::new(&mut number, min..=max).suffix(suffix).max_decimals(4).update_while_editing(!is_keyed))
     } else {
         let speed = if spans { (max - min) / 200.0 } else { (number.abs() * 0.005).max(0.01) };
-        ui.add(DragValue::new(&mut number).range(min..=max).speed(speed).max_decimals(4).suffix(suffix))
+        let field = DragValue::new(&mut number).range(min..=max).speed(speed).max_decimals(4).suffix(suffix);
+        ui.add(field.update_while_editing(!is_keyed))
     };
     if field.changed() {
         *value = json!(rounded(number));

@@ -8,9 +8,12 @@ mod ramp;
 mod record;
 mod surface;
 
+pub(crate) use color::rgb;
+
 use crate::actions::Action;
 use crate::document::{Edit, Path, edit};
 use crate::evaluate::Screen;
+use crate::prose::{explained, prose, prose_ui};
 use crate::state::State;
 use egui::{RichText, ScrollArea, Ui};
 use serde_json::Value;
@@ -122,10 +125,11 @@ fn node_ui(panel: &mut Properties, ui: &mut Ui, state: &State, name: &str, actio
         ui.label("No node has this type. It stays in the document as it is.");
         return;
     };
-    ui.add(egui::Label::new(RichText::new(declaration.summary).weak()).wrap()).on_hover_ui(|ui| {
+    let summary = prose(ui, declaration.summary, &egui::TextStyle::Body, true);
+    ui.add(egui::Label::new(summary).wrap()).on_hover_ui(|ui| {
         ui.set_max_width(420.0);
-        ui.label(declaration.formula);
-        ui.label(declaration.edge_cases);
+        prose_ui(ui, declaration.formula);
+        prose_ui(ui, declaration.edge_cases);
         ui.weak(declaration.source);
     });
     ui.separator();
@@ -181,12 +185,11 @@ pub(crate) fn label_ui(ui: &mut Ui, name: &str, help: &str, set: bool) -> egui::
     // In a narrow panel, what is set needs the room more.
     let width = (0.4 * ui.available_size_before_wrap().x).clamp(56.0, 96.0);
     let size = egui::vec2(width, ui.spacing().interact_size.y);
-    ui.allocate_ui_with_layout(size, egui::Layout::left_to_right(egui::Align::Center), |ui| {
+    let label = ui.allocate_ui_with_layout(size, egui::Layout::left_to_right(egui::Align::Center), |ui| {
         ui.set_min_width(width);
         ui.add(egui::Label::new(text).truncate().sense(egui::Sense::click()))
-    })
-    .inner
-    .on_hover_text(help)
+    });
+    explained(label.inner, help)
 }
 
 fn notes_ui(ui: &mut Ui, state: &State, path: &Path, actions: &mut Vec<Action>) {

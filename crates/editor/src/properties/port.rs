@@ -77,19 +77,25 @@ fn source_ui(
             }
             (None, value) => {
                 let keyed = value.and_then(key::Keyed::read);
-                let frame = place.state.frame as f64;
                 let default = if port.accepts.takes_color() { json!("#808080") } else { json!(0) };
-                let shown = keyed.as_ref().map_or_else(|| value.cloned().unwrap_or(default), |keyed| keyed.at(frame));
-                let mut edited = shown.clone();
-                let as_number = matches!(shown, Value::Number(_));
-                let field = if as_number {
-                    let mask = port.accepts == trochoid::Accepts::Mask || port.accepts.takes_color();
-                    let range = if mask { (0.0, 1.0) } else { (f64::NEG_INFINITY, f64::INFINITY) };
-                    knob::number_ui(ui, &mut edited, range, "")
-                } else {
-                    color::color_ui(ui, &mut edited, place, actions)
+                let at = |frame: f64| match &keyed {
+                    Some(keyed) => keyed.at(frame),
+                    None => value.cloned().unwrap_or_else(|| default.clone()),
                 };
-                if edited != shown {
+                let shown = at(place.state.frame as f64);
+                let (field, (edited, before), frame) = key::typed_ui(ui, place, |ui, frame| {
+                    let before = at(frame);
+                    let mut edited = before.clone();
+                    let field = if matches!(before, Value::Number(_)) {
+                        let mask = port.accepts == trochoid::Accepts::Mask || port.accepts.takes_color();
+                        let range = if mask { (0.0, 1.0) } else { (f64::NEG_INFINITY, f64::INFINITY) };
+                        knob::number_ui(ui, &mut edited, range, "", keyed.is_some())
+                    } else {
+                        color::color_ui(ui, &mut edited, place, actions)
+                    };
+                    (field, (edited, before))
+                });
+                if edited != before {
                     match &keyed {
                         Some(keyed) => place.set(&keyed.with(frame, &edited).write(), actions),
                         None => place.set(&edited, actions),

@@ -8,6 +8,9 @@ use egui::{Color32, Pos2, Rect, Sense, Stroke, Ui, pos2, vec2};
 use serde_json::{Value, json};
 use trochoid::Item;
 
+/// Radius of a stop's handle.
+const HANDLE: f32 = 6.0;
+
 /// Whether items hold stops of a color ramp.
 pub(super) fn is_ramp(items: &[Item]) -> bool {
     items.iter().any(|item| {
@@ -32,7 +35,7 @@ pub(super) fn ramp_ui(ui: &mut Ui, state: &State, path: &Path, actions: &mut Vec
     let Some(known) = stops.iter().map(read).collect::<Option<Vec<_>>>() else { return };
     let (first, last) = known.iter().fold((0.0_f32, 1.0_f32), |(low, high), stop| (low.min(stop.0), high.max(stop.0)));
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), 44.0), Sense::click_and_drag());
-    let bar = Rect::from_min_max(rect.min, pos2(rect.max.x, rect.max.y - 14.0)).shrink2(vec2(6.0, 0.0));
+    let bar = Rect::from_min_max(rect.min, pos2(rect.max.x, rect.max.y - 14.0)).shrink2(vec2(HANDLE + 1.5, 0.0));
     let x = |at: f32| bar.left() + bar.width() * (at - first) / (last - first).max(1e-6);
     let at = |x: f32| first + (last - first) * ((x - bar.left()) / bar.width()).clamp(0.0, 1.0);
     let painter = ui.painter_at(rect);
@@ -67,7 +70,7 @@ pub(super) fn ramp_ui(ui: &mut Ui, state: &State, path: &Path, actions: &mut Vec
             [pos2(center.x, bar.top()), pos2(center.x, bar.bottom())],
             Stroke::new(1.0, Color32::from_white_alpha(90)),
         );
-        painter.circle(center, 6.0, paint(own.unwrap_or(gray)), Stroke::new(1.5, ui.visuals().text_color()));
+        painter.circle(center, HANDLE, paint(own.unwrap_or(gray)), Stroke::new(1.5, ui.visuals().text_color()));
     }
     let nearest = |pointer: Pos2| {
         let all = known.iter().enumerate().map(|(index, stop)| (index, (x(stop.0) - pointer.x).abs()));

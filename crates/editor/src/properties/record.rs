@@ -49,5 +49,5 @@ pub(super) fn list_ui(
             actions.push(Action::Edit(Edit::new(format!("Add to {}", list.name), vec![op])));
         }
     });
-    shown.header_response.on_hover_text(list.help);
+    crate::prose::explained(shown.header_response, list.help);
 }

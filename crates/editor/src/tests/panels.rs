@@ -4,7 +4,7 @@ use crate::document::{Path, Session};
 use crate::layout::Pane;
 use crate::testing::{Window, editor, finished, sized, window};
 use egui::accesskit::Role;
-use egui_kittest::kittest::Queryable;
+use egui_kittest::kittest::{NodeT, Queryable};
 use serde_json::json;
 
 fn act(window: &mut Window, action: Action) {
@@ -24,6 +24,25 @@ fn a_picture_comes_and_says_that_nothing_left_the_palette() {
     window.run_steps(2);
     window.get_by_label("0 outside the palette");
     window.get_by_label("No errors");
+}
+
+#[test]
+fn nothing_is_said_of_a_picture_that_is_gone() {
+    let mut window = window(dusk(), None);
+    finished(&mut window);
+    let broken = DUSK.replace("\"dusk\": {", "\"dusk\": { \"unheard\": 1,");
+    assert_ne!(broken, DUSK);
+    act(&mut window, Action::Rewrite(broken));
+    finished(&mut window);
+    window.run_steps(2);
+    assert!(editor(&window).state().seen.failed.is_some());
+    assert!(window.query_by_label("0 outside the palette").is_none());
+    act(&mut window, Action::Undo);
+    finished(&mut window);
+    window.run_steps(2);
+    window.get_by_label("0 outside the palette");
+    act(&mut window, Action::Rewrite("no JSON".into()));
+    assert!(window.query_by_label("0 outside the palette").is_none());
 }
 
 #[test]
@@ -197,4 +216,37 @@ fn what_the_line_above_the_picture_has_no_room_for_is_in_a_menu() {
     // The menu stays open, and shows what belongs to what is held.
     narrow.get_by_label("Diff");
     narrow.get_by_label("Near");
+}
+
+#[test]
+fn a_typed_number_is_one_key_at_the_frame_where_typing_began() {
+    let text = DUSK.replace("\"weight\": 0.25", "\"weight\": { \"keys\": [[1, 0], [5, 1]] }");
+    assert_ne!(text, DUSK);
+    let mut window = window(Session::new(text, None), None);
+    choose(&mut window, "dusk");
+    act(&mut window, Action::Frame(3));
+    let keys =
+        |window: &Window| editor(window).state().sheet().get(&Path::node("dusk").to("weight").to("keys")).cloned();
+    let fields: Vec<egui::Rect> = window
+        .get_all_by_role(Role::SpinButton)
+        .filter(|node| node.accesskit_node().numeric_value() == Some(0.5))
+        .map(|node| node.rect())
+        .collect();
+    let at = fields.last().unwrap().center();
+    window.hover_at(at);
+    for pressed in [true, false] {
+        let (button, modifiers) = (egui::PointerButton::Primary, egui::Modifiers::NONE);
+        window.event(egui::Event::PointerButton { pos: at, button, pressed, modifiers });
+        window.step();
+    }
+    window.run_steps(2);
+    window.event(egui::Event::Text("0.".into()));
+    act(&mut window, Action::Frame(4));
+    window.event(egui::Event::Text("75".into()));
+    window.run_steps(2);
+    assert_eq!(keys(&window), Some(json!([[1, 0], [5, 1]])), "nothing is set while it is typed");
+    act(&mut window, Action::Frame(6));
+    window.key_press(egui::Key::Enter);
+    window.run_steps(3);
+    assert_eq!(keys(&window), Some(json!([[1, 0], [3, 0.75], [5, 1]])));
 }

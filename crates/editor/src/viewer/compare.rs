@@ -1,9 +1,10 @@
 //! Two pictures against each other: one that was held, and the present one.
 
 use super::picture::{Image, Stage, part, place};
-use crate::evaluate::{Result, Screen};
+use crate::evaluate::{Display, Result, Screen, shown};
 use egui::{Align2, Color32, CursorIcon, FontId, Rect, Sense, Stroke, Ui, WidgetInfo, WidgetType, pos2, vec2};
 use std::sync::Arc;
+use trochoid::{Kind, Picture, WorkingSpace};
 
 /// How the held picture is shown with the present one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -21,13 +22,22 @@ pub(super) struct Compare {
     pub(super) gain: f32,
     image: Image,
     difference: Option<Difference>,
+    /// How many pictures were held so far.
+    count: u64,
+    /// The range of the values of the present picture, found once.
+    range: Option<(Arc<Picture>, Display, [f32; 2])>,
 }
 
 /// A picture that was held.
 pub(super) struct Held {
     pub(super) name: String,
     pub(super) mode: Mode,
+    number: u64,
+    picture: Arc<Picture>,
+    space: WorkingSpace,
+    /// The picture as it is shown, and how that is.
     screen: Arc<Screen>,
+    display: Display,
     /// The part of the document's picture that it shows.
     part: Rect,
     /// Where the line is, as a share of the picture.
@@ -41,15 +51,59 @@ struct Difference {
     screen: Arc<Screen>,
 }
 
+impl Held {
+    /// Whether it is shown so, but for the range of its values.
+    pub(super) fn is_shown(&self, display: Display) -> bool {
+        Display { range: self.display.range, ..display } == self.display
+    }
+}
+
 impl Compare {
     /// Holds a picture.
     pub(super) fn hold(&mut self, name: &str, result: &Result) {
-        let (screen, part) = (result.screen.clone(), part(result));
-        let mode = self.held.as_ref().map_or(Mode::Wipe, |held| held.mode);
-        let name = format!("{name}, frame {}", result.frame);
-        self.held = Some(Held { name, mode, screen, part, wipe: 0.5 });
+        self.count += 1;
+        self.held = Some(Held {
+            name: format!("{name}, frame {}", result.frame),
+            mode: self.held.as_ref().map_or(Mode::Wipe, |held| held.mode),
+            number: self.count,
+            picture: result.picture.clone(),
+            space: result.lens.graph.space(),
+            screen: result.screen.clone(),
+            display: self.display(result),
+            part: part(result),
+            wipe: 0.5,
+        });
         if self.gain <= 0.0 {
             self.gain = 4.0;
+        }
+    }
+
+    /// How the held picture is to be shown beside a result: as that is, from the same value to the same value.
+    fn display(&mut self, result: &Result) -> Display {
+        let display = result.display;
+        if display.range.is_some() || !matches!(result.picture.kind, Kind::Field(_)) {
+            return display;
+        }
+        let known = self.range.as_ref().filter(|known| Arc::ptr_eq(&known.0, &result.picture) && known.1 == display);
+        let range = known.map_or_else(|| shown::range(&result.picture, &display), |known| known.2);
+        self.range = Some((result.picture.clone(), display, range));
+        // Values of another kind are of another measure.
+        let is_alike = self.held.as_ref().is_none_or(|held| held.picture.kind == result.picture.kind);
+        if is_alike { Display { range: Some(range), ..display } } else { display }
+    }
+
+    /// The held picture, where it is to be shown otherwise than it is: its number, and how.
+    pub(super) fn wanted(&mut self, result: &Result) -> Option<(u64, Arc<Picture>, WorkingSpace, Display)> {
+        self.held.as_ref()?;
+        let display = self.display(result);
+        let held = self.held.as_ref().filter(|held| held.display != display)?;
+        Some((held.number, held.picture.clone(), held.space, display))
+    }
+
+    /// Takes the held picture as it was asked for.
+    pub(super) fn take(&mut self, number: u64, display: Display, screen: Arc<Screen>) {
+        if let Some(held) = self.held.as_mut().filter(|held| held.number == number) {
+            (held.display, held.screen) = (display, screen);
         }
     }
 
@@ -59,6 +113,10 @@ impl Compare {
             self.difference = None;
             return result.screen.clone();
         };
+        // Until both are shown alike, what differed before.
+        if let Some(known) = self.difference.as_ref().filter(|_| !held.is_shown(result.display)) {
+            return known.screen.clone();
+        }
         let of = [&held.screen, &result.screen];
         let known = self.difference.as_ref().filter(|known| {
             known.of.iter().zip(of).all(|(known, of)| Arc::ptr_eq(known, of)) && known.gain == self.gain

@@ -1,5 +1,6 @@
 //! A pixel in detail: its value, and the control colors that it is mixed of.
 
+use super::origin::origin;
 use crate::actions::Action;
 use crate::evaluate::{Blamed, Result, Share, blame};
 use crate::format::{number, thousands};
@@ -7,7 +8,7 @@ use crate::state::State;
 use egui::{Align, Button, Color32, Layout, Pos2, Rect, RichText, ScrollArea, Sense, Stroke, StrokeKind, Ui, vec2};
 use trochoid::{Kind, WorkingSpace};
 
-/// Width of the strip beside the picture, where there is room.
+/// Width of the strip over the picture, where there is room.
 pub(super) const WIDTH: f32 = 208.0;
 /// Shares that are listed one by one; the rest, small as they are, as one.
 const ROWS: usize = 24;
@@ -83,9 +84,8 @@ pub(super) fn inspector_ui(ui: &mut Ui, state: &State, result: &Result, at: Pos2
     };
     let values = values(result, place);
     ui.horizontal(|ui| {
-        if picture.kind == Kind::Color {
-            let color = [values[0], values[1], values[2]];
-            swatch_ui(ui, swatch(result.lens.graph.space(), color), 14.0);
+        if let Some(color) = displayed(result, place).filter(|_| picture.kind == Kind::Color) {
+            swatch_ui(ui, color, 14.0);
         }
         ui.add(egui::Label::new(RichText::new(written(&values, 4)).monospace()).truncate());
     });
@@ -151,10 +151,16 @@ fn share_ui(ui: &mut Ui, state: &State, result: &Result, share: &Share, actions:
             ui.label(RichText::new(percent(share.weight)).monospace());
             ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
                 let is_chosen = state.selection.contains(&share.node);
-                let name = RichText::new(&share.node);
+                let space = result.lens.graph.space();
+                let called = match origin(&result.subject.sheet, &share.node, share.color, space) {
+                    Some(own) => format!("{} · {own}", share.node),
+                    None => share.node.clone(),
+                };
+                let name = RichText::new(&called);
                 let name = if is_chosen { name.strong() } else { name };
                 let label = ui.add(egui::Label::new(name).truncate().sense(Sense::click()));
-                if label.on_hover_text(format!("{}\nClick to choose the node.", written(&share.color, 3))).clicked() {
+                let help = format!("{called}: {}\nClick to choose the node.", written(&share.color, 3));
+                if label.on_hover_text(help).clicked() {
                     actions.extend([Action::Select([share.node.clone()].into()), Action::Frames]);
                 }
             });

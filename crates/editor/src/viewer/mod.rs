@@ -5,6 +5,7 @@ mod handles;
 mod hull;
 mod inspector;
 mod near;
+mod origin;
 mod picture;
 #[cfg(test)]
 mod tests;
@@ -12,7 +13,7 @@ mod toolbar;
 
 use crate::actions::Action;
 use crate::document::Edit;
-use crate::evaluate::{Channel, Result};
+use crate::evaluate::{Channel, Display, Result, Screen};
 use crate::state::State;
 use compare::{Compare, Mode};
 use egui::{
@@ -24,7 +25,8 @@ use near::Near;
 use picture::{Image, Stage, View, part, place, share};
 use serde_json::json;
 use std::collections::HashMap;
-use trochoid::Kind;
+use std::sync::Arc;
+use trochoid::{Kind, Picture, WorkingSpace};
 
 /// What the viewer holds besides what all see.
 #[derive(Default)]
@@ -43,6 +45,20 @@ pub(crate) struct Viewer {
     widths: HashMap<(toolbar::Group, u8), f32>,
     /// What was inspected before the last click, which may turn out to be the first of two.
     before: Option<[f32; 2]>,
+    /// Whether what is known of the inspected pixel is told at the left.
+    strip_at_left: bool,
+}
+
+impl Viewer {
+    /// The held picture, where it is to be shown otherwise than it is: its number, and how.
+    pub(crate) fn held_wanted(&mut self, result: &Result) -> Option<(u64, Arc<Picture>, WorkingSpace, Display)> {
+        self.compare.wanted(result)
+    }
+
+    /// Takes the held picture as it was asked for.
+    pub(crate) fn take_held(&mut self, number: u64, display: Display, screen: Arc<Screen>) {
+        self.compare.take(number, display, screen);
+    }
 }
 
 /// What a drag in the picture does.
@@ -56,7 +72,7 @@ enum Drag {
 
 /// Height of the line below the picture.
 const BAR: f32 = 20.0;
-/// Panels narrower than this have no room for a strip beside the picture.
+/// Panels narrower than this have no room for a strip over the picture.
 const NARROW: f32 = 300.0;
 
 /// Draws the picture.
@@ -68,17 +84,6 @@ pub(crate) fn viewer_ui(viewer: &mut Viewer, ui: &mut Ui, state: &State, actions
     area.max.y = (area.max.y - BAR).max(area.min.y + 1.0);
     bar.min.y = area.max.y;
     let result = state.seen.result.as_deref();
-    let picked = state.look.pick.filter(|_| area.width() > NARROW && !viewer.space.shown).zip(result);
-    if let Some(([x, y], result)) = picked {
-        let mut strip = area;
-        strip.min.x = strip.max.x - inspector::WIDTH.min(0.45 * area.width());
-        area.max.x = strip.min.x;
-        let inner = strip.shrink2(vec2(8.0, 4.0));
-        ui.scope_builder(UiBuilder::new().max_rect(inner).id_salt("inspector"), |ui| {
-            ui.set_clip_rect(strip.intersect(ui.clip_rect()));
-            inspector::inspector_ui(ui, state, result, pos2(x, y), actions);
-        });
-    }
     let size = match result.map(|result| result.lens.graph.format()) {
         Some(format) => [format.width(), format.height()],
         None => state.sheet().format,
@@ -92,11 +97,42 @@ pub(crate) fn viewer_ui(viewer: &mut Viewer, ui: &mut Ui, state: &State, actions
         }
         result => picture_ui(viewer, ui, &stage, state, result, actions),
     };
+    let picked = state.look.pick.filter(|_| area.width() > NARROW && !viewer.space.shown).zip(result);
+    if let Some(([x, y], result)) = picked {
+        let strip = strip(viewer, &stage, pos2(x, y));
+        strip_ui(ui, strip, |ui| inspector::inspector_ui(ui, state, result, pos2(x, y), actions));
+    }
     if ui.rect_contains_pointer(whole) && !ui.ctx().egui_wants_keyboard_input() {
         keys(viewer, ui, state, actions);
     }
     ui.scope_builder(UiBuilder::new().max_rect(bar.shrink2(vec2(4.0, 0.0))).id_salt("bar"), |ui| {
         bar_ui(viewer, ui, &stage, state, hover);
+    });
+}
+
+/// Where the strip lies: over the picture, which stays where it is, at the side where the pixel is not.
+fn strip(viewer: &mut Viewer, stage: &Stage, pick: Pos2) -> Rect {
+    let area = stage.area;
+    let width = inspector::WIDTH.min(0.45 * area.width());
+    let [left, right] = [area.left() + width, area.right() - width];
+    let at = place(viewer.view.rect(stage), pick).x;
+    // As far as the mark reaches.
+    let hides = |at_left: bool| if at_left { at < left + 12.0 } else { at > right - 12.0 };
+    if hides(viewer.strip_at_left) && !hides(!viewer.strip_at_left) {
+        viewer.strip_at_left = !viewer.strip_at_left;
+    }
+    let x = if viewer.strip_at_left { area.left()..=left } else { right..=area.right() };
+    Rect::from_x_y_ranges(x, area.y_range())
+}
+
+/// Draws a strip that covers what is below it.
+fn strip_ui(ui: &mut Ui, strip: Rect, content: impl FnOnce(&mut Ui)) {
+    ui.interact(strip, ui.id().with("strip"), Sense::click_and_drag());
+    ui.painter().rect_filled(strip, 0.0, ui.visuals().panel_fill);
+    let inner = strip.shrink2(vec2(8.0, 4.0));
+    ui.scope_builder(UiBuilder::new().max_rect(inner).id_salt("inspector"), |ui| {
+        ui.set_clip_rect(strip.intersect(ui.clip_rect()));
+        content(ui);
     });
 }
 
@@ -108,7 +144,7 @@ fn keys(viewer: &mut Viewer, ui: &Ui, state: &State, actions: &mut Vec<Action>) 
     let is_color = state.seen.result.as_ref().is_none_or(|result| result.picture.kind == Kind::Color);
     let mut choose = |channel: Channel| {
         let channel = if display.channel == channel { Channel::All } else { channel };
-        actions.push(Action::Display(crate::evaluate::Display { channel, ..display }));
+        actions.push(Action::Display(Display { channel, ..display }));
     };
     for (index, key) in [Key::R, Key::G, Key::B].into_iter().enumerate() {
         if pressed(key) && index < channels {

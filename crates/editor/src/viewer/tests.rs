@@ -3,7 +3,7 @@
 use super::handles::Eye;
 use crate::actions::Action;
 use crate::document::{Path, Session};
-use crate::evaluate::Channel;
+use crate::evaluate::{Channel, Display};
 use crate::testing::{Window, editor, sized, until};
 use egui::accesskit::Role;
 use egui::{Event, Key, Modifiers, PointerButton, Pos2, Rect, pos2, vec2};
@@ -116,7 +116,8 @@ fn a_pixel_is_picked_and_its_colors_listed() {
     assert!((sum - 1.0).abs() < 1e-12);
     let names: Vec<&str> = blamed.shares.iter().map(|share| share.node.as_str()).collect();
     assert_eq!(names, ["first", "first", "last"]);
-    for text in ["Pixel 32, 18", "25.0 %", "Mixed of", "Color in linear-srgb"] {
+    for text in ["Pixel 32, 18", "25.0 %", "Mixed of", "Color in linear-srgb", "first · a", "first · b", "last · b"]
+    {
         assert!(window.query_by_label(text).is_some(), "{text}");
     }
     // Half a pixel beyond the middle: the rows are of 38.1, 36.9 and 25 percent.
@@ -128,12 +129,27 @@ fn a_pixel_is_picked_and_its_colors_listed() {
 }
 
 #[test]
+fn the_picture_stays_where_it_is_and_the_pixel_is_seen() {
+    let mut window = open(MIXED, WINDOW);
+    let before = picture(&window);
+    click(&mut window, before.center());
+    assert_eq!(picture(&window), before);
+    for share in [0.1, 0.9, 0.5] {
+        let width = before.width().min(before.height() * 64.0 / 36.0);
+        let at = before.center() + vec2((share - 0.5) * width, 0.0);
+        act(&mut window, Action::Pick(Some([share, 0.5])));
+        assert_eq!(picture(&window), before);
+        let strip = window.query_by_label("Mixed of").unwrap_or_else(|| panic!("no strip at {share}")).rect();
+        assert!(strip.left() > at.x || strip.left() + 200.0 < at.x, "not over the pixel at {share}");
+    }
+}
+
+#[test]
 fn clicking_a_share_chooses_its_node() {
     let mut window = open(MIXED, WINDOW);
     let center = picture(&window).center();
     click(&mut window, center);
-    let strip = picture(&window).right();
-    let row = window.get_all_by_label("last").find(|node| node.rect().left() > strip).unwrap().rect().center();
+    let row = window.get_by_label("last · b").rect().center();
     click(&mut window, row);
     assert_eq!(editor(&window).state().chosen(), Some("last"));
 }
@@ -224,6 +240,30 @@ fn two_pictures_are_compared() {
     window.get_by_label("Let go of A").click();
     settle(&mut window);
     assert!(window.query_by_label("Diff").is_none());
+}
+
+#[test]
+fn the_held_picture_is_shown_as_the_present_one_is() {
+    for (node, display) in [
+        ("last", Display { exposure: 2.0, ..Display::default() }),
+        ("last", Display { channel: Channel::One(1), gamma: 2.0, ..Display::default() }),
+        ("across", Display { false_color: true, range: Some([0.0, 3.0]), ..Display::default() }),
+    ] {
+        let mut window = open(MIXED, WINDOW);
+        act(&mut window, Action::Look(node.into(), 0));
+        window.get_by_label("Hold A").click();
+        settle(&mut window);
+        window.get_by_label("Diff").click();
+        settle(&mut window);
+        act(&mut window, Action::Display(display));
+        until(&mut window, "the held picture", |editor| {
+            editor.panels.viewer.compare.held.as_ref().unwrap().is_shown(display)
+        });
+        let editor = window.state_mut().as_mut().unwrap();
+        let result = editor.state().seen.result.clone().unwrap();
+        let shown = editor.panels.viewer.compare.shown(&result);
+        assert!(shown.pixels.chunks(4).all(|pixel| pixel == [0, 0, 0, 255]), "{display:?}");
+    }
 }
 
 #[test]

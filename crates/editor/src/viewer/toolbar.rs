@@ -229,6 +229,10 @@ fn channels_ui(ui: &mut Ui, kind: Option<Kind>, display: &mut Display) {
 /// How numbers become gray: from where to where, and in which colors.
 fn field_ui(ui: &mut Ui, state: &State, display: &mut Display) {
     ui.toggle_value(&mut display.false_color, "Colors").on_hover_text("False colors in place of gray.");
+    if matches!(kind(state), Some(Kind::Color) | None) {
+        // A channel of a color is light, as the color is: it has an exposure, and no range.
+        return;
+    }
     let mut fixed = display.range.is_some();
     let result = state.seen.result.as_deref();
     let toggle =

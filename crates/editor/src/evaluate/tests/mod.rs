@@ -168,6 +168,39 @@ fn a_picture_is_shown_as_asked() {
     assert!(red[0] == red[1] && red[0].abs_diff(plain[0]) <= 1);
     let brighter = at(&Display { exposure: 1.0, ..Display::default() }, 5);
     assert!(brighter.iter().zip(plain).all(|(b, a)| *b >= a) && brighter != plain);
-    assert_eq!(range(&result.picture, &Display { range: Some([0.0, 2.0]), ..Display::default() }), [0.0, 2.0]);
+    let fixed = Display { range: Some([0.0, 2.0]), ..Display::default() };
+    assert_eq!(range(&result.picture, &fixed), [0.0, 1.0], "a color is light");
     assert!(turbo(0.0)[2] > turbo(0.0)[1] && turbo(1.0)[0] > turbo(1.0)[2], "from blue to red");
+}
+
+#[test]
+fn every_channel_of_a_gray_is_as_bright_as_the_gray() {
+    for space in ["linear-srgb", "srgb", "acescg"] {
+        let text = SCENE.replace("\"srgb\"", &format!("\"{space}\"")).replace("#102030", "#808080");
+        let text = text.replace("#8090a0", "#808080");
+        let sheet = Session::new(text, None).sheet().clone();
+        let worker = Worker::new(|| ()).unwrap();
+        worker.evaluate(Job { progressive: false, ..job(&sheet, "sea", 1) });
+        let result = loop {
+            match next(&worker) {
+                News::Picture(result) => break result,
+                News::Failed { message, .. } => panic!("{message}"),
+                _ => {}
+            }
+        };
+        let space = result.lens.graph.space();
+        for (exposure, gamma) in [(0.0, 1.0), (1.0, 1.0), (-1.5, 1.0), (0.0, 2.2), (0.7, 0.6)] {
+            let of = |channel: Channel| {
+                let display = Display { channel, exposure, gamma, range: Some([0.0, 9.0]), ..Display::default() };
+                screen(&result.picture, space, &display).pixels[..3].to_vec()
+            };
+            let all = of(Channel::All);
+            if (exposure, gamma) == (0.0, 1.0) {
+                assert_eq!(all, [128; 3], "{space:?}");
+            }
+            for channel in [Channel::One(0), Channel::One(1), Channel::One(2), Channel::Luminance] {
+                assert_eq!(of(channel), all, "{channel:?} in {space:?} at {exposure} EV, gamma {gamma}");
+            }
+        }
+    }
 }

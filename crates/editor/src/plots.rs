@@ -1,0 +1,114 @@
+//! Axes of plots: ticks at round numbers, as many as can be read, and none that the edge would cut.
+
+use egui_plot::{AxisHints, GridInput, GridMark, Plot};
+
+/// Points from one tick to the next, at least: across, and up.
+const APART: [f64; 2] = [40.0, 24.0];
+/// Points at the right end of an axis where a number would be cut.
+const END: f64 = 14.0;
+/// What `egui_plot` asks a grid for: a step of so many points.
+const BASE: f64 = 8.0;
+
+/// The least of 1, 2 and 5 times a power of ten that is no less than a number.
+fn round_up(least: f64) -> f64 {
+    let power = 10f64.powf(least.log10().floor());
+    [1.0, 2.0, 5.0, 10.0].into_iter().map(|of| of * power).find(|step| *step >= least * (1.0 - 1e-9)).unwrap_or(power)
+}
+
+/// Ticks of an axis, across (0) or up (1), from the value that a point is.
+fn ticks((low, high): (f64, f64), point: f64, axis: usize) -> Vec<GridMark> {
+    let step_size = round_up(point.abs() * APART[axis]);
+    if !(low.is_finite() && high.is_finite() && step_size.is_finite() && step_size > 0.0) {
+        return Vec::new();
+    }
+    let end = if axis == 0 { high - END * point.abs() } else { high };
+    let [first, last] = [(low / step_size).ceil() as i64, (end / step_size).floor() as i64];
+    (first..=last).take(1000).map(|index| GridMark { value: index as f64 * step_size, step_size }).collect()
+}
+
+/// Ticks of an axis of decimal logarithms: at powers of ten, between them too where there is room.
+fn decades((low, high): (f64, f64), point: f64) -> Vec<GridMark> {
+    const FINE: [&[f64]; 4] =
+        [&[1.0, 1.3, 1.6, 2.0, 2.5, 3.2, 4.0, 5.0, 6.5, 8.0], &[1.0, 2.0, 5.0], &[1.0, 3.0], &[1.0]];
+    let apart = |of: &&&[f64]| {
+        let next = of.iter().skip(1).chain(&[10.0]);
+        let least = of.iter().zip(next).map(|(a, b)| (b / a).log10()).fold(f64::INFINITY, f64::min);
+        least >= point.abs() * APART[0]
+    };
+    if !(low.is_finite() && high.is_finite()) {
+        return Vec::new();
+    }
+    let of = FINE.iter().find(apart).unwrap_or(&FINE[3]);
+    let all = (low.floor() as i64..=high.ceil() as i64).take(100);
+    all.flat_map(|decade| of.iter().map(move |of| decade as f64 + of.log10()))
+        .filter(|value| (low..=high - END * point.abs()).contains(value))
+        // All of them are numbered: which are too near each other was seen to.
+        .map(|value| GridMark { value, step_size: 1.0 })
+        .collect()
+}
+
+/// A tick's number, with the digits that its step needs.
+fn numbered(value: f64, step: f64) -> String {
+    let digits = (-step.log10() - 1e-9).ceil().clamp(0.0, 12.0) as usize;
+    let value = if value.abs() < 0.5 * step { 0.0 } else { value };
+    format!("{value:.digits$}")
+}
+
+/// The value that a point is.
+fn point(input: &GridInput) -> f64 {
+    input.base_step_size / BASE
+}
+
+/// A plot with round ticks, and what its axes say.
+pub(crate) fn even<'p>(plot: Plot<'p>, across: &str, up: &str) -> Plot<'p> {
+    let number = |mark: GridMark, _: &_| numbered(mark.value, mark.step_size);
+    plot.custom_x_axes(vec![AxisHints::new_x().label(across).label_spacing(20.0..=30.0).formatter(number)])
+        .custom_y_axes(vec![AxisHints::new_y().label(up).label_spacing(14.0..=22.0).formatter(number)])
+        .x_grid_spacer(|input| ticks(input.bounds, point(&input), 0))
+        .y_grid_spacer(|input| ticks(input.bounds, point(&input), 1))
+}
+
+/// The same of decimal logarithms across.
+pub(crate) fn logarithmic<'p>(plot: Plot<'p>, across: &str, up: &str) -> Plot<'p> {
+    let number = |mark: GridMark, _: &_| crate::format::number((10f64.powf(mark.value) * 1e6).round() * 1e-6);
+    even(plot, across, up)
+        .custom_x_axes(vec![AxisHints::new_x().label(across).label_spacing(20.0..=30.0).formatter(number)])
+        .x_grid_spacer(|input| decades(input.bounds, point(&input)))
+}
+
+/// A plot of what is seen from above: the axis that goes up is numbered downward, as Z goes.
+pub(crate) fn above<'p>(plot: Plot<'p>, across: &str, up: &str) -> Plot<'p> {
+    let down = |mark: GridMark, _: &_| numbered(-mark.value, mark.step_size);
+    even(plot, across, up).custom_y_axes(vec![AxisHints::new_y().label(up).label_spacing(14.0..=22.0).formatter(down)])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn wherever_there_is_room_at_least_two_ticks_are_numbered() {
+        for (axis, points) in [(0, 180.0), (1, 100.0)] {
+            for high in [0.0013, 0.02, 0.9, 1.0, 3.7, 24.0, 100.0, 5123.0] {
+                let all = ticks((-0.04 * high, high), 1.04 * high / points, axis);
+                assert!(all.len() >= 2, "{high} on {points}: {all:?}");
+                let mut texts: Vec<String> = all.iter().map(|tick| numbered(tick.value, tick.step_size)).collect();
+                texts.dedup();
+                assert_eq!(texts.len(), all.len(), "{texts:?}");
+                let end = all.last().unwrap().value;
+                assert!(axis == 1 || end <= high - END * 1.04 * high / points, "{end} would be cut");
+            }
+        }
+        assert_eq!(numbered(0.5, 0.5), "0.5");
+        assert_eq!(numbered(-0.0, 20.0), "0");
+    }
+
+    #[test]
+    fn lengths_are_numbered_within_a_decade_as_over_many() {
+        for (low, high) in [(0.3, 0.7), (0.0, 1.0), (-1.0, 2.0), (-3.0, 4.0)] {
+            let all = decades((low, high), (high - low) / 200.0);
+            assert!(all.len() >= 2, "{low} to {high}: {all:?}");
+            assert!(all.windows(2).all(|two| two[1].value > two[0].value));
+        }
+    }
+}
