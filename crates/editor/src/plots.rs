@@ -70,7 +70,7 @@ pub(crate) fn even<'p>(plot: Plot<'p>, across: &str, up: &str) -> Plot<'p> {
 
 /// The same of decimal logarithms across.
 pub(crate) fn logarithmic<'p>(plot: Plot<'p>, across: &str, up: &str) -> Plot<'p> {
-    let number = |mark: GridMark, _: &_| crate::format::number((10f64.powf(mark.value) * 1e6).round() * 1e-6);
+    let number = |mark: GridMark, _: &_| ((10f64.powf(mark.value) * 1e4).round() / 1e4).to_string();
     even(plot, across, up)
         .custom_x_axes(vec![AxisHints::new_x().label(across).label_spacing(20.0..=30.0).formatter(number)])
         .x_grid_spacer(|input| decades(input.bounds, point(&input)))

@@ -47,7 +47,10 @@ pub(crate) fn waves_ui(waves: &mut Waves, ui: &mut Ui, state: &State, actions: &
             }
             ui.weak(&sea.ty);
         });
+        let width = ui.available_width();
         knobs_ui(ui, state, sea, actions);
+        // Sliders that are wider than the panel make nothing below them wider.
+        ui.set_max_width(width);
         let Some(graph) = &state.session.meaning().graph else {
             ui.weak("The document has errors: correct them to see its waves.");
             return;
