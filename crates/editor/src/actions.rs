@@ -60,6 +60,8 @@ pub enum Action {
     Cut,
     /// Add what was copied, at a point of the canvas.
     Paste(String, Point),
+    /// Ask the system for what was copied, to be added in the middle of the graph.
+    AskPaste,
     /// Copy the chosen nodes beside themselves.
     Duplicate,
     /// Delete the chosen nodes.
@@ -70,8 +72,22 @@ pub enum Action {
     SelectAll,
     /// Lay all nodes out anew, or the chosen ones.
     Arrange,
+    /// Line the chosen nodes up.
+    Line(crate::canvas::Line),
+    /// Ask for another type for the chosen node.
+    Replace,
+    /// Lead wires past the chosen nodes, which stay unconnected.
+    Extract,
+    /// Put a dot on a wire of the chosen node.
+    Dot,
+    /// Render what the chosen node makes.
+    MakeOutput,
+    /// Choose this output, or none.
+    Output(Option<String>),
     /// Put a backdrop behind the chosen nodes.
     Backdrop,
+    /// Put a note into the graph.
+    Note,
     /// Show all nodes, or the chosen ones.
     Frames,
     /// Ask for a node to add.

@@ -1,6 +1,7 @@
 //! Every command once: menus, shortcuts and the palette derive from this table.
 
 use crate::actions::Action;
+use crate::canvas::Line;
 use crate::layout::Pane;
 use crate::state::State;
 use egui::{Key, KeyboardShortcut, Modifiers};
@@ -86,6 +87,14 @@ fn chosen(state: &State) -> bool {
     !state.selection.is_empty()
 }
 
+fn one(state: &State) -> bool {
+    state.chosen().is_some()
+}
+
+fn several(state: &State) -> bool {
+    state.selection.len() > 1
+}
+
 /// The menus, in order.
 pub const MENUS: [&str; 5] = ["File", "Edit", "Graph", "Viewer", "Window"];
 
@@ -138,6 +147,7 @@ pub static COMMANDS: &[Command] = &[
     ),
     command("Edit", "Cut", keys(COMMAND, Key::X), "Copies the chosen nodes and deletes them.", |_| Action::Cut, chosen),
     command("Edit", "Copy", keys(COMMAND, Key::C), "Copies the chosen nodes as text.", |_| Action::Copy, chosen),
+    command("Edit", "Paste", keys(COMMAND, Key::V), "Adds the nodes that were copied.", |_| Action::AskPaste, always),
     command(
         "Edit",
         "Duplicate",
@@ -173,6 +183,38 @@ pub static COMMANDS: &[Command] = &[
     ),
     command(
         "Graph",
+        "Make output",
+        None,
+        "Renders what the chosen node makes, to a file.",
+        |_| Action::MakeOutput,
+        one,
+    ),
+    command(
+        "Graph",
+        "Replace with …",
+        None,
+        "Makes the chosen node one of another type, with the same connections.",
+        |_| Action::Replace,
+        one,
+    ),
+    command(
+        "Graph",
+        "Extract",
+        None,
+        "Leads wires past the chosen nodes, and leaves these unconnected.",
+        |_| Action::Extract,
+        chosen,
+    ),
+    command(
+        "Graph",
+        "Dot",
+        keys(NONE, Key::Period),
+        "Puts a dot on a wire of the chosen node, by which it can be led.",
+        |_| Action::Dot,
+        one,
+    ),
+    command(
+        "Graph",
         "Disable",
         keys(NONE, Key::D),
         "Leads past the chosen nodes, or evaluates them again.",
@@ -187,6 +229,17 @@ pub static COMMANDS: &[Command] = &[
         |_| Action::Arrange,
         always,
     ),
+    command("Graph", "Align left", None, "Stands left edges in a column.", |_| Action::Line(Line::Left), several),
+    command("Graph", "Align centers", None, "Stands centers in a column.", |_| Action::Line(Line::Centers), several),
+    command("Graph", "Align top", None, "Stands upper edges in a row.", |_| Action::Line(Line::Top), several),
+    command(
+        "Graph",
+        "Distribute",
+        None,
+        "Sets the chosen nodes at equal distances, along the longer side.",
+        |_| Action::Line(Line::Distances),
+        several,
+    ),
     command(
         "Graph",
         "Backdrop",
@@ -195,7 +248,19 @@ pub static COMMANDS: &[Command] = &[
         |_| Action::Backdrop,
         always,
     ),
+    command("Graph", "Note", None, "Puts a note into the graph.", |_| Action::Note, always),
     command("Graph", "Frame", keys(NONE, Key::F), "Shows the chosen nodes, or all.", |_| Action::Frames, always),
+    command(
+        "Viewer",
+        "Look at node",
+        None,
+        "Shows the chosen node, as a double-click on it does.",
+        |state| match state.chosen() {
+            Some(name) => Action::Look(name.into(), 0),
+            None => Action::Output(state.output.clone()),
+        },
+        one,
+    ),
     command(
         "Viewer",
         "Play",
@@ -296,7 +361,7 @@ pub fn pressed(context: &egui::Context, state: &State, actions: &mut Vec<Action>
     for command in commands {
         let Some(keys) = command.keys else { continue };
         // Copying and cutting arrive as events of their own.
-        let clipboard = keys.modifiers == COMMAND && matches!(keys.logical_key, Key::C | Key::X);
+        let clipboard = keys.modifiers == COMMAND && matches!(keys.logical_key, Key::C | Key::X | Key::V);
         if clipboard || keys == PLAY || (typing && !keys.modifiers.command) {
             continue;
         }

@@ -13,6 +13,8 @@ pub struct State {
     pub session: Session,
     /// Names of the nodes that are chosen.
     pub selection: BTreeSet<String>,
+    /// The output that is chosen, where no node is.
+    pub output: Option<String>,
     /// What the viewer shows.
     pub look: Look,
     /// What has been evaluated.
@@ -110,6 +112,7 @@ impl State {
         Self {
             session,
             selection: BTreeSet::new(),
+            output: None,
             look: Look { node, slots, ..Look::default() },
             seen: Seen::default(),
             frame: first,

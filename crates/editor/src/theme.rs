@@ -17,6 +17,11 @@ pub(crate) fn kind(kind: Option<Kind>) -> Color32 {
     }
 }
 
+/// A color as letters of it can be read: darker on a light ground.
+pub(crate) fn ink(color: Color32, visuals: &Visuals) -> Color32 {
+    if visuals.dark_mode { color } else { color.lerp_to_gamma(Color32::BLACK, 0.5) }
+}
+
 /// The color of a pin that takes this.
 pub(crate) fn accepts(accepts: Accepts) -> Color32 {
     kind(match accepts {

@@ -5,7 +5,7 @@ use super::drag::{Gesture, Hold};
 use super::plan::Plan;
 use crate::actions::Action;
 use crate::document::sheet::Backdrop;
-use crate::document::{Edit, Point, Sheet, decor};
+use crate::document::{Edit, Point, Sheet, decor, output};
 use crate::theme::TINTS;
 use egui::{Color32, CursorIcon, FontId, Id, Key, PointerButton, Pos2, Rect, Sense, Stroke, StrokeKind, TextEdit, Ui};
 use egui::{WidgetInfo, WidgetType, pos2, vec2};
@@ -18,10 +18,28 @@ const LEAST: f32 = 60.0;
 /// What is free around nodes in front of it.
 const FREE: f32 = 28.0;
 
-/// A backdrop that is given another text.
+/// What a new backdrop says.
+pub(super) const BACKDROP: &str = "Backdrop";
+/// What a new note says.
+pub(super) const NOTE: &str = "Note";
+/// The tint of a new note.
+const YELLOW: usize = 6;
+
+/// What is written on.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Subject {
+    /// The backdrop of this name.
+    Backdrop(String),
+    /// The output of this name.
+    Output(String),
+}
+
+/// What is given another text.
 pub(super) struct Writing {
-    name: String,
+    subject: Subject,
     text: String,
+    /// Whether all of it is to be chosen, so that what is typed stands in its place.
+    fresh: bool,
 }
 
 /// The area of a backdrop.
@@ -44,15 +62,28 @@ pub(super) fn held(body: &Backdrop, hold: &Hold) -> Backdrop {
 }
 
 /// A new backdrop behind nodes that cover this much.
-pub(super) fn behind(sheet: &Sheet, nodes: Rect) -> Edit {
+pub(super) fn behind(sheet: &Sheet, mut nodes: Rect) -> (Edit, String) {
+    // Names of outputs stand below their nodes.
+    nodes.max.y += super::mark::REACH + 8.0 - FREE;
     let nodes = nodes.expand(FREE);
     let body = Backdrop {
         at: [nodes.left().round(), (nodes.top() - TITLE).round()],
         size: [nodes.width().round(), (nodes.height() + TITLE).round()],
-        text: "Backdrop".into(),
+        text: BACKDROP.into(),
         tint: sheet.backdrops.len() % TINTS.len(),
     };
-    decor::framed("Add a backdrop", &decor::free_backdrop(sheet), &body)
+    let name = decor::free_backdrop(sheet);
+    (decor::framed("Add a backdrop", &name, &body), name)
+}
+
+/// A new note at a place of the canvas: a backdrop behind nothing.
+pub(super) fn note(sheet: &Sheet, at: Pos2) -> (Edit, String) {
+    let size = vec2(180.0, 90.0);
+    let boxes = super::place::boxes(sheet, &mut super::place::Laid::default());
+    let at = super::place::nearest(Rect::from_center_size(at, size), &boxes).min;
+    let body = Backdrop { at: [at.x.round(), at.y.round()], size: size.into(), text: NOTE.into(), tint: YELLOW };
+    let name = decor::free_backdrop(sheet);
+    (decor::framed("Add a note", &name, &body), name)
 }
 
 /// The first line, which is what a backdrop is called.
@@ -94,7 +125,7 @@ impl Canvas {
         painter.rect_filled(seen, corner, tint.gamma_multiply(if ui.visuals().dark_mode { 0.32 } else { 0.22 }));
         painter.rect_stroke(seen, corner, Stroke::new(1.0, tint.gamma_multiply(0.8)), StrokeKind::Inside);
         let size = (14.0 * zoom).max(9.0);
-        let writing = self.writing.as_ref().is_some_and(|writing| writing.name == name);
+        let writing = self.writing.as_ref().is_some_and(|writing| writing.subject == Subject::Backdrop(name.into()));
         if seen.width() > 40.0 && !writing {
             let color = ui.visuals().strong_text_color();
             let text = painter.layout(body.text.clone(), FontId::proportional(size), color, seen.width() - 16.0);
@@ -125,31 +156,39 @@ impl Canvas {
                 Gesture::Backdrop(Hold { name: name.into(), corner: by_corner, start, by: vec2(0.0, 0.0), nodes });
         }
         if grip.double_clicked() {
-            self.write(name, body);
+            self.write(Subject::Backdrop(name.into()), &body.text, false);
         }
         if grip.secondary_clicked() {
             self.open_menu(ui, super::menu::About::Backdrop(name.into()));
         }
     }
 
-    /// Asks for another text of a backdrop.
-    pub(super) fn write(&mut self, name: &str, body: &Backdrop) {
-        self.writing = Some(Writing { name: name.into(), text: body.text.clone() });
+    /// Asks for another text; `fresh` where the one that is there is to be written over.
+    pub(super) fn write(&mut self, subject: Subject, text: &str, fresh: bool) {
+        self.writing = Some(Writing { subject, text: text.into(), fresh });
     }
 
     fn writing_ui(&mut self, plan: &Plan, ui: &mut Ui, actions: &mut Vec<Action>) {
         let Some(mut writing) = self.writing.take() else { return };
-        let Some(body) = plan.sheet.backdrops.get(&writing.name) else { return };
-        let seen = self.view.area(area(body));
-        let id = Id::new("backdrop text");
-        let at: Pos2 = seen.min.max(self.view.rect.min);
-        let lines = writing.text.lines().count().max(1) as f32 + 1.0;
-        let place = Rect::from_min_size(at, vec2(seen.width().max(160.0), 20.0 * lines + 8.0));
-        let field = TextEdit::multiline(&mut writing.text).id(id).desired_rows(1);
-        let field = ui.put(place, field).on_hover_text("Ctrl+Enter when done, Esc to leave it as it was.");
-        field.widget_info(|| WidgetInfo::labeled(WidgetType::TextEdit, true, "Text of the backdrop"));
+        let one_line = matches!(writing.subject, Subject::Output(_));
+        let Some(place) = self.writing_place(plan, &writing) else { return };
+        let id = Id::new("canvas text");
+        let field = match one_line {
+            true => TextEdit::singleline(&mut writing.text),
+            false => TextEdit::multiline(&mut writing.text).desired_rows(1),
+        };
+        let help = if one_line { "Enter when done" } else { "Ctrl+Enter when done" };
+        let field = ui.put(place, field.id(id)).on_hover_text(format!("{help}, Esc to leave it as it was."));
+        let called = if one_line { "Name of the output" } else { "Text of the backdrop" };
+        field.widget_info(|| WidgetInfo::labeled(WidgetType::TextEdit, true, called));
         if !field.has_focus() && !field.lost_focus() {
             field.request_focus();
+        }
+        if std::mem::take(&mut writing.fresh) {
+            let mut state = egui::text_edit::TextEditState::load(ui.ctx(), id).unwrap_or_default();
+            let [start, end] = [0, writing.text.chars().count()].map(egui::text::CCursor::new);
+            state.cursor.set_char_range(Some(egui::text::CCursorRange::two(start, end)));
+            state.store(ui.ctx(), id);
         }
         let (escape, done) = ui
             .input(|input| (input.key_pressed(Key::Escape), input.modifiers.command && input.key_pressed(Key::Enter)));
@@ -157,14 +196,44 @@ impl Canvas {
             return;
         }
         if done || field.lost_focus() {
-            let text = writing.text.trim().to_string();
-            if text != body.text {
-                let body = Backdrop { text, ..body.clone() };
-                actions.push(Action::Edit(decor::framed("Write on a backdrop", &writing.name, &body)));
-                actions.push(Action::Seal);
-            }
+            actions.extend(written(plan, &writing));
             return;
         }
         self.writing = Some(writing);
+    }
+
+    /// Where one writes.
+    fn writing_place(&self, plan: &Plan, writing: &Writing) -> Option<Rect> {
+        let seen = match &writing.subject {
+            Subject::Backdrop(name) => self.view.area(area(plan.sheet.backdrops.get(name)?)),
+            Subject::Output(name) => {
+                let (node, _) = plan.sheet.source(&output::find(&plan.sheet, name)?.source)?;
+                let at = plan.boxes[node].center_bottom() + vec2(-80.0, 16.0);
+                self.view.area(Rect::from_min_size(at, vec2(160.0, 20.0)))
+            }
+        };
+        let at: Pos2 = seen.min.max(self.view.rect.min);
+        let lines = writing.text.lines().count().max(1) as f32;
+        let rows = if matches!(writing.subject, Subject::Output(_)) { 1.0 } else { lines + 1.0 };
+        Some(Rect::from_min_size(at, vec2(seen.width().max(160.0), 20.0 * rows + 8.0)))
+    }
+}
+
+/// What follows from a text that was written.
+fn written(plan: &Plan, writing: &Writing) -> Vec<Action> {
+    let text = writing.text.trim().to_string();
+    match &writing.subject {
+        Subject::Backdrop(name) => match plan.sheet.backdrops.get(name) {
+            Some(body) if body.text != text => {
+                let body = Backdrop { text, ..body.clone() };
+                vec![Action::Edit(decor::framed("Write on a backdrop", name, &body)), Action::Seal]
+            }
+            _ => Vec::new(),
+        },
+        Subject::Output(name) if text == *name => Vec::new(),
+        Subject::Output(name) => match output::wrong_name(&plan.sheet, &text) {
+            Some(why) => vec![Action::Notice(why)],
+            None => vec![Action::Edit(output::renamed(name, &text)), Action::Seal, Action::Output(Some(text))],
+        },
     }
 }

@@ -27,6 +27,8 @@ pub(super) enum Gesture {
     Dot(usize, usize, Vec<Pos2>),
     /// A backdrop is moved or resized.
     Backdrop(Hold),
+    /// An output is led elsewhere.
+    Output(String),
 }
 
 /// Nodes that are moved.
@@ -94,6 +96,8 @@ pub(super) struct Pull {
     pub(super) barred: HashSet<usize>,
     /// Where it would go.
     pub(super) target: Option<End>,
+    /// The output that it would feed.
+    pub(super) mark: Option<String>,
     /// Whether it follows the pointer without a button, until the next click.
     pub(super) sticky: bool,
     /// Where it began, on the screen.
@@ -141,7 +145,7 @@ impl Canvas {
 
     fn hold(&mut self, plan: &Plan, held: End, old: Option<(usize, usize)>, began: Pos2) {
         let barred = connect::barred(&plan.sheet, held);
-        self.gesture = Gesture::Pull(Pull { held, old, barred, target: None, sticky: false, began });
+        self.gesture = Gesture::Pull(Pull { held, old, barred, target: None, mark: None, sticky: false, began });
     }
 
     /// What a press on the empty canvas begins.
@@ -226,6 +230,13 @@ impl Canvas {
                     actions.push(Action::Seal);
                 }
             }
+            Gesture::Output(name) => {
+                if pointer.down {
+                    self.gesture = Gesture::Output(name);
+                } else if let Some(from) = self.source_at(plan, pointer.at) {
+                    Self::redirect(plan, &name, from, actions);
+                }
+            }
             Gesture::Backdrop(mut hold) => {
                 hold.by = at - hold.start;
                 if !hold.corner {
@@ -293,13 +304,19 @@ impl Canvas {
 
     fn pull_on(&mut self, plan: &Plan, mut pull: Pull, pointer: &Pointer, state: &State, actions: &mut Vec<Action>) {
         let at = self.view.canvas(pointer.at);
-        pull.target = self.target(plan, &pull, at);
+        let near = plan.end_at(at, 11.0 / self.view.zoom.min(1.5));
+        let marked = matches!(pull.held, End::Output(..)) && !matches!(near, Some(End::Pin(..)));
+        pull.mark = self.mark_at(pointer.at).filter(|_| marked).cloned();
+        pull.target = self.target(plan, &pull, at).filter(|_| pull.mark.is_none());
         let over = if pull.sticky { pointer.clicked } else { !pointer.down };
         if !over {
             self.gesture = Gesture::Pull(pull);
             return;
         }
         self.has_plugged = pull.sticky;
+        if let (Some(name), End::Output(node, output)) = (&pull.mark, pull.held) {
+            return Self::redirect(plan, name, (node, output), actions);
+        }
         match (pull.target, pull.old) {
             (Some(target), old) => self.plug(plan, state, pull.held, target, old, pointer.at, actions),
             (None, Some(old)) => {

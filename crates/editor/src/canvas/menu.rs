@@ -5,10 +5,12 @@ use super::plan::Plan;
 use super::search::Search;
 use crate::actions::Action;
 use crate::document::sheet::Backdrop;
-use crate::document::{Edit, Point, decor, edit};
+use crate::document::{Point, decor};
 use crate::state::State;
 use crate::theme::TINTS;
-use egui::{Align, Color32, Layout, Popup, PopupKind, Pos2, Rect, Sense, Ui, WidgetInfo, WidgetType, vec2};
+use egui::{
+    Align, Color32, Layout, Popup, PopupKind, Pos2, Rect, Sense, TextWrapMode, Ui, WidgetInfo, WidgetType, vec2,
+};
 
 /// What was clicked.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,6 +19,8 @@ pub(super) enum About {
     Nodes,
     /// A backdrop.
     Backdrop(String),
+    /// An output.
+    Output(String),
     /// Nothing.
     Empty,
 }
@@ -25,11 +29,13 @@ pub(super) enum About {
 pub(super) struct Menu {
     at: Pos2,
     about: About,
+    /// How many there were before it: none takes over the size of another.
+    serial: u64,
 }
 
 /// How nodes are lined up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Line {
+pub enum Line {
     /// Left edges.
     Left,
     /// Upper edges.
@@ -38,6 +44,21 @@ pub(super) enum Line {
     Centers,
     /// Equal distances, along the longer side.
     Distances,
+}
+
+impl Line {
+    /// All of them.
+    pub const ALL: [Self; 4] = [Self::Left, Self::Top, Self::Centers, Self::Distances];
+
+    /// What it is called.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Left => "Align left",
+            Self::Top => "Align top",
+            Self::Centers => "Align centers",
+            Self::Distances => "Distribute",
+        }
+    }
 }
 
 /// Where nodes go that are lined up.
@@ -73,23 +94,28 @@ impl Canvas {
     /// Opens a menu at the pointer.
     pub(super) fn open_menu(&mut self, ui: &Ui, about: About) {
         let at = ui.input(|input| input.pointer.latest_pos()).unwrap_or(self.view.rect.center());
-        self.menu = Some(Menu { at, about });
+        self.menus += 1;
+        self.menu = Some(Menu { at, about, serial: self.menus });
     }
 
     /// Draws the menu that is open.
     pub(super) fn menu_ui(&mut self, plan: &Plan, ui: &Ui, state: &State, actions: &mut Vec<Action>) {
         let Some(menu) = self.menu.take() else { return };
         let mut open = true;
-        let popup = Popup::new(ui.id().with("menu"), ui.ctx().clone(), menu.at, ui.layer_id())
+        let popup = Popup::new(ui.id().with(("menu", menu.serial)), ui.ctx().clone(), menu.at, ui.layer_id())
             .kind(PopupKind::Menu)
             .layout(Layout::top_down_justified(Align::Min))
             .style(egui::containers::menu::menu_style)
             .width(170.0)
             .open_bool(&mut open);
-        popup.show(|ui| match &menu.about {
-            About::Nodes => self.nodes_menu(plan, ui, state, actions, menu.at),
-            About::Backdrop(name) => self.backdrop_menu(plan, ui, name, actions),
-            About::Empty => self.empty_menu(ui, actions, menu.at),
+        popup.show(|ui| {
+            ui.style_mut().wrap_mode = Some(TextWrapMode::Extend);
+            match &menu.about {
+                About::Nodes => self.nodes_menu(plan, ui, state, actions, menu.at),
+                About::Backdrop(name) => self.backdrop_menu(plan, ui, name, actions),
+                About::Output(name) => self.output_menu(plan, ui, name, actions),
+                About::Empty => self.empty_menu(ui, actions, menu.at),
+            }
         });
         if open {
             self.menu = Some(menu);
@@ -100,9 +126,12 @@ impl Canvas {
         if ui.button("Add node …").clicked() {
             self.open_search(at, super::connect::Wanted::Nothing);
         }
-        for (name, action) in
-            [("Select all", Action::SelectAll), ("Arrange", Action::Arrange), ("Frame", Action::Frames)]
-        {
+        for (name, action) in [
+            ("Add note", Action::Note),
+            ("Select all", Action::SelectAll),
+            ("Arrange", Action::Arrange),
+            ("Frame", Action::Frames),
+        ] {
             if ui.button(name).clicked() {
                 actions.push(action);
             }
@@ -123,24 +152,18 @@ impl Canvas {
                     }
                 }
             });
+            if ui.button("Make output").on_hover_text("Renders what the node makes.").clicked() {
+                actions.push(Action::MakeOutput);
+            }
             if ui.button("Replace with …").clicked() {
                 self.search = Some(Search::replacing(name, at));
             }
             ui.separator();
         }
         if nodes.len() > 1 {
-            let boxes: Vec<Rect> = nodes.iter().map(|node| plan.boxes[*node]).collect();
-            for (text, line) in [
-                ("Align left", Line::Left),
-                ("Align top", Line::Top),
-                ("Align centers", Line::Centers),
-                ("Distribute", Line::Distances),
-            ] {
-                if ui.button(text).clicked() {
-                    let names = nodes.iter().map(|node| plan.sheet.nodes[*node].name.clone());
-                    let places: Vec<(String, Point)> = names.zip(lined_up(&boxes, line)).collect();
-                    let edit = Edit { label: text.into(), ..edit::moved(&places) };
-                    actions.extend([Action::Edit(plan.freezing(edit)), Action::Seal]);
+            for line in Line::ALL {
+                if ui.button(line.name()).clicked() {
+                    actions.push(Action::Line(line));
                 }
             }
             if ui.button("Arrange").clicked() {
@@ -156,8 +179,7 @@ impl Canvas {
             actions.push(Action::Disable);
         }
         if ui.button("Extract").on_hover_text("Leads wires past, and leaves the nodes unconnected.").clicked() {
-            let names: Vec<String> = state.selection.iter().cloned().collect();
-            actions.extend([Action::Edit(plan.freezing(edit::extracted(&plan.sheet, &names))), Action::Seal]);
+            actions.push(Action::Extract);
         }
         ui.separator();
         for (name, action) in [("Copy", Action::Copy), ("Duplicate", Action::Duplicate), ("Delete", Action::Delete)] {
@@ -185,7 +207,7 @@ impl Canvas {
             }
         });
         if ui.button("Write …").clicked() {
-            self.write(name, body);
+            self.write(super::backdrop::Subject::Backdrop(name.into()), &body.text, false);
         }
         if ui.button("Select nodes").clicked() {
             let area = super::backdrop::area(body);

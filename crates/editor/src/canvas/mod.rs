@@ -7,6 +7,7 @@ mod backdrop;
 mod connect;
 mod curve;
 mod drag;
+mod mark;
 mod menu;
 mod minimap;
 mod node;
@@ -28,6 +29,7 @@ use crate::state::State;
 use drag::Gesture;
 use egui::{Align2, Color32, Event, FontId, Key, Modifiers, MouseWheelUnit, PointerButton, Rect, Response, Sense};
 use egui::{Stroke, StrokeKind, Ui, UiBuilder, WidgetInfo, WidgetType, pos2, vec2};
+pub use menu::Line;
 use plan::Plan;
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -50,6 +52,13 @@ pub struct Canvas {
     writing: Option<backdrop::Writing>,
     wants_frame: bool,
     wants_search: bool,
+    wants_replacement: bool,
+    /// Whether what is pasted next was asked for in a menu, wherever the pointer is.
+    wants_paste: bool,
+    /// By output: where its mark is on the screen.
+    marks: Vec<(String, Rect)>,
+    /// How many menus were opened: each is as large as it needs.
+    menus: u64,
     /// Whether the view was set at all.
     is_shown: bool,
     /// Whether the wheel zooms, as that of a mouse does, or moves, as two fingers do.
@@ -73,6 +82,44 @@ impl Canvas {
     /// Asks for a node to add, when it is drawn next.
     pub fn search(&mut self) {
         self.wants_search = true;
+    }
+
+    /// Asks for another type for the chosen node, when it is drawn next.
+    pub fn replace(&mut self) {
+        self.wants_replacement = true;
+    }
+
+    /// Takes what is pasted next, wherever the pointer is.
+    pub fn await_paste(&mut self) {
+        self.wants_paste = true;
+    }
+
+    /// Asks for no node any more: something else is being asked.
+    pub fn close_search(&mut self) {
+        self.search = None;
+    }
+
+    /// Lets one write on a new backdrop at once.
+    pub fn write_on(&mut self, name: String, text: &str) {
+        self.write(backdrop::Subject::Backdrop(name), text, true);
+    }
+
+    /// A note in the middle of what is seen: the change, its name, and what it says.
+    pub fn note(&self, sheet: &Sheet) -> (Edit, String, &'static str) {
+        let (edit, name) = backdrop::note(sheet, self.view.canvas(self.view.rect.center()));
+        (edit, name, backdrop::NOTE)
+    }
+
+    /// A dot in the middle of a wire of a node: of the first that it feeds, or else that it takes.
+    pub fn dotted(&self, name: &str) -> Option<Edit> {
+        let plan = self.plan.as_ref()?;
+        let node = plan.sheet.find(name)?;
+        let mut wires = plan.sheet.wires.iter();
+        let below = wires.position(|wire| wire.from.0 == node);
+        let wire = below.or_else(|| plan.sheet.wires.iter().position(|wire| wire.to.0 == node))?;
+        let (_, dots) = drag::with_dot(plan, wire, plan.curves[wire].middle());
+        let dots: Vec<Point> = dots.into_iter().map(Into::into).collect();
+        Some(crate::document::decor::dotted(&plan.sheet, plan.sheet.wires[wire].to, &dots))
     }
 
     /// Whether what is pointed at is explained: nothing else is being said or done.
@@ -113,6 +160,11 @@ impl Canvas {
         if std::mem::take(&mut self.wants_search) {
             let at = ui.input(|input| input.pointer.hover_pos()).filter(|at| rect.contains(*at));
             self.open_search(at.unwrap_or(rect.center()), connect::Wanted::Nothing);
+        }
+        let replaced = std::mem::take(&mut self.wants_replacement).then(|| state.chosen()).flatten();
+        if let Some(node) = replaced.and_then(|name| plan.sheet.find(name)) {
+            let at = self.view.area(plan.boxes[node]).left_bottom();
+            self.search = Some(search::Search::replacing(&plan.sheet.nodes[node].name, at));
         }
         plan
     }
@@ -208,7 +260,8 @@ impl Canvas {
                 }
             }
         }
-        if ui.rect_contains_pointer(self.view.rect) {
+        let over = ui.rect_contains_pointer(self.view.rect);
+        if over || self.wants_paste {
             let (pasted, at) = ui.input(|input| {
                 let text = input.events.iter().find_map(|event| match event {
                     Event::Paste(text) => Some(text.clone()),
@@ -217,7 +270,8 @@ impl Canvas {
                 (text, input.pointer.latest_pos())
             });
             if let Some(text) = pasted {
-                let at = self.view.canvas(at.unwrap_or(self.view.rect.center()));
+                self.wants_paste = false;
+                let at = self.view.canvas(at.filter(|_| over).unwrap_or(self.view.rect.center()));
                 actions.push(Action::Paste(text, at.into()));
             }
         }
@@ -242,6 +296,7 @@ impl Canvas {
                     ui.painter().line_segment(ends, Stroke::new(1.0, Color32::from_rgb(0xe0, 0x7a, 0xb8)));
                 }
             }
+            Gesture::Output(name) => self.led_ui(plan, ui, name),
             _ => {}
         }
         if plan.sheet.nodes.is_empty() {
@@ -301,11 +356,22 @@ pub fn deleting(sheet: &Sheet, names: &[String]) -> Edit {
     place::freezing(&rest, &boxes, edit::deleted(sheet, names))
 }
 
-/// A backdrop behind the chosen nodes; `None` where none is chosen.
-pub fn backdrop(sheet: &Sheet, chosen: &BTreeSet<String>) -> Option<Edit> {
+/// Lines the chosen nodes up.
+pub fn lined_up(sheet: &Sheet, chosen: &BTreeSet<String>, line: Line) -> Edit {
+    let boxes = place::boxes(sheet, &mut place::Laid::default());
+    let nodes: Vec<usize> = chosen.iter().filter_map(|name| sheet.find(name)).collect();
+    let own: Vec<Rect> = nodes.iter().map(|node| boxes[*node]).collect();
+    let names = nodes.iter().map(|node| sheet.nodes[*node].name.clone());
+    let places: Vec<(String, Point)> = names.zip(menu::lined_up(&own, line)).collect();
+    place::freezing(sheet, &boxes, Edit { label: line.name().into(), ..edit::moved(&places) })
+}
+
+/// A backdrop behind the chosen nodes, its name and what it says; `None` where none is chosen.
+pub fn backdrop(sheet: &Sheet, chosen: &BTreeSet<String>) -> Option<(Edit, String, &'static str)> {
     let boxes = place::boxes(sheet, &mut place::Laid::default());
     let some = chosen.iter().filter_map(|name| Some(boxes[sheet.find(name)?]));
-    Some(backdrop::behind(sheet, some.reduce(Rect::union)?))
+    let (edit, name) = backdrop::behind(sheet, some.reduce(Rect::union)?);
+    Some((edit, name, backdrop::BACKDROP))
 }
 
 /// Draws the graph.

@@ -12,9 +12,7 @@ use crate::state::State;
 use crate::{format, theme};
 use egui::epaint::RectShape;
 use egui::text::{LayoutJob, TextFormat, TextWrapping};
-use egui::{
-    Align2, Color32, CornerRadius, FontId, PointerButton, Pos2, Rect, RichText, Sense, Shape, Stroke, StrokeKind,
-};
+use egui::{Align2, Color32, CornerRadius, FontId, PointerButton, Pos2, Rect, RichText, Sense, Stroke, StrokeKind};
 use egui::{Ui, WidgetInfo, WidgetType, pos2, vec2};
 use std::collections::BTreeSet;
 use trochoid::{End as Side, State as Fate};
@@ -49,6 +47,7 @@ impl Canvas {
     /// Draws all nodes, and takes what is done to them.
     pub(super) fn nodes_ui(&mut self, plan: &Plan, ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
         let paint = Paint::of(ui);
+        self.marks.clear();
         let total: f64 = state.seen.nodes.values().map(|node| node.seconds).sum();
         for index in 0..plan.boxes.len() {
             if !plan.is_seen(index, &self.view) {
@@ -64,6 +63,7 @@ impl Canvas {
                 WidgetInfo::selected(WidgetType::Button, true, chosen, label)
             });
             self.draw_node(plan, ui, state, index, &paint, total);
+            self.marks_ui(plan, ui, state, index, actions);
             self.fault_ui(plan, ui, index, actions);
             self.pins_ui(plan, ui, index, response.hovered());
             if response.clicked() {
@@ -109,7 +109,8 @@ impl Canvas {
         let seen = self.view.area(plan.boxes[index]);
         let painter = ui.painter();
         let kind = theme::kind(node.makes.first().and_then(|(_, kind)| *kind));
-        let dim = node.disabled || left_out(state, &node.name);
+        let out = node.disabled || left_out(state, &node.name);
+        let dim = out || plan.idle.contains(&index);
         // What is dim keeps its place, but lets what is not stand out.
         let tone = |color: Color32| if dim { faded(color, ui.visuals().panel_fill, 0.55) } else { color };
         let chosen = state.selection.contains(&node.name);
@@ -131,7 +132,7 @@ impl Canvas {
             let stripe = Rect::from_min_size(head.min, vec2((4.0 * zoom).max(2.0), head.height()));
             painter.rect_filled(stripe, CornerRadius { ne: 0, se: 0, ..top }, tone(kind));
             if has_picture(node) {
-                self.draw_picture(ui, state, &node.name, Rect::from_min_max(head.left_bottom(), seen.max), dim);
+                self.draw_picture(ui, state, &node.name, Rect::from_min_max(head.left_bottom(), seen.max), out);
             }
         }
         let fault = plan.faults.get(&index);
@@ -147,7 +148,7 @@ impl Canvas {
         if 12.5 * zoom >= 5.5 {
             draw_text(ui, node, head, zoom, [tone(paint.text), tone(paint.weak)], state, total);
         }
-        self.draw_marks(plan, ui, state, index, seen);
+        self.draw_keys(ui, state, node, seen);
     }
 
     /// The sign of what is wrong, here or above; a click leads to the node that is to blame.
@@ -176,9 +177,8 @@ impl Canvas {
         response.on_hover_text(text).on_hover_cursor(egui::CursorIcon::PointingHand);
     }
 
-    /// Which keys show a node, whether it is looked at, and what is rendered of it.
-    fn draw_marks(&self, plan: &Plan, ui: &Ui, state: &State, index: usize, seen: Rect) {
-        let node = &plan.sheet.nodes[index];
+    /// Which keys show a node, and whether it is looked at.
+    fn draw_keys(&self, ui: &Ui, state: &State, node: &Node, seen: Rect) {
         let zoom = self.view.zoom;
         let looked = state.look.node.as_ref().is_some_and(|(name, _)| *name == node.name);
         let is_it = |name: &Option<String>| name.as_deref() == Some(node.name.as_str());
@@ -198,21 +198,13 @@ impl Canvas {
         }
         for (nth, slot) in slots.iter().enumerate() {
             let size = (15.0 * zoom).clamp(9.0, 20.0);
-            let at = seen.right_top() + vec2(-size * (nth as f32 * 1.15 + 0.4), -size * 0.1);
+            // Beside the node: pins stand on its upper edge.
+            let at = seen.right_top() + vec2(size * 0.75, size * (nth as f32 * 1.15 + 0.5));
             let place = Rect::from_center_size(at, vec2(size, size));
             let (fill, text) =
                 if looked { (gold, Color32::BLACK) } else { (Color32::from_gray(0x58), Color32::from_gray(0xe8)) };
             ui.painter().rect_filled(place, 3.0, fill);
             ui.painter().text(at, Align2::CENTER_CENTER, slot, FontId::proportional(size * 0.75), text);
-        }
-        if let Some(names) = plan.makes.get(&index).filter(|_| zoom > 0.45) {
-            // An arrow that leads out of the graph.
-            let tip = seen.center_bottom() + vec2(0.0, 16.0 * zoom);
-            let arrow = [vec2(-5.0, -7.0), vec2(5.0, -7.0), vec2(0.0, 0.0)].map(|corner| tip + corner * zoom);
-            let color = ui.visuals().text_color();
-            ui.painter().add(Shape::convex_polygon(arrow.to_vec(), color, Stroke::NONE));
-            let at = tip + vec2(0.0, 2.0 * zoom);
-            ui.painter().text(at, Align2::CENTER_TOP, names.join(", "), FontId::proportional(11.0 * zoom), color);
         }
     }
 
@@ -320,6 +312,11 @@ fn about_ui(plan: &Plan, ui: &mut Ui, state: &State, index: usize, total: f64) {
         }
     } else if node.disabled {
         ui.weak("Disabled: led past");
+    }
+    if plan.idle.contains(&index) {
+        ui.weak(
+            "No output needs it: it is not rendered. Drop a wire from it on an output's mark, or choose Make output.",
+        );
     }
     if let Some(fault) = plan.faults.get(&index) {
         let color = theme::error(ui.visuals());

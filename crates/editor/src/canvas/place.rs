@@ -198,6 +198,21 @@ pub(super) fn free(mut wanted: Rect, others: impl Iterator<Item = Rect> + Clone)
     wanted
 }
 
+/// The place nearest to a wanted one where a box stands on none of the others.
+pub(super) fn nearest(wanted: Rect, others: &[Rect]) -> Rect {
+    const STEP: f32 = 20.0;
+    let is_free = |place: &Rect| !others.iter().any(|other| other.expand(8.0).intersects(*place));
+    // Rings about it, each place of them down and to the sides before up.
+    let rings = (0..200).flat_map(|ring| {
+        let points = if ring == 0 { 1 } else { 8 * ring };
+        (0..points).map(move |point| {
+            let angle = std::f32::consts::TAU * (point as f32 / points as f32 + 0.25);
+            wanted.translate((STEP * ring as f32 * Vec2::angled(angle)).round())
+        })
+    });
+    rings.into_iter().find(is_free).unwrap_or_else(|| free(wanted, others.iter().copied()))
+}
+
 /// Places for nodes, laid out in layers: of the chosen ones, or of all where fewer than two are chosen.
 pub(super) fn arrange(sheet: &Sheet, chosen: &BTreeSet<String>) -> Vec<(String, Point)> {
     let some: Vec<usize> = chosen.iter().filter_map(|name| sheet.find(name)).collect();

@@ -53,6 +53,8 @@ pub(super) struct Plan {
     pub(super) faults: HashMap<usize, Fault>,
     /// By node: names of the outputs that it makes.
     pub(super) makes: HashMap<usize, Vec<String>>,
+    /// Nodes that no output needs, where there are outputs.
+    pub(super) idle: BTreeSet<usize>,
     wire_at: HashMap<(usize, usize), usize>,
     /// Where nodes stand while some are not being dragged.
     home: Vec<Rect>,
@@ -80,6 +82,8 @@ impl Plan {
                 makes.entry(node).or_default().push(output.name.clone());
             }
         }
+        let needed = sheet.upstream(makes.keys().copied());
+        let idle = (0..sheet.nodes.len()).filter(|node| !needed.is_empty() && !needed.contains(node)).collect();
         let mut plan = Self {
             boxes: boxes.clone(),
             curves: Vec::new(),
@@ -88,6 +92,7 @@ impl Plan {
             bounds: Rect::NOTHING,
             faults: faults(state),
             makes,
+            idle,
             wire_at: sheet.wires.iter().enumerate().map(|(index, wire)| (wire.to, index)).collect(),
             home: boxes,
             shifted: (BTreeSet::new(), Vec2::ZERO),

@@ -2,13 +2,14 @@
 
 use super::Canvas;
 use super::connect::{self, Wanted};
+use super::place;
 use super::plan::Plan;
 use crate::actions::Action;
 use crate::document::edit;
 use crate::prompts::{matches, moved};
 use crate::state::State;
 use crate::theme;
-use egui::{Area, Button, Color32, Frame, Id, Key, Order, Pos2, RichText, ScrollArea, TextEdit, Ui};
+use egui::{Area, Button, Color32, Frame, Id, Key, Order, Pos2, Rect, RichText, ScrollArea, TextEdit, Ui};
 use egui::{WidgetInfo, WidgetType, vec2};
 use trochoid::{Declaration, registry};
 
@@ -19,6 +20,8 @@ pub(super) struct Search {
     text: String,
     chosen: usize,
     purpose: Purpose,
+    /// Whether it was not drawn yet: the click that opened it is no click elsewhere.
+    fresh: bool,
 }
 
 enum Purpose {
@@ -30,7 +33,7 @@ enum Purpose {
 
 impl Search {
     fn new(at: Pos2, purpose: Purpose) -> Self {
-        Self { at, text: String::new(), chosen: 0, purpose }
+        Self { at, text: String::new(), chosen: 0, purpose, fresh: true }
     }
 
     /// Asks for another type for a node.
@@ -82,6 +85,10 @@ impl Canvas {
         let (escape, pressed) = ui.input(|input| (input.key_pressed(Key::Escape), input.pointer.any_pressed()));
         match taken {
             Some(declaration) => self.take(&search, plan, state, declaration, actions),
+            None if std::mem::take(&mut search.fresh) => {
+                self.search = Some(search);
+                ui.ctx().request_repaint();
+            }
             None if escape || pressed && !shown.response.contains_pointer() => {}
             None => self.search = Some(search),
         }
@@ -104,7 +111,14 @@ impl Canvas {
                 let below = Wanted::Below(state.chosen().unwrap_or_default().into(), 0);
                 let wanted = if *wanted == Wanted::Nothing && state.chosen().is_some() { &below } else { wanted };
                 // The pointer is at the middle of the new node's head.
-                let at = self.view.canvas(search.at) - vec2(super::place::WIDTH / 2.0, super::place::HEAD / 2.0);
+                let at = self.view.canvas(search.at) - vec2(place::WIDTH / 2.0, place::HEAD / 2.0);
+                let below = match wanted {
+                    Wanted::Below(name, _) => plan.sheet.find(name).map(|node| plan.boxes[node]),
+                    _ => None,
+                };
+                let at = below.map_or(at, |own| own.center_bottom() + vec2(-place::WIDTH / 2.0, 40.0));
+                let size = vec2(place::WIDTH, place::HEAD + place::PICTURE);
+                let at = place::nearest(Rect::from_min_size(at, size), &plan.boxes).min;
                 let (edit, name) = connect::added(&state.session, declaration, at.into(), wanted);
                 actions.push(Action::Edit(plan.freezing(edit)));
                 actions.extend([Action::Seal, Action::Select([name].into())]);

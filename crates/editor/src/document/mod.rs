@@ -6,6 +6,7 @@ pub mod edit;
 pub mod history;
 pub mod json;
 pub mod keep;
+pub mod output;
 pub mod relocate;
 pub mod session;
 pub mod sheet;

@@ -3,7 +3,7 @@
 use super::Editor;
 use crate::actions::Action;
 use crate::document::keep::Kept;
-use crate::document::{Edit, Session, Standing, edit, relocate};
+use crate::document::{Edit, Session, Standing, edit, output, relocate};
 use crate::layout;
 use crate::render::Renderer;
 use crate::state::State;
@@ -50,9 +50,17 @@ impl Editor {
                     self.changed();
                 }
             }
-            Action::Select(names) => state.selection = names,
+            Action::Select(names) => {
+                state.selection = names;
+                state.output = None;
+            }
+            Action::Output(name) => {
+                state.selection.clear();
+                state.output = name;
+            }
             Action::Visit(name) => {
                 state.selection = [name].into();
+                state.output = None;
                 layout::bring(&mut self.tree, crate::layout::Pane::Canvas);
                 self.panels.canvas.frame();
             }
@@ -126,10 +134,33 @@ impl Editor {
                 let places = crate::canvas::arrange(&sheet, &state.selection);
                 self.edit(edit::laid_out(&sheet, &places));
             }
-            Action::Backdrop => {
-                if let Some(edit) = crate::canvas::backdrop(&sheet, &state.selection) {
+            Action::Line(line) => {
+                let edit = crate::canvas::lined_up(&sheet, &state.selection, line);
+                self.edit(edit);
+                self.state.session.seal();
+            }
+            Action::Replace => self.panels.canvas.replace(),
+            Action::Extract => self.edit(crate::canvas::freezing(&sheet, edit::extracted(&sheet, &names))),
+            Action::Dot => {
+                if let Some(edit) = state.chosen().and_then(|name| self.panels.canvas.dotted(name)) {
                     self.edit(edit);
                 }
+            }
+            Action::MakeOutput => self.make_output(),
+            Action::Backdrop => {
+                if let Some((edit, name, text)) = crate::canvas::backdrop(&sheet, &state.selection) {
+                    self.edit(edit);
+                    self.panels.canvas.write_on(name, text);
+                }
+            }
+            Action::Note => {
+                let (edit, name, text) = self.panels.canvas.note(&sheet);
+                self.edit(edit);
+                self.panels.canvas.write_on(name, text);
+            }
+            Action::AskPaste => {
+                self.panels.canvas.await_paste();
+                context.send_viewport_cmd(egui::ViewportCommand::RequestPaste);
             }
             Action::Frames => self.panels.canvas.frame(),
             Action::AddNode => self.panels.canvas.search(),
@@ -139,7 +170,10 @@ impl Editor {
                     renderer.cancel();
                 }
             }
-            Action::Palette => self.prompts.palette(),
+            Action::Palette => {
+                self.panels.canvas.close_search();
+                self.prompts.palette();
+            }
             Action::Panel(pane) => layout::bring(&mut self.tree, pane),
             Action::ResetPanels => self.tree = layout::first(),
             Action::Theme => {
@@ -149,6 +183,21 @@ impl Editor {
             Action::Notice(text) => {
                 self.toasts.info(text);
             }
+        }
+    }
+
+    /// Renders what the chosen node makes: what is looked at of it, or the first that a file can hold.
+    fn make_output(&mut self) {
+        let sheet = self.state.sheet().clone();
+        let Some(node) = self.state.chosen().and_then(|name| sheet.find(name)) else { return };
+        let looked = self.state.look.node.as_ref().filter(|(name, _)| *name == sheet.nodes[node].name);
+        let index = looked.map(|(_, index)| *index).or_else(|| output::renderable(&sheet, node)).unwrap_or(0);
+        match output::made(&sheet, (node, index)) {
+            Some((edit, _)) => {
+                self.edit(edit);
+                self.state.session.seal();
+            }
+            None => drop(self.toasts.warning(output::unfit(&sheet, (node, index)))),
         }
     }
 
@@ -180,6 +229,7 @@ impl Editor {
     pub(super) fn changed(&mut self) {
         let sheet = self.state.session.sheet().clone();
         self.state.selection.retain(|name| sheet.find(name).is_some());
+        self.state.output.take_if(|name| output::find(&sheet, name).is_none());
         self.state.seen.frames.clear();
         self.asked.ahead = None;
         if self.state.look.node.as_ref().is_some_and(|(name, _)| sheet.find(name).is_none()) {
@@ -305,5 +355,6 @@ impl Editor {
     /// Chooses nodes; what tests and prompts use.
     pub fn select(&mut self, names: &[&str]) {
         self.state.selection = names.iter().map(|name| (*name).to_string()).collect::<BTreeSet<String>>();
+        self.state.output = None;
     }
 }

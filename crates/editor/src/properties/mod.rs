@@ -3,6 +3,7 @@
 mod color;
 mod key;
 mod knob;
+mod output;
 mod port;
 mod ramp;
 mod record;
@@ -45,7 +46,10 @@ pub(crate) fn properties_ui(panel: &mut Properties, ui: &mut Ui, state: &State, 
     }
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| match state.chosen() {
         Some(name) => node_ui(panel, ui, state, name, actions),
-        None if state.selection.is_empty() => document_ui(ui, state, actions),
+        None if state.selection.is_empty() => match &state.output {
+            Some(name) => output::output_ui(panel, ui, state, name, actions),
+            None => document_ui(ui, state, actions),
+        },
         None => {
             ui.weak(format!("{} chosen", edit::count(state.selection.len(), "node")));
         }
@@ -268,17 +272,7 @@ fn document_ui(ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
         }
     });
     ui.separator();
-    ui.label(RichText::new("Outputs").strong());
-    for output in &sheet.outputs {
-        ui.horizontal_wrapped(|ui| {
-            if ui.link(&output.name).on_hover_text("Shows it.").clicked()
-                && let Some((node, index)) = sheet.source(&output.source)
-            {
-                actions.push(Action::Look(sheet.nodes[node].name.clone(), index));
-            }
-            ui.weak(format!("from {}", output.source));
-        });
-    }
+    output::outputs_ui(ui, state, actions);
     ui.separator();
     notes_ui(ui, state, &Path::default(), actions);
 }

@@ -56,7 +56,7 @@ fn source_ui(
             (Some(text), _) => {
                 let known = sheet.source(text);
                 let color = match known {
-                    Some(_) => crate::theme::accepts(port.accepts),
+                    Some(_) => crate::theme::ink(crate::theme::accepts(port.accepts), ui.visuals()),
                     None => crate::theme::error(ui.visuals()),
                 };
                 let link = ui.link(RichText::new(format!("• {text}")).color(color));

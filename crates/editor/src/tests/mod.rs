@@ -1,4 +1,5 @@
 mod files;
+mod graph;
 mod keys;
 mod panels;
 mod shots;

@@ -1,10 +1,11 @@
 //! The canvas, driven as by hand: what is asked for is found by what it is called.
 
 mod nodes;
+mod outputs;
 mod shots;
 mod wires;
 
-use super::{Canvas, arrange, backdrop, canvas_ui, deleting};
+use super::{Canvas, arrange, backdrop, canvas_ui, deleting, lined_up};
 use crate::actions::Action;
 use crate::document::{Session, edit};
 use crate::state::State;
@@ -49,9 +50,13 @@ impl Driver {
                 self.state.session.edit(edit::laid_out(&sheet, &places)).unwrap();
             }
             Action::Backdrop => {
-                let edit = backdrop(&sheet, &self.state.selection).unwrap();
+                let (edit, ..) = backdrop(&sheet, &self.state.selection).unwrap();
                 self.state.session.edit(edit).unwrap();
             }
+            Action::Line(line) => {
+                self.state.session.edit(lined_up(&sheet, &self.state.selection, line)).unwrap();
+            }
+            Action::Output(name) => self.state.output = name,
             Action::Paste(text, at) => {
                 let (edit, names) = edit::pasted(&sheet, &text, at).unwrap();
                 self.state.session.edit(edit).unwrap();

@@ -1,0 +1,159 @@
+//! What is rendered: the document's outputs, and the settings of the chosen one.
+
+use super::Properties;
+use crate::actions::Action;
+use crate::document::{Sheet, output};
+use crate::state::State;
+use egui::{ComboBox, RichText, ScrollArea, TextEdit, TextWrapMode, Ui, WidgetInfo, WidgetType};
+use serde_json::{Value, json};
+use trochoid::{Guarantee, Precision};
+
+/// Draws the list of outputs: a click on a name leads to its settings.
+pub(super) fn outputs_ui(ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
+    let sheet = state.sheet();
+    ui.label(RichText::new("Outputs").strong());
+    for output in &sheet.outputs {
+        ui.horizontal_wrapped(|ui| {
+            if ui.link(&output.name).on_hover_text("Leads to its settings, and shows it.").clicked() {
+                actions.push(Action::Output(Some(output.name.clone())));
+                look(sheet, &output.source, actions);
+            }
+            ui.weak(format!("from {}", output.source));
+            let remove = ui.small_button("×").on_hover_text("Removes the output; its node stays.");
+            remove.widget_info(|| {
+                WidgetInfo::labeled(WidgetType::Button, true, format!("Remove the output {}", output.name))
+            });
+            if remove.clicked() {
+                actions.extend([Action::Edit(output::removed(&output.name)), Action::Seal]);
+            }
+        });
+    }
+    ui.menu_button("Add output", |ui| {
+        ui.style_mut().wrap_mode = Some(TextWrapMode::Extend);
+        ScrollArea::vertical().max_height(300.0).show(ui, |ui| {
+            for from in sources(sheet) {
+                if ui.button(sheet.reference(from.0, from.1)).clicked()
+                    && let Some((edit, name)) = output::made(sheet, from)
+                {
+                    actions.extend([Action::Edit(edit), Action::Seal, Action::Output(Some(name))]);
+                }
+            }
+        });
+    });
+}
+
+/// Draws the settings of one output.
+pub(super) fn output_ui(panel: &mut Properties, ui: &mut Ui, state: &State, name: &str, actions: &mut Vec<Action>) {
+    let sheet = state.sheet();
+    let Some(known) = output::find(sheet, name) else { return };
+    ui.horizontal_wrapped(|ui| {
+        let (_, typed) = match &mut panel.name {
+            Some(known) if known.0 == name => known,
+            other => other.insert((name.into(), name.into())),
+        };
+        let field = ui.add(TextEdit::singleline(typed).desired_width(150.0).font(egui::TextStyle::Heading));
+        field.widget_info(|| WidgetInfo::labeled(WidgetType::TextEdit, true, "Name of the output"));
+        if field.lost_focus() && typed != name {
+            let typed = typed.trim().to_string();
+            panel.name = None;
+            match output::wrong_name(sheet, &typed) {
+                Some(why) => actions.push(Action::Notice(why)),
+                None => {
+                    let edit = Action::Edit(output::renamed(name, &typed));
+                    actions.extend([edit, Action::Seal, Action::Output(Some(typed))]);
+                }
+            }
+        }
+        ui.label(RichText::new("Output").strong());
+        if ui.button("Look").clicked() {
+            look(sheet, &known.source, actions);
+        }
+        if ui.button("Remove").on_hover_text("Its node stays.").clicked() {
+            actions.extend([Action::Edit(output::removed(name)), Action::Seal, Action::Output(None)]);
+        }
+        if ui.button("All outputs").clicked() {
+            actions.push(Action::Output(None));
+        }
+    });
+    ui.separator();
+    egui::Grid::new(("output", name)).num_columns(2).show(ui, |ui| {
+        ui.label("Source");
+        ComboBox::from_id_salt("source").selected_text(&known.source).show_ui(ui, |ui| {
+            for from in sources(sheet) {
+                let source = sheet.reference(from.0, from.1);
+                if ui.selectable_label(source == known.source, source).clicked() {
+                    actions.extend(output::redirected(sheet, name, from).map(Action::Edit));
+                    actions.push(Action::Seal);
+                }
+            }
+        });
+        ui.end_row();
+        let help = "Path ending .exr or .png, relative to the document; #### is the frame, {output} the output's name.";
+        text_ui(ui, sheet, (name, "file", "File"), help, actions);
+        let help = "Layer within the EXR; by default the output's name. Outputs that name one file share it.";
+        text_ui(ui, sheet, (name, "layer", "Layer"), help, actions);
+        let body = sheet.get(&output::path(name));
+        let precision = body.and_then(|body| body.get("precision")).and_then(Value::as_str);
+        choice_ui(ui, "Precision", &Precision::NAMES, precision, |word| {
+            actions.extend(output::set(sheet, name, "precision", word.map(Value::from)).map(Action::Edit));
+            actions.push(Action::Seal);
+        });
+        // Only colors have a palette to keep to.
+        if body.is_some_and(|body| body.get("color").is_some()) {
+            let required = body.and_then(|body| body.get("require")?.get("guarantee")?.as_str());
+            choice_ui(ui, "Require", &[Guarantee::Hull, Guarantee::Box].map(Guarantee::name), required, |word| {
+                let value = word.map(|word| json!({ "guarantee": word }));
+                actions.extend(output::set(sheet, name, "require", value).map(Action::Edit));
+                actions.push(Action::Seal);
+            });
+        }
+    });
+    ui.separator();
+    super::notes_ui(ui, state, &output::path(name), actions);
+}
+
+/// All that can be rendered.
+fn sources(sheet: &Sheet) -> impl Iterator<Item = (usize, usize)> {
+    (0..sheet.nodes.len())
+        .flat_map(|node| (0..sheet.nodes[node].makes.len()).map(move |output| (node, output)))
+        .filter(|from| output::is_renderable(sheet, *from))
+}
+
+fn look(sheet: &Sheet, source: &str, actions: &mut Vec<Action>) {
+    if let Some((node, index)) = sheet.source(source) {
+        actions.push(Action::Look(sheet.nodes[node].name.clone(), index));
+    }
+}
+
+/// A text; none where the field is empty.
+fn text_ui(ui: &mut Ui, sheet: &Sheet, (name, key, label): (&str, &str, &str), help: &str, actions: &mut Vec<Action>) {
+    ui.label(label).on_hover_text(help);
+    let path = output::path(name).to(key);
+    let mut text = sheet.get(&path).and_then(Value::as_str).unwrap_or_default().to_string();
+    let field = ui.add(TextEdit::singleline(&mut text).desired_width(ui.available_width())).on_hover_text(help);
+    field.widget_info(|| WidgetInfo::labeled(WidgetType::TextEdit, true, format!("{label} of the output")));
+    if field.changed() {
+        let value = (!text.is_empty()).then(|| Value::from(text));
+        actions.extend(output::set(sheet, name, key, value).map(Action::Edit));
+    }
+    if field.lost_focus() {
+        actions.push(Action::Seal);
+    }
+    ui.end_row();
+}
+
+/// One of some words, or the default.
+fn choice_ui(ui: &mut Ui, label: &str, words: &[&str], chosen: Option<&str>, mut set: impl FnMut(Option<&str>)) {
+    ui.label(label);
+    ComboBox::from_id_salt(label).selected_text(chosen.unwrap_or("default")).show_ui(ui, |ui| {
+        if ui.selectable_label(chosen.is_none(), "default").clicked() {
+            set(None);
+        }
+        for word in words {
+            if ui.selectable_label(chosen == Some(*word), *word).clicked() {
+                set(Some(*word));
+            }
+        }
+    });
+    ui.end_row();
+}
