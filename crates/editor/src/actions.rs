@@ -86,6 +86,8 @@ pub enum Action {
     Output(Option<String>),
     /// Put a backdrop behind the chosen nodes.
     Backdrop,
+    /// Write on the backdrop behind the chosen nodes, or on the only one.
+    WriteBackdrop,
     /// Put a note into the graph.
     Note,
     /// Show all nodes, or the chosen ones.
@@ -100,6 +102,8 @@ pub enum Action {
     Palette,
     /// Show a panel, or bring it to the front.
     Panel(crate::layout::Pane),
+    /// Change what the viewer shows beside the picture.
+    Viewer(Switch),
     /// Arrange panels as at first.
     ResetPanels,
     /// Dark, or light.
@@ -108,4 +112,23 @@ pub enum Action {
     Notice(String),
     /// Close the window.
     Quit,
+}
+
+/// What a command changes in the viewer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Switch {
+    /// Hold the present picture, to compare others with it.
+    Hold,
+    /// Let go of it.
+    LetGo,
+    /// Compare by a line that is moved over the picture.
+    Wipe,
+    /// Show by how much the present picture differs.
+    Difference,
+    /// Frame a part of the picture by the next drag.
+    Region,
+    /// Show the colors within their hull, or the picture again.
+    Hull,
+    /// Mark pixels near the hull's faces, or no longer.
+    Near,
 }

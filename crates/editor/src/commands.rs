@@ -1,6 +1,6 @@
 //! Every command once: menus, shortcuts and the palette derive from this table.
 
-use crate::actions::Action;
+use crate::actions::{Action, Switch};
 use crate::canvas::Line;
 use crate::layout::Pane;
 use crate::state::State;
@@ -81,6 +81,10 @@ const fn command(
 
 fn always(_: &State) -> bool {
     true
+}
+
+fn seen(state: &State) -> bool {
+    state.seen.result.is_some()
 }
 
 fn chosen(state: &State) -> bool {
@@ -248,6 +252,14 @@ pub static COMMANDS: &[Command] = &[
         |_| Action::Backdrop,
         always,
     ),
+    command(
+        "Graph",
+        "Name backdrop",
+        None,
+        "Writes on the backdrop behind the chosen nodes, or on the only one.",
+        |_| Action::WriteBackdrop,
+        |state| !state.sheet().backdrops.is_empty(),
+    ),
     command("Graph", "Note", None, "Puts a note into the graph.", |_| Action::Note, always),
     command("Graph", "Frame", keys(NONE, Key::F), "Shows the chosen nodes, or all.", |_| Action::Frames, always),
     command(
@@ -320,6 +332,55 @@ pub static COMMANDS: &[Command] = &[
     command("Viewer", "Full size", None, "Evaluates every pixel.", |_| Action::Proxy(1), always),
     command("Viewer", "Half size", None, "Evaluates a quarter of the pixels.", |_| Action::Proxy(2), always),
     command("Viewer", "Quarter size", None, "Evaluates a sixteenth of the pixels.", |_| Action::Proxy(4), always),
+    command(
+        "Viewer",
+        "Hold A",
+        None,
+        "Holds the present picture, to compare others with it.",
+        |_| Action::Viewer(Switch::Hold),
+        seen,
+    ),
+    command("Viewer", "Let go of A", None, "Compares with nothing any more.", |_| Action::Viewer(Switch::LetGo), seen),
+    command(
+        "Viewer",
+        "Wipe",
+        None,
+        "Shows A at the left of a line, the present picture at its right.",
+        |_| Action::Viewer(Switch::Wipe),
+        seen,
+    ),
+    command(
+        "Viewer",
+        "Difference",
+        None,
+        "Shows by how much the present picture differs from A.",
+        |_| Action::Viewer(Switch::Difference),
+        seen,
+    ),
+    command(
+        "Viewer",
+        "Region",
+        None,
+        "Evaluates a part only, which the next drag in the picture frames.",
+        |_| Action::Viewer(Switch::Region),
+        seen,
+    ),
+    command(
+        "Viewer",
+        "Hull",
+        None,
+        "Shows the picture's colors within the hull of its control colors, or the picture again (H).",
+        |_| Action::Viewer(Switch::Hull),
+        seen,
+    ),
+    command(
+        "Viewer",
+        "Near",
+        None,
+        "Marks pixels near the hull's faces, or no longer (N).",
+        |_| Action::Viewer(Switch::Near),
+        seen,
+    ),
     command(
         "Viewer",
         "Whole picture",

@@ -374,6 +374,17 @@ pub fn backdrop(sheet: &Sheet, chosen: &BTreeSet<String>) -> Option<(Edit, Strin
     Some((edit, name, backdrop::BACKDROP))
 }
 
+/// The backdrop that is meant where nodes are chosen: the smallest behind all of them, or the only one.
+pub fn backdrop_of<'s>(sheet: &'s Sheet, chosen: &BTreeSet<String>) -> Option<&'s String> {
+    let boxes = place::boxes(sheet, &mut place::Laid::default());
+    let nodes = chosen.iter().filter_map(|name| Some(boxes[sheet.find(name)?])).reduce(Rect::union);
+    let behind = |own: Rect| nodes.is_some_and(|nodes| own.contains_rect(nodes));
+    let all = sheet.backdrops.iter().map(|(name, body)| (name, backdrop::area(body)));
+    let mut only = all.clone();
+    let fitting = all.filter(|(_, own)| behind(*own)).min_by(|a, b| a.1.area().total_cmp(&b.1.area()));
+    fitting.or_else(|| only.next().filter(|_| sheet.backdrops.len() == 1)).map(|(name, _)| name)
+}
+
 /// Draws the graph.
 pub fn canvas_ui(canvas: &mut Canvas, ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
     let rect = ui.available_rect_before_wrap();

@@ -113,6 +113,7 @@ impl Canvas {
         let dim = out || plan.idle.contains(&index);
         // What is dim keeps its place, but lets what is not stand out.
         let tone = |color: Color32| if dim { faded(color, ui.visuals().panel_fill, 0.55) } else { color };
+        let ink = |color: Color32| if dim { faded(color, ui.visuals().panel_fill, 0.3) } else { color };
         let chosen = state.selection.contains(&node.name);
         let round = CornerRadius::same((5.0 * zoom).clamp(1.0, 12.0) as u8);
         let head = Rect::from_min_size(seen.min, vec2(seen.width(), HEAD * zoom));
@@ -146,7 +147,7 @@ impl Canvas {
             painter.rect_stroke(seen, round, edge, StrokeKind::Outside);
         }
         if 12.5 * zoom >= 5.5 {
-            draw_text(ui, node, head, zoom, [tone(paint.text), tone(paint.weak)], state, total);
+            draw_text(ui, node, head, zoom, [ink(paint.text), ink(paint.weak)], state, total);
         }
         self.draw_keys(ui, state, node, seen);
     }

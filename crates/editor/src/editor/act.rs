@@ -153,6 +153,11 @@ impl Editor {
                     self.panels.canvas.write_on(name, text);
                 }
             }
+            Action::WriteBackdrop => {
+                if let Some(name) = crate::canvas::backdrop_of(&sheet, &state.selection) {
+                    self.panels.canvas.write_on(name.clone(), &sheet.backdrops[name].text);
+                }
+            }
             Action::Note => {
                 let (edit, name, text) = self.panels.canvas.note(&sheet);
                 self.edit(edit);
@@ -174,6 +179,7 @@ impl Editor {
                 self.panels.canvas.close_search();
                 self.prompts.palette();
             }
+            Action::Viewer(switch) => self.panels.viewer.switch(switch, &self.state),
             Action::Panel(pane) => layout::bring(&mut self.tree, pane),
             Action::ResetPanels => self.tree = layout::first(),
             Action::Theme => {

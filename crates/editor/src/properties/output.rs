@@ -94,18 +94,24 @@ pub(super) fn output_ui(panel: &mut Properties, ui: &mut Ui, state: &State, name
         text_ui(ui, sheet, (name, "layer", "Layer"), help, actions);
         let body = sheet.get(&output::path(name));
         let precision = body.and_then(|body| body.get("precision")).and_then(Value::as_str);
-        choice_ui(ui, "Precision", &Precision::NAMES, precision, |word| {
+        choice_ui(ui, ("Precision", "default"), &Precision::NAMES, precision, |word| {
             actions.extend(output::set(sheet, name, "precision", word.map(Value::from)).map(Action::Edit));
             actions.push(Action::Seal);
         });
         // Only colors have a palette to keep to.
         if body.is_some_and(|body| body.get("color").is_some()) {
             let required = body.and_then(|body| body.get("require")?.get("guarantee")?.as_str());
-            choice_ui(ui, "Require", &[Guarantee::Hull, Guarantee::Box].map(Guarantee::name), required, |word| {
-                let value = word.map(|word| json!({ "guarantee": word }));
-                actions.extend(output::set(sheet, name, "require", value).map(Action::Edit));
-                actions.push(Action::Seal);
-            });
+            choice_ui(
+                ui,
+                ("Require", "nothing"),
+                &[Guarantee::Hull, Guarantee::Box].map(Guarantee::name),
+                required,
+                |word| {
+                    let value = word.map(|word| json!({ "guarantee": word }));
+                    actions.extend(output::set(sheet, name, "require", value).map(Action::Edit));
+                    actions.push(Action::Seal);
+                },
+            );
         }
     });
     ui.separator();
@@ -142,11 +148,17 @@ fn text_ui(ui: &mut Ui, sheet: &Sheet, (name, key, label): (&str, &str, &str), h
     ui.end_row();
 }
 
-/// One of some words, or the default.
-fn choice_ui(ui: &mut Ui, label: &str, words: &[&str], chosen: Option<&str>, mut set: impl FnMut(Option<&str>)) {
+/// One of some words, or none of them, for which there is a word as well.
+fn choice_ui(
+    ui: &mut Ui,
+    (label, none): (&str, &str),
+    words: &[&str],
+    chosen: Option<&str>,
+    mut set: impl FnMut(Option<&str>),
+) {
     ui.label(label);
-    ComboBox::from_id_salt(label).selected_text(chosen.unwrap_or("default")).show_ui(ui, |ui| {
-        if ui.selectable_label(chosen.is_none(), "default").clicked() {
+    ComboBox::from_id_salt(label).selected_text(chosen.unwrap_or(none)).show_ui(ui, |ui| {
+        if ui.selectable_label(chosen.is_none(), none).clicked() {
             set(None);
         }
         for word in words {

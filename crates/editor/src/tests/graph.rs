@@ -32,6 +32,14 @@ fn a_new_backdrop_is_written_on_at_once_and_again_after_a_double_click() {
     window.key_press_modifiers(Modifiers::COMMAND, Key::Enter);
     window.run_steps(3);
     assert_eq!(text(&window, "/ui/backdrops/backdrop1/text"), "\"Dusk\"");
+    command(&mut window, "name backdrop");
+    window.event(Event::Text("Dawn".into()));
+    window.run_steps(2);
+    window.key_press_modifiers(Modifiers::COMMAND, Key::Enter);
+    window.run_steps(3);
+    assert_eq!(text(&window, "/ui/backdrops/backdrop1/text"), "\"Dawn\"");
+    window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    window.run_steps(3);
     let title = window.get_by_label("Backdrop Dusk").rect().left_center() + egui::vec2(14.0, 0.0);
     for _ in 0..2 {
         for pressed in [true, false] {

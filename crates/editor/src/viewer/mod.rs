@@ -7,6 +7,7 @@ mod inspector;
 mod near;
 mod origin;
 mod picture;
+mod switch;
 #[cfg(test)]
 mod tests;
 mod toolbar;

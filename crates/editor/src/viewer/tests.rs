@@ -448,3 +448,31 @@ fn screenshots_of_the_viewer() {
     settle(&mut window);
     shot(&mut window, "narrow");
 }
+
+#[test]
+fn every_switch_of_the_viewer_is_a_command() {
+    let mut window = open(MIXED, WINDOW);
+    let run = |window: &mut Window, name: &str| {
+        let state = editor(window).state();
+        let command = crate::commands::COMMANDS.iter().find(|command| command.name == name).unwrap();
+        assert!((command.enabled)(state), "{name}");
+        let (action, context) = ((command.action)(state), window.ctx.clone());
+        window.state_mut().as_mut().unwrap().act(action, &context);
+        window.run_steps(3);
+    };
+    run(&mut window, "Difference");
+    assert!(window.query_by_label("Let go of A").is_some(), "what is seen is held, where nothing was");
+    run(&mut window, "Wipe");
+    assert!(window.query_by_label("Let go of A").is_some());
+    run(&mut window, "Let go of A");
+    assert!(window.query_by_label("Let go of A").is_none());
+    run(&mut window, "Hull");
+    assert!(window.query_by_label("Hull of the palette").is_some());
+    run(&mut window, "Hull");
+    run(&mut window, "Near");
+    assert!(window.query_by_label("The palette is flat: every color lies on its face.").is_some());
+    run(&mut window, "Region");
+    let place = picture(&window);
+    drag(&mut window, place.center(), place.center() + vec2(40.0, 20.0), Modifiers::NONE);
+    assert!(editor(&window).state().look.region.is_some());
+}

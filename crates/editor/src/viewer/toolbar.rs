@@ -263,18 +263,15 @@ fn proxy_ui(ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
 }
 
 fn compare_ui(viewer: &mut Viewer, ui: &mut Ui, state: &State) {
-    let compare = &mut viewer.compare;
     let hold = ui.add_enabled(state.seen.result.is_some(), Button::new("Hold A"));
-    let help = match &compare.held {
+    let help = match &viewer.compare.held {
         Some(held) => format!("Holds the present picture in place of {}.", held.name),
         None => "Holds the present picture to compare others with it.".into(),
     };
-    if hold.on_hover_text(help).clicked()
-        && let Some(result) = &state.seen.result
-    {
-        let name = state.look.node.as_ref().map_or("picture", |(name, _)| name.as_str());
-        compare.hold(name, result);
+    if hold.on_hover_text(help).clicked() {
+        viewer.hold(state);
     }
+    let compare = &mut viewer.compare;
     let Some(held) = &mut compare.held else { return };
     for (mode, text, help) in [
         (Mode::Wipe, "Wipe", "A at the left of the line, the present picture at its right."),
