@@ -18,6 +18,8 @@ pub enum Action {
     Undo,
     /// Make it again.
     Redo,
+    /// Change the document's wires; nodes stay where they are seen.
+    Rewire(Edit),
     /// Choose these nodes and no others.
     Select(BTreeSet<String>),
     /// Choose this node and no other, and show it in the graph.

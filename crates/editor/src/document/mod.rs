@@ -1,6 +1,7 @@
 //! The document: its text, what it means, and the changes that can be made to it. Nothing here draws.
 
 pub mod clip;
+pub mod color;
 pub mod decor;
 pub mod edit;
 pub mod history;

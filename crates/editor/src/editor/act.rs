@@ -33,6 +33,7 @@ impl Editor {
         let sheet = state.sheet().clone();
         match action {
             Action::Edit(edit) => self.edit(edit),
+            Action::Rewire(edit) => self.edit(crate::canvas::freezing(&sheet, edit)),
             Action::Seal => state.session.seal(),
             Action::Rewrite(text) => {
                 state.session.replace(&text, "Edit the text");

@@ -3,25 +3,13 @@
 use super::{Place, Properties};
 use crate::actions::Action;
 use crate::document::Edit;
+use crate::document::color::{hex, rgb};
 use crate::evaluate::Screen;
 use crate::state::State;
 use egui::{ColorImage, Response, Sense, TextEdit, TextureOptions, Ui};
 use egui_file_dialog::{DialogState, FileDialog, Filter};
 use serde_json::{Value, json};
 use trochoid::WorkingSpace;
-
-/// sRGB values, 0 to 1, of a text such as `#2d3f52`.
-pub(crate) fn rgb(text: &str) -> Option<[f32; 3]> {
-    let digits = text.strip_prefix('#').filter(|digits| digits.len() == 6 && digits.is_ascii())?;
-    let channel = |index: usize| u8::from_str_radix(&digits[2 * index..2 * index + 2], 16).ok();
-    Some([channel(0)?, channel(1)?, channel(2)?].map(|value| f32::from(value) / 255.0))
-}
-
-/// The text of sRGB values.
-pub(crate) fn hex(color: [f32; 3]) -> String {
-    let [r, g, b] = color.map(|value| (value.clamp(0.0, 1.0) * 255.0).round() as u8);
-    format!("#{r:02x}{g:02x}{b:02x}")
-}
 
 /// What a color of a document looks like: sRGB values, 0 to 1. Numbers are in the working space.
 pub(super) fn display(value: &Value, space: WorkingSpace) -> Option<[f32; 3]> {

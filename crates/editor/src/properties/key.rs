@@ -52,7 +52,9 @@ impl Keyed {
     fn numbers(value: &Value) -> Vec<f64> {
         match value {
             Value::Array(items) => items.iter().filter_map(Value::as_f64).collect(),
-            Value::String(text) => super::color::rgb(text).map_or(Vec::new(), |rgb| rgb.map(f64::from).into()),
+            Value::String(text) => {
+                crate::document::color::rgb(text).map_or(Vec::new(), |rgb| rgb.map(f64::from).into())
+            }
             other => other.as_f64().into_iter().collect(),
         }
     }
@@ -71,7 +73,7 @@ impl Keyed {
         let Some(animated) = self.animated() else { return first.1.clone() };
         let values = animated.at(frame);
         match (&first.1, values.as_slice()) {
-            (Value::String(_), [r, g, b]) => super::color::hex([*r, *g, *b].map(|value| value as f32)).into(),
+            (Value::String(_), [r, g, b]) => crate::document::color::hex([*r, *g, *b].map(|value| value as f32)).into(),
             (Value::Array(_), values) => json!(values),
             (Value::Number(_), [value]) => json!(value),
             _ => first.1.clone(),

@@ -9,8 +9,6 @@ mod ramp;
 mod record;
 mod surface;
 
-pub(crate) use color::rgb;
-
 use crate::actions::Action;
 use crate::document::{Edit, Path, edit};
 use crate::evaluate::Screen;

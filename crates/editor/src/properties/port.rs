@@ -121,8 +121,7 @@ fn disconnect(place: &Place<'_>, actions: &mut Vec<Action>) {
     let Some(node) = sheet.find(name) else { return };
     match sheet.nodes[node].pin(steps) {
         Some(pin) => {
-            let edit = edit::disconnected(sheet, (node, pin));
-            actions.push(Action::Edit(crate::canvas::freezing(sheet, edit)));
+            actions.push(Action::Rewire(edit::disconnected(sheet, (node, pin))));
         }
         None => actions.push(Action::Edit(Edit::reset(Path(place.path.0.clone())))),
     }

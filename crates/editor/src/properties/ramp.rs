@@ -98,7 +98,8 @@ pub(super) fn ramp_ui(ui: &mut Ui, state: &State, path: &Path, actions: &mut Vec
     let pointer = response.interact_pointer_pos();
     if let Some(pointer) = pointer.filter(|_| response.double_clicked()) {
         let place = at(pointer.x);
-        let stop = json!({ "at": knob::rounded(f64::from(place)), "color": color::hex(color_at(place)) });
+        let stop =
+            json!({ "at": knob::rounded(f64::from(place)), "color": crate::document::color::hex(color_at(place)) });
         let index = known.iter().position(|stop| stop.0 > place).unwrap_or(known.len());
         let op = if index == known.len() { Op::Set } else { Op::Insert };
         actions.push(Action::Edit(Edit::new("Add a stop", vec![op(stops_path.to(index), edit::style(&stop))])));

@@ -63,7 +63,7 @@ pub(super) fn patch_ui(ui: &mut Ui, state: &State, path: &Path, actions: &mut Ve
         let button = color::picker_ui(&mut own, &mut shown);
         if button.changed() {
             let own = place.to(index);
-            let edit = Edit::set(own.clone(), &json!(color::hex(shown))).merging(own.to_string());
+            let edit = Edit::set(own.clone(), &json!(crate::document::color::hex(shown))).merging(own.to_string());
             actions.push(Action::Edit(edit));
         }
     }

@@ -250,3 +250,31 @@ fn a_typed_number_is_one_key_at_the_frame_where_typing_began() {
     window.run_steps(3);
     assert_eq!(keys(&window), Some(json!([[1, 0], [3, 0.75], [5, 1]])));
 }
+
+#[test]
+fn no_panel_knows_another() {
+    const PANELS: [&str; 7] = ["canvas", "properties", "report", "source", "timeline", "viewer", "waves"];
+    fn files(place: std::path::PathBuf, found: &mut Vec<std::path::PathBuf>) {
+        if place.is_dir() {
+            std::fs::read_dir(place).unwrap().for_each(|entry| files(entry.unwrap().path(), found));
+        } else if place.extension().is_some_and(|ending| ending == "rs") {
+            found.push(place);
+        }
+    }
+    for panel in PANELS {
+        let source = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+        let mut own = Vec::new();
+        for place in [source.join(panel), source.join(format!("{panel}.rs"))] {
+            if place.exists() {
+                files(place, &mut own);
+            }
+        }
+        assert!(!own.is_empty(), "{panel} has no files");
+        for file in own {
+            let text = std::fs::read_to_string(&file).unwrap();
+            for other in PANELS.iter().filter(|other| **other != panel) {
+                assert!(!text.contains(&format!("crate::{other}::")), "{} knows {other}", file.display());
+            }
+        }
+    }
+}

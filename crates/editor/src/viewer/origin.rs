@@ -1,7 +1,7 @@
 //! Where in a node a control color is written.
 
+use crate::document::color::rgb;
 use crate::document::{Path, Sheet, edit};
-use crate::properties::rgb;
 use serde_json::Value;
 use trochoid::{Item, Takes, WorkingSpace, srgb_decode};
 
