@@ -8,7 +8,8 @@ use serde_json::{Map, Value, json};
 use std::fmt::Write as _;
 use std::path::PathBuf;
 use trochoid::{
-    CheckedGraph, Diagnostic, Guarantee, LeftOut, LoadError, Loaded, NodeId, Plan, Settings, Severity, guarantee,
+    CheckedGraph, Diagnostic, Guarantee, LeftOut, LoadError, Loaded, MemoryAccount, NodeId, Pictures, Plan, Settings,
+    Severity, Taker, guarantee, in_bytes,
 };
 
 /// Options of `trochoid check`.
@@ -129,22 +130,43 @@ struct Findings {
     left_out: Vec<Option<LeftOut>>,
     /// Notes of the nodes that are not left out.
     notes: Vec<(NodeId, Vec<String>)>,
-    /// Why no plan could be made.
+    /// What the frame takes of memory.
+    memory: Option<MemoryAccount>,
+    /// Why no plan could be made, or why its frame cannot be.
     unplanned: Option<String>,
 }
 
 impl Findings {
     fn of(graph: &CheckedGraph, frame: i64) -> Self {
         match Plan::new(graph, &[], frame, &[], &Settings::default()) {
-            Ok(plan) => Self { frame, left_out: plan.left_out().to_vec(), notes: plan.notes(), unplanned: None },
+            Ok(plan) => Self {
+                frame,
+                left_out: plan.left_out().to_vec(),
+                notes: plan.notes(),
+                memory: Some(plan.memory(pictures(graph))),
+                unplanned: plan.check_memory(pictures(graph)).err().map(|error| error.to_string()),
+            },
             Err(error) => {
                 let all = (0..graph.nodes().len()).map(NodeId);
                 let notes = all.map(|id| (id, graph.node(id).ty.notes(&graph.settle(id, frame))));
                 let notes = notes.filter(|(_, notes)| !notes.is_empty()).collect();
-                Self { frame, left_out: vec![None; graph.nodes().len()], notes, unplanned: Some(error.to_string()) }
+                Self {
+                    frame,
+                    left_out: vec![None; graph.nodes().len()],
+                    notes,
+                    memory: None,
+                    unplanned: Some(error.to_string()),
+                }
             }
         }
     }
+}
+
+/// Where the pictures go: EXR files alone are written while their rows are made.
+fn pictures(graph: &CheckedGraph) -> Pictures {
+    let is_exr = |file: &String| file.to_ascii_lowercase().ends_with(".exr");
+    let streamed = graph.outputs().iter().filter_map(|output| output.file.as_ref()).all(is_exr);
+    if streamed { Pictures::Rows } else { Pictures::Whole }
 }
 
 fn to_text(loaded: &Loaded, findings: &Findings, with_left_out: bool) -> String {
@@ -162,6 +184,10 @@ fn to_text(loaded: &Loaded, findings: &Findings, with_left_out: bool) -> String 
     };
     let _ = writeln!(text, "  {} × {} pixels, {samples}, {}", format.width(), format.height(), graph.space().name());
     let _ = writeln!(text, "  frames {first} to {last}, {} a second", graph.fps());
+    if let Some(account) = &findings.memory {
+        let (total, limit) = (in_bytes(account.total()), in_bytes(Settings::default().memory_limit));
+        let _ = writeln!(text, "  about {total} of memory at frame {}, of {limit} allowed", findings.frame);
+    }
     let _ = writeln!(text, "\n{HEADING}Outputs{HEADING:#}");
     let width = graph.outputs().iter().map(|output| output.name.chars().count()).max().unwrap_or(0);
     for output in graph.outputs() {
@@ -196,6 +222,20 @@ fn named<'a>(graph: &'a CheckedGraph, left_out: &'a [Option<LeftOut>]) -> impl I
     pairs.filter_map(|(node, why)| Some((node.name.as_str(), why.as_ref()?)))
 }
 
+fn memory_to_json(graph: &CheckedGraph, account: &MemoryAccount) -> Value {
+    let takers = account.takers.iter().map(|(taker, bytes, _)| {
+        let (what, node) = match taker {
+            Taker::Node(id) => ("node", Some(id)),
+            Taker::Preparing(id) => ("preparing", Some(id)),
+            Taker::Pictures => ("pictures", None),
+            Taker::Tiles => ("tiles", None),
+        };
+        json!({ "what": what, "node": node.map(|id| &graph.node(*id).name), "bytes": bytes })
+    });
+    let takers: Vec<Value> = takers.collect();
+    json!({ "bytes": account.total(), "limit": Settings::default().memory_limit, "takers": takers })
+}
+
 fn to_json(loaded: &Loaded, findings: &Findings, valid: bool) -> Value {
     let graph = &loaded.graph;
     let (format, (first, last)) = (graph.format(), graph.frames());
@@ -228,6 +268,7 @@ fn to_json(loaded: &Loaded, findings: &Findings, valid: bool) -> Value {
         "outputs": outputs,
         "left_out": left_out,
         "notes": notes,
+        "memory": findings.memory.as_ref().map(|account| memory_to_json(graph, account)),
         "not_planned": findings.unplanned,
     })
 }

@@ -16,6 +16,7 @@ mod graph;
 mod info;
 mod inputs;
 mod interrupt;
+mod memory;
 mod nodes;
 mod outputs;
 mod plan;
@@ -30,6 +31,9 @@ mod verify;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
+
+#[global_allocator]
+static HEAP: trochoid::Heap = trochoid::Heap;
 
 /// A compositor whose pictures cannot leave their palette, with the sea built in
 #[derive(Debug, Parser)]
@@ -51,6 +55,10 @@ use std::process::ExitCode;
 struct Cli {
     #[command(subcommand)]
     command: Command,
+    /// Most memory to take, such as 8GB or 500MB: what needs more is refused before it begins [default: three quarters of the
+    /// machine's]
+    #[arg(long, global = true, value_name = "SIZE", value_parser = memory::parse)]
+    memory: Option<u64>,
 }
 
 #[derive(Debug, Subcommand)]
@@ -91,6 +99,7 @@ fn main() -> ExitCode {
             return ExitCode::from(if error.use_stderr() { failure::INVALID } else { 0 });
         }
     };
+    memory::bound(cli.memory);
     let outcome = match &cli.command {
         #[cfg(feature = "editor")]
         Command::Edit(args) => edit::run(args),

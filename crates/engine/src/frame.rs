@@ -2,7 +2,7 @@
 
 use crate::LeftOut;
 use std::sync::Arc;
-use trochoid_graph::{CheckedGraph, Guarantee, Kind, NodeError, NodeId};
+use trochoid_graph::{CheckedGraph, Guarantee, Kind, NodeError, NodeId, in_bytes};
 use trochoid_image::{Plane, Rgb, Window};
 use trochoid_weights::{Audit, Hull};
 
@@ -28,6 +28,23 @@ pub enum EvalError {
         node: String,
         /// What does not fit.
         reason: String,
+    },
+    /// The frame takes more memory than allowed; nothing was prepared.
+    #[error(
+        "{place}: found a frame that takes about {}: {found}; expected at most {}: {remedy}; or allow more",
+        in_bytes(*total), in_bytes(*limit)
+    )]
+    TooMuchMemory {
+        /// Where the document has what takes most: document, line and column.
+        place: String,
+        /// The largest takers, in words.
+        found: String,
+        /// Bytes needed.
+        total: u64,
+        /// Bytes allowed.
+        limit: u64,
+        /// What to make smaller.
+        remedy: &'static str,
     },
     /// Memory for the pictures could not be had.
     #[error("out of memory for {bytes} bytes of pictures: evaluate a smaller region")]

@@ -20,22 +20,6 @@ pub enum PlanError {
         /// The document's outputs.
         known: String,
     },
-    /// The pictures would take more memory than allowed.
-    #[error(
-        "{place}: format: found pictures of {} × {} pixels, which take {:.1} GB; expected at most {:.1} GB: \
-         lower the format's \"width\" and \"height\", or render fewer outputs at once",
-        window.width(), window.height(), *needed as f64 / 1e9, *limit as f64 / 1e9
-    )]
-    Memory {
-        /// Where the document says how large they are: document, line and column.
-        place: String,
-        /// Bytes needed.
-        needed: u64,
-        /// Bytes allowed.
-        limit: u64,
-        /// The region.
-        window: Window,
-    },
     /// The region lies outside the picture.
     #[error("the region {region} has no pixel in common with the picture {picture}: choose one within it")]
     Region {
@@ -132,7 +116,7 @@ pub(crate) struct PlannedOutput {
     pub(crate) judge: OnceLock<Arc<Judge>>,
 }
 
-/// A plan: having one is the proof that its graph is checked and its pictures fit in memory.
+/// A plan: having one is the proof that its graph is checked. That its frame fits in memory, [`Plan::check_memory`] tells.
 #[derive(Debug)]
 pub struct Plan<'g> {
     pub(crate) graph: &'g CheckedGraph,
@@ -163,7 +147,7 @@ impl<'g> Plan<'g> {
     /// they needed is left out.
     ///
     /// # Errors
-    /// Unknown outputs or bindings, a region outside the picture, or pictures beyond the memory limit.
+    /// Unknown outputs or bindings, or a region outside the picture.
     pub fn new(
         graph: &'g CheckedGraph,
         outputs: &[&str],
@@ -204,16 +188,6 @@ impl<'g> Plan<'g> {
             return Err(PlanError::Region { region: settings.region.unwrap_or(picture), picture });
         }
         let chosen = choose_outputs(graph, outputs)?;
-        let planes: u64 = chosen.iter().map(|&index| graph.outputs()[index].kind.channels() as u64).sum();
-        let needed = planes.saturating_mul(4).saturating_mul(window.area() as u64);
-        if needed > settings.memory_limit {
-            return Err(PlanError::Memory {
-                place: graph.place_of_format(),
-                needed,
-                limit: settings.memory_limit,
-                window,
-            });
-        }
         let bound = bind(graph, bound)?;
         let context = graph.frame_context(frame, settings.memory_limit);
         Ok(Planner { graph, settings, bound, frame }.plan(&chosen, context, window, accounts))

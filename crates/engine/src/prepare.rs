@@ -1,12 +1,14 @@
 //! Prepares stages once a frame, and keeps what the next frame can use.
 
 use crate::keep::Filled;
+use crate::memory::Pictures;
 use crate::plan::Fill;
 use crate::{EvalError, Monitor, Plan};
 use std::collections::HashMap;
 use std::sync::Arc;
 use std::time::Instant;
 use trochoid_graph::{Body, Handle, NodeError, NodeId, Pool, Prepare, Prepared};
+use trochoid_memory::Heap;
 
 /// Content key of the node, the channels wanted, and the state of the files that it depends on; of what it filled, the
 /// picture's format too.
@@ -21,6 +23,8 @@ pub(crate) type Key = (String, Vec<Vec<bool>>, String);
 pub struct Cache {
     kept: HashMap<Key, Entry>,
     limit: usize,
+    /// What the present frame leaves of the limit.
+    room: usize,
     clock: u64,
     /// The clock at the last call of `forget_unused`.
     mark: u64,
@@ -55,19 +59,19 @@ const ENTRIES: usize = 256;
 
 impl Default for Cache {
     fn default() -> Self {
-        Self::with_limit(LIMIT)
+        Self::with_limit(LIMIT.min(Heap::allowed() / 4))
     }
 }
 
 impl Cache {
-    /// An empty cache of 1 GiB.
+    /// An empty cache of 1 GiB, or of a quarter of what the program's [`Heap`] is bounded to.
     pub fn new() -> Self {
         Self::default()
     }
 
     /// An empty cache of at most so many bytes.
     pub fn with_limit(bytes: usize) -> Self {
-        Self { kept: HashMap::new(), limit: bytes, clock: 0, mark: 0, pool: Pool::new() }
+        Self { kept: HashMap::new(), limit: bytes, room: bytes, clock: 0, mark: 0, pool: Pool::new() }
     }
 
     /// Memory held, bytes.
@@ -84,6 +88,11 @@ impl Cache {
 
     pub(crate) fn limit(&self) -> usize {
         self.limit
+    }
+
+    /// Holds no more than so many bytes while a frame needs the rest.
+    fn make_room(&mut self, bytes: u64) {
+        self.room = self.limit.min(usize::try_from(bytes).unwrap_or(usize::MAX));
     }
 
     /// What is kept under a key, which counts as used.
@@ -125,7 +134,8 @@ impl Cache {
 
     /// Drops what is too large by itself, then the oldest until the rest is within the limits.
     pub(crate) fn trim(&mut self) {
-        self.kept.retain(|_, entry| entry.held.bytes() <= self.limit);
+        let limit = self.room;
+        self.kept.retain(|_, entry| entry.held.bytes() <= limit);
         let mut ages: Vec<(u64, usize, bool, Key)> = self
             .kept
             .iter()
@@ -136,7 +146,7 @@ impl Cache {
         for (_, bytes, is_prepared, key) in ages {
             held = held.saturating_add(bytes);
             stages += usize::from(is_prepared);
-            if held > self.limit || (is_prepared && stages > ENTRIES) {
+            if held > limit || (is_prepared && stages > ENTRIES) {
                 self.kept.remove(&key);
             }
         }
@@ -158,16 +168,22 @@ pub(crate) struct Ready {
     files: String,
 }
 
-/// Prepares every stage of a plan, inputs first.
+/// Prepares every stage of a plan, inputs first, unless that takes more memory than allowed.
 pub(crate) fn prepare(
     plan: &Plan<'_>,
     cache: &mut Cache,
     monitor: &dyn Monitor,
+    pictures: Pictures,
 ) -> Result<HashMap<NodeId, Ready>, EvalError> {
     let mut ready: HashMap<NodeId, Ready> = HashMap::new();
     let keys = keys(plan);
     // All that this frame uses is used before anything is dropped.
     let mut known: Vec<Option<Arc<dyn Prepared>>> = keys.iter().map(|key| cache.prepared(key)).collect();
+    let there = plan.prepares.iter().zip(&known);
+    let there = there.filter_map(|((id, _), known)| Some((*id, known.as_ref()?.bytes() as u64))).collect();
+    let mut account = plan.account(pictures, &there);
+    plan.hold(&account)?;
+    cache.make_room((plan.settings.memory_limit - account.total()).saturating_add(account.held()));
     cache.trim();
     for (((id, wanted), key), known) in plan.prepares.iter().zip(keys).zip(&mut known) {
         if monitor.cancelled() {
@@ -187,6 +203,9 @@ pub(crate) fn prepare(
                 let prepared =
                     stage.prepare(settled, &prepare).map_err(|error| node_error(plan, *id, error, monitor))?;
                 let prepared: Arc<dyn Prepared> = prepared.into();
+                // What was reckoned too low counts as it is.
+                account.found(*id, prepared.bytes() as u64);
+                plan.hold(&account)?;
                 let files = key.2.clone();
                 cache.keep(key, prepared.clone());
                 Ready { prepared, seconds: started.elapsed().as_secs_f64(), cached: false, files }

@@ -5,6 +5,7 @@ use crate::frame::{Frame, NodeReport, Phases, Picture, State};
 use crate::judge::Judge;
 use crate::keep::Keeping;
 use crate::kernel::{Chunks, Compiled, WeightAudit};
+use crate::memory::Pictures;
 use crate::plan::{Feed, Pass, PlannedOutput};
 use crate::prepare::{Ready, prepare};
 use crate::tile::Worker;
@@ -101,9 +102,12 @@ impl Plan<'_> {
         cache: &mut Cache,
         monitor: &dyn Monitor,
     ) -> Result<(), EvalError> {
-        let mut pictures = self.allocate(std::mem::take(&mut frame.pictures))?;
-        *frame = self.run(buffers, cache, monitor, |ready| {
-            Bands::of_planes(pictures.iter_mut().collect(), self.window, self.tile(ready).1)
+        let old = std::mem::take(&mut frame.pictures);
+        let mut pictures = Vec::new();
+        let into = &mut pictures;
+        *frame = self.run(buffers, cache, monitor, Pictures::Whole, move |ready| {
+            *into = self.allocate(old)?;
+            Ok(Bands::of_planes(into.iter_mut().collect(), self.window, self.tile(ready).1))
         })?;
         for (picture, planes) in frame.pictures.iter_mut().zip(pictures) {
             picture.planes = planes;
@@ -124,9 +128,9 @@ impl Plan<'_> {
         monitor: &dyn Monitor,
     ) -> Result<Frame, EvalError> {
         let channels: Vec<usize> = self.outputs.iter().map(|output| output.kind.channels()).collect();
-        self.run(buffers, cache, monitor, |ready| {
+        self.run(buffers, cache, monitor, Pictures::Rows, |ready| {
             let height = self.tile(ready).1.next_multiple_of(sink.rows().max(1));
-            Bands::of_sink(sink, channels.clone(), self.window, height)
+            Ok(Bands::of_sink(sink, channels, self.window, height))
         })
     }
 
@@ -141,7 +145,7 @@ impl Plan<'_> {
         monitor: &dyn Monitor,
     ) -> Result<Vec<(NodeId, Vec<Omission>)>, EvalError> {
         self.in_pool(|| {
-            let ready = prepare(self, cache, monitor)?;
+            let ready = prepare(self, cache, monitor, Pictures::Rows)?;
             let stages = self.prepares.iter().filter_map(|(id, _)| Some((*id, ready.get(id)?.prepared.left_out())));
             Ok(stages.filter(|(_, omissions)| !omissions.is_empty()).collect())
         })
@@ -152,12 +156,13 @@ impl Plan<'_> {
         buffers: &Buffers<'_>,
         cache: &mut Cache,
         monitor: &dyn Monitor,
-        bands: impl FnOnce(&HashMap<NodeId, Ready>) -> Bands<'s> + Send,
+        pictures: Pictures,
+        bands: impl FnOnce(&HashMap<NodeId, Ready>) -> Result<Bands<'s>, EvalError> + Send,
     ) -> Result<Frame, EvalError> {
         self.in_pool(|| {
             self.validate(buffers)?;
             let started = Instant::now();
-            let ready = prepare(self, cache, monitor)?;
+            let ready = prepare(self, cache, monitor, pictures)?;
             let prepared = started.elapsed().as_secs_f64();
             let started = Instant::now();
             let judges: Vec<Option<Arc<Judge>>> =
@@ -165,7 +170,7 @@ impl Plan<'_> {
             let judged = started.elapsed().as_secs_f64();
             let started = Instant::now();
             let keeping = Keeping::new(self, &ready, cache);
-            let tally = self.tiles(&bands(&ready), &ready, buffers, (&judges, &keeping), monitor);
+            let tally = self.tiles(&bands(&ready)?, &ready, buffers, (&judges, &keeping), monitor);
             let known: Vec<NodeId> = keeping.known.keys().copied().collect();
             if tally.is_ok() {
                 keeping.finish(cache);
@@ -223,11 +228,16 @@ impl Plan<'_> {
 
     /// Width and height of tiles.
     fn tile(&self, ready: &HashMap<NodeId, Ready>) -> (usize, usize) {
+        let fills = self.passes.iter().flat_map(|pass| &pass.fills);
+        self.tile_for(fills.filter_map(|fill| ready.get(&fill.node)?.prepared.rows_per_band()).max())
+    }
+
+    /// Width and height of tiles where files are read so many rows at a time, if any are.
+    pub(crate) fn tile_for(&self, bands: Option<usize>) -> (usize, usize) {
         if let Some((width, height)) = self.settings.tile {
             return (width.max(1), height.max(1));
         }
         let fills = || self.passes.iter().flat_map(|pass| &pass.fills);
-        let bands = fills().filter_map(|fill| ready.get(&fill.node)?.prepared.rows_per_band()).max();
         let in_place = fills().all(|fill| self.bound[fill.node.0] || fill.variance <= Variance::Column);
         let (across, down) = self.halo();
         let (width, height) = (self.window.width(), self.window.height());

@@ -1,6 +1,6 @@
 use trochoid_graph::NodeId;
 use trochoid_image::Window;
-use trochoid_memory::Instructions;
+use trochoid_memory::{Heap, Instructions};
 
 /// Which pixels are held against the hull of their palette.
 ///
@@ -60,7 +60,8 @@ pub struct Settings {
     pub compile_from: usize,
     /// Which pixels are held against the hull of their palette.
     pub judge: Judging,
-    /// Most memory for pictures, bytes.
+    /// Most memory that a frame may take, bytes: what nodes hold, tiles, and pictures that stay in memory
+    /// ([`Plan::memory`](crate::Plan::memory)). By default 16 GiB, or what the program's [`Heap`] is bounded to.
     pub memory_limit: u64,
     /// The part of the picture to evaluate; all of it if `None`.
     pub region: Option<Window>,
@@ -83,7 +84,7 @@ impl Default for Settings {
             instructions: Instructions::Best,
             compile_from: 1 << 16,
             judge: Judging::All,
-            memory_limit: 16 << 30,
+            memory_limit: (16 << 30).min(Heap::allowed() as u64),
             region: None,
             keep: false,
             bounds: false,

@@ -242,7 +242,7 @@ fn with_normalized<'a>(planes: &[Plane<'a>], normalized: &'a [(usize, Vec<f32>)]
 }
 
 /// Number of channels over all roots of a pass.
-fn channel_count(pass: &Pass) -> usize {
+pub(crate) fn channel_count(pass: &Pass) -> usize {
     pass.program.roots.iter().sum()
 }
 

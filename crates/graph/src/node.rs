@@ -9,8 +9,8 @@
 //! **must not** read clocks, global state, or open files outside `prepare`.
 
 use crate::{
-    Block, Bounding, ChannelSet, Check, Declaration, FrameContext, Inputs, Kind, Lowering, NoBound, Outputs, Prepare,
-    Reference, References, Settled, Spectrum, Stability, Value, ViewChannel, Work,
+    Block, Bounding, ChannelSet, Check, Declaration, FrameContext, Inputs, Kind, Lowering, MemoryUse, NoBound, Outputs,
+    Prepare, Reckoning, Reference, References, Settled, Spectrum, Stability, Value, ViewChannel, Work,
 };
 use std::any::Any;
 use std::path::PathBuf;
@@ -169,6 +169,14 @@ pub trait Stage {
     fn files(&self, node: &Settled, frame: &FrameContext) -> Vec<PathBuf> {
         let _ = (node, frame);
         Vec::new()
+    }
+
+    /// About how much memory the node takes at a frame, where knobs, the format or files can make that much: plans add it up,
+    /// and refuse what is too much before anything is prepared. May read headers of files; one that cannot be read counts as
+    /// nothing, since [`prepare`](Self::prepare) says what is wrong with it.
+    fn memory(&self, node: &Settled, reckoning: &Reckoning<'_>) -> MemoryUse {
+        let _ = (node, reckoning);
+        MemoryUse::default()
     }
 
     /// Does once a frame what does not depend on the tile: simulate, build, decode.

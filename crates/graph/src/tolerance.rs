@@ -15,6 +15,9 @@ pub enum Tolerance {
 }
 
 impl Tolerance {
+    /// Smaller errors take very long to certify, and none of them is seen.
+    pub(crate) const FINE: f64 = 1.0 / 4096.0;
+
     /// What [`Tolerance::parse`] takes.
     pub const EXPECTED: &'static str =
         "an error above 0 and at most 1, such as 0.002 or 1/512, or \"exact\" or \"reference\"";

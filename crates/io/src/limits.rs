@@ -48,7 +48,7 @@ impl Limits {
 /// Reserves room for `count` samples, so that too little memory is an error and not an abort.
 pub(crate) fn reserve<T>(path: &Path, place: &str, count: usize) -> Result<Vec<T>, Error> {
     let mut samples = Vec::new();
-    samples.try_reserve_exact(count).map_err(|_| Error::OutOfMemory {
+    trochoid_memory::fallible(|| samples.try_reserve_exact(count)).map_err(|_| Error::OutOfMemory {
         path: path.into(),
         place: place.into(),
         bytes: (count as u64).saturating_mul(size_of::<T>() as u64),

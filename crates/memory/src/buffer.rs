@@ -36,7 +36,7 @@ impl Buffer {
     pub fn zeroed(length: usize, index: usize) -> Result<Self, std::collections::TryReserveError> {
         let offset = (index * STAGGER) % PAGE_LINES * LINE;
         let mut samples: Vec<f32> = Vec::new();
-        samples.try_reserve_exact(length.saturating_add(offset + LINE))?;
+        crate::fallible(|| samples.try_reserve_exact(length.saturating_add(offset + LINE)))?;
         advise(&samples);
         let start = samples.as_ptr().align_offset(4 * LINE).min(LINE) + offset;
         samples.resize(start + length, 0.0);

@@ -1,4 +1,5 @@
-//! Where pixels lie in memory, and how they get there: aligned buffers on large pages, prefetch, streaming stores.
+//! Where pixels lie in memory, and how they get there: aligned buffers on large pages, prefetch, streaming stores. And how
+//! much of it a program takes ([`Heap`]).
 //!
 //! The only crate with `unsafe` code; all of it is behind interfaces that cannot be misused.
 
@@ -6,10 +7,12 @@
 
 mod buffer;
 mod dispatch;
+mod heap;
 mod prefetch;
 mod target;
 
 pub use buffer::Buffer;
 pub use dispatch::{Instructions, Kernel, dispatch};
+pub use heap::{Exhausted, Heap, exit_at_once, fallible};
 pub use prefetch::prefetch;
 pub use target::{Line, Lines, Stream, Target, write_around};

@@ -47,6 +47,8 @@ mod costs;
 mod files;
 mod judge;
 mod load;
+#[cfg(feature = "machine")]
+mod machine;
 #[cfg(feature = "io")]
 mod output;
 mod report;
@@ -61,6 +63,8 @@ pub use costs::{Cost, Costs, MeasureError, measure};
 pub use files::{check_destination, write_whole};
 pub use judge::{Miss, guarantee, held, misses, requirement};
 pub use load::{LoadError, Loaded, load, missing_files, parse, registry};
+#[cfg(feature = "machine")]
+pub use machine::memory_share;
 #[cfg(feature = "io")]
 pub use output::{OutputError, OutputFile, companion_files, output_files, write_output};
 pub use report::{RunReport, RunStatus, frame_report};
@@ -71,21 +75,23 @@ pub use stability::{stability, stability_of};
 pub use stream::FileSink;
 pub use trochoid_engine::{
     Account, Audit, Blame, Buffers, Cache, Certified, Certifier, Channels, Distribution, EvalError, Evidence, Fate,
-    Frame, Hull, Inspected, Instructions, Interval, Judging, LeftOut, Limiting, Monitor, NodeReport, Phases, Picture,
-    Plan, PlanError, Proved, ReferenceError, ReferenceFrame, ReferencePixel, Settings, ShadingPlan, Silent, Sink,
-    State, Switches,
+    Frame, Hull, Inspected, Instructions, Interval, Judging, LeftOut, Limiting, MemoryAccount, Monitor, NodeReport,
+    Phases, Picture, Pictures, Plan, PlanError, Proved, ReferenceError, ReferenceFrame, ReferencePixel, Settings,
+    ShadingPlan, Silent, Sink, State, Switches, Taker,
 };
 pub use trochoid_graph::{
     Accepts, Animated, Arity, CheckedGraph, CheckedNode, Declaration, Default as KnobDefault, Diagnostic, End,
-    FORMAT_VERSION, Figure, Guarantee, Harmonic, Interpolation, Item, Kind, Knob, List, NodeId, NodeType, Omission,
-    OutputSpec, Port, Precision, REFUSALS, Refusal, Registry, Relation, Severity, Source, Spectrum, Stability,
-    StabilityMap, Takes, Tolerance, Verdict, ViewChannel, Work, expand_frame, expected, nearest, refusal, schema,
+    FORMAT_VERSION, Figure, Guarantee, Harmonic, Interpolation, Item, Kind, Knob, List, MemoryUse, NodeId, NodeType,
+    Omission, OutputSpec, Port, Precision, REFUSALS, Refusal, Registry, Relation, Severity, Source, Spectrum,
+    Stability, StabilityMap, Takes, Tolerance, Verdict, ViewChannel, Work, expand_frame, expected, in_bytes, nearest,
+    refusal, schema,
 };
 pub use trochoid_image::{Format, Plane, Rgb, Shading, Window, WorkingSpace, srgb_decode, srgb_encode};
 #[cfg(feature = "io")]
 pub use trochoid_io as io;
 #[cfg(feature = "io")]
 pub use trochoid_io::discard_partial_files;
+pub use trochoid_memory::{Exhausted, Heap, exit_at_once};
 
 /// The version of Trochoid.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");

@@ -14,6 +14,7 @@ pub(crate) use trace::{BOUNDS, Origin, Trace};
 
 use crate::fill::Fills;
 use crate::kernel::Chunks;
+use crate::memory::Pictures;
 use crate::plan::{Feed, Pass};
 use crate::prepare::{Ready, prepare};
 use crate::{Buffers, Cache, EvalError, Monitor, Plan, PlanError, Settings, Switches};
@@ -74,7 +75,7 @@ impl<'g> Certifier<'g> {
         let plan = &self.plan;
         plan.in_pool(|| {
             plan.validate_all(buffers)?;
-            let ready = prepare(plan, cache, monitor)?;
+            let ready = prepare(plan, cache, monitor, Pictures::Whole)?;
             let (width, height) = TILE;
             let (across, down) = plan.halo();
             let tiles: Vec<Window> = plan.window.tiles(width.max(4 * across), height.max(4 * down)).collect();

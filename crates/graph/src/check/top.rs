@@ -1,8 +1,8 @@
 //! Everything outside `nodes` and `outputs`: version, format, working space, frames.
 
 use super::{Checker, Place};
-use crate::Tolerance;
 use crate::spanned::{Entry, Json, Spanned};
+use crate::{Severity, Tolerance};
 use trochoid_image::{Format, FormatError, MAX_PIXELS, MAX_SIDE, Shading, WorkingSpace};
 
 /// What the top of a document says.
@@ -165,6 +165,12 @@ impl<'a> Checker<'a> {
         if tolerance.is_none() {
             let place = Place::top(value.offset, "tolerance");
             self.error(place, value.brief(), Tolerance::EXPECTED, "say how far pixels may be off");
+        }
+        if matches!(tolerance, Some(Tolerance::Error(error)) if error < Tolerance::FINE) {
+            let place = Place::top(value.offset, "tolerance");
+            let remedy = "ask for 1/512, which no display of 8 bits shows, unless something computes with the picture";
+            let expected = "an error of 1/4096 or more: smaller ones take very long to certify";
+            self.report(Severity::Warning, place, value.brief(), expected.into(), remedy.into());
         }
         tolerance
     }

@@ -1,7 +1,7 @@
 //! BezierModel: a surface of Bézier patches.
 
 use crate::scene_support::{
-    FLIP, ROTATE, SCALE, Standing, TRANSLATE, check_ending, check_scale, patch, placement, read_model, vector,
+    FLIP, ROTATE, SCALE, Standing, TRANSLATE, check_ending, check_scale, memory, patch, placement, read_model, vector,
 };
 use std::path::PathBuf;
 use trochoid_graph::*;
@@ -123,6 +123,14 @@ impl Stage for BezierModel {
 
     fn files(&self, node: &Settled, frame: &FrameContext) -> Vec<PathBuf> {
         if node.is_set("model") { vec![frame.path(node.text("model"))] } else { Vec::new() }
+    }
+
+    fn memory(&self, node: &Settled, reckoning: &Reckoning<'_>) -> MemoryUse {
+        if !node.is_set("model") {
+            return MemoryUse::default();
+        }
+        // Patches are cut as finely as their pixels ask for, some vertices for each byte of a file.
+        memory::of_model(&reckoning.frame.path(node.text("model")), 2)
     }
 
     fn prepare(&self, node: &Settled, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {

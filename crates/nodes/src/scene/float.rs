@@ -68,6 +68,12 @@ impl Stage for Float {
         false
     }
 
+    fn memory(&self, node: &Settled, reckoning: &Reckoning<'_>) -> MemoryUse {
+        let bodies = node.list("bodies").len() as u64;
+        let seen = reckoning.all(node, "model").fold(0, |sum: u64, taken| sum.saturating_add(taken.seen));
+        MemoryUse::default().seen(seen.saturating_mul(bodies))
+    }
+
     fn prepare(&self, node: &Settled, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
         let handles = |port: &str| prepare.handles::<SurfaceHandle>(node, port);
         let (model, sea) = (handles("model")?.swap_remove(0), handles("sea")?.swap_remove(0));

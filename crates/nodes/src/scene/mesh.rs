@@ -1,7 +1,7 @@
 //! Mesh: a model of triangles.
 
 use crate::scene_support::{
-    FLIP, ROTATE, SCALE, Standing, TRANSLATE, UP, check_ending, check_scale, placement, read_mesh, to_y_up,
+    FLIP, ROTATE, SCALE, Standing, TRANSLATE, UP, check_ending, check_scale, memory, placement, read_mesh, to_y_up,
 };
 use std::path::PathBuf;
 use trochoid_graph::*;
@@ -82,6 +82,10 @@ impl Stage for Mesh {
 
     fn files(&self, node: &Settled, frame: &FrameContext) -> Vec<PathBuf> {
         vec![frame.path(node.text("file"))]
+    }
+
+    fn memory(&self, node: &Settled, reckoning: &Reckoning<'_>) -> MemoryUse {
+        memory::of_model(&reckoning.frame.path(node.text("file")), 40)
     }
 
     fn prepare(&self, node: &Settled, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {

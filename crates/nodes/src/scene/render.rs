@@ -1,6 +1,6 @@
 //! Render: what a camera sees of surfaces.
 
-use crate::scene_support::{Looking, SurfaceHandle};
+use crate::scene_support::{Looking, SurfaceHandle, memory};
 use std::cell::RefCell;
 use trochoid_graph::*;
 use trochoid_image::Format;
@@ -76,6 +76,10 @@ impl Stage for Render {
 
     fn rate(&self, _node: &Settled) -> Rate {
         Rate::Surface
+    }
+
+    fn memory(&self, node: &Settled, reckoning: &Reckoning<'_>) -> MemoryUse {
+        memory::of_view(node, "surfaces", node.number("fineness"), reckoning)
     }
 
     fn prepare(&self, node: &Settled, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {

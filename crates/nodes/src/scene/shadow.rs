@@ -1,10 +1,13 @@
 //! Shadow: what keeps the light away.
 
 use crate::front_support::{Span, bound_by, where_covered};
-use crate::scene_support::{BEYOND, COMBINE, DETAIL, Lights, Rays, Seen, Surroundings, asked, check_surfaces, landed};
+use crate::scene_support::{
+    BEYOND, COMBINE, DETAIL, Lights, Rays, Seen, Surroundings, asked, check_surfaces, landed, memory,
+};
 use std::f64::consts::TAU;
 use std::sync::Arc;
 use trochoid_graph::*;
+use trochoid_image::Format;
 use trochoid_scene::Ray;
 use trochoid_scene::shading::unit_or_up;
 
@@ -59,6 +62,16 @@ impl NodeType for Shadow {
         check_surfaces(node, check);
     }
 
+    fn work(&self, node: &Settled, format: Format, _time: f64) -> Option<Work> {
+        // A ray, and the one that lands on the surface that rays meet.
+        const RAY: f64 = 2.5e-7;
+        let rays = if node.number("size") > 0.0 { node.integer("rays") as f64 } else { 1.0 };
+        let samples = format.window().area() as f64 * format.samples() as f64;
+        let seconds = samples * (1.0 + rays * node.all("lights").len() as f64) * RAY;
+        let remedy = "lower \"rays\", the number of lights, or the format's \"samples\"";
+        Some(Work { seconds, item: "rays", remedy })
+    }
+
     fn body(&self) -> Body<'_> {
         Body::Stage(self)
     }
@@ -67,6 +80,10 @@ impl NodeType for Shadow {
 impl Stage for Shadow {
     fn asks(&self, _node: &Settled, _wanted: &[bool]) -> ChannelSet {
         asked()
+    }
+
+    fn memory(&self, node: &Settled, reckoning: &Reckoning<'_>) -> MemoryUse {
+        memory::of_surroundings(node, reckoning)
     }
 
     fn prepare(&self, node: &Settled, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {

@@ -2,7 +2,7 @@
 
 use crate::front_support::{Span, bound_by, where_covered};
 use crate::scene_support::{
-    BEYOND, DETAIL, DISTANCE, INSET, Rays, Seen, Surroundings, Way, asked, check_surfaces, eye, toward_eye,
+    BEYOND, DETAIL, DISTANCE, INSET, Rays, Seen, Surroundings, Way, asked, check_surfaces, eye, memory, toward_eye,
 };
 use std::sync::Arc;
 use trochoid_graph::*;
@@ -69,6 +69,10 @@ impl Stage for Thickness {
 
     fn rate(&self, _node: &Settled) -> Rate {
         Rate::Surface
+    }
+
+    fn memory(&self, node: &Settled, reckoning: &Reckoning<'_>) -> MemoryUse {
+        memory::of_surroundings(node, reckoning)
     }
 
     fn prepare(&self, node: &Settled, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {

@@ -3,7 +3,7 @@
 use crate::front_support::{Span, bound_by, where_covered};
 use crate::scene_support::{
     BEYOND, COMBINE, DETAIL, DISTANCE, INSET, Lights, Rays, Seen, Surroundings, Way, asked, check_surfaces, eye,
-    toward_eye,
+    memory, toward_eye,
 };
 use std::sync::Arc;
 use trochoid_graph::*;
@@ -59,6 +59,10 @@ impl Stage for Translucency {
 
     fn rate(&self, _node: &Settled) -> Rate {
         Rate::Surface
+    }
+
+    fn memory(&self, node: &Settled, reckoning: &Reckoning<'_>) -> MemoryUse {
+        memory::of_surroundings(node, reckoning)
     }
 
     fn prepare(&self, node: &Settled, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {

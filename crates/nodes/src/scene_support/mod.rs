@@ -6,6 +6,7 @@ mod copy;
 mod geometry;
 mod lit;
 mod mask;
+pub(crate) mod memory;
 mod mesh;
 mod model;
 mod parted;

@@ -110,7 +110,20 @@ impl NodeType for Bake {
     }
 }
 
+/// Channels of the images that are wanted, and of the sums that they are worked out from.
+fn planes(wanted: &[Vec<bool>]) -> [usize; 2] {
+    let asked = |output: usize| wanted.get(output).is_some_and(|channels| channels.contains(&true));
+    let images = (0..4).filter(|output| asked(*output)).map(|output| CHANNELS[output].len()).sum();
+    [images, 3 * usize::from(asked(0) || asked(2)) + 5 * usize::from(asked(1) || asked(3))]
+}
+
 impl Stage for Bake {
+    fn memory(&self, node: &Settled, reckoning: &Reckoning<'_>) -> MemoryUse {
+        let _ = node;
+        let [images, sums] = planes(reckoning.wanted).map(|planes| planes as u64 * reckoning.pixels() * 4);
+        MemoryUse::held(images, "bake fewer outputs at a time, or a smaller format").working(sums)
+    }
+
     fn prepare(&self, node: &Settled, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
         let surface: SurfaceHandle = prepare.handles::<SurfaceHandle>(node, "sea")?.swap_remove(0);
         let grid = grid(node, prepare.frame);
@@ -119,17 +132,6 @@ impl Stage for Bake {
         let wanted =
             Wanted { displacement: asked(0) || asked(2), derivatives: asked(1) || asked(3), ..Wanted::default() };
         let points = grid.columns * grid.rows;
-        let outputs = (0..4).filter(|output| asked(*output));
-        let images: usize = outputs.map(|output| CHANNELS[output].len()).sum();
-        let sums = 3 * usize::from(wanted.displacement) + 5 * usize::from(wanted.derivatives);
-        let bytes = ((images + sums) * points * size_of::<f32>()) as u64;
-        if bytes > prepare.frame.memory_limit {
-            let (columns, rows, limit) = (grid.columns, grid.rows, prepare.frame.memory_limit);
-            return Err(NodeError::new(format!(
-                "found {columns} × {rows} points, which take {bytes} bytes; expected at most {limit}: bake fewer \
-                 outputs at a time, or a smaller format"
-            )));
-        }
         let sea = resting(&surface)?;
         let mut fields = Fields::default();
         let stop = prepare.cancellation();

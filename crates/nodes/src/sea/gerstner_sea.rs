@@ -1,6 +1,6 @@
 //! GerstnerSea: a sum of trochoidal waves.
 
-use crate::scene_support::{Parted, REST, SurfaceHandle, WAVES, parted, stability};
+use crate::scene_support::{Parted, REST, SurfaceHandle, WAVES, memory, parted, stability};
 use std::sync::Arc;
 use trochoid_graph::*;
 use trochoid_image::Format;
@@ -272,6 +272,10 @@ impl Stage for GerstnerSea {
 
     fn offers(&self) -> &'static [&'static str] {
         &[REST, WAVES]
+    }
+
+    fn memory(&self, node: &Settled, reckoning: &Reckoning<'_>) -> MemoryUse {
+        memory::of_sea(node.number("detail"), reckoning)
     }
 
     fn prepare(&self, node: &Settled, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {

@@ -1,6 +1,6 @@
 //! RippleSea: the crossed ripples of cartoon water.
 
-use crate::scene_support::{REST, Standing, stability};
+use crate::scene_support::{REST, Standing, memory, stability};
 use trochoid_graph::*;
 use trochoid_scene::SeaSurface;
 use trochoid_sea::{Ripple, Sea, Wave};
@@ -74,6 +74,11 @@ impl Stage for RippleSea {
 
     fn offers(&self) -> &'static [&'static str] {
         &[REST]
+    }
+
+    fn memory(&self, node: &Settled, reckoning: &Reckoning<'_>) -> MemoryUse {
+        let _ = node;
+        memory::of_sea(1.0, reckoning)
     }
 
     fn prepare(&self, node: &Settled, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {

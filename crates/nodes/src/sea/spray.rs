@@ -186,6 +186,14 @@ impl Stage for Spray {
         true
     }
 
+    fn memory(&self, node: &Settled, reckoning: &Reckoning<'_>) -> MemoryUse {
+        // What is born, and the bins of stamps.
+        const DROP: f64 = 64.0;
+        let Ok(spray) = spray(node) else { return MemoryUse::default() };
+        let drops = spray.most_drops() * DROP;
+        MemoryUse::held(drops as u64 + reckoning.pixels() * 4, "lower \"density\", \"lifetime\" or \"size\"")
+    }
+
     fn prepare(&self, node: &Settled, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
         let seas: Vec<SurfaceHandle> = prepare.handles(node, "sea")?;
         let spray = spray(node).map_err(NodeError::new)?;

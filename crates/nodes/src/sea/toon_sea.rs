@@ -1,6 +1,6 @@
 //! ToonSea: a height field that bursts raise as they travel.
 
-use crate::scene_support::{Parted, REST, SurfaceHandle, TRAILS, parted, stability};
+use crate::scene_support::{Parted, REST, SurfaceHandle, TRAILS, memory, parted, stability};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use trochoid_graph::*;
 use trochoid_image::Format;
@@ -372,6 +372,13 @@ impl Stage for ToonSea {
 
     fn offers(&self) -> &'static [&'static str] {
         &[REST, TRAILS]
+    }
+
+    fn memory(&self, node: &Settled, reckoning: &Reckoning<'_>) -> MemoryUse {
+        // Heights and the simulation's fields, of trails as well where a view asks for them.
+        const CELL: u64 = 64;
+        let cells = (node.integer("columns") * node.integer("rows")).max(0) as u64;
+        memory::of_grid(cells, CELL, reckoning)
     }
 
     fn prepare(&self, node: &Settled, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {

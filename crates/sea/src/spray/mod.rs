@@ -153,6 +153,14 @@ impl Spray {
         self.density * self.cell * self.cell / self.rate
     }
 
+    /// Most drops that may live at a time: no more than [`MAX_DROPS`].
+    pub fn most_drops(&self) -> f64 {
+        let Cells { columns, rows, .. } = self.cells();
+        let steps = self.lifetime * self.rate + 1.0;
+        let bursts: f64 = self.bursts.iter().map(|burst| burst.count as f64).sum();
+        (self.expected() * columns as f64 * rows as f64 * steps + bursts).min(MAX_DROPS as f64)
+    }
+
     /// Steps whose drops may live at a time.
     pub(crate) fn steps(&self, time: f64) -> std::ops::RangeInclusive<i64> {
         ((time - self.lifetime) * self.rate).floor() as i64..=(time * self.rate).floor() as i64

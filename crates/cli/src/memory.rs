@@ -1,0 +1,58 @@
+//! `--memory`: how much the program may take, and its end where that, or the machine, does not suffice.
+
+use crate::failure::FAILED;
+use crate::shell;
+use bytesize::ByteSize;
+use trochoid::{Exhausted, Heap, discard_partial_files, exit_at_once, in_bytes, memory_share};
+
+/// The least that is any use.
+const LEAST: u64 = 64_000_000;
+
+/// Reads a size such as 8GB, 500MB or 2GiB.
+pub(crate) fn parse(text: &str) -> Result<u64, String> {
+    let expected = "expected a number with its unit, such as 8GB, 500MB or 2GiB";
+    let size = text.parse::<ByteSize>().map_err(|_| expected.to_string())?.as_u64();
+    if size < LEAST {
+        return Err(format!("found {}; {expected}, of {} or more", in_bytes(size), in_bytes(LEAST)));
+    }
+    Ok(size)
+}
+
+/// Bounds the memory of the whole process. Where it does not suffice, the process ends with code 1 and leaves nothing half
+/// written.
+pub(crate) fn bound(asked: Option<u64>) {
+    let bytes = asked.unwrap_or_else(memory_share);
+    Heap::bound(usize::try_from(bytes).unwrap_or(usize::MAX));
+    Heap::on_exhaustion(end);
+}
+
+fn end(exhausted: Exhausted) -> ! {
+    discard_partial_files();
+    let (asked, taken) = (in_bytes(exhausted.asked as u64), in_bytes(exhausted.taken as u64));
+    let (allowed, remedy) = match exhausted.bound {
+        Some(bound) => (format!(", of {} allowed", in_bytes(bound as u64)), "allow more by --memory, "),
+        None => (", more than the machine has left".into(), "end other programs, "),
+    };
+    shell::tell(&[format!(
+        "error: out of memory: found {taken} taken and {asked} asked for{allowed}\n  remedy: {remedy}use fewer --threads, or \
+         lower the format's \"width\" and \"height\""
+    )]);
+    exit_at_once(FAILED)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_have_units() {
+        for (text, bytes) in
+            [("8GB", 8_000_000_000), ("500MB", 500_000_000), ("2GiB", 2 << 30), ("1.5 gb", 1_500_000_000)]
+        {
+            assert_eq!(parse(text), Ok(bytes), "{text}");
+        }
+        for text in ["", "8", "1kB", "much", "-8GB", "8XB", "NaNGB"] {
+            assert!(parse(text).unwrap_err().contains("8GB"), "{text}");
+        }
+    }
+}

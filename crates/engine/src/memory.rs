@@ -1,0 +1,237 @@
+//! How much memory a plan takes, reckoned before any of it is taken.
+
+use crate::plan::{Feed, Fill, Pass};
+use crate::tile::channel_count;
+use crate::{EvalError, Plan};
+use std::collections::{HashMap, HashSet};
+use std::fmt::Write as _;
+use trochoid_graph::{Body, MemoryUse, NodeId, Reckoning, Settled, Stage, Variance, in_bytes};
+use trochoid_image::Window;
+
+/// Takers that a message names, at most.
+const NAMED: usize = 4;
+
+/// What takes memory.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Taker {
+    /// What a node prepared.
+    Node(NodeId),
+    /// The pictures of the outputs, where they are not handed on row by row.
+    Pictures,
+    /// Tiles that threads work on.
+    Tiles,
+    /// What one node needs while it prepares, at most.
+    Preparing(NodeId),
+}
+
+/// Where the pictures of the outputs go.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Pictures {
+    /// Into memory, as by [`Plan::evaluate`].
+    Whole,
+    /// On, row by row, as by [`Plan::evaluate_to`].
+    Rows,
+}
+
+/// About how much memory a plan takes at its frame.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct MemoryAccount {
+    /// Everything that takes some, the largest first: who, bytes, and what to do where that is too much.
+    pub takers: Vec<(Taker, u64, &'static str)>,
+}
+
+impl MemoryAccount {
+    /// All together, bytes.
+    pub fn total(&self) -> u64 {
+        self.takers.iter().fold(0, |sum, (_, bytes, _)| sum.saturating_add(*bytes))
+    }
+
+    /// What nodes hold, bytes.
+    pub(crate) fn held(&self) -> u64 {
+        let nodes = self.takers.iter().filter(|(taker, ..)| matches!(taker, Taker::Node(_)));
+        nodes.fold(0, |sum, (_, bytes, _)| sum.saturating_add(*bytes))
+    }
+
+    /// What a node holds in truth, where that is more.
+    pub(crate) fn found(&mut self, id: NodeId, bytes: u64) {
+        match self.takers.iter_mut().find(|(taker, ..)| *taker == Taker::Node(id)) {
+            Some((_, held, _)) => *held = bytes.max(*held),
+            None => self.takers.push((Taker::Node(id), bytes, "lower the format's \"width\" and \"height\"")),
+        }
+        self.sort();
+    }
+
+    fn sort(&mut self) {
+        self.takers.retain(|(_, bytes, _)| *bytes > 0);
+        self.takers.sort_by_key(|(_, bytes, _)| std::cmp::Reverse(*bytes));
+    }
+}
+
+impl Plan<'_> {
+    /// About how much memory the plan takes: what its nodes hold, the most that one needs while it prepares, tiles, and the
+    /// pictures, where they stay in memory. Reads headers of files, and nothing else.
+    pub fn memory(&self, pictures: Pictures) -> MemoryAccount {
+        self.account(pictures, &HashMap::new())
+    }
+
+    /// Refuses a frame that takes more memory than the settings allow, as an evaluation does before it prepares anything.
+    ///
+    /// # Errors
+    /// [`EvalError::TooMuchMemory`], with the largest takers.
+    pub fn check_memory(&self, pictures: Pictures) -> Result<MemoryAccount, EvalError> {
+        let account = self.memory(pictures);
+        self.hold(&account)?;
+        Ok(account)
+    }
+
+    /// The same, where some nodes are prepared and hold so many bytes.
+    pub(crate) fn account(&self, pictures: Pictures, known: &HashMap<NodeId, u64>) -> MemoryAccount {
+        let mut uses: HashMap<NodeId, MemoryUse> = HashMap::new();
+        let mut account = MemoryAccount { takers: Vec::new() };
+        let takers = &mut account.takers;
+        let mut preparing = (Taker::Tiles, 0, "");
+        let mut shared = HashSet::new();
+        for (id, wanted) in &self.prepares {
+            let Some((stage, settled)) = self.stage(*id) else { continue };
+            let of = |id: NodeId| uses.get(&id).copied().unwrap_or_default();
+            let mut taken = stage.memory(settled, &Reckoning::new(&self.context, wanted, &of));
+            if let Some(bytes) = known.get(id) {
+                (taken.held, taken.working) = (*bytes, 0);
+            }
+            if taken.remedy.is_empty() {
+                taken.remedy = "lower the format's \"width\" and \"height\"";
+            }
+            if taken.shared.is_none_or(|key| shared.insert(key)) {
+                takers.push((Taker::Node(*id), taken.held, taken.remedy));
+            }
+            if taken.working > preparing.1 {
+                preparing = (Taker::Preparing(*id), taken.working, taken.remedy);
+            }
+            uses.insert(*id, taken);
+        }
+        takers.push(preparing);
+        if pictures == Pictures::Whole {
+            let channels: usize = self.outputs.iter().map(|output| output.kind.channels()).sum();
+            let bytes = samples(channels, [self.window.width(), self.window.height()]) * size_of::<f32>() as u64;
+            let remedy = "write EXR alone, whose rows are not kept, lower the format's \"width\" and \"height\", or \
+                          render fewer outputs at once";
+            takers.push((Taker::Pictures, bytes, remedy));
+        }
+        let tiles = self.passes.iter().map(|pass| self.scratch(pass)).fold(0, u64::saturating_add);
+        let remedy = "use fewer threads, lower the format's \"width\", or let filters reach less far";
+        takers.push((Taker::Tiles, tiles.saturating_mul(self.threads() as u64), remedy));
+        account.sort();
+        account
+    }
+
+    /// Refuses more memory than the settings allow.
+    pub(crate) fn hold(&self, account: &MemoryAccount) -> Result<(), EvalError> {
+        let limit = self.settings.memory_limit;
+        if account.total() <= limit {
+            return Ok(());
+        }
+        Err(EvalError::TooMuchMemory {
+            place: match account.takers.first() {
+                Some((Taker::Node(id) | Taker::Preparing(id), ..)) => self.graph.place_of(*id, None),
+                _ => self.graph.place_of_format(),
+            },
+            found: self.named(account),
+            total: account.total(),
+            limit,
+            remedy: account.takers.first().map_or("", |(_, _, remedy)| remedy),
+        })
+    }
+
+    /// The largest takers, in words.
+    fn named(&self, account: &MemoryAccount) -> String {
+        let mut text = String::new();
+        for (taker, bytes, _) in account.takers.iter().take(NAMED) {
+            let name = |id: &NodeId| {
+                let node = self.graph.node(*id);
+                format!("\"{}\" ({})", node.name, node.ty.declaration().name)
+            };
+            let what = match taker {
+                Taker::Node(id) => name(id),
+                Taker::Pictures => "pictures".into(),
+                Taker::Tiles => format!("tiles of {} threads", self.threads()),
+                Taker::Preparing(id) => format!("preparing {}", name(id)),
+            };
+            let comma = if text.is_empty() { "" } else { ", " };
+            let _ = write!(text, "{comma}{what} {}", in_bytes(*bytes));
+        }
+        let rest = account.takers.iter().skip(NAMED);
+        let (count, bytes) = rest.fold((0, 0), |(count, sum), (_, bytes, _)| (count + 1, sum + bytes));
+        if count > 0 {
+            let _ = write!(text, ", {count} more {}", in_bytes(bytes));
+        }
+        text
+    }
+
+    fn threads(&self) -> usize {
+        if self.settings.threads == 0 { rayon::current_num_threads() } else { self.settings.threads }
+    }
+
+    /// What one thread needs for a tile of a pass: every stage's planes over what its readers need, and sums of samples.
+    fn scratch(&self, pass: &Pass) -> u64 {
+        let tile = self.tile_before(pass);
+        let sizes = self.sizes(pass, tile);
+        let planes = pass.fills.iter().zip(sizes).map(|(fill, [width, height])| {
+            let channels = fill.wanted.iter().flatten().filter(|wanted| **wanted).count();
+            let rows = if fill.variance <= Variance::Column { height.min(1) } else { height };
+            samples(channels, [width, rows]) * size_of::<f32>() as u64
+        });
+        let sums =
+            if pass.offsets.len() > 1 { samples(channel_count(pass), tile) * size_of::<f64>() as u64 } else { 0 };
+        planes.sum::<u64>() + sums
+    }
+
+    /// How large tiles will be at most, as far as can be told before files are open.
+    fn tile_before(&self, pass: &Pass) -> [usize; 2] {
+        let reads = |fill: &Fill| match self.stage(fill.node) {
+            Some((stage, settled)) => !stage.files(settled, &self.context).is_empty(),
+            None => false,
+        };
+        let (width, height) = self.tile_for(pass.fills.iter().any(reads).then_some(1));
+        [width.min(self.window.width()), height.min(self.window.height())]
+    }
+
+    /// Width and height of what each stage of a pass fills for a tile, but for what lies beyond the picture.
+    fn sizes(&self, pass: &Pass, tile: [usize; 2]) -> Vec<[usize; 2]> {
+        let mut sizes: Vec<[usize; 2]> = pass.fills.iter().map(|fill| if fill.read { tile } else { [0, 0] }).collect();
+        for (index, fill) in pass.fills.iter().enumerate().rev() {
+            let Some((stage, settled)) = self.stage(fill.node) else { continue };
+            let [width, height] = sizes[index];
+            let own = Window::new(0, 0, width as i64, height as i64);
+            for (port, connections) in &fill.inputs {
+                let asked = stage.regions_of_interest(settled, port, own, self.graph.format());
+                let asked = [asked.width().min(self.window.width()), asked.height().min(self.window.height())];
+                let mut need = |node: NodeId| {
+                    let readers = pass.fills[..index].iter().zip(&mut sizes).filter(|(fill, _)| fill.node == node);
+                    readers.for_each(|(_, size)| *size = [0, 1].map(|axis| size[axis].max(asked[axis])));
+                };
+                for feed in connections.iter().flatten() {
+                    match feed {
+                        Feed::Slot(slot) => need(slot.node),
+                        Feed::Tap(..) => {
+                            fill.taps.iter().flat_map(|taps| &taps.planes).for_each(|slot| need(slot.node));
+                        }
+                        Feed::Nothing | Feed::Constant(_) => {}
+                    }
+                }
+            }
+        }
+        sizes
+    }
+
+    fn stage(&self, id: NodeId) -> Option<(&'static dyn Stage, &Settled)> {
+        match self.graph.node(id).ty.body() {
+            Body::Stage(stage) if !self.bound[id.0] => Some((stage, self.settled[id.0].as_ref()?)),
+            _ => None,
+        }
+    }
+}
+
+/// Samples of so many planes.
+fn samples(planes: usize, [width, height]: [usize; 2]) -> u64 {
+    (planes as u64).saturating_mul(width as u64).saturating_mul(height as u64)
+}

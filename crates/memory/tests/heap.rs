@@ -1,0 +1,94 @@
+//! A program's memory as a whole. One test at a time changes the bound, so they are one test after the other.
+
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
+
+use std::process::Command;
+use trochoid_memory::{Buffer, Exhausted, Heap, fallible};
+
+#[global_allocator]
+static HEAP: Heap = Heap;
+
+const MB: usize = 1 << 20;
+
+/// What a child process of this test is to do, and how far it got.
+const TASK: &str = "TROCHOID_TEST_HEAP";
+
+fn end(exhausted: Exhausted) -> ! {
+    println!("asked {} bound {:?}", exhausted.asked, exhausted.bound);
+    std::process::exit(7)
+}
+
+fn end_without_memory(_: Exhausted) -> ! {
+    // The bound no longer counts for who ends the program, but what the system lacks is still lacking.
+    let all = vec![1_u8; isize::MAX as usize - 4096];
+    std::process::exit(i32::from(all[0]) + 7)
+}
+
+/// Does a task in a process of its own: what it printed, and its exit code.
+fn child(task: &str) -> (String, Option<i32>) {
+    let this = std::env::current_exe().unwrap();
+    let output =
+        Command::new(this).args(["--exact", "memory_is_counted_and_bounded", "--nocapture"]).env(TASK, task).output();
+    let output = output.unwrap();
+    (String::from_utf8_lossy(&output.stdout).into_owned(), output.status.code())
+}
+
+fn task(name: &str) {
+    Heap::on_exhaustion(if name == "nothing left" { end_without_memory } else { end });
+    match name {
+        "bound" => {
+            Heap::bound(Heap::taken() + 2 * MB);
+            std::hint::black_box(vec![1_u8; 3 * MB]);
+        }
+        "many threads" => {
+            Heap::bound(Heap::taken() + 2 * MB);
+            std::thread::scope(|scope| {
+                for _ in 0..8 {
+                    scope.spawn(|| std::hint::black_box(vec![1_u8; 3 * MB]));
+                }
+            });
+        }
+        _ => {
+            std::hint::black_box(vec![1_u8; isize::MAX as usize - 4096]);
+        }
+    }
+    unreachable!("the program ends before");
+}
+
+#[test]
+fn memory_is_counted_and_bounded() {
+    if let Ok(name) = std::env::var(TASK) {
+        return task(&name);
+    }
+    let before = Heap::taken();
+    let mut block: Vec<u8> = vec![1; 4 * MB];
+    assert!((before + 4 * MB..before + 5 * MB).contains(&Heap::taken()));
+    block.reserve_exact(12 * MB);
+    assert!((before + 16 * MB..before + 17 * MB).contains(&Heap::taken()), "growing counts the difference");
+    block.truncate(2 * MB);
+    block.shrink_to_fit();
+    assert!((before + 2 * MB..before + 3 * MB).contains(&Heap::taken()));
+    drop(block);
+    assert!(Heap::taken() < before + MB, "what is given back no longer counts");
+    assert!(Heap::peak() >= before + 16 * MB);
+    Heap::forget_peak();
+    assert!(Heap::peak() < before + MB);
+
+    Heap::bound(Heap::taken() + 8 * MB);
+    assert!(Buffer::zeroed(16 * MB / 4, 0).is_err());
+    let half = Buffer::zeroed(4 * MB / 4, 0).unwrap();
+    assert!(Buffer::zeroed(6 * MB / 4, 0).is_err(), "together they go beyond the bound");
+    drop(half);
+    Buffer::zeroed(6 * MB / 4, 0).unwrap();
+    assert!(fallible(|| vec![0_u8; MB].try_reserve(usize::MAX / 4)).is_err());
+    Heap::bound(usize::MAX);
+
+    let (told, code) = child("bound");
+    assert!(told.contains(&format!("asked {}", 3 * MB)) && told.contains("bound Some"), "{told}");
+    assert_eq!(code, Some(7), "it ends in order, and does not abort");
+    assert_eq!(child("many threads").1, Some(7), "several threads end it once");
+    let (told, code) = child("the system");
+    assert!(told.contains("bound None"), "{told}");
+    assert_eq!(code, Some(7));
+    assert_eq!(child("nothing left").1, Some(1));
+}

@@ -1,0 +1,17 @@
+//! The machine that a program runs on.
+
+/// Three quarters of the memory that this machine, or the container that the process runs in, has, bytes: a limit that leaves
+/// the rest to others. 4 GiB where the system does not tell.
+///
+/// ```
+/// let mut settings = trochoid::Settings::default();
+/// settings.memory_limit = trochoid::memory_share();
+/// assert!(settings.memory_limit > 1 << 20);
+/// ```
+pub fn memory_share() -> u64 {
+    let memory = sysinfo::MemoryRefreshKind::nothing().with_ram();
+    let system = sysinfo::System::new_with_specifics(sysinfo::RefreshKind::nothing().with_memory(memory));
+    let contained = system.cgroup_limits().map(|limits| limits.total_memory);
+    let total = contained.into_iter().chain([system.total_memory()]).filter(|bytes| *bytes > 0).min();
+    total.map_or(4 << 30, |bytes| bytes / 4 * 3)
+}
