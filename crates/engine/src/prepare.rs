@@ -169,6 +169,12 @@ pub(crate) fn prepare(
     // All that this frame uses is used before anything is dropped.
     let mut known: Vec<Option<Arc<dyn Prepared>>> = keys.iter().map(|key| cache.prepared(key)).collect();
     cache.trim();
+    // Of what is kept too: another graph may have been allowed to read it.
+    for (id, _) in &plan.prepares {
+        if let Some(refused) = plan.graph.refused(*id, &plan.context) {
+            return Err(EvalError::of(plan.graph, *id, NodeError::new(refused)));
+        }
+    }
     for (((id, wanted), key), known) in plan.prepares.iter().zip(keys).zip(&mut known) {
         if monitor.cancelled() {
             return Err(EvalError::Cancelled);
