@@ -39,14 +39,19 @@
 //! | `io` | Read, Texture, ViewFromPasses, nor writing of files, nor [`certificate`]; `io` brings `scene` |
 //! | `jit` | machine code for pointwise programs: they run as compiled kernels, with the same bits |
 
+mod access;
 pub mod accuracy;
 #[cfg(feature = "io")]
 pub mod certificate;
 mod costs;
 #[cfg(feature = "io")]
 mod files;
+#[cfg(feature = "io")]
+mod inputs;
 mod judge;
 mod load;
+#[cfg(feature = "io")]
+mod marks;
 #[cfg(feature = "io")]
 mod output;
 mod report;
@@ -56,11 +61,16 @@ mod stability;
 #[cfg(feature = "io")]
 mod stream;
 
+pub use access::refused_files;
 pub use costs::{Cost, Costs, MeasureError, measure};
 #[cfg(feature = "io")]
-pub use files::{check_destination, write_whole};
+pub use files::{check_destination, check_destinations, check_replaced, write_guarded, write_whole};
+#[cfg(feature = "io")]
+pub use inputs::InputFiles;
 pub use judge::{Miss, guarantee, held, misses, requirement};
 pub use load::{LoadError, Loaded, load, missing_files, parse, registry};
+#[cfg(feature = "io")]
+pub use marks::{GENERATOR, TABLE, is_ours, mark};
 #[cfg(feature = "io")]
 pub use output::{OutputError, OutputFile, companion_files, output_files, write_output};
 pub use report::{RunReport, RunStatus, frame_report};
@@ -76,16 +86,17 @@ pub use trochoid_engine::{
     State, Switches,
 };
 pub use trochoid_graph::{
-    Accepts, Animated, Arity, CheckedGraph, CheckedNode, Declaration, Default as KnobDefault, Diagnostic, End,
+    Accepts, Access, Animated, Arity, CheckedGraph, CheckedNode, Declaration, Default as KnobDefault, Diagnostic, End,
     FORMAT_VERSION, Figure, Guarantee, Harmonic, Interpolation, Item, Kind, Knob, List, NodeId, NodeType, Omission,
-    OutputSpec, Port, Precision, REFUSALS, Refusal, Registry, Relation, Severity, Source, Spectrum, Stability,
-    StabilityMap, Takes, Tolerance, Verdict, ViewChannel, Work, expand_frame, expected, nearest, refusal, schema,
+    OutputSpec, Outside, Port, Precision, REFUSALS, Refusal, Refused, Registry, Relation, Severity, Source, Spectrum,
+    Stability, StabilityMap, Takes, Tolerance, Verdict, ViewChannel, Work, expand_frame, expected, nearest, refusal,
+    schema,
 };
 pub use trochoid_image::{Format, Plane, Rgb, Shading, Window, WorkingSpace, srgb_decode, srgb_encode};
 #[cfg(feature = "io")]
 pub use trochoid_io as io;
 #[cfg(feature = "io")]
-pub use trochoid_io::discard_partial_files;
+pub use trochoid_io::{clear_partial_files, discard_partial_files};
 
 /// The version of Trochoid.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");

@@ -2,10 +2,12 @@
 
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
+mod access;
 mod bad_images;
 mod certify;
 mod commands;
 mod explain;
+mod overwrite;
 mod plan;
 mod refusals;
 mod render;
