@@ -7,6 +7,7 @@ mod bad_images;
 mod certify;
 mod commands;
 mod explain;
+mod kills;
 mod overwrite;
 mod plan;
 mod refusals;
