@@ -121,6 +121,15 @@ pub fn resolved(path: &Path) -> PathBuf {
     if let Ok(whole) = path.canonicalize() {
         return whole;
     }
+    // What is still to be made in a folder that exists, which is most of what is asked: two looks are enough.
+    if let (Some(folder), Some(name)) = (path.parent(), path.file_name()) {
+        let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+        if let Ok(folder) = folder.canonicalize()
+            && folder.join(name).symlink_metadata().is_err()
+        {
+            return folder.join(name);
+        }
+    }
     let absolute = std::path::absolute(path).unwrap_or_else(|_| path.into());
     let mut links = 0;
     follow(PathBuf::new(), &absolute, &mut links)
