@@ -5,9 +5,9 @@ cd "$(dirname "$0")/.."
 cargo build --release
 trochoid=${CARGO_TARGET_DIR:-target}/release/trochoid
 
-still() { "$trochoid" preview "graphs/$1.json" --output beauty --frames "$2" --shrink "${3:-2}" -o "samples/$1.png"; }
-moving() { "$trochoid" preview "graphs/$1.json" --frames "$2" --shrink 4 --quality 78 -o "samples/$1.webp"; }
-tree() { "$trochoid" graph "graphs/$1.json" -o "graphs/trees/$1.svg"; }
+still() { "$trochoid" preview "graphs/$1.json" --output beauty --frames "$2" --shrink "${3:-2}" --overwrite -o "samples/$1.png"; }
+moving() { "$trochoid" preview "graphs/$1.json" --frames "$2" --shrink 4 --quality 78 --overwrite -o "samples/$1.webp"; }
+tree() { "$trochoid" graph "graphs/$1.json" --overwrite -o "graphs/trees/$1.svg"; }
 
 still stormy_sea 36
 still stormy_sea_bare 36

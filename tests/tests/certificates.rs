@@ -23,7 +23,13 @@ fn faults(graph: &CheckedGraph, frame: i64) -> Vec<String> {
         let certificate = certificate::certify(&made, &path).unwrap();
         assert_eq!(certificate.outputs[0].controls.is_some(), output.kind == Kind::Color);
         certificate.write(&path).unwrap();
-        let request = Request { certificate: &path, image: &file.path, choice: Choice::All, document: Some(graph) };
+        let request = Request {
+            certificate: &path,
+            image: &file.path,
+            choice: Choice::All,
+            document: Some(graph),
+            access: Some(graph.access()),
+        };
         match certificate::verify(&request, &Silent) {
             Ok(found) => faults.extend(found.failures.iter().map(|failed| format!("{}: {failed}", output.name))),
             Err(error) => faults.push(format!("{}: {error}", output.name)),

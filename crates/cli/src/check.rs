@@ -2,14 +2,15 @@
 
 use crate::explain::{self, Explained};
 use crate::failure::{Failure, INVALID, count};
+use crate::files::Reach;
 use crate::outputs::choose;
 use crate::shell::{self, HEADING, printable, wrap};
 use serde_json::{Map, Value, json};
 use std::fmt::Write as _;
 use std::path::PathBuf;
 use trochoid::{
-    CheckedGraph, Diagnostic, Guarantee, LeftOut, LoadError, Loaded, MemoryAccount, NodeId, Pictures, Plan, Settings,
-    Severity, Taker, guarantee, in_bytes,
+    CheckedGraph, Diagnostic, Guarantee, LeftOut, LoadError, Loaded, MemoryAccount, NodeId, OutputError, Pictures,
+    Plan, Refused, Settings, Severity, Taker, guarantee, in_bytes,
 };
 
 /// Options of `trochoid check`.
@@ -37,7 +38,10 @@ pub(crate) struct Args {
     /// Print JSON
     #[arg(long)]
     json: bool,
-    /// Make warnings errors (exit code 2)
+    /// Let the document read and write this file, or what lies beneath this folder, as for `render`; may be repeated
+    #[arg(long, value_name = "PATH")]
+    allow: Vec<PathBuf>,
+    /// Make warnings errors (exit code 2), and leave the document its own folder alone, as for `render`
     #[arg(long)]
     strict: bool,
     /// Set a knob or port; VALUE is JSON or a bare word, such as storm.height=3
@@ -50,7 +54,8 @@ pub(crate) struct Args {
 /// # Errors
 /// The document is invalid (or warned of, with `--strict`), or cannot be read.
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
-    let mut loaded = match trochoid::load(&args.graph, &args.set) {
+    let reach = Reach { allow: args.allow.clone(), strict: args.strict };
+    let mut loaded = match reach.load(&args.graph, &args.set) {
         Ok(loaded) => loaded,
         Err(LoadError::Invalid(diagnostics)) if args.json => {
             let name = args.graph.display().to_string();
@@ -63,16 +68,15 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     loaded.warnings.extend(trochoid::missing_files(&loaded.graph));
     let (first, last) = loaded.graph.frames();
     let all: Vec<usize> = (0..loaded.graph.outputs().len()).collect();
-    if let Err(error) = trochoid::output_files(&loaded.graph, &all, first, first != last, None) {
-        if args.json {
-            let text = error.to_string();
-            let faults: Vec<Value> =
-                text.lines().map(|fault| json!({ "severity": "error", "port": "outputs", "found": fault })).collect();
-            let name = args.graph.display().to_string();
-            shell::print_json(&json!({ "document": name, "valid": false, "diagnostics": faults }))?;
-            return Err(Failure::silent(INVALID));
-        }
-        return Err(error.into());
+    let frames: Vec<i64> = (first..=last).take(FRAMES_CHECKED).collect();
+    let outside = trochoid::refused_files(&loaded.graph, &all, &frames).iter().map(Refused::diagnostic).collect();
+    let written = frames.iter().find_map(|&frame| {
+        let named = trochoid::output_files(&loaded.graph, &all, frame, first != last, None);
+        named.err()
+    });
+    let faults = Faults { outside, written };
+    if faults.any() {
+        return Err(faults.told(args)?);
     }
     let refused = args.strict && !loaded.warnings.is_empty();
     let frame = args.frame.unwrap_or(first);
@@ -101,6 +105,42 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
         return Err(Failure::new(INVALID, format!("found {found}; expected none, as --strict demands")));
     }
     Ok(())
+}
+
+/// Frames of which the names of files are looked at.
+const FRAMES_CHECKED: usize = 10_000;
+
+/// What is wrong with the files that a valid document names.
+struct Faults {
+    /// Those that it would read and may not reach.
+    outside: Vec<Diagnostic>,
+    /// Why its outputs cannot be written.
+    written: Option<OutputError>,
+}
+
+impl Faults {
+    fn any(&self) -> bool {
+        !self.outside.is_empty() || self.written.is_some()
+    }
+
+    /// Prints them, where JSON is asked for; what is to be returned.
+    fn told(self, args: &Args) -> Result<Failure, Failure> {
+        let Self { mut outside, mut written } = self;
+        if let Some(OutputError::Refused(refused)) = written.take_if(|error| matches!(error, OutputError::Refused(_))) {
+            outside.push(refused.diagnostic());
+        }
+        if !args.json {
+            let mut all = Failure::from(LoadError::Invalid(outside));
+            written.into_iter().for_each(|error| all.join(error.into()));
+            return Ok(all);
+        }
+        let mut faults: Vec<Value> = outside.iter().map(Diagnostic::to_json).collect();
+        let text = written.map_or(String::new(), |error| error.to_string());
+        faults.extend(text.lines().map(|fault| json!({ "severity": "error", "port": "outputs", "found": fault })));
+        let name = args.graph.display().to_string();
+        shell::print_json(&json!({ "document": name, "valid": false, "diagnostics": faults }))?;
+        Ok(Failure::silent(INVALID))
+    }
 }
 
 /// What `--explain` asks for.

@@ -81,6 +81,8 @@ impl From<OutputError> for Failure {
             OutputError::Pattern(faults) => {
                 Self { code: INVALID, messages: faults.iter().map(|fault| format!("error: {fault}")).collect() }
             }
+            OutputError::Refused(refused) => refused.diagnostic().into(),
+            OutputError::Foreign { .. } => Self::new(INVALID, error),
             error => Self::new(FAILED, error),
         }
     }

@@ -1,11 +1,11 @@
 //! `trochoid graph`: a document's graph as a picture.
 
 use crate::failure::Failure;
-use crate::inputs::InputFiles;
+use crate::files::Over;
 use crate::outputs;
 use crate::shell::{self, printable};
 use std::path::PathBuf;
-use trochoid::{Diagnostic, Plan, Settings};
+use trochoid::{Diagnostic, GENERATOR, InputFiles, Plan, Settings, VERSION};
 
 /// Options of `trochoid graph`.
 #[derive(Debug, clap::Args)]
@@ -25,6 +25,8 @@ pub(crate) struct Args {
     /// Set a knob or port; VALUE is JSON or a bare word, such as storm.height=3
     #[arg(long, value_name = "NODE.KNOB=VALUE")]
     set: Vec<String>,
+    #[command(flatten)]
+    over: Over,
 }
 
 /// Draws a document's graph.
@@ -37,7 +39,10 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let graph = &loaded.graph;
     let mut faults = Vec::new();
     let chosen = outputs::choose(graph, &args.output, &mut faults);
-    faults.extend(InputFiles::new(&args.graph, graph, &chosen, &[graph.frames().0]).refusal(&args.out));
+    let is_stdout = args.out.as_os_str() == "-";
+    if !is_stdout {
+        faults.extend(args.over.refusal(&args.out, &InputFiles::new(graph, &[], &[&args.graph])));
+    }
     Failure::all(faults)?;
     let shown: &[usize] = if args.output.is_empty() { &[] } else { &chosen };
     let names: Vec<&str> = args.output.iter().map(String::as_str).collect();
@@ -47,9 +52,11 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
         Err(_) => vec![None; graph.nodes().len()],
     };
     let picture = trochoid_diagram::tree(graph, shown, &left_out);
-    if args.out.as_os_str() == "-" {
+    // A comment after all else is legal, and disturbs nobody who looks at how the file begins.
+    let picture = format!("{}\n<!-- {GENERATOR}{VERSION} -->\n", picture.trim_end());
+    if is_stdout {
         return shell::print(&picture);
     }
-    trochoid::write_whole(&args.out, picture.as_bytes())?;
+    trochoid::write_guarded(&args.out, picture.as_bytes(), args.over.overwrite)?;
     shell::print(&format!("graph of {} → {}\n", printable(graph.name()), printable(&args.out.display().to_string())))
 }

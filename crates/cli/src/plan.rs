@@ -4,13 +4,13 @@
 //! `certified`.
 
 use crate::failure::{FAILED, Failure, INTERRUPTED, MISSED};
-use crate::inputs::InputFiles;
+use crate::files::{Files, Reach, refused};
 use crate::progress::Progress;
 use crate::shell::{self, printable};
 use crate::{interrupt, outputs};
 use std::path::{Path, PathBuf};
 use trochoid::accuracy::{self, Missed, PlanFile, Planned, Request, TargetError};
-use trochoid::{CheckedGraph, EvalError, Monitor, Settings, Tolerance, check_destination};
+use trochoid::{CheckedGraph, EvalError, InputFiles, Monitor, Settings, Tolerance};
 
 /// Options of `trochoid plan`.
 #[derive(Debug, clap::Args)]
@@ -45,6 +45,8 @@ pub(crate) struct Args {
     /// Write the plan as JSON
     #[arg(short, long, value_name = "FILE")]
     out: Option<PathBuf>,
+    #[command(flatten)]
+    files: Files,
     /// Print nothing on stdout, and show no progress
     #[arg(long, conflicts_with = "json")]
     quiet: bool,
@@ -63,7 +65,7 @@ pub(crate) fn tolerance(text: &str) -> Result<Tolerance, String> {
 /// # Errors
 /// The document or the options are faulty, nothing meets the tolerance, or the plan cannot be written.
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
-    let loaded = trochoid::load(&args.graph, &args.set)?;
+    let loaded = args.files.load(&args.graph, &args.set)?;
     shell::tell(&loaded.warnings.iter().map(ToString::to_string).collect::<Vec<_>>());
     let graph = &loaded.graph;
     let mut faults = Vec::new();
@@ -83,10 +85,10 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let frame = args.frame.unwrap_or(graph.frames().0);
     if let Some(out) = &args.out {
         // A search takes minutes: what it could not write is told before it.
-        let all: Vec<usize> = (0..graph.outputs().len()).collect();
-        faults.extend(InputFiles::new(&args.graph, graph, &all, &[frame]).refusal(out));
-        faults.extend(check_destination(out).err().map(Failure::from));
+        let inputs = InputFiles::new(graph, &[frame], &[&args.graph]);
+        faults.extend(args.files.over.refusal(out, &inputs));
     }
+    faults.extend(refused(graph, &chosen, &[frame]));
     Failure::all(faults)?;
     let Some(asked) = asked else { return Ok(()) };
     let mut settings = Settings::default();
@@ -94,12 +96,20 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     interrupt::watch()?;
     let mut progress = Progress::new(1, args.quiet);
     progress.begin(0, frame);
-    let target = Target { path: &args.graph, set: &args.set, graph, outputs: &chosen, frame, settings: &settings };
+    let target = Target {
+        reach: &args.files.reach,
+        path: &args.graph,
+        set: &args.set,
+        graph,
+        outputs: &chosen,
+        frame,
+        settings: &settings,
+    };
     let planned = target.search(asked, &progress)?;
     progress.finish();
     let plan = PlanFile::new(graph, frame, asked, &planned);
     if let Some(path) = &args.out {
-        trochoid::write_whole(path, plan.text().as_bytes())?;
+        trochoid::write_guarded(path, plan.text().as_bytes(), args.files.over.overwrite)?;
     }
     if args.json {
         return shell::print(&plan.text());
@@ -109,6 +119,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
 
 /// What is to meet a tolerance.
 pub(crate) struct Target<'a> {
+    pub(crate) reach: &'a Reach,
     pub(crate) path: &'a Path,
     pub(crate) set: &'a [String],
     /// The document as `set` has it.
@@ -122,7 +133,7 @@ impl Target<'_> {
     /// The settings.
     pub(crate) fn search(&self, tolerance: Tolerance, monitor: &dyn Monitor) -> Result<Planned, Failure> {
         let outputs: Vec<&str> = self.outputs.iter().map(|index| self.graph.outputs()[*index].name.as_str()).collect();
-        let load = |more: &[String]| trochoid::load(self.path, &[self.set, more].concat());
+        let load = |more: &[String]| self.reach.load(self.path, &[self.set, more].concat());
         let request = Request { outputs: &outputs, frame: self.frame, tolerance, settings: self.settings };
         accuracy::plan(&load, &request, monitor).map_err(|error| match error {
             TargetError::Load(error) => error.into(),

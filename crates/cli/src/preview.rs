@@ -1,13 +1,13 @@
 //! `trochoid preview`: frames of an output, small, as one animated picture; or one frame as a still.
 
 use crate::failure::{FAILED, Failure, INTERRUPTED};
-use crate::inputs::InputFiles;
+use crate::files::{Files, refused};
 use crate::progress::Progress;
 use crate::shell::{self, printable};
-use crate::{frames, interrupt, outputs};
+use crate::{frames, interrupt, outputs, webp};
 use std::path::PathBuf;
 use trochoid::io::{PngImage, Samples, write_png8};
-use trochoid::{Buffers, Cache, CheckedGraph, Diagnostic, EvalError, Kind, Picture, Plan, Settings, check_destination};
+use trochoid::{Buffers, Cache, CheckedGraph, Diagnostic, EvalError, InputFiles, Kind, Picture, Plan, Settings, mark};
 use webp_animation::{ColorMode, Encoder, EncoderOptions, EncodingConfig};
 
 /// Options of `trochoid preview`.
@@ -41,6 +41,8 @@ pub(crate) struct Args {
     /// Set a knob or port; VALUE is JSON or a bare word, such as storm.height=3
     #[arg(long, value_name = "NODE.KNOB=VALUE")]
     set: Vec<String>,
+    #[command(flatten)]
+    files: Files,
     /// Show no progress
     #[arg(long)]
     quiet: bool,
@@ -54,7 +56,7 @@ const LARGEST: u32 = 16_383;
 /// # Errors
 /// Everything that is wrong beforehand, at once; later, what stopped the run. Then nothing is written.
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
-    let loaded = trochoid::load(&args.graph, &args.set)?;
+    let loaded = args.files.load(&args.graph, &args.set)?;
     shell::tell(&loaded.warnings.iter().map(Diagnostic::to_string).collect::<Vec<_>>());
     let graph = &loaded.graph;
     let mut faults = Vec::new();
@@ -62,7 +64,9 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let chosen = choose_frames(graph, args.frames.as_deref(), &mut faults);
     let size = [graph.format().width(), graph.format().height()].map(|size| size.div_ceil(u32::from(args.shrink)));
     look(args, graph, output, chosen.len(), size, &mut faults);
-    faults.extend(InputFiles::new(&args.graph, graph, &[output], &chosen).refusal(&args.out));
+    faults.extend(refused(graph, &[output], &chosen));
+    let inputs = InputFiles::new(graph, &chosen, &[&args.graph]);
+    faults.extend(args.files.over.refusal(&args.out, &inputs));
     Failure::all(faults)?;
     interrupt::watch()?;
 
@@ -77,8 +81,8 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     if ends(args, "png") {
         let channels = small(0)?;
         let channels = channels.each_ref().map(|channel| Samples::contiguous(channel));
-        let image = PngImage { clamp: true, ..PngImage::new(size[0], size[1], channels) };
-        write_png8(&args.out, &image).map_err(|error| Failure::new(FAILED, error))?;
+        let image = PngImage { clamp: true, metadata: vec![mark()], ..PngImage::new(size[0], size[1], channels) };
+        write_png8(args.files.over.target(&args.out), &image).map_err(|error| Failure::new(FAILED, error))?;
     } else {
         let cannot = |error: webp_animation::Error| Failure::new(FAILED, format!("{}: {error}", args.out.display()));
         let encoding = Some(EncodingConfig::new_lossy(f32::from(args.quality)));
@@ -91,7 +95,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
             encoder.add_frame(&bytes(&small(index)?), *time).map_err(cannot)?;
         }
         let file = encoder.finalize(times[chosen.len()]).map_err(cannot)?;
-        trochoid::write_whole(&args.out, &file)?;
+        trochoid::write_guarded(&args.out, &webp::marked(&file, size), args.files.over.overwrite)?;
     }
     progress.finish();
     if args.quiet {
@@ -138,7 +142,6 @@ fn look(args: &Args, graph: &CheckedGraph, output: usize, frames: usize, size: [
         let message = format!("--out {}: found another ending; expected .webp or .png", args.out.display());
         faults.push(Failure::usage(message, "name the file for example storm.webp"));
     }
-    faults.extend(check_destination(&args.out).err().map(Failure::from));
 }
 
 fn render(
@@ -220,7 +223,17 @@ mod tests {
         let graph = folder.join("graph.json");
         std::fs::write(&graph, GRAPH).unwrap();
         let out = folder.join(out);
-        Args { graph, output: None, frames: None, shrink: 2, quality: 90, out, set: Vec::new(), quiet: true }
+        Args {
+            graph,
+            output: None,
+            frames: None,
+            shrink: 2,
+            quality: 90,
+            out,
+            set: Vec::new(),
+            files: Files::default(),
+            quiet: true,
+        }
     }
 
     #[test]

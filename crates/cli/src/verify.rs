@@ -5,11 +5,13 @@
 //! weight_sum_max_deviation}`, empty where nothing was evaluated; `failures`, a list of `{place, found, expected}`.
 
 use crate::failure::{Failure, MISSED};
+use crate::files::Reach;
 use crate::interrupt;
 use crate::progress::Progress;
 use crate::shell::{self, print_json, printable};
 use serde_json::{Value, json};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use trochoid::Access;
 use trochoid::certificate::{Certificate, Choice, Findings, Request, Verification, verify};
 
 /// Options of `trochoid verify`.
@@ -42,6 +44,8 @@ pub(crate) struct Args {
     /// Set a knob or port of that document, as for `render`; may be repeated
     #[arg(long, value_name = "NODE.KNOB=VALUE", requires = "document")]
     set: Vec<String>,
+    #[command(flatten)]
+    reach: Reach,
     /// Print nothing on stdout, and show no progress
     #[arg(long, conflicts_with = "json")]
     quiet: bool,
@@ -55,7 +59,8 @@ pub(crate) struct Args {
 /// # Errors
 /// It does not hold, which is said line by line; or a file cannot be read.
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
-    let document = args.document.as_ref().map(|path| trochoid::load(path, &args.set)).transpose()?;
+    let document = args.document.as_ref().map(|path| args.reach.load(path, &args.set)).transpose()?;
+    let access = access(args);
     let choice = if args.all { Choice::All } else { Choice::Some(args.pixels) };
     interrupt::watch()?;
     let mut progress = Progress::new(1, args.quiet);
@@ -68,6 +73,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
         image: &args.image,
         choice,
         document: document.as_ref().map(|loaded| &loaded.graph),
+        access: Some(&access),
     };
     let found = verify(&request, &progress);
     progress.finish();
@@ -83,6 +89,13 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let last =
         Failure::new(MISSED, format!("{}: does not hold for {}", args.certificate.display(), args.image.display()));
     Failure::all(failures.chain([last]))
+}
+
+/// What the document in the certificate may reach: it stands in the certificate's folder, or where the user says that it does.
+fn access(args: &Args) -> Access {
+    let folder = |path: &PathBuf| path.parent().map(Path::to_path_buf).unwrap_or_default();
+    let access = args.reach.access(&folder(&args.certificate));
+    args.document.iter().fold(access, |access, document| access.allowing(&folder(document)))
 }
 
 fn count(number: u64, of: u64, what: &str) -> String {

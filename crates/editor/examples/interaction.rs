@@ -117,6 +117,8 @@ fn median(mut runs: Vec<(Duration, Duration)>) -> (Duration, Duration) {
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    // What scenes read lies beneath it.
+    std::env::set_current_dir(&root)?;
     let mut window = Window::new(Session::new(chain(500), None))?;
     window.finished();
     for idle in [true, false] {

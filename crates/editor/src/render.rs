@@ -7,8 +7,8 @@ use std::sync::atomic::{AtomicBool, AtomicU32, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
 use trochoid::{
-    Buffers, Cache, CheckedGraph, EvalError, Monitor, Plan, Settings, check_destination, misses, output_files,
-    write_output,
+    Buffers, Cache, CheckedGraph, EvalError, InputFiles, Monitor, Plan, Settings, check_destinations, check_replaced,
+    misses, output_files, refused_files, write_output,
 };
 
 /// A run.
@@ -63,14 +63,20 @@ impl Renderer {
                 output_files(&graph, &outputs, frame, frames.len() > 1, None).map_err(|fault| fault.to_string())?;
             named.extend(files.into_iter().map(|file| file.path));
         }
-        let document = std::path::absolute(graph.name()).ok();
-        for path in &named {
-            if std::path::absolute(path).ok() == document {
-                return Err(format!("{}: is the document itself; give the output another file", path.display()));
-            }
+        let inputs = InputFiles::new(&graph, &frames, &[Path::new(graph.name())]);
+        if let Some(path) = named.iter().find(|path| inputs.contains(path)) {
+            return Err(format!(
+                "{}: is the document, or a file that it reads; give the output another",
+                path.display()
+            ));
         }
-        named.dedup_by(|a, b| a.parent() == b.parent() && !a.is_dir());
-        named.iter().try_for_each(|path| check_destination(path)).map_err(|fault| fault.to_string())?;
+        if let Some(refused) = refused_files(&graph, &outputs, &frames).first() {
+            return Err(refused.diagnostic().to_string());
+        }
+        named.iter().try_for_each(|path| check_replaced(path, false)).map_err(|fault| fault.to_string())?;
+        if let Some(fault) = check_destinations(named.iter().map(PathBuf::as_path)).first() {
+            return Err(fault.to_string());
+        }
         let shared = Arc::new(Shared { context: Mutex::new(Some(context)), ..Shared::default() });
         let (theirs, total) = (shared.clone(), frames.len());
         let run = move || {

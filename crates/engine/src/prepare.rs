@@ -185,6 +185,12 @@ pub(crate) fn prepare(
     plan.hold(&account)?;
     cache.make_room((plan.settings.memory_limit - account.total()).saturating_add(account.held()));
     cache.trim();
+    // Of what is kept too: another graph may have been allowed to read it.
+    for (id, _) in &plan.prepares {
+        if let Some(refused) = plan.graph.refused(*id, &plan.context) {
+            return Err(EvalError::of(plan.graph, *id, NodeError::new(refused)));
+        }
+    }
     for (((id, wanted), key), known) in plan.prepares.iter().zip(keys).zip(&mut known) {
         if monitor.cancelled() {
             return Err(EvalError::Cancelled);

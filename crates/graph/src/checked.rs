@@ -2,7 +2,7 @@
 //! can stop its evaluation.
 
 use crate::Tolerance;
-use crate::{Body, FrameContext, Item, Kind, NodeId, NodeType, Record, Settled, Source, Takes, Work};
+use crate::{Access, Body, FrameContext, Item, Kind, NodeId, NodeType, Record, Setting, Settled, Source, Takes, Work};
 use std::path::{Path, PathBuf};
 use trochoid_image::{Format, WorkingSpace};
 
@@ -29,6 +29,13 @@ impl CheckedNode {
     /// Line and column of an item's value in the document; those of the node where it is not written.
     pub fn place_of(&self, item: &str) -> [usize; 2] {
         self.places.iter().find(|known| known.0 == item).map_or(self.place, |known| known.1)
+    }
+
+    /// Whether an assignment beside the document, such as `--set`, sets an item.
+    pub fn is_assigned(&self, item: &str) -> bool {
+        // It stands nowhere in the document then.
+        !self.places.iter().any(|known| known.0 == item)
+            && self.record.knobs.iter().any(|(name, value)| *name == item && *value != Setting::Unset)
     }
 
     /// The knob that names a file, if it has one.
@@ -122,6 +129,8 @@ pub struct OutputSpec {
     pub precision: Option<Precision>,
     /// What must hold, or the command fails.
     pub require: Option<Guarantee>,
+    /// Line and column of `file` in the document, or of the output where there is none.
+    pub place: [usize; 2],
 }
 
 /// A validated graph. Made by [`crate::check()`] only.
@@ -140,6 +149,7 @@ pub struct CheckedGraph {
     pub(crate) outputs: Vec<OutputSpec>,
     pub(crate) order: Vec<NodeId>,
     pub(crate) canonical: String,
+    pub(crate) access: Access,
 }
 
 impl CheckedGraph {
@@ -241,6 +251,7 @@ impl CheckedGraph {
             space: self.space,
             folder: self.folder.clone(),
             memory_limit,
+            access: self.access.clone(),
         }
     }
 

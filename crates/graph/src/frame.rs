@@ -1,5 +1,6 @@
 //! What all nodes of one frame share, and how paths name frames.
 
+use crate::{Access, NodeError};
 use std::path::{Path, PathBuf};
 use trochoid_image::{Format, WorkingSpace};
 
@@ -18,6 +19,8 @@ pub struct FrameContext {
     pub folder: PathBuf,
     /// Most memory that decoding one file may take, bytes.
     pub memory_limit: u64,
+    /// Which files the document may reach.
+    pub access: Access,
 }
 
 impl FrameContext {
@@ -26,6 +29,15 @@ impl FrameContext {
         let text = expand_frame(text, self.frame);
         let path = Path::new(&text);
         if path.is_absolute() { path.into() } else { self.folder.join(path) }
+    }
+
+    /// Whether the document may reach a file that another file names. Those that it names itself, and those of
+    /// [`Stage::files`](crate::Stage::files), the engine has asked for.
+    ///
+    /// # Errors
+    /// It may not.
+    pub fn check_file(&self, path: &Path) -> Result<(), NodeError> {
+        self.access.check(path).map_err(|outside| NodeError::new(format!("{}: {outside}", path.display())))
     }
 }
 

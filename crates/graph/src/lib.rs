@@ -9,6 +9,7 @@
 //! is no way to make a weight from a color, and no way to combine colors but by weights that are ≥ 0 and sum
 //! to 1. So every color of an output lies in the convex hull of the control colors, whatever the passes hold.
 
+mod access;
 mod animated;
 mod bound;
 mod build;
@@ -37,6 +38,7 @@ mod stage_io;
 mod tolerance;
 mod work;
 
+pub use access::{Access, Outside, Refused, resolved};
 pub use animated::{Animated, Interpolation};
 pub use bound::{Bound, LITERAL, NoBound, REFERENCE};
 pub use build::{Builder, Mask, Value, Weights, load};

@@ -1,32 +1,48 @@
 //! Files that appear whole or not at all.
 
-use std::collections::BTreeSet;
 use std::fs::{self, File};
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, MutexGuard};
 
 use crate::Error;
+use crate::partial::Temporary;
 
-/// The temporary files of this process. Whoever makes, renames or removes one holds the lock meanwhile.
-static PARTIAL: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
-
-fn partial() -> MutexGuard<'static, BTreeSet<PathBuf>> {
-    PARTIAL.lock().unwrap_or_else(|error| error.into_inner())
+/// Where a file goes, and what it may replace there: by default whatever there is.
+///
+/// ```
+/// use trochoid_io::{Target, write_bytes};
+///
+/// let folder = tempfile::tempdir()?;
+/// let path = folder.path().join("a.txt");
+/// let careful = || Target::from(&path).replacing(|found| std::fs::read(found).is_ok_and(|bytes| bytes == b"old"));
+/// write_bytes(careful(), b"old")?;
+/// write_bytes(careful(), b"new")?;
+/// assert!(write_bytes(careful(), b"newer").is_err());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Target {
+    path: PathBuf,
+    may_replace: Option<fn(&Path) -> bool>,
 }
 
-/// Removes every file that is still being written, for a process that is about to exit without unwinding.
-///
-/// From then on no file appears: threads that would begin or complete one wait for ever, and so do further calls.
-/// Completed files stay as they are.
-pub fn discard_partial_files() {
-    let files = partial();
-    for file in files.iter() {
-        // Nobody is left to be told of a file that cannot be removed.
-        let _ = fs::remove_file(file);
+impl<P: AsRef<Path>> From<P> for Target {
+    fn from(path: P) -> Self {
+        Self { path: path.as_ref().into(), may_replace: None }
     }
-    // Unlocked, another thread could begin the next file before the process ends.
-    std::mem::forget(files);
+}
+
+impl Target {
+    /// The same, which replaces a file only if `may_replace` says so, asked as late as can be.
+    #[must_use]
+    pub fn replacing(self, may_replace: fn(&Path) -> bool) -> Self {
+        Self { may_replace: Some(may_replace), ..self }
+    }
+
+    /// Where.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
 }
 
 /// A file on its way: written under a temporary name in the same folder, until it takes its place.
@@ -35,72 +51,37 @@ pub fn discard_partial_files() {
 pub(crate) struct AtomicFile {
     path: PathBuf,
     target: PathBuf,
+    may_replace: Option<fn(&Path) -> bool>,
     pub(crate) writer: BufWriter<File>,
     temporary: Temporary,
 }
 
-/// The name of a temporary file, registered as long as there is such a file.
-struct Temporary {
-    name: PathBuf,
-    /// `None` once the file has another name.
-    file: Option<tempfile::TempPath>,
-}
-
-impl Temporary {
-    fn create(folder: &Path) -> std::io::Result<(File, Self)> {
-        let mut builder = tempfile::Builder::new();
-        builder.prefix(".trochoid-").suffix(".partial");
-        #[cfg(unix)]
-        {
-            use std::os::unix::fs::PermissionsExt;
-            // A temporary file is private by default; a picture is as readable as the user's other files (umask applies).
-            builder.permissions(fs::Permissions::from_mode(0o666));
-        }
-        let mut names = partial();
-        let (file, temporary) = builder.tempfile_in(folder)?.into_parts();
-        let name = temporary.to_path_buf();
-        names.insert(name.clone());
-        Ok((file, Self { name, file: Some(temporary) }))
-    }
-
-    fn persist(mut self, target: &Path) -> std::io::Result<()> {
-        let _names = partial();
-        // What cannot be renamed is handed back, and removed when `self` goes.
-        match self.file.take().map(|file| file.persist(target)) {
-            Some(Err(failed)) => {
-                self.file = Some(failed.path);
-                Err(failed.error)
-            }
-            _ => Ok(()),
-        }
-    }
-}
-
-impl Drop for Temporary {
-    fn drop(&mut self) {
-        let mut names = partial();
-        drop(self.file.take());
-        names.remove(&self.name);
-    }
-}
-
 impl AtomicFile {
     /// Starts an empty file.
-    pub(crate) fn create(path: &Path) -> Result<Self, Error> {
+    pub(crate) fn create(to: &Target) -> Result<Self, Error> {
+        let path = to.path();
         let target = destination(path)?;
         let (file, temporary) =
             Temporary::create(folder(&target)).map_err(Error::io(path, "create a file in the folder"))?;
-        Ok(Self { path: path.into(), target, writer: BufWriter::new(file), temporary })
+        Ok(Self { path: path.into(), target, may_replace: to.may_replace, writer: BufWriter::new(file), temporary })
     }
 
     /// Puts the finished file in its place.
     pub(crate) fn commit(self) -> Result<(), Error> {
-        let Self { path, target, mut writer, temporary } = self;
+        let Self { path, target, may_replace, mut writer, temporary } = self;
         writer.flush().map_err(Error::io(&path, "write the file"))?;
         // On disk before the name changes: after a power cut the name must not lead to missing bytes.
         writer.get_ref().sync_all().map_err(Error::io(&path, "write the file to disk"))?;
-        drop(writer);
+        if let Some(may_replace) = may_replace
+            && fs::metadata(&target).is_ok_and(|found| found.is_file())
+            && !may_replace(&target)
+        {
+            let expected = "what stands there is not Trochoid's: give another name, or say --overwrite";
+            return Err(Error::unwritable(&path, "the file", expected));
+        }
+        // Open until it has its name: nobody takes a file for dead that is locked.
         temporary.persist(&target).map_err(Error::io(&path, "rename the finished file"))?;
+        drop(writer);
         #[cfg(unix)]
         if let Ok(folder) = File::open(folder(&target)) {
             // Makes the new name itself durable. Some file systems refuse; the picture is complete either way.
@@ -112,10 +93,10 @@ impl AtomicFile {
 
 /// Writes a whole [`AtomicFile`]. If `fill` or any step fails, the old file is untouched.
 pub(crate) fn write_atomically(
-    path: &Path,
+    to: &Target,
     fill: impl FnOnce(&mut BufWriter<File>) -> Result<(), Error>,
 ) -> Result<(), Error> {
-    let mut file = AtomicFile::create(path)?;
+    let mut file = AtomicFile::create(to)?;
     fill(&mut file.writer)?;
     file.commit()
 }
@@ -124,9 +105,9 @@ pub(crate) fn write_atomically(
 ///
 /// # Errors
 /// Something that is no regular file stands there, or the file cannot be written; the old one is untouched then.
-pub fn write_bytes(path: impl AsRef<Path>, bytes: &[u8]) -> Result<(), Error> {
-    let path = path.as_ref();
-    write_atomically(path, |writer| writer.write_all(bytes).map_err(Error::io(path, "write the file")))
+pub fn write_bytes(to: impl Into<Target>, bytes: &[u8]) -> Result<(), Error> {
+    let to = to.into();
+    write_atomically(&to, |writer| writer.write_all(bytes).map_err(Error::io(to.path(), "write the file")))
 }
 
 fn folder(target: &Path) -> &Path {
@@ -160,14 +141,15 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.bin");
         fs::write(&path, "old").unwrap();
-        let failed = write_atomically(&path, |writer| {
+        let failed = write_atomically(&Target::from(&path), |writer| {
             writer.write_all(b"half").unwrap();
             Err(Error::unwritable(&path, "x", "y"))
         });
         assert!(failed.is_err());
         assert_eq!(fs::read(&path).unwrap(), b"old");
         assert_eq!(names(folder.path()), ["a.bin"]);
-        write_atomically(&path, |writer| writer.write_all(b"new").map_err(Error::io(&path, "write"))).unwrap();
+        write_atomically(&Target::from(&path), |writer| writer.write_all(b"new").map_err(Error::io(&path, "write")))
+            .unwrap();
         assert_eq!(fs::read(&path).unwrap(), b"new");
         assert_eq!(names(folder.path()), ["a.bin"]);
     }
@@ -175,9 +157,9 @@ mod tests {
     #[test]
     fn folders_and_missing_folders_are_refused() {
         let folder = tempfile::tempdir().unwrap();
-        assert!(matches!(write_atomically(folder.path(), |_| Ok(())), Err(Error::Unwritable { .. })));
+        assert!(matches!(write_atomically(&folder.path().into(), |_| Ok(())), Err(Error::Unwritable { .. })));
         let missing = folder.path().join("no/such/a.bin");
-        assert!(matches!(write_atomically(&missing, |_| Ok(())), Err(Error::Io { .. })));
+        assert!(matches!(write_atomically(&Target::from(&missing), |_| Ok(())), Err(Error::Io { .. })));
     }
 
     #[cfg(unix)]
@@ -188,7 +170,8 @@ mod tests {
         let (target, link) = (folder.path().join("target"), folder.path().join("link"));
         fs::write(&target, "old").unwrap();
         std::os::unix::fs::symlink(&target, &link).unwrap();
-        write_atomically(&link, |writer| writer.write_all(b"new").map_err(Error::io(&link, "write"))).unwrap();
+        write_atomically(&Target::from(&link), |writer| writer.write_all(b"new").map_err(Error::io(&link, "write")))
+            .unwrap();
         assert_eq!(fs::read(&target).unwrap(), b"new");
         assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
         let plain = folder.path().join("plain");

@@ -39,6 +39,7 @@ mod info;
 mod limits;
 mod metadata;
 mod names;
+mod partial;
 mod picture;
 mod png_file;
 mod raster;
@@ -47,7 +48,7 @@ mod selection;
 mod source;
 mod statistics;
 
-pub use atomic::{discard_partial_files, write_bytes};
+pub use atomic::{Target, write_bytes};
 pub use describe::describe;
 pub use error::Error;
 pub use exr_file::{
@@ -56,6 +57,7 @@ pub use exr_file::{
 pub use info::{ChannelInfo, Compression, FileKind, Info, Levels, PartInfo, SampleType, Storage, info, kind};
 pub use limits::Limits;
 pub use metadata::read_metadata;
+pub use partial::{clear_partial_files, discard_partial_files};
 pub use picture::{Encoding, Picture, PictureChannel, PictureInfo, read};
 pub use png_file::{PngImage, encode_png8, write_png8, write_png16};
 pub use samples::Samples;

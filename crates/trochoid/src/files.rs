@@ -1,8 +1,11 @@
 //! Where files go: looked at before anything is evaluated, and written whole or not at all.
 
-use crate::OutputError;
+use crate::{OutputError, is_ours};
+use std::collections::HashSet;
 use std::fs;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
+use trochoid_io::Target;
 
 /// The folder of a file; the current one for a bare name.
 fn folder_of(path: &Path) -> &Path {
@@ -21,26 +24,78 @@ fn refuse(path: &Path, reason: impl ToString) -> OutputError {
 /// Its folder need not exist: what counts then is the nearest one above that does.
 ///
 /// # Errors
-/// Something else stands in its place, or its folder takes no files.
+/// Something else stands in its place, no file can have that name, or its folder takes no files.
 pub fn check_destination(path: &Path) -> Result<(), OutputError> {
+    check_destinations([path]).pop().map_or(Ok(()), Err)
+}
+
+/// The same of many files: every name is looked at, and every folder once.
+pub fn check_destinations<'p>(paths: impl IntoIterator<Item = &'p Path>) -> Vec<OutputError> {
+    let mut folders = HashSet::new();
+    let fault = |path: &'p Path| {
+        let checked = check_name(path).and_then(|folder| match folders.insert(folder.clone()) {
+            true => check_folder(path, &folder),
+            false => Ok(()),
+        });
+        checked.err()
+    };
+    paths.into_iter().filter_map(fault).collect()
+}
+
+/// The nearest folder above a file that exists, where a file can have that name.
+fn check_name(path: &Path) -> Result<PathBuf, OutputError> {
     if path.is_dir() {
         return Err(refuse(path, "is a folder; name a file"));
     }
     let mut folder: PathBuf = folder_of(path).into();
+    let mut names = vec![path.file_name().unwrap_or_default().to_owned()];
     while fs::symlink_metadata(&folder).is_err() {
+        names.extend(folder.file_name().map(ToOwned::to_owned));
         // A path of missing folders alone starts at the current one.
         folder = match folder.parent() {
             Some(above) if !above.as_os_str().is_empty() => above.into(),
             _ => ".".into(),
         };
     }
+    // Looked up where they will stand, or where their folders will: the system says which names it does not take.
+    let lookups = names.iter().map(|name| folder.join(name)).chain([path.into()]);
+    for error in lookups.filter_map(|path| fs::symlink_metadata(path).err()) {
+        if matches!(error.kind(), ErrorKind::InvalidFilename | ErrorKind::InvalidInput) {
+            return Err(refuse(path, format!("cannot be the name of a file there: {error}; give a shorter one")));
+        }
+    }
+    Ok(folder)
+}
+
+fn check_folder(path: &Path, folder: &Path) -> Result<(), OutputError> {
     if !folder.is_dir() {
         return Err(refuse(path, format!("{} is no folder", folder.display())));
     }
-    match tempfile::tempfile_in(&folder) {
-        Ok(_) => Ok(()),
-        Err(error) => Err(refuse(path, format!("the folder {} takes no files: {error}", folder.display()))),
-    }
+    let cannot = |error| refuse(path, format!("the folder {} takes no files: {error}", folder.display()));
+    tempfile::tempfile_in(folder).map(drop).map_err(cannot)
+}
+
+/// Whether what stands at a path may be replaced: nothing, a file that Trochoid [wrote](is_ours), or, with `overwrites`, any.
+///
+/// # Errors
+/// It is another file.
+pub fn check_replaced(path: &Path, overwrites: bool) -> Result<(), OutputError> {
+    let is_file = fs::metadata(path).is_ok_and(|found| found.is_file());
+    if overwrites || !is_file || is_ours(path) { Ok(()) } else { Err(OutputError::Foreign { path: path.into() }) }
+}
+
+/// Where a file goes, over none but [ours](is_ours) unless `overwrites`: asked when the file is done.
+pub(crate) fn target(path: &Path, overwrites: bool) -> Target {
+    let target = Target::from(path);
+    if overwrites { target } else { target.replacing(is_ours) }
+}
+
+/// As [`write_whole`], over none but [our own files](is_ours) unless `overwrites`.
+///
+/// # Errors
+/// As [`write_whole`]; another file stands there.
+pub fn write_guarded(path: &Path, bytes: &[u8], overwrites: bool) -> Result<(), OutputError> {
+    write(path, bytes, target(path, overwrites))
 }
 
 /// Writes a file that appears whole or not at all; folders are made. What is no regular file (a pipe, a device) is
@@ -49,6 +104,10 @@ pub fn check_destination(path: &Path) -> Result<(), OutputError> {
 /// # Errors
 /// The folder cannot be made, or the file cannot be written.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), OutputError> {
+    write(path, bytes, path.into())
+}
+
+fn write(path: &Path, bytes: &[u8], target: Target) -> Result<(), OutputError> {
     let cannot = |error: std::io::Error| refuse(path, format!("cannot be written: {error}"));
     match fs::metadata(path) {
         Ok(found) if !found.is_file() => fs::write(path, bytes).map_err(cannot),
@@ -56,7 +115,7 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), OutputError> {
             if found.is_err() {
                 fs::create_dir_all(folder_of(path)).map_err(cannot)?;
             }
-            Ok(trochoid_io::write_bytes(path, bytes)?)
+            Ok(trochoid_io::write_bytes(target, bytes)?)
         }
     }
 }
@@ -75,6 +134,36 @@ mod tests {
         fs::write(folder.path().join("file"), "").expect("written");
         let error = check_destination(&folder.path().join("file/a.exr")).expect_err("below a file");
         assert!(error.to_string().contains("is no folder"), "{error}");
+    }
+
+    #[test]
+    fn names_that_a_system_does_not_take_are_told_without_a_trace() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let long = "n".repeat(300);
+        for name in [format!("{long}.exr"), format!("new/{long}.exr"), format!("new/{long}/a.exr")] {
+            let error = check_destination(&folder.path().join(&name)).expect_err(&name).to_string();
+            assert!(error.contains("shorter"), "{error}");
+        }
+        check_destination(&folder.path().join(format!("new/{}.exr", "n".repeat(200)))).expect("can be made");
+        let deep = folder.path().join("deep/".repeat(1000)).join("a.exr");
+        assert!(check_destination(&deep).is_err());
+        assert_eq!(fs::read_dir(folder.path()).expect("there").count(), 0);
+    }
+
+    #[test]
+    fn files_of_others_are_not_replaced_unasked() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("a.json");
+        fs::write(&path, "theirs").expect("written");
+        assert!(matches!(check_replaced(&path, false), Err(OutputError::Foreign { .. })));
+        check_replaced(&path, true).expect("asked for");
+        let error = write_guarded(&path, b"{}", false).expect_err("theirs").to_string();
+        assert!(error.contains("--overwrite"), "{error}");
+        assert_eq!(fs::read_to_string(&path).expect("there"), "theirs");
+        let ours = format!("{{\"trochoid\": \"{}\"}}", crate::VERSION);
+        write_guarded(&path, ours.as_bytes(), true).expect("asked for");
+        write_guarded(&path, ours.as_bytes(), false).expect("ours");
+        assert_eq!(fs::read_dir(folder.path()).expect("there").count(), 1);
     }
 
     #[test]

@@ -39,16 +39,21 @@
 //! | `io` | Read, Texture, ViewFromPasses, nor writing of files, nor [`certificate`]; `io` brings `scene` |
 //! | `jit` | machine code for pointwise programs: they run as compiled kernels, with the same bits |
 
+mod access;
 pub mod accuracy;
 #[cfg(feature = "io")]
 pub mod certificate;
 mod costs;
 #[cfg(feature = "io")]
 mod files;
+#[cfg(feature = "io")]
+mod inputs;
 mod judge;
 mod load;
 #[cfg(feature = "machine")]
 mod machine;
+#[cfg(feature = "io")]
+mod marks;
 #[cfg(feature = "io")]
 mod output;
 mod report;
@@ -58,13 +63,18 @@ mod stability;
 #[cfg(feature = "io")]
 mod stream;
 
+pub use access::refused_files;
 pub use costs::{Cost, Costs, MeasureError, measure};
 #[cfg(feature = "io")]
-pub use files::{check_destination, write_whole};
+pub use files::{check_destination, check_destinations, check_replaced, write_guarded, write_whole};
+#[cfg(feature = "io")]
+pub use inputs::InputFiles;
 pub use judge::{Miss, guarantee, held, misses, requirement};
 pub use load::{LoadError, Loaded, load, missing_files, parse, registry};
 #[cfg(feature = "machine")]
 pub use machine::memory_share;
+#[cfg(feature = "io")]
+pub use marks::{GENERATOR, TABLE, is_ours, mark};
 #[cfg(feature = "io")]
 pub use output::{OutputError, OutputFile, companion_files, output_files, write_output};
 pub use report::{RunReport, RunStatus, frame_report};
@@ -80,17 +90,17 @@ pub use trochoid_engine::{
     ShadingPlan, Silent, Sink, State, Switches, Taker,
 };
 pub use trochoid_graph::{
-    Accepts, Animated, Arity, CheckedGraph, CheckedNode, Declaration, Default as KnobDefault, Diagnostic, End,
+    Accepts, Access, Animated, Arity, CheckedGraph, CheckedNode, Declaration, Default as KnobDefault, Diagnostic, End,
     FORMAT_VERSION, Figure, Guarantee, Harmonic, Interpolation, Item, Kind, Knob, List, MemoryUse, NodeId, NodeType,
-    Omission, OutputSpec, Port, Precision, REFUSALS, Refusal, Registry, Relation, Severity, Source, Spectrum,
-    Stability, StabilityMap, Takes, Tolerance, Verdict, ViewChannel, Work, expand_frame, expected, in_bytes, nearest,
-    refusal, schema,
+    Omission, OutputSpec, Outside, Port, Precision, REFUSALS, Refusal, Refused, Registry, Relation, Severity, Source,
+    Spectrum, Stability, StabilityMap, Takes, Tolerance, Verdict, ViewChannel, Work, expand_frame, expected, in_bytes,
+    nearest, refusal, schema,
 };
 pub use trochoid_image::{Format, Plane, Rgb, Shading, Window, WorkingSpace, srgb_decode, srgb_encode};
 #[cfg(feature = "io")]
 pub use trochoid_io as io;
 #[cfg(feature = "io")]
-pub use trochoid_io::discard_partial_files;
+pub use trochoid_io::{clear_partial_files, discard_partial_files};
 pub use trochoid_memory::{Exhausted, Heap, exit_at_once};
 
 /// The version of Trochoid.

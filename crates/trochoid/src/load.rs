@@ -40,6 +40,10 @@ fn list(diagnostics: &[Diagnostic]) -> String {
 
 /// Loads and checks a document. Each of `set` is an assignment `NODE.KNOB=VALUE`, applied in order.
 ///
+/// The document may make the program read and write files beneath its own folder and, where that lies beneath the current
+/// one, beneath that ([`Access::usual`](crate::Access::usual)), and files that `set` names; evaluation refuses others. Another
+/// rule is set by [`CheckedGraph::with_access`].
+///
 /// # Errors
 /// The file cannot be read, or the document is invalid.
 pub fn load(path: &Path, set: &[String]) -> Result<Loaded, LoadError> {
@@ -85,7 +89,8 @@ fn invalid(file: String, place: (usize, usize), found: String, expected: String,
     }])
 }
 
-/// Checks a document's text; `name` stands for it in diagnostics, paths in it are relative to `folder`.
+/// Checks a document's text; `name` stands for it in diagnostics, paths in it are relative to `folder`. Which files it may
+/// reach is as for [`load`].
 ///
 /// # Errors
 /// The document is invalid.

@@ -1,8 +1,11 @@
 //! From evaluated frames to files.
 
+use crate::files::target;
+use crate::marks::with_mark;
+use crate::stream::reserved;
 use std::path::{Component, Path, PathBuf};
 use trochoid_engine::{Frame, Picture};
-use trochoid_graph::{CheckedGraph, Kind, OutputSpec, Precision, expand_frame};
+use trochoid_graph::{CheckedGraph, Kind, OutputSpec, Precision, Refused, expand_frame};
 use trochoid_image::{Plane, Window, WorkingSpace};
 use trochoid_io::{ExrChannel, ExrImage, PngImage, SampleType, Samples, write_exr, write_png8, write_png16};
 
@@ -24,6 +27,18 @@ pub enum OutputError {
     /// The file cannot be written.
     #[error(transparent)]
     Io(#[from] trochoid_io::Error),
+    /// The document wants it where it may not write.
+    #[error("{}", .0.diagnostic())]
+    Refused(Box<Refused>),
+    /// Trochoid did not write the file that is there.
+    #[error(
+        "{}: is there already, and Trochoid did not write it\n  remedy: give another name, or replace it with --overwrite",
+        path.display()
+    )]
+    Foreign {
+        /// The file.
+        path: PathBuf,
+    },
     /// No file can be written there.
     #[error("{}: {reason}", path.display())]
     Destination {
@@ -49,7 +64,8 @@ pub enum OutputError {
 /// that name the same file share it as layers.
 ///
 /// # Errors
-/// A pattern that gives several outputs, or several frames, one name; an ending that cannot be written.
+/// A pattern that gives several outputs, or several frames, one name; an ending that cannot be written; a file of the
+/// document where it may not write.
 pub fn output_files(
     graph: &CheckedGraph,
     outputs: &[usize],
@@ -74,6 +90,7 @@ pub fn output_files(
         ));
     }
     let mut files: Vec<OutputFile> = Vec::new();
+    let mut refused = None;
     for &index in outputs {
         let spec = &graph.outputs()[index];
         let own = spec.file.as_deref();
@@ -93,7 +110,11 @@ pub fn output_files(
             refuse(format!("output \"{}\" is a {}, which PNG cannot hold: write it as .exr", spec.name, spec.kind));
         }
         let relative = PathBuf::from(expand_frame(&template, frame));
-        let path = if pattern.is_none() && own.is_some() { graph.folder().join(relative) } else { relative };
+        let asked = pattern.is_none() && own.is_some();
+        let path = if asked { graph.folder().join(relative) } else { relative };
+        if asked && refused.is_none() {
+            refused = graph.check_written(spec, &path).err();
+        }
         let path = normalized(&path);
         match files.iter_mut().find(|file| file.path == path) {
             Some(file) => {
@@ -113,7 +134,11 @@ pub fn output_files(
             refuse(format!("{}: two outputs are the layer \"{}\": name another", file.path.display(), pair[0]));
         }
     }
-    if faults.is_empty() { Ok(files) } else { Err(OutputError::Pattern(faults)) }
+    match refused {
+        _ if !faults.is_empty() => Err(OutputError::Pattern(faults)),
+        Some(refused) => Err(OutputError::Refused(refused)),
+        None => Ok(files),
+    }
 }
 
 /// Names a further file for each file of a frame, such as its certificate.
@@ -195,10 +220,11 @@ fn layer<'s>(spec: &'s OutputSpec, file: &OutputFile) -> &'s str {
 /// Writes one file of an evaluated frame; it appears whole or not at all. Folders are made.
 ///
 /// EXR holds linear light in the primaries of the working space (a display-encoded `srgb` is decoded), so that
-/// any reader shows it right. PNG is encoded as sRGB.
+/// any reader shows it right. PNG is encoded as sRGB. Either says in its metadata that Trochoid made it, and takes the place
+/// of no other file unless the graph's [rule](trochoid_graph::Access::overwrites) says so.
 ///
 /// # Errors
-/// A value that the file's precision cannot hold, or input and output.
+/// A value that the file's precision cannot hold, or input and output; a file of others is there.
 pub fn write_output(
     graph: &CheckedGraph,
     frame: &Frame,
@@ -207,6 +233,7 @@ pub fn write_output(
 ) -> Result<(), OutputError> {
     folder_of_file(&file.path)?;
     let is_png = file.path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("png"));
+    let metadata = &with_mark(metadata);
     if is_png { write_png(graph, frame, file, metadata) } else { write_layers(graph, frame, file, metadata) }
 }
 
@@ -263,9 +290,11 @@ fn write_layers(
         data: frame.window,
         channels,
         metadata: metadata.to_vec(),
+        // As in a file that is written while its rows are made: which way it came about must not show.
+        reserved: reserved(chosen.iter().map(|(spec, _)| *spec)),
         chromaticities: chosen.iter().any(|(_, p)| p.kind == Kind::Color).then(|| graph.space().chromaticities()),
     };
-    Ok(write_exr(&file.path, &image)?)
+    Ok(write_exr(target(&file.path, graph.access().overwrites()), &image)?)
 }
 
 fn write_png(
@@ -283,9 +312,10 @@ fn write_png(
     let channels = samples_of(&picture.planes, encoded.as_ref());
     let mut image = PngImage::new(window.width() as u32, window.height() as u32, channels);
     image.metadata = metadata.to_vec();
+    let target = target(&file.path, graph.access().overwrites());
     match spec.precision {
-        Some(Precision::Uint16) => write_png16(&file.path, &image)?,
-        _ => write_png8(&file.path, &image)?,
+        Some(Precision::Uint16) => write_png16(target, &image)?,
+        _ => write_png8(target, &image)?,
     }
     Ok(())
 }

@@ -122,8 +122,14 @@ pub fn frame_report(graph: &CheckedGraph, frame: &Frame, write_seconds: f64) -> 
 /// renders make equal files.
 #[cfg(feature = "io")]
 pub(crate) fn plan_summary(frame: &Frame) -> String {
-    let count = |name: &str| frame.nodes.iter().filter(|node| node.state.name() == name).count();
-    format!("{} nodes evaluated, {} left out", count("evaluated") + count("cached"), count("left_out"))
+    summary_of(frame.nodes.iter().map(|node| matches!(node.state, State::LeftOut(_))))
+}
+
+/// The same of all nodes, told for each whether it is left out.
+#[cfg(feature = "io")]
+pub(crate) fn summary_of(left_out: impl Iterator<Item = bool>) -> String {
+    let (out, kept): (Vec<bool>, Vec<bool>) = left_out.partition(|out| *out);
+    format!("{} nodes evaluated, {} left out", kept.len(), out.len())
 }
 
 /// JSON has no infinity: the smallest weight of a picture without weights, and the like, become null.

@@ -1,45 +1,82 @@
 //! What a picture was made from, as a hash: the key of `--resume`.
 
-use crate::{OutputFile, VERSION, held, requirement};
+use crate::{Frame, OutputFile, Plan, Settings, Switches, VERSION, held, requirement};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
-use trochoid_graph::{CheckedGraph, Guarantee};
+use trochoid_graph::{CheckedGraph, Guarantee, NodeId};
 
 /// The metadata entry that holds the fingerprint.
-const KEY: &str = "trochoid:fingerprint";
+pub(crate) const KEY: &str = "trochoid:fingerprint";
 /// The metadata entry that holds the weakest guarantee found to hold on a color of the file.
 const HELD: &str = "trochoid:held";
 
 /// Fingerprints of the files of a run; hashes every input file once.
 #[derive(Debug, Default)]
 pub struct Fingerprints {
+    settings: Settings,
+    by_reference: bool,
     inputs: HashMap<PathBuf, String>,
 }
 
 impl Fingerprints {
-    /// No file hashed yet.
+    /// Of a run with the usual settings; no file hashed yet.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// The hash of everything that a file's pixels depend on: version, document (`--set` included), frame,
-    /// outputs, and the contents of all input files. An input that cannot be read counts as such.
+    /// Of a run with these settings.
+    pub fn with(settings: &Settings) -> Self {
+        Self { settings: settings.clone(), ..Self::default() }
+    }
+
+    /// Of a run whose pictures come [from the references](Plan::evaluate_by_reference).
+    #[must_use]
+    pub fn by_reference(self, by_reference: bool) -> Self {
+        Self { by_reference, ..self }
+    }
+
+    /// The hash of everything that a file's bytes depend on: versions of program and nodes, document (`--set` included),
+    /// frame, outputs, settings that the picture or its metadata show, and the contents of all input files. An input that
+    /// cannot be read counts as such.
     pub fn of(&mut self, graph: &CheckedGraph, file: &OutputFile, frame: i64) -> String {
         let context = graph.frame_context(frame, u64::MAX);
         let roots = file.outputs.iter().map(|index| graph.outputs()[*index].node);
-        let files = graph.files(&graph.reached(roots, frame), &context);
+        let reached = graph.reached(roots, frame);
         let mut hasher = blake3::Hasher::new();
         hasher.update(format!("{VERSION} {} {frame} {:?}", graph.document_hash(), file.outputs).as_bytes());
-        hasher.update(format!("{:?}", graph.format()).as_bytes());
-        for path in files {
-            let hash = self.inputs.entry(path.clone()).or_insert_with(|| {
-                let mut hasher = blake3::Hasher::new();
-                let read = std::fs::File::open(&path).and_then(|mut file| std::io::copy(&mut file, &mut hasher));
-                read.map_or_else(|error| error.to_string(), |_| hasher.finalize().to_hex().to_string())
-            });
+        hasher.update(format!("{:?} {}", graph.format(), self.shown()).as_bytes());
+        for id in graph.order().iter().filter(|id| reached[id.0]) {
+            let declaration = graph.node(*id).ty.declaration();
+            hasher.update(format!(" {} {}", declaration.name, declaration.revision).as_bytes());
+        }
+        // What the document may not read is not read for this either.
+        let may_read = |(index, reached): (usize, bool)| reached && graph.refused(NodeId(index), &context).is_none();
+        let may_read: Vec<bool> = reached.into_iter().enumerate().map(may_read).collect();
+        for path in graph.files(&may_read, &context) {
+            let hash = self.inputs.entry(path).or_insert_with_key(|path| hash_of(path));
             hasher.update(hash.as_bytes());
         }
         hasher.finalize().to_hex().to_string()
+    }
+
+    /// What of the settings shows in a file.
+    fn shown(&self) -> String {
+        let Settings { switches, judge, region, .. } = &self.settings;
+        // What is left out is told in the metadata; how the rest is computed is not.
+        let switches = Switches { hoist: true, fuse: true, compile: true, ..*switches };
+        format!("{switches:?} {judge:?} {region:?} {}", self.by_reference)
+    }
+
+    /// What of a file's outputs is needed and left out, whatever else a run evaluates beside them.
+    fn plan_summary(&self, graph: &CheckedGraph, file: &OutputFile, frame: &Frame) -> String {
+        if frame.pictures.iter().all(|picture| file.outputs.contains(&picture.output)) {
+            return crate::report::plan_summary(frame);
+        }
+        let names: Vec<&str> = file.outputs.iter().map(|index| graph.outputs()[*index].name.as_str()).collect();
+        match Plan::new(graph, &names, frame.number, &[], &self.settings) {
+            Ok(plan) => crate::report::summary_of(plan.left_out().iter().map(Option::is_some)),
+            Err(error) => error.to_string(),
+        }
     }
 
     /// Whether the file is there already, made from exactly this, and was found to hold what is required.
@@ -67,7 +104,7 @@ impl Fingerprints {
     }
 
     /// The metadata of a file: what it was made from and what was found on its pixels.
-    pub fn metadata(&mut self, graph: &CheckedGraph, file: &OutputFile, frame: &crate::Frame) -> Vec<(String, String)> {
+    pub fn metadata(&mut self, graph: &CheckedGraph, file: &OutputFile, frame: &Frame) -> Vec<(String, String)> {
         let pictures = || frame.pictures.iter().filter(|picture| file.outputs.contains(&picture.output));
         let held = pictures().filter(|picture| picture.guarantee.is_some()).map(held).min().flatten();
         let guarantees: Vec<String> = pictures()
@@ -83,10 +120,23 @@ impl Fingerprints {
             entry("document", graph.document_hash()),
             entry("frame", frame.number.to_string()),
             entry("workingSpace", graph.space().name().into()),
-            entry("plan", crate::report::plan_summary(frame)),
+            entry("plan", self.plan_summary(graph, file, frame)),
             entry("guarantee", guarantees.join("; ")),
             (HELD.into(), held.map_or("none", Guarantee::name).into()),
             (KEY.into(), self.of(graph, file, frame.number)),
         ]
     }
+}
+
+/// The hash of a file's contents, or why there is none.
+fn hash_of(path: &Path) -> String {
+    let mut hasher = blake3::Hasher::new();
+    let read = std::fs::metadata(path).and_then(|found| {
+        // Opening a pipe would wait for its writer.
+        if !found.is_file() {
+            return Err(std::io::ErrorKind::InvalidInput.into());
+        }
+        std::io::copy(&mut std::fs::File::open(path)?, &mut hasher)
+    });
+    read.map_or_else(|error| error.to_string(), |_| hasher.finalize().to_hex().to_string())
 }

@@ -1,15 +1,22 @@
 //! Files written while their rows are made: memory does not grow with the picture.
 
+use crate::files::target;
+use crate::marks::with_mark;
 use crate::output::{convert, file_channels, folder_of_file};
 use crate::{OutputError, OutputFile};
 use std::sync::{Mutex, PoisonError};
 use trochoid_engine::{EvalError, Plan, Sink};
-use trochoid_graph::{CheckedGraph, Kind};
+use trochoid_graph::{CheckedGraph, Kind, OutputSpec};
 use trochoid_image::{Window, WorkingSpace};
 use trochoid_io::{EncodeScratch, ExrHeader, ExrWriter};
 
 /// Bytes kept free in a header for what is known only at the end, and for each output besides its name.
 const LATE: (usize, usize) = (2048, 64);
+
+/// Bytes kept free in the header of a file of these outputs.
+pub(crate) fn reserved<'s>(outputs: impl Iterator<Item = &'s OutputSpec>) -> usize {
+    LATE.0 + outputs.map(|spec| spec.name.len() + LATE.1).sum::<usize>()
+}
 
 /// The EXR files of one frame, written band by band by [`Plan::evaluate_to`].
 ///
@@ -66,7 +73,7 @@ impl<'g> FileSink<'g> {
                 display: graph.format().window(),
                 data: plan.window(),
                 channels: specs().flat_map(|spec| file_channels(graph, spec, file)).collect(),
-                late_metadata: LATE.0 + specs().map(|spec| spec.name.len() + LATE.1).sum::<usize>(),
+                late_metadata: reserved(specs()),
                 chromaticities: specs().any(|s| s.kind == Kind::Color).then(|| graph.space().chromaticities()),
                 ..ExrHeader::new(plan.window())
             };
@@ -74,7 +81,11 @@ impl<'g> FileSink<'g> {
             let place = |output: &usize| planned.iter().position(|planned| planned == output);
             let outputs = specs().zip(&outputs).filter_map(|(spec, output)| Some((place(output)?, encoded(spec.kind))));
             let outputs = outputs.collect();
-            open.push(Open { file: file.clone(), writer: ExrWriter::create(&file.path, &header)?, outputs });
+            open.push(Open {
+                file: file.clone(),
+                writer: ExrWriter::create(target(&file.path, graph.access().overwrites()), &header)?,
+                outputs,
+            });
         }
         Ok(Some(Self { graph, files: open, spare: Mutex::new(Vec::new()), failure: Mutex::new(None) }))
     }
@@ -94,7 +105,7 @@ impl<'g> FileSink<'g> {
     ) -> Result<(), OutputError> {
         for open in self.files {
             if let Some(metadata) = metadata(&open.file) {
-                open.writer.finish(&metadata)?;
+                open.writer.finish(&with_mark(&metadata))?;
             }
         }
         Ok(())

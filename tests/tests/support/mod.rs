@@ -11,9 +11,11 @@ use trochoid::{
     Switches, parse,
 };
 
-/// The workspace's root.
+/// The workspace's root; from now on the current folder too, so that scenes may read beneath it.
 pub(crate) fn root() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap().into()
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
+    std::env::set_current_dir(root).unwrap();
+    root.into()
 }
 
 /// The graph of a document's text; paths are relative to `folder`.

@@ -9,7 +9,7 @@ use crate::shell::printable;
 use serde_json::{Value, json};
 use std::path::Path;
 use trochoid::accuracy::{PlanFile, Planned, allowed};
-use trochoid::{Certified, CheckedGraph, Kind, LoadError, Settings, Tolerance};
+use trochoid::{Certified, CheckedGraph, Item, Kind, LoadError, Settings, Tolerance};
 
 /// What a run was asked for, and the settings that it has for that.
 #[derive(Default)]
@@ -32,6 +32,7 @@ impl Accuracy {
     ) -> Result<Self, Failure> {
         if let Some(path) = &args.plan {
             let plan = PlanFile::read(path)?;
+            Failure::all(strange(path, &plan, graph))?;
             crate::shell::tell(&doubts(path, &plan, graph, frames));
             return Ok(Self { set: plan.assignments(), ..Self::default() });
         }
@@ -43,7 +44,8 @@ impl Accuracy {
         interrupt::watch()?;
         let mut progress = Progress::new(1, args.quiet);
         progress.begin(0, frame);
-        let target = Target { path: &args.graph, set: &args.set, graph, outputs, frame, settings };
+        let target =
+            Target { reach: &args.files.reach, path: &args.graph, set: &args.set, graph, outputs, frame, settings };
         let planned = target.search(tolerance, &progress)?;
         progress.finish();
         if !args.quiet && !args.json && !args.report_on_stdout() {
@@ -122,6 +124,23 @@ impl Accuracy {
             "took_seconds": seconds,
         })
     }
+}
+
+/// What a plan sets that no plan sets: a plan may come from anywhere, and what is set beside a document is trusted.
+fn strange(path: &Path, plan: &PlanFile, graph: &CheckedGraph) -> Vec<Failure> {
+    let is_accuracy = |knob: &str| {
+        let Some((node, knob)) = knob.split_once('.') else { return true };
+        // What does not fit the document is told when it is set.
+        let Some(id) = graph.find(node) else { return true };
+        let mut items = graph.node(id).ty.declaration().items.iter();
+        items.all(|item| !matches!(item, Item::Knob(found) if found.name == knob && !found.accuracy))
+    };
+    let strange = plan.set.keys().filter(|knob| !is_accuracy(knob));
+    let fault = |knob: &String| {
+        let message = format!("{}: found \"{knob}\" set; expected knobs of accuracy alone", path.display());
+        Failure::usage(message, "plan again, or set it with --set")
+    };
+    strange.map(fault).collect()
 }
 
 /// What a plan was not made for, of that which it is used for.

@@ -4,14 +4,14 @@ use super::Args;
 use super::accuracy::Accuracy;
 use super::job::interrupted;
 use crate::failure::{FAILED, Failure};
-use crate::inputs::InputFiles;
+use crate::files::Over;
 use serde_json::{Value, json};
 use std::collections::HashSet;
 use std::path::PathBuf;
 use trochoid::certificate::{Certificate, Made, certify, error_image};
 use trochoid::{
-    Buffers, Cache, Certified, Certifier, CheckedGraph, EvalError, Fingerprints, Frame, Guarantee, Monitor, OutputFile,
-    Settings, companion_files,
+    Buffers, Cache, Certified, Certifier, CheckedGraph, EvalError, Fingerprints, Frame, Guarantee, InputFiles, Monitor,
+    OutputFile, Settings, companion_files, write_guarded,
 };
 
 /// What is written beside one file, where it is asked for.
@@ -82,6 +82,7 @@ pub(super) struct Certifying<'a> {
     pub(super) graph: &'a CheckedGraph,
     pub(super) settings: &'a Settings,
     pub(super) required: Option<Guarantee>,
+    pub(super) over: Over,
 }
 
 impl Certifying<'_> {
@@ -95,7 +96,7 @@ impl Certifying<'_> {
         fingerprints: &mut Fingerprints,
         monitor: &dyn Monitor,
     ) -> Result<Vec<Certified>, Failure> {
-        let Self { graph, settings, required } = *self;
+        let Self { graph, settings, required, over } = *self;
         if files.is_empty() {
             return Ok(Vec::new());
         }
@@ -120,7 +121,8 @@ impl Certifying<'_> {
             }
             if let Some(path) = &beside.certificate {
                 let made = Made { graph, file, frame, certified: &certified, settings, required };
-                certify(&made, path).map_err(|error| failed(&error))?.write(path)?;
+                let certificate = certify(&made, path).map_err(|error| failed(&error))?;
+                write_guarded(path, certificate.sealed().as_bytes(), over.overwrite)?;
             }
         }
         Ok(certified)

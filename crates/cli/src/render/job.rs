@@ -4,17 +4,17 @@ use super::accuracy::Accuracy;
 use super::certify::{self, Beside, Certifying, Half};
 use super::{Args, line};
 use crate::failure::{FAILED, Failure, INTERRUPTED, MISSED};
-use crate::inputs::InputFiles;
+use crate::files;
 use crate::progress::Progress;
 use crate::{frames, interrupt, outputs};
 use serde_json::{Value, json};
 use std::collections::{BTreeSet, HashSet};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 use trochoid::{
-    Cache, CheckedGraph, EvalError, FileSink, Fingerprints, Frame, Guarantee, Monitor, OutputFile, Plan,
-    ReferenceError, RunReport, Settings, Sink, Switches, Work, check_destination, frame_report, misses, output_files,
-    write_output,
+    Cache, CheckedGraph, EvalError, FileSink, Fingerprints, Frame, Guarantee, InputFiles, Monitor, OutputFile, Plan,
+    ReferenceError, RunReport, Settings, Sink, Switches, Work, check_destinations, clear_partial_files, frame_report,
+    misses, output_files, write_output,
 };
 
 /// How a plan becomes a frame; tests put another in its place.
@@ -29,6 +29,8 @@ pub(super) struct Job<'a> {
     settings: Settings,
     outputs: Vec<usize>,
     frames: Vec<i64>,
+    /// Into which files go.
+    folders: BTreeSet<PathBuf>,
     accuracy: Accuracy,
 }
 
@@ -58,9 +60,9 @@ impl<'a> Job<'a> {
         if args.unoptimized {
             settings.switches = Switches::NONE;
         }
-        let job =
-            Self { graph, args, required: args.required(), settings, outputs, frames, accuracy: Accuracy::default() };
-        job.check_files(faults);
+        let (required, accuracy) = (args.required(), Accuracy::default());
+        let mut job = Self { graph, args, required, settings, outputs, frames, folders: BTreeSet::new(), accuracy };
+        job.folders = job.check_files(faults);
         job
     }
 
@@ -88,8 +90,9 @@ impl<'a> Job<'a> {
         self.args.certificate.is_some() || self.args.error.is_some() || self.accuracy.error().is_some()
     }
 
-    /// Whether every file can be written, and none is an input or the document itself.
-    fn check_files(&self, faults: &mut Vec<Failure>) {
+    /// Whether every file can be written, none is an input or the document itself, and none replaces somebody else's; the
+    /// folders into which they go.
+    fn check_files(&self, faults: &mut Vec<Failure>) -> BTreeSet<PathBuf> {
         let (mut written, mut beside) = (BTreeSet::new(), Vec::new());
         for &frame in &self.frames {
             let files = self.files(frame);
@@ -99,11 +102,17 @@ impl<'a> Job<'a> {
                     written.extend(files.into_iter().map(|file| file.path));
                 }
                 // What is wrong with a pattern is wrong at every frame.
-                Err(fault) => return faults.push(fault),
+                Err(fault) => {
+                    faults.push(fault);
+                    return BTreeSet::new();
+                }
             }
         }
-        let inputs = InputFiles::new(&self.args.graph, self.graph, &self.outputs, &self.frames);
-        faults.extend(written.iter().filter_map(|path| inputs.refusal(path)));
+        faults.extend(files::refused(self.graph, &self.outputs, &self.frames));
+        let read: Vec<&Path> = [self.args.graph.as_path()].into_iter().chain(self.args.plan.as_deref()).collect();
+        let inputs = InputFiles::new(self.graph, &self.frames, &read);
+        let over = self.args.files.over;
+        faults.extend(written.iter().filter_map(|path| files::input(path, &inputs)));
         let mut taken: HashSet<PathBuf> = written.iter().cloned().collect();
         faults.extend(beside.iter().flat_map(|beside| beside.refusals(&inputs, &mut taken)));
         let written: BTreeSet<PathBuf> = taken.into_iter().collect();
@@ -112,10 +121,10 @@ impl<'a> Job<'a> {
             let message = format!("--report {}: is a file of the document or of the run", report.display());
             faults.push(Failure::usage(message, "give the report another name"));
         }
-        // One look at each folder is enough, and one at each place where a folder might stand.
-        let mut folders = HashSet::new();
-        let looked_at = written.iter().filter(|path| path.is_dir() || folders.insert(path.parent())).chain(report);
-        faults.extend(looked_at.filter_map(|path| check_destination(path).err()).map(Failure::from));
+        let all = || written.iter().chain(report).filter(|path| !inputs.contains(path));
+        faults.extend(all().filter_map(|path| over.foreign(path)));
+        faults.extend(check_destinations(all().map(PathBuf::as_path)).into_iter().map(Failure::from));
+        written.iter().chain(report).filter_map(|path| path.parent()).map(Path::to_path_buf).collect()
     }
 
     /// Nodes whose first frame takes so long that it should be said, beside those that checking warned of.
@@ -153,7 +162,9 @@ impl<'a> Job<'a> {
     pub(super) fn run(&self, evaluate: &Evaluate<'_>, report: &mut RunReport) -> Result<(), Failure> {
         let mut progress = Progress::new(self.frames.len(), self.args.quiet);
         let mut cache = Cache::new();
-        let mut fingerprints = Fingerprints::new();
+        let mut fingerprints = Fingerprints::with(&self.settings).by_reference(self.accuracy.by_reference());
+        // What was killed while it wrote there left its half.
+        self.folders.iter().for_each(|folder| clear_partial_files(folder));
         let mut missed = 0;
         // Once is enough for each node.
         let mut told = HashSet::new();
@@ -199,9 +210,7 @@ impl<'a> Job<'a> {
         let beside = self.beside(&all, number)?;
         type Files = Vec<(OutputFile, Beside)>;
         let (current, open): (Files, Files) = all.into_iter().zip(beside).partition(|(file, beside)| {
-            // A file made by faster means is none of the references'.
             self.args.resume
-                && !self.accuracy.by_reference()
                 && fingerprints.is_current(self.graph, file, number, self.required)
                 && (!self.certifies() || beside.is_current(self.graph, file, number, fingerprints))
         });
@@ -261,7 +270,12 @@ impl<'a> Job<'a> {
         if self.certifies() {
             let certifying_started = Instant::now();
             let kept: Vec<(&OutputFile, &Beside)> = open.iter().zip(&beside).filter(|(file, _)| keeps(file)).collect();
-            let run = Certifying { graph: self.graph, settings: &self.settings, required: self.required };
+            let run = Certifying {
+                graph: self.graph,
+                settings: &self.settings,
+                required: self.required,
+                over: self.args.files.over,
+            };
             certified = run.run(&frame, &kept, &self.accuracy, cache, fingerprints, &certifying)?;
             report["seconds"]["certify"] = json!(certifying_started.elapsed().as_secs_f64());
             for certified in &certified {

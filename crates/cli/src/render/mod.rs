@@ -6,6 +6,7 @@ mod job;
 mod line;
 
 use crate::failure::Failure;
+use crate::files::Files;
 use crate::{frames, interrupt, shell};
 use job::Job;
 use std::path::PathBuf;
@@ -69,6 +70,8 @@ pub(crate) struct Args {
     /// Skip frames whose files were made from the same document, --set, inputs and frame
     #[arg(long)]
     resume: bool,
+    #[command(flatten)]
+    files: Files,
     /// Print nothing on stdout, and show no progress
     #[arg(long, conflicts_with = "json")]
     quiet: bool,
@@ -114,7 +117,7 @@ fn run_with(args: &Args, evaluate: &job::Evaluate<'_>) -> Result<(), Failure> {
             None
         }
     };
-    let loaded = match trochoid::load(&args.graph, &args.set) {
+    let loaded = match args.files.load(&args.graph, &args.set) {
         Ok(loaded) => loaded,
         Err(error) => {
             faults.push(error.into());
@@ -131,7 +134,7 @@ fn run_with(args: &Args, evaluate: &job::Evaluate<'_>) -> Result<(), Failure> {
         loaded.graph.clone()
     } else {
         let assignments = [&args.set[..], &accuracy.set].concat();
-        trochoid::load(&args.graph, &assignments).map_err(|error| accuracy.refused(args, error))?.graph
+        args.files.load(&args.graph, &assignments).map_err(|error| accuracy.refused(args, error))?.graph
     };
     let job = Job::new(&settled, args, frames, &mut Vec::new()).with(accuracy);
     interrupt::watch()?;
@@ -148,7 +151,7 @@ fn write_report(args: &Args, report: &RunReport, status: RunStatus) -> Result<()
     if args.report_on_stdout() {
         return shell::print(&text);
     }
-    Ok(trochoid::write_whole(path, text.as_bytes())?)
+    Ok(trochoid::write_guarded(path, text.as_bytes(), args.files.over.overwrite)?)
 }
 
 #[cfg(test)]

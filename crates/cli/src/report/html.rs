@@ -6,8 +6,8 @@ use super::plots::{self, Outcome};
 use super::{pictures, tables};
 use crate::shell::printable;
 use std::fmt::Write as _;
-use trochoid::VERSION;
 use trochoid::accuracy::Rung;
+use trochoid::{GENERATOR, VERSION};
 
 /// Everything.
 ///
@@ -19,6 +19,7 @@ pub(super) fn page(report: &Report<'_>) -> Outcome<String> {
     let title = escape(&format!("{}: error against run time", report.scene));
     let mut page = format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+         <meta name=\"generator\" content=\"{GENERATOR}{VERSION}\">\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>{title}</title>\n\
          <style>\n{}</style>\n</head>\n<body>\n<h1>{title}</h1>\n",
         include_str!("style.css")

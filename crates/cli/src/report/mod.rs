@@ -26,14 +26,14 @@ mod tests;
 mod text;
 
 use crate::failure::{FAILED, Failure, INTERRUPTED};
-use crate::inputs::InputFiles;
+use crate::files::{Files, refused};
 use crate::progress::Progress;
 use crate::shell::{self, printable};
 use crate::{interrupt, outputs};
 use data::Report;
 use std::path::PathBuf;
 use trochoid::accuracy::{self, Ladder, LadderRequest, Request, TargetError};
-use trochoid::{CheckedGraph, Diagnostic, EvalError, Format, Kind, Settings, Tolerance, check_destination};
+use trochoid::{CheckedGraph, Diagnostic, EvalError, Format, InputFiles, Kind, Settings, Tolerance};
 
 /// Options of `trochoid report`.
 #[derive(Debug, clap::Args)]
@@ -77,6 +77,8 @@ pub(crate) struct Args {
     /// The folder to write to
     #[arg(short, long, value_name = "DIR")]
     out: PathBuf,
+    #[command(flatten)]
+    files: Files,
     /// Print nothing on stdout, and show no progress
     #[arg(long, conflicts_with = "json")]
     quiet: bool,
@@ -94,18 +96,16 @@ const TOLERANCES: [f64; 10] =
 /// # Errors
 /// Everything that is wrong beforehand, at once; later, what stopped the run. Files are whole or not there.
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
-    let loaded = trochoid::load(&args.graph, &args.set)?;
+    let loaded = args.files.load(&args.graph, &args.set)?;
     shell::tell(&loaded.warnings.iter().map(Diagnostic::to_string).collect::<Vec<_>>());
     let graph = &loaded.graph;
     let frame = args.frame.unwrap_or(graph.frames().0);
     let mut faults = Vec::new();
     let output = choose(graph, args.output.as_ref(), &mut faults);
     let files = ["report.json", "report.csv", "report.html"].map(|name| args.out.join(name));
-    let inputs = InputFiles::new(&args.graph, graph, &[output], &[frame]);
-    for file in &files {
-        faults.extend(check_destination(file).err().map(Failure::from));
-        faults.extend(inputs.refusal(file));
-    }
+    let inputs = InputFiles::new(graph, &[frame], &[&args.graph]);
+    faults.extend(files.iter().filter_map(|file| args.files.over.refusal(file, &inputs)));
+    faults.extend(refused(graph, &[output], &[frame]));
     Failure::all(faults)?;
     interrupt::watch()?;
     let ladder = measure(args, graph, output, frame)?;
@@ -114,7 +114,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let html = html::page(&report).map_err(|error| Failure::new(FAILED, format!("report.html: {error}")))?;
     let csv = csv::table(&report).map_err(|error| Failure::new(FAILED, format!("report.csv: {error}")))?;
     for (file, bytes) in files.iter().zip([json.as_bytes(), &csv, html.as_bytes()]) {
-        trochoid::write_whole(file, bytes)?;
+        trochoid::write_guarded(file, bytes, args.files.over.overwrite)?;
     }
     if args.json {
         return shell::print(&json);
@@ -152,7 +152,7 @@ fn measure(args: &Args, graph: &CheckedGraph, output: usize, frame: i64) -> Resu
     let names = [graph.outputs()[output].name.as_str()];
     // Tolerances stand in the request of the ladder: this one does not count.
     let request = Request { outputs: &names, frame, tolerance: Tolerance::Exact, settings: &settings };
-    let load = |more: &[String]| trochoid::load(&args.graph, &[args.set.as_slice(), more].concat());
+    let load = |more: &[String]| args.files.load(&args.graph, &[args.set.as_slice(), more].concat());
     let mut progress = Progress::new(1, args.quiet);
     progress.begin(0, frame);
     let small = smaller(graph.format(), args.size);

@@ -24,6 +24,7 @@ fn arguments(folder: &Path) -> Args {
         whole: true,
         set: Vec::new(),
         threads: 0,
+        files: Default::default(),
         out: folder.join("out"),
         quiet: true,
         json: false,

@@ -1,11 +1,12 @@
 //! The map of two coefficients: how fast the sea grows or dies away at each, where it is stable, and where the node is.
 
+use crate::files::Over;
 use plotters::prelude::*;
 use plotters::style::{FontStyle, register_font};
 use std::error::Error;
 use std::path::Path;
-use trochoid::StabilityMap;
 use trochoid::io::{PngImage, Samples, write_png8};
+use trochoid::{StabilityMap, mark};
 
 const WIDTH: usize = 1200;
 const HEIGHT: usize = 1000;
@@ -33,7 +34,7 @@ fn color(growth: f64) -> RGBColor {
 ///
 /// # Errors
 /// The plot cannot be laid out, or written.
-pub(super) fn write(path: &Path, name: &str, map: &StabilityMap) -> Result<(), Box<dyn Error>> {
+pub(super) fn write(path: &Path, over: Over, name: &str, map: &StabilityMap) -> Result<(), Box<dyn Error>> {
     let pixels = draw(name, map)?;
     if let Some(folder) = path.parent() {
         std::fs::create_dir_all(folder)?;
@@ -42,7 +43,8 @@ pub(super) fn write(path: &Path, name: &str, map: &StabilityMap) -> Result<(), B
         |channel: usize| -> Vec<f32> { pixels.chunks_exact(3).map(|p| f32::from(p[channel]) / 255.0).collect() };
     let channels = [0, 1, 2].map(channel);
     let channels = channels.each_ref().map(|channel| Samples::contiguous(channel));
-    Ok(write_png8(path, &PngImage::new(WIDTH as u32, HEIGHT as u32, channels))?)
+    let image = PngImage { metadata: vec![mark()], ..PngImage::new(WIDTH as u32, HEIGHT as u32, channels) };
+    Ok(write_png8(over.target(path), &image)?)
 }
 
 /// R, G, B pixel by pixel.
@@ -174,7 +176,7 @@ mod tests {
         };
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("maps/map.png");
-        write(&path, "sea", &map).unwrap();
+        write(&path, Over::default(), "sea", &map).unwrap();
         let info = trochoid::io::info(&path, &trochoid::io::Limits::default()).unwrap();
         assert_eq!((info.parts[0].data.width(), info.parts[0].data.height()), (WIDTH, HEIGHT));
         let around = |map: &StabilityMap| draw("sea", map).unwrap();

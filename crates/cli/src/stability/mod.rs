@@ -4,10 +4,11 @@ mod map;
 mod text;
 
 use crate::failure::{FAILED, Failure};
+use crate::files::Over;
 use crate::shell;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
-use trochoid::{CheckedGraph, Diagnostic, Figure, Loaded, NodeId, Stability, check_destination};
+use trochoid::{CheckedGraph, Diagnostic, Figure, InputFiles, Loaded, NodeId, Stability};
 
 /// Options of `trochoid stability`.
 #[derive(Debug, clap::Args)]
@@ -36,6 +37,8 @@ pub(crate) struct Args {
     /// Set a knob or port; VALUE is JSON or a bare word, such as storm.height=3
     #[arg(long, value_name = "NODE.KNOB=VALUE")]
     set: Vec<String>,
+    #[command(flatten)]
+    over: Over,
 }
 
 /// What is looked at where no document is named.
@@ -67,8 +70,8 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
                 "name the map for example map.png, or a folder for the maps of all nodes",
             ));
         }
-        let first = if is_png(out) { out.clone() } else { out.join("map.png") };
-        check_destination(&first)?;
+        let inputs = InputFiles::new(&graph, &[], args.graph.as_deref().as_slice());
+        Failure::all(named(out, &graph).iter().filter_map(|path| args.over.refusal(path, &inputs)))?;
     }
     let found = trochoid::stability(&graph, args.frame.unwrap_or(graph.frames().0));
     let maps = write_maps(args, &graph, &found)?;
@@ -90,6 +93,20 @@ fn contradiction(name: &str, figure: &Figure) -> Failure {
     let (measured, predicted) = (number(figure.measured), number(figure.predicted));
     Failure::new(FAILED, format!("node \"{name}\", {}: measured {measured}; predicted {predicted}", figure.name.trim()))
 }
+
+/// The files that maps may be written to.
+fn named(out: &Path, graph: &CheckedGraph) -> Vec<PathBuf> {
+    if is_png(out) {
+        return vec![out.into()];
+    }
+    let mapped = graph.nodes().iter().filter(|node| node.ty.declaration().name == MAPPED);
+    let names: Vec<PathBuf> = mapped.map(|node| out.join(format!("{}.png", node.name))).collect();
+    // What there is to say of the folder itself is said where nothing has a map too.
+    if names.is_empty() { vec![out.join("map.png")] } else { names }
+}
+
+/// The type of node that has a map.
+const MAPPED: &str = "ToonSea";
 
 fn is_png(path: &Path) -> bool {
     path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("png"))
@@ -124,7 +141,7 @@ fn write_maps(
     for (id, map) in mapped {
         let name = &graph.node(id).name;
         let path = if is_png(out) { out.clone() } else { out.join(format!("{name}.png")) };
-        map::write(&path, name, map).map_err(|error| Failure::new(FAILED, error))?;
+        map::write(&path, args.over, name, map).map_err(|error| Failure::new(FAILED, error))?;
         written.push((id, path));
     }
     Ok(written)

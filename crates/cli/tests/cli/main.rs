@@ -2,10 +2,13 @@
 
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
+mod access;
 mod bad_images;
 mod certify;
 mod commands;
 mod explain;
+mod kills;
+mod overwrite;
 mod plan;
 mod refusals;
 mod render;

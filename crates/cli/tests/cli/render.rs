@@ -43,7 +43,8 @@ fn resume_skips_what_is_current_and_nothing_else() {
     assert_eq!(resume(&["--set", "mix.a=#100", "--frames", "2"]), [false], "another --set");
     assert_eq!(resume(&[]), [true, false, true], "frame 2 was made with --set");
     fs::write(scene.path("out/mask.0001.png"), "damaged").unwrap();
-    let run = scene.run(&["render", "a.json", "--resume", "--frames", "1"]).code(0);
+    scene.run(&["render", "a.json", "--resume", "--frames", "1"]).fails(2, &["out/mask.0001.png", "--overwrite"]);
+    let run = scene.run(&["render", "a.json", "--resume", "--frames", "1", "--overwrite"]).code(0);
     assert!(run.out.starts_with("frame 1: mask → "), "the other output is current: {}", run.out);
     let other = SCENE.replace("\"last\": 3", "\"last\": 3, \"fps\": 25");
     fs::write(scene.path("a.json"), &other).unwrap();

@@ -2,7 +2,7 @@ mod files;
 mod graph;
 mod keys;
 mod panels;
-mod shots;
+pub(crate) mod shots;
 mod snapshots;
 mod versions;
 

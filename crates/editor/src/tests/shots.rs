@@ -21,7 +21,13 @@ fn still(window: &mut Window) {
 }
 
 fn graphs() -> PathBuf {
+    at_root();
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../graphs")
+}
+
+/// What scenes read lies beneath the root: where they are opened from.
+pub(crate) fn at_root() {
+    std::env::set_current_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")).unwrap();
 }
 
 /// What lies around the window in these pictures, pixels.

@@ -387,6 +387,7 @@ fn screenshots_of_the_viewer() {
         window.run_steps(4);
         window.render().unwrap().save(folder.join(format!("viewer_{name}.png"))).unwrap();
     };
+    crate::tests::shots::at_root();
     let graphs = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../graphs");
     let session = Session::open(&graphs.join("stormy_sea_bare.json")).unwrap();
     let mut window = sized(session, None, WINDOW);

@@ -9,8 +9,8 @@ mod wiring;
 
 use crate::spanned::{Entry, Json, Spanned, shorten};
 use crate::{
-    Around, Check, CheckedGraph, CheckedNode, Diagnostic, Document, Fault, Item, Kind, Knob, NodeType, Record, Refusal,
-    Registry, Setting, Settled, Severity, Source, Takes, Upstream, User, Work, nearest, refusal,
+    Access, Around, Check, CheckedGraph, CheckedNode, Diagnostic, Document, Fault, Item, Kind, Knob, NodeType, Record,
+    Refusal, Registry, Setting, Settled, Severity, Source, Takes, Upstream, User, Work, nearest, refusal,
 };
 use items::Names;
 use std::collections::HashMap;
@@ -257,6 +257,7 @@ impl<'a> Checker<'a> {
             outputs,
             order,
             canonical: document.canonical(),
+            access: Access::usual(folder),
         })
     }
 

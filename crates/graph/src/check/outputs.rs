@@ -40,6 +40,7 @@ impl<'a> Checker<'a> {
             layer: None,
             precision: None,
             require: None,
+            place: self.line_and_column(place.offset),
         };
         let (mut source, mut required_at) = (None, None);
         let (mut file_at, mut precision_at) = (place, place);
@@ -68,6 +69,7 @@ impl<'a> Checker<'a> {
                 }
                 ("file", Json::String(text)) if !text.is_empty() && !text.contains('\0') => {
                     spec.file = Some(text.clone());
+                    spec.place = self.line_and_column(place.offset);
                     file_at = place;
                 }
                 ("layer", Json::String(text)) if is_layer(text) => spec.layer = Some(text.clone()),
@@ -195,6 +197,11 @@ impl<'a> Checker<'a> {
                 "remove it: float is the default of Fields".into(),
             );
         }
+    }
+
+    fn line_and_column(&self, offset: usize) -> [usize; 2] {
+        let (_, line, column) = self.document.place(offset);
+        [line, column]
     }
 
     /// The file's ending must be one that can be written, and its precision one that the format has.

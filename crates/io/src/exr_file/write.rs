@@ -1,12 +1,10 @@
 //! Writing a whole picture as EXR.
 
-use std::path::Path;
-
 use trochoid_image::{Chromaticities, Window};
 
 use super::parallel::in_order;
 use super::writer::{EncodeScratch, ExrHeader, ExrWriter};
-use crate::{Error, SampleType, Samples};
+use crate::{Error, SampleType, Samples, Target};
 
 /// A picture to be written as EXR.
 #[derive(Clone, Debug)]
@@ -19,6 +17,9 @@ pub struct ExrImage<'a> {
     pub channels: Vec<ExrChannel<'a>>,
     /// String attributes, kept in order.
     pub metadata: Vec<(String, String)>,
+    /// Bytes of the header set apart for the metadata, so that the file is the same as one of which they were known last
+    /// ([`ExrHeader::late_metadata`]); 0 for as many as they take.
+    pub reserved: usize,
     /// Primaries and white point of RGB channels.
     pub chromaticities: Option<Chromaticities>,
 }
@@ -26,7 +27,14 @@ pub struct ExrImage<'a> {
 impl ExrImage<'_> {
     /// A picture whose data fill its display window, still without channels.
     pub fn new(window: Window) -> Self {
-        Self { display: window, data: window, channels: Vec::new(), metadata: Vec::new(), chromaticities: None }
+        Self {
+            display: window,
+            data: window,
+            channels: Vec::new(),
+            metadata: Vec::new(),
+            reserved: 0,
+            chromaticities: None,
+        }
     }
 }
 
@@ -55,27 +63,30 @@ impl<'a> ExrChannel<'a> {
 /// # Errors
 /// Samples do not fill the data window, names clash or do not fit EXR, a window is empty or beyond 30 bits, a half channel
 /// holds a finite value beyond ±65504, or the file cannot be written. An existing file is then left as it was.
-pub fn write_exr(path: impl AsRef<Path>, image: &ExrImage<'_>) -> Result<(), Error> {
-    let path = path.as_ref();
+pub fn write_exr(target: impl Into<Target>, image: &ExrImage<'_>) -> Result<(), Error> {
+    let target = target.into();
+    let path = target.path();
     let area = image.data.area();
     if let Some(ExrChannel { name, samples, .. }) = image.channels.iter().find(|c| c.samples.len() != area) {
         let found = format!("channel \"{name}\" with {} samples for a data window of {area} pixels", samples.len());
         return Err(Error::unwritable(path, found, "pass one sample a pixel"));
     }
+    let (early, late) =
+        if image.reserved > 0 { (&[][..], &image.metadata[..]) } else { (&image.metadata[..], &[][..]) };
     let sample_type = |half: bool| if half { SampleType::Half } else { SampleType::Float };
     let header = ExrHeader {
         display: image.display,
         data: image.data,
         channels: image.channels.iter().map(|c| (c.name.clone(), sample_type(c.half))).collect(),
-        metadata: image.metadata.clone(),
-        late_metadata: 0,
+        metadata: early.to_vec(),
+        late_metadata: image.reserved,
         chromaticities: image.chromaticities,
     };
     let samples: Vec<Samples<'_>> = image.channels.iter().map(|channel| channel.samples).collect();
-    let writer = ExrWriter::create(path, &header)?;
+    let writer = ExrWriter::create(target, &header)?;
     let band_area = writer.rows_per_band() * image.data.width();
     in_order(0..writer.bands(), usize::MAX, |scratch: &mut EncodeScratch, band| {
         writer.push(writer.encode_samples(band, &samples, band * band_area, scratch)?)
     })?;
-    writer.finish(&[])
+    writer.finish(late)
 }

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::io::{Seek, SeekFrom, Write};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Mutex;
 
 use half::f16;
@@ -14,7 +14,7 @@ use super::parallel::lock;
 use super::write_header;
 use super::zip::Deflater;
 use crate::atomic::AtomicFile;
-use crate::{Compression, Error, SampleType, Samples, Storage};
+use crate::{Compression, Error, SampleType, Samples, Storage, Target};
 
 /// Largest finite half.
 const MAX_HALF: f32 = 65504.0;
@@ -146,8 +146,9 @@ impl ExrWriter {
     /// # Errors
     /// Names clash or do not fit EXR, a sample type is neither half nor float, a window is empty or beyond 30 bits, or no
     /// file can be made there.
-    pub fn create(path: impl AsRef<Path>, header: &ExrHeader) -> Result<Self, Error> {
-        let path = path.as_ref();
+    pub fn create(target: impl Into<Target>, header: &ExrHeader) -> Result<Self, Error> {
+        let target = target.into();
+        let path = target.path();
         let mut sorted: Vec<usize> = (0..header.channels.len()).collect();
         sorted.sort_by(|&a, &b| header.channels[a].0.cmp(&header.channels[b].0));
         write_header::check(path, header, &sorted)?;
@@ -157,7 +158,7 @@ impl ExrWriter {
             let found = format!("rows of {} pixels", header.data.width());
             return Err(Error::unwritable(path, found, "16 rows must stay below 2 GiB"));
         }
-        let mut file = AtomicFile::create(path)?;
+        let mut file = AtomicFile::create(&target)?;
         // Header and table come last, into the place left free here.
         let position = (write_header::encode(header, &sorted, &[]).len() + 8 * layout.bands()) as u64;
         file.writer.seek(SeekFrom::Start(position)).map_err(Error::io(path, "write the file"))?;

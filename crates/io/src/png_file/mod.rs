@@ -9,7 +9,7 @@ use image::{ExtendedColorType, ImageEncoder};
 
 pub(crate) use text::read_text;
 
-use crate::{Error, Samples};
+use crate::{Error, Samples, Target};
 
 /// A picture to be written as PNG: display-encoded values in 0 to 1.
 #[derive(Clone, Debug)]
@@ -51,10 +51,11 @@ const COLORS_8: [ExtendedColorType; 4] =
 /// # Errors
 /// The samples do not fill the picture, a value is NaN, or outside 0 to 1 without `clamp`, the metadata do not fit PNG,
 /// or the file cannot be written. An existing file is then left as it was.
-pub fn write_png8(path: impl AsRef<Path>, image: &PngImage<'_>) -> Result<(), Error> {
-    let path = path.as_ref();
+pub fn write_png8(target: impl Into<Target>, image: &PngImage<'_>) -> Result<(), Error> {
+    let target = target.into();
+    let path = target.path();
     let bytes = quantize(path, image, 1, |value, bytes| bytes.push((value * 255.0).round() as u8))?;
-    write(path, image, &bytes, COLORS_8)
+    write(&target, image, &bytes, COLORS_8)
 }
 
 /// The bytes of a file of 8 bits a channel, rounded to nearest, marked as sRGB.
@@ -71,12 +72,13 @@ pub fn encode_png8(image: &PngImage<'_>) -> Result<Vec<u8>, Error> {
 ///
 /// # Errors
 /// As [`write_png8`].
-pub fn write_png16(path: impl AsRef<Path>, image: &PngImage<'_>) -> Result<(), Error> {
-    let path = path.as_ref();
+pub fn write_png16(target: impl Into<Target>, image: &PngImage<'_>) -> Result<(), Error> {
+    let target = target.into();
+    let path = target.path();
     let push = |value: f64, bytes: &mut Vec<u8>| bytes.extend(((value * 65535.0).round() as u16).to_ne_bytes());
     let bytes = quantize(path, image, 2, push)?;
     let colors = [ExtendedColorType::L16, ExtendedColorType::La16, ExtendedColorType::Rgb16, ExtendedColorType::Rgba16];
-    write(path, image, &bytes, colors)
+    write(&target, image, &bytes, colors)
 }
 
 /// Checks every value and stores it, pixel by pixel.
@@ -128,8 +130,8 @@ fn name(count: usize, index: usize) -> &'static str {
     names.get(index).copied().unwrap_or("?")
 }
 
-fn write(path: &Path, image: &PngImage<'_>, bytes: &[u8], colors: [ExtendedColorType; 4]) -> Result<(), Error> {
-    crate::write_bytes(path, &encode(path, image, bytes, colors)?)
+fn write(target: &Target, image: &PngImage<'_>, bytes: &[u8], colors: [ExtendedColorType; 4]) -> Result<(), Error> {
+    crate::write_bytes(target.clone(), &encode(target.path(), image, bytes, colors)?)
 }
 
 fn encode(path: &Path, image: &PngImage<'_>, bytes: &[u8], colors: [ExtendedColorType; 4]) -> Result<Vec<u8>, Error> {

@@ -130,6 +130,7 @@ fn any_order_of_bands_makes_the_bytes_of_a_whole_write() {
         data: DATA,
         channels: channels.collect(),
         metadata: header.metadata.clone(),
+        reserved: 0,
         chromaticities: None,
     };
     write_exr(&whole, &image).unwrap();

@@ -6,11 +6,11 @@ use super::make::{channels_of, format_of, plan_of};
 use super::pixels::PixelCheck;
 use super::words::{Contents, Size, Words};
 use super::*;
-use crate::OutputFile;
+use crate::{LoadError, OutputFile};
 use std::fmt;
 use std::path::Path;
 use trochoid_engine::{Cache, Monitor, ReferenceFrame};
-use trochoid_graph::{CheckedGraph, Guarantee, Kind};
+use trochoid_graph::{Access, CheckedGraph, Guarantee, Kind, Refused};
 use trochoid_io::{FileKind, SampleType};
 
 /// Which pixels are evaluated by the references.
@@ -40,6 +40,9 @@ pub struct Request<'r> {
     pub choice: Choice,
     /// The document that it is said to be of, if that is asked.
     pub document: Option<&'r CheckedGraph>,
+    /// Which files the document in the certificate may reach: by default what is [usual](Access::usual) of the certificate's
+    /// folder. Where the document says that it stood is its own claim.
+    pub access: Option<&'r Access>,
 }
 
 /// Something that does not hold.
@@ -132,7 +135,7 @@ const NAMED: usize = 8;
 /// [0, 1], partitions must sum to 1.
 ///
 /// # Errors
-/// A file cannot be read or is not what it should be; the document is none of this version; the monitor asked to stop.
+/// A file cannot be read or is not what it should be, or the document may not reach it; the document is none of this version; the monitor asked to stop.
 pub fn verify(request: &Request<'_>, monitor: &dyn Monitor) -> Result<Verification, CertificateError> {
     let mut found = Verification::default();
     let certificate = match Certificate::read(request.certificate)? {
@@ -148,8 +151,13 @@ pub fn verify(request: &Request<'_>, monitor: &dyn Monitor) -> Result<Verificati
     let name = format!("{}: document", request.certificate.display());
     let text = certificate.document.canonical.get();
     let graph = crate::parse(&name, text, &plain(&folder.join(&certificate.document.folder)), &[])?.graph;
+    let graph = graph.with_access(request.access.cloned().unwrap_or_else(|| Access::usual(&folder)));
     document(&mut found, request, &certificate, &graph, &name);
     let Some(outputs) = outputs(&mut found, &certificate, &graph) else { return Ok(found) };
+    let refused = crate::refused_files(&graph, &outputs, &[certificate.frame]);
+    if !refused.is_empty() {
+        return Err(CertificateError::Document(LoadError::Invalid(refused.iter().map(Refused::diagnostic).collect())));
+    }
     let plan = plan_of(&graph, &outputs, certificate.frame, certificate.optimized)?;
     if certificate.plan.len() != plan.len() {
         found.fail("plan", format!("{} nodes", certificate.plan.len()), format!("{} nodes", plan.len()));

@@ -1,6 +1,8 @@
 //! Image files as they stand: their samples, hashed in blocks; and images of certified errors.
 
 use super::{ChannelText, ImageHashes};
+use crate::files::target;
+use crate::marks::with_mark;
 use crate::output::{file_channels, folder_of_file};
 use crate::{OutputError, OutputFile};
 use std::path::Path;
@@ -114,6 +116,7 @@ pub fn error_image(
             channels.push(ExrChannel::float(own(name, "error").1, Samples::contiguous(&certified.doubt)));
         }
     }
-    let metadata = metadata.to_vec();
-    Ok(write_exr(path, &ExrImage { data, display: graph.format().window(), channels, metadata, chromaticities: None })?)
+    let metadata = with_mark(metadata);
+    let image = ExrImage { display: graph.format().window(), channels, metadata, ..ExrImage::new(data) };
+    Ok(write_exr(target(path, graph.access().overwrites()), &image)?)
 }

@@ -55,7 +55,7 @@ pub fn certify(made: &Made<'_>, path: &Path) -> Result<Certificate, CertificateE
     Ok(Certificate {
         digest: String::new(),
         document: DocumentText { canonical, folder: seen_from(&folder, graph.folder()), hash: graph.document_hash() },
-        fingerprint: Fingerprints::new().of(graph, file, frame.number),
+        fingerprint: fingerprint_of(made, &image),
         format: format_of(graph),
         frame: frame.number,
         image: image.hashes(seen_from(&folder, &file.path)),
@@ -66,6 +66,12 @@ pub fn certify(made: &Made<'_>, path: &Path) -> Result<Certificate, CertificateE
         trochoid: crate::VERSION.into(),
         version: VERSION,
     })
+}
+
+/// What the image itself says that it was made from, so that the two never differ.
+fn fingerprint_of(made: &Made<'_>, image: &StoredImage) -> String {
+    let said = image.metadata.iter().find(|(key, _)| key == crate::resume::KEY).map(|(_, value)| value.clone());
+    said.unwrap_or_else(|| Fingerprints::with(made.settings).of(made.graph, made.file, made.frame.number))
 }
 
 /// The format that a document asks for.

@@ -29,7 +29,7 @@
 //! assert!(certificate.outputs[0].error.samples.max.is_some_and(|max| max < 1e-6));
 //! certificate.write(&path)?;
 //!
-//! let request = Request { certificate: &path, image: &file.path, choice: Choice::All, document: None };
+//! let request = Request { certificate: &path, image: &file.path, choice: Choice::All, document: None, access: None };
 //! let found = certificate::verify(&request, &Silent)?;
 //! assert!(found.holds(), "{:?}", found.failures);
 //! # Ok::<(), Box<dyn std::error::Error>>(())

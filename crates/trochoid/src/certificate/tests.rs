@@ -83,7 +83,7 @@ fn certificate_of(image: &Path) -> PathBuf {
 }
 
 fn check(certificate: &Path, image: &Path, choice: Choice) -> Result<Verification, CertificateError> {
-    verify(&Request { certificate, image, choice, document: None }, &Silent)
+    verify(&Request { certificate, image, choice, document: None, access: None }, &Silent)
 }
 
 /// What does not hold.
@@ -199,8 +199,13 @@ fn a_document_without_its_folder_is_enough_and_another_document_is_told() {
     let (image, certificate) = (studio.path("print.0001.png"), studio.path("print.0001.certificate.json"));
     let against = |text: &str| {
         let graph = crate::parse("b.json", text, studio.folder.path(), &[]).expect("valid").graph;
-        let request =
-            Request { certificate: &certificate, image: &image, choice: Choice::Some(9), document: Some(&graph) };
+        let request = Request {
+            certificate: &certificate,
+            image: &image,
+            choice: Choice::Some(9),
+            document: Some(&graph),
+            access: None,
+        };
         verify(&request, &Silent).expect("readable").failures
     };
     let text = DOCUMENT.replace("SPACE", "srgb");

@@ -13,6 +13,7 @@ use std::path::{Path, PathBuf};
 
 /// The editor of a scene, with pictures of all nodes.
 fn seen(scene: &str) -> Editor {
+    crate::tests::shots::at_root();
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../graphs").join(format!("{scene}.json"));
     let mut window = sized(Session::open(&file).unwrap(), None, [400.0, 300.0]);
     let context = window.ctx.clone();

@@ -1,0 +1,107 @@
+//! What a document may read and write, and what may be written over.
+
+use crate::failure::Failure;
+use std::path::{Path, PathBuf};
+use trochoid::io::Target;
+use trochoid::{
+    Access, CheckedGraph, Diagnostic, InputFiles, LoadError, Loaded, Refused, check_destination, check_replaced,
+    is_ours, refused_files,
+};
+
+/// Options of what a document may reach.
+#[derive(Clone, Debug, Default, clap::Args)]
+pub(crate) struct Reach {
+    /// Let the document read and write this file, or what lies beneath this folder; may be repeated [default: beneath its own
+    /// folder and, where that lies beneath the current one, beneath that]
+    #[arg(long, value_name = "PATH")]
+    pub(crate) allow: Vec<PathBuf>,
+    /// Let the document read and write beneath its own folder alone: for documents of strangers
+    #[arg(long)]
+    pub(crate) strict: bool,
+}
+
+impl Reach {
+    /// What a document of a folder may reach.
+    pub(crate) fn access(&self, folder: &Path) -> Access {
+        let own = if self.strict { Access::beneath(folder) } else { Access::usual(folder) };
+        self.allow.iter().fold(own, |access, path| access.allowing(path))
+    }
+
+    /// Loads a document as [`trochoid::load`] does, under this rule.
+    ///
+    /// # Errors
+    /// As [`trochoid::load`].
+    pub(crate) fn load(&self, path: &Path, set: &[String]) -> Result<Loaded, LoadError> {
+        let Loaded { graph, warnings } = trochoid::load(path, set)?;
+        let access = self.access(graph.folder());
+        Ok(Loaded { graph: graph.with_access(access), warnings })
+    }
+}
+
+/// The same, and what may be written over.
+#[derive(Clone, Debug, Default, clap::Args)]
+pub(crate) struct Files {
+    #[command(flatten)]
+    pub(crate) reach: Reach,
+    #[command(flatten)]
+    pub(crate) over: Over,
+}
+
+/// Options of what may be written over.
+#[derive(Clone, Copy, Debug, Default, clap::Args)]
+pub(crate) struct Over {
+    /// Replace files that Trochoid did not write; inputs of the document are never replaced
+    #[arg(long)]
+    pub(crate) overwrite: bool,
+}
+
+impl Files {
+    /// As [`Reach::load`].
+    ///
+    /// # Errors
+    /// As [`Reach::load`].
+    pub(crate) fn load(&self, path: &Path, set: &[String]) -> Result<Loaded, LoadError> {
+        let Loaded { graph, warnings } = self.reach.load(path, set)?;
+        let access = graph.access().clone().overwriting(self.over.overwrite);
+        Ok(Loaded { graph: graph.with_access(access), warnings })
+    }
+}
+
+impl Over {
+    /// What is wrong with writing a file there, as far as can be told beforehand: it cannot be made, is an input, or somebody
+    /// else's.
+    pub(crate) fn refusal(self, path: &Path, inputs: &InputFiles) -> Option<Failure> {
+        let cannot = || check_destination(path).err().map(Failure::from);
+        input(path, inputs).or_else(|| self.foreign(path)).or_else(cannot)
+    }
+
+    /// A file to be written.
+    pub(crate) fn target(self, path: &Path) -> Target {
+        let target = Target::from(path);
+        if self.overwrite { target } else { target.replacing(is_ours) }
+    }
+
+    /// What is wrong with replacing what is there.
+    pub(crate) fn foreign(self, path: &Path) -> Option<Failure> {
+        check_replaced(path, self.overwrite).err().map(Failure::from)
+    }
+}
+
+/// What is wrong with writing over an input.
+pub(crate) fn input(path: &Path, inputs: &InputFiles) -> Option<Failure> {
+    inputs.contains(path).then(|| {
+        let message = format!("{}: is an input of the document, and would be written over", path.display());
+        Failure::usage(message, "give the output another name")
+    })
+}
+
+/// What is wrong with the files that some outputs read at some frames: the document may not reach them.
+pub(crate) fn refused(graph: &CheckedGraph, outputs: &[usize], frames: &[i64]) -> Vec<Failure> {
+    refused_files(graph, outputs, frames).iter().map(Refused::diagnostic).map(Failure::from).collect()
+}
+
+impl From<Diagnostic> for Failure {
+    fn from(fault: Diagnostic) -> Self {
+        LoadError::Invalid(vec![fault]).into()
+    }
+}

@@ -1,0 +1,235 @@
+//! Files that a document reads, which none of its runs may write over.
+
+use std::collections::HashSet;
+use std::path::{Component, Path, PathBuf};
+use trochoid_graph::{CheckedGraph, Item, NodeId, Takes, resolved};
+
+/// Two frames whose numbers differ in every digit, so that what two names share is the pattern.
+const PROBES: [i64; 2] = [1_111_111_111_111_111, 2_222_222_222_222_222];
+
+/// The files that any output of a document reads at any frame of the document or of a run, and others that a run reads.
+///
+/// Sequences count by their pattern, so that long ranges cost no more than short ones. Links, and hard links, count as the
+/// file that they are.
+#[derive(Debug)]
+pub struct InputFiles {
+    /// Those that exist.
+    known: HashSet<Identity>,
+    /// Where those lead that have one name at all frames.
+    paths: HashSet<PathBuf>,
+    sequences: Vec<Sequence>,
+    frames: Frames,
+}
+
+/// Frames of a document or of a run.
+#[derive(Debug)]
+struct Frames {
+    range: (i64, i64),
+    more: HashSet<i64>,
+}
+
+impl Frames {
+    fn holds(&self, frame: i64) -> bool {
+        (self.range.0..=self.range.1).contains(&frame) || self.more.contains(&frame)
+    }
+}
+
+/// What makes two names the same file.
+#[derive(Debug, PartialEq, Eq, Hash)]
+enum Identity {
+    #[cfg(unix)]
+    Place { device: u64, inode: u64 },
+    #[cfg(not(unix))]
+    Path(PathBuf),
+}
+
+impl Identity {
+    /// Of a file that exists.
+    fn of(path: &Path) -> Option<Self> {
+        #[cfg(unix)]
+        {
+            use std::os::unix::fs::MetadataExt;
+            let found = std::fs::metadata(path).ok()?;
+            Some(Self::Place { device: found.dev(), inode: found.ino() })
+        }
+        #[cfg(not(unix))]
+        {
+            path.canonicalize().ok().map(Self::Path)
+        }
+    }
+}
+
+/// The names of a file with the frame in them.
+#[derive(Debug)]
+struct Sequence {
+    /// What stands before the part of the path that has the frame.
+    folder: PathBuf,
+    /// What stands in that part before and after the frame.
+    around: [String; 2],
+    /// Digits of the frame, at least.
+    width: usize,
+    /// What stands behind that part.
+    rest: PathBuf,
+}
+
+impl Sequence {
+    /// The names that `path` gives frames; `None` where all frames have one.
+    fn of(path: &dyn Fn(i64) -> PathBuf) -> Option<Self> {
+        let [one, other] = PROBES.map(path);
+        let (one, other): (Vec<Component<'_>>, Vec<Component<'_>>) =
+            (one.components().collect(), other.components().collect());
+        let at = one.iter().zip(&other).position(|(one, other)| one != other)?;
+        let [a, b] = [one[at], other[at]].map(|part| part.as_os_str().to_string_lossy().into_owned());
+        let shared = |count: usize| a.char_indices().nth(count).map_or(a.len(), |(at, _)| at);
+        let before = shared(a.chars().zip(b.chars()).take_while(|(a, b)| a == b).count());
+        let behind = a.chars().rev().zip(b.chars().rev()).take_while(|(a, b)| a == b).count();
+        let after = shared(a.chars().count() - behind);
+        let around = [a[..before].to_owned(), a[after..].to_owned()];
+        let zero = path(0).components().nth(at)?.as_os_str().to_string_lossy().into_owned();
+        let width = zero.len().checked_sub(around[0].len() + around[1].len())?;
+        let folder = resolved(&one[..at].iter().collect::<PathBuf>());
+        Some(Self { folder, around, width, rest: one[at + 1..].iter().collect() })
+    }
+
+    /// The frame whose file has this name in the folder, if it is that of one.
+    fn frame(&self, name: &str) -> Option<i64> {
+        let [before, after] = &self.around;
+        let digits = name.strip_prefix(before.as_str())?.strip_suffix(after.as_str())?;
+        let frame: i64 = digits.parse().ok()?;
+        let (sign, width) = (if frame < 0 { "-" } else { "" }, self.width);
+        (digits == format!("{sign}{:0width$}", frame.unsigned_abs())).then_some(frame)
+    }
+
+    /// The frame whose file stands at a path, which is resolved.
+    fn frame_at(&self, path: &Path) -> Option<i64> {
+        let mut parts = path.strip_prefix(&self.folder).ok()?.components();
+        let frame = self.frame(parts.next()?.as_os_str().to_str()?)?;
+        (parts.as_path() == self.rest).then_some(frame)
+    }
+
+    /// The files that there are of frames in a range.
+    fn files<'s>(&'s self, frames: &'s Frames) -> impl Iterator<Item = PathBuf> + 's {
+        let entries = std::fs::read_dir(&self.folder).into_iter().flatten().flatten();
+        let named = entries.filter(|entry| {
+            entry.file_name().to_str().and_then(|name| self.frame(name)).is_some_and(|frame| frames.holds(frame))
+        });
+        named.map(|entry| if self.rest.as_os_str().is_empty() { entry.path() } else { entry.path().join(&self.rest) })
+    }
+}
+
+impl InputFiles {
+    /// Of a document, for a run at some frames that also reads other files, the document's own among them.
+    pub fn new(graph: &CheckedGraph, frames: &[i64], also: &[&Path]) -> Self {
+        let frames = Frames { range: graph.frames(), more: frames.iter().copied().collect() };
+        let first = frames.range.0;
+        let connected = graph.upstream(graph.outputs().iter().map(|output| output.node));
+        let begin = graph.frame_context(first, u64::MAX);
+        let (mut fixed, mut sequences) = (also.iter().map(|path| path.to_path_buf()).collect::<Vec<_>>(), Vec::new());
+        for id in (0..graph.nodes().len()).filter(|index| connected[*index]).map(NodeId) {
+            let node = graph.node(id);
+            if node.disabled {
+                continue;
+            }
+            fixed.extend(graph.files_of(id, &begin));
+            let settled = graph.settle(id, first);
+            for item in node.ty.declaration().items {
+                let Item::Knob(knob) = item else { continue };
+                if matches!(knob.takes, Takes::Path) && settled.is_set(knob.name) {
+                    let path = |frame| graph.frame_context(frame, u64::MAX).path(settled.text(knob.name));
+                    sequences.extend(Sequence::of(&path));
+                }
+            }
+        }
+        let existing = sequences.iter().flat_map(|sequence| sequence.files(&frames));
+        let known = existing.chain(fixed.iter().cloned()).filter_map(|path| Identity::of(&path)).collect();
+        let paths = fixed.iter().map(|path| resolved(path)).collect();
+        Self { known, paths, sequences, frames }
+    }
+
+    /// Whether a file is one of these, by whatever name; it need not exist.
+    pub fn contains(&self, path: &Path) -> bool {
+        if Identity::of(path).is_some_and(|found| self.known.contains(&found)) {
+            return true;
+        }
+        let path = resolved(path);
+        let is_frame = |sequence: &Sequence| sequence.frame_at(&path).is_some_and(|frame| self.frames.holds(frame));
+        self.paths.contains(&path) || self.sequences.iter().any(is_frame)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::fs;
+
+    const READS: &str = r##"{ "trochoid": 1, "format": { "width": 4, "height": 2 }, "frames": { "first": 1, "last": 10000000 },
+        "nodes": { "seq": { "type": "Read", "as": "color", "file": "in/seq.####.png" },
+                   "deep": { "type": "Read", "as": "color", "file": "shot.%03d/a.png" },
+                   "one": { "type": "Read", "as": "color", "file": "one.png" },
+                   "off": { "type": "Read", "as": "color", "file": "off.png", "disabled": true },
+                   "mix": { "type": "Mix", "a": "seq", "b": "deep", "weight": 0.5 } },
+        "outputs": { "a": { "color": "mix" }, "b": { "color": "one" } } }"##;
+
+    fn inputs(folder: &Path, frames: &[i64]) -> InputFiles {
+        let graph = crate::parse("a.json", READS, folder, &[]).expect("valid").graph;
+        InputFiles::new(&graph, frames, &[&folder.join("a.json")])
+    }
+
+    #[test]
+    fn every_frame_of_every_output_counts_whatever_the_run() {
+        let held = tempfile::tempdir().expect("a folder");
+        let folder = held.path();
+        for name in ["in", "shot.007", "out"] {
+            fs::create_dir(folder.join(name)).expect("made");
+        }
+        for name in ["in/seq.0002.png", "shot.007/a.png", "a.json"] {
+            fs::write(folder.join(name), name).expect("written");
+        }
+        let inputs = inputs(folder, &[-5]);
+        let read =
+            ["in/seq.0002.png", "in/seq.0003.png", "in/seq.-0005.png", "in/seq.123456.png", "in/../in/seq.0001.png"];
+        for name in read.iter().chain(&["shot.007/a.png", "shot.1000/a.png", "one.png", "a.json", "out/../one.png"]) {
+            assert!(inputs.contains(&folder.join(name)), "{name}");
+        }
+        let free = [
+            "in/seq.2.png",
+            "in/seq.0000.png",
+            "in/seq.-0004.png",
+            "in/seq.+002.png",
+            "in/seq.0002.exr",
+            "seq.0002.png",
+        ];
+        for name in free.iter().chain(&[
+            "shot.007/b.png",
+            "shot.7/a.png",
+            "shot.007",
+            "in/seq.0002.png/x",
+            "off.png",
+            "two.png",
+        ]) {
+            assert!(!inputs.contains(&folder.join(name)), "{name}");
+        }
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn links_are_the_files_that_they_are() {
+        use std::os::unix::fs::symlink;
+        let held = tempfile::tempdir().expect("a folder");
+        let folder = held.path();
+        fs::create_dir(folder.join("in")).expect("made");
+        fs::write(folder.join("in/seq.0002.png"), "").expect("written");
+        fs::write(folder.join("elsewhere.png"), "").expect("written");
+        fs::hard_link(folder.join("in/seq.0002.png"), folder.join("hard.png")).expect("a link");
+        symlink("in/seq.0002.png", folder.join("soft.png")).expect("a link");
+        symlink("in", folder.join("alias")).expect("a link");
+        symlink("../elsewhere.png", folder.join("in/seq.0004.png")).expect("a link");
+        symlink("in/seq.0009.png", folder.join("not_yet.png")).expect("a link");
+        let inputs = inputs(folder, &[]);
+        for name in ["hard.png", "soft.png", "alias/seq.0002.png", "alias/seq.0007.png", "elsewhere.png", "not_yet.png"]
+        {
+            assert!(inputs.contains(&folder.join(name)), "{name}");
+        }
+        assert!(!inputs.contains(&folder.join("alias/other.png")));
+    }
+}

@@ -1,0 +1,82 @@
+//! No node opens a file that the document may not reach, whichever it is.
+
+use crate::support::{folder, graph_in, root};
+use std::path::Path;
+use trochoid::{
+    Access, Buffers, Cache, EvalError, Item, Plan, ReferenceError, ReferenceFrame, Settings, Silent, Takes,
+    refused_files, registry,
+};
+
+/// Golden cases in which a node names a file, each with the node's type.
+fn cases() -> Vec<(String, String)> {
+    let names_file = |item: &Item| matches!(item, Item::Knob(knob) if matches!(knob.takes, Takes::Path));
+    let types = registry().iter().filter(|ty| ty.declaration().items.iter().any(names_file));
+    let case =
+        |name: &str| (name.into(), std::fs::read_to_string(root().join(format!("tests/nodes/{name}.json"))).unwrap());
+    types.map(|ty| case(ty.declaration().name)).collect()
+}
+
+#[test]
+fn every_node_that_names_a_file_is_asked_before_it_prepares() {
+    let folder = folder();
+    let mut asked = 0;
+    for (name, text) in cases() {
+        let graph = graph_in(folder.path(), &text);
+        if !text.contains(&format!("\"type\": \"{name}\", \"file\"")) {
+            continue;
+        }
+        asked += 1;
+        let outputs: Vec<usize> = (0..graph.outputs().len()).collect();
+        let elsewhere = graph.clone().with_access(Access::beneath(Path::new("/nowhere")));
+        let frame = graph.frames().0;
+        let evaluate = |graph: &trochoid::CheckedGraph| {
+            let plan = Plan::new(graph, &[], frame, &[], &Settings::default()).unwrap();
+            plan.evaluate(&Buffers::new(), &mut Cache::new(), &Silent).map(drop)
+        };
+        assert_eq!(refused_files(&graph, &outputs, &[frame]), [], "{name}");
+        assert_eq!(evaluate(&graph), Ok(()), "{name}: the golden case itself");
+        let refused = refused_files(&elsewhere, &outputs, &[frame]);
+        assert!(refused.iter().any(|refused| refused.item.is_some() && refused.place[0] > 0), "{name}: {refused:?}");
+        let is_refusal = |error: &EvalError| matches!(error, EvalError::Node { message, .. } if message.contains("what the document may reach"));
+        assert!(evaluate(&elsewhere).is_err_and(|error| is_refusal(&error)), "{name}");
+        let output = &graph.outputs()[0].name;
+        let reference = ReferenceFrame::new(&elsewhere, output, frame).map(drop);
+        assert!(reference.is_err_and(|e| matches!(e, ReferenceError::Eval(e) if is_refusal(&e))), "{name}");
+        // What another graph prepared is not handed on.
+        let mut cache = Cache::new();
+        let run = |graph: &trochoid::CheckedGraph, cache: &mut Cache| {
+            let plan = Plan::new(graph, &[], frame, &[], &Settings::default()).unwrap();
+            plan.evaluate(&Buffers::new(), cache, &Silent).map(drop)
+        };
+        assert_eq!(run(&graph, &mut cache), Ok(()));
+        assert!(run(&elsewhere, &mut cache).is_err(), "{name}");
+    }
+    assert!(asked >= 4, "{asked} types of node name files in their golden cases");
+}
+
+/// The source of all nodes but their tests, file by file.
+fn sources(folder: &Path, found: &mut Vec<(String, String)>) {
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        let name = path.file_name().unwrap().to_str().unwrap().to_owned();
+        if path.is_dir() {
+            sources(&path, found);
+        } else if name.ends_with(".rs") && !path.to_str().unwrap().contains("test") {
+            let text = std::fs::read_to_string(&path).unwrap();
+            found.push((name, text.split("#[cfg(test)]").next().unwrap().to_owned()));
+        }
+    }
+}
+
+#[test]
+fn names_of_files_become_paths_in_one_place() {
+    let mut found = Vec::new();
+    sources(&root().join("crates/nodes/src"), &mut found);
+    assert!(found.len() > 100, "{} files", found.len());
+    // Elsewhere a text could become a path that is in no knob for paths, and so is asked of nobody.
+    for (name, text) in found {
+        for word in ["expand_frame", ".folder", "Path::new(", "PathBuf::from("] {
+            assert!(!text.contains(word), "{name}: {word}: FrameContext::path makes paths of what a document says");
+        }
+    }
+}
