@@ -21,6 +21,7 @@ pub mod commands;
 pub mod document;
 pub mod editor;
 pub mod evaluate;
+mod field;
 mod format;
 pub mod layout;
 mod plots;

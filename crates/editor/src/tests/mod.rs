@@ -1,9 +1,11 @@
 mod files;
 mod graph;
 mod keys;
+mod looking;
 mod panels;
 mod shots;
 mod snapshots;
+mod typing;
 mod versions;
 
 use crate::document::Session;

@@ -15,6 +15,7 @@ mod toolbar;
 use crate::actions::Action;
 use crate::document::Edit;
 use crate::evaluate::{Channel, Display, Result, Screen};
+use crate::field::Gesture;
 use crate::state::State;
 use compare::{Compare, Mode};
 use egui::{
@@ -258,10 +259,11 @@ fn point(
         }
         let color =
             at.and_then(|at| inspector::pixel(result, at)).and_then(|pixel| inspector::displayed(result, pixel));
-        if let Some(color) = color.filter(|_| response.clicked()) {
+        if let Some((color, gesture)) = color.zip(Gesture::click(response)) {
             let [r, g, b, _] = color.to_array();
             let text = format!("#{r:02x}{g:02x}{b:02x}");
-            actions.extend([Action::Edit(Edit::set(place.clone(), &json!(text))), Action::Dropper(None)]);
+            gesture.edit(Edit::set(place.clone(), &json!(text)), actions);
+            actions.push(Action::Dropper(None));
         }
         return;
     }
