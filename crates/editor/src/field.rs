@@ -112,6 +112,8 @@ pub(crate) struct Number<'n> {
     range: (f64, f64),
     whole: bool,
     decimals: usize,
+    /// Whether they are always shown, so that the number takes as much room whatever it is.
+    fixed: bool,
     speed: f64,
     prefix: &'n str,
     suffix: &'n str,
@@ -124,7 +126,7 @@ impl<'n> Number<'n> {
     pub(crate) fn new(value: f64) -> Self {
         let speed = (value.abs() * 0.005).max(0.01);
         let range = (f64::NEG_INFINITY, f64::INFINITY);
-        Self { value, range, whole: false, decimals: 4, speed, prefix: "", suffix: "", slider: None }
+        Self { value, range, whole: false, decimals: 4, fixed: false, speed, prefix: "", suffix: "", slider: None }
     }
 
     /// Frames per second.
@@ -146,6 +148,11 @@ impl<'n> Number<'n> {
     /// Digits after the point that are shown at least where there are no others.
     pub(crate) fn decimals(self, decimals: usize) -> Self {
         Self { decimals, ..self }
+    }
+
+    /// Digits after the point that are shown whatever it is.
+    pub(crate) fn fixed(self, decimals: usize) -> Self {
+        Self { decimals, fixed: true, ..self }
     }
 
     /// By how much a drag of one point changes it.
@@ -173,7 +180,7 @@ impl<'n> Number<'n> {
         if (read - self.value).abs() > 1e-3 * self.value.abs() {
             return self.value.to_string();
         }
-        match short.contains('.') {
+        match short.contains('.') && !self.fixed {
             true => short.trim_end_matches('0').trim_end_matches('.').into(),
             false => short,
         }

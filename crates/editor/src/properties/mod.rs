@@ -41,16 +41,37 @@ pub(crate) fn properties_ui(panel: &mut Properties, ui: &mut Ui, state: &State, 
             return;
         }
     }
-    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| match state.chosen() {
-        Some(name) => node_ui(panel, ui, state, name, actions),
-        None if state.selection.is_empty() => match &state.output {
-            Some(name) => output::output_ui(ui, state, name, actions),
-            None => document_ui(ui, state, actions),
-        },
-        None => {
-            ui.weak(format!("{} chosen", edit::count(state.selection.len(), "node")));
+    // Faults come and go while one works: they lie below, and what is above them scrolls as far with them as without, so
+    // that no knob is moved by them.
+    let height = FAULTS.min(0.4 * ui.available_height());
+    let faulty = state.chosen().filter(|name| is_faulty(state, name));
+    if let Some(name) = faulty {
+        let room = egui::Panel::bottom("faults").resizable(false).exact_size(height).show_separator_line(false);
+        room.frame(egui::Frame::NONE).show(ui, |ui| {
+            ui.separator();
+            ScrollArea::vertical().id_salt(name).auto_shrink(false).show(ui, |ui| faults_ui(ui, state, name, actions));
+        });
+    }
+    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+        match state.chosen() {
+            Some(name) => node_ui(panel, ui, state, name, actions),
+            None if state.selection.is_empty() => match &state.output {
+                Some(name) => output::output_ui(ui, state, name, actions),
+                None => document_ui(ui, state, actions),
+            },
+            None => drop(ui.weak(format!("{} chosen", edit::count(state.selection.len(), "node")))),
+        }
+        if state.chosen().is_some() && faulty.is_none() {
+            ui.add_space(height - ui.spacing().item_spacing.y);
         }
     });
+}
+
+/// Whether there is something wrong with a node, or above it.
+fn is_faulty(state: &State, name: &str) -> bool {
+    let faults = &state.session.meaning().diagnostics;
+    let above = || state.sheet().find(name).and_then(|node| state.fault_of(node));
+    faults.iter().any(|fault| fault.node.as_deref() == Some(name)) || above().is_some()
 }
 
 /// What a widget needs to know of where it stands.
@@ -75,24 +96,12 @@ impl Place<'_> {
     }
 }
 
-fn node_ui(panel: &mut Properties, ui: &mut Ui, state: &State, name: &str, actions: &mut Vec<Action>) {
+/// Height of the room for what is wrong with a node, points.
+const FAULTS: f32 = 72.0;
+
+/// What is wrong with a node, or above it.
+fn faults_ui(ui: &mut Ui, state: &State, name: &str, actions: &mut Vec<Action>) {
     let sheet = state.sheet();
-    let Some(node) = sheet.node(name) else { return };
-    ui.horizontal_wrapped(|ui| {
-        let read = |typed: &str| wrong_name(typed.trim(), sheet).map_or_else(|| Ok(typed.trim().to_string()), Err);
-        let named = field::draft_ui(ui, ("name", name), read, |text| {
-            egui::TextEdit::singleline(text).desired_width(150.0).font(egui::TextStyle::Heading)
-        });
-        named.response.on_hover_text("The node's name; everything that is connected to it follows.");
-        if let Some((typed, gesture)) = named.given {
-            gesture.edit(edit::renamed(sheet, name, &typed), actions);
-            actions.push(Action::Select([typed].into()));
-        }
-        ui.label(RichText::new(&node.ty).strong());
-        let mut on = field::switch_ui(ui, !node.disabled, "On");
-        on.response = on.response.on_hover_text("Off: what the node takes is handed on unchanged (D).");
-        on.edit(actions, |_| edit::disabled(sheet, &[name.into()]));
-    });
     let faults = &state.session.meaning().diagnostics;
     for fault in faults.iter().filter(|fault| fault.node.as_deref() == Some(name)) {
         let color = match fault.severity {
@@ -113,6 +122,26 @@ fn node_ui(panel: &mut Properties, ui: &mut Ui, state: &State, name: &str, actio
             actions.push(Action::Visit(culprit.into()));
         }
     }
+}
+
+fn node_ui(panel: &mut Properties, ui: &mut Ui, state: &State, name: &str, actions: &mut Vec<Action>) {
+    let sheet = state.sheet();
+    let Some(node) = sheet.node(name) else { return };
+    ui.horizontal_wrapped(|ui| {
+        let read = |typed: &str| wrong_name(typed.trim(), sheet).map_or_else(|| Ok(typed.trim().to_string()), Err);
+        let named = field::draft_ui(ui, ("name", name), read, |text| {
+            egui::TextEdit::singleline(text).desired_width(150.0).font(egui::TextStyle::Heading)
+        });
+        named.response.on_hover_text("The node's name; everything that is connected to it follows.");
+        if let Some((typed, gesture)) = named.given {
+            gesture.edit(edit::renamed(sheet, name, &typed), actions);
+            actions.push(Action::Select([typed].into()));
+        }
+        ui.label(RichText::new(&node.ty).strong());
+        let mut on = field::switch_ui(ui, !node.disabled, "On");
+        on.response = on.response.on_hover_text("Off: what the node takes is handed on unchanged (D).");
+        on.edit(actions, |_| edit::disabled(sheet, &[name.into()]));
+    });
     let Some(declaration) = node.declaration else {
         ui.label("No node has this type. It stays in the document as it is.");
         return;
@@ -127,7 +156,7 @@ fn node_ui(panel: &mut Properties, ui: &mut Ui, state: &State, name: &str, actio
     ui.separator();
     let path = Path::node(name);
     let body = sheet.get(&path);
-    // Faults come and go above while a number is typed or dragged: the field stays in the hand all the same.
+    // Whatever comes and goes above while a number is typed or dragged, the field stays in the hand.
     let own = egui::UiBuilder::new().id(ui.id().with(("knobs", name)));
     ui.scope_builder(own, |ui| {
         if ramp::is_ramp(declaration.items) {

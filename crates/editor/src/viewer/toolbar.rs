@@ -24,9 +24,9 @@ pub(super) fn toolbar_ui(viewer: &mut Viewer, ui: &mut Ui, state: &State, action
         let display = &state.look.display;
         let mut next = *display;
         channels_ui(ui, kind(state), &mut next);
-        let exposure = shown_as(next.exposure).speed(0.02).range(-16.0, 16.0).suffix(" EV");
+        let exposure = shown_as(next.exposure).fixed(1).speed(0.02).range(-16.0, 16.0).suffix(" EV");
         number_ui(ui, exposure, &mut next.exposure, 0.0, "Exposure in stops. Double-click for 0.");
-        let gamma = shown_as(next.gamma).speed(0.005).range(0.1, 8.0).prefix("γ ");
+        let gamma = shown_as(next.gamma).fixed(2).speed(0.005).range(0.1, 8.0).prefix("γ ");
         number_ui(ui, gamma, &mut next.gamma, 1.0, "Gamma. Double-click for 1.");
         // Whatever is shown as gray.
         if !matches!(kind(state), Some(Kind::Color) | None) || next.channel != Channel::All {
@@ -135,15 +135,14 @@ fn space_ui(viewer: &mut Viewer, ui: &mut Ui) {
     }
     if viewer.near.shown {
         let distance = &mut viewer.near.distance;
-        let number = Number::new(f64::from(*distance)).speed(0.0005).range(0.0005, 1.0);
+        let number = shown_as(*distance).speed(0.0005).range(0.0005, 1.0);
         number_ui(ui, number, distance, 0.02, "How near: a distance in the working space. Double-click for 0.02.");
     }
 }
 
-/// A number of which nobody wants many digits.
+/// A number as it is written: 0.1 is no 0.10000000149.
 fn shown_as(value: f32) -> Number<'static> {
-    // As it is written: 0.1 is no 0.10000000149.
-    Number::new(value.to_string().parse().unwrap_or(f64::from(value))).decimals(2)
+    Number::new(value.to_string().parse().unwrap_or(f64::from(value)))
 }
 
 /// Lets a number be changed; a double click brings it back to `usual`.
@@ -251,7 +250,7 @@ fn field_ui(ui: &mut Ui, state: &State, display: &mut Display) {
     if let Some([low, high]) = &mut display.range {
         let speed = f64::from((*high - *low).abs().max(1e-3)) * 0.01;
         for (end, help) in [(low, "What is black."), (high, "What is white.")] {
-            let told = Number::new(f64::from(*end)).decimals(3).speed(speed).ui(ui);
+            let told = shown_as(*end).decimals(3).speed(speed).ui(ui);
             told.response.clone().on_hover_text(help);
             *end = told.value().map_or(*end, |value| value as f32);
         }
@@ -290,7 +289,7 @@ fn compare_ui(viewer: &mut Viewer, ui: &mut Ui, state: &State) {
         ui.selectable_value(&mut held.mode, mode, text).on_hover_text(help);
     }
     if held.mode == Mode::Difference {
-        let gain = Number::new(f64::from(compare.gain)).decimals(1).speed(0.1).range(1.0, 256.0).prefix("× ");
+        let gain = shown_as(compare.gain).fixed(0).speed(0.1).range(1.0, 256.0).prefix("× ");
         number_ui(ui, gain, &mut compare.gain, 4.0, "By how much differences are multiplied. Double-click for 4.");
     }
     let drop = ui.button("×");
