@@ -39,6 +39,7 @@ mod testing;
 mod tests;
 mod theme;
 mod timeline;
+mod turns;
 mod viewer;
 mod watch;
 mod waves;

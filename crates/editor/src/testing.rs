@@ -54,6 +54,11 @@ pub(crate) fn finished(window: &mut Window) {
 
 /// An editor of a document whose viewer shows nothing, so that nothing is evaluated.
 pub(crate) fn unseen(session: Session) -> Window {
+    unseen_in(session, [1280.0, 800.0])
+}
+
+/// The same in a window of a size, in points.
+pub(crate) fn unseen_in(session: Session, size: [f32; 2]) -> Window {
     let mut session = Some(session);
     let draw = move |ui: &mut egui::Ui, editor: &mut Option<Editor>| {
         if let Some(session) = session.take() {
@@ -63,7 +68,7 @@ pub(crate) fn unseen(session: Session) -> Window {
         }
         editor.as_mut().unwrap().ui(ui);
     };
-    let mut window = Harness::builder().with_size([1280.0, 800.0]).with_step_dt(0.02).build_ui_state(draw, None);
+    let mut window = Harness::builder().with_size(size).with_step_dt(0.02).build_ui_state(draw, None);
     window.step();
     window
 }

@@ -48,7 +48,7 @@ pub(crate) fn timeline_ui(timeline: &mut Timeline, ui: &mut Ui, state: &State, a
         if let Some(frame) = frame_ui(ui, state.frame, (-FRAMES, FRAMES), "Frame") {
             actions.push(Action::Frame(frame));
         }
-        let width = (ui.available_width() - 170.0).max(80.0);
+        let width = (ui.available_width() - 170.0 - RATE).max(80.0);
         strip_ui(timeline, ui, state, width, actions);
         if let Some(from) = frame_ui(ui, first, (-FRAMES, FRAMES), "First frame of the range (I)") {
             actions.push(Action::Range(from, last.max(from)));
@@ -56,10 +56,28 @@ pub(crate) fn timeline_ui(timeline: &mut Timeline, ui: &mut Ui, state: &State, a
         if let Some(to) = frame_ui(ui, last, (first, FRAMES.max(first)), "Last frame of the range (O)") {
             actions.push(Action::Range(first, to));
         }
+        rate_ui(ui, state);
         let fps = Number::rate(state.sheet().frames.2).suffix(" fps").ui(ui);
         fps.response.clone().on_hover_text("Frames per second, of the document.");
         let path = Path::default().to("frames").to("fps");
         fps.edit(actions, |fps| Edit::set(path, &serde_json::json!(fps)).merging("fps"));
+    });
+}
+
+/// Width of the rate that is reached, points: there is room for it also where nothing plays.
+const RATE: f32 = 52.0;
+
+/// The rate that is reached, before the one that is wanted.
+fn rate_ui(ui: &mut Ui, state: &State) {
+    let size = vec2(RATE - ui.spacing().item_spacing.x, ui.spacing().interact_size.y);
+    ui.allocate_ui_with_layout(size, egui::Layout::right_to_left(egui::Align::Center), |ui| {
+        ui.set_min_width(size.x);
+        let Some(rate) = state.seen.rate.filter(|_| state.playing) else { return };
+        let slow = rate < 0.95 * state.sheet().frames.2;
+        let color = if slow { ui.visuals().warn_fg_color } else { ui.visuals().text_color() };
+        let text = if rate < 9.95 { format!("{rate:.1} of") } else { format!("{rate:.0} of") };
+        ui.label(egui::RichText::new(text).color(color))
+            .on_hover_text("Frames per second over the last that were shown; every frame is.");
     });
 }
 

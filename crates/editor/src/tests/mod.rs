@@ -1,8 +1,10 @@
 mod files;
 mod graph;
 mod keys;
+mod lasting;
 mod looking;
 mod panels;
+mod play;
 mod shots;
 mod snapshots;
 mod typing;

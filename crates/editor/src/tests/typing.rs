@@ -40,7 +40,7 @@ fn value(window: &Window, node: &str, knob: &str) -> Option<Value> {
 }
 
 /// The fields of numbers that stand in the row of a name.
-fn fields(window: &Window, name: &str) -> Vec<Rect> {
+pub(super) fn fields(window: &Window, name: &str) -> Vec<Rect> {
     let row = window.query_all_by_label(name).last().unwrap().rect();
     let all = window.query_all_by_role(Role::SpinButton).map(|field| field.rect());
     all.filter(|field| field.left() > row.left() && (field.center().y - row.center().y).abs() < 8.0).collect()
