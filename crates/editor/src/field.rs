@@ -28,10 +28,10 @@ impl Gesture {
         response.double_clicked().then_some(Self(()))
     }
 
-    /// A drag that has led somewhere, with where it began.
+    /// A drag that leads on, with where it began.
     pub(crate) fn drag(ui: &Ui, response: &Response) -> Option<(Self, Pos2)> {
-        let from = ui.input(|input| input.pointer.press_origin()).filter(|_| response.dragged())?;
-        response.interact_pointer_pos().filter(|at| *at != from).map(|_| (Self(()), from))
+        let moved = response.dragged() && response.drag_delta() != egui::Vec2::ZERO;
+        ui.input(|input| input.pointer.press_origin()).filter(|_| moved).map(|from| (Self(()), from))
     }
 
     /// A press on a widget, from its first moment on.

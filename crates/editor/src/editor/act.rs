@@ -91,6 +91,8 @@ impl Editor {
                 state.playing = playing;
                 self.playback = Default::default();
                 self.asked.ahead = None;
+                // What was missing may be there by now.
+                self.asked.failed.clear();
                 if !playing {
                     self.worker.ahead([]);
                 }

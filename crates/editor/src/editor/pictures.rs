@@ -14,8 +14,8 @@ pub(super) struct Asked {
     pub(super) what: Option<What>,
     pub(super) display: crate::evaluate::Display,
     pub(super) thumbnails: u64,
-    /// The frame whose followers are being made.
-    pub(super) ahead: Option<i64>,
+    /// The frame whose followers are being made, and in which range.
+    pub(super) ahead: Option<(i64, (i64, i64))>,
     /// Which pictures made ahead are of what is looked at: all frames of it have one number.
     pub(super) series: u64,
     /// Frames that could not be made ahead.
@@ -118,8 +118,9 @@ impl Editor {
             self.worker.thumbnails(subject.clone(), self.state.frame);
         }
         // Once there is nothing else to do, the frames that come next, the nearest first.
-        if self.state.playing && self.asked.ahead != Some(self.state.frame) {
-            self.asked.ahead = Some(self.state.frame);
+        let present = Some((self.state.frame, self.state.range));
+        if self.state.playing && self.asked.ahead != present {
+            self.asked.ahead = present;
             let series = self.asked.series;
             self.worker.ahead(self.missing().into_iter().map(|frame| job(series, frame, false)));
         }

@@ -95,7 +95,9 @@ fn an_edit_while_frames_are_played_shows_in_those_that_follow() {
     act(&mut window, Action::Undo);
     let from = editor(&window).state().frame;
     finished(&mut window);
-    assert_eq!(follow(&mut window, 5), wanted(from, (1, FRAMES), 5));
+    let frames = follow(&mut window, 5);
+    assert_eq!(frames, wanted(frames[0], (1, FRAMES), 5));
+    assert!(wanted(from, (1, FRAMES), 2).contains(&frames[0]), "from where one was");
 }
 
 #[test]
@@ -141,6 +143,10 @@ fn the_range_and_the_frame_may_change_while_frames_are_played() {
     act(&mut window, Action::Range(5, 7));
     let frames = follow(&mut window, 10);
     assert_eq!(frames[1..], wanted(5, (5, 7), 9));
+    // Nothing of it is made yet.
+    act(&mut window, Action::Range(20, 22));
+    let frames = follow(&mut window, 8);
+    assert_eq!(frames[1..], wanted(20, (20, 22), 7));
     act(&mut window, Action::Range(1, FRAMES));
     act(&mut window, Action::Frame(2));
     finished(&mut window);
