@@ -28,10 +28,9 @@ impl Gesture {
         response.double_clicked().then_some(Self(()))
     }
 
-    /// A drag that leads on, with where it began.
-    pub(crate) fn drag(ui: &Ui, response: &Response) -> Option<(Self, Pos2)> {
-        let moved = response.dragged() && response.drag_delta() != egui::Vec2::ZERO;
-        ui.input(|input| input.pointer.press_origin()).filter(|_| moved).map(|from| (Self(()), from))
+    /// A drag that leads on.
+    pub(crate) fn drag(response: &Response) -> Option<Self> {
+        (response.dragged() && response.drag_delta() != egui::Vec2::ZERO).then_some(Self(()))
     }
 
     /// A press on a widget, from its first moment on.

@@ -4,7 +4,6 @@ use super::blame::{self, Question};
 use super::lens::{Lens, OUTPUT, lens, of_every_node};
 use super::shown::{self, Display};
 use super::wish::{Job, News, Result, Subject, Thumbnail};
-use crate::document::Path;
 use std::borrow::Cow;
 use std::collections::VecDeque;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -12,7 +11,7 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 use trochoid::{
-    Buffers, Cache, CheckedGraph, EvalError, Format, Monitor, NodeId, Picture, Plan, Settings, Window, WorkingSpace,
+    Buffers, Cache, CheckedGraph, EvalError, Format, Monitor, Picture, Plan, Settings, Window, WorkingSpace,
 };
 
 /// What is to be done, the more urgent first.
@@ -397,7 +396,7 @@ fn evaluate(
     cache: &mut Cache,
     monitor: &Watch<'_>,
 ) -> std::result::Result<Result, Failure> {
-    let because = |error: &dyn std::fmt::Display| Failure::Because(in_document(&error.to_string(), lens, &job.subject));
+    let because = |error: &dyn std::fmt::Display| Failure::Because(lens.in_document(&error.to_string(), &job.subject));
     let started = Instant::now();
     #[cfg(test)]
     monitor.office.pace(|| monitor.cancelled());
@@ -430,27 +429,6 @@ fn evaluate(
         nodes: Arc::new(frame.nodes),
         seconds: (frame.seconds, started.elapsed().as_secs_f64()),
     })
-}
-
-/// A message with places of the user's document where it has those of a lens, which has all of it on one line.
-fn in_document(message: &str, lens: &Lens, subject: &Subject) -> String {
-    let graph = &lens.graph;
-    let sheet = &subject.sheet;
-    let mut places = vec![(graph.place_of_format(), Path::default().to("format"))];
-    for (index, node) in graph.nodes().iter().enumerate().filter(|(_, node)| sheet.find(&node.name).is_some()) {
-        let own = Path::node(&node.name);
-        let items = node.ty.declaration().items.iter();
-        let items = items.map(|item| (graph.place_of(NodeId(index), Some(item.name())), own.to(item.name())));
-        // That of the node itself stands for items that are not written.
-        places.push((graph.place_of(NodeId(index), None), own.clone()));
-        places.extend(items);
-    }
-    let known = places.into_iter().find(|(place, _)| message.starts_with(&format!("{place}:")));
-    let place = known.and_then(|(old, path)| Some((old, crate::document::json::place(&sheet.text, &path)?)));
-    match place {
-        Some((old, [line, column])) => message.replacen(&old, &format!("{}:{line}:{column}", subject.name), 1),
-        None => message.into(),
-    }
 }
 
 /// A lens' graph for pictures that are so many times smaller.

@@ -218,7 +218,7 @@ pub(super) fn curve_ui(ui: &mut Ui, keyed: &Keyed, unit: &str, place: &Place<'_>
         let all = (0..keyed.keys.len()).flat_map(|key| (0..count).map(move |component| (key, component)));
         dragged = all.min_by(|a, b| near(a).total_cmp(&near(b))).filter(|key| near(key) < 9.0);
     }
-    if let (Some((key, component)), Some(at), Some((gesture, _))) = (dragged, pointer, Gesture::drag(ui, &response))
+    if let (Some((key, component)), Some(at), Some(gesture)) = (dragged, pointer, Gesture::drag(&response))
         && key < keyed.keys.len()
     {
         let mut moved = keyed.clone();

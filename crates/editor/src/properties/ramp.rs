@@ -85,8 +85,8 @@ pub(super) fn ramp_ui(ui: &mut Ui, state: &State, path: &Path, actions: &mut Vec
     }
     let dragged = ui.data_mut(|data| data.get_temp::<Option<usize>>(id)).flatten();
     let dragged = dragged.filter(|index| *index < known.len());
-    let drag = Gesture::drag(ui, &response).zip(response.interact_pointer_pos());
-    if let (Some(index), Some(((gesture, _), pointer))) = (dragged, drag) {
+    let drag = Gesture::drag(&response).zip(response.interact_pointer_pos());
+    if let (Some(index), Some((gesture, pointer))) = (dragged, drag) {
         // Stops stay in their order, where they have one.
         let below = index.checked_sub(1).map_or(f32::NEG_INFINITY, |before| known[before].0);
         let above = known.get(index + 1).map_or(f32::INFINITY, |after| after.0);

@@ -70,10 +70,20 @@ fn look_at(session: Session) -> Vec<String> {
 
 #[test]
 fn nothing_is_written_by_looking_at_every_node_of_every_document() {
-    let mut changes = Vec::new();
-    for file in ["graphs", "tests/nodes", "tests/extremes"].into_iter().flat_map(documents) {
+    let files: Vec<PathBuf> = ["graphs", "tests/nodes", "tests/extremes"].into_iter().flat_map(documents).collect();
+    let look = |file: &PathBuf| {
         let name = file.file_name().unwrap().to_string_lossy().into_owned();
-        changes.extend(look_at(Session::open(&file).unwrap()).into_iter().map(|change| format!("{name}: {change}")));
-    }
+        let changes = look_at(Session::open(file).unwrap());
+        changes.into_iter().map(move |change| format!("{name}: {change}"))
+    };
+    // As many at once as there are processors.
+    let next = std::sync::atomic::AtomicUsize::new(0);
+    let take = || files.get(next.fetch_add(1, std::sync::atomic::Ordering::Relaxed));
+    let work = || std::iter::from_fn(&take).flat_map(&look).collect::<Vec<String>>();
+    let count = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
+    let changes: Vec<String> = std::thread::scope(|scope| {
+        let hands: Vec<_> = (0..count).map(|_| scope.spawn(work)).collect();
+        hands.into_iter().flat_map(|hand| hand.join().unwrap()).collect()
+    });
     assert!(changes.is_empty(), "{} places: {changes:#?}", changes.len());
 }

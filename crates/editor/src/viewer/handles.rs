@@ -178,8 +178,8 @@ pub(super) fn handles_ui(
                 WidgetInfo::labeled(WidgetType::Slider, true, format!("{}, point {}", way.name, index + 1))
             });
             let grip = grip.on_hover_cursor(CursorIcon::Grab);
-            let moved = Gesture::drag(ui, &grip).zip(grip.interact_pointer_pos());
-            if let Some(((gesture, _), at)) = moved
+            let moved = Gesture::drag(&grip).zip(grip.interact_pointer_pos());
+            if let Some((gesture, at)) = moved
                 && let Some(world) = eye.on_level(share(rect, at), level)
             {
                 let mut points = way.points;
