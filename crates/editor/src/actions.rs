@@ -116,6 +116,16 @@ pub enum Action {
     Quit,
 }
 
+impl Action {
+    /// Whether all that is typed must count before it is done.
+    pub(crate) fn needs_all(&self) -> bool {
+        matches!(
+            self,
+            Self::Save | Self::SaveAs | Self::Render | Self::New | Self::Open | Self::OpenFile(_) | Self::Quit
+        )
+    }
+}
+
 /// What a command changes in the viewer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Switch {

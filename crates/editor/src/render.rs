@@ -120,14 +120,15 @@ impl Drop for Renderer {
 fn run(graph: &CheckedGraph, outputs: &[usize], frames: &[i64], shared: &Shared) -> Result<String, String> {
     let names: Vec<&str> = outputs.iter().map(|&index| graph.outputs()[index].name.as_str()).collect();
     let mut cache = Cache::new();
-    let (mut missed, mut folder) = (Vec::new(), None);
+    let (mut missed, mut folder): (Vec<String>, Option<PathBuf>) = (Vec::new(), None);
     for (index, &frame) in frames.iter().enumerate() {
         let at = |error: &dyn std::fmt::Display| format!("Frame {frame}: {error}");
         let plan = Plan::new(graph, &names, frame, &[], &Settings::default()).map_err(|error| at(&error))?;
         let evaluated = match plan.evaluate(&Buffers::new(), &mut cache, shared) {
             Ok(evaluated) => evaluated,
             Err(EvalError::Cancelled) => {
-                return Ok(format!("Stopped after {}", count(index, "frame")));
+                let to = folder.as_deref().map_or_else(String::new, into);
+                return Ok(format!("Stopped after {}{to}", count(index, "frame")));
             }
             Err(error) => return Err(at(&error)),
         };
@@ -144,9 +145,44 @@ fn run(graph: &CheckedGraph, outputs: &[usize], frames: &[i64], shared: &Shared)
     }
     match missed.first() {
         None => {
-            let to = folder.map_or_else(String::new, |folder| format!(" into {}", folder.display()));
+            let to = folder.as_deref().map_or_else(String::new, into);
             Ok(format!("Rendered {}{to}", count(frames.len(), "frame")))
         }
         Some(first) => Err(format!("Rendered {}, but {first}", count(frames.len(), "frame"))),
+    }
+}
+
+fn into(folder: &Path) -> String {
+    format!(" into {}", folder.display())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::document::Session;
+
+    #[test]
+    fn a_run_that_is_stopped_says_where_its_files_are() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("new.json");
+        let text = crate::document::session::NEW.replace("1280", "32").replace("720", "18");
+        std::fs::write(&file, text.replace("beauty.####.png", "made/beauty.####.png")).unwrap();
+        std::fs::create_dir(folder.path().join("made")).unwrap();
+        let graph = Session::open(&file).unwrap().meaning().graph.clone().unwrap();
+        let mut renderer = Renderer::start(graph, (1, 50_000), egui::Context::default()).unwrap();
+        let since = std::time::Instant::now();
+        while renderer.progress().done.0 < 2 {
+            assert!(since.elapsed().as_secs() < 60 && renderer.thread.is_some());
+            std::thread::sleep(std::time::Duration::from_millis(1));
+        }
+        renderer.cancel();
+        let outcome = loop {
+            match renderer.outcome() {
+                Some(outcome) => break outcome.unwrap(),
+                None => std::thread::sleep(std::time::Duration::from_millis(1)),
+            }
+        };
+        let made = std::fs::read_dir(folder.path().join("made")).unwrap().count();
+        assert_eq!(outcome, format!("Stopped after {made} frames into {}", folder.path().join("made").display()));
     }
 }

@@ -59,6 +59,8 @@ impl Default for Look {
 pub struct Seen {
     /// The newest picture of what is looked at, which may be of an older text until there is a newer one.
     pub result: Option<Arc<Result>>,
+    /// The picture before, where there is none any more: it stays in sight until there is another.
+    pub last: Option<Arc<Result>>,
     /// Why there is none, in a sentence.
     pub failed: Option<String>,
     /// How much of the picture is done; `None` where nothing is being evaluated.
@@ -69,6 +71,8 @@ pub struct Seen {
     pub thumbnails: HashMap<String, Arc<Screen>>,
     /// Pictures of the frames, as far as they are of the document as it is, for playing.
     pub frames: BTreeMap<i64, Arc<Result>>,
+    /// Frames per second over the last frames that were played.
+    pub rate: Option<f64>,
     /// What the pixel that is inspected is made of; of the picture before until it is known.
     pub blame: Option<Blamed>,
     /// The evaluations so far, the newest last.
@@ -127,6 +131,18 @@ impl State {
     pub fn first_output(sheet: &Sheet) -> Option<(String, usize)> {
         let source = sheet.outputs.iter().find_map(|output| sheet.source(&output.source));
         source.map(|(node, output)| (sheet.nodes[node].name.clone(), output))
+    }
+
+    /// Goes on looking at nodes that have other names now.
+    pub fn rename(&mut self, names: &[(String, String)]) {
+        for (old, new) in names {
+            let looked = self.look.node.iter_mut().map(|(name, _)| name);
+            let all = looked.chain(self.look.slots.iter_mut().flatten());
+            all.filter(|name| *name == old).for_each(|name| name.clone_from(new));
+            if self.selection.remove(old) {
+                self.selection.insert(new.clone());
+            }
+        }
     }
 
     /// What the canvas draws.

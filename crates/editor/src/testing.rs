@@ -51,3 +51,24 @@ pub(crate) fn finished(window: &mut Window) {
         seen.progress.is_none() && (seen.failed.is_some() || seen.result.as_ref().is_some_and(|result| result.finished))
     });
 }
+
+/// An editor of a document whose viewer shows nothing, so that nothing is evaluated.
+pub(crate) fn unseen(session: Session) -> Window {
+    unseen_in(session, [1280.0, 800.0])
+}
+
+/// The same in a window of a size, in points.
+pub(crate) fn unseen_in(session: Session, size: [f32; 2]) -> Window {
+    let mut session = Some(session);
+    let draw = move |ui: &mut egui::Ui, editor: &mut Option<Editor>| {
+        if let Some(session) = session.take() {
+            let mut new = Editor::new(ui.ctx(), session, None).unwrap();
+            new.state.look.node = None;
+            *editor = Some(new);
+        }
+        editor.as_mut().unwrap().ui(ui);
+    };
+    let mut window = Harness::builder().with_size(size).with_step_dt(0.02).build_ui_state(draw, None);
+    window.step();
+    window
+}

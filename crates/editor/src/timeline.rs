@@ -2,6 +2,7 @@
 
 use crate::actions::Action;
 use crate::document::{Edit, Path};
+use crate::field::Number;
 use crate::state::State;
 use egui::{Align2, Color32, FontId, Rect, Sense, Stroke, Ui, pos2, vec2};
 
@@ -14,6 +15,9 @@ pub(crate) struct Timeline {
 
 /// Width of a button, points.
 const BUTTON: f32 = 26.0;
+
+/// Frames reach so far on both sides of 0.
+const FRAMES: i64 = 10_000_000;
 
 /// Draws the timeline.
 pub(crate) fn timeline_ui(timeline: &mut Timeline, ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
@@ -36,29 +40,44 @@ pub(crate) fn timeline_ui(timeline: &mut Timeline, ui: &mut Ui, state: &State, a
         }
         button(ui, "▶|", "Next frame (→)", Action::Frame(state.frame + 1));
         button(ui, "⏭", "Last frame (End)", Action::Frame(last));
-        let mut frame = state.frame;
-        let field = ui.add(egui::DragValue::new(&mut frame).speed(0.2)).on_hover_text("Frame");
-        if field.changed() {
+        let frame_ui = |ui: &mut Ui, frame: i64, (low, high): (i64, i64), help: &str| {
+            let number = Number::new(frame as f64).whole().speed(0.2).range(low as f64, high as f64).ui(ui);
+            number.response.clone().on_hover_text(help);
+            number.value().map(|frame| frame as i64)
+        };
+        if let Some(frame) = frame_ui(ui, state.frame, (-FRAMES, FRAMES), "Frame") {
             actions.push(Action::Frame(frame));
         }
-        let width = (ui.available_width() - 170.0).max(80.0);
+        let width = (ui.available_width() - 170.0 - RATE).max(80.0);
         strip_ui(timeline, ui, state, width, actions);
-        let (mut from, mut to) = state.range;
-        let start = ui.add(egui::DragValue::new(&mut from).speed(0.2)).on_hover_text("First frame of the range (I)");
-        let end = ui.add(egui::DragValue::new(&mut to).speed(0.2)).on_hover_text("Last frame of the range (O)");
-        if start.changed() || end.changed() {
-            actions.push(Action::Range(from, to.max(from)));
+        if let Some(from) = frame_ui(ui, first, (-FRAMES, FRAMES), "First frame of the range (I)") {
+            actions.push(Action::Range(from, last.max(from)));
         }
-        let mut fps = state.sheet().frames.2;
-        let field = egui::DragValue::new(&mut fps).range(1.0..=240.0).speed(0.1).max_decimals(3).suffix(" fps");
-        let field = ui.add(field).on_hover_text("Frames per second, of the document.");
-        if field.changed() {
-            let path = Path::default().to("frames").to("fps");
-            actions.push(Action::Edit(Edit::set(path, &serde_json::json!(fps)).merging("fps")));
+        if let Some(to) = frame_ui(ui, last, (first, FRAMES.max(first)), "Last frame of the range (O)") {
+            actions.push(Action::Range(first, to));
         }
-        if field.drag_stopped() || field.lost_focus() {
-            actions.push(Action::Seal);
-        }
+        rate_ui(ui, state);
+        let fps = Number::rate(state.sheet().frames.2).suffix(" fps").ui(ui);
+        fps.response.clone().on_hover_text("Frames per second, of the document.");
+        let path = Path::default().to("frames").to("fps");
+        fps.edit(actions, |fps| Edit::set(path, &serde_json::json!(fps)).merging("fps"));
+    });
+}
+
+/// Width of the rate that is reached, points: there is room for it also where nothing plays.
+const RATE: f32 = 52.0;
+
+/// The rate that is reached, before the one that is wanted.
+fn rate_ui(ui: &mut Ui, state: &State) {
+    let size = vec2(RATE - ui.spacing().item_spacing.x, ui.spacing().interact_size.y);
+    ui.allocate_ui_with_layout(size, egui::Layout::right_to_left(egui::Align::Center), |ui| {
+        ui.set_min_width(size.x);
+        let Some(rate) = state.seen.rate.filter(|_| state.playing) else { return };
+        let slow = rate < 0.95 * state.sheet().frames.2;
+        let color = if slow { ui.visuals().warn_fg_color } else { ui.visuals().text_color() };
+        let text = if rate < 9.95 { format!("{rate:.1} of") } else { format!("{rate:.0} of") };
+        ui.label(egui::RichText::new(text).color(color))
+            .on_hover_text("Frames per second over the last that were shown; every frame is.");
     });
 }
 

@@ -2,9 +2,10 @@
 
 use crate::actions::Action;
 use crate::document::{Edit, Node, Path};
+use crate::field::{Gesture, Number};
 use crate::format::number;
 use crate::state::State;
-use egui::{Color32, RichText, ScrollArea, Sense, Slider, Stroke, Ui, pos2, vec2};
+use egui::{Color32, RichText, ScrollArea, Sense, Stroke, Ui, pos2, vec2};
 use egui_plot::{Line, Plot, PlotPoints, Points, Polygon};
 use serde_json::{Value, json};
 use std::sync::Arc;
@@ -123,12 +124,12 @@ fn value_of(state: &State, path: &Path, knob: &Knob) -> Option<f64> {
     }
 }
 
-fn set(path: &Path, value: f64, actions: &mut Vec<Action>) {
-    actions.push(Action::Edit(Edit::set(path.clone(), &json!(value)).merging(path.to_string())));
+fn set(path: &Path, value: f64) -> Edit {
+    Edit::set(path.clone(), &json!(value)).merging(path.to_string())
 }
 
 fn slider_ui(ui: &mut Ui, state: &State, path: &Path, knob: &Knob, actions: &mut Vec<Action>) {
-    let Some(mut value) = value_of(state, path, knob) else {
+    let Some(value) = value_of(state, path, knob) else {
         ui.weak(format!("{} is keyed: see Properties", knob.name.replace('_', " ")));
         return;
     };
@@ -149,24 +150,17 @@ fn slider_ui(ui: &mut Ui, state: &State, path: &Path, knob: &Knob, actions: &mut
     let whole = matches!(knob.takes, Takes::Integer { .. });
     ui.horizontal(|ui| {
         let logarithmic = matches!(knob.name, "wavelength" | "count");
-        let mut slider =
-            Slider::new(&mut value, low..=high).clamping(egui::SliderClamping::Never).logarithmic(logarithmic);
-        slider = if whole { slider.integer() } else { slider.max_decimals(3) };
         let unit = if knob.unit == "degrees" { "°".into() } else { format!(" {}", knob.unit) };
-        let field = ui.add(slider.suffix(unit));
+        let (min, max) = match knob.takes {
+            Takes::Number { min, max } => (min, max),
+            Takes::Integer { min, max } => (min as f64, max as f64),
+            _ => (f64::NEG_INFINITY, f64::INFINITY),
+        };
+        let number = Number::new(value).range(min, max).decimals(3);
+        let number = if whole { number.whole() } else { number };
+        let told = number.suffix(&unit).slider(low..=high, logarithmic).ui(ui);
         crate::prose::explained(ui.label(knob.name.replace('_', " ")), knob.help);
-        if field.changed() {
-            let (min, max) = match knob.takes {
-                Takes::Number { min, max } => (min, max),
-                Takes::Integer { min, max } => (min as f64, max as f64),
-                _ => (f64::NEG_INFINITY, f64::INFINITY),
-            };
-            let value = (value.clamp(min, max) * 1e4).round() / 1e4;
-            set(&path.to(knob.name), if whole { value.round() } else { value }, actions);
-        }
-        if field.drag_stopped() || field.lost_focus() {
-            actions.push(Action::Seal);
-        }
+        told.edit(actions, |value| set(&path.to(knob.name), value));
     });
 }
 
@@ -204,14 +198,14 @@ fn dial_ui(ui: &mut Ui, path: &Path, value: Option<f64>, actions: &mut Vec<Actio
         along * radius * 1.6,
         Stroke::new(2.0, Color32::from_rgb(0x3f, 0xb5, 0xb0)),
     );
-    if let Some(pointer) = response.interact_pointer_pos() {
+    if let Some((gesture, pointer)) = Gesture::press(&response) {
         let to: egui::Vec2 = pointer - center;
         if to.length() > 4.0 {
             let angle = f64::from(to.y.atan2(to.x).to_degrees());
             // Shift takes steps of 15°.
             let angle =
                 if ui.input(|input| input.modifiers.shift) { (angle / 15.0).round() * 15.0 } else { angle.round() };
-            set(path, angle, actions);
+            gesture.edit(set(path, angle), actions);
         }
     }
     if response.drag_stopped() || response.clicked() {
@@ -370,13 +364,11 @@ fn stability_ui(
             );
             plot.pointer_coordinate()
         });
-        if shown.response.double_clicked()
-            && let Some(at) = shown.inner
-        {
+        if let (Some(gesture), Some(at)) = (Gesture::double_click(&shown.response), shown.inner) {
             let path = Path::node(&sea.name);
             let round = |value: f64| json!((value * 1e4).round() / 1e4);
             let edit = Edit::set(path.to(across), &round(at.x)).then(Edit::set(path.to(up), &round(at.y)));
-            actions.push(Action::Edit(edit));
+            gesture.edit(edit, actions);
         }
         ui.weak(format!("{} Double-click moves the sea there.", map.note));
     }

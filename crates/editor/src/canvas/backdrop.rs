@@ -8,7 +8,7 @@ use crate::document::sheet::Backdrop;
 use crate::document::{Edit, Point, Sheet, decor, output};
 use crate::theme::TINTS;
 use egui::{Color32, CursorIcon, FontId, Id, Key, PointerButton, Pos2, Rect, Sense, Stroke, StrokeKind, TextEdit, Ui};
-use egui::{WidgetInfo, WidgetType, pos2, vec2};
+use egui::{KeyboardShortcut, Modifiers, WidgetInfo, WidgetType, pos2, vec2};
 use std::collections::BTreeSet;
 
 /// Height of the title.
@@ -93,8 +93,8 @@ fn title(text: &str) -> &str {
 }
 
 impl Canvas {
-    /// Draws the backdrops, and takes what is done to them.
-    pub(super) fn backdrops_ui(&mut self, plan: &Plan, ui: &mut Ui, actions: &mut Vec<Action>) {
+    /// Draws the backdrops, and takes what is done to them; what is written on one comes later, above the nodes.
+    pub(super) fn backdrops_ui(&mut self, plan: &Plan, ui: &mut Ui) {
         // The smaller ones lie on the larger ones.
         let mut names: Vec<&String> = plan.sheet.backdrops.keys().collect();
         names.sort_by(|a, b| {
@@ -112,7 +112,6 @@ impl Canvas {
                 self.backdrop_ui(plan, ui, name, &body, seen);
             }
         }
-        self.writing_ui(plan, ui, actions);
     }
 
     fn backdrop_ui(&mut self, plan: &Plan, ui: &mut Ui, name: &str, body: &Backdrop, seen: Rect) {
@@ -169,16 +168,19 @@ impl Canvas {
         self.writing = Some(Writing { subject, text: text.into(), fresh });
     }
 
-    fn writing_ui(&mut self, plan: &Plan, ui: &mut Ui, actions: &mut Vec<Action>) {
+    /// Draws the field for a text.
+    pub(super) fn writing_ui(&mut self, plan: &Plan, ui: &mut Ui, actions: &mut Vec<Action>) {
         let Some(mut writing) = self.writing.take() else { return };
         let one_line = matches!(writing.subject, Subject::Output(_));
         let Some(place) = self.writing_place(plan, &writing) else { return };
         let id = Id::new("canvas text");
         let field = match one_line {
             true => TextEdit::singleline(&mut writing.text),
-            false => TextEdit::multiline(&mut writing.text).desired_rows(1),
+            false => TextEdit::multiline(&mut writing.text)
+                .desired_rows(1)
+                .return_key(KeyboardShortcut::new(Modifiers::SHIFT, Key::Enter)),
         };
-        let help = if one_line { "Enter when done" } else { "Ctrl+Enter when done" };
+        let help = if one_line { "Enter when done" } else { "Enter when done, Shift+Enter for another line" };
         let field = ui.put(place, field.id(id)).on_hover_text(format!("{help}, Esc to leave it as it was."));
         let called = if one_line { "Name of the output" } else { "Text of the backdrop" };
         field.widget_info(|| WidgetInfo::labeled(WidgetType::TextEdit, true, called));
@@ -191,8 +193,8 @@ impl Canvas {
             state.cursor.set_char_range(Some(egui::text::CCursorRange::two(start, end)));
             state.store(ui.ctx(), id);
         }
-        let (escape, done) = ui
-            .input(|input| (input.key_pressed(Key::Escape), input.modifiers.command && input.key_pressed(Key::Enter)));
+        let (escape, done) =
+            ui.input(|input| (input.key_pressed(Key::Escape), !input.modifiers.shift && input.key_pressed(Key::Enter)));
         if escape {
             return;
         }
@@ -214,8 +216,7 @@ impl Canvas {
             }
         };
         let at: Pos2 = seen.min.max(self.view.rect.min);
-        let lines = writing.text.lines().count().max(1) as f32;
-        let rows = if matches!(writing.subject, Subject::Output(_)) { 1.0 } else { lines + 1.0 };
+        let rows = writing.text.split('\n').count() as f32;
         Some(Rect::from_min_size(at, vec2(seen.width().max(160.0), 20.0 * rows + 8.0)))
     }
 }
@@ -225,9 +226,9 @@ fn written(plan: &Plan, writing: &Writing) -> Vec<Action> {
     let text = writing.text.trim().to_string();
     match &writing.subject {
         Subject::Backdrop(name) => match plan.sheet.backdrops.get(name) {
-            Some(body) if body.text != text => {
+            Some(body) if body.text.trim() != text => {
                 let body = Backdrop { text, ..body.clone() };
-                vec![Action::Edit(decor::framed("Write on a backdrop", name, &body)), Action::Seal]
+                vec![Action::Edit(decor::reframed("Write on a backdrop", &plan.sheet, name, &body)), Action::Seal]
             }
             _ => Vec::new(),
         },

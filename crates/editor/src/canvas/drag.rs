@@ -431,9 +431,12 @@ fn wire_under(plan: &Plan, held: &Move) -> Option<usize> {
 
 /// What becomes of a backdrop that is let go.
 fn put_down(plan: &Plan, hold: &Hold) -> Vec<Action> {
-    let Some(body) = plan.sheet.backdrops.get(&hold.name) else { return Vec::new() };
+    let Some(body) = plan.sheet.backdrops.get(&hold.name).filter(|_| hold.by != vec2(0.0, 0.0)) else {
+        return Vec::new();
+    };
     let body = super::backdrop::held(body, hold);
-    let mut edit = decor::framed(if hold.corner { "Resize a backdrop" } else { "Move a backdrop" }, &hold.name, &body);
+    let label = if hold.corner { "Resize a backdrop" } else { "Move a backdrop" };
+    let mut edit = decor::reframed(label, &plan.sheet, &hold.name, &body);
     if !hold.corner && !hold.nodes.is_empty() {
         let places: Vec<(String, Point)> =
             hold.nodes.iter().map(|node| (plan.sheet.nodes[*node].name.clone(), plan.corner(*node))).collect();

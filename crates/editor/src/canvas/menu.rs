@@ -200,7 +200,7 @@ impl Canvas {
                 ui.painter().rect_filled(place, 3.0, Color32::from_rgb(r, g, b));
                 if response.clicked() {
                     let body = Backdrop { tint, ..body.clone() };
-                    actions.push(Action::Edit(decor::framed("Color a backdrop", name, &body)));
+                    actions.push(Action::Edit(decor::reframed("Color a backdrop", &plan.sheet, name, &body)));
                     actions.push(Action::Seal);
                     ui.close();
                 }

@@ -398,12 +398,13 @@ pub fn canvas_ui(canvas: &mut Canvas, ui: &mut Ui, state: &State, actions: &mut 
     canvas.navigate(ui, &background);
     canvas.advance(&mut plan, ui, state, actions);
     canvas.ground(ui);
-    canvas.backdrops_ui(&plan, ui, actions);
+    canvas.backdrops_ui(&plan, ui);
     canvas.background(&plan, ui, state, &background, actions);
     canvas.dots_ui(&plan, ui, actions);
     canvas.nodes_ui(&plan, ui, state, actions);
     canvas.click_pin(&plan, ui, state, actions);
     canvas.overlay(&plan, ui);
+    canvas.writing_ui(&plan, ui, actions);
     canvas.minimap_ui(&plan, ui);
     canvas.keys(&plan, ui, state, actions);
     canvas.refusal_ui(&plan, ui, actions);

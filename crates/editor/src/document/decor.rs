@@ -126,7 +126,20 @@ fn shifted(keys: &mut Vec<String>, place: &Path, comes: bool) -> Vec<Op> {
     ops
 }
 
-/// Adds a backdrop, or changes the one of that name.
+/// Changes of a backdrop what is another than it was, and leaves the rest as it is written.
+pub fn reframed(label: &str, sheet: &Sheet, name: &str, body: &Backdrop) -> Edit {
+    let Some(old) = sheet.backdrops.get(name) else { return Edit::new(label, Vec::new()) };
+    let entries = [
+        ("at", old.at != body.at, rounded(body.at)),
+        ("size", old.size != body.size, rounded(body.size)),
+        ("text", old.text != body.text, json!(body.text)),
+        ("tint", old.tint != body.tint, json!(body.tint)),
+    ];
+    let changed = entries.into_iter().filter(|(_, differs, _)| *differs);
+    Edit::new(label, changed.map(|(key, _, value)| Op::Set(backdrop(name).to(key), style(&value))).collect())
+}
+
+/// Adds a backdrop.
 pub fn framed(label: &str, name: &str, body: &Backdrop) -> Edit {
     let value = json!({
         "at": rounded(body.at), "size": rounded(body.size), "text": body.text, "tint": body.tint,
@@ -236,6 +249,14 @@ mod tests {
         session.edit(framed("Add a backdrop", &name, &body)).unwrap();
         assert_eq!(session.sheet().backdrops[&name], body);
         assert_ne!(free_backdrop(session.sheet()), name);
+        // What is not changed stays as it is written.
+        let by_hand = session.text().replace("\"at\": [-20, 5]", "\"at\": [ -20.25, 5.0 ], \"mine\": true");
+        session.replace(&by_hand, "Edit the text");
+        let body = Backdrop { text: "air".into(), ..session.sheet().backdrops[&name].clone() };
+        session.edit(reframed("Write", session.sheet(), &name, &body)).unwrap();
+        assert_eq!(session.text(), by_hand.replace("sky\\nand air", "air"));
+        session.undo();
+        assert_eq!(reframed("Write", session.sheet(), &name, &session.sheet().backdrops[&name]).ops, []);
         session.edit(unframed(&name)).unwrap();
         assert!(session.sheet().backdrops.is_empty());
     }

@@ -169,6 +169,25 @@ pub fn quoted(text: &str) -> String {
 /// # Errors
 /// The text is no JSON, or has no such place.
 pub fn splice(text: &str, op: &Op) -> Result<Splice, Misplaced> {
+    let mut splice = in_lines(text, op)?;
+    // Lines end as they do in the document.
+    if text.contains("\r\n") && splice.inserted.contains('\n') {
+        splice.inserted = splice.inserted.replace("\r\n", "\n").replace('\n', "\r\n");
+    }
+    Ok(splice)
+}
+
+/// Line and column of a value, counted from 1; of the nearest one around it that is there.
+pub fn place(text: &str, path: &Path) -> Option<[usize; 2]> {
+    let parsed = parse_to_ast(text, &CollectOptions::default(), &STRICT).ok()?;
+    let root = parsed.value?;
+    let at = (0..=path.0.len()).rev().find_map(|depth| descend(&root, &path.0[..depth]))?.start();
+    let before = &text[..at];
+    let line = before.rfind('\n').map_or(0, |end| end + 1);
+    Some([before.matches('\n').count() + 1, before[line..].chars().count() + 1])
+}
+
+fn in_lines(text: &str, op: &Op) -> Result<Splice, Misplaced> {
     let parsed = parse_to_ast(text, &CollectOptions::default(), &STRICT)
         .map_err(|error| Misplaced(format!("the document is no JSON: {error}")))?;
     let root = parsed.value.ok_or_else(|| Misplaced("the document is empty".into()))?;

@@ -50,6 +50,7 @@ impl Keeper {
     /// The folder takes no files.
     pub fn new(folder: &Path) -> std::io::Result<Self> {
         std::fs::create_dir_all(folder)?;
+        tidy(folder);
         let (path, lock, held) = (0..10_000)
             .find_map(|number| {
                 let stem = format!("{}-{number}", std::process::id());
@@ -132,6 +133,21 @@ fn read(path: PathBuf) -> Option<Kept> {
     let value: Value = serde_json::from_slice(&std::fs::read(&path).ok()?).ok()?;
     let file = value.get("file").and_then(Value::as_str).map(PathBuf::from);
     Some(Kept { file, text: value.get("text")?.as_str()?.into(), when, path })
+}
+
+/// How old a lock must be that nobody holds: a younger one may be about to be taken.
+const YOUNG: Duration = Duration::from_secs(60);
+
+/// Removes locks of editors that have ended and left no copy.
+fn tidy(folder: &Path) {
+    for path in std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path()) {
+        let is_lock = path.extension().is_some_and(|end| end == "lock") && !path.with_extension("json").exists();
+        let Ok(lock) = File::open(&path) else { continue };
+        let age = lock.metadata().and_then(|data| data.modified()).ok().and_then(|when| when.elapsed().ok());
+        if is_lock && age.is_some_and(|age| age > YOUNG) && lock.try_lock().is_ok() {
+            let _ = std::fs::remove_file(&path);
+        }
+    }
 }
 
 /// Removes a copy for good.

@@ -8,7 +8,11 @@ use super::relocate::relocated;
 use super::sheet::Sheet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 use trochoid::{CheckedGraph, Diagnostic, LoadError, Severity, missing_files, parse};
+
+/// Counts the texts of all documents: no two have one number.
+static REVISIONS: AtomicU64 = AtomicU64::new(1);
 
 /// An open document. Its text is the document; everything else here is read from it.
 #[derive(Debug)]
@@ -49,7 +53,9 @@ impl Meaning {
         // What is too deep or too large for the graph is too deep for anything else.
         let value = if text.len() <= 64 << 20 { serde_json::from_str(text).ok() } else { None };
         let readable = value.is_some();
-        let sheet = Arc::new(Sheet::new(value.unwrap_or_default(), graph.as_ref()));
+        let mut sheet = Sheet::new(value.unwrap_or_default(), graph.as_ref());
+        sheet.text = text.into();
+        let sheet = Arc::new(sheet);
         Self { graph: graph.map(Arc::new), diagnostics, sheet, readable }
     }
 
@@ -115,7 +121,7 @@ impl Session {
     }
 
     fn understand(&mut self) {
-        self.revision += 1;
+        self.revision = REVISIONS.fetch_add(1, Ordering::Relaxed);
         let before = std::mem::take(&mut self.meaning);
         self.meaning = Meaning::of(&self.name(), &self.text, &self.folder());
         if !self.meaning.readable {
@@ -151,7 +157,7 @@ impl Session {
         folder.unwrap_or_else(|| std::env::current_dir().unwrap_or_default())
     }
 
-    /// Grows with every change, so that what was made of an older text can be told.
+    /// Grows with every change, so that what was made of an older text, or of another document, can be told.
     pub fn revision(&self) -> u64 {
         self.revision
     }

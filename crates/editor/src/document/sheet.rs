@@ -3,6 +3,7 @@
 use super::json::{Path, Step};
 use serde_json::Value;
 use std::collections::{BTreeMap, HashMap, HashSet};
+use std::sync::Arc;
 use trochoid::{Accepts, Arity, CheckedGraph, Declaration, Item, Kind, registry};
 
 /// A point on the canvas, x to the right and y down.
@@ -27,6 +28,8 @@ pub struct Sheet {
     pub backdrops: BTreeMap<String, Backdrop>,
     /// The whole document.
     pub value: Value,
+    /// Its text.
+    pub text: Arc<str>,
 }
 
 /// A node.
@@ -157,6 +160,16 @@ impl Sheet {
     /// The kind of what a wire carries.
     pub fn kind(&self, wire: &Wire) -> Option<Kind> {
         self.nodes[wire.from.0].makes.get(wire.from.1)?.1
+    }
+
+    /// Nodes that have another name than in the sheet before, by the old name: they stand where the old ones stood.
+    pub fn renamed(&self, before: &Self) -> Vec<(String, String)> {
+        if self.nodes.len() != before.nodes.len() {
+            return Vec::new();
+        }
+        let pairs = before.nodes.iter().zip(&self.nodes).map(|(old, new)| (&old.name, &new.name));
+        let changed = pairs.filter(|(old, new)| self.find(old).is_none() && before.find(new).is_none());
+        changed.map(|(old, new)| (old.clone(), new.clone())).collect()
     }
 
     /// A node and its output, from how a document names them.

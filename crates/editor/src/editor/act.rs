@@ -65,13 +65,17 @@ impl Editor {
                 layout::bring(&mut self.tree, crate::layout::Pane::Canvas);
                 self.panels.canvas.frame();
             }
-            Action::Look(node, output) => state.look.node = Some((node, output)),
+            Action::Look(node, output) => {
+                state.look.node = Some((node, output));
+                self.lost = None;
+            }
             Action::Slot(slot) => {
                 if let Some(name) = state.chosen().map(String::from) {
                     state.look.slots[slot] = Some(name);
                 }
                 if let Some(name) = state.look.slots[slot].clone().filter(|name| sheet.find(name).is_some()) {
                     state.look.node = Some((name, 0));
+                    self.lost = None;
                 }
             }
             Action::Display(display) => state.look.display = display,
@@ -81,11 +85,17 @@ impl Editor {
             Action::Dropper(place) => state.dropper = place,
             Action::Frame(frame) => {
                 state.frame = frame.clamp(-10_000_000, 10_000_000);
-                self.clock = None;
+                self.playback = Default::default();
             }
             Action::Play(playing) => {
                 state.playing = playing;
-                self.clock = None;
+                self.playback = Default::default();
+                self.asked.ahead = None;
+                // What was missing may be there by now.
+                self.asked.failed.clear();
+                if !playing {
+                    self.worker.ahead([]);
+                }
             }
             Action::Range(first, last) => state.range = (first.min(last), first.max(last)),
             Action::New => self.leave(After::New, context),
@@ -235,11 +245,16 @@ impl Editor {
     /// What follows from a change of the document.
     pub(super) fn changed(&mut self) {
         let sheet = self.state.session.sheet().clone();
+        let before = std::mem::replace(&mut self.known, sheet.clone());
+        self.state.rename(&sheet.renamed(&before));
         self.state.selection.retain(|name| sheet.find(name).is_some());
         self.state.output.take_if(|name| output::find(&sheet, name).is_none());
-        self.state.seen.frames.clear();
-        self.asked.ahead = None;
-        if self.state.look.node.as_ref().is_some_and(|(name, _)| sheet.find(name).is_none()) {
+        self.forget_frames();
+        if let Some(lost) = self.lost.take_if(|(name, _)| sheet.find(name).is_some()) {
+            self.state.look.node = Some(lost);
+        }
+        if let Some(gone) = self.state.look.node.take_if(|(name, _)| sheet.find(name).is_none()) {
+            self.lost.get_or_insert(gone);
             self.state.look.node = State::first_output(&sheet);
         }
     }

@@ -3,12 +3,13 @@
 
 mod act;
 mod pictures;
+mod play;
 
 use crate::actions::Action;
 use crate::canvas::Canvas;
 use crate::commands::Space;
-use crate::document::Session;
 use crate::document::keep::{Keeper, kept};
+use crate::document::{Session, Sheet};
 use crate::evaluate::Worker;
 use crate::layout::{self, Pane};
 use crate::prompts::Prompts;
@@ -24,7 +25,9 @@ use crate::waves::Waves;
 use egui::{Context, Ui};
 use egui_notify::{Anchor, Toasts};
 use pictures::Asked;
+use play::Playback;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::Instant;
 
 pub use act::After;
@@ -39,7 +42,7 @@ pub struct Editor {
     /// The complaint about the text that was shown last, and when.
     complained: Option<Instant>,
     pub(crate) recent: Vec<PathBuf>,
-    worker: Worker,
+    pub(crate) worker: Worker,
     asked: Asked,
     keeper: Option<Keeper>,
     /// The revision that is kept, and when the first change since was made.
@@ -48,8 +51,15 @@ pub struct Editor {
     renderer: Option<Renderer>,
     /// Nodes that were copied here, and the folder that their paths are relative to.
     copied: Option<(String, PathBuf)>,
-    /// Since when, and from which frame, pictures follow each other.
-    clock: Option<(Instant, i64)>,
+    playback: Playback,
+    /// Most memory for pictures of frames, bytes.
+    pub(crate) room: usize,
+    /// The document as it was when it changed last.
+    known: Arc<Sheet>,
+    /// What was looked at before it was deleted: undo brings both back.
+    lost: Option<(String, usize)>,
+    /// What waits until a number that is being typed has been taken.
+    later: Vec<Action>,
     space: Space,
     closing: bool,
 }
@@ -77,6 +87,7 @@ impl Editor {
     /// The system gives no thread.
     pub fn new(context: &Context, session: Session, data: Option<&Path>) -> std::io::Result<Self> {
         crate::theme::install(context);
+        crate::turns::install(context);
         let wake = context.clone();
         let worker = Worker::new(move || wake.request_repaint())?;
         let folder = data.map(|data| data.join("unsaved"));
@@ -97,7 +108,11 @@ impl Editor {
             watcher: Watcher::default(),
             renderer: None,
             copied: None,
-            clock: None,
+            playback: Playback::default(),
+            room: pictures::FRAMES,
+            known: session.sheet().clone(),
+            lost: None,
+            later: Vec::new(),
             space: Space::default(),
             closing: false,
             state: State::new(session),
@@ -140,7 +155,20 @@ impl Editor {
 
     /// Asks to close the window: at once, or after a question about unsaved changes.
     pub fn close(&mut self, context: &Context) {
-        self.act(Action::Quit, context);
+        if context.text_edit_focused() {
+            self.defer(Action::Quit, context);
+        } else {
+            self.act(Action::Quit, context);
+        }
+    }
+
+    /// Does something as soon as what is being typed has been taken.
+    fn defer(&mut self, action: Action, context: &Context) {
+        if let Some(field) = context.memory(|memory| memory.focused()) {
+            context.memory_mut(|memory| memory.surrender_focus(field));
+        }
+        self.later.push(action);
+        context.request_repaint();
     }
 
     /// Draws everything, and does what was asked for.
@@ -156,8 +184,18 @@ impl Editor {
                 actions.push(Action::Play(!self.state.playing));
             }
         }
+        let typing = context.text_edit_focused();
         crate::window::window_ui(self, ui, &mut actions);
+        let mut later = std::mem::take(&mut self.later);
         for action in actions {
+            // What is typed and not entered yet counts before the document is written, rendered or left.
+            if typing && action.needs_all() {
+                self.defer(action, &context);
+            } else {
+                self.act(action, &context);
+            }
+        }
+        for action in later.drain(..) {
             self.act(action, &context);
         }
         self.keep(&context);
@@ -184,7 +222,11 @@ impl Editor {
             keeper.forget();
         }
         self.kept = (session.revision(), None);
+        self.known = session.sheet().clone();
         self.state = State::new(session);
+        self.forget_frames();
+        (self.lost, self.playback) = (None, Playback::default());
+        self.panels.viewer.forget();
         self.opened(context);
     }
 

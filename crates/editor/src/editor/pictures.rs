@@ -4,8 +4,8 @@ use super::Editor;
 use crate::evaluate::{Job, News, Question, Subject};
 use crate::state::Past;
 use egui::Context;
+use std::collections::BTreeSet;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
 
 /// What was asked of the worker last.
 #[derive(Default)]
@@ -14,47 +14,28 @@ pub(super) struct Asked {
     pub(super) what: Option<What>,
     pub(super) display: crate::evaluate::Display,
     pub(super) thumbnails: u64,
-    pub(super) ahead: Option<(u64, i64)>,
+    /// The frame whose followers are being made, and in which range.
+    pub(super) ahead: Option<(i64, (i64, i64))>,
+    /// Which pictures made ahead are of what is looked at: all frames of it have one number.
+    pub(super) series: u64,
+    /// Frames that could not be made ahead.
+    pub(super) failed: BTreeSet<i64>,
     /// The picture that is held, and how it was asked to be shown.
     pub(super) held: Option<(u64, crate::evaluate::Display)>,
     /// Picture, frame and place.
     pub(super) blame: Option<(u64, i64, [f32; 2])>,
 }
 
+/// The first number of pictures made ahead; those of single pictures are less.
+const SERIES: u64 = 1 << 48;
+
 /// What a picture is of: revision, node, output, frame, proxy, region.
 type What = (u64, String, usize, i64, u32, Option<[f32; 4]>);
 
 /// Most memory for pictures of frames, bytes.
-const FRAMES: usize = 2 << 30;
+pub(super) const FRAMES: usize = 2 << 30;
 
 impl Editor {
-    /// Goes to the frame that belongs to the time, as far as pictures are there.
-    pub(super) fn play(&mut self, context: &Context) {
-        let state = &mut self.state;
-        if !state.playing {
-            return;
-        }
-        let (first, last) = state.range;
-        let fps = state.sheet().frames.2;
-        let (since, from) = *self.clock.get_or_insert((Instant::now(), state.frame.clamp(first, last)));
-        let count = last - first + 1;
-        let due = from + (since.elapsed().as_secs_f64() * fps) as i64;
-        let due = first + (due - first).rem_euclid(count);
-        let next = if state.frame >= last { first } else { state.frame + 1 };
-        if due != state.frame {
-            if state.seen.frames.contains_key(&due) {
-                state.frame = due;
-            } else {
-                // What is not there yet is waited for: every frame is shown once.
-                self.clock = Some((Instant::now(), next));
-                state.frame = next;
-            }
-        }
-        if state.seen.frames.contains_key(&state.frame) {
-            context.request_repaint_after(Duration::from_secs_f64(0.5 / fps));
-        }
-    }
-
     /// What the viewer should show.
     pub(super) fn subject(&self) -> Option<Subject> {
         let (name, output) = self.state.look.node.as_ref()?;
@@ -77,12 +58,13 @@ impl Editor {
         let Some(subject) = self.subject() else {
             if self.asked.what.take().is_some() {
                 self.worker.stop();
-                self.state.seen.result = None;
-                self.state.seen.progress = None;
+                let seen = &mut self.state.seen;
+                (seen.result, seen.last, seen.progress, seen.failed) = (None, None, None, None);
+                self.forget_frames();
             }
             return;
         };
-        let look = &self.state.look;
+        let look = self.state.look.clone();
         let name = subject.sheet.nodes[subject.node].name.clone();
         let what = (subject.revision, name, subject.output, self.state.frame, look.proxy, look.region);
         let job = |generation: u64, frame: i64, progressive: bool| Job {
@@ -99,15 +81,16 @@ impl Editor {
                 self.asked.what.as_ref().is_some_and(|old| {
                     (old.0, &old.1, old.2, old.4, old.5) == (what.0, &what.1, what.2, what.4, what.5)
                 });
-            if !same_but_frame {
-                self.state.seen.frames.clear();
-            }
             self.asked.generation += 1;
+            if !same_but_frame {
+                self.forget_frames();
+            }
             self.asked.what = Some(what);
             self.asked.display = look.display;
             match self.state.seen.frames.get(&self.state.frame).filter(|seen| seen.display == look.display) {
                 Some(ready) => {
                     self.state.seen.result = Some(ready.clone());
+                    self.state.seen.last = None;
                     self.state.seen.failed = None;
                     self.state.seen.progress = None;
                 }
@@ -120,7 +103,7 @@ impl Editor {
             }
         } else if self.asked.display != look.display {
             self.asked.display = look.display;
-            self.state.seen.frames.clear();
+            self.forget_frames();
             if let Some(result) = &self.state.seen.result {
                 let space = result.lens.graph.space();
                 self.worker.show(self.asked.generation, result.picture.clone(), space, look.display);
@@ -134,16 +117,27 @@ impl Editor {
             self.asked.thumbnails = revision;
             self.worker.thumbnails(subject.clone(), self.state.frame);
         }
-        // Once there is nothing else to do, the frames that come next.
-        if self.state.playing && self.asked.ahead != Some((revision, self.state.frame)) {
-            self.asked.ahead = Some((revision, self.state.frame));
-            let (first, last) = self.state.range;
-            let count = (last - first + 1).min(64);
-            let next = (1..count).map(|step| first + (self.state.frame - first + step).rem_euclid(last - first + 1));
-            let missing = next.filter(|frame| !self.state.seen.frames.contains_key(frame)).take(8);
-            let jobs: Vec<Job> = missing.map(|frame| job(self.asked.generation, frame, false)).collect();
-            self.worker.ahead(jobs);
+        // Once there is nothing else to do, the frames that come next, the nearest first.
+        let present = Some((self.state.frame, self.state.range));
+        if self.state.playing && self.asked.ahead != present {
+            self.asked.ahead = present;
+            let series = self.asked.series;
+            self.worker.ahead(self.missing().into_iter().map(|frame| job(series, frame, false)));
         }
+    }
+
+    /// Whether what was asked for last is a frame of the document as it is.
+    pub(super) fn is_asked(&self, frame: i64) -> bool {
+        let revision = self.state.session.revision();
+        self.asked.what.as_ref().is_some_and(|what| (what.0, what.3) == (revision, frame))
+    }
+
+    /// Forgets pictures of frames: they are of something else than what is looked at.
+    pub(super) fn forget_frames(&mut self) {
+        self.state.seen.frames.clear();
+        self.asked.failed.clear();
+        self.asked.ahead = None;
+        self.asked.series = (self.asked.series + 1).max(SERIES);
     }
 
     /// Asks for the picture that is held beside the present one to be shown as that is.
@@ -192,6 +186,7 @@ impl Editor {
                 News::Picture(result) if result.generation == self.asked.generation => {
                     let result = Arc::new(*result);
                     seen.failed = None;
+                    seen.last = None;
                     // Where the wish for its looks has changed meanwhile, that is asked for anew.
                     self.asked.display = result.display;
                     if result.finished {
@@ -207,12 +202,20 @@ impl Editor {
                         let most = seen.past.len().saturating_sub(100);
                         seen.past.drain(..most);
                         seen.nodes = result.nodes.iter().map(|node| (node.name.clone(), node.clone())).collect();
-                        keep_frame(&mut seen.frames, &result, self.state.frame);
+                        let range = self.state.playing.then_some(self.state.range);
+                        keep_frame(&mut seen.frames, &result, (self.state.frame, range), self.room);
                     }
                     seen.result = Some(result);
                 }
-                News::Ahead(result) if result.generation == self.asked.generation => {
-                    keep_frame(&mut seen.frames, &Arc::new(*result), self.state.frame);
+                News::Ahead(result) if result.generation == self.asked.series => {
+                    if result.display == self.state.look.display {
+                        let range = self.state.playing.then_some(self.state.range);
+                        keep_frame(&mut seen.frames, &Arc::new(*result), (self.state.frame, range), self.room);
+                    }
+                    self.asked.ahead = None;
+                }
+                News::AheadFailed { generation, frame } if generation == self.asked.series => {
+                    self.asked.failed.insert(frame);
                     self.asked.ahead = None;
                 }
                 News::Shown { generation, display, screen } if generation == self.asked.generation => {
@@ -231,7 +234,8 @@ impl Editor {
                 News::Failed { generation, message } if generation == self.asked.generation => {
                     seen.failed = Some(message);
                     seen.progress = None;
-                    seen.result = None;
+                    // It stays in sight until there is another.
+                    seen.last = seen.result.take().or(seen.last.take());
                 }
                 News::Blame(blamed) if self.asked.blame == Some((blamed.generation, blamed.frame, blamed.at)) => {
                     seen.blame = Some(*blamed);
@@ -249,19 +253,28 @@ impl Editor {
     }
 }
 
-/// Keeps a frame's picture for playing, and lets go of those furthest from the present frame.
+/// The memory that a picture takes, bytes.
+pub(super) fn bytes(result: &crate::evaluate::Result) -> usize {
+    result.screen.pixels.len() + result.picture.planes.iter().map(|plane| 4 * plane.samples().len()).sum::<usize>()
+}
+
+/// Keeps a frame's picture for playing, and lets go of those that are needed last: in a range that is played, those that
+/// come last after the present frame, else those furthest from it. Two are kept, whatever they take: what is shown, and
+/// what follows.
 fn keep_frame(
     frames: &mut std::collections::BTreeMap<i64, Arc<crate::evaluate::Result>>,
     result: &Arc<crate::evaluate::Result>,
-    present: i64,
+    (present, range): (i64, Option<(i64, i64)>),
+    room: usize,
 ) {
     frames.insert(result.frame, result.clone());
-    let size = |result: &crate::evaluate::Result| {
-        result.screen.pixels.len() + result.picture.planes.iter().map(|plane| 4 * plane.samples().len()).sum::<usize>()
+    let mut taken: usize = frames.values().map(|result| bytes(result)).sum();
+    let away = |frame: i64| match range {
+        Some(range) => super::play::ahead(frame, present, range),
+        None => (frame - present).abs(),
     };
-    let mut bytes: usize = frames.values().map(|result| size(result)).sum();
-    while bytes > FRAMES && frames.len() > 1 {
-        let Some(far) = frames.keys().copied().max_by_key(|frame| (frame - present).abs()) else { break };
-        bytes -= frames.remove(&far).map_or(0, |result| size(&result));
+    while taken > room && frames.len() > 2 {
+        let Some(last) = frames.keys().copied().max_by_key(|frame| away(*frame)) else { break };
+        taken -= frames.remove(&last).map_or(0, |result| bytes(&result));
     }
 }

@@ -1,10 +1,11 @@
 //! What to evaluate so that a node can be looked at: a document of just that node and what it depends on, so that faults
 //! elsewhere do not matter.
 
-use crate::document::{Path, Sheet};
+use super::wish::Subject;
+use crate::document::{Path, Sheet, json as text};
 use serde_json::{Map, Value, json};
 use std::path;
-use trochoid::{CheckedGraph, Kind, LoadError, Severity, parse};
+use trochoid::{CheckedGraph, Kind, LoadError, NodeId, Severity, parse};
 
 /// The name of the output that a lens looks through.
 pub const OUTPUT: &str = "look";
@@ -24,6 +25,29 @@ pub struct Lens {
     pub text: String,
     /// Whether what is seen is the node lit like clay, because it is no picture itself.
     pub clay: bool,
+}
+
+impl Lens {
+    /// A message with places of the user's document where it has those of the lens, which has all of it on one line.
+    pub(super) fn in_document(&self, message: &str, subject: &Subject) -> String {
+        let graph = &self.graph;
+        let sheet = &subject.sheet;
+        let mut places = vec![(graph.place_of_format(), Path::default().to("format"))];
+        for (index, node) in graph.nodes().iter().enumerate().filter(|(_, node)| sheet.find(&node.name).is_some()) {
+            let own = Path::node(&node.name);
+            let items = node.ty.declaration().items.iter();
+            let items = items.map(|item| (graph.place_of(NodeId(index), Some(item.name())), own.to(item.name())));
+            // That of the node itself stands for items that are not written.
+            places.push((graph.place_of(NodeId(index), None), own.clone()));
+            places.extend(items);
+        }
+        let known = places.into_iter().find(|(place, _)| message.starts_with(&format!("{place}:")));
+        let place = known.and_then(|(old, path)| Some((old, text::place(&sheet.text, &path)?)));
+        match place {
+            Some((old, [line, column])) => message.replacen(&old, &format!("{}:{line}:{column}", subject.name), 1),
+            None => message.into(),
+        }
+    }
 }
 
 /// A graph that shows an output of a node.

@@ -96,6 +96,13 @@ pub enum News {
     Picture(Box<Result>),
     /// A picture of another frame than the one looked at, made ahead for playing.
     Ahead(Box<Result>),
+    /// A picture of another frame could not be made.
+    AheadFailed {
+        /// Whose.
+        generation: u64,
+        /// The frame.
+        frame: i64,
+    },
     /// The picture that is shown, shown otherwise.
     Shown {
         /// Whose picture it is.

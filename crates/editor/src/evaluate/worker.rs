@@ -23,6 +23,8 @@ struct Desk {
     question: Option<Question>,
     thumbnails: Option<(Subject, i64)>,
     ahead: VecDeque<Job>,
+    /// The frame that is being made ahead, and whose it is.
+    making: Option<(u64, i64)>,
     closed: bool,
 }
 
@@ -42,9 +44,21 @@ struct Office {
     bell: Condvar,
     /// Grows with everything that makes what is being done out of date.
     newest: AtomicU64,
+    /// Milliseconds that each picture takes besides, for tests.
+    #[cfg(test)]
+    pace: AtomicU64,
 }
 
 impl Office {
+    #[cfg(test)]
+    fn pace(&self, cancelled: impl Fn() -> bool) {
+        let pace = Duration::from_millis(self.pace.load(Ordering::Relaxed));
+        let started = Instant::now();
+        while started.elapsed() < pace && !cancelled() {
+            std::thread::sleep(Duration::from_millis(1));
+        }
+    }
+
     fn desk(&self) -> MutexGuard<'_, Desk> {
         self.desk.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -70,7 +84,13 @@ impl Worker {
     /// # Errors
     /// The system gives no thread.
     pub fn new(wake: impl Fn() + Send + Sync + 'static) -> std::io::Result<Self> {
-        let office = Arc::new(Office { desk: Mutex::default(), bell: Condvar::new(), newest: AtomicU64::new(0) });
+        let office = Arc::new(Office {
+            desk: Mutex::default(),
+            bell: Condvar::new(),
+            newest: AtomicU64::new(0),
+            #[cfg(test)]
+            pace: AtomicU64::new(0),
+        });
         let (sender, news) = channel();
         let theirs = office.clone();
         let thread = std::thread::Builder::new().name("evaluate".into()).spawn(move || {
@@ -85,6 +105,12 @@ impl Worker {
             hand.work();
         })?;
         Ok(Self { office, news, thread: Some(thread) })
+    }
+
+    /// Lets each picture take so long besides.
+    #[cfg(test)]
+    pub(crate) fn slow_down(&self, by: Duration) {
+        self.office.pace.store(by.as_millis() as u64, Ordering::Relaxed);
     }
 
     fn change(&self, cancels: bool, change: impl FnOnce(&mut Desk)) {
@@ -105,9 +131,12 @@ impl Worker {
         });
     }
 
-    /// Asks for pictures of further frames, when nothing more urgent is to be done.
+    /// Asks for pictures of further frames in their order, in place of those that were asked for and are not begun.
     pub fn ahead(&self, jobs: impl IntoIterator<Item = Job>) {
-        self.change(false, |desk| desk.ahead = jobs.into_iter().collect());
+        self.change(false, |desk| {
+            let making = desk.making;
+            desk.ahead = jobs.into_iter().filter(|job| making != Some((job.generation, job.frame))).collect();
+        });
     }
 
     /// Asks for a picture to be shown otherwise.
@@ -133,7 +162,8 @@ impl Worker {
     /// Stops what is being done, and forgets what was to be done but for a picture that is held beside.
     pub fn stop(&self) {
         self.change(true, |desk| {
-            *desk = Desk { closed: desk.closed, held: desk.held.take(), ..Desk::default() };
+            let (closed, making) = (desk.closed, desk.making);
+            *desk = Desk { closed, making, held: desk.held.take(), ..Desk::default() };
         });
     }
 
@@ -203,10 +233,12 @@ impl Hand<'_> {
                     Task::Picture(job)
                 } else if let Some(question) = desk.question.take() {
                     Task::Blame(question)
+                } else if let Some(job) = desk.ahead.pop_front() {
+                    // Frames are waited for; small pictures of nodes are not.
+                    desk.making = Some((job.generation, job.frame));
+                    Task::Ahead(job)
                 } else if let Some((subject, frame)) = desk.thumbnails.take() {
                     Task::Thumbnails(subject, frame)
-                } else if let Some(job) = desk.ahead.pop_front() {
-                    Task::Ahead(job)
                 } else {
                     continue;
                 }
@@ -224,18 +256,36 @@ impl Hand<'_> {
                 Task::Picture(job) => self.picture(&job, stamp),
                 Task::Blame(question) => {
                     let Ok(lens) = self.lens(&question.subject) else { continue };
-                    let monitor = Watch { office: self.office, stamp, yields: false, progress: None };
+                    let monitor = Watch { office: self.office, stamp, yields: Yields::Never, progress: None };
                     if let Some(blamed) = blame::answer(&question, &lens, &mut self.cache, &monitor) {
                         self.tell(News::Blame(Box::new(blamed)));
                     }
                 }
                 Task::Thumbnails(subject, frame) => self.small(&subject, frame, stamp),
                 Task::Ahead(job) => {
-                    let Ok(lens) = self.lens(&job.subject) else { continue };
-                    let monitor = Watch { office: self.office, stamp, yields: true, progress: None };
-                    if let Ok(result) = evaluate(&job, &lens, job.proxy, true, &mut self.cache, &monitor) {
-                        self.tell(News::Ahead(Box::new(result)));
-                    }
+                    self.ahead(job, stamp);
+                    self.office.desk().making = None;
+                }
+            }
+        }
+    }
+
+    /// Makes a frame before it is shown.
+    fn ahead(&mut self, job: Job, stamp: u64) {
+        let (generation, frame) = (job.generation, job.frame);
+        let monitor = Watch { office: self.office, stamp, yields: Yields::Short, progress: None };
+        let made = match self.lens(&job.subject) {
+            Ok(lens) => evaluate(&job, &lens, job.proxy, true, &mut self.cache, &monitor),
+            Err(message) => Err(Failure::Because(message)),
+        };
+        match made {
+            Ok(result) => self.tell(News::Ahead(Box::new(result))),
+            Err(Failure::Because(_)) => self.tell(News::AheadFailed { generation, frame }),
+            Err(Failure::Cancelled) => {
+                let mut desk = self.office.desk();
+                if self.office.newest.load(Ordering::Relaxed) == stamp {
+                    // Something short came between: it is waited for all the same.
+                    desk.ahead.push_front(job);
                 }
             }
         }
@@ -285,7 +335,7 @@ impl Hand<'_> {
             let monitor = Watch {
                 office: self.office,
                 stamp,
-                yields: false,
+                yields: Yields::Never,
                 progress: if finished { Some(&told) } else { None },
             };
             let started = Instant::now();
@@ -307,7 +357,7 @@ impl Hand<'_> {
 
     fn small(&mut self, subject: &Subject, frame: i64, stamp: u64) {
         let Some(graph) = of_every_node(&subject.sheet, &subject.name, &subject.folder) else { return };
-        let monitor = Watch { office: self.office, stamp, yields: true, progress: None };
+        let monitor = Watch { office: self.office, stamp, yields: Yields::Always, progress: None };
         let format = graph.format();
         let shrink = (format.width() as f32 / THUMBNAIL[0] as f32).max(format.height() as f32 / THUMBNAIL[1] as f32);
         let side = |side: u32| ((side as f32 / shrink.max(1.0)).round() as u32).max(1);
@@ -346,8 +396,10 @@ fn evaluate(
     cache: &mut Cache,
     monitor: &Watch<'_>,
 ) -> std::result::Result<Result, Failure> {
-    let because = |error: &dyn std::fmt::Display| Failure::Because(error.to_string());
+    let because = |error: &dyn std::fmt::Display| Failure::Because(lens.in_document(&error.to_string(), &job.subject));
     let started = Instant::now();
+    #[cfg(test)]
+    monitor.office.pace(|| monitor.cancelled());
     let graph = drawn(lens, shrink, finished).map_err(|error| because(&error))?;
     let graph = graph.as_ref();
     let format = graph.format();
@@ -415,12 +467,22 @@ impl<'t> Told<'t> {
     }
 }
 
+/// What else is more urgent.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Yields {
+    /// Nothing.
+    Never,
+    /// What is looked at now.
+    Short,
+    /// Frames that come next, too.
+    Always,
+}
+
 /// Stops what is out of date.
 struct Watch<'o> {
     office: &'o Office,
     stamp: u64,
-    /// Whether anything else is more urgent.
-    yields: bool,
+    yields: Yields,
     progress: Option<&'o Told<'o>>,
 }
 
@@ -436,9 +498,11 @@ impl Monitor for Watch<'_> {
 
     fn cancelled(&self) -> bool {
         self.office.newest.load(Ordering::Relaxed) != self.stamp
-            || (self.yields && {
+            || (self.yields != Yields::Never && {
                 let desk = self.office.desk();
-                desk.job.is_some() || desk.shown.is_some() || desk.held.is_some() || desk.question.is_some()
+                let short =
+                    desk.job.is_some() || desk.shown.is_some() || desk.held.is_some() || desk.question.is_some();
+                short || (self.yields == Yields::Always && !desk.ahead.is_empty())
             })
     }
 }

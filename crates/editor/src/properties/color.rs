@@ -5,8 +5,9 @@ use crate::actions::Action;
 use crate::document::Edit;
 use crate::document::color::{hex, rgb};
 use crate::evaluate::Screen;
+use crate::field::{self, Gesture, Told};
 use crate::state::State;
-use egui::{ColorImage, Response, Sense, TextEdit, TextureOptions, Ui};
+use egui::{ColorImage, Sense, TextEdit, TextureOptions, Ui};
 use egui_file_dialog::{DialogState, FileDialog, Filter};
 use serde_json::{Value, json};
 use trochoid::WorkingSpace;
@@ -32,48 +33,36 @@ pub(super) fn space(state: &State) -> WorkingSpace {
     WorkingSpace::from_name(name).unwrap_or_default()
 }
 
-/// A button in a color, sRGB values of 0 to 1, that opens a picker for it.
-pub(super) fn picker_ui(ui: &mut Ui, color: &mut [f32; 3]) -> Response {
-    let mut bytes = color.map(|value| (value.clamp(0.0, 1.0) * 255.0).round() as u8);
-    let button = egui::color_picker::color_edit_button_srgb(ui, &mut bytes);
-    if button.changed() {
-        *color = bytes.map(|value| f32::from(value) / 255.0);
-    }
-    button
-}
-
 /// A color: a swatch that opens a picker, its text, and the dropper.
-pub(super) fn color_ui(ui: &mut Ui, value: &mut Value, place: &Place<'_>, actions: &mut Vec<Action>) -> Response {
-    let mut shown = display(value, space(place.state)).unwrap_or_default();
-    let swatch = picker_ui(ui, &mut shown);
-    if swatch.changed() {
-        *value = json!(hex(shown));
-    }
-    let id = ui.id().with(("hex", place.path.to_string()));
-    let written = match &*value {
+pub(super) fn color_ui(ui: &mut Ui, value: &Value, place: &Place<'_>, actions: &mut Vec<Action>) -> Told<Value> {
+    let shown = display(value, space(place.state)).unwrap_or_default();
+    let swatch = field::swatch_ui(ui, shown).map(|color| json!(hex(color)));
+    let written = match value {
         Value::String(text) => text.clone(),
         other => crate::document::edit::style(other),
     };
-    let mut text = ui.data_mut(|data| data.get_temp::<String>(id)).unwrap_or(written);
-    let field = ui.add(TextEdit::singleline(&mut text).desired_width(72.0).font(egui::TextStyle::Monospace));
-    if field.has_focus() {
-        ui.data_mut(|data| data.insert_temp(id, text.clone()));
-    } else {
-        ui.data_mut(|data| data.remove_temp::<String>(id));
-    }
-    if field.changed() {
-        if rgb(&text).is_some() {
-            *value = json!(text);
-        } else if let Ok(read @ Value::Array(_)) = serde_json::from_str(&text) {
-            *value = read;
-        }
-    }
+    let salt = place.path.to_string();
+    let text = field::draft_ui(ui, (&salt, &written), read_color, |text| {
+        TextEdit::singleline(text).desired_width(72.0).font(egui::TextStyle::Monospace)
+    });
     let mut taking = place.state.dropper.as_ref() == Some(&place.path);
     let dropper = ui.toggle_value(&mut taking, "Pick");
-    if dropper.on_hover_text("Takes the color that is clicked next in the picture or the reference.").changed() {
+    if dropper.on_hover_text("Takes the color that is clicked next in the picture or the reference.").clicked() {
         actions.push(Action::Dropper(taking.then(|| place.path.clone())));
     }
-    swatch | field
+    Told { response: swatch.response | text.response, given: swatch.given.or(text.given) }
+}
+
+/// A typed color.
+fn read_color(text: &str) -> Result<Value, String> {
+    let text = text.trim();
+    let bare = if text.starts_with('#') { text.into() } else { format!("#{text}") };
+    if rgb(&bare).is_some() {
+        return Ok(bare.into());
+    }
+    let numbers = serde_json::from_str::<[f64; 3]>(text).ok().filter(|all| all.iter().all(|value| value.is_finite()));
+    let wanted = "a color as #rrggbb, or [r, g, b] in the working space";
+    numbers.map(|numbers| json!(numbers)).ok_or_else(|| wanted.into())
 }
 
 /// The painting: opened from a file, and clicked for its colors.
@@ -128,10 +117,10 @@ pub(super) fn reference_ui(panel: &mut Properties, ui: &mut Ui, state: &State, a
             Some(place) => format!("{}: click to give it to {place}", hex(color)),
             None => format!("{}: click to copy it", hex(color)),
         });
-        if response.clicked() {
+        if let Some(gesture) = Gesture::click(&response) {
             match &state.dropper {
                 Some(place) => {
-                    actions.push(Action::Edit(Edit::set(place.clone(), &json!(hex(color)))));
+                    gesture.edit(Edit::set(place.clone(), &json!(hex(color))), actions);
                     actions.push(Action::Dropper(None));
                 }
                 None => ui.ctx().copy_text(hex(color)),

@@ -2,7 +2,8 @@
 
 use super::{Place, Properties};
 use crate::actions::Action;
-use egui::{Color32, Response, Sense, Shape, Stroke, Ui, vec2};
+use crate::field::{self, Gesture, Told};
+use egui::{Color32, Sense, Shape, Stroke, Ui, vec2};
 use egui_plot::{Line, Plot, PlotPoint, PlotPoints, Points, VLine};
 use serde_json::{Value, json};
 use trochoid::{Animated, Interpolation};
@@ -83,23 +84,31 @@ impl Keyed {
 
 /// Draws what changes a value, which is that of the frame given to it, and gives what it returns with that frame: the
 /// present one, or that at which a text began to be typed, however long frames go on meanwhile.
-pub(super) fn typed_ui<R>(
+pub(super) fn typed_ui(
     ui: &mut Ui,
     place: &Place<'_>,
-    content: impl FnOnce(&mut Ui, f64) -> (Response, R),
-) -> (Response, R, f64) {
+    content: impl FnOnce(&mut Ui, f64) -> Told<Value>,
+) -> (Told<Value>, f64) {
     let id = ui.id().with(("typed since", place.path.to_string()));
     let since = ui.data(|data| data.get_temp::<f64>(id));
     let frame = since.unwrap_or(place.state.frame as f64);
-    let (field, result) = content(ui, frame);
+    let told = content(ui, frame);
     let focused = ui.memory(|memory| memory.focused()).filter(|_| ui.ctx().text_edit_focused());
     let focused = focused.and_then(|id| ui.ctx().read_response(id));
-    if focused.is_some_and(|focused| field.rect.contains(focused.rect.center())) {
+    if focused.is_some_and(|focused| told.response.rect.contains(focused.rect.center())) {
         ui.data_mut(|data| data.insert_temp(id, frame));
     } else if since.is_some() {
         ui.data_mut(|data| data.remove_temp::<f64>(id));
     }
-    (field, result, frame)
+    (told, frame)
+}
+
+/// Asks for the value that a gesture has given: as a key at a frame where there are keys.
+pub(super) fn tell(told: Told<Value>, keyed: Option<&Keyed>, frame: f64, place: &Place<'_>, actions: &mut Vec<Action>) {
+    told.edit(actions, |value| match keyed {
+        Some(keyed) => place.set(&keyed.with(frame, &value).write()),
+        None => place.set(&value),
+    });
 }
 
 /// The button that sets and removes keys, and opens the curve.
@@ -120,7 +129,7 @@ pub(super) fn button_ui(
     let filled = keyed.is_some_and(|keyed| keyed.has(frame));
     let diamond = diamond_ui(ui, filled, keyed.is_some()).on_hover_text(help);
     diamond.widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::Button, true, help));
-    if diamond.clicked() {
+    if let Some(gesture) = Gesture::click(&diamond) {
         let value = match keyed {
             Some(keyed) if keyed.has(frame) => {
                 let mut keyed = keyed.clone();
@@ -130,12 +139,12 @@ pub(super) fn button_ui(
             Some(keyed) => keyed.with(frame, shown).write(),
             None => Keyed { keys: vec![(frame, shown.clone())], interpolation: "linear".into() }.write(),
         };
-        place.set(&value, actions);
+        gesture.edit(place.set(&value), actions);
         actions.push(Action::Seal);
     }
     if keyed.is_some() {
         let mut open = panel.curves.contains(&place.path);
-        if ui.toggle_value(&mut open, "Curve").on_hover_text("Shows the curve.").changed() {
+        if ui.toggle_value(&mut open, "Curve").on_hover_text("Shows the curve.").clicked() {
             if open {
                 panel.curves.insert(place.path.clone())
             } else {
@@ -209,34 +218,37 @@ pub(super) fn curve_ui(ui: &mut Ui, keyed: &Keyed, unit: &str, place: &Place<'_>
         let all = (0..keyed.keys.len()).flat_map(|key| (0..count).map(move |component| (key, component)));
         dragged = all.min_by(|a, b| near(a).total_cmp(&near(b))).filter(|key| near(key) < 9.0);
     }
-    if let (Some((key, component)), Some(at), true) = (dragged, pointer, response.dragged()) {
+    if let (Some((key, component)), Some(at), Some(gesture)) = (dragged, pointer, Gesture::drag(&response))
+        && key < keyed.keys.len()
+    {
         let mut moved = keyed.clone();
         let below = key.checked_sub(1).map_or(f64::NEG_INFINITY, |before| keyed.keys[before].0 + 1.0);
         let above = keyed.keys.get(key + 1).map_or(f64::INFINITY, |after| after.0 - 1.0);
-        moved.keys[key].0 = at.x.round().clamp(below, above);
+        // Between keys that are less than two frames apart, it stays at its frame.
+        if below <= above {
+            moved.keys[key].0 = at.x.round().clamp(below, above);
+        }
         match &mut moved.keys[key].1 {
-            Value::Array(items) => items[component] = json!(super::knob::rounded(at.y)),
-            value @ Value::Number(_) => *value = json!(super::knob::rounded(at.y)),
+            Value::Array(items) if component < items.len() => items[component] = json!(field::rounded(at.y)),
+            value @ Value::Number(_) => *value = json!(field::rounded(at.y)),
             _ => {}
         }
-        place.set(&moved.write(), actions);
+        gesture.edit(place.set(&moved.write()), actions);
     }
     if response.drag_stopped() {
         dragged = None;
         actions.push(Action::Seal);
     }
-    if response.double_clicked()
-        && let Some(at) = pointer
-    {
-        place.set(&keyed.with(at.x.round(), &keyed.at(at.x.round())).write(), actions);
+    if let (Some(gesture), Some(at)) = (Gesture::double_click(&response), pointer) {
+        gesture.edit(place.set(&keyed.with(at.x.round(), &keyed.at(at.x.round())).write()), actions);
         actions.push(Action::Seal);
     }
     ui.data_mut(|data| data.insert_temp(id, dragged));
     ui.horizontal_wrapped(|ui| {
         for word in Interpolation::NAMES {
-            if ui.selectable_label(keyed.interpolation == word, word).clicked() {
+            if let Some(gesture) = Gesture::click(&ui.selectable_label(keyed.interpolation == word, word)) {
                 let keyed = Keyed { interpolation: word.into(), ..keyed.clone() };
-                place.set(&keyed.write(), actions);
+                gesture.edit(place.set(&keyed.write()), actions);
                 actions.push(Action::Seal);
             }
         }

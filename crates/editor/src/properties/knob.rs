@@ -3,7 +3,8 @@
 use super::{Place, Properties, color, key, label_ui};
 use crate::actions::Action;
 use crate::document::edit::default_value;
-use egui::{ComboBox, DragValue, Response, Slider, TextEdit, Ui};
+use crate::field::{self, Gesture, Number, Told};
+use egui::{ComboBox, TextEdit, Ui};
 use serde_json::{Value, json};
 use trochoid::{Knob, Takes, expected};
 
@@ -26,20 +27,9 @@ pub(super) fn knob_ui(
         let label = label_ui(ui, knob.name, &help(knob, &default), place.value.is_some());
         label.context_menu(|ui| menu_ui(ui, knob, place, &shown, actions));
         let unset = place.value.is_none() && matches!(knob.default, Some(trochoid::KnobDefault::Unset));
-        let (field, (value, before), frame) = key::typed_ui(ui, place, |ui, frame| {
-            let before = at(frame);
-            let mut value = before.clone();
-            (widget_ui(ui, knob, &mut value, unset, place, actions), (value, before))
-        });
-        if field.changed() || value != before {
-            match &keyed {
-                Some(keyed) => place.set(&keyed.with(frame, &value).write(), actions),
-                None => place.set(&value, actions),
-            }
-        }
-        if field.drag_stopped() || field.lost_focus() {
-            actions.push(Action::Seal);
-        }
+        let (told, frame) =
+            key::typed_ui(ui, place, |ui, frame| widget_ui(ui, knob, &at(frame), unset, place, actions));
+        key::tell(told, keyed.as_ref(), frame, place, actions);
         if knob.animated {
             key::button_ui(panel, ui, keyed.as_ref(), &shown, place, actions);
         }
@@ -62,8 +52,9 @@ fn help(knob: &Knob, default: &Value) -> String {
 
 fn menu_ui(ui: &mut Ui, knob: &'static Knob, place: &Place<'_>, shown: &Value, actions: &mut Vec<Action>) {
     let has_default = knob.default.is_some();
-    if ui.add_enabled(has_default && place.value.is_some(), egui::Button::new("Reset to default")).clicked() {
-        place.reset(actions);
+    let reset = ui.add_enabled(has_default && place.value.is_some(), egui::Button::new("Reset to default"));
+    if let Some(gesture) = Gesture::click(&reset) {
+        place.reset(gesture, actions);
         ui.close();
     }
     if ui.button("Copy value").clicked() {
@@ -72,102 +63,96 @@ fn menu_ui(ui: &mut Ui, knob: &'static Knob, place: &Place<'_>, shown: &Value, a
     }
 }
 
-/// The widget of what a knob takes.
+/// The widget of what a knob takes. What is written there but is nothing of the kind is shown as it is written.
 fn widget_ui(
     ui: &mut Ui,
     knob: &Knob,
-    value: &mut Value,
+    value: &Value,
     unset: bool,
     place: &Place<'_>,
     actions: &mut Vec<Action>,
-) -> Response {
+) -> Told<Value> {
     if unset {
         let button = ui.button("Set").on_hover_text("It has no value: the node finds one itself.");
-        if button.clicked() {
-            place.set(value, actions);
-        }
-        return ui.weak("unset") | button;
+        let given = Gesture::click(&button).map(|gesture| (value.clone(), gesture));
+        return Told { response: ui.weak("unset") | button, given };
     }
     let suffix = unit(knob.unit);
-    let is_keyed = place.value.is_some_and(Value::is_object);
-    match knob.takes {
-        Takes::Number { min, max } => number_ui(ui, value, (min, max), &suffix, is_keyed),
-        Takes::Integer { min, max } => {
-            let mut number = value.as_i64().unwrap_or_default();
-            let speed = (number.unsigned_abs() as f64 * 0.01).max(0.1);
-            let field = ui.add(
-                DragValue::new(&mut number)
-                    .range(min..=max)
-                    .speed(speed)
-                    .suffix(suffix)
-                    .update_while_editing(!is_keyed),
-            );
-            if field.changed() {
-                *value = json!(number);
-            }
-            field
+    match (&knob.takes, value) {
+        (Takes::Number { min, max }, Value::Number(_)) => number_ui(ui, value, (*min, *max), &suffix),
+        (Takes::Integer { min, max }, Value::Number(number)) => {
+            let number = Number::new(number.as_f64().unwrap_or_default()).whole();
+            number.range(*min as f64, *max as f64).suffix(&suffix).ui(ui).map(whole)
         }
-        Takes::Bool => {
-            let mut on = value.as_bool().unwrap_or_default();
-            let field = ui.checkbox(&mut on, "");
-            if field.changed() {
-                *value = json!(on);
-            }
-            field
+        (Takes::Bool, Value::Bool(on)) => field::switch_ui(ui, *on, "").map(Value::from),
+        (Takes::Choice(words), Value::String(chosen)) => choice_ui(ui, words, chosen, place),
+        (Takes::Color, _) => color::color_ui(ui, value, place, actions),
+        (Takes::Vector(count), Value::Array(items)) if items.len() == *count && items.iter().all(Value::is_number) => {
+            vector_ui(ui, items)
         }
-        Takes::Choice(words) => {
-            let chosen = value.as_str().unwrap_or_default().to_string();
-            let combo = ComboBox::from_id_salt(place.path.to_string())
-                .width((ui.available_size_before_wrap().x - 8.0).clamp(40.0, 100.0))
-                .truncate()
-                .selected_text(&chosen);
-            combo
-                .show_ui(ui, |ui| {
-                    for word in words {
-                        if ui.selectable_label(*word == chosen, *word).clicked() {
-                            *value = json!(word);
-                        }
-                    }
-                })
-                .response
+        (Takes::Text | Takes::Path, Value::String(text)) => {
+            field::text_ui(ui, text, |text| TextEdit::singleline(text).desired_width(180.0)).map(Value::from)
         }
-        Takes::Color => color::color_ui(ui, value, place, actions),
-        Takes::Vector(count) => {
-            let mut field: Option<Response> = None;
-            for index in 0..count {
-                let Some(component) = value.get_mut(index) else { break };
-                let own = number_ui(ui, component, (f64::NEG_INFINITY, f64::INFINITY), "", is_keyed);
-                field = Some(field.map_or(own.clone(), |all| all | own));
-            }
-            field.unwrap_or_else(|| ui.weak("—"))
-        }
-        Takes::Text | Takes::Path => {
-            let mut text = value.as_str().unwrap_or_default().to_string();
-            let field = ui.add(TextEdit::singleline(&mut text).desired_width(180.0));
-            if field.changed() {
-                *value = json!(text);
-            }
-            field
-        }
-        Takes::Numbers { .. } | Takes::Texts { .. } => {
-            // As it is written: it becomes the value as soon as it can be read.
-            let id = ui.id().with(("list", place.path.to_string()));
-            let written = crate::document::edit::style(value);
-            let mut text = ui.data_mut(|data| data.get_temp::<String>(id)).unwrap_or_else(|| written.clone());
-            let field = ui.add(TextEdit::singleline(&mut text).desired_width(180.0));
-            if field.has_focus() {
-                ui.data_mut(|data| data.insert_temp(id, text.clone()));
-            } else {
-                ui.data_mut(|data| data.remove_temp::<String>(id));
-            }
-            if field.changed()
-                && let Ok(read @ Value::Array(_)) = serde_json::from_str::<Value>(&text)
-            {
-                *value = read;
-            }
-            field
+        (takes, value) => field::value_ui(ui, (&place.path.to_string(), value), 180.0, |text| read(text, takes)),
+    }
+}
+
+/// What was typed, as a value that a knob takes.
+fn read(text: &str, takes: &Takes) -> Result<Value, String> {
+    let wanted = || expected(takes);
+    match takes {
+        Takes::Text | Takes::Path | Takes::Choice(_) => Ok(text.into()),
+        _ => {
+            let value: Value = serde_json::from_str(text).map_err(|_| wanted())?;
+            let fits = match takes {
+                Takes::Numbers { .. } => value.as_array().is_some_and(|items| items.iter().all(Value::is_number)),
+                Takes::Texts { .. } => value.as_array().is_some_and(|items| items.iter().all(Value::is_string)),
+                Takes::Vector(count) => value.as_array().is_some_and(|items| items.len() == *count),
+                Takes::Bool => value.is_boolean(),
+                Takes::Number { .. } | Takes::Integer { .. } => value.is_number(),
+                _ => true,
+            };
+            fits.then_some(value).ok_or_else(wanted)
         }
     }
+}
+
+/// A whole number as documents write it.
+fn whole(number: f64) -> Value {
+    if number.abs() < 9e15 { json!(number as i64) } else { json!(number) }
+}
+
+fn choice_ui(ui: &mut Ui, words: &[&str], chosen: &str, place: &Place<'_>) -> Told<Value> {
+    let mut given = None;
+    let combo = ComboBox::from_id_salt(place.path.to_string())
+        .width((ui.available_size_before_wrap().x - 8.0).clamp(40.0, 100.0))
+        .truncate()
+        .selected_text(chosen);
+    let response = combo.show_ui(ui, |ui| {
+        for word in words {
+            let entry = ui.selectable_label(*word == chosen, *word);
+            given = given.take().or(Gesture::click(&entry).map(|gesture| (json!(word), gesture)));
+        }
+    });
+    Told { response: response.response, given }
+}
+
+fn vector_ui(ui: &mut Ui, items: &[Value]) -> Told<Value> {
+    let mut all: Option<Told<Value>> = None;
+    for (index, item) in items.iter().enumerate() {
+        // By its own name, so that what comes and goes beside it is no matter for what is typed.
+        let own = ui.push_id(("component", index), |ui| number_ui(ui, item, (f64::NEG_INFINITY, f64::INFINITY), ""));
+        let own = own.inner.map(|component| {
+            let mut items = items.to_vec();
+            items[index] = component;
+            Value::Array(items)
+        });
+        all = Some(match all {
+            Some(all) => Told { response: all.response | own.response, given: all.given.or(own.given) },
+            None => own,
+        });
+    }
+    all.unwrap_or_else(|| Told::nothing(ui.weak("—")))
 }
 
 /// A unit as it stands behind a number.
@@ -180,36 +165,18 @@ fn unit(unit: &str) -> String {
     }
 }
 
-/// A number: a slider where its range is one that a hand can cover, else a field to drag. Shift drags finely. What is
-/// typed for a key counts when it is entered or left: until then frames may go on.
-pub(super) fn number_ui(
-    ui: &mut Ui,
-    value: &mut Value,
-    (min, max): (f64, f64),
-    suffix: &str,
-    is_keyed: bool,
-) -> Response {
-    let mut number = value.as_f64().unwrap_or_default();
+/// A number: a slider where its range is one that a hand can cover, else a field to drag. Shift drags finely.
+pub(super) fn number_ui(ui: &mut Ui, value: &Value, (min, max): (f64, f64), suffix: &str) -> Told<Value> {
+    let mut number = Number::new(value.as_f64().unwrap_or_default()).range(min, max).suffix(suffix);
     // The number and the button for keys stand behind a slider.
     let room = ui.available_size_before_wrap().x - 84.0;
     let spans = min >= -1.0 && max <= 4.0 && max > min;
-    let field = if spans && room >= 40.0 {
-        ui.spacing_mut().slider_width = room.min(120.0);
-        ui.add(Slider::new(&mut number, min..=max).suffix(suffix).max_decimals(4).update_while_editing(!is_keyed))
-    } else {
-        let speed = if spans { (max - min) / 200.0 } else { (number.abs() * 0.005).max(0.01) };
-        let field = DragValue::new(&mut number).range(min..=max).speed(speed).max_decimals(4).suffix(suffix);
-        ui.add(field.update_while_editing(!is_keyed))
-    };
-    if field.changed() {
-        *value = json!(rounded(number));
+    if spans {
+        number = number.speed((max - min) / 200.0);
     }
-    field
-}
-
-/// Without digits that come from dragging alone.
-pub(super) fn rounded(number: f64) -> f64 {
-    let digits = (5.0 - number.abs().max(1e-3).log10().floor()).clamp(0.0, 9.0);
-    let scale = 10f64.powf(digits);
-    (number * scale).round() / scale
+    if spans && room >= 40.0 {
+        ui.spacing_mut().slider_width = room.min(120.0);
+        number = number.slider(min..=max, false);
+    }
+    number.ui(ui).map(|number| json!(number))
 }

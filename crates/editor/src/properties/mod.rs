@@ -12,6 +12,7 @@ mod surface;
 use crate::actions::Action;
 use crate::document::{Edit, Path, edit};
 use crate::evaluate::Screen;
+use crate::field::{self, Gesture, Number};
 use crate::prose::{explained, prose, prose_ui};
 use crate::state::State;
 use egui::{RichText, ScrollArea, Ui};
@@ -22,8 +23,6 @@ use trochoid::{Item, Severity};
 /// What the panel holds besides what all see.
 #[derive(Default)]
 pub(crate) struct Properties {
-    /// The name while it is typed, and whose it is.
-    name: Option<(String, String)>,
     /// Places whose curves are open.
     curves: HashSet<Path>,
     /// A painting to take colors from.
@@ -42,16 +41,37 @@ pub(crate) fn properties_ui(panel: &mut Properties, ui: &mut Ui, state: &State, 
             return;
         }
     }
-    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| match state.chosen() {
-        Some(name) => node_ui(panel, ui, state, name, actions),
-        None if state.selection.is_empty() => match &state.output {
-            Some(name) => output::output_ui(panel, ui, state, name, actions),
-            None => document_ui(ui, state, actions),
-        },
-        None => {
-            ui.weak(format!("{} chosen", edit::count(state.selection.len(), "node")));
+    // Faults come and go while one works: they lie below, and what is above them scrolls as far with them as without, so
+    // that no knob is moved by them.
+    let height = FAULTS.min(0.4 * ui.available_height());
+    let faulty = state.chosen().filter(|name| is_faulty(state, name));
+    if let Some(name) = faulty {
+        let room = egui::Panel::bottom("faults").resizable(false).exact_size(height).show_separator_line(false);
+        room.frame(egui::Frame::NONE).show(ui, |ui| {
+            ui.separator();
+            ScrollArea::vertical().id_salt(name).auto_shrink(false).show(ui, |ui| faults_ui(ui, state, name, actions));
+        });
+    }
+    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+        match state.chosen() {
+            Some(name) => node_ui(panel, ui, state, name, actions),
+            None if state.selection.is_empty() => match &state.output {
+                Some(name) => output::output_ui(ui, state, name, actions),
+                None => document_ui(ui, state, actions),
+            },
+            None => drop(ui.weak(format!("{} chosen", edit::count(state.selection.len(), "node")))),
+        }
+        if state.chosen().is_some() && faulty.is_none() {
+            ui.add_space(height - ui.spacing().item_spacing.y);
         }
     });
+}
+
+/// Whether there is something wrong with a node, or above it.
+fn is_faulty(state: &State, name: &str) -> bool {
+    let faults = &state.session.meaning().diagnostics;
+    let above = || state.sheet().find(name).and_then(|node| state.fault_of(node));
+    faults.iter().any(|fault| fault.node.as_deref() == Some(name)) || above().is_some()
 }
 
 /// What a widget needs to know of where it stands.
@@ -63,46 +83,25 @@ pub(crate) struct Place<'p> {
 }
 
 impl Place<'_> {
-    /// Asks for this value at this place; changes during one gesture are one step of undo.
-    pub(crate) fn set(&self, value: &Value, actions: &mut Vec<Action>) {
-        actions.push(Action::Edit(Edit::set(self.path.clone(), value).merging(self.path.to_string())));
+    /// This value at this place; changes during one gesture are one step of undo.
+    pub(crate) fn set(&self, value: &Value) -> Edit {
+        Edit::set(self.path.clone(), value).merging(self.path.to_string())
     }
 
     /// Asks for the default.
-    pub(crate) fn reset(&self, actions: &mut Vec<Action>) {
+    pub(crate) fn reset(&self, gesture: Gesture, actions: &mut Vec<Action>) {
         if self.value.is_some() {
-            actions.push(Action::Edit(Edit::reset(self.path.clone())));
+            gesture.edit(Edit::reset(self.path.clone()), actions);
         }
     }
 }
 
-fn node_ui(panel: &mut Properties, ui: &mut Ui, state: &State, name: &str, actions: &mut Vec<Action>) {
+/// Height of the room for what is wrong with a node, points.
+const FAULTS: f32 = 72.0;
+
+/// What is wrong with a node, or above it.
+fn faults_ui(ui: &mut Ui, state: &State, name: &str, actions: &mut Vec<Action>) {
     let sheet = state.sheet();
-    let Some(node) = sheet.node(name) else { return };
-    ui.horizontal_wrapped(|ui| {
-        let (_, typed) = match &mut panel.name {
-            Some(known) if known.0 == name => known,
-            other => other.insert((name.into(), name.into())),
-        };
-        let field = ui.add(egui::TextEdit::singleline(typed).desired_width(150.0).font(egui::TextStyle::Heading));
-        let field = field.on_hover_text("The node's name; everything that is connected to it follows.");
-        if field.lost_focus() && typed != name {
-            let typed = typed.trim().to_string();
-            panel.name = None;
-            match wrong_name(&typed, sheet) {
-                Some(why) => actions.push(Action::Notice(why)),
-                None => {
-                    actions.push(Action::Edit(edit::renamed(sheet, name, &typed)));
-                    actions.push(Action::Select([typed].into()));
-                }
-            }
-        }
-        ui.label(RichText::new(&node.ty).strong());
-        let mut on = !node.disabled;
-        if ui.checkbox(&mut on, "On").on_hover_text("Off: what the node takes is handed on unchanged (D).").changed() {
-            actions.push(Action::Edit(edit::disabled(sheet, &[name.into()])));
-        }
-    });
     let faults = &state.session.meaning().diagnostics;
     for fault in faults.iter().filter(|fault| fault.node.as_deref() == Some(name)) {
         let color = match fault.severity {
@@ -123,6 +122,26 @@ fn node_ui(panel: &mut Properties, ui: &mut Ui, state: &State, name: &str, actio
             actions.push(Action::Visit(culprit.into()));
         }
     }
+}
+
+fn node_ui(panel: &mut Properties, ui: &mut Ui, state: &State, name: &str, actions: &mut Vec<Action>) {
+    let sheet = state.sheet();
+    let Some(node) = sheet.node(name) else { return };
+    ui.horizontal_wrapped(|ui| {
+        let read = |typed: &str| wrong_name(typed.trim(), sheet).map_or_else(|| Ok(typed.trim().to_string()), Err);
+        let named = field::draft_ui(ui, ("name", name), read, |text| {
+            egui::TextEdit::singleline(text).desired_width(150.0).font(egui::TextStyle::Heading)
+        });
+        named.response.on_hover_text("The node's name; everything that is connected to it follows.");
+        if let Some((typed, gesture)) = named.given {
+            gesture.edit(edit::renamed(sheet, name, &typed), actions);
+            actions.push(Action::Select([typed].into()));
+        }
+        ui.label(RichText::new(&node.ty).strong());
+        let mut on = field::switch_ui(ui, !node.disabled, "On");
+        on.response = on.response.on_hover_text("Off: what the node takes is handed on unchanged (D).");
+        on.edit(actions, |_| edit::disabled(sheet, &[name.into()]));
+    });
     let Some(declaration) = node.declaration else {
         ui.label("No node has this type. It stays in the document as it is.");
         return;
@@ -137,7 +156,7 @@ fn node_ui(panel: &mut Properties, ui: &mut Ui, state: &State, name: &str, actio
     ui.separator();
     let path = Path::node(name);
     let body = sheet.get(&path);
-    // Faults come and go above while a number is typed or dragged: the field stays in the hand all the same.
+    // Whatever comes and goes above while a number is typed or dragged, the field stays in the hand.
     let own = egui::UiBuilder::new().id(ui.id().with(("knobs", name)));
     ui.scope_builder(own, |ui| {
         if ramp::is_ramp(declaration.items) {
@@ -152,14 +171,14 @@ fn node_ui(panel: &mut Properties, ui: &mut Ui, state: &State, name: &str, actio
     });
 }
 
-/// Why a node cannot have this name.
+/// What is expected in place of a name that a node cannot have.
 fn wrong_name(name: &str, sheet: &crate::document::Sheet) -> Option<String> {
     let legal = name.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_')
         && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
     if !legal {
-        return Some(format!("found the name \"{name}\"; expected letters, digits and _, not starting with a digit"));
+        return Some("a name of letters, digits and _ that does not start with a digit".into());
     }
-    sheet.find(name).map(|_| format!("there is a node \"{name}\" already: choose another name"))
+    sheet.find(name).map(|_| "another name: there is such a node already".into())
 }
 
 /// The widgets of some items, in the order of their declaration.
@@ -196,15 +215,11 @@ pub(crate) fn label_ui(ui: &mut Ui, name: &str, help: &str, set: bool) -> egui::
 
 fn notes_ui(ui: &mut Ui, state: &State, path: &Path, actions: &mut Vec<Action>) {
     let place = Place { state, path: path.to("notes"), value: state.sheet().get(&path.to("notes")) };
-    let mut text = place.value.and_then(Value::as_str).unwrap_or_default().to_string();
-    let field = egui::TextEdit::multiline(&mut text).hint_text("Notes").desired_rows(2).desired_width(f32::INFINITY);
-    let field = ui.add(field);
-    if field.changed() {
-        place.set(&text.into(), actions);
-    }
-    if field.lost_focus() {
-        actions.push(Action::Seal);
-    }
+    let text = place.value.and_then(Value::as_str).unwrap_or_default();
+    let told = field::text_ui(ui, text, |text| {
+        egui::TextEdit::multiline(text).hint_text("Notes").desired_rows(2).desired_width(f32::INFINITY)
+    });
+    told.edit(actions, |text| place.set(&text.into()));
 }
 
 /// What belongs to the whole document: its format, frames and working space.
@@ -214,17 +229,10 @@ fn document_ui(ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
     ui.weak("Choose a node to see its knobs.");
     ui.separator();
     let narrow = ui.available_width() < 280.0;
-    let number = |ui: &mut Ui, label: &str, path: Path, value: f64, range: (f64, f64), actions: &mut Vec<Action>| {
-        let mut value = value;
+    let number = |ui: &mut Ui, label: &str, path: Path, number: Number<'_>, actions: &mut Vec<Action>| {
         ui.label(label);
-        let field = ui.add(egui::DragValue::new(&mut value).range(range.0..=range.1).fixed_decimals(0));
-        if field.changed() {
-            let place = Place { state, path, value: None };
-            place.set(&serde_json::json!(value.round() as i64), actions);
-        }
-        if field.drag_stopped() || field.lost_focus() {
-            actions.push(Action::Seal);
-        }
+        let place = Place { state, path, value: None };
+        number.ui(ui).edit(actions, |number| place.set(&number.into()));
         if narrow {
             ui.end_row();
         }
@@ -236,14 +244,17 @@ fn document_ui(ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
     };
     let format = Path::default().to("format");
     egui::Grid::new("document").num_columns(if narrow { 2 } else { 4 }).show(ui, |ui| {
-        number(ui, "Width", format.to("width"), f64::from(sheet.format[0]), (1.0, 65_536.0), actions);
-        number(ui, "Height", format.to("height"), f64::from(sheet.format[1]), (1.0, 65_536.0), actions);
+        let whole = |value: f64, min: f64, max: f64| Number::new(value).whole().range(min, max);
+        let [width, height] = sheet.format.map(|side| whole(f64::from(side), 1.0, 65_536.0));
+        number(ui, "Width", format.to("width"), width, actions);
+        number(ui, "Height", format.to("height"), height, actions);
         next_row(ui);
         let frames = Path::default().to("frames");
-        number(ui, "First frame", frames.to("first"), sheet.frames.0 as f64, (-1e7, sheet.frames.1 as f64), actions);
-        number(ui, "Last frame", frames.to("last"), sheet.frames.1 as f64, (sheet.frames.0 as f64, 1e7), actions);
+        let [first, last] = [sheet.frames.0 as f64, sheet.frames.1 as f64];
+        number(ui, "First frame", frames.to("first"), whole(first, -1e7, last), actions);
+        number(ui, "Last frame", frames.to("last"), whole(last, first, 1e7), actions);
         next_row(ui);
-        number(ui, "Frames per second", frames.to("fps"), sheet.frames.2, (1.0, 240.0), actions);
+        number(ui, "Frames per second", frames.to("fps"), Number::rate(sheet.frames.2), actions);
         next_row(ui);
     });
     let combo = (0.45 * ui.available_width()).clamp(48.0, 100.0);
@@ -251,8 +262,8 @@ fn document_ui(ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
         let chosen = sheet.get(&path).and_then(Value::as_str).unwrap_or(default).to_string();
         egui::ComboBox::from_label(label).width(combo).selected_text(&chosen).show_ui(ui, |ui| {
             for word in words {
-                if ui.selectable_label(*word == chosen, *word).clicked() {
-                    actions.push(Action::Edit(Edit::set(path.clone(), &(*word).into())));
+                if let Some(gesture) = Gesture::click(&ui.selectable_label(*word == chosen, *word)) {
+                    gesture.edit(Edit::set(path.clone(), &(*word).into()), actions);
                 }
             }
         });
@@ -264,8 +275,8 @@ fn document_ui(ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
     let samples = sheet.get(&format.to("samples")).and_then(Value::as_u64).unwrap_or(1);
     egui::ComboBox::from_label("Samples a pixel").width(combo).selected_text(samples.to_string()).show_ui(ui, |ui| {
         for count in [1_u64, 4, 16] {
-            if ui.selectable_label(count == samples, count.to_string()).clicked() {
-                actions.push(Action::Edit(Edit::set(format.to("samples"), &count.into())));
+            if let Some(gesture) = Gesture::click(&ui.selectable_label(count == samples, count.to_string())) {
+                gesture.edit(Edit::set(format.to("samples"), &count.into()), actions);
             }
         }
     });

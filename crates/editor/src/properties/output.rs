@@ -1,8 +1,8 @@
 //! What is rendered: the document's outputs, and the settings of the chosen one.
 
-use super::Properties;
 use crate::actions::Action;
 use crate::document::{Sheet, output};
+use crate::field::{self, Gesture};
 use crate::state::State;
 use egui::{ComboBox, RichText, ScrollArea, TextEdit, TextWrapMode, Ui, WidgetInfo, WidgetType};
 use serde_json::{Value, json};
@@ -23,8 +23,9 @@ pub(super) fn outputs_ui(ui: &mut Ui, state: &State, actions: &mut Vec<Action>) 
             remove.widget_info(|| {
                 WidgetInfo::labeled(WidgetType::Button, true, format!("Remove the output {}", output.name))
             });
-            if remove.clicked() {
-                actions.extend([Action::Edit(output::removed(&output.name)), Action::Seal]);
+            if let Some(gesture) = Gesture::click(&remove) {
+                gesture.edit(output::removed(&output.name), actions);
+                actions.push(Action::Seal);
             }
         });
     }
@@ -32,10 +33,11 @@ pub(super) fn outputs_ui(ui: &mut Ui, state: &State, actions: &mut Vec<Action>) 
         ui.style_mut().wrap_mode = Some(TextWrapMode::Extend);
         ScrollArea::vertical().max_height(300.0).show(ui, |ui| {
             for from in sources(sheet) {
-                if ui.button(sheet.reference(from.0, from.1)).clicked()
+                if let Some(gesture) = Gesture::click(&ui.button(sheet.reference(from.0, from.1)))
                     && let Some((edit, name)) = output::made(sheet, from)
                 {
-                    actions.extend([Action::Edit(edit), Action::Seal, Action::Output(Some(name))]);
+                    gesture.edit(edit, actions);
+                    actions.extend([Action::Seal, Action::Output(Some(name))]);
                 }
             }
         });
@@ -43,33 +45,29 @@ pub(super) fn outputs_ui(ui: &mut Ui, state: &State, actions: &mut Vec<Action>) 
 }
 
 /// Draws the settings of one output.
-pub(super) fn output_ui(panel: &mut Properties, ui: &mut Ui, state: &State, name: &str, actions: &mut Vec<Action>) {
+pub(super) fn output_ui(ui: &mut Ui, state: &State, name: &str, actions: &mut Vec<Action>) {
     let sheet = state.sheet();
     let Some(known) = output::find(sheet, name) else { return };
     ui.horizontal_wrapped(|ui| {
-        let (_, typed) = match &mut panel.name {
-            Some(known) if known.0 == name => known,
-            other => other.insert((name.into(), name.into())),
+        let read = |typed: &str| match output::wrong_name(sheet, typed.trim()) {
+            Some(why) => Err(why),
+            None => Ok(typed.trim().to_string()),
         };
-        let field = ui.add(TextEdit::singleline(typed).desired_width(150.0).font(egui::TextStyle::Heading));
-        field.widget_info(|| WidgetInfo::labeled(WidgetType::TextEdit, true, "Name of the output"));
-        if field.lost_focus() && typed != name {
-            let typed = typed.trim().to_string();
-            panel.name = None;
-            match output::wrong_name(sheet, &typed) {
-                Some(why) => actions.push(Action::Notice(why)),
-                None => {
-                    let edit = Action::Edit(output::renamed(name, &typed));
-                    actions.extend([edit, Action::Seal, Action::Output(Some(typed))]);
-                }
-            }
+        let named = field::draft_ui(ui, ("name", name), read, |text| {
+            TextEdit::singleline(text).desired_width(150.0).font(egui::TextStyle::Heading)
+        });
+        named.response.widget_info(|| WidgetInfo::labeled(WidgetType::TextEdit, true, "Name of the output"));
+        if let Some((typed, gesture)) = named.given {
+            gesture.edit(output::renamed(name, &typed), actions);
+            actions.extend([Action::Seal, Action::Output(Some(typed))]);
         }
         ui.label(RichText::new("Output").strong());
         if ui.button("Look").clicked() {
             look(sheet, &known.source, actions);
         }
-        if ui.button("Remove").on_hover_text("Its node stays.").clicked() {
-            actions.extend([Action::Edit(output::removed(name)), Action::Seal, Action::Output(None)]);
+        if let Some(gesture) = Gesture::click(&ui.button("Remove").on_hover_text("Its node stays.")) {
+            gesture.edit(output::removed(name), actions);
+            actions.extend([Action::Seal, Action::Output(None)]);
         }
         if ui.button("All outputs").clicked() {
             actions.push(Action::Output(None));
@@ -81,8 +79,10 @@ pub(super) fn output_ui(panel: &mut Properties, ui: &mut Ui, state: &State, name
         ComboBox::from_id_salt("source").selected_text(&known.source).show_ui(ui, |ui| {
             for from in sources(sheet) {
                 let source = sheet.reference(from.0, from.1);
-                if ui.selectable_label(source == known.source, source).clicked() {
-                    actions.extend(output::redirected(sheet, name, from).map(Action::Edit));
+                if let Some(gesture) = Gesture::click(&ui.selectable_label(source == known.source, source))
+                    && let Some(edit) = output::redirected(sheet, name, from)
+                {
+                    gesture.edit(edit, actions);
                     actions.push(Action::Seal);
                 }
             }
@@ -94,24 +94,22 @@ pub(super) fn output_ui(panel: &mut Properties, ui: &mut Ui, state: &State, name
         text_ui(ui, sheet, (name, "layer", "Layer"), help, actions);
         let body = sheet.get(&output::path(name));
         let precision = body.and_then(|body| body.get("precision")).and_then(Value::as_str);
-        choice_ui(ui, ("Precision", "default"), &Precision::NAMES, precision, |word| {
-            actions.extend(output::set(sheet, name, "precision", word.map(Value::from)).map(Action::Edit));
-            actions.push(Action::Seal);
-        });
+        let set = |(word, gesture): (Option<&str>, Gesture), key: &str, value: fn(&str) -> Value, actions: &mut _| {
+            if let Some(edit) = output::set(sheet, name, key, word.map(value)) {
+                gesture.edit(edit, actions);
+                actions.push(Action::Seal);
+            }
+        };
+        if let Some(chosen) = choice_ui(ui, ("Precision", "default"), &Precision::NAMES, precision) {
+            set(chosen, "precision", |word| word.into(), actions);
+        }
         // Only colors have a palette to keep to.
         if body.is_some_and(|body| body.get("color").is_some()) {
             let required = body.and_then(|body| body.get("require")?.get("guarantee")?.as_str());
-            choice_ui(
-                ui,
-                ("Require", "nothing"),
-                &[Guarantee::Hull, Guarantee::Box].map(Guarantee::name),
-                required,
-                |word| {
-                    let value = word.map(|word| json!({ "guarantee": word }));
-                    actions.extend(output::set(sheet, name, "require", value).map(Action::Edit));
-                    actions.push(Action::Seal);
-                },
-            );
+            let words = [Guarantee::Hull, Guarantee::Box].map(Guarantee::name);
+            if let Some(chosen) = choice_ui(ui, ("Require", "nothing"), &words, required) {
+                set(chosen, "require", |word| json!({ "guarantee": word }), actions);
+            }
         }
     });
     ui.separator();
@@ -135,12 +133,16 @@ fn look(sheet: &Sheet, source: &str, actions: &mut Vec<Action>) {
 fn text_ui(ui: &mut Ui, sheet: &Sheet, (name, key, label): (&str, &str, &str), help: &str, actions: &mut Vec<Action>) {
     ui.label(label).on_hover_text(help);
     let path = output::path(name).to(key);
-    let mut text = sheet.get(&path).and_then(Value::as_str).unwrap_or_default().to_string();
-    let field = ui.add(TextEdit::singleline(&mut text).desired_width(ui.available_width())).on_hover_text(help);
+    let text = sheet.get(&path).and_then(Value::as_str).unwrap_or_default();
+    let width = ui.available_width();
+    let told = field::text_ui(ui, text, |text| TextEdit::singleline(text).desired_width(width));
+    let field = told.response.on_hover_text(help);
     field.widget_info(|| WidgetInfo::labeled(WidgetType::TextEdit, true, format!("{label} of the output")));
-    if field.changed() {
+    if let Some((text, gesture)) = told.given {
         let value = (!text.is_empty()).then(|| Value::from(text));
-        actions.extend(output::set(sheet, name, key, value).map(Action::Edit));
+        if let Some(edit) = output::set(sheet, name, key, value) {
+            gesture.edit(edit, actions);
+        }
     }
     if field.lost_focus() {
         actions.push(Action::Seal);
@@ -149,23 +151,21 @@ fn text_ui(ui: &mut Ui, sheet: &Sheet, (name, key, label): (&str, &str, &str), h
 }
 
 /// One of some words, or none of them, for which there is a word as well.
-fn choice_ui(
+fn choice_ui<'w>(
     ui: &mut Ui,
     (label, none): (&str, &str),
-    words: &[&str],
+    words: &[&'w str],
     chosen: Option<&str>,
-    mut set: impl FnMut(Option<&str>),
-) {
+) -> Option<(Option<&'w str>, Gesture)> {
+    let mut given = None;
     ui.label(label);
     ComboBox::from_id_salt(label).selected_text(chosen.unwrap_or(none)).show_ui(ui, |ui| {
-        if ui.selectable_label(chosen.is_none(), none).clicked() {
-            set(None);
-        }
+        given = Gesture::click(&ui.selectable_label(chosen.is_none(), none)).map(|gesture| (None, gesture));
         for word in words {
-            if ui.selectable_label(chosen == Some(*word), *word).clicked() {
-                set(Some(*word));
-            }
+            let entry = ui.selectable_label(chosen == Some(*word), *word);
+            given = given.or(Gesture::click(&entry).map(|gesture| (Some(*word), gesture)));
         }
     });
     ui.end_row();
+    given
 }

@@ -3,6 +3,7 @@
 use super::{Place, Properties, color, key, knob, label_ui};
 use crate::actions::Action;
 use crate::document::{Edit, Path, edit};
+use crate::field::Gesture;
 use egui::{Button, RichText, Ui};
 use serde_json::{Value, json};
 use trochoid::{Arity, Port};
@@ -25,11 +26,13 @@ pub(super) fn port_ui(
         source_ui(panel, ui, port, &format!("{} {}", port.name, index + 1), &own, actions);
     }
     let Arity::Many { max, .. } = port.arity else { return };
-    if elements.len() < max && port.accepts.takes_color() && ui.small_button(format!("Add to {}", port.name)).clicked()
+    if elements.len() < max
+        && port.accepts.takes_color()
+        && let Some(gesture) = Gesture::click(&ui.small_button(format!("Add to {}", port.name)))
     {
         let value = elements.last().cloned().unwrap_or_else(|| json!("#808080"));
         let ops = vec![crate::document::Op::Set(place.path.to(elements.len()), edit::style(&value))];
-        actions.push(Action::Edit(Edit::new(format!("Add to {}", port.name), ops)));
+        gesture.edit(Edit::new(format!("Add to {}", port.name), ops), actions);
     }
 }
 
@@ -47,8 +50,8 @@ fn source_ui(
     ui.horizontal_wrapped(|ui| {
         let label = label_ui(ui, name, &format!("{}\n\nTakes a {}.", port.help, port.accepts), place.value.is_some());
         label.context_menu(|ui| {
-            if ui.add_enabled(place.value.is_some(), Button::new("Remove")).clicked() {
-                place.reset(actions);
+            if let Some(gesture) = Gesture::click(&ui.add_enabled(place.value.is_some(), Button::new("Remove"))) {
+                place.reset(gesture, actions);
                 ui.close();
             }
         });
@@ -65,8 +68,8 @@ fn source_ui(
                 {
                     actions.push(Action::Select([sheet.nodes[node].name.clone()].into()));
                 }
-                if ui.small_button("×").on_hover_text("Disconnects.").clicked() {
-                    disconnect(place, actions);
+                if let Some(gesture) = Gesture::click(&ui.small_button("×").on_hover_text("Disconnects.")) {
+                    disconnect(gesture, place, actions);
                 }
             }
             (None, None) if port.arity != Arity::One && !port.accepts.takes_color() => {
@@ -83,27 +86,17 @@ fn source_ui(
                     None => value.cloned().unwrap_or_else(|| default.clone()),
                 };
                 let shown = at(place.state.frame as f64);
-                let (field, (edited, before), frame) = key::typed_ui(ui, place, |ui, frame| {
-                    let before = at(frame);
-                    let mut edited = before.clone();
-                    let field = if matches!(before, Value::Number(_)) {
+                let (told, frame) = key::typed_ui(ui, place, |ui, frame| {
+                    let value = at(frame);
+                    if value.is_number() {
                         let mask = port.accepts == trochoid::Accepts::Mask || port.accepts.takes_color();
                         let range = if mask { (0.0, 1.0) } else { (f64::NEG_INFINITY, f64::INFINITY) };
-                        knob::number_ui(ui, &mut edited, range, "", keyed.is_some())
+                        knob::number_ui(ui, &value, range, "")
                     } else {
-                        color::color_ui(ui, &mut edited, place, actions)
-                    };
-                    (field, (edited, before))
-                });
-                if edited != before {
-                    match &keyed {
-                        Some(keyed) => place.set(&keyed.with(frame, &edited).write(), actions),
-                        None => place.set(&edited, actions),
+                        color::color_ui(ui, &value, place, actions)
                     }
-                }
-                if field.drag_stopped() || field.lost_focus() {
-                    actions.push(Action::Seal);
-                }
+                });
+                key::tell(told, keyed.as_ref(), frame, place, actions);
                 key::button_ui(panel, ui, keyed.as_ref(), &shown, place, actions);
                 curve = keyed;
             }
@@ -115,14 +108,12 @@ fn source_ui(
 }
 
 /// Disconnects a pin as the canvas does.
-fn disconnect(place: &Place<'_>, actions: &mut Vec<Action>) {
+fn disconnect(gesture: Gesture, place: &Place<'_>, actions: &mut Vec<Action>) {
     let sheet = place.state.sheet();
     let [_, crate::document::Step::Key(name), steps @ ..] = place.path.0.as_slice() else { return };
     let Some(node) = sheet.find(name) else { return };
     match sheet.nodes[node].pin(steps) {
-        Some(pin) => {
-            actions.push(Action::Rewire(edit::disconnected(sheet, (node, pin))));
-        }
-        None => actions.push(Action::Edit(Edit::reset(Path(place.path.0.clone())))),
+        Some(pin) => gesture.rewire(edit::disconnected(sheet, (node, pin)), actions),
+        None => gesture.edit(Edit::reset(Path(place.path.0.clone())), actions),
     }
 }

@@ -1,8 +1,9 @@
 //! The ramp editor: a gradient whose stops are dragged.
 
-use super::{color, knob};
+use super::color;
 use crate::actions::Action;
 use crate::document::{Edit, Op, Path, edit};
+use crate::field::{self, Gesture};
 use crate::state::State;
 use egui::{Color32, Pos2, Rect, Sense, Stroke, Ui, pos2, vec2};
 use serde_json::{Value, json};
@@ -83,31 +84,33 @@ pub(super) fn ramp_ui(ui: &mut Ui, state: &State, path: &Path, actions: &mut Vec
         ui.data_mut(|data| data.insert_temp(id, nearest(origin)));
     }
     let dragged = ui.data_mut(|data| data.get_temp::<Option<usize>>(id)).flatten();
-    if let (Some(index), Some(pointer), true) = (dragged, response.interact_pointer_pos(), response.dragged()) {
-        // Stops stay in their order.
+    let dragged = dragged.filter(|index| *index < known.len());
+    let drag = Gesture::drag(&response).zip(response.interact_pointer_pos());
+    if let (Some(index), Some((gesture, pointer))) = (dragged, drag) {
+        // Stops stay in their order, where they have one.
         let below = index.checked_sub(1).map_or(f32::NEG_INFINITY, |before| known[before].0);
         let above = known.get(index + 1).map_or(f32::INFINITY, |after| after.0);
-        let value = json!(knob::rounded(f64::from(at(pointer.x).clamp(below, above))));
+        let value = json!(field::rounded(f64::from(at(pointer.x).min(above).max(below))));
         let edit = Edit::set(stops_path.to(index).to("at"), &value).merging(format!("{stops_path} drag"));
-        actions.push(Action::Edit(edit));
+        gesture.edit(edit, actions);
     }
     if response.drag_stopped() {
         ui.data_mut(|data| data.remove::<Option<usize>>(id));
         actions.push(Action::Seal);
     }
     let pointer = response.interact_pointer_pos();
-    if let Some(pointer) = pointer.filter(|_| response.double_clicked()) {
+    if let Some((pointer, gesture)) = pointer.zip(Gesture::double_click(&response)) {
         let place = at(pointer.x);
         let stop =
-            json!({ "at": knob::rounded(f64::from(place)), "color": crate::document::color::hex(color_at(place)) });
+            json!({ "at": field::rounded(f64::from(place)), "color": crate::document::color::hex(color_at(place)) });
         let index = known.iter().position(|stop| stop.0 > place).unwrap_or(known.len());
         let op = if index == known.len() { Op::Set } else { Op::Insert };
-        actions.push(Action::Edit(Edit::new("Add a stop", vec![op(stops_path.to(index), edit::style(&stop))])));
+        gesture.edit(Edit::new("Add a stop", vec![op(stops_path.to(index), edit::style(&stop))]), actions);
     }
-    if let Some(index) = pointer.filter(|_| response.secondary_clicked()).and_then(nearest)
+    if let (Some(gesture), Some(index)) = (Gesture::secondary_click(&response), pointer.and_then(nearest))
         && known.len() > 2
     {
-        actions.push(Action::Edit(Edit::new("Remove a stop", vec![Op::Remove(stops_path.to(index))])));
+        gesture.edit(Edit::new("Remove a stop", vec![Op::Remove(stops_path.to(index))]), actions);
     }
     response.on_hover_text("Drag a stop; double-click to add one; right-click to remove it.");
 }

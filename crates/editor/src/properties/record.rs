@@ -3,6 +3,7 @@
 use super::{Place, Properties, items_ui};
 use crate::actions::Action;
 use crate::document::{Edit, Op, edit};
+use crate::field::Gesture;
 use egui::{CollapsingHeader, RichText, Ui};
 use serde_json::Value;
 use trochoid::List;
@@ -26,16 +27,15 @@ pub(super) fn list_ui(
             ui.push_id(index, |ui| {
                 ui.horizontal_wrapped(|ui| {
                     ui.weak((index + 1).to_string());
-                    if ui.small_button("Duplicate").clicked() {
+                    if let Some(gesture) = Gesture::click(&ui.small_button("Duplicate")) {
                         let op = Op::Insert(path.clone(), edit::style(record));
-                        actions.push(Action::Edit(Edit::new(format!("Duplicate {}", list.name), vec![op])));
+                        gesture.edit(Edit::new(format!("Duplicate {}", list.name), vec![op]), actions);
                     }
                     let removable = records.len() > list.min;
-                    if ui.add_enabled(removable, egui::Button::new("Remove").small()).clicked() {
-                        actions.push(Action::Edit(Edit::new(
-                            format!("Remove from {}", list.name),
-                            vec![Op::Remove(path.clone())],
-                        )));
+                    let remove = ui.add_enabled(removable, egui::Button::new("Remove").small());
+                    if let Some(gesture) = Gesture::click(&remove) {
+                        let ops = vec![Op::Remove(path.clone())];
+                        gesture.edit(Edit::new(format!("Remove from {}", list.name), ops), actions);
                     }
                 });
                 ui.indent("record", |ui| {
@@ -43,10 +43,12 @@ pub(super) fn list_ui(
                 });
             });
         }
-        if records.len() < list.max && ui.button("Add").clicked() {
+        if records.len() < list.max
+            && let Some(gesture) = Gesture::click(&ui.button("Add"))
+        {
             let value = edit::style(&edit::record(list.items, records.len()));
             let op = Op::Set(place.path.to(records.len()), value);
-            actions.push(Action::Edit(Edit::new(format!("Add to {}", list.name), vec![op])));
+            gesture.edit(Edit::new(format!("Add to {}", list.name), vec![op]), actions);
         }
     });
     crate::prose::explained(shown.header_response, list.help);

@@ -3,6 +3,7 @@
 use super::color;
 use crate::actions::Action;
 use crate::document::{Edit, Path};
+use crate::field;
 use crate::state::State;
 use egui::{Color32, Mesh, Rect, Sense, Stroke, Ui, pos2, vec2};
 use serde_json::{Value, json};
@@ -57,15 +58,13 @@ pub(super) fn patch_ui(ui: &mut Ui, state: &State, path: &Path, actions: &mut Ve
             Stroke::new(1.0, Color32::from_white_alpha(160)),
             egui::StrokeKind::Outside,
         );
-        let Some(mut shown) = literal else { continue };
+        let Some(shown) = literal else { continue };
         let mut own = ui.new_child(egui::UiBuilder::new().max_rect(spot).id_salt(index));
         own.spacing_mut().interact_size = vec2(18.0, 18.0);
-        let button = color::picker_ui(&mut own, &mut shown);
-        if button.changed() {
+        field::swatch_ui(&mut own, shown).edit(actions, |color| {
             let own = place.to(index);
-            let edit = Edit::set(own.clone(), &json!(crate::document::color::hex(shown))).merging(own.to_string());
-            actions.push(Action::Edit(edit));
-        }
+            Edit::set(own.clone(), &json!(crate::document::color::hex(color))).merging(own.to_string())
+        });
     }
 }
 

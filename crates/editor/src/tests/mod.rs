@@ -1,9 +1,13 @@
 mod files;
 mod graph;
 mod keys;
+mod lasting;
+mod looking;
 mod panels;
+mod play;
 pub(crate) mod shots;
 mod snapshots;
+mod typing;
 mod versions;
 
 use crate::document::Session;

@@ -90,14 +90,20 @@ fn a_number_is_typed_also_where_its_beginning_is_a_fault() {
     choose(&mut window, "band");
     window.get_by_value("0.75").focus();
     window.run_steps(2);
-    // One after the other: what is wrong meanwhile is said above the field, and moves it.
-    for (key, max) in [("0", 0.0), (".", 0.0), ("5", 0.5)] {
+    let max = |window: &Window| {
+        let sheet = editor(window).state().sheet();
+        sheet.get(&Path::node("band").to("max")).and_then(serde_json::Value::as_f64)
+    };
+    for key in ["0", ".", "5"] {
         window.event(egui::Event::Text(key.into()));
         window.run_steps(3);
-        let sheet = editor(&window).state().sheet();
-        let found = sheet.get(&Path::node("band").to("max")).and_then(serde_json::Value::as_f64);
-        assert_eq!(found, Some(max), "after \"{key}\"");
+        assert_eq!(max(&window), Some(0.75), "a beginning counts for nothing");
     }
+    window.key_press(egui::Key::Enter);
+    window.run_steps(3);
+    assert_eq!(max(&window), Some(0.5));
+    act(&mut window, Action::Undo);
+    assert_eq!(max(&window), Some(0.75), "one step");
 }
 
 #[test]
@@ -251,9 +257,11 @@ fn a_typed_number_is_one_key_at_the_frame_where_typing_began() {
     assert_eq!(keys(&window), Some(json!([[1, 0], [3, 0.75], [5, 1]])));
 }
 
-#[test]
-fn no_panel_knows_another() {
-    const PANELS: [&str; 7] = ["canvas", "properties", "report", "source", "timeline", "viewer", "waves"];
+/// What panels are called.
+const PANELS: [&str; 7] = ["canvas", "properties", "report", "source", "timeline", "viewer", "waves"];
+
+/// The texts of a panel, by file.
+fn sources(panel: &str) -> Vec<(String, String)> {
     fn files(place: std::path::PathBuf, found: &mut Vec<std::path::PathBuf>) {
         if place.is_dir() {
             std::fs::read_dir(place).unwrap().for_each(|entry| files(entry.unwrap().path(), found));
@@ -261,19 +269,37 @@ fn no_panel_knows_another() {
             found.push(place);
         }
     }
+    let source = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let mut own = Vec::new();
+    for place in [source.join(panel), source.join(format!("{panel}.rs"))] {
+        if place.exists() {
+            files(place, &mut own);
+        }
+    }
+    assert!(!own.is_empty(), "{panel} has no files");
+    own.into_iter().map(|file| (file.display().to_string(), std::fs::read_to_string(file).unwrap())).collect()
+}
+
+#[test]
+fn no_panel_knows_another() {
     for panel in PANELS {
-        let source = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
-        let mut own = Vec::new();
-        for place in [source.join(panel), source.join(format!("{panel}.rs"))] {
-            if place.exists() {
-                files(place, &mut own);
+        for (file, text) in sources(panel) {
+            for other in PANELS.iter().filter(|other| **other != panel) {
+                assert!(!text.contains(&format!("crate::{other}::")), "{file} knows {other}");
             }
         }
-        assert!(!own.is_empty(), "{panel} has no files");
-        for file in own {
-            let text = std::fs::read_to_string(&file).unwrap();
-            for other in PANELS.iter().filter(|other| **other != panel) {
-                assert!(!text.contains(&format!("crate::{other}::")), "{} knows {other}", file.display());
+    }
+}
+
+#[test]
+fn only_gestures_ask_for_edits_of_values() {
+    // Widgets that change what they are given, and what would write without a gesture; all of them lie in `field`.
+    let forbidden =
+        ["DragValue", "Slider::", ".checkbox(", "color_edit_button", ".changed()", "Action::Edit(", "Action::Rewire("];
+    for panel in ["properties", "timeline", "waves", "viewer"] {
+        for (file, text) in sources(panel).into_iter().filter(|(file, _)| !file.ends_with("tests.rs")) {
+            for word in forbidden {
+                assert!(!text.contains(word), "{file} has {word}");
             }
         }
     }

@@ -4,6 +4,7 @@ use super::picture::{place, share};
 use crate::actions::Action;
 use crate::document::{Edit, Path};
 use crate::evaluate::Result;
+use crate::field::Gesture;
 use crate::state::State;
 use egui::{
     Align2, Color32, CursorIcon, FontId, Painter, Pos2, Rect, Sense, Shape, Stroke, Ui, WidgetInfo, WidgetType, pos2,
@@ -177,15 +178,16 @@ pub(super) fn handles_ui(
                 WidgetInfo::labeled(WidgetType::Slider, true, format!("{}, point {}", way.name, index + 1))
             });
             let grip = grip.on_hover_cursor(CursorIcon::Grab);
-            if grip.dragged()
-                && let Some(world) = grip.interact_pointer_pos().and_then(|at| eye.on_level(share(rect, at), level))
+            let moved = Gesture::drag(&grip).zip(grip.interact_pointer_pos());
+            if let Some((gesture, at)) = moved
+                && let Some(world) = eye.on_level(share(rect, at), level)
             {
                 let mut points = way.points;
                 for (number, world) in points[2 * index..2 * index + 2].iter_mut().zip([world[0] - x, world[2] - z]) {
                     *number = (world * 100.0).round() / 100.0;
                 }
                 let key = format!("handle {} {index}", way.path);
-                actions.push(Action::Edit(Edit::set(way.path.clone(), &json!(points)).merging(key)));
+                gesture.edit(Edit::set(way.path.clone(), &json!(points)).merging(key), actions);
             }
             if grip.drag_stopped() {
                 actions.push(Action::Seal);

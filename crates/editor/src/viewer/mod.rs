@@ -15,6 +15,7 @@ mod toolbar;
 use crate::actions::Action;
 use crate::document::Edit;
 use crate::evaluate::{Channel, Display, Result, Screen};
+use crate::field::Gesture;
 use crate::state::State;
 use compare::{Compare, Mode};
 use egui::{
@@ -46,14 +47,20 @@ pub(crate) struct Viewer {
     widths: HashMap<(toolbar::Group, u8), f32>,
     /// What was inspected before the last click, which may turn out to be the first of two.
     before: Option<[f32; 2]>,
-    /// Whether what is known of the inspected pixel is told at the left.
-    strip_at_left: bool,
+    /// Whether there is room beside the picture for what is known of the inspected pixel.
+    has_strip: bool,
 }
 
 impl Viewer {
     /// The held picture, where it is to be shown otherwise than it is: its number, and how.
     pub(crate) fn held_wanted(&mut self, result: &Result) -> Option<(u64, Arc<Picture>, WorkingSpace, Display)> {
         self.compare.wanted(result)
+    }
+
+    /// Forgets what is of a document that was left.
+    pub(crate) fn forget(&mut self) {
+        self.compare.held = None;
+        (self.before, self.drag, self.frames_region) = (None, None, false);
     }
 
     /// Takes the held picture as it was asked for.
@@ -73,7 +80,7 @@ enum Drag {
 
 /// Height of the line below the picture.
 const BAR: f32 = 20.0;
-/// Panels narrower than this have no room for a strip over the picture.
+/// Panels narrower than this have no room for a strip beside the picture.
 const NARROW: f32 = 300.0;
 
 /// Draws the picture.
@@ -85,12 +92,17 @@ pub(crate) fn viewer_ui(viewer: &mut Viewer, ui: &mut Ui, state: &State, actions
     area.max.y = (area.max.y - BAR).max(area.min.y + 1.0);
     bar.min.y = area.max.y;
     let result = state.seen.result.as_deref();
-    let size = match result.map(|result| result.lens.graph.format()) {
+    let size = match result.or(state.seen.last.as_deref()).map(|result| result.lens.graph.format()) {
         Some(format) => [format.width(), format.height()],
         None => state.sheet().format,
     };
     let size = vec2(size[0] as f32, size[1] as f32).max(vec2(1.0, 1.0));
-    let stage = Stage { area, size, density: ui.ctx().pixels_per_point() };
+    let whole_stage = Stage { area, size, density: ui.ctx().pixels_per_point() };
+    let strip = viewer.strip(ui, &whole_stage, state);
+    if let Some(strip) = strip {
+        area.max.x = strip.min.x;
+    }
+    let stage = Stage { area, ..whole_stage };
     let hover = match result {
         Some(result) if viewer.space.shown => {
             viewer.space.ui(ui, area, result);
@@ -98,10 +110,12 @@ pub(crate) fn viewer_ui(viewer: &mut Viewer, ui: &mut Ui, state: &State, actions
         }
         result => picture_ui(viewer, ui, &stage, state, result, actions),
     };
-    let picked = state.look.pick.filter(|_| area.width() > NARROW && !viewer.space.shown).zip(result);
-    if let Some(([x, y], result)) = picked {
-        let strip = strip(viewer, &stage, pos2(x, y));
-        strip_ui(ui, strip, |ui| inspector::inspector_ui(ui, state, result, pos2(x, y), actions));
+    if let Some(strip) = strip {
+        strip_ui(ui, strip, |ui| {
+            if let Some(([x, y], result)) = state.look.pick.zip(result) {
+                inspector::inspector_ui(ui, state, result, pos2(x, y), actions);
+            }
+        });
     }
     if ui.rect_contains_pointer(whole) && !ui.ctx().egui_wants_keyboard_input() {
         keys(viewer, ui, state, actions);
@@ -111,24 +125,28 @@ pub(crate) fn viewer_ui(viewer: &mut Viewer, ui: &mut Ui, state: &State, actions
     });
 }
 
-/// Where the strip lies: over the picture, which stays where it is, at the side where the pixel is not.
-fn strip(viewer: &mut Viewer, stage: &Stage, pick: Pos2) -> Rect {
-    let area = stage.area;
-    let width = inspector::WIDTH.min(0.45 * area.width());
-    let [left, right] = [area.left() + width, area.right() - width];
-    let at = place(viewer.view.rect(stage), pick).x;
-    // As far as the mark reaches.
-    let hides = |at_left: bool| if at_left { at < left + 12.0 } else { at > right - 12.0 };
-    if hides(viewer.strip_at_left) && !hides(!viewer.strip_at_left) {
-        viewer.strip_at_left = !viewer.strip_at_left;
+impl Viewer {
+    /// Where the strip lies that tells of the inspected pixel, where there is one: beside the picture, which gets what is
+    /// left.
+    fn strip(&mut self, ui: &Ui, stage: &Stage, state: &State) -> Option<Rect> {
+        let area = stage.area;
+        let wanted = state.look.pick.is_some() && area.width() > NARROW && !self.space.shown;
+        let mut rest = *stage;
+        rest.area.max.x -= inspector::WIDTH.min(0.45 * area.width());
+        // While the pointer holds something, the picture stays where it is.
+        if wanted != self.has_strip && !ui.input(|input| input.pointer.any_down()) {
+            self.has_strip = wanted;
+            let (from, to) = if wanted { (stage, &rest) } else { (&rest, stage) };
+            self.view.keep(from, to);
+            if let Some([x, y]) = state.look.pick {
+                self.view.show(to, pos2(x, y));
+            }
+        }
+        self.has_strip.then(|| Rect::from_min_max(rest.area.right_top(), area.max))
     }
-    let x = if viewer.strip_at_left { area.left()..=left } else { right..=area.right() };
-    Rect::from_x_y_ranges(x, area.y_range())
 }
 
-/// Draws a strip that covers what is below it.
 fn strip_ui(ui: &mut Ui, strip: Rect, content: impl FnOnce(&mut Ui)) {
-    ui.interact(strip, ui.id().with("strip"), Sense::click_and_drag());
     ui.painter().rect_filled(strip, 0.0, ui.visuals().panel_fill);
     let inner = strip.shrink2(vec2(8.0, 4.0));
     ui.scope_builder(UiBuilder::new().max_rect(inner).id_salt("inspector"), |ui| {
@@ -195,6 +213,9 @@ fn picture_ui(
     let painter = ui.painter().with_clip_rect(stage.area);
     painter.rect_filled(stage.area, 0.0, picture::SURROUND);
     let Some(result) = result else {
+        if let Some(last) = &state.seen.last {
+            last_ui(viewer, ui, stage, (&response, last));
+        }
         message_ui(ui, stage.area, state, actions);
         return None;
     };
@@ -222,6 +243,18 @@ fn picture_ui(
         note(ui, stage.area, text);
     }
     response.hover_pos().map(|at| share(rect, at))
+}
+
+/// Draws the picture that was there before there was none, darker, with what it is compared with.
+fn last_ui(viewer: &mut Viewer, ui: &mut Ui, stage: &Stage, (response, last): (&Response, &Result)) {
+    move_view(viewer, ui, stage, response);
+    let (rect, zoom) = (viewer.view.rect(stage), viewer.view.zoom(stage));
+    let (own, shown) = (part(last), viewer.compare.shown(last));
+    viewer.image.upload(ui.ctx(), &shown, zoom * own.width() * stage.size.x / shown.size[0].max(1) as f32);
+    let painter = ui.painter().with_clip_rect(stage.area);
+    viewer.image.paint(&painter, Rect::from_min_max(place(rect, own.min), place(rect, own.max)));
+    viewer.compare.wipe_ui(ui, stage, rect, zoom);
+    painter.rect_filled(stage.area, 0.0, Color32::from_black_alpha(140));
 }
 
 /// Goes in and out, and moves the picture.
@@ -258,10 +291,11 @@ fn point(
         }
         let color =
             at.and_then(|at| inspector::pixel(result, at)).and_then(|pixel| inspector::displayed(result, pixel));
-        if let Some(color) = color.filter(|_| response.clicked()) {
+        if let Some((color, gesture)) = color.zip(Gesture::click(response)) {
             let [r, g, b, _] = color.to_array();
             let text = format!("#{r:02x}{g:02x}{b:02x}");
-            actions.extend([Action::Edit(Edit::set(place.clone(), &json!(text))), Action::Dropper(None)]);
+            gesture.edit(Edit::set(place.clone(), &json!(text)), actions);
+            actions.push(Action::Dropper(None));
         }
         return;
     }
@@ -333,9 +367,14 @@ fn message_ui(ui: &mut Ui, area: Rect, state: &State, actions: &mut Vec<Action>)
         (None, Some(_)) => ("Evaluating …".into(), Color32::from_gray(150)),
     };
     let room =
-        Rect::from_center_size(area.center(), vec2((area.width() - 32.0).clamp(40.0, 520.0), area.height() - 16.0));
+        Rect::from_center_size(area.center(), vec2((area.width() - 32.0).clamp(40.0, 520.0), area.height() - 24.0));
     let galley = ui.painter().layout(text.clone(), FontId::proportional(14.0), color, room.width());
-    let place = Align2::CENTER_CENTER.align_size_within_rect(galley.size(), room);
+    // Above the last picture, if there is one.
+    let align = if state.seen.last.is_some() { Align2::CENTER_TOP } else { Align2::CENTER_CENTER };
+    let place = align.align_size_within_rect(galley.size(), room);
+    if state.seen.last.is_some() {
+        ui.painter().rect_filled(place.expand2(vec2(10.0, 6.0)), 4.0, Color32::from_black_alpha(190));
+    }
     ui.scope_builder(UiBuilder::new().max_rect(place.expand(2.0)).id_salt("message"), |ui| {
         ui.label(RichText::new(text).color(color).size(14.0));
     });

@@ -76,6 +76,22 @@ impl View {
         *self = Self { zoom: Some(zoom), center: share + (stage.area.center() - at) / size };
     }
 
+    /// Leaves a picture where it is, unless it is fitted, while the panel gets larger or smaller.
+    pub(super) fn keep(&mut self, from: &Stage, to: &Stage) {
+        if self.zoom.is_some() {
+            self.center += (to.area.center() - from.area.center()) / self.rect(from).size();
+        }
+    }
+
+    /// Brings a place of the picture into the panel by the shortest way.
+    pub(super) fn show(&mut self, stage: &Stage, at: Pos2) {
+        let (rect, room) = (self.rect(stage), stage.area.shrink(14.0_f32.min(0.5 * stage.area.size().min_elem())));
+        if self.zoom.is_some() {
+            let at = place(rect, at);
+            self.center += (at - at.clamp(room.min, room.max)) / rect.size();
+        }
+    }
+
     /// Moves the picture by so many points.
     pub(super) fn pan(&mut self, stage: &Stage, by: Vec2) {
         let (rect, zoom) = (self.rect(stage), self.zoom(stage));
@@ -218,6 +234,23 @@ mod tests {
         assert!((view.zoom(&STAGE) - 1.0).abs() < 1e-5);
         view.fit();
         assert_eq!(view, View::default());
+    }
+
+    #[test]
+    fn a_picture_stays_where_it_is_while_its_panel_gets_smaller_unless_it_is_fitted() {
+        let mut smaller = STAGE;
+        smaller.area.max.x -= 100.0;
+        let mut view = View::default();
+        view.keep(&STAGE, &smaller);
+        assert_eq!(view, View::default());
+        view.zoom_at(&STAGE, pos2(180.0, 210.0), 2.0);
+        let before = view.rect(&STAGE);
+        view.keep(&STAGE, &smaller);
+        assert!((view.rect(&smaller).min - before.min).length() < 1.0);
+        // What lies below the part that is gone comes into the rest.
+        let at = share(before, pos2(450.0, 210.0));
+        view.show(&smaller, at);
+        assert!(smaller.area.contains(place(view.rect(&smaller), at)));
     }
 
     #[test]

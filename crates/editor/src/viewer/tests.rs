@@ -129,19 +129,33 @@ fn a_pixel_is_picked_and_its_colors_listed() {
 }
 
 #[test]
-fn the_picture_stays_where_it_is_and_the_pixel_is_seen() {
+fn what_is_told_of_a_pixel_covers_nothing_of_the_picture() {
     let mut window = open(MIXED, WINDOW);
     let before = picture(&window);
-    click(&mut window, before.center());
-    assert_eq!(picture(&window), before);
-    for share in [0.1, 0.9, 0.5] {
-        let width = before.width().min(before.height() * 64.0 / 36.0);
-        let at = before.center() + vec2((share - 0.5) * width, 0.0);
-        act(&mut window, Action::Pick(Some([share, 0.5])));
-        assert_eq!(picture(&window), before);
-        let strip = window.query_by_label("Mixed of").unwrap_or_else(|| panic!("no strip at {share}")).rect();
-        assert!(strip.left() > at.x || strip.left() + 200.0 < at.x, "not over the pixel at {share}");
+    // Not while the pointer is held: it would move from below it.
+    let at = before.center();
+    window.hover_at(at);
+    for (to, pressed) in [(at, true), (at + vec2(9.0, 0.0), true), (at + vec2(9.0, 0.0), false)] {
+        window.event(Event::PointerMoved(to));
+        window.step();
+        if to == at || !pressed {
+            let (button, modifiers) = (PointerButton::Primary, Modifiers::NONE);
+            window.event(Event::PointerButton { pos: to, button, pressed, modifiers });
+            window.step();
+        }
+        if pressed {
+            assert_eq!(picture(&window), before);
+        }
     }
+    settle(&mut window);
+    for share in [0.1, 0.9, 0.5] {
+        act(&mut window, Action::Pick(Some([share, 0.5])));
+        let strip = window.query_by_label("Mixed of").unwrap_or_else(|| panic!("no strip at {share}")).rect();
+        assert!(strip.left() >= picture(&window).right(), "beside the picture at {share}");
+    }
+    press(&mut window, Key::Escape);
+    act(&mut window, Action::Pick(None));
+    assert_eq!(picture(&window), before, "the room is given back");
 }
 
 #[test]

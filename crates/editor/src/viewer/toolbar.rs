@@ -4,10 +4,10 @@ use super::Viewer;
 use super::compare::Mode;
 use crate::actions::Action;
 use crate::evaluate::{Channel, Display, Result, shown};
+use crate::field::Number;
 use crate::state::State;
 use egui::containers::menu::{MenuButton, MenuConfig};
-use egui::{Button, ComboBox, DragValue, PopupCloseBehavior, Response, Ui, WidgetInfo, WidgetType};
-use std::ops::RangeInclusive;
+use egui::{Button, ComboBox, PopupCloseBehavior, Ui, WidgetInfo, WidgetType};
 use trochoid::Kind;
 
 /// The kind of what is shown.
@@ -24,11 +24,10 @@ pub(super) fn toolbar_ui(viewer: &mut Viewer, ui: &mut Ui, state: &State, action
         let display = &state.look.display;
         let mut next = *display;
         channels_ui(ui, kind(state), &mut next);
-        let exposure =
-            DragValue::new(&mut next.exposure).speed(0.02).range(-16.0..=16.0).fixed_decimals(1).suffix(" EV");
-        reset(ui.add(exposure), "Exposure in stops. Double-click for 0.", || next.exposure = 0.0);
-        let gamma = DragValue::new(&mut next.gamma).speed(0.005).range(0.1..=8.0).fixed_decimals(2).prefix("γ ");
-        reset(ui.add(gamma), "Gamma. Double-click for 1.", || next.gamma = 1.0);
+        let exposure = shown_as(next.exposure).fixed(1).speed(0.02).range(-16.0, 16.0).suffix(" EV");
+        number_ui(ui, exposure, &mut next.exposure, 0.0, "Exposure in stops. Double-click for 0.");
+        let gamma = shown_as(next.gamma).fixed(2).speed(0.005).range(0.1, 8.0).prefix("γ ");
+        number_ui(ui, gamma, &mut next.gamma, 1.0, "Gamma. Double-click for 1.");
         // Whatever is shown as gray.
         if !matches!(kind(state), Some(Kind::Color) | None) || next.channel != Channel::All {
             field_ui(ui, state, &mut next);
@@ -135,20 +134,27 @@ fn space_ui(viewer: &mut Viewer, ui: &mut Ui) {
         viewer.near.toggle();
     }
     if viewer.near.shown {
-        let distance = DragValue::new(&mut viewer.near.distance).speed(0.0005).range(0.0005..=1.0).max_decimals(4);
-        reset(ui.add(distance), "How near: a distance in the working space. Double-click for 0.02.", || {
-            viewer.near.distance = 0.02;
-        });
+        let distance = &mut viewer.near.distance;
+        let number = shown_as(*distance).speed(0.0005).range(0.0005, 1.0);
+        number_ui(ui, number, distance, 0.02, "How near: a distance in the working space. Double-click for 0.02.");
     }
 }
 
-/// A hint, and what a double click does.
-fn reset(response: Response, help: &str, back: impl FnOnce()) {
-    let response = response.on_hover_text(help);
+/// A number as it is written: 0.1 is no 0.10000000149.
+fn shown_as(value: f32) -> Number<'static> {
+    Number::new(value.to_string().parse().unwrap_or(f64::from(value)))
+}
+
+/// Lets a number be changed; a double click brings it back to `usual`.
+fn number_ui(ui: &mut Ui, number: Number<'_>, value: &mut f32, usual: f32, help: &str) {
+    let told = number.ui(ui);
+    let response = told.response.clone().on_hover_text(help);
     if response.double_clicked() {
         // The first of the clicks has begun to ask for a number.
         response.surrender_focus();
-        back();
+        *value = usual;
+    } else if let Some(given) = told.value() {
+        *value = given as f32;
     }
 }
 
@@ -243,8 +249,11 @@ fn field_ui(ui: &mut Ui, state: &State, display: &mut Display) {
     }
     if let Some([low, high]) = &mut display.range {
         let speed = f64::from((*high - *low).abs().max(1e-3)) * 0.01;
-        ui.add(DragValue::new(low).speed(speed).max_decimals(3)).on_hover_text("What is black.");
-        ui.add(DragValue::new(high).speed(speed).max_decimals(3)).on_hover_text("What is white.");
+        for (end, help) in [(low, "What is black."), (high, "What is white.")] {
+            let told = shown_as(*end).decimals(3).speed(speed).ui(ui);
+            told.response.clone().on_hover_text(help);
+            *end = told.value().map_or(*end, |value| value as f32);
+        }
     }
 }
 
@@ -280,9 +289,8 @@ fn compare_ui(viewer: &mut Viewer, ui: &mut Ui, state: &State) {
         ui.selectable_value(&mut held.mode, mode, text).on_hover_text(help);
     }
     if held.mode == Mode::Difference {
-        let range: RangeInclusive<f32> = 1.0..=256.0;
-        let gain = DragValue::new(&mut compare.gain).speed(0.1).range(range).fixed_decimals(0).prefix("× ");
-        reset(ui.add(gain), "By how much differences are multiplied. Double-click for 4.", || compare.gain = 4.0);
+        let gain = shown_as(compare.gain).fixed(0).speed(0.1).range(1.0, 256.0).prefix("× ");
+        number_ui(ui, gain, &mut compare.gain, 4.0, "By how much differences are multiplied. Double-click for 4.");
     }
     let drop = ui.button("×");
     drop.widget_info(|| WidgetInfo::labeled(WidgetType::Button, true, "Let go of A"));

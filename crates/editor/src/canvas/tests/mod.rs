@@ -50,8 +50,9 @@ impl Driver {
                 self.state.session.edit(edit::laid_out(&sheet, &places)).unwrap();
             }
             Action::Backdrop => {
-                let (edit, ..) = backdrop(&sheet, &self.state.selection).unwrap();
+                let (edit, name, text) = backdrop(&sheet, &self.state.selection).unwrap();
                 self.state.session.edit(edit).unwrap();
+                self.canvas.write_on(name, text);
             }
             Action::Line(line) => {
                 self.state.session.edit(lined_up(&sheet, &self.state.selection, line)).unwrap();

@@ -61,6 +61,8 @@ fn a_backdrop_takes_along_what_stands_on_it() {
     harness.state_mut().state.selection = ["across".to_string(), "twice".into()].into();
     harness.state_mut().act(Action::Backdrop);
     harness.run_ok();
+    harness.key_press(Key::Escape);
+    harness.run_ok();
     let from = place(&harness, "Backdrop Backdrop").left_center() + vec2(12.0, 0.0);
     let zoom = harness.state().canvas.view.zoom;
     drag(&mut harness, from, from + vec2(40.0, 20.0) * zoom);
@@ -82,9 +84,36 @@ fn a_backdrop_takes_along_what_stands_on_it() {
     harness.run_ok();
     harness.get_by_label("Text of the backdrop").type_text(" of the sky");
     harness.run_ok();
-    harness.key_press_modifiers(Modifiers::COMMAND | Modifiers::CTRL, Key::Enter);
+    harness.key_press_modifiers(Modifiers::SHIFT, Key::Enter);
     harness.run_ok();
-    assert_eq!(harness.state().text("/ui/backdrops/backdrop1/text"), "\"Backdrop of the sky\"");
+    harness.get_by_label("Text of the backdrop").type_text("and air");
+    harness.run_ok();
+    harness.key_press(Key::Enter);
+    harness.run_ok();
+    assert_eq!(harness.state().text("/ui/backdrops/backdrop1/text"), r#""Backdrop of the sky\nand air""#);
+}
+
+#[test]
+fn a_new_backdrop_is_named_at_once_also_where_nodes_lie_below_the_field() {
+    let mut harness = open(GRAPH);
+    harness.state_mut().state.selection = ["down".to_string(), "across".into(), "sky".into()].into();
+    // So small that the field is larger than what is free above the nodes.
+    harness.state_mut().canvas.view.zoom = 0.25;
+    harness.run_ok();
+    harness.state_mut().act(Action::Backdrop);
+    harness.run_ok();
+    let field = place(&harness, "Text of the backdrop");
+    let node = place(&harness, "Node down, ScreenY");
+    assert!(field.intersects(node), "{field:?} {node:?}");
+    // The field is what is clicked there.
+    click(&mut harness, field.intersect(node).center(), PointerButton::Primary, Modifiers::NONE);
+    harness.key_press_modifiers(Modifiers::COMMAND | Modifiers::CTRL, Key::A);
+    harness.get_by_label("Text of the backdrop").type_text("Far");
+    harness.run_ok();
+    harness.key_press(Key::Enter);
+    harness.run_ok();
+    assert_eq!(harness.state().text("/ui/backdrops/backdrop1/text"), r#""Far""#);
+    assert!(harness.query_by_label("Text of the backdrop").is_none());
 }
 
 #[test]

@@ -13,6 +13,32 @@ fn wait_for(what: impl Fn() -> bool) {
     }
 }
 
+/// Makes a file that was written so long ago.
+fn old(path: &Path, seconds: u64) {
+    let file = std::fs::File::create(path).unwrap();
+    file.set_modified(std::time::SystemTime::now() - Duration::from_secs(seconds)).unwrap();
+}
+
+#[test]
+fn locks_of_editors_that_have_ended_are_removed() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    old(&at("1-0.lock"), 3600);
+    old(&at("2-0.lock"), 0);
+    old(&at("3-0.lock"), 3600);
+    std::fs::write(at("3-0.json"), "{}").unwrap();
+    old(&at("4-0.lock"), 3600);
+    let held = std::fs::File::open(at("4-0.lock")).unwrap();
+    held.try_lock().unwrap();
+    let keeper = Keeper::new(folder.path()).unwrap();
+    assert!(!at("1-0.lock").exists());
+    for (name, why) in [("2-0.lock", "may be taken yet"), ("3-0.lock", "has a copy"), ("4-0.lock", "is held")] {
+        assert!(at(name).exists(), "{name} {why}");
+    }
+    drop(keeper);
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 4);
+}
+
 fn copies(folder: &Path) -> usize {
     let entries = std::fs::read_dir(folder).unwrap().flatten();
     entries.filter(|entry| entry.path().extension().is_some_and(|end| end == "json")).count()

@@ -1,0 +1,452 @@
+//! Widgets of values. What changes the document comes from a gesture of the user's and from nothing else: a widget says by
+//! [`Told`] what a gesture made of its value, and only a [`Gesture`] asks for an edit. Drawing makes neither.
+
+use crate::actions::Action;
+use crate::document::Edit;
+use egui::{Align2, Area, DragValue, Id, Key, Order, Pos2, Response, RichText, Slider, TextEdit, Ui, pos2};
+use serde_json::Value;
+use std::cell::Cell;
+use std::ops::RangeInclusive;
+
+/// Proof that the user did something. Only this module makes one.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Gesture(());
+
+impl Gesture {
+    /// A click on a widget.
+    pub(crate) fn click(response: &Response) -> Option<Self> {
+        response.clicked().then_some(Self(()))
+    }
+
+    /// A click with the other button.
+    pub(crate) fn secondary_click(response: &Response) -> Option<Self> {
+        response.secondary_clicked().then_some(Self(()))
+    }
+
+    /// Two clicks.
+    pub(crate) fn double_click(response: &Response) -> Option<Self> {
+        response.double_clicked().then_some(Self(()))
+    }
+
+    /// A drag that leads on.
+    pub(crate) fn drag(response: &Response) -> Option<Self> {
+        (response.dragged() && response.drag_delta() != egui::Vec2::ZERO).then_some(Self(()))
+    }
+
+    /// A press on a widget, from its first moment on.
+    pub(crate) fn press(response: &Response) -> Option<(Self, Pos2)> {
+        response.interact_pointer_pos().map(|at| (Self(()), at))
+    }
+
+    /// Whatever changed a widget while the pointer or a key was used on it.
+    fn of(ui: &Ui, response: &Response) -> Option<Self> {
+        let by_hand = response.is_pointer_button_down_on() || response.clicked() || response.drag_stopped();
+        let by_keys = response.has_focus() || response.lost_focus();
+        let asked = |event: &egui::Event| matches!(event, egui::Event::AccessKitActionRequest(_));
+        let by_tool = || ui.input(|input| input.events.iter().any(asked));
+        (response.changed() && (by_hand || by_keys || by_tool())).then_some(Self(()))
+    }
+
+    /// A change in what a button has opened, such as a color's picker.
+    fn within(ui: &Ui, response: &Response) -> Option<Self> {
+        let acts = ui.input(|input| {
+            input.pointer.any_down() || input.pointer.any_released() || input.events.iter().any(is_typed)
+        });
+        (response.changed() && acts).then_some(Self(()))
+    }
+
+    /// Asks for a change of the document.
+    pub(crate) fn edit(self, edit: Edit, actions: &mut Vec<Action>) {
+        actions.push(Action::Edit(edit));
+    }
+
+    /// Asks for a change of the document's wires.
+    pub(crate) fn rewire(self, edit: Edit, actions: &mut Vec<Action>) {
+        actions.push(Action::Rewire(edit));
+    }
+}
+
+fn is_typed(event: &egui::Event) -> bool {
+    matches!(event, egui::Event::Text(_) | egui::Event::Key { .. } | egui::Event::Paste(_))
+}
+
+/// What a widget tells: what a gesture made of its value, if one did.
+#[must_use]
+pub(crate) struct Told<T> {
+    pub(crate) response: Response,
+    pub(crate) given: Option<(T, Gesture)>,
+}
+
+impl<T> Told<T> {
+    /// Nothing was done.
+    pub(crate) fn nothing(response: Response) -> Self {
+        Self { response, given: None }
+    }
+
+    /// The same of another type.
+    pub(crate) fn map<U>(self, to: impl FnOnce(T) -> U) -> Told<U> {
+        Told { response: self.response, given: self.given.map(|(value, gesture)| (to(value), gesture)) }
+    }
+
+    /// The value that was given, where the document is not what changes.
+    pub(crate) fn value(self) -> Option<T> {
+        self.given.map(|(value, _)| value)
+    }
+
+    /// Asks for an edit where a value was given, and ends the step of undo with the gesture.
+    pub(crate) fn edit(self, actions: &mut Vec<Action>, edit: impl FnOnce(T) -> Edit) {
+        if let Some((value, gesture)) = self.given {
+            gesture.edit(edit(value), actions);
+        }
+        if self.response.drag_stopped() || self.response.lost_focus() {
+            actions.push(Action::Seal);
+        }
+    }
+}
+
+/// A number: dragged within its range, or typed and entered.
+#[derive(Clone)]
+pub(crate) struct Number<'n> {
+    value: f64,
+    range: (f64, f64),
+    whole: bool,
+    decimals: usize,
+    /// Whether they are always shown, so that the number takes as much room whatever it is.
+    fixed: bool,
+    speed: f64,
+    prefix: &'n str,
+    suffix: &'n str,
+    /// What a slider before the number covers, and whether its steps grow.
+    slider: Option<(RangeInclusive<f64>, bool)>,
+}
+
+impl<'n> Number<'n> {
+    /// A number without limits.
+    pub(crate) fn new(value: f64) -> Self {
+        let speed = (value.abs() * 0.005).max(0.01);
+        let range = (f64::NEG_INFINITY, f64::INFINITY);
+        Self { value, range, whole: false, decimals: 4, fixed: false, speed, prefix: "", suffix: "", slider: None }
+    }
+
+    /// Frames per second.
+    pub(crate) fn rate(fps: f64) -> Self {
+        Self::new(fps).decimals(3).speed(0.1).range(1.0, 240.0)
+    }
+
+    /// One that is legal from `min` to `max`.
+    pub(crate) fn range(self, min: f64, max: f64) -> Self {
+        Self { range: (min, max), ..self }
+    }
+
+    /// A whole one.
+    pub(crate) fn whole(self) -> Self {
+        let speed = (self.value.abs() * 0.01).max(0.1);
+        Self { whole: true, decimals: 0, speed, ..self }
+    }
+
+    /// Digits after the point that are shown at least where there are no others.
+    pub(crate) fn decimals(self, decimals: usize) -> Self {
+        Self { decimals, ..self }
+    }
+
+    /// Digits after the point that are shown whatever it is.
+    pub(crate) fn fixed(self, decimals: usize) -> Self {
+        Self { decimals, fixed: true, ..self }
+    }
+
+    /// By how much a drag of one point changes it.
+    pub(crate) fn speed(self, speed: f64) -> Self {
+        Self { speed, ..self }
+    }
+
+    pub(crate) fn prefix(self, prefix: &'n str) -> Self {
+        Self { prefix, ..self }
+    }
+
+    pub(crate) fn suffix(self, suffix: &'n str) -> Self {
+        Self { suffix, ..self }
+    }
+
+    /// A slider before it.
+    pub(crate) fn slider(self, covers: RangeInclusive<f64>, logarithmic: bool) -> Self {
+        Self { slider: Some((covers, logarithmic)), ..self }
+    }
+
+    /// The number as it is shown: short, unless that would say another one.
+    fn text(&self) -> String {
+        let short = format!("{:.*}", self.decimals, self.value);
+        let read: f64 = short.parse().unwrap_or(f64::NAN);
+        if (read - self.value).abs() > 1e-3 * self.value.abs() {
+            return self.value.to_string();
+        }
+        match short.contains('.') && !self.fixed {
+            true => short.trim_end_matches('0').trim_end_matches('.').into(),
+            false => short,
+        }
+    }
+
+    /// A typed number.
+    ///
+    /// # Errors
+    /// It is none, or none that is legal: what was found and what is expected.
+    fn read(&self, text: &str) -> Result<f64, String> {
+        let bare: String = text.chars().filter(|c| !c.is_whitespace()).collect();
+        let bare = bare.replace('−', "-");
+        let bare = bare.strip_suffix(self.suffix.trim()).unwrap_or(&bare);
+        let wanted = || format!("found {}; expected {}", quoted(text), self.expected());
+        let number: f64 = bare.parse().map_err(|_| wanted())?;
+        let fits = number.is_finite() && number >= self.range.0 && number <= self.range.1;
+        let whole = !self.whole || number.fract() == 0.0;
+        (fits && whole).then_some(number).ok_or_else(wanted)
+    }
+
+    fn expected(&self) -> String {
+        let what = if self.whole { "a whole number" } else { "a number" };
+        let show = |value: f64| Number { value, ..self.clone() }.text();
+        match (self.range.0.is_finite(), self.range.1.is_finite()) {
+            (true, true) => format!("{what} from {} to {}", show(self.range.0), show(self.range.1)),
+            (true, false) => format!("{what} of at least {}", show(self.range.0)),
+            (false, true) => format!("{what} of at most {}", show(self.range.1)),
+            (false, false) => what.into(),
+        }
+    }
+
+    /// What a drag gives: within the range, without digits that come from dragging alone.
+    fn tidy(&self, number: f64) -> f64 {
+        let number = if self.whole { number.round() } else { rounded(number) };
+        number.max(self.range.0).min(self.range.1)
+    }
+
+    /// Draws it.
+    pub(crate) fn ui(self, ui: &mut Ui) -> Told<f64> {
+        let mut slid = None;
+        if let Some((covers, logarithmic)) = self.slider.clone() {
+            let mut value = self.value;
+            let slider = Slider::new(&mut value, covers).show_value(false).logarithmic(logarithmic);
+            // What lies beyond its ends stays what it is.
+            let rail = ui.add(slider.clamping(egui::SliderClamping::Never));
+            let gesture = Gesture::of(ui, &rail).filter(|_| value != self.value);
+            slid = Some(Told { given: gesture.map(|gesture| (self.tidy(value), gesture)), response: rail });
+        }
+        let told = self.field_ui(ui);
+        match slid {
+            Some(slid) => {
+                let given = slid.given.or(told.given);
+                // Whose id the whole has counts for what is typed.
+                let typed = told.response.has_focus() || told.response.lost_focus();
+                let response =
+                    if typed { told.response.union(slid.response) } else { slid.response.union(told.response) };
+                Told { response, given }
+            }
+            None => told,
+        }
+    }
+
+    fn field_ui(&self, ui: &mut Ui) -> Told<f64> {
+        let mut value = self.value;
+        let shown = self.text();
+        let typed: Cell<Option<Result<f64, String>>> = Cell::new(None);
+        let parse = |text: &str| {
+            // What nobody has touched stays what it is, with the digits that are not shown.
+            let read = if text == shown { Ok(self.value) } else { self.read(text) };
+            typed.set(Some(read.clone()));
+            read.ok()
+        };
+        let field = DragValue::new(&mut value)
+            .clamp_existing_to_range(false)
+            .speed(self.speed)
+            .prefix(self.prefix)
+            .suffix(self.suffix)
+            .custom_formatter(|_, _| shown.clone())
+            .custom_parser(parse)
+            // What is typed counts when it is entered or left: its beginning may mean something else.
+            .update_while_editing(false);
+        let field = if self.range.0.is_finite() || self.range.1.is_finite() {
+            field.range(self.range.0..=self.range.1)
+        } else {
+            field
+        };
+        let response = ui.add(field);
+        let gesture = Gesture::of(ui, &response).filter(|_| value != self.value);
+        let given = match typed.into_inner() {
+            Some(Err(why)) => {
+                refuse(ui, response.id, why);
+                None
+            }
+            Some(Ok(number)) if gesture.is_some() => Some(number),
+            _ => gesture.map(|_| self.tidy(value)),
+        };
+        refusal_ui(ui, &response);
+        Told { given: given.filter(|number| *number != self.value).zip(gesture), response }
+    }
+}
+
+/// A text as a message quotes it: not all of a long one.
+fn quoted(text: &str) -> String {
+    let text = text.trim();
+    match text.char_indices().nth(40) {
+        Some((end, _)) => format!("\"{} …\"", &text[..end]),
+        None => format!("\"{text}\""),
+    }
+}
+
+/// Without digits that come from dragging alone.
+pub(crate) fn rounded(number: f64) -> f64 {
+    let digits = (5.0 - number.abs().max(1e-3).log10().floor()).clamp(0.0, 9.0);
+    let scale = 10f64.powf(digits);
+    let rounded = (number * scale).round() / scale;
+    if rounded.is_finite() { rounded } else { number }
+}
+
+/// A text of which every beginning is legal, so that each key counts at once.
+pub(crate) fn text_ui(ui: &mut Ui, text: &str, field: impl FnOnce(&mut String) -> TextEdit<'_>) -> Told<String> {
+    let mut typed = text.to_string();
+    let response = {
+        let field = field(&mut typed);
+        ui.add(field)
+    };
+    let gesture = Gesture::of(ui, &response).filter(|_| typed != text);
+    Told { given: gesture.map(|gesture| (typed, gesture)), response }
+}
+
+/// A text that must be read before it counts, such as a color or a list: it does when it is entered or left. What cannot be
+/// read stays to be mended, with what is wrong; Esc gives back what was there.
+pub(crate) fn draft_ui<T>(
+    ui: &mut Ui,
+    (salt, written): (&str, &str),
+    read: impl FnOnce(&str) -> Result<T, String>,
+    field: impl FnOnce(&mut String) -> TextEdit<'_>,
+) -> Told<T> {
+    let id = ui.id().with(("draft", salt));
+    let known = ui.data(|data| data.get_temp::<(String, String)>(id));
+    // Something else has changed the value: what was typed was of another.
+    let known = known.filter(|(of, _)| of == written).map(|(_, typed)| typed);
+    let mut typed = known.unwrap_or_else(|| written.to_string());
+    let response = {
+        let field = field(&mut typed);
+        ui.add(field)
+    };
+    let escaped = response.lost_focus() && ui.input(|input| input.key_pressed(Key::Escape));
+    let mut given = None;
+    if escaped || typed == written {
+        ui.data_mut(|data| data.remove::<(String, String)>(id));
+        if response.lost_focus() {
+            forgive(ui, response.id);
+        }
+    } else {
+        ui.data_mut(|data| data.insert_temp(id, (written.to_string(), typed.clone())));
+        if response.lost_focus() {
+            match read(&typed) {
+                Ok(value) => given = Some((value, Gesture(()))),
+                Err(why) => refuse(ui, response.id, format!("found {}; expected {why}", quoted(&typed))),
+            }
+        }
+    }
+    refusal_ui(ui, &response);
+    Told { response, given }
+}
+
+/// A button in a color, sRGB values of 0 to 1, that opens a picker for it.
+pub(crate) fn swatch_ui(ui: &mut Ui, color: [f32; 3]) -> Told<[f32; 3]> {
+    let shown = color.map(|value| (value.clamp(0.0, 1.0) * 255.0).round() as u8);
+    let mut bytes = shown;
+    let response = egui::color_picker::color_edit_button_srgb(ui, &mut bytes);
+    let gesture = Gesture::within(ui, &response).filter(|_| bytes != shown);
+    Told { given: gesture.map(|gesture| (bytes.map(|value| f32::from(value) / 255.0), gesture)), response }
+}
+
+/// On or off.
+pub(crate) fn switch_ui(ui: &mut Ui, on: bool, text: &str) -> Told<bool> {
+    let mut next = on;
+    let response = ui.checkbox(&mut next, text);
+    let gesture = Gesture::of(ui, &response).filter(|_| next != on);
+    Told { given: gesture.map(|gesture| (next, gesture)), response }
+}
+
+/// Why what was typed into a field does not count, until something else is done to the field.
+#[derive(Clone)]
+struct Refusal(String);
+
+fn refusal(field: Id) -> Id {
+    field.with("refusal")
+}
+
+fn refuse(ui: &Ui, field: Id, why: String) {
+    ui.data_mut(|data| data.insert_temp(refusal(field), Refusal(why)));
+}
+
+fn forgive(ui: &Ui, field: Id) {
+    ui.data_mut(|data| data.remove::<Refusal>(refusal(field)));
+}
+
+/// Shows what is wrong beside a field, where it moves nothing.
+fn refusal_ui(ui: &Ui, field: &Response) {
+    let id = refusal(field.id);
+    let Some(Refusal(why)) = ui.data(|data| data.get_temp(id)) else { return };
+    if field.gained_focus() || field.dragged() || (field.changed() && !field.lost_focus()) {
+        return forgive(ui, field.id);
+    }
+    // Beside the panel, where there is room; else above the field.
+    let left = ui.max_rect().left();
+    let (align, at) = match left > 260.0 {
+        true => (Align2::RIGHT_CENTER, pos2(left - 8.0, field.rect.center().y)),
+        false => (Align2::CENTER_BOTTOM, field.rect.center_top() - egui::vec2(0.0, 4.0)),
+    };
+    let area = Area::new(id).order(Order::Tooltip).interactable(false).pivot(align).fixed_pos(at).constrain(true);
+    area.show(ui.ctx(), |ui| {
+        egui::Frame::popup(ui.style()).show(ui, |ui| {
+            ui.set_max_width(240.0);
+            ui.label(RichText::new(&why).color(crate::theme::error(ui.visuals())));
+        });
+    });
+}
+
+/// A JSON value that a field shows as it is written.
+pub(crate) fn value_ui(
+    ui: &mut Ui,
+    (salt, value): (&str, &Value),
+    width: f32,
+    read: impl FnOnce(&str) -> Result<Value, String>,
+) -> Told<Value> {
+    let written = match value {
+        Value::String(text) => text.clone(),
+        Value::Null => String::new(),
+        other => crate::document::edit::style(other),
+    };
+    draft_ui(ui, (salt, &written), read, |text| TextEdit::singleline(text).desired_width(width))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_number_is_shown_as_what_it_is() {
+        let text = |value: f64| Number::new(value).text();
+        assert_eq!(text(0.25), "0.25");
+        assert_eq!(text(-3.0), "-3");
+        assert_eq!(text(0.123_456), "0.1235");
+        assert_eq!(text(0.000_001), "0.000001", "not 0");
+        assert_eq!(text(1e300).parse::<f64>().unwrap(), 1e300);
+        let whole = |value: f64| Number::new(value).whole().text();
+        assert_eq!(whole(4.0), "4");
+        assert_eq!(whole(4.5), "4.5", "also where it should be whole");
+        assert_eq!(whole(40.0), "40");
+    }
+
+    #[test]
+    fn what_is_typed_is_taken_as_it_is_or_refused_in_words() {
+        let number = Number::new(0.5).range(0.0, 1.0).suffix(" m");
+        assert_eq!(number.read(" 0.75 "), Ok(0.75));
+        assert_eq!(number.read("0.75 m"), Ok(0.75));
+        assert_eq!(number.read("−0"), Ok(0.0));
+        let wrong = "found \"1.5\"; expected a number from 0 to 1";
+        assert_eq!(number.read("1.5"), Err(wrong.into()));
+        for text in ["", "abc", "inf", "nan", "1e999", "0,5", "--1"] {
+            assert!(number.read(text).is_err(), "{text}");
+        }
+        let whole = Number::new(4.0).whole().range(1.0, f64::INFINITY);
+        assert_eq!(whole.read("2.5"), Err("found \"2.5\"; expected a whole number of at least 1".into()));
+        assert_eq!(whole.read("1e3"), Ok(1000.0));
+    }
+}

@@ -1,0 +1,89 @@
+//! Looking changes nothing: whatever is chosen, unfolded or shown, the text stays as it is byte by byte.
+
+use crate::actions::Action;
+use crate::document::Session;
+use crate::editor::Editor;
+use crate::layout::Pane;
+use crate::testing::{Window, editor, unseen};
+use std::path::{Path, PathBuf};
+
+/// Every document of a folder of the repository.
+fn documents(folder: &str) -> Vec<PathBuf> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(folder);
+    let files = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    let is_document =
+        |path: &PathBuf| path.to_string_lossy().ends_with(".json") && !path.to_string_lossy().ends_with(".expect.json");
+    let mut files: Vec<PathBuf> = files.filter(is_document).collect();
+    files.sort();
+    assert!(files.len() > 10, "{} documents", files.len());
+    files
+}
+
+fn act(window: &mut Window, action: Action) {
+    let context = window.ctx.clone();
+    window.state_mut().as_mut().unwrap().act(action, &context);
+    window.run_steps(2);
+}
+
+/// What of a document was changed, if anything was.
+fn change(editor: &Editor, text: &str, revision: u64) -> Option<String> {
+    let session = &editor.state().session;
+    let done = session.history().undoes().map(String::from);
+    done.or_else(|| (session.text() != text || session.revision() != revision).then(|| "the text".into()))
+}
+
+/// Chooses every node and output of a document and shows every panel; gives what was changed by that.
+fn look_at(session: Session) -> Vec<String> {
+    let text = session.text().to_string();
+    let mut window = unseen(session);
+    // Lists, records and menus lie open.
+    window.ctx.memory_mut(|memory| memory.set_everything_is_visible(true));
+    let revision = editor(&window).state().session.revision();
+    let sheet = editor(&window).state().sheet().clone();
+    let mut changes = Vec::new();
+    let mut check = |window: &mut Window, what: &str| {
+        if let Some(change) = change(editor(window), &text, revision) {
+            changes.push(format!("{what}: {change}"));
+            act(window, Action::Undo);
+        }
+    };
+    for pane in Pane::ALL {
+        act(&mut window, Action::Panel(pane));
+        check(&mut window, pane.title());
+    }
+    for output in &sheet.outputs {
+        act(&mut window, Action::Output(Some(output.name.clone())));
+        check(&mut window, &output.name);
+    }
+    act(&mut window, Action::Panel(Pane::Properties));
+    for node in &sheet.nodes {
+        act(&mut window, Action::Select([node.name.clone()].into()));
+        check(&mut window, &node.name);
+    }
+    act(&mut window, Action::Panel(Pane::Waves));
+    for node in sheet.nodes.iter().filter(|node| node.ty.ends_with("Sea")) {
+        act(&mut window, Action::Select([node.name.clone()].into()));
+        check(&mut window, &node.name);
+    }
+    changes
+}
+
+#[test]
+fn nothing_is_written_by_looking_at_every_node_of_every_document() {
+    let files: Vec<PathBuf> = ["graphs", "tests/nodes", "tests/extremes"].into_iter().flat_map(documents).collect();
+    let look = |file: &PathBuf| {
+        let name = file.file_name().unwrap().to_string_lossy().into_owned();
+        let changes = look_at(Session::open(file).unwrap());
+        changes.into_iter().map(move |change| format!("{name}: {change}"))
+    };
+    // As many at once as there are processors.
+    let next = std::sync::atomic::AtomicUsize::new(0);
+    let take = || files.get(next.fetch_add(1, std::sync::atomic::Ordering::Relaxed));
+    let work = || std::iter::from_fn(&take).flat_map(&look).collect::<Vec<String>>();
+    let count = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
+    let changes: Vec<String> = std::thread::scope(|scope| {
+        let hands: Vec<_> = (0..count).map(|_| scope.spawn(work)).collect();
+        hands.into_iter().flat_map(|hand| hand.join().unwrap()).collect()
+    });
+    assert!(changes.is_empty(), "{} places: {changes:#?}", changes.len());
+}

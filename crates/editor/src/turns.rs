@@ -1,0 +1,116 @@
+//! What happens while a picture of the window is drawn arrives all at once with the next one. A key that moves the keyboard to
+//! another field must not take the letters typed before it along, nor those typed after it to the field before: such
+//! events are handed on one frame each.
+
+use egui::{Context, Event, Key, Plugin, RawInput};
+use std::collections::VecDeque;
+
+/// Hands events of the keyboard on in turns.
+pub(crate) fn install(context: &Context) {
+    context.add_plugin(Turns::default());
+}
+
+#[derive(Debug, Default)]
+struct Turns {
+    waiting: VecDeque<Event>,
+}
+
+/// What an event does to the keyboard.
+#[derive(Clone, Copy, PartialEq)]
+enum Role {
+    /// It goes to the field that has it.
+    Typed,
+    /// It may give it to another field, or does something with what was typed.
+    Turn,
+    /// It may, as the two ends of a click do.
+    Press,
+    Neither,
+}
+
+fn role(event: &Event) -> Role {
+    match event {
+        Event::Key { pressed: true, key, modifiers, .. } => match key {
+            Key::Tab | Key::Enter | Key::Escape => Role::Turn,
+            _ if modifiers.command => Role::Turn,
+            _ => Role::Typed,
+        },
+        Event::Text(_) | Event::Paste(_) | Event::Copy | Event::Cut | Event::Ime(_) => Role::Typed,
+        Event::PointerButton { .. } => Role::Press,
+        _ => Role::Neither,
+    }
+}
+
+/// How many of some events belong into one frame.
+fn turn<'e>(events: impl Iterator<Item = &'e Event>) -> usize {
+    let (mut before, mut count) = (None, 0);
+    for event in events {
+        let role = role(event);
+        let fits = match (before, role) {
+            (_, Role::Neither) | (None, _) => true,
+            (Some(Role::Typed), Role::Typed) | (Some(Role::Press), Role::Press) => true,
+            (Some(_), _) => false,
+        };
+        if !fits {
+            break;
+        }
+        if role != Role::Neither {
+            before = Some(role);
+        }
+        count += 1;
+    }
+    count
+}
+
+impl Plugin for Turns {
+    fn debug_name(&self) -> &'static str {
+        "turns"
+    }
+
+    fn input_hook(&mut self, context: &Context, input: &mut RawInput) {
+        self.waiting.extend(input.events.drain(..));
+        let count = turn(self.waiting.iter());
+        input.events.extend(self.waiting.drain(..count));
+        if !self.waiting.is_empty() {
+            context.request_repaint();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use egui::Modifiers;
+
+    fn key(key: Key) -> Event {
+        Event::Key { key, physical_key: None, pressed: true, repeat: false, modifiers: Modifiers::NONE }
+    }
+
+    fn text(text: &str) -> Event {
+        Event::Text(text.into())
+    }
+
+    #[test]
+    fn typing_and_what_moves_the_keyboard_take_turns() {
+        let mut all = vec![key(Key::Num5), text("5"), key(Key::Tab), key(Key::Tab), text("7"), key(Key::Enter)];
+        let mut turns = Vec::new();
+        while !all.is_empty() {
+            let count = turn(all.iter());
+            turns.push(count);
+            all.drain(..count);
+        }
+        assert_eq!(turns, [2, 1, 1, 1, 1]);
+    }
+
+    #[test]
+    fn nothing_waits_that_types_nothing() {
+        let press = |pressed| Event::PointerButton {
+            pos: egui::Pos2::ZERO,
+            button: egui::PointerButton::Primary,
+            pressed,
+            modifiers: Modifiers::NONE,
+        };
+        let moved = || Event::PointerMoved(egui::Pos2::ZERO);
+        assert_eq!(turn([moved(), press(true), moved(), press(false), moved()].iter()), 5);
+        assert_eq!(turn([press(true), press(false), text("a")].iter()), 2);
+    }
+}
