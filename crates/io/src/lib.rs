@@ -5,6 +5,10 @@
 //! do the same band by band, from many threads, without ever holding the whole picture. [`write_bytes`] writes any other
 //! file as safely; [`discard_partial_files`] leaves nothing half written behind where a process exits early.
 //!
+//! [`open_file`] is the one door: whatever is read by name, here or in other crates, is opened there or by [`read_bytes`]
+//! and [`read_text`], so that no pipe blocks and no device is read for ever. Without the feature `pictures` there is
+//! nothing but that.
+//!
 //! Every header is checked against [`Limits`] before anything is allocated for pixels: a file of a few hundred bytes
 //! can claim a picture of many gigabytes. A damaged file is an [`Error`] that names the place, never a panic.
 //!
@@ -31,36 +35,61 @@
 
 #![cfg_attr(test, allow(clippy::unwrap_used, reason = "a test may panic"))]
 
+#[cfg(feature = "pictures")]
 mod atomic;
 mod describe;
 mod error;
+#[cfg(feature = "pictures")]
 mod exr_file;
+#[cfg(feature = "pictures")]
 mod info;
+#[cfg(feature = "pictures")]
 mod limits;
+#[cfg(feature = "pictures")]
 mod metadata;
+#[cfg(feature = "pictures")]
 mod names;
+mod open;
+#[cfg(feature = "pictures")]
 mod picture;
+#[cfg(feature = "pictures")]
 mod png_file;
+#[cfg(feature = "pictures")]
 mod raster;
+#[cfg(feature = "pictures")]
 mod samples;
+#[cfg(feature = "pictures")]
 mod selection;
+#[cfg(feature = "pictures")]
 mod source;
+#[cfg(feature = "pictures")]
 mod statistics;
 
+#[cfg(feature = "pictures")]
 pub use atomic::{discard_partial_files, write_bytes};
 pub use describe::describe;
 pub use error::Error;
+#[cfg(feature = "pictures")]
 pub use exr_file::{
     BandBuffer, EncodeScratch, EncodedBand, ExrChannel, ExrHeader, ExrImage, ExrReader, ExrWriter, write_exr,
 };
+#[cfg(feature = "pictures")]
 pub use info::{ChannelInfo, Compression, FileKind, Info, Levels, PartInfo, SampleType, Storage, info, kind};
+#[cfg(feature = "pictures")]
 pub use limits::Limits;
+#[cfg(feature = "pictures")]
 pub use metadata::read_metadata;
+pub use open::{OpenFile, open_file, read_bytes, read_text};
+#[cfg(feature = "pictures")]
 pub use picture::{Encoding, Picture, PictureChannel, PictureInfo, read};
+#[cfg(feature = "pictures")]
 pub use png_file::{PngImage, encode_png8, write_png8, write_png16};
+#[cfg(feature = "pictures")]
 pub use samples::Samples;
+#[cfg(feature = "pictures")]
 pub use selection::{PartName, Selection};
+#[cfg(feature = "pictures")]
 pub use statistics::{Statistics, statistics};
 
-#[cfg(test)]
+#[cfg(all(test, feature = "pictures"))]
 mod tests;

@@ -34,8 +34,10 @@ impl Fingerprints {
         for path in files {
             let hash = self.inputs.entry(path.clone()).or_insert_with(|| {
                 let mut hasher = blake3::Hasher::new();
-                let read = std::fs::File::open(&path).and_then(|mut file| std::io::copy(&mut file, &mut hasher));
-                read.map_or_else(|error| error.to_string(), |_| hasher.finalize().to_hex().to_string())
+                let file = trochoid_io::open_file(&path).map_err(|error| error.to_string());
+                let read = file
+                    .and_then(|file| std::io::copy(&mut file.reader(), &mut hasher).map_err(|error| error.to_string()));
+                read.map_or_else(|error| error, |_| hasher.finalize().to_hex().to_string())
             });
             hasher.update(hash.as_bytes());
         }
