@@ -79,7 +79,8 @@ pub use trochoid_graph::{
     Accepts, Animated, Arity, CheckedGraph, CheckedNode, Declaration, Default as KnobDefault, Diagnostic, End,
     FORMAT_VERSION, Figure, Guarantee, Harmonic, Interpolation, Item, Kind, Knob, List, NodeId, NodeType, Omission,
     OutputSpec, Port, Precision, REFUSALS, Refusal, Registry, Relation, Severity, Source, Spectrum, Stability,
-    StabilityMap, Takes, Tolerance, Verdict, ViewChannel, Work, expand_frame, expected, nearest, refusal, schema,
+    StabilityMap, Takes, Tolerance, Verdict, ViewChannel, Work, escape_frame, expand_frame, expected, nearest, refusal,
+    schema,
 };
 pub use trochoid_image::{Format, Plane, Rgb, Shading, Window, WorkingSpace, srgb_decode, srgb_encode};
 #[cfg(feature = "io")]

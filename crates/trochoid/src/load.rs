@@ -1,7 +1,7 @@
 use std::collections::{BTreeMap, HashMap};
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
-use trochoid_graph::{CheckedGraph, Diagnostic, Document, MAX_BYTES, NodeId, Registry, Severity, check};
+use trochoid_graph::{CheckedGraph, Diagnostic, Document, MAX_BYTES, NodeId, Registry, Severity, check, escape_remedy};
 
 /// All node types of this build.
 pub fn registry() -> &'static Registry {
@@ -120,6 +120,9 @@ pub fn missing_files(graph: &CheckedGraph) -> Vec<Diagnostic> {
         };
         let node = &graph.nodes()[index];
         let item = node.file_item();
+        let settled = graph.settle(NodeId(index), frame);
+        let literal = item.map(|item| graph.folder().join(settled.text(item)));
+        let remedy = literal.and_then(|literal| escape_remedy(&literal));
         let [line, column] = item.map_or(node.place, |item| node.place_of(item));
         Diagnostic {
             severity: Severity::Warning,
@@ -130,7 +133,9 @@ pub fn missing_files(graph: &CheckedGraph) -> Vec<Diagnostic> {
             port: item.map(String::from),
             found: format!("no file {} at frame {frame}{more}", path.display()),
             expected: "a file to read".into(),
-            remedy: "correct the path, which is relative to the document, or make the file before rendering".into(),
+            remedy: remedy.unwrap_or_else(|| {
+                "correct the path, which is relative to the document, or make the file before rendering".into()
+            }),
         }
     };
     missing.into_iter().map(fault).collect()

@@ -2,7 +2,7 @@
 
 use std::path::{Component, Path, PathBuf};
 use trochoid_engine::{Frame, Picture};
-use trochoid_graph::{CheckedGraph, Kind, OutputSpec, Precision, expand_frame};
+use trochoid_graph::{CheckedGraph, Kind, OutputSpec, Precision, escape_frame, expand_frame};
 use trochoid_image::{Plane, Window, WorkingSpace};
 use trochoid_io::{ExrChannel, ExrImage, PngImage, SampleType, Samples, write_exr, write_png8, write_png16};
 
@@ -78,7 +78,7 @@ pub fn output_files(
         let spec = &graph.outputs()[index];
         let own = spec.file.as_deref();
         let written = pattern.or(own).unwrap_or("{output}.####.exr");
-        let template = written.replace("{output}", &spec.name);
+        let template = written.replace("{output}", &escape_frame(&spec.name));
         let lower = template.to_lowercase();
         let is_png = lower.ends_with(".png");
         if let Some(fault) = placeholder_fault(written, &template) {
@@ -151,7 +151,7 @@ pub fn companion_files(
     }
     let name = |file: &OutputFile| {
         let names: Vec<&str> = file.outputs.iter().map(|index| graph.outputs()[*index].name.as_str()).collect();
-        normalized(Path::new(&expand_frame(&pattern.replace("{output}", &names.join("+")), frame)))
+        normalized(Path::new(&expand_frame(&pattern.replace("{output}", &escape_frame(&names.join("+"))), frame)))
     };
     Ok(files.iter().map(name).collect())
 }
