@@ -109,7 +109,7 @@ pub enum Error {
         bytes: u64,
     },
     /// The file has no part, layer or channel of the wanted name.
-    #[error("{}: no {kind} \"{name}\"{}; the file has {}", path.display(), within(place), listed(existing))]
+    #[error("{}: no {kind} \"{name}\"{}; the file has {}{}", path.display(), within(place), listed(existing), choose(kind, existing))]
     NotFound {
         /// The file.
         path: PathBuf,
@@ -228,6 +228,14 @@ fn within(place: &str) -> String {
     if place.is_empty() { String::new() } else { format!(" in {place}") }
 }
 
+/// What to do about a name that the file does not have.
+fn choose(kind: &str, existing: &[String]) -> String {
+    match existing {
+        [] => format!(": name another file, or no {kind}"),
+        [nearest, ..] => format!(": name one of these, such as \"{nearest}\""),
+    }
+}
+
 /// At most this many names in a message: a Blender file can have a hundred layers.
 const NAMES: usize = 12;
 
@@ -266,7 +274,10 @@ mod tests {
             place: String::new(),
             existing: vec!["depth".into(), "".into()],
         };
-        assert_eq!(error.to_string(), "a.exr: no layer \"dept\"; the file has \"depth\", \"\"");
+        assert_eq!(
+            error.to_string(),
+            "a.exr: no layer \"dept\"; the file has \"depth\", \"\": name one of these, such as \"depth\""
+        );
         let error = Error::invalid(Path::new("a.exr"), "part 0, chunk 3", "12 bytes", "40 bytes");
         assert_eq!(
             error.to_string(),

@@ -12,8 +12,9 @@
 //! Every header is checked against [`Limits`] before anything is allocated for pixels: a file of a few hundred bytes
 //! can claim a picture of many gigabytes. A damaged file is an [`Error`] that names the place, never a panic.
 //!
-//! Values are handed over as stored: integers of EXR as f32, PNG, JPEG and TIFF divided by 255 or 65535 and still
-//! encoded for display ([`Encoding::Srgb`]). Orientation tags are applied, embedded color profiles are not.
+//! Values are handed over as stored: floats of EXR and TIFF as they are, integers of EXR as f32, those of PNG, JPEG and TIFF
+//! divided by the largest and still encoded for display ([`Encoding::Srgb`]). Palettes, CMYK and YCbCr become RGB.
+//! Orientation tags are applied, embedded color profiles are not.
 //!
 //! ```
 //! use trochoid_image::{Plane, Window};
@@ -37,6 +38,8 @@
 
 #[cfg(feature = "pictures")]
 mod atomic;
+#[cfg(feature = "pictures")]
+mod cost;
 mod describe;
 mod error;
 #[cfg(feature = "pictures")]
@@ -57,6 +60,8 @@ mod png_file;
 #[cfg(feature = "pictures")]
 mod raster;
 #[cfg(feature = "pictures")]
+mod row_reader;
+#[cfg(feature = "pictures")]
 mod samples;
 #[cfg(feature = "pictures")]
 mod selection;
@@ -64,9 +69,13 @@ mod selection;
 mod source;
 #[cfg(feature = "pictures")]
 mod statistics;
+#[cfg(feature = "pictures")]
+mod tiff_file;
 
 #[cfg(feature = "pictures")]
 pub use atomic::{discard_partial_files, write_bytes};
+#[cfg(feature = "pictures")]
+pub use cost::{Cost, cost};
 pub use describe::describe;
 pub use error::Error;
 #[cfg(feature = "pictures")]
@@ -84,6 +93,8 @@ pub use open::{OpenFile, open_file, read_bytes, read_text};
 pub use picture::{Encoding, Picture, PictureChannel, PictureInfo, read};
 #[cfg(feature = "pictures")]
 pub use png_file::{PngImage, encode_png8, write_png8, write_png16};
+#[cfg(feature = "pictures")]
+pub use row_reader::{RowReader, TakeRow};
 #[cfg(feature = "pictures")]
 pub use samples::Samples;
 #[cfg(feature = "pictures")]

@@ -130,3 +130,17 @@ fn text(path: &Path) -> Result<String, String> {
         )
     })
 }
+
+#[cfg(all(test, unix))]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn signs_of_frames_in_names_of_folders_are_escaped() {
+        let moved = |path: &str| rewritten(path, Path::new("/x/take #1/50%d"), Path::new("/x")).unwrap();
+        assert_eq!(moved("a.####.png"), r"take \#1/50\%d/a.####.png");
+        assert_eq!(moved(r"../a\#.png"), r"take \#1/a\#.png");
+        let back = rewritten(r"take \#1/a.png", Path::new("/x"), Path::new("/x/take #1")).unwrap();
+        assert_eq!(back, "a.png");
+    }
+}
