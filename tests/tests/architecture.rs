@@ -1,7 +1,8 @@
-//! The house: which crate may depend on which.
+//! The house: which crate may depend on which, and its one door for files.
 
 use crate::support::root;
 use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
 use std::process::Command;
 
 /// What each package of the workspace may depend on, and nothing else of the workspace.
@@ -73,4 +74,64 @@ fn crates_depend_as_the_design_says() {
     for required in ["trochoid-engine", "trochoid-nodes", "trochoid"] {
         assert!(arrows.contains_key(required), "{required} is missing");
     }
+}
+
+/// What opens a file by name.
+const OPENINGS: &[&str] = &[
+    "File::open",
+    "File::options",
+    "OpenOptions",
+    "fs::read(",
+    "fs::read_to_string",
+    "image::open",
+    "gltf::import",
+    "Gltf::open",
+    "load_obj(",
+    "from_file(",
+];
+
+/// Where files are opened otherwise than by the door of `trochoid-io`, and why.
+const OPENED: &[(&str, &str, &str)] = &[
+    ("crates/io/src/open.rs", "OpenOptions", "the door itself"),
+    ("crates/io/src/atomic.rs", "File::open", "a folder, so that its new entry is on disk"),
+    ("crates/editor/src/document/keep.rs", "File::open", "a lock of the editor's own, which is not read"),
+    ("crates/trochoid/src/report.rs", "fs::read_to_string", "what the system says of this process"),
+];
+
+/// The sources of a folder, without tests.
+fn sources(folder: &Path, found: &mut Vec<(String, String)>) {
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        let name = path.file_name().unwrap().to_str().unwrap();
+        if path.is_dir() {
+            if name != "tests" {
+                sources(&path, found);
+            }
+        } else if name.ends_with(".rs") && !name.ends_with("tests.rs") {
+            let text = std::fs::read_to_string(&path).unwrap();
+            // Tests stand at a file's end.
+            let end = text.match_indices("#[cfg(test)]\nmod ").map(|(at, _)| at);
+            let end = end.filter(|at| text[*at..].lines().nth(1).is_some_and(|line| line.ends_with('{'))).min();
+            let place = path.strip_prefix(root()).unwrap().to_str().unwrap().replace('\\', "/");
+            found.push((place, text[..end.unwrap_or(text.len())].to_owned()));
+        }
+    }
+}
+
+#[test]
+fn files_are_opened_by_one_door() {
+    let mut files = Vec::new();
+    for entry in std::fs::read_dir(root().join("crates")).unwrap() {
+        sources(&entry.unwrap().path().join("src"), &mut files);
+    }
+    assert!(files.len() > 300, "only {} sources", files.len());
+    let found: BTreeSet<(&str, &str)> = files
+        .iter()
+        .flat_map(|(place, text)| OPENINGS.iter().filter(|word| text.contains(**word)).map(|word| (&**place, *word)))
+        .collect();
+    let allowed: BTreeSet<(&str, &str)> = OPENED.iter().map(|(place, word, _)| (*place, *word)).collect();
+    let others: Vec<_> = found.difference(&allowed).collect();
+    assert!(others.is_empty(), "these open files themselves instead of by trochoid_io::open_file: {others:?}");
+    let gone: Vec<_> = allowed.difference(&found).collect();
+    assert!(gone.is_empty(), "these no longer open files, and need no exception: {gone:?}");
 }

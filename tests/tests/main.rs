@@ -12,6 +12,7 @@ mod cartoon;
 mod certificates;
 mod demand;
 mod diagram;
+mod doors;
 mod drift;
 mod explain;
 mod extremes;

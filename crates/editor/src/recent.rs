@@ -5,13 +5,16 @@ use std::path::{Path, PathBuf};
 /// How many are remembered.
 const MOST: usize = 12;
 
+/// Most bytes of the list: paths are short.
+const MOST_BYTES: u64 = 1 << 20;
+
 fn list(data: &Path) -> PathBuf {
     data.join("recent.json")
 }
 
 /// The documents opened lately that are still there, the newest first.
 pub(crate) fn read(data: &Path) -> Vec<PathBuf> {
-    let text = std::fs::read_to_string(list(data)).unwrap_or_default();
+    let text = trochoid::io::read_text(list(data), MOST_BYTES).unwrap_or_default();
     let files: Vec<PathBuf> = serde_json::from_str(&text).unwrap_or_default();
     files.into_iter().filter(|file| file.exists()).take(MOST).collect()
 }

@@ -24,7 +24,7 @@ pub struct FrameContext {
 }
 
 impl FrameContext {
-    /// A path of the document, with `####` and `%04d` replaced by the frame.
+    /// A path of the document, with `####` and `%04d` replaced by the frame, see [`expand_frame`].
     pub fn path(&self, text: &str) -> PathBuf {
         let text = expand_frame(text, self.frame);
         let path = Path::new(&text);
@@ -41,29 +41,56 @@ impl FrameContext {
     }
 }
 
-/// Replaces the first run of `#`, or the first `%0Nd`, by the frame's number, padded with zeros.
+/// Replaces the first run of `#`, or where there is none the first `%0Nd`, by the frame's number, padded with zeros. A `\#` is a
+/// `#` of the name itself, and `\%` a `%`.
 ///
 /// ```
 /// use trochoid_graph::expand_frame;
 /// assert_eq!(expand_frame("a.####.exr", 12), "a.0012.exr");
 /// assert_eq!(expand_frame("a.%03d.exr", 12), "a.012.exr");
 /// assert_eq!(expand_frame("a.exr", 12), "a.exr");
+/// assert_eq!(expand_frame(r"take \#3.##.exr", 12), "take #3.12.exr");
+/// assert_eq!(expand_frame(r"50\%d.exr", 12), "50%d.exr");
 /// ```
 pub fn expand_frame(pattern: &str, frame: i64) -> String {
-    let pad = |width: usize| {
-        let sign = if frame < 0 { "-" } else { "" };
-        format!("{sign}{:0width$}", frame.unsigned_abs())
-    };
-    if let Some(start) = pattern.find('#') {
-        let width = pattern[start..].chars().take_while(|&c| c == '#').count();
-        return format!("{}{}{}", &pattern[..start], pad(width), &pattern[start + width..]);
+    let plain = |text: &str| text.replace(r"\#", "#").replace(r"\%", "%");
+    let Some((start, end, width)) = placeholder(pattern) else { return plain(pattern) };
+    let sign = if frame < 0 { "-" } else { "" };
+    format!("{}{sign}{:0width$}{}", plain(&pattern[..start]), frame.unsigned_abs(), plain(&pattern[end..]))
+}
+
+/// A name as [`expand_frame`] takes it, so that the same name comes out at every frame.
+///
+/// ```
+/// use trochoid_graph::{escape_frame, expand_frame};
+/// assert_eq!(escape_frame("take #3.exr"), r"take \#3.exr");
+/// assert_eq!(expand_frame(&escape_frame("take #3, 50%.exr"), 12), "take #3, 50%.exr");
+/// ```
+pub fn escape_frame(name: &str) -> String {
+    name.replace('#', r"\#").replace('%', r"\%")
+}
+
+/// Where a pattern has the frame, and how many digits at least.
+fn placeholder(pattern: &str) -> Option<(usize, usize, usize)> {
+    let free = |(start, _): &(usize, &str)| !pattern[..*start].ends_with('\\');
+    if let Some((start, _)) = pattern.match_indices('#').find(free) {
+        let width = pattern[start..].bytes().take_while(|byte| *byte == b'#').count();
+        return Some((start, start + width, width));
     }
-    if let Some(start) = pattern.find('%')
-        && let Some(end) = pattern[start..].find('d').map(|at| start + at)
-        && let Ok(width) = pattern[start + 1..end].parse::<usize>()
-        && width <= 16
-    {
-        return format!("{}{}{}", &pattern[..start], pad(width), &pattern[end + 1..]);
-    }
-    pattern.into()
+    pattern.match_indices('%').filter(free).find_map(|(start, _)| {
+        let end = start + pattern[start..].find('d')?;
+        let width = pattern[start + 1..end].parse().ok().filter(|width| *width <= 16)?;
+        Some((start, end + 1, width))
+    })
+}
+
+/// What to do where there is no file of an expanded name, but one of the name as it is written; nothing otherwise.
+///
+/// `literal` is the name as written, with its folder.
+pub fn escape_remedy(literal: &Path) -> Option<String> {
+    let name = literal.file_name()?.to_str()?;
+    let is_frame = placeholder(name).is_some();
+    (is_frame && literal.exists()).then(|| {
+        format!("there is a file \"{name}\": a # or % of the name itself is written \\# or \\%, in JSON \\\\# or \\\\%")
+    })
 }

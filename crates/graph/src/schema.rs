@@ -101,7 +101,7 @@ pub fn schema(registry: &Registry) -> Value {
                     "color": { "$ref": "#/$defs/reference" },
                     "weights": { "$ref": "#/$defs/reference" },
                     "field": { "$ref": "#/$defs/reference" },
-                    "file": { "type": "string", "description": "Path ending .exr or .png, relative to the document; #### or %04d is the frame, {output} the output's name." },
+                    "file": { "type": "string", "description": "Path ending .exr or .png, relative to the document; #### or %04d is the frame, \\# and \\% the signs themselves, {output} the output's name." },
                     "layer": { "type": "string", "description": "Layer within the EXR; \"\" is the main layer. Outputs that name one file share it; by default each under its own name." },
                     "precision": { "enum": Precision::NAMES, "description": "half (default) or float (default of fields) in EXR, uint8 (default) or uint16 in PNG." },
                     "require": {

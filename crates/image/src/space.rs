@@ -23,6 +23,66 @@ pub struct Chromaticities {
     pub white: [f32; 2],
 }
 
+impl Chromaticities {
+    /// The matrix from linear light of these primaries to that of others, in f64; none where the primaries of either lie on a
+    /// line, or their white is made by less than all three of them.
+    ///
+    /// White becomes white: where the white points differ, colors are adapted by Bradford's matrix, as OpenEXR does for ACES
+    /// files. The tristimulus values XYZ themselves, given as primaries, are taken as they are: they have no white.
+    ///
+    /// ```
+    /// use trochoid_image::{Chromaticities, WorkingSpace};
+    /// let p3 = Chromaticities { red: [0.68, 0.32], green: [0.265, 0.69], blue: [0.15, 0.06], white: [0.3127, 0.329] };
+    /// let m = p3.matrix_to(&WorkingSpace::LinearSrgb.chromaticities()).expect("primaries");
+    /// assert!((m[0][0] - 1.224_940).abs() < 1e-5 && (m[0][1] + 0.224_940).abs() < 1e-5);
+    /// ```
+    pub fn matrix_to(&self, other: &Self) -> Option<[[f64; 3]; 3]> {
+        let (from, to) = (self.to_xyz()?, other.to_xyz()?);
+        let to = inverse(&to);
+        if self.is_xyz() || other.is_xyz() {
+            return Some(product(&to, &from));
+        }
+        let cone = |white: [f32; 2]| multiply(&BRADFORD, white_xyz(white));
+        let (old, new) = (cone(self.white), cone(other.white));
+        let scaled = [0, 1, 2].map(|i| BRADFORD[i].map(|v| v * new[i] / old[i]));
+        let matrix = product(&to, &product(&product(&inverse(&BRADFORD), &scaled), &from));
+        matrix.as_flattened().iter().all(|v| v.is_finite()).then_some(matrix)
+    }
+
+    fn is_xyz(&self) -> bool {
+        [self.red, self.green, self.blue] == [[1.0, 0.0], [0.0, 1.0], [0.0, 0.0]]
+    }
+
+    /// The matrix to XYZ, where white has Y = 1.
+    fn to_xyz(self) -> Option<[[f64; 3]; 3]> {
+        // Areas smaller than that are rounding, or far from any primaries that there are.
+        const LEAST: f64 = 1e-4;
+        let numbers = [self.red, self.green, self.blue, self.white];
+        if !numbers.as_flattened().iter().all(|v| v.abs() <= 10.0) || f64::from(self.white[1]) < LEAST {
+            return None;
+        }
+        let columns = [self.red, self.green, self.blue].map(|[x, y]| {
+            let (x, y) = (f64::from(x), f64::from(y));
+            [x, y, 1.0 - x - y]
+        });
+        let rows = [0, 1, 2].map(|i| columns.map(|column| column[i]));
+        if determinant(&rows).abs() < LEAST {
+            return None;
+        }
+        let scales = multiply(&inverse(&rows), white_xyz(self.white));
+        let whole = scales.iter().all(|scale| scale.abs() > LEAST);
+        whole.then(|| rows.map(|row| [0, 1, 2].map(|j| row[j] * scales[j])))
+    }
+}
+
+/// XYZ to responses of cones, in which whites are adapted (Lam, *Metamerism and Colour Constancy*, Bradford, 1985).
+const BRADFORD: [[f64; 3]; 3] = [[0.8951, 0.2664, -0.1614], [-0.7502, 1.7135, 0.0367], [0.0389, -0.0685, 1.0296]];
+
+fn white_xyz([x, y]: [f32; 2]) -> [f64; 3] {
+    let (x, y) = (f64::from(x), f64::from(y));
+    [x / y, 1.0, (1.0 - x - y) / y]
+}
+
 /// Linear sRGB → ACEScg: Rec. 709 → XYZ (D65), Bradford adaptation to the ACES white, XYZ → AP1.
 const ACESCG_FROM_SRGB: [[f64; 3]; 3] = [
     [0.613_097_4, 0.339_523_15, 0.047_379_45],
@@ -114,15 +174,24 @@ fn multiply(m: &[[f64; 3]; 3], v: [f64; 3]) -> [f64; 3] {
     [0, 1, 2].map(|i| m[i][0] * v[0] + m[i][1] * v[1] + m[i][2] * v[2])
 }
 
+fn product(a: &[[f64; 3]; 3], b: &[[f64; 3]; 3]) -> [[f64; 3]; 3] {
+    a.map(|row| [0, 1, 2].map(|j| (0..3).map(|i| row[i] * b[i][j]).sum()))
+}
+
+/// The signed minor of a 3 × 3 matrix: cyclic indices give its sign directly.
+fn minor(m: &[[f64; 3]; 3], i: usize, j: usize) -> f64 {
+    let (a, b, c, d) = ((i + 1) % 3, (i + 2) % 3, (j + 1) % 3, (j + 2) % 3);
+    m[a][c] * m[b][d] - m[a][d] * m[b][c]
+}
+
+fn determinant(m: &[[f64; 3]; 3]) -> f64 {
+    (0..3).map(|j| m[0][j] * minor(m, 0, j)).sum()
+}
+
 /// The inverse of a regular 3 × 3 matrix by its adjugate.
 fn inverse(m: &[[f64; 3]; 3]) -> [[f64; 3]; 3] {
-    // Cyclic indices give the signed minors directly.
-    let minor = |i: usize, j: usize| {
-        let (a, b, c, d) = ((i + 1) % 3, (i + 2) % 3, (j + 1) % 3, (j + 2) % 3);
-        m[a][c] * m[b][d] - m[a][d] * m[b][c]
-    };
-    let determinant = (0..3).map(|j| m[0][j] * minor(0, j)).sum::<f64>();
-    [0, 1, 2].map(|i| [0, 1, 2].map(|j| minor(j, i) / determinant))
+    let determinant = determinant(m);
+    [0, 1, 2].map(|i| [0, 1, 2].map(|j| minor(m, j, i) / determinant))
 }
 
 #[cfg(test)]
@@ -142,8 +211,57 @@ mod tests {
         }
     }
 
+    const AP0: Chromaticities =
+        Chromaticities { red: [0.7347, 0.2653], green: [0.0, 1.0], blue: [0.0001, -0.077], white: [0.32168, 0.33767] };
+
+    #[test]
+    fn matrices_are_the_published_ones() {
+        let [srgb, ap1] = [WorkingSpace::LinearSrgb, WorkingSpace::AcesCg].map(WorkingSpace::chromaticities);
+        let near = |from: &Chromaticities, to: &Chromaticities, expected: [[f64; 3]; 3], within: f64| {
+            let found = from.matrix_to(to).expect("primaries");
+            for (found, expected) in found.as_flattened().iter().zip(expected.as_flattened()) {
+                assert!((found - expected).abs() < within, "{found} and {expected} of {from:?}");
+            }
+        };
+        near(&srgb, &ap1, ACESCG_FROM_SRGB, 1e-5);
+        // SMPTE ST 2065-1 to S-2014-004.
+        let ap1_from_ap0 = [
+            [1.451_439_316_1, -0.236_510_746_9, -0.214_928_569_3],
+            [-0.076_553_773_4, 1.176_229_699_8, -0.099_675_926_4],
+            [0.008_316_148_4, -0.006_032_449_8, 0.997_716_301_4],
+        ];
+        near(&AP0, &ap1, ap1_from_ap0, 1e-6);
+        // IEC 61966-2-1, from XYZ.
+        let xyz = Chromaticities { red: [1.0, 0.0], green: [0.0, 1.0], blue: [0.0; 2], white: [1.0 / 3.0; 2] };
+        let srgb_from_xyz = [
+            [3.240_969_9, -1.537_383_2, -0.498_610_8],
+            [-0.969_243_6, 1.875_967_5, 0.041_555_1],
+            [0.055_630_1, -0.203_976_9, 1.056_971_5],
+        ];
+        near(&xyz, &srgb, srgb_from_xyz, 1e-5);
+    }
+
+    #[test]
+    fn primaries_that_span_nothing_have_no_matrix() {
+        let good = WorkingSpace::LinearSrgb.chromaticities();
+        for bad in [
+            Chromaticities { blue: good.red, ..good },
+            Chromaticities { red: [0.2, 0.2], green: [0.3, 0.3], blue: [0.4, 0.4], ..good },
+            Chromaticities { white: [0.3, 0.0], ..good },
+            Chromaticities { white: [f32::NAN, 0.3], ..good },
+            Chromaticities { red: [f32::INFINITY, 0.3], ..good },
+            // On the line between red and green: no blue in it.
+            Chromaticities { white: [0.47, 0.465], ..good },
+        ] {
+            assert_eq!(bad.matrix_to(&good), None, "{bad:?}");
+        }
+    }
+
     #[test]
     fn white_stays_white() {
+        let dci = Chromaticities { red: [0.68, 0.32], green: [0.265, 0.69], blue: [0.15, 0.06], white: [0.314, 0.351] };
+        let matrix = dci.matrix_to(&WorkingSpace::LinearSrgb.chromaticities()).expect("primaries");
+        assert!(multiply(&matrix, [1.0; 3]).iter().all(|v| (v - 1.0).abs() < 1e-12), "{matrix:?}");
         let white = WorkingSpace::AcesCg.from_linear_srgb([1.0; 3]);
         assert!(white.iter().all(|v| (v - 1.0).abs() < 1e-6), "{white:?}");
     }

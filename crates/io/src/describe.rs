@@ -51,6 +51,8 @@ const KNOWN: &[(&[u8], &str)] = &[
     (&[0xff, 0xd8, 0xff], "a JPEG picture"),
     (b"II*\0", "a TIFF picture"),
     (b"MM\0*", "a TIFF picture"),
+    (b"II+\0", "a BigTIFF picture"),
+    (b"MM\0+", "a BigTIFF picture"),
     (b"GIF8", "a GIF picture"),
     (b"8BPS", "a Photoshop picture"),
     (b"#?RADIANCE", "a Radiance HDR picture"),

@@ -1,7 +1,6 @@
 use std::path::{Path, PathBuf};
 
-/// What is attempted first with a file that is to be read.
-pub(crate) const OPEN: &str = "open the file";
+use crate::open::OPEN;
 
 /// Why a file was not read or not written. Every message names the place, what was found, and what to do.
 #[derive(Debug, thiserror::Error)]
@@ -16,6 +15,39 @@ pub enum Error {
         action: &'static str,
         /// The system's reason.
         source: std::io::Error,
+    },
+    /// What has this name is no file.
+    #[error("{}: found {found}, expected a file: {}", path.display(), instead(found))]
+    NotAFile {
+        /// What was to be read.
+        path: PathBuf,
+        /// What it is, such as "a pipe".
+        found: &'static str,
+    },
+    /// The file is longer than what is read of its kind.
+    #[error("{}: found {found} bytes, expected at most {limit}: make the file smaller, or name another", path.display())]
+    TooLong {
+        /// The file.
+        path: PathBuf,
+        /// Its bytes; at least, where it grows while it is read.
+        found: u64,
+        /// Bytes that are read.
+        limit: u64,
+    },
+    /// The file is no text.
+    #[error(
+        "{}: line {line}, column {column}: found the byte {byte:#04x}, expected text in UTF-8: save the file as UTF-8",
+        path.display()
+    )]
+    NotText {
+        /// The file.
+        path: PathBuf,
+        /// Line, from 1.
+        line: usize,
+        /// Column, from 1.
+        column: usize,
+        /// The first byte that is no UTF-8.
+        byte: u8,
     },
     /// The bytes contradict the file's format: damaged, truncated, or not a picture.
     #[error("{}: {place}: found {found}, expected {expected}; the file is damaged or incomplete: export it again", path.display())]
@@ -77,7 +109,7 @@ pub enum Error {
         bytes: u64,
     },
     /// The file has no part, layer or channel of the wanted name.
-    #[error("{}: no {kind} \"{name}\"{}; the file has {}", path.display(), within(place), listed(existing))]
+    #[error("{}: no {kind} \"{name}\"{}; the file has {}{}", path.display(), within(place), listed(existing), choose(kind, existing))]
     NotFound {
         /// The file.
         path: PathBuf,
@@ -135,6 +167,9 @@ impl Error {
     pub fn path(&self) -> &Path {
         match self {
             Self::Io { path, .. }
+            | Self::NotAFile { path, .. }
+            | Self::TooLong { path, .. }
+            | Self::NotText { path, .. }
             | Self::Invalid { path, .. }
             | Self::NoPicture { path, .. }
             | Self::Unsupported { path, .. }
@@ -147,6 +182,14 @@ impl Error {
         }
     }
 
+    /// The message without the file's name.
+    pub fn reason(&self) -> String {
+        let message = self.to_string();
+        let name = format!("{}: ", self.path().display());
+        message.strip_prefix(&name).map(str::to_owned).unwrap_or(message)
+    }
+
+    #[cfg(feature = "pictures")]
     pub(crate) fn invalid(
         path: &Path,
         place: impl Into<String>,
@@ -161,6 +204,7 @@ impl Error {
         move |source| Self::Io { path, action, source }
     }
 
+    #[cfg(feature = "pictures")]
     pub(crate) fn unwritable(path: &Path, found: impl Into<String>, expected: &'static str) -> Self {
         Self::Unwritable { path: path.into(), found: found.into(), expected }
     }
@@ -175,8 +219,21 @@ fn remedy(action: &str, source: &std::io::Error) -> &'static str {
     }
 }
 
+/// What to do about something that is no file.
+fn instead(found: &str) -> &'static str {
+    if found == "a folder" { "name a file in it" } else { "copy its contents to a file, or name another" }
+}
+
 fn within(place: &str) -> String {
     if place.is_empty() { String::new() } else { format!(" in {place}") }
+}
+
+/// What to do about a name that the file does not have.
+fn choose(kind: &str, existing: &[String]) -> String {
+    match existing {
+        [] => format!(": name another file, or no {kind}"),
+        [nearest, ..] => format!(": name one of these, such as \"{nearest}\""),
+    }
 }
 
 /// At most this many names in a message: a Blender file can have a hundred layers.
@@ -194,6 +251,7 @@ fn listed(names: &[String]) -> String {
 }
 
 /// Text of a file, fit for a message: no control characters, not endless.
+#[cfg(any(test, feature = "pictures"))]
 pub(crate) fn printable(text: &str) -> String {
     const LENGTH: usize = 80;
     let mut shown: String = text.chars().take(LENGTH).map(|c| if c.is_control() { '\u{fffd}' } else { c }).collect();
@@ -216,7 +274,10 @@ mod tests {
             place: String::new(),
             existing: vec!["depth".into(), "".into()],
         };
-        assert_eq!(error.to_string(), "a.exr: no layer \"dept\"; the file has \"depth\", \"\"");
+        assert_eq!(
+            error.to_string(),
+            "a.exr: no layer \"dept\"; the file has \"depth\", \"\": name one of these, such as \"depth\""
+        );
         let error = Error::invalid(Path::new("a.exr"), "part 0, chunk 3", "12 bytes", "40 bytes");
         assert_eq!(
             error.to_string(),

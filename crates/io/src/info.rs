@@ -21,12 +21,17 @@ pub enum FileKind {
 }
 
 impl FileKind {
+    /// Whether rows can be read in any order: of others from the top down.
+    pub fn is_exr(self) -> bool {
+        self == Self::Exr
+    }
+
     pub(crate) fn of(magic: &[u8]) -> Option<Self> {
         match magic {
             [0x76, 0x2f, 0x31, 0x01, ..] => Some(Self::Exr),
             [0x89, b'P', b'N', b'G', ..] => Some(Self::Png),
             [0xff, 0xd8, 0xff, ..] => Some(Self::Jpeg),
-            [b'I', b'I', 42, 0, ..] | [b'M', b'M', 0, 42, ..] => Some(Self::Tiff),
+            [b'I', b'I', 42 | 43, 0, ..] | [b'M', b'M', 0, 42 | 43, ..] => Some(Self::Tiff),
             _ => None,
         }
     }
@@ -206,6 +211,10 @@ pub enum Compression {
     Htj2k256,
     /// JPEG 2000, 32 rows at a time; not read.
     Htj2k32,
+    /// Lossy JPEG 2000, 256 rows at a time; not read.
+    Lj2k,
+    /// Zstandard; not read.
+    Zstd,
     /// A number of EXR that this version does not know; not read.
     Other(u8),
     /// The compression of PNG.
@@ -232,6 +241,9 @@ impl Compression {
             9 => Self::Dwab,
             10 => Self::Htj2k256,
             11 => Self::Htj2k32,
+            // As of OpenEXR 3.5.
+            12 => Self::Lj2k,
+            13 => Self::Zstd,
             other => Self::Other(other),
         }
     }
@@ -252,6 +264,8 @@ impl fmt::Display for Compression {
             Self::Dwab => "DWAB",
             Self::Htj2k256 => "HTJ2K256",
             Self::Htj2k32 => "HTJ2K32",
+            Self::Lj2k => "LJ2K",
+            Self::Zstd => "ZSTD",
             Self::Other(number) => return write!(f, "method {number}"),
             Self::Png => "PNG",
             Self::Jpeg => "JPEG",
@@ -282,7 +296,7 @@ pub(crate) fn info_of<R: BufRead + Seek>(source: &mut Source<R>, limits: &Limits
     let kind = source.kind()?;
     let parts = match kind {
         FileKind::Exr => exr_file::Header::read(source)?.into_parts(),
-        _ => vec![raster::info(source, kind, limits)?],
+        _ => vec![raster::info(source, kind)?.0],
     };
     for (index, part) in parts.iter().enumerate() {
         part.check_windows(&source.path, index, limits)?;

@@ -5,11 +5,16 @@
 //! do the same band by band, from many threads, without ever holding the whole picture. [`write_bytes`] writes any other
 //! file as safely; [`discard_partial_files`] leaves nothing half written behind where a process exits early.
 //!
+//! [`open_file`] is the one door: whatever is read by name, here or in other crates, is opened there or by [`read_bytes`]
+//! and [`read_text`], so that no pipe blocks and no device is read for ever. Without the feature `pictures` there is
+//! nothing but that.
+//!
 //! Every header is checked against [`Limits`] before anything is allocated for pixels: a file of a few hundred bytes
 //! can claim a picture of many gigabytes. A damaged file is an [`Error`] that names the place, never a panic.
 //!
-//! Values are handed over as stored: integers of EXR as f32, PNG, JPEG and TIFF divided by 255 or 65535 and still
-//! encoded for display ([`Encoding::Srgb`]). Orientation tags are applied, embedded color profiles are not.
+//! Values are handed over as stored: floats of EXR and TIFF as they are, integers of EXR as f32, those of PNG, JPEG and TIFF
+//! divided by the largest and still encoded for display ([`Encoding::Srgb`]). Palettes, CMYK and YCbCr become RGB.
+//! Orientation tags are applied, embedded color profiles are not.
 //!
 //! ```
 //! use trochoid_image::{Plane, Window};
@@ -31,38 +36,75 @@
 
 #![cfg_attr(test, allow(clippy::unwrap_used, reason = "a test may panic"))]
 
+#[cfg(feature = "pictures")]
 mod atomic;
+#[cfg(feature = "pictures")]
+mod cost;
 mod describe;
 mod error;
+#[cfg(feature = "pictures")]
 mod exr_file;
+#[cfg(feature = "pictures")]
 mod info;
+#[cfg(feature = "pictures")]
 mod limits;
+#[cfg(feature = "pictures")]
 mod metadata;
+#[cfg(feature = "pictures")]
 mod names;
+mod open;
+#[cfg(feature = "pictures")]
 mod partial;
+#[cfg(feature = "pictures")]
 mod picture;
+#[cfg(feature = "pictures")]
 mod png_file;
+#[cfg(feature = "pictures")]
 mod raster;
+#[cfg(feature = "pictures")]
+mod row_reader;
+#[cfg(feature = "pictures")]
 mod samples;
+#[cfg(feature = "pictures")]
 mod selection;
+#[cfg(feature = "pictures")]
 mod source;
+#[cfg(feature = "pictures")]
 mod statistics;
+#[cfg(feature = "pictures")]
+mod tiff_file;
 
+#[cfg(feature = "pictures")]
 pub use atomic::{Target, write_bytes};
+#[cfg(feature = "pictures")]
+pub use cost::{Cost, cost};
 pub use describe::describe;
 pub use error::Error;
+#[cfg(feature = "pictures")]
 pub use exr_file::{
     BandBuffer, EncodeScratch, EncodedBand, ExrChannel, ExrHeader, ExrImage, ExrReader, ExrWriter, write_exr,
 };
+#[cfg(feature = "pictures")]
 pub use info::{ChannelInfo, Compression, FileKind, Info, Levels, PartInfo, SampleType, Storage, info, kind};
+#[cfg(feature = "pictures")]
 pub use limits::Limits;
+#[cfg(feature = "pictures")]
 pub use metadata::read_metadata;
+pub use open::{OpenFile, open_file, read_bytes, read_text};
+#[cfg(feature = "pictures")]
 pub use partial::{clear_partial_files, discard_partial_files};
+#[cfg(feature = "pictures")]
 pub use picture::{Encoding, Picture, PictureChannel, PictureInfo, read};
+#[cfg(feature = "pictures")]
 pub use png_file::{PngImage, encode_png8, write_png8, write_png16};
+#[cfg(feature = "pictures")]
+pub use row_reader::{RowReader, TakeRow};
+#[cfg(feature = "pictures")]
 pub use samples::Samples;
+#[cfg(feature = "pictures")]
 pub use selection::{PartName, Selection};
+#[cfg(feature = "pictures")]
 pub use statistics::{Statistics, statistics};
 
-#[cfg(test)]
+#[cfg(all(test, feature = "pictures"))]
 mod tests;

@@ -94,9 +94,9 @@ pub(crate) fn read_of<R: Shareable>(
     match source.kind()? {
         FileKind::Exr => ExrReader::of(source, selection, limits)?.picture(),
         kind => {
-            let info = raster::info(&mut source, kind, limits)?;
+            let (info, form) = raster::info(&mut source, kind)?;
             let found = selection.resolve(&source.path, std::slice::from_ref(&info))?;
-            let planes = raster::read_planes(&mut source, kind, &info, &found.channels, limits)?;
+            let planes = raster::read_planes(&mut source, kind, (&info, &form), &found.channels, limits)?;
             Ok(PictureInfo::new(&info, found.part, &found.channels).with_planes(planes))
         }
     }

@@ -141,7 +141,10 @@ fn errors_list_the_nearest_name_first() {
     let message = text(Selection::layer("Ocean.Dept"));
     assert!(message.starts_with("a.exr: no layer \"Ocean.Dept\"; the file has \"Ocean.Depth\","), "{message}");
     let message = text(Selection::layer("Depth").with_channels(["R"]));
-    assert_eq!(message, "a.exr: no channel \"R\" in layer \"Ocean.Depth\"; the file has \"Z\"");
+    assert_eq!(
+        message,
+        "a.exr: no channel \"R\" in layer \"Ocean.Depth\"; the file has \"Z\": name one of these, such as \"Z\""
+    );
     let message = text(Selection::default().with_part("Ocean.UW"));
     assert!(message.contains("no part \"Ocean.UW\"; the file has \"Ocean.UV\""), "{message}");
     let message = text(Selection::default().with_part(9));

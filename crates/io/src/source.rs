@@ -1,10 +1,10 @@
-//! Opening files, and reading from them with the place in every error.
+//! Files as sources, and reading from them with the place in every error.
 
 use std::fs::File;
 use std::io::{BufRead, BufReader, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
-use crate::error::OPEN;
+use crate::open::{OpenFile, open_file};
 use crate::{Error, FileKind, describe};
 
 /// A file or bytes in memory, with the name for messages and the length that every claim is held against.
@@ -16,14 +16,8 @@ pub(crate) struct Source<R> {
 
 /// Opens a regular file.
 pub(crate) fn open(path: &Path) -> Result<Source<BufReader<File>>, Error> {
-    // Asked before opening: opening a pipe would wait for its writer.
-    let found = std::fs::metadata(path).map_err(Error::io(path, OPEN))?;
-    if !found.is_file() {
-        let source = std::io::Error::new(std::io::ErrorKind::InvalidInput, "not a regular file");
-        return Err(Error::io(path, OPEN)(source));
-    }
-    let file = File::open(path).map_err(Error::io(path, OPEN))?;
-    Ok(Source { path: path.into(), length: found.len(), reader: BufReader::new(file) })
+    let OpenFile { file, length } = open_file(path)?;
+    Ok(Source { path: path.into(), length, reader: BufReader::new(file) })
 }
 
 /// Bytes that many threads read at once, each at its own position.

@@ -93,8 +93,8 @@ pub use trochoid_graph::{
     Accepts, Access, Animated, Arity, CheckedGraph, CheckedNode, Declaration, Default as KnobDefault, Diagnostic, End,
     FORMAT_VERSION, Figure, Guarantee, Harmonic, Interpolation, Item, Kind, Knob, List, MemoryUse, NodeId, NodeType,
     Omission, OutputSpec, Outside, Port, Precision, REFUSALS, Refusal, Refused, Registry, Relation, Severity, Source,
-    Spectrum, Stability, StabilityMap, Takes, Tolerance, Verdict, ViewChannel, Work, expand_frame, expected, in_bytes,
-    nearest, refusal, schema,
+    Spectrum, Stability, StabilityMap, Takes, Tolerance, Verdict, ViewChannel, Work, escape_frame, expand_frame,
+    expected, in_bytes, nearest, refusal, schema,
 };
 pub use trochoid_image::{Format, Plane, Rgb, Shading, Window, WorkingSpace, srgb_decode, srgb_encode};
 #[cfg(feature = "io")]

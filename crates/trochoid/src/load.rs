@@ -1,7 +1,7 @@
 use std::collections::{BTreeMap, HashMap};
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
-use trochoid_graph::{CheckedGraph, Diagnostic, Document, MAX_BYTES, NodeId, Registry, Severity, check};
+use trochoid_graph::{CheckedGraph, Diagnostic, Document, MAX_BYTES, NodeId, Registry, Severity, check, escape_remedy};
 
 /// All node types of this build.
 pub fn registry() -> &'static Registry {
@@ -47,30 +47,18 @@ fn list(diagnostics: &[Diagnostic]) -> String {
 /// # Errors
 /// The file cannot be read, or the document is invalid.
 pub fn load(path: &Path, set: &[String]) -> Result<Loaded, LoadError> {
-    let io = |reason: String| LoadError::Io { path: path.into(), reason };
-    let size = std::fs::metadata(path).map_err(|error| io(format!("cannot be read: {error}")))?;
-    if size.is_dir() {
-        return Err(io("is a folder; name a document".into()));
-    }
     let name = path.display().to_string();
-    if size.len() > MAX_BYTES as u64 {
-        let found = format!("a document of {} bytes", size.len());
-        let expected = format!("at most {MAX_BYTES} bytes");
-        return Err(invalid(name, (0, 0), found, expected, "split the scene into several documents"));
-    }
-    let bytes = std::fs::read(path).map_err(|error| io(format!("cannot be read: {error}")))?;
-    let text = match String::from_utf8(bytes) {
-        Ok(text) => text,
-        Err(error) => {
-            let valid = &error.as_bytes()[..error.utf8_error().valid_up_to()];
-            let line = valid.iter().filter(|&&byte| byte == b'\n').count() + 1;
-            let start = valid.iter().rposition(|&byte| byte == b'\n').map_or(0, |at| at + 1);
-            let column = String::from_utf8_lossy(&valid[start..]).chars().count() + 1;
-            let found = format!("the byte 0x{:02x}, which is no UTF-8", error.as_bytes()[valid.len()]);
-            let expected = "a document in UTF-8".to_string();
-            return Err(invalid(name, (line, column), found, expected, "save the document as UTF-8"));
+    let text = trochoid_io::read_text(path, MAX_BYTES as u64).map_err(|error| match error {
+        trochoid_io::Error::TooLong { found, limit, .. } => {
+            let (found, expected) = (format!("a document of {found} bytes"), format!("at most {limit} bytes"));
+            invalid(name.clone(), (0, 0), found, expected, "split the scene into several documents")
         }
-    };
+        trochoid_io::Error::NotText { line, column, byte, .. } => {
+            let found = format!("the byte {byte:#04x}, which is no UTF-8");
+            invalid(name.clone(), (line, column), found, "a document in UTF-8".into(), "save the document as UTF-8")
+        }
+        error => LoadError::Io { path: path.into(), reason: error.reason() },
+    })?;
     let folder = path.parent().unwrap_or(Path::new("."));
     parse(&name, &text, folder, set)
 }
@@ -137,6 +125,9 @@ pub fn missing_files(graph: &CheckedGraph) -> Vec<Diagnostic> {
         };
         let node = &graph.nodes()[index];
         let item = node.file_item();
+        let settled = graph.settle(NodeId(index), frame);
+        let literal = item.map(|item| graph.folder().join(settled.text(item)));
+        let remedy = literal.and_then(|literal| escape_remedy(&literal));
         let [line, column] = item.map_or(node.place, |item| node.place_of(item));
         Diagnostic {
             severity: Severity::Warning,
@@ -147,7 +138,9 @@ pub fn missing_files(graph: &CheckedGraph) -> Vec<Diagnostic> {
             port: item.map(String::from),
             found: format!("no file {} at frame {frame}{more}", path.display()),
             expected: "a file to read".into(),
-            remedy: "correct the path, which is relative to the document, or make the file before rendering".into(),
+            remedy: remedy.unwrap_or_else(|| {
+                "correct the path, which is relative to the document, or make the file before rendering".into()
+            }),
         }
     };
     missing.into_iter().map(fault).collect()

@@ -5,7 +5,7 @@ use crate::marks::with_mark;
 use crate::stream::reserved;
 use std::path::{Component, Path, PathBuf};
 use trochoid_engine::{Frame, Picture};
-use trochoid_graph::{CheckedGraph, Kind, OutputSpec, Precision, Refused, expand_frame};
+use trochoid_graph::{CheckedGraph, Kind, OutputSpec, Precision, Refused, escape_frame, expand_frame};
 use trochoid_image::{Plane, Window, WorkingSpace};
 use trochoid_io::{ExrChannel, ExrImage, PngImage, SampleType, Samples, write_exr, write_png8, write_png16};
 
@@ -95,7 +95,7 @@ pub fn output_files(
         let spec = &graph.outputs()[index];
         let own = spec.file.as_deref();
         let written = pattern.or(own).unwrap_or("{output}.####.exr");
-        let template = written.replace("{output}", &spec.name);
+        let template = written.replace("{output}", &escape_frame(&spec.name));
         let lower = template.to_lowercase();
         let is_png = lower.ends_with(".png");
         if let Some(fault) = placeholder_fault(written, &template) {
@@ -176,7 +176,7 @@ pub fn companion_files(
     }
     let name = |file: &OutputFile| {
         let names: Vec<&str> = file.outputs.iter().map(|index| graph.outputs()[*index].name.as_str()).collect();
-        normalized(Path::new(&expand_frame(&pattern.replace("{output}", &names.join("+")), frame)))
+        normalized(Path::new(&expand_frame(&pattern.replace("{output}", &escape_frame(&names.join("+"))), frame)))
     };
     Ok(files.iter().map(name).collect())
 }

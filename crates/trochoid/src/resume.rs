@@ -131,12 +131,7 @@ impl Fingerprints {
 /// The hash of a file's contents, or why there is none.
 fn hash_of(path: &Path) -> String {
     let mut hasher = blake3::Hasher::new();
-    let read = std::fs::metadata(path).and_then(|found| {
-        // Opening a pipe would wait for its writer.
-        if !found.is_file() {
-            return Err(std::io::ErrorKind::InvalidInput.into());
-        }
-        std::io::copy(&mut std::fs::File::open(path)?, &mut hasher)
-    });
-    read.map_or_else(|error| error.to_string(), |_| hasher.finalize().to_hex().to_string())
+    let file = trochoid_io::open_file(path).map_err(|error| error.to_string());
+    let read = file.and_then(|file| std::io::copy(&mut file.reader(), &mut hasher).map_err(|error| error.to_string()));
+    read.map_or_else(|error| error, |_| hasher.finalize().to_hex().to_string())
 }

@@ -13,6 +13,9 @@ use std::time::{Duration, SystemTime};
 /// How long after a change its copy is kept at the latest.
 pub const AFTER: Duration = Duration::from_millis(800);
 
+/// Most bytes of a copy: a document, of which JSON may escape every byte.
+const MOST_BYTES: u64 = 512 << 20;
+
 /// Keeps the copy of one running editor.
 #[derive(Debug)]
 pub struct Keeper {
@@ -130,7 +133,7 @@ fn read(path: PathBuf) -> Option<Kept> {
         return None;
     }
     let when = std::fs::metadata(&path).ok()?.modified().ok()?;
-    let value: Value = serde_json::from_slice(&std::fs::read(&path).ok()?).ok()?;
+    let value: Value = serde_json::from_str(&trochoid::io::read_text(&path, MOST_BYTES).ok()?).ok()?;
     let file = value.get("file").and_then(Value::as_str).map(PathBuf::from);
     Some(Kept { file, text: value.get("text")?.as_str()?.into(), when, path })
 }

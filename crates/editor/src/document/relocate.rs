@@ -6,7 +6,7 @@ use super::session::applied;
 use super::sheet::Sheet;
 use serde_json::Value;
 use std::path::{Component, Path, PathBuf};
-use trochoid::{Item, Takes, expand_frame};
+use trochoid::{Item, Takes, escape_frame, expand_frame};
 
 /// How many frames of a sequence are looked for at most.
 const FRAMES: usize = 1000;
@@ -89,14 +89,25 @@ fn real(folder: &Path) -> PathBuf {
     std::fs::canonicalize(folder).or_else(|_| std::path::absolute(folder)).unwrap_or_else(|_| folder.into())
 }
 
-/// A path relative to one folder as it is relative to another; both without links.
+/// A folder as paths of documents name it.
+fn escaped(folder: &Path) -> PathBuf {
+    let name = |step: Component<'_>| match step.as_os_str().to_str() {
+        Some(name) => escape_frame(name).into(),
+        None => step.as_os_str().to_os_string(),
+    };
+    folder.components().map(name).collect()
+}
+
+/// A path relative to one folder as it is relative to another; both without links. Signs that would stand for the frame are
+/// escaped in the names of these folders, as they are in the path.
 fn rewritten(path: &str, from: &Path, to: &Path) -> Result<String, String> {
-    let mut target = from.to_path_buf();
+    let mut target = escaped(from);
     for step in Path::new(path).components() {
         match step {
             Component::ParentDir => {
-                if target.is_symlink() {
-                    target = real(&target);
+                let there = target.to_str().map_or_else(|| target.clone(), |name| expand_frame(name, 0).into());
+                if there.is_symlink() {
+                    target = escaped(&real(&there));
                 }
                 target.pop();
             }
@@ -105,7 +116,7 @@ fn rewritten(path: &str, from: &Path, to: &Path) -> Result<String, String> {
         }
     }
     // From one drive to another no path leads but the whole one.
-    let Some(relative) = pathdiff::diff_paths(&target, to) else { return text(&target) };
+    let Some(relative) = pathdiff::diff_paths(&target, escaped(to)) else { return text(&target) };
     let steps: Result<Vec<String>, String> = relative.components().map(|step| text(step.as_ref())).collect();
     Ok(steps?.join("/"))
 }
@@ -118,4 +129,18 @@ fn text(path: &Path) -> Result<String, String> {
             path.display()
         )
     })
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn signs_of_frames_in_names_of_folders_are_escaped() {
+        let moved = |path: &str| rewritten(path, Path::new("/x/take #1/50%d"), Path::new("/x")).unwrap();
+        assert_eq!(moved("a.####.png"), r"take \#1/50\%d/a.####.png");
+        assert_eq!(moved(r"../a\#.png"), r"take \#1/a\#.png");
+        let back = rewritten(r"take \#1/a.png", Path::new("/x"), Path::new("/x/take #1")).unwrap();
+        assert_eq!(back, "a.png");
+    }
 }

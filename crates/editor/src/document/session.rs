@@ -308,15 +308,9 @@ pub(super) fn applied(text: &str, edit: &Edit) -> Result<(String, Vec<Splice>), 
     Ok((text, splices))
 }
 
+/// Most bytes of a document.
+const MOST_BYTES: u64 = 64 << 20;
+
 fn read(file: &Path) -> Result<String, String> {
-    let found = |what: &str| format!("{}: {what}", file.display());
-    let size = std::fs::metadata(file).map_err(|error| found(&error.to_string()))?;
-    if size.is_dir() {
-        return Err(found("is a folder; name a document"));
-    }
-    if size.len() > 64 << 20 {
-        return Err(found(&format!("found {} bytes; expected a document of at most 64 MiB", size.len())));
-    }
-    let bytes = std::fs::read(file).map_err(|error| found(&error.to_string()))?;
-    String::from_utf8(bytes).map_err(|_| found("found bytes that are no UTF-8; expected a document in JSON"))
+    trochoid::io::read_text(file, MOST_BYTES).map_err(|error| error.to_string())
 }

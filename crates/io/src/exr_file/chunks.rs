@@ -48,7 +48,7 @@ pub(super) struct Chunks {
     /// Where the last table ends and chunks begin.
     first: u64,
     /// Bytes of the file.
-    length: u64,
+    pub(super) length: u64,
     /// Not shared with any other.
     id: u64,
 }

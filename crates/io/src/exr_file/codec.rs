@@ -39,8 +39,9 @@ pub(super) const WHOLE: &str = "a chunk that decodes to its pixels";
 impl From<exr::error::Error> for Failure {
     fn from(error: exr::error::Error) -> Self {
         match error {
-            exr::error::Error::NotSupported(message) => Self::Unsupported(message.into_owned()),
-            other => Self::invalid(other.to_string(), WHOLE),
+            exr::error::Error::NotSupported(_) => Self::Unsupported("a chunk of a kind that is not known".into()),
+            // Not in the library's words, which say nothing of what to do.
+            _ => Self::invalid("bytes that do not decode", WHOLE),
         }
     }
 }
@@ -115,7 +116,36 @@ impl Codec {
         rectangle.area() * self.bytes_per_pixel
     }
 
-    /// Takes a chunk apart: for each row, for each channel in the file's order, the row's words.
+    /// Refuses a chunk whose bytes cannot stand for all its samples, before memory is taken for these.
+    pub(super) fn check(&self, rectangle: Window, packed: &[u8]) -> Result<(), Failure> {
+        let size = self.raw_size(rectangle);
+        // Writers store what does not shrink as it is, so a larger chunk is damaged.
+        if packed.is_empty() || packed.len() > size {
+            return Err(Failure::invalid(format!("{} bytes", packed.len()), format!("1 to {size}")));
+        }
+        if packed.len() == size {
+            return Ok(());
+        }
+        let method = self.header.compression;
+        if method == Method::Uncompressed {
+            return Err(Failure::invalid(format!("{} bytes", packed.len()), size.to_string()));
+        }
+        if (packed.len() as u64).saturating_mul(densest(method)) < size as u64 {
+            let expected = format!("enough for {size} when decoded");
+            return Err(Failure::invalid(format!("{} bytes", packed.len()), expected));
+        }
+        if matches!(method, Method::DWAA(_) | Method::DWAB(_)) {
+            self.check_dwa(rectangle, packed)?;
+        }
+        Ok(())
+    }
+
+    /// Bytes of samples that a file of this length can hold at most.
+    pub(super) fn most(&self, length: u64) -> u64 {
+        length.saturating_mul(densest(self.header.compression))
+    }
+
+    /// Takes a chunk apart that was checked: for each row, for each channel in the file's order, the row's words.
     pub(super) fn unpack(
         &self,
         rectangle: Window,
@@ -124,14 +154,9 @@ impl Codec {
         target: &mut impl Target,
     ) -> Result<(), Failure> {
         let size = self.raw_size(rectangle);
-        // Writers store what does not shrink as it is, so a larger chunk is damaged.
-        if packed.is_empty() || packed.len() > size {
-            return Err(Failure::invalid(format!("{} bytes", packed.len()), format!("1 to {size}")));
-        }
         let decoded;
         let mut raw = match self.header.compression {
             _ if packed.len() == size => Raw::Plain(packed),
-            Method::Uncompressed => return Err(Failure::invalid(format!("{} bytes", packed.len()), size.to_string())),
             Method::ZIP1 | Method::ZIP16 => Raw::Split(inflater.inflate(packed, size)?),
             _ => {
                 decoded = self.decompress(rectangle, packed.to_vec())?;
@@ -153,9 +178,6 @@ impl Codec {
     /// Samples of a chunk as little-endian bytes, by the `exr` crate: for each row, for each channel, the row's samples.
     fn decompress(&self, rectangle: Window, packed: Vec<u8>) -> Result<Vec<u8>, Failure> {
         let size = self.raw_size(rectangle);
-        if matches!(self.header.compression, Method::DWAA(_) | Method::DWAB(_)) {
-            self.check_dwa(rectangle, &packed)?;
-        }
         // The B44 decoder of `exr` 1.74 subtracts below zero on damaged blocks, which panics wherever overflow is checked.
         // It only reads the header, so nothing half-changed is left behind.
         let decode = AssertUnwindSafe(|| {
@@ -169,32 +191,64 @@ impl Codec {
         if samples.len() == size { Ok(samples) } else { Err(Failure::invalid("too few samples", WHOLE)) }
     }
 
-    /// Holds the sizes that a DWA chunk claims against what its pixels can need.
+    /// Holds the sizes that a DWA chunk claims against its bytes and against what its pixels can need.
     ///
     /// The decoder allocates what these counters say, and would abort the process over a few damaged bytes.
     fn check_dwa(&self, rectangle: Window, packed: &[u8]) -> Result<(), Failure> {
-        let counters = packed.as_chunks::<8>().0;
-        let Some(&[_, unknown, _, _, _, _, run_lengths, raw_runs, ac, dc, _]) = counters.first_chunk::<11>() else {
+        let counters = packed.as_chunks::<8>().0.first_chunk::<11>().map(|all| all.map(u64::from_le_bytes));
+        let Some([_, unknown, unknown_packed, ac_packed, dc_packed, runs_packed, run_lengths, raw_runs, ac, dc, _]) =
+            counters
+        else {
             return Err(Failure::invalid(format!("{} bytes", packed.len()), "88 bytes of counters"));
         };
         let size = self.raw_size(rectangle) as u64;
         let blocks = (rectangle.width().div_ceil(8) * rectangle.height().div_ceil(8)) as u64;
         let blocks = blocks * self.header.channels.list.len() as u64;
+        let rest = packed.len() as u64 - 88;
+        let parts = [unknown_packed, ac_packed, dc_packed, runs_packed];
+        let deflated = |packed: u64| packed.saturating_mul(DEFLATE);
         let claims = [
-            ("samples", unknown, size),
+            ("packed bytes", parts.iter().fold(0, |sum: u64, part| sum.saturating_add(*part)), rest),
+            ("samples", unknown, size.min(deflated(unknown_packed))),
             // At worst every byte is its own run of two.
-            ("run lengths", run_lengths, 2 * size + 2),
-            ("samples in runs", raw_runs, size),
-            ("AC coefficients", ac, 64 * blocks),
-            ("DC coefficients", dc, blocks),
+            ("run lengths", run_lengths, (2 * size + 2).min(deflated(runs_packed))),
+            ("samples in runs", raw_runs, size.min(run_lengths.saturating_mul(RUN))),
+            ("AC coefficients", ac, (64 * blocks).min(deflated(ac_packed) / 2)),
+            ("DC coefficients", dc, blocks.min(deflated(dc_packed) / 2)),
         ];
         for (what, found, most) in claims {
-            let found = u64::from_le_bytes(found);
             if found > most {
                 return Err(Failure::invalid(format!("{found} {what}"), format!("at most {most}")));
             }
         }
+        // Each sample is stored as it is, in runs, or in a block of 64 with one DC coefficient.
+        let held = unknown.saturating_add(raw_runs).saturating_add(dc.saturating_mul(64 * 4));
+        if held < size {
+            return Err(Failure::invalid(format!("room for {held} bytes"), format!("{size}")));
+        }
         Ok(())
+    }
+}
+
+/// No byte of DEFLATE stands for more: two bits at best for a match of 258 bytes.
+pub(super) const DEFLATE: u64 = 1032;
+/// The longest run of bytes, which takes two.
+const RUN: u64 = 64;
+
+/// Most bytes of samples that a byte of a chunk stands for, by the method. Pictures of zeros come close to these.
+fn densest(method: Method) -> u64 {
+    match method {
+        Method::Uncompressed => 1,
+        Method::RLE => RUN,
+        Method::ZIP1 | Method::ZIP16 => DEFLATE,
+        // Three bytes of each float are deflated.
+        Method::PXR24 => DEFLATE * 4 / 3,
+        // A code of one bit, one for "repeat" and 8 bits of how often: 256 words in 10 bits, 410 bytes a byte.
+        Method::PIZ => 512,
+        // Flat blocks of 16 half samples take 3 bytes.
+        Method::B44 | Method::B44A => 11,
+        // A block of 64 floats with nothing but a DC coefficient, of two bytes, deflated.
+        _ => 64 * 4 / 2 * DEFLATE,
     }
 }
 

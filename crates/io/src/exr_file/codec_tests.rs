@@ -30,6 +30,7 @@ impl Target for Keep {
 
 fn unpack(codec: &Codec, window: Window, packed: &[u8], second: bool) -> Result<Vec<u16>, Failure> {
     let mut keep = Keep { words: Vec::new(), second };
+    codec.check(window, packed)?;
     codec.unpack(window, packed, &mut Inflater::default(), &mut keep)?;
     Ok(keep.words)
 }

@@ -84,7 +84,7 @@ fn rows_per_chunk(compression: Compression) -> usize {
     match compression {
         Compression::Zip | Compression::Pxr24 => 16,
         Compression::Piz | Compression::B44 | Compression::B44a | Compression::Dwaa | Compression::Htj2k32 => 32,
-        Compression::Dwab | Compression::Htj2k256 => 256,
+        Compression::Dwab | Compression::Htj2k256 | Compression::Lj2k => 256,
         _ => 1,
     }
 }

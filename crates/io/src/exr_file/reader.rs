@@ -209,6 +209,14 @@ impl ExrReader {
         2 * self.words * self.info.data.width() * self.rows_per_band().min(self.info.data.height())
     }
 
+    /// Bytes that decoding the picture takes at most, besides what is kept of it.
+    pub(crate) fn decoding(&self) -> u64 {
+        let layout = self.chunks.layout;
+        let chunk = layout.largest().saturating_mul(self.codec.raw_size(Window::sized(1, 1)) as u64);
+        let threads = self.at_once.min(rayon::current_num_threads()) as u64;
+        threads.saturating_mul(chunk.saturating_mul(4).saturating_add(self.band_bytes() as u64))
+    }
+
     /// Number of bands, from the top down.
     pub fn bands(&self) -> usize {
         self.chunks.layout.bands()
@@ -243,6 +251,7 @@ impl ExrReader {
             let at = Position { column, band };
             let rectangle = self.chunks.rectangle(at);
             let packed = self.chunks.read(&*self.file, at, self.codec.raw_size(rectangle), &mut buffer.packed)?;
+            self.codec.check(rectangle, packed).map_err(|failure| self.failed(at, failure))?;
             grow(&mut buffer.words, self.words * window.area())
                 .map_err(|bytes| self.failed(at, Failure::Memory(bytes)))?;
             let mut target = ChunkTarget {
@@ -263,6 +272,12 @@ impl ExrReader {
         let Chunks { path, place, .. } = &*self.chunks;
         let data = self.info.data;
         self.limits.check_planes(path, place, data, self.stored.len())?;
+        let (claimed, most) = (self.codec.raw_size(data) as u64, self.codec.most(self.chunks.length));
+        if claimed > most {
+            let (found, expected) =
+                (format!("{} bytes", self.chunks.length), format!("enough for {claimed} of samples"));
+            return Err(Error::invalid(path, &**place, found, expected));
+        }
         let mut planes: Vec<Vec<f32>> = Vec::new();
         for _ in &self.stored {
             // Only touched band by band, so that memory is taken for pixels that the file really holds.

@@ -252,7 +252,7 @@ impl ExrWriter {
             x: self.header.data.x0 + column as i64,
             y,
             value: values[column],
-            expected: "at most ±65504, the largest half; write float",
+            expected: "at most ±65504, the largest half: set \"precision\": \"float\" of the output",
         })
     }
 

@@ -6,7 +6,9 @@ use trochoid_image::{Chromaticities, Window};
 
 use super::make::{Method, Part, SMALL, describe, exr, read};
 use crate::source::Source;
-use crate::{Compression, Error, FileKind, Levels, Limits, SampleType, Selection, Storage, info, picture};
+use crate::{
+    BandBuffer, Compression, Error, ExrReader, FileKind, Levels, Limits, SampleType, Selection, Storage, info, picture,
+};
 
 /// Builds a header attribute by attribute.
 #[derive(Clone)]
@@ -94,6 +96,26 @@ fn huge_claims_are_refused_at_once() {
     let error = picture::read_of(Source::of_bytes(wide), &Selection::default(), &limits).unwrap_err();
     assert!(matches!(error, Error::TooLarge { .. }), "{error}");
     assert!(start.elapsed().as_secs() < 2);
+}
+
+#[test]
+fn a_chunk_that_cannot_hold_its_pixels_takes_no_memory() {
+    // A row of two MiB in 40 bytes, by every method.
+    for compression in 1..=9 {
+        let mut bytes = Head::new(0).part(1 << 20, 1, compression).end();
+        let chunk = bytes.len() as u64 + 8;
+        bytes.extend(chunk.to_le_bytes());
+        bytes.extend(0_i32.to_le_bytes());
+        bytes.extend(40_i32.to_le_bytes());
+        bytes.extend([0x78; 40]);
+        let of = |bytes: &[u8]| ExrReader::of(Source::of_bytes(bytes.to_vec()), &Selection::default(), &SMALL);
+        let reader = of(&bytes).unwrap();
+        let mut buffer = BandBuffer::new();
+        let error = reader.decode(0, &mut buffer).unwrap_err();
+        assert!(matches!(error, Error::Invalid { .. }), "method {compression}: {error}");
+        assert!(buffer.bytes() < 1 << 17, "method {compression}: {} bytes", buffer.bytes());
+        assert!(matches!(refused(&bytes), Error::Invalid { .. }), "method {compression}");
+    }
 }
 
 #[test]
@@ -252,7 +274,7 @@ fn other_files_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     for path in [folder.path().to_path_buf(), folder.path().join("missing.exr")] {
         let error = crate::read(&path, &Selection::default(), &SMALL).unwrap_err();
-        assert!(matches!(error, Error::Io { .. }), "{error}");
+        assert!(matches!(error, Error::Io { .. } | Error::NotAFile { .. }), "{error}");
         assert!(error.to_string().starts_with(&path.display().to_string()), "{error}");
     }
 }

@@ -7,3 +7,4 @@ mod make;
 mod rasters;
 mod round_trip;
 mod streams;
+mod tiffs;

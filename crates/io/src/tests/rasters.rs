@@ -95,10 +95,11 @@ fn orientation_is_applied() {
 }
 
 #[test]
-fn floating_point_tiff_is_refused() {
-    let image = DynamicImage::ImageRgb32F(image::ImageBuffer::from_pixel(2, 2, image::Rgb([0.5; 3])));
-    let error = read(&encoded(&image, ImageFormat::Tiff), &Selection::default()).unwrap_err();
-    assert!(matches!(error, Error::Unsupported { .. }) && error.to_string().contains("EXR"), "{error}");
+fn floating_point_tiff_is_linear() {
+    let image = DynamicImage::ImageRgb32F(image::ImageBuffer::from_pixel(2, 2, image::Rgb([0.5, 7.25, -1.0])));
+    let picture = read(&encoded(&image, ImageFormat::Tiff), &Selection::default()).unwrap();
+    assert_eq!((picture.encoding, picture.channels[1].sample_type), (Encoding::Linear, SampleType::Float));
+    assert_eq!(picture.channel("G").unwrap().samples(), [7.25; 4]);
 }
 
 #[test]

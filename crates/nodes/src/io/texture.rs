@@ -3,6 +3,7 @@
 use crate::filter_support::{blended, fill, value, weights};
 use crate::front_support::{Span, bound_by, known};
 use crate::io_support::{Reading, controls, knobs};
+use crate::scene_support::named;
 use std::path::PathBuf;
 use std::sync::OnceLock;
 use trochoid_graph::*;
@@ -76,7 +77,7 @@ impl Stage for Texture {
     }
 
     fn prepare(&self, node: &Settled, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
-        let path = prepare.frame.path(node.text("file"));
+        let path = named(prepare.frame, node.text("file"))?;
         let kind = knobs::kind(node);
         let wanted = prepare.wanted.first().map(Vec::as_slice).unwrap_or_default();
         let mut display = Window::default();

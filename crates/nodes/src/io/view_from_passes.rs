@@ -2,6 +2,7 @@
 
 use crate::front_support::bound_exact;
 use crate::io_support::{Fit, Opened, Recipe, Rows, Rule, SharedFile, Stored, Stream, open_pass};
+use crate::scene_support::named;
 use std::path::{Path, PathBuf};
 use trochoid_graph::*;
 use trochoid_scene::{Camera, DVec3, Projection};
@@ -24,7 +25,11 @@ static DECLARATION: Declaration = Declaration {
                  coverage outside [0, 1], are refused with their place, or repaired and counted.",
     source: "Blender writes 10¹⁰ (65504 in half) as the depth of the sky, and has z upward.",
     items: &[
-        Knob::path("file", "The EXR; #### or %04d stands for the frame. A normal map may be a PNG.").item(),
+        Knob::path(
+            "file",
+            "The EXR; #### or %04d stands for the frame, \\# and \\% for the signs. A normal map may be a PNG.",
+        )
+        .item(),
         Knob::text("depth", "Layer, part or channel that holds the planar depth in meters.").item(),
         Knob::text("position", "Layer or part that holds the world position in meters.").item(),
         Knob::text("normal", "Layer or part that holds the world normal; RGB is the main layer, as a painted map's.")
@@ -107,7 +112,7 @@ impl Stage for ViewFromPasses {
             prepare.wanted.get(output).and_then(|channels| channels.get(channel)).is_some_and(|wanted| *wanted)
         };
         let any = |set: ChannelSet| set.iter().any(|channel| wanted(0, channel as usize));
-        let path = prepare.frame.path(node.text("file"));
+        let path = named(prepare.frame, node.text("file"))?;
         let reading = Reading { node, prepare, path: &path };
         let camera = prepare.handle_of(node, "camera").or_else(level_camera);
         let mut view = View { passes: Vec::new(), camera };
@@ -261,7 +266,7 @@ impl Reading<'_> {
         recipe: Option<Box<dyn Recipe>>,
         channels: Vec<ViewChannel>,
     ) -> Result<Pass, NodeError> {
-        let (opened, found) = open_pass(self.prepare, self.path, self.node.text(knob))?;
+        let (opened, found) = open_pass(self.prepare, self.path, knob, self.node.text(knob))?;
         if found.len() != 1 {
             let expected = "one; name the channel, for example \"Combined.A\"";
             return Err(self.fault(knob, &opened, &found, expected));
@@ -270,7 +275,7 @@ impl Reading<'_> {
     }
 
     fn vector(&self, knob: &str, channels: ChannelSet, turned: Turned) -> Result<Pass, NodeError> {
-        let (opened, found) = open_pass(self.prepare, self.path, self.node.text(knob))?;
+        let (opened, found) = open_pass(self.prepare, self.path, knob, self.node.text(knob))?;
         let names = opened.names();
         let named = names.among(&found, ["X", "Y", "Z"]).or_else(|| names.among(&found, ["R", "G", "B"]));
         let at = match named {

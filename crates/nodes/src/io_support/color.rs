@@ -92,7 +92,7 @@ impl Conversion {
     /// The conversion that a file and the knob `encoding` ask for.
     ///
     /// # Errors
-    /// Unknown primaries.
+    /// Primaries that span no colors.
     pub(crate) fn new(meaning: Meaning, encoding: &str) -> Result<Self, NodeError> {
         let encoded = match encoding {
             "linear" => false,
@@ -100,22 +100,24 @@ impl Conversion {
             _ => meaning.encoding == Encoding::Srgb,
         };
         let space = meaning.space;
-        let from = primaries(&meaning)?;
-        // Display encoding in and out cancel, if nothing happens to the light between.
         let wide = space == WorkingSpace::AcesCg;
-        let same = (from == WorkingSpace::AcesCg) == wide;
+        let to = if wide { WorkingSpace::AcesCg } else { WorkingSpace::LinearSrgb };
+        let matrix = match known(&meaning) {
+            Some(from) if from == to => None,
+            Some(from) => {
+                let column = |c: usize| {
+                    let mut basis = [0.0; 3];
+                    basis[c] = 1.0;
+                    to.from_linear_srgb(from.to_linear_srgb(basis))
+                };
+                let columns = [column(0), column(1), column(2)];
+                Some([0, 1, 2].map(|i| [columns[0][i], columns[1][i], columns[2][i]]))
+            }
+            None => Some(other(&meaning, &to.chromaticities())?),
+        };
+        // Display encoding in and out cancel, if nothing happens to the light between.
         let encode = space == WorkingSpace::Srgb;
-        let identity = same && encoded == encode;
-        let matrix = (!same).then(|| {
-            let to = if wide { WorkingSpace::AcesCg } else { WorkingSpace::LinearSrgb };
-            let column = |c: usize| {
-                let mut basis = [0.0; 3];
-                basis[c] = 1.0;
-                to.from_linear_srgb(from.to_linear_srgb(basis))
-            };
-            let columns = [column(0), column(1), column(2)];
-            [0, 1, 2].map(|i| [columns[0][i], columns[1][i], columns[2][i]])
-        });
+        let identity = matrix.is_none() && encoded == encode;
         Ok(Self {
             meaning,
             identity,
@@ -178,19 +180,26 @@ impl Conversion {
     }
 }
 
-/// The linear space whose primaries the file states; Rec. 709, as the EXR specification says, where it states none.
-fn primaries(meaning: &Meaning) -> Result<WorkingSpace, NodeError> {
-    let Some(found) = meaning.chromaticities else { return Ok(WorkingSpace::LinearSrgb) };
+/// The linear space whose primaries the file states, if it is one that is known here; Rec. 709, as the EXR specification says,
+/// where it states none.
+fn known(meaning: &Meaning) -> Option<WorkingSpace> {
+    let Some(found) = meaning.chromaticities else { return Some(WorkingSpace::LinearSrgb) };
     let listed = |c: Chromaticities| [c.red, c.green, c.blue, c.white];
     // Files state three decimals.
     let near = |space: &WorkingSpace| {
         let pairs = listed(found).into_iter().zip(listed(space.chromaticities()));
         pairs.flat_map(|(a, b)| [a[0] - b[0], a[1] - b[1]]).all(|difference| difference.abs() < 1.5e-3)
     };
-    [WorkingSpace::LinearSrgb, WorkingSpace::AcesCg].into_iter().find(near).ok_or_else(|| {
+    [WorkingSpace::LinearSrgb, WorkingSpace::AcesCg].into_iter().find(near)
+}
+
+/// The matrix from any other primaries.
+fn other(meaning: &Meaning, to: &Chromaticities) -> Result<[[f64; 3]; 3], NodeError> {
+    let found = meaning.chromaticities.unwrap_or(*to);
+    found.matrix_to(to).ok_or_else(|| {
         NodeError::new(format!(
-            "{}: part {}: found the primaries red {:?}, green {:?}, blue {:?}, white {:?}, expected those of Rec. 709 \
-             or ACEScg (AP1); convert the picture to one of them",
+            "{}: part {}: found the primaries red {:?}, green {:?}, blue {:?}, white {:?}, expected three that span colors, \
+             with a white among them; correct the attribute \"chromaticities\", or remove it if they are those of Rec. 709",
             meaning.path.display(),
             meaning.part,
             found.red,

@@ -2,7 +2,8 @@
 
 use trochoid_graph::{Check, Item, Kind, Knob, Settled};
 
-pub(crate) const FILE: Item = Knob::path("file", "The picture; #### or %04d stands for the frame.").item();
+pub(crate) const FILE: Item =
+    Knob::path("file", "The picture; #### or %04d stands for the frame, \\# and \\% for the signs.").item();
 pub(crate) const AS: Item =
     Knob::choice("as", &["color", "weights", "field"], "What the values mean: a mask is weights of one channel.")
         .required()
@@ -23,7 +24,7 @@ pub(crate) const PREMULTIPLIED: Item =
 pub(crate) const ENCODING: Item = Knob::choice(
     "encoding",
     &["auto", "linear", "srgb"],
-    "How color is stored; auto: EXR linear, others encoded for display.",
+    "How color is stored; auto: EXR and floats linear, others encoded for display.",
 )
 .item();
 

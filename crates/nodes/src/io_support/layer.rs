@@ -1,7 +1,9 @@
 //! One plane of a file, laid over the document's picture.
 
+use super::kept::Grid;
 use crate::filter_support;
 use std::path::Path;
+use std::sync::Arc;
 use trochoid_graph::{Block, NodeError};
 use trochoid_image::{Format, Plane, Window};
 
@@ -78,6 +80,12 @@ impl Fit {
                 Tap { low: origin + center.floor() as i64, t: center - center.floor() }
             }
         }
+    }
+
+    /// The pixels that a sample at a position along an axis may be made of.
+    pub(crate) fn neighbors(&self, axis: usize, at: f64) -> std::ops::RangeInclusive<i64> {
+        let low = self.tap(axis, at).low;
+        low..=if self.way == Way::Bilinear { low + 1 } else { low }
     }
 
     /// Whether each pixel of the document is one of the picture.
@@ -178,10 +186,18 @@ impl Fit {
     }
 }
 
+/// Samples of a channel.
+#[derive(Clone, Debug)]
+enum Pixels {
+    Whole(Plane),
+    /// Only those on a grid.
+    Kept(Arc<Grid>, Vec<f32>),
+}
+
 /// One plane of a file, laid over the document's picture.
 #[derive(Clone, Debug)]
 pub(crate) struct Layer {
-    plane: Plane,
+    pixels: Pixels,
     fit: Fit,
     /// The value outside the plane's window; without it the nearest pixel repeats.
     outside: Option<f32>,
@@ -189,7 +205,35 @@ pub(crate) struct Layer {
 
 impl Layer {
     pub(crate) fn new(plane: Plane, fit: Fit, outside: Option<f32>) -> Self {
-        Self { plane, fit, outside }
+        Self { pixels: Pixels::Whole(plane), fit, outside }
+    }
+
+    /// Of a picture of which only some pixels are kept.
+    pub(crate) fn kept(grid: Arc<Grid>, samples: Vec<f32>, fit: Fit, outside: Option<f32>) -> Self {
+        Self { pixels: Pixels::Kept(grid, samples), fit, outside }
+    }
+
+    /// Whether all pixels are kept that a block is made of.
+    pub(crate) fn covers(&self, block: &Block<'_>) -> bool {
+        let Pixels::Kept(grid, _) = &self.pixels else { return true };
+        let (window, [across, down]) = (block.window, block.offset);
+        let near = |axis, at: i64, offset| self.fit.neighbors(axis, at as f64 + offset);
+        (window.x0..window.x1).all(|x| near(0, x, across).all(|x| grid.has_column(x)))
+            && (window.y0..window.y1).all(|y| near(1, y, down).all(|y| grid.has_row(y)))
+    }
+
+    /// The same of the value at a place.
+    pub(crate) fn covers_place(&self, [x, y]: [f64; 2]) -> bool {
+        let Pixels::Kept(grid, _) = &self.pixels else { return true };
+        self.fit.neighbors(0, x).all(|x| grid.has_column(x)) && self.fit.neighbors(1, y).all(|y| grid.has_row(y))
+    }
+
+    /// The plane's window.
+    fn data(&self) -> Window {
+        match &self.pixels {
+            Pixels::Whole(plane) => plane.window(),
+            Pixels::Kept(grid, _) => grid.data(),
+        }
     }
 
     /// The samples of a block, row by row.
@@ -200,9 +244,9 @@ impl Layer {
         }
         let down = |y: i64| self.fit.tap(1, y as f64 + block.offset[1]);
         let rows = out.chunks_mut(window.width()).zip(window.y0..);
-        if self.fit.way == Way::Pixel {
+        if let (Way::Pixel, Pixels::Whole(plane)) = (self.fit.way, &self.pixels) {
             let left = self.fit.tap(0, window.x0 as f64 + block.offset[0]).low;
-            rows.for_each(|(row, y)| self.copy(left, down(y).low, row));
+            rows.for_each(|(row, y)| self.copy(plane, left, down(y).low, row));
             return;
         }
         let columns: Vec<Tap> = (window.x0..window.x1).map(|x| self.fit.tap(0, x as f64 + block.offset[0])).collect();
@@ -215,11 +259,11 @@ impl Layer {
     }
 
     /// The pixels from (`left`, `y`) on: what lies within the plane in one piece.
-    fn copy(&self, left: i64, y: i64, out: &mut [f32]) {
-        let data = self.plane.window();
+    fn copy(&self, plane: &Plane, left: i64, y: i64, out: &mut [f32]) {
+        let data = plane.window();
         let stored = match self.outside {
-            Some(_) => self.plane.row(y),
-            None => self.plane.row(y.clamp(data.y0, data.y1 - 1)),
+            Some(_) => plane.row(y),
+            None => plane.row(y.clamp(data.y0, data.y1 - 1)),
         };
         let within = |x: i64| (x - left).clamp(0, out.len() as i64) as usize;
         let (first, last) = (within(data.x0), within(data.x1));
@@ -259,20 +303,25 @@ impl Layer {
     }
 
     fn texel(&self, x: i64, y: i64) -> f32 {
-        match self.outside {
-            Some(outside) if !self.plane.window().contains(x, y) => outside,
-            _ => self.plane.nearest(x, y),
+        match (self.outside, &self.pixels) {
+            (Some(outside), _) if !self.data().contains(x, y) => outside,
+            (_, Pixels::Whole(plane)) => plane.nearest(x, y),
+            // What is not kept was asked about before.
+            (_, Pixels::Kept(grid, samples)) => grid.place(x, y).map_or(f32::NAN, |place| samples[place]),
         }
     }
 
     /// Where the file holds pixels, in the document's.
     pub(crate) fn window(&self) -> Window {
-        self.fit.window(self.plane.window())
+        self.fit.window(self.data())
     }
 
-    /// All samples of the file.
+    /// All samples that are kept.
     pub(crate) fn samples(&self) -> &[f32] {
-        self.plane.samples()
+        match &self.pixels {
+            Pixels::Whole(plane) => plane.samples(),
+            Pixels::Kept(_, samples) => samples,
+        }
     }
 }
 

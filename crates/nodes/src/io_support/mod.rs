@@ -1,7 +1,11 @@
 //! What the nodes that read files share: decoding a selection, bad data, fitting, and color conversion.
 
 mod color;
+mod cost;
 mod covered;
+mod kept;
+#[cfg(test)]
+mod kept_tests;
 pub(crate) mod knobs;
 mod layer;
 mod legal;
@@ -14,6 +18,8 @@ mod stream;
 #[cfg(test)]
 mod stream_tests;
 
+pub use cost::reading_cost;
+pub(crate) use kept::Kept;
 pub(crate) use layer::{Fit, Layer};
 pub(crate) use legal::Rule;
 pub(crate) use on_demand::{Opened, open_pass};
@@ -30,12 +36,19 @@ use trochoid_graph::{FrameContext, NodeError};
 use trochoid_image::{MAX_PIXELS, Window};
 use trochoid_io::{Limits, Picture, Selection};
 
+/// Colors of at most so many bytes are kept decoded: their file is read for the control colors, so that reading it on demand
+/// would decode it twice.
+pub(crate) const KEPT_COLORS: u64 = 256 << 20;
+
+/// Pictures other than EXR of at most so many bytes are kept whole; of larger ones only what the document's samples fall on.
+pub(crate) const KEPT_WHOLE: u64 = if cfg!(test) { 1 << 10 } else { 64 << 20 };
+
 /// Words of the knob `fit`.
 pub(crate) const FITS: &[&str] = &["nearest", "bilinear", "crop"];
 
 /// Decodes a selection within the frame's limit of memory.
 pub(crate) fn decode(frame: &FrameContext, path: &Path, selection: &Selection) -> Result<Picture, NodeError> {
-    let picture = trochoid_io::read(path, selection, &limits(frame)).map_err(NodeError::new)?;
+    let picture = trochoid_io::read(path, selection, &limits(frame)).map_err(|error| reading::selected(error, None))?;
     filled(path, picture.part, picture.data)?;
     Ok(picture)
 }

@@ -1,5 +1,6 @@
 //! Finding channels, in a file that is only opened as in a picture that is decoded.
 
+use super::reading::selected;
 use super::{filled, limits, shared};
 use std::path::Path;
 use trochoid_graph::{NodeError, Prepare};
@@ -114,8 +115,13 @@ impl Opened {
 /// What the channels R, G and B of a file's main layer, which has no name, are called as a pass.
 const MAIN: &str = "RGB";
 
-/// Opens a layer or part, or the one channel of that name, such as `Combined.A`. Which channels are meant comes with it.
-pub(crate) fn open_pass(prepare: &Prepare<'_>, path: &Path, name: &str) -> Result<(Opened, Vec<usize>), NodeError> {
+/// Opens a layer or part, or the one channel, that a knob names, such as `Combined.A`. Which channels are meant comes with it.
+pub(crate) fn open_pass(
+    prepare: &Prepare<'_>,
+    path: &Path,
+    knob: &str,
+    name: &str,
+) -> Result<(Opened, Vec<usize>), NodeError> {
     let open = |selection: &Selection| Opened::open(prepare, path, selection);
     let whole = |opened: Opened| {
         let all = (0..opened.names().count()).collect();
@@ -139,7 +145,7 @@ pub(crate) fn open_pass(prepare: &Prepare<'_>, path: &Path, name: &str) -> Resul
             found = Err(missing);
         }
     }
-    let (opened, channels) = found.map_err(NodeError::new)?;
+    let (opened, channels) = found.map_err(|error| selected(error, Some(knob)))?;
     filled(path, opened.names().part, opened.windows().1)?;
     Ok((opened, channels))
 }

@@ -60,14 +60,14 @@ pub(crate) fn walked(stream: &Stream, cancelled: &(dyn Fn() -> bool + Sync)) -> 
 
 /// Colors in the order of their first pixel or, of many, their hull.
 #[derive(Default)]
-struct Gathered {
+pub(super) struct Gathered {
     seen: HashSet<[u32; 3]>,
     colors: Vec<Rgb>,
     hull: Option<HullBuilder>,
 }
 
 impl Gathered {
-    fn add_row(&mut self, r: &[f32], g: &[f32], b: &[f32]) {
+    pub(super) fn add_row(&mut self, r: &[f32], g: &[f32], b: &[f32]) {
         if self.hull.is_none() {
             let mut last = None;
             for ((r, g), b) in r.iter().zip(g).zip(b) {
@@ -115,7 +115,7 @@ impl Gathered {
         self
     }
 
-    fn finish(self) -> Vec<Rgb> {
+    pub(super) fn finish(self) -> Vec<Rgb> {
         match self.hull {
             Some(hull) => hull.finish().vertices().to_vec(),
             None => self.colors,

@@ -150,9 +150,20 @@ fn stated_primaries_are_converted() {
     );
     let text = message(read(folder.path(), "color", r#""as": "color""#));
     assert!(text.contains("pixel (0, 0)") && text.contains("linear-srgb") && text.contains("acescg"), "{text}");
-    let narrow = Chromaticities { red: [0.7, 0.29], ..WorkingSpace::LinearSrgb.chromaticities() };
-    exr(folder.path(), &channels, Some(narrow));
-    assert!(message(read(folder.path(), "color", r#""as": "color""#)).contains("expected those of Rec. 709"));
+    // Any others too: of P3 to Rec. 709 as published, 6 digits.
+    let p3 = Chromaticities { red: [0.68, 0.32], green: [0.265, 0.69], blue: [0.15, 0.06], white: [0.3127, 0.329] };
+    exr(folder.path(), &[("R", [0.5; 12]), ("G", [0.5; 12]), ("B", [0.25; 12])], Some(p3));
+    let frame = read(folder.path(), "color", r#""as": "color""#).unwrap();
+    let m = [[1.224_940, -0.224_940, 0.0], [-0.042_057, 1.042_057, 0.0], [-0.019_638, -0.078_636, 1.098_274]];
+    for (found, row) in value(&frame, 0, 0).iter().zip(m) {
+        let expected = row[0] * 0.5 + row[1] * 0.5 + row[2] * 0.25;
+        assert!((f64::from(*found) - expected).abs() < 1e-5, "{found} and {expected}");
+    }
+    for bad in [Chromaticities { red: p3.green, ..p3 }, Chromaticities { white: [f32::NAN, 0.3], ..p3 }] {
+        exr(folder.path(), &[("R", [0.5; 12]), ("G", [0.5; 12]), ("B", [0.25; 12])], Some(bad));
+        let text = message(read(folder.path(), "color", r#""as": "color""#));
+        assert!(text.contains("expected three that span colors") && text.contains("chromaticities"), "{text}");
+    }
 }
 
 #[test]

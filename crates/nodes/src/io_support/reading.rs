@@ -23,6 +23,17 @@ pub(crate) struct Reading<'a> {
     pub(crate) outside: Option<Rgb>,
 }
 
+/// How the output's channels are made of stored ones.
+pub(super) struct Made {
+    pub(super) rule: Rule,
+    /// The stored channels, by their positions in what was selected.
+    pub(super) at: Vec<usize>,
+    /// What makes the output's channels of them; none where they are the same.
+    pub(super) recipe: Option<Box<dyn Recipe>>,
+    /// The output's channels.
+    pub(super) targets: Vec<usize>,
+}
+
 /// The planes of the output, `None` where nobody wants them, and the number of repaired values.
 pub(crate) type Planes = (Vec<Option<Plane>>, u64);
 
@@ -43,16 +54,16 @@ impl Reading<'_> {
         }
     }
 
-    fn repair(&self) -> bool {
+    pub(super) fn repair(&self) -> bool {
         self.node.bool("repair")
     }
 
-    fn selection(&self, channels: Vec<String>) -> Selection {
+    pub(super) fn selection(&self, channels: Vec<String>) -> Selection {
         let text = |knob: &str| self.node.is_set(knob).then(|| self.node.text(knob));
         Selection { part: text("part").map(Into::into), layer: text("layer").map(Into::into), channels }
     }
 
-    fn fault(&self, part: usize, found: String, expected: &str) -> NodeError {
+    pub(super) fn fault(&self, part: usize, found: String, expected: &str) -> NodeError {
         NodeError::new(format!("{}: part {part}: found {found}, expected {expected}", self.path.display()))
     }
 
@@ -69,15 +80,12 @@ impl Reading<'_> {
         wanted: &[bool],
         budget: u64,
     ) -> Result<Option<(Stream, Vec<usize>)>, NodeError> {
-        let io = |error: trochoid_io::Error| NodeError::new(error);
+        let io = |error: trochoid_io::Error| selected(error, None);
         let premultiplied = kind == Kind::Color && self.node.bool("premultiplied");
         if !wanted.contains(&true) || premultiplied || trochoid_io::kind(self.path).map_err(io)? != FileKind::Exr {
             return Ok(None);
         }
-        let channels = match kind {
-            Kind::Field(_) => self.wanted_names(wanted),
-            _ => self.node.texts("channels").to_vec(),
-        };
+        let channels = self.wanted_channels(kind, wanted);
         let named = channels.len();
         let reader = shared::open(prepare, self.path, &self.selection(channels)).map_err(io)?;
         let info = reader.info();
@@ -86,11 +94,42 @@ impl Reading<'_> {
         if info.data.height() > MOST_ROWS || (kind == Kind::Color && small) {
             return Ok(None);
         }
+        let fit = Fit::new(self.node.text("fit"), FITS, info.display, self.frame.format, self.path)?;
+        let Made { rule, at, recipe, targets } = self.made(kind, info, named, wanted)?;
+        let stored = Stored {
+            path: self.path.into(),
+            part: info.part,
+            names: Names::from(info).full(&at),
+            data: info.data,
+            rule,
+            repair: self.repair(),
+        };
+        let (file, places) = SharedFile::of(prepare, self.path, &reader, &at)?;
+        let mut stream = Stream::new(stored, Rows::File(file, places), recipe, targets.len(), fit);
+        stream.outside = self.outside;
+        Ok(Some((stream, targets)))
+    }
+
+    /// The channels to select for a value of `kind`: of fields only those that anyone wants.
+    pub(super) fn wanted_channels(&self, kind: Kind, wanted: &[bool]) -> Vec<String> {
+        match kind {
+            Kind::Field(_) => self.wanted_names(wanted),
+            _ => self.node.texts("channels").to_vec(),
+        }
+    }
+
+    /// How the output's channels are made of those that a file has.
+    pub(super) fn made(
+        &self,
+        kind: Kind,
+        info: &PictureInfo,
+        named: usize,
+        wanted: &[bool],
+    ) -> Result<Made, NodeError> {
         let names = Names::from(info);
         if kind != Kind::Color {
             self.only(&names, named)?;
         }
-        let fit = Fit::new(self.node.text("fit"), FITS, info.display, self.frame.format, self.path)?;
         let (rule, at) = match kind {
             Kind::Color => {
                 let at = self.find_color(&names, named)?;
@@ -113,18 +152,7 @@ impl Reading<'_> {
             _ if at.len() > 1 => recipe = Some(Box::new(Normalized(self.sums(&names)))),
             _ => {}
         }
-        let stored = Stored {
-            path: self.path.into(),
-            part: info.part,
-            names: names.full(&at),
-            data: info.data,
-            rule,
-            repair: self.repair(),
-        };
-        let (file, places) = SharedFile::of(prepare, self.path, &reader, &at)?;
-        let mut stream = Stream::new(stored, Rows::File(file, places), recipe, targets.len(), fit);
-        stream.outside = self.outside;
-        Ok(Some((stream, targets)))
+        Ok(Made { rule, at, recipe, targets })
     }
 
     fn sums(&self, names: &Names<'_>) -> Sums {
@@ -277,6 +305,17 @@ impl Reading<'_> {
             planes.remove(0);
         }
         Ok((planes.into_iter().map(Some).collect(), repaired))
+    }
+}
+
+/// A file's error, with the knob that names what the file does not have: `knob` or, by default, the one for it.
+pub(super) fn selected(error: trochoid_io::Error, knob: Option<&str>) -> NodeError {
+    match &error {
+        trochoid_io::Error::NotFound { kind, existing, .. } if !existing.is_empty() => {
+            let knob = knob.unwrap_or(if *kind == "channel" { "channels" } else { kind });
+            NodeError::new(format!("{error}, in the node's \"{knob}\", or to try it by --set NODE.{knob}=…"))
+        }
+        _ => NodeError::new(error),
     }
 }
 

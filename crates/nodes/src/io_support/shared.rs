@@ -9,7 +9,7 @@ use trochoid_image::Window;
 use trochoid_io::{BandBuffer, ExrReader, Selection};
 
 /// Decoded blocks that are kept of one file, bytes.
-const KEPT: usize = 64 << 20;
+pub(super) const KEPT: usize = 64 << 20;
 
 /// Least rows of a block: files of single rows are read faster several at a time.
 const ROWS: usize = 16;

@@ -1,7 +1,8 @@
 //! BezierModel: a surface of Bézier patches.
 
 use crate::scene_support::{
-    FLIP, ROTATE, SCALE, Standing, TRANSLATE, check_ending, check_scale, memory, patch, placement, read_model, vector,
+    FLIP, ROTATE, SCALE, Standing, TRANSLATE, check_ending, check_scale, memory, named, patch, placement, read_model,
+    vector,
 };
 use std::path::PathBuf;
 use trochoid_graph::*;
@@ -137,7 +138,7 @@ impl Stage for BezierModel {
         let mut patches =
             inline(node).map_err(|(_, found, expected)| NodeError::new(format!("{found}: {expected}")))?;
         if node.is_set("model") {
-            patches.extend(read_model(&prepare.frame.path(node.text("model")))?);
+            patches.extend(read_model(&named(prepare.frame, node.text("model"))?)?);
         }
         let mut placement = placement(node);
         placement.scale.y *= node.number("stretch");

@@ -24,7 +24,11 @@ static DECLARATION: Declaration = Declaration {
                  its buffers itself: .glb, or .gltf with embedded ones. What file it is follows from how it begins.",
     source: "Wavefront, Advanced Visualizer, Appendix B1 (OBJ); Khronos, glTF 2.0 Specification.",
     items: &[
-        Knob::path("file", "The model: .obj, .glb or .gltf; #### or %04d stands for the frame.").item(),
+        Knob::path(
+            "file",
+            "The model: .obj, .glb or .gltf; #### or %04d stands for the frame, \\# and \\% for the signs.",
+        )
+        .item(),
         UP,
         Knob::choice("normals", &["file", "smooth", "flat"], "As the file has them, or of the triangles.").item(),
         SCALE,
@@ -53,7 +57,7 @@ impl NodeType for Mesh {
 
 /// The triangles of the file as the knobs have them, before they are placed.
 fn mesh(node: &Settled, frame: &FrameContext) -> Result<Triangles, NodeError> {
-    let path = frame.path(node.text("file"));
+    let path = crate::scene_support::named(frame, node.text("file"))?;
     let mut mesh = read_mesh(&path, frame.memory_limit)?;
     let up = node.text("up");
     for vector in mesh.positions.iter_mut().chain(&mut mesh.normals) {

@@ -37,8 +37,9 @@ pub(crate) use waters::{
     check_trails,
 };
 
+use std::path::PathBuf;
 use std::sync::Arc;
-use trochoid_graph::{Inputs, Reference, References, Settled, ViewChannel};
+use trochoid_graph::{FrameContext, Inputs, NodeError, Reference, References, Settled, ViewChannel, escape_remedy};
 use trochoid_scene::{Camera, DVec3, Surface};
 
 /// What nodes with a Surface as output hand on.
@@ -91,4 +92,18 @@ pub(crate) fn uncover(inputs: &Inputs<'_>, mask: &mut [f32]) {
 /// A mask of the reference at an uncovered sample.
 pub(crate) fn nothing() -> Vec<Reference> {
     vec![Reference::Mask(0.0)]
+}
+
+/// The file that a node names, at the frame.
+///
+/// # Errors
+/// There is none, but one whose name has a `#` or a `%` of its own.
+pub(crate) fn named(frame: &FrameContext, written: &str) -> Result<PathBuf, NodeError> {
+    let path = frame.path(written);
+    if !path.exists()
+        && let Some(remedy) = escape_remedy(&frame.folder.join(written))
+    {
+        return Err(NodeError::new(format!("{}: found no file of this name, expected one; {remedy}", path.display())));
+    }
+    Ok(path)
 }

@@ -4,7 +4,6 @@
 //! a surface passes through.
 
 use serde::Deserialize;
-use std::io::Read;
 use std::path::Path;
 use trochoid_graph::NodeError;
 use trochoid_scene::DVec3;
@@ -42,34 +41,12 @@ struct Sheet {
     rails: Vec<Vec<[f64; 3]>>,
 }
 
-/// A whole file of at most `limit` bytes; nothing larger is taken into memory.
-///
-/// # Errors
-/// The file cannot be read, or is larger.
-fn read_limited(path: &Path, limit: u64) -> Result<Vec<u8>, NodeError> {
-    let fault = |error: std::io::Error| {
-        NodeError::new(format!(
-            "{}: found no file that can be read ({error}); expected a model: correct its path, which starts at the \
-             document's folder",
-            path.display()
-        ))
-    };
-    let file = std::fs::File::open(path).map_err(fault)?;
-    let mut bytes = Vec::new();
-    file.take(limit + 1).read_to_end(&mut bytes).map_err(fault)?;
-    if bytes.len() as u64 > limit {
-        let expected = format!("at most {limit} bytes, found more: reduce the model");
-        return Err(NodeError::new(format!("{}: expected {expected}", path.display())));
-    }
-    Ok(bytes)
-}
-
 /// The patches of a model file.
 ///
 /// # Errors
 /// The file cannot be read, is too large, or is no model: with line and column, or the patch and number at fault.
 pub(crate) fn read_model(path: &Path) -> Result<Vec<Patch>, NodeError> {
-    let bytes = read_limited(path, MAX_FILE_BYTES)?;
+    let bytes = trochoid_io::read_bytes(path, MAX_FILE_BYTES).map_err(NodeError::new)?;
     patches(&bytes).map_err(|message| NodeError::new(format!("{}: {message}", path.display())))
 }
 
@@ -172,11 +149,11 @@ mod tests {
     fn files_beyond_the_limit_are_not_taken() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("large.json");
-        std::fs::write(&path, " ".repeat(100)).unwrap();
-        assert_eq!(read_limited(&path, 100).unwrap().len(), 100);
-        let message = read_limited(&path, 99).unwrap_err().message;
-        assert!(message.contains("large.json") && message.contains("at most 99 bytes"), "{message}");
+        std::fs::File::create(&path).unwrap().set_len(MAX_FILE_BYTES + 1).unwrap();
+        let message = read_model(&path).unwrap_err().message;
+        assert!(message.contains("large.json") && message.contains("at most 8388608"), "{message}");
         assert!(read_model(&folder.path().join("missing.json")).unwrap_err().message.contains("missing.json"));
+        assert!(read_model(folder.path()).unwrap_err().message.contains("found a folder"));
     }
 
     fn sample(name: &str) -> Continuity {

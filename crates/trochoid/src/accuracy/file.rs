@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use trochoid_graph::{CheckedGraph, Tolerance};
+use trochoid_graph::{CheckedGraph, MAX_BYTES, Tolerance};
 
 /// Settings that meet a tolerance, to be used again: at other frames, on other machines.
 ///
@@ -52,7 +52,7 @@ pub struct CertifiedText {
 #[derive(Debug, thiserror::Error)]
 pub enum PlanFileError {
     /// The file cannot be read.
-    #[error("{}: cannot be read: {reason}", path.display())]
+    #[error("{}: {reason}", path.display())]
     Read {
         /// The file.
         path: PathBuf,
@@ -128,11 +128,11 @@ impl PlanFile {
     /// # Errors
     /// It cannot be read, or is no plan.
     pub fn read(path: &Path) -> Result<Self, PlanFileError> {
-        let bytes = std::fs::read(path)
-            .map_err(|error| PlanFileError::Read { path: path.into(), reason: error.to_string() })?;
         let none = |reason: String| PlanFileError::NoPlan { path: path.into(), reason };
-        let text =
-            String::from_utf8(bytes).map_err(|_| none("found bytes that are no UTF-8; expected a plan".into()))?;
+        let text = trochoid_io::read_text(path, MAX_BYTES as u64).map_err(|error| match error {
+            trochoid_io::Error::NotText { .. } => none("found bytes that are no UTF-8; expected a plan".into()),
+            error => PlanFileError::Read { path: path.into(), reason: error.reason() },
+        })?;
         Self::parse(&text).map_err(none)
     }
 

@@ -5,6 +5,9 @@ use crate::{LoadError, OutputError};
 use std::path::{Path, PathBuf};
 use trochoid_engine::{EvalError, PlanError, ReferenceError};
 
+/// Most bytes of a certificate: its document, a hash for each block of the largest picture, and a bit for each sample.
+const MAX_BYTES: u64 = 1 << 30;
+
 /// Why a certificate could not be made or checked; that one does not hold is no error.
 #[derive(Debug, thiserror::Error)]
 pub enum CertificateError {
@@ -17,7 +20,7 @@ pub enum CertificateError {
         found: String,
     },
     /// A file cannot be read.
-    #[error("{}: cannot be read: {reason}", path.display())]
+    #[error("{}: {reason}", path.display())]
     Read {
         /// The file.
         path: PathBuf,
@@ -85,10 +88,11 @@ impl Certificate {
     /// # Errors
     /// The file cannot be read, or is no certificate.
     pub fn read(path: &Path) -> Result<Result<Self, [String; 2]>, CertificateError> {
-        let bytes = std::fs::read(path)
-            .map_err(|error| CertificateError::Read { path: path.into(), reason: error.to_string() })?;
         let none = |found: String| CertificateError::NoCertificate { path: path.into(), found };
-        let text = String::from_utf8(bytes).map_err(|_| none("bytes that are no UTF-8".into()))?;
+        let text = trochoid_io::read_text(path, MAX_BYTES).map_err(|error| match error {
+            trochoid_io::Error::NotText { .. } => none("bytes that are no UTF-8".into()),
+            error => CertificateError::Read { path: path.into(), reason: error.reason() },
+        })?;
         if let Err(error) = serde_json::from_str::<serde::de::IgnoredAny>(&text) {
             return Err(none(format!("no JSON ({error})")));
         }

@@ -7,7 +7,6 @@ mod samples;
 #[cfg(test)]
 mod tests;
 
-use std::io::Read;
 use std::path::Path;
 use trochoid_graph::NodeError;
 use trochoid_scene::{MAX_TRIANGLES, Triangles};
@@ -22,21 +21,7 @@ const BYTES_PER_BYTE: u64 = 32;
 /// The file cannot be read, is too large for `memory` bytes, or is no mesh: with the line, node or array at fault.
 pub(crate) fn read_mesh(path: &Path, memory: u64) -> Result<Triangles, NodeError> {
     let fault = |message: String| NodeError::new(format!("{}: {message}", path.display()));
-    let limit = memory / BYTES_PER_BYTE;
-    let file = std::fs::File::open(path).map_err(|error| {
-        fault(format!(
-            "found no file that can be read ({error}); expected a mesh: correct \"file\", whose path starts at the \
-             document's folder"
-        ))
-    })?;
-    if path.is_dir() {
-        return Err(fault("found a folder; expected a mesh: name a .obj, .glb or .gltf file in it".into()));
-    }
-    let mut bytes = Vec::new();
-    file.take(limit + 1).read_to_end(&mut bytes).map_err(|error| fault(error.to_string()))?;
-    if bytes.len() as u64 > limit {
-        return Err(fault(format!("found more than {limit} bytes; expected at most as many: reduce the mesh")));
-    }
+    let bytes = trochoid_io::read_bytes(path, memory / BYTES_PER_BYTE).map_err(NodeError::new)?;
     mesh(&bytes).map_err(fault)
 }
 

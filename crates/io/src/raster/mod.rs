@@ -1,0 +1,258 @@
+//! PNG, JPEG and TIFF, row by row: of a picture only what is wanted becomes f32, and of most files no more than a few rows
+//! are decoded at a time.
+
+mod jpeg;
+mod png;
+mod turn;
+
+use std::io::{BufRead, Seek};
+use std::ops::ControlFlow;
+use std::path::Path;
+
+use image::metadata::Orientation;
+use trochoid_image::{Plane, Window};
+
+use crate::limits::reserve;
+use crate::source::Source;
+use crate::{
+    ChannelInfo, Compression, Encoding, Error, FileKind, Limits, PartInfo, SampleType, Storage, names, png_file,
+    tiff_file,
+};
+pub(crate) use jpeg::DENSEST as JPEG_DENSEST;
+pub(crate) use turn::oriented;
+
+/// The picture, for messages: these files have one.
+pub(crate) const PLACE: &str = "the picture";
+/// What to do about a picture that is not read.
+pub(crate) const CONVERT: &str =
+    "convert it, for example with oiiotool or ImageMagick, to PNG, to TIFF with 8 or 16 bits, or to EXR";
+
+/// A picture as its header describes it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Form {
+    /// Stored, before it is turned upright.
+    pub(crate) width: u32,
+    pub(crate) height: u32,
+    /// Type of the decoded samples.
+    pub(crate) sample_type: SampleType,
+    /// Channels of a pixel, interleaved.
+    pub(crate) bases: &'static [&'static str],
+    pub(crate) orientation: Orientation,
+    pub(crate) encoding: Encoding,
+    /// Rows that are decoded together.
+    pub(crate) rows: u32,
+    /// Bytes that decoding takes at most besides these rows.
+    pub(crate) working: u64,
+}
+
+/// The names of gray, gray with alpha, color, color with alpha.
+pub(crate) fn bases(color: bool, alpha: bool) -> &'static [&'static str] {
+    match (color, alpha) {
+        (false, false) => &["Y"],
+        (false, true) => &["Y", "A"],
+        (true, false) => &["R", "G", "B"],
+        (true, true) => &["R", "G", "B", "A"],
+    }
+}
+
+impl Form {
+    /// Bytes of a decoded pixel.
+    pub(crate) fn pixel(&self) -> usize {
+        self.bases.len() * self.sample_type.bytes()
+    }
+
+    pub(crate) fn row_bytes(&self) -> usize {
+        self.width as usize * self.pixel()
+    }
+
+    fn stored(&self) -> Window {
+        Window::sized(self.width, self.height)
+    }
+
+    /// Whether rows come upright in their order.
+    fn in_order(&self) -> bool {
+        matches!(self.orientation, Orientation::NoTransforms | Orientation::FlipHorizontal)
+    }
+
+    /// Bytes that decoding takes at most, besides what is kept of it.
+    pub(crate) fn decoding(&self) -> u64 {
+        let rows = if self.in_order() { self.rows.min(self.height) } else { self.height };
+        (self.row_bytes() as u64).saturating_mul(u64::from(rows)).saturating_add(self.working)
+    }
+}
+
+/// Takes decoded rows: their number, and their interleaved samples in the machine's byte order.
+pub(crate) type TakeBytes<'a> = dyn FnMut(usize, &[u8]) -> ControlFlow<()> + 'a;
+
+/// Reads the header.
+pub(crate) fn form<R: BufRead + Seek>(source: &mut Source<R>, kind: FileKind) -> Result<Form, Error> {
+    source.seek(0)?;
+    let form = match kind {
+        FileKind::Jpeg => jpeg::form(source)?,
+        FileKind::Tiff => tiff_file::form(source)?,
+        FileKind::Png | FileKind::Exr => png::form(source)?,
+    };
+    if form.stored().is_empty() {
+        return Err(Error::invalid(&source.path, PLACE, format!("the window {}", form.stored()), "at least one pixel"));
+    }
+    Ok(form)
+}
+
+/// What a header says, for users.
+pub(crate) fn info<R: BufRead + Seek>(source: &mut Source<R>, kind: FileKind) -> Result<(PartInfo, Form), Error> {
+    let attributes = if kind == FileKind::Png { png_file::read_text(source)? } else { Vec::new() };
+    let form = form(source, kind)?;
+    let channels = form.bases.iter().map(|base| ChannelInfo {
+        full_name: (*base).into(),
+        layer: String::new(),
+        base: String::new(),
+        sample_type: form.sample_type,
+        sampling: [1, 1],
+    });
+    let window = oriented(form.stored(), form.orientation);
+    let mut part = PartInfo {
+        name: None,
+        display: window,
+        data: window,
+        compression: match kind {
+            FileKind::Jpeg => Compression::Jpeg,
+            FileKind::Tiff => Compression::Tiff,
+            FileKind::Png | FileKind::Exr => Compression::Png,
+        },
+        storage: Storage::Scanline,
+        layers: Vec::new(),
+        channels: channels.collect(),
+        attributes,
+        chromaticities: None,
+        encoding: form.encoding,
+    };
+    names::resolve(std::slice::from_mut(&mut part));
+    Ok((part, form))
+}
+
+/// Decodes all rows and hands over `channels` of each, from the top down; stops where the taker breaks off.
+pub(crate) fn each_row<R: BufRead + Seek>(
+    source: &mut Source<R>,
+    kind: FileKind,
+    form: &Form,
+    channels: &[usize],
+    limits: &Limits,
+    take: &mut crate::TakeRow<'_>,
+) -> Result<(), Error> {
+    limits.check_bytes(&source.path, PLACE, form.decoding())?;
+    let upright = oriented(form.stored(), form.orientation);
+    let mut lines: Vec<Vec<f32>> = Vec::new();
+    for _ in channels {
+        let mut line = reserve(&source.path, PLACE, upright.width())?;
+        line.resize(upright.width(), 0.0);
+        lines.push(line);
+    }
+    let mut hand_over = |y: usize, row: &[u8]| {
+        for (line, channel) in lines.iter_mut().zip(channels) {
+            spread(row, form, *channel, line);
+        }
+        take(y as i64, &lines)
+    };
+    if form.in_order() {
+        let mut mirrored = Vec::new();
+        return rows(source, kind, form, &mut |y, row| {
+            if form.orientation == Orientation::NoTransforms {
+                return hand_over(y, row);
+            }
+            mirrored.clear();
+            row.rchunks_exact(form.pixel()).for_each(|pixel| mirrored.extend_from_slice(pixel));
+            hand_over(y, &mirrored)
+        });
+    }
+    // Rows of the upright picture are columns of the stored one, or come from below.
+    let mut whole: Vec<u8> = reserve(&source.path, PLACE, form.row_bytes() * form.height as usize)?;
+    rows(source, kind, form, &mut |_, row| {
+        whole.extend_from_slice(row);
+        ControlFlow::Continue(())
+    })?;
+    let mut row = Vec::new();
+    for y in 0..upright.height() {
+        turn::row(&whole, form, y, &mut row);
+        if hand_over(y, &row).is_break() {
+            break;
+        }
+    }
+    Ok(())
+}
+
+fn rows<R: BufRead + Seek>(
+    source: &mut Source<R>,
+    kind: FileKind,
+    form: &Form,
+    take: &mut TakeBytes<'_>,
+) -> Result<(), Error> {
+    source.seek(0)?;
+    match kind {
+        FileKind::Jpeg => jpeg::rows(source, form, take),
+        FileKind::Tiff => tiff_file::rows(source, form, take),
+        FileKind::Png | FileKind::Exr => png::rows(source, form, take),
+    }
+}
+
+/// One channel of a row of interleaved samples as numbers.
+fn spread(row: &[u8], form: &Form, channel: usize, line: &mut [f32]) {
+    fn each<const N: usize>(row: &[u8], channel: usize, count: usize, line: &mut [f32], of: impl Fn([u8; N]) -> f32) {
+        let samples = row.as_chunks::<N>().0.iter().skip(channel).step_by(count);
+        line.iter_mut().zip(samples).for_each(|(out, sample)| *out = of(*sample));
+    }
+    let count = form.bases.len();
+    match form.sample_type {
+        SampleType::U8 => each(row, channel, count, line, |[v]| f32::from(v) / 255.0),
+        SampleType::U16 => each(row, channel, count, line, |v| f32::from(u16::from_ne_bytes(v)) / 65535.0),
+        SampleType::Half => each(row, channel, count, line, |v| half::f16::from_ne_bytes(v).to_f32()),
+        SampleType::Float => each(row, channel, count, line, f32::from_ne_bytes),
+        SampleType::Uint => each(row, channel, count, line, |v| u32::from_ne_bytes(v) as f32),
+    }
+}
+
+/// Decodes `channels` of the picture, in that order.
+pub(crate) fn read_planes<R: BufRead + Seek>(
+    source: &mut Source<R>,
+    kind: FileKind,
+    (info, form): (&PartInfo, &Form),
+    channels: &[usize],
+    limits: &Limits,
+) -> Result<Vec<Plane>, Error> {
+    info.check_windows(&source.path, 0, limits)?;
+    limits.check_planes(&source.path, PLACE, info.data, channels.len())?;
+    let mut planes: Vec<Vec<f32>> = Vec::new();
+    for _ in channels {
+        planes.push(reserve(&source.path, PLACE, info.data.area())?);
+    }
+    each_row(source, kind, form, channels, limits, &mut |_, lines| {
+        planes.iter_mut().zip(lines).for_each(|(plane, line)| plane.extend_from_slice(line));
+        ControlFlow::Continue(())
+    })?;
+    let whole = |samples| {
+        Plane::new(info.data, samples).map_err(|error| {
+            Error::invalid(&source.path, PLACE, error.to_string(), "as many samples as the header says")
+        })
+    };
+    planes.into_iter().map(whole).collect()
+}
+
+/// A picture that claims more pixels than its file can hold, before memory is taken for them.
+pub(crate) fn check_claim(path: &Path, form: &Form, length: u64, densest: u64) -> Result<(), Error> {
+    let claimed = (form.row_bytes() as u64).saturating_mul(u64::from(form.height));
+    if claimed > length.saturating_mul(densest) {
+        let found = format!("{length} bytes");
+        return Err(Error::invalid(path, PLACE, found, format!("enough for {} × {} pixels", form.width, form.height)));
+    }
+    Ok(())
+}
+
+/// A file whose bytes do not decode, with the rows that did.
+pub(crate) fn damaged(path: &Path, kind: FileKind, row: usize) -> Error {
+    let place = if row == 0 { PLACE.into() } else { format!("{PLACE}, row {row}") };
+    Error::invalid(path, place, "bytes that do not decode", format!("a whole {kind} file"))
+}
+
+/// A file of a kind that is not read.
+pub(crate) fn unsupported(path: &Path, found: impl Into<String>) -> Error {
+    Error::Unsupported { path: path.into(), place: PLACE.into(), found: found.into(), remedy: CONVERT }
+}

@@ -1,0 +1,82 @@
+use std::fs::File;
+use std::io::BufReader;
+use std::ops::ControlFlow;
+use std::path::Path;
+
+use crate::raster::{self, Form};
+use crate::source::{self, Source};
+use crate::{Error, FileKind, Limits, PictureInfo, Selection};
+
+/// Takes a row: its number, and its samples, one list a channel; may break off.
+pub type TakeRow<'a> = dyn FnMut(i64, &[Vec<f32>]) -> ControlFlow<()> + 'a;
+
+/// A PNG, JPEG or TIFF opened for reading row by row, from the top down.
+///
+/// Memory is held for the rows that are decoded together: one of most PNGs, a row of strips or tiles of a TIFF. Interlaced
+/// PNGs, JPEGs and pictures that lie on their side are decoded as a whole first, to the bytes that they store.
+///
+/// ```
+/// use std::ops::ControlFlow;
+/// use trochoid_io::{Limits, PngImage, RowReader, Samples, Selection, write_png8};
+///
+/// let folder = tempfile::tempdir()?;
+/// let path = folder.path().join("swatch.png");
+/// write_png8(&path, &PngImage::new(1, 2, Samples::rgb(&[[1.0, 0.0, 0.2], [0.0, 0.4, 1.0]])))?;
+/// let mut reader = RowReader::open(&path, &Selection::channels(["B"]), &Limits::default())?;
+/// let mut blue = Vec::new();
+/// reader.rows(&mut |_, channels| {
+///     blue.extend_from_slice(&channels[0]);
+///     ControlFlow::Continue(())
+/// })?;
+/// assert_eq!(blue, [0.2, 1.0]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub struct RowReader {
+    source: Source<BufReader<File>>,
+    kind: FileKind,
+    form: Form,
+    info: PictureInfo,
+    channels: Vec<usize>,
+    limits: Limits,
+}
+
+impl RowReader {
+    /// Opens a file and reads its header; no pixels.
+    ///
+    /// # Errors
+    /// The file cannot be opened, is no PNG, JPEG or TIFF, is damaged, holds something that is not supported, lacks what is
+    /// selected, or exceeds the limits: [`Limits::bytes`] counts here for what is decoded together.
+    pub fn open(path: impl AsRef<Path>, selection: &Selection, limits: &Limits) -> Result<Self, Error> {
+        let mut source = source::open(path.as_ref())?;
+        let kind = source.kind()?;
+        if kind == FileKind::Exr {
+            return Err(Error::invalid(&source.path, "first bytes", "an EXR file", "a PNG, JPEG or TIFF file"));
+        }
+        let (part, form) = raster::info(&mut source, kind)?;
+        part.check_windows(&source.path, 0, limits)?;
+        limits.check_bytes(&source.path, raster::PLACE, form.decoding())?;
+        let found = selection.resolve(&source.path, std::slice::from_ref(&part))?;
+        let info = PictureInfo::new(&part, found.part, &found.channels);
+        Ok(Self { source, kind, form, info, channels: found.channels, limits: *limits })
+    }
+
+    /// What the file says of the selected channels.
+    pub fn info(&self) -> &PictureInfo {
+        &self.info
+    }
+
+    /// Decodes the picture and hands over each row's number and its samples, one list a channel; stops where the taker breaks
+    /// off.
+    ///
+    /// # Errors
+    /// The file is damaged or cannot be read, or memory is lacking.
+    pub fn rows(&mut self, take: &mut TakeRow<'_>) -> Result<(), Error> {
+        raster::each_row(&mut self.source, self.kind, &self.form, &self.channels, &self.limits, take)
+    }
+}
+
+impl std::fmt::Debug for RowReader {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("RowReader").field("path", &self.source.path).field("info", &self.info).finish_non_exhaustive()
+    }
+}

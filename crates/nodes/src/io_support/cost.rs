@@ -1,0 +1,96 @@
+//! What nodes that read pictures will hold, told by the files' headers.
+
+use super::kept::Grid;
+use super::{FITS, Fit, Reading, knobs, limits};
+use crate::io_support::shared::KEPT;
+use trochoid_graph::{FrameContext, Kind, NodeError, Settled};
+use trochoid_image::Window;
+use trochoid_io::{Cost, RowReader, Selection};
+
+/// Bytes that a node of this type will hold at a frame, and that decoding takes besides, at most; `None` of nodes that read no
+/// picture. `wanted` says of each channel of its output whether it is needed.
+///
+/// Headers alone are read: no pixel is decoded. What several nodes share of a file is counted for each.
+///
+/// # Errors
+/// The file cannot be opened, its header is damaged, or it lacks what is selected.
+pub fn reading_cost(
+    ty: &str,
+    node: &Settled,
+    frame: &FrameContext,
+    wanted: &[bool],
+) -> Option<Result<Cost, NodeError>> {
+    if !matches!(ty, "Read" | "Texture" | "ViewFromPasses") {
+        return None;
+    }
+    let path = frame.path(node.text("file"));
+    let reading = Reading { node, frame, path: &path, outside: None };
+    Some(match ty {
+        "Read" => reading.cost(wanted, true),
+        "Texture" => reading.cost(wanted, false),
+        _ => reading.cost_of_passes(),
+    })
+}
+
+impl Reading<'_> {
+    /// Of a value by the knobs that Read and Texture share; a Read keeps only what the document's samples fall on.
+    fn cost(&self, wanted: &[bool], laid: bool) -> Result<Cost, NodeError> {
+        let io = |error: trochoid_io::Error| NodeError::new(error);
+        let kind = knobs::kind(self.node);
+        let selection = self.selection(self.wanted_channels(kind, wanted));
+        let cost = trochoid_io::cost(self.path, &selection, None, &limits(self.frame)).map_err(io)?;
+        let planes = match kind {
+            // A gray picture has three planes of color; alpha is held while colors are divided by it.
+            Kind::Color => 3 + u64::from(self.node.bool("premultiplied")),
+            Kind::Field(_) => wanted.iter().filter(|wanted| **wanted).count() as u64,
+            _ => kind.channels() as u64,
+        };
+        let (pixels, grid) = self.pixels(&selection, kind, laid)?;
+        let whole = 4 * planes * pixels;
+        let held = match grid {
+            _ if !laid => whole,
+            Held::Stream if kind != Kind::Color || whole > super::KEPT_COLORS => KEPT as u64,
+            Held::Grid(count) if whole > super::KEPT_WHOLE && 2 * count <= pixels => 4 * planes * count,
+            _ => whole,
+        };
+        // While a whole picture is decoded, its channels are there too.
+        let besides = if held == whole { cost.held.saturating_sub(whole) } else { 0 };
+        Ok(Cost { held, decoding: cost.decoding + besides })
+    }
+
+    /// Pixels of the picture, and how a Read holds it.
+    fn pixels(&self, selection: &Selection, kind: Kind, laid: bool) -> Result<(u64, Held), NodeError> {
+        let io = |error: trochoid_io::Error| NodeError::new(error);
+        let premultiplied = kind == Kind::Color && self.node.bool("premultiplied");
+        if trochoid_io::kind(self.path).map_err(io)?.is_exr() {
+            let reader = trochoid_io::ExrReader::open(self.path, selection, &limits(self.frame)).map_err(io)?;
+            let held = if premultiplied { Held::Whole } else { Held::Stream };
+            return Ok((reader.info().data.area() as u64, held));
+        }
+        let reader = RowReader::open(self.path, selection, &limits(self.frame)).map_err(io)?;
+        let (display, data): (Window, Window) = (reader.info().display, reader.info().data);
+        let pixels = data.area() as u64;
+        if premultiplied || !laid {
+            return Ok((pixels, Held::Whole));
+        }
+        let fit = Fit::new(self.node.text("fit"), FITS, display, self.frame.format, self.path)?;
+        Ok((pixels, Held::Grid(Grid::new(&fit, self.frame.format, data).count() as u64)))
+    }
+
+    fn cost_of_passes(&self) -> Result<Cost, NodeError> {
+        let io = |error: trochoid_io::Error| NodeError::new(error);
+        if trochoid_io::kind(self.path).map_err(io)?.is_exr() {
+            return Ok(Cost { held: KEPT as u64, decoding: KEPT as u64 });
+        }
+        trochoid_io::cost(self.path, &Selection::default(), None, &limits(self.frame)).map_err(io)
+    }
+}
+
+/// How the pixels of a file are held.
+enum Held {
+    Whole,
+    /// Rows on demand.
+    Stream,
+    /// So many pixels of a grid.
+    Grid(u64),
+}
