@@ -21,9 +21,6 @@ mod scene_support;
 #[cfg(test)]
 mod testing;
 
-#[cfg(feature = "io")]
-pub use io_support::reading_cost;
-
 include!(concat!(env!("OUT_DIR"), "/nodes.rs"));
 
 /// All node types.

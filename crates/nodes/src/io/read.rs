@@ -2,7 +2,9 @@
 
 use crate::filter_support;
 use crate::front_support::{bound_at, bound_exact};
-use crate::io_support::{FITS, Fit, KEPT_COLORS, KEPT_WHOLE, Kept, Layer, Reading, Stream, controls, knobs, walked};
+use crate::io_support::{
+    FITS, Fit, KEPT_COLORS, KEPT_WHOLE, Kept, Layer, Reading, Stream, controls, knobs, memory_of_picture, walked,
+};
 use crate::scene_support::named;
 use std::path::PathBuf;
 use std::sync::OnceLock;
@@ -68,6 +70,10 @@ impl Stage for Read {
 
     fn files(&self, node: &Settled, frame: &FrameContext) -> Vec<PathBuf> {
         vec![frame.path(node.text("file"))]
+    }
+
+    fn memory(&self, node: &Settled, reckoning: &Reckoning<'_>) -> MemoryUse {
+        memory_of_picture(node, reckoning, true)
     }
 
     fn prepare(&self, node: &Settled, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {

@@ -2,7 +2,7 @@
 
 use crate::filter_support::{blended, fill, value, weights};
 use crate::front_support::{Span, bound_by, known};
-use crate::io_support::{Reading, controls, knobs};
+use crate::io_support::{Reading, controls, knobs, memory_of_picture};
 use crate::scene_support::named;
 use std::path::PathBuf;
 use std::sync::OnceLock;
@@ -74,6 +74,10 @@ impl Stage for Texture {
 
     fn files(&self, node: &Settled, frame: &FrameContext) -> Vec<PathBuf> {
         vec![frame.path(node.text("file"))]
+    }
+
+    fn memory(&self, node: &Settled, reckoning: &Reckoning<'_>) -> MemoryUse {
+        memory_of_picture(node, reckoning, false)
     }
 
     fn prepare(&self, node: &Settled, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {

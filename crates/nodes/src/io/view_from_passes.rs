@@ -1,7 +1,7 @@
 //! ViewFromPasses: what another renderer saw.
 
 use crate::front_support::bound_exact;
-use crate::io_support::{Fit, Opened, Recipe, Rows, Rule, SharedFile, Stored, Stream, open_pass};
+use crate::io_support::{Fit, Opened, Recipe, Rows, Rule, SharedFile, Stored, Stream, memory_of_passes, open_pass};
 use crate::scene_support::named;
 use std::path::{Path, PathBuf};
 use trochoid_graph::*;
@@ -105,6 +105,10 @@ impl Stage for ViewFromPasses {
 
     fn files(&self, node: &Settled, frame: &FrameContext) -> Vec<PathBuf> {
         vec![frame.path(node.text("file"))]
+    }
+
+    fn memory(&self, node: &Settled, reckoning: &Reckoning<'_>) -> MemoryUse {
+        memory_of_passes(node, reckoning)
     }
 
     fn prepare(&self, node: &Settled, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {

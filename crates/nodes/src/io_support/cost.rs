@@ -3,33 +3,34 @@
 use super::kept::Grid;
 use super::{FITS, Fit, Reading, knobs, limits};
 use crate::io_support::shared::KEPT;
-use trochoid_graph::{FrameContext, Kind, NodeError, Settled};
+use trochoid_graph::{Kind, MemoryUse, NodeError, Reckoning, Settled};
 use trochoid_image::Window;
 use trochoid_io::{Cost, RowReader, Selection};
 
-/// Bytes that a node of this type will hold at a frame, and that decoding takes besides, at most; `None` of nodes that read no
-/// picture. `wanted` says of each channel of its output whether it is needed.
+/// What to do about files that take too much.
+const REMEDY: &str = "crop or scale the picture, or keep it as EXR, which is read in rows on demand";
+
+/// What a Read holds, `laid` over the document's pixels, or a Texture, which is looked up anywhere.
 ///
-/// Headers alone are read: no pixel is decoded. What several nodes share of a file is counted for each.
-///
-/// # Errors
-/// The file cannot be opened, its header is damaged, or it lacks what is selected.
-pub fn reading_cost(
-    ty: &str,
-    node: &Settled,
-    frame: &FrameContext,
-    wanted: &[bool],
-) -> Option<Result<Cost, NodeError>> {
-    if !matches!(ty, "Read" | "Texture" | "ViewFromPasses") {
-        return None;
+/// Headers alone are read, and no pixel is decoded. A file that cannot be read counts as nothing.
+pub(crate) fn memory_of_picture(node: &Settled, reckoning: &Reckoning<'_>, laid: bool) -> MemoryUse {
+    let path = reckoning.frame.path(node.text("file"));
+    let wanted = reckoning.wanted.first().map(Vec::as_slice).unwrap_or_default();
+    if !wanted.contains(&true) {
+        return MemoryUse::default();
     }
-    let path = frame.path(node.text("file"));
-    let reading = Reading { node, frame, path: &path, outside: None };
-    Some(match ty {
-        "Read" => reading.cost(wanted, true),
-        "Texture" => reading.cost(wanted, false),
-        _ => reading.cost_of_passes(),
-    })
+    in_use(Reading { node, frame: reckoning.frame, path: &path, outside: None }.cost(wanted, laid))
+}
+
+/// What a view of passes holds of its file.
+pub(crate) fn memory_of_passes(node: &Settled, reckoning: &Reckoning<'_>) -> MemoryUse {
+    let path = reckoning.frame.path(node.text("file"));
+    in_use(Reading { node, frame: reckoning.frame, path: &path, outside: None }.cost_of_passes())
+}
+
+fn in_use(cost: Result<Cost, NodeError>) -> MemoryUse {
+    let Cost { held, decoding } = cost.unwrap_or_default();
+    MemoryUse::held(held, REMEDY).working(decoding)
 }
 
 impl Reading<'_> {
@@ -49,7 +50,7 @@ impl Reading<'_> {
         let whole = 4 * planes * pixels;
         let held = match grid {
             _ if !laid => whole,
-            Held::Stream if kind != Kind::Color || whole > super::KEPT_COLORS => KEPT as u64,
+            Held::Stream if kind != Kind::Color || whole > super::KEPT_COLORS => whole.min(KEPT as u64),
             Held::Grid(count) if whole > super::KEPT_WHOLE && 2 * count <= pixels => 4 * planes * count,
             _ => whole,
         };

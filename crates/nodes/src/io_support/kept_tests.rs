@@ -1,5 +1,7 @@
 //! Large pictures of which only some pixels are held: the same values and colors as of the whole.
 
+use super::memory_of_picture;
+use trochoid_graph::{MemoryUse, Reckoning};
 use crate::testing::{Frame, graph};
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -98,10 +100,10 @@ fn what_will_be_held_is_told_beforehand() {
         let key = if knobs.contains("color") { "color" } else { "field" };
         let frame = frame(folder.path(), key, &knobs);
         let id = frame.graph.find("out").unwrap();
-        let (node, wanted) = (frame.graph.settle(id, 1), vec![true; frame.graph.node(id).kinds[0].channels()]);
-        let cost = crate::reading_cost("Read", &node, &frame.context, &wanted).unwrap().unwrap();
-        assert_eq!(cost.held as usize, frame.node("out").bytes(), "{knobs}");
-        assert!(cost.decoding < 2 << 20, "{cost:?}");
-        assert!(crate::reading_cost("Mix", &node, &frame.context, &wanted).is_none());
+        let (node, wanted) = (frame.graph.settle(id, 1), [vec![true; frame.graph.node(id).kinds[0].channels()]]);
+        let of = |_| MemoryUse::default();
+        let taken = memory_of_picture(&node, &Reckoning::new(&frame.context, &wanted, &of), true);
+        assert_eq!(taken.held as usize, frame.node("out").bytes(), "{knobs}");
+        assert!(taken.working < 2 << 20, "{taken:?}");
     }
 }

@@ -18,7 +18,7 @@ mod stream;
 #[cfg(test)]
 mod stream_tests;
 
-pub use cost::reading_cost;
+pub(crate) use cost::{memory_of_passes, memory_of_picture};
 pub(crate) use kept::Kept;
 pub(crate) use layer::{Fit, Layer};
 pub(crate) use legal::Rule;
