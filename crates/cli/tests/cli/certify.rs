@@ -158,7 +158,7 @@ fn files_that_cannot_be_read_have_their_own_codes() {
     scene.write_picture("in.exr", 0.25);
     scene.run(&["render", "a.json", "--certificate", "c.json"]).code(0);
     scene.run(&["verify", "c.json", "out.exr"]).code(0).says(&["its input file is the same"]);
-    scene.run(&["verify", "none.json", "out.exr"]).fails(1, &["none.json: cannot be read"]);
+    scene.run(&["verify", "none.json", "out.exr"]).fails(1, &["none.json: cannot open the file"]);
     scene.run(&["verify", "c.json", "none.exr"]).fails(1, &["none.exr"]);
     scene.run(&["verify", "a.json", "out.exr"]).fails(2, &["a.json: found JSON that does not begin with a digest"]);
     scene.run(&["verify", "c.json", "out.exr", "--all", "--pixels", "3"]).fails(2, &["cannot be used with"]);
@@ -173,5 +173,5 @@ fn files_that_cannot_be_read_have_their_own_codes() {
     );
     run.fails(3, &["./c.json: does not hold for out.exr"]);
     fs::remove_file(scene.path("in.exr")).unwrap();
-    scene.run(&["verify", "c.json", "out.exr"]).fails(1, &["in.exr: cannot be read"]);
+    scene.run(&["verify", "c.json", "out.exr"]).fails(1, &["in.exr: cannot open the file"]);
 }

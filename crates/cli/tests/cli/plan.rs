@@ -171,7 +171,7 @@ fn a_file_that_is_no_plan_is_named_with_what_to_do() {
     refused(&fields("\"set\": {\"veiw.points\": \"exact\"}, \"tolerance\": \"1/64\""), &words);
     let words = ["bad.json: set view.points=best", "view", "points"];
     refused(&fields("\"set\": {\"view.points\": \"best\"}, \"tolerance\": \"1/64\""), &words);
-    scene.run(&["render", "a.json", "--plan", "no.json"]).fails(1, &["no.json: cannot be read"]);
+    scene.run(&["render", "a.json", "--plan", "no.json"]).fails(1, &["no.json: cannot open the file"]);
     scene.run(&["render", "a.json", "--plan", "bad.json", "--tolerance", "1/8"]).fails(2, &["--plan", "--tolerance"]);
     assert_eq!(scene.files(), ["bad.json"]);
 }

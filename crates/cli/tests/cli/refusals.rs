@@ -74,8 +74,8 @@ fn a_document_that_is_no_text_is_code_2() {
 #[test]
 fn input_output_and_bad_data_are_code_1() {
     let scene = Scene::new(READS);
-    scene.run(&["render", "none.json"]).fails(1, &["none.json: cannot be read"]);
-    scene.run(&["render", "."]).fails(1, &["is a folder"]);
+    scene.run(&["render", "none.json"]).fails(1, &["none.json: cannot open the file"]);
+    scene.run(&["render", "."]).fails(1, &["found a folder"]);
     scene
         .run(&["render", "a.json"])
         .fails(1, &["frame 1: a.json:2:46: node \"in\" (Read)", "in.exr", "correct the path"]);
