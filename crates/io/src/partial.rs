@@ -1,9 +1,9 @@
 //! Files on their way, under temporary names: locked as long as somebody writes them, and removed once nobody does.
 
 use std::collections::BTreeSet;
-use std::fs::{self, File, OpenOptions, TryLockError};
+use std::fs::{self, File, OpenOptions, TryLockError as FileLockError};
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, MutexGuard};
+use std::sync::{Mutex, MutexGuard, TryLockError};
 use std::time::Duration;
 
 const PREFIX: &str = ".trochoid-";
@@ -26,12 +26,25 @@ fn ours() -> MutexGuard<'static, Ours> {
     OURS.lock().unwrap_or_else(|error| error.into_inner())
 }
 
+/// What this process writes, once nobody holds it, unless that takes long.
+fn soon() -> Option<MutexGuard<'static, Ours>> {
+    for _ in 0..100 {
+        match OURS.try_lock() {
+            Ok(ours) => return Some(ours),
+            Err(TryLockError::Poisoned(ours)) => return Some(ours.into_inner()),
+            Err(TryLockError::WouldBlock) => std::thread::sleep(Duration::from_millis(10)),
+        }
+    }
+    None
+}
+
 /// Removes every file that is still being written, for a process that is about to exit without unwinding.
 ///
-/// From then on no file appears: threads that would begin or complete one wait for ever, and so do further calls.
-/// Completed files stay as they are.
+/// From then on no file appears: threads that would begin or complete one wait for ever. Completed files stay as they are.
+/// Where a thread holds what it would need for longer than a second, as the one that calls this may, the next run into the
+/// folder removes them.
 pub fn discard_partial_files() {
-    let ours = ours();
+    let Some(ours) = soon() else { return };
     for name in &ours.names {
         // Nobody is left to be told of a file that cannot be removed.
         let _ = fs::remove_file(name);
@@ -69,8 +82,8 @@ fn remove_if_dead(path: &Path) -> std::io::Result<()> {
     let file = OpenOptions::new().read(true).write(true).open(path)?;
     let is_dead = match file.try_lock() {
         Ok(()) => true,
-        Err(TryLockError::WouldBlock) => false,
-        Err(TryLockError::Error(_)) => file.metadata()?.modified()?.elapsed().is_ok_and(|age| age > LONG_AGO),
+        Err(FileLockError::WouldBlock) => false,
+        Err(FileLockError::Error(_)) => file.metadata()?.modified()?.elapsed().is_ok_and(|age| age > LONG_AGO),
     };
     // A link that took the name meanwhile is another file.
     if is_dead && stands_at(&file, path) {
@@ -111,7 +124,7 @@ impl Temporary {
         for _ in 0..ATTEMPTS {
             let (file, temporary) = Self::unlocked(folder)?;
             // Before it was locked it may have looked dead, and then it is gone, or about to go.
-            let taken = matches!(file.try_lock(), Err(TryLockError::WouldBlock));
+            let taken = matches!(file.try_lock(), Err(FileLockError::WouldBlock));
             if !taken && stands_at(&file, &temporary.name) {
                 return Ok((file, temporary));
             }

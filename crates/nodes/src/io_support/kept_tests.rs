@@ -1,10 +1,10 @@
 //! Large pictures of which only some pixels are held: the same values and colors as of the whole.
 
 use super::memory_of_picture;
-use trochoid_graph::{MemoryUse, Reckoning};
 use crate::testing::{Frame, graph};
 use std::collections::BTreeSet;
 use std::path::Path;
+use trochoid_graph::{MemoryUse, Reckoning};
 use trochoid_io::{PngImage, Samples, write_png8};
 
 const WIDTH: usize = 1300;
