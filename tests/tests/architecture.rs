@@ -93,6 +93,7 @@ const OPENINGS: &[&str] = &[
 /// Where files are opened otherwise than by the door of `trochoid-io`, and why.
 const OPENED: &[(&str, &str, &str)] = &[
     ("crates/io/src/open.rs", "OpenOptions", "the door itself"),
+    ("crates/io/src/partial.rs", "OpenOptions", "a temporary file of ours, whose lock alone is asked"),
     ("crates/io/src/atomic.rs", "File::open", "a folder, so that its new entry is on disk"),
     ("crates/editor/src/document/keep.rs", "File::open", "a lock of the editor's own, which is not read"),
     ("crates/trochoid/src/report.rs", "fs::read_to_string", "what the system says of this process"),

@@ -24,6 +24,7 @@ mod keeping;
 mod library;
 mod light_paths;
 mod lines;
+mod memory;
 mod merging;
 mod painter;
 mod palette;

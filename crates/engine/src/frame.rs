@@ -31,7 +31,7 @@ pub enum EvalError {
     },
     /// The frame takes more memory than allowed; nothing was prepared.
     #[error(
-        "{place}: found a frame that takes about {}: {found}; expected at most {}: {remedy}; or allow more",
+        "{place}: found a frame that takes about {}: {found}; expected at most {}: {remedy}; or allow more memory (--memory, or Settings::memory_limit)",
         in_bytes(*total), in_bytes(*limit)
     )]
     TooMuchMemory {

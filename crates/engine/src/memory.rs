@@ -38,6 +38,8 @@ pub enum Pictures {
 pub struct MemoryAccount {
     /// Everything that takes some, the largest first: who, bytes, and what to do where that is too much.
     pub takers: Vec<(Taker, u64, &'static str)>,
+    /// Nodes whose share another one counts.
+    shared: Vec<NodeId>,
 }
 
 impl MemoryAccount {
@@ -54,6 +56,9 @@ impl MemoryAccount {
 
     /// What a node holds in truth, where that is more.
     pub(crate) fn found(&mut self, id: NodeId, bytes: u64) {
+        if self.shared.contains(&id) {
+            return;
+        }
         match self.takers.iter_mut().find(|(taker, ..)| *taker == Taker::Node(id)) {
             Some((_, held, _)) => *held = bytes.max(*held),
             None => self.takers.push((Taker::Node(id), bytes, "lower the format's \"width\" and \"height\"")),
@@ -87,7 +92,7 @@ impl Plan<'_> {
     /// The same, where some nodes are prepared and hold so many bytes.
     pub(crate) fn account(&self, pictures: Pictures, known: &HashMap<NodeId, u64>) -> MemoryAccount {
         let mut uses: HashMap<NodeId, MemoryUse> = HashMap::new();
-        let mut account = MemoryAccount { takers: Vec::new() };
+        let mut account = MemoryAccount { takers: Vec::new(), shared: Vec::new() };
         let takers = &mut account.takers;
         let mut preparing = (Taker::Tiles, 0, "");
         let mut shared = HashSet::new();
@@ -103,6 +108,8 @@ impl Plan<'_> {
             }
             if taken.shared.is_none_or(|key| shared.insert(key)) {
                 takers.push((Taker::Node(*id), taken.held, taken.remedy));
+            } else {
+                account.shared.push(*id);
             }
             if taken.working > preparing.1 {
                 preparing = (Taker::Preparing(*id), taken.working, taken.remedy);

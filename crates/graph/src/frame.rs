@@ -26,8 +26,12 @@ pub struct FrameContext {
 impl FrameContext {
     /// A path of the document, with `####` and `%04d` replaced by the frame, see [`expand_frame`].
     pub fn path(&self, text: &str) -> PathBuf {
-        let text = expand_frame(text, self.frame);
-        let path = Path::new(&text);
+        self.literally(&expand_frame(text, self.frame))
+    }
+
+    /// The same where every `#` and `%` is one of the file's own name: to say what was meant where that is a file.
+    pub fn literally(&self, text: &str) -> PathBuf {
+        let path = Path::new(text);
         if path.is_absolute() { path.into() } else { self.folder.join(path) }
     }
 

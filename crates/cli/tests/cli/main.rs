@@ -8,6 +8,8 @@ mod certify;
 mod commands;
 mod explain;
 mod kills;
+#[cfg(unix)]
+mod memory;
 mod overwrite;
 mod plan;
 mod refusals;

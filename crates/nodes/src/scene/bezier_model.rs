@@ -127,11 +127,15 @@ impl Stage for BezierModel {
     }
 
     fn memory(&self, node: &Settled, reckoning: &Reckoning<'_>) -> MemoryUse {
-        if !node.is_set("model") {
-            return MemoryUse::default();
+        if node.is_set("model") {
+            // Patches are cut as finely as their pixels ask for, some vertices for each byte of a file.
+            return memory::of_model(&reckoning.frame.path(node.text("model")), 2);
         }
-        // Patches are cut as finely as their pixels ask for, some vertices for each byte of a file.
-        memory::of_model(&reckoning.frame.path(node.text("model")), 2)
+        let side = match node.text("tessellation") {
+            "uniform" => node.integer("segments") as u64 + 1,
+            _ => 1,
+        };
+        memory::of_patches(node.list("patches").len() as u64, side)
     }
 
     fn prepare(&self, node: &Settled, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {

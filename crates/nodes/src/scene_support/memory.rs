@@ -33,6 +33,11 @@ pub(crate) fn of_model(path: &Path, bytes_of_vertex: u64) -> MemoryUse {
     MemoryUse::held(vertices * 96, "take a smaller model").working(vertices * 96).seen(vertices * VERTEX)
 }
 
+/// Patches of so many vertices along each side.
+pub(crate) fn of_patches(patches: u64, side: u64) -> MemoryUse {
+    MemoryUse::default().seen((patches * side * side).min(MOST) * VERTEX)
+}
+
 /// What looks at the surfaces of a port with vertices so many times as close as pixels ask for.
 pub(crate) fn of_view(node: &Settled, port: &str, fineness: f64, reckoning: &Reckoning<'_>) -> MemoryUse {
     let seen = reckoning.all(node, port).fold(0, |sum: u64, taken| sum.saturating_add(taken.seen));

@@ -101,7 +101,7 @@ pub(crate) fn nothing() -> Vec<Reference> {
 pub(crate) fn named(frame: &FrameContext, written: &str) -> Result<PathBuf, NodeError> {
     let path = frame.path(written);
     if !path.exists()
-        && let Some(remedy) = escape_remedy(&frame.folder.join(written))
+        && let Some(remedy) = escape_remedy(&frame.literally(written))
     {
         return Err(NodeError::new(format!("{}: found no file of this name, expected one; {remedy}", path.display())));
     }

@@ -344,9 +344,23 @@ mod tests {
             "b": { "type": "Bake", "sea": "sea" }"#;
         let faults = refused("field", &format!("{model}, {PICKED}"));
         assert!(faults.contains("which has no plane at rest") && faults.contains("GerstnerSea"), "{faults}");
+    }
+
+    #[test]
+    fn what_is_held_is_reckoned_before_it_is_taken() {
         let sea = r#""sea": { "type": "GerstnerSea", "count": 3 }, "b": { "type": "Bake", "sea": "sea" }"#;
-        let error = baked(sea, 1 << 15, 1 << 15).err().unwrap().message;
-        assert!(error.contains("32768 × 32768 points") && error.contains("at most"), "{error}");
+        let frame = baked(sea, 16, 9).unwrap();
+        let node = frame.graph.settle(frame.graph.find("b").unwrap(), 1);
+        let of = |_| MemoryUse::default();
+        let taken = |wanted: [bool; 4]| {
+            let channels = [1, 3, 3, 1].into_iter().zip(wanted).map(|(count, wanted)| vec![wanted; count]);
+            let channels: Vec<Vec<bool>> = channels.collect();
+            let taken = Bake.memory(&node, &Reckoning::new(&frame.context, &channels, &of));
+            [taken.held, taken.working].map(|bytes| bytes / (16 * 9 * 4))
+        };
+        assert_eq!(taken([true, false, false, false]), [1, 3]);
+        assert_eq!(taken([true; 4]), [8, 8]);
+        assert_eq!(taken([false; 4]), [0, 0]);
     }
 
     #[test]

@@ -1,0 +1,68 @@
+//! What a frame takes of memory: reckoned beforehand, as it is found, and refused where it is too much.
+
+use crate::support::{graph, root, settings};
+use trochoid::{Buffers, Cache, EvalError, Format, Pictures, Plan, Settings, Silent, Taker};
+
+/// What is reckoned may be so many times what is found, and the other way round.
+const NEAR: f64 = 6.0;
+/// What is no more than so many bytes is small in any case.
+const SMALL: u64 = 16_000_000;
+
+#[test]
+fn what_scenes_hold_is_reckoned_by_its_order() {
+    for name in ["glow", "spray", "open_sea", "toon_sea", "two_seas", "from_passes", "bake_sea", "stormy_sea_bare"] {
+        let graph = trochoid::load(&root().join(format!("graphs/{name}.json")), &[]).unwrap().graph;
+        let samples = graph.format().samples();
+        let graph = graph.with_format(Format::new(640, 360, samples).unwrap());
+        let plan = Plan::new(&graph, &[], graph.frames().0, &[], &Settings::default()).unwrap();
+        let account = plan.memory(Pictures::Whole);
+        let nodes = account.takers.iter().filter(|(taker, ..)| matches!(taker, Taker::Node(_)));
+        let reckoned: u64 = nodes.map(|(_, bytes, _)| bytes).sum();
+        let frame = plan.evaluate(&Buffers::new(), &mut Cache::new(), &Silent).unwrap();
+        let found: u64 = frame.nodes.iter().map(|node| node.bytes as u64).sum();
+        let near = |a: u64, b: u64| a <= SMALL || a as f64 <= NEAR * b as f64;
+        assert!(near(reckoned, found) && near(found, reckoned), "{name}: reckoned {reckoned}, found {found}");
+    }
+}
+
+#[test]
+fn a_frame_beyond_the_limit_is_refused_with_what_takes_most() {
+    let nodes = r#""camera": { "type": "Camera" }, "sea": { "type": "RippleSea" },
+        "seen": { "type": "Render", "camera": "camera", "surfaces": ["sea"] },
+        "depth": { "type": "Depth", "view": "seen" }"#;
+    let graph = graph(r#""width": 800, "height": 600"#, nodes, r#""depth": { "field": "depth" }"#);
+    let tight = settings(|settings| settings.memory_limit = 20_000_000);
+    let plan = Plan::new(&graph, &[], 1, &[], &tight).unwrap();
+    match plan.evaluate(&Buffers::new(), &mut Cache::new(), &Silent) {
+        Err(error @ EvalError::TooMuchMemory { total, limit, .. }) => {
+            assert!(total > limit && limit == 20_000_000);
+            let text = error.to_string();
+            for words in
+                ["\"seen\" (Render)", "pictures 1.9 MB", "expected at most 20.0 MB", "\"width\" and \"height\""]
+            {
+                assert!(text.contains(words), "no {words} in: {text}");
+            }
+        }
+        other => panic!("{:?}", other.map(|_| ())),
+    }
+    assert!(plan.check_memory(Pictures::Whole).is_err());
+    let enough = settings(|settings| settings.memory_limit = 100_000_000);
+    let plan = Plan::new(&graph, &[], 1, &[], &enough).unwrap();
+    plan.evaluate(&Buffers::new(), &mut Cache::new(), &Silent).unwrap();
+}
+
+#[test]
+fn what_nodes_share_counts_once() {
+    let both = |more: &str| {
+        let nodes = format!(
+            r#""camera": {{ "type": "Camera" }}, "sun": {{ "type": "Light" }}, "sea": {{ "type": "RippleSea" }},
+            "seen": {{ "type": "Render", "camera": "camera", "surfaces": ["sea"] }},
+            "a": {{ "type": "Shadow", "view": "seen", "lights": ["sun"] }},
+            "b": {{ "type": "Shadow", "view": "seen", "lights": ["sun"], "bias": 3 {more} }},
+            "out": {{ "type": "Multiply", "masks": ["a", "b"] }}"#
+        );
+        let graph = graph(r#""width": 800, "height": 600"#, &nodes, r#""out": { "weights": "out" }"#);
+        Plan::new(&graph, &[], 1, &[], &Settings::default()).unwrap().memory(Pictures::Rows).total()
+    };
+    assert!(both("") + 5_000_000 < both(r#", "detail": 1.9"#));
+}
