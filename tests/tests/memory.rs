@@ -59,7 +59,7 @@ fn what_nodes_share_counts_once() {
             "seen": {{ "type": "Render", "camera": "camera", "surfaces": ["sea"] }},
             "a": {{ "type": "Shadow", "view": "seen", "lights": ["sun"] }},
             "b": {{ "type": "Shadow", "view": "seen", "lights": ["sun"], "bias": 3 {more} }},
-            "out": {{ "type": "Multiply", "masks": ["a", "b"] }}"#
+            "out": {{ "type": "Multiply", "weights": ["a", "b"] }}"#
         );
         let graph = graph(r#""width": 800, "height": 600"#, &nodes, r#""out": { "weights": "out" }"#);
         Plan::new(&graph, &[], 1, &[], &Settings::default()).unwrap().memory(Pictures::Rows).total()

@@ -26,7 +26,7 @@ fn write_large(path: &Path) {
 fn twelve(node: &str, side: u32) -> String {
     let nodes: Vec<String> = (0..12).map(|index| format!(r#""n{index}": {{ {node} }},"#)).collect();
     let names: Vec<String> = (0..12).map(|index| format!(r#""n{index}""#)).collect();
-    let weights = vec!["0.08333333333333333"; 12].join(", ");
+    let weights = ["0.08333333333333333"; 12].join(", ");
     format!(
         r#"{{ "trochoid": 1, "format": {{ "width": {side}, "height": {side} }}, "nodes": {{ "x": {{ "type": "ScreenX" }}, {}
             "out": {{ "type": "Blend", "colors": [{}], "weights": [{weights}] }} }},
