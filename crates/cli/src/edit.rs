@@ -7,8 +7,12 @@ use std::path::PathBuf;
 pub(crate) struct Args {
     /// The document; a new one if none is named
     graph: Option<PathBuf>,
+    /// Let documents of this run read and write this file, or what lies beneath this folder; may be repeated [default: beneath
+    /// their own folder and, where that lies beneath the current one, beneath that, and what they were allowed in the editor]
+    #[arg(long, value_name = "PATH")]
+    allow: Vec<PathBuf>,
 }
 
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
-    trochoid_editor::open(args.graph.as_deref()).map_err(|error| Failure::new(FAILED, error))
+    trochoid_editor::open(args.graph.as_deref(), &args.allow).map_err(|error| Failure::new(FAILED, error))
 }

@@ -100,6 +100,8 @@ pub enum Action {
     Render,
     /// Stop that.
     CancelRender,
+    /// Let this document reach a folder, with all beneath it.
+    Allow(PathBuf),
     /// Open the command palette.
     Palette,
     /// Show a panel, or bring it to the front.

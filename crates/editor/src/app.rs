@@ -2,7 +2,7 @@
 
 use crate::document::Session;
 use crate::editor::Editor;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Why the editor cannot run.
 #[derive(Debug, thiserror::Error)]
@@ -59,11 +59,12 @@ impl eframe::App for App {
     }
 }
 
-/// Opens a window on a document, or on a new one, and returns when it is closed.
+/// Opens a window on a document, or on a new one, and returns when it is closed. Documents may reach the files and folders of
+/// `allow` besides their own.
 ///
 /// # Errors
 /// The document cannot be read, or there is no display. A document with faults opens.
-pub fn open(document: Option<&Path>) -> Result<(), OpenError> {
+pub fn open(document: Option<&Path>, allow: &[PathBuf]) -> Result<(), OpenError> {
     let session = match document {
         Some(file) => Session::open(file).map_err(OpenError::Document)?,
         None => Session::new(crate::document::session::NEW.into(), None),
@@ -78,9 +79,10 @@ pub fn open(document: Option<&Path>) -> Result<(), OpenError> {
             .with_min_inner_size([800.0, 500.0]),
         ..eframe::NativeOptions::default()
     };
-    let data = eframe::storage_dir("trochoid");
+    let (data, allow) = (eframe::storage_dir("trochoid"), allow.to_vec());
     let create = move |creation: &eframe::CreationContext<'_>| {
-        let editor = Editor::new(&creation.egui_ctx, session, data.as_deref())?;
+        let mut editor = Editor::new(&creation.egui_ctx, session, data.as_deref())?;
+        editor.allow_all(&allow);
         let app: Box<dyn eframe::App> = Box::new(App::new(editor, creation.egui_ctx.clone(), creation.storage));
         Ok(app)
     };

@@ -28,6 +28,7 @@ mod plots;
 mod prompts;
 mod properties;
 mod prose;
+mod reach;
 mod recent;
 mod render;
 mod report;

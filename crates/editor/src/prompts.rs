@@ -9,6 +9,7 @@ use egui::{Context, Key, Modal, RichText, ScrollArea, Ui};
 use egui_file_dialog::{FileDialog, Filter};
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
+use trochoid::Refused;
 
 /// What is being asked.
 pub(crate) struct Prompts {
@@ -31,6 +32,8 @@ enum Prompt {
     /// Whether to write over a document of a newer version, and what comes after it.
     Newer(Option<After>),
     External,
+    /// Whether the document may reach further, so that it can be rendered.
+    Reach(Vec<Refused>),
     Recover(Vec<Kept>),
     Palette {
         text: String,
@@ -77,6 +80,11 @@ impl Prompts {
         }
     }
 
+    /// Asks whether the document may reach files that it needs to be rendered.
+    pub(crate) fn reach(&mut self, refused: Vec<Refused>) {
+        self.open = Some(Prompt::Reach(refused));
+    }
+
     /// Offers work that was kept of editors that ended unexpectedly.
     pub(crate) fn recover(&mut self, kept: Vec<Kept>) {
         self.open = Some(Prompt::Recover(kept));
@@ -115,6 +123,7 @@ pub(crate) fn prompts_ui(editor: &mut Editor, context: &Context, actions: &mut V
         Prompt::Unsaved(after) => unsaved_ui(editor, context, after),
         Prompt::Newer(after) => newer_ui(editor, context, after),
         Prompt::External => external_ui(editor, context),
+        Prompt::Reach(refused) => reach_ui(editor, context, refused),
         Prompt::Recover(kept) => recover_ui(editor, context, kept),
         Prompt::Palette { text, chosen } => palette_ui(editor, context, text, chosen, actions),
     };
@@ -237,6 +246,29 @@ fn external_ui(editor: &mut Editor, context: &Context) -> Option<Prompt> {
         }
         None => Some(Prompt::External),
     }
+}
+
+fn reach_ui(editor: &mut Editor, context: &Context, refused: Vec<Refused>) -> Option<Prompt> {
+    let (mut allowed, mut cancel) = (None, false);
+    let modal = Modal::new("reach".into()).show(context, |ui| {
+        titled(ui, "Let the document reach further?");
+        ui.label("It cannot be rendered without files outside of what it may reach:");
+        ui.add_space(4.0);
+        ScrollArea::vertical().max_height(240.0).show(ui, |ui| {
+            for refused in &refused {
+                ui.label(refused.diagnostic().to_string());
+            }
+        });
+        ui.add_space(8.0);
+        allowed = crate::reach::buttons_ui(ui, &refused, editor.state().session.file().is_some());
+        cancel = ui.button("Cancel").clicked();
+    });
+    if let Some(folder) = allowed {
+        editor.act(Action::Allow(folder), context);
+        editor.act(Action::Render, context);
+        return None;
+    }
+    (!cancel && !modal.should_close()).then_some(Prompt::Reach(refused))
 }
 
 fn recover_ui(editor: &mut Editor, context: &Context, mut kept: Vec<Kept>) -> Option<Prompt> {

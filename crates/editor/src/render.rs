@@ -7,8 +7,8 @@ use std::sync::atomic::{AtomicBool, AtomicU32, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
 use trochoid::{
-    Buffers, Cache, CheckedGraph, EvalError, InputFiles, Monitor, Plan, Settings, check_destinations, check_replaced,
-    misses, output_files, refused_files, write_output,
+    Buffers, Cache, CheckedGraph, EvalError, InputFiles, Monitor, OutputError, Plan, Refused, Settings,
+    check_destinations, check_replaced, misses, output_files, refused_files, write_output,
 };
 
 /// A run.
@@ -16,6 +16,30 @@ pub(crate) struct Renderer {
     shared: Arc<Shared>,
     total: usize,
     thread: Option<JoinHandle<Result<String, String>>>,
+}
+
+/// Why a run does not start.
+#[derive(Debug)]
+pub(crate) enum Obstacle {
+    /// Files that the document may not reach, to be read or to be written.
+    Refused(Vec<Refused>),
+    /// Anything else, in a sentence.
+    Because(String),
+}
+
+impl From<String> for Obstacle {
+    fn from(why: String) -> Self {
+        Self::Because(why)
+    }
+}
+
+impl From<OutputError> for Obstacle {
+    fn from(error: OutputError) -> Self {
+        match error {
+            OutputError::Refused(refused) => Self::Refused(vec![*refused]),
+            error => Self::Because(error.to_string()),
+        }
+    }
 }
 
 #[derive(Default)]
@@ -49,33 +73,31 @@ impl Renderer {
     /// Starts a run of these frames.
     ///
     /// # Errors
-    /// No output has a file, or a file cannot be written; nothing is evaluated then.
-    pub(crate) fn start(graph: Arc<CheckedGraph>, range: (i64, i64), context: egui::Context) -> Result<Self, String> {
+    /// No output has a file, or a file cannot be written or may not be reached; nothing is evaluated then.
+    pub(crate) fn start(graph: Arc<CheckedGraph>, range: (i64, i64), context: egui::Context) -> Result<Self, Obstacle> {
         let outputs: Vec<usize> =
             (0..graph.outputs().len()).filter(|&index| graph.outputs()[index].file.is_some()).collect();
         if outputs.is_empty() {
-            return Err("no output has a \"file\": add one, for example \"beauty.####.png\"".into());
+            return Err(Obstacle::Because("no output has a \"file\": add one, for example \"beauty.####.png\"".into()));
         }
         let frames: Vec<i64> = (range.0..=range.1).collect();
         let mut named: Vec<PathBuf> = Vec::new();
         for &frame in &frames {
-            let files =
-                output_files(&graph, &outputs, frame, frames.len() > 1, None).map_err(|fault| fault.to_string())?;
+            let files = output_files(&graph, &outputs, frame, frames.len() > 1, None)?;
             named.extend(files.into_iter().map(|file| file.path));
         }
         let inputs = InputFiles::new(&graph, &frames, &[Path::new(graph.name())]);
         if let Some(path) = named.iter().find(|path| inputs.contains(path)) {
-            return Err(format!(
-                "{}: is the document, or a file that it reads; give the output another",
-                path.display()
-            ));
+            let why = format!("{}: is the document, or a file that it reads; give the output another", path.display());
+            return Err(why.into());
         }
-        if let Some(refused) = refused_files(&graph, &outputs, &frames).first() {
-            return Err(refused.diagnostic().to_string());
+        let refused = refused_files(&graph, &outputs, &frames);
+        if !refused.is_empty() {
+            return Err(Obstacle::Refused(refused));
         }
         named.iter().try_for_each(|path| check_replaced(path, false)).map_err(|fault| fault.to_string())?;
         if let Some(fault) = check_destinations(named.iter().map(PathBuf::as_path)).first() {
-            return Err(fault.to_string());
+            return Err(fault.to_string().into());
         }
         let shared = Arc::new(Shared { context: Mutex::new(Some(context)), ..Shared::default() });
         let (theirs, total) = (shared.clone(), frames.len());

@@ -8,7 +8,7 @@ use egui::{Color32, Grid, Rect, RichText, ScrollArea, Sense, Ui, vec2};
 use egui_plot::{Legend, Line, Plot, PlotPoints, Points};
 use std::sync::mpsc::{Receiver, channel};
 use trochoid::accuracy::{LadderRequest, Request, climb};
-use trochoid::{Format, NodeReport, Settings, Silent, State as Became, Tolerance};
+use trochoid::{Format, Loaded, NodeReport, Settings, Silent, State as Became, Tolerance};
 
 /// What the panel holds besides what all see.
 #[derive(Default)]
@@ -217,7 +217,10 @@ fn ladder(result: &crate::evaluate::Result) -> Result<Vec<Step>, String> {
     let whole = lens.graph.format();
     let side = |side: u32| side.div_ceil(SHRINK);
     let format = Format::new(side(whole.width()), side(whole.height()), whole.samples()).map_err(|e| e.to_string())?;
-    let load = |set: &[String]| trochoid::parse(&subject.name, &lens.text, &subject.folder, set);
+    let load = |set: &[String]| {
+        let Loaded { graph, warnings } = trochoid::parse(&subject.name, &lens.text, &subject.folder, set)?;
+        Ok(Loaded { graph: graph.with_access(subject.access.clone()), warnings })
+    };
     let request = Request {
         outputs: &[OUTPUT],
         frame: result.frame,

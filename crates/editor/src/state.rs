@@ -4,7 +4,7 @@ use crate::document::{Path, Session, Sheet};
 use crate::evaluate::{Blamed, Display, Result, Screen};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::sync::Arc;
-use trochoid::NodeReport;
+use trochoid::{NodeReport, Refused};
 
 /// All that panels draw. They change nothing in it but ask for it by [`Action`](crate::actions::Action)s.
 #[derive(Debug)]
@@ -63,6 +63,8 @@ pub struct Seen {
     pub last: Option<Arc<Result>>,
     /// Why there is none, in a sentence.
     pub failed: Option<String>,
+    /// Files that it failed for because the document may not read them.
+    pub refused: Vec<Refused>,
     /// How much of the picture is done; `None` where nothing is being evaluated.
     pub progress: Option<f32>,
     /// What nodes did when they were last evaluated, by name.

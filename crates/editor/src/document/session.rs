@@ -9,7 +9,7 @@ use super::sheet::Sheet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
-use trochoid::{CheckedGraph, Diagnostic, LoadError, Severity, missing_files, parse};
+use trochoid::{Access, CheckedGraph, Diagnostic, LoadError, Severity, missing_files, parse};
 
 /// Counts the texts of all documents: no two have one number.
 static REVISIONS: AtomicU64 = AtomicU64::new(1);
@@ -24,6 +24,7 @@ pub struct Session {
     meaning: Meaning,
     /// The text that is in the file, as far as this session knows.
     stored: String,
+    access: Access,
 }
 
 /// What a text means.
@@ -40,10 +41,10 @@ pub struct Meaning {
 }
 
 impl Meaning {
-    /// Reads a text; `name` and `folder` as for [`trochoid::parse`].
-    pub fn of(name: &str, text: &str, folder: &Path) -> Self {
+    /// Reads a text; `name` and `folder` as for [`trochoid::parse`], `access` is what it may reach.
+    pub fn of(name: &str, text: &str, folder: &Path, access: &Access) -> Self {
         let (graph, mut diagnostics) = match parse(name, text, folder, &[]) {
-            Ok(loaded) => (Some(loaded.graph), loaded.warnings),
+            Ok(loaded) => (Some(loaded.graph.with_access(access.clone())), loaded.warnings),
             Err(LoadError::Invalid(diagnostics)) => (None, diagnostics),
             Err(error @ LoadError::Io { .. }) => (None, vec![trouble(name, &error.to_string())]),
         };
@@ -102,6 +103,7 @@ impl Session {
     pub fn new(text: String, file: Option<PathBuf>) -> Self {
         let mut session = Self {
             stored: text.clone(),
+            access: Access::usual(&folder_of(file.as_deref())),
             text,
             file,
             history: History::default(),
@@ -123,7 +125,7 @@ impl Session {
     fn understand(&mut self) {
         self.revision = REVISIONS.fetch_add(1, Ordering::Relaxed);
         let before = std::mem::take(&mut self.meaning);
-        self.meaning = Meaning::of(&self.name(), &self.text, &self.folder());
+        self.meaning = Meaning::of(&self.name(), &self.text, &self.folder(), &self.access);
         if !self.meaning.readable {
             // What was drawn last stays in sight until the text can be read again.
             self.meaning.sheet = before.sheet;
@@ -153,8 +155,20 @@ impl Session {
 
     /// What its paths are relative to.
     pub fn folder(&self) -> PathBuf {
-        let folder = self.file.as_ref().and_then(|file| file.parent()).map(Path::to_path_buf);
-        folder.unwrap_or_else(|| std::env::current_dir().unwrap_or_default())
+        folder_of(self.file.as_deref())
+    }
+
+    /// Which files it may reach: at first the usual ones, see [`Access::usual`].
+    pub fn access(&self) -> &Access {
+        &self.access
+    }
+
+    /// Lets it reach other files than before. What was made of it is out of date then.
+    pub fn set_access(&mut self, access: Access) {
+        if self.access != access {
+            self.access = access;
+            self.understand();
+        }
     }
 
     /// Grows with every change, so that what was made of an older text, or of another document, can be told.
@@ -213,7 +227,7 @@ impl Session {
     /// # Errors
     /// It names a place that is not there.
     pub fn after(&self, edit: &Edit) -> Result<Meaning, Misplaced> {
-        Ok(Meaning::of(&self.name(), &applied(&self.text, edit)?.0, &self.folder()))
+        Ok(Meaning::of(&self.name(), &applied(&self.text, edit)?.0, &self.folder(), &self.access))
     }
 
     /// Ends a gesture: what comes next is a step of its own.
@@ -236,7 +250,8 @@ impl Session {
     }
 
     /// Writes the document to a file, whole or not at all, which is its file from then on. In another folder its relative
-    /// paths are written anew, as one step of undo, so that they lead to the same files; how many is the result.
+    /// paths are written anew, as one step of undo, so that they lead to the same files; how many is the result. What was
+    /// allowed under the path before is not under another.
     ///
     /// # Errors
     /// The file cannot be written, or a path cannot lead on from there; all stays as it was.
@@ -257,6 +272,7 @@ impl Session {
         self.history.mark_saved();
         if self.file.as_deref() != Some(file) {
             self.file = Some(file.into());
+            self.access = Access::usual(&self.folder());
             self.understand();
         }
         Ok(edit.ops.len())
@@ -292,6 +308,11 @@ impl Session {
     pub fn recover(&mut self, text: &str) {
         self.replace(text, "Recover unsaved work");
     }
+}
+
+fn folder_of(file: Option<&Path>) -> PathBuf {
+    let folder = file.and_then(Path::parent).map(Path::to_path_buf);
+    folder.unwrap_or_else(|| std::env::current_dir().unwrap_or_default())
 }
 
 /// A text after a change, and what became of it.

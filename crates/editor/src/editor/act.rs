@@ -5,7 +5,7 @@ use crate::actions::Action;
 use crate::document::keep::Kept;
 use crate::document::{Edit, Session, Standing, edit, output, relocate};
 use crate::layout;
-use crate::render::Renderer;
+use crate::render::{Obstacle, Renderer};
 use crate::state::State;
 use egui::Context;
 use std::collections::BTreeSet;
@@ -181,6 +181,7 @@ impl Editor {
             Action::Frames => self.panels.canvas.frame(),
             Action::AddNode => self.panels.canvas.search(),
             Action::Render => self.render(context),
+            Action::Allow(folder) => self.allow(&folder),
             Action::CancelRender => {
                 if let Some(renderer) = &self.renderer {
                     renderer.cancel();
@@ -312,6 +313,7 @@ impl Editor {
                 }
                 if moves {
                     self.watcher.watch(Some(file), context);
+                    self.grant();
                     self.changed();
                 }
                 if let Some(data) = self.prompts.data() {
@@ -350,8 +352,9 @@ impl Editor {
                 self.state.render = Some(renderer.progress());
                 self.renderer = Some(renderer);
             }
-            Err(error) => {
-                self.toasts.error(error).duration(None);
+            Err(Obstacle::Refused(refused)) => self.prompts.reach(refused),
+            Err(Obstacle::Because(why)) => {
+                self.toasts.error(why).duration(None);
             }
         }
     }

@@ -14,6 +14,7 @@ use crate::evaluate::Worker;
 use crate::layout::{self, Pane};
 use crate::prompts::Prompts;
 use crate::properties::Properties;
+use crate::reach;
 use crate::render::Renderer;
 use crate::report::Report;
 use crate::source::Source;
@@ -42,6 +43,8 @@ pub struct Editor {
     /// The complaint about the text that was shown last, and when.
     complained: Option<Instant>,
     pub(crate) recent: Vec<PathBuf>,
+    /// What this run lets every document reach besides its own.
+    allowed: Vec<PathBuf>,
     pub(crate) worker: Worker,
     asked: Asked,
     keeper: Option<Keeper>,
@@ -101,6 +104,7 @@ impl Editor {
             toasts: Toasts::default().with_anchor(Anchor::BottomLeft).with_margin(ABOVE_TIMELINE),
             complained: None,
             recent,
+            allowed: Vec::new(),
             worker,
             asked: Asked::default(),
             keeper,
@@ -205,7 +209,32 @@ impl Editor {
         self.ask_blame();
     }
 
+    /// Lets every document of this run reach these files and folders, besides what it may and what it was allowed.
+    pub fn allow_all(&mut self, paths: &[PathBuf]) {
+        self.allowed = paths.to_vec();
+        self.grant();
+    }
+
+    /// Lets the document reach what it was allowed before.
+    fn grant(&mut self) {
+        let session = &mut self.state.session;
+        let known = session.file().zip(self.prompts.data());
+        let remembered = known.map_or_else(Vec::new, |(file, data)| reach::remembered(data, file));
+        session.set_access(reach::access(&session.folder(), self.allowed.iter().chain(&remembered)));
+    }
+
+    /// Lets the document reach a folder, and remembers it.
+    fn allow(&mut self, folder: &Path) {
+        let session = &mut self.state.session;
+        if let Some((file, data)) = session.file().zip(self.prompts.data()) {
+            reach::remember(data, file, folder);
+        }
+        session.set_access(session.access().clone().allowing(folder));
+        self.changed();
+    }
+
     fn opened(&mut self, context: &Context) {
+        self.grant();
         self.watcher.watch(self.state.session.file(), context);
         if let (Some(file), Some(data)) = (self.state.session.file(), self.prompts.data()) {
             self.recent = crate::recent::add(data, file);

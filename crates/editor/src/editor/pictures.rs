@@ -50,6 +50,7 @@ impl Editor {
             output,
             name: session.name(),
             folder: session.folder(),
+            access: session.access().clone(),
         })
     }
 
@@ -231,8 +232,8 @@ impl Editor {
                 {
                     seen.progress = Some(share);
                 }
-                News::Failed { generation, message } if generation == self.asked.generation => {
-                    seen.failed = Some(message);
+                News::Failed { generation, message, refused } if generation == self.asked.generation => {
+                    (seen.failed, seen.refused) = (Some(message), refused);
                     seen.progress = None;
                     // It stays in sight until there is another.
                     seen.last = seen.result.take().or(seen.last.take());

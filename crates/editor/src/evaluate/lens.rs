@@ -5,7 +5,7 @@ use super::wish::Subject;
 use crate::document::{Path, Sheet, json as text};
 use serde_json::{Map, Value, json};
 use std::path;
-use trochoid::{CheckedGraph, Kind, LoadError, NodeId, Severity, parse};
+use trochoid::{CheckedGraph, Kind, LoadError, NodeId, Refused, Severity, parse};
 
 /// The name of the output that a lens looks through.
 pub const OUTPUT: &str = "look";
@@ -28,6 +28,15 @@ pub struct Lens {
 }
 
 impl Lens {
+    /// The files that it would read at a frame and may not, of each node the first one.
+    pub(super) fn refused(&self, frame: i64) -> Vec<Refused> {
+        let graph = &self.graph;
+        let context = graph.frame_context(frame, u64::MAX);
+        let reached = graph.reached(graph.outputs().iter().map(|output| output.node), frame);
+        let nodes = (0..reached.len()).filter(|index| reached[*index] && !graph.nodes()[*index].disabled);
+        nodes.filter_map(|index| graph.refused(NodeId(index), &context)).collect()
+    }
+
     /// A message with places of the user's document where it has those of the lens, which has all of it on one line.
     pub(super) fn in_document(&self, message: &str, subject: &Subject) -> String {
         let graph = &self.graph;

@@ -6,7 +6,7 @@ use super::shown::{Display, Screen};
 use crate::document::Sheet;
 use std::path::PathBuf;
 use std::sync::Arc;
-use trochoid::{Format, NodeReport, Phases, Picture};
+use trochoid::{Access, Format, NodeReport, Phases, Picture, Refused};
 
 /// What is looked at.
 #[derive(Clone, Debug)]
@@ -23,6 +23,8 @@ pub struct Subject {
     pub name: String,
     /// What its paths are relative to.
     pub folder: PathBuf,
+    /// Which files it may reach: what else it may is another revision.
+    pub access: Access,
 }
 
 impl Subject {
@@ -134,6 +136,8 @@ pub enum News {
         generation: u64,
         /// Why, in a sentence.
         message: String,
+        /// Files that it may not read, of each node the first one.
+        refused: Vec<Refused>,
     },
     /// Pictures of nodes.
     Thumbnails(Vec<Thumbnail>),

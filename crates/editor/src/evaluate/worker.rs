@@ -303,7 +303,9 @@ impl Hand<'_> {
         if !self.lens.as_ref().is_some_and(|(known, _)| same_node(known)) {
             self.last = None;
         }
-        let lens = Arc::new(lens(&subject.sheet, subject.node, subject.output, &subject.name, &subject.folder)?);
+        let mut lens = lens(&subject.sheet, subject.node, subject.output, &subject.name, &subject.folder)?;
+        lens.graph = lens.graph.with_access(subject.access.clone());
+        let lens = Arc::new(lens);
         self.lens = Some((subject.clone(), lens.clone()));
         Ok(lens)
     }
@@ -312,7 +314,10 @@ impl Hand<'_> {
     fn picture(&mut self, job: &Job, stamp: u64) {
         let lens = match self.lens(&job.subject) {
             Ok(lens) => lens,
-            Err(message) => return self.tell(News::Failed { generation: job.generation, message }),
+            Err(message) => {
+                let (generation, refused) = (job.generation, Vec::new());
+                return self.tell(News::Failed { generation, message, refused });
+            }
         };
         let format = lens.graph.format();
         let samples = |shrink: u32| {
@@ -348,7 +353,8 @@ impl Hand<'_> {
                 }
                 Err(Failure::Cancelled) => return,
                 Err(Failure::Because(message)) => {
-                    return self.tell(News::Failed { generation: job.generation, message });
+                    let (generation, refused) = (job.generation, lens.refused(job.frame));
+                    return self.tell(News::Failed { generation, message, refused });
                 }
             }
         }
@@ -357,6 +363,7 @@ impl Hand<'_> {
 
     fn small(&mut self, subject: &Subject, frame: i64, stamp: u64) {
         let Some(graph) = of_every_node(&subject.sheet, &subject.name, &subject.folder) else { return };
+        let graph = graph.with_access(subject.access.clone());
         let monitor = Watch { office: self.office, stamp, yields: Yields::Always, progress: None };
         let format = graph.format();
         let shrink = (format.width() as f32 / THUMBNAIL[0] as f32).max(format.height() as f32 / THUMBNAIL[1] as f32);

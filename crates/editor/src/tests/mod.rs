@@ -5,6 +5,7 @@ mod lasting;
 mod looking;
 mod panels;
 mod play;
+mod reach;
 pub(crate) mod shots;
 mod snapshots;
 mod typing;

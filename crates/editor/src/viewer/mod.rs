@@ -378,9 +378,19 @@ fn message_ui(ui: &mut Ui, area: Rect, state: &State, actions: &mut Vec<Action>)
     ui.scope_builder(UiBuilder::new().max_rect(place.expand(2.0)).id_salt("message"), |ui| {
         ui.label(RichText::new(text).color(color).size(14.0));
     });
+    if state.seen.failed.is_none() {
+        return;
+    }
+    let below = Rect::from_min_max(pos2(place.left(), place.bottom() + 8.0), area.max);
+    if !state.seen.refused.is_empty() {
+        ui.scope_builder(UiBuilder::new().max_rect(below).id_salt("refused"), |ui| {
+            let has_file = state.session.file().is_some();
+            actions.extend(crate::reach::buttons_ui(ui, &state.seen.refused, has_file).map(Action::Allow));
+        });
+        return;
+    }
     let looked = state.look.node.as_ref().and_then(|(name, _)| state.sheet().find(name));
-    if let Some((culprit, _)) = looked.filter(|_| state.seen.failed.is_some()).and_then(|node| state.fault_of(node)) {
-        let below = Rect::from_min_max(pos2(place.left(), place.bottom() + 8.0), area.max);
+    if let Some((culprit, _)) = looked.and_then(|node| state.fault_of(node)) {
         ui.scope_builder(UiBuilder::new().max_rect(below).id_salt("culprit"), |ui| {
             if ui.button(format!("Show {culprit}")).on_hover_text("Chooses the node that is to blame.").clicked() {
                 actions.push(Action::Visit(culprit.into()));

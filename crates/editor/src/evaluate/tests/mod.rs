@@ -2,10 +2,10 @@ use super::lens::lens;
 use super::shown::{range, screen, turbo};
 use super::{Channel, Display, Job, News, Subject, Worker};
 use crate::document::{Session, Sheet};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
-use trochoid::Kind;
+use trochoid::{Access, Kind};
 
 const SCENE: &str = r##"{
   "trochoid": 1,
@@ -35,6 +35,7 @@ fn subject(sheet: &Arc<Sheet>, node: &str, output: usize) -> Subject {
         output,
         name: "test".into(),
         folder: PathBuf::new(),
+        access: Access::usual(Path::new("")),
     }
 }
 
