@@ -10,11 +10,11 @@ use crate::partial::Temporary;
 /// Where a file goes, and what it may replace there: by default whatever there is.
 ///
 /// ```
-/// use trochoid_io::{Target, write_bytes};
+/// use trochoid_io::{Target, read_bytes, write_bytes};
 ///
 /// let folder = tempfile::tempdir()?;
 /// let path = folder.path().join("a.txt");
-/// let careful = || Target::from(&path).replacing(|found| std::fs::read(found).is_ok_and(|bytes| bytes == b"old"));
+/// let careful = || Target::from(&path).replacing(|found| read_bytes(found, 3).is_ok_and(|bytes| bytes == b"old"));
 /// write_bytes(careful(), b"old")?;
 /// write_bytes(careful(), b"new")?;
 /// assert!(write_bytes(careful(), b"newer").is_err());

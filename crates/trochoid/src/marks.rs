@@ -2,9 +2,9 @@
 
 use serde::Deserialize;
 use serde::de::IgnoredAny;
-use std::fs::File;
 use std::io::{BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
+use trochoid_io::{OpenFile, open_file};
 
 /// How long a beginning and an end of a file are looked at for a mark.
 const LOOKED_AT: u64 = 4096;
@@ -43,11 +43,10 @@ pub fn is_ours(path: &Path) -> bool {
 }
 
 fn marked(path: &Path) -> std::io::Result<bool> {
-    let found = std::fs::metadata(path)?;
-    if !found.is_file() || found.len() == 0 {
-        return Ok(found.is_file());
+    let Ok(OpenFile { mut file, length }) = open_file(path) else { return Ok(false) };
+    if length == 0 {
+        return Ok(true);
     }
-    let mut file = File::open(path)?;
     let mut head = Vec::new();
     file.by_ref().take(LOOKED_AT).read_to_end(&mut head)?;
     let says = |bytes: &[u8], before: &str| {
@@ -55,7 +54,7 @@ fn marked(path: &Path) -> std::io::Result<bool> {
         bytes.windows(mark.len()).any(|window| window == mark.as_bytes())
     };
     if head.starts_with(b"RIFF") || head.starts_with(b"<") {
-        file.seek(SeekFrom::Start(found.len().saturating_sub(LOOKED_AT)))?;
+        file.seek(SeekFrom::Start(length.saturating_sub(LOOKED_AT)))?;
         let mut tail = Vec::new();
         file.take(LOOKED_AT).read_to_end(&mut tail)?;
         return Ok(match head[0] {

@@ -81,7 +81,10 @@ impl Reading<'_> {
     fn cost_of_passes(&self) -> Result<Cost, NodeError> {
         let io = |error: trochoid_io::Error| NodeError::new(error);
         if trochoid_io::kind(self.path).map_err(io)?.is_exr() {
-            return Ok(Cost { held: KEPT as u64, decoding: KEPT as u64 });
+            // Rows on demand, of no more than all channels of the file.
+            let info = trochoid_io::info(self.path, &limits(self.frame)).map_err(io)?;
+            let whole = info.parts.iter().map(|part| 4 * part.data.area() as u64 * part.channels.len() as u64);
+            return Ok(Cost { held: whole.sum::<u64>().min(KEPT as u64), decoding: 0 });
         }
         trochoid_io::cost(self.path, &Selection::default(), None, &limits(self.frame)).map_err(io)
     }
