@@ -104,7 +104,7 @@ fn become_another(value: &mut Value, donor: Value, random: &mut Pcg64Mcg) {
             *value = match random.random_range(0..4) {
                 0 => json!(NUMBERS.choose(random)),
                 1 => json!(number * random.random_range(-2.0..4.0)),
-                2 => json!(number.round() as i64 + random.random_range(-2..3)),
+                2 => json!((number.round() as i64).saturating_add(random.random_range(-2..3))),
                 _ => json!(-number),
             };
         }
