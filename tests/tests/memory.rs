@@ -45,7 +45,7 @@ fn a_frame_beyond_the_limit_is_refused_with_what_takes_most() {
         }
         other => panic!("{:?}", other.map(|_| ())),
     }
-    assert!(plan.check_memory(Pictures::Whole).is_err());
+    assert!(plan.check_memory(&plan.memory(Pictures::Whole)).is_err());
     let enough = settings(|settings| settings.memory_limit = 100_000_000);
     let plan = Plan::new(&graph, &[], 1, &[], &enough).unwrap();
     plan.evaluate(&Buffers::new(), &mut Cache::new(), &Silent).unwrap();

@@ -179,13 +179,16 @@ struct Findings {
 impl Findings {
     fn of(graph: &CheckedGraph, frame: i64) -> Self {
         match Plan::new(graph, &[], frame, &[], &Settings::default()) {
-            Ok(plan) => Self {
-                frame,
-                left_out: plan.left_out().to_vec(),
-                notes: plan.notes(),
-                memory: Some(plan.memory(pictures(graph))),
-                unplanned: plan.check_memory(pictures(graph)).err().map(|error| error.to_string()),
-            },
+            Ok(plan) => {
+                let account = plan.memory(pictures(graph));
+                Self {
+                    frame,
+                    left_out: plan.left_out().to_vec(),
+                    notes: plan.notes(),
+                    unplanned: plan.check_memory(&account).err().map(|error| error.to_string()),
+                    memory: Some(account),
+                }
+            }
             Err(error) => {
                 let all = (0..graph.nodes().len()).map(NodeId);
                 let notes = all.map(|id| (id, graph.node(id).ty.notes(&graph.settle(id, frame))));

@@ -29,7 +29,7 @@ pub enum EvalError {
         /// What does not fit.
         reason: String,
     },
-    /// The frame takes more memory than allowed; nothing was prepared.
+    /// The frame takes more memory than allowed: as it was reckoned before anything was prepared, or as a node then held.
     #[error(
         "{place}: found a frame that takes about {}: {found}; expected at most {}: {remedy}; or allow more memory (--memory, or Settings::memory_limit)",
         in_bytes(*total), in_bytes(*limit)

@@ -79,17 +79,7 @@ impl Plan<'_> {
         self.account(pictures, &HashMap::new())
     }
 
-    /// Refuses a frame that takes more memory than the settings allow, as an evaluation does before it prepares anything.
-    ///
-    /// # Errors
-    /// [`EvalError::TooMuchMemory`], with the largest takers.
-    pub fn check_memory(&self, pictures: Pictures) -> Result<MemoryAccount, EvalError> {
-        let account = self.memory(pictures);
-        self.hold(&account)?;
-        Ok(account)
-    }
-
-    /// The same, where some nodes are prepared and hold so many bytes.
+    /// What [`Plan::memory`] gives, where some nodes are prepared and hold so many bytes.
     pub(crate) fn account(&self, pictures: Pictures, known: &HashMap<NodeId, u64>) -> MemoryAccount {
         let mut uses: HashMap<NodeId, MemoryUse> = HashMap::new();
         let mut account = MemoryAccount { takers: Vec::new(), shared: Vec::new() };
@@ -131,8 +121,11 @@ impl Plan<'_> {
         account
     }
 
-    /// Refuses more memory than the settings allow.
-    pub(crate) fn hold(&self, account: &MemoryAccount) -> Result<(), EvalError> {
+    /// Refuses a frame that takes more memory than the settings allow, as an evaluation does before it prepares anything.
+    ///
+    /// # Errors
+    /// [`EvalError::TooMuchMemory`], with the largest takers.
+    pub fn check_memory(&self, account: &MemoryAccount) -> Result<(), EvalError> {
         let limit = self.settings.memory_limit;
         if account.total() <= limit {
             return Ok(());

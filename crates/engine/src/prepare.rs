@@ -182,7 +182,7 @@ pub(crate) fn prepare(
     let there = plan.prepares.iter().zip(&known);
     let there = there.filter_map(|((id, _), known)| Some((*id, known.as_ref()?.bytes() as u64))).collect();
     let mut account = plan.account(pictures, &there);
-    plan.hold(&account)?;
+    plan.check_memory(&account)?;
     cache.make_room((plan.settings.memory_limit - account.total()).saturating_add(account.held()));
     cache.trim();
     // Of what is kept too: another graph may have been allowed to read it.
@@ -211,7 +211,7 @@ pub(crate) fn prepare(
                 let prepared: Arc<dyn Prepared> = prepared.into();
                 // What was reckoned too low counts as it is.
                 account.found(*id, prepared.bytes() as u64);
-                plan.hold(&account)?;
+                plan.check_memory(&account)?;
                 let files = key.2.clone();
                 cache.keep(key, prepared.clone());
                 Ready { prepared, seconds: started.elapsed().as_secs_f64(), cached: false, files }

@@ -131,6 +131,19 @@ fn give_back(bytes: usize) {
     }
 }
 
+/// A block of so many bytes, of which `more` come to those that are counted, unless the bound or the system refuses it.
+fn granted(bytes: usize, more: usize, ask: impl FnOnce() -> *mut u8) -> *mut u8 {
+    if !take(more) {
+        return refuse(bytes, true);
+    }
+    let block = ask();
+    if block.is_null() {
+        give_back(more);
+        return refuse(bytes, false);
+    }
+    block
+}
+
 /// What becomes of a block that cannot be had: null for whoever can do without, else the end of the program.
 #[cold]
 fn refuse(asked: usize, by_bound: bool) -> *mut u8 {
@@ -172,29 +185,13 @@ pub fn exit_at_once(code: u8) -> ! {
 #[allow(unsafe_code)]
 unsafe impl GlobalAlloc for Heap {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        if !take(counted(layout.size())) {
-            return refuse(layout.size(), true);
-        }
         // SAFETY: the caller's promise for `layout` is what `System` asks for.
-        let block = unsafe { System.alloc(layout) };
-        if block.is_null() {
-            give_back(counted(layout.size()));
-            return refuse(layout.size(), false);
-        }
-        block
+        granted(layout.size(), counted(layout.size()), || unsafe { System.alloc(layout) })
     }
 
     unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
-        if !take(counted(layout.size())) {
-            return refuse(layout.size(), true);
-        }
         // SAFETY: the caller's promise for `layout` is what `System` asks for.
-        let block = unsafe { System.alloc_zeroed(layout) };
-        if block.is_null() {
-            give_back(counted(layout.size()));
-            return refuse(layout.size(), false);
-        }
-        block
+        granted(layout.size(), counted(layout.size()), || unsafe { System.alloc_zeroed(layout) })
     }
 
     unsafe fn dealloc(&self, block: *mut u8, layout: Layout) {
@@ -206,18 +203,12 @@ unsafe impl GlobalAlloc for Heap {
     unsafe fn realloc(&self, block: *mut u8, layout: Layout, size: usize) -> *mut u8 {
         let (old, new) = (counted(layout.size()), counted(size));
         // The system moves pages of large blocks, so the old block and the new one are not there at once.
-        let more = new.saturating_sub(old);
-        if !take(more) {
-            return refuse(size, true);
-        }
         // SAFETY: `block` came from `System` with this layout, and `size` is not 0 and does not overflow, by the caller's
         // promise.
-        let moved = unsafe { System.realloc(block, layout, size) };
-        if moved.is_null() {
-            give_back(more);
-            return refuse(size, false);
+        let moved = granted(size, new.saturating_sub(old), || unsafe { System.realloc(block, layout, size) });
+        if !moved.is_null() {
+            give_back(old.saturating_sub(new));
         }
-        give_back(old.saturating_sub(new));
         moved
     }
 }
