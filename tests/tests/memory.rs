@@ -66,3 +66,28 @@ fn what_nodes_share_counts_once() {
     };
     assert!(both("") + 5_000_000 < both(r#", "detail": 1.9"#));
 }
+
+#[test]
+fn where_memory_is_short_fewer_threads_make_the_same_picture() {
+    let nodes = r##""noise": { "type": "Noise", "scale": 0.3 },
+        "mask": { "type": "Clamp", "field": "noise", "min": -1, "max": 1 },
+        "mix": { "type": "Mix", "a": "#123", "b": "#fed", "weight": "mask" },
+        "soft": { "type": "Blur", "image": "mix", "size": 9 }"##;
+    let graph = graph(r#""width": 900, "height": 600"#, nodes, r#""soft": { "color": "soft" }"#);
+    let evaluate = |limit: u64| {
+        let eight = settings(|settings| (settings.threads, settings.memory_limit) = (8, limit));
+        let plan = Plan::new(&graph, &[], 1, &[], &eight).unwrap();
+        let account = plan.memory(Pictures::Whole);
+        let picture =
+            plan.evaluate(&Buffers::new(), &mut Cache::new(), &Silent).map(|mut frame| frame.pictures.remove(0));
+        (account, picture)
+    };
+    let (all, whole) = evaluate(1 << 30);
+    assert_eq!(all.workers(), 8);
+    let tiles = all.takers.iter().find(|(taker, ..)| *taker == Taker::Tiles).unwrap().1;
+    let (few, short) = evaluate(all.total() - tiles + tiles / 2);
+    assert_eq!((few.workers(), few.total()), (4, all.total() - tiles / 2));
+    assert_eq!(short.unwrap().planes, whole.unwrap().planes);
+    let (_, none) = evaluate(all.total() - tiles + tiles / 9);
+    assert!(none.unwrap_err().to_string().contains("tiles of one thread"));
+}

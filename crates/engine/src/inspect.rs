@@ -101,7 +101,7 @@ impl Plan<'_> {
         monitor: &dyn Monitor,
     ) -> Result<Inspected, EvalError> {
         self.validate(buffers)?;
-        let ready = prepare(self, cache, monitor, Pictures::Rows)?;
+        let (ready, _) = prepare(self, cache, monitor, Pictures::Rows)?;
         let (program, roots) = (&self.source.0, &self.source.1[output]);
         let mut chunks = Chunks::of(self.passes.iter().flat_map(programs));
         let mut chunks = chunks.all();

@@ -40,12 +40,19 @@ pub struct MemoryAccount {
     pub takers: Vec<(Taker, u64, &'static str)>,
     /// Nodes whose share another one counts.
     shared: Vec<NodeId>,
+    /// Threads that work on tiles at once.
+    workers: usize,
 }
 
 impl MemoryAccount {
     /// All together, bytes.
     pub fn total(&self) -> u64 {
         self.takers.iter().fold(0, |sum, (_, bytes, _)| sum.saturating_add(*bytes))
+    }
+
+    /// Threads that work on tiles at once: as many as the settings say, or as have room.
+    pub fn workers(&self) -> usize {
+        self.workers
     }
 
     /// What nodes hold, bytes.
@@ -63,10 +70,18 @@ impl MemoryAccount {
             Some((_, held, _)) => *held = bytes.max(*held),
             None => self.takers.push((Taker::Node(id), bytes, "lower the format's \"width\" and \"height\"")),
         }
-        self.sort();
     }
 
-    fn sort(&mut self) {
+    /// Lets fewer threads work on tiles at once where all of them go beyond a limit: that is slower, and the picture is the
+    /// same.
+    pub(crate) fn shrink_to(&mut self, limit: u64) {
+        let total = self.total();
+        if let Some((_, tiles, _)) = self.takers.iter_mut().find(|(taker, ..)| *taker == Taker::Tiles) {
+            let room = limit.saturating_sub(total - *tiles);
+            let each = (*tiles / self.workers as u64).max(1);
+            self.workers = usize::try_from(room / each).unwrap_or(usize::MAX).clamp(1, self.workers);
+            *tiles = each * self.workers as u64;
+        }
         self.takers.retain(|(_, bytes, _)| *bytes > 0);
         self.takers.sort_by_key(|(_, bytes, _)| std::cmp::Reverse(*bytes));
     }
@@ -82,9 +97,9 @@ impl Plan<'_> {
     /// What [`Plan::memory`] gives, where some nodes are prepared and hold so many bytes.
     pub(crate) fn account(&self, pictures: Pictures, known: &HashMap<NodeId, u64>) -> MemoryAccount {
         let mut uses: HashMap<NodeId, MemoryUse> = HashMap::new();
-        let mut account = MemoryAccount { takers: Vec::new(), shared: Vec::new() };
+        let mut account = MemoryAccount { takers: Vec::new(), shared: Vec::new(), workers: 1 };
         let takers = &mut account.takers;
-        let mut preparing = (Taker::Tiles, 0, "");
+        let mut preparing = None;
         let mut shared = HashSet::new();
         for (id, wanted) in &self.prepares {
             let Some((stage, settled)) = self.stage(*id) else { continue };
@@ -101,12 +116,12 @@ impl Plan<'_> {
             } else {
                 account.shared.push(*id);
             }
-            if taken.working > preparing.1 {
-                preparing = (Taker::Preparing(*id), taken.working, taken.remedy);
+            if preparing.is_none_or(|(_, bytes, _)| taken.working > bytes) {
+                preparing = Some((Taker::Preparing(*id), taken.working, taken.remedy));
             }
             uses.insert(*id, taken);
         }
-        takers.push(preparing);
+        takers.extend(preparing);
         if pictures == Pictures::Whole {
             let channels: usize = self.outputs.iter().map(|output| output.kind.channels()).sum();
             let bytes = samples(channels, [self.window.width(), self.window.height()]) * size_of::<f32>() as u64;
@@ -115,9 +130,10 @@ impl Plan<'_> {
             takers.push((Taker::Pictures, bytes, remedy));
         }
         let tiles = self.passes.iter().map(|pass| self.scratch(pass)).fold(0, u64::saturating_add);
-        let remedy = "use fewer threads, lower the format's \"width\", or let filters reach less far";
-        takers.push((Taker::Tiles, tiles.saturating_mul(self.threads() as u64), remedy));
-        account.sort();
+        let remedy = "lower the format's \"width\", or let filters reach less far";
+        account.workers = self.threads();
+        account.takers.push((Taker::Tiles, tiles.saturating_mul(account.workers as u64), remedy));
+        account.shrink_to(self.settings.memory_limit);
         account
     }
 
@@ -153,7 +169,8 @@ impl Plan<'_> {
             let what = match taker {
                 Taker::Node(id) => name(id),
                 Taker::Pictures => "pictures".into(),
-                Taker::Tiles => format!("tiles of {} threads", self.threads()),
+                Taker::Tiles if account.workers == 1 => "tiles of one thread".into(),
+                Taker::Tiles => format!("tiles of {} threads", account.workers),
                 Taker::Preparing(id) => format!("preparing {}", name(id)),
             };
             let comma = if text.is_empty() { "" } else { ", " };
@@ -167,7 +184,8 @@ impl Plan<'_> {
         text
     }
 
-    fn threads(&self) -> usize {
+    /// Threads that the settings ask for.
+    pub(crate) fn threads(&self) -> usize {
         if self.settings.threads == 0 { rayon::current_num_threads() } else { self.settings.threads }
     }
 

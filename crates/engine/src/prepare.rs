@@ -1,7 +1,7 @@
 //! Prepares stages once a frame, and keeps what the next frame can use.
 
 use crate::keep::Filled;
-use crate::memory::Pictures;
+use crate::memory::{MemoryAccount, Pictures};
 use crate::plan::Fill;
 use crate::{EvalError, Monitor, Plan};
 use std::collections::HashMap;
@@ -168,13 +168,14 @@ pub(crate) struct Ready {
     files: String,
 }
 
-/// Prepares every stage of a plan, inputs first, unless that takes more memory than allowed.
+/// Prepares every stage of a plan, inputs first, unless that takes more memory than allowed. Gives the account of
+/// its memory too.
 pub(crate) fn prepare(
     plan: &Plan<'_>,
     cache: &mut Cache,
     monitor: &dyn Monitor,
     pictures: Pictures,
-) -> Result<HashMap<NodeId, Ready>, EvalError> {
+) -> Result<(HashMap<NodeId, Ready>, MemoryAccount), EvalError> {
     let mut ready: HashMap<NodeId, Ready> = HashMap::new();
     let keys = keys(plan);
     // All that this frame uses is used before anything is dropped.
@@ -211,6 +212,7 @@ pub(crate) fn prepare(
                 let prepared: Arc<dyn Prepared> = prepared.into();
                 // What was reckoned too low counts as it is.
                 account.found(*id, prepared.bytes() as u64);
+                account.shrink_to(plan.settings.memory_limit);
                 plan.check_memory(&account)?;
                 let files = key.2.clone();
                 cache.keep(key, prepared.clone());
@@ -219,7 +221,7 @@ pub(crate) fn prepare(
         };
         ready.insert(*id, entry);
     }
-    Ok(ready)
+    Ok((ready, account))
 }
 
 /// The key of what a stage fills over the picture: what it is made of, which channels, and the picture's format.

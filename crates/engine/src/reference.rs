@@ -59,7 +59,7 @@ impl<'g> ReferenceFrame<'g> {
     ) -> Result<Self, ReferenceError> {
         let settings = Settings { switches: Switches::NONE, ..Settings::default() };
         let plan = Plan::new(graph, &[output], frame, &[], &settings)?;
-        let ready = prepare(&plan, cache, monitor, Pictures::Rows)?;
+        let (ready, _) = prepare(&plan, cache, monitor, Pictures::Rows)?;
         let extents = extents(&plan, &ready, plan.passes.first().map_or(&[], |pass| &pass.fills));
         Ok(Self { plan, ready, extents, orders: Mutex::default() })
     }

@@ -145,7 +145,7 @@ impl Plan<'_> {
         monitor: &dyn Monitor,
     ) -> Result<Vec<(NodeId, Vec<Omission>)>, EvalError> {
         self.in_pool(|| {
-            let ready = prepare(self, cache, monitor, Pictures::Rows)?;
+            let (ready, _) = prepare(self, cache, monitor, Pictures::Rows)?;
             let stages = self.prepares.iter().filter_map(|(id, _)| Some((*id, ready.get(id)?.prepared.left_out())));
             Ok(stages.filter(|(_, omissions)| !omissions.is_empty()).collect())
         })
@@ -162,7 +162,7 @@ impl Plan<'_> {
         self.in_pool(|| {
             self.validate(buffers)?;
             let started = Instant::now();
-            let ready = prepare(self, cache, monitor, pictures)?;
+            let (ready, account) = prepare(self, cache, monitor, pictures)?;
             let prepared = started.elapsed().as_secs_f64();
             let started = Instant::now();
             let judges: Vec<Option<Arc<Judge>>> =
@@ -170,7 +170,10 @@ impl Plan<'_> {
             let judged = started.elapsed().as_secs_f64();
             let started = Instant::now();
             let keeping = Keeping::new(self, &ready, cache);
-            let tally = self.tiles(&bands(&ready)?, &ready, buffers, (&judges, &keeping), monitor);
+            let bands = bands(&ready)?;
+            // No more workers than bands.
+            let workers = account.workers().min(bands.count()).max(1);
+            let tally = self.tiles((&bands, workers), &ready, buffers, (&judges, &keeping), monitor);
             let known: Vec<NodeId> = keeping.known.keys().copied().collect();
             if tally.is_ok() {
                 keeping.finish(cache);
@@ -243,7 +246,7 @@ impl Plan<'_> {
         let (width, height) = (self.window.width(), self.window.height());
         // How high bands are that reach beyond themselves, for at least so many rows of their own.
         let band = |least: usize| {
-            height.div_ceil(divided(height, height / TILE.1.max(least), down, rayon::current_num_threads()))
+            height.div_ceil(divided(height, height / TILE.1.max(least), down, self.threads()))
         };
         match bands {
             // Whole rows, so that every block of a file is decoded once.
@@ -328,10 +331,10 @@ impl Plan<'_> {
         self.outputs.iter().map(|output| (0..output.kind.channels()).map(|_| plane()).collect()).collect()
     }
 
-    /// Evaluates every band, on all threads.
+    /// Evaluates every band, on so many threads.
     fn tiles(
         &self,
-        bands: &Bands<'_>,
+        (bands, workers): (&Bands<'_>, usize),
         ready: &HashMap<NodeId, Ready>,
         buffers: &Buffers<'_>,
         (judges, keeping): (&[Option<Arc<Judge>>], &Keeping),
@@ -369,8 +372,7 @@ impl Plan<'_> {
             tally.lock().unwrap_or_else(PoisonError::into_inner).add(&worker);
         };
         rayon::scope(|scope| {
-            // No more workers than bands.
-            for _ in 1..rayon::current_num_threads().min(bands.count()) {
+            for _ in 1..workers {
                 scope.spawn(|_| work());
             }
             work();

@@ -7,6 +7,8 @@ mod bad_images;
 mod certify;
 mod commands;
 mod explain;
+#[cfg(target_os = "linux")]
+mod hostile;
 mod kills;
 #[cfg(unix)]
 mod memory;

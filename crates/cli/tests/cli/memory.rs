@@ -10,7 +10,7 @@ use std::process::Command;
 const SIDE: u32 = 16_000;
 
 /// A black picture of one bit a pixel.
-fn write_large(path: &Path) {
+pub(crate) fn write_large(path: &Path) {
     let mut encoder = png::Encoder::new(File::create(path).unwrap(), SIDE, SIDE);
     encoder.set_color(png::ColorType::Grayscale);
     encoder.set_depth(png::BitDepth::One);

@@ -75,7 +75,7 @@ impl<'g> Certifier<'g> {
         let plan = &self.plan;
         plan.in_pool(|| {
             plan.validate_all(buffers)?;
-            let ready = prepare(plan, cache, monitor, Pictures::Whole)?;
+            let (ready, _) = prepare(plan, cache, monitor, Pictures::Whole)?;
             let (width, height) = TILE;
             let (across, down) = plan.halo();
             let tiles: Vec<Window> = plan.window.tiles(width.max(4 * across), height.max(4 * down)).collect();

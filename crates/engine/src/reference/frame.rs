@@ -33,7 +33,7 @@ impl Plan<'_> {
             let name = &self.graph.outputs()[output.index].name;
             references.push(ReferenceFrame::prepared(self.graph, name, self.frame(), cache, monitor)?);
         }
-        let ready = prepare(self, cache, monitor, Pictures::Whole)?;
+        let (ready, _) = prepare(self, cache, monitor, Pictures::Whole)?;
         let judges: Vec<_> = self.outputs.iter().map(|output| self.judge(output, &ready, &Buffers::new())).collect();
         let prepare = started.elapsed().as_secs_f64();
         let started = Instant::now();

@@ -1,7 +1,5 @@
 //! Headers: hostile claims, unsupported kinds, and what they say of good files.
 
-use std::time::Instant;
-
 use trochoid_image::{Chromaticities, Window};
 
 use super::make::{Method, Part, SMALL, describe, exr, read};
@@ -72,7 +70,6 @@ fn refused(bytes: &[u8]) -> Error {
 
 #[test]
 fn huge_claims_are_refused_at_once() {
-    let start = Instant::now();
     let huge = Head::new(0).part(100_000, 100_000, 3).end();
     assert!(huge.len() < 1024);
     for result in [
@@ -95,7 +92,6 @@ fn huge_claims_are_refused_at_once() {
     let limits = Limits { pixels: u64::MAX, bytes: 1 << 20 };
     let error = picture::read_of(Source::of_bytes(wide), &Selection::default(), &limits).unwrap_err();
     assert!(matches!(error, Error::TooLarge { .. }), "{error}");
-    assert!(start.elapsed().as_secs() < 2);
 }
 
 #[test]
