@@ -44,6 +44,10 @@ pub(crate) fn convert(
     }
     let window = planes[0].window();
     let [r, g, b] = planes.each_mut().map(|plane| plane.samples_mut());
+    if let (Some(table), None) = (&conversion.table, premultiplied) {
+        [r, g, b].into_iter().for_each(|samples| table.apply(samples));
+        return Ok(0);
+    }
     let mut repaired = 0;
     for (index, ((r, g), b)) in r.iter_mut().zip(g).zip(b).enumerate() {
         let alpha = premultiplied.map_or(1.0, |p| f64::from(p.alpha.samples()[index]));
@@ -86,6 +90,8 @@ pub(crate) struct Conversion {
     /// Linear primaries of the file to those of the space; `None` where they are the same.
     matrix: Option<[[f64; 3]; 3]>,
     encode: Option<Memo>,
+    /// All of it, where a channel has few values and does not depend on the others.
+    table: Option<Table>,
 }
 
 impl Conversion {
@@ -118,17 +124,28 @@ impl Conversion {
         // Display encoding in and out cancel, if nothing happens to the light between.
         let encode = space == WorkingSpace::Srgb;
         let identity = matrix.is_none() && encoded == encode;
-        Ok(Self {
+        let mut conversion = Self {
             meaning,
             identity,
             decode: (encoded && !identity).then(|| Memo::new(srgb_decode)),
             matrix,
             encode: (encode && !identity).then(|| Memo::new(srgb_encode)),
-        })
+            table: None,
+        };
+        if conversion.meaning.stored == SampleType::U8 && conversion.matrix.is_none() && !identity {
+            // No value of one byte leaves 0 to 1, so none is illegal.
+            let value = |byte: usize| conversion.color([byte as f64 / 255.0; 3])[0] as f32 + 0.0;
+            conversion.table = Some(Table(Box::new(std::array::from_fn(value))));
+        }
+        Ok(conversion)
     }
 
     /// Converts the pixels from `at` on in place, as [`convert`] does.
     pub(crate) fn row(&mut self, [x, y]: [i64; 2], [r, g, b]: [&mut [f32]; 3]) -> Result<u64, NodeError> {
+        if let Some(table) = &self.table {
+            [r, g, b].into_iter().for_each(|samples| table.apply(samples));
+            return Ok(0);
+        }
         let mut repaired = 0;
         if !self.identity {
             for (index, ((r, g), b)) in r.iter_mut().zip(g).zip(b).enumerate() {
@@ -177,6 +194,17 @@ impl Conversion {
             color = color.map(|v| encode.of(v));
         }
         color
+    }
+}
+
+/// What each value of one byte becomes.
+#[derive(Clone)]
+struct Table(Box<[f32; 256]>);
+
+impl Table {
+    fn apply(&self, samples: &mut [f32]) {
+        // The nearest byte: samples are a byte's fraction of 255, rounded.
+        samples.iter_mut().for_each(|sample| *sample = self.0[usize::from((*sample * 255.0 + 0.5) as u8)]);
     }
 }
 
@@ -233,5 +261,41 @@ impl Memo {
             *known = (bits, (self.function)(value));
         }
         known.1
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bytes_by_table_are_bytes_by_formula() {
+        for (space, encoding) in [
+            (WorkingSpace::LinearSrgb, "auto"),
+            (WorkingSpace::LinearSrgb, "linear"),
+            (WorkingSpace::Srgb, "linear"),
+            (WorkingSpace::AcesCg, "auto"),
+        ] {
+            let meaning = Meaning {
+                path: PathBuf::new(),
+                part: 0,
+                encoding: Encoding::Srgb,
+                chromaticities: None,
+                stored: SampleType::U8,
+                space,
+                repair: false,
+            };
+            let mut conversion = Conversion::new(meaning, encoding).unwrap();
+            assert_eq!(conversion.table.is_some(), conversion.matrix.is_none() && !conversion.identity);
+            let bytes: Vec<f32> = (0..=255_u8).map(|byte| f32::from(byte) / 255.0).collect();
+            let row = |conversion: &mut Conversion| {
+                let [mut r, mut g, mut b] = [bytes.clone(), bytes.clone(), bytes.clone()];
+                conversion.row([0, 0], [&mut r, &mut g, &mut b]).unwrap();
+                [r, g, b].concat().iter().map(|v| v.to_bits()).collect::<Vec<u32>>()
+            };
+            let by_table = row(&mut conversion);
+            conversion.table = None;
+            assert_eq!(by_table, row(&mut conversion), "{space} {encoding}");
+        }
     }
 }

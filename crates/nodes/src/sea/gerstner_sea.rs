@@ -187,10 +187,13 @@ impl NodeType for GerstnerSea {
                 return check.error(item, found, expected, remedy);
             }
         };
-        let folds = folding(waves);
         // What takes folds for breaking crests wants them.
         let wants = |user: User| matches!((user.ty, user.port), ("Spray", "sea") | ("FoldFoam" | "CrestFoam", "view"));
-        if folds.folded_share > FoldOptions::default().tolerated_share && !check.users().into_iter().any(wants) {
+        if check.users().into_iter().any(wants) {
+            return;
+        }
+        let folds = folding(waves);
+        if folds.folded_share > FoldOptions::default().tolerated_share {
             let found = format!("crests that fold over on {:.2} % of the sea", 100.0 * folds.folded_share);
             let sharpness = node.number("sharpness") * folds.unfolded_scale;
             let remedy = if node.list("waves").is_empty() && node.list("groups").is_empty() {
