@@ -41,7 +41,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let chosen = outputs::choose(graph, &args.output, &mut faults);
     let is_stdout = args.out.as_os_str() == "-";
     if !is_stdout {
-        faults.extend(args.over.refusal(&args.out, &InputFiles::new(graph, &[], &[&args.graph])));
+        faults.extend(args.over.refusal(&args.out, &InputFiles::new(graph, &[&args.graph])));
     }
     Failure::all(faults)?;
     let shown: &[usize] = if args.output.is_empty() { &[] } else { &chosen };

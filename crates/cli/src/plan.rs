@@ -85,7 +85,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let frame = args.frame.unwrap_or(graph.frames().0);
     if let Some(out) = &args.out {
         // A search takes minutes: what it could not write is told before it.
-        let inputs = InputFiles::new(graph, &[frame], &[&args.graph]);
+        let inputs = InputFiles::new(graph, &[&args.graph]);
         faults.extend(args.files.over.refusal(out, &inputs));
     }
     faults.extend(refused(graph, &chosen, &[frame]));

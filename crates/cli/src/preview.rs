@@ -65,7 +65,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let size = [graph.format().width(), graph.format().height()].map(|size| size.div_ceil(u32::from(args.shrink)));
     look(args, graph, output, chosen.len(), size, &mut faults);
     faults.extend(refused(graph, &[output], &chosen));
-    let inputs = InputFiles::new(graph, &chosen, &[&args.graph]);
+    let inputs = InputFiles::new(graph, &[&args.graph]);
     faults.extend(args.files.over.refusal(&args.out, &inputs));
     Failure::all(faults)?;
     interrupt::watch()?;

@@ -86,7 +86,7 @@ impl Renderer {
             let files = output_files(&graph, &outputs, frame, frames.len() > 1, None)?;
             named.extend(files.into_iter().map(|file| file.path));
         }
-        let inputs = InputFiles::new(&graph, &frames, &[Path::new(graph.name())]);
+        let inputs = InputFiles::new(&graph, &[Path::new(graph.name())]);
         if let Some(path) = named.iter().find(|path| inputs.contains(path)) {
             let why = format!("{}: is the document, or a file that it reads; give the output another", path.display());
             return Err(why.into());

@@ -7,9 +7,9 @@ use trochoid_graph::{CheckedGraph, Item, NodeId, Takes, resolved};
 /// Two frames whose numbers differ in every digit, so that what two names share is the pattern.
 const PROBES: [i64; 2] = [1_111_111_111_111_111, 2_222_222_222_222_222];
 
-/// The files that any output of a document reads at any frame of the document or of a run, and others that a run reads.
+/// The files that any output of a document reads at any frame, and others that a run reads.
 ///
-/// Sequences count by their pattern, so that long ranges cost no more than short ones. Links, and hard links, count as the
+/// Sequences count by their pattern, at frames beyond the document's range too: another run may ask for those. Links, and hard links, count as the
 /// file that they are.
 #[derive(Debug)]
 pub struct InputFiles {
@@ -18,20 +18,6 @@ pub struct InputFiles {
     /// Where those lead that have one name at all frames.
     paths: HashSet<PathBuf>,
     sequences: Vec<Sequence>,
-    frames: Frames,
-}
-
-/// Frames of a document or of a run.
-#[derive(Debug)]
-struct Frames {
-    range: (i64, i64),
-    more: HashSet<i64>,
-}
-
-impl Frames {
-    fn holds(&self, frame: i64) -> bool {
-        (self.range.0..=self.range.1).contains(&frame) || self.more.contains(&frame)
-    }
 }
 
 /// What makes two names the same file.
@@ -91,37 +77,37 @@ impl Sequence {
         Some(Self { folder, around, width, rest: one[at + 1..].iter().collect() })
     }
 
-    /// The frame whose file has this name in the folder, if it is that of one.
-    fn frame(&self, name: &str) -> Option<i64> {
+    /// Whether the file of a frame has this name in the folder.
+    fn is_frame(&self, name: &str) -> bool {
         let [before, after] = &self.around;
-        let digits = name.strip_prefix(before.as_str())?.strip_suffix(after.as_str())?;
-        let frame: i64 = digits.parse().ok()?;
+        let digits = name.strip_prefix(before.as_str()).and_then(|name| name.strip_suffix(after.as_str()));
+        let Some((digits, frame)) = digits.and_then(|digits| Some((digits, digits.parse::<i64>().ok()?))) else {
+            return false;
+        };
         let (sign, width) = (if frame < 0 { "-" } else { "" }, self.width);
-        (digits == format!("{sign}{:0width$}", frame.unsigned_abs())).then_some(frame)
+        digits == format!("{sign}{:0width$}", frame.unsigned_abs())
     }
 
-    /// The frame whose file stands at a path, which is resolved.
-    fn frame_at(&self, path: &Path) -> Option<i64> {
-        let mut parts = path.strip_prefix(&self.folder).ok()?.components();
-        let frame = self.frame(parts.next()?.as_os_str().to_str()?)?;
-        (parts.as_path() == self.rest).then_some(frame)
+    /// Whether the file of a frame stands at a path, which is resolved.
+    fn has(&self, path: &Path) -> bool {
+        let Ok(rest) = path.strip_prefix(&self.folder) else { return false };
+        let mut parts = rest.components();
+        let name = parts.next().and_then(|part| part.as_os_str().to_str());
+        name.is_some_and(|name| self.is_frame(name)) && parts.as_path() == self.rest
     }
 
-    /// The files that there are of frames in a range.
-    fn files<'s>(&'s self, frames: &'s Frames) -> impl Iterator<Item = PathBuf> + 's {
+    /// The files that there are.
+    fn files(&self) -> impl Iterator<Item = PathBuf> {
         let entries = std::fs::read_dir(&self.folder).into_iter().flatten().flatten();
-        let named = entries.filter(|entry| {
-            entry.file_name().to_str().and_then(|name| self.frame(name)).is_some_and(|frame| frames.holds(frame))
-        });
+        let named = entries.filter(|entry| entry.file_name().to_str().is_some_and(|name| self.is_frame(name)));
         named.map(|entry| if self.rest.as_os_str().is_empty() { entry.path() } else { entry.path().join(&self.rest) })
     }
 }
 
 impl InputFiles {
-    /// Of a document, for a run at some frames that also reads other files, the document's own among them.
-    pub fn new(graph: &CheckedGraph, frames: &[i64], also: &[&Path]) -> Self {
-        let frames = Frames { range: graph.frames(), more: frames.iter().copied().collect() };
-        let first = frames.range.0;
+    /// Of a document, for a run that also reads other files, the document's own among them.
+    pub fn new(graph: &CheckedGraph, also: &[&Path]) -> Self {
+        let first = graph.frames().0;
         let connected = graph.upstream(graph.outputs().iter().map(|output| output.node));
         let begin = graph.frame_context(first, u64::MAX);
         let (mut fixed, mut sequences) = (also.iter().map(|path| path.to_path_buf()).collect::<Vec<_>>(), Vec::new());
@@ -140,10 +126,10 @@ impl InputFiles {
                 }
             }
         }
-        let existing = sequences.iter().flat_map(|sequence| sequence.files(&frames));
+        let existing = sequences.iter().flat_map(Sequence::files);
         let known = existing.chain(fixed.iter().cloned()).filter_map(|path| Identity::of(&path)).collect();
         let paths = fixed.iter().map(|path| resolved(path)).collect();
-        Self { known, paths, sequences, frames }
+        Self { known, paths, sequences }
     }
 
     /// Whether a file is one of these, by whatever name; it need not exist.
@@ -152,8 +138,7 @@ impl InputFiles {
             return true;
         }
         let path = resolved(path);
-        let is_frame = |sequence: &Sequence| sequence.frame_at(&path).is_some_and(|frame| self.frames.holds(frame));
-        self.paths.contains(&path) || self.sequences.iter().any(is_frame)
+        self.paths.contains(&path) || self.sequences.iter().any(|sequence| sequence.has(&path))
     }
 }
 
@@ -162,7 +147,7 @@ mod tests {
     use super::*;
     use std::fs;
 
-    const READS: &str = r##"{ "trochoid": 1, "format": { "width": 4, "height": 2 }, "frames": { "first": 1, "last": 10000000 },
+    const READS: &str = r##"{ "trochoid": 1, "format": { "width": 4, "height": 2 },
         "nodes": { "seq": { "type": "Read", "as": "color", "file": "in/seq.####.png" },
                    "deep": { "type": "Read", "as": "color", "file": "shot.%03d/a.png" },
                    "one": { "type": "Read", "as": "color", "file": "one.png" },
@@ -170,9 +155,9 @@ mod tests {
                    "mix": { "type": "Mix", "a": "seq", "b": "deep", "weight": 0.5 } },
         "outputs": { "a": { "color": "mix" }, "b": { "color": "one" } } }"##;
 
-    fn inputs(folder: &Path, frames: &[i64]) -> InputFiles {
+    fn inputs(folder: &Path) -> InputFiles {
         let graph = crate::parse("a.json", READS, folder, &[]).expect("valid").graph;
-        InputFiles::new(&graph, frames, &[&folder.join("a.json")])
+        InputFiles::new(&graph, &[&folder.join("a.json")])
     }
 
     #[test]
@@ -185,7 +170,7 @@ mod tests {
         for name in ["in/seq.0002.png", "shot.007/a.png", "a.json"] {
             fs::write(folder.join(name), name).expect("written");
         }
-        let inputs = inputs(folder, &[-5]);
+        let inputs = inputs(folder);
         let read =
             ["in/seq.0002.png", "in/seq.0003.png", "in/seq.-0005.png", "in/seq.123456.png", "in/../in/seq.0001.png"];
         for name in read.iter().chain(&["shot.007/a.png", "shot.1000/a.png", "one.png", "a.json", "out/../one.png"]) {
@@ -193,8 +178,7 @@ mod tests {
         }
         let free = [
             "in/seq.2.png",
-            "in/seq.0000.png",
-            "in/seq.-0004.png",
+            "in/seq.00002.png",
             "in/seq.+002.png",
             "in/seq.0002.exr",
             "seq.0002.png",
@@ -225,7 +209,7 @@ mod tests {
         symlink("in", folder.join("alias")).expect("a link");
         symlink("../elsewhere.png", folder.join("in/seq.0004.png")).expect("a link");
         symlink("in/seq.0009.png", folder.join("not_yet.png")).expect("a link");
-        let inputs = inputs(folder, &[]);
+        let inputs = inputs(folder);
         for name in ["hard.png", "soft.png", "alias/seq.0002.png", "alias/seq.0007.png", "elsewhere.png", "not_yet.png"]
         {
             assert!(inputs.contains(&folder.join(name)), "{name}");

@@ -110,7 +110,7 @@ impl<'a> Job<'a> {
         }
         faults.extend(files::refused(self.graph, &self.outputs, &self.frames));
         let read: Vec<&Path> = [self.args.graph.as_path()].into_iter().chain(self.args.plan.as_deref()).collect();
-        let inputs = InputFiles::new(self.graph, &self.frames, &read);
+        let inputs = InputFiles::new(self.graph, &read);
         let over = self.args.files.over;
         faults.extend(written.iter().filter_map(|path| files::input(path, &inputs)));
         let mut taken: HashSet<PathBuf> = written.iter().cloned().collect();

@@ -103,7 +103,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let mut faults = Vec::new();
     let output = choose(graph, args.output.as_ref(), &mut faults);
     let files = ["report.json", "report.csv", "report.html"].map(|name| args.out.join(name));
-    let inputs = InputFiles::new(graph, &[frame], &[&args.graph]);
+    let inputs = InputFiles::new(graph, &[&args.graph]);
     faults.extend(files.iter().filter_map(|file| args.files.over.refusal(file, &inputs)));
     faults.extend(refused(graph, &[output], &[frame]));
     Failure::all(faults)?;

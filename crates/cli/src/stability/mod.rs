@@ -70,7 +70,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
                 "name the map for example map.png, or a folder for the maps of all nodes",
             ));
         }
-        let inputs = InputFiles::new(&graph, &[], args.graph.as_deref().as_slice());
+        let inputs = InputFiles::new(&graph, args.graph.as_deref().as_slice());
         Failure::all(named(out, &graph).iter().filter_map(|path| args.over.refusal(path, &inputs)))?;
     }
     let found = trochoid::stability(&graph, args.frame.unwrap_or(graph.frames().0));

@@ -65,7 +65,6 @@ fn no_input_is_overwritten_by_any_run() {
     let scene = Scene::new(
         &READS
             .replace("\"in.exr\"", "\"seq.####.exr\"")
-            .replace("\"nodes\"", "\"frames\": { \"first\": 1, \"last\": 10000000 }, \"nodes\"")
             .replace("\"outputs\": {", "\"outputs\": { \"ramp\": { \"color\": \"mix\" },")
             .replace("\"in\": {", "\"x\": { \"type\": \"ScreenX\" }, \"mix\": { \"type\": \"Mix\", \"a\": \"#000\", \"b\": \"#fff\", \"weight\": \"x\" }, \"in\": {"),
     );
@@ -81,7 +80,8 @@ fn no_input_is_overwritten_by_any_run() {
         ramp(frames, out).fails(2, &is_input);
     }
     ramp("-1", "seq.####.exr").fails(2, &is_input);
-    ramp("1", "seq.-0002.exr").code(0);
+    ramp("1", "seq.-0002.exr").fails(2, &is_input);
+    ramp("1", "seq.00002.exr").code(0);
     scene
         .run(&["render", "a.json", "--output", "beauty", "--frames", "1", "--out", "seq.0002.exr", "--overwrite"])
         .fails(2, &is_input);

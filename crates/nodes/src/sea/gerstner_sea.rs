@@ -1,7 +1,8 @@
 //! GerstnerSea: a sum of trochoidal waves.
 
 use crate::scene_support::{Parted, REST, SurfaceHandle, WAVES, memory, parted, stability};
-use std::sync::Arc;
+use std::collections::VecDeque;
+use std::sync::{Arc, Mutex, PoisonError};
 use trochoid_graph::*;
 use trochoid_image::Format;
 use trochoid_scene::SeaSurface;
@@ -169,9 +170,22 @@ fn waves(node: &Settled) -> Result<Vec<Wave>, String> {
     Ok(waves)
 }
 
+/// How far waves are from folding. The latest are remembered: a document is checked at every edit, and few touch its seas.
 fn folding(waves: Vec<Wave>) -> Folding {
-    Sea::new(waves).folding(FoldOptions::default())
+    static KNOWN: Mutex<VecDeque<(Vec<Wave>, Folding)>> = Mutex::new(VecDeque::new());
+    let known = || KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some((_, found)) = known().iter().find(|(same, _)| *same == waves) {
+        return *found;
+    }
+    let found = Sea::new(waves.clone()).folding(FoldOptions::default());
+    let mut known = known();
+    known.truncate(REMEMBERED - 1);
+    known.push_front((waves, found));
+    found
 }
+
+/// Seas whose folding is remembered.
+const REMEMBERED: usize = 16;
 
 impl NodeType for GerstnerSea {
     fn declaration(&self) -> &'static Declaration {
