@@ -10,6 +10,8 @@ use std::path::PathBuf;
 pub enum Action {
     /// Change the document.
     Edit(Edit),
+    /// Change a value of the document, unless it does not bear it: then this field says why.
+    Give(Edit, egui::Id),
     /// The gesture is over: the next change is a step of undo for itself.
     Seal,
     /// Replace the document's text.

@@ -27,6 +27,7 @@ use egui::{Context, Ui};
 use egui_notify::{Anchor, Toasts};
 use pictures::Asked;
 use play::Playback;
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
@@ -61,6 +62,8 @@ pub struct Editor {
     known: Arc<Sheet>,
     /// What was looked at before it was deleted: undo brings both back.
     lost: Option<(String, usize)>,
+    /// The revision, the nodes and the output of which a value may stand refused.
+    refusing: (u64, BTreeSet<String>, Option<String>),
     /// What waits until a number that is being typed has been taken.
     later: Vec<Action>,
     space: Space,
@@ -116,6 +119,7 @@ impl Editor {
             room: pictures::FRAMES,
             known: session.sheet().clone(),
             lost: None,
+            refusing: Default::default(),
             later: Vec::new(),
             space: Space::default(),
             closing: false,
@@ -179,6 +183,7 @@ impl Editor {
     pub fn ui(&mut self, ui: &mut Ui) {
         let context = ui.ctx().clone();
         self.hear(&context);
+        self.forgive(&context);
         let mut actions = Vec::new();
         if self.prompts.is_open() {
             self.space = Space::default();
