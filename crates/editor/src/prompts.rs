@@ -300,7 +300,8 @@ fn recover_ui(editor: &mut Editor, context: &Context, mut kept: Vec<Kept>) -> Op
             }
         });
         ui.add_space(8.0);
-        later = ui.button("Later").on_hover_text("Asks again when the editor starts next.").clicked();
+        let again = if kept.iter().all(|kept| kept.file.is_none()) { "editor starts" } else { "document is opened" };
+        later = ui.button("Later").on_hover_text(format!("Asks again when the {again} next.")).clicked();
     });
     if let Some(index) = dropped {
         discard(&kept.remove(index));

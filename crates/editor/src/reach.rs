@@ -26,7 +26,7 @@ fn read(data: &Path) -> Vec<Answer> {
 }
 
 /// A document's path with links followed: what is answered for it counts however it is named.
-fn whole(document: &Path) -> PathBuf {
+pub(crate) fn whole(document: &Path) -> PathBuf {
     document.canonicalize().or_else(|_| std::path::absolute(document)).unwrap_or_else(|_| document.into())
 }
 

@@ -306,7 +306,10 @@ impl Editor {
             After::New => self.start(Session::new(crate::document::session::NEW.into(), None), context),
             After::Ask => self.prompts.ask_open(&self.state.session),
             After::Open(file) => match Session::open(&file) {
-                Ok(session) => self.start(session, context),
+                Ok(session) => {
+                    self.start(session, context);
+                    self.offer();
+                }
                 Err(error) => {
                     self.toasts.error(error);
                 }

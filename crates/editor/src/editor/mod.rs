@@ -8,7 +8,7 @@ mod play;
 use crate::actions::Action;
 use crate::canvas::Canvas;
 use crate::commands::Space;
-use crate::document::keep::{Keeper, kept};
+use crate::document::keep::{Keeper, Kept, kept};
 use crate::document::{Session, Sheet};
 use crate::evaluate::Worker;
 use crate::layout::{self, Pane};
@@ -30,7 +30,7 @@ use play::Playback;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 pub use act::After;
 
@@ -97,7 +97,6 @@ impl Editor {
         let wake = context.clone();
         let worker = Worker::new(move || wake.request_repaint())?;
         let folder = data.map(|data| data.join("unsaved"));
-        let orphans = folder.as_deref().map(kept).unwrap_or_default();
         let keeper = folder.as_deref().and_then(|folder| Keeper::new(folder).ok());
         let recent = data.map(crate::recent::read).unwrap_or_default();
         let mut editor = Self {
@@ -126,10 +125,28 @@ impl Editor {
             state: State::new(session),
         };
         editor.opened(context);
-        if !orphans.is_empty() {
-            editor.prompts.recover(orphans);
-        }
+        editor.offer();
         Ok(editor)
+    }
+
+    /// Offers work of this document that was kept of editors that ended unexpectedly; beside one that is nowhere yet, tells of
+    /// others.
+    fn offer(&mut self) {
+        let folder = self.prompts.data().map(|data| data.join("unsaved"));
+        let file = self.state.session.file().map(reach::whole);
+        let all = folder.as_deref().map(kept).unwrap_or_default();
+        let (own, others): (Vec<Kept>, Vec<Kept>) =
+            all.into_iter().partition(|kept| kept.file.as_deref().map(reach::whole) == file);
+        if !own.is_empty() {
+            self.prompts.recover(own);
+        }
+        if file.is_none() {
+            let files: BTreeSet<&Path> = others.iter().filter_map(|kept| kept.file.as_deref()).collect();
+            for file in files {
+                let text = format!("Unsaved work of {} was kept: open it to recover that", file.display());
+                self.toasts.info(text).duration(Some(Duration::from_secs(12)));
+            }
+        }
     }
 
     /// What is open, chosen and seen.
