@@ -104,6 +104,10 @@ pub enum Action {
     CancelRender,
     /// Let this document reach a folder, with all beneath it.
     Allow(PathBuf),
+    /// Show which folders documents were allowed.
+    ShowAllowed,
+    /// Take a folder back that a document was allowed; the one that is open where none is named.
+    Forbid(Option<PathBuf>, PathBuf),
     /// Open the command palette.
     Palette,
     /// Show a panel, or bring it to the front.

@@ -191,6 +191,8 @@ impl Editor {
             Action::AddNode => self.panels.canvas.search(),
             Action::Render => self.render(context),
             Action::Allow(folder) => self.allow(&folder),
+            Action::ShowAllowed => self.prompts.allowed(),
+            Action::Forbid(document, folder) => self.forbid(document.as_deref(), &folder),
             Action::CancelRender => {
                 if let Some(renderer) = &self.renderer {
                     renderer.cancel();
@@ -347,7 +349,7 @@ impl Editor {
                 }
                 if moves {
                     self.watcher.watch(Some(file), context);
-                    self.grant();
+                    self.remember();
                     self.changed();
                 }
                 if let Some(data) = self.prompts.data() {

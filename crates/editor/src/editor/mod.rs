@@ -46,6 +46,8 @@ pub struct Editor {
     pub(crate) recent: Vec<PathBuf>,
     /// What this run lets every document reach besides its own.
     allowed: Vec<PathBuf>,
+    /// What this document was allowed, the newest first: remembered where it has a file.
+    pub(crate) answers: Vec<PathBuf>,
     pub(crate) worker: Worker,
     asked: Asked,
     keeper: Option<Keeper>,
@@ -107,6 +109,7 @@ impl Editor {
             complained: None,
             recent,
             allowed: Vec::new(),
+            answers: Vec::new(),
             worker,
             asked: Asked::default(),
             keeper,
@@ -240,23 +243,42 @@ impl Editor {
     /// Lets the document reach what it was allowed before.
     fn grant(&mut self) {
         let session = &mut self.state.session;
-        let known = session.file().zip(self.prompts.data());
-        let remembered = known.map_or_else(Vec::new, |(file, data)| reach::remembered(data, file));
-        session.set_access(reach::access(&session.folder(), self.allowed.iter().chain(&remembered)));
+        session.set_access(reach::access(&session.folder(), self.allowed.iter().chain(&self.answers)));
+    }
+
+    /// Takes up what was answered for the document that is open now.
+    fn remember(&mut self) {
+        let known = self.state.session.file().zip(self.prompts.data());
+        self.answers = known.map_or_else(Vec::new, |(file, data)| reach::remembered(data, file));
+        self.grant();
     }
 
     /// Lets the document reach a folder, and remembers it.
     fn allow(&mut self, folder: &Path) {
-        let session = &mut self.state.session;
-        if let Some((file, data)) = session.file().zip(self.prompts.data()) {
+        if let Some((file, data)) = self.state.session.file().zip(self.prompts.data()) {
             reach::remember(data, file, folder);
         }
-        session.set_access(session.access().clone().allowing(folder));
+        self.answers.retain(|known| known != folder);
+        self.answers.insert(0, folder.into());
+        self.grant();
         self.changed();
     }
 
+    /// Takes a folder back that a document was allowed; the one that is open where none is named.
+    fn forbid(&mut self, document: Option<&Path>, folder: &Path) {
+        if let Some((document, data)) = document.or(self.state.session.file()).zip(self.prompts.data()) {
+            reach::forget(data, document, folder);
+        }
+        let own = self.state.session.file().map(reach::whole);
+        if document.is_none() || document.map(reach::whole) == own {
+            self.answers.retain(|known| known != folder);
+            self.grant();
+            self.changed();
+        }
+    }
+
     fn opened(&mut self, context: &Context) {
-        self.grant();
+        self.remember();
         self.watcher.watch(self.state.session.file(), context);
         if let (Some(file), Some(data)) = (self.state.session.file(), self.prompts.data()) {
             self.recent = crate::recent::add(data, file);
