@@ -385,3 +385,13 @@ fn what_is_not_set_can_be_added_and_taken_away_again() {
     assert_eq!(points(&window, 1), None);
     window.get_by_label("Add points");
 }
+
+#[test]
+fn a_stop_that_is_added_is_legal() {
+    let mut window = open(LISTS, "sky");
+    window.get_by_label("Add").click();
+    window.run_steps(3);
+    let stops = value(&window, "sky", "stops").unwrap();
+    assert_eq!(stops[3]["at"], json!(1));
+    assert!(editor(&window).state().session.meaning().graph.is_some());
+}
