@@ -58,7 +58,7 @@ impl Gesture {
     }
 
     /// The same, of a value that is whole: where the document does not bear it, a field says so.
-    fn tried(self, field: &Response) -> Self {
+    pub(crate) fn tried(self, field: &Response) -> Self {
         Self(Some(field.id))
     }
 
