@@ -46,7 +46,7 @@ fn what_means_nothing_is_said() {
         ),
         (
             r#""type": "Hooks", "view": "on_waves", "rows": [{}, { "from": [-5, 60], "to": [5, 60] }]"#.into(),
-            &["rows: found row 1 behind the camera", "turn the camera"],
+            &["rows: found rows[1] behind the camera", "turn the camera"],
         ),
         (
             r#""type": "InFront", "view": "on_waves", "other": "on_waves""#.into(),
@@ -201,7 +201,7 @@ fn what_shows_nothing_is_said() {
             String::new(),
             r#""type": "Hooks", "view": "view", "rows": [{}, { "from": [5000, 0], "to": [6000, 0] }]"#,
             r#""weights": "out""#,
-            &["row 1, 5000 m from the camera", "raise \"length\""],
+            &["rows[1], 5000 m from the camera", "raise \"length\""],
         ),
         (
             String::new(),
@@ -234,7 +234,7 @@ fn what_shows_nothing_is_said() {
         let out = format!(r#""type": "Hooks", "view": "on", "rows": [{{ "from": [{from}, 0], "to": [9, 0] }}]"#);
         said_of_out(small, &nodes, &out, r#""weights": "out""#).join("\n")
     };
-    assert!(hooks(8.0).contains("row 0 beside the grids of all surfaces"), "{}", hooks(8.0));
+    assert!(hooks(8.0).contains("rows[0] beside the grids of all surfaces"), "{}", hooks(8.0));
     assert_eq!(hooks(1.0), "");
 }
 

@@ -10,6 +10,8 @@ use std::path::PathBuf;
 pub enum Action {
     /// Change the document.
     Edit(Edit),
+    /// Change a value of the document, unless it does not bear it: then this field says why.
+    Give(Edit, egui::Id),
     /// The gesture is over: the next change is a step of undo for itself.
     Seal,
     /// Replace the document's text.
@@ -102,6 +104,10 @@ pub enum Action {
     CancelRender,
     /// Let this document reach a folder, with all beneath it.
     Allow(PathBuf),
+    /// Show which folders documents were allowed.
+    ShowAllowed,
+    /// Take a folder back that a document was allowed; the one that is open where none is named.
+    Forbid(Option<PathBuf>, PathBuf),
     /// Open the command palette.
     Palette,
     /// Show a panel, or bring it to the front.

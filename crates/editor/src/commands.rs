@@ -132,6 +132,14 @@ pub static COMMANDS: &[Command] = &[
         |_| Action::CancelRender,
         |state| state.render.is_some(),
     ),
+    command(
+        "File",
+        "Allowed folders …",
+        None,
+        "Shows which folders documents were allowed besides their own, to take them back.",
+        |_| Action::ShowAllowed,
+        always,
+    ),
     command("File", "Quit", keys(COMMAND, Key::Q), "Closes the window.", |_| Action::Quit, always),
     command(
         "Edit",

@@ -3,39 +3,41 @@
 
 use crate::actions::Action;
 use crate::document::Edit;
-use egui::{Align2, Area, DragValue, Id, Key, Order, Pos2, Response, RichText, Slider, TextEdit, Ui, pos2};
+use crate::refusal::{self, refusal_ui};
+use egui::{DragValue, Id, Key, Pos2, Response, Slider, TextEdit, Ui};
 use serde_json::Value;
 use std::cell::Cell;
 use std::ops::RangeInclusive;
 
-/// Proof that the user did something. Only this module makes one.
+/// Proof that the user did something. Only this module makes one. It holds the field where a value was entered or dragged that
+/// the document may refuse.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Gesture(());
+pub(crate) struct Gesture(Option<Id>);
 
 impl Gesture {
     /// A click on a widget.
     pub(crate) fn click(response: &Response) -> Option<Self> {
-        response.clicked().then_some(Self(()))
+        response.clicked().then_some(Self(None))
     }
 
     /// A click with the other button.
     pub(crate) fn secondary_click(response: &Response) -> Option<Self> {
-        response.secondary_clicked().then_some(Self(()))
+        response.secondary_clicked().then_some(Self(None))
     }
 
     /// Two clicks.
     pub(crate) fn double_click(response: &Response) -> Option<Self> {
-        response.double_clicked().then_some(Self(()))
+        response.double_clicked().then_some(Self(None))
     }
 
     /// A drag that leads on.
     pub(crate) fn drag(response: &Response) -> Option<Self> {
-        (response.dragged() && response.drag_delta() != egui::Vec2::ZERO).then_some(Self(()))
+        (response.dragged() && response.drag_delta() != egui::Vec2::ZERO).then_some(Self(None))
     }
 
     /// A press on a widget, from its first moment on.
     pub(crate) fn press(response: &Response) -> Option<(Self, Pos2)> {
-        response.interact_pointer_pos().map(|at| (Self(()), at))
+        response.interact_pointer_pos().map(|at| (Self(None), at))
     }
 
     /// Whatever changed a widget while the pointer or a key was used on it.
@@ -44,7 +46,7 @@ impl Gesture {
         let by_keys = response.has_focus() || response.lost_focus();
         let asked = |event: &egui::Event| matches!(event, egui::Event::AccessKitActionRequest(_));
         let by_tool = || ui.input(|input| input.events.iter().any(asked));
-        (response.changed() && (by_hand || by_keys || by_tool())).then_some(Self(()))
+        (response.changed() && (by_hand || by_keys || by_tool())).then_some(Self(None))
     }
 
     /// A change in what a button has opened, such as a color's picker.
@@ -52,12 +54,20 @@ impl Gesture {
         let acts = ui.input(|input| {
             input.pointer.any_down() || input.pointer.any_released() || input.events.iter().any(is_typed)
         });
-        (response.changed() && acts).then_some(Self(()))
+        (response.changed() && acts).then_some(Self(None))
+    }
+
+    /// The same, of a value that is whole: where the document does not bear it, a field says so.
+    pub(crate) fn tried(self, field: &Response) -> Self {
+        Self(Some(field.id))
     }
 
     /// Asks for a change of the document.
     pub(crate) fn edit(self, edit: Edit, actions: &mut Vec<Action>) {
-        actions.push(Action::Edit(edit));
+        actions.push(match self.0 {
+            Some(field) => Action::Give(edit, field),
+            None => Action::Edit(edit),
+        });
     }
 
     /// Asks for a change of the document's wires.
@@ -101,6 +111,17 @@ impl<T> Told<T> {
         if self.response.drag_stopped() || self.response.lost_focus() {
             actions.push(Action::Seal);
         }
+    }
+}
+
+/// Most characters of a number that is shown.
+const LONG: usize = 12;
+
+/// A number in powers of ten without digits that say nothing: `1.5e20` for `1.5000e20`.
+fn in_powers(text: &str) -> String {
+    match text.split_once('e') {
+        Some((digits, power)) => format!("{}e{power}", digits.trim_end_matches('0').trim_end_matches('.')),
+        None => text.into(),
     }
 }
 
@@ -172,17 +193,26 @@ impl<'n> Number<'n> {
         Self { slider: Some((covers, logarithmic)), ..self }
     }
 
-    /// The number as it is shown: short, unless that would say another one.
+    /// The number as it is shown: short, unless that would say another one, and never long.
     fn text(&self) -> String {
         let short = format!("{:.*}", self.decimals, self.value);
         let read: f64 = short.parse().unwrap_or(f64::NAN);
-        if (read - self.value).abs() > 1e-3 * self.value.abs() {
-            return self.value.to_string();
-        }
-        match short.contains('.') && !self.fixed {
-            true => short.trim_end_matches('0').trim_end_matches('.').into(),
+        let text = match (read - self.value).abs() > 1e-3 * self.value.abs() {
+            true => self.value.to_string(),
+            false if short.contains('.') && !self.fixed => short.trim_end_matches('0').trim_end_matches('.').into(),
             false => short,
+        };
+        if text.len() <= LONG { text } else { in_powers(&format!("{:.4e}", self.value)) }
+    }
+
+    /// The number as it is edited: with all its digits, where what is shown has left some out for their number.
+    fn whole_text(&self) -> String {
+        let text = self.text();
+        if !text.contains('e') {
+            return text;
         }
+        let digits = self.value.to_string();
+        if digits.len() <= 2 * LONG { digits } else { format!("{:e}", self.value) }
     }
 
     /// A typed number.
@@ -225,7 +255,8 @@ impl<'n> Number<'n> {
             let slider = Slider::new(&mut value, covers).show_value(false).logarithmic(logarithmic);
             // What lies beyond its ends stays what it is.
             let rail = ui.add(slider.clamping(egui::SliderClamping::Never));
-            let gesture = Gesture::of(ui, &rail).filter(|_| value != self.value);
+            let gesture = Gesture::of(ui, &rail).filter(|_| value != self.value).map(|gesture| gesture.tried(&rail));
+            refusal_ui(ui, &rail);
             slid = Some(Told { given: gesture.map(|gesture| (self.tidy(value), gesture)), response: rail });
         }
         let told = self.field_ui(ui);
@@ -244,11 +275,13 @@ impl<'n> Number<'n> {
 
     fn field_ui(&self, ui: &mut Ui) -> Told<f64> {
         let mut value = self.value;
-        let shown = self.text();
+        let whole = self.whole_text();
+        let is_edited = ui.memory(|memory| memory.has_focus(ui.next_auto_id()));
+        let shown = if is_edited { whole.clone() } else { self.text() };
         let typed: Cell<Option<Result<f64, String>>> = Cell::new(None);
         let parse = |text: &str| {
             // What nobody has touched stays what it is, with the digits that are not shown.
-            let read = if text == shown { Ok(self.value) } else { self.read(text) };
+            let read = if text == whole { Ok(self.value) } else { self.read(text) };
             typed.set(Some(read.clone()));
             read.ok()
         };
@@ -266,11 +299,15 @@ impl<'n> Number<'n> {
         } else {
             field
         };
-        let response = ui.add(field);
+        let mut response = ui.add(field);
+        if shown != whole {
+            response = response.on_hover_text(&whole);
+        }
         let gesture = Gesture::of(ui, &response).filter(|_| value != self.value);
+        let gesture = gesture.map(|gesture| gesture.tried(&response));
         let given = match typed.into_inner() {
             Some(Err(why)) => {
-                refuse(ui, response.id, why);
+                refusal::refuse(ui.ctx(), response.id, why);
                 None
             }
             Some(Ok(number)) if gesture.is_some() => Some(number),
@@ -309,8 +346,8 @@ pub(crate) fn text_ui(ui: &mut Ui, text: &str, field: impl FnOnce(&mut String) -
     Told { given: gesture.map(|gesture| (typed, gesture)), response }
 }
 
-/// A text that must be read before it counts, such as a color or a list: it does when it is entered or left. What cannot be
-/// read stays to be mended, with what is wrong; Esc gives back what was there.
+/// A text that must be read before it counts, such as a color or a list: it does when it is entered or left. What is refused
+/// stays to be mended as long as it is said what is wrong; Esc gives back what was there.
 pub(crate) fn draft_ui<T>(
     ui: &mut Ui,
     (salt, written): (&str, &str),
@@ -328,21 +365,21 @@ pub(crate) fn draft_ui<T>(
     };
     let escaped = response.lost_focus() && ui.input(|input| input.key_pressed(Key::Escape));
     let mut given = None;
-    if escaped || typed == written {
-        ui.data_mut(|data| data.remove::<(String, String)>(id));
-        if response.lost_focus() {
-            forgive(ui, response.id);
-        }
-    } else {
-        ui.data_mut(|data| data.insert_temp(id, (written.to_string(), typed.clone())));
-        if response.lost_focus() {
-            match read(&typed) {
-                Ok(value) => given = Some((value, Gesture(()))),
-                Err(why) => refuse(ui, response.id, format!("found {}; expected {why}", quoted(&typed))),
+    if response.lost_focus() && !escaped && typed != written {
+        match read(&typed) {
+            Ok(value) => given = Some((value, Gesture(None).tried(&response))),
+            Err(why) => {
+                refusal::refuse(ui.ctx(), response.id, format!("found {}; expected {why}", quoted(&typed)));
             }
         }
     }
     refusal_ui(ui, &response);
+    let stays = response.has_focus() || given.is_some() || refusal::stands(ui.ctx(), response.id);
+    if stays && !escaped && typed != written {
+        ui.data_mut(|data| data.insert_temp(id, (written.to_string(), typed)));
+    } else {
+        ui.data_mut(|data| data.remove::<(String, String)>(id));
+    }
     Told { response, given }
 }
 
@@ -363,44 +400,6 @@ pub(crate) fn switch_ui(ui: &mut Ui, on: bool, text: &str) -> Told<bool> {
     Told { given: gesture.map(|gesture| (next, gesture)), response }
 }
 
-/// Why what was typed into a field does not count, until something else is done to the field.
-#[derive(Clone)]
-struct Refusal(String);
-
-fn refusal(field: Id) -> Id {
-    field.with("refusal")
-}
-
-fn refuse(ui: &Ui, field: Id, why: String) {
-    ui.data_mut(|data| data.insert_temp(refusal(field), Refusal(why)));
-}
-
-fn forgive(ui: &Ui, field: Id) {
-    ui.data_mut(|data| data.remove::<Refusal>(refusal(field)));
-}
-
-/// Shows what is wrong beside a field, where it moves nothing.
-fn refusal_ui(ui: &Ui, field: &Response) {
-    let id = refusal(field.id);
-    let Some(Refusal(why)) = ui.data(|data| data.get_temp(id)) else { return };
-    if field.gained_focus() || field.dragged() || (field.changed() && !field.lost_focus()) {
-        return forgive(ui, field.id);
-    }
-    // Beside the panel, where there is room; else above the field.
-    let left = ui.max_rect().left();
-    let (align, at) = match left > 260.0 {
-        true => (Align2::RIGHT_CENTER, pos2(left - 8.0, field.rect.center().y)),
-        false => (Align2::CENTER_BOTTOM, field.rect.center_top() - egui::vec2(0.0, 4.0)),
-    };
-    let area = Area::new(id).order(Order::Tooltip).interactable(false).pivot(align).fixed_pos(at).constrain(true);
-    area.show(ui.ctx(), |ui| {
-        egui::Frame::popup(ui.style()).show(ui, |ui| {
-            ui.set_max_width(240.0);
-            ui.label(RichText::new(&why).color(crate::theme::error(ui.visuals())));
-        });
-    });
-}
-
 /// A JSON value that a field shows as it is written.
 pub(crate) fn value_ui(
     ui: &mut Ui,
@@ -413,8 +412,15 @@ pub(crate) fn value_ui(
         Value::Null => String::new(),
         other => crate::document::edit::style(other),
     };
-    draft_ui(ui, (salt, &written), read, |text| TextEdit::singleline(text).desired_width(width))
+    let mut told = draft_ui(ui, (salt, &written), read, |text| TextEdit::singleline(text).desired_width(width));
+    if written.len() > SEEN && !told.response.has_focus() {
+        told.response = told.response.on_hover_text(written);
+    }
+    told
 }
+
+/// How many characters of a value its field shows.
+const SEEN: usize = 24;
 
 #[cfg(test)]
 mod tests {
@@ -427,7 +433,16 @@ mod tests {
         assert_eq!(text(-3.0), "-3");
         assert_eq!(text(0.123_456), "0.1235");
         assert_eq!(text(0.000_001), "0.000001", "not 0");
-        assert_eq!(text(1e300).parse::<f64>().unwrap(), 1e300);
+        for (value, short, whole) in [
+            (1e300, "1e300", "1e300"),
+            (-1.5e20, "-1.5e20", "-150000000000000000000"),
+            (1_234_567_890_123.0, "1.2346e12", "1234567890123"),
+            (1.234_567_890_123e-40, "1.2346e-40", "1.234567890123e-40"),
+        ] {
+            assert_eq!(text(value), short);
+            assert_eq!(Number::new(value).whole_text(), whole);
+            assert_eq!(whole.parse(), Ok(value));
+        }
         let whole = |value: f64| Number::new(value).whole().text();
         assert_eq!(whole(4.0), "4");
         assert_eq!(whole(4.5), "4.5", "also where it should be whole");

@@ -30,6 +30,7 @@ mod properties;
 mod prose;
 mod reach;
 mod recent;
+mod refusal;
 mod render;
 mod report;
 mod source;

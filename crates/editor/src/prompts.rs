@@ -35,6 +35,8 @@ enum Prompt {
     /// Whether the document may reach further, so that it can be rendered.
     Reach(Vec<Refused>),
     Recover(Vec<Kept>),
+    /// What documents were allowed.
+    Allowed,
     Palette {
         text: String,
         chosen: usize,
@@ -90,6 +92,11 @@ impl Prompts {
         self.open = Some(Prompt::Recover(kept));
     }
 
+    /// Shows which folders documents were allowed, to take them back.
+    pub(crate) fn allowed(&mut self) {
+        self.open = Some(Prompt::Allowed);
+    }
+
     /// Asks for a command.
     pub(crate) fn palette(&mut self) {
         self.open = Some(Prompt::Palette { text: String::new(), chosen: 0 });
@@ -125,6 +132,7 @@ pub(crate) fn prompts_ui(editor: &mut Editor, context: &Context, actions: &mut V
         Prompt::External => external_ui(editor, context),
         Prompt::Reach(refused) => reach_ui(editor, context, refused),
         Prompt::Recover(kept) => recover_ui(editor, context, kept),
+        Prompt::Allowed => crate::reach::allowed_ui(editor, context).then_some(Prompt::Allowed),
         Prompt::Palette { text, chosen } => palette_ui(editor, context, text, chosen, actions),
     };
     // An answer may have led to another question.
@@ -145,7 +153,7 @@ fn files_ui(editor: &mut Editor, context: &Context) {
     }
 }
 
-fn titled(ui: &mut Ui, title: &str) {
+pub(crate) fn titled(ui: &mut Ui, title: &str) {
     ui.set_max_width(460.0);
     ui.label(RichText::new(title).heading());
     ui.add_space(4.0);
@@ -300,7 +308,8 @@ fn recover_ui(editor: &mut Editor, context: &Context, mut kept: Vec<Kept>) -> Op
             }
         });
         ui.add_space(8.0);
-        later = ui.button("Later").on_hover_text("Asks again when the editor starts next.").clicked();
+        let again = if kept.iter().all(|kept| kept.file.is_none()) { "editor starts" } else { "document is opened" };
+        later = ui.button("Later").on_hover_text(format!("Asks again when the {again} next.")).clicked();
     });
     if let Some(index) = dropped {
         discard(&kept.remove(index));

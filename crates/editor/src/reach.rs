@@ -1,6 +1,10 @@
-//! Folders that documents may reach besides their own: which are asked for, and what was answered, by document.
+//! Folders that documents may reach besides their own: which are asked for, what was answered, by document, and what of that
+//! is taken back.
 
-use egui::Ui;
+use crate::actions::Action;
+use crate::editor::Editor;
+use crate::prompts::titled;
+use egui::{Context, Modal, ScrollArea, Ui, WidgetInfo, WidgetType};
 use std::path::{Path, PathBuf};
 use trochoid::{Access, Refused};
 
@@ -26,7 +30,7 @@ fn read(data: &Path) -> Vec<Answer> {
 }
 
 /// A document's path with links followed: what is answered for it counts however it is named.
-fn whole(document: &Path) -> PathBuf {
+pub(crate) fn whole(document: &Path) -> PathBuf {
     document.canonicalize().or_else(|_| std::path::absolute(document)).unwrap_or_else(|_| document.into())
 }
 
@@ -42,10 +46,23 @@ pub(crate) fn remember(data: &Path, document: &Path, folder: &Path) {
     folders.retain(|known| known != folder);
     folders.insert(0, folder.into());
     folders.truncate(MOST_FOLDERS);
-    let document = whole(document);
+    write(data, whole(document), folders);
+}
+
+/// Remembers no more that a folder was allowed a document.
+pub(crate) fn forget(data: &Path, document: &Path, folder: &Path) {
+    let mut folders = remembered(data, document);
+    folders.retain(|known| known != folder);
+    write(data, whole(document), folders);
+}
+
+/// Puts a document's folders before those of all others.
+fn write(data: &Path, document: PathBuf, folders: Vec<PathBuf>) {
     let mut answers = read(data);
     answers.retain(|(known, _)| *known != document);
-    answers.insert(0, (document, folders));
+    if !folders.is_empty() {
+        answers.insert(0, (document, folders));
+    }
     answers.truncate(MOST);
     if let Ok(text) = serde_json::to_string_pretty(&answers) {
         // What cannot be kept is asked again.
@@ -91,6 +108,57 @@ fn help(refused: &Refused, has_file: bool) -> String {
          the document: it may then read and write in {} and all folders beneath. {lasts}",
         refused.outside.folder().display()
     )
+}
+
+/// Shows which folders documents were allowed, and takes them back; whether it stays open.
+pub(crate) fn allowed_ui(editor: &mut Editor, context: &Context) -> bool {
+    let state = editor.state();
+    let own = state.session.file().map(whole);
+    let mut others = editor.prompts.data().map(read).unwrap_or_default();
+    others.retain(|(document, _)| Some(document) != own.as_ref());
+    let mut asked = None;
+    let mut closes = false;
+    let modal = Modal::new("allowed".into()).show(context, |ui| {
+        titled(ui, "Allowed folders");
+        ui.label("What documents may read and write besides their own folders, because it was allowed here.");
+        ui.add_space(4.0);
+        ScrollArea::vertical().max_height(320.0).show(ui, |ui| {
+            ui.strong(format!("{} (open)", state.session.title()));
+            asked = folders_ui(ui, &editor.answers).map(|folder| Action::Forbid(None, folder));
+            for (document, folders) in &others {
+                ui.add_space(4.0);
+                ui.strong(document.display().to_string());
+                let taken = folders_ui(ui, folders).map(|folder| Action::Forbid(Some(document.clone()), folder));
+                asked = asked.take().or(taken);
+            }
+        });
+        ui.add_space(8.0);
+        closes = ui.button("Close").clicked();
+    });
+    if let Some(action) = asked {
+        editor.act(action, context);
+    }
+    !closes && !modal.should_close()
+}
+
+/// A row for each folder; gives the one that is taken back.
+fn folders_ui(ui: &mut Ui, folders: &[PathBuf]) -> Option<PathBuf> {
+    let mut taken = None;
+    if folders.is_empty() {
+        ui.weak("No folder besides its own.");
+    }
+    for folder in folders {
+        ui.horizontal(|ui| {
+            let remove = ui.button("Remove").on_hover_text("It is asked again when the document needs it next.");
+            let named = format!("Remove {}", folder.display());
+            remove.widget_info(|| WidgetInfo::labeled(WidgetType::Button, true, &named));
+            if remove.clicked() {
+                taken = Some(folder.clone());
+            }
+            ui.add(egui::Label::new(folder.display().to_string()).wrap());
+        });
+    }
+    taken
 }
 
 #[cfg(test)]

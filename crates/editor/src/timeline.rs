@@ -81,32 +81,47 @@ fn rate_ui(ui: &mut Ui, state: &State) {
     });
 }
 
+/// First and last frame of the strip: those of the document, of the range, and the present one.
+fn shown(state: &State) -> (i64, i64) {
+    let (first, last, _) = state.sheet().frames;
+    (first.min(state.range.0).min(state.frame), last.max(state.range.1).max(state.frame))
+}
+
 /// The frames, side by side.
 fn strip_ui(timeline: &mut Timeline, ui: &mut Ui, state: &State, width: f32, actions: &mut Vec<Action>) {
-    let sheet = state.sheet();
-    let low = sheet.frames.0.min(state.range.0).min(state.frame);
-    let high = sheet.frames.1.max(state.range.1).max(state.frame).max(low + 1);
+    let (low, high) = shown(state);
+    // A still has one frame, in the middle.
+    let is_still = high == low;
+    let span = (high - low).max(1) as f64;
     let (rect, response) = ui.allocate_exact_size(vec2(width, 30.0), Sense::click_and_drag());
     response.widget_info(|| egui::WidgetInfo::slider(true, state.frame as f64, "Timeline"));
+    ui.ctx().accesskit_node_builder(response.id, |builder| {
+        builder.set_min_numeric_value(low as f64);
+        builder.set_max_numeric_value(high as f64);
+    });
     let bar = rect.shrink2(vec2(8.0, 0.0));
-    let x = |frame: f64| bar.left() + bar.width() * ((frame - low as f64) / (high - low) as f64) as f32;
-    let frame_at = |x: f32| low + (f64::from((x - bar.left()) / bar.width()) * (high - low) as f64).round() as i64;
+    let from = if is_still { bar.center().x } else { bar.left() };
+    let x = |frame: f64| from + bar.width() * ((frame - low as f64) / span) as f32;
+    let frame_at = |x: f32| low + (f64::from((x - from) / bar.width()) * span).round() as i64;
     let painter = ui.painter_at(rect);
     let visuals = ui.visuals();
     painter.rect_filled(rect, 3.0, visuals.extreme_bg_color);
-    let range =
-        Rect::from_min_max(pos2(x(state.range.0 as f64), rect.top()), pos2(x(state.range.1 as f64), rect.bottom()));
+    let ends = match is_still {
+        true => [bar.left(), bar.right()],
+        false => [x(state.range.0 as f64), x(state.range.1 as f64)],
+    };
+    let range = Rect::from_x_y_ranges(ends[0]..=ends[1], rect.y_range());
     painter.rect_filled(range, 2.0, visuals.faint_bg_color.gamma_multiply(2.0));
-    let half = (0.5 * bar.width() / (high - low) as f32).max(0.5);
+    let half = (0.5 * bar.width() / span as f32).max(0.5);
     for frame in state.seen.frames.keys() {
         let center = x(*frame as f64);
         let mark = Rect::from_min_max(pos2(center - half, rect.bottom() - 4.0), pos2(center + half, rect.bottom()));
         painter.rect_filled(mark, 0.0, Color32::from_rgb(0x5f, 0xb8, 0x72));
     }
     // Marks as dense as their numbers can be read.
-    let least = f64::from(56.0 * (high - low) as f32 / bar.width());
+    let least = f64::from(56.0 * span as f32 / bar.width());
     let step = [1, 2, 5, 10, 12, 20, 24, 50, 100, 200, 500, 1000, 5000, 10_000, 100_000, 1_000_000];
-    let step = step.into_iter().find(|step| *step as f64 >= least).unwrap_or(high - low).max(1);
+    let step = step.into_iter().find(|step| *step as f64 >= least).unwrap_or(span as i64);
     let mut mark = low.div_euclid(step) * step;
     while mark <= high {
         if mark >= low {
@@ -117,6 +132,7 @@ fn strip_ui(timeline: &mut Timeline, ui: &mut Ui, state: &State, width: f32, act
             );
             // Beside the brackets, not below them.
             let (shift, align) = match mark {
+                _ if is_still => (4.0, Align2::LEFT_TOP),
                 mark if mark == state.range.0 => (4.0, Align2::LEFT_TOP),
                 mark if mark == state.range.1 => (-4.0, Align2::RIGHT_TOP),
                 _ => (0.0, Align2::CENTER_TOP),
@@ -132,8 +148,7 @@ fn strip_ui(timeline: &mut Timeline, ui: &mut Ui, state: &State, width: f32, act
         mark += step;
     }
     let bracket = Stroke::new(2.0, Color32::from_rgb(0xe8, 0xb0, 0x4a));
-    for (frame, side) in [(state.range.0, 1.0), (state.range.1, -1.0)] {
-        let at = x(frame as f64);
+    for (at, side) in ends.into_iter().zip([1.0, -1.0]) {
         painter.line_segment([pos2(at, rect.top()), pos2(at, rect.bottom())], bracket);
         for y in [rect.top() + 1.0, rect.bottom() - 1.0] {
             painter.line_segment([pos2(at, y), pos2(at + 4.0 * side, y)], bracket);
@@ -151,12 +166,12 @@ fn strip_ui(timeline: &mut Timeline, ui: &mut Ui, state: &State, width: f32, act
     };
     if response.drag_started() || response.clicked() {
         let origin = ui.input(|input| input.pointer.press_origin()).unwrap_or(pointer);
-        let near = |frame: i64| (x(frame as f64) - origin.x).abs() < 5.0;
+        let near = |at: f32| (at - origin.x).abs() < 5.0;
         // The frame itself goes before the brackets.
         timeline.end = match () {
-            () if near(state.frame) && !response.clicked() => None,
-            () if near(state.range.0) => Some(false),
-            () if near(state.range.1) => Some(true),
+            () if near(now) && !response.clicked() => None,
+            () if near(ends[0]) => Some(false),
+            () if near(ends[1]) => Some(true),
             () => None,
         };
     }

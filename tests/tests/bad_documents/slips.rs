@@ -83,7 +83,7 @@ pub(super) fn table() -> Vec<Bad> {
             "a packet that is too short",
             r#""s": { "type": "GerstnerSea", "groups": [{ "wavelength": 20, "height": 1, "along": 1 }] }"#,
             &[&[
-                "groups: found group 0 with \"along\" 1 m; expected at least 6.2",
+                "groups: found groups[0] with \"along\" 1 m; expected at least 6.2",
                 "0.31 of its wavelength",
                 "raise \"along\"",
             ]],

@@ -150,7 +150,8 @@ impl Canvas {
         if !self.is_shown && rect.is_positive() {
             self.is_shown = true;
             if let Some(area) = plan.area(&BTreeSet::new()) {
-                self.view.show(area);
+                let looked = state.look.node.as_ref().and_then(|(name, _)| plan.sheet.find(name));
+                self.view.open(area, looked.map_or(area.center(), |node| plan.boxes[node].center()));
             }
         }
         let framed = std::mem::take(&mut self.wants_frame).then(|| plan.area(&state.selection)).flatten();

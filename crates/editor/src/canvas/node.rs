@@ -20,6 +20,12 @@ use trochoid::{End as Side, State as Fate};
 /// What takes a larger share of the time than this says so.
 const COSTLY: f64 = 0.02;
 
+/// The least size of letters that can be read, points.
+const LEGIBLE: f32 = 9.0;
+
+/// The least width of a node on the screen that has room for letters, points.
+const NAMED: f32 = 30.0;
+
 /// Colors of what nodes are made of.
 struct Paint {
     fill: Color32,
@@ -146,7 +152,7 @@ impl Canvas {
         if zoom >= 0.25 || chosen || own {
             painter.rect_stroke(seen, round, edge, StrokeKind::Outside);
         }
-        if 12.5 * zoom >= 5.5 {
+        if seen.width() >= NAMED {
             draw_text(ui, node, head, zoom, [ink(paint.text), ink(paint.weak)], state, total);
         }
         self.draw_keys(ui, state, node, seen);
@@ -246,20 +252,25 @@ fn draw_text(ui: &Ui, node: &Node, head: Rect, zoom: f32, colors: [Color32; 2], 
     let painter = ui.painter();
     // Half sizes, so that zooming does not make a letter of every size.
     let size = |points: f32| FontId::proportional((points * zoom * 2.0).round() / 2.0);
-    let left = head.left() + 10.0 * zoom;
-    let width = head.width() - 16.0 * zoom;
+    let left = head.left() + (10.0 * zoom).max(4.0);
+    let width = head.right() - (6.0 * zoom).max(1.0) - left;
     let elided = |text: &str, format: TextFormat, width: f32| {
         let mut job = LayoutJob::single_section(text.into(), format);
         job.wrap = TextWrapping { max_width: width, max_rows: 1, break_anywhere: true, ..TextWrapping::default() };
         painter.layout_job(job)
     };
     let strike = if node.disabled { Stroke::new(1.2, colors[0]) } else { Stroke::NONE };
-    let name = TextFormat { strikethrough: strike, ..TextFormat::simple(size(12.5), colors[0]) };
+    let name =
+        TextFormat { strikethrough: strike, ..TextFormat::simple(size(12.5_f32.max(LEGIBLE / zoom)), colors[0]) };
     let text = elided(&node.name, name, width);
-    // Below the pins, which reach into the head.
-    let line = pos2(left, head.top() + 6.0 * zoom);
-    painter.galley(line, text, colors[0]);
-    if 10.0 * zoom < 5.5 {
+    let is_small = 10.0 * zoom < 0.7 * LEGIBLE;
+    // Below the pins, which reach into the head; alone, in its middle.
+    let top = match is_small {
+        true => head.center().y - text.size().y / 2.0,
+        false => head.top() + 6.0 * zoom,
+    };
+    painter.galley(pos2(left, top), text, colors[0]);
+    if is_small {
         return;
     }
     let line = pos2(left, head.top() + 20.5 * zoom);

@@ -5,6 +5,9 @@ use egui::{Pos2, Rect, Vec2, vec2};
 /// The least and the greatest zoom.
 const ZOOM: [f32; 2] = [0.06, 3.0];
 
+/// The least zoom at which most names can be read.
+const READABLE: f32 = 0.5;
+
 /// Where the canvas lies on the screen.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct View {
@@ -64,6 +67,21 @@ impl View {
         let fits = (room / area.size().max(vec2(1.0, 1.0))).min_elem();
         self.zoom = fits.clamp(ZOOM[0], 1.0);
         self.center(area.center());
+    }
+
+    /// Shows an area at first: where it does not fit with names that can be read, the part of it around a place.
+    pub(super) fn open(&mut self, area: Rect, around: Pos2) {
+        self.show(area);
+        if self.zoom >= READABLE {
+            return;
+        }
+        self.zoom = READABLE;
+        let half = (self.rect.size() / 2.0 - vec2(24.0, 36.0)) / self.zoom;
+        let within = |at: f32, ends: egui::Rangef, half: f32| match ends.span() > 2.0 * half {
+            true => at.clamp(ends.min + half, ends.max - half),
+            false => ends.center(),
+        };
+        self.center(egui::pos2(within(around.x, area.x_range(), half.x), within(around.y, area.y_range(), half.y)));
     }
 
     /// Brings a place of the canvas to the middle.

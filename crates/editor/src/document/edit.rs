@@ -6,7 +6,7 @@ use super::json::{Op, Path, Step, quoted};
 use super::sheet::{Node, Point, Sheet, Wire};
 use serde_json::{Map, Value, json};
 use std::collections::{BTreeMap, HashMap, HashSet};
-use trochoid::{Accepts, Declaration, Item, Kind, KnobDefault, Takes};
+use trochoid::{Accepts, Declaration, Item, Kind, Knob, KnobDefault, Takes};
 
 /// A change: what it is called, and what it does to the text.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -170,9 +170,11 @@ fn fill(items: &[Item], body: &mut Map<String, Value>) {
 pub fn record(items: &[Item], index: usize) -> Value {
     let mut body = Map::new();
     fill(items, &mut body);
-    // Stops of a ramp ascend.
-    if let Some(at) = body.get_mut("at") {
-        *at = json!(index);
+    // Stops of a ramp ascend, as far as they may.
+    for item in items {
+        if let Item::Knob(Knob { name: "at", takes: Takes::Number { min, max }, .. }) = item {
+            body.insert("at".into(), json!((index as f64).clamp(*min, *max)));
+        }
     }
     Value::Object(body)
 }
@@ -193,7 +195,7 @@ fn stand_in(takes: &Takes) -> Value {
 }
 
 /// The value of a knob where the document sets none.
-pub fn default_value(knob: &trochoid::Knob) -> Value {
+pub fn default_value(knob: &Knob) -> Value {
     match knob.default {
         Some(KnobDefault::Number(number)) => json!(number),
         Some(KnobDefault::Bool(value)) => json!(value),

@@ -13,6 +13,7 @@ pub mod session;
 pub mod sheet;
 #[cfg(test)]
 mod tests;
+mod trial;
 pub mod version;
 
 pub use edit::Edit;

@@ -6,6 +6,7 @@ use super::history::{Change, History};
 use super::json::{Misplaced, Splice, splice};
 use super::relocate::relocated;
 use super::sheet::Sheet;
+use super::trial;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -123,9 +124,16 @@ impl Session {
     }
 
     fn understand(&mut self) {
+        self.mean(self.meaning_of(&self.text));
+    }
+
+    fn meaning_of(&self, text: &str) -> Meaning {
+        Meaning::of(&self.name(), text, &self.folder(), &self.access)
+    }
+
+    fn mean(&mut self, meaning: Meaning) {
         self.revision = REVISIONS.fetch_add(1, Ordering::Relaxed);
-        let before = std::mem::take(&mut self.meaning);
-        self.meaning = Meaning::of(&self.name(), &self.text, &self.folder(), &self.access);
+        let before = std::mem::replace(&mut self.meaning, meaning);
         if !self.meaning.readable {
             // What was drawn last stays in sight until the text can be read again.
             self.meaning.sheet = before.sheet;
@@ -201,15 +209,36 @@ impl Session {
     /// # Errors
     /// It names a place that is not there; nothing changes then.
     pub fn edit(&mut self, edit: Edit) -> Result<(), Misplaced> {
+        self.make(edit, |_, _, _| None).map(|_| ())
+    }
+
+    /// Makes a change of one value, as [`edit`](Self::edit) does, unless the value would be a fault where there was none:
+    /// that fault is the result, and nothing changes.
+    ///
+    /// # Errors
+    /// As for [`edit`](Self::edit).
+    pub fn give(&mut self, edit: Edit) -> Result<Option<Diagnostic>, Misplaced> {
+        self.make(edit, trial::fault)
+    }
+
+    fn make(
+        &mut self,
+        edit: Edit,
+        fault: impl FnOnce(&Edit, &Meaning, &Meaning) -> Option<Diagnostic>,
+    ) -> Result<Option<Diagnostic>, Misplaced> {
         let edit = decor::following(self.sheet(), edit);
         let (text, splices) = applied(&self.text, &edit)?;
         if splices.is_empty() {
-            return Ok(());
+            return Ok(None);
         }
-        self.text = text;
-        self.history.push(Change { label: edit.label, merge: edit.merge, splices });
-        self.understand();
-        Ok(())
+        let meaning = self.meaning_of(&text);
+        let fault = fault(&edit, &self.meaning, &meaning);
+        if fault.is_none() {
+            self.text = text;
+            self.history.push(Change { label: edit.label, merge: edit.merge, splices });
+            self.mean(meaning);
+        }
+        Ok(fault)
     }
 
     /// Replaces the whole text, as one step of undo.
@@ -227,7 +256,7 @@ impl Session {
     /// # Errors
     /// It names a place that is not there.
     pub fn after(&self, edit: &Edit) -> Result<Meaning, Misplaced> {
-        Ok(Meaning::of(&self.name(), &applied(&self.text, edit)?.0, &self.folder(), &self.access))
+        Ok(self.meaning_of(&applied(&self.text, edit)?.0))
     }
 
     /// Ends a gesture: what comes next is a step of its own.

@@ -344,12 +344,12 @@ fn pins(items: &'static [Item], body: &Value, steps: &[Step], before: &str, foun
                             steps
                         };
                         for (index, element) in elements.iter().enumerate() {
-                            let label = format!("{label} {}", index + 1);
+                            let label = format!("{label}[{index}]");
                             found.push(Pin { of_list: true, ..pin(at(index), label, Some(element)) });
                         }
                         if elements.len() < max {
                             let required = elements.len() < min;
-                            let label = format!("{label} {}", elements.len() + 1);
+                            let label = format!("{label}[{}]", elements.len());
                             found.push(Pin {
                                 of_list: true,
                                 required,
@@ -365,7 +365,7 @@ fn pins(items: &'static [Item], body: &Value, steps: &[Step], before: &str, foun
                 for (index, record) in records.iter().enumerate() {
                     let mut steps = within(list.name.into());
                     steps.push(index.into());
-                    pins(list.items, record, &steps, &format!("{before}{} {} ", list.name, index + 1), found);
+                    pins(list.items, record, &steps, &format!("{before}{}[{index}].", list.name), found);
                 }
             }
         }

@@ -2,9 +2,11 @@
 
 use super::Editor;
 use crate::actions::Action;
+use crate::document::json::Misplaced;
 use crate::document::keep::Kept;
 use crate::document::{Edit, Session, Standing, edit, output, relocate};
 use crate::layout;
+use crate::refusal;
 use crate::render::{Obstacle, Renderer};
 use crate::state::State;
 use egui::Context;
@@ -33,6 +35,13 @@ impl Editor {
         let sheet = state.sheet().clone();
         match action {
             Action::Edit(edit) => self.edit(edit),
+            Action::Give(edit, field) => {
+                if let Some(fault) = self.make(|session| session.give(edit)).flatten() {
+                    let why = format!("found {}; expected {}", fault.found, fault.expected);
+                    self.forgive(context);
+                    refusal::refuse(context, field, why);
+                }
+            }
             Action::Rewire(edit) => self.edit(crate::canvas::freezing(&sheet, edit)),
             Action::Seal => state.session.seal(),
             Action::Rewrite(text) => {
@@ -182,6 +191,8 @@ impl Editor {
             Action::AddNode => self.panels.canvas.search(),
             Action::Render => self.render(context),
             Action::Allow(folder) => self.allow(&folder),
+            Action::ShowAllowed => self.prompts.allowed(),
+            Action::Forbid(document, folder) => self.forbid(document.as_deref(), &folder),
             Action::CancelRender => {
                 if let Some(renderer) = &self.renderer {
                     renderer.cancel();
@@ -227,18 +238,40 @@ impl Editor {
     }
 
     pub(super) fn edit(&mut self, edit: Edit) {
+        self.make(|session| session.edit(edit));
+    }
+
+    /// Says no more of a refused value once the document is another, or something else of it is chosen.
+    pub(super) fn forgive(&mut self, context: &Context) {
+        let (state, known) = (&self.state, &self.refusing);
+        let revision = state.session.revision();
+        if (revision, &state.selection, &state.output) != (known.0, &known.1, &known.2) {
+            refusal::forget(context);
+            self.refusing = (revision, state.selection.clone(), state.output.clone());
+        }
+    }
+
+    /// Makes a change of a text that can be read; what came of it, where it can be made.
+    fn make<T>(&mut self, change: impl FnOnce(&mut Session) -> Result<T, Misplaced>) -> Option<T> {
         if !self.state.session.meaning().readable {
             // Once, however fast one types.
             if self.complained.is_none_or(|since| since.elapsed() > Duration::from_secs(5)) {
                 self.toasts.error("The text is not JSON: correct it in the panel \"Text\" first");
                 self.complained = Some(Instant::now());
             }
-            return;
+            return None;
         }
-        match self.state.session.edit(edit) {
-            Ok(()) => self.changed(),
+        let before = self.state.session.revision();
+        match change(&mut self.state.session) {
+            Ok(made) => {
+                if self.state.session.revision() != before {
+                    self.changed();
+                }
+                Some(made)
+            }
             Err(error) => {
                 self.toasts.error(error.to_string());
+                None
             }
         }
     }
@@ -275,7 +308,10 @@ impl Editor {
             After::New => self.start(Session::new(crate::document::session::NEW.into(), None), context),
             After::Ask => self.prompts.ask_open(&self.state.session),
             After::Open(file) => match Session::open(&file) {
-                Ok(session) => self.start(session, context),
+                Ok(session) => {
+                    self.start(session, context);
+                    self.offer();
+                }
                 Err(error) => {
                     self.toasts.error(error);
                 }
@@ -313,7 +349,7 @@ impl Editor {
                 }
                 if moves {
                     self.watcher.watch(Some(file), context);
-                    self.grant();
+                    self.remember();
                     self.changed();
                 }
                 if let Some(data) = self.prompts.data() {

@@ -8,7 +8,7 @@ mod play;
 use crate::actions::Action;
 use crate::canvas::Canvas;
 use crate::commands::Space;
-use crate::document::keep::{Keeper, kept};
+use crate::document::keep::{Keeper, Kept, kept};
 use crate::document::{Session, Sheet};
 use crate::evaluate::Worker;
 use crate::layout::{self, Pane};
@@ -27,9 +27,10 @@ use egui::{Context, Ui};
 use egui_notify::{Anchor, Toasts};
 use pictures::Asked;
 use play::Playback;
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 pub use act::After;
 
@@ -45,6 +46,8 @@ pub struct Editor {
     pub(crate) recent: Vec<PathBuf>,
     /// What this run lets every document reach besides its own.
     allowed: Vec<PathBuf>,
+    /// What this document was allowed, the newest first: remembered where it has a file.
+    pub(crate) answers: Vec<PathBuf>,
     pub(crate) worker: Worker,
     asked: Asked,
     keeper: Option<Keeper>,
@@ -61,6 +64,8 @@ pub struct Editor {
     known: Arc<Sheet>,
     /// What was looked at before it was deleted: undo brings both back.
     lost: Option<(String, usize)>,
+    /// The revision, the nodes and the output of which a value may stand refused.
+    refusing: (u64, BTreeSet<String>, Option<String>),
     /// What waits until a number that is being typed has been taken.
     later: Vec<Action>,
     space: Space,
@@ -94,7 +99,6 @@ impl Editor {
         let wake = context.clone();
         let worker = Worker::new(move || wake.request_repaint())?;
         let folder = data.map(|data| data.join("unsaved"));
-        let orphans = folder.as_deref().map(kept).unwrap_or_default();
         let keeper = folder.as_deref().and_then(|folder| Keeper::new(folder).ok());
         let recent = data.map(crate::recent::read).unwrap_or_default();
         let mut editor = Self {
@@ -105,6 +109,7 @@ impl Editor {
             complained: None,
             recent,
             allowed: Vec::new(),
+            answers: Vec::new(),
             worker,
             asked: Asked::default(),
             keeper,
@@ -116,16 +121,35 @@ impl Editor {
             room: pictures::FRAMES,
             known: session.sheet().clone(),
             lost: None,
+            refusing: Default::default(),
             later: Vec::new(),
             space: Space::default(),
             closing: false,
             state: State::new(session),
         };
         editor.opened(context);
-        if !orphans.is_empty() {
-            editor.prompts.recover(orphans);
-        }
+        editor.offer();
         Ok(editor)
+    }
+
+    /// Offers work of this document that was kept of editors that ended unexpectedly; beside one that is nowhere yet, tells of
+    /// others.
+    fn offer(&mut self) {
+        let folder = self.prompts.data().map(|data| data.join("unsaved"));
+        let file = self.state.session.file().map(reach::whole);
+        let all = folder.as_deref().map(kept).unwrap_or_default();
+        let (own, others): (Vec<Kept>, Vec<Kept>) =
+            all.into_iter().partition(|kept| kept.file.as_deref().map(reach::whole) == file);
+        if !own.is_empty() {
+            self.prompts.recover(own);
+        }
+        if file.is_none() {
+            let files: BTreeSet<&Path> = others.iter().filter_map(|kept| kept.file.as_deref()).collect();
+            for file in files {
+                let text = format!("Unsaved work of {} was kept: open it to recover that", file.display());
+                self.toasts.info(text).duration(Some(Duration::from_secs(12)));
+            }
+        }
     }
 
     /// What is open, chosen and seen.
@@ -179,6 +203,7 @@ impl Editor {
     pub fn ui(&mut self, ui: &mut Ui) {
         let context = ui.ctx().clone();
         self.hear(&context);
+        self.forgive(&context);
         let mut actions = Vec::new();
         if self.prompts.is_open() {
             self.space = Space::default();
@@ -218,23 +243,42 @@ impl Editor {
     /// Lets the document reach what it was allowed before.
     fn grant(&mut self) {
         let session = &mut self.state.session;
-        let known = session.file().zip(self.prompts.data());
-        let remembered = known.map_or_else(Vec::new, |(file, data)| reach::remembered(data, file));
-        session.set_access(reach::access(&session.folder(), self.allowed.iter().chain(&remembered)));
+        session.set_access(reach::access(&session.folder(), self.allowed.iter().chain(&self.answers)));
+    }
+
+    /// Takes up what was answered for the document that is open now.
+    fn remember(&mut self) {
+        let known = self.state.session.file().zip(self.prompts.data());
+        self.answers = known.map_or_else(Vec::new, |(file, data)| reach::remembered(data, file));
+        self.grant();
     }
 
     /// Lets the document reach a folder, and remembers it.
     fn allow(&mut self, folder: &Path) {
-        let session = &mut self.state.session;
-        if let Some((file, data)) = session.file().zip(self.prompts.data()) {
+        if let Some((file, data)) = self.state.session.file().zip(self.prompts.data()) {
             reach::remember(data, file, folder);
         }
-        session.set_access(session.access().clone().allowing(folder));
+        self.answers.retain(|known| known != folder);
+        self.answers.insert(0, folder.into());
+        self.grant();
         self.changed();
     }
 
+    /// Takes a folder back that a document was allowed; the one that is open where none is named.
+    fn forbid(&mut self, document: Option<&Path>, folder: &Path) {
+        if let Some((document, data)) = document.or(self.state.session.file()).zip(self.prompts.data()) {
+            reach::forget(data, document, folder);
+        }
+        let own = self.state.session.file().map(reach::whole);
+        if document.is_none() || document.map(reach::whole) == own {
+            self.answers.retain(|known| known != folder);
+            self.grant();
+            self.changed();
+        }
+    }
+
     fn opened(&mut self, context: &Context) {
-        self.grant();
+        self.remember();
         self.watcher.watch(self.state.session.file(), context);
         if let (Some(file), Some(data)) = (self.state.session.file(), self.prompts.data()) {
             self.recent = crate::recent::add(data, file);

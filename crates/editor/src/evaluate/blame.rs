@@ -69,12 +69,53 @@ pub(super) fn answer(question: &Question, lens: &Lens, cache: &mut Cache, monito
         color: share.color,
         weight: share.weight,
     });
+    let mut shares: Vec<Share> = merged(shares);
+    shares.sort_by(|a, b| b.weight.total_cmp(&a.weight));
     Some(Blamed {
         generation: question.generation,
         frame: question.frame,
         at: question.at,
         pixel,
         value: found.value,
-        shares: shares.collect(),
+        shares,
     })
+}
+
+/// Colors of one node that differ by less than this in every channel are one: nobody tells them apart.
+const SAME: f64 = 1.0 / 256.0;
+
+/// The shares of colors that can be told apart: a node that makes colors gives every sample of a pixel one of its own.
+fn merged(shares: impl Iterator<Item = Share>) -> Vec<Share> {
+    let mut all: Vec<Share> = Vec::new();
+    for share in shares {
+        let is_same = |own: &&mut Share| {
+            let near = own.color.iter().zip(share.color).all(|(a, b)| (a - b).abs() < SAME);
+            own.node == share.node && near
+        };
+        match all.iter_mut().find(is_same) {
+            // The greatest share lends its color.
+            Some(own) => own.weight += share.weight,
+            None => all.push(share),
+        }
+    }
+    all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn colors_of_one_node_that_nobody_tells_apart_are_one() {
+        let share = |node: &str, red: f64, weight: f64| Share { node: node.into(), color: [red, 0.5, 0.25], weight };
+        let all = [
+            share("painted", 0.8738, 0.25),
+            share("painted", 0.8736, 0.25),
+            share("painted", 0.8, 0.125),
+            share("other", 0.8738, 0.125),
+            share("painted", 0.874, 0.25),
+        ];
+        let wanted = [share("painted", 0.8738, 0.75), share("painted", 0.8, 0.125), share("other", 0.8738, 0.125)];
+        assert_eq!(merged(all.into_iter()), wanted);
+    }
 }

@@ -3,6 +3,7 @@
 use super::{Place, Properties};
 use crate::actions::Action;
 use crate::field::{self, Gesture, Told};
+use crate::refusal::refusal_ui;
 use egui::{Color32, Sense, Shape, Stroke, Ui, vec2};
 use egui_plot::{Line, Plot, PlotPoint, PlotPoints, Points, VLine};
 use serde_json::{Value, json};
@@ -233,13 +234,15 @@ pub(super) fn curve_ui(ui: &mut Ui, keyed: &Keyed, unit: &str, place: &Place<'_>
             value @ Value::Number(_) => *value = json!(field::rounded(at.y)),
             _ => {}
         }
-        gesture.edit(place.set(&moved.write()), actions);
+        gesture.tried(&response).edit(place.set(&moved.write()), actions);
     }
+    refusal_ui(ui, &response);
     if response.drag_stopped() {
         dragged = None;
         actions.push(Action::Seal);
     }
     if let (Some(gesture), Some(at)) = (Gesture::double_click(&response), pointer) {
+        let gesture = gesture.tried(&response);
         gesture.edit(place.set(&keyed.with(at.x.round(), &keyed.at(at.x.round())).write()), actions);
         actions.push(Action::Seal);
     }

@@ -30,6 +30,12 @@ pub(super) fn knob_ui(
         let (told, frame) =
             key::typed_ui(ui, place, |ui, frame| widget_ui(ui, knob, &at(frame), unset, place, actions));
         key::tell(told, keyed.as_ref(), frame, place, actions);
+        if matches!(knob.default, Some(trochoid::KnobDefault::Unset))
+            && place.value.is_some()
+            && let Some(gesture) = Gesture::click(&ui.small_button("×").on_hover_text("Takes it away."))
+        {
+            place.reset(gesture, actions);
+        }
         if knob.animated {
             key::button_ui(panel, ui, keyed.as_ref(), &shown, place, actions);
         }
@@ -73,9 +79,10 @@ fn widget_ui(
     actions: &mut Vec<Action>,
 ) -> Told<Value> {
     if unset {
-        let button = ui.button("Set").on_hover_text("It has no value: the node finds one itself.");
+        let button = ui.button(format!("Add {}", knob.name.replace('_', " ")));
+        let button = button.on_hover_text("Nothing is set here: the node does without, or finds a value itself.");
         let given = Gesture::click(&button).map(|gesture| (value.clone(), gesture));
-        return Told { response: ui.weak("unset") | button, given };
+        return Told { response: button, given };
     }
     let suffix = unit(knob.unit);
     match (&knob.takes, value) {

@@ -23,7 +23,7 @@ pub(super) fn port_ui(
     let elements = place.value.and_then(Value::as_array).map_or(&[][..], Vec::as_slice);
     for (index, element) in elements.iter().enumerate() {
         let own = Place { state: place.state, path: place.path.to(index), value: Some(element) };
-        source_ui(panel, ui, port, &format!("{} {}", port.name, index + 1), &own, actions);
+        source_ui(panel, ui, port, &format!("{}[{index}]", port.name), &own, actions);
     }
     let Arity::Many { max, .. } = port.arity else { return };
     if elements.len() < max

@@ -26,7 +26,7 @@ pub(super) fn list_ui(
             let path = place.path.to(index);
             ui.push_id(index, |ui| {
                 ui.horizontal_wrapped(|ui| {
-                    ui.weak((index + 1).to_string());
+                    ui.weak(format!("{}[{index}]", list.name.replace('_', " ")));
                     if let Some(gesture) = Gesture::click(&ui.small_button("Duplicate")) {
                         let op = Op::Insert(path.clone(), edit::style(record));
                         gesture.edit(Edit::new(format!("Duplicate {}", list.name), vec![op]), actions);

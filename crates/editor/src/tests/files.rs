@@ -83,17 +83,24 @@ fn a_change_by_another_program_is_noticed_once_and_can_be_undone() {
     assert_eq!(editor(&window).state().session.text(), DUSK);
 }
 
+/// A folder of data with a copy of unsaved work, of a document or of none.
+fn kept(folder: &std::path::Path, number: usize, file: Option<&std::path::Path>, text: &str) -> std::path::PathBuf {
+    let unsaved = folder.join("data").join("unsaved");
+    std::fs::create_dir_all(&unsaved).unwrap();
+    let copy = serde_json::json!({ "file": file, "text": text }).to_string();
+    let path = unsaved.join(format!("1-{number}.json"));
+    std::fs::write(&path, copy).unwrap();
+    path
+}
+
 #[test]
 fn work_of_an_editor_that_ended_is_offered() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("dusk.json");
     std::fs::write(&file, DUSK).unwrap();
-    let unsaved = folder.path().join("data").join("unsaved");
-    std::fs::create_dir_all(&unsaved).unwrap();
     let lost = DUSK.replace("0.25", "0.5");
-    let copy = serde_json::json!({ "file": file, "text": lost }).to_string();
-    std::fs::write(unsaved.join("1-0.json"), copy).unwrap();
-    let mut window = window(dusk(), Some(folder.path().join("data")));
+    let copy = kept(folder.path(), 0, Some(&file), &lost);
+    let mut window = window(Session::open(&file).unwrap(), Some(folder.path().join("data")));
     window.get_by_label("Recover unsaved work?");
     window.get_by_label("Recover").click();
     window.run_steps(3);
@@ -102,7 +109,33 @@ fn work_of_an_editor_that_ended_is_offered() {
     assert_eq!(state.session.file(), Some(file.as_path()));
     assert!(state.session.is_changed());
     assert_eq!(std::fs::read_to_string(&file).unwrap(), DUSK, "nothing is written before it is saved");
-    assert!(!unsaved.join("1-0.json").exists());
+    assert!(!copy.exists());
+}
+
+#[test]
+fn unsaved_work_is_offered_for_its_own_document_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    let data = Some(folder.path().join("data"));
+    let [one, two] = ["one", "two"].map(|name| folder.path().join(format!("{name}.json")));
+    std::fs::write(&one, DUSK).unwrap();
+    std::fs::write(&two, DUSK).unwrap();
+    let asks = |window: &Window| window.query_by_label("Recover unsaved work?").is_some();
+    let copy = kept(folder.path(), 0, Some(&one), DUSK);
+    let mut first = window(Session::open(&two).unwrap(), data.clone());
+    assert!(!asks(&first), "another was opened");
+    // It is when it is opened, however it is named.
+    act(&mut first, Action::OpenFile(folder.path().join("data/../one.json")));
+    assert!(asks(&first));
+    drop(first);
+    let bare = window(dusk(), data.clone());
+    assert!(!asks(&bare));
+    assert_eq!(editor(&bare).toasts.len(), 1, "it is told where it belongs");
+    drop(bare);
+    std::fs::remove_file(copy).unwrap();
+    // What was never saved belongs to no document.
+    kept(folder.path(), 1, None, DUSK);
+    assert!(!asks(&window(Session::open(&one).unwrap(), data.clone())));
+    assert!(asks(&window(dusk(), data)));
 }
 
 #[test]

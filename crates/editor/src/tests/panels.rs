@@ -2,7 +2,7 @@ use super::{DUSK, dusk};
 use crate::actions::Action;
 use crate::document::{Path, Session};
 use crate::layout::Pane;
-use crate::testing::{Window, editor, finished, sized, window};
+use crate::testing::{Window, editor, finished, sized, unseen, window};
 use egui::accesskit::Role;
 use egui_kittest::kittest::{NodeT, Queryable};
 use serde_json::json;
@@ -255,6 +255,34 @@ fn a_typed_number_is_one_key_at_the_frame_where_typing_began() {
     window.key_press(egui::Key::Enter);
     window.run_steps(3);
     assert_eq!(keys(&window), Some(json!([[1, 0], [3, 0.75], [5, 1]])));
+}
+
+#[test]
+fn the_timeline_of_a_still_has_its_one_frame() {
+    let frames = |text: &str| {
+        let window = unseen(Session::new(text.into(), None));
+        let strip = window.get_by_label("Timeline");
+        let node = strip.accesskit_node();
+        (node.min_numeric_value().unwrap(), node.max_numeric_value().unwrap())
+    };
+    let still = DUSK.replace("  \"frames\": { \"first\": 1, \"last\": 8, \"fps\": 24 },\n", "");
+    assert_ne!(still, DUSK);
+    assert_eq!(frames(&still), (1.0, 1.0));
+    assert_eq!(frames(&DUSK.replace("\"first\": 1, \"last\": 8", "\"first\": 7, \"last\": 7")), (7.0, 7.0));
+    assert_eq!(frames(DUSK), (1.0, 8.0));
+    // Wherever it is pressed, it is that frame.
+    let mut window = unseen(Session::new(still, None));
+    let strip = window.get_by_label("Timeline").rect();
+    for at in [strip.left() + 20.0, strip.right() - 20.0] {
+        let at = egui::pos2(at, strip.center().y);
+        window.hover_at(at);
+        for pressed in [true, false] {
+            let (button, modifiers) = (egui::PointerButton::Primary, egui::Modifiers::NONE);
+            window.event(egui::Event::PointerButton { pos: at, button, pressed, modifiers });
+            window.run_steps(2);
+        }
+        assert_eq!(editor(&window).state().frame, 1);
+    }
 }
 
 /// What panels are called.

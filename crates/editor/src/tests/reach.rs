@@ -175,3 +175,58 @@ fn a_run_asks_what_it_may_write_and_read_and_goes_on() {
     look(&mut window);
     assert!(is_seen(&window));
 }
+
+#[test]
+fn what_was_allowed_can_be_taken_back() {
+    let shot = Shot::new();
+    let (one, two) = (shot.document("one"), shot.document("two"));
+    for document in [&two, &one] {
+        let mut window = shot.open(document);
+        window.get_by_label(&shot.reading()).click();
+        window.run_steps(2);
+        look(&mut window);
+        assert!(is_seen(&window));
+    }
+    let mut window = shot.open(&one);
+    assert!(is_seen(&window));
+    window.get_by_label("File").click();
+    window.run_steps(3);
+    window.get_by_label("Allowed folders …").click();
+    window.run_steps(3);
+    let remove = format!("Remove {}", shot.plates.display());
+    assert_eq!(window.get_all_by_label(&remove).count(), 2, "of this document, and of the other");
+    window.get_all_by_label(&remove).next().unwrap().click();
+    window.run_steps(3);
+    assert_eq!(window.get_all_by_label(&remove).count(), 1);
+    look(&mut window);
+    assert!(!is_seen(&window), "at once");
+    window.get_all_by_label(&remove).next().unwrap().click();
+    window.run_steps(3);
+    assert!(window.query_by_label(&remove).is_none());
+    window.get_by_label("Close").click();
+    window.run_steps(3);
+    assert!(window.query_by_label("Allowed folders").is_none());
+    assert!(!editor(&window).state().session.is_changed());
+    drop(window);
+    for document in [&one, &two] {
+        assert!(!is_seen(&shot.open(document)), "and for good");
+    }
+}
+
+#[test]
+fn nor_does_an_answer_last_for_a_document_without_a_file() {
+    let shot = Shot::new();
+    let text = std::fs::read_to_string(shot.document("one")).unwrap();
+    let text = text.replace("../plates/plate.png", &path(&shot));
+    let mut window = window(Session::new(text, None), Some(shot.root.path().join("data")));
+    look(&mut window);
+    window.get_by_label(&shot.reading()).click();
+    window.run_steps(2);
+    look(&mut window);
+    assert!(is_seen(&window));
+    act(&mut window, Action::ShowAllowed);
+    window.get_by_label(&format!("Remove {}", shot.plates.display())).click();
+    window.run_steps(3);
+    look(&mut window);
+    assert!(!is_seen(&window));
+}

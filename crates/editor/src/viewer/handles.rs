@@ -139,7 +139,7 @@ fn ways(state: &State, sea: &str) -> Vec<Way> {
             let numbers = record.get("path").and_then(Value::as_array).map_or(&[][..], Vec::as_slice);
             let numbers: Vec<f64> = numbers.iter().filter_map(Value::as_f64).collect();
             if let Ok(points) = <[f64; 8]>::try_from(numbers) {
-                let name = format!("{list} {}", index + 1);
+                let name = format!("{list}[{index}]");
                 ways.push(Way { name, path: body.to(list).to(index).to("path"), points });
             }
         }

@@ -33,14 +33,13 @@ fn gather(items: &[Item], body: &Value, before: &str, space: WorkingSpace, all: 
         let own = match before {
             "" => name.clone(),
             _ if colored.len() == 1 => before.into(),
-            _ => format!("{before} {name}"),
+            _ => format!("{before}.{name}"),
         };
-        let one = name.strip_suffix('s').unwrap_or(&name);
         let value = body.get(item.name());
         match (item, value) {
             (Item::List(list), Some(Value::Array(records))) => {
                 for (index, record) in records.iter().enumerate() {
-                    gather(list.items, record, &format!("{one} {}", index + 1), space, all);
+                    gather(list.items, record, &format!("{name}[{index}]"), space, all);
                 }
             }
             (Item::Knob(knob), None) => {
@@ -51,7 +50,7 @@ fn gather(items: &[Item], body: &Value, before: &str, space: WorkingSpace, all: 
                 None => {
                     let elements = value.as_array().map_or(&[][..], Vec::as_slice).iter().enumerate();
                     let named = |(index, element): (usize, &Value)| {
-                        Some((format!("{one} {}", index + 1), literal(element, space)?))
+                        Some((format!("{name}[{index}]"), literal(element, space)?))
                     };
                     all.extend(elements.filter_map(named));
                 }
@@ -102,8 +101,8 @@ mod tests {
         let dark = [16.0, 32.0, 48.0].map(|value: f64| srgb_decode(value / 255.0));
         assert_eq!(of("mix", dark).as_deref(), Some("a"));
         assert_eq!(of("mix", [0.25, 0.5, 1.5]).as_deref(), Some("b"));
-        assert_eq!(of("glow", orange).as_deref(), Some("stop 2"));
-        assert_eq!(of("sheet", orange).as_deref(), Some("color 2"));
+        assert_eq!(of("glow", orange).as_deref(), Some("stops[1]"));
+        assert_eq!(of("sheet", orange).as_deref(), Some("colors[1]"));
         assert_eq!(of("same", dark), None, "both are");
         assert_eq!(of("mix", orange), None, "none is");
     }

@@ -353,22 +353,22 @@ fn a_double_click_takes_numbers_back() {
 #[test]
 fn a_path_of_the_chosen_sea_is_moved_in_the_picture() {
     let mut window = open(SEA, WINDOW);
-    assert!(window.query_by_label("guides 1, point 1").is_none());
+    assert!(window.query_by_label("guides[0], point 1").is_none());
     act(&mut window, Action::Select(["waves".to_string()].into()));
     let path = Path::node("waves").to("guides").to(0).to("path");
     let written = |window: &Window| editor(window).state().sheet().get(&path).unwrap().to_string();
     assert_eq!(written(&window), "[2,5,4,5,6,5,8,5]");
-    let grip = window.get_by_label("guides 1, point 1").rect().center();
+    let grip = window.get_by_label("guides[0], point 1").rect().center();
     drag(&mut window, grip, grip + vec2(30.0, 0.0), Modifiers::NONE);
     let moved = written(&window);
     assert!(moved.ends_with("4,5,6,5,8,5]") && moved != "[2,5,4,5,6,5,8,5]", "{moved}");
     // The hand took it along: it is where it was dropped, and all of it one step of undo.
-    let now = window.get_by_label("guides 1, point 1").rect().center();
+    let now = window.get_by_label("guides[0], point 1").rect().center();
     assert!((now - grip - vec2(30.0, 0.0)).length() < 2.0, "{now:?} {grip:?}");
     act(&mut window, Action::Undo);
     assert_eq!(written(&window), "[2,5,4,5,6,5,8,5]");
     press(&mut window, Key::Q);
-    assert!(window.query_by_label("guides 1, point 1").is_none());
+    assert!(window.query_by_label("guides[0], point 1").is_none());
 }
 
 #[test]

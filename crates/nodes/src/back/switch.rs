@@ -44,7 +44,7 @@ impl NodeType for Switch {
         let Some(first) = check.kind(&inputs[0]) else { return };
         for (index, input) in inputs.iter().enumerate() {
             if let Some(kind) = check.kind(input).filter(|kind| *kind != first) {
-                let found = format!("a {first} as input 0 and a {kind} as input {index}");
+                let found = format!("a {first} as inputs[0] and a {kind} as inputs[{index}]");
                 let remedy = "what the output is must not depend on the choice: switch between values of one kind";
                 check.error("inputs", found, "inputs of one kind", remedy);
                 return;
@@ -134,7 +134,7 @@ mod tests {
     #[test]
     fn inputs_are_of_one_kind() {
         let text = refused("color", r##""out": { "type": "Switch", "inputs": ["#fff", 0.5] }"##);
-        assert!(text.contains("a Color as input 0 and a mask as input 1"), "{text}");
+        assert!(text.contains("a Color as inputs[0] and a mask as inputs[1]"), "{text}");
         let text = refused("color", r#""out": { "type": "Switch", "inputs": [] }"#);
         assert!(text.contains("a list of 1 to 256"), "{text}");
         assert!(refused("color", r#""out": { "type": "Switch", "inputs": [1.5] }"#).contains("1.5"));

@@ -50,11 +50,11 @@ impl NodeType for Shape {
         for (index, shape) in node.list("shapes").iter().enumerate() {
             let points = shape.numbers("points");
             if shape.text("form") == "polygon" && (points.len() < 6 || points.len() % 2 != 0) {
-                let found = format!("{} numbers as points of shape {index}", points.len());
+                let found = format!("{} numbers as points of shapes[{index}]", points.len());
                 check.error("shapes", found, "an x and a y for three corners or more", "complete the pairs");
             }
             if shape.text("form") == "box" && shape.vector3("size").iter().any(|side| *side < 0.0) {
-                let found = format!("a negative size of shape {index}");
+                let found = format!("a negative size of shapes[{index}]");
                 check.error("shapes", found, "width and height ≥ 0", "write them without a sign");
             }
         }
@@ -347,7 +347,7 @@ mod tests {
     #[test]
     fn bad_corners_are_refused() {
         let of = |shape: &str| refused("weights", &format!(r#""out": {{ "type": "Shape", "shapes": [{shape}] }}"#));
-        assert!(of(r#"{ "form": "polygon" }"#).contains("0 numbers as points of shape 0"));
+        assert!(of(r#"{ "form": "polygon" }"#).contains("0 numbers as points of shapes[0]"));
         assert!(of(r#"{ "form": "polygon", "points": [0, 0, 1, 0, 1, 1, 0] }"#).contains("7 numbers"));
         assert!(of(r#"{ "form": "box", "size": [1, -1] }"#).contains("negative size"));
     }

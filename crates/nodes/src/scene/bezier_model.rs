@@ -67,7 +67,7 @@ fn inline(node: &Settled) -> Result<Vec<Patch>, (&'static str, String, &'static 
     let points = |record: &Settled| record.list("points").iter().map(|point| vector(point, "at")).collect::<Vec<_>>();
     let mut patches = Vec::new();
     for (index, record) in node.list("patches").iter().enumerate() {
-        let fault = |found| ("patches", format!("{found} points of patch {index}"), "4 points, or 16");
+        let fault = |found| ("patches", format!("{found} points of patches[{index}]"), "4 points, or 16");
         patches.push(patch(&points(record)).map_err(fault)?);
     }
     let rails: Vec<_> = node.list("rails").iter().map(points).collect();
@@ -178,7 +178,7 @@ mod tests {
         for (knobs, part) in [
             (r#""stretch": 1"#, "no patches"),
             (r#""model": "a.json", "scale": [1, 0, 1]"#, "factors other than 0"),
-            (FIVE, "5 points of patch 0"),
+            (FIVE, "5 points of patches[0]"),
             (r#""rails": [{ "points": [{ "at": [0,0,0] }, { "at": [1,0,0] }] }]"#, "1 rails"),
         ] {
             let faults = refused("field", &nodes(knobs));

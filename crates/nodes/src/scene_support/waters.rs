@@ -109,14 +109,14 @@ pub(crate) fn check_roots(node: &Settled, check: &mut Check<'_>) {
         let ends = ["from", "to"].map(|knob| row.vector3(knob));
         let misses = |sea: &Upstream| grid(sea).is_some_and(|grid| misses(grid, ends));
         if surfaces.iter().all(misses) {
-            let found = format!("row {index} beside the grids of all surfaces: it has no ribbon");
+            let found = format!("rows[{index}] beside the grids of all surfaces: it has no ribbon");
             let remedy = "move \"from\" and \"to\" onto the surface, in meters of its x and z";
             check.warning("rows", found, "roots on a surface", remedy);
         }
         let away = distance(ends, [x, z]);
         if is_far && away > TINY * row.number("length") {
             let found =
-                format!("row {index}, {away:.0} m from the camera, with ribbons {} m long", row.number("length"));
+                format!("rows[{index}], {away:.0} m from the camera, with ribbons {} m long", row.number("length"));
             let remedy = "move \"from\" and \"to\" nearer, or raise \"length\"";
             check.warning("rows", found, "ribbons that are seen, larger than a pixel", remedy);
         }
@@ -124,7 +124,7 @@ pub(crate) fn check_roots(node: &Settled, check: &mut Check<'_>) {
         let only = own.is_set("surface").then(|| own.number("surface"));
         let mut grown = surfaces.iter().enumerate().filter(|(index, _)| only.is_none_or(|only| only == *index as f64));
         if is_far && grown.clone().next().is_some() && grown.all(|(_, sea)| is_behind(&camera, sea, row)) {
-            let found = format!("row {index} behind the camera: nothing of it is seen");
+            let found = format!("rows[{index}] behind the camera: nothing of it is seen");
             check.warning(
                 "rows",
                 found,

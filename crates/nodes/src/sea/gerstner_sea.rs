@@ -159,13 +159,13 @@ fn waves(node: &Settled) -> Result<Vec<Wave>, String> {
         let least = WaveGroup::LEAST_ALONG * group.wavelength;
         if group.along < least {
             return Err(format!(
-                "group {index} with \"along\" {} m; expected at least {least:.3} m, {} of its wavelength: a shorter \
+                "groups[{index}] with \"along\" {} m; expected at least {least:.3} m, {} of its wavelength: a shorter \
                  one would need waves that run the other way; raise \"along\", or lower its \"wavelength\"",
                 group.along,
                 WaveGroup::LEAST_ALONG
             ));
         }
-        waves.extend(group.waves().map_err(|error| format!("group {index}: {error}"))?);
+        waves.extend(group.waves().map_err(|error| format!("groups[{index}]: {error}"))?);
     }
     Ok(waves)
 }

@@ -362,3 +362,24 @@ impl Heights for Vec<[f32; 2]> {
         self.iter().map(|at| at[1]).collect()
     }
 }
+
+#[test]
+fn a_large_graph_opens_where_one_looks_with_names_that_can_be_read() {
+    let nodes: Vec<String> = (0..200).map(|index| format!(r#""down_{index}": {{ "type": "ScreenY" }}"#)).collect();
+    let places: Vec<String> =
+        (0..200).map(|index| format!(r#""down_{index}": [{}, {}]"#, 300 * (index % 20), 300 * (index / 20))).collect();
+    let text = format!(
+        r#"{{ "trochoid": 1, "format": {{ "width": 16, "height": 9 }}, "nodes": {{ {} }},
+        "outputs": {{ "o": {{ "field": "down_199" }} }}, "ui": {{ "positions": {{ {} }} }} }}"#,
+        nodes.join(","),
+        places.join(",")
+    );
+    let mut harness = open(&text);
+    let looked = place(&harness, "Node down_199, ScreenY");
+    assert!(looked.width() >= 55.0 && harness.state().canvas.view.rect.contains_rect(looked), "{looked:?}");
+    assert!(harness.query_by_label("Node down_0, ScreenY").is_none());
+    // All of it is a key away.
+    harness.state_mut().canvas.frame();
+    harness.run_steps(3);
+    place(&harness, "Node down_0, ScreenY");
+}

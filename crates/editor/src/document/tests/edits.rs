@@ -1,7 +1,7 @@
 use super::{SMALL, small};
 use crate::document::{Path, Session, edit};
 use serde_json::json;
-use trochoid::registry;
+use trochoid::{Item, Takes, registry};
 
 fn valid(session: &Session) {
     let errors: Vec<String> = session.meaning().errors().map(ToString::to_string).collect();
@@ -173,4 +173,31 @@ fn documents_with_faults_open_and_can_be_mended() {
 fn numbers_are_written_as_people_write_them() {
     let value = json!({ "a": [1.0, 2.5, -0.25], "b": { "c": "#fff000" }, "d": {}, "e": true });
     assert_eq!(edit::style(&value), r##"{ "a": [1, 2.5, -0.25], "b": { "c": "#fff000" }, "d": {}, "e": true }"##);
+}
+
+#[test]
+fn a_record_holds_what_its_items_take() {
+    fn look(node: &str, items: &'static [Item], body: &serde_json::Value) {
+        for item in items {
+            match item {
+                Item::Knob(knob) => match (&knob.takes, body.get(knob.name)) {
+                    (Takes::Number { min, max }, Some(value)) => {
+                        let number = value.as_f64().unwrap_or(f64::NAN);
+                        assert!((*min..=*max).contains(&number), "{node}: {} {value}", knob.name);
+                    }
+                    (Takes::Vector(count), Some(value)) => {
+                        let found = value.as_array().map(Vec::len);
+                        assert_eq!(found, Some(*count), "{node}: {} {value}", knob.name);
+                    }
+                    _ => {}
+                },
+                Item::List(list) => look(node, list.items, &edit::record(list.items, 7)),
+                Item::Port(_) => {}
+            }
+        }
+    }
+    for name in registry().names() {
+        let items = registry().get(name).unwrap().declaration().items;
+        look(name, items, &json!({}));
+    }
 }

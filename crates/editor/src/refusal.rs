@@ -1,0 +1,68 @@
+//! Why a value that was given to a field does not count: said below the field, where it moves nothing. One at a time.
+
+use egui::{Area, Context, Id, Key, Order, Rect, Response, RichText, Ui, pos2, vec2};
+
+/// What is said, and of which field.
+#[derive(Clone)]
+struct Refusal {
+    field: Id,
+    why: String,
+}
+
+/// Greatest width of what is said, points.
+const WIDTH: f32 = 280.0;
+
+fn known(context: &Context) -> Option<Refusal> {
+    context.data(|data| data.get_temp(Id::NULL))
+}
+
+/// Says why a value does not count, in place of what was said before.
+pub(crate) fn refuse(context: &Context, field: Id, why: String) {
+    context.data_mut(|data| data.insert_temp(Id::NULL, Refusal { field, why }));
+    context.request_repaint();
+}
+
+/// Says nothing any more: what was typed is of the past.
+pub(crate) fn forget(context: &Context) {
+    context.data_mut(|data| data.remove::<Refusal>(Id::NULL));
+}
+
+/// Whether something is said of what a field was given.
+pub(crate) fn stands(context: &Context, field: Id) -> bool {
+    known(context).is_some_and(|refusal| refusal.field == field)
+}
+
+/// Says what is wrong with what a field was given, until the field is used again or Esc is pressed.
+pub(crate) fn refusal_ui(ui: &Ui, field: &Response) {
+    let Some(Refusal { why, .. }) = known(ui.ctx()).filter(|refusal| refusal.field == field.id) else { return };
+    let again = field.gained_focus() || field.drag_started() || (field.changed() && field.has_focus());
+    if again || ui.input(|input| input.key_pressed(Key::Escape)) {
+        return forget(ui.ctx());
+    }
+    if !ui.is_rect_visible(field.rect) {
+        return;
+    }
+    let frame = egui::Frame::popup(ui.style());
+    let margin = frame.total_margin().sum();
+    // Within its panel; a strip such as the timeline has no room for it.
+    let seen = ui.clip_rect();
+    let room = if seen.height() < 120.0 { ui.ctx().content_rect() } else { seen };
+    let width = (room.width() - margin.x).clamp(40.0, WIDTH);
+    let text = RichText::new(&why).color(crate::theme::error(ui.visuals()));
+    let font = egui::TextStyle::Body.resolve(ui.style());
+    let lines = ui.painter().layout(why.clone(), font, ui.visuals().text_color(), width);
+    let size = lines.size() + margin;
+    let below = Rect::from_min_size(field.rect.left_bottom() + vec2(0.0, 3.0), size);
+    let top = match below.bottom() <= room.bottom() {
+        true => below.top(),
+        false => field.rect.top() - 3.0 - size.y,
+    };
+    let left = below.left().min(room.right() - size.x).max(room.left());
+    let area = Area::new(field.id.with("refusal")).order(Order::Foreground).interactable(false);
+    area.fixed_pos(pos2(left, top)).constrain_to(room).show(ui.ctx(), |ui| {
+        frame.show(ui, |ui| {
+            ui.set_max_width(width);
+            ui.add(egui::Label::new(text).wrap());
+        });
+    });
+}
