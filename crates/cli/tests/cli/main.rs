@@ -6,6 +6,7 @@ mod access;
 mod bad_images;
 mod certify;
 mod commands;
+mod examine;
 mod explain;
 mod kills;
 #[cfg(unix)]
@@ -13,7 +14,10 @@ mod memory;
 mod overwrite;
 mod plan;
 mod refusals;
+#[cfg(unix)]
+mod remedies;
 mod render;
+mod resume;
 mod scene;
 mod stability;
 mod streams;
