@@ -1,7 +1,7 @@
 //! `trochoid check`: diagnostics, guarantees, what is left out, notes.
 
 use crate::explain::{self, Explained};
-use crate::failure::{Failure, INVALID, count};
+use crate::failure::{Failure, INVALID, count, once};
 use crate::files::Reach;
 use crate::outputs::choose;
 use crate::shell::{self, HEADING, printable, wrap};
@@ -9,8 +9,8 @@ use serde_json::{Map, Value, json};
 use std::fmt::Write as _;
 use std::path::PathBuf;
 use trochoid::{
-    CheckedGraph, Diagnostic, Guarantee, LeftOut, LoadError, Loaded, MemoryAccount, NodeId, OutputError, Pictures,
-    Plan, Refused, Settings, Severity, Taker, guarantee, in_bytes,
+    Access, CheckedGraph, Diagnostic, Guarantee, LeftOut, LoadError, Loaded, MemoryAccount, NodeId, OutputError,
+    Pictures, Plan, Settings, Severity, Taker, guarantee, in_bytes,
 };
 
 /// Options of `trochoid check`.
@@ -69,11 +69,14 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let (first, last) = loaded.graph.frames();
     let all: Vec<usize> = (0..loaded.graph.outputs().len()).collect();
     let frames: Vec<i64> = (first..=last).take(FRAMES_CHECKED).collect();
-    let outside = trochoid::refused_files(&loaded.graph, &all, &frames).iter().map(Refused::diagnostic).collect();
-    let written = frames.iter().find_map(|&frame| {
-        let named = trochoid::output_files(&loaded.graph, &all, frame, first != last, None);
-        named.err()
-    });
+    let graph = &loaded.graph;
+    let outside =
+        [trochoid::refused_files(graph, &all, &frames), trochoid::refused_outputs(graph, &all, &frames)].concat();
+    let outside = reach.faults(graph, &outside);
+    // Where they may not be written is told already.
+    let named = graph.clone().with_access(Access::everything());
+    let written =
+        frames.iter().find_map(|&frame| trochoid::output_files(&named, &all, frame, first != last, None).err());
     let faults = Faults { outside, written };
     if faults.any() {
         return Err(faults.told(args)?);
@@ -83,7 +86,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let findings = Findings::of(&loaded.graph, frame);
     let explained = explained(args, &loaded.graph, frame, &findings)?;
     if args.json {
-        let mut json = to_json(&loaded, &findings, !refused && findings.unplanned.is_none());
+        let mut json = to_json(&loaded, &findings, !refused && findings.can_be_rendered());
         if let Some(explained) = &explained {
             json["explained"] = explained.iter().map(Explained::to_json).collect();
         }
@@ -94,15 +97,14 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
         explained.iter().flatten().for_each(|explained| text.push_str(&explained.to_text()));
         shell::print(&text)?;
     }
-    if (refused || findings.unplanned.is_some()) && args.json {
+    if (refused || !findings.can_be_rendered()) && args.json {
         return Err(Failure::silent(INVALID));
     }
-    if let Some(reason) = findings.unplanned {
-        return Err(Failure::new(INVALID, reason));
-    }
+    Failure::all(findings.faults)?;
     if refused {
         let found = count(Severity::Warning, loaded.warnings.len());
-        return Err(Failure::new(INVALID, format!("found {found}; expected none, as --strict demands")));
+        let remedy = "do what the warnings say, or leave --strict out";
+        return Err(Failure::usage(format!("found {found}; expected none: --strict makes warnings errors"), remedy));
     }
     Ok(())
 }
@@ -125,12 +127,9 @@ impl Faults {
 
     /// Prints them, where JSON is asked for; what is to be returned.
     fn told(self, args: &Args) -> Result<Failure, Failure> {
-        let Self { mut outside, mut written } = self;
-        if let Some(OutputError::Refused(refused)) = written.take_if(|error| matches!(error, OutputError::Refused(_))) {
-            outside.push(refused.diagnostic());
-        }
+        let Self { outside, written } = self;
         if !args.json {
-            let mut all = Failure::from(LoadError::Invalid(outside));
+            let mut all = Failure::from(LoadError::Invalid(once(outside)));
             written.into_iter().for_each(|error| all.join(error.into()));
             return Ok(all);
         }
@@ -150,7 +149,7 @@ fn explained<'g>(
     frame: i64,
     findings: &Findings,
 ) -> Result<Option<Vec<Explained<'g>>>, Failure> {
-    if !args.explain || findings.unplanned.is_some() {
+    if !args.explain || !findings.can_be_rendered() {
         return Ok(None);
     }
     let mut faults = Vec::new();
@@ -173,19 +172,27 @@ struct Findings {
     /// What the frame takes of memory.
     memory: Option<MemoryAccount>,
     /// Why no plan could be made, or why its frame cannot be.
-    unplanned: Option<String>,
+    faults: Vec<Failure>,
 }
 
 impl Findings {
+    fn can_be_rendered(&self) -> bool {
+        self.faults.is_empty()
+    }
+
     fn of(graph: &CheckedGraph, frame: i64) -> Self {
         match Plan::new(graph, &[], frame, &[], &Settings::default()) {
             Ok(plan) => {
                 let account = plan.memory(pictures(graph));
+                let faults = plan.examine().into_iter().chain(plan.check_memory(&account).err());
+                // A document that cannot be rendered is invalid here, whatever stops a run.
+                let place = format!("frame {frame}: ");
+                let invalid = |error| Failure { code: INVALID, ..Failure::evaluated(&place, &error) };
                 Self {
                     frame,
                     left_out: plan.left_out().to_vec(),
                     notes: plan.notes(),
-                    unplanned: plan.check_memory(&account).err().map(|error| error.to_string()),
+                    faults: faults.map(invalid).collect(),
                     memory: Some(account),
                 }
             }
@@ -198,7 +205,7 @@ impl Findings {
                     left_out: vec![None; graph.nodes().len()],
                     notes,
                     memory: None,
-                    unplanned: Some(error.to_string()),
+                    faults: vec![Failure::new(INVALID, error)],
                 }
             }
         }
@@ -219,7 +226,7 @@ fn to_text(loaded: &Loaded, findings: &Findings, with_left_out: bool) -> String 
         0 => String::new(),
         number => format!(", {}", count(Severity::Warning, number)),
     };
-    let verdict = if findings.unplanned.is_some() { "cannot be rendered" } else { "valid" };
+    let verdict = if findings.can_be_rendered() { "valid" } else { "cannot be rendered" };
     let mut text = format!("{HEADING}{}{HEADING:#}: {verdict}{warnings}\n", printable(graph.name()));
     let samples = match format.samples() {
         1 => "1 sample a pixel".into(),
@@ -279,6 +286,13 @@ fn memory_to_json(graph: &CheckedGraph, account: &MemoryAccount) -> Value {
     json!({ "bytes": account.total(), "limit": Settings::default().memory_limit, "takers": takers })
 }
 
+/// Why the frame cannot be rendered, a line or two each.
+fn not_planned(findings: &Findings) -> Option<String> {
+    let messages = findings.faults.iter().flat_map(|fault| &fault.messages);
+    let texts: Vec<&str> = messages.map(|message| message.trim_start_matches("error: ")).collect();
+    (!texts.is_empty()).then(|| texts.join("\n"))
+}
+
 fn to_json(loaded: &Loaded, findings: &Findings, valid: bool) -> Value {
     let graph = &loaded.graph;
     let (format, (first, last)) = (graph.format(), graph.frames());
@@ -312,6 +326,6 @@ fn to_json(loaded: &Loaded, findings: &Findings, valid: bool) -> Value {
         "left_out": left_out,
         "notes": notes,
         "memory": findings.memory.as_ref().map(|account| memory_to_json(graph, account)),
-        "not_planned": findings.unplanned,
+        "not_planned": not_planned(findings),
     })
 }

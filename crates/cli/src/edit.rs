@@ -1,6 +1,7 @@
 //! `trochoid edit`: the graph editor.
 
 use crate::failure::{FAILED, Failure};
+use crate::files::Reach;
 use std::path::PathBuf;
 
 #[derive(Debug, clap::Args)]
@@ -14,5 +15,6 @@ pub(crate) struct Args {
 }
 
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
+    Reach { allow: args.allow.clone(), strict: false }.warn();
     trochoid_editor::open(args.graph.as_deref(), &args.allow).map_err(|error| Failure::new(FAILED, error))
 }

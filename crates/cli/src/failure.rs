@@ -1,7 +1,7 @@
-use crate::interrupt;
+use crate::{interrupt, memory};
 use trochoid::accuracy::PlanFileError;
 use trochoid::certificate::CertificateError;
-use trochoid::{Diagnostic, LoadError, OutputError, RunStatus, Severity};
+use trochoid::{Diagnostic, EvalError, LoadError, OutputError, ReferenceError, RunStatus, Severity, in_bytes};
 
 /// Input or output failed, input data are bad, or the evaluation failed.
 pub(crate) const FAILED: u8 = 1;
@@ -39,6 +39,17 @@ impl Failure {
             failure.messages[0].push_str(&format!("\n  remedy: {remedy}"));
         }
         failure
+    }
+
+    /// What stopped an evaluation, behind what says where, such as "frame 3: ".
+    pub(crate) fn evaluated(place: &str, error: &EvalError) -> Self {
+        let EvalError::TooMuchMemory { place: at, found, total, limit, remedy } = error else {
+            return Self::new(FAILED, format!("{place}{error}"));
+        };
+        let (takes, most) = (in_bytes(*total), in_bytes(*limit));
+        let text = format!("{place}{at}: found a frame that takes about {takes}: {found}; expected at most {most}");
+        let remedy = format!("{remedy}; or allow more: --memory {}", memory::enough(*total));
+        Self { code: FAILED, ..Self::usage(text, remedy) }
     }
 
     /// Adds another failure's messages; the higher code counts.
@@ -103,11 +114,23 @@ impl From<CertificateError> for Failure {
     fn from(error: CertificateError) -> Self {
         match error {
             error if error.is_cancelled() => Self::new(INTERRUPTED, interrupt::INTERRUPTION),
+            CertificateError::Document(LoadError::Invalid(faults)) => LoadError::Invalid(once(faults)).into(),
             CertificateError::Document(error) => error.into(),
+            CertificateError::Reference(ReferenceError::Eval(error)) => Self::evaluated("", &error),
             CertificateError::NoCertificate { .. } => Self::new(INVALID, error),
             error => Self::new(FAILED, error),
         }
     }
+}
+
+/// Faults of which a remedy that several share stands once, behind the last.
+pub(crate) fn once(mut faults: Vec<Diagnostic>) -> Vec<Diagnostic> {
+    for index in 1..faults.len() {
+        if faults[index - 1].remedy == faults[index].remedy {
+            faults[index - 1].remedy.clear();
+        }
+    }
+    faults
 }
 
 /// "1 error", "2 warnings".
@@ -118,6 +141,21 @@ pub(crate) fn count(severity: Severity, number: usize) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_takes_too_much_memory_says_how_much_would_do() {
+        let error = EvalError::TooMuchMemory {
+            place: "a.json:1:2".into(),
+            found: "pictures 2.5 GB".into(),
+            total: 2_500_000_000,
+            limit: 1_000_000_000,
+            remedy: "lower it",
+        };
+        let failure = Failure::evaluated("frame 3: ", &error);
+        let expected = "error: frame 3: a.json:1:2: found a frame that takes about 2.5 GB: pictures 2.5 GB; expected at most \
+                        1.0 GB\n  remedy: lower it; or allow more: --memory 2800MB";
+        assert_eq!((failure.code, failure.messages), (FAILED, vec![expected.to_string()]));
+    }
 
     #[test]
     fn the_higher_code_counts_and_no_message_is_lost() {

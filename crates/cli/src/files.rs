@@ -1,11 +1,13 @@
 //! What a document may read and write, and what may be written over.
 
-use crate::failure::Failure;
+use crate::failure::{Failure, once};
+use crate::shell;
 use std::path::{Path, PathBuf};
+use std::sync::Once;
 use trochoid::io::Target;
 use trochoid::{
-    Access, CheckedGraph, Diagnostic, InputFiles, LoadError, Loaded, Refused, check_destination, check_replaced,
-    is_ours, refused_files,
+    Access, CheckedGraph, Diagnostic, InputFiles, LoadError, Loaded, Refused, allow_options, check_destination,
+    check_replaced, is_ours, quoted_path, refusals, refused_files,
 };
 
 /// Options of what a document may reach.
@@ -32,9 +34,56 @@ impl Reach {
     /// # Errors
     /// As [`trochoid::load`].
     pub(crate) fn load(&self, path: &Path, set: &[String]) -> Result<Loaded, LoadError> {
+        self.warn();
         let Loaded { graph, warnings } = trochoid::load(path, set)?;
         let access = self.access(graph.folder());
         Ok(Loaded { graph: graph.with_access(access), warnings })
+    }
+
+    /// Warns of what is allowed and not there, once, however often a document is loaded.
+    pub(crate) fn warn(&self) {
+        static WARNED: Once = Once::new();
+        WARNED.call_once(|| {
+            let missing = self.allow.iter().filter(|path| !path.exists());
+            let texts = missing.map(|path| {
+                format!(
+                    "warning: --allow {}: found nothing there; expected a file or folder\n  remedy: correct the path, which is \
+                     relative to the current folder, unless it is to be made",
+                    quoted_path(path)
+                )
+            });
+            shell::tell(&texts.collect::<Vec<_>>());
+        });
+    }
+
+    /// The faults of files that a document may not reach, each with the remedy for all.
+    pub(crate) fn faults(&self, graph: &CheckedGraph, refused: &[Refused]) -> Vec<Diagnostic> {
+        let mut faults = refusals(refused);
+        if self.strict {
+            let usual = Self { strict: false, ..self.clone() }.access(graph.folder());
+            let is_usual = |refused: &Refused| usual.check(&refused.outside.leads_to).is_ok();
+            let without = if refused.iter().all(is_usual) {
+                "; or leave --strict out, so that it reaches all beneath the current folder"
+            } else {
+                ""
+            };
+            let allowed = allow_options(refused.iter().map(|refused| &refused.outside));
+            let remedy = format!("--strict leaves the document its own folder alone: add {allowed}{without}");
+            faults.iter_mut().for_each(|fault| fault.remedy.clone_from(&remedy));
+        }
+        faults
+    }
+
+    /// What is wrong with the files that some outputs read at some frames, and with `more`: the document may not reach them.
+    pub(crate) fn refused(
+        &self,
+        graph: &CheckedGraph,
+        outputs: &[usize],
+        frames: &[i64],
+        more: Vec<Refused>,
+    ) -> Option<Failure> {
+        let refused = [refused_files(graph, outputs, frames), more].concat();
+        (!refused.is_empty()).then(|| LoadError::Invalid(once(self.faults(graph, &refused))).into())
     }
 }
 
@@ -93,11 +142,6 @@ pub(crate) fn input(path: &Path, inputs: &InputFiles) -> Option<Failure> {
         let message = format!("{}: is an input of the document, and would be written over", path.display());
         Failure::usage(message, "give the output another name")
     })
-}
-
-/// What is wrong with the files that some outputs read at some frames: the document may not reach them.
-pub(crate) fn refused(graph: &CheckedGraph, outputs: &[usize], frames: &[i64]) -> Vec<Failure> {
-    refused_files(graph, outputs, frames).iter().map(Refused::diagnostic).map(Failure::from).collect()
 }
 
 impl From<Diagnostic> for Failure {

@@ -1,4 +1,4 @@
-//! Lists of frames: `1-10,20-40x2`.
+//! Lists of frames: `1-10,20-40x2`; render farms write the step `20-40:2`.
 
 use crate::failure::Failure;
 use std::collections::HashSet;
@@ -11,7 +11,7 @@ const RANGE: i64 = 10_000_000;
 
 /// The frames that a list names, each once, in the order of the list.
 ///
-/// A piece is a frame (`7`, `-3`), a range (`1-10`, `-5--1`), or every so manieth frame of one (`20-40x2`).
+/// A piece is a frame (`7`, `-3`), a range (`1-10`, `-5--1`), or every so manieth frame of one (`20-40x2`, `20-40:2`).
 ///
 /// # Errors
 /// Every piece that is none of these, or names too many frames.
@@ -59,7 +59,7 @@ fn range(piece: &str) -> Result<(i64, i64, usize), String> {
         None => return Err(form()),
         Some(rest) => {
             let (last, rest) = number(rest).ok_or_else(form)?;
-            match rest.strip_prefix('x') {
+            match rest.strip_prefix(['x', ':']) {
                 None if rest.is_empty() => (last, 1),
                 Some(step) if step.bytes().all(|b| b.is_ascii_digit()) && !step.is_empty() => {
                     (last, step.parse().map_err(|_| "a smaller step")?)
@@ -99,10 +99,11 @@ mod tests {
 
     #[test]
     fn lists_are_read_in_their_order_and_every_frame_once() {
-        let cases: [(&str, &[i64]); 9] = [
+        let cases: [(&str, &[i64]); 10] = [
             ("7", &[7]),
             ("1-4", &[1, 2, 3, 4]),
             ("20-25x2", &[20, 22, 24]),
+            ("1-10:3,20", &[1, 4, 7, 10, 20]),
             ("-5--3", &[-5, -4, -3]),
             ("-2-1", &[-2, -1, 0, 1]),
             ("-3", &[-3]),
@@ -125,6 +126,9 @@ mod tests {
             "--",
             "1..3",
             "1-3x",
+            "1-3:",
+            "1-3x2:2",
+            "1:2",
             "1-3x0",
             "1-3x-1",
             "1x2",

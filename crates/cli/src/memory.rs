@@ -23,6 +23,16 @@ pub(crate) fn parse(text: &str) -> Result<u64, String> {
     Ok(size)
 }
 
+/// What to write for `--memory` where a frame is reckoned to take so many bytes: a tenth more, since reckoning is not all.
+pub(crate) fn enough(bytes: u64) -> String {
+    let bytes = bytes.saturating_add(bytes / 10).max(LEAST);
+    if bytes > 10_000_000_000 {
+        format!("{}GB", bytes.div_ceil(1_000_000_000))
+    } else {
+        format!("{}MB", bytes.div_ceil(100_000_000) * 100)
+    }
+}
+
 /// Bounds the memory of the whole process. Where it does not suffice, the process ends with code 1 and leaves nothing half
 /// written.
 pub(crate) fn bound(asked: Option<u64>) {
@@ -54,6 +64,13 @@ fn end(exhausted: Exhausted) -> ! {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_would_do_can_be_asked_for() {
+        for bytes in [1, 64_000_000, 999_999_999, 9_999_999_999, 10_000_000_000, 123_456_789_012] {
+            assert!(parse(&enough(bytes)).unwrap() >= bytes + bytes / 10, "{bytes}");
+        }
+    }
 
     #[test]
     fn sizes_have_units() {

@@ -4,7 +4,7 @@
 //! `certified`.
 
 use crate::failure::{FAILED, Failure, INTERRUPTED, MISSED};
-use crate::files::{Files, Reach, refused};
+use crate::files::{Files, Reach};
 use crate::progress::Progress;
 use crate::shell::{self, printable};
 use crate::{interrupt, outputs};
@@ -88,7 +88,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
         let inputs = InputFiles::new(graph, &[&args.graph]);
         faults.extend(args.files.over.refusal(out, &inputs));
     }
-    faults.extend(refused(graph, &chosen, &[frame]));
+    faults.extend(args.files.reach.refused(graph, &chosen, &[frame], Vec::new()));
     Failure::all(faults)?;
     let Some(asked) = asked else { return Ok(()) };
     let mut settings = Settings::default();
@@ -138,6 +138,7 @@ impl Target<'_> {
         accuracy::plan(&load, &request, monitor).map_err(|error| match error {
             TargetError::Load(error) => error.into(),
             TargetError::Evaluate(EvalError::Cancelled) => Failure::new(INTERRUPTED, interrupt::INTERRUPTION),
+            TargetError::Evaluate(error) => Failure::evaluated(&format!("frame {}: ", self.frame), &error),
             TargetError::Missed(missed) => self.missed(&missed),
             unknown @ TargetError::Unknown { .. } => Failure::new(
                 MISSED,

@@ -1,13 +1,15 @@
 //! `trochoid preview`: frames of an output, small, as one animated picture; or one frame as a still.
 
 use crate::failure::{FAILED, Failure, INTERRUPTED};
-use crate::files::{Files, refused};
+use crate::files::Files;
 use crate::progress::Progress;
 use crate::shell::{self, printable};
 use crate::{frames, interrupt, outputs, webp};
 use std::path::PathBuf;
 use trochoid::io::{PngImage, Samples, write_png8};
-use trochoid::{Buffers, Cache, CheckedGraph, Diagnostic, EvalError, InputFiles, Kind, Picture, Plan, Settings, mark};
+use trochoid::{
+    Buffers, Cache, CheckedGraph, Diagnostic, EvalError, InputFiles, Kind, Picture, Plan, Settings, mark, quoted_path,
+};
 use webp_animation::{ColorMode, Encoder, EncoderOptions, EncodingConfig};
 
 /// Options of `trochoid preview`.
@@ -64,7 +66,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let chosen = choose_frames(graph, args.frames.as_deref(), &mut faults);
     let size = [graph.format().width(), graph.format().height()].map(|size| size.div_ceil(u32::from(args.shrink)));
     look(args, graph, output, chosen.len(), size, &mut faults);
-    faults.extend(refused(graph, &[output], &chosen));
+    faults.extend(args.files.reach.refused(graph, &[output], &chosen, Vec::new()));
     let inputs = InputFiles::new(graph, &[&args.graph]);
     faults.extend(args.files.over.refusal(&args.out, &inputs));
     Failure::all(faults)?;
@@ -136,10 +138,10 @@ fn look(args: &Args, graph: &CheckedGraph, output: usize, frames: usize, size: [
         faults.push(Failure::usage(message, "raise --shrink"));
     }
     if ends(args, "png") && frames > 1 {
-        let message = format!("--out {}: found {frames} frames; expected one in a PNG", args.out.display());
+        let message = format!("--out {}: found {frames} frames; expected one in a PNG", quoted_path(&args.out));
         faults.push(Failure::usage(message, "choose one with --frames, or name the file for example storm.webp"));
     } else if !ends(args, "png") && !ends(args, "webp") {
-        let message = format!("--out {}: found another ending; expected .webp or .png", args.out.display());
+        let message = format!("--out {}: found another ending; expected .webp or .png", quoted_path(&args.out));
         faults.push(Failure::usage(message, "name the file for example storm.webp"));
     }
 }
@@ -160,7 +162,7 @@ fn render(
     let plan = Plan::new(graph, &[name], frame, &[], &Settings::default()).map_err(|error| failed(&error))?;
     let evaluated = plan.evaluate(&Buffers::new(), cache, progress).map_err(|error| match error {
         EvalError::Cancelled => stopped(),
-        error => failed(&error),
+        error => Failure::evaluated(&format!("frame {frame}: "), &error),
     })?;
     evaluated.pictures.into_iter().next().ok_or_else(|| failed(&"no picture was made"))
 }

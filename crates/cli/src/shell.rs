@@ -6,6 +6,7 @@ use std::io::{ErrorKind, Write};
 
 const ERROR: Style = AnsiColor::Red.on_default().bold();
 const WARNING: Style = AnsiColor::Yellow.on_default().bold();
+const NOTE: Style = AnsiColor::Green.on_default().bold();
 const REMEDY: Style = AnsiColor::Cyan.on_default().bold();
 /// Headings of manuals.
 pub(crate) const HEADING: Style = Style::new().bold();
@@ -42,7 +43,7 @@ pub(crate) fn tell<'m>(messages: impl IntoIterator<Item = &'m String>) {
 
 /// Colors the words at the start of lines that say what a message is.
 fn paint(message: &str) -> String {
-    let words = [("error:", ERROR), ("warning:", WARNING), ("  remedy:", REMEDY)];
+    let words = [("error:", ERROR), ("warning:", WARNING), ("note:", NOTE), ("  remedy:", REMEDY)];
     let lines = message.lines().map(|line| {
         let line = printable(line);
         match words.iter().find(|(word, _)| line.starts_with(word)) {

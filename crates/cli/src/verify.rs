@@ -60,6 +60,7 @@ pub(crate) struct Args {
 /// It does not hold, which is said line by line; or a file cannot be read.
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let document = args.document.as_ref().map(|path| args.reach.load(path, &args.set)).transpose()?;
+    args.reach.warn();
     let access = access(args);
     let choice = if args.all { Choice::All } else { Choice::Some(args.pixels) };
     interrupt::watch()?;

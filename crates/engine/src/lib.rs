@@ -11,6 +11,7 @@ mod bands;
 mod buffers;
 mod certify;
 mod controls;
+mod examine;
 mod explain;
 mod fill;
 mod frame;

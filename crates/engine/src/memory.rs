@@ -241,7 +241,7 @@ impl Plan<'_> {
         sizes
     }
 
-    fn stage(&self, id: NodeId) -> Option<(&'static dyn Stage, &Settled)> {
+    pub(crate) fn stage(&self, id: NodeId) -> Option<(&'static dyn Stage, &Settled)> {
         match self.graph.node(id).ty.body() {
             Body::Stage(stage) if !self.bound[id.0] => Some((stage, self.settled[id.0].as_ref()?)),
             _ => None,

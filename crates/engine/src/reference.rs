@@ -57,7 +57,19 @@ impl<'g> ReferenceFrame<'g> {
         cache: &mut Cache,
         monitor: &dyn Monitor,
     ) -> Result<Self, ReferenceError> {
-        let settings = Settings { switches: Switches::NONE, ..Settings::default() };
+        Self::bounded(graph, output, frame, Settings::default().memory_limit, cache, monitor)
+    }
+
+    /// The same within a limit of memory, bytes.
+    pub(crate) fn bounded(
+        graph: &'g CheckedGraph,
+        output: &str,
+        frame: i64,
+        memory_limit: u64,
+        cache: &mut Cache,
+        monitor: &dyn Monitor,
+    ) -> Result<Self, ReferenceError> {
+        let settings = Settings { switches: Switches::NONE, memory_limit, ..Settings::default() };
         let plan = Plan::new(graph, &[output], frame, &[], &settings)?;
         let (ready, _) = prepare(&plan, cache, monitor, Pictures::Rows)?;
         let extents = extents(&plan, &ready, plan.passes.first().map_or(&[], |pass| &pass.fills));

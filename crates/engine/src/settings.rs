@@ -84,7 +84,10 @@ impl Default for Settings {
             instructions: Instructions::Best,
             compile_from: 1 << 16,
             judge: Judging::All,
-            memory_limit: (16 << 30).min(Heap::allowed() as u64),
+            memory_limit: match Heap::allowed() {
+                usize::MAX => 16 << 30,
+                allowed => allowed as u64,
+            },
             region: None,
             keep: false,
             bounds: false,

@@ -1,6 +1,6 @@
 //! Which files a document may make a program read and write.
 
-use crate::{CheckedGraph, Diagnostic, FrameContext, Item, NodeId, OutputSpec, Severity, Takes};
+use crate::{CheckedGraph, Diagnostic, FrameContext, Item, NodeId, OutputSpec, Severity, Takes, quoted_path};
 use std::path::{Component, Path, PathBuf};
 
 /// Which files a document may make a program read and write: folders with all beneath them, and single files.
@@ -45,8 +45,34 @@ impl Outside {
     }
 
     fn remedy(&self) -> String {
-        format!("if you trust the document with it: --allow {}", self.folder().display())
+        remedy([self])
     }
+}
+
+fn remedy<'o>(paths: impl IntoIterator<Item = &'o Outside, IntoIter: ExactSizeIterator>) -> String {
+    let paths = paths.into_iter();
+    let what = if paths.len() == 1 { "it" } else { "them" };
+    format!("if you trust the document with {what}: {}", allow_options(paths))
+}
+
+/// The faults of files that a document may not reach, each with the remedy for all.
+pub fn refusals(refused: &[Refused]) -> Vec<Diagnostic> {
+    let remedy = remedy(refused.iter().map(|refused| &refused.outside));
+    refused.iter().map(|refused| Diagnostic { remedy: remedy.clone(), ..refused.diagnostic() }).collect()
+}
+
+/// The options of the command line that allow all of some paths, as a shell takes them: a folder each, and none that lies
+/// beneath another.
+pub fn allow_options<'o>(paths: impl IntoIterator<Item = &'o Outside>) -> String {
+    let folders: Vec<&Path> = paths.into_iter().map(Outside::folder).collect();
+    let mut named: Vec<&Path> = Vec::new();
+    for folder in &folders {
+        let is_beneath = |other: &&Path| folder.starts_with(other) && folder != other;
+        if !folders.iter().any(is_beneath) && !named.contains(folder) {
+            named.push(folder);
+        }
+    }
+    named.iter().map(|folder| format!("--allow {}", quoted_path(folder))).collect::<Vec<_>>().join(" ")
 }
 
 impl std::fmt::Display for Outside {
@@ -280,6 +306,14 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().canonicalize().expect("there");
         (folder, path)
+    }
+
+    #[test]
+    fn options_allow_each_folder_once_as_a_shell_takes_them() {
+        let outside = |path: &str| Outside { leads_to: path.into(), allowed: Vec::new() };
+        let paths = ["/a b/x.png", "/c/d/y.png", "/c/z.png", "/c/z2.png", "/it's/#1/x"].map(outside);
+        assert_eq!(allow_options(&paths), r##"--allow '/a b' --allow /c --allow "/it's/#1""##);
+        assert!(paths[0].to_string().ends_with("--allow '/a b'"));
     }
 
     #[test]

@@ -102,7 +102,13 @@ impl Document {
             fault.node = Some(shorten(node));
             fault.found = format!("\"{}\", which reaches into \"{}\"", shorten(knob), shorten(list));
             fault.expected = "a knob of the node itself".into();
-            fault.remedy = format!("set all of \"{0}\", such as --set '{node}.{0}=[{{ … }}]'", shorten(list));
+            // Such as of stops[1].color.
+            let list = list.split('[').next().unwrap_or(list);
+            fault.remedy = format!(
+                "set all of \"{}\", such as --set {}",
+                shorten(list),
+                crate::quoted(&format!("{node}.{list}=[{{ … }}]"))
+            );
             return Err(Box::new(fault));
         }
         let mut value = match parse(value) {

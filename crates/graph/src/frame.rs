@@ -1,6 +1,6 @@
 //! What all nodes of one frame share, and how paths name frames.
 
-use crate::{Access, NodeError};
+use crate::{Access, NodeError, quoted};
 use std::path::{Path, PathBuf};
 use trochoid_image::{Format, WorkingSpace};
 
@@ -26,13 +26,8 @@ pub struct FrameContext {
 impl FrameContext {
     /// A path of the document, with `####` and `%04d` replaced by the frame, see [`expand_frame`].
     pub fn path(&self, text: &str) -> PathBuf {
-        self.literally(&expand_frame(text, self.frame))
-    }
-
-    /// The same where every `#` and `%` is one of the file's own name: to say what was meant where that is a file.
-    pub fn literally(&self, text: &str) -> PathBuf {
-        let path = Path::new(text);
-        if path.is_absolute() { path.into() } else { self.folder.join(path) }
+        let expanded = PathBuf::from(expand_frame(text, self.frame));
+        if expanded.is_absolute() { expanded } else { self.folder.join(expanded) }
     }
 
     /// Whether the document may reach a file that another file names. Those that it names itself, and those of
@@ -88,13 +83,24 @@ fn placeholder(pattern: &str) -> Option<(usize, usize, usize)> {
     })
 }
 
-/// What to do where there is no file of an expanded name, but one of the name as it is written; nothing otherwise.
+/// What to write where there is no file of an expanded path, but one whose folders or name have a `#` or `%` of their own;
+/// nothing otherwise.
 ///
-/// `literal` is the name as written, with its folder.
-pub fn escape_remedy(literal: &Path) -> Option<String> {
-    let name = literal.file_name()?.to_str()?;
-    let is_frame = placeholder(name).is_some();
-    (is_frame && literal.exists()).then(|| {
-        format!("there is a file \"{name}\": a # or % of the name itself is written \\# or \\%, in JSON \\\\# or \\\\%")
-    })
+/// `text` is the path as a document of the frame writes it.
+pub fn escape_remedy(frame: &FrameContext, text: &str) -> Option<String> {
+    let mut written = text.to_owned();
+    // The first signs count as the frame, so they are the first to be of the name.
+    while let Some((start, end, _)) = placeholder(&written) {
+        let signs = escape_frame(&written[start..end]);
+        written.replace_range(start..end, &signs);
+        let path = frame.path(&written);
+        if path.exists() {
+            let (json, word) = (serde_json::Value::from(written.as_str()), quoted(&written));
+            return Some(format!(
+                "there is {}: a # or % of a name itself has a backslash before it: {json} in a document, {word} in a shell",
+                path.display()
+            ));
+        }
+    }
+    None
 }

@@ -179,6 +179,15 @@ pub trait Stage {
         MemoryUse::default()
     }
 
+    /// Looks at the headers of the node's files at a frame, and at nothing else of them.
+    ///
+    /// # Errors
+    /// What [`prepare`](Self::prepare) would say of them. Files that do not exist are not asked for.
+    fn examine(&self, node: &Settled, frame: &FrameContext, wanted: &[Vec<bool>]) -> Result<(), NodeError> {
+        let _ = (node, frame, wanted);
+        Ok(())
+    }
+
     /// Does once a frame what does not depend on the tile: simulate, build, decode.
     ///
     /// # Errors

@@ -1,7 +1,7 @@
 //! Image files: EXR with layers, parts, tiles and windows; PNG, JPEG and TIFF; metadata and atomic writing.
 //!
 //! [`info`] reads a header, [`read`] decodes what a [`Selection`] asks for, [`write_exr`], [`write_png8`] and
-//! [`write_png16`] write, [`read_metadata`] hands back what they were given as metadata. [`ExrReader`] and [`ExrWriter`]
+//! [`write_png16`] write, [`read_metadata`] hands back what they were given as metadata, [`check_whole`] tells whether such a file is all there. [`ExrReader`] and [`ExrWriter`]
 //! do the same band by band, from many threads, without ever holding the whole picture. [`write_bytes`] writes any other
 //! file as safely; [`discard_partial_files`] leaves nothing half written behind where a process exits early.
 //!
@@ -89,7 +89,7 @@ pub use info::{ChannelInfo, Compression, FileKind, Info, Levels, PartInfo, Sampl
 #[cfg(feature = "pictures")]
 pub use limits::Limits;
 #[cfg(feature = "pictures")]
-pub use metadata::read_metadata;
+pub use metadata::{check_whole, read_metadata, readable_metadata};
 pub use open::{OpenFile, open_file, read_bytes, read_text};
 #[cfg(feature = "pictures")]
 pub use partial::{clear_partial_files, discard_partial_files};

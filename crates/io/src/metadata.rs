@@ -23,3 +23,27 @@ pub(crate) fn metadata_of<R: BufRead + Seek>(source: &mut Source<R>) -> Result<V
         FileKind::Jpeg | FileKind::Tiff => Ok(Vec::new()),
     }
 }
+
+/// What [`read_metadata`] reads, as far as it can be read: of a file that was cut off, what stands before that.
+pub fn readable_metadata(path: impl AsRef<Path>) -> Vec<(String, String)> {
+    let Ok(mut source) = source::open(path.as_ref()) else { return Vec::new() };
+    match source.kind() {
+        Ok(FileKind::Exr) => exr_file::readable_strings(&mut source),
+        Ok(FileKind::Png) => png_file::readable_text(&mut source),
+        _ => Vec::new(),
+    }
+}
+
+/// Whether a file that this crate wrote is all there, and nothing behind it: the place and length of every chunk. Pixels are not
+/// decoded.
+///
+/// # Errors
+/// The file cannot be opened, is neither EXR nor PNG, is cut off, or has bytes that are none of its own.
+pub fn check_whole(path: impl AsRef<Path>) -> Result<(), Error> {
+    let mut source = source::open(path.as_ref())?;
+    match source.kind()? {
+        FileKind::Exr => exr_file::check_whole(&mut source),
+        FileKind::Png => png_file::check_whole(&mut source),
+        kind => Err(Error::invalid(&source.path, "first bytes", format!("a {kind} file"), "an EXR or PNG file")),
+    }
+}

@@ -96,7 +96,7 @@ impl Heap {
 
     /// What ends the program where memory cannot be had. The first call counts.
     ///
-    /// It may allocate: where even that fails, the process exits at once with code 1.
+    /// It may allocate: where even that fails, the process says so on stderr and exits at once with code 1.
     pub fn on_exhaustion(end: fn(Exhausted) -> !) {
         let _ = ON_EXHAUSTION.set(end);
     }
@@ -152,6 +152,9 @@ fn refuse(asked: usize, by_bound: bool) -> *mut u8 {
     }
     let Some(end) = ON_EXHAUSTION.get() else { return std::ptr::null_mut() };
     if ENDS.get() {
+        tell(
+            "error: out of memory, even of what it takes to say so\n  remedy: allow more memory, or lower the format\n",
+        );
         exit_at_once(1);
     }
     if ENDING.swap(true, Ordering::Relaxed) {
@@ -162,6 +165,20 @@ fn refuse(asked: usize, by_bound: bool) -> *mut u8 {
     }
     ENDS.set(true);
     end(Exhausted { asked, taken: Heap::taken(), bound: by_bound.then(|| BOUND.load(Ordering::Relaxed)) })
+}
+
+/// Says something on stderr, without memory and without locks.
+#[cfg(unix)]
+#[allow(unsafe_code)]
+fn tell(text: &str) {
+    // SAFETY: the pointer is to as many bytes as are named, which live through the call. What cannot be written is lost.
+    unsafe { libc::write(libc::STDERR_FILENO, text.as_ptr().cast(), text.len()) };
+}
+
+/// Says something on stderr, which has no buffer of its own.
+#[cfg(not(unix))]
+fn tell(text: &str) {
+    let _ = std::io::Write::write_all(&mut std::io::stderr(), text.as_bytes());
 }
 
 /// Ends the process at once, without anything that libraries do at an end: that could ask for memory, or for locks that

@@ -30,7 +30,8 @@ fn child(task: &str) -> (String, Option<i32>) {
     let output =
         Command::new(this).args(["--exact", "memory_is_counted_and_bounded", "--nocapture"]).env(TASK, task).output();
     let output = output.unwrap();
-    (String::from_utf8_lossy(&output.stdout).into_owned(), output.status.code())
+    let told = [output.stdout, output.stderr].concat();
+    (String::from_utf8_lossy(&told).into_owned(), output.status.code())
 }
 
 fn task(name: &str) {
@@ -90,5 +91,7 @@ fn memory_is_counted_and_bounded() {
     let (told, code) = child("the system");
     assert!(told.contains("bound None"), "{told}");
     assert_eq!(code, Some(7));
-    assert_eq!(child("nothing left").1, Some(1));
+    let (told, code) = child("nothing left");
+    assert!(told.contains("error: out of memory, even"), "{told}");
+    assert_eq!(code, Some(1));
 }

@@ -29,3 +29,16 @@ pub fn refused_files(graph: &CheckedGraph, outputs: &[usize], frames: &[i64]) ->
     }
     open.into_iter().filter_map(|(_, _, refused)| refused).collect()
 }
+
+/// Files of some outputs at some frames that the document itself wants where it may not write: of each output the first one.
+///
+/// [`output_files`](crate::output_files) refuses them too, one by one.
+#[cfg(feature = "io")]
+pub fn refused_outputs(graph: &CheckedGraph, outputs: &[usize], frames: &[i64]) -> Vec<Refused> {
+    let refused = |index: &usize| {
+        let spec = &graph.outputs()[*index];
+        let of_frame = |frame: &i64| graph.check_written(spec, &crate::output::own_file(graph, spec, *frame)?).err();
+        frames.iter().find_map(of_frame).map(|refused| *refused)
+    };
+    outputs.iter().filter_map(refused).collect()
+}

@@ -64,6 +64,8 @@ mod stability;
 mod stream;
 
 pub use access::refused_files;
+#[cfg(feature = "io")]
+pub use access::refused_outputs;
 pub use costs::{Cost, Costs, MeasureError, measure};
 #[cfg(feature = "io")]
 pub use files::{check_destination, check_destinations, check_replaced, write_guarded, write_whole};
@@ -93,8 +95,8 @@ pub use trochoid_graph::{
     Accepts, Access, Animated, Arity, CheckedGraph, CheckedNode, Declaration, Default as KnobDefault, Diagnostic, End,
     FORMAT_VERSION, Figure, Guarantee, Harmonic, Interpolation, Item, Kind, Knob, List, MemoryUse, NodeId, NodeType,
     Omission, OutputSpec, Outside, Port, Precision, REFUSALS, Refusal, Refused, Registry, Relation, Severity, Source,
-    Spectrum, Stability, StabilityMap, Takes, Tolerance, Verdict, ViewChannel, Work, escape_frame, expand_frame,
-    expected, in_bytes, nearest, refusal, schema,
+    Spectrum, Stability, StabilityMap, TERMS, Takes, Term, Tolerance, Verdict, ViewChannel, Work, allow_options,
+    escape_frame, expand_frame, expected, in_bytes, nearest, quoted, quoted_path, refusal, refusals, schema,
 };
 pub use trochoid_image::{Format, Plane, Rgb, Shading, Window, WorkingSpace, srgb_decode, srgb_encode};
 #[cfg(feature = "io")]

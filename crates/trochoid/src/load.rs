@@ -126,8 +126,8 @@ pub fn missing_files(graph: &CheckedGraph) -> Vec<Diagnostic> {
         let node = &graph.nodes()[index];
         let item = node.file_item();
         let settled = graph.settle(NodeId(index), frame);
-        let literal = item.map(|item| graph.folder().join(settled.text(item)));
-        let remedy = literal.and_then(|literal| escape_remedy(&literal));
+        let context = graph.frame_context(frame, u64::MAX);
+        let remedy = item.and_then(|item| escape_remedy(&context, settled.text(item)));
         let [line, column] = item.map_or(node.place, |item| node.place_of(item));
         Diagnostic {
             severity: Severity::Warning,

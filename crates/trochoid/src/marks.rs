@@ -36,7 +36,7 @@ enum Version {
 
 /// Whether Trochoid wrote a file, by a mark in what it holds; an empty file counts as well: there is nothing to lose.
 ///
-/// EXR and PNG have metadata `trochoid:…`; reports, certificates and plans their own keys; pages, pictures of graphs and
+/// EXR and PNG have metadata `trochoid:…`, which tell also where the rest is cut off; reports, certificates and plans their own keys; pages, pictures of graphs and
 /// animations name what generated them; a table has our header. Anything else is somebody else's, documents included.
 pub fn is_ours(path: &Path) -> bool {
     marked(path).unwrap_or(false)
@@ -67,7 +67,7 @@ fn marked(path: &Path) -> std::io::Result<bool> {
         let marked: Option<Marked> = serde_json::from_reader(BufReader::new(file)).ok();
         return Ok(marked.is_some_and(|m| m.trochoid_plan.is_some() || matches!(m.trochoid, Some(Version::Text(_)))));
     }
-    let metadata = trochoid_io::read_metadata(path).unwrap_or_default();
+    let metadata = trochoid_io::readable_metadata(path);
     Ok(head.starts_with(TABLE.as_bytes()) || metadata.iter().any(|(key, _)| key.starts_with(KEY)))
 }
 

@@ -30,9 +30,9 @@ pub enum OutputError {
     /// The document wants it where it may not write.
     #[error("{}", .0.diagnostic())]
     Refused(Box<Refused>),
-    /// Trochoid did not write the file that is there.
+    /// Trochoid did not write the file that is there, or so little of it is left that nobody can tell.
     #[error(
-        "{}: is there already, and Trochoid did not write it\n  remedy: give another name, or replace it with --overwrite",
+        "{}: is there already, and is truncated or not written by Trochoid\n  remedy: give another name, or replace it with --overwrite",
         path.display()
     )]
     Foreign {
@@ -109,13 +109,11 @@ pub fn output_files(
         if is_png && !matches!(spec.kind, Kind::Color | Kind::Weights(2)) {
             refuse(format!("output \"{}\" is a {}, which PNG cannot hold: write it as .exr", spec.name, spec.kind));
         }
-        let relative = PathBuf::from(expand_frame(&template, frame));
-        let asked = pattern.is_none() && own.is_some();
-        let path = if asked { graph.folder().join(relative) } else { relative };
-        if asked && refused.is_none() {
-            refused = graph.check_written(spec, &path).err();
+        let asked = if pattern.is_none() { own_file(graph, spec, frame) } else { None };
+        if let Some(path) = asked.as_ref().filter(|_| refused.is_none()) {
+            refused = graph.check_written(spec, path).err();
         }
-        let path = normalized(&path);
+        let path = normalized(&asked.unwrap_or_else(|| expand_frame(&template, frame).into()));
         match files.iter_mut().find(|file| file.path == path) {
             Some(file) => {
                 // A pattern without {output} was refused already.
@@ -139,6 +137,12 @@ pub fn output_files(
         Some(refused) => Err(OutputError::Refused(refused)),
         None => Ok(files),
     }
+}
+
+/// Where the document itself wants an output.
+pub(crate) fn own_file(graph: &CheckedGraph, spec: &OutputSpec, frame: i64) -> Option<PathBuf> {
+    let template = spec.file.as_ref()?.replace("{output}", &escape_frame(&spec.name));
+    Some(graph.folder().join(expand_frame(&template, frame)))
 }
 
 /// Names a further file for each file of a frame, such as its certificate.

@@ -79,7 +79,7 @@ impl Fingerprints {
         }
     }
 
-    /// Whether the file is there already, made from exactly this, and was found to hold what is required.
+    /// Whether the file is there already and whole, made from exactly this, and was found to hold what is required.
     pub fn is_current(
         &mut self,
         graph: &CheckedGraph,
@@ -87,10 +87,7 @@ impl Fingerprints {
         frame: i64,
         required: Option<Guarantee>,
     ) -> bool {
-        if !file.path.exists() {
-            return false;
-        }
-        let metadata = trochoid_io::read_metadata(&file.path).unwrap_or_default();
+        let metadata = metadata_of_whole(&file.path);
         let entry = |key: &str| metadata.iter().find(|entry| entry.0 == key).map(|entry| entry.1.as_str());
         let demanded = file.outputs.iter().filter_map(|index| requirement(&graph.outputs()[*index], required)).max();
         entry(KEY) == Some(self.of(graph, file, frame).as_str())
@@ -99,8 +96,7 @@ impl Fingerprints {
 
     /// Whether a file is there that was written with the [`metadata`](Self::metadata) of this fingerprint.
     pub fn is_marked(path: &Path, fingerprint: &str) -> bool {
-        let metadata = if path.exists() { trochoid_io::read_metadata(path).unwrap_or_default() } else { Vec::new() };
-        metadata.iter().any(|(key, value)| key == KEY && value == fingerprint)
+        metadata_of_whole(path).iter().any(|(key, value)| key == KEY && value == fingerprint)
     }
 
     /// The metadata of a file: what it was made from and what was found on its pixels.
@@ -126,6 +122,12 @@ impl Fingerprints {
             (KEY.into(), self.of(graph, file, frame.number)),
         ]
     }
+}
+
+/// The metadata of a picture of which nothing is missing and that nothing follows.
+fn metadata_of_whole(path: &Path) -> Vec<(String, String)> {
+    let whole = trochoid_io::check_whole(path).and_then(|()| trochoid_io::read_metadata(path));
+    whole.unwrap_or_default()
 }
 
 /// The hash of a file's contents, or why there is none.

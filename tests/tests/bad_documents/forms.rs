@@ -44,6 +44,21 @@ pub(super) fn table() -> Vec<Bad> {
             &[&["unknown node type \"Zzyzx\"", "`trochoid nodes` lists"]],
         ),
         nodes(
+            "a type of other programs",
+            r#""a": { "type": "image_read" }, "b": { "type": "Checkerboard" }, "c": { "type": "Write" }, "d": { "type": "Transform" }"#,
+            &[
+                &["unknown node type \"image_read\"", "the node for that is \"Read\""],
+                &["\"Checkerboard\"", "\"FieldMath\" (a formula)"],
+                &["\"Write\"", "under \"outputs\", with a \"file\""],
+                &["\"Transform\"", "\"Warp\" (by \"dx\" and \"dy\")"],
+            ],
+        ),
+        nodes(
+            "a type that is near to one and the term of another",
+            r#""a": { "type": "Lights" }, "b": { "type": "Step" }"#,
+            &[&["did you mean \"Light\"?"], &["the node for that is \"Bands\""]],
+        ),
+        nodes(
             "unknown knob",
             r#""a": { "type": "Clamp", "field": "t", "powr": 2 }"#,
             &[&["bad.json:6:39: node \"a\"", "unknown key \"powr\"", "did you mean \"power\"?"]],
@@ -63,7 +78,25 @@ pub(super) fn table() -> Vec<Bad> {
             r##""a": { "type": "Mix", "a": "#fff" }"##,
             &[&["b: found no \"b\"", "a Color"], &["weight: found no \"weight\"", "a mask"]],
         ),
-        nodes("missing knob", r#""a": { "type": "Constant" }"#, &[&["color: found no \"color\"", "set it"]]),
+        nodes(
+            "missing knob",
+            r#""a": { "type": "Constant" }"#,
+            &[&["color: found no \"color\"", "write \"color\": \"#rrggbb\""]],
+        ),
+        nodes(
+            "missing word",
+            r#""a": { "type": "Read", "file": "x.png" }"#,
+            &[&[
+                "as: found no \"as\"",
+                "one of color, weights, field",
+                "write \"as\": \"color\", \"weights\", or \"field\"",
+            ]],
+        ),
+        nodes(
+            "missing file",
+            r#""a": { "type": "Read", "as": "color" }"#,
+            &[&["file: found no \"file\"", "write \"file\": the path of a file in quotes"]],
+        ),
         nodes(
             "unknown node",
             r#""a": { "type": "Invert", "weight": "tt" }"#,

@@ -212,6 +212,7 @@ fn faults_of_set_name_the_option() {
         ("x.color=#12", ["--set x.color=#12", "#rrggbb"]),
         ("x.color=[1, 2", ["--set x.color=[1, 2", "EOF"]),
         ("x.color=[1, 2, -3]", ["found -3", "--set x.color=[1, 2, -3]"]),
+        ("x.stops[0].at=1", ["which reaches into \"stops[0]\"", "--set 'x.stops=[{ … }]'"]),
         ("x.stops.0.at=1", ["which reaches into \"stops\"", "--set 'x.stops=[{ … }]'"]),
         ("format.width=7", ["\"format\", which is no node", "change \"format\" in the document itself"]),
         ("x.type=Plus", ["the operation Plus", "--set x.type=Plus"]),

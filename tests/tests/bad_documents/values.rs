@@ -53,7 +53,7 @@ pub(super) fn table() -> Vec<Bad> {
         nodes(
             "a color beyond f32",
             r#""a": { "type": "Constant", "color": [0.1, 1e300, 0.3] }"#,
-            &[&["color: found 1e300", "3.4028234663852886e38"]],
+            &[&["color: found 1e300", "a number that f32 can hold", "write at most 3.4e38"]],
         ),
         nodes(
             "two channels",

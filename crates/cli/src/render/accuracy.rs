@@ -9,7 +9,7 @@ use crate::shell::printable;
 use serde_json::{Value, json};
 use std::path::Path;
 use trochoid::accuracy::{PlanFile, Planned, allowed};
-use trochoid::{Certified, CheckedGraph, Item, Kind, LoadError, Settings, Tolerance};
+use trochoid::{Certified, CheckedGraph, Item, Kind, LoadError, Settings, Tolerance, quoted_path};
 
 /// What a run was asked for, and the settings that it has for that.
 #[derive(Default)]
@@ -64,8 +64,8 @@ impl Accuracy {
                     fault.file = format!("{}: set {assignment}", plan.display());
                     fault.remedy = format!(
                         "plan again for this document: trochoid plan {} --tolerance 1/64 --out {}",
-                        args.graph.display(),
-                        plan.display()
+                        quoted_path(&args.graph),
+                        quoted_path(plan)
                     );
                 }
                 LoadError::Invalid(faults).into()

@@ -11,7 +11,7 @@ use std::path::PathBuf;
 use trochoid::certificate::{Certificate, Made, certify, error_image};
 use trochoid::{
     Buffers, Cache, Certified, Certifier, CheckedGraph, EvalError, Fingerprints, Frame, Guarantee, InputFiles, Monitor,
-    OutputFile, Settings, companion_files, write_guarded,
+    OutputFile, Settings, companion_files, quoted_path, write_guarded,
 };
 
 /// What is written beside one file, where it is asked for.
@@ -49,7 +49,7 @@ impl Beside {
         let faults = self.paths().filter_map(|(option, path)| {
             let taken = !written.insert(path.clone()) || inputs.contains(path);
             taken.then(|| {
-                let message = format!("{option} {}: is a file of the document or of the run", path.display());
+                let message = format!("{option} {}: is a file of the document or of the run", quoted_path(path));
                 Failure::usage(message, "give it another name")
             })
         });
@@ -110,7 +110,7 @@ impl Certifying<'_> {
                 let certifier = Certifier::new(graph, &names, number, &[], settings).map_err(|error| failed(&error))?;
                 certifier.certify(&Buffers::new(), cache, monitor).map_err(|error| match error {
                     EvalError::Cancelled => interrupted(),
-                    error => failed(&error),
+                    error => Failure::evaluated(&format!("frame {number}: "), &error),
                 })?
             }
         };

@@ -12,9 +12,9 @@ use std::collections::{BTreeSet, HashSet};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 use trochoid::{
-    Cache, CheckedGraph, EvalError, FileSink, Fingerprints, Frame, Guarantee, InputFiles, Monitor, OutputFile, Plan,
-    ReferenceError, RunReport, Settings, Sink, Switches, Work, check_destinations, clear_partial_files, frame_report,
-    misses, output_files, write_output,
+    Access, Cache, CheckedGraph, EvalError, FileSink, Fingerprints, Frame, Guarantee, InputFiles, Monitor, OutputFile,
+    Plan, ReferenceError, RunReport, Settings, Sink, Switches, Work, check_destinations, clear_partial_files,
+    expand_frame, frame_report, misses, output_files, quoted, quoted_path, refused_outputs, write_output,
 };
 
 /// How a plan becomes a frame; tests put another in its place.
@@ -93,13 +93,17 @@ impl<'a> Job<'a> {
     /// Whether every file can be written, none is an input or the document itself, and none replaces somebody else's; the
     /// folders into which they go.
     fn check_files(&self, faults: &mut Vec<Failure>) -> BTreeSet<PathBuf> {
+        // What the document may not write is named all the same, so that all that is wrong is told at once.
+        let named = self.graph.clone().with_access(Access::everything());
+        let pattern = self.args.out.as_deref();
+        let may_write = |path: &Path| pattern.is_some() || self.graph.access().check(path).is_ok();
         let (mut written, mut beside) = (BTreeSet::new(), Vec::new());
         for &frame in &self.frames {
-            let files = self.files(frame);
-            match files.and_then(|files| Ok((self.beside(&files, frame)?, files))) {
-                Ok((named, files)) => {
-                    beside.extend(named);
-                    written.extend(files.into_iter().map(|file| file.path));
+            let files = output_files(&named, &self.outputs, frame, self.frames.len() > 1, pattern);
+            match files.map_err(Failure::from).and_then(|files| Ok((self.beside(&files, frame)?, files))) {
+                Ok((more, files)) => {
+                    beside.extend(more);
+                    written.extend(files.into_iter().map(|file| file.path).filter(|path| may_write(path)));
                 }
                 // What is wrong with a pattern is wrong at every frame.
                 Err(fault) => {
@@ -108,7 +112,11 @@ impl<'a> Job<'a> {
                 }
             }
         }
-        faults.extend(files::refused(self.graph, &self.outputs, &self.frames));
+        let outside = match pattern {
+            Some(_) => Vec::new(),
+            None => refused_outputs(self.graph, &self.outputs, &self.frames),
+        };
+        faults.extend(self.args.files.reach.refused(self.graph, &self.outputs, &self.frames, outside));
         let read: Vec<&Path> = [self.args.graph.as_path()].into_iter().chain(self.args.plan.as_deref()).collect();
         let inputs = InputFiles::new(self.graph, &read);
         let over = self.args.files.over;
@@ -118,13 +126,23 @@ impl<'a> Job<'a> {
         let written: BTreeSet<PathBuf> = taken.into_iter().collect();
         let report = self.args.report.as_ref().filter(|_| !self.args.report_on_stdout());
         if let Some(report) = report.filter(|report| written.contains(*report) || inputs.contains(report)) {
-            let message = format!("--report {}: is a file of the document or of the run", report.display());
+            let message = format!("--report {}: is a file of the document or of the run", quoted_path(report));
             faults.push(Failure::usage(message, "give the report another name"));
         }
         let all = || written.iter().chain(report).filter(|path| !inputs.contains(path));
         faults.extend(all().filter_map(|path| over.foreign(path)));
         faults.extend(check_destinations(all().map(PathBuf::as_path)).into_iter().map(Failure::from));
         written.iter().chain(report).filter_map(|path| path.parent()).map(Path::to_path_buf).collect()
+    }
+
+    /// Notes of names that a still is written under and that may not have been meant.
+    pub(super) fn notes(&self) -> Vec<String> {
+        let (first, last) = self.graph.frames();
+        let [frame] = self.frames[..] else { return Vec::new() };
+        let Args { out, certificate, error, .. } = self.args;
+        let named = [("--out", out), ("--certificate", certificate), ("--error", error)];
+        let note = |(option, pattern): (&str, &Option<String>)| note_of_sign(option, pattern.as_deref()?, frame);
+        if first == last { named.into_iter().filter_map(note).collect() } else { Vec::new() }
     }
 
     /// Nodes whose first frame takes so long that it should be said, beside those that checking warned of.
@@ -247,7 +265,7 @@ impl<'a> Job<'a> {
         let frame = frame.map_err(|error| match (error, &sink) {
             (EvalError::Cancelled, _) => interrupted(),
             (EvalError::Sink(text), Some(sink)) => sink.failure().map_or_else(|| failed(&text), Failure::from),
-            (error, _) => failed(&error),
+            (error, _) => Failure::evaluated(&format!("frame {number}: "), &error),
         })?;
         stop_if_asked()?;
         let taken = started.elapsed().as_secs_f64();
@@ -312,6 +330,23 @@ impl<'a> Job<'a> {
         beside.into_iter().for_each(|beside| beside.describe(&mut entry));
         entry
     }
+}
+
+/// What is said of a lone `#` in a pattern that stands where no number of a frame is expected, such as in `take #3.png`.
+fn note_of_sign(option: &str, pattern: &str, frame: i64) -> Option<String> {
+    let at = pattern.match_indices('#').map(|(at, _)| at).find(|at| !pattern[..*at].ends_with('\\'))?;
+    let (before, after) = (pattern[..at].chars().next_back(), pattern[at + 1..].chars().next());
+    let ends = |side: Option<char>| matches!(side, Some('.' | '_' | '-' | '#'));
+    if after == Some('#') || (ends(before) && ends(after)) {
+        return None;
+    }
+    let written = quoted(&expand_frame(pattern, frame));
+    let meant = quoted(&format!("{}\\{}", &pattern[..at], &pattern[at..]));
+    Some(format!(
+        "note: {option} {}: the # stands for the frame, so the file is {written}\n  remedy: if the name has a # of its own: \
+         {option} {meant}",
+        quoted(pattern)
+    ))
 }
 
 pub(super) fn interrupted() -> Failure {

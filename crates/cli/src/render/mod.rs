@@ -127,7 +127,7 @@ fn run_with(args: &Args, evaluate: &job::Evaluate<'_>) -> Result<(), Failure> {
     shell::tell(&loaded.warnings.iter().map(Diagnostic::to_string).collect::<Vec<_>>());
     let job = Job::new(&loaded.graph, args, frames.clone(), &mut faults);
     Failure::all(faults)?;
-    shell::tell(&job.warnings());
+    shell::tell(job.warnings().iter().chain(&job.notes()));
     let accuracy = job.accuracy()?;
     // The document again, as its settings then are.
     let settled = if accuracy.set.is_empty() {

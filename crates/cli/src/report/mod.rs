@@ -26,7 +26,7 @@ mod tests;
 mod text;
 
 use crate::failure::{FAILED, Failure, INTERRUPTED};
-use crate::files::{Files, refused};
+use crate::files::Files;
 use crate::progress::Progress;
 use crate::shell::{self, printable};
 use crate::{interrupt, outputs};
@@ -105,7 +105,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let files = ["report.json", "report.csv", "report.html"].map(|name| args.out.join(name));
     let inputs = InputFiles::new(graph, &[&args.graph]);
     faults.extend(files.iter().filter_map(|file| args.files.over.refusal(file, &inputs)));
-    faults.extend(refused(graph, &[output], &[frame]));
+    faults.extend(args.files.reach.refused(graph, &[output], &[frame], Vec::new()));
     Failure::all(faults)?;
     interrupt::watch()?;
     let ladder = measure(args, graph, output, frame)?;
@@ -176,6 +176,7 @@ fn measure(args: &Args, graph: &CheckedGraph, output: usize, frame: i64) -> Resu
     found.map_err(|error| match error {
         TargetError::Load(error) => error.into(),
         TargetError::Evaluate(EvalError::Cancelled) => Failure::new(INTERRUPTED, interrupt::INTERRUPTION),
+        TargetError::Evaluate(error) => Failure::evaluated(&format!("frame {frame}: "), &error),
         error => Failure::new(FAILED, format!("frame {frame}: {error}")),
     })
 }

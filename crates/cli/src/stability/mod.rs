@@ -8,7 +8,7 @@ use crate::files::Over;
 use crate::shell;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
-use trochoid::{CheckedGraph, Diagnostic, Figure, InputFiles, Loaded, NodeId, Stability};
+use trochoid::{CheckedGraph, Diagnostic, Figure, InputFiles, Loaded, NodeId, Stability, quoted_path};
 
 /// Options of `trochoid stability`.
 #[derive(Debug, clap::Args)]
@@ -63,8 +63,11 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     shell::tell(&warnings.iter().map(Diagnostic::to_string).collect::<Vec<_>>());
     if let Some(out) = &args.out {
         if let Some(ending) = out.extension().filter(|_| !is_png(out) && !out.is_dir()) {
-            let message =
-                format!("--out {}: found the ending .{}; expected .png, or a folder", out.display(), ending.display());
+            let message = format!(
+                "--out {}: found the ending .{}; expected .png, or a folder",
+                quoted_path(out),
+                ending.display()
+            );
             return Err(Failure::usage(
                 message,
                 "name the map for example map.png, or a folder for the maps of all nodes",
@@ -124,7 +127,7 @@ fn write_maps(
     let Some(out) = &args.out else { return Ok(Vec::new()) };
     let mapped: Vec<_> = found.iter().filter_map(|(id, report)| Some((*id, report.map.as_ref()?))).collect();
     if is_png(out) && mapped.len() != 1 {
-        let message = format!("--out {}: found {} nodes with a map; expected one", out.display(), mapped.len());
+        let message = format!("--out {}: found {} nodes with a map; expected one", quoted_path(out), mapped.len());
         let remedy = match mapped.len() {
             0 => NO_MAP,
             _ => "name a folder, into which all maps go",
@@ -134,7 +137,7 @@ fn write_maps(
     if mapped.is_empty() {
         shell::tell(&[format!(
             "warning: --out {}: found no node with a map; expected one at least: nothing is written there\n  remedy: {NO_MAP}",
-            out.display()
+            quoted_path(out)
         )]);
     }
     let mut written = Vec::new();

@@ -6,6 +6,7 @@ mod access;
 mod bad_images;
 mod certify;
 mod commands;
+mod examine;
 mod explain;
 #[cfg(target_os = "linux")]
 mod hostile;
@@ -15,7 +16,10 @@ mod memory;
 mod overwrite;
 mod plan;
 mod refusals;
+#[cfg(unix)]
+mod remedies;
 mod render;
+mod resume;
 mod scene;
 mod stability;
 mod streams;

@@ -25,7 +25,7 @@ fn files_of_others_stay_and_our_own_are_replaced() {
     for (command, name) in WRITERS {
         fs::write(scene.path(name), "theirs").unwrap();
         let before = scene.files();
-        scene.run(command).fails(2, &[name, "Trochoid did not write it", "remedy: ", "--overwrite"]);
+        scene.run(command).fails(2, &[name, "truncated or not written by Trochoid", "remedy: ", "--overwrite"]);
         assert_eq!((scene.files(), fs::read(scene.path(name)).unwrap()), (before, b"theirs".to_vec()), "{command:?}");
         scene.run(&[command, &["--overwrite"]].concat()).code(0);
         assert_ne!(fs::read(scene.path(name)).unwrap(), b"theirs", "{command:?}");

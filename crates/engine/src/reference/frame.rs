@@ -31,7 +31,14 @@ impl Plan<'_> {
         let mut references = Vec::new();
         for output in &self.outputs {
             let name = &self.graph.outputs()[output.index].name;
-            references.push(ReferenceFrame::prepared(self.graph, name, self.frame(), cache, monitor)?);
+            references.push(ReferenceFrame::bounded(
+                self.graph,
+                name,
+                self.frame(),
+                self.settings.memory_limit,
+                cache,
+                monitor,
+            )?);
         }
         let (ready, _) = prepare(self, cache, monitor, Pictures::Whole)?;
         let judges: Vec<_> = self.outputs.iter().map(|output| self.judge(output, &ready, &Buffers::new())).collect();

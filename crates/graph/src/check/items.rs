@@ -4,7 +4,7 @@ use super::values::{count, expected};
 use super::{Checker, Draft, Place};
 use crate::declare::{Default, Takes};
 use crate::registry::item_names;
-use crate::spanned::{Entry, Json, Spanned, shorten};
+use crate::spanned::{Entry, Json, Spanned, number_text, shorten};
 use crate::{
     Accepts, Animated, Arity, Declaration, Item, Kind, Knob, List, NodeId, Port, Record, Setting, Severity, Source,
     nearest, refusal,
@@ -252,7 +252,7 @@ impl<'a> Checker<'a> {
         let Some(value) = value else {
             return match knob.default {
                 None => {
-                    let remedy = format!("set it: {}", knob.help);
+                    let remedy = format!("write \"{}\": {}", knob.name, example(&knob.takes));
                     self.error(place, format!("no \"{}\"", knob.name), expected(&knob.takes), remedy);
                     Setting::Unset
                 }
@@ -350,6 +350,27 @@ fn keys_of(list: &List) -> String {
     let keys: Vec<String> = item_names(list.items).map(|name| format!("\"{name}\"")).collect();
     let (most, more) = (keys.len().min(4), if keys.len() > 4 { ", …" } else { "" });
     format!("{}{more}", keys[..most].join(", "))
+}
+
+/// What may stand for a value, as JSON.
+fn example(takes: &Takes) -> String {
+    match takes {
+        Takes::Number { min, max } => number_text(0.0_f64.clamp(*min, *max)),
+        Takes::Integer { min, max } => 0.clamp(*min, *max).to_string(),
+        Takes::Bool => "true, or false".into(),
+        Takes::Choice(words) => {
+            let words: Vec<String> = words.iter().map(|word| format!("\"{word}\"")).collect();
+            match &words[..] {
+                [rest @ .., last] if !rest.is_empty() => format!("{}, or {last}", rest.join(", ")),
+                words => words.join(", "),
+            }
+        }
+        Takes::Color => "\"#rrggbb\"".into(),
+        Takes::Vector(_) | Takes::Numbers { .. } => "[ … ], with numbers".into(),
+        Takes::Text => "a text in quotes".into(),
+        Takes::Path => "the path of a file in quotes, relative to the document".into(),
+        Takes::Texts { .. } => "[ … ], with texts in quotes".into(),
+    }
 }
 
 /// What to write for a list.

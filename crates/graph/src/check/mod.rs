@@ -10,7 +10,7 @@ mod wiring;
 use crate::spanned::{Entry, Json, Spanned, shorten};
 use crate::{
     Access, Around, Check, CheckedGraph, CheckedNode, Diagnostic, Document, Fault, Item, Kind, Knob, NodeType, Record,
-    Refusal, Registry, Setting, Settled, Severity, Source, Takes, Upstream, User, Work, nearest, refusal,
+    Refusal, Registry, Setting, Settled, Severity, Source, Takes, Term, Upstream, User, Work, nearest, refusal,
 };
 use items::Names;
 use std::collections::HashMap;
@@ -315,9 +315,15 @@ impl<'a> Checker<'a> {
         if let Some(refusal) = refusal(ty) {
             return self.refused(place, ty, refusal);
         }
-        let remedy = match nearest(ty, self.registry.names()) {
-            Some(near) => format!("did you mean \"{near}\"?"),
-            None => "`trochoid nodes` lists the types".into(),
+        let near = nearest(ty, self.registry.names());
+        let term = Term::of(ty).filter(|term| term.node.is_none_or(|node| self.registry.get(node).is_some()));
+        let remedy = match (term, near) {
+            (Some(term), Some(near)) if term.node != Some(near) => {
+                format!("{}; or did you mean \"{near}\"?", term.remedy())
+            }
+            (Some(term), _) => term.remedy(),
+            (None, Some(near)) => format!("did you mean \"{near}\"?"),
+            (None, None) => "`trochoid nodes` lists the types".into(),
         };
         self.error(place, format!("unknown node type \"{}\"", shorten(ty)), "a node type", remedy);
     }

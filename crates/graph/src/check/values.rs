@@ -44,8 +44,17 @@ impl<'a> Checker<'a> {
                 None
             }
             Json::Number(n) => {
-                let remedy = format!("the nearest legal value is {}", number_text(n.clamp(min, max)));
-                self.error(place, number_text(n), expected(&Takes::Number { min, max }), remedy);
+                let limit = n.clamp(min, max);
+                let takes = Takes::Number { min, max };
+                let (expected, remedy) = match limit.abs() >= WIDE {
+                    // Nobody's wish, and within it in few digits.
+                    true => (
+                        "a number that f32 can hold".into(),
+                        format!("write at {} {limit:.1e}", if n > max { "most" } else { "least" }),
+                    ),
+                    false => (expected(&takes), format!("the nearest legal value is {}", number_text(limit))),
+                };
+                self.error(place, number_text(n), expected, remedy);
                 None
             }
             _ => {
@@ -205,10 +214,13 @@ fn pair_text(value: &Spanned) -> String {
     if let Json::Array(items) = &value.json { value_text(items) } else { value.brief() }
 }
 
+/// From here on a limit is that of f32.
+const WIDE: f64 = 1e30;
+
 /// What a knob takes, in words.
 pub fn expected(takes: &Takes) -> String {
     match takes {
-        Takes::Number { min, max } => match (*min > -1e30, *max < 1e30) {
+        Takes::Number { min, max } => match (*min > -WIDE, *max < WIDE) {
             (true, true) => format!("a number from {} to {}", number_text(*min), number_text(*max)),
             (true, false) => format!("a number, at least {}", number_text(*min)),
             (false, true) => format!("a number, at most {}", number_text(*max)),

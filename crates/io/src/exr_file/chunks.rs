@@ -53,6 +53,49 @@ pub(super) struct Chunks {
     id: u64,
 }
 
+/// Whether a file of one part of scanlines has all its chunks, one after another in order, and ends with the last.
+///
+/// # Errors
+/// Something is missing, stands elsewhere, or comes behind; or it is a file of another kind, which this crate does not write.
+pub(crate) fn check_whole<R: BufRead + Seek>(source: &mut Source<R>) -> Result<(), Error> {
+    let header = Header::read(source)?;
+    let chunks = Chunks::find(source, &header, 0)?;
+    if chunks.multi_part || chunks.layout.tiled {
+        return Err(Error::invalid(&source.path, "header", "parts or tiles", "one part of scanlines"));
+    }
+    let mut end = chunks.first;
+    for (band, offset) in chunks.offsets.iter().enumerate() {
+        let at = Position { column: 0, band };
+        if *offset != end {
+            return Err(chunks.invalid(
+                at,
+                format!("the offset {offset}"),
+                format!("{end}, where the one before ends"),
+            ));
+        }
+        source.seek(end)?;
+        let head = source.bytes(8, &chunks.place(at))?;
+        let mut fields = Fields(&head);
+        let (row, size) = (fields.i32().unwrap_or_default(), fields.i32().unwrap_or_default());
+        let y = chunks.layout.window.y0 + chunks.rectangle(at).y0;
+        let Some(size) = u64::try_from(size).ok().filter(|size| *size > 0 && i64::from(row) == y) else {
+            let found = format!("row {row} and a size of {size} bytes");
+            return Err(chunks.invalid(at, found, format!("row {y} and a size")));
+        };
+        end += 8 + size;
+    }
+    if end != chunks.length {
+        let found = format!("{} bytes", chunks.length);
+        return Err(Error::invalid(
+            &source.path,
+            "end of the file",
+            found,
+            format!("{end}, where the last chunk ends"),
+        ));
+    }
+    Ok(())
+}
+
 /// One chunk of a part, at full resolution.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Position {

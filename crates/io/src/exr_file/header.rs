@@ -81,7 +81,8 @@ impl Header {
         let mut header = Self { parts: Vec::new(), details: Vec::new(), multi_part, tables: 0 };
         loop {
             let index = header.parts.len();
-            let attributes = reader.attributes(index)?;
+            let mut attributes = Vec::new();
+            reader.attributes(index, &mut attributes)?;
             if multi_part && attributes.is_empty() {
                 break;
             }
@@ -113,6 +114,21 @@ impl Header {
     }
 }
 
+/// What [`Header::into_strings`] gives, as far as the file can be read.
+pub(crate) fn readable_strings<R: BufRead + Seek>(source: &mut Source<R>) -> Vec<(String, String)> {
+    let mut attributes = Vec::new();
+    if source.seek(8).is_ok() {
+        let _ = Reader { source, position: 8 }.attributes(0, &mut attributes);
+    }
+    strings(&attributes)
+}
+
+/// String attributes, but for those that the format gives a meaning.
+fn strings(attributes: &[Attribute]) -> Vec<(String, String)> {
+    let strings = attributes.iter().filter(|a| a.kind == "string" && a.name != "name" && a.name != "type");
+    strings.map(|a| (a.name.clone(), String::from_utf8_lossy(&a.bytes).into_owned())).collect()
+}
+
 /// Reads attributes, and counts the bytes.
 struct Reader<'a, R> {
     source: &'a mut Source<R>,
@@ -120,14 +136,13 @@ struct Reader<'a, R> {
 }
 
 impl<R: BufRead + Seek> Reader<'_, R> {
-    /// All attributes of one part; none where the list of parts ends.
-    fn attributes(&mut self, part: usize) -> Result<Vec<Attribute>, Error> {
-        let mut attributes: Vec<Attribute> = Vec::new();
+    /// Collects all attributes of one part; none where the list of parts ends.
+    fn attributes(&mut self, part: usize, attributes: &mut Vec<Attribute>) -> Result<(), Error> {
         loop {
             let place = format!("part {part}, attribute {}", attributes.len());
             let name = self.name(&place)?;
             if name.is_empty() {
-                return Ok(attributes);
+                return Ok(());
             }
             let place = format!("part {part}, attribute \"{}\"", printable(&name));
             let kind = self.name(&place)?;
@@ -212,11 +227,7 @@ impl<R> Builder<'_, R> {
             layout: Layout::new(data, &storage, compression, round_up),
             stated_chunks,
             channels: details,
-            strings: attributes
-                .iter()
-                .filter(|a| a.kind == "string" && a.name != "name" && a.name != "type")
-                .map(|a| (a.name.clone(), String::from_utf8_lossy(&a.bytes).into_owned()))
-                .collect(),
+            strings: strings(&attributes),
         };
         let chromaticities: Option<Chromaticities> =
             find("chromaticities").and_then(|attribute| attribute::chromaticities(&attribute.bytes));

@@ -15,7 +15,8 @@ mod writer;
 mod zip;
 
 pub use band::BandBuffer;
-pub(crate) use header::Header;
+pub(crate) use chunks::check_whole;
+pub(crate) use header::{Header, readable_strings};
 pub use reader::ExrReader;
 pub use write::{ExrChannel, ExrImage, write_exr};
 pub use writer::{EncodeScratch, EncodedBand, ExrHeader, ExrWriter};

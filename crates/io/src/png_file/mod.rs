@@ -7,7 +7,7 @@ use std::path::Path;
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageEncoder};
 
-pub(crate) use text::read_text;
+pub(crate) use text::{check_whole, read_text, readable_text};
 
 use crate::{Error, Samples, Target};
 

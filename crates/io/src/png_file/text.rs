@@ -49,10 +49,36 @@ fn push(bytes: &mut Vec<u8>, kind: [u8; 4], data: &[u8]) {
 
 /// Keywords and texts of all uncompressed text chunks, in order. Compressed ones, which are never written, are skipped.
 pub(crate) fn read_text<R: BufRead + Seek>(source: &mut Source<R>) -> Result<Vec<(String, String)>, Error> {
+    let mut found = Vec::new();
+    walk(source, &mut found)?;
+    Ok(found)
+}
+
+/// The same of what can be read.
+pub(crate) fn readable_text<R: BufRead + Seek>(source: &mut Source<R>) -> Vec<(String, String)> {
+    let mut found = Vec::new();
+    let _ = walk(source, &mut found);
+    found
+}
+
+/// Whether the file ends with its end mark.
+pub(crate) fn check_whole<R: BufRead + Seek>(source: &mut Source<R>) -> Result<(), Error> {
+    let expected = "the end mark IEND, and nothing behind it";
+    match walk(source, &mut Vec::new())? {
+        Some(end) if end == source.length => Ok(()),
+        Some(end) => {
+            let found = format!("{} bytes behind the end", source.length - end);
+            Err(Error::invalid(&source.path, format!("byte {end}"), found, expected))
+        }
+        None => Err(Error::invalid(&source.path, "last bytes", "no end mark", expected)),
+    }
+}
+
+/// Collects texts chunk by chunk. Where the end mark ends; some writers leave it out, and the pixels' own decoder judges what
+/// is missing.
+fn walk<R: BufRead + Seek>(source: &mut Source<R>, found: &mut Vec<(String, String)>) -> Result<Option<u64>, Error> {
     let mut position = 8;
     let mut total = 0;
-    let mut found = Vec::new();
-    // Some writers leave the end mark out; the pixels' own decoder judges what is missing.
     source.seek(position)?;
     while position < source.length {
         let place = format!("chunk at byte {position}");
@@ -86,12 +112,12 @@ pub(crate) fn read_text<R: BufRead + Seek>(source: &mut Source<R>) -> Result<Vec
             let skip = source.reader.seek_relative(length as i64 + 4);
             skip.map_err(Error::io(&source.path, "read the file"))?;
         }
-        if kind == b"IEND" {
-            break;
-        }
         position += length + 12;
+        if kind == b"IEND" {
+            return Ok(Some(position));
+        }
     }
-    Ok(found)
+    Ok(None)
 }
 
 fn parse(kind: &[u8], data: &[u8]) -> Option<(String, String)> {

@@ -5,7 +5,8 @@ use trochoid_image::{Plane, Window, WorkingSpace};
 
 use super::make::values;
 use crate::{
-    Error, ExrChannel, ExrImage, Limits, SampleType, Samples, Selection, info, read, read_metadata, write_exr,
+    Error, ExrChannel, ExrImage, Limits, PngImage, SampleType, Samples, Selection, check_whole, info, read,
+    read_metadata, readable_metadata, write_exr, write_png8,
 };
 
 #[test]
@@ -105,6 +106,45 @@ fn metadata_and_chromaticities_come_back_in_order_and_bytes_repeat() {
     let info = info(&path, &Limits::default()).unwrap();
     assert_eq!(info.parts[0].chromaticities, image.chromaticities);
     assert!(exr::prelude::read_all_flat_layers_from_file(&path).is_ok());
+}
+
+#[test]
+fn what_is_cut_off_or_has_bytes_behind_it_is_not_whole_and_tells_its_metadata_all_the_same() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("picture");
+    let metadata: Vec<(String, String)> = vec![("trochoid:version".into(), "1".into()), ("later".into(), "2".into())];
+    let plane = Plane::filled(Window::sized(5, 40), 0.5);
+    let exr = ExrImage {
+        channels: vec![ExrChannel::half("Y", Samples::plane(&plane))],
+        metadata: metadata.clone(),
+        ..ExrImage::new(plane.window())
+    };
+    let png = PngImage { metadata: metadata.clone(), ..PngImage::new(5, 40, [Samples::plane(&plane)]) };
+    for is_exr in [true, false] {
+        if is_exr {
+            write_exr(&path, &exr).unwrap();
+        } else {
+            write_png8(&path, &png).unwrap();
+        }
+        let whole = std::fs::read(&path).unwrap();
+        let find = |text: &str| whole.windows(text.len()).position(|found| found == text.as_bytes()).unwrap();
+        check_whole(&path).unwrap();
+        for length in 0..whole.len() {
+            std::fs::write(&path, &whole[..length]).unwrap();
+            assert!(check_whole(&path).is_err(), "{length} of {} bytes", whole.len());
+            let known = readable_metadata(&path);
+            assert!(metadata.starts_with(&known), "{known:?}");
+            assert!(known.len() == 2 || length < find("later") + 40, "{length}: {known:?}");
+            assert!(known.is_empty() || length > find("trochoid:version"), "{length}: {known:?}");
+        }
+        for more in [&b"x"[..], &whole] {
+            std::fs::write(&path, [&whole, more].concat()).unwrap();
+            assert!(check_whole(&path).is_err());
+            assert_eq!(readable_metadata(&path), metadata);
+        }
+    }
+    std::fs::write(&path, "text").unwrap();
+    assert!(check_whole(&path).is_err() && readable_metadata(&path).is_empty());
 }
 
 #[test]

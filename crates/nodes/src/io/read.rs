@@ -76,6 +76,12 @@ impl Stage for Read {
         memory_of_picture(node, reckoning, true)
     }
 
+    fn examine(&self, node: &Settled, frame: &FrameContext, wanted: &[Vec<bool>]) -> Result<(), NodeError> {
+        let path = named(frame, node.text("file"))?;
+        let wanted = wanted.first().map(Vec::as_slice).unwrap_or_default();
+        Reading { node, frame, path: &path, outside: None }.examine(wanted, true)
+    }
+
     fn prepare(&self, node: &Settled, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
         let path = named(prepare.frame, node.text("file"))?;
         let wanted = prepare.wanted.first().map(Vec::as_slice).unwrap_or_default();

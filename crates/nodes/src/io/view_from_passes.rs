@@ -1,10 +1,13 @@
 //! ViewFromPasses: what another renderer saw.
 
 use crate::front_support::bound_exact;
-use crate::io_support::{Fit, Opened, Recipe, Rows, Rule, SharedFile, Stored, Stream, memory_of_passes, open_pass};
+use crate::io_support::{
+    Fit, FoundPass, Opened, Recipe, Rows, Rule, SharedFile, Stored, Stream, find_pass, memory_of_passes,
+};
 use crate::scene_support::named;
 use std::path::{Path, PathBuf};
 use trochoid_graph::*;
+use trochoid_image::Window;
 use trochoid_scene::{Camera, DVec3, Projection};
 
 /// Passes are not blended: between two objects lies neither.
@@ -111,41 +114,71 @@ impl Stage for ViewFromPasses {
         memory_of_passes(node, reckoning)
     }
 
+    fn examine(&self, node: &Settled, frame: &FrameContext, wanted: &[Vec<bool>]) -> Result<(), NodeError> {
+        let path = named(frame, node.text("file"))?;
+        let reading = Reading { node, frame, path: &path };
+        for (index, (knob, _)) in PASSES.iter().enumerate().filter(|(index, _)| is_read(node, wanted)[*index]) {
+            let found = if is_vector(index) { reading.vector(knob)?.0 } else { reading.scalar(knob)? };
+            reading.fit(found.info.display)?;
+        }
+        Ok(())
+    }
+
     fn prepare(&self, node: &Settled, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
-        let wanted = |output: usize, channel: usize| {
-            prepare.wanted.get(output).and_then(|channels| channels.get(channel)).is_some_and(|wanted| *wanted)
-        };
-        let any = |set: ChannelSet| set.iter().any(|channel| wanted(0, channel as usize));
         let path = named(prepare.frame, node.text("file"))?;
-        let reading = Reading { node, prepare, path: &path };
+        let reading = Reading { node, frame: prepare.frame, path: &path };
         let camera = prepare.handle_of(node, "camera").or_else(level_camera);
         let mut view = View { passes: Vec::new(), camera };
-        let given = |knob: &str, set: ChannelSet| node.is_set(knob) && any(set);
-        let [(depth, far), (position, places), (normal, directions), (coverage, _)] = PASSES;
-        let coverage_wanted = any(ViewChannel::Coverage.into()) || wanted(1, 0);
-        let covered = node.is_set(depth) && !node.is_set(coverage) && coverage_wanted;
-        if given(depth, far) || covered {
+        let [(depth, _), (position, places), (normal, directions), (coverage, _)] = PASSES;
+        let [with_depth, with_position, with_normal, with_coverage] = is_read(node, prepare.wanted);
+        if with_depth {
             // Without a pass of its own, coverage is what depth says.
             let mut channels = vec![ViewChannel::Depth];
             channels.extend((!node.is_set(coverage)).then_some(ViewChannel::Coverage));
             let sky = Box::new(Sky { far: node.number("far") });
-            view.passes.push(reading.scalar(depth, Rule::Field, Some(sky), channels)?);
+            let found = reading.scalar(depth)?;
+            view.passes.push(reading.pass(prepare, &found, &found.channels, Rule::Field, Some(sky), channels)?);
         }
-        if given(position, places) {
-            let turned =
-                Turned { z_up: reading.z_up(), unpack: |v| v, finish: |p| p, level: Some(node.number("level")) };
-            view.passes.push(reading.vector(position, places, turned)?);
+        let mut vector = |knob: &str, channels: ChannelSet, turned: Turned| {
+            let (found, at) = reading.vector(knob)?;
+            let channels = channels.iter().collect();
+            view.passes.push(reading.pass(prepare, &found, &at, Rule::Field, Some(Box::new(turned)), channels)?);
+            Ok::<(), NodeError>(())
+        };
+        if with_position {
+            let level = Some(node.number("level"));
+            vector(position, places, Turned { z_up: reading.z_up(), unpack: |v| v, finish: |p| p, level })?;
         }
-        if given(normal, directions) {
+        if with_normal {
             let unpack = if node.bool("packed") { |v| 2.0 * v - 1.0 } else { |v| v };
-            let turned = Turned { z_up: reading.z_up(), unpack, finish: unit, level: None };
-            view.passes.push(reading.vector(normal, directions, turned)?);
+            vector(normal, directions, Turned { z_up: reading.z_up(), unpack, finish: unit, level: None })?;
         }
-        if node.is_set(coverage) && coverage_wanted {
-            view.passes.push(reading.scalar(coverage, Rule::Mask, None, vec![ViewChannel::Coverage])?);
+        if with_coverage {
+            let found = reading.scalar(coverage)?;
+            let channels = vec![ViewChannel::Coverage];
+            view.passes.push(reading.pass(prepare, &found, &found.channels, Rule::Mask, None, channels)?);
         }
         Ok(Box::new(view))
     }
+}
+
+/// Which of the passes are read for what is wanted of the outputs.
+fn is_read(node: &Settled, wanted: &[Vec<bool>]) -> [bool; 4] {
+    let wanted = |output: usize, channel: usize| {
+        wanted.get(output).and_then(|channels| channels.get(channel)).is_some_and(|wanted| *wanted)
+    };
+    let any = |set: ChannelSet| set.iter().any(|channel| wanted(0, channel as usize));
+    let mut read = PASSES.map(|(knob, channels)| node.is_set(knob) && any(channels));
+    let coverage_wanted = any(ViewChannel::Coverage.into()) || wanted(1, 0);
+    let [(depth, _), .., (coverage, _)] = PASSES;
+    read[0] |= node.is_set(depth) && !node.is_set(coverage) && coverage_wanted;
+    read[3] = node.is_set(coverage) && coverage_wanted;
+    read
+}
+
+/// Whether a pass has three components.
+fn is_vector(pass: usize) -> bool {
+    matches!(pass, 1 | 2)
 }
 
 /// The camera of a picture that was drawn and not rendered: parallel rays along −Z.
@@ -210,10 +243,10 @@ impl Recipe for Turned {
     }
 }
 
-/// Opens the passes of one frame.
+/// The passes of one frame.
 struct Reading<'a> {
     node: &'a Settled,
-    prepare: &'a Prepare<'a>,
+    frame: &'a FrameContext,
     path: &'a Path,
 }
 
@@ -222,37 +255,45 @@ impl Reading<'_> {
         self.node.text("up") == "z"
     }
 
-    fn fault(&self, knob: &str, opened: &Opened, channels: &[usize], expected: &str) -> NodeError {
+    fn fit(&self, display: Window) -> Result<Fit, NodeError> {
+        Fit::new(self.node.text("fit"), FITS, display, self.frame.format, self.path)
+    }
+
+    fn find(&self, knob: &str) -> Result<FoundPass, NodeError> {
+        find_pass(self.frame, self.path, knob, self.node.text(knob))
+    }
+
+    fn fault(&self, knob: &str, found: &FoundPass, expected: &str) -> NodeError {
         NodeError::new(format!(
             "{}: the pass \"{knob}\" is {}: found the channels {}, expected {expected}",
             self.path.display(),
             self.node.text(knob),
-            opened.names().some(channels)
+            found.names().some(&found.channels)
         ))
     }
 
     /// A pass of these stored channels.
     fn pass(
         &self,
-        opened: Opened,
+        prepare: &Prepare<'_>,
+        found: &FoundPass,
         at: &[usize],
         rule: Rule,
         recipe: Option<Box<dyn Recipe>>,
         channels: Vec<ViewChannel>,
     ) -> Result<Pass, NodeError> {
-        let (display, data) = opened.windows();
-        let fit = Fit::new(self.node.text("fit"), FITS, display, self.prepare.frame.format, self.path)?;
+        let fit = self.fit(found.info.display)?;
         let stored = Stored {
             path: self.path.into(),
-            part: opened.names().part,
-            names: opened.names().full(at),
-            data,
+            part: found.info.part,
+            names: found.names().full(at),
+            data: found.info.data,
             rule,
             repair: self.node.bool("repair"),
         };
-        let rows = match opened {
+        let rows = match Opened::new(prepare, self.path, found)? {
             Opened::Exr(reader) => {
-                let (file, places) = SharedFile::of(self.prepare, self.path, &reader, at)?;
+                let (file, places) = SharedFile::of(prepare, self.path, &reader, at)?;
                 Rows::File(file, places)
             }
             Opened::Picture(picture) => {
@@ -262,32 +303,27 @@ impl Reading<'_> {
         Ok(Pass { stream: Stream::new(stored, rows, recipe, channels.len(), fit), channels })
     }
 
-    /// The only channel of a pass, and what it says besides.
-    fn scalar(
-        &self,
-        knob: &str,
-        rule: Rule,
-        recipe: Option<Box<dyn Recipe>>,
-        channels: Vec<ViewChannel>,
-    ) -> Result<Pass, NodeError> {
-        let (opened, found) = open_pass(self.prepare, self.path, knob, self.node.text(knob))?;
-        if found.len() != 1 {
+    /// A pass of one channel.
+    fn scalar(&self, knob: &str) -> Result<FoundPass, NodeError> {
+        let found = self.find(knob)?;
+        if found.channels.len() != 1 {
             let expected = "one; name the channel, for example \"Combined.A\"";
-            return Err(self.fault(knob, &opened, &found, expected));
+            return Err(self.fault(knob, &found, expected));
         }
-        self.pass(opened, &found, rule, recipe, channels)
+        Ok(found)
     }
 
-    fn vector(&self, knob: &str, channels: ChannelSet, turned: Turned) -> Result<Pass, NodeError> {
-        let (opened, found) = open_pass(self.prepare, self.path, knob, self.node.text(knob))?;
-        let names = opened.names();
-        let named = names.among(&found, ["X", "Y", "Z"]).or_else(|| names.among(&found, ["R", "G", "B"]));
+    /// A pass of three channels, and where they stand.
+    fn vector(&self, knob: &str) -> Result<(FoundPass, Vec<usize>), NodeError> {
+        let found = self.find(knob)?;
+        let (names, all) = (found.names(), &found.channels);
+        let named = names.among(all, ["X", "Y", "Z"]).or_else(|| names.among(all, ["R", "G", "B"]));
         let at = match named {
             Some(at) => at.to_vec(),
-            None if found.len() == 3 => found,
-            None => return Err(self.fault(knob, &opened, &found, "X, Y and Z, or R, G and B")),
+            None if all.len() == 3 => all.clone(),
+            None => return Err(self.fault(knob, &found, "X, Y and Z, or R, G and B")),
         };
-        self.pass(opened, &at, Rule::Field, Some(Box::new(turned)), channels.iter().collect())
+        Ok((found, at))
     }
 }
 

@@ -90,6 +90,26 @@ fn every_color_is_a_control_color() {
 }
 
 #[test]
+fn what_is_repaired_counts_in_equal_rows_too() {
+    let folder = tempfile::tempdir().unwrap();
+    // Half of the rows sum to 0.7, whether they follow each other or not.
+    for is_off in [|y: usize| y < HEIGHT / 2, |y: usize| y.is_multiple_of(2)] {
+        let rows = (0..HEIGHT).flat_map(|y| [if is_off(y) { [0.2, 0.5, 0.0] } else { [0.6, 0.4, 0.0] }; WIDTH]);
+        let pixels: Vec<[f32; 3]> = rows.collect();
+        let image = PngImage::new(WIDTH as u32, HEIGHT as u32, Samples::rgb(&pixels));
+        write_png8(folder.path().join("a.png"), &image).unwrap();
+        let knobs = r#""as": "weights", "channels": ["R", "G"], "repair": true, "fit": "crop""#;
+        let node = format!(r#""out": {{ "type": "Read", "file": "a.png", {knobs} }}"#);
+        let frame = Frame::new(graph("weights", &node, folder.path()).unwrap()).unwrap();
+        assert_eq!(frame.node("out").repaired(), (WIDTH * HEIGHT / 2) as u64);
+        for y in 0..3 {
+            let expected = if is_off(y as usize) { 2.0 / 7.0 } else { 0.6 };
+            assert!((value(&frame, 2, y) - expected).abs() < 3e-3, "row {y}");
+        }
+    }
+}
+
+#[test]
 fn what_will_be_held_is_told_beforehand() {
     let folder = tempfile::tempdir().unwrap();
     for knobs in [

@@ -22,7 +22,7 @@ pub(crate) use cost::{memory_of_passes, memory_of_picture};
 pub(crate) use kept::Kept;
 pub(crate) use layer::{Fit, Layer};
 pub(crate) use legal::Rule;
-pub(crate) use on_demand::{Opened, open_pass};
+pub(crate) use on_demand::{FoundPass, Opened, find_pass};
 #[cfg(test)]
 pub(crate) use palette::{MANY_COLORS, distinct};
 pub(crate) use palette::{controls, walked};
@@ -34,7 +34,7 @@ pub(crate) use stream::{Rows, Stored, Stream};
 use std::path::Path;
 use trochoid_graph::{FrameContext, NodeError};
 use trochoid_image::{MAX_PIXELS, Window};
-use trochoid_io::{Limits, Picture, Selection};
+use trochoid_io::{ExrReader, Limits, Picture, PictureInfo, RowReader, Selection};
 
 /// Colors of at most so many bytes are kept decoded: their file is read for the control colors, so that reading it on demand
 /// would decode it twice.
@@ -55,6 +55,18 @@ pub(crate) fn decode(frame: &FrameContext, path: &Path, selection: &Selection) -
 
 fn limits(frame: &FrameContext) -> Limits {
     Limits { pixels: MAX_PIXELS, bytes: frame.memory_limit }
+}
+
+/// What a file says of a selection, by its header alone.
+pub(crate) fn header(
+    frame: &FrameContext,
+    path: &Path,
+    selection: &Selection,
+) -> Result<PictureInfo, trochoid_io::Error> {
+    if trochoid_io::kind(path)?.is_exr() {
+        return Ok(ExrReader::open(path, selection, &limits(frame))?.info().clone());
+    }
+    Ok(RowReader::open(path, selection, &limits(frame))?.info().clone())
 }
 
 /// Refuses a picture without a pixel: there is none to repeat outside its data window.

@@ -1,11 +1,10 @@
 //! Finding channels, in a file that is only opened as in a picture that is decoded.
 
 use super::reading::selected;
-use super::{filled, limits, shared};
+use super::{decode, filled, header, shared};
 use std::path::Path;
-use trochoid_graph::{NodeError, Prepare};
-use trochoid_image::Window;
-use trochoid_io::{Error, ExrReader, FileKind, Picture, PictureInfo, Selection};
+use trochoid_graph::{FrameContext, NodeError, Prepare};
+use trochoid_io::{Error, ExrReader, Picture, PictureInfo, Selection};
 
 /// Channels by name.
 pub(crate) struct Names<'a> {
@@ -90,62 +89,64 @@ pub(crate) enum Opened {
 }
 
 impl Opened {
+    /// Opens what was found.
+    pub(crate) fn new(prepare: &Prepare<'_>, path: &Path, found: &FoundPass) -> Result<Self, NodeError> {
+        if found.is_exr {
+            return shared::open(prepare, path, &found.selection)
+                .map(|reader| Self::Exr(reader.into()))
+                .map_err(NodeError::new);
+        }
+        decode(prepare.frame, path, &found.selection).map(Self::Picture)
+    }
+}
+
+/// A layer or part, or the one channel, that a knob names.
+pub(crate) struct FoundPass {
+    pub(crate) info: PictureInfo,
+    /// Which of the selected channels are meant.
+    pub(crate) channels: Vec<usize>,
+    selection: Selection,
+    is_exr: bool,
+}
+
+impl FoundPass {
     pub(crate) fn names(&self) -> Names<'_> {
-        match self {
-            Self::Exr(reader) => reader.info().into(),
-            Self::Picture(picture) => picture.into(),
-        }
-    }
-
-    pub(crate) fn windows(&self) -> (Window, Window) {
-        match self {
-            Self::Exr(reader) => (reader.info().display, reader.info().data),
-            Self::Picture(picture) => (picture.display, picture.data),
-        }
-    }
-
-    fn open(prepare: &Prepare<'_>, path: &Path, selection: &Selection) -> Result<Self, Error> {
-        if trochoid_io::kind(path)? != FileKind::Exr {
-            return trochoid_io::read(path, selection, &limits(prepare.frame)).map(Self::Picture);
-        }
-        shared::open(prepare, path, selection).map(|reader| Self::Exr(reader.into()))
+        Names::from(&self.info)
     }
 }
 
 /// What the channels R, G and B of a file's main layer, which has no name, are called as a pass.
 const MAIN: &str = "RGB";
 
-/// Opens a layer or part, or the one channel, that a knob names, such as `Combined.A`. Which channels are meant comes with it.
-pub(crate) fn open_pass(
-    prepare: &Prepare<'_>,
-    path: &Path,
-    knob: &str,
-    name: &str,
-) -> Result<(Opened, Vec<usize>), NodeError> {
-    let open = |selection: &Selection| Opened::open(prepare, path, selection);
-    let whole = |opened: Opened| {
-        let all = (0..opened.names().count()).collect();
-        (opened, all)
+/// Finds a layer or part, or the one channel, that a knob names, such as `Combined.A`, by the file's header.
+///
+/// # Errors
+/// The file cannot be read, or has none of that name.
+pub(crate) fn find_pass(frame: &FrameContext, path: &Path, knob: &str, name: &str) -> Result<FoundPass, NodeError> {
+    let is_exr = trochoid_io::kind(path).map_err(NodeError::new)?.is_exr();
+    let find = |selection: Selection| {
+        let info = header(frame, path, &selection)?;
+        Ok(FoundPass { channels: (0..info.channels.len()).collect(), info, selection, is_exr })
     };
-    let mut found = open(&Selection::layer(name)).map(whole);
+    let mut found = find(Selection::layer(name));
     if let Err(missing @ Error::NotFound { .. }) = found {
-        found = open(&Selection::channels([name])).map(whole);
+        found = find(Selection::channels([name]));
         // Not the channel's full name: perhaps that of its layer was cut short.
         if name == MAIN && matches!(found, Err(Error::NotFound { .. })) {
-            found = open(&Selection::channels(["R", "G", "B"])).map(whole);
+            found = find(Selection::channels(["R", "G", "B"]));
         }
         if let (Err(Error::NotFound { .. }), Some((layer, base))) = (&found, name.rsplit_once('.')) {
-            found = open(&Selection::layer(layer)).map(|opened| {
-                let called = opened.names().called(base);
-                (opened, called)
+            found = find(Selection::layer(layer)).map(|pass| {
+                let channels = pass.names().called(base);
+                FoundPass { channels, ..pass }
             });
         }
         // Of several misses the layer's says most: it lists what the file has.
-        if matches!(&found, Ok((_, channels)) if channels.is_empty()) || matches!(found, Err(Error::NotFound { .. })) {
+        if matches!(&found, Ok(pass) if pass.channels.is_empty()) || matches!(found, Err(Error::NotFound { .. })) {
             found = Err(missing);
         }
     }
-    let (opened, channels) = found.map_err(|error| selected(error, Some(knob)))?;
-    filled(path, opened.names().part, opened.windows().1)?;
-    Ok((opened, channels))
+    let found = found.map_err(|error| selected(error, Some(knob)))?;
+    filled(path, found.info.part, found.info.data)?;
+    Ok(found)
 }

@@ -5,7 +5,7 @@ use super::legal::take;
 use super::on_demand::Names;
 use super::recipe::{Colors, Normalized};
 use super::stream::MOST_ROWS;
-use super::{FITS, Fit, Recipe, Rows, Rule, SharedFile, Stored, Stream, decode, filled, shared};
+use super::{FITS, Fit, Recipe, Rows, Rule, SharedFile, Stored, Stream, decode, filled, header, knobs, shared};
 use std::path::{Path, PathBuf};
 use trochoid_graph::{FrameContext, Kind, NodeError, Prepare, Settled};
 use trochoid_image::{Plane, Rgb};
@@ -52,6 +52,29 @@ impl Reading<'_> {
             Kind::Field(_) => self.field(wanted, accept),
             _ => self.weights(accept),
         }
+    }
+
+    /// Looks at the header for what reading would fail with; `laid` over the document's pixels or looked up anywhere.
+    ///
+    /// # Errors
+    /// The file cannot be read, has another size and nobody says how to fit it, or lacks what is selected.
+    pub(crate) fn examine(&self, wanted: &[bool], laid: bool) -> Result<(), NodeError> {
+        let kind = knobs::kind(self.node);
+        if !wanted.contains(&true) {
+            return Ok(());
+        }
+        let channels = if kind == Kind::Color { self.color_channels() } else { self.wanted_channels(kind, wanted) };
+        let named = channels.len();
+        let info = header(self.frame, self.path, &self.selection(channels)).map_err(|error| selected(error, None))?;
+        filled(self.path, info.part, info.data)?;
+        if laid {
+            Fit::new(self.node.text("fit"), FITS, info.display, self.frame.format, self.path)?;
+        }
+        self.made(kind, &info, named, wanted)?;
+        if kind == Kind::Color {
+            self.alpha(&Names::from(&info), named)?;
+        }
+        Ok(())
     }
 
     pub(super) fn repair(&self) -> bool {
@@ -191,29 +214,12 @@ impl Reading<'_> {
     }
 
     fn color(&self, accept: &mut Accept<'_>) -> Result<Planes, NodeError> {
-        let mut channels = self.node.texts("channels").to_vec();
-        let premultiplied = self.node.bool("premultiplied");
-        if let Some(first) = channels.first().filter(|_| premultiplied) {
-            // Alpha of the layer that the channels are of.
-            let layer = first.rfind('.').map_or("", |dot| &first[..=dot]);
-            channels.push(format!("{layer}A"));
-        }
+        let channels = self.color_channels();
         let named = channels.len();
         let mut picture = decode(self.frame, self.path, &self.selection(channels))?;
         accept(&picture)?;
         let at = self.find_color(&Names::from(&picture), named)?;
-        let alpha = match (premultiplied, named) {
-            (false, _) => None,
-            (true, 0) => {
-                let names = Names::from(&picture);
-                Some(names.positions(["A"]).map(|[at]| at).ok_or_else(|| {
-                    let expected = "a channel \"A\" to divide by; set \"premultiplied\": false";
-                    self.fault(picture.part, format!("the channels {}", names.all()), expected)
-                })?)
-            }
-            (true, _) => Some(named - 1),
-        };
-        let (alpha, mut repaired) = match alpha {
+        let (alpha, mut repaired) = match self.alpha(&Names::from(&picture), named)? {
             Some(at) => {
                 let (planes, repaired) = self.take(&mut picture, &[at], Rule::Color)?;
                 (planes.into_iter().next(), repaired)
@@ -245,6 +251,29 @@ impl Reading<'_> {
         let mut conversion = Conversion::new(meaning, self.node.text("encoding"))?;
         repaired += convert(&mut conversion, &mut planes, premultiplied.as_ref())?;
         Ok((planes.into_iter().map(Some).collect(), repaired))
+    }
+
+    /// The channels to select for a color: those that are named, and alpha where colors are divided by it.
+    fn color_channels(&self) -> Vec<String> {
+        let mut channels = self.node.texts("channels").to_vec();
+        if let Some(first) = channels.first().filter(|_| self.node.bool("premultiplied")) {
+            // Alpha of the layer that the channels are of.
+            let layer = first.rfind('.').map_or("", |dot| &first[..=dot]);
+            channels.push(format!("{layer}A"));
+        }
+        channels
+    }
+
+    /// Where the alpha stands that colors are divided by, if they are.
+    fn alpha(&self, names: &Names<'_>, named: usize) -> Result<Option<usize>, NodeError> {
+        match (self.node.bool("premultiplied"), named) {
+            (false, _) => Ok(None),
+            (true, 0) => names.positions(["A"]).map(|[at]| Some(at)).ok_or_else(|| {
+                let expected = "a channel \"A\" to divide by; set \"premultiplied\": false";
+                self.fault(names.part, format!("the channels {}", names.all()), expected)
+            }),
+            (true, _) => Ok(Some(named - 1)),
+        }
     }
 
     /// The channels of a color: as named, else R, G and B, or the one channel besides alpha.

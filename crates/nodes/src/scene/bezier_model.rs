@@ -126,6 +126,13 @@ impl Stage for BezierModel {
         if node.is_set("model") { vec![frame.path(node.text("model"))] } else { Vec::new() }
     }
 
+    fn examine(&self, node: &Settled, frame: &FrameContext, _wanted: &[Vec<bool>]) -> Result<(), NodeError> {
+        if !node.is_set("model") {
+            return Ok(());
+        }
+        trochoid_io::open_file(named(frame, node.text("model"))?).map(drop).map_err(NodeError::new)
+    }
+
     fn memory(&self, node: &Settled, reckoning: &Reckoning<'_>) -> MemoryUse {
         if node.is_set("model") {
             // Patches are cut as finely as their pixels ask for, some vertices for each byte of a file.

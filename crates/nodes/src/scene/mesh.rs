@@ -84,6 +84,10 @@ impl Stage for Mesh {
         false
     }
 
+    fn examine(&self, node: &Settled, frame: &FrameContext, _wanted: &[Vec<bool>]) -> Result<(), NodeError> {
+        trochoid_io::open_file(crate::scene_support::named(frame, node.text("file"))?).map(drop).map_err(NodeError::new)
+    }
+
     fn files(&self, node: &Settled, frame: &FrameContext) -> Vec<PathBuf> {
         vec![frame.path(node.text("file"))]
     }

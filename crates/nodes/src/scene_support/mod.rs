@@ -97,11 +97,11 @@ pub(crate) fn nothing() -> Vec<Reference> {
 /// The file that a node names, at the frame.
 ///
 /// # Errors
-/// There is none, but one whose name has a `#` or a `%` of its own.
+/// There is none, but one whose folders or name have a `#` or a `%` of their own.
 pub(crate) fn named(frame: &FrameContext, written: &str) -> Result<PathBuf, NodeError> {
     let path = frame.path(written);
     if !path.exists()
-        && let Some(remedy) = escape_remedy(&frame.literally(written))
+        && let Some(remedy) = escape_remedy(frame, written)
     {
         return Err(NodeError::new(format!("{}: found no file of this name, expected one; {remedy}", path.display())));
     }

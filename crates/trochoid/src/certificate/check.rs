@@ -10,7 +10,7 @@ use crate::{LoadError, OutputFile};
 use std::fmt;
 use std::path::Path;
 use trochoid_engine::{Cache, Monitor, ReferenceFrame};
-use trochoid_graph::{Access, CheckedGraph, Guarantee, Kind, Refused};
+use trochoid_graph::{Access, CheckedGraph, Guarantee, Kind, refusals};
 use trochoid_io::{FileKind, SampleType};
 
 /// Which pixels are evaluated by the references.
@@ -156,7 +156,7 @@ pub fn verify(request: &Request<'_>, monitor: &dyn Monitor) -> Result<Verificati
     let Some(outputs) = outputs(&mut found, &certificate, &graph) else { return Ok(found) };
     let refused = crate::refused_files(&graph, &outputs, &[certificate.frame]);
     if !refused.is_empty() {
-        return Err(CertificateError::Document(LoadError::Invalid(refused.iter().map(Refused::diagnostic).collect())));
+        return Err(CertificateError::Document(LoadError::Invalid(refusals(&refused))));
     }
     let plan = plan_of(&graph, &outputs, certificate.frame, certificate.optimized)?;
     if certificate.plan.len() != plan.len() {

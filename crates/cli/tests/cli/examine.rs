@@ -1,0 +1,75 @@
+//! What `check` says of input files: what `render` then fails with.
+
+use crate::scene::{READS, Run, Scene};
+use std::fs;
+
+/// The lines of errors.
+fn errors(run: &Run) -> Vec<String> {
+    run.err.lines().filter(|line| line.starts_with("error: ")).map(str::to_owned).collect()
+}
+
+#[test]
+fn headers_that_do_not_fit_are_told_as_rendering_tells_them() {
+    let scene = Scene::new("");
+    scene.write_picture("in.exr", 0.5);
+    let of = |node: &str| READS.replace(r#""type": "Read", "file": "in.exr", "as": "color""#, node);
+    let field = |node: &str| of(node).replace("\"color\": \"in\"", "\"field\": \"in\"");
+    let wide = READS.replace("\"width\": 4", "\"width\": 5");
+    let passes = r#""type": "ViewFromPasses", "file": "in.exr", "depth": "#;
+    let seen = |depth: &str| {
+        field(&format!("{passes}{depth}"))
+            .replace("\"in\": {", "\"d\": { \"type\": \"Depth\", \"view\": \"in\" }, \"in\": {")
+            .replace("\"field\": \"in\"", "\"field\": \"d\"")
+    };
+    let cases = [
+        (wide.clone(), "say how to \"fit\" it"),
+        (of(r#""type": "Read", "file": "in.exr", "as": "color", "channels": ["X"]"#), "in the node's \"channels\""),
+        (of(r#""type": "Read", "file": "in.exr", "as": "color", "layer": "far""#), "no layer \"far\""),
+        (
+            of(r#""type": "Read", "file": "in.exr", "as": "color", "premultiplied": true"#),
+            "a channel \"A\" to divide by",
+        ),
+        (field(r#""type": "Read", "file": "in.exr", "as": "field""#), "3 channels"),
+        (field(r#""type": "Texture", "file": "in.exr", "as": "field", "u": 0, "v": 0"#), "3 channels"),
+        (of(r#""type": "Texture", "file": "in.exr", "as": "color", "part": "9", "u": 0, "v": 0"#), "no part"),
+        (seen("\"Z\""), "no layer \"Z\""),
+        (seen("\"RGB\""), "expected one; name the channel"),
+        (seen("\"R\"").replace("\"width\": 4", "\"width\": 5"), "say how to \"fit\" it"),
+        (of(r#""type": "Read", "file": "a.json", "as": "color""#), "found JSON"),
+    ];
+    for (document, words) in cases {
+        fs::write(scene.path("a.json"), &document).unwrap();
+        let rendered = scene.run(&["render", "a.json"]).code(1);
+        let checked = scene.run(&["check", "a.json"]).code(2);
+        assert_eq!(errors(&checked), errors(&rendered), "{document}");
+        assert!(errors(&checked).len() == 1 && checked.err.contains(words), "{words}: {}", checked.err);
+        checked.says(&["cannot be rendered"]);
+        let json = scene.run(&["check", "a.json", "--json"]).code(2).json();
+        assert_eq!(json["valid"], false);
+        assert!(json["not_planned"].as_str().unwrap().starts_with("frame 1: a.json:"), "{json:#}");
+    }
+    fs::write(scene.path("a.json"), wide.replace("\"as\"", "\"fit\": \"nearest\", \"as\"")).unwrap();
+    scene.run(&["check", "a.json"]).code(0).says(&["valid"]);
+    // What is not there yet may be made.
+    fs::write(scene.path("a.json"), wide.replace("in.exr", "later.exr")).unwrap();
+    scene.run(&["check", "a.json"]).code(0).says(&["valid, 1 warning"]);
+}
+
+#[cfg(unix)]
+#[test]
+fn models_that_are_no_files_are_told_too() {
+    let scene = Scene::new("");
+    for (model, name) in [(r#""type": "Mesh", "file""#, "pipe.obj"), (r#""type": "BezierModel", "model""#, "pipe.json")]
+    {
+        assert!(std::process::Command::new("mkfifo").arg(scene.path(name)).status().unwrap().success());
+        let document = r##"{ "trochoid": 1, "format": { "width": 4, "height": 2 }, "nodes": {
+            "camera": { "type": "Camera", "position": [0, 1, 5], "target": [0, 0, 0] }, "model": { MODEL: "NAME" },
+            "view": { "type": "Render", "camera": "camera", "surfaces": ["model"] },
+            "depth": { "type": "Depth", "view": "view" } }, "outputs": { "depth": { "field": "depth" } } }"##;
+        fs::write(scene.path("a.json"), document.replace("MODEL", model).replace("NAME", name)).unwrap();
+        let rendered = scene.run(&["render", "a.json"]).code(1);
+        let checked = scene.run(&["check", "a.json"]).code(2);
+        assert_eq!(errors(&checked), errors(&rendered));
+        assert!(checked.err.contains("found a pipe, expected a file"), "{}", checked.err);
+    }
+}
