@@ -104,11 +104,6 @@ pub(crate) struct Kept {
     pub(crate) repaired: u64,
 }
 
-/// Whether two rows are the same bits.
-fn is_same(a: &[f32], b: &[f32]) -> bool {
-    a.len() == b.len() && a.iter().zip(b).fold(0, |differ, (a, b)| differ | (a.to_bits() ^ b.to_bits())) == 0
-}
-
 impl Reading<'_> {
     /// What the document's samples fall on, of a picture that is not EXR; `None` where that is most of it, or the whole takes
     /// no more than `budget` bytes. Every pixel is judged all the same, and every color is a control color.
@@ -151,37 +146,25 @@ impl Reading<'_> {
         let mut colors = (kind == Kind::Color).then(Gathered::default);
         let mut lines = vec![vec![0.0; info.data.width()]; made.at.len().max(planes.len())];
         let (mut repaired, mut fault) = (0, None);
-        // What a row was stored as, and repaired in it: of equal rows, of which pictures that are small as files have many, one
-        // is converted.
-        let (mut before, mut again) = (vec![Vec::new(); made.at.len()], 0);
         let cancelled = prepare.cancellation();
         let mut row = |y: i64, stored: &[Vec<f32>]| -> Result<(), NodeError> {
             if cancelled() {
                 return Err(NodeError::cancelled());
             }
             let y = info.data.y0 + y;
-            if made.at.iter().zip(&before).all(|(at, before)| is_same(&stored[*at], before)) {
-                repaired += again;
-            } else {
-                let was = repaired;
-                for (line, at) in lines.iter_mut().zip(&made.at) {
-                    line.copy_from_slice(&stored[*at]);
-                    repaired += legalize(line, made.rule, self.repair()).map_err(|x| {
-                        let place = (info.data.x0 + x as i64, y);
-                        illegal(self.path, info.part, &info.channels[*at].full_name, place, line[x], made.rule)
-                    })?;
-                }
-                if let Some(recipe) = &made.recipe {
-                    let mut pieces: Vec<&mut [f32]> = lines.iter_mut().map(|line| &mut line[..]).collect();
-                    repaired += recipe.apply([info.data.x0, y], &mut pieces)?;
-                }
-                if let (Some(colors), [r, g, b]) = (&mut colors, &lines[..]) {
-                    colors.add_row(r, g, b);
-                }
-                again = repaired - was;
-                for (before, at) in before.iter_mut().zip(&made.at) {
-                    before.clone_from(&stored[*at]);
-                }
+            for (line, at) in lines.iter_mut().zip(&made.at) {
+                line.copy_from_slice(&stored[*at]);
+                repaired += legalize(line, made.rule, self.repair()).map_err(|x| {
+                    let place = (info.data.x0 + x as i64, y);
+                    illegal(self.path, info.part, &info.channels[*at].full_name, place, line[x], made.rule)
+                })?;
+            }
+            if let Some(recipe) = &made.recipe {
+                let mut pieces: Vec<&mut [f32]> = lines.iter_mut().map(|line| &mut line[..]).collect();
+                repaired += recipe.apply([info.data.x0, y], &mut pieces)?;
+            }
+            if let (Some(colors), [r, g, b]) = (&mut colors, &lines[..]) {
+                colors.add_row(r, g, b);
             }
             if grid.has_row(y) {
                 for ((_, plane), line) in planes.iter_mut().zip(&lines) {
