@@ -122,8 +122,9 @@ fn a_pipe_is_no_file_to_wait_for() {
     }
     let scene = Scene::new(SCENE);
     pipe(&scene.path("pipe"));
-    for arguments in [["check", "pipe"], ["verify", "pipe"], ["info", "pipe"]] {
-        let run = within(MOST, &mut scene.command(&arguments));
+    scene.write_picture("in.exr", 0.5);
+    for arguments in [&["check", "pipe"][..], &["verify", "pipe", "in.exr"], &["info", "pipe"]] {
+        let run = within(MOST, &mut scene.command(arguments));
         assert!(run.code != 0 && run.err.contains("a pipe"), "{arguments:?}: {}", run.err);
     }
 }

@@ -364,7 +364,7 @@ fn a_very_large_number_is_short_until_it_is_edited() {
     let field = fields(&window, "min")[0];
     assert!(field.width() < 110.0, "{field:?}");
     click(&mut window, field.center());
-    assert!(window.query_all_by_value("-123456789012345670000").next().is_some());
+    assert!(window.query_all_by_value("-123456789012345680000").next().is_some());
     window.key_press(Key::Tab);
     window.run_steps(3);
     assert!(editor(&window).state().session.history().undoes().is_none(), "all its digits stay");

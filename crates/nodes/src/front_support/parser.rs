@@ -182,7 +182,7 @@ impl Parser {
                     Expression { width: picked.len(), node: Node::Pick(Box::new(value), picked) }
                 }
                 _ => {
-                    let expected = format!("1 to 4 of the letters {}", &"xyzw"[..value.width]);
+                    let expected = format!("1 to 4 of the letters {}", &"xyzw"[..value.width.min(WIDEST)]);
                     return Err(self.fault_at(at, format!("\".{letters}\" of {}", components(value.width)), expected));
                 }
             };
@@ -485,11 +485,20 @@ mod tests {
                 state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
                 text.push_str(pieces[(state >> 16) as usize % pieces.len()]);
             }
+            let _ = parse(&text, [Some(1), Some(24), None, None]);
             if parse(&text, [Some(3), Some(1), None, None]).is_ok() {
                 values(&text, [vec![0.5, -2.0, f64::INFINITY], vec![3.0], Vec::new(), Vec::new()]);
                 read += 1;
             }
         }
         assert!(read > 200, "{read} texts were expressions");
+    }
+
+    #[test]
+    fn weights_of_many_classes_have_four_letters() {
+        let widths = [Some(24), None, None, None];
+        assert_eq!(parse("a.wx", widths).map(|read| read.width), Ok(2));
+        let fault = parse("a.b", widths).expect_err("no such letter");
+        assert!(fault.expected.contains("letters xyzw"), "{}", fault.expected);
     }
 }
