@@ -245,9 +245,7 @@ impl Plan<'_> {
         let (across, down) = self.halo();
         let (width, height) = (self.window.width(), self.window.height());
         // How high bands are that reach beyond themselves, for at least so many rows of their own.
-        let band = |least: usize| {
-            height.div_ceil(divided(height, height / TILE.1.max(least), down, self.threads()))
-        };
+        let band = |least: usize| height.div_ceil(divided(height, height / TILE.1.max(least), down, self.threads()));
         match bands {
             // Whole rows, so that every block of a file is decoded once.
             Some(rows) => {

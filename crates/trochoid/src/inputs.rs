@@ -176,13 +176,7 @@ mod tests {
         for name in read.iter().chain(&["shot.007/a.png", "shot.1000/a.png", "one.png", "a.json", "out/../one.png"]) {
             assert!(inputs.contains(&folder.join(name)), "{name}");
         }
-        let free = [
-            "in/seq.2.png",
-            "in/seq.00002.png",
-            "in/seq.+002.png",
-            "in/seq.0002.exr",
-            "seq.0002.png",
-        ];
+        let free = ["in/seq.2.png", "in/seq.00002.png", "in/seq.+002.png", "in/seq.0002.exr", "seq.0002.png"];
         for name in free.iter().chain(&[
             "shot.007/b.png",
             "shot.7/a.png",
