@@ -129,7 +129,7 @@ impl Plan<'_> {
                           render fewer outputs at once";
             takers.push((Taker::Pictures, bytes, remedy));
         }
-        let tiles = self.passes.iter().map(|pass| self.scratch(pass)).fold(0, u64::saturating_add);
+        let tiles = self.passes.iter().map(|pass| self.scratch(pass, &uses)).fold(0, u64::saturating_add);
         let remedy = "lower the format's \"width\", or let filters reach less far";
         account.workers = self.threads();
         account.takers.push((Taker::Tiles, tiles.saturating_mul(account.workers as u64), remedy));
@@ -189,18 +189,26 @@ impl Plan<'_> {
         if self.settings.threads == 0 { rayon::current_num_threads() } else { self.settings.threads }
     }
 
-    /// What one thread needs for a tile of a pass: every stage's planes over what its readers need, and sums of samples.
-    fn scratch(&self, pass: &Pass) -> u64 {
+    /// What one thread needs for a tile of a pass: every stage's planes over what its readers need, sums of samples, what is
+    /// kept of the first sample's views, what comes and goes with the stage that needs most, and what nodes hold by thread.
+    fn scratch(&self, pass: &Pass, uses: &HashMap<NodeId, MemoryUse>) -> u64 {
         let tile = self.tile_before(pass);
-        let sizes = self.sizes(pass, tile);
+        let (sizes, passing) = self.sizes(pass, tile);
+        let of_thread = pass.fills.iter().zip(&sizes).map(|(fill, size)| {
+            let [pixel, most] = uses.get(&fill.node).copied().unwrap_or_default().thread;
+            samples(1, *size).saturating_mul(pixel).min(most)
+        });
+        let of_thread = of_thread.max().unwrap_or_default();
         let planes = pass.fills.iter().zip(sizes).map(|(fill, [width, height])| {
             let channels = fill.wanted.iter().flatten().filter(|wanted| **wanted).count();
             let rows = if fill.variance <= Variance::Column { height.min(1) } else { height };
-            samples(channels, [width, rows]) * size_of::<f32>() as u64
+            samples(channels, [width, rows])
         });
-        let sums =
-            if pass.offsets.len() > 1 { samples(channel_count(pass), tile) * size_of::<f64>() as u64 } else { 0 };
-        planes.sum::<u64>() + sums
+        let views: HashSet<NodeId> = pass.fills.iter().flat_map(|fill| fill.shared.iter().flatten()).copied().collect();
+        let held = planes.sum::<u64>() + samples(3 * views.len(), tile) + passing;
+        let sums = if pass.offsets.len() > 1 { samples(channel_count(pass), tile) } else { 0 };
+        let sums = sums.saturating_mul(size_of::<f64>() as u64).saturating_add(of_thread);
+        held.saturating_mul(size_of::<f32>() as u64).saturating_add(sums)
     }
 
     /// How large tiles will be at most, as far as can be told before files are open.
@@ -213,32 +221,41 @@ impl Plan<'_> {
         [width.min(self.window.width()), height.min(self.window.height())]
     }
 
-    /// Width and height of what each stage of a pass fills for a tile, but for what lies beyond the picture.
-    fn sizes(&self, pass: &Pass, tile: [usize; 2]) -> Vec<[usize; 2]> {
+    /// Width and height of what each stage of a pass fills for a tile, but for what lies beyond the picture; and the most
+    /// samples that come and go with one stage: its inputs, of which it gets copies and makes about as much again, and the
+    /// values of the program before it.
+    fn sizes(&self, pass: &Pass, tile: [usize; 2]) -> (Vec<[usize; 2]>, u64) {
         let mut sizes: Vec<[usize; 2]> = pass.fills.iter().map(|fill| if fill.read { tile } else { [0, 0] }).collect();
+        let mut most = 0;
         for (index, fill) in pass.fills.iter().enumerate().rev() {
             let Some((stage, settled)) = self.stage(fill.node) else { continue };
             let [width, height] = sizes[index];
             let own = Window::new(0, 0, width as i64, height as i64);
+            let mut passing = 0_u64;
+            let (mut taps, mut tapped) = (HashSet::new(), [0, 0]);
             for (port, connections) in &fill.inputs {
                 let asked = stage.regions_of_interest(settled, port, own, self.graph.format());
                 let asked = [asked.width().min(self.window.width()), asked.height().min(self.window.height())];
                 let mut need = |node: NodeId| {
                     let readers = pass.fills[..index].iter().zip(&mut sizes).filter(|(fill, _)| fill.node == node);
-                    readers.for_each(|(_, size)| *size = [0, 1].map(|axis| size[axis].max(asked[axis])));
+                    readers.for_each(|(_, size)| *size = larger(*size, asked));
                 };
-                for feed in connections.iter().flatten() {
+                for feed in connections.iter().flatten().filter(|feed| **feed != Feed::Nothing) {
+                    passing = passing.saturating_add(samples(2, asked));
                     match feed {
                         Feed::Slot(slot) => need(slot.node),
-                        Feed::Tap(..) => {
+                        Feed::Tap(root, channel) => {
+                            taps.insert((*root, *channel));
+                            tapped = larger(tapped, asked);
                             fill.taps.iter().flat_map(|taps| &taps.planes).for_each(|slot| need(slot.node));
                         }
                         Feed::Nothing | Feed::Constant(_) => {}
                     }
                 }
             }
+            most = most.max(passing.saturating_add(samples(taps.len(), tapped)));
         }
-        sizes
+        (sizes, most)
     }
 
     pub(crate) fn stage(&self, id: NodeId) -> Option<(&'static dyn Stage, &Settled)> {
@@ -247,6 +264,11 @@ impl Plan<'_> {
             _ => None,
         }
     }
+}
+
+/// The larger of two sizes, along each axis.
+fn larger(a: [usize; 2], b: [usize; 2]) -> [usize; 2] {
+    [a[0].max(b[0]), a[1].max(b[1])]
 }
 
 /// Samples of so many planes.

@@ -14,6 +14,9 @@ pub struct MemoryUse {
     pub working: u64,
     /// Of a surface, or of a view: what each view of the surfaces holds.
     pub seen: u64,
+    /// What each thread that works on tiles holds for it: bytes a pixel of the tile, and at most. Nodes share the room, so that
+    /// the most of them counts.
+    pub thread: [u64; 2],
     /// Nodes with the same key hold it together.
     pub shared: Option<[u64; 3]>,
     /// What to make smaller.
@@ -36,6 +39,12 @@ impl MemoryUse {
     #[must_use]
     pub fn shared(self, key: [u64; 3]) -> Self {
         Self { shared: Some(key), ..self }
+    }
+
+    /// The same where each thread that works on tiles holds so many bytes a pixel for it, and at most so many.
+    #[must_use]
+    pub fn thread(self, pixel: u64, most: u64) -> Self {
+        Self { thread: [pixel, most], ..self }
     }
 
     /// The same of a surface, of which each view holds so many bytes.

@@ -98,6 +98,11 @@ struct Remembered {
 }
 
 impl Visible {
+    /// What a thread holds of a sample that it looks at, bytes: for all views together.
+    pub const BYTES_OF_SAMPLE: u64 = (REMEMBERED * size_of::<u64>() + size_of::<f64>()) as u64;
+    /// Samples that a thread looks at together, at most.
+    pub const MOST_SAMPLES: u64 = TOGETHER as u64;
+
     #[inline]
     pub(crate) fn layer(&self, primitive: u32) -> usize {
         match self.firsts.len() {
@@ -138,10 +143,14 @@ impl Visible {
 
     /// The nearest triangle at each sample, by pixel and offset; of two equally near ones that with the lower number.
     fn rasterize(&self, window: Window, offsets: &[[f64; 2]], triangles: &mut Vec<u64>, keys: &mut Vec<f64>) {
+        let count = window.area() * offsets.len();
+        // Windows differ by a little in size: room for twice as much would stay empty.
         triangles.clear();
-        triangles.resize(window.area() * offsets.len(), NOTHING);
+        triangles.reserve_exact(count);
+        triangles.resize(count, NOTHING);
         keys.clear();
-        keys.resize(window.area() * offsets.len(), f64::NEG_INFINITY);
+        keys.reserve_exact(count);
+        keys.resize(count, f64::NEG_INFINITY);
         let shift = |offset: [f64; 2]| offset.map(|part| self.raster.fix(part) as i32);
         let mut shifts = offsets.iter().copied().map(shift);
         let mut next = |_| shifts.next().unwrap_or_default();

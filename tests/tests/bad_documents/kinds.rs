@@ -5,6 +5,12 @@ use super::{Bad, nodes};
 pub(super) fn table() -> Vec<Bad> {
     vec![
         nodes(
+            "a sea for a camera, before what asks how far that is",
+            r#""sea": { "type": "GerstnerSea" }, "seen": { "type": "Render", "camera": "sea", "surfaces": ["sea"] },
+               "claws": { "type": "Hooks", "view": "seen", "rows": [{ "from": [0, 0], "to": [1, 1] }] }"#,
+            &[&["node \"seen\"", "camera"]],
+        ),
+        nodes(
             "a Field as a mask",
             r#""a": { "type": "Invert", "weight": "depth" }"#,
             &[&["bad.json:6:36: node \"a\", weight", "\"depth\", a Field", "expected a mask", "put a Clamp between"]],

@@ -348,7 +348,10 @@ impl<'p> Fills<'p> {
         let before = &self.fills[..index];
         let window = state.own_window(state.window);
         for (plane, wanted) in planes.iter_mut().flatten().zip(state.fill.wanted.iter().flatten()) {
-            plane.resize(if *wanted { window.area() } else { 0 }, 0.0);
+            let samples = if *wanted { window.area() } else { 0 };
+            // Tiles differ by a little in size: room for twice as much would stay empty.
+            plane.reserve_exact(samples.saturating_sub(plane.len()));
+            plane.resize(samples, 0.0);
         }
         let taps = self.run_taps(state, before, machine);
         let held: Vec<Vec<Held<'_>>> = state
@@ -451,7 +454,8 @@ impl<'p> Fills<'p> {
             let window = state.tap_window;
             let planes: Vec<Plane<'_>> = compiled.planes.iter().map(|slot| self.plane(slot, window, before)).collect();
             machine.tile(&planes, window.width(), window.height(), &mut |root, channel, _, row| {
-                taps.entry((root, channel)).or_default().extend_from_slice(row);
+                let plane = taps.entry((root, channel)).or_insert_with(|| Vec::with_capacity(window.area()));
+                plane.extend_from_slice(row);
             });
         }
         taps

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 use trochoid_graph::{MemoryUse, Reckoning, Settled, Source};
+use trochoid_scene::Visible;
 
 /// A vertex of a view's mesh: position, normal, rest point, slope, its place on the screen, and its share of the bins.
 const VERTEX: u64 = 64;
@@ -42,7 +43,9 @@ pub(crate) fn of_patches(patches: u64, side: u64) -> MemoryUse {
 pub(crate) fn of_view(node: &Settled, port: &str, fineness: f64, reckoning: &Reckoning<'_>) -> MemoryUse {
     let seen = reckoning.all(node, port).fold(0, |sum: u64, taken| sum.saturating_add(taken.seen));
     let held = seen as f64 * (fineness * fineness);
-    MemoryUse::held((held as u64).min(seen.max(MOST * VERTEX)), VIEW).seen(seen)
+    let pixel = reckoning.frame.format.samples() as u64 * Visible::BYTES_OF_SAMPLE;
+    let most = Visible::MOST_SAMPLES * Visible::BYTES_OF_SAMPLE;
+    MemoryUse::held((held as u64).min(seen.max(MOST * VERTEX)), VIEW).seen(seen).thread(pixel, most)
 }
 
 /// What stands in the way of rays around a view.

@@ -102,7 +102,9 @@ pub(crate) fn check_roots(node: &Settled, check: &mut Check<'_>) {
     };
     let surfaces: Option<Vec<Upstream>> =
         view.node.all("surfaces").iter().map(|source| check.upstream(source).filter(|sea| sea.offers(REST))).collect();
-    let (Some(surfaces), Some(camera)) = (surfaces, check.upstream(view.node.source("camera"))) else { return };
+    // What is no camera is an error of the view's own.
+    let camera = check.upstream(view.node.source("camera")).filter(|camera| camera.ty.declaration().name == "Camera");
+    let (Some(surfaces), Some(camera)) = (surfaces, camera) else { return };
     let [x, _, z] = camera.node.vector3("position");
     let is_far = camera.node.text("projection") == "perspective";
     for (index, row) in node.list("rows").iter().enumerate() {

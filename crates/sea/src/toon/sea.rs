@@ -224,14 +224,14 @@ impl ToonSea {
         }
     }
 
-    /// Spans of steps at which some burst is there, in order and apart.
     /// How many steps have bursts up to a time in seconds: between those, time passes at once.
     pub fn steps_to(&self, time: f64) -> u64 {
         let (last, _) = self.step_at(time);
-        let within = |[start, end]: [u64; 2]| end.min(last + 1).saturating_sub(start);
+        let within = |[start, end]: [u64; 2]| end.min(last.saturating_add(1)).saturating_sub(start);
         self.forced().into_iter().map(within).sum()
     }
 
+    /// Spans of steps at which some burst is there, in order and apart.
     pub(crate) fn forced(&self) -> Vec<[u64; 2]> {
         let mut spans: Vec<[u64; 2]> =
             self.bursts.iter().map(|burst| burst.active.map(|time| self.first_step(time))).collect();
