@@ -134,8 +134,13 @@ impl Faults {
             return Ok(all);
         }
         let mut faults: Vec<Value> = outside.iter().map(Diagnostic::to_json).collect();
-        let text = written.map_or(String::new(), |error| error.to_string());
-        faults.extend(text.lines().map(|fault| json!({ "severity": "error", "port": "outputs", "found": fault })));
+        let fault = |found: String, remedy: &str| json!({ "severity": "error", "port": "outputs", "found": found, "remedy": remedy });
+        match written {
+            Some(OutputError::Pattern(names)) => {
+                faults.extend(names.iter().map(|name| fault(format!("{}: {}", name.place, name.found), &name.remedy)));
+            }
+            other => faults.extend(other.map(|error| fault(error.to_string(), ""))),
+        }
         let name = args.graph.display().to_string();
         shell::print_json(&json!({ "document": name, "valid": false, "diagnostics": faults }))?;
         Ok(Failure::silent(INVALID))

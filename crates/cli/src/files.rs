@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Once;
 use trochoid::io::Target;
 use trochoid::{
-    Access, CheckedGraph, Diagnostic, InputFiles, LoadError, Loaded, Refused, allow_options, check_destination,
-    check_replaced, is_ours, quoted_path, refusals, refused_files,
+    Access, CheckedGraph, Diagnostic, Form, InputFiles, LoadError, Loaded, Refused, allow_options, check_destination,
+    check_replaced_by, quoted_path, refusals, refused_files,
 };
 
 /// Options of what a document may reach.
@@ -99,7 +99,7 @@ pub(crate) struct Files {
 /// Options of what may be written over.
 #[derive(Clone, Copy, Debug, Default, clap::Args)]
 pub(crate) struct Over {
-    /// Replace files that Trochoid did not write; inputs of the document are never replaced
+    /// Replace files that Trochoid did not write, or wrote as another kind of file, or with outputs that this run leaves out; inputs of the document are never replaced
     #[arg(long)]
     pub(crate) overwrite: bool,
 }
@@ -119,21 +119,32 @@ impl Files {
 impl Over {
     /// What is wrong with writing a file there, as far as can be told beforehand: it cannot be made, is an input, or somebody
     /// else's.
-    pub(crate) fn refusal(self, path: &Path, inputs: &InputFiles) -> Option<Failure> {
+    pub(crate) fn refusal(self, path: &Path, form: Form, inputs: &InputFiles) -> Option<Failure> {
         let cannot = || check_destination(path).err().map(Failure::from);
-        input(path, inputs).or_else(|| self.foreign(path)).or_else(cannot)
+        input(path, inputs).or_else(|| self.foreign(path, form)).or_else(cannot)
     }
 
     /// A file to be written.
-    pub(crate) fn target(self, path: &Path) -> Target {
-        let target = Target::from(path);
-        if self.overwrite { target } else { target.replacing(is_ours) }
+    pub(crate) fn target(self, path: &Path, form: Form) -> Target {
+        trochoid::target(path, form, self.overwrite)
     }
 
     /// What is wrong with replacing what is there.
-    pub(crate) fn foreign(self, path: &Path) -> Option<Failure> {
-        check_replaced(path, self.overwrite).err().map(Failure::from)
+    pub(crate) fn foreign(self, path: &Path, form: Form) -> Option<Failure> {
+        check_replaced_by(path, form, self.overwrite).err().map(Failure::from)
     }
+}
+
+/// What is wrong with the ending of a file's name, unless it is a device or a pipe.
+pub(crate) fn ending(option: &str, path: &Path, known: &str) -> Option<Failure> {
+    let is_known = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case(known));
+    // Of a folder it is said that it is one.
+    let is_other = std::fs::metadata(path).is_ok_and(|found| !found.is_file());
+    (!is_known && !is_other).then(|| {
+        let found = path.extension().map_or("no ending".into(), |ending| format!("the ending .{}", ending.display()));
+        let message = format!("{option} {}: found {found}; expected .{known}", quoted_path(path));
+        Failure::usage(message, format!("name it {}", quoted_path(&path.with_extension(known))))
+    })
 }
 
 /// What is wrong with writing over an input.

@@ -1,11 +1,11 @@
 //! `trochoid graph`: a document's graph as a picture.
 
 use crate::failure::Failure;
-use crate::files::Over;
+use crate::files::{self, Over};
 use crate::outputs;
 use crate::shell::{self, printable};
 use std::path::PathBuf;
-use trochoid::{Diagnostic, GENERATOR, InputFiles, Plan, Settings, VERSION};
+use trochoid::{Diagnostic, Form, GENERATOR, InputFiles, Plan, Settings, VERSION};
 
 /// Options of `trochoid graph`.
 #[derive(Debug, clap::Args)]
@@ -41,7 +41,8 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let chosen = outputs::choose(graph, &args.output, &mut faults);
     let is_stdout = args.out.as_os_str() == "-";
     if !is_stdout {
-        faults.extend(args.over.refusal(&args.out, &InputFiles::new(graph, &[&args.graph])));
+        faults.extend(files::ending("--out", &args.out, "svg"));
+        faults.extend(args.over.refusal(&args.out, Form::Svg, &InputFiles::new(graph, &[&args.graph])));
     }
     Failure::all(faults)?;
     let shown: &[usize] = if args.output.is_empty() { &[] } else { &chosen };
@@ -57,6 +58,6 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     if is_stdout {
         return shell::print(&picture);
     }
-    trochoid::write_guarded(&args.out, picture.as_bytes(), args.over.overwrite)?;
+    trochoid::write_guarded(&args.out, picture.as_bytes(), Form::Svg, args.over.overwrite)?;
     shell::print(&format!("graph of {} → {}\n", printable(graph.name()), printable(&args.out.display().to_string())))
 }

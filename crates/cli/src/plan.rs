@@ -4,13 +4,13 @@
 //! `certified`.
 
 use crate::failure::{FAILED, Failure, INTERRUPTED, MISSED};
-use crate::files::{Files, Reach};
+use crate::files::{self, Files, Reach};
 use crate::progress::Progress;
 use crate::shell::{self, printable};
 use crate::{interrupt, outputs};
 use std::path::{Path, PathBuf};
 use trochoid::accuracy::{self, Missed, PlanFile, Planned, Request, TargetError};
-use trochoid::{CheckedGraph, EvalError, InputFiles, Monitor, Settings, Tolerance};
+use trochoid::{CheckedGraph, EvalError, Form, InputFiles, Monitor, Settings, Tolerance};
 
 /// Options of `trochoid plan`.
 #[derive(Debug, clap::Args)]
@@ -86,7 +86,8 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     if let Some(out) = &args.out {
         // A search takes minutes: what it could not write is told before it.
         let inputs = InputFiles::new(graph, &[&args.graph]);
-        faults.extend(args.files.over.refusal(out, &inputs));
+        faults.extend(files::ending("--out", out, "json"));
+        faults.extend(args.files.over.refusal(out, Form::Plan, &inputs));
     }
     faults.extend(args.files.reach.refused(graph, &chosen, &[frame], Vec::new()));
     Failure::all(faults)?;
@@ -109,7 +110,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     progress.finish();
     let plan = PlanFile::new(graph, frame, asked, &planned);
     if let Some(path) = &args.out {
-        trochoid::write_guarded(path, plan.text().as_bytes(), args.files.over.overwrite)?;
+        trochoid::write_guarded(path, plan.text().as_bytes(), Form::Plan, args.files.over.overwrite)?;
     }
     if args.json {
         return shell::print(&plan.text());

@@ -8,7 +8,8 @@ use crate::{frames, interrupt, outputs, webp};
 use std::path::PathBuf;
 use trochoid::io::{PngImage, Samples, write_png8};
 use trochoid::{
-    Buffers, Cache, CheckedGraph, Diagnostic, EvalError, InputFiles, Kind, Picture, Plan, Settings, mark, quoted_path,
+    Buffers, Cache, CheckedGraph, Diagnostic, EvalError, Form, InputFiles, Kind, Picture, Plan, Settings, mark,
+    quoted_path,
 };
 use webp_animation::{ColorMode, Encoder, EncoderOptions, EncodingConfig};
 
@@ -68,7 +69,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     look(args, graph, output, chosen.len(), size, &mut faults);
     faults.extend(args.files.reach.refused(graph, &[output], &chosen, Vec::new()));
     let inputs = InputFiles::new(graph, &[&args.graph]);
-    faults.extend(args.files.over.refusal(&args.out, &inputs));
+    faults.extend(args.files.over.refusal(&args.out, form(args), &inputs));
     Failure::all(faults)?;
     interrupt::watch()?;
 
@@ -84,7 +85,8 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
         let channels = small(0)?;
         let channels = channels.each_ref().map(|channel| Samples::contiguous(channel));
         let image = PngImage { clamp: true, metadata: vec![mark()], ..PngImage::new(size[0], size[1], channels) };
-        write_png8(args.files.over.target(&args.out), &image).map_err(|error| Failure::new(FAILED, error))?;
+        write_png8(args.files.over.target(&args.out, form(args)), &image)
+            .map_err(|error| Failure::new(FAILED, error))?;
     } else {
         let cannot = |error: webp_animation::Error| Failure::new(FAILED, format!("{}: {error}", args.out.display()));
         let encoding = Some(EncodingConfig::new_lossy(f32::from(args.quality)));
@@ -97,7 +99,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
             encoder.add_frame(&bytes(&small(index)?), *time).map_err(cannot)?;
         }
         let file = encoder.finalize(times[chosen.len()]).map_err(cannot)?;
-        trochoid::write_guarded(&args.out, &webp::marked(&file, size), args.files.over.overwrite)?;
+        trochoid::write_guarded(&args.out, &webp::marked(&file, size), form(args), args.files.over.overwrite)?;
     }
     progress.finish();
     if args.quiet {
@@ -109,6 +111,11 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     };
     let (name, out) = (&graph.outputs()[output].name, printable(&args.out.display().to_string()));
     shell::print(&format!("{frames}: {name} → {out}  {} × {} pixels\n", size[0], size[1]))
+}
+
+/// What is written.
+fn form(args: &Args) -> Form {
+    if ends(args, "png") { Form::Png } else { Form::WebP }
 }
 
 fn ends(args: &Args, ending: &str) -> bool {

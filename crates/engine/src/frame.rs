@@ -71,7 +71,7 @@ impl EvalError {
             place: graph.place_of(id, node.file_item()),
             node: node.name.clone(),
             ty: node.ty.declaration().name.into(),
-            message: error.message,
+            message: error.message.replace(NodeError::NODE, &node.name),
         }
     }
 }

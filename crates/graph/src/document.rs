@@ -56,6 +56,10 @@ impl Document {
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         let root = parse(text).map_err(|error| {
             let (line, column) = line_and_column(text, error.offset);
+            if text.trim().is_empty() {
+                let found = if text.is_empty() { "an empty file" } else { "white space alone" };
+                return fault(line, column, found.into(), "JSON".into(), "write a document, or name another file");
+            }
             let near: String = text[floor(text, error.offset)..].chars().take(20).collect();
             let remedy = if near.starts_with("NaN") || near.starts_with("Inf") || near.starts_with("-Inf") {
                 "JSON has no NaN and no infinity: write a finite number"

@@ -71,16 +71,45 @@ pub fn escape_frame(name: &str) -> String {
 
 /// Where a pattern has the frame, and how many digits at least.
 fn placeholder(pattern: &str) -> Option<(usize, usize, usize)> {
-    let free = |(start, _): &(usize, &str)| !pattern[..*start].ends_with('\\');
-    if let Some((start, _)) = pattern.match_indices('#').find(free) {
-        let width = pattern[start..].bytes().take_while(|byte| *byte == b'#').count();
-        return Some((start, start + width, width));
-    }
-    pattern.match_indices('%').filter(free).find_map(|(start, _)| {
-        let end = start + pattern[start..].find('d')?;
-        let width = pattern[start + 1..end].parse().ok().filter(|width| *width <= 16)?;
-        Some((start, end + 1, width))
+    let first = |sign: char| placeholders(pattern).find(|(start, ..)| pattern[*start..].starts_with(sign));
+    first('#').or_else(|| first('%'))
+}
+
+/// Every run of `#` and every `%0Nd` that is not escaped: where, and how many digits at least.
+fn placeholders(pattern: &str) -> impl Iterator<Item = (usize, usize, usize)> {
+    let mut behind = 0;
+    pattern.match_indices(['#', '%']).filter_map(move |(start, sign)| {
+        if start < behind || pattern[..start].ends_with('\\') {
+            return None;
+        }
+        let (end, width) = if sign == "#" {
+            let width = pattern[start..].bytes().take_while(|byte| *byte == b'#').count();
+            (start + width, width)
+        } else {
+            let end = start + pattern[start..].find('d')?;
+            (end + 1, pattern[start + 1..end].parse().ok().filter(|width| *width <= 16)?)
+        };
+        behind = end;
+        Some((start, end, width))
     })
+}
+
+/// A pattern of which only the last of several runs of `#` and `%0Nd` stands for the frame, and the others for themselves;
+/// nothing where there is one at most.
+///
+/// ```
+/// use trochoid_graph::one_frame_pattern;
+/// assert_eq!(one_frame_pattern("dir#/x.%04d.png").as_deref(), Some(r"dir\#/x.%04d.png"));
+/// assert_eq!(one_frame_pattern(r"dir\#/x.%04d.png"), None);
+/// ```
+pub fn one_frame_pattern(pattern: &str) -> Option<String> {
+    let mut found: Vec<(usize, usize, usize)> = placeholders(pattern).collect();
+    found.pop().filter(|_| !found.is_empty())?;
+    let mut one = pattern.to_owned();
+    for &(start, end, _) in found.iter().rev() {
+        one.replace_range(start..end, &escape_frame(&pattern[start..end]));
+    }
+    Some(one)
 }
 
 /// What to write where there is no file of an expanded path, but one whose folders or name have a `#` or `%` of their own;

@@ -50,7 +50,7 @@ pub use declare::{Arity, Declaration, Default, End, Item, Knob, List, Output, Po
 pub use diagnostic::{Diagnostic, Severity, nearest};
 pub use document::{Document, MAX_BYTES, MAX_NODES};
 pub use faults::{Around, Check, Fault, Upstream, User};
-pub use frame::{FrameContext, escape_frame, escape_remedy, expand_frame};
+pub use frame::{FrameContext, escape_frame, escape_remedy, expand_frame, one_frame_pattern};
 pub use kind::{Accepts, ChannelSet, Kind, ViewChannel};
 pub use lowering::Lowering;
 pub use memory::{MemoryUse, Reckoning, in_bytes};

@@ -350,6 +350,9 @@ pub struct NodeError {
 }
 
 impl NodeError {
+    /// Stands for the node's name in messages of nodes, which do not know it.
+    pub const NODE: &'static str = "{node}";
+
     /// An error from anything that can be shown.
     pub fn new(message: impl ToString) -> Self {
         Self { message: message.to_string() }

@@ -3,6 +3,7 @@
 use std::fs::{self, File};
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use crate::Error;
 use crate::partial::Temporary;
@@ -20,10 +21,19 @@ use crate::partial::Temporary;
 /// assert!(write_bytes(careful(), b"newer").is_err());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub struct Target {
     path: PathBuf,
-    may_replace: Option<fn(&Path) -> bool>,
+    may_replace: Option<MayReplace>,
+}
+
+/// Whether the file at a path may be replaced.
+type MayReplace = Arc<dyn Fn(&Path) -> bool + Send + Sync>;
+
+impl std::fmt::Debug for Target {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Target").field("path", &self.path).finish_non_exhaustive()
+    }
 }
 
 impl<P: AsRef<Path>> From<P> for Target {
@@ -35,8 +45,8 @@ impl<P: AsRef<Path>> From<P> for Target {
 impl Target {
     /// The same, which replaces a file only if `may_replace` says so, asked as late as can be.
     #[must_use]
-    pub fn replacing(self, may_replace: fn(&Path) -> bool) -> Self {
-        Self { may_replace: Some(may_replace), ..self }
+    pub fn replacing(self, may_replace: impl Fn(&Path) -> bool + Send + Sync + 'static) -> Self {
+        Self { may_replace: Some(Arc::new(may_replace)), ..self }
     }
 
     /// Where.
@@ -51,7 +61,7 @@ impl Target {
 pub(crate) struct AtomicFile {
     path: PathBuf,
     target: PathBuf,
-    may_replace: Option<fn(&Path) -> bool>,
+    may_replace: Option<MayReplace>,
     pub(crate) writer: BufWriter<File>,
     temporary: Temporary,
 }
@@ -63,7 +73,13 @@ impl AtomicFile {
         let target = destination(path)?;
         let (file, temporary) =
             Temporary::create(folder(&target)).map_err(Error::io(path, "create a file in the folder"))?;
-        Ok(Self { path: path.into(), target, may_replace: to.may_replace, writer: BufWriter::new(file), temporary })
+        Ok(Self {
+            path: path.into(),
+            target,
+            may_replace: to.may_replace.clone(),
+            writer: BufWriter::new(file),
+            temporary,
+        })
     }
 
     /// Puts the finished file in its place.
@@ -117,14 +133,28 @@ fn folder(target: &Path) -> &Path {
     }
 }
 
+/// Links to what does not exist that are followed one after another.
+const MOST_LINKS: usize = 40;
+
 /// Where the file really goes: a link keeps pointing at its target, and only a regular file is ever replaced.
 fn destination(path: &Path) -> Result<PathBuf, Error> {
     match fs::metadata(path) {
-        Ok(found) if found.is_file() => fs::canonicalize(path).map_err(Error::io(path, "follow the path")),
+        Ok(found) if found.is_file() => return fs::canonicalize(path).map_err(Error::io(path, "follow the path")),
         // A rename would replace a device such as /dev/null by a file.
-        Ok(_) => Err(Error::unwritable(path, "something that is not a regular file", "give the path of a file")),
-        Err(_) => Ok(path.into()),
+        Ok(_) => {
+            return Err(Error::unwritable(path, "something that is not a regular file", "give the path of a file"));
+        }
+        Err(_) => {}
     }
+    // A link to what does not exist yet stays, and the file is made where it leads.
+    let mut target = path.to_path_buf();
+    for _ in 0..MOST_LINKS {
+        match fs::read_link(&target) {
+            Ok(link) => target = folder(&target).join(link),
+            Err(_) => return Ok(target),
+        }
+    }
+    Err(Error::unwritable(path, "a link that leads to itself", "remove the link, or give another name"))
 }
 
 #[cfg(test)]
@@ -174,6 +204,14 @@ mod tests {
             .unwrap();
         assert_eq!(fs::read(&target).unwrap(), b"new");
         assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+        // So are links to what is still to be made, one after another.
+        fs::remove_file(&target).unwrap();
+        std::os::unix::fs::symlink("link", folder.path().join("second")).unwrap();
+        write_bytes(folder.path().join("second"), b"made").unwrap();
+        assert_eq!(fs::read(&target).unwrap(), b"made");
+        assert!(["link", "second"].iter().all(|name| folder.path().join(name).is_symlink()));
+        std::os::unix::fs::symlink("loop", folder.path().join("loop")).unwrap();
+        assert!(matches!(write_bytes(folder.path().join("loop"), b""), Err(Error::Unwritable { .. })));
         let plain = folder.path().join("plain");
         fs::write(&plain, "").unwrap();
         let mode = |path: &Path| fs::metadata(path).unwrap().permissions().mode() & 0o777;

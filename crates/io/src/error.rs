@@ -63,7 +63,7 @@ pub enum Error {
     },
     /// The file is of a kind that is not read.
     #[error(
-        "{}: found {found}, expected a picture: EXR, PNG, JPEG and TIFF are read; convert it, or name another file",
+        "{}: found {found}, expected EXR, PNG, JPEG or TIFF: convert it, or name another file",
         path.display()
     )]
     NoPicture {
@@ -85,7 +85,7 @@ pub enum Error {
         remedy: &'static str,
     },
     /// The header claims more than the limits allow; nothing was decoded.
-    #[error("{}: {place}: {found} {what}, at most {limit} are read: crop or scale the picture, or raise the limit", path.display())]
+    #[error("{}: {place}: {found} {what}, at most {limit} are read: crop or scale the picture", path.display())]
     TooLarge {
         /// The file.
         path: PathBuf,

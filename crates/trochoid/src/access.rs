@@ -37,7 +37,7 @@ pub fn refused_files(graph: &CheckedGraph, outputs: &[usize], frames: &[i64]) ->
 pub fn refused_outputs(graph: &CheckedGraph, outputs: &[usize], frames: &[i64]) -> Vec<Refused> {
     let refused = |index: &usize| {
         let spec = &graph.outputs()[*index];
-        let of_frame = |frame: &i64| graph.check_written(spec, &crate::output::own_file(graph, spec, *frame)?).err();
+        let of_frame = |frame: &i64| graph.check_written(spec, &crate::naming::own_file(graph, spec, *frame)?).err();
         frames.iter().find_map(of_frame).map(|refused| *refused)
     };
     outputs.iter().filter_map(refused).collect()

@@ -1,10 +1,11 @@
 //! Where files go: looked at before anything is evaluated, and written whole or not at all.
 
-use crate::{OutputError, is_ours};
+use crate::{Form, OutputError, is_ours};
 use std::collections::HashSet;
 use std::fs;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
+use trochoid_graph::resolved;
 use trochoid_io::Target;
 
 /// The folder of a file; the current one for a bare name.
@@ -33,7 +34,9 @@ pub fn check_destination(path: &Path) -> Result<(), OutputError> {
 pub fn check_destinations<'p>(paths: impl IntoIterator<Item = &'p Path>) -> Vec<OutputError> {
     let mut folders = HashSet::new();
     let fault = |path: &'p Path| {
-        let checked = check_name(path).and_then(|folder| match folders.insert(folder.clone()) {
+        // What counts is where the file will stand: a link to what is not there yet is followed.
+        let leads_to = if path.is_symlink() { resolved(path) } else { path.into() };
+        let checked = check_name(path, &leads_to).and_then(|folder| match folders.insert(folder.clone()) {
             true => check_folder(path, &folder),
             false => Ok(()),
         });
@@ -43,12 +46,15 @@ pub fn check_destinations<'p>(paths: impl IntoIterator<Item = &'p Path>) -> Vec<
 }
 
 /// The nearest folder above a file that exists, where a file can have that name.
-fn check_name(path: &Path) -> Result<PathBuf, OutputError> {
+fn check_name(path: &Path, leads_to: &Path) -> Result<PathBuf, OutputError> {
     if path.is_dir() {
         return Err(refuse(path, "is a folder; name a file"));
     }
-    let mut folder: PathBuf = folder_of(path).into();
-    let mut names = vec![path.file_name().unwrap_or_default().to_owned()];
+    if leads_to.is_symlink() {
+        return Err(refuse(path, "is a link that leads to itself; remove it, or give another name"));
+    }
+    let mut folder: PathBuf = folder_of(leads_to).into();
+    let mut names = vec![leads_to.file_name().unwrap_or_default().to_owned()];
     while fs::symlink_metadata(&folder).is_err() {
         names.extend(folder.file_name().map(ToOwned::to_owned));
         // A path of missing folders alone starts at the current one.
@@ -58,7 +64,7 @@ fn check_name(path: &Path) -> Result<PathBuf, OutputError> {
         };
     }
     // Looked up where they will stand, or where their folders will: the system says which names it does not take.
-    let lookups = names.iter().map(|name| folder.join(name)).chain([path.into()]);
+    let lookups = names.iter().map(|name| folder.join(name)).chain([leads_to.into()]);
     for error in lookups.filter_map(|path| fs::symlink_metadata(path).err()) {
         if matches!(error.kind(), ErrorKind::InvalidFilename | ErrorKind::InvalidInput) {
             return Err(refuse(path, format!("cannot be the name of a file there: {error}; give a shorter one")));
@@ -75,27 +81,42 @@ fn check_folder(path: &Path, folder: &Path) -> Result<(), OutputError> {
     tempfile::tempfile_in(folder).map(drop).map_err(cannot)
 }
 
-/// Whether what stands at a path may be replaced: nothing, a file that Trochoid [wrote](is_ours), or, with `overwrites`, any.
+/// Whether a picture may be written where something may stand: nothing, a picture of the same kind that Trochoid
+/// [wrote](is_ours), or, with `overwrites`, any file.
 ///
 /// # Errors
 /// It is another file.
 pub fn check_replaced(path: &Path, overwrites: bool) -> Result<(), OutputError> {
+    check_replaced_by(path, Form::of_picture(path), overwrites)
+}
+
+/// The same of a file of any form: what Trochoid wrote in another form is not replaced unasked either.
+///
+/// # Errors
+/// As [`check_replaced`].
+pub fn check_replaced_by(path: &Path, form: Form, overwrites: bool) -> Result<(), OutputError> {
     let is_file = fs::metadata(path).is_ok_and(|found| found.is_file());
-    if overwrites || !is_file || is_ours(path) { Ok(()) } else { Err(OutputError::Foreign { path: path.into() }) }
+    if overwrites || !is_file || is_ours(path, form) { Ok(()) } else { Err(OutputError::Foreign { path: path.into() }) }
 }
 
-/// Where a file goes, over none but [ours](is_ours) unless `overwrites`: asked when the file is done.
-pub(crate) fn target(path: &Path, overwrites: bool) -> Target {
+/// Where a file goes, over none but [ours](is_ours) of the same form unless `overwrites`: asked when the file is done.
+pub fn target(path: &Path, form: Form, overwrites: bool) -> Target {
     let target = Target::from(path);
-    if overwrites { target } else { target.replacing(is_ours) }
+    if overwrites { target } else { target.replacing(move |found| is_ours(found, form)) }
 }
 
-/// As [`write_whole`], over none but [our own files](is_ours) unless `overwrites`.
+/// As [`write_whole`], over none but [our own files](is_ours) of the same form unless `overwrites`.
 ///
 /// # Errors
 /// As [`write_whole`]; another file stands there.
-pub fn write_guarded(path: &Path, bytes: &[u8], overwrites: bool) -> Result<(), OutputError> {
-    write(path, bytes, target(path, overwrites))
+pub fn write_guarded(path: &Path, bytes: &[u8], form: Form, overwrites: bool) -> Result<(), OutputError> {
+    write(path, bytes, target(path, form, overwrites))
+}
+
+/// Makes the folder of a file: where the file leads, if a link stands in its place.
+pub(crate) fn make_folder_of(path: &Path) -> std::io::Result<()> {
+    let leads_to = if fs::metadata(path).is_err() { resolved(path) } else { path.into() };
+    fs::create_dir_all(folder_of(&leads_to))
 }
 
 /// Writes a file that appears whole or not at all; folders are made. What is no regular file (a pipe, a device) is
@@ -113,7 +134,7 @@ fn write(path: &Path, bytes: &[u8], target: Target) -> Result<(), OutputError> {
         Ok(found) if !found.is_file() => fs::write(path, bytes).map_err(cannot),
         found => {
             if found.is_err() {
-                fs::create_dir_all(folder_of(path)).map_err(cannot)?;
+                make_folder_of(path).map_err(cannot)?;
             }
             Ok(trochoid_io::write_bytes(target, bytes)?)
         }
@@ -155,14 +176,15 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("a.json");
         fs::write(&path, "theirs").expect("written");
-        assert!(matches!(check_replaced(&path, false), Err(OutputError::Foreign { .. })));
-        check_replaced(&path, true).expect("asked for");
-        let error = write_guarded(&path, b"{}", false).expect_err("theirs").to_string();
+        assert!(matches!(check_replaced_by(&path, Form::Report, false), Err(OutputError::Foreign { .. })));
+        check_replaced_by(&path, Form::Report, true).expect("asked for");
+        let error = write_guarded(&path, b"{}", Form::Report, false).expect_err("theirs").to_string();
         assert!(error.contains("--overwrite"), "{error}");
         assert_eq!(fs::read_to_string(&path).expect("there"), "theirs");
         let ours = format!("{{\"trochoid\": \"{}\"}}", crate::VERSION);
-        write_guarded(&path, ours.as_bytes(), true).expect("asked for");
-        write_guarded(&path, ours.as_bytes(), false).expect("ours");
+        write_guarded(&path, ours.as_bytes(), Form::Report, true).expect("asked for");
+        write_guarded(&path, ours.as_bytes(), Form::Report, false).expect("ours");
+        assert!(write_guarded(&path, ours.as_bytes(), Form::Plan, false).is_err(), "ours, but no plan");
         assert_eq!(fs::read_dir(folder.path()).expect("there").count(), 1);
     }
 

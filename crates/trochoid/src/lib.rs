@@ -49,11 +49,15 @@ mod files;
 #[cfg(feature = "io")]
 mod inputs;
 mod judge;
+#[cfg(feature = "io")]
+mod layers;
 mod load;
 #[cfg(feature = "machine")]
 mod machine;
 #[cfg(feature = "io")]
 mod marks;
+#[cfg(feature = "io")]
+mod naming;
 #[cfg(feature = "io")]
 mod output;
 mod report;
@@ -68,17 +72,23 @@ pub use access::refused_files;
 pub use access::refused_outputs;
 pub use costs::{Cost, Costs, MeasureError, measure};
 #[cfg(feature = "io")]
-pub use files::{check_destination, check_destinations, check_replaced, write_guarded, write_whole};
+pub use files::{
+    check_destination, check_destinations, check_replaced, check_replaced_by, target, write_guarded, write_whole,
+};
 #[cfg(feature = "io")]
 pub use inputs::InputFiles;
 pub use judge::{Miss, guarantee, held, misses, requirement};
+#[cfg(feature = "io")]
+pub use layers::outputs_lost;
 pub use load::{LoadError, Loaded, load, missing_files, parse, registry};
 #[cfg(feature = "machine")]
 pub use machine::memory_share;
 #[cfg(feature = "io")]
-pub use marks::{GENERATOR, TABLE, is_ours, mark};
+pub use marks::{Form, GENERATOR, TABLE, is_ours, mark};
 #[cfg(feature = "io")]
-pub use output::{OutputError, OutputFile, companion_files, output_files, write_output};
+pub use naming::{NameFault, companion_files, output_files};
+#[cfg(feature = "io")]
+pub use output::{OutputError, OutputFile, write_output};
 pub use report::{RunReport, RunStatus, frame_report};
 #[cfg(feature = "io")]
 pub use resume::Fingerprints;
@@ -96,7 +106,7 @@ pub use trochoid_graph::{
     FORMAT_VERSION, Figure, Guarantee, Harmonic, Interpolation, Item, Kind, Knob, List, MemoryUse, NodeId, NodeType,
     Omission, OutputSpec, Outside, Port, Precision, REFUSALS, Refusal, Refused, Registry, Relation, Severity, Source,
     Spectrum, Stability, StabilityMap, TERMS, Takes, Term, Tolerance, Verdict, ViewChannel, Work, allow_options,
-    escape_frame, expand_frame, expected, in_bytes, nearest, quoted, quoted_path, refusal, refusals, schema,
+    escape_frame, expand_frame, expected, in_bytes, nearest, quoted, quoted_path, refusal, refusals, resolved, schema,
 };
 pub use trochoid_image::{Format, Plane, Rgb, Shading, Window, WorkingSpace, srgb_decode, srgb_encode};
 #[cfg(feature = "io")]

@@ -118,10 +118,11 @@ pub fn missing_files(graph: &CheckedGraph) -> Vec<Diagnostic> {
         }
     }
     let fault = |(index, (frame, path, count)): (usize, (i64, PathBuf, usize))| {
+        let seen = if last - first >= FRAMES_CHECKED as i64 { " of the first 10000, which are looked at" } else { "" };
         let more = match count - 1 {
             0 => String::new(),
-            1 => ", and none at 1 more frame".into(),
-            more => format!(", and none at {more} more frames"),
+            1 => format!(", and none at 1 more frame{seen}"),
+            more => format!(", and none at {more} more frames{seen}"),
         };
         let node = &graph.nodes()[index];
         let item = node.file_item();

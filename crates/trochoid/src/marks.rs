@@ -25,6 +25,8 @@ struct Marked {
     /// The version of what wrote it; of a document, which people write, a number.
     trochoid: Option<Version>,
     trochoid_plan: Option<IgnoredAny>,
+    /// Of certificates alone.
+    digest: Option<IgnoredAny>,
 }
 
 #[derive(Deserialize)]
@@ -34,19 +36,49 @@ enum Version {
     Other(IgnoredAny),
 }
 
-/// Whether Trochoid wrote a file, by a mark in what it holds; an empty file counts as well: there is nothing to lose.
+/// The files that Trochoid writes, as they are told apart.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Form {
+    /// A picture as EXR.
+    Exr,
+    /// A picture as PNG.
+    Png,
+    /// An animation.
+    WebP,
+    /// A picture of a graph.
+    Svg,
+    /// A page.
+    Page,
+    /// A table.
+    Table,
+    /// A plan.
+    Plan,
+    /// A certificate.
+    Certificate,
+    /// A report of a run, or of measurements.
+    Report,
+}
+
+impl Form {
+    /// Of a picture, by its name's ending.
+    pub fn of_picture(path: &Path) -> Self {
+        let is_png = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("png"));
+        if is_png { Self::Png } else { Self::Exr }
+    }
+}
+
+/// Whether Trochoid wrote a file, and in this form, by a mark in what it holds; an empty file counts as well: there is
+/// nothing to lose.
 ///
 /// EXR and PNG have metadata `trochoid:…`, which tell also where the rest is cut off; reports, certificates and plans their own keys; pages, pictures of graphs and
 /// animations name what generated them; a table has our header. Anything else is somebody else's, documents included.
-pub fn is_ours(path: &Path) -> bool {
-    marked(path).unwrap_or(false)
+pub fn is_ours(path: &Path, form: Form) -> bool {
+    open_file(path).is_ok_and(|found| found.length == 0 || form_of(path, found).is_ok_and(|found| found == Some(form)))
 }
 
-fn marked(path: &Path) -> std::io::Result<bool> {
-    let Ok(OpenFile { mut file, length }) = open_file(path) else { return Ok(false) };
-    if length == 0 {
-        return Ok(true);
-    }
+/// The form in which Trochoid wrote a file; `None` for others.
+fn form_of(path: &Path, found: OpenFile) -> std::io::Result<Option<Form>> {
+    let OpenFile { mut file, length } = found;
     let mut head = Vec::new();
     file.by_ref().take(LOOKED_AT).read_to_end(&mut head)?;
     let says = |bytes: &[u8], before: &str| {
@@ -58,17 +90,26 @@ fn marked(path: &Path) -> std::io::Result<bool> {
         let mut tail = Vec::new();
         file.take(LOOKED_AT).read_to_end(&mut tail)?;
         return Ok(match head[0] {
-            b'R' => says(&tail, "<xmp:CreatorTool>"),
-            _ => says(&head, "<meta name=\"generator\" content=\"") || says(&tail, "<!-- "),
+            b'R' => says(&tail, "<xmp:CreatorTool>").then_some(Form::WebP),
+            _ if says(&head, "<meta name=\"generator\" content=\"") => Some(Form::Page),
+            _ => says(&tail, "<!-- ").then_some(Form::Svg),
         });
     }
     if head.starts_with(b"{") {
         file.seek(SeekFrom::Start(0))?;
         let marked: Option<Marked> = serde_json::from_reader(BufReader::new(file)).ok();
-        return Ok(marked.is_some_and(|m| m.trochoid_plan.is_some() || matches!(m.trochoid, Some(Version::Text(_)))));
+        return Ok(marked.and_then(|marked| match marked {
+            Marked { trochoid_plan: Some(_), .. } => Some(Form::Plan),
+            Marked { trochoid: Some(Version::Text(_)), digest: Some(_), .. } => Some(Form::Certificate),
+            Marked { trochoid: Some(Version::Text(_)), .. } => Some(Form::Report),
+            _ => None,
+        }));
     }
-    let metadata = trochoid_io::readable_metadata(path);
-    Ok(head.starts_with(TABLE.as_bytes()) || metadata.iter().any(|(key, _)| key.starts_with(KEY)))
+    if head.starts_with(TABLE.as_bytes()) {
+        return Ok(Some(Form::Table));
+    }
+    let is_marked = trochoid_io::readable_metadata(path).iter().any(|(key, _)| key.starts_with(KEY));
+    Ok(is_marked.then_some(if head.starts_with(b"\x89PNG") { Form::Png } else { Form::Exr }))
 }
 
 /// The metadata of a picture, with the mark where they lack it.
@@ -85,30 +126,44 @@ pub fn mark() -> (String, String) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use trochoid_io::{ExrChannel, ExrImage, PngImage};
+
+    const FORMS: [Form; 9] = [
+        Form::Exr,
+        Form::Png,
+        Form::WebP,
+        Form::Svg,
+        Form::Page,
+        Form::Table,
+        Form::Plan,
+        Form::Certificate,
+        Form::Report,
+    ];
 
     #[test]
     fn our_files_are_told_from_others() {
         let folder = tempfile::tempdir().expect("a folder");
-        let is = |bytes: &[u8]| {
-            let path = folder.path().join("file");
+        let path = folder.path().join("file");
+        let forms = |bytes: &[u8]| {
             std::fs::write(&path, bytes).expect("written");
-            is_ours(&path)
+            FORMS.into_iter().filter(|form| is_ours(&path, *form)).collect::<Vec<_>>()
         };
         let page = format!("<!DOCTYPE html>\n<meta name=\"generator\" content=\"{GENERATOR}0.1.0\">");
         let svg = format!("<svg>{}</svg>\n<!-- {GENERATOR}0.1.0 -->\n", " ".repeat(9000));
         let webp = format!("RIFF....WEBP{}<xmp:CreatorTool>{GENERATOR}0.1.0</xmp:CreatorTool>", " ".repeat(9000));
         let ours = [
-            "",
-            r#"{"digest": "0", "document": {"trochoid": 1}, "trochoid": "0.1.0"}"#,
-            r#"{"trochoid_plan": 1, "set": {}}"#,
-            &format!("{TABLE}is_method\r\n"),
-            &page,
-            &svg,
-            &webp,
+            (r#"{"digest": "0", "document": {"trochoid": 1}, "trochoid": "0.1.0"}"#, Form::Certificate),
+            (r#"{"status": "done", "trochoid": "0.1.0"}"#, Form::Report),
+            (r#"{"trochoid_plan": 1, "set": {}}"#, Form::Plan),
+            (&format!("{TABLE}is_method\r\n"), Form::Table),
+            (&page, Form::Page),
+            (&svg, Form::Svg),
+            (&webp, Form::WebP),
         ];
-        for text in ours {
-            assert!(is(text.as_bytes()), "{text}");
+        for (text, form) in ours {
+            assert_eq!(forms(text.as_bytes()), [form], "{text}");
         }
+        assert_eq!(forms(b""), FORMS, "there is nothing to lose");
         let others = [
             "text",
             r#"{"trochoid": 1, "nodes": {}}"#,
@@ -123,8 +178,24 @@ mod tests {
             "\u{89}PNG\r\n\u{1a}\n",
         ];
         for text in others {
-            assert!(!is(text.as_bytes()), "{text}");
+            assert_eq!(forms(text.as_bytes()), [], "{text}");
         }
-        assert!(!is_ours(folder.path()) && !is_ours(&folder.path().join("none")));
+        assert!(!is_ours(folder.path(), Form::Exr) && !is_ours(&folder.path().join("none"), Form::Exr));
+    }
+
+    #[test]
+    fn pictures_are_ours_as_what_they_are() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let window = trochoid_image::Window::sized(1, 1);
+        let channel = || trochoid_io::Samples::contiguous(&[0.5]);
+        let png = PngImage { metadata: vec![mark()], ..PngImage::new(1, 1, [channel(), channel(), channel()]) };
+        let channels = vec![ExrChannel::half("Y", channel())];
+        let exr = ExrImage { metadata: vec![mark()], channels, ..ExrImage::new(window) };
+        // Whatever their names say.
+        let paths = ["a.exr", "b.png"].map(|name| folder.path().join(name));
+        trochoid_io::write_png8(&paths[0], &png).expect("written");
+        trochoid_io::write_exr(&paths[1], &exr).expect("written");
+        assert!(is_ours(&paths[0], Form::Png) && is_ours(&paths[1], Form::Exr));
+        assert!(!paths.iter().any(|path| is_ours(path, Form::of_picture(path))));
     }
 }

@@ -1,11 +1,12 @@
 //! From evaluated frames to files.
 
-use crate::files::target;
+use crate::files::{make_folder_of, target};
 use crate::marks::with_mark;
 use crate::stream::reserved;
-use std::path::{Component, Path, PathBuf};
+use crate::{Form, NameFault};
+use std::path::{Path, PathBuf};
 use trochoid_engine::{Frame, Picture};
-use trochoid_graph::{CheckedGraph, Kind, OutputSpec, Precision, Refused, escape_frame, expand_frame};
+use trochoid_graph::{CheckedGraph, Kind, OutputSpec, Precision, Refused};
 use trochoid_image::{Plane, Window, WorkingSpace};
 use trochoid_io::{ExrChannel, ExrImage, PngImage, SampleType, Samples, write_exr, write_png8, write_png16};
 
@@ -22,17 +23,18 @@ pub struct OutputFile {
 #[derive(Debug, thiserror::Error)]
 pub enum OutputError {
     /// Files cannot be named so: everything that is wrong, such as one name for several pictures.
-    #[error("{}", .0.join("\n"))]
-    Pattern(Vec<String>),
+    #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))]
+    Pattern(Vec<NameFault>),
     /// The file cannot be written.
     #[error(transparent)]
     Io(#[from] trochoid_io::Error),
     /// The document wants it where it may not write.
     #[error("{}", .0.diagnostic())]
     Refused(Box<Refused>),
-    /// Trochoid did not write the file that is there, or so little of it is left that nobody can tell.
+    /// Trochoid did not write the file that is there, or as another kind of file, or so little is left that nobody can tell.
     #[error(
-        "{}: is there already, and is truncated or not written by Trochoid\n  remedy: give another name, or replace it with --overwrite",
+        "{}: is there already, and does not bear Trochoid's mark of such a file: not written by it, of another kind, or cut off\n  \
+         remedy: give another name, or replace it with --overwrite",
         path.display()
     )]
     Foreign {
@@ -57,163 +59,8 @@ pub enum OutputError {
     },
 }
 
-/// Names the files of some outputs at a frame.
-///
-/// `pattern` is relative to the current folder and knows `{output}` and `####` or `%04d`; without one, each
-/// output's own `file` counts, relative to the document, or else `{output}.####.exr`. Outputs of a document
-/// that name the same file share it as layers.
-///
-/// # Errors
-/// A pattern that gives several outputs, or several frames, one name; an ending that cannot be written; a file of the
-/// document where it may not write.
-pub fn output_files(
-    graph: &CheckedGraph,
-    outputs: &[usize],
-    frame: i64,
-    several_frames: bool,
-    pattern: Option<&str>,
-) -> Result<Vec<OutputFile>, OutputError> {
-    let mut faults: Vec<String> = Vec::new();
-    // What is wrong with a pattern is said once, however many outputs it names.
-    let mut refuse = |text: String| {
-        if !faults.contains(&text) {
-            faults.push(text);
-        }
-    };
-    if let Some(pattern) = pattern
-        && outputs.len() > 1
-        && !pattern.contains("{output}")
-    {
-        refuse(format!(
-            "the pattern \"{pattern}\" gives {} outputs one name: add {{output}}, or choose one with --output",
-            outputs.len()
-        ));
-    }
-    let mut files: Vec<OutputFile> = Vec::new();
-    let mut refused = None;
-    for &index in outputs {
-        let spec = &graph.outputs()[index];
-        let own = spec.file.as_deref();
-        let written = pattern.or(own).unwrap_or("{output}.####.exr");
-        let template = written.replace("{output}", &escape_frame(&spec.name));
-        let lower = template.to_lowercase();
-        let is_png = lower.ends_with(".png");
-        if let Some(fault) = placeholder_fault(written, &template) {
-            refuse(fault);
-        } else if !lower.ends_with(".exr") && !is_png {
-            refuse(format!("\"{written}\" has an ending that cannot be written: use .exr or .png"));
-        }
-        if several_frames && is_same_at_all_frames(&template) {
-            refuse(format!("\"{written}\" gives all frames one name: add #### or %04d"));
-        }
-        if is_png && !matches!(spec.kind, Kind::Color | Kind::Weights(2)) {
-            refuse(format!("output \"{}\" is a {}, which PNG cannot hold: write it as .exr", spec.name, spec.kind));
-        }
-        let asked = if pattern.is_none() { own_file(graph, spec, frame) } else { None };
-        if let Some(path) = asked.as_ref().filter(|_| refused.is_none()) {
-            refused = graph.check_written(spec, path).err();
-        }
-        let path = normalized(&asked.unwrap_or_else(|| expand_frame(&template, frame).into()));
-        match files.iter_mut().find(|file| file.path == path) {
-            Some(file) => {
-                // A pattern without {output} was refused already.
-                if is_png && pattern.is_none() {
-                    refuse(format!("\"{written}\" is the file of several outputs; PNG holds one: use .exr"));
-                }
-                file.outputs.push(index);
-            }
-            None => files.push(OutputFile { path, outputs: vec![index] }),
-        }
-    }
-    for file in &files {
-        let mut layers: Vec<&str> = file.outputs.iter().map(|index| layer(&graph.outputs()[*index], file)).collect();
-        layers.sort_unstable();
-        if let Some(pair) = layers.windows(2).find(|pair| pair[0] == pair[1]) {
-            refuse(format!("{}: two outputs are the layer \"{}\": name another", file.path.display(), pair[0]));
-        }
-    }
-    match refused {
-        _ if !faults.is_empty() => Err(OutputError::Pattern(faults)),
-        Some(refused) => Err(OutputError::Refused(refused)),
-        None => Ok(files),
-    }
-}
-
-/// Where the document itself wants an output.
-pub(crate) fn own_file(graph: &CheckedGraph, spec: &OutputSpec, frame: i64) -> Option<PathBuf> {
-    let template = spec.file.as_ref()?.replace("{output}", &escape_frame(&spec.name));
-    Some(graph.folder().join(expand_frame(&template, frame)))
-}
-
-/// Names a further file for each file of a frame, such as its certificate.
-///
-/// `pattern` is relative to the current folder and knows `{output}` (the names of a file's outputs, with `+` between them)
-/// and `####` or `%04d`; `ending` is what the names must end with, such as ".json".
-///
-/// # Errors
-/// A pattern that gives several files, or several frames, one name; another ending.
-pub fn companion_files(
-    graph: &CheckedGraph,
-    files: &[OutputFile],
-    frame: i64,
-    several_frames: bool,
-    pattern: &str,
-    ending: &str,
-) -> Result<Vec<PathBuf>, OutputError> {
-    let mut faults = Vec::new();
-    if files.len() > 1 && !pattern.contains("{output}") {
-        faults.push(format!(
-            "the pattern \"{pattern}\" gives {} files one name: add {{output}}, or choose one output with --output",
-            files.len()
-        ));
-    }
-    let bare = pattern.replace("{output}", "");
-    faults.extend(placeholder_fault(pattern, &bare));
-    if !pattern.to_lowercase().ends_with(ending) {
-        faults.push(format!("\"{pattern}\" has another ending than {ending}: add it"));
-    }
-    if several_frames && is_same_at_all_frames(&bare) {
-        faults.push(format!("\"{pattern}\" gives all frames one name: add #### or %04d"));
-    }
-    if !faults.is_empty() {
-        return Err(OutputError::Pattern(faults));
-    }
-    let name = |file: &OutputFile| {
-        let names: Vec<&str> = file.outputs.iter().map(|index| graph.outputs()[*index].name.as_str()).collect();
-        normalized(Path::new(&expand_frame(&pattern.replace("{output}", &escape_frame(&names.join("+"))), frame)))
-    };
-    Ok(files.iter().map(name).collect())
-}
-
-/// What is wrong with a pattern of which the known placeholders are filled in already, if anything.
-fn placeholder_fault(written: &str, template: &str) -> Option<String> {
-    let (_, rest) = template.split_once('{')?;
-    let found = rest.split_once('}').map_or(rest, |(name, _)| name);
-    Some(format!("\"{written}\" has the unknown placeholder {{{found}}}: {{output}}, #### and %04d are known"))
-}
-
-fn is_same_at_all_frames(template: &str) -> bool {
-    expand_frame(template, 0) == expand_frame(template, 1)
-}
-
-/// The path without `.` and without `folder/..`, so that two spellings of one file are one.
-fn normalized(path: &Path) -> PathBuf {
-    let mut out = PathBuf::new();
-    for part in path.components() {
-        let folder = matches!(out.components().next_back(), Some(Component::Normal(_)));
-        match part {
-            Component::CurDir => {}
-            Component::ParentDir if folder => {
-                out.pop();
-            }
-            part => out.push(part),
-        }
-    }
-    out
-}
-
 /// The layer of an output: its own name for one, else the output's name where several share the file.
-fn layer<'s>(spec: &'s OutputSpec, file: &OutputFile) -> &'s str {
+pub(crate) fn layer<'s>(spec: &'s OutputSpec, file: &OutputFile) -> &'s str {
     match &spec.layer {
         Some(layer) => layer,
         None if file.outputs.len() > 1 => &spec.name,
@@ -243,11 +90,8 @@ pub fn write_output(
 
 /// Makes the folder of a file.
 pub(crate) fn folder_of_file(path: &Path) -> Result<(), OutputError> {
-    match path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
-        Some(folder) => std::fs::create_dir_all(folder)
-            .map_err(|error| OutputError::Folder { path: folder.into(), reason: error.to_string() }),
-        None => Ok(()),
-    }
+    make_folder_of(path)
+        .map_err(|error| OutputError::Folder { path: path.parent().unwrap_or(path).into(), reason: error.to_string() })
 }
 
 /// Names of an output's channels in an EXR file, and how their samples are stored.
@@ -298,7 +142,7 @@ fn write_layers(
         reserved: reserved(chosen.iter().map(|(spec, _)| *spec)),
         chromaticities: chosen.iter().any(|(_, p)| p.kind == Kind::Color).then(|| graph.space().chromaticities()),
     };
-    Ok(write_exr(target(&file.path, graph.access().overwrites()), &image)?)
+    Ok(write_exr(target(&file.path, Form::Exr, graph.access().overwrites()), &image)?)
 }
 
 fn write_png(
@@ -316,7 +160,7 @@ fn write_png(
     let channels = samples_of(&picture.planes, encoded.as_ref());
     let mut image = PngImage::new(window.width() as u32, window.height() as u32, channels);
     image.metadata = metadata.to_vec();
-    let target = target(&file.path, graph.access().overwrites());
+    let target = target(&file.path, Form::Png, graph.access().overwrites());
     match spec.precision {
         Some(Precision::Uint16) => write_png16(target, &image)?,
         _ => write_png8(target, &image)?,
@@ -372,7 +216,3 @@ fn channel_names(graph: &CheckedGraph, spec: &OutputSpec) -> Vec<String> {
         _ => Vec::new(),
     }
 }
-
-#[cfg(test)]
-#[path = "output_tests.rs"]
-mod tests;

@@ -3,7 +3,7 @@
 use crate::files::target;
 use crate::marks::with_mark;
 use crate::output::{convert, file_channels, folder_of_file};
-use crate::{OutputError, OutputFile};
+use crate::{Form, OutputError, OutputFile};
 use std::sync::{Mutex, PoisonError};
 use trochoid_engine::{EvalError, Plan, Sink};
 use trochoid_graph::{CheckedGraph, Kind, OutputSpec};
@@ -83,7 +83,7 @@ impl<'g> FileSink<'g> {
             let outputs = outputs.collect();
             open.push(Open {
                 file: file.clone(),
-                writer: ExrWriter::create(target(&file.path, graph.access().overwrites()), &header)?,
+                writer: ExrWriter::create(target(&file.path, Form::Exr, graph.access().overwrites()), &header)?,
                 outputs,
             });
         }

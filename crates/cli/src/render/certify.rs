@@ -2,16 +2,16 @@
 
 use super::Args;
 use super::accuracy::Accuracy;
+use super::files::{Written, take};
 use super::job::interrupted;
 use crate::failure::{FAILED, Failure};
 use crate::files::Over;
 use serde_json::{Value, json};
-use std::collections::HashSet;
 use std::path::PathBuf;
 use trochoid::certificate::{Certificate, Made, certify, error_image};
 use trochoid::{
-    Buffers, Cache, Certified, Certifier, CheckedGraph, EvalError, Fingerprints, Frame, Guarantee, InputFiles, Monitor,
-    OutputFile, Settings, companion_files, quoted_path, write_guarded,
+    Buffers, Cache, Certified, Certifier, CheckedGraph, EvalError, Fingerprints, Form, Frame, Guarantee, InputFiles,
+    Monitor, OutputFile, Settings, companion_files, quoted_path, write_guarded,
 };
 
 /// What is written beside one file, where it is asked for.
@@ -30,24 +30,25 @@ impl Beside {
         frame: i64,
         several: bool,
     ) -> Result<Vec<Self>, Failure> {
-        let names = |pattern: &Option<String>, ending: &str| match pattern {
-            Some(pattern) => companion_files(graph, files, frame, several, pattern, ending)
+        let names = |option: &str, pattern: &Option<String>, ending: &str| match pattern {
+            Some(pattern) => companion_files(graph, files, (frame, several), (option, pattern), ending)
                 .map(|names| names.into_iter().map(Some).collect::<Vec<_>>()),
             None => Ok(vec![None; files.len()]),
         };
-        let (certificates, errors) = (names(&args.certificate, ".json")?, names(&args.error, ".exr")?);
+        let (certificates, errors) =
+            (names("--certificate", &args.certificate, ".json")?, names("--error", &args.error, ".exr")?);
         Ok(certificates.into_iter().zip(errors).map(|(certificate, error)| Self { certificate, error }).collect())
     }
 
-    pub(super) fn paths(&self) -> impl Iterator<Item = (&'static str, &PathBuf)> {
-        let certificate = self.certificate.iter().map(|path| ("--certificate", path));
-        certificate.chain(self.error.iter().map(|path| ("--error", path)))
+    pub(super) fn paths(&self) -> impl Iterator<Item = (&'static str, &PathBuf, Form)> {
+        let certificate = self.certificate.iter().map(|path| ("--certificate", path, Form::Certificate));
+        certificate.chain(self.error.iter().map(|path| ("--error", path, Form::Exr)))
     }
 
     /// What is wrong with writing there: over what is read, or over another file of the run.
-    pub(super) fn refusals(&self, inputs: &InputFiles, written: &mut HashSet<PathBuf>) -> Vec<Failure> {
-        let faults = self.paths().filter_map(|(option, path)| {
-            let taken = !written.insert(path.clone()) || inputs.contains(path);
+    pub(super) fn refusals(&self, inputs: &InputFiles, written: &mut Written) -> Vec<Failure> {
+        let faults = self.paths().filter_map(|(option, path, form)| {
+            let taken = !take(path, form, written) || inputs.contains(path);
             taken.then(|| {
                 let message = format!("{option} {}: is a file of the document or of the run", quoted_path(path));
                 Failure::usage(message, "give it another name")
@@ -71,7 +72,7 @@ impl Beside {
 
     /// Names what was written in a file's entry of the report.
     pub(super) fn describe(&self, entry: &mut Value) {
-        for (option, path) in self.paths() {
+        for (option, path, _) in self.paths() {
             entry[option.trim_start_matches('-')] = json!(path.display().to_string());
         }
     }
@@ -122,7 +123,7 @@ impl Certifying<'_> {
             if let Some(path) = &beside.certificate {
                 let made = Made { graph, file, frame, certified: &certified, settings, required };
                 let certificate = certify(&made, path).map_err(|error| failed(&error))?;
-                write_guarded(path, certificate.sealed().as_bytes(), over.overwrite)?;
+                write_guarded(path, certificate.sealed().as_bytes(), Form::Certificate, over.overwrite)?;
             }
         }
         Ok(certified)

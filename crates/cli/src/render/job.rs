@@ -2,19 +2,19 @@
 
 use super::accuracy::Accuracy;
 use super::certify::{self, Beside, Certifying, Half};
+use super::files::Wanted;
 use super::{Args, line};
 use crate::failure::{FAILED, Failure, INTERRUPTED, MISSED};
-use crate::files;
 use crate::progress::Progress;
 use crate::{frames, interrupt, outputs};
 use serde_json::{Value, json};
 use std::collections::{BTreeSet, HashSet};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Instant;
 use trochoid::{
-    Access, Cache, CheckedGraph, EvalError, FileSink, Fingerprints, Frame, Guarantee, InputFiles, Monitor, OutputFile,
-    Plan, ReferenceError, RunReport, Settings, Sink, Switches, Work, check_destinations, clear_partial_files,
-    expand_frame, frame_report, misses, output_files, quoted, quoted_path, refused_outputs, write_output,
+    Cache, CheckedGraph, EvalError, FileSink, Fingerprints, Frame, Guarantee, Monitor, OutputFile, Plan,
+    ReferenceError, RunReport, Settings, Sink, Switches, Work, clear_partial_files, expand_frame, frame_report, misses,
+    output_files, quoted, write_output,
 };
 
 /// How a plan becomes a frame; tests put another in its place.
@@ -62,7 +62,7 @@ impl<'a> Job<'a> {
         }
         let (required, accuracy) = (args.required(), Accuracy::default());
         let mut job = Self { graph, args, required, settings, outputs, frames, folders: BTreeSet::new(), accuracy };
-        job.folders = job.check_files(faults);
+        job.folders = Wanted { graph, args, outputs: &job.outputs, frames: &job.frames }.check(faults);
         job
     }
 
@@ -88,51 +88,6 @@ impl<'a> Job<'a> {
 
     fn certifies(&self) -> bool {
         self.args.certificate.is_some() || self.args.error.is_some() || self.accuracy.error().is_some()
-    }
-
-    /// Whether every file can be written, none is an input or the document itself, and none replaces somebody else's; the
-    /// folders into which they go.
-    fn check_files(&self, faults: &mut Vec<Failure>) -> BTreeSet<PathBuf> {
-        // What the document may not write is named all the same, so that all that is wrong is told at once.
-        let named = self.graph.clone().with_access(Access::everything());
-        let pattern = self.args.out.as_deref();
-        let may_write = |path: &Path| pattern.is_some() || self.graph.access().check(path).is_ok();
-        let (mut written, mut beside) = (BTreeSet::new(), Vec::new());
-        for &frame in &self.frames {
-            let files = output_files(&named, &self.outputs, frame, self.frames.len() > 1, pattern);
-            match files.map_err(Failure::from).and_then(|files| Ok((self.beside(&files, frame)?, files))) {
-                Ok((more, files)) => {
-                    beside.extend(more);
-                    written.extend(files.into_iter().map(|file| file.path).filter(|path| may_write(path)));
-                }
-                // What is wrong with a pattern is wrong at every frame.
-                Err(fault) => {
-                    faults.push(fault);
-                    return BTreeSet::new();
-                }
-            }
-        }
-        let outside = match pattern {
-            Some(_) => Vec::new(),
-            None => refused_outputs(self.graph, &self.outputs, &self.frames),
-        };
-        faults.extend(self.args.files.reach.refused(self.graph, &self.outputs, &self.frames, outside));
-        let read: Vec<&Path> = [self.args.graph.as_path()].into_iter().chain(self.args.plan.as_deref()).collect();
-        let inputs = InputFiles::new(self.graph, &read);
-        let over = self.args.files.over;
-        faults.extend(written.iter().filter_map(|path| files::input(path, &inputs)));
-        let mut taken: HashSet<PathBuf> = written.iter().cloned().collect();
-        faults.extend(beside.iter().flat_map(|beside| beside.refusals(&inputs, &mut taken)));
-        let written: BTreeSet<PathBuf> = taken.into_iter().collect();
-        let report = self.args.report.as_ref().filter(|_| !self.args.report_on_stdout());
-        if let Some(report) = report.filter(|report| written.contains(*report) || inputs.contains(report)) {
-            let message = format!("--report {}: is a file of the document or of the run", quoted_path(report));
-            faults.push(Failure::usage(message, "give the report another name"));
-        }
-        let all = || written.iter().chain(report).filter(|path| !inputs.contains(path));
-        faults.extend(all().filter_map(|path| over.foreign(path)));
-        faults.extend(check_destinations(all().map(PathBuf::as_path)).into_iter().map(Failure::from));
-        written.iter().chain(report).filter_map(|path| path.parent()).map(Path::to_path_buf).collect()
     }
 
     /// Notes of names that a still is written under and that may not have been meant.

@@ -2,6 +2,7 @@
 
 mod accuracy;
 mod certify;
+mod files;
 mod job;
 mod line;
 
@@ -10,7 +11,7 @@ use crate::files::Files;
 use crate::{frames, interrupt, shell};
 use job::Job;
 use std::path::PathBuf;
-use trochoid::{Diagnostic, Guarantee, RunReport, RunStatus, Tolerance};
+use trochoid::{Diagnostic, Form, Guarantee, RunReport, RunStatus, Tolerance};
 
 /// Options of `trochoid render`.
 #[derive(Debug, Default, clap::Args)]
@@ -151,7 +152,7 @@ fn write_report(args: &Args, report: &RunReport, status: RunStatus) -> Result<()
     if args.report_on_stdout() {
         return shell::print(&text);
     }
-    Ok(trochoid::write_guarded(path, text.as_bytes(), args.files.over.overwrite)?)
+    Ok(trochoid::write_guarded(path, text.as_bytes(), Form::Report, args.files.over.overwrite)?)
 }
 
 #[cfg(test)]

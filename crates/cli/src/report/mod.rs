@@ -33,7 +33,7 @@ use crate::{interrupt, outputs};
 use data::Report;
 use std::path::PathBuf;
 use trochoid::accuracy::{self, Ladder, LadderRequest, Request, TargetError};
-use trochoid::{CheckedGraph, Diagnostic, EvalError, Format, InputFiles, Kind, Settings, Tolerance};
+use trochoid::{CheckedGraph, Diagnostic, EvalError, Form, Format, InputFiles, Kind, Settings, Tolerance};
 
 /// Options of `trochoid report`.
 #[derive(Debug, clap::Args)]
@@ -91,6 +91,9 @@ pub(crate) struct Args {
 const TOLERANCES: [f64; 10] =
     [1.0 / 8.0, 1.0 / 32.0, 1.0 / 128.0, 1.0 / 256.0, 1.0 / 512.0, 1e-3, 1e-4, 1e-5, 3e-6, 1e-6];
 
+/// Of `report.json`, `report.csv` and `report.html`.
+const FORMS: [Form; 3] = [Form::Report, Form::Table, Form::Page];
+
 /// Measures, and writes what was found.
 ///
 /// # Errors
@@ -104,7 +107,8 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let output = choose(graph, args.output.as_ref(), &mut faults);
     let files = ["report.json", "report.csv", "report.html"].map(|name| args.out.join(name));
     let inputs = InputFiles::new(graph, &[&args.graph]);
-    faults.extend(files.iter().filter_map(|file| args.files.over.refusal(file, &inputs)));
+    let refusal = |(file, form): (&PathBuf, Form)| args.files.over.refusal(file, form, &inputs);
+    faults.extend(files.iter().zip(FORMS).filter_map(refusal));
     faults.extend(args.files.reach.refused(graph, &[output], &[frame], Vec::new()));
     Failure::all(faults)?;
     interrupt::watch()?;
@@ -113,8 +117,8 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let json = format!("{:#}\n", data::to_json(&report));
     let html = html::page(&report).map_err(|error| Failure::new(FAILED, format!("report.html: {error}")))?;
     let csv = csv::table(&report).map_err(|error| Failure::new(FAILED, format!("report.csv: {error}")))?;
-    for (file, bytes) in files.iter().zip([json.as_bytes(), &csv, html.as_bytes()]) {
-        trochoid::write_guarded(file, bytes, args.files.over.overwrite)?;
+    for ((file, form), bytes) in files.iter().zip(FORMS).zip([json.as_bytes(), &csv, html.as_bytes()]) {
+        trochoid::write_guarded(file, bytes, form, args.files.over.overwrite)?;
     }
     if args.json {
         return shell::print(&json);

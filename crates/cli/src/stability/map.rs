@@ -6,7 +6,7 @@ use plotters::style::{FontStyle, register_font};
 use std::error::Error;
 use std::path::Path;
 use trochoid::io::{PngImage, Samples, write_png8};
-use trochoid::{StabilityMap, mark};
+use trochoid::{Form, StabilityMap, mark};
 
 const WIDTH: usize = 1200;
 const HEIGHT: usize = 1000;
@@ -44,7 +44,7 @@ pub(super) fn write(path: &Path, over: Over, name: &str, map: &StabilityMap) -> 
     let channels = [0, 1, 2].map(channel);
     let channels = channels.each_ref().map(|channel| Samples::contiguous(channel));
     let image = PngImage { metadata: vec![mark()], ..PngImage::new(WIDTH as u32, HEIGHT as u32, channels) };
-    Ok(write_png8(over.target(path), &image)?)
+    Ok(write_png8(over.target(path, Form::Png), &image)?)
 }
 
 /// R, G, B pixel by pixel.

@@ -8,7 +8,7 @@ use crate::files::Over;
 use crate::shell;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
-use trochoid::{CheckedGraph, Diagnostic, Figure, InputFiles, Loaded, NodeId, Stability, quoted_path};
+use trochoid::{CheckedGraph, Diagnostic, Figure, Form, InputFiles, Loaded, NodeId, Stability, quoted_path};
 
 /// Options of `trochoid stability`.
 #[derive(Debug, clap::Args)]
@@ -74,7 +74,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
             ));
         }
         let inputs = InputFiles::new(&graph, args.graph.as_deref().as_slice());
-        Failure::all(named(out, &graph).iter().filter_map(|path| args.over.refusal(path, &inputs)))?;
+        Failure::all(named(out, &graph).iter().filter_map(|path| args.over.refusal(path, Form::Png, &inputs)))?;
     }
     let found = trochoid::stability(&graph, args.frame.unwrap_or(graph.frames().0));
     let maps = write_maps(args, &graph, &found)?;

@@ -174,4 +174,25 @@ fn files_that_cannot_be_read_have_their_own_codes() {
     run.fails(3, &["./c.json: does not hold for out.exr"]);
     fs::remove_file(scene.path("in.exr")).unwrap();
     scene.run(&["verify", "c.json", "out.exr"]).fails(1, &["in.exr: cannot open the file"]);
+    // A certificate that was moved.
+    fs::create_dir(scene.path("sub")).unwrap();
+    fs::rename(scene.path("c.json"), scene.path("sub/c.json")).unwrap();
+    let words = [
+        "sub/in.exr: cannot open",
+        "an input of the certificate",
+        "sought from the certificate's folder, sub\n  remedy: put",
+    ];
+    scene.run(&["verify", "sub/c.json", "out.exr"]).fails(1, &words);
+}
+
+#[test]
+fn an_image_of_another_kind_is_told_as_it_is() {
+    let scene = Scene::new(SCENE);
+    let one = ["render", "a.json", "--frames", "1", "--output", "beauty", "--out"];
+    scene.run(&[&one[..], &["x.png", "--certificate", "c.json"]].concat()).code(0);
+    scene.run(&[&one[..], &["x.exr"]].concat()).code(0);
+    let run = scene.run(&["verify", "c.json", "x.exr"]);
+    assert!(!run.err.contains("image.channels"), "the certificate is right in itself: {}", run.err);
+    let channels = "x.exr: channels: found B (half), G (half), R (half); expected B (u8), G (u8), R (u8)";
+    run.fails(3, &["x.exr: kind of file: found EXR; expected PNG", channels]);
 }

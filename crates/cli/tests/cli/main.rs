@@ -8,6 +8,7 @@ mod certify;
 mod commands;
 mod examine;
 mod explain;
+mod files;
 #[cfg(target_os = "linux")]
 mod hostile;
 mod kills;

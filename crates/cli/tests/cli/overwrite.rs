@@ -25,7 +25,7 @@ fn files_of_others_stay_and_our_own_are_replaced() {
     for (command, name) in WRITERS {
         fs::write(scene.path(name), "theirs").unwrap();
         let before = scene.files();
-        scene.run(command).fails(2, &[name, "truncated or not written by Trochoid", "remedy: ", "--overwrite"]);
+        scene.run(command).fails(2, &[name, "does not bear Trochoid's mark", "remedy: ", "--overwrite"]);
         assert_eq!((scene.files(), fs::read(scene.path(name)).unwrap()), (before, b"theirs".to_vec()), "{command:?}");
         scene.run(&[command, &["--overwrite"]].concat()).code(0);
         assert_ne!(fs::read(scene.path(name)).unwrap(), b"theirs", "{command:?}");
@@ -55,7 +55,7 @@ fn a_file_of_others_that_appears_meanwhile_stays() {
     scene.run(&["render", "a.json", "--out", "x.{output}.##.png", "--output", "beauty"]).code(0);
     // Documents are files of people, whatever they are named.
     fs::copy(scene.path("a.json"), scene.path("b.json")).unwrap();
-    scene.run(&["graph", "a.json", "-o", "b.json"]).fails(2, &["b.json", "--overwrite"]);
+    scene.run(&["plan", "a.json", "--tolerance", "1/8", "-o", "b.json"]).fails(2, &["b.json", "--overwrite"]);
     scene.run(&["render", "a.json", "--report", "b.json"]).fails(2, &["b.json", "--overwrite"]);
     scene.run(&["render", "a.json", "--report", "/dev/null"]).code(0);
 }

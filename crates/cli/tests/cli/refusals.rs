@@ -46,7 +46,7 @@ fn invalid_documents_are_code_2_and_write_nothing() {
     let mask = SCENE.replace("\"color\": \"mix\"", "\"color\": \"across\"");
     let deep = format!("{{ \"notes\": {}", "[".repeat(100_000));
     let cases: [(&str, &[&str]); 5] = [
-        ("", &["a.json:1:1", "ends too early"]),
+        ("", &["a.json:1:1", "an empty file", "write a document"]),
         (plus, &["the operation Plus", "no \"format\"", "no \"outputs\"", "\n  remedy: "]),
         (&cyclic, &["the loop me ← me"]),
         (&mask, &["a.json:5:37: beauty", "a mask"]),
@@ -80,7 +80,7 @@ fn input_output_and_bad_data_are_code_1() {
         .run(&["render", "a.json"])
         .fails(1, &["frame 1: a.json:2:46: node \"in\" (Read)", "in.exr", "correct the path"]);
     scene.run(&["info", "none.exr"]).fails(1, &["none.exr"]);
-    scene.run(&["info", "a.json"]).fails(1, &["a.json", "found JSON", "EXR, PNG, JPEG and TIFF"]);
+    scene.run(&["info", "a.json"]).fails(1, &["a.json", "found JSON", "expected EXR, PNG, JPEG or TIFF"]);
     scene.has_no_files();
     scene.write_picture("in.exr", -0.5);
     scene.run(&["render", "a.json"]).fails(1, &["-0.5"]);
@@ -117,7 +117,8 @@ fn all_that_is_wrong_with_a_pattern_is_told_at_once() {
         .replace("\"mask\": {", "\"other\": { \"weights\": \"across\", \"file\": \"m.png\" }, \"mask\": {");
     let json = Scene::new(&shared).run(&["check", "a.json", "--json"]).code(2).json();
     let found: Vec<&Value> = json["diagnostics"].as_array().unwrap().iter().map(|fault| &fault["found"]).collect();
-    assert_eq!(found.len(), 2, "{json:#}");
+    assert_eq!(found.len(), 3, "{json:#}");
+    assert_eq!(found.iter().filter(|found| found.as_str().unwrap().contains("gives all frames one name")).count(), 2);
 }
 
 #[test]
@@ -138,4 +139,28 @@ fn values_that_half_cannot_hold_are_refused_and_leave_no_file() {
     let scene = Scene::new(&SCENE.replace("\"#fff\"", "[1e6, 1e6, 1e6]"));
     scene.run(&["render", "a.json", "--frames", "1", "--output", "beauty"]).fails(1, &["beauty.0001.exr"]);
     scene.has_no_files();
+}
+
+#[test]
+fn messages_name_what_is_meant() {
+    let named = Scene::new(&SCENE.replace("\"across\": {", "\"štorm 海\": { \"type\": \"ScreenY\" }, \"across\": {"));
+    named.run(&["check", "a.json"]).fails(2, &["the name \"štorm 海\"; expected a–z, A–Z, 0–9 and _"]);
+    let sea = r#"{ "trochoid": 1, "format": { "width": 8, "height": 4 }, "nodes": { "storm": { "type": "GerstnerSea" },
+        "height": { "type": "Height", "surface": "storm" } }, "outputs": { "h": { "field": "height" } } }"#;
+    let sea = Scene::new(sea);
+    let set = |value: &str| sea.run(&["check", "a.json", "--set", &format!("storm.waves={value}")]);
+    set(r#"[{"amplitude":1,"wavelength":20},{"amplitude":1,"wavelength":0}]"#)
+        .fails(2, &["node \"storm\", waves[1].wavelength: found 0"]);
+    set("[{\"wavelenght\": 1}]").fails(2, &["node \"storm\", waves[0]: ", "unknown key \"wavelenght\""]);
+    set("1").fails(2, &["expected a list of records"]);
+    let scene = Scene::new(READS);
+    scene.write_picture("in.exr", 0.5);
+    let layer = ["render", "a.json", "--set", "in.channels=[\"X\",\"Y\",\"Z\"]"];
+    scene.run(&layer).fails(1, &["to try it by --set in.channels=…"]);
+    fs::write(scene.path("x.webp"), b"RIFF\x10\0\0\0WEBPVP8 ").unwrap();
+    scene.run(&["info", "x.webp"]).fails(1, &["found a WebP picture, expected EXR, PNG, JPEG or TIFF"]);
+    let long = READS.replace("\"nodes\"", "\"frames\": { \"first\": 0, \"last\": 20000 }, \"nodes\"");
+    let long = Scene::new(&long.replace("in.exr", "in.#####.exr").replace("out.exr", "out.#####.exr"));
+    let words = ["in.00000.exr at frame 0, and none at 9999 more frames of the first 10000, which are looked at"];
+    assert!(long.run(&["check", "a.json"]).err.contains(words[0]));
 }

@@ -37,7 +37,7 @@ fn what_is_cut_off_or_has_something_behind_it_is_made_again() {
         }
         for theirs in [cut(20), b"\x89PNG\r\n\x1a\n".to_vec(), b"\x76\x2f\x31\x01\x02\0\0\0".to_vec()] {
             fs::write(scene.path(name), &theirs).unwrap();
-            render().fails(2, &[name, "is truncated or not written by Trochoid", "--overwrite"]);
+            render().fails(2, &[name, "does not bear Trochoid's mark", "--overwrite"]);
             assert_eq!(fs::read(scene.path(name)).unwrap(), theirs);
         }
         fs::write(scene.path(name), &whole).unwrap();

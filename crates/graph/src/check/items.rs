@@ -11,6 +11,14 @@ use crate::{
 };
 use std::collections::HashMap;
 
+/// An item of a record of a list, such as `waves[0].wavelength`; the record where there is none.
+fn within(list: &str, index: usize, item: Option<String>) -> String {
+    match item.filter(|item| item != list) {
+        Some(item) => format!("{list}[{index}].{item}"),
+        None => format!("{list}[{index}]"),
+    }
+}
+
 /// What a reference may name: nodes, each with its position and declaration.
 pub(super) type Names<'m> = HashMap<&'m str, (usize, Option<&'static Declaration>)>;
 
@@ -99,14 +107,20 @@ impl<'a> Checker<'a> {
         match &value.json {
             Json::Array(items) if (list.min..=list.max).contains(&items.len()) => items
                 .iter()
-                .filter_map(|item| {
+                .enumerate()
+                .filter_map(|(index, item)| {
                     if !matches!(item.json, Json::Object(_)) {
                         let expected = format!("a record: {{ {} }}", keys_of(list));
                         self.error(place.at(item.offset), item.brief(), expected, how_to_write(list));
                         return None;
                     }
                     let entries = self.object(item, place, "an object")?;
-                    Some(self.record(list.items, &entries, place.at(item.offset), names))
+                    let before = self.diagnostics.len();
+                    let record = self.record(list.items, &entries, place.at(item.offset), names);
+                    // What `--set` sets has no line and column, and an item may be named as one of the node is.
+                    let news = self.diagnostics[before..].iter_mut().filter(|found| found.line == 0);
+                    news.for_each(|found| found.port = Some(within(list.name, index, found.port.take())));
+                    Some(record)
                 })
                 .collect(),
             _ => {

@@ -269,7 +269,7 @@ impl<'a> Checker<'a> {
             && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
         if !legal {
             let found = format!("the name \"{}\"", shorten(name));
-            self.error(place, found, "letters, digits and _, not starting with a digit", "rename the node");
+            self.error(place, found, "a–z, A–Z, 0–9 and _, not starting with a digit", "rename the node");
         }
         let mut draft = Draft {
             name,

@@ -28,7 +28,7 @@ impl<'a> Checker<'a> {
             !entry.key.is_empty() && entry.key.chars().all(|c| c.is_ascii_alphanumeric() || c == '_' || c == '-');
         if !legal {
             let found = format!("the output name \"{}\"", shorten(&entry.key));
-            self.error(place, found, "letters, digits, _ and -", "rename the output");
+            self.error(place, found, "a–z, A–Z, 0–9, _ and -", "rename the output");
         }
         let entries = self.object(&entry.value, place, "an object with \"color\", \"weights\" or \"field\"")?;
         let mut spec = OutputSpec {
@@ -89,7 +89,7 @@ impl<'a> Checker<'a> {
                     self.error(
                         place,
                         item.value.brief(),
-                        "a layer name of letters, digits, _, - and spaces, or \"\" for the main layer",
+                        "a layer name of a–z, A–Z, 0–9, _, - and spaces, or \"\" for the main layer",
                         "write a name",
                     );
                 }

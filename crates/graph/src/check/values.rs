@@ -242,6 +242,8 @@ pub(super) fn count(min: usize, max: usize, what: &str) -> String {
     let plural = if max == 1 || what == "Weights" { "" } else { "s" };
     if min == max {
         format!("{min} {what}{plural}")
+    } else if max > 4096 && min == 0 {
+        format!("{what}{plural}")
     } else if max > 4096 {
         format!("at least {min} {what}{plural}")
     } else {

@@ -342,7 +342,8 @@ pub(super) fn selected(error: trochoid_io::Error, knob: Option<&str>) -> NodeErr
     match &error {
         trochoid_io::Error::NotFound { kind, existing, .. } if !existing.is_empty() => {
             let knob = knob.unwrap_or(if *kind == "channel" { "channels" } else { kind });
-            NodeError::new(format!("{error}, in the node's \"{knob}\", or to try it by --set NODE.{knob}=…"))
+            let node = NodeError::NODE;
+            NodeError::new(format!("{error}, in the node's \"{knob}\", or to try it by --set {node}.{knob}=…"))
         }
         _ => NodeError::new(error),
     }

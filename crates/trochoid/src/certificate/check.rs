@@ -169,7 +169,7 @@ pub fn verify(request: &Request<'_>, monitor: &dyn Monitor) -> Result<Verificati
     inputs(&mut found, &certificate, &graph, &outputs, &folder)?;
     let file = OutputFile { path: request.image.into(), outputs };
     let image = StoredImage::read(request.image)?;
-    pixels_of_file(&mut found, &certificate, &graph, &file, &image);
+    pixels_of_file(&mut found, (&certificate, request.certificate.display()), &graph, &file, &image);
     let mut checks = Vec::new();
     for (written, index) in certificate.outputs.iter().zip(&file.outputs) {
         checks.extend(PixelCheck::new(&mut found, &certificate, written, (&graph, *index), &image));
@@ -263,6 +263,9 @@ fn inputs(
     found.inputs = needed.len();
     let mut known = vec![false; certificate.inputs.len()];
     for path in &needed {
+        if !path.exists() {
+            return Err(CertificateError::NoInput { path: path.clone(), folder: folder.into() });
+        }
         let now = hashed(path, folder)?;
         let written = certificate.inputs.iter().position(|input| is_same(&folder.join(&input.path), path));
         match written.map(|index| (&certificate.inputs[index], &mut known[index])) {
@@ -283,26 +286,28 @@ fn inputs(
 /// Holds the image's shape and the hashes of its blocks against the certificate's.
 fn pixels_of_file(
     found: &mut Verification,
-    certificate: &Certificate,
+    (certificate, name): (&Certificate, std::path::Display<'_>),
     graph: &CheckedGraph,
     file: &OutputFile,
     image: &StoredImage,
 ) {
     let at = |what: &str| format!("{}: {what}", file.path.display());
+    let within = |field: &str| format!("{name}: image.{field}");
     let written = &certificate.image;
     let now = image.hashes(written.file.clone());
     found.same(at("kind of file"), &now.kind, &written.kind);
     found.same(at("parts"), &image.parts, &1);
     found.same(at("pixels"), &image.window.to_string(), &graph.format().window().to_string());
-    found.same("image, width and height", &Size([written.width, written.height]), &Size([now.width, now.height]));
-    let png = image.kind == FileKind::Png;
+    found.same(at("width and height"), &Size([now.width, now.height]), &Size([written.width, written.height]));
+    found.same(at("channels"), &now.channels, &written.channels);
+    // What the certificate says of the file that it is of, whichever file this is.
+    let png = written.kind == FileKind::Png.to_string();
     let of = |index: &usize| channels_of(graph, &graph.outputs()[*index], file, png);
     let mut channels: Vec<(String, SampleType)> = file.outputs.iter().flat_map(of).collect();
     channels.sort_by(|a, b| a.0.cmp(&b.0));
     let channels: Vec<ChannelText> =
         channels.into_iter().map(|(name, stored)| ChannelText { name, stored: stored.to_string() }).collect();
-    found.same(at("channels"), &now.channels, &channels);
-    found.same("image, channels", &written.channels, &channels);
+    found.same(within("channels"), &written.channels, &channels);
     for (output, index) in certificate.outputs.iter().zip(&file.outputs) {
         let names: Vec<String> = of(index).into_iter().map(|(name, _)| name).collect();
         found.same(format!("output \"{}\", channels", output.name), &output.channels, &names);
@@ -312,8 +317,8 @@ fn pixels_of_file(
         return;
     }
     found.blocks = now.blocks.len();
-    found.same("image, block", &written.block, &now.block);
-    found.same("image, number of blocks", &written.blocks.len(), &now.blocks.len());
+    found.same(within("block"), &written.block, &now.block);
+    found.same(within("blocks, their number"), &written.blocks.len(), &now.blocks.len());
     let blocks = image.window.tiles(now.block as usize, now.block as usize);
     let pairs = now.blocks.iter().zip(&written.blocks).zip(blocks).enumerate();
     let changed: Vec<_> = pairs.filter(|(_, ((now, written), _))| now != written).collect();
@@ -326,7 +331,7 @@ fn pixels_of_file(
         found.fail(at("further blocks"), format!("{} changed", changed.len() - NAMED), "none");
     }
     if changed.is_empty() {
-        found.same("image, pixels", &written.pixels, &now.pixels);
+        found.same(within("pixels"), &written.pixels, &now.pixels);
     }
 }
 

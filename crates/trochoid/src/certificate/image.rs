@@ -4,7 +4,7 @@ use super::{ChannelText, ImageHashes};
 use crate::files::target;
 use crate::marks::with_mark;
 use crate::output::{file_channels, folder_of_file};
-use crate::{OutputError, OutputFile};
+use crate::{Form, OutputError, OutputFile};
 use std::path::Path;
 use trochoid_engine::Certified;
 use trochoid_graph::CheckedGraph;
@@ -118,5 +118,5 @@ pub fn error_image(
     }
     let metadata = with_mark(metadata);
     let image = ExrImage { display: graph.format().window(), channels, metadata, ..ExrImage::new(data) };
-    Ok(write_exr(target(path, graph.access().overwrites()), &image)?)
+    Ok(write_exr(target(path, Form::Exr, graph.access().overwrites()), &image)?)
 }

@@ -27,6 +27,18 @@ pub enum CertificateError {
         /// Why.
         reason: String,
     },
+    /// A file that its document reads is not where the certificate's folder says.
+    #[error(
+        "{}: cannot open the file: there is none; it is an input of the certificate, and sought from the certificate's folder, \
+         {}\n  remedy: put the input there, or the certificate back into the folder that it was written into",
+        path.display(), folder.display()
+    )]
+    NoInput {
+        /// The input.
+        path: PathBuf,
+        /// The certificate's folder.
+        folder: PathBuf,
+    },
     /// The certificate cannot be written.
     #[error(transparent)]
     Write(#[from] OutputError),

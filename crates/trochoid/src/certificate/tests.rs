@@ -342,7 +342,7 @@ fn inputs_are_found_from_the_certificate_and_held_against_their_hashes() {
     assert!(failed.len() == 1 && failed[0].contains("in.exr: input"), "{failed:?}");
     std::fs::remove_file(at("in.exr")).expect("removed");
     let error = check(&at("out.certificate.json"), &at("out.exr"), Choice::All).expect_err("an input is missing");
-    assert!(matches!(&error, CertificateError::Read { path, .. } if path.ends_with("in.exr")), "{error}");
+    assert!(matches!(&error, CertificateError::NoInput { path, .. } if path.ends_with("in.exr")), "{error}");
 }
 
 /// Changes a certificate and makes its digest fit.

@@ -1,7 +1,7 @@
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
 use super::*;
-use crate::{Buffers, Cache, Plan, Settings, Silent, parse};
+use crate::{Buffers, Cache, Plan, Settings, Silent, parse, write_output};
 
 fn graph(outputs: &str) -> CheckedGraph {
     let text = format!(

@@ -1,0 +1,151 @@
+//! The files of a run, looked at before anything is evaluated.
+
+use super::Args;
+use super::certify::Beside;
+use crate::failure::Failure;
+use crate::files;
+use std::collections::{BTreeSet, HashMap};
+use std::path::{Path, PathBuf};
+use trochoid::{
+    Access, CheckedGraph, Form, InputFiles, OutputFile, check_destinations, output_files, outputs_lost, quoted,
+    quoted_path, refused_outputs, resolved,
+};
+
+/// What a run is to write.
+pub(super) struct Wanted<'a> {
+    pub(super) graph: &'a CheckedGraph,
+    pub(super) args: &'a Args,
+    pub(super) outputs: &'a [usize],
+    pub(super) frames: &'a [i64],
+}
+
+/// Files of a run, by where they lead: their names, and what is written there.
+pub(super) type Written = HashMap<PathBuf, (PathBuf, Form)>;
+
+impl Wanted<'_> {
+    /// Whether every file can be written, none is an input or the document itself, no two are one, and none replaces somebody
+    /// else's or outputs that this run does not make; the folders into which they go.
+    pub(super) fn check(&self, faults: &mut Vec<Failure>) -> BTreeSet<PathBuf> {
+        let Self { graph, args, .. } = *self;
+        let (files, beside) = match self.named() {
+            Ok(named) => named,
+            // What is wrong with a pattern is wrong at every frame.
+            Err(fault) => {
+                faults.push(fault);
+                return BTreeSet::new();
+            }
+        };
+        let outside = match args.out {
+            Some(_) => Vec::new(),
+            None => refused_outputs(graph, self.outputs, self.frames),
+        };
+        faults.extend(args.files.reach.refused(graph, self.outputs, self.frames, outside));
+        let read: Vec<&Path> = [args.graph.as_path()].into_iter().chain(args.plan.as_deref()).collect();
+        let inputs = InputFiles::new(graph, &read);
+        let mut written = Written::new();
+        faults.extend(files.iter().filter_map(|(_, file)| files::input(&file.path, &inputs)));
+        faults.extend(files.iter().filter_map(|(_, file)| taken_twice(&file.path, &mut written)));
+        faults.extend(beside.iter().flat_map(|beside| beside.refusals(&inputs, &mut written)));
+        let report = args.report.as_ref().filter(|_| !args.report_on_stdout());
+        if let Some(report) = report {
+            if written.contains_key(&resolved(report)) || inputs.contains(report) {
+                let message = format!("--report {}: is a file of the document or of the run", quoted_path(report));
+                faults.push(Failure::usage(message, "give the report another name"));
+            }
+            written.entry(resolved(report)).or_insert((report.clone(), Form::Report));
+        }
+        let mut all: Vec<&(PathBuf, Form)> = written.values().filter(|(path, _)| !inputs.contains(path)).collect();
+        all.sort_unstable_by_key(|(path, _)| path);
+        faults.extend(all.iter().filter_map(|(path, form)| args.files.over.foreign(path, *form)));
+        faults.extend(self.lost(&files));
+        faults.extend(check_destinations(all.iter().map(|(path, _)| path.as_path())).into_iter().map(Failure::from));
+        written.keys().filter_map(|path| path.parent()).map(Path::to_path_buf).collect()
+    }
+
+    /// The files of all frames that the run may write, and what stands beside them.
+    #[expect(clippy::type_complexity, reason = "a pair of lists")]
+    fn named(&self) -> Result<(Vec<(i64, OutputFile)>, Vec<Beside>), Failure> {
+        // What the document may not write is named all the same, so that all that is wrong is told at once.
+        let named = self.graph.clone().with_access(Access::everything());
+        let pattern = self.args.out.as_deref();
+        let may_write = |path: &Path| pattern.is_some() || self.graph.access().check(path).is_ok();
+        let several = self.frames.len() > 1;
+        let (mut written, mut beside) = (Vec::new(), Vec::new());
+        for &frame in self.frames {
+            let files = output_files(&named, self.outputs, frame, several, pattern)?;
+            beside.extend(Beside::of(self.graph, self.args, &files, frame, several)?);
+            written.extend(files.into_iter().filter(|file| may_write(&file.path)).map(|file| (frame, file)));
+        }
+        Ok((written, beside))
+    }
+
+    /// What is wrong with files that hold outputs of the document which this run would not write again; of several that want
+    /// the same remedy, the last one has it.
+    fn lost(&self, files: &[(i64, OutputFile)]) -> Vec<Failure> {
+        if self.args.files.over.overwrite {
+            return Vec::new();
+        }
+        let named = self.graph.clone().with_access(Access::everything());
+        let lost = |(frame, file): &(i64, OutputFile)| {
+            let lost = outputs_lost(&named, file, *frame);
+            (!lost.is_empty()).then(|| (self.message_of_lost(file, &lost), self.remedy_of_lost(&lost)))
+        };
+        let lost: Vec<(String, String)> = files.iter().filter_map(lost).collect();
+        let next = lost.iter().skip(1).map(Some).chain([None]);
+        let faults = lost.iter().zip(next).map(|((message, remedy), next)| {
+            let is_last = next.is_none_or(|(_, next)| next != remedy);
+            Failure::usage(message, if is_last { remedy } else { "" })
+        });
+        faults.collect()
+    }
+
+    fn names(&self, outputs: &[usize]) -> Vec<&str> {
+        outputs.iter().map(|index| self.graph.outputs()[*index].name.as_str()).collect()
+    }
+
+    fn message_of_lost(&self, file: &OutputFile, lost: &[usize]) -> String {
+        let (path, held, made) = (file.path.display(), self.names(lost), self.names(&file.outputs));
+        let plural = if held.len() == 1 { "" } else { "s" };
+        format!(
+            "{path}: found the output{plural} {} in it, which this run of {} would throw away; expected a run of all that the \
+             file holds",
+            held.join(", "),
+            made.join(", ")
+        )
+    }
+
+    fn remedy_of_lost(&self, lost: &[usize]) -> String {
+        let all = self.names(&[self.outputs, lost].concat());
+        let options: Vec<String> = all.iter().map(|name| format!("--output {}", quoted(name))).collect();
+        let options = options.join(" ");
+        match &self.args.out {
+            Some(_) => format!("give --out another name, or leave it out and give {options}; or allow it: --overwrite"),
+            None => {
+                let name = if self.outputs.len() == 1 { all[0].to_owned() } else { "{output}".to_owned() };
+                let other = quoted(&format!("{name}.####.exr"));
+                format!(
+                    "make all of them: {options}; or give another name, such as --out {other}; or allow it: --overwrite"
+                )
+            }
+        }
+    }
+}
+
+/// What is wrong with a picture's file that another one of the run is too, by a link.
+fn taken_twice(path: &Path, written: &mut Written) -> Option<Failure> {
+    let other = written.insert(resolved(path), (path.into(), Form::of_picture(path)))?;
+    let (path, other) = (path.display(), other.0.display());
+    let message =
+        format!("{path}: is the same file as {other}, of which one picture would be lost; expected two files");
+    Some(Failure::usage(message, "remove the link between them, or give another name"))
+}
+
+/// Takes a file for what is written beside a picture, unless it is one of the run already.
+pub(super) fn take(path: &Path, form: Form, written: &mut Written) -> bool {
+    let place = resolved(path);
+    let is_free = !written.contains_key(&place);
+    if is_free {
+        written.insert(place, (path.into(), form));
+    }
+    is_free
+}

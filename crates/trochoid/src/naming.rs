@@ -1,0 +1,232 @@
+//! Names of the files of frames.
+
+use crate::output::layer;
+use crate::{OutputError, OutputFile};
+use std::fmt;
+use std::path::{Component, Path, PathBuf};
+use trochoid_graph::{CheckedGraph, Kind, OutputSpec, escape_frame, expand_frame, one_frame_pattern, quoted, resolved};
+
+/// Why files cannot be named so.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct NameFault {
+    /// Where: an output of the document, or an option.
+    pub place: String,
+    /// What is wrong.
+    pub found: String,
+    /// What to do.
+    pub remedy: String,
+}
+
+impl fmt::Display for NameFault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: {}\n  remedy: {}", self.place, self.found, self.remedy)
+    }
+}
+
+/// Faults, each once: what is wrong with a pattern is said once, however many outputs it names.
+#[derive(Default)]
+struct Faults(Vec<NameFault>);
+
+impl Faults {
+    fn add(&mut self, place: &str, found: impl Into<String>, remedy: impl Into<String>) {
+        let fault = NameFault { place: place.into(), found: found.into(), remedy: remedy.into() };
+        if !self.0.contains(&fault) {
+            self.0.push(fault);
+        }
+    }
+
+    /// What is wrong with a pattern as it is written, of which `template` has the known placeholders filled in.
+    fn of_pattern(&mut self, place: &str, written: &str, template: &str, several_frames: bool) {
+        if let Some((_, rest)) = template.split_once('{') {
+            let found = rest.split_once('}').map_or(rest, |(name, _)| name);
+            let found = format!("\"{written}\" has the unknown placeholder {{{found}}}");
+            self.add(place, found, "write {output}, #### or %04d, which are known");
+        }
+        if let Some(one) = one_frame_pattern(written) {
+            let found = format!("found two frame patterns in \"{written}\"; expected one");
+            let (json, word) = (serde_json::Value::from(one.as_str()), quoted(&one));
+            let remedy = format!(
+                "a # or % of the name itself has a backslash before it: such as {json} in a document, {word} in a shell"
+            );
+            self.add(place, found, remedy);
+        }
+        if several_frames && is_same_at_all_frames(template) {
+            let remedy = format!("add #### or %04d to it, such as \"{}\"", with_frame(written));
+            self.add(place, format!("\"{written}\" gives all frames one name"), remedy);
+        }
+    }
+}
+
+/// Names the files of some outputs at a frame.
+///
+/// `pattern` is relative to the current folder and knows `{output}` and `####` or `%04d`; without one, each
+/// output's own `file` counts, relative to the document, or else `{output}.####.exr`. Outputs of a document
+/// that name the same file share it as layers, by whatever links and names they lead there.
+///
+/// # Errors
+/// A pattern that gives several outputs, or several frames, one name; an ending that cannot be written; a file of the
+/// document where it may not write.
+pub fn output_files(
+    graph: &CheckedGraph,
+    outputs: &[usize],
+    frame: i64,
+    several_frames: bool,
+    pattern: Option<&str>,
+) -> Result<Vec<OutputFile>, OutputError> {
+    let mut faults = Faults::default();
+    let given = pattern.map(|pattern| format!("--out {}", quoted(pattern)));
+    if let (Some(pattern), Some(place)) = (pattern, &given)
+        && outputs.len() > 1
+        && !pattern.contains("{output}")
+    {
+        let found = format!("the pattern \"{pattern}\" gives {} outputs one name", outputs.len());
+        faults.add(place, found, "add {output} to it, or choose one output with --output");
+    }
+    let mut files: Vec<OutputFile> = Vec::new();
+    let mut places: Vec<PathBuf> = Vec::new();
+    let mut refused = None;
+    for &index in outputs {
+        let spec = &graph.outputs()[index];
+        let place = given.clone().unwrap_or_else(|| place_of(graph, spec, "file"));
+        let own = spec.file.as_deref();
+        let written = pattern.or(own).unwrap_or("{output}.####.exr");
+        let template = written.replace("{output}", &escape_frame(&spec.name));
+        faults.of_pattern(&place, written, &template, several_frames);
+        let lower = template.to_lowercase();
+        let is_png = lower.ends_with(".png");
+        if !lower.ends_with(".exr") && !is_png {
+            let found = format!("\"{written}\" has an ending that cannot be written");
+            faults.add(&place, found, "let the name end with .exr or .png");
+        }
+        if is_png && !matches!(spec.kind, Kind::Color | Kind::Weights(2)) {
+            let found = format!("output \"{}\" is a {}, which PNG cannot hold", spec.name, spec.kind);
+            faults.add(&place, found, "write it as .exr");
+        }
+        let asked = if pattern.is_none() { own_file(graph, spec, frame) } else { None };
+        if let Some(path) = asked.as_ref().filter(|_| refused.is_none()) {
+            refused = graph.check_written(spec, path).err();
+        }
+        let path = normalized(&asked.unwrap_or_else(|| expand_frame(&template, frame).into()));
+        // By whatever links: names that are hard links stay two files, since writing one gives it a file of its own.
+        let leads_to = if outputs.len() > 1 { resolved(&path) } else { path.clone() };
+        match places.iter().position(|place| *place == leads_to) {
+            Some(at) => {
+                let file = &mut files[at];
+                // A pattern without {output} was refused already.
+                if is_png && pattern.is_none_or(|pattern| pattern.contains("{output}")) {
+                    let other = &graph.outputs()[file.outputs[0]].name;
+                    let found = format!(
+                        "\"{written}\" is the file of several outputs, of \"{other}\" as well; expected one in a PNG"
+                    );
+                    faults.add(&place, found, "give it another name, or use .exr, which holds several");
+                }
+                file.outputs.push(index);
+            }
+            None => {
+                files.push(OutputFile { path, outputs: vec![index] });
+                places.push(leads_to);
+            }
+        }
+    }
+    files.iter().for_each(|file| refuse_same_layers(graph, file, &mut faults));
+    match refused {
+        _ if !faults.0.is_empty() => Err(OutputError::Pattern(faults.0)),
+        Some(refused) => Err(OutputError::Refused(refused)),
+        None => Ok(files),
+    }
+}
+
+/// Refuses outputs of a file that are the same layer of it.
+fn refuse_same_layers(graph: &CheckedGraph, file: &OutputFile, faults: &mut Faults) {
+    let specs: Vec<&OutputSpec> = file.outputs.iter().map(|index| &graph.outputs()[*index]).collect();
+    for (at, spec) in specs.iter().enumerate() {
+        let name = layer(spec, file);
+        if let Some(other) = specs[..at].iter().find(|other| layer(other, file) == name) {
+            let found =
+                format!("two outputs are the layer \"{name}\" of {}, \"{}\" as well", file.path.display(), other.name);
+            faults.add(
+                &place_of(graph, spec, "layer"),
+                found,
+                "give one of them another \"layer\", or another \"file\"",
+            );
+        }
+    }
+}
+
+/// An item of an output in the document.
+fn place_of(graph: &CheckedGraph, spec: &OutputSpec, item: &str) -> String {
+    let [line, column] = spec.place;
+    format!("{}:{line}:{column}: output \"{}\", {item}", graph.name(), spec.name)
+}
+
+/// Where the document itself wants an output.
+pub(crate) fn own_file(graph: &CheckedGraph, spec: &OutputSpec, frame: i64) -> Option<PathBuf> {
+    let template = spec.file.as_ref()?.replace("{output}", &escape_frame(&spec.name));
+    Some(graph.folder().join(expand_frame(&template, frame)))
+}
+
+/// Names a further file for each file of a frame, such as its certificate.
+///
+/// `pattern`, which `option` gives, is relative to the current folder and knows `{output}` (the names of a file's outputs, with
+/// `+` between them) and `####` or `%04d`; `ending` is what the names must end with, such as ".json".
+///
+/// # Errors
+/// A pattern that gives several files, or several frames, one name; another ending.
+pub fn companion_files(
+    graph: &CheckedGraph,
+    files: &[OutputFile],
+    (frame, several_frames): (i64, bool),
+    (option, pattern): (&str, &str),
+    ending: &str,
+) -> Result<Vec<PathBuf>, OutputError> {
+    let mut faults = Faults::default();
+    let place = format!("{option} {}", quoted(pattern));
+    if files.len() > 1 && !pattern.contains("{output}") {
+        let found = format!("the pattern \"{pattern}\" gives {} files one name", files.len());
+        faults.add(&place, found, "add {output} to it, or choose one output with --output");
+    }
+    if !pattern.to_lowercase().ends_with(ending) {
+        faults.add(&place, format!("\"{pattern}\" has another ending than {ending}"), "add it");
+    }
+    faults.of_pattern(&place, pattern, &pattern.replace("{output}", ""), several_frames);
+    if !faults.0.is_empty() {
+        return Err(OutputError::Pattern(faults.0));
+    }
+    let name = |file: &OutputFile| {
+        let names: Vec<&str> = file.outputs.iter().map(|index| graph.outputs()[*index].name.as_str()).collect();
+        normalized(Path::new(&expand_frame(&pattern.replace("{output}", &escape_frame(&names.join("+"))), frame)))
+    };
+    Ok(files.iter().map(name).collect())
+}
+
+fn is_same_at_all_frames(template: &str) -> bool {
+    expand_frame(template, 0) == expand_frame(template, 1)
+}
+
+/// A name with the frame before its ending.
+fn with_frame(written: &str) -> String {
+    match written.rsplit_once('.') {
+        Some((name, ending)) if !name.is_empty() && !ending.contains('/') => format!("{name}.####.{ending}"),
+        _ => format!("{written}.####"),
+    }
+}
+
+/// The path without `.` and without `folder/..`, so that two spellings of one file are one.
+fn normalized(path: &Path) -> PathBuf {
+    let mut out = PathBuf::new();
+    for part in path.components() {
+        let folder = matches!(out.components().next_back(), Some(Component::Normal(_)));
+        match part {
+            Component::CurDir => {}
+            Component::ParentDir if folder => {
+                out.pop();
+            }
+            part => out.push(part),
+        }
+    }
+    out
+}
+
+#[cfg(test)]
+#[path = "naming_tests.rs"]
+mod tests;
