@@ -226,7 +226,7 @@ fn newer_ui(editor: &mut Editor, context: &Context, after: Option<After>) -> Opt
 
 fn external_ui(editor: &mut Editor, context: &Context) -> Option<Prompt> {
     let mut answer = None;
-    let changed = editor.state().session.is_changed();
+    let changed = editor.is_unsaved();
     Modal::new("external".into()).show(context, |ui| {
         titled(ui, "The file has changed");
         ui.label(format!("Another program has changed “{}”.", editor.state().session.title()));

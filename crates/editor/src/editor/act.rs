@@ -27,6 +27,9 @@ pub enum After {
     Close,
 }
 
+/// What became of saving a text that is no JSON.
+const NOT_SAVED: &str = "Nothing was saved";
+
 impl Editor {
     /// Does what was asked for.
     pub fn act(&mut self, action: Action, context: &Context) {
@@ -46,16 +49,21 @@ impl Editor {
             Action::Seal => state.session.seal(),
             Action::Rewrite(text) => {
                 state.session.replace(&text, "Edit the text");
+                self.panels.source.take();
                 self.changed();
             }
             Action::Undo => {
-                if let Some(label) = state.session.undo() {
+                if self.settle("Nothing was undone")
+                    && let Some(label) = self.state.session.undo()
+                {
                     self.toasts.basic(format!("Undone: {label}")).duration(Some(Duration::from_millis(1500)));
                     self.changed();
                 }
             }
             Action::Redo => {
-                if let Some(label) = state.session.redo() {
+                if self.settle("Nothing was done again")
+                    && let Some(label) = self.state.session.redo()
+                {
                     self.toasts.basic(format!("Redone: {label}")).duration(Some(Duration::from_millis(1500)));
                     self.changed();
                 }
@@ -112,13 +120,20 @@ impl Editor {
             Action::OpenFile(file) => self.leave(After::Open(file), context),
             Action::Quit => self.leave(After::Close, context),
             Action::Save => self.store(None, context),
-            Action::SaveAs => self.prompts.ask_save(&state.session, None),
-            Action::Reload => match state.session.reload() {
-                Ok(()) => self.changed(),
-                Err(error) => {
-                    self.toasts.error(error);
+            Action::SaveAs => {
+                if self.settle(NOT_SAVED) {
+                    self.prompts.ask_save(&self.state.session, None);
                 }
-            },
+            }
+            Action::Reload => {
+                self.settle("It stays there");
+                match self.state.session.reload() {
+                    Ok(()) => self.changed(),
+                    Err(error) => {
+                        self.toasts.error(error);
+                    }
+                }
+            }
             Action::Copy | Action::Cut => {
                 let text = edit::copied(&crate::canvas::placed(&sheet), &names);
                 context.copy_text(text.clone());
@@ -261,6 +276,9 @@ impl Editor {
             }
             return None;
         }
+        if !self.settle("Nothing else was changed") {
+            return None;
+        }
         let before = self.state.session.revision();
         match change(&mut self.state.session) {
             Ok(made) => {
@@ -274,6 +292,22 @@ impl Editor {
                 None
             }
         }
+    }
+
+    /// Applies what is typed in the panel of the text, before something else is done with the document. Where that is no
+    /// JSON, says so, with what became of it; false then.
+    fn settle(&mut self, outcome: &str) -> bool {
+        let Some(text) = self.panels.source.pending() else { return true };
+        if let Err(error) = serde_json::from_str::<serde::de::IgnoredAny>(text) {
+            let why = "the text typed in the panel \"Text\" is no JSON";
+            self.toasts.error(format!("{outcome}: {why}: {error}. Correct it there, or revert it"));
+            return false;
+        }
+        if let Some(text) = self.panels.source.take() {
+            self.state.session.replace(&text, "Edit the text");
+            self.changed();
+        }
+        true
     }
 
     /// What follows from a change of the document.
@@ -295,7 +329,7 @@ impl Editor {
 
     /// Leaves this document for something else, unless there is unsaved work: then a question comes first.
     pub(super) fn leave(&mut self, after: After, context: &Context) {
-        if self.state.session.is_changed() {
+        if self.is_unsaved() {
             self.prompts.unsaved(after);
         } else {
             self.go(after, context);
@@ -325,6 +359,9 @@ impl Editor {
 
     /// Saves to the document's file, or asks where to; goes on to something else then.
     pub(crate) fn store(&mut self, after: Option<After>, context: &Context) {
+        if !self.settle(NOT_SAVED) {
+            return;
+        }
         let session = &self.state.session;
         let newer = Standing::of(&session.sheet().value).is_newer();
         match session.file().map(Path::to_path_buf) {
@@ -372,13 +409,14 @@ impl Editor {
         session.recover(&kept.text);
         self.start(session, context);
         // It is not in the file yet, so it is kept again before the old copy goes.
-        if let Some(keeper) = &self.keeper {
-            keeper.keep(self.state.session.file(), self.state.session.text());
-        }
+        self.copy();
         crate::document::keep::discard(kept);
     }
 
     pub(super) fn render(&mut self, context: &Context) {
+        if !self.settle("Nothing was rendered") {
+            return;
+        }
         let Some(graph) = self.state.session.meaning().graph.clone() else {
             self.toasts.warning("The document has errors: correct them before rendering");
             return;

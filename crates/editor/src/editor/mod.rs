@@ -8,7 +8,7 @@ mod play;
 use crate::actions::Action;
 use crate::canvas::Canvas;
 use crate::commands::Space;
-use crate::document::keep::{Keeper, Kept, kept};
+use crate::document::keep::{Keeper, Kept, discard, kept};
 use crate::document::{Session, Sheet};
 use crate::evaluate::Worker;
 use crate::layout::{self, Pane};
@@ -51,8 +51,7 @@ pub struct Editor {
     pub(crate) worker: Worker,
     asked: Asked,
     keeper: Option<Keeper>,
-    /// The revision that is kept, and when the first change since was made.
-    kept: (u64, Option<Instant>),
+    kept: Backup,
     watcher: Watcher,
     renderer: Option<Renderer>,
     /// Nodes that were copied here, and the folder that their paths are relative to.
@@ -70,6 +69,15 @@ pub struct Editor {
     later: Vec<Action>,
     space: Space,
     closing: bool,
+}
+
+/// What there is a copy of, in case that the editor ends unexpectedly.
+#[derive(Default)]
+struct Backup {
+    /// The revision, and how much had been typed; `None` where there is no copy.
+    what: Option<(u64, u64)>,
+    /// When the first change since was seen.
+    since: Option<Instant>,
 }
 
 /// Notices come where they cover neither tabs nor the title: over the graph, off the timeline and the status below it.
@@ -113,7 +121,7 @@ impl Editor {
             worker,
             asked: Asked::default(),
             keeper,
-            kept: (session.revision(), None),
+            kept: Backup::default(),
             watcher: Watcher::default(),
             renderer: None,
             copied: None,
@@ -138,6 +146,8 @@ impl Editor {
         let folder = self.prompts.data().map(|data| data.join("unsaved"));
         let file = self.state.session.file().map(reach::whole);
         let all = folder.as_deref().map(kept).unwrap_or_default();
+        let (saved, all): (Vec<Kept>, Vec<Kept>) = all.into_iter().partition(Kept::is_saved);
+        saved.iter().for_each(discard);
         let (own, others): (Vec<Kept>, Vec<Kept>) =
             all.into_iter().partition(|kept| kept.file.as_deref().map(reach::whole) == file);
         if !own.is_empty() {
@@ -172,8 +182,13 @@ impl Editor {
 
     /// The title of the window.
     pub fn title(&self) -> String {
-        let changed = if self.state.session.is_changed() { "• " } else { "" };
+        let changed = if self.is_unsaved() { "• " } else { "" };
         format!("{changed}{} — Trochoid", self.state.session.title())
+    }
+
+    /// Whether there is work that is not in the document's file.
+    pub fn is_unsaved(&self) -> bool {
+        self.state.session.is_changed() || self.panels.source.pending().is_some()
     }
 
     /// Whether the window may close now.
@@ -294,7 +309,8 @@ impl Editor {
         if let Some(keeper) = &self.keeper {
             keeper.forget();
         }
-        self.kept = (session.revision(), None);
+        self.kept = Backup::default();
+        self.panels.source = Source::default();
         self.known = session.sheet().clone();
         self.state = State::new(session);
         self.forget_frames();
@@ -303,25 +319,32 @@ impl Editor {
         self.opened(context);
     }
 
-    /// Keeps a copy of unsaved work within a second of a change.
+    /// Keeps a copy of unsaved work within a second of a change, as long as there is some.
     fn keep(&mut self, context: &Context) {
-        let session = &self.state.session;
         let Some(keeper) = &self.keeper else { return };
-        if session.revision() == self.kept.0 {
+        if !self.is_unsaved() {
+            if std::mem::take(&mut self.kept).what.is_some() {
+                keeper.forget();
+            }
             return;
         }
-        if !session.is_changed() {
-            keeper.forget();
-            self.kept = (session.revision(), None);
+        let what = Some((self.state.session.revision(), self.panels.source.typings()));
+        if self.kept.what == what {
             return;
         }
-        let since = *self.kept.1.get_or_insert_with(Instant::now);
+        let since = *self.kept.since.get_or_insert_with(Instant::now);
         match crate::document::keep::AFTER.checked_sub(since.elapsed()) {
             Some(left) if !left.is_zero() => context.request_repaint_after(left),
-            _ => {
-                keeper.keep(session.file(), session.text());
-                self.kept = (session.revision(), None);
-            }
+            _ => self.copy(),
+        }
+    }
+
+    /// Copies the work as it is: what is typed and not applied is what it will be.
+    fn copy(&mut self) {
+        let (session, source) = (&self.state.session, &self.panels.source);
+        if let Some(keeper) = &self.keeper {
+            keeper.keep(session.file(), source.pending().unwrap_or(session.text()));
+            self.kept = Backup { what: Some((session.revision(), source.typings())), since: None };
         }
     }
 }

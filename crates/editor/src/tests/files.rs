@@ -120,7 +120,7 @@ fn unsaved_work_is_offered_for_its_own_document_alone() {
     std::fs::write(&one, DUSK).unwrap();
     std::fs::write(&two, DUSK).unwrap();
     let asks = |window: &Window| window.query_by_label("Recover unsaved work?").is_some();
-    let copy = kept(folder.path(), 0, Some(&one), DUSK);
+    let copy = kept(folder.path(), 0, Some(&one), &DUSK.replace("0.25", "0.5"));
     let mut first = window(Session::open(&two).unwrap(), data.clone());
     assert!(!asks(&first), "another was opened");
     // It is when it is opened, however it is named.

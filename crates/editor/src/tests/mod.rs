@@ -6,6 +6,7 @@ mod looking;
 mod panels;
 mod play;
 mod reach;
+mod safety;
 pub(crate) mod shots;
 mod snapshots;
 mod typing;
