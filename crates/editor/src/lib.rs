@@ -28,7 +28,7 @@ mod plots;
 mod prompts;
 mod properties;
 mod prose;
-mod reach;
+pub mod reach;
 mod recent;
 mod refusal;
 mod render;

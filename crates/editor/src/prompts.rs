@@ -271,8 +271,8 @@ fn reach_ui(editor: &mut Editor, context: &Context, refused: Vec<Refused>) -> Op
         allowed = crate::reach::buttons_ui(ui, &refused, editor.state().session.file().is_some());
         cancel = ui.button("Cancel").clicked();
     });
-    if let Some(folder) = allowed {
-        editor.act(Action::Allow(folder), context);
+    if let Some(grant) = allowed {
+        editor.act(Action::Allow(grant), context);
         editor.act(Action::Render, context);
         return None;
     }

@@ -205,9 +205,9 @@ impl Editor {
             Action::Frames => self.panels.canvas.frame(),
             Action::AddNode => self.panels.canvas.search(),
             Action::Render => self.render(context),
-            Action::Allow(folder) => self.allow(&folder),
+            Action::Allow(grant) => self.allow(grant),
             Action::ShowAllowed => self.prompts.allowed(),
-            Action::Forbid(document, folder) => self.forbid(document.as_deref(), &folder),
+            Action::Forbid(document, grant) => self.forbid(document.as_deref(), &grant),
             Action::CancelRender => {
                 if let Some(renderer) = &self.renderer {
                     renderer.cancel();

@@ -14,7 +14,7 @@ use crate::evaluate::Worker;
 use crate::layout::{self, Pane};
 use crate::prompts::Prompts;
 use crate::properties::Properties;
-use crate::reach;
+use crate::reach::{self, Grant};
 use crate::render::Renderer;
 use crate::report::Report;
 use crate::source::Source;
@@ -47,7 +47,7 @@ pub struct Editor {
     /// What this run lets every document reach besides its own.
     allowed: Vec<PathBuf>,
     /// What this document was allowed, the newest first: remembered where it has a file.
-    pub(crate) answers: Vec<PathBuf>,
+    pub(crate) answers: Vec<Grant>,
     pub(crate) worker: Worker,
     asked: Asked,
     keeper: Option<Keeper>,
@@ -258,7 +258,7 @@ impl Editor {
     /// Lets the document reach what it was allowed before.
     fn grant(&mut self) {
         let session = &mut self.state.session;
-        session.set_access(reach::access(&session.folder(), self.allowed.iter().chain(&self.answers)));
+        session.set_access(reach::access(&session.folder(), &self.allowed, &self.answers));
     }
 
     /// Takes up what was answered for the document that is open now.
@@ -268,25 +268,25 @@ impl Editor {
         self.grant();
     }
 
-    /// Lets the document reach a folder, and remembers it.
-    fn allow(&mut self, folder: &Path) {
+    /// Allows the document something, and remembers it.
+    fn allow(&mut self, grant: Grant) {
         if let Some((file, data)) = self.state.session.file().zip(self.prompts.data()) {
-            reach::remember(data, file, folder);
+            reach::remember(data, file, &grant);
         }
-        self.answers.retain(|known| known != folder);
-        self.answers.insert(0, folder.into());
+        self.answers.retain(|known| *known != grant);
+        self.answers.insert(0, grant);
         self.grant();
         self.changed();
     }
 
-    /// Takes a folder back that a document was allowed; the one that is open where none is named.
-    fn forbid(&mut self, document: Option<&Path>, folder: &Path) {
+    /// Takes back what a document was allowed; the one that is open where none is named.
+    fn forbid(&mut self, document: Option<&Path>, grant: &Grant) {
         if let Some((document, data)) = document.or(self.state.session.file()).zip(self.prompts.data()) {
-            reach::forget(data, document, folder);
+            reach::forget(data, document, grant);
         }
         let own = self.state.session.file().map(reach::whole);
         if document.is_none() || document.map(reach::whole) == own {
-            self.answers.retain(|known| known != folder);
+            self.answers.retain(|known| known != grant);
             self.grant();
             self.changed();
         }
