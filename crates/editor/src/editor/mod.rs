@@ -169,14 +169,15 @@ impl Editor {
 
     /// What is kept of the window until the editor starts next.
     pub fn kept_window(&self, context: &Context) -> String {
-        layout::written(&self.tree, context.options(|options| options.theme_preference))
+        layout::written(&self.tree, (context.options(|options| options.theme_preference), context.zoom_factor()))
     }
 
     /// Lays the window out as it was kept; one that cannot be read stays as it is at first.
     pub fn restore(&mut self, kept: &str, context: &Context) {
-        if let Some((tree, theme)) = layout::read(kept) {
+        if let Some((tree, (theme, zoom))) = layout::read(kept) {
             self.tree = tree;
             context.set_theme(theme);
+            context.set_zoom_factor(zoom);
         }
     }
 
