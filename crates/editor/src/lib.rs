@@ -24,6 +24,7 @@ pub mod evaluate;
 mod field;
 mod format;
 pub mod layout;
+mod notices;
 mod plots;
 mod prompts;
 mod properties;

@@ -56,7 +56,7 @@ impl Editor {
                 if self.settle("Nothing was undone")
                     && let Some(label) = self.state.session.undo()
                 {
-                    self.toasts.basic(format!("Undone: {label}")).duration(Some(Duration::from_millis(1500)));
+                    self.notices.plain(format!("Undone: {label}"));
                     self.changed();
                 }
             }
@@ -64,7 +64,7 @@ impl Editor {
                 if self.settle("Nothing was done again")
                     && let Some(label) = self.state.session.redo()
                 {
-                    self.toasts.basic(format!("Redone: {label}")).duration(Some(Duration::from_millis(1500)));
+                    self.notices.plain(format!("Redone: {label}"));
                     self.changed();
                 }
             }
@@ -130,7 +130,7 @@ impl Editor {
                 match self.state.session.reload() {
                     Ok(()) => self.changed(),
                     Err(error) => {
-                        self.toasts.error(error);
+                        self.notices.error(error);
                     }
                 }
             }
@@ -148,7 +148,7 @@ impl Editor {
                     self.state.selection = names.into_iter().collect();
                 }
                 None => {
-                    self.toasts.warning("The clipboard holds no nodes: copy some from a graph, or their JSON");
+                    self.notices.warning("The clipboard holds no nodes: copy some from a graph, or their JSON");
                 }
             },
             Action::Duplicate => {
@@ -225,7 +225,7 @@ impl Editor {
                 context.set_theme(if dark { egui::Theme::Light } else { egui::Theme::Dark });
             }
             Action::Notice(text) => {
-                self.toasts.info(text);
+                self.notices.info(text);
             }
         }
     }
@@ -241,7 +241,7 @@ impl Editor {
                 self.edit(edit);
                 self.state.session.seal();
             }
-            None => drop(self.toasts.warning(output::unfit(&sheet, (node, index)))),
+            None => self.notices.warning(output::unfit(&sheet, (node, index))),
         }
     }
 
@@ -271,7 +271,7 @@ impl Editor {
         if !self.state.session.meaning().readable {
             // Once, however fast one types.
             if self.complained.is_none_or(|since| since.elapsed() > Duration::from_secs(5)) {
-                self.toasts.error("The text is not JSON: correct it in the panel \"Text\" first");
+                self.notices.error("The text is not JSON: correct it in the panel \"Text\" first");
                 self.complained = Some(Instant::now());
             }
             return None;
@@ -288,7 +288,7 @@ impl Editor {
                 Some(made)
             }
             Err(error) => {
-                self.toasts.error(error.to_string());
+                self.notices.error(error.to_string());
                 None
             }
         }
@@ -300,7 +300,7 @@ impl Editor {
         let Some(text) = self.panels.source.pending() else { return true };
         if let Err(error) = serde_json::from_str::<serde::de::IgnoredAny>(text) {
             let why = "the text typed in the panel \"Text\" is no JSON";
-            self.toasts.error(format!("{outcome}: {why}: {error}. Correct it there, or revert it"));
+            self.notices.error(format!("{outcome}: {why}: {error}. Correct it there, or revert it"));
             return false;
         }
         if let Some(text) = self.panels.source.take() {
@@ -347,7 +347,7 @@ impl Editor {
                     self.offer();
                 }
                 Err(error) => {
-                    self.toasts.error(error);
+                    self.notices.error(error);
                 }
             },
             After::Close => {
@@ -377,12 +377,12 @@ impl Editor {
         // The watcher tells of this write too; it is what we know already then.
         match self.state.session.save(file) {
             Ok(paths) => {
-                self.toasts.success(format!("Saved {}", file.display())).duration(Some(Duration::from_millis(1500)));
+                self.notices.success(format!("Saved {}", file.display()));
                 if paths > 0 {
                     let what = edit::count(paths, "relative path");
                     let (were, they) = if paths == 1 { ("was", "it leads") } else { ("were", "they lead") };
                     let text = format!("{what} {were} rewritten so that {they} to the same files from the new folder");
-                    self.toasts.info(text).duration(Some(Duration::from_secs(8)));
+                    self.notices.info(text);
                 }
                 if moves {
                     self.watcher.watch(Some(file), context);
@@ -397,7 +397,7 @@ impl Editor {
                 }
             }
             Err(error) => {
-                self.toasts.error(error).duration(None);
+                self.notices.error(error);
             }
         }
     }
@@ -418,7 +418,7 @@ impl Editor {
             return;
         }
         let Some(graph) = self.state.session.meaning().graph.clone() else {
-            self.toasts.warning("The document has errors: correct them before rendering");
+            self.notices.warning("The document has errors: correct them before rendering");
             return;
         };
         match Renderer::start(graph, self.state.range, context.clone()) {
@@ -428,7 +428,7 @@ impl Editor {
             }
             Err(Obstacle::Refused(refused)) => self.prompts.reach(refused),
             Err(Obstacle::Because(why)) => {
-                self.toasts.error(why).duration(None);
+                self.notices.error(why);
             }
         }
     }
@@ -443,10 +443,10 @@ impl Editor {
         self.state.render = None;
         match outcome {
             Ok(message) => {
-                self.toasts.success(message).duration(None);
+                self.notices.success(message);
             }
             Err(message) => {
-                self.toasts.error(message).duration(None);
+                self.notices.error(message);
             }
         }
     }

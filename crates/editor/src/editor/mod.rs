@@ -12,6 +12,7 @@ use crate::document::keep::{Keeper, Kept, discard, kept};
 use crate::document::{Session, Sheet};
 use crate::evaluate::Worker;
 use crate::layout::{self, Pane};
+use crate::notices::Notices;
 use crate::prompts::Prompts;
 use crate::properties::Properties;
 use crate::reach::{self, Grant};
@@ -24,13 +25,12 @@ use crate::viewer::Viewer;
 use crate::watch::Watcher;
 use crate::waves::Waves;
 use egui::{Context, Ui};
-use egui_notify::{Anchor, Toasts};
 use pictures::Asked;
 use play::Playback;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 pub use act::After;
 
@@ -40,7 +40,7 @@ pub struct Editor {
     pub(crate) tree: egui_tiles::Tree<Pane>,
     pub(crate) panels: Panels,
     pub(crate) prompts: Prompts,
-    pub(crate) toasts: Toasts,
+    pub(crate) notices: Notices,
     /// The complaint about the text that was shown last, and when.
     complained: Option<Instant>,
     pub(crate) recent: Vec<PathBuf>,
@@ -80,9 +80,6 @@ struct Backup {
     since: Option<Instant>,
 }
 
-/// Notices come where they cover neither tabs nor the title: over the graph, off the timeline and the status below it.
-const ABOVE_TIMELINE: egui::Vec2 = egui::vec2(8.0, 66.0);
-
 /// What panels hold besides what all see.
 #[derive(Default)]
 pub(crate) struct Panels {
@@ -113,7 +110,7 @@ impl Editor {
             tree: layout::first(),
             panels: Panels::default(),
             prompts: Prompts::new(data),
-            toasts: Toasts::default().with_anchor(Anchor::BottomLeft).with_margin(ABOVE_TIMELINE),
+            notices: Notices::default(),
             complained: None,
             recent,
             allowed: Vec::new(),
@@ -157,7 +154,7 @@ impl Editor {
             let files: BTreeSet<&Path> = others.iter().filter_map(|kept| kept.file.as_deref()).collect();
             for file in files {
                 let text = format!("Unsaved work of {} was kept: open it to recover that", file.display());
-                self.toasts.info(text).duration(Some(Duration::from_secs(12)));
+                self.notices.info(text);
             }
         }
     }
@@ -312,6 +309,7 @@ impl Editor {
         }
         self.kept = Backup::default();
         self.panels.source = Source::default();
+        self.notices.leave();
         self.known = session.sheet().clone();
         self.state = State::new(session);
         self.forget_frames();

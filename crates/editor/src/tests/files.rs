@@ -129,7 +129,7 @@ fn unsaved_work_is_offered_for_its_own_document_alone() {
     drop(first);
     let bare = window(dusk(), data.clone());
     assert!(!asks(&bare));
-    assert_eq!(editor(&bare).toasts.len(), 1, "it is told where it belongs");
+    assert_eq!(editor(&bare).notices.texts().len(), 1, "it is told where it belongs");
     drop(bare);
     std::fs::remove_file(copy).unwrap();
     // What was never saved belongs to no document.
@@ -197,7 +197,7 @@ fn a_document_saved_elsewhere_shows_the_same_picture_and_says_what_it_rewrote() 
     let file = other.join("copy.json");
     window.state_mut().as_mut().unwrap().save(&file, None, &context);
     window.run_steps(3);
-    assert_eq!(editor(&window).toasts.len(), 2, "that it is saved, and what was rewritten");
+    assert_eq!(editor(&window).notices.texts().len(), 2, "that it is saved, and what was rewritten");
     finished(&mut window);
     // From there they lead out of its folder.
     act(&mut window, Action::Allow(crate::reach::Grant::Read(folder.path().join("shot"))));

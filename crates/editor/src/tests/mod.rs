@@ -9,6 +9,7 @@ mod reach;
 mod safety;
 pub(crate) mod shots;
 mod snapshots;
+mod told;
 mod typing;
 mod versions;
 

@@ -158,7 +158,7 @@ fn text_that_is_no_json_is_not_saved_in_silence() {
     desk.saves();
     assert_eq!(desk.stored(), DUSK);
     assert!(desk.dot());
-    assert_eq!(editor(&desk.window).toasts.len(), 1);
+    assert_eq!(editor(&desk.window).notices.texts().len(), 1);
     // Nor does anything else change the document beneath it.
     desk.act(moved());
     desk.act(Action::SaveAs);
