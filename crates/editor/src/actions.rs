@@ -2,6 +2,7 @@
 
 use crate::document::{Edit, Path, Point};
 use crate::evaluate::Display;
+use crate::reach::Grant;
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 
@@ -102,12 +103,12 @@ pub enum Action {
     Render,
     /// Stop that.
     CancelRender,
-    /// Let this document reach a folder, with all beneath it.
-    Allow(PathBuf),
+    /// Let this document read or write in a folder, with all beneath it.
+    Allow(Grant),
     /// Show which folders documents were allowed.
     ShowAllowed,
-    /// Take a folder back that a document was allowed; the one that is open where none is named.
-    Forbid(Option<PathBuf>, PathBuf),
+    /// Take back what a document was allowed; the one that is open where none is named.
+    Forbid(Option<PathBuf>, Grant),
     /// Open the command palette.
     Palette,
     /// Show a panel, or bring it to the front.

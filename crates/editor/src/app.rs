@@ -18,8 +18,8 @@ pub enum OpenError {
     Window(String),
 }
 
-/// Under which key the window is kept.
-const KEY: &str = "window";
+/// Under which key the panels are kept. The system's window has `window`.
+const KEY: &str = "panels";
 
 struct App {
     editor: Editor,
@@ -54,7 +54,13 @@ impl eframe::App for App {
         }
     }
 
+    /// It grows with every widget that was ever seen, and holds nothing that must last: what must is in [`KEY`].
+    fn persist_egui_memory(&self) -> bool {
+        false
+    }
+
     fn save(&mut self, storage: &mut dyn eframe::Storage) {
+        storage.remove_string("egui");
         storage.set_string(KEY, self.editor.kept_window(&self.context));
     }
 }
@@ -136,8 +142,15 @@ mod tests {
         assert!(first.editor.tree != layout::first());
         let context = first.context.clone();
         context.set_theme(egui::Theme::Light);
+        // The factor counts from the next frame on.
+        context.set_zoom_factor(1.25);
+        context.run_ui(egui::RawInput::default(), |_| {}).textures_delta.clear();
+        storage.set_string("egui", "of an older run".into());
         first.save(&mut storage);
+        assert!(storage.get_string("egui").is_none() && !first.persist_egui_memory());
         let mut second = app(Some(&storage));
+        second.context.run_ui(egui::RawInput::default(), |_| {}).textures_delta.clear();
+        assert_eq!(second.context.zoom_factor(), 1.25);
         assert!(second.editor.tree == first.editor.tree);
         assert_eq!(second.context.options(|options| options.theme_preference), egui::ThemePreference::Light);
         let context = second.context.clone();
@@ -150,19 +163,19 @@ mod tests {
     fn what_is_damaged_or_of_another_version_is_as_at_first() {
         let mut tree = layout::first();
         layout::bring(&mut tree, Pane::Text);
-        let whole = layout::written(&tree, egui::ThemePreference::Dark);
+        let whole = layout::written(&tree, (egui::ThemePreference::Dark, 1.0));
         assert!(layout::read(&whole).is_some_and(|(read, _)| read == tree));
         let without = |pane: Pane| {
             let mut tree = layout::first();
             let tile = tree.tiles.find_pane(&pane).unwrap();
             tree.remove_recursively(tile);
-            layout::written(&tree, egui::ThemePreference::Dark)
+            layout::written(&tree, (egui::ThemePreference::Dark, 1.0))
         };
         let doubled = {
             let mut tree = layout::first();
             let tile = tree.tiles.find_pane(&Pane::Text).unwrap();
             tree.tiles.insert(tile, egui_tiles::Tile::Pane(Pane::Waves));
-            layout::written(&tree, egui::ThemePreference::Dark)
+            layout::written(&tree, (egui::ThemePreference::Dark, 1.0))
         };
         let looped = {
             let mut tree = layout::first();
@@ -170,7 +183,7 @@ mod tests {
             if let Some(egui_tiles::Tile::Container(container)) = tree.tiles.get_mut(root) {
                 container.add_child(root);
             }
-            layout::written(&tree, egui::ThemePreference::Dark)
+            layout::written(&tree, (egui::ThemePreference::Dark, 1.0))
         };
         let damaged = [
             String::new(),

@@ -35,6 +35,11 @@ impl Gesture {
         (response.dragged() && response.drag_delta() != egui::Vec2::ZERO).then_some(Self(None))
     }
 
+    /// A drag, its last step included.
+    pub(crate) fn dragged(response: &Response) -> Option<Self> {
+        (response.dragged() || response.drag_stopped()).then_some(Self(None))
+    }
+
     /// A press on a widget, from its first moment on.
     pub(crate) fn press(response: &Response) -> Option<(Self, Pos2)> {
         response.interact_pointer_pos().map(|at| (Self(None), at))

@@ -75,18 +75,26 @@ struct Kept<T> {
     version: u32,
     panels: T,
     theme: ThemePreference,
+    /// By how much the interface is enlarged.
+    #[serde(default = "unscaled")]
+    zoom: f32,
 }
 
-/// The window as a text to be kept.
-pub fn written(panels: &Tree<Pane>, theme: ThemePreference) -> String {
+fn unscaled() -> f32 {
+    1.0
+}
+
+/// Panels, theme and enlargement as a text to be kept.
+pub fn written(panels: &Tree<Pane>, (theme, zoom): (ThemePreference, f32)) -> String {
     // Whatever cannot be written is laid out as at first when the editor starts next.
-    serde_json::to_string(&Kept { version: VERSION, panels, theme }).unwrap_or_default()
+    serde_json::to_string(&Kept { version: VERSION, panels, theme, zoom }).unwrap_or_default()
 }
 
 /// The window as it was kept; `None` where that is damaged, or of a version with other panels.
-pub fn read(text: &str) -> Option<(Tree<Pane>, ThemePreference)> {
+pub fn read(text: &str) -> Option<(Tree<Pane>, (ThemePreference, f32))> {
     let kept: Kept<Tree<Pane>> = serde_json::from_str(text).ok()?;
-    (kept.version == VERSION && is_whole(&kept.panels)).then_some((kept.panels, kept.theme))
+    let legal = kept.version == VERSION && is_whole(&kept.panels) && (0.2..=5.0).contains(&kept.zoom);
+    legal.then_some((kept.panels, (kept.theme, kept.zoom)))
 }
 
 /// Whether every panel can be reached, once, and has room.

@@ -35,6 +35,8 @@ enum Prompt {
     /// Whether the document may reach further, so that it can be rendered.
     Reach(Vec<Refused>),
     Recover(Vec<Kept>),
+    /// Whether to write over this file, and what comes after it.
+    Replace(PathBuf, Option<After>),
     /// What documents were allowed.
     Allowed,
     Palette {
@@ -132,6 +134,7 @@ pub(crate) fn prompts_ui(editor: &mut Editor, context: &Context, actions: &mut V
         Prompt::External => external_ui(editor, context),
         Prompt::Reach(refused) => reach_ui(editor, context, refused),
         Prompt::Recover(kept) => recover_ui(editor, context, kept),
+        Prompt::Replace(file, after) => replace_ui(editor, context, file, after),
         Prompt::Allowed => crate::reach::allowed_ui(editor, context).then_some(Prompt::Allowed),
         Prompt::Palette { text, chosen } => palette_ui(editor, context, text, chosen, actions),
     };
@@ -146,15 +149,55 @@ fn files_ui(editor: &mut Editor, context: &Context) {
         editor.prompts.asking = None;
         match asking {
             Asking::Open => editor.go(After::Open(file), context),
-            Asking::Save(after) => editor.save(&file, after, context),
+            Asking::Save(after) => {
+                let whole = meant(&file, editor.prompts.dialog.selected_entry().map(|entry| entry.to_path_buf()));
+                // The dialog has asked about the file that it named, and about no other.
+                if whole != file && whole.exists() {
+                    editor.prompts.open = Some(Prompt::Replace(whole, after));
+                } else {
+                    editor.save(&whole, after, context);
+                }
+            }
         }
     } else if !matches!(editor.prompts.dialog.state(), egui_file_dialog::DialogState::Open) {
         editor.prompts.asking = None;
     }
 }
 
+/// The file that is meant by one that the dialog names: in the folder that is highlighted there, and with the ending that
+/// the dialog shows.
+fn meant(file: &Path, highlighted: Option<PathBuf>) -> PathBuf {
+    let folder = highlighted.filter(|entry| entry.is_dir() && entry.parent() == file.parent());
+    let name = file.file_name().unwrap_or_default();
+    let mut whole = folder.map_or_else(|| file.as_os_str().to_owned(), |folder| folder.join(name).into_os_string());
+    if file.extension().is_none_or(|end| end != "json") {
+        whole.push(".json");
+    }
+    whole.into()
+}
+
+fn replace_ui(editor: &mut Editor, context: &Context, file: PathBuf, after: Option<After>) -> Option<Prompt> {
+    let (mut replace, mut cancel) = (false, false);
+    let modal = Modal::new("replace".into()).show(context, |ui| {
+        titled(ui, "Replace the file?");
+        let text = format!("{} is there already.", file.display());
+        ui.add(egui::Label::new(&text).truncate()).on_hover_text(&text);
+        ui.add_space(8.0);
+        ui.horizontal(|ui| {
+            replace = ui.button("Replace").clicked();
+            cancel = ui.button("Cancel").clicked();
+        });
+    });
+    if replace {
+        editor.save(&file, after, context);
+        return None;
+    }
+    (!cancel && !modal.should_close()).then_some(Prompt::Replace(file, after))
+}
+
 pub(crate) fn titled(ui: &mut Ui, title: &str) {
-    ui.set_max_width(460.0);
+    // As wide whatever stands in it: nothing moves under the hand.
+    ui.set_width(460.0);
     ui.label(RichText::new(title).heading());
     ui.add_space(4.0);
 }
@@ -163,7 +206,8 @@ fn unsaved_ui(editor: &mut Editor, context: &Context, after: After) -> Option<Pr
     let mut answer = None;
     let modal = Modal::new("unsaved".into()).show(context, |ui| {
         titled(ui, "Save changes?");
-        ui.label(format!("“{}” has changes that are not saved.", editor.state().session.title()));
+        let text = format!("“{}” has changes that are not saved.", editor.state().session.title());
+        ui.add(egui::Label::new(&text).truncate()).on_hover_text(&text);
         ui.add_space(8.0);
         ui.horizontal(|ui| {
             for word in ["Save", "Discard", "Cancel"] {
@@ -226,7 +270,7 @@ fn newer_ui(editor: &mut Editor, context: &Context, after: Option<After>) -> Opt
 
 fn external_ui(editor: &mut Editor, context: &Context) -> Option<Prompt> {
     let mut answer = None;
-    let changed = editor.state().session.is_changed();
+    let changed = editor.is_unsaved();
     Modal::new("external".into()).show(context, |ui| {
         titled(ui, "The file has changed");
         ui.label(format!("Another program has changed “{}”.", editor.state().session.title()));
@@ -264,15 +308,15 @@ fn reach_ui(editor: &mut Editor, context: &Context, refused: Vec<Refused>) -> Op
         ui.add_space(4.0);
         ScrollArea::vertical().max_height(240.0).show(ui, |ui| {
             for refused in &refused {
-                ui.label(refused.diagnostic().to_string());
+                ui.label(crate::prose::here(&refused.diagnostic().to_string()));
             }
         });
         ui.add_space(8.0);
         allowed = crate::reach::buttons_ui(ui, &refused, editor.state().session.file().is_some());
         cancel = ui.button("Cancel").clicked();
     });
-    if let Some(folder) = allowed {
-        editor.act(Action::Allow(folder), context);
+    if let Some(grant) = allowed {
+        editor.act(Action::Allow(grant), context);
         editor.act(Action::Render, context);
         return None;
     }
@@ -410,4 +454,23 @@ fn palette_ui(
 pub(crate) fn moved(ui: &Ui, chosen: usize, count: usize) -> usize {
     let step = ui.input(|input| input.num_presses(Key::ArrowDown) as i64 - input.num_presses(Key::ArrowUp) as i64);
     (chosen as i64 + step).clamp(0, count.saturating_sub(1) as i64) as usize
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_is_saved_in_the_folder_that_is_highlighted_as_json() {
+        let folder = tempfile::tempdir().unwrap();
+        let new = folder.path().join("new");
+        std::fs::create_dir(&new).unwrap();
+        let at = |name: &str| folder.path().join(name);
+        assert_eq!(meant(&at("untitled"), None), at("untitled.json"));
+        assert_eq!(meant(&at("shot.v2"), None), at("shot.v2.json"));
+        assert_eq!(meant(&at("dusk.json"), None), at("dusk.json"));
+        assert_eq!(meant(&at("dusk.json"), Some(new.clone())), new.join("dusk.json"));
+        std::fs::write(at("dusk.json"), "").unwrap();
+        assert_eq!(meant(&at("dusk.json"), Some(at("dusk.json"))), at("dusk.json"), "a file is no folder");
+    }
 }

@@ -6,7 +6,7 @@ use crate::editor::Editor;
 use crate::prompts::titled;
 use egui::{Context, Modal, ScrollArea, Ui, WidgetInfo, WidgetType};
 use std::path::{Path, PathBuf};
-use trochoid::{Access, Refused};
+use trochoid::{Access, Refused, Right};
 
 /// How many documents are remembered.
 const MOST: usize = 200;
@@ -17,8 +17,47 @@ const MOST_FOLDERS: usize = 50;
 /// Most bytes of the list: paths are short.
 const MOST_BYTES: u64 = 16 << 20;
 
-/// A document, and the folders that were allowed it.
-type Answer = (PathBuf, Vec<PathBuf>);
+/// A folder that a document was allowed, with all beneath it, and for what. As it is remembered: a path alone is of reading.
+#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(untagged)]
+pub enum Grant {
+    /// It may read there.
+    Read(PathBuf),
+    /// It may write there.
+    Write {
+        /// Where.
+        write: PathBuf,
+    },
+}
+
+impl Grant {
+    /// What was refused, allowed.
+    fn of(refused: &Refused) -> Self {
+        let folder = refused.outside.folder().to_path_buf();
+        match refused.right() {
+            Right::Read => Self::Read(folder),
+            Right::Write => Self::Write { write: folder },
+        }
+    }
+
+    /// The folder, what may be done there, and the word for that.
+    fn parts(&self) -> (&Path, Right, &'static str) {
+        match self {
+            Self::Read(folder) => (folder, Right::Read, "reading"),
+            Self::Write { write } => (write, Right::Write, "writing"),
+        }
+    }
+}
+
+impl std::fmt::Display for Grant {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let (folder, _, doing) = self.parts();
+        write!(f, "{doing} {}", folder.display())
+    }
+}
+
+/// A document, and what was allowed it.
+type Answer = (PathBuf, Vec<Grant>);
 
 fn list(data: &Path) -> PathBuf {
     data.join("allowed.json")
@@ -34,34 +73,34 @@ pub(crate) fn whole(document: &Path) -> PathBuf {
     document.canonicalize().or_else(|_| std::path::absolute(document)).unwrap_or_else(|_| document.into())
 }
 
-/// The folders that were allowed a document.
-pub(crate) fn remembered(data: &Path, document: &Path) -> Vec<PathBuf> {
+/// What was allowed a document.
+pub(crate) fn remembered(data: &Path, document: &Path) -> Vec<Grant> {
     let document = whole(document);
-    read(data).into_iter().find(|(known, _)| *known == document).map_or_else(Vec::new, |(_, folders)| folders)
+    read(data).into_iter().find(|(known, _)| *known == document).map_or_else(Vec::new, |(_, grants)| grants)
 }
 
-/// Remembers a folder that was allowed a document.
-pub(crate) fn remember(data: &Path, document: &Path, folder: &Path) {
-    let mut folders = remembered(data, document);
-    folders.retain(|known| known != folder);
-    folders.insert(0, folder.into());
-    folders.truncate(MOST_FOLDERS);
-    write(data, whole(document), folders);
+/// Remembers what was allowed a document.
+pub(crate) fn remember(data: &Path, document: &Path, grant: &Grant) {
+    let mut grants = remembered(data, document);
+    grants.retain(|known| known != grant);
+    grants.insert(0, grant.clone());
+    grants.truncate(MOST_FOLDERS);
+    write(data, whole(document), grants);
 }
 
-/// Remembers no more that a folder was allowed a document.
-pub(crate) fn forget(data: &Path, document: &Path, folder: &Path) {
-    let mut folders = remembered(data, document);
-    folders.retain(|known| known != folder);
-    write(data, whole(document), folders);
+/// Remembers no more that this was allowed a document.
+pub(crate) fn forget(data: &Path, document: &Path, grant: &Grant) {
+    let mut grants = remembered(data, document);
+    grants.retain(|known| known != grant);
+    write(data, whole(document), grants);
 }
 
-/// Puts a document's folders before those of all others.
-fn write(data: &Path, document: PathBuf, folders: Vec<PathBuf>) {
+/// Puts what was allowed a document before that of all others.
+fn write(data: &Path, document: PathBuf, grants: Vec<Grant>) {
     let mut answers = read(data);
     answers.retain(|(known, _)| *known != document);
-    if !folders.is_empty() {
-        answers.insert(0, (document, folders));
+    if !grants.is_empty() {
+        answers.insert(0, (document, grants));
     }
     answers.truncate(MOST);
     if let Ok(text) = serde_json::to_string_pretty(&answers) {
@@ -70,33 +109,35 @@ fn write(data: &Path, document: PathBuf, folders: Vec<PathBuf>) {
     }
 }
 
-/// What a document of a folder may reach, with what was allowed it.
-pub(crate) fn access<'p>(folder: &Path, allowed: impl IntoIterator<Item = &'p PathBuf>) -> Access {
-    allowed.into_iter().fold(Access::usual(folder), |access, path| access.allowing(path))
+/// What a document of a folder may reach: what this run allows, and what was allowed the document.
+pub(crate) fn access(folder: &Path, run: &[PathBuf], grants: &[Grant]) -> Access {
+    let access = run.iter().fold(Access::usual(folder), |access, path| access.allowing(path));
+    grants.iter().map(Grant::parts).fold(access, |access, (folder, right, _)| access.granting(folder, right))
 }
 
-/// A button for each folder that files were refused of; gives the one that is allowed.
-pub(crate) fn buttons_ui(ui: &mut Ui, refused: &[Refused], has_file: bool) -> Option<PathBuf> {
+/// A button for each folder that files were refused of; gives what is allowed.
+pub(crate) fn buttons_ui(ui: &mut Ui, refused: &[Refused], has_file: bool) -> Option<Grant> {
     let mut allowed = None;
-    for (index, one) in refused.iter().enumerate() {
-        let folder = one.outside.folder();
-        if refused[..index].iter().any(|before| before.outside.folder() == folder) {
+    let mut asked: Vec<Grant> = Vec::new();
+    for one in refused {
+        let grant = Grant::of(one);
+        if asked.contains(&grant) {
             continue;
         }
-        let doing = if one.node.is_some() { "reading" } else { "writing" };
-        let button = egui::Button::new(format!("Allow {doing} {}", folder.display())).wrap();
-        if ui.add(button).on_hover_text(help(one, has_file)).clicked() {
-            allowed = Some(folder.to_path_buf());
+        let button = egui::Button::new(format!("Allow {grant}")).wrap();
+        if ui.add(button).on_hover_text(help(one, &grant, has_file)).clicked() {
+            allowed = Some(grant.clone());
         }
+        asked.push(grant);
     }
     allowed
 }
 
 /// What is asked for, where it leads, and what follows from an answer.
-fn help(refused: &Refused, has_file: bool) -> String {
-    let asks = match &refused.node {
-        Some(node) => format!("The node “{node}” asks to read"),
-        None => "An output asks to write".into(),
+fn help(refused: &Refused, grant: &Grant, has_file: bool) -> String {
+    let (asks, may) = match &refused.node {
+        Some(node) => (format!("The node “{node}” asks to read"), "read"),
+        None => ("An output asks to write".into(), "write"),
     };
     let (path, leads_to) = (refused.path.display(), refused.outside.leads_to.display());
     let lasts = match has_file {
@@ -104,9 +145,9 @@ fn help(refused: &Refused, has_file: bool) -> String {
         false => "This lasts until the document is saved or closed; then it is asked again.",
     };
     format!(
-        "{asks} {path}\nwhich leads to {leads_to}\n\nThat is outside of what this document may reach. Allow it if you trust \
-         the document: it may then read and write in {} and all folders beneath. {lasts}",
-        refused.outside.folder().display()
+        "{asks} {path}\nwhich leads to {leads_to}\n\nThat is outside of what this document may {may}. Allow it if you trust \
+         the document: it may then {may} in {} and all folders beneath. {lasts}",
+        grant.parts().0.display()
     )
 }
 
@@ -120,15 +161,15 @@ pub(crate) fn allowed_ui(editor: &mut Editor, context: &Context) -> bool {
     let mut closes = false;
     let modal = Modal::new("allowed".into()).show(context, |ui| {
         titled(ui, "Allowed folders");
-        ui.label("What documents may read and write besides their own folders, because it was allowed here.");
+        ui.label("Where documents may read and write besides their own folders, because it was allowed here.");
         ui.add_space(4.0);
         ScrollArea::vertical().max_height(320.0).show(ui, |ui| {
             ui.strong(format!("{} (open)", state.session.title()));
-            asked = folders_ui(ui, &editor.answers).map(|folder| Action::Forbid(None, folder));
-            for (document, folders) in &others {
+            asked = grants_ui(ui, &editor.answers).map(|grant| Action::Forbid(None, grant));
+            for (document, grants) in &others {
                 ui.add_space(4.0);
                 ui.strong(document.display().to_string());
-                let taken = folders_ui(ui, folders).map(|folder| Action::Forbid(Some(document.clone()), folder));
+                let taken = grants_ui(ui, grants).map(|grant| Action::Forbid(Some(document.clone()), grant));
                 asked = asked.take().or(taken);
             }
         });
@@ -141,21 +182,20 @@ pub(crate) fn allowed_ui(editor: &mut Editor, context: &Context) -> bool {
     !closes && !modal.should_close()
 }
 
-/// A row for each folder; gives the one that is taken back.
-fn folders_ui(ui: &mut Ui, folders: &[PathBuf]) -> Option<PathBuf> {
+/// A row for each folder, with what is allowed there; gives what is taken back.
+fn grants_ui(ui: &mut Ui, grants: &[Grant]) -> Option<Grant> {
     let mut taken = None;
-    if folders.is_empty() {
+    if grants.is_empty() {
         ui.weak("No folder besides its own.");
     }
-    for folder in folders {
+    for grant in grants {
         ui.horizontal(|ui| {
             let remove = ui.button("Remove").on_hover_text("It is asked again when the document needs it next.");
-            let named = format!("Remove {}", folder.display());
-            remove.widget_info(|| WidgetInfo::labeled(WidgetType::Button, true, &named));
+            remove.widget_info(|| WidgetInfo::labeled(WidgetType::Button, true, format!("Remove {grant}")));
             if remove.clicked() {
-                taken = Some(folder.clone());
+                taken = Some(grant.clone());
             }
-            ui.add(egui::Label::new(folder.display().to_string()).wrap());
+            ui.add(egui::Label::new(grant.to_string()).wrap());
         });
     }
     taken
@@ -165,26 +205,45 @@ fn folders_ui(ui: &mut Ui, folders: &[PathBuf]) -> Option<PathBuf> {
 mod tests {
     use super::*;
 
+    fn reading(folder: &str) -> Grant {
+        Grant::Read(folder.into())
+    }
+
     #[test]
     fn answers_go_by_document_and_the_oldest_is_forgotten() {
         let data = tempfile::tempdir().unwrap();
         let document = |index: usize| data.path().join(format!("{index}.json"));
         for index in 0..=MOST {
-            remember(data.path(), &document(index), Path::new("/one"));
+            remember(data.path(), &document(index), &reading("/one"));
         }
-        remember(data.path(), &document(1), Path::new("/two"));
-        remember(data.path(), &document(1), Path::new("/one"));
-        assert_eq!(remembered(data.path(), &document(1)), [Path::new("/one"), Path::new("/two")]);
-        assert_eq!(remembered(data.path(), &document(MOST)), [Path::new("/one")]);
+        let writing = Grant::Write { write: "/one".into() };
+        remember(data.path(), &document(1), &writing);
+        remember(data.path(), &document(1), &reading("/one"));
+        assert_eq!(remembered(data.path(), &document(1)), [reading("/one"), writing.clone()]);
+        assert_eq!(remembered(data.path(), &document(MOST)), [reading("/one")]);
         assert!(remembered(data.path(), &document(0)).is_empty());
         assert_eq!(read(data.path()).len(), MOST);
+        forget(data.path(), &document(1), &reading("/one"));
+        assert_eq!(remembered(data.path(), &document(1)), [writing]);
+    }
+
+    #[test]
+    fn what_was_remembered_without_saying_for_what_is_for_reading() {
+        let data = tempfile::tempdir().unwrap();
+        let document = data.path().join("a.json");
+        let old = serde_json::json!([[whole(&document), ["/one"]]]);
+        std::fs::write(list(data.path()), old.to_string()).unwrap();
+        assert_eq!(remembered(data.path(), &document), [reading("/one")]);
+        let access = access(data.path(), &[], &remembered(data.path(), &document));
+        assert!(access.check(Path::new("/one/x.png")).is_ok());
+        assert!(access.check_for(Path::new("/one/x.png"), Right::Write).is_err());
     }
 
     #[test]
     fn a_list_that_is_damaged_allows_nothing() {
         let data = tempfile::tempdir().unwrap();
         let document = data.path().join("a.json");
-        remember(data.path(), &document, Path::new("/one"));
+        remember(data.path(), &document, &reading("/one"));
         let text = std::fs::read_to_string(list(data.path())).unwrap();
         std::fs::write(list(data.path()), &text[..text.len() / 2]).unwrap();
         assert!(remembered(data.path(), &document).is_empty());

@@ -7,24 +7,55 @@ use egui::{RichText, ScrollArea, TextEdit, Ui};
 /// The text while it is being edited.
 #[derive(Debug, Default)]
 pub(crate) struct Source {
-    /// What is typed, and of which revision of the document it began.
-    draft: Option<(u64, String)>,
+    draft: Option<Draft>,
+    /// Grows with all that is typed.
+    typings: u64,
+}
+
+#[derive(Debug)]
+struct Draft {
+    /// The revision of the document that it was compared with.
+    revision: u64,
+    text: String,
+    /// Whether it differs from that.
+    typed: bool,
+}
+
+impl Source {
+    /// What is typed and not applied yet.
+    pub(crate) fn pending(&self) -> Option<&str> {
+        self.draft.as_ref().filter(|draft| draft.typed).map(|draft| draft.text.as_str())
+    }
+
+    /// The same, which is applied now.
+    pub(crate) fn take(&mut self) -> Option<String> {
+        self.draft.take().filter(|draft| draft.typed).map(|draft| draft.text)
+    }
+
+    /// Grows with all that is typed.
+    pub(crate) fn typings(&self) -> u64 {
+        self.typings
+    }
 }
 
 /// Shows the text, and its faults with their places.
 pub(crate) fn source_ui(source: &mut Source, ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
     let session = &state.session;
-    if source.draft.as_ref().is_some_and(|(revision, _)| *revision != session.revision()) {
-        // Something else has changed the document; what was typed would undo that.
-        source.draft = None;
+    if let Some(draft) = source.draft.as_mut().filter(|draft| draft.revision != session.revision()) {
+        draft.revision = session.revision();
+        // What is typed stays, whatever becomes of the document meanwhile.
+        if !draft.typed {
+            draft.text = session.text().into();
+        }
+        draft.typed = draft.text != session.text();
     }
-    let typed = source.draft.as_ref().is_some_and(|(_, text)| text != session.text());
+    let typed = source.pending().is_some();
     ui.horizontal(|ui| {
         if ui
             .add_enabled(typed, egui::Button::new("Apply"))
             .on_hover_text("Makes this the document (one step of undo).")
             .clicked()
-            && let Some((_, text)) = source.draft.take()
+            && let Some(text) = source.take()
         {
             actions.push(Action::Rewrite(text));
         }
@@ -49,8 +80,15 @@ pub(crate) fn source_ui(source: &mut Source, ui: &mut Ui, state: &State, actions
         .on_hover_text(&fault.remedy);
     }
     ScrollArea::both().auto_shrink(false).show(ui, |ui| {
-        let (_, text) = source.draft.get_or_insert_with(|| (session.revision(), session.text().to_string()));
-        let edit = TextEdit::multiline(text).code_editor().desired_width(f32::INFINITY);
-        ui.add(edit);
+        let draft = source.draft.get_or_insert_with(|| Draft {
+            revision: session.revision(),
+            text: session.text().into(),
+            typed: false,
+        });
+        let edit = TextEdit::multiline(&mut draft.text).code_editor().desired_width(f32::INFINITY);
+        if ui.add(edit).changed() {
+            draft.typed = draft.text != session.text();
+            source.typings += 1;
+        }
     });
 }

@@ -63,6 +63,10 @@ pub struct Seen {
     pub last: Option<Arc<Result>>,
     /// Why there is none, in a sentence.
     pub failed: Option<String>,
+    /// The node that it failed at, where what is wrong shows in evaluation alone.
+    pub culprit: Option<String>,
+    /// Whether it failed in evaluation, and not because there is nothing to be looked at.
+    pub broken: bool,
     /// Files that it failed for because the document may not read them.
     pub refused: Vec<Refused>,
     /// How much of the picture is done; `None` where nothing is being evaluated.
@@ -156,6 +160,16 @@ impl State {
     pub fn chosen(&self) -> Option<&str> {
         let mut names = self.selection.iter();
         names.next().filter(|_| names.next().is_none()).map(String::as_str)
+    }
+
+    /// What is wrong that the document does not show and evaluation does: the node, where it is one's, and what.
+    pub fn broken(&self) -> Option<(Option<&str>, &str)> {
+        let (seen, meaning) = (&self.seen, self.session.meaning());
+        let failed = seen.failed.as_deref().filter(|_| seen.broken)?;
+        let culprit = seen.culprit.as_deref();
+        // What is told of the node already is the same.
+        let known = meaning.errors().any(|error| error.node.as_deref() == culprit);
+        (!known).then_some((culprit, failed))
     }
 
     /// The first fault of a node, or of the nearest one above it that has one: its name and what is wrong.

@@ -25,7 +25,7 @@ pub(crate) fn window_ui(editor: &mut Editor, ui: &mut Ui, actions: &mut Vec<Acti
     });
     let context = ui.ctx().clone();
     crate::prompts::prompts_ui(editor, &context, actions);
-    editor.toasts.show(&context);
+    editor.notices.show(&context);
 }
 
 /// Draws panels where they lie.
@@ -136,19 +136,26 @@ fn version_ui(state: &State, ui: &mut Ui, actions: &mut Vec<Action>) {
 fn status_ui(state: &State, ui: &mut Ui, actions: &mut Vec<Action>) {
     ui.horizontal(|ui| {
         let meaning = state.session.meaning();
-        let errors = meaning.errors().count();
-        let warnings = meaning.diagnostics.len() - errors;
+        let broken = state.broken();
+        let told = meaning.errors().count();
+        let errors = told + usize::from(broken.is_some());
+        let warnings = meaning.diagnostics.len() - told;
         if errors > 0 {
             let text = crate::document::edit::count(errors, "error");
             let mut label = ui.button(RichText::new(text).color(crate::theme::error(ui.visuals())));
             for fault in meaning.errors().take(6) {
                 label = label.on_hover_text(fault.to_string());
             }
+            if let Some((_, failed)) = broken {
+                label = label.on_hover_text(failed);
+            }
             // The culprit is what one wants to see.
             let culprit = meaning.errors().find_map(|fault| fault.node.clone());
+            let culprit = culprit.or_else(|| broken.and_then(|(node, _)| node.map(String::from)));
             if label.clicked() {
                 match culprit {
                     Some(node) => actions.push(Action::Visit(node)),
+                    None if told == 0 => actions.push(Action::Panel(Pane::Viewer)),
                     None => actions.push(Action::Panel(Pane::Text)),
                 }
             }

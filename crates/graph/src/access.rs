@@ -19,9 +19,43 @@ use std::path::{Component, Path, PathBuf};
 /// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Access {
-    /// Resolved; `None` is everything.
-    roots: Option<Vec<PathBuf>>,
+    /// `None` is everything.
+    roots: Option<Vec<Root>>,
     overwrites: bool,
+}
+
+/// A folder with all beneath it, or a file, and what may be done there.
+#[derive(Clone, Debug, PartialEq, Eq)]
+struct Root {
+    /// Resolved.
+    path: PathBuf,
+    rights: &'static [Right],
+}
+
+/// What a document may make a program do with a file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Right {
+    /// Read it.
+    Read,
+    /// Write it.
+    Write,
+}
+
+impl Right {
+    const BOTH: &[Self] = &[Self::Read, Self::Write];
+
+    fn alone(self) -> &'static [Self] {
+        match self {
+            Self::Read => &[Self::Read],
+            Self::Write => &[Self::Write],
+        }
+    }
+}
+
+impl Root {
+    fn new(path: &Path, rights: &'static [Right]) -> Self {
+        Self { path: resolved(path), rights }
+    }
 }
 
 /// A path that leads where a document may not reach.
@@ -84,7 +118,7 @@ impl std::fmt::Display for Outside {
 impl Access {
     /// What lies beneath one folder: for servers, to which a document is a stranger's.
     pub fn beneath(folder: &Path) -> Self {
-        Self { roots: Some(vec![resolved(folder)]), overwrites: false }
+        Self { roots: Some(vec![Root::new(folder, Right::BOTH)]), overwrites: false }
     }
 
     /// What lies beneath a document's folder and, where that lies beneath the current folder, beneath that one. What a
@@ -92,9 +126,9 @@ impl Access {
     ///
     /// The root of the file system is the current folder of services: it counts as none.
     pub fn usual(folder: &Path) -> Self {
-        let own = resolved(folder);
-        let current = resolved(Path::new("."));
-        let holds = own.starts_with(&current) && current.parent().is_some() && own != current;
+        let own = Root::new(folder, Right::BOTH);
+        let current = Root::new(Path::new("."), Right::BOTH);
+        let holds = own.path.starts_with(&current.path) && current.path.parent().is_some() && own != current;
         Self { roots: Some([own].into_iter().chain(holds.then_some(current)).collect()), overwrites: false }
     }
 
@@ -105,9 +139,19 @@ impl Access {
 
     /// The same, and a file, or a folder with all beneath it.
     #[must_use]
-    pub fn allowing(mut self, path: &Path) -> Self {
+    pub fn allowing(self, path: &Path) -> Self {
+        self.with(path, Right::BOTH)
+    }
+
+    /// The same, and a file, or a folder with all beneath it, for one thing alone.
+    #[must_use]
+    pub fn granting(self, path: &Path, right: Right) -> Self {
+        self.with(path, right.alone())
+    }
+
+    fn with(mut self, path: &Path, rights: &'static [Right]) -> Self {
         if let Some(roots) = &mut self.roots {
-            roots.push(resolved(path));
+            roots.push(Root::new(path, rights));
         }
         self
     }
@@ -123,17 +167,27 @@ impl Access {
         self.overwrites
     }
 
-    /// Whether a path may be read and written; it need not exist.
+    /// Whether a path may be read; it need not exist.
     ///
     /// # Errors
     /// It leads elsewhere.
     pub fn check(&self, path: &Path) -> Result<(), Outside> {
+        self.check_for(path, Right::Read)
+    }
+
+    /// Whether this may be done with a path; it need not exist.
+    ///
+    /// # Errors
+    /// It leads elsewhere.
+    pub fn check_for(&self, path: &Path, right: Right) -> Result<(), Outside> {
         let Some(roots) = &self.roots else { return Ok(()) };
         let leads_to = resolved(path);
+        let roots: Vec<&PathBuf> =
+            roots.iter().filter(|root| root.rights.contains(&right)).map(|root| &root.path).collect();
         if roots.iter().any(|root| leads_to.starts_with(root)) {
             return Ok(());
         }
-        Err(Outside { leads_to, allowed: roots.clone() })
+        Err(Outside { leads_to, allowed: roots.into_iter().cloned().collect() })
     }
 }
 
@@ -223,6 +277,11 @@ impl Refused {
         }
     }
 
+    /// What the document asks to do with it.
+    pub fn right(&self) -> Right {
+        if self.node.is_some() { Right::Read } else { Right::Write }
+    }
+
     fn found(&self) -> String {
         let (path, leads_to) = (self.path.display(), self.outside.leads_to.display());
         let same = self.path == self.outside.leads_to;
@@ -284,7 +343,7 @@ impl CheckedGraph {
     /// # Errors
     /// It leads where the document may not reach.
     pub fn check_written(&self, output: &OutputSpec, path: &Path) -> Result<(), Box<Refused>> {
-        self.access.check(path).map_err(|outside| {
+        self.access.check_for(path, Right::Write).map_err(|outside| {
             Box::new(Refused {
                 document: self.name.clone(),
                 node: None,
@@ -342,6 +401,23 @@ mod tests {
         for outside in ["new/x.png", "one.png.exr", "two.png"] {
             assert!(access.check(&root.join(outside)).is_err(), "{outside}");
         }
+    }
+
+    #[test]
+    fn what_may_be_read_may_not_be_written_and_the_other_way() {
+        let (_held, root) = folder();
+        let access = Access::beneath(&root.join("a"))
+            .granting(&root.join("in"), Right::Read)
+            .granting(&root.join("out"), Right::Write)
+            .allowing(&root.join("both"));
+        for (path, reads, writes) in
+            [("a/x", true, true), ("in/x", true, false), ("out/x", false, true), ("both/x", true, true)]
+        {
+            let may = [Right::Read, Right::Write].map(|right| access.check_for(&root.join(path), right).is_ok());
+            assert_eq!(may, [reads, writes], "{path}");
+        }
+        let refused = access.check_for(&root.join("in/x"), Right::Write).expect_err("read only");
+        assert_eq!(refused.allowed, [root.join("a"), root.join("out"), root.join("both")]);
     }
 
     #[cfg(unix)]

@@ -139,6 +139,8 @@ pub struct CheckedGraph {
     pub(crate) name: String,
     pub(crate) folder: PathBuf,
     pub(crate) format: Format,
+    /// The document's own.
+    pub(crate) whole: Format,
     pub(crate) format_place: [usize; 2],
     pub(crate) space: WorkingSpace,
     pub(crate) first: i64,
@@ -248,6 +250,7 @@ impl CheckedGraph {
             frame,
             time: (frame - self.first) as f64 / self.fps,
             format: self.format,
+            whole: self.whole,
             space: self.space,
             folder: self.folder.clone(),
             memory_limit,
@@ -339,7 +342,7 @@ impl CheckedGraph {
     /// connected node without knobs in `settled` counts as nothing: its result must not matter.
     pub fn keys(&self, settled: &[Option<Settled>], context: &FrameContext) -> Vec<String> {
         let mut keys = vec![String::new(); self.nodes.len()];
-        let format = format!("{:?}", context.format);
+        let format = format!("{:?} {:?}", context.format, context.whole);
         let mut text = Vec::new();
         for &id in &self.order {
             let Some(settled) = &settled[id.0] else { continue };

@@ -11,8 +11,10 @@ pub struct FrameContext {
     pub frame: i64,
     /// Seconds since the first frame.
     pub time: f64,
-    /// The document's picture format.
+    /// The format that pictures are drawn at.
     pub format: Format,
+    /// The document's own, where that is another: what it is compared with that comes from files.
+    pub whole: Format,
     /// The document's working space.
     pub space: WorkingSpace,
     /// Folder that paths in the document are relative to.

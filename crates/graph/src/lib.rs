@@ -40,7 +40,7 @@ mod terms;
 mod tolerance;
 mod work;
 
-pub use access::{Access, Outside, Refused, allow_options, refusals, resolved};
+pub use access::{Access, Outside, Refused, Right, allow_options, refusals, resolved};
 pub use animated::{Animated, Interpolation};
 pub use bound::{Bound, LITERAL, NoBound, REFERENCE};
 pub use build::{Builder, Mask, Value, Weights, load};

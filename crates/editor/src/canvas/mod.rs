@@ -132,7 +132,7 @@ impl Canvas {
     fn prepare(&mut self, ui: &Ui, state: &State, rect: Rect) -> Plan {
         self.view.set_rect(rect);
         let old = self.plan.take();
-        let plan = match old {
+        let mut plan = match old {
             Some(plan) if Arc::ptr_eq(&plan.sheet, state.sheet()) => plan,
             old => {
                 let plan = Plan::new(state, &mut self.laid);
@@ -146,6 +146,7 @@ impl Canvas {
                 plan
             }
         };
+        plan.hear(state);
         self.pictures.tidy(state);
         if !self.is_shown && rect.is_positive() {
             self.is_shown = true;

@@ -58,6 +58,8 @@ pub(super) struct Plan {
     wire_at: HashMap<(usize, usize), usize>,
     /// Where nodes stand while some are not being dragged.
     home: Vec<Rect>,
+    /// The node that evaluation failed at, and why, as far as `faults` knows.
+    broken: Option<(String, String)>,
     /// Which are, and by how much.
     shifted: (BTreeSet<usize>, Vec2),
 }
@@ -91,6 +93,7 @@ impl Plan {
             routes,
             bounds: Rect::NOTHING,
             faults: faults(state),
+            broken: broken(state),
             makes,
             idle,
             wire_at: sheet.wires.iter().enumerate().map(|(index, wire)| (wire.to, index)).collect(),
@@ -101,6 +104,15 @@ impl Plan {
         plan.curves = (0..plan.sheet.wires.len()).map(|wire| plan.curve(wire)).collect();
         plan.bounds = plan.around();
         plan
+    }
+
+    /// Takes in what evaluation has shown since.
+    pub(super) fn hear(&mut self, state: &State) {
+        let broken = broken(state);
+        if self.broken != broken {
+            self.broken = broken;
+            self.faults = faults(state);
+        }
     }
 
     fn around(&self) -> Rect {
@@ -247,6 +259,12 @@ fn routes(sheet: &Sheet, boxes: &[Rect], laid: &Laid) -> HashMap<usize, Vec<Pos2
     kept.collect()
 }
 
+/// The node that evaluation failed at, and why.
+fn broken(state: &State) -> Option<(String, String)> {
+    let (node, why) = state.broken()?;
+    Some((node?.into(), why.into()))
+}
+
 /// What is wrong with nodes.
 fn faults(state: &State) -> HashMap<usize, Fault> {
     let sheet = state.sheet();
@@ -263,5 +281,13 @@ fn faults(state: &State) -> HashMap<usize, Fault> {
         }
         Some((node, Fault { culprit: culprit.into(), text }))
     });
-    faults.collect()
+    let mut faults: HashMap<usize, Fault> = faults.collect();
+    if let Some((culprit, text)) = broken(state)
+        && let Some(node) = sheet.find(&culprit)
+    {
+        for node in sheet.downstream([node]) {
+            faults.entry(node).or_insert_with(|| Fault { culprit: culprit.clone(), text: text.clone() });
+        }
+    }
+    faults
 }

@@ -46,6 +46,14 @@ pub struct Kept {
     pub when: SystemTime,
 }
 
+impl Kept {
+    /// Whether its document has the text by now: there is nothing to recover then.
+    pub fn is_saved(&self) -> bool {
+        let text = self.file.as_ref().and_then(|file| trochoid::io::read_text(file, MOST_BYTES).ok());
+        text.is_some_and(|text| text == self.text)
+    }
+}
+
 impl Keeper {
     /// Starts keeping in a folder, which is made.
     ///

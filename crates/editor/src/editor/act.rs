@@ -27,6 +27,9 @@ pub enum After {
     Close,
 }
 
+/// What became of saving a text that is no JSON.
+const NOT_SAVED: &str = "Nothing was saved";
+
 impl Editor {
     /// Does what was asked for.
     pub fn act(&mut self, action: Action, context: &Context) {
@@ -46,17 +49,22 @@ impl Editor {
             Action::Seal => state.session.seal(),
             Action::Rewrite(text) => {
                 state.session.replace(&text, "Edit the text");
+                self.panels.source.take();
                 self.changed();
             }
             Action::Undo => {
-                if let Some(label) = state.session.undo() {
-                    self.toasts.basic(format!("Undone: {label}")).duration(Some(Duration::from_millis(1500)));
+                if self.settle("Nothing was undone")
+                    && let Some(label) = self.state.session.undo()
+                {
+                    self.notices.plain(format!("Undone: {label}"));
                     self.changed();
                 }
             }
             Action::Redo => {
-                if let Some(label) = state.session.redo() {
-                    self.toasts.basic(format!("Redone: {label}")).duration(Some(Duration::from_millis(1500)));
+                if self.settle("Nothing was done again")
+                    && let Some(label) = self.state.session.redo()
+                {
+                    self.notices.plain(format!("Redone: {label}"));
                     self.changed();
                 }
             }
@@ -112,13 +120,20 @@ impl Editor {
             Action::OpenFile(file) => self.leave(After::Open(file), context),
             Action::Quit => self.leave(After::Close, context),
             Action::Save => self.store(None, context),
-            Action::SaveAs => self.prompts.ask_save(&state.session, None),
-            Action::Reload => match state.session.reload() {
-                Ok(()) => self.changed(),
-                Err(error) => {
-                    self.toasts.error(error);
+            Action::SaveAs => {
+                if self.settle(NOT_SAVED) {
+                    self.prompts.ask_save(&self.state.session, None);
                 }
-            },
+            }
+            Action::Reload => {
+                self.settle("It stays there");
+                match self.state.session.reload() {
+                    Ok(()) => self.changed(),
+                    Err(error) => {
+                        self.notices.error(error);
+                    }
+                }
+            }
             Action::Copy | Action::Cut => {
                 let text = edit::copied(&crate::canvas::placed(&sheet), &names);
                 context.copy_text(text.clone());
@@ -133,7 +148,7 @@ impl Editor {
                     self.state.selection = names.into_iter().collect();
                 }
                 None => {
-                    self.toasts.warning("The clipboard holds no nodes: copy some from a graph, or their JSON");
+                    self.notices.warning("The clipboard holds no nodes: copy some from a graph, or their JSON");
                 }
             },
             Action::Duplicate => {
@@ -190,9 +205,9 @@ impl Editor {
             Action::Frames => self.panels.canvas.frame(),
             Action::AddNode => self.panels.canvas.search(),
             Action::Render => self.render(context),
-            Action::Allow(folder) => self.allow(&folder),
+            Action::Allow(grant) => self.allow(grant),
             Action::ShowAllowed => self.prompts.allowed(),
-            Action::Forbid(document, folder) => self.forbid(document.as_deref(), &folder),
+            Action::Forbid(document, grant) => self.forbid(document.as_deref(), &grant),
             Action::CancelRender => {
                 if let Some(renderer) = &self.renderer {
                     renderer.cancel();
@@ -210,7 +225,7 @@ impl Editor {
                 context.set_theme(if dark { egui::Theme::Light } else { egui::Theme::Dark });
             }
             Action::Notice(text) => {
-                self.toasts.info(text);
+                self.notices.info(text);
             }
         }
     }
@@ -226,7 +241,7 @@ impl Editor {
                 self.edit(edit);
                 self.state.session.seal();
             }
-            None => drop(self.toasts.warning(output::unfit(&sheet, (node, index)))),
+            None => self.notices.warning(output::unfit(&sheet, (node, index))),
         }
     }
 
@@ -256,9 +271,12 @@ impl Editor {
         if !self.state.session.meaning().readable {
             // Once, however fast one types.
             if self.complained.is_none_or(|since| since.elapsed() > Duration::from_secs(5)) {
-                self.toasts.error("The text is not JSON: correct it in the panel \"Text\" first");
+                self.notices.error("The text is not JSON: correct it in the panel \"Text\" first");
                 self.complained = Some(Instant::now());
             }
+            return None;
+        }
+        if !self.settle("Nothing else was changed") {
             return None;
         }
         let before = self.state.session.revision();
@@ -270,10 +288,26 @@ impl Editor {
                 Some(made)
             }
             Err(error) => {
-                self.toasts.error(error.to_string());
+                self.notices.error(error.to_string());
                 None
             }
         }
+    }
+
+    /// Applies what is typed in the panel of the text, before something else is done with the document. Where that is no
+    /// JSON, says so, with what became of it; false then.
+    fn settle(&mut self, outcome: &str) -> bool {
+        let Some(text) = self.panels.source.pending() else { return true };
+        if let Err(error) = serde_json::from_str::<serde::de::IgnoredAny>(text) {
+            let why = "the text typed in the panel \"Text\" is no JSON";
+            self.notices.error(format!("{outcome}: {why}: {error}. Correct it there, or revert it"));
+            return false;
+        }
+        if let Some(text) = self.panels.source.take() {
+            self.state.session.replace(&text, "Edit the text");
+            self.changed();
+        }
+        true
     }
 
     /// What follows from a change of the document.
@@ -295,7 +329,7 @@ impl Editor {
 
     /// Leaves this document for something else, unless there is unsaved work: then a question comes first.
     pub(super) fn leave(&mut self, after: After, context: &Context) {
-        if self.state.session.is_changed() {
+        if self.is_unsaved() {
             self.prompts.unsaved(after);
         } else {
             self.go(after, context);
@@ -313,7 +347,7 @@ impl Editor {
                     self.offer();
                 }
                 Err(error) => {
-                    self.toasts.error(error);
+                    self.notices.error(error);
                 }
             },
             After::Close => {
@@ -325,6 +359,9 @@ impl Editor {
 
     /// Saves to the document's file, or asks where to; goes on to something else then.
     pub(crate) fn store(&mut self, after: Option<After>, context: &Context) {
+        if !self.settle(NOT_SAVED) {
+            return;
+        }
         let session = &self.state.session;
         let newer = Standing::of(&session.sheet().value).is_newer();
         match session.file().map(Path::to_path_buf) {
@@ -340,12 +377,12 @@ impl Editor {
         // The watcher tells of this write too; it is what we know already then.
         match self.state.session.save(file) {
             Ok(paths) => {
-                self.toasts.success(format!("Saved {}", file.display())).duration(Some(Duration::from_millis(1500)));
+                self.notices.success(format!("Saved {}", file.display()));
                 if paths > 0 {
                     let what = edit::count(paths, "relative path");
                     let (were, they) = if paths == 1 { ("was", "it leads") } else { ("were", "they lead") };
                     let text = format!("{what} {were} rewritten so that {they} to the same files from the new folder");
-                    self.toasts.info(text).duration(Some(Duration::from_secs(8)));
+                    self.notices.info(text);
                 }
                 if moves {
                     self.watcher.watch(Some(file), context);
@@ -360,7 +397,7 @@ impl Editor {
                 }
             }
             Err(error) => {
-                self.toasts.error(error).duration(None);
+                self.notices.error(error);
             }
         }
     }
@@ -372,15 +409,16 @@ impl Editor {
         session.recover(&kept.text);
         self.start(session, context);
         // It is not in the file yet, so it is kept again before the old copy goes.
-        if let Some(keeper) = &self.keeper {
-            keeper.keep(self.state.session.file(), self.state.session.text());
-        }
+        self.copy();
         crate::document::keep::discard(kept);
     }
 
     pub(super) fn render(&mut self, context: &Context) {
+        if !self.settle("Nothing was rendered") {
+            return;
+        }
         let Some(graph) = self.state.session.meaning().graph.clone() else {
-            self.toasts.warning("The document has errors: correct them before rendering");
+            self.notices.warning("The document has errors: correct them before rendering");
             return;
         };
         match Renderer::start(graph, self.state.range, context.clone()) {
@@ -390,7 +428,7 @@ impl Editor {
             }
             Err(Obstacle::Refused(refused)) => self.prompts.reach(refused),
             Err(Obstacle::Because(why)) => {
-                self.toasts.error(why).duration(None);
+                self.notices.error(why);
             }
         }
     }
@@ -405,10 +443,10 @@ impl Editor {
         self.state.render = None;
         match outcome {
             Ok(message) => {
-                self.toasts.success(message).duration(None);
+                self.notices.success(message);
             }
             Err(message) => {
-                self.toasts.error(message).duration(None);
+                self.notices.error(message);
             }
         }
     }

@@ -8,13 +8,14 @@ mod play;
 use crate::actions::Action;
 use crate::canvas::Canvas;
 use crate::commands::Space;
-use crate::document::keep::{Keeper, Kept, kept};
+use crate::document::keep::{Keeper, Kept, discard, kept};
 use crate::document::{Session, Sheet};
 use crate::evaluate::Worker;
 use crate::layout::{self, Pane};
+use crate::notices::Notices;
 use crate::prompts::Prompts;
 use crate::properties::Properties;
-use crate::reach;
+use crate::reach::{self, Grant};
 use crate::render::Renderer;
 use crate::report::Report;
 use crate::source::Source;
@@ -24,13 +25,12 @@ use crate::viewer::Viewer;
 use crate::watch::Watcher;
 use crate::waves::Waves;
 use egui::{Context, Ui};
-use egui_notify::{Anchor, Toasts};
 use pictures::Asked;
 use play::Playback;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 pub use act::After;
 
@@ -40,19 +40,18 @@ pub struct Editor {
     pub(crate) tree: egui_tiles::Tree<Pane>,
     pub(crate) panels: Panels,
     pub(crate) prompts: Prompts,
-    pub(crate) toasts: Toasts,
+    pub(crate) notices: Notices,
     /// The complaint about the text that was shown last, and when.
     complained: Option<Instant>,
     pub(crate) recent: Vec<PathBuf>,
     /// What this run lets every document reach besides its own.
     allowed: Vec<PathBuf>,
     /// What this document was allowed, the newest first: remembered where it has a file.
-    pub(crate) answers: Vec<PathBuf>,
+    pub(crate) answers: Vec<Grant>,
     pub(crate) worker: Worker,
     asked: Asked,
     keeper: Option<Keeper>,
-    /// The revision that is kept, and when the first change since was made.
-    kept: (u64, Option<Instant>),
+    kept: Backup,
     watcher: Watcher,
     renderer: Option<Renderer>,
     /// Nodes that were copied here, and the folder that their paths are relative to.
@@ -72,8 +71,14 @@ pub struct Editor {
     closing: bool,
 }
 
-/// Notices come where they cover neither tabs nor the title: over the graph, off the timeline and the status below it.
-const ABOVE_TIMELINE: egui::Vec2 = egui::vec2(8.0, 66.0);
+/// What there is a copy of, in case that the editor ends unexpectedly.
+#[derive(Default)]
+struct Backup {
+    /// The revision, and how much had been typed; `None` where there is no copy.
+    what: Option<(u64, u64)>,
+    /// When the first change since was seen.
+    since: Option<Instant>,
+}
 
 /// What panels hold besides what all see.
 #[derive(Default)]
@@ -105,7 +110,7 @@ impl Editor {
             tree: layout::first(),
             panels: Panels::default(),
             prompts: Prompts::new(data),
-            toasts: Toasts::default().with_anchor(Anchor::BottomLeft).with_margin(ABOVE_TIMELINE),
+            notices: Notices::default(),
             complained: None,
             recent,
             allowed: Vec::new(),
@@ -113,7 +118,7 @@ impl Editor {
             worker,
             asked: Asked::default(),
             keeper,
-            kept: (session.revision(), None),
+            kept: Backup::default(),
             watcher: Watcher::default(),
             renderer: None,
             copied: None,
@@ -138,6 +143,8 @@ impl Editor {
         let folder = self.prompts.data().map(|data| data.join("unsaved"));
         let file = self.state.session.file().map(reach::whole);
         let all = folder.as_deref().map(kept).unwrap_or_default();
+        let (saved, all): (Vec<Kept>, Vec<Kept>) = all.into_iter().partition(Kept::is_saved);
+        saved.iter().for_each(discard);
         let (own, others): (Vec<Kept>, Vec<Kept>) =
             all.into_iter().partition(|kept| kept.file.as_deref().map(reach::whole) == file);
         if !own.is_empty() {
@@ -147,7 +154,7 @@ impl Editor {
             let files: BTreeSet<&Path> = others.iter().filter_map(|kept| kept.file.as_deref()).collect();
             for file in files {
                 let text = format!("Unsaved work of {} was kept: open it to recover that", file.display());
-                self.toasts.info(text).duration(Some(Duration::from_secs(12)));
+                self.notices.info(text);
             }
         }
     }
@@ -159,21 +166,27 @@ impl Editor {
 
     /// What is kept of the window until the editor starts next.
     pub fn kept_window(&self, context: &Context) -> String {
-        layout::written(&self.tree, context.options(|options| options.theme_preference))
+        layout::written(&self.tree, (context.options(|options| options.theme_preference), context.zoom_factor()))
     }
 
     /// Lays the window out as it was kept; one that cannot be read stays as it is at first.
     pub fn restore(&mut self, kept: &str, context: &Context) {
-        if let Some((tree, theme)) = layout::read(kept) {
+        if let Some((tree, (theme, zoom))) = layout::read(kept) {
             self.tree = tree;
             context.set_theme(theme);
+            context.set_zoom_factor(zoom);
         }
     }
 
     /// The title of the window.
     pub fn title(&self) -> String {
-        let changed = if self.state.session.is_changed() { "• " } else { "" };
+        let changed = if self.is_unsaved() { "• " } else { "" };
         format!("{changed}{} — Trochoid", self.state.session.title())
+    }
+
+    /// Whether there is work that is not in the document's file.
+    pub fn is_unsaved(&self) -> bool {
+        self.state.session.is_changed() || self.panels.source.pending().is_some()
     }
 
     /// Whether the window may close now.
@@ -243,7 +256,7 @@ impl Editor {
     /// Lets the document reach what it was allowed before.
     fn grant(&mut self) {
         let session = &mut self.state.session;
-        session.set_access(reach::access(&session.folder(), self.allowed.iter().chain(&self.answers)));
+        session.set_access(reach::access(&session.folder(), &self.allowed, &self.answers));
     }
 
     /// Takes up what was answered for the document that is open now.
@@ -253,25 +266,25 @@ impl Editor {
         self.grant();
     }
 
-    /// Lets the document reach a folder, and remembers it.
-    fn allow(&mut self, folder: &Path) {
+    /// Allows the document something, and remembers it.
+    fn allow(&mut self, grant: Grant) {
         if let Some((file, data)) = self.state.session.file().zip(self.prompts.data()) {
-            reach::remember(data, file, folder);
+            reach::remember(data, file, &grant);
         }
-        self.answers.retain(|known| known != folder);
-        self.answers.insert(0, folder.into());
+        self.answers.retain(|known| *known != grant);
+        self.answers.insert(0, grant);
         self.grant();
         self.changed();
     }
 
-    /// Takes a folder back that a document was allowed; the one that is open where none is named.
-    fn forbid(&mut self, document: Option<&Path>, folder: &Path) {
+    /// Takes back what a document was allowed; the one that is open where none is named.
+    fn forbid(&mut self, document: Option<&Path>, grant: &Grant) {
         if let Some((document, data)) = document.or(self.state.session.file()).zip(self.prompts.data()) {
-            reach::forget(data, document, folder);
+            reach::forget(data, document, grant);
         }
         let own = self.state.session.file().map(reach::whole);
         if document.is_none() || document.map(reach::whole) == own {
-            self.answers.retain(|known| known != folder);
+            self.answers.retain(|known| known != grant);
             self.grant();
             self.changed();
         }
@@ -294,7 +307,9 @@ impl Editor {
         if let Some(keeper) = &self.keeper {
             keeper.forget();
         }
-        self.kept = (session.revision(), None);
+        self.kept = Backup::default();
+        self.panels.source = Source::default();
+        self.notices.leave();
         self.known = session.sheet().clone();
         self.state = State::new(session);
         self.forget_frames();
@@ -303,25 +318,32 @@ impl Editor {
         self.opened(context);
     }
 
-    /// Keeps a copy of unsaved work within a second of a change.
+    /// Keeps a copy of unsaved work within a second of a change, as long as there is some.
     fn keep(&mut self, context: &Context) {
-        let session = &self.state.session;
         let Some(keeper) = &self.keeper else { return };
-        if session.revision() == self.kept.0 {
+        if !self.is_unsaved() {
+            if std::mem::take(&mut self.kept).what.is_some() {
+                keeper.forget();
+            }
             return;
         }
-        if !session.is_changed() {
-            keeper.forget();
-            self.kept = (session.revision(), None);
+        let what = Some((self.state.session.revision(), self.panels.source.typings()));
+        if self.kept.what == what {
             return;
         }
-        let since = *self.kept.1.get_or_insert_with(Instant::now);
+        let since = *self.kept.since.get_or_insert_with(Instant::now);
         match crate::document::keep::AFTER.checked_sub(since.elapsed()) {
             Some(left) if !left.is_zero() => context.request_repaint_after(left),
-            _ => {
-                keeper.keep(session.file(), session.text());
-                self.kept = (session.revision(), None);
-            }
+            _ => self.copy(),
+        }
+    }
+
+    /// Copies the work as it is: what is typed and not applied is what it will be.
+    fn copy(&mut self) {
+        let (session, source) = (&self.state.session, &self.panels.source);
+        if let Some(keeper) = &self.keeper {
+            keeper.keep(session.file(), source.pending().unwrap_or(session.text()));
+            self.kept = Backup { what: Some((session.revision(), source.typings())), since: None };
         }
     }
 }

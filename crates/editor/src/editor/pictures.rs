@@ -232,8 +232,9 @@ impl Editor {
                 {
                     seen.progress = Some(share);
                 }
-                News::Failed { generation, message, refused } if generation == self.asked.generation => {
+                News::Failed { generation, message, node, begun, refused } if generation == self.asked.generation => {
                     (seen.failed, seen.refused) = (Some(message), refused);
+                    (seen.culprit, seen.broken) = (node, begun);
                     seen.progress = None;
                     // It stays in sight until there is another.
                     seen.last = seen.result.take().or(seen.last.take());

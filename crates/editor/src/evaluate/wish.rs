@@ -136,6 +136,10 @@ pub enum News {
         generation: u64,
         /// Why, in a sentence.
         message: String,
+        /// The node that failed, where one did.
+        node: Option<String>,
+        /// Whether it was begun: what has no picture is not.
+        begun: bool,
         /// Files that it may not read, of each node the first one.
         refused: Vec<Refused>,
     },

@@ -276,11 +276,11 @@ impl Hand<'_> {
         let monitor = Watch { office: self.office, stamp, yields: Yields::Short, progress: None };
         let made = match self.lens(&job.subject) {
             Ok(lens) => evaluate(&job, &lens, job.proxy, true, &mut self.cache, &monitor),
-            Err(message) => Err(Failure::Because(message)),
+            Err(message) => Err(Failure::Because(message, None)),
         };
         match made {
             Ok(result) => self.tell(News::Ahead(Box::new(result))),
-            Err(Failure::Because(_)) => self.tell(News::AheadFailed { generation, frame }),
+            Err(Failure::Because(..)) => self.tell(News::AheadFailed { generation, frame }),
             Err(Failure::Cancelled) => {
                 let mut desk = self.office.desk();
                 if self.office.newest.load(Ordering::Relaxed) == stamp {
@@ -315,8 +315,9 @@ impl Hand<'_> {
         let lens = match self.lens(&job.subject) {
             Ok(lens) => lens,
             Err(message) => {
-                let (generation, refused) = (job.generation, Vec::new());
-                return self.tell(News::Failed { generation, message, refused });
+                let generation = job.generation;
+                let (node, begun, refused) = (None, false, Vec::new());
+                return self.tell(News::Failed { generation, message, node, begun, refused });
             }
         };
         let format = lens.graph.format();
@@ -352,9 +353,9 @@ impl Hand<'_> {
                     self.tell(News::Picture(Box::new(result)));
                 }
                 Err(Failure::Cancelled) => return,
-                Err(Failure::Because(message)) => {
-                    let (generation, refused) = (job.generation, lens.refused(job.frame));
-                    return self.tell(News::Failed { generation, message, refused });
+                Err(Failure::Because(message, node)) => {
+                    let (generation, begun, refused) = (job.generation, true, lens.refused(job.frame));
+                    return self.tell(News::Failed { generation, message, node, begun, refused });
                 }
             }
         }
@@ -392,7 +393,8 @@ impl Hand<'_> {
 
 enum Failure {
     Cancelled,
-    Because(String),
+    /// Why, and the node that it was.
+    Because(String, Option<String>),
 }
 
 fn evaluate(
@@ -403,7 +405,9 @@ fn evaluate(
     cache: &mut Cache,
     monitor: &Watch<'_>,
 ) -> std::result::Result<Result, Failure> {
-    let because = |error: &dyn std::fmt::Display| Failure::Because(lens.in_document(&error.to_string(), &job.subject));
+    let because = |error: &dyn std::fmt::Display| {
+        Failure::Because(crate::prose::here(&lens.in_document(&error.to_string(), &job.subject)), None)
+    };
     let started = Instant::now();
     #[cfg(test)]
     monitor.office.pace(|| monitor.cancelled());
@@ -418,7 +422,11 @@ fn evaluate(
     let mut frame = match plan.evaluate(&Buffers::new(), cache, monitor) {
         Ok(frame) => frame,
         Err(EvalError::Cancelled) => return Err(Failure::Cancelled),
-        Err(error) => return Err(because(&error)),
+        Err(error) => {
+            let Failure::Because(message, _) = because(&error) else { return Err(Failure::Cancelled) };
+            let node = if let EvalError::Node { node, .. } = error { Some(node) } else { None };
+            return Err(Failure::Because(message, node));
+        }
     };
     let picture = frame.pictures.pop().ok_or_else(|| because(&"nothing was evaluated"))?;
     let screen = shown::screen(&picture, graph.space(), &job.display);

@@ -177,6 +177,22 @@ const COMPONENTS: [Color32; 4] = [
     Color32::from_rgb(0xd0, 0xa0, 0x50),
 ];
 
+/// A key in the hand.
+#[derive(Clone, Copy)]
+struct Held {
+    key: usize,
+    component: usize,
+    /// What the plot shows meanwhile.
+    bounds: egui_plot::PlotBounds,
+    /// Whether it followed the curve before, across and up; `None` before it was drawn.
+    auto: Option<egui::Vec2b>,
+}
+
+/// Where the pointer was pressed since the frame before.
+fn pressed(input: &egui::InputState) -> Option<egui::Pos2> {
+    input.pointer.press_origin().filter(|_| input.pointer.primary_pressed())
+}
+
 /// The curve, whose keys can be dragged; a double click sets a new one.
 pub(super) fn curve_ui(ui: &mut Ui, keyed: &Keyed, unit: &str, place: &Place<'_>, actions: &mut Vec<Action>) {
     let Some(animated) = keyed.animated() else { return };
@@ -191,10 +207,26 @@ pub(super) fn curve_ui(ui: &mut Ui, keyed: &Keyed, unit: &str, place: &Place<'_>
         })
         .collect();
     let id = ui.id().with(("dragged key", place.path.to_string()));
-    let mut dragged = ui.data_mut(|data| data.get_temp::<Option<(usize, usize)>>(id)).flatten();
-    let plot = Plot::new(("curve", place.path.to_string())).height(150.0);
-    let plot = crate::plots::even(plot, "frame", unit).allow_drag(dragged.is_none()).allow_boxed_zoom(false);
+    let mut held = ui.data_mut(|data| data.get_temp::<Option<Held>>(id)).flatten();
+    // A press takes what it meets where that was drawn last: how far the pointer moves before the next frame does not matter.
+    let before = ui.data(|data| data.get_temp::<egui_plot::PlotTransform>(id));
+    if let (Some(before), Some(at)) = (before, ui.input(pressed)) {
+        let near = |(key, component): &(usize, usize)| {
+            let value = Keyed::numbers(&keyed.keys[*key].1).get(*component).copied().unwrap_or(f64::INFINITY);
+            before.position_from_point(&PlotPoint::new(keyed.keys[*key].0, value)).distance(at)
+        };
+        let all = (0..keyed.keys.len()).flat_map(|key| (0..count).map(move |component| (key, component)));
+        let nearest = all.min_by(|a, b| near(a).total_cmp(&near(b))).filter(|key| near(key) < 9.0);
+        held = nearest.map(|(key, component)| Held { key, component, bounds: *before.bounds(), auto: None });
+    }
+    let plot = Plot::new("curve").id(id.with("plot")).height(150.0);
+    let plot = crate::plots::even(plot, "frame", unit).allow_drag(held.is_none()).allow_boxed_zoom(false);
     let shown = plot.show(ui, |plot| {
+        if let Some(held) = &mut held {
+            // The plot stands still beneath the hand.
+            held.auto.get_or_insert(plot.auto_bounds());
+            plot.set_plot_bounds(held.bounds);
+        }
         plot.vline(VLine::new("frame", place.state.frame as f64).color(Color32::from_gray(0x90)));
         for (component, line) in lines.iter().enumerate() {
             plot.line(Line::new("", PlotPoints::from(line.clone())).color(COMPONENTS[component]));
@@ -205,21 +237,11 @@ pub(super) fn curve_ui(ui: &mut Ui, keyed: &Keyed, unit: &str, place: &Place<'_>
                 .collect();
             plot.points(Points::new("", PlotPoints::from(keys)).radius(5.0).color(COMPONENTS[component]));
         }
-        plot.pointer_coordinate()
     });
-    let pointer: Option<PlotPoint> = shown.inner;
     let response = shown.response;
-    if response.drag_started()
-        && let Some(at) = ui.input(|input| input.pointer.press_origin())
-    {
-        let near = |(key, component): &(usize, usize)| {
-            let value = Keyed::numbers(&keyed.keys[*key].1)[*component];
-            shown.transform.position_from_point(&PlotPoint::new(keyed.keys[*key].0, value)).distance(at)
-        };
-        let all = (0..keyed.keys.len()).flat_map(|key| (0..count).map(move |component| (key, component)));
-        dragged = all.min_by(|a, b| near(a).total_cmp(&near(b))).filter(|key| near(key) < 9.0);
-    }
-    if let (Some((key, component)), Some(at), Some(gesture)) = (dragged, pointer, Gesture::drag(&response))
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::Other, true, "Keys over frames"));
+    let pointer = ui.input(|input| input.pointer.latest_pos()).map(|at| shown.transform.value_from_position(at));
+    if let (Some(Held { key, component, .. }), Some(at), Some(gesture)) = (held, pointer, Gesture::dragged(&response))
         && key < keyed.keys.len()
     {
         let mut moved = keyed.clone();
@@ -234,19 +256,29 @@ pub(super) fn curve_ui(ui: &mut Ui, keyed: &Keyed, unit: &str, place: &Place<'_>
             value @ Value::Number(_) => *value = json!(field::rounded(at.y)),
             _ => {}
         }
-        gesture.tried(&response).edit(place.set(&moved.write()), actions);
+        if moved != *keyed {
+            gesture.tried(&response).edit(place.set(&moved.write()), actions);
+        }
     }
     refusal_ui(ui, &response);
     if response.drag_stopped() {
-        dragged = None;
         actions.push(Action::Seal);
+    }
+    let let_go = held.take_if(|_| !ui.input(|input| input.pointer.primary_down()));
+    let auto = let_go.and_then(|held| held.auto);
+    if let (Some(auto), Some(mut memory)) = (auto, egui_plot::PlotMemory::load(ui.ctx(), id.with("plot"))) {
+        memory.auto_bounds = auto;
+        memory.store(ui.ctx(), id.with("plot"));
     }
     if let (Some(gesture), Some(at)) = (Gesture::double_click(&response), pointer) {
         let gesture = gesture.tried(&response);
         gesture.edit(place.set(&keyed.with(at.x.round(), &keyed.at(at.x.round())).write()), actions);
         actions.push(Action::Seal);
     }
-    ui.data_mut(|data| data.insert_temp(id, dragged));
+    ui.data_mut(|data| {
+        data.insert_temp(id, held);
+        data.insert_temp(id, shown.transform);
+    });
     ui.horizontal_wrapped(|ui| {
         for word in Interpolation::NAMES {
             if let Some(gesture) = Gesture::click(&ui.selectable_label(keyed.interpolation == word, word)) {

@@ -120,7 +120,7 @@ fn unsaved_work_is_offered_for_its_own_document_alone() {
     std::fs::write(&one, DUSK).unwrap();
     std::fs::write(&two, DUSK).unwrap();
     let asks = |window: &Window| window.query_by_label("Recover unsaved work?").is_some();
-    let copy = kept(folder.path(), 0, Some(&one), DUSK);
+    let copy = kept(folder.path(), 0, Some(&one), &DUSK.replace("0.25", "0.5"));
     let mut first = window(Session::open(&two).unwrap(), data.clone());
     assert!(!asks(&first), "another was opened");
     // It is when it is opened, however it is named.
@@ -129,7 +129,7 @@ fn unsaved_work_is_offered_for_its_own_document_alone() {
     drop(first);
     let bare = window(dusk(), data.clone());
     assert!(!asks(&bare));
-    assert_eq!(editor(&bare).toasts.len(), 1, "it is told where it belongs");
+    assert_eq!(editor(&bare).notices.texts().len(), 1, "it is told where it belongs");
     drop(bare);
     std::fs::remove_file(copy).unwrap();
     // What was never saved belongs to no document.
@@ -197,10 +197,10 @@ fn a_document_saved_elsewhere_shows_the_same_picture_and_says_what_it_rewrote() 
     let file = other.join("copy.json");
     window.state_mut().as_mut().unwrap().save(&file, None, &context);
     window.run_steps(3);
-    assert_eq!(editor(&window).toasts.len(), 2, "that it is saved, and what was rewritten");
+    assert_eq!(editor(&window).notices.texts().len(), 2, "that it is saved, and what was rewritten");
     finished(&mut window);
     // From there they lead out of its folder.
-    act(&mut window, Action::Allow(folder.path().join("shot")));
+    act(&mut window, Action::Allow(crate::reach::Grant::Read(folder.path().join("shot"))));
     finished(&mut window);
     assert_eq!(editor(&window).state().seen.failed, None);
     assert!(editor(&window).state().session.text().contains("\"../shot/plate.png\""));

@@ -6,8 +6,10 @@ mod looking;
 mod panels;
 mod play;
 mod reach;
+mod safety;
 pub(crate) mod shots;
 mod snapshots;
+mod told;
 mod typing;
 mod versions;
 

@@ -177,6 +177,35 @@ fn a_run_asks_what_it_may_write_and_read_and_goes_on() {
 }
 
 #[test]
+fn a_folder_that_may_be_read_may_not_be_written() {
+    let shot = Shot::new();
+    let document = shot.document("one");
+    let text = std::fs::read_to_string(&document).unwrap().replace("dusk.####.png", "../plates/dusk.####.png");
+    std::fs::write(&document, text).unwrap();
+    let mut window = shot.open(&document);
+    window.get_by_label(&shot.reading()).click();
+    window.run_steps(2);
+    look(&mut window);
+    assert!(is_seen(&window));
+    act(&mut window, Action::Range(1, 1));
+    act(&mut window, Action::Render);
+    let writing = format!("Allow writing {}", shot.plates.display());
+    window.get_by_label(&writing).click();
+    window.run_steps(2);
+    until(&mut window, "the file", |editor| editor.state().render.is_none());
+    assert!(shot.plates.join("dusk.0001.png").exists());
+    // Each is taken back for itself.
+    act(&mut window, Action::ShowAllowed);
+    window.get_by_label(&format!("Remove writing {}", shot.plates.display())).click();
+    window.run_steps(3);
+    window.get_by_label(&format!("Remove reading {}", shot.plates.display()));
+    window.get_by_label("Close").click();
+    window.run_steps(3);
+    act(&mut window, Action::Render);
+    window.get_by_label(&writing);
+}
+
+#[test]
 fn what_was_allowed_can_be_taken_back() {
     let shot = Shot::new();
     let (one, two) = (shot.document("one"), shot.document("two"));
@@ -193,7 +222,7 @@ fn what_was_allowed_can_be_taken_back() {
     window.run_steps(3);
     window.get_by_label("Allowed folders …").click();
     window.run_steps(3);
-    let remove = format!("Remove {}", shot.plates.display());
+    let remove = format!("Remove reading {}", shot.plates.display());
     assert_eq!(window.get_all_by_label(&remove).count(), 2, "of this document, and of the other");
     window.get_all_by_label(&remove).next().unwrap().click();
     window.run_steps(3);
@@ -225,7 +254,7 @@ fn nor_does_an_answer_last_for_a_document_without_a_file() {
     look(&mut window);
     assert!(is_seen(&window));
     act(&mut window, Action::ShowAllowed);
-    window.get_by_label(&format!("Remove {}", shot.plates.display())).click();
+    window.get_by_label(&format!("Remove reading {}", shot.plates.display())).click();
     window.run_steps(3);
     look(&mut window);
     assert!(!is_seen(&window));

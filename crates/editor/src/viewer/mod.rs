@@ -390,7 +390,8 @@ fn message_ui(ui: &mut Ui, area: Rect, state: &State, actions: &mut Vec<Action>)
         return;
     }
     let looked = state.look.node.as_ref().and_then(|(name, _)| state.sheet().find(name));
-    if let Some((culprit, _)) = looked.and_then(|node| state.fault_of(node)) {
+    let culprit = looked.and_then(|node| state.fault_of(node)).map(|(name, _)| name);
+    if let Some(culprit) = culprit.or_else(|| state.broken()?.0) {
         ui.scope_builder(UiBuilder::new().max_rect(below).id_salt("culprit"), |ui| {
             if ui.button(format!("Show {culprit}")).on_hover_text("Chooses the node that is to blame.").clicked() {
                 actions.push(Action::Visit(culprit.into()));

@@ -247,6 +247,7 @@ impl<'a> Checker<'a> {
             name: document.name().into(),
             folder: folder.into(),
             format: top.format?,
+            whole: top.format?,
             format_place: format_place(document, &root),
             space: self.space,
             first: top.first,

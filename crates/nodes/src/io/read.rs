@@ -118,7 +118,7 @@ fn whole(reading: &Reading<'_>, kind: Kind, wanted: &[bool]) -> Result<(Layers, 
     let Reading { node, frame, path, outside } = *reading;
     let mut fit = None;
     let (planes, repaired) = reading.planes(kind, wanted, &mut |picture| {
-        fit = Some(Fit::new(node.text("fit"), FITS, picture.display, frame.format, path)?);
+        fit = Some(Fit::new(node.text("fit"), FITS, picture.display, [frame.format, frame.whole], path)?);
         Ok(())
     })?;
     let outside_of = |channel: usize| outside.map(|color| color[channel]);

@@ -256,7 +256,7 @@ impl Reading<'_> {
     }
 
     fn fit(&self, display: Window) -> Result<Fit, NodeError> {
-        Fit::new(self.node.text("fit"), FITS, display, self.frame.format, self.path)
+        Fit::new(self.node.text("fit"), FITS, display, [self.frame.format, self.frame.whole], self.path)
     }
 
     fn find(&self, knob: &str) -> Result<FoundPass, NodeError> {

@@ -74,7 +74,7 @@ impl Reading<'_> {
         if premultiplied || !laid {
             return Ok((pixels, Held::Whole));
         }
-        let fit = Fit::new(self.node.text("fit"), FITS, display, self.frame.format, self.path)?;
+        let fit = Fit::new(self.node.text("fit"), FITS, display, [self.frame.format, self.frame.whole], self.path)?;
         Ok((pixels, Held::Grid(Grid::new(&fit, self.frame.format, data).count() as u64)))
     }
 

@@ -132,7 +132,8 @@ impl Reading<'_> {
         if bytes(info.data.area()) <= budget {
             return Ok(None);
         }
-        let fit = Fit::new(self.node.text("fit"), FITS, info.display, self.frame.format, self.path)?;
+        let fit =
+            Fit::new(self.node.text("fit"), FITS, info.display, [self.frame.format, self.frame.whole], self.path)?;
         let grid = Grid::new(&fit, self.frame.format, info.data);
         if 2 * grid.count() > info.data.area() {
             return Ok(None);

@@ -35,7 +35,8 @@ struct Tap {
 }
 
 impl Fit {
-    /// Lays a picture with this display window over a format as the knob says.
+    /// Lays a picture with this display window over a document's as the knob says: drawn at a format, and whole. What is
+    /// drawn smaller shows the same part of the picture.
     ///
     /// # Errors
     /// Their sizes differ, and the knob is unset.
@@ -43,14 +44,22 @@ impl Fit {
         knob: &str,
         fits: &[&str],
         display: Window,
-        format: Format,
+        [format, whole]: [Format; 2],
         path: &Path,
     ) -> Result<Self, NodeError> {
         let (width, height) = (display.width(), display.height());
-        let same = (width, height) == (format.width() as usize, format.height() as usize);
+        let sides = |format: Format| [format.width(), format.height()];
+        let per = |from: [f64; 2]| [0, 1].map(|axis| from[axis] / f64::from(sides(format)[axis]));
+        let scale = per([width as f64, height as f64]);
+        let same = (width, height) == (whole.width() as usize, whole.height() as usize);
         let way = match knob {
-            _ if same => Way::Pixel,
-            "crop" => Way::Pixel,
+            _ if same || knob == "crop" => {
+                let (way, scale) = match sides(format) == sides(whole) {
+                    true => (Way::Pixel, scale),
+                    false => (Way::Nearest, per(sides(whole).map(f64::from))),
+                };
+                return Ok(Self { way, origin: [display.x0, display.y0], scale });
+            }
             "nearest" => Way::Nearest,
             "bilinear" => Way::Bilinear,
             _ => {
@@ -59,13 +68,12 @@ impl Fit {
                     "{}: the picture has {width} × {height} pixels, the document {} × {}: say how to \"fit\" it: {} to \
                      scale it, or \"crop\" to lay the upper left corners on each other",
                     path.display(),
-                    format.width(),
-                    format.height(),
+                    whole.width(),
+                    whole.height(),
                     scale.collect::<Vec<_>>().join(" or ")
                 )));
             }
         };
-        let scale = [width as f64 / f64::from(format.width()), height as f64 / f64::from(format.height())];
         Ok(Self { way, origin: [display.x0, display.y0], scale })
     }
 
@@ -334,7 +342,7 @@ mod tests {
         let window = Window::new(-1, 0, 1, 2);
         let plane = Plane::new(window, vec![0.0, 1.0, 2.0, 3.0]).unwrap();
         let format = Format::new(format[0], format[1], 1).unwrap();
-        Layer::new(plane, Fit::new(knob, FITS, window, format, Path::new("a.exr")).unwrap(), outside)
+        Layer::new(plane, Fit::new(knob, FITS, window, [format; 2], Path::new("a.exr")).unwrap(), outside)
     }
 
     fn filled(layer: &Layer, window: Window) -> Vec<f32> {
@@ -355,6 +363,20 @@ mod tests {
     }
 
     #[test]
+    fn a_smaller_drawing_takes_the_same_part_and_errors_name_the_document() {
+        let [whole, small] = [[8, 4], [4, 2]].map(|[width, height]| Format::new(width, height, 1).unwrap());
+        let fit = |knob: &str, display: Window| Fit::new(knob, FITS, display, [small, whole], Path::new("a.exr"));
+        let same = Window::sized(8, 4);
+        assert_eq!(fit("", same).unwrap().window(same), Window::sized(4, 2));
+        let large = Window::sized(12, 8);
+        assert_eq!(fit("crop", large).unwrap().window(large), Window::sized(6, 4));
+        assert_eq!(fit("nearest", large).unwrap().window(large), Window::sized(4, 2));
+        // Of the size of the drawing, it is none of the document.
+        let error = fit("", Window::sized(4, 2)).unwrap_err().to_string();
+        assert!(error.contains("4 × 2 pixels, the document 8 × 4"), "{error}");
+    }
+
+    #[test]
     fn the_window_is_that_of_the_document() {
         let of = |knob: &str, format: [u32; 2]| layer(knob, format, None).window();
         assert_eq!(of("", [2, 2]), Window::sized(2, 2));
@@ -363,7 +385,7 @@ mod tests {
         // A pixel more than is shown, to the right and below.
         let (display, data) = (Window::new(-1, 0, 1, 2), Window::new(-1, 0, 2, 3));
         let fit = |knob: &str, width: u32| {
-            Fit::new(knob, FITS, display, Format::new(width, 2, 1).unwrap(), Path::new("a.exr")).unwrap()
+            Fit::new(knob, FITS, display, [Format::new(width, 2, 1).unwrap(); 2], Path::new("a.exr")).unwrap()
         };
         let window = |fit: Fit| Layer::new(Plane::filled(data, 0.0), fit, None).window();
         assert_eq!(window(fit("", 2)), Window::sized(3, 3));
@@ -373,7 +395,7 @@ mod tests {
     #[test]
     fn other_sizes_need_a_fit() {
         let format = Format::new(4, 2, 1).unwrap();
-        let error = Fit::new("", FITS, Window::sized(2, 2), format, Path::new("a.exr")).unwrap_err();
+        let error = Fit::new("", FITS, Window::sized(2, 2), [format; 2], Path::new("a.exr")).unwrap_err();
         assert!(error.message.contains("2 × 2") && error.message.contains("\"fit\""), "{error}");
     }
 

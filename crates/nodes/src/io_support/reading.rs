@@ -68,7 +68,7 @@ impl Reading<'_> {
         let info = header(self.frame, self.path, &self.selection(channels)).map_err(|error| selected(error, None))?;
         filled(self.path, info.part, info.data)?;
         if laid {
-            Fit::new(self.node.text("fit"), FITS, info.display, self.frame.format, self.path)?;
+            Fit::new(self.node.text("fit"), FITS, info.display, [self.frame.format, self.frame.whole], self.path)?;
         }
         self.made(kind, &info, named, wanted)?;
         if kind == Kind::Color {
@@ -117,7 +117,8 @@ impl Reading<'_> {
         if info.data.height() > MOST_ROWS || (kind == Kind::Color && small) {
             return Ok(None);
         }
-        let fit = Fit::new(self.node.text("fit"), FITS, info.display, self.frame.format, self.path)?;
+        let fit =
+            Fit::new(self.node.text("fit"), FITS, info.display, [self.frame.format, self.frame.whole], self.path)?;
         let Made { rule, at, recipe, targets } = self.made(kind, info, named, wanted)?;
         let stored = Stored {
             path: self.path.into(),

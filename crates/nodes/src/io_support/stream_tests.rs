@@ -44,6 +44,7 @@ impl Case {
         let graph = graph(key, &node, folder).unwrap();
         let mut context = graph.frame_context(1, 1 << 30);
         context.format = Format::new(format.0, format.1, 1).unwrap();
+        context.whole = context.format;
         let settled = graph.settle(graph.find("out").unwrap(), 1);
         let kind = knobs::kind(&settled);
         let outside = settled.is_set("outside").then(|| settled.vector3("outside").map(|v| v as f32));
@@ -69,7 +70,7 @@ impl Case {
         let knob = self.settled.text("fit");
         let (planes, repaired) = self.reading(|reading| {
             reading.planes(self.kind, &vec![true; self.kind.channels()], &mut |picture| {
-                fit = Some(Fit::new(knob, FITS, picture.display, self.context.format, Path::new("a.exr"))?);
+                fit = Some(Fit::new(knob, FITS, picture.display, [self.context.format; 2], Path::new("a.exr"))?);
                 Ok(())
             })
         })?;
