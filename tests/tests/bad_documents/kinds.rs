@@ -6,7 +6,7 @@ pub(super) fn table() -> Vec<Bad> {
     vec![
         nodes(
             "a sea for a camera, before what asks how far that is",
-            r#""sea": { "type": "GerstnerSea" }, "seen": { "type": "Render", "camera": "sea", "surfaces": ["sea"] },
+            r#""water": { "type": "GerstnerSea" }, "seen": { "type": "Render", "camera": "water", "surfaces": ["water"] },
                "claws": { "type": "Hooks", "view": "seen", "rows": [{ "from": [0, 0], "to": [1, 1] }] }"#,
             &[&["node \"seen\"", "camera"]],
         ),
