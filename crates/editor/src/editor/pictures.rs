@@ -56,6 +56,9 @@ impl Editor {
 
     /// Asks the worker for what is not there yet.
     pub(super) fn ask(&mut self) {
+        if !self.state.session.meaning().readable {
+            return self.ask_nothing();
+        }
         let Some(subject) = self.subject() else {
             if self.asked.what.take().is_some() {
                 self.worker.stop();
@@ -125,6 +128,23 @@ impl Editor {
             let series = self.asked.series;
             self.worker.ahead(self.missing().into_iter().map(|frame| job(series, frame, false)));
         }
+    }
+
+    /// Of a text that is no JSON there is no picture, and what is drawn is the document before it: its picture stays, as of
+    /// what is past.
+    fn ask_nothing(&mut self) {
+        if self.asked.what.take().is_some() {
+            self.worker.stop();
+            // What is on its way is of the document before.
+            self.asked.generation += 1;
+            self.forget_frames();
+        }
+        let why = self.state.session.meaning().errors().next().map(|fault| fault.found.clone()).unwrap_or_default();
+        let seen = &mut self.state.seen;
+        seen.failed = Some(format!("found a text that is no JSON: {why}"));
+        (seen.culprit, seen.broken, seen.progress) = (None, false, None);
+        seen.refused.clear();
+        seen.last = seen.result.take().or(seen.last.take());
     }
 
     /// Whether what was asked for last is a frame of the document as it is.

@@ -41,6 +41,15 @@ fn nothing_is_said_of_a_picture_that_is_gone() {
     finished(&mut window);
     window.run_steps(2);
     window.get_by_label("0 outside the palette");
+    act(&mut window, Action::Rewrite("no JSON".into()));
+    finished(&mut window);
+    window.run_steps(2);
+    assert!(window.query_by_label("0 outside the palette").is_none());
+    assert!(editor(&window).state().seen.last.is_some(), "it stays in sight");
+    act(&mut window, Action::Undo);
+    finished(&mut window);
+    window.run_steps(2);
+    window.get_by_label("0 outside the palette");
 }
 
 #[test]
