@@ -311,6 +311,7 @@ impl<'n> Number<'n> {
         let gesture = Gesture::of(ui, &response).filter(|_| value != self.value);
         let gesture = gesture.map(|gesture| gesture.tried(&response));
         let given = match typed.into_inner() {
+            _ if escaped(ui, &response) => None,
             Some(Err(why)) => {
                 refusal::refuse(ui.ctx(), response.id, why);
                 None
@@ -321,6 +322,17 @@ impl<'n> Number<'n> {
         refusal_ui(ui, &response);
         Told { given: given.filter(|number| *number != self.value).zip(gesture), response }
     }
+}
+
+/// Whether what was typed in a field was given up by Esc. A field counts as left for two passes, and in the second of them, where
+/// no Esc is pressed any more, a number would be read all the same.
+fn escaped(ui: &Ui, field: &Response) -> bool {
+    let (id, pass) = (field.id.with("escaped"), ui.ctx().cumulative_pass_nr());
+    if field.lost_focus() && ui.input(|input| input.key_pressed(Key::Escape)) {
+        ui.data_mut(|data| data.insert_temp(id, pass));
+        return true;
+    }
+    field.lost_focus() && ui.data(|data| data.get_temp::<u64>(id)).is_some_and(|then| then + 1 == pass)
 }
 
 /// A text as a message quotes it: not all of a long one.
@@ -368,7 +380,7 @@ pub(crate) fn draft_ui<T>(
         let field = field(&mut typed);
         ui.add(field)
     };
-    let escaped = response.lost_focus() && ui.input(|input| input.key_pressed(Key::Escape));
+    let escaped = escaped(ui, &response);
     let mut given = None;
     if response.lost_focus() && !escaped && typed != written {
         match read(&typed) {

@@ -48,6 +48,7 @@ impl Wanted<'_> {
         faults.extend(beside.iter().flat_map(|beside| beside.refusals(&inputs, &mut written)));
         let report = args.report.as_ref().filter(|_| !args.report_on_stdout());
         if let Some(report) = report {
+            faults.extend(files::ending("--report", report, "json"));
             if written.contains_key(&resolved(report)) || inputs.contains(report) {
                 let message = format!("--report {}: is a file of the document or of the run", quoted_path(report));
                 faults.push(Failure::usage(message, "give the report another name"));

@@ -54,6 +54,7 @@ fn endings_are_looked_at_before_anything_is_done() {
     let refused = |command: &[&str], words: &[&str]| scene.run(command).fails(2, words);
     refused(&["graph", "a.json", "-o", "g"], &["--out g: found no ending; expected .svg", "name it g.svg"]);
     refused(&["graph", "a.json", "-o", "out/mask.0002.png"], &["found the ending .png; expected .svg"]);
+    refused(&["render", "a.json", "--report", "r.exr"], &["--report r.exr: found the ending .exr; expected .json"]);
     let plan = ["plan", "a.json", "--tolerance", "1/8", "-o"];
     refused(&[&plan[..], &["dusk.png"]].concat(), &["found the ending .png; expected .json", "name it dusk.json"]);
     assert_eq!(fs::read(scene.path("out/mask.0002.png")).unwrap(), before);

@@ -84,8 +84,9 @@ impl Keeper {
         }
     }
 
-    /// Keeps a text, without waiting for the disk.
+    /// Keeps a text, without waiting for the disk; that of a file whose name is no Unicode as of one never saved.
     pub fn keep(&self, file: Option<&Path>, text: &str) {
+        let file = file.and_then(Path::to_str);
         self.send(Task::Keep(json!({ "file": file, "text": text }).to_string()));
     }
 
@@ -142,7 +143,8 @@ fn read(path: PathBuf) -> Option<Kept> {
     }
     let when = std::fs::metadata(&path).ok()?.modified().ok()?;
     let value: Value = serde_json::from_str(&trochoid::io::read_text(&path, MOST_BYTES).ok()?).ok()?;
-    let file = value.get("file").and_then(Value::as_str).map(PathBuf::from);
+    // A relative path says nothing: nobody knows from where.
+    let file = value.get("file").and_then(Value::as_str).map(PathBuf::from).filter(|file| file.is_absolute());
     Some(Kept { file, text: value.get("text")?.as_str()?.into(), when, path })
 }
 

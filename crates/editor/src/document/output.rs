@@ -121,9 +121,7 @@ pub fn set(sheet: &Sheet, name: &str, key: &str, value: Option<Value>) -> Option
 pub fn wrong_name(sheet: &Sheet, name: &str) -> Option<String> {
     let legal = !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_' || c == '-');
     if !legal {
-        return Some(format!(
-            "found the output name \"{name}\"; expected letters, digits, _ and -: choose another name"
-        ));
+        return Some(format!("found the output name \"{name}\"; expected a–z, A–Z, 0–9, _ and -: choose another name"));
     }
     find(sheet, name).map(|_| format!("there is an output \"{name}\" already: choose another name"))
 }
@@ -186,7 +184,7 @@ mod tests {
         session.edit(renamed("beauty", "final")).unwrap();
         assert!(find(session.sheet(), "final").is_some() && find(session.sheet(), "beauty").is_none());
         assert!(wrong_name(session.sheet(), "final").unwrap().contains("already"));
-        assert!(wrong_name(session.sheet(), "a b").unwrap().contains("letters"));
+        assert!(wrong_name(session.sheet(), "a b").unwrap().contains("a–z"));
         assert_eq!(wrong_name(session.sheet(), "b-2"), None);
     }
 }

@@ -100,8 +100,10 @@ pub const NEW: &str = r##"{
 "##;
 
 impl Session {
-    /// A document of this text, from this file.
+    /// A document of this text, from this file. Its path is made absolute: what is kept of the document must find it again from
+    /// wherever the editor is started next.
     pub fn new(text: String, file: Option<PathBuf>) -> Self {
+        let file = file.map(|file| std::path::absolute(&file).unwrap_or(file));
         let mut session = Self {
             stored: text.clone(),
             access: Access::usual(&folder_of(file.as_deref())),

@@ -176,7 +176,7 @@ fn wrong_name(name: &str, sheet: &crate::document::Sheet) -> Option<String> {
     let legal = name.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_')
         && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
     if !legal {
-        return Some("a name of letters, digits and _ that does not start with a digit".into());
+        return Some("a name of a–z, A–Z, 0–9 and _ that does not start with a digit".into());
     }
     sheet.find(name).map(|_| "another name: there is such a node already".into())
 }

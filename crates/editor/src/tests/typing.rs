@@ -114,6 +114,24 @@ fn a_field_that_is_entered_and_left_keeps_every_digit() {
 }
 
 #[test]
+fn esc_gives_up_what_was_typed() {
+    for typed in ["7", "999", "many"] {
+        let mut window = open(NOISE, "noise");
+        let field = fields(&window, "octaves")[0];
+        click(&mut window, field.center());
+        window.event(Event::Text(typed.into()));
+        window.run_steps(2);
+        window.key_press(Key::Escape);
+        window.run_steps(4);
+        assert_eq!(editor(&window).state().session.text(), NOISE, "{typed}");
+        assert!(refusals(&window).is_empty(), "{typed}");
+        // What is typed next counts again.
+        enter(&mut window, field, "5");
+        assert_eq!(value(&window, "noise", "octaves"), Some(json!(5)), "{typed}");
+    }
+}
+
+#[test]
 fn a_drag_stays_within_the_range() {
     let mut window = open(NOISE, "noise");
     let field = fields(&window, "octaves")[0];
@@ -164,7 +182,7 @@ fn a_name_that_is_none_stays_to_be_mended_and_esc_gives_back_what_was_there() {
     window.event(Event::Text("!".into()));
     window.key_press(Key::Enter);
     window.run_steps(3);
-    window.get_by_label_contains("expected a name of letters, digits and _");
+    window.get_by_label_contains("expected a name of a–z, A–Z, 0–9 and _");
     assert_eq!(editor(&window).state().session.text(), DUSK);
     click(&mut window, field.center());
     window.key_press(Key::Escape);

@@ -1,4 +1,5 @@
 use super::small;
+use crate::document::Session;
 use crate::document::keep::{Keeper, discard, kept};
 use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
@@ -73,6 +74,28 @@ fn the_copy_of_an_editor_that_ended_is_found_once() {
     assert_eq!(found[0].text, "{ }");
     discard(&found[0]);
     assert_eq!(kept(folder.path()), []);
+}
+
+#[test]
+fn a_copy_knows_its_document_from_wherever_the_editor_is_started() {
+    let session = Session::new("{}".into(), Some("storm.json".into()));
+    let whole = std::env::current_dir().unwrap().join("storm.json");
+    assert_eq!(session.file(), Some(whole.as_path()));
+    assert_eq!(Some(session.folder().as_path()), whole.parent());
+    // Of another document of that name in another folder it must not be taken for.
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("9-0.json"), r#"{ "file": "storm.json", "text": "{ }" }"#).unwrap();
+    assert_eq!(kept(folder.path())[0].file, None);
+}
+
+#[cfg(unix)]
+#[test]
+fn work_on_a_file_whose_name_is_no_unicode_is_kept() {
+    use std::os::unix::ffi::OsStrExt;
+    let folder = tempfile::tempdir().unwrap();
+    let keeper = Keeper::new(folder.path()).unwrap();
+    keeper.keep(Some(Path::new(std::ffi::OsStr::from_bytes(b"/x/\xff.json"))), "text");
+    wait_for(|| copies(folder.path()) == 1);
 }
 
 /// Runs only within the test below, until it is killed: edits, and says what it has done.
