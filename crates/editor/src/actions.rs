@@ -128,9 +128,20 @@ pub enum Action {
 impl Action {
     /// Whether all that is typed must count before it is done.
     pub(crate) fn needs_all(&self) -> bool {
+        matches!(self, Self::Save | Self::SaveAs | Self::Render) || self.hides()
+    }
+
+    /// Whether fields go with it, with all that is said of them.
+    pub(crate) fn hides(&self) -> bool {
         matches!(
             self,
-            Self::Save | Self::SaveAs | Self::Render | Self::New | Self::Open | Self::OpenFile(_) | Self::Quit
+            Self::Select(_)
+                | Self::Output(_)
+                | Self::Visit(_)
+                | Self::New
+                | Self::Open
+                | Self::OpenFile(_)
+                | Self::Quit
         )
     }
 }

@@ -268,11 +268,7 @@ impl<'n> Number<'n> {
         match slid {
             Some(slid) => {
                 let given = slid.given.or(told.given);
-                // Whose id the whole has counts for what is typed.
-                let typed = told.response.has_focus() || told.response.lost_focus();
-                let response =
-                    if typed { told.response.union(slid.response) } else { slid.response.union(told.response) };
-                Told { response, given }
+                Told { response: joined(slid.response, told.response), given }
             }
             None => told,
         }
@@ -335,6 +331,11 @@ fn escaped(ui: &Ui, field: &Response) -> bool {
     field.lost_focus() && ui.data(|data| data.get_temp::<u64>(id)).is_some_and(|then| then + 1 == pass)
 }
 
+/// Two fields of one value, as the one that is typed into: the other's focus says nothing of it.
+pub(crate) fn joined(a: Response, b: Response) -> Response {
+    if b.has_focus() || b.lost_focus() { b | a } else { a | b }
+}
+
 /// A text as a message quotes it: not all of a long one.
 fn quoted(text: &str) -> String {
     let text = text.trim();
@@ -352,13 +353,21 @@ pub(crate) fn rounded(number: f64) -> f64 {
     if rounded.is_finite() { rounded } else { number }
 }
 
-/// A text of which every beginning is legal, so that each key counts at once.
+/// A text of which every beginning is legal, so that each key counts at once; Esc gives back what was there.
 pub(crate) fn text_ui(ui: &mut Ui, text: &str, field: impl FnOnce(&mut String) -> TextEdit<'_>) -> Told<String> {
     let mut typed = text.to_string();
     let response = {
         let field = field(&mut typed);
         ui.add(field)
     };
+    let before = response.id.with("before");
+    if response.gained_focus() {
+        ui.data_mut(|data| data.insert_temp(before, text.to_string()));
+    }
+    if escaped(ui, &response) {
+        let given = ui.data_mut(|data| data.remove_temp::<String>(before)).filter(|before| before != text);
+        return Told { given: given.map(|before| (before, Gesture(None))), response };
+    }
     let gesture = Gesture::of(ui, &response).filter(|_| typed != text);
     Told { given: gesture.map(|gesture| (typed, gesture)), response }
 }

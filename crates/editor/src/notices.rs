@@ -85,10 +85,16 @@ impl Notices {
 
     fn tell(&mut self, level: Level, text: String) {
         let text = crate::prose::here(&text);
-        // Said once more, it is the newest.
-        self.all.retain(|known| (known.level, &known.text) != (level, &text));
-        self.made += 1;
-        self.all.push(Notice { number: self.made, level, text, until: None });
+        // Said once more, it is the newest, and stays in sight.
+        let is_this = |known: &Notice| (known.level, &known.text) == (level, &text);
+        let number = match self.all.iter().position(is_this) {
+            Some(index) => self.all.remove(index).number,
+            None => {
+                self.made += 1;
+                self.made
+            }
+        };
+        self.all.push(Notice { number, level, text, until: None });
     }
 
     /// Forgets what was said of a document that is left; that something worked is true all the same.

@@ -85,25 +85,26 @@ pub(crate) fn remember(data: &Path, document: &Path, grant: &Grant) {
     grants.retain(|known| known != grant);
     grants.insert(0, grant.clone());
     grants.truncate(MOST_FOLDERS);
-    write(data, whole(document), grants);
+    // Before those of all others.
+    let (document, mut answers) = (whole(document), read(data));
+    answers.retain(|(known, _)| *known != document);
+    answers.insert(0, (document, grants));
+    answers.truncate(MOST);
+    write(data, &answers);
 }
 
 /// Remembers no more that this was allowed a document.
 pub(crate) fn forget(data: &Path, document: &Path, grant: &Grant) {
-    let mut grants = remembered(data, document);
-    grants.retain(|known| known != grant);
-    write(data, whole(document), grants);
+    let (whole, mut answers) = (whole(document), read(data));
+    for (_, grants) in answers.iter_mut().filter(|(known, _)| *known == whole || known == document) {
+        grants.retain(|known| known != grant);
+    }
+    answers.retain(|(_, grants)| !grants.is_empty());
+    write(data, &answers);
 }
 
-/// Puts what was allowed a document before that of all others.
-fn write(data: &Path, document: PathBuf, grants: Vec<Grant>) {
-    let mut answers = read(data);
-    answers.retain(|(known, _)| *known != document);
-    if !grants.is_empty() {
-        answers.insert(0, (document, grants));
-    }
-    answers.truncate(MOST);
-    if let Ok(text) = serde_json::to_string_pretty(&answers) {
+fn write(data: &Path, answers: &[Answer]) {
+    if let Ok(text) = serde_json::to_string_pretty(answers) {
         // What cannot be kept is asked again.
         let _ = trochoid::write_whole(&list(data), text.as_bytes());
     }

@@ -7,6 +7,8 @@ use egui::{Area, Context, Id, Key, Order, Rect, Response, RichText, Ui, pos2, ve
 struct Refusal {
     field: Id,
     why: String,
+    /// The pass in which it was said.
+    pass: u64,
 }
 
 /// Greatest width of what is said, points.
@@ -18,13 +20,19 @@ fn known(context: &Context) -> Option<Refusal> {
 
 /// Says why a value does not count, in place of what was said before.
 pub(crate) fn refuse(context: &Context, field: Id, why: String) {
-    context.data_mut(|data| data.insert_temp(Id::NULL, Refusal { field, why }));
+    let pass = context.cumulative_pass_nr();
+    context.data_mut(|data| data.insert_temp(Id::NULL, Refusal { field, why, pass }));
     context.request_repaint();
 }
 
 /// Says nothing any more: what was typed is of the past.
 pub(crate) fn forget(context: &Context) {
     context.data_mut(|data| data.remove::<Refusal>(Id::NULL));
+}
+
+/// Whether something was refused in this pass or the one before.
+pub(crate) fn is_fresh(context: &Context) -> bool {
+    known(context).is_some_and(|refusal| refusal.pass + 1 >= context.cumulative_pass_nr())
 }
 
 /// Whether something is said of what a field was given.

@@ -61,6 +61,7 @@ pub(crate) fn source_ui(source: &mut Source, ui: &mut Ui, state: &State, actions
         }
         if ui.add_enabled(typed, egui::Button::new("Revert")).clicked() {
             source.draft = None;
+            source.typings += 1;
         }
         if typed {
             ui.weak("Not applied yet");

@@ -112,24 +112,30 @@ pub struct Render {
 impl State {
     /// The state of a document that was just opened: its first output in the viewer.
     pub fn new(session: Session) -> Self {
-        let sheet = session.sheet().clone();
-        let (first, last, _) = sheet.frames;
-        let node = Self::first_output(&sheet);
-        let mut slots: [Option<String>; 9] = Default::default();
-        for (slot, output) in slots.iter_mut().zip(&sheet.outputs) {
-            *slot = sheet.source(&output.source).map(|(node, _)| sheet.nodes[node].name.clone());
-        }
-        Self {
+        let mut state = Self {
             session,
             selection: BTreeSet::new(),
             output: None,
-            look: Look { node, slots, ..Look::default() },
+            look: Look::default(),
             seen: Seen::default(),
-            frame: first,
+            frame: 0,
             playing: false,
-            range: (first, last),
+            range: (0, 0),
             render: None,
             dropper: None,
+        };
+        state.begin();
+        state
+    }
+
+    /// Looks at the document's first output, at its first frame.
+    pub fn begin(&mut self) {
+        let sheet = self.session.sheet().clone();
+        let (first, last, _) = sheet.frames;
+        (self.frame, self.range) = (first, (first, last));
+        self.look.node = Self::first_output(&sheet);
+        for (slot, output) in self.look.slots.iter_mut().zip(&sheet.outputs) {
+            *slot = sheet.source(&output.source).map(|(node, _)| sheet.nodes[node].name.clone());
         }
     }
 

@@ -1,6 +1,7 @@
 //! The timeline: frames to scrub and play, those in memory marked, and the range that is rendered.
 
 use crate::actions::Action;
+use crate::document::sheet::FAR;
 use crate::document::{Edit, Path};
 use crate::field::Number;
 use crate::state::State;
@@ -15,9 +16,6 @@ pub(crate) struct Timeline {
 
 /// Width of a button, points.
 const BUTTON: f32 = 26.0;
-
-/// Frames reach so far on both sides of 0.
-const FRAMES: i64 = 10_000_000;
 
 /// Draws the timeline.
 pub(crate) fn timeline_ui(timeline: &mut Timeline, ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
@@ -45,15 +43,15 @@ pub(crate) fn timeline_ui(timeline: &mut Timeline, ui: &mut Ui, state: &State, a
             number.response.clone().on_hover_text(help);
             number.value().map(|frame| frame as i64)
         };
-        if let Some(frame) = frame_ui(ui, state.frame, (-FRAMES, FRAMES), "Frame") {
+        if let Some(frame) = frame_ui(ui, state.frame, (-FAR, FAR), "Frame") {
             actions.push(Action::Frame(frame));
         }
         let width = (ui.available_width() - 170.0 - RATE).max(80.0);
         strip_ui(timeline, ui, state, width, actions);
-        if let Some(from) = frame_ui(ui, first, (-FRAMES, FRAMES), "First frame of the range (I)") {
+        if let Some(from) = frame_ui(ui, first, (-FAR, FAR), "First frame of the range (I)") {
             actions.push(Action::Range(from, last.max(from)));
         }
-        if let Some(to) = frame_ui(ui, last, (first, FRAMES.max(first)), "Last frame of the range (O)") {
+        if let Some(to) = frame_ui(ui, last, (first, FAR.max(first)), "Last frame of the range (O)") {
             actions.push(Action::Range(first, to));
         }
         rate_ui(ui, state);

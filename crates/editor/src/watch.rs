@@ -17,7 +17,8 @@ impl Watcher {
     pub(crate) fn watch(&mut self, file: Option<&Path>, context: &egui::Context) {
         self.watcher = None;
         self.changed = Arc::default();
-        let Some(file) = file.and_then(|file| std::path::absolute(file).ok()) else { return };
+        // Where it leads: that is what is written to.
+        let Some(file) = file.map(trochoid::resolved) else { return };
         // Files are often replaced and not written to, so their folder is watched.
         let Some(folder) = file.parent().map(Path::to_path_buf) else { return };
         let (changed, context) = (self.changed.clone(), context.clone());

@@ -15,6 +15,8 @@ use serde_json::Value;
 
 /// Radius of a pin.
 const RADIUS: f32 = 4.2;
+/// The least zoom at which pins can be told from what lies around them, and taken.
+const TAKEN: f32 = 0.4;
 /// How labels lie above their pins.
 const SLANT: f32 = -0.66;
 
@@ -41,7 +43,8 @@ impl Canvas {
         let place = Rect::from_center_size(at, vec2(reach, reach));
         // Without the node's name in it, an identity would be handed on when a node is deleted.
         let name = &plan.sheet.nodes[end.node()].name;
-        let response = ui.interact(place, ui.id().with((name, index_of(end))), Sense::click_and_drag());
+        let sense = if zoom < TAKEN { Sense::hover() } else { Sense::click_and_drag() };
+        let response = ui.interact(place, ui.id().with((name, index_of(end))), sense);
         response.widget_info(|| WidgetInfo::labeled(WidgetType::Button, true, plan.spoken(end)));
         let idle = matches!(self.gesture, Gesture::Idle);
         if idle && response.drag_started_by(PointerButton::Primary) {

@@ -48,6 +48,18 @@ impl Edit {
         self.ops.extend(next.ops);
         self
     }
+
+    /// Whether it means in a document what it was made for in another: what it changes is the same there, lists as a whole, and
+    /// of the same nodes.
+    pub fn fits(&self, made_for: &Value, document: &Value) -> bool {
+        self.ops.iter().all(|op| {
+            let steps = &op.path().0;
+            let list = steps.iter().position(|step| matches!(step, Step::Index(_))).unwrap_or(steps.len());
+            let [place, node] = [list, steps.len().min(2)].map(|count| Path(steps[..count].to_vec()));
+            place.find(made_for) == place.find(document)
+                && node.find(made_for).is_some() == node.find(document).is_some()
+        })
+    }
 }
 
 /// A place as people call it: `storm.height` for `nodes.storm.height`.

@@ -74,6 +74,12 @@ impl History {
             Some(last) => {
                 self.bytes -= last.bytes();
                 last.absorb(change.splices);
+                if last.splices.iter().all(|splice| splice.removed == splice.inserted) {
+                    // All is as it was before.
+                    self.changes.pop_back();
+                    self.next -= 1;
+                    return self.seal();
+                }
                 self.bytes += last.bytes();
             }
             None => {

@@ -91,6 +91,15 @@ pub enum Op {
     Rename(Path, String),
 }
 
+impl Op {
+    /// Where it does that.
+    pub fn path(&self) -> &Path {
+        match self {
+            Self::Set(path, _) | Self::Insert(path, _) | Self::Remove(path) | Self::Rename(path, _) => path,
+        }
+    }
+}
+
 /// A piece of a text replaced by another; what undo and redo are made of.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Splice {

@@ -30,6 +30,8 @@ pub struct Keeper {
 #[derive(Debug)]
 enum Task {
     Keep(String),
+    /// Take the place of a copy whose editor has ended, as soon as our own is there.
+    Replace(Kept),
     Drop,
 }
 
@@ -44,6 +46,8 @@ pub struct Kept {
     pub text: String,
     /// When it was kept.
     pub when: SystemTime,
+    /// Whether the document's file was changed after that.
+    pub overtaken: bool,
 }
 
 impl Kept {
@@ -65,6 +69,10 @@ impl Keeper {
         let (path, lock, held) = (0..10_000)
             .find_map(|number| {
                 let stem = format!("{}-{number}", std::process::id());
+                if folder.join(format!("{stem}.json")).exists() {
+                    // Kept by one of the same number that has ended: not ours to write over.
+                    return None;
+                }
                 let lock = folder.join(format!("{stem}.lock"));
                 let file = File::create(&lock).ok()?;
                 file.try_lock().ok()?;
@@ -90,6 +98,11 @@ impl Keeper {
         self.send(Task::Keep(json!({ "file": file, "text": text }).to_string()));
     }
 
+    /// Removes a copy that was recovered, as soon as what was kept here last is on the disk.
+    pub fn replace(&self, old: Kept) {
+        self.send(Task::Replace(old));
+    }
+
     /// Takes the copy away: there is nothing that could be lost.
     pub fn forget(&self) {
         self.send(Task::Drop);
@@ -102,25 +115,40 @@ impl Drop for Keeper {
         if let Some(writer) = self.writer.take() {
             let _ = writer.join();
         }
-        self.held = None;
-        let _ = std::fs::remove_file(&self.lock);
         // A window that closes has asked what is to become of unsaved work.
         if !std::thread::panicking() {
             let _ = std::fs::remove_file(&self.path);
         }
+        // Last, so that nobody finds the copy without its lock.
+        self.held = None;
+        let _ = std::fs::remove_file(&self.lock);
     }
 }
 
 fn write(path: &Path, inbox: &Receiver<Task>) {
-    while let Ok(mut task) = inbox.recv() {
-        // Only the newest counts.
-        while let Ok(newer) = inbox.try_recv() {
-            task = newer;
+    // What was recovered and is not on the disk anew.
+    let mut old: Vec<Kept> = Vec::new();
+    while let Ok(first) = inbox.recv() {
+        // Only the newest text counts.
+        let mut newest = None;
+        for task in std::iter::once(first).chain(inbox.try_iter()) {
+            match task {
+                Task::Keep(text) => newest = Some(Some(text)),
+                Task::Drop => newest = Some(None),
+                Task::Replace(kept) => old.push(kept),
+            }
         }
-        match task {
+        let is_done = match newest {
             // A full disk must not stop the work; saving will say so.
-            Task::Keep(text) => drop(trochoid::write_whole(path, text.as_bytes())),
-            Task::Drop => drop(std::fs::remove_file(path)),
+            Some(Some(text)) => trochoid::write_whole(path, text.as_bytes()).is_ok(),
+            Some(None) => {
+                let _ = std::fs::remove_file(path);
+                true
+            }
+            None => path.exists(),
+        };
+        if is_done {
+            old.drain(..).for_each(|kept| discard(&kept));
         }
     }
 }
@@ -145,7 +173,9 @@ fn read(path: PathBuf) -> Option<Kept> {
     let value: Value = serde_json::from_str(&trochoid::io::read_text(&path, MOST_BYTES).ok()?).ok()?;
     // A relative path says nothing: nobody knows from where.
     let file = value.get("file").and_then(Value::as_str).map(PathBuf::from).filter(|file| file.is_absolute());
-    Some(Kept { file, text: value.get("text")?.as_str()?.into(), when, path })
+    let changed = file.as_ref().and_then(|file| std::fs::metadata(file).ok()?.modified().ok());
+    let overtaken = changed.is_some_and(|changed| changed > when);
+    Some(Kept { file, text: value.get("text")?.as_str()?.into(), when, overtaken, path })
 }
 
 /// How old a lock must be that nobody holds: a younger one may be about to be taken.

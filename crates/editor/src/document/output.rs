@@ -39,6 +39,13 @@ pub fn find<'s>(sheet: &'s Sheet, name: &str) -> Option<&'s Output> {
     sheet.outputs.iter().find(|output| output.name == name)
 }
 
+/// The name that an output of a sheet before has now, where it has another.
+pub fn now(sheet: &Sheet, before: &Sheet, name: &str) -> Option<String> {
+    let index = before.outputs.iter().position(|output| output.name == name)?;
+    let now = sheet.outputs.get(index).filter(|_| sheet.outputs.len() == before.outputs.len())?;
+    find(before, &now.name).is_none().then(|| now.name.clone())
+}
+
 /// Renders what a node makes: a new output with a name that is free, and its file beside that of the first. `None` where
 /// no file holds such.
 pub fn made(sheet: &Sheet, from: (usize, usize)) -> Option<(Edit, String)> {

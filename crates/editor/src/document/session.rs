@@ -24,7 +24,7 @@ pub struct Session {
     revision: u64,
     meaning: Meaning,
     /// The text that is in the file, as far as this session knows.
-    stored: String,
+    stored: Option<String>,
     access: Access,
 }
 
@@ -105,7 +105,7 @@ impl Session {
     pub fn new(text: String, file: Option<PathBuf>) -> Self {
         let file = file.map(|file| std::path::absolute(&file).unwrap_or(file));
         let mut session = Self {
-            stored: text.clone(),
+            stored: Some(text.clone()),
             access: Access::usual(&folder_of(file.as_deref())),
             text,
             file,
@@ -203,7 +203,7 @@ impl Session {
 
     /// Whether there is something to save.
     pub fn is_changed(&self) -> bool {
-        !self.history.is_saved() && self.text != self.stored
+        !self.history.is_saved() && self.stored.as_ref() != Some(&self.text)
     }
 
     /// Makes a change, as one step of undo.
@@ -294,7 +294,7 @@ impl Session {
         };
         let (text, splices) = applied(&self.text, &edit).map_err(|error| error.to_string())?;
         trochoid::write_whole(file, text.as_bytes()).map_err(|error| error.to_string())?;
-        self.stored.clone_from(&text);
+        self.stored = Some(text.clone());
         self.text = text;
         if !splices.is_empty() {
             self.history.seal();
@@ -311,7 +311,8 @@ impl Session {
 
     /// Whether the file holds another text than the one that this session read or wrote; `None` where it cannot be read.
     pub fn differs_on_disk(&self) -> Option<bool> {
-        Some(read(self.file.as_deref()?).ok()? != self.stored)
+        let there = read(self.file.as_deref()?).ok()?;
+        Some(self.stored.as_ref() != Some(&there))
     }
 
     /// Takes what is in the file now, as one step of undo.
@@ -322,7 +323,7 @@ impl Session {
         let Some(file) = &self.file else { return Ok(()) };
         let text = read(file)?;
         self.replace(&text, "Reload the file");
-        self.stored = text;
+        self.stored = Some(text);
         self.history.mark_saved();
         Ok(())
     }
@@ -330,14 +331,18 @@ impl Session {
     /// Keeps what is here although the file has changed: saving writes over it.
     pub fn keep_mine(&mut self) {
         if let Some(text) = self.file.as_deref().and_then(|file| read(file).ok()) {
-            self.stored = text;
+            self.stored = Some(text);
         }
         self.history.mark_changed();
     }
 
-    /// Takes back a text that was kept when the program ended unexpectedly, as one step of undo.
-    pub fn recover(&mut self, text: &str) {
+    /// Takes back a text that was kept when the program ended unexpectedly, as one step of undo. Where the file was `overtaken`
+    /// by another program since then, it counts as changed: saving must ask.
+    pub fn recover(&mut self, text: &str, overtaken: bool) {
         self.replace(text, "Recover unsaved work");
+        if overtaken {
+            self.stored = None;
+        }
     }
 }
 

@@ -9,6 +9,9 @@ use trochoid::{Accepts, Arity, CheckedGraph, Declaration, Item, Kind, registry};
 /// A point on the canvas, x to the right and y down.
 pub type Point = [f32; 2];
 
+/// Frames reach so far on both sides of 0 in the editor.
+pub(crate) const FAR: i64 = 10_000_000;
+
 /// Every node and wire of a document.
 #[derive(Clone, Debug, Default)]
 pub struct Sheet {
@@ -122,8 +125,10 @@ impl Sheet {
             sheet.outputs.push(Output { name: name.clone(), source: source.unwrap_or_default().into() });
         }
         if let Some(frames) = value.get("frames") {
-            let first = frames.get("first").and_then(Value::as_i64).unwrap_or(1);
-            let last = frames.get("last").and_then(Value::as_i64).unwrap_or(first);
+            // As far as the timeline goes: what is beyond is an error of the document's, which it shows.
+            let frame = |name: &str| frames.get(name).and_then(Value::as_i64).map(|frame| frame.clamp(-FAR, FAR));
+            let first = frame("first").unwrap_or(1);
+            let last = frame("last").unwrap_or(first);
             let fps = frames.get("fps").and_then(Value::as_f64).filter(|fps| *fps > 0.0).unwrap_or(24.0);
             sheet.frames = (first, last.max(first), fps);
         }

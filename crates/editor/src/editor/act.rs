@@ -4,6 +4,7 @@ use super::Editor;
 use crate::actions::Action;
 use crate::document::json::Misplaced;
 use crate::document::keep::Kept;
+use crate::document::sheet::FAR;
 use crate::document::{Edit, Session, Standing, edit, output, relocate};
 use crate::layout;
 use crate::refusal;
@@ -23,6 +24,8 @@ pub enum After {
     Ask,
     /// This document.
     Open(PathBuf),
+    /// A run, which needs a folder.
+    Render,
     /// Nothing: the window closes.
     Close,
 }
@@ -39,7 +42,7 @@ impl Editor {
         match action {
             Action::Edit(edit) => self.edit(edit),
             Action::Give(edit, field) => {
-                if let Some(fault) = self.make(|session| session.give(edit)).flatten() {
+                if let Some(fault) = self.make(edit, Session::give).flatten() {
                     let why = format!("found {}; expected {}", fault.found, fault.expected);
                     self.forgive(context);
                     refusal::refuse(context, field, why);
@@ -68,16 +71,29 @@ impl Editor {
                     self.changed();
                 }
             }
-            Action::Select(names) => {
+            Action::Select(mut names) => {
+                let asked = names.len();
+                names.retain(|name| sheet.find(name).is_some());
+                if names.is_empty() && asked > 0 {
+                    // What was to be chosen could not be made.
+                    return;
+                }
+                if state.selection != names {
+                    // The field that waits for a color is not to be seen any more.
+                    state.dropper = None;
+                }
                 state.selection = names;
                 state.output = None;
             }
+            Action::Output(Some(name)) if output::find(&sheet, &name).is_none() => {}
             Action::Output(name) => {
                 state.selection.clear();
+                state.dropper = None;
                 state.output = name;
             }
             Action::Visit(name) => {
                 state.selection = [name].into();
+                state.dropper = None;
                 state.output = None;
                 layout::bring(&mut self.tree, crate::layout::Pane::Canvas);
                 self.panels.canvas.frame();
@@ -101,7 +117,7 @@ impl Editor {
             Action::Pick(pick) => state.look.pick = pick,
             Action::Dropper(place) => state.dropper = place,
             Action::Frame(frame) => {
-                state.frame = frame.clamp(-10_000_000, 10_000_000);
+                state.frame = frame.clamp(-FAR, FAR);
                 self.playback = Default::default();
             }
             Action::Play(playing) => {
@@ -253,7 +269,7 @@ impl Editor {
     }
 
     pub(super) fn edit(&mut self, edit: Edit) {
-        self.make(|session| session.edit(edit));
+        self.make(edit, Session::edit);
     }
 
     /// Says no more of a refused value once the document is another, or something else of it is chosen.
@@ -267,7 +283,7 @@ impl Editor {
     }
 
     /// Makes a change of a text that can be read; what came of it, where it can be made.
-    fn make<T>(&mut self, change: impl FnOnce(&mut Session) -> Result<T, Misplaced>) -> Option<T> {
+    fn make<T>(&mut self, edit: Edit, change: impl FnOnce(&mut Session, Edit) -> Result<T, Misplaced>) -> Option<T> {
         if !self.state.session.meaning().readable {
             // Once, however fast one types.
             if self.complained.is_none_or(|since| since.elapsed() > Duration::from_secs(5)) {
@@ -276,11 +292,19 @@ impl Editor {
             }
             return None;
         }
+        let sheet = self.state.sheet().clone();
         if !self.settle("Nothing else was changed") {
             return None;
         }
+        if !edit.fits(&sheet.value, &self.state.sheet().value) {
+            self.notices.warning(
+                "What was typed in the panel \"Text\" was applied, and changes the same place: look at it, and do that \
+                 once more",
+            );
+            return None;
+        }
         let before = self.state.session.revision();
-        match change(&mut self.state.session) {
+        match change(&mut self.state.session, edit) {
             Ok(made) => {
                 if self.state.session.revision() != before {
                     self.changed();
@@ -298,7 +322,7 @@ impl Editor {
     /// JSON, says so, with what became of it; false then.
     fn settle(&mut self, outcome: &str) -> bool {
         let Some(text) = self.panels.source.pending() else { return true };
-        if let Err(error) = serde_json::from_str::<serde::de::IgnoredAny>(text) {
+        if let Err(error) = serde_json::from_str::<serde_json::Value>(text) {
             let why = "the text typed in the panel \"Text\" is no JSON";
             self.notices.error(format!("{outcome}: {why}: {error}. Correct it there, or revert it"));
             return false;
@@ -314,9 +338,15 @@ impl Editor {
     pub(super) fn changed(&mut self) {
         let sheet = self.state.session.sheet().clone();
         let before = std::mem::replace(&mut self.known, sheet.clone());
+        if before.value.is_null() {
+            // The first text that can be read.
+            self.state.begin();
+        }
         self.state.rename(&sheet.renamed(&before));
         self.state.selection.retain(|name| sheet.find(name).is_some());
-        self.state.output.take_if(|name| output::find(&sheet, name).is_none());
+        if let Some(gone) = self.state.output.take_if(|name| output::find(&sheet, name).is_none()) {
+            self.state.output = output::now(&sheet, &before, &gone);
+        }
         self.forget_frames();
         if let Some(lost) = self.lost.take_if(|(name, _)| sheet.find(name).is_some()) {
             self.state.look.node = Some(lost);
@@ -327,9 +357,12 @@ impl Editor {
         }
     }
 
-    /// Leaves this document for something else, unless there is unsaved work: then a question comes first.
-    pub(super) fn leave(&mut self, after: After, context: &Context) {
-        if self.is_unsaved() {
+    /// Leaves this document for something else, unless there is unsaved work, or a run would end with the window: then a
+    /// question comes first.
+    pub(crate) fn leave(&mut self, after: After, context: &Context) {
+        if self.renderer.is_some() && matches!(after, After::Close) {
+            self.prompts.rendering(after);
+        } else if self.is_unsaved() {
             self.prompts.unsaved(after);
         } else {
             self.go(after, context);
@@ -348,8 +381,10 @@ impl Editor {
                 }
                 Err(error) => {
                     self.notices.error(error);
+                    self.offer_lost(&file);
                 }
             },
+            After::Render => self.render(context),
             After::Close => {
                 self.closing = true;
                 context.send_viewport_cmd(egui::ViewportCommand::Close);
@@ -365,6 +400,8 @@ impl Editor {
         let session = &self.state.session;
         let newer = Standing::of(&session.sheet().value).is_newer();
         match session.file().map(Path::to_path_buf) {
+            // Also where nobody could watch the file.
+            Some(_) if session.differs_on_disk() == Some(true) => self.prompts.external(Some(after)),
             Some(_) if newer && session.is_changed() => self.prompts.newer(after),
             Some(file) => self.save(&file, after, context),
             None => self.prompts.ask_save(session, after),
@@ -406,11 +443,13 @@ impl Editor {
     pub(crate) fn recover(&mut self, kept: &Kept, context: &Context) {
         let session = kept.file.as_deref().and_then(|file| Session::open(file).ok());
         let mut session = session.unwrap_or_else(|| Session::new(String::new(), kept.file.clone()));
-        session.recover(&kept.text);
+        session.recover(&kept.text, kept.overtaken);
         self.start(session, context);
         // It is not in the file yet, so it is kept again before the old copy goes.
         self.copy();
-        crate::document::keep::discard(kept);
+        if let Some(keeper) = &self.keeper {
+            keeper.replace(kept.clone());
+        }
     }
 
     pub(super) fn render(&mut self, context: &Context) {
@@ -421,6 +460,10 @@ impl Editor {
             self.notices.warning("The document has errors: correct them before rendering");
             return;
         };
+        if self.state.session.file().is_none() {
+            self.notices.info("Save the document first: the names of its outputs are relative to its folder");
+            return self.prompts.ask_save(&self.state.session, Some(After::Render));
+        }
         match Renderer::start(graph, self.state.range, context.clone()) {
             Ok(renderer) => {
                 self.state.render = Some(renderer.progress());
@@ -431,6 +474,11 @@ impl Editor {
                 self.notices.error(why);
             }
         }
+    }
+
+    /// Ends the run that goes on, as soon as it hears of it.
+    pub(crate) fn end_render(&mut self) {
+        (self.renderer, self.state.render) = (None, None);
     }
 
     pub(super) fn hear_render(&mut self, context: &Context) {

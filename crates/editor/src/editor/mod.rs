@@ -16,6 +16,7 @@ use crate::notices::Notices;
 use crate::prompts::Prompts;
 use crate::properties::Properties;
 use crate::reach::{self, Grant};
+use crate::refusal;
 use crate::render::Renderer;
 use crate::report::Report;
 use crate::source::Source;
@@ -24,7 +25,7 @@ use crate::timeline::Timeline;
 use crate::viewer::Viewer;
 use crate::watch::Watcher;
 use crate::waves::Waves;
-use egui::{Context, Ui};
+use egui::{Context, Key, Ui};
 use pictures::Asked;
 use play::Playback;
 use std::collections::BTreeSet;
@@ -137,16 +138,18 @@ impl Editor {
         Ok(editor)
     }
 
-    /// Offers work of this document that was kept of editors that ended unexpectedly; beside one that is nowhere yet, tells of
-    /// others.
+    /// Offers work of this document that was kept of editors that ended unexpectedly; beside one that is nowhere yet, also of
+    /// documents that are gone, and tells of others.
     fn offer(&mut self) {
         let folder = self.prompts.data().map(|data| data.join("unsaved"));
         let file = self.state.session.file().map(reach::whole);
         let all = folder.as_deref().map(kept).unwrap_or_default();
         let (saved, all): (Vec<Kept>, Vec<Kept>) = all.into_iter().partition(Kept::is_saved);
         saved.iter().for_each(discard);
-        let (own, others): (Vec<Kept>, Vec<Kept>) =
-            all.into_iter().partition(|kept| kept.file.as_deref().map(reach::whole) == file);
+        // Of a document that is not there any more nobody else asks.
+        let is_homeless = |kept: &Kept| file.is_none() && kept.file.as_deref().is_none_or(|file| !file.is_file());
+        let is_own = |kept: &Kept| is_homeless(kept) || kept.file.as_deref().map(reach::whole) == file;
+        let (own, others): (Vec<Kept>, Vec<Kept>) = all.into_iter().partition(is_own);
         if !own.is_empty() {
             self.prompts.recover(own);
         }
@@ -156,6 +159,16 @@ impl Editor {
                 let text = format!("Unsaved work of {} was kept: open it to recover that", file.display());
                 self.notices.info(text);
             }
+        }
+    }
+
+    /// Offers work that was kept of a document that cannot be opened.
+    fn offer_lost(&mut self, file: &Path) {
+        let (file, folder) = (reach::whole(file), self.prompts.data().map(|data| data.join("unsaved")));
+        let mut lost = folder.as_deref().map(kept).unwrap_or_default();
+        lost.retain(|kept| kept.file.as_deref().map(reach::whole).as_ref() == Some(&file));
+        if !lost.is_empty() {
+            self.prompts.recover(lost);
         }
     }
 
@@ -226,6 +239,10 @@ impl Editor {
                 actions.push(Action::Play(!self.state.playing));
             }
         }
+        // Wherever the pointer is.
+        if self.state.dropper.is_some() && context.input(|input| input.key_pressed(Key::Escape)) {
+            actions.push(Action::Dropper(None));
+        }
         let typing = context.text_edit_focused();
         crate::window::window_ui(self, ui, &mut actions);
         let mut later = std::mem::take(&mut self.later);
@@ -238,7 +255,10 @@ impl Editor {
             }
         }
         for action in later.drain(..) {
-            self.act(action, &context);
+            // What was typed is refused: that stays to be seen.
+            if !(action.hides() && refusal::is_fresh(&context)) {
+                self.act(action, &context);
+            }
         }
         self.keep(&context);
         self.play(&context);

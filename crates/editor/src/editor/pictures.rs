@@ -60,7 +60,8 @@ impl Editor {
             return self.ask_nothing();
         }
         let Some(subject) = self.subject() else {
-            if self.asked.what.take().is_some() {
+            // Also what was said of a text that was no JSON.
+            if self.asked.what.take().is_some() || self.state.seen.failed.is_some() {
                 self.worker.stop();
                 let seen = &mut self.state.seen;
                 (seen.result, seen.last, seen.progress, seen.failed) = (None, None, None, None);
@@ -269,7 +270,7 @@ impl Editor {
             }
         }
         if self.watcher.changed() && self.state.session.differs_on_disk() == Some(true) {
-            self.prompts.external();
+            self.prompts.external(None);
         }
         self.hear_render(context);
     }

@@ -102,7 +102,8 @@ impl Editor {
         self.state.seen.rate = self.playback.rate();
         match step {
             Step::Wait => {}
-            Step::Pause(seconds) => context.request_repaint_after(Duration::from_secs_f64(seconds)),
+            // Frames may be as far apart as ages.
+            Step::Pause(seconds) => context.request_repaint_after(Duration::from_secs_f64(seconds.min(60.0))),
             Step::Go => {
                 self.state.frame = next;
                 context.request_repaint();

@@ -50,7 +50,7 @@ pub(super) fn color_ui(ui: &mut Ui, value: &Value, place: &Place<'_>, actions: &
     if dropper.on_hover_text("Takes the color that is clicked next in the picture or the reference.").clicked() {
         actions.push(Action::Dropper(taking.then(|| place.path.clone())));
     }
-    Told { response: swatch.response | text.response, given: swatch.given.or(text.given) }
+    Told { response: field::joined(swatch.response, text.response), given: swatch.given.or(text.given) }
 }
 
 /// A typed color.

@@ -155,7 +155,7 @@ fn vector_ui(ui: &mut Ui, items: &[Value]) -> Told<Value> {
             Value::Array(items)
         });
         all = Some(match all {
-            Some(all) => Told { response: all.response | own.response, given: all.given.or(own.given) },
+            Some(all) => Told { response: field::joined(all.response, own.response), given: all.given.or(own.given) },
             None => own,
         });
     }

@@ -135,7 +135,6 @@ fn node_ui(panel: &mut Properties, ui: &mut Ui, state: &State, name: &str, actio
         named.response.on_hover_text("The node's name; everything that is connected to it follows.");
         if let Some((typed, gesture)) = named.given {
             gesture.edit(edit::renamed(sheet, name, &typed), actions);
-            actions.push(Action::Select([typed].into()));
         }
         ui.label(RichText::new(&node.ty).strong());
         let mut on = field::switch_ui(ui, !node.disabled, "On");
@@ -219,7 +218,10 @@ fn notes_ui(ui: &mut Ui, state: &State, path: &Path, actions: &mut Vec<Action>) 
     let told = field::text_ui(ui, text, |text| {
         egui::TextEdit::multiline(text).hint_text("Notes").desired_rows(2).desired_width(f32::INFINITY)
     });
-    told.edit(actions, |text| place.set(&text.into()));
+    told.edit(actions, |text| match text.as_str() {
+        "" => Edit::reset(place.path.clone()).merging(place.path.to_string()),
+        text => place.set(&text.into()),
+    });
 }
 
 /// What belongs to the whole document: its format, frames and working space.

@@ -59,7 +59,7 @@ pub(super) fn output_ui(ui: &mut Ui, state: &State, name: &str, actions: &mut Ve
         named.response.widget_info(|| WidgetInfo::labeled(WidgetType::TextEdit, true, "Name of the output"));
         if let Some((typed, gesture)) = named.given {
             gesture.edit(output::renamed(name, &typed), actions);
-            actions.extend([Action::Seal, Action::Output(Some(typed))]);
+            actions.push(Action::Seal);
         }
         ui.label(RichText::new("Output").strong());
         if ui.button("Look").clicked() {

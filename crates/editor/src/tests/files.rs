@@ -109,7 +109,8 @@ fn work_of_an_editor_that_ended_is_offered() {
     assert_eq!(state.session.file(), Some(file.as_path()));
     assert!(state.session.is_changed());
     assert_eq!(std::fs::read_to_string(&file).unwrap(), DUSK, "nothing is written before it is saved");
-    assert!(!copy.exists());
+    until(&mut window, "another copy takes the place of that one", |_| !copy.exists());
+    assert_eq!(std::fs::read_dir(copy.parent().unwrap()).unwrap().count(), 2, "a copy and its lock");
 }
 
 #[test]

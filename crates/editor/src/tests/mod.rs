@@ -2,6 +2,7 @@ mod files;
 mod graph;
 mod keys;
 mod lasting;
+mod leaving;
 mod looking;
 mod panels;
 mod play;

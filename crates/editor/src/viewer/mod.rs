@@ -61,6 +61,7 @@ impl Viewer {
     pub(crate) fn forget(&mut self) {
         self.compare.held = None;
         (self.before, self.drag, self.frames_region) = (None, None, false);
+        self.view.fit();
     }
 
     /// Takes the held picture as it was asked for.

@@ -77,6 +77,21 @@ fn the_copy_of_an_editor_that_ended_is_found_once() {
 }
 
 #[test]
+fn a_copy_of_an_editor_of_the_same_number_is_not_written_over() {
+    let folder = tempfile::tempdir().unwrap();
+    let name = format!("{}-0", std::process::id());
+    let [copy, lock] = ["json", "lock"].map(|end| folder.path().join(format!("{name}.{end}")));
+    std::fs::write(&copy, r#"{ "text": "lost" }"#).unwrap();
+    std::fs::write(&lock, "").unwrap();
+    let keeper = Keeper::new(folder.path()).unwrap();
+    assert_eq!(kept(folder.path())[0].text, "lost", "its lock is free");
+    keeper.keep(None, "other");
+    wait_for(|| copies(folder.path()) == 2);
+    drop(keeper);
+    assert_eq!(kept(folder.path())[0].text, "lost");
+}
+
+#[test]
 fn a_copy_knows_its_document_from_wherever_the_editor_is_started() {
     let session = Session::new("{}".into(), Some("storm.json".into()));
     let whole = std::env::current_dir().unwrap().join("storm.json");

@@ -1,5 +1,7 @@
 //! Questions: which file, what of unsaved work, which command.
 
+mod leave;
+
 use crate::actions::Action;
 use crate::commands::{COMMANDS, Command};
 use crate::document::Session;
@@ -31,7 +33,10 @@ enum Prompt {
     Unsaved(After),
     /// Whether to write over a document of a newer version, and what comes after it.
     Newer(Option<After>),
-    External,
+    /// Which text counts: the file's, or the one here; whether that is to be saved, and what comes after it.
+    External(Option<Option<After>>),
+    /// Whether to end a run, and what comes after it.
+    Rendering(After),
     /// Whether the document may reach further, so that it can be rendered.
     Reach(Vec<Refused>),
     Recover(Vec<Kept>),
@@ -77,11 +82,17 @@ impl Prompts {
         self.open = Some(Prompt::Newer(after));
     }
 
-    /// Asks what counts: what is here, or what another program wrote.
-    pub(crate) fn external(&mut self) {
-        if self.open.is_none() {
-            self.open = Some(Prompt::External);
+    /// Asks what counts: what is here, or what another program wrote. Where what is here was to be saved, `saving` says what
+    /// was to come after that.
+    pub(crate) fn external(&mut self, saving: Option<Option<After>>) {
+        if self.open.is_none() || saving.is_some() {
+            self.open = Some(Prompt::External(saving));
         }
+    }
+
+    /// Asks whether to end a run before something else.
+    pub(crate) fn rendering(&mut self, after: After) {
+        self.open = Some(Prompt::Rendering(after));
     }
 
     /// Asks whether the document may reach files that it needs to be rendered.
@@ -129,9 +140,10 @@ pub(crate) fn prompts_ui(editor: &mut Editor, context: &Context, actions: &mut V
     files_ui(editor, context);
     let Some(prompt) = editor.prompts.open.take() else { return };
     let next = match prompt {
-        Prompt::Unsaved(after) => unsaved_ui(editor, context, after),
-        Prompt::Newer(after) => newer_ui(editor, context, after),
-        Prompt::External => external_ui(editor, context),
+        Prompt::Unsaved(after) => leave::unsaved_ui(editor, context, after),
+        Prompt::Newer(after) => leave::newer_ui(editor, context, after),
+        Prompt::External(saving) => leave::external_ui(editor, context, saving),
+        Prompt::Rendering(after) => leave::rendering_ui(editor, context, after),
         Prompt::Reach(refused) => reach_ui(editor, context, refused),
         Prompt::Recover(kept) => recover_ui(editor, context, kept),
         Prompt::Replace(file, after) => replace_ui(editor, context, file, after),
@@ -202,104 +214,6 @@ pub(crate) fn titled(ui: &mut Ui, title: &str) {
     ui.add_space(4.0);
 }
 
-fn unsaved_ui(editor: &mut Editor, context: &Context, after: After) -> Option<Prompt> {
-    let mut answer = None;
-    let modal = Modal::new("unsaved".into()).show(context, |ui| {
-        titled(ui, "Save changes?");
-        let text = format!("“{}” has changes that are not saved.", editor.state().session.title());
-        ui.add(egui::Label::new(&text).truncate()).on_hover_text(&text);
-        ui.add_space(8.0);
-        ui.horizontal(|ui| {
-            for word in ["Save", "Discard", "Cancel"] {
-                if ui.button(word).clicked() {
-                    answer = Some(word);
-                }
-            }
-        });
-    });
-    match answer {
-        Some("Save") => {
-            editor.store(Some(after), context);
-            None
-        }
-        Some("Discard") => {
-            editor.go(after, context);
-            None
-        }
-        Some(_) => None,
-        None if modal.should_close() => None,
-        None => Some(Prompt::Unsaved(after)),
-    }
-}
-
-fn newer_ui(editor: &mut Editor, context: &Context, after: Option<After>) -> Option<Prompt> {
-    let mut answer = None;
-    let modal = Modal::new("newer".into()).show(context, |ui| {
-        titled(ui, "Write over a newer document?");
-        let session = &editor.state().session;
-        ui.label(format!(
-            "“{}” is of a version of the document format that this editor does not know.",
-            session.title()
-        ));
-        ui.label("What it does not know stays as it is, but may not fit what was changed here.");
-        ui.add_space(8.0);
-        ui.horizontal(|ui| {
-            for word in ["Save a copy …", "Write over it", "Cancel"] {
-                if ui.button(word).clicked() {
-                    answer = Some(word);
-                }
-            }
-        });
-    });
-    match answer {
-        Some("Save a copy …") => {
-            let Editor { prompts, state, .. } = editor;
-            prompts.ask_save(&state.session, after);
-        }
-        Some("Write over it") => {
-            if let Some(file) = editor.state().session.file().map(Path::to_path_buf) {
-                editor.save(&file, after, context);
-            }
-        }
-        Some(_) => {}
-        None if modal.should_close() => {}
-        None => return Some(Prompt::Newer(after)),
-    }
-    None
-}
-
-fn external_ui(editor: &mut Editor, context: &Context) -> Option<Prompt> {
-    let mut answer = None;
-    let changed = editor.is_unsaved();
-    Modal::new("external".into()).show(context, |ui| {
-        titled(ui, "The file has changed");
-        ui.label(format!("Another program has changed “{}”.", editor.state().session.title()));
-        if changed {
-            ui.label("Changes made here are not saved. Reloading can be undone.");
-        }
-        ui.add_space(8.0);
-        ui.horizontal(|ui| {
-            if ui.button("Reload").clicked() {
-                answer = Some(Action::Reload);
-            }
-            if ui.button("Keep what is here").clicked() {
-                answer = Some(Action::Seal);
-            }
-        });
-    });
-    match answer {
-        Some(Action::Reload) => {
-            editor.act(Action::Reload, context);
-            None
-        }
-        Some(_) => {
-            editor.state.session.keep_mine();
-            None
-        }
-        None => Some(Prompt::External),
-    }
-}
-
 fn reach_ui(editor: &mut Editor, context: &Context, refused: Vec<Refused>) -> Option<Prompt> {
     let (mut allowed, mut cancel) = (None, false);
     let modal = Modal::new("reach".into()).show(context, |ui| {
@@ -342,6 +256,12 @@ fn recover_ui(editor: &mut Editor, context: &Context, mut kept: Vec<Kept>) -> Op
                         label.on_hover_text(file.display().to_string());
                     }
                     ui.label(ago(kept.when));
+                    if kept.overtaken {
+                        let help =
+                            "Another program has changed it since. Recovering does not touch the file; saving asks.";
+                        let text = RichText::new("the file is newer").color(ui.visuals().warn_fg_color);
+                        ui.label(text).on_hover_text(help);
+                    }
                     if ui.button("Recover").clicked() {
                         chosen = Some(index);
                     }
