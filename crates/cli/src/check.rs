@@ -2,7 +2,7 @@
 
 use crate::explain::{self, Explained};
 use crate::failure::{Failure, INVALID, count, once};
-use crate::files::Reach;
+use crate::files::{self, Reach};
 use crate::outputs::choose;
 use crate::shell::{self, HEADING, printable, wrap};
 use serde_json::{Map, Value, json};
@@ -77,7 +77,11 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let named = graph.clone().with_access(Access::everything());
     let written =
         frames.iter().find_map(|&frame| trochoid::output_files(&named, &all, frame, first != last, None).err());
-    let faults = Faults { outside, written };
+    let inputs = files::inputs(graph, &args.graph, &args.set, &[]);
+    let files =
+        frames.iter().filter_map(|&frame| trochoid::output_files(&named, &all, frame, first != last, None).ok());
+    let over = files.flatten().map(|file| file.path).find(|path| inputs.contains(path));
+    let faults = Faults { outside, written, over };
     if faults.any() {
         return Err(faults.told(args)?);
     }
@@ -118,19 +122,22 @@ struct Faults {
     outside: Vec<Diagnostic>,
     /// Why its outputs cannot be written.
     written: Option<OutputError>,
+    /// An input that an output would be written over.
+    over: Option<PathBuf>,
 }
 
 impl Faults {
     fn any(&self) -> bool {
-        !self.outside.is_empty() || self.written.is_some()
+        !self.outside.is_empty() || self.written.is_some() || self.over.is_some()
     }
 
     /// Prints them, where JSON is asked for; what is to be returned.
     fn told(self, args: &Args) -> Result<Failure, Failure> {
-        let Self { outside, written } = self;
+        let Self { outside, written, over } = self;
         if !args.json {
             let mut all = Failure::from(LoadError::Invalid(once(outside)));
             written.into_iter().for_each(|error| all.join(error.into()));
+            over.into_iter().for_each(|path| all.join(files::written_over(&path)));
             return Ok(all);
         }
         let mut faults: Vec<Value> = outside.iter().map(Diagnostic::to_json).collect();
@@ -141,6 +148,10 @@ impl Faults {
             }
             other => faults.extend(other.map(|error| fault(error.to_string(), ""))),
         }
+        faults.extend(over.map(|path| {
+            let found = format!("{}: is an input of the document, and would be written over", path.display());
+            fault(found, files::ANOTHER_NAME)
+        }));
         let name = args.graph.display().to_string();
         shell::print_json(&json!({ "document": name, "valid": false, "diagnostics": faults }))?;
         Ok(Failure::silent(INVALID))
@@ -221,7 +232,7 @@ impl Findings {
 fn pictures(graph: &CheckedGraph) -> Pictures {
     let is_exr = |file: &String| file.to_ascii_lowercase().ends_with(".exr");
     let streamed = graph.outputs().iter().filter_map(|output| output.file.as_ref()).all(is_exr);
-    if streamed { Pictures::Rows } else { Pictures::Whole }
+    if streamed { Pictures::Rows } else { Pictures::Files }
 }
 
 fn to_text(loaded: &Loaded, findings: &Findings, with_left_out: bool) -> String {
@@ -283,6 +294,7 @@ fn memory_to_json(graph: &CheckedGraph, account: &MemoryAccount) -> Value {
             Taker::Node(id) => ("node", Some(id)),
             Taker::Preparing(id) => ("preparing", Some(id)),
             Taker::Pictures => ("pictures", None),
+            Taker::Writing => ("writing pictures", None),
             Taker::Tiles => ("tiles", None),
         };
         json!({ "what": what, "node": node.map(|id| &graph.node(*id).name), "bytes": bytes })

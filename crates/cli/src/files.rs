@@ -135,6 +135,19 @@ impl Over {
     }
 }
 
+/// What a document reads, as it stands and as `--set` has it, with itself and other files that a run reads.
+pub(crate) fn inputs(graph: &CheckedGraph, path: &Path, set: &[String], also: &[&Path]) -> InputFiles {
+    let inputs = InputFiles::new(graph, &[&[path], also].concat());
+    if set.is_empty() {
+        return inputs;
+    }
+    // One that is valid by `--set` alone reads nothing without it.
+    match trochoid::load(path, &[]) {
+        Ok(plain) => inputs.and(InputFiles::new(&plain.graph, &[])),
+        Err(_) => inputs,
+    }
+}
+
 /// What is wrong with the ending of a file's name, unless it is a device or a pipe.
 pub(crate) fn ending(option: &str, path: &Path, known: &str) -> Option<Failure> {
     let is_known = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case(known));
@@ -149,10 +162,16 @@ pub(crate) fn ending(option: &str, path: &Path, known: &str) -> Option<Failure> 
 
 /// What is wrong with writing over an input.
 pub(crate) fn input(path: &Path, inputs: &InputFiles) -> Option<Failure> {
-    inputs.contains(path).then(|| {
-        let message = format!("{}: is an input of the document, and would be written over", path.display());
-        Failure::usage(message, "give the output another name")
-    })
+    inputs.contains(path).then(|| written_over(path))
+}
+
+/// What to do about that.
+pub(crate) const ANOTHER_NAME: &str = "give the output another name";
+
+/// That an input would be written over.
+pub(crate) fn written_over(path: &Path) -> Failure {
+    let message = format!("{}: is an input of the document, and would be written over", path.display());
+    Failure::usage(message, ANOTHER_NAME)
 }
 
 impl From<Diagnostic> for Failure {

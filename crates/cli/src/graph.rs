@@ -5,7 +5,7 @@ use crate::files::{self, Over};
 use crate::outputs;
 use crate::shell::{self, printable};
 use std::path::PathBuf;
-use trochoid::{Diagnostic, Form, GENERATOR, InputFiles, Plan, Settings, VERSION};
+use trochoid::{Diagnostic, Form, GENERATOR, Plan, Settings, VERSION};
 
 /// Options of `trochoid graph`.
 #[derive(Debug, clap::Args)]
@@ -42,7 +42,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let is_stdout = args.out.as_os_str() == "-";
     if !is_stdout {
         faults.extend(files::ending("--out", &args.out, "svg"));
-        faults.extend(args.over.refusal(&args.out, Form::Svg, &InputFiles::new(graph, &[&args.graph])));
+        faults.extend(args.over.refusal(&args.out, Form::Svg, &files::inputs(graph, &args.graph, &args.set, &[])));
     }
     Failure::all(faults)?;
     let shown: &[usize] = if args.output.is_empty() { &[] } else { &chosen };

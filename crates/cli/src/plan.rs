@@ -10,7 +10,7 @@ use crate::shell::{self, printable};
 use crate::{interrupt, outputs};
 use std::path::{Path, PathBuf};
 use trochoid::accuracy::{self, Missed, PlanFile, Planned, Request, TargetError};
-use trochoid::{CheckedGraph, EvalError, Form, InputFiles, Monitor, Settings, Tolerance};
+use trochoid::{CheckedGraph, EvalError, Form, Monitor, Settings, Tolerance};
 
 /// Options of `trochoid plan`.
 #[derive(Debug, clap::Args)]
@@ -85,7 +85,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let frame = args.frame.unwrap_or(graph.frames().0);
     if let Some(out) = &args.out {
         // A search takes minutes: what it could not write is told before it.
-        let inputs = InputFiles::new(graph, &[&args.graph]);
+        let inputs = files::inputs(graph, &args.graph, &args.set, &[]);
         faults.extend(files::ending("--out", out, "json"));
         faults.extend(args.files.over.refusal(out, Form::Plan, &inputs));
     }

@@ -1,14 +1,14 @@
 //! `trochoid preview`: frames of an output, small, as one animated picture; or one frame as a still.
 
 use crate::failure::{FAILED, Failure, INTERRUPTED};
-use crate::files::Files;
+use crate::files::{self, Files};
 use crate::progress::Progress;
 use crate::shell::{self, printable};
 use crate::{frames, interrupt, outputs, webp};
 use std::path::PathBuf;
 use trochoid::io::{PngImage, Samples, write_png8};
 use trochoid::{
-    Buffers, Cache, CheckedGraph, Diagnostic, EvalError, Form, InputFiles, Kind, Picture, Plan, Settings, mark,
+    Buffers, Cache, CheckedGraph, Diagnostic, EvalError, Form, Kind, Picture, Pictures, Plan, Settings, marks,
     quoted_path,
 };
 use webp_animation::{ColorMode, Encoder, EncoderOptions, EncodingConfig};
@@ -68,7 +68,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let size = [graph.format().width(), graph.format().height()].map(|size| size.div_ceil(u32::from(args.shrink)));
     look(args, graph, output, chosen.len(), size, &mut faults);
     faults.extend(args.files.reach.refused(graph, &[output], &chosen, Vec::new()));
-    let inputs = InputFiles::new(graph, &[&args.graph]);
+    let inputs = files::inputs(graph, &args.graph, &args.set, &[]);
     faults.extend(args.files.over.refusal(&args.out, form(args), &inputs));
     Failure::all(faults)?;
     interrupt::watch()?;
@@ -84,7 +84,8 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     if ends(args, "png") {
         let channels = small(0)?;
         let channels = channels.each_ref().map(|channel| Samples::contiguous(channel));
-        let image = PngImage { clamp: true, metadata: vec![mark()], ..PngImage::new(size[0], size[1], channels) };
+        let image =
+            PngImage { clamp: true, metadata: marks(Form::Preview), ..PngImage::new(size[0], size[1], channels) };
         write_png8(args.files.over.target(&args.out, form(args)), &image)
             .map_err(|error| Failure::new(FAILED, error))?;
     } else {
@@ -115,7 +116,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
 
 /// What is written.
 fn form(args: &Args) -> Form {
-    if ends(args, "png") { Form::Png } else { Form::WebP }
+    if ends(args, "png") { Form::Preview } else { Form::WebP }
 }
 
 fn ends(args: &Args, ending: &str) -> bool {
@@ -167,6 +168,9 @@ fn render(
     }
     let name = graph.outputs()[output].name.as_str();
     let plan = Plan::new(graph, &[name], frame, &[], &Settings::default()).map_err(|error| failed(&error))?;
+    // It is made small and encoded from there.
+    plan.check_memory(&plan.memory(Pictures::Files))
+        .map_err(|error| Failure::evaluated(&format!("frame {frame}: "), &error))?;
     let evaluated = plan.evaluate(&Buffers::new(), cache, progress).map_err(|error| match error {
         EvalError::Cancelled => stopped(),
         error => Failure::evaluated(&format!("frame {frame}: "), &error),

@@ -18,6 +18,8 @@ pub enum Taker {
     Node(NodeId),
     /// The pictures of the outputs, where they are not handed on row by row.
     Pictures,
+    /// What one of them needs while it is written to its file.
+    Writing,
     /// Tiles that threads work on.
     Tiles,
     /// What one node needs while it prepares, at most.
@@ -29,9 +31,18 @@ pub enum Taker {
 pub enum Pictures {
     /// Into memory, as by [`Plan::evaluate`].
     Whole,
+    /// Into memory, and from there into files, one after the other.
+    Files,
     /// On, row by row, as by [`Plan::evaluate_to`].
     Rows,
 }
+
+/// Bytes that a sample takes beside itself while its picture is converted, encoded and compressed, whole or by rows.
+const ENCODED: u64 = 9;
+const ENCODED_ROWS: u64 = 5;
+
+/// Rows that files take at once, at most.
+const ROWS: usize = 32;
 
 /// About how much memory a plan takes at its frame.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -78,8 +89,8 @@ impl MemoryAccount {
         let total = self.total();
         if let Some((_, tiles, _)) = self.takers.iter_mut().find(|(taker, ..)| *taker == Taker::Tiles) {
             let room = limit.saturating_sub(total - *tiles);
-            let each = (*tiles / self.workers as u64).max(1);
-            self.workers = usize::try_from(room / each).unwrap_or(usize::MAX).clamp(1, self.workers);
+            let each = *tiles / self.workers as u64;
+            self.workers = usize::try_from(room / each.max(1)).unwrap_or(usize::MAX).clamp(1, self.workers);
             *tiles = each * self.workers as u64;
         }
         self.takers.retain(|(_, bytes, _)| *bytes > 0);
@@ -122,14 +133,29 @@ impl Plan<'_> {
             uses.insert(*id, taken);
         }
         takers.extend(preparing);
-        if pictures == Pictures::Whole {
-            let channels: usize = self.outputs.iter().map(|output| output.kind.channels()).sum();
-            let bytes = samples(channels, [self.window.width(), self.window.height()]) * size_of::<f32>() as u64;
+        let channels = || self.outputs.iter().map(|output| output.kind.channels());
+        if pictures != Pictures::Rows {
+            let size = [self.window.width(), self.window.height()];
+            let bytes = samples(channels().sum(), size).saturating_mul(size_of::<f32>() as u64);
             let remedy = "write EXR alone, whose rows are not kept, lower the format's \"width\" and \"height\", or \
                           render fewer outputs at once";
             takers.push((Taker::Pictures, bytes, remedy));
+            if pictures == Pictures::Files {
+                let bytes = samples(channels().max().unwrap_or(0), size).saturating_mul(ENCODED);
+                takers.push((Taker::Writing, bytes, remedy));
+            }
         }
         let tiles = self.passes.iter().map(|pass| self.scratch(pass, &uses)).fold(0, u64::saturating_add);
+        // A band that is handed on has the picture's width.
+        let band = match pictures {
+            Pictures::Rows => {
+                let rows = self.passes.iter().map(|pass| self.tile_before(pass)[1]).max().unwrap_or(0);
+                let rows = rows.next_multiple_of(ROWS).min(self.window.height());
+                samples(channels().sum(), [self.window.width(), rows])
+            }
+            Pictures::Whole | Pictures::Files => 0,
+        };
+        let tiles = tiles.saturating_add(band.saturating_mul(size_of::<f32>() as u64 + ENCODED_ROWS));
         let remedy = "lower the format's \"width\", or let filters reach less far";
         account.workers = self.threads();
         account.takers.push((Taker::Tiles, tiles.saturating_mul(account.workers as u64), remedy));
@@ -169,6 +195,7 @@ impl Plan<'_> {
             let what = match taker {
                 Taker::Node(id) => name(id),
                 Taker::Pictures => "pictures".into(),
+                Taker::Writing => "writing pictures".into(),
                 Taker::Tiles if account.workers == 1 => "tiles of one thread".into(),
                 Taker::Tiles => format!("tiles of {} threads", account.workers),
                 Taker::Preparing(id) => format!("preparing {}", name(id)),

@@ -1,7 +1,7 @@
 //! What all nodes of one frame share, and how paths name frames.
 
-use crate::{Access, NodeError, quoted};
-use std::path::{Path, PathBuf};
+use crate::{Access, quoted};
+use std::path::PathBuf;
 use trochoid_image::{Format, WorkingSpace};
 
 /// What all nodes of one frame share.
@@ -30,15 +30,6 @@ impl FrameContext {
     pub fn path(&self, text: &str) -> PathBuf {
         let expanded = PathBuf::from(expand_frame(text, self.frame));
         if expanded.is_absolute() { expanded } else { self.folder.join(expanded) }
-    }
-
-    /// Whether the document may reach a file that another file names. Those that it names itself, and those of
-    /// [`Stage::files`](crate::Stage::files), the engine has asked for.
-    ///
-    /// # Errors
-    /// It may not.
-    pub fn check_file(&self, path: &Path) -> Result<(), NodeError> {
-        self.access.check(path).map_err(|outside| NodeError::new(format!("{}: {outside}", path.display())))
     }
 }
 

@@ -181,7 +181,7 @@ mod tests {
         let error = write_guarded(&path, b"{}", Form::Report, false).expect_err("theirs").to_string();
         assert!(error.contains("--overwrite"), "{error}");
         assert_eq!(fs::read_to_string(&path).expect("there"), "theirs");
-        let ours = format!("{{\"trochoid\": \"{}\"}}", crate::VERSION);
+        let ours = format!("{{\"status\": \"done\", \"trochoid\": \"{}\"}}", crate::VERSION);
         write_guarded(&path, ours.as_bytes(), Form::Report, true).expect("asked for");
         write_guarded(&path, ours.as_bytes(), Form::Report, false).expect("ours");
         assert!(write_guarded(&path, ours.as_bytes(), Form::Plan, false).is_err(), "ours, but no plan");

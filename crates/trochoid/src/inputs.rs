@@ -132,6 +132,15 @@ impl InputFiles {
         Self { known, paths, sequences }
     }
 
+    /// These and those of another state of the document.
+    #[must_use]
+    pub fn and(mut self, other: Self) -> Self {
+        self.known.extend(other.known);
+        self.paths.extend(other.paths);
+        self.sequences.extend(other.sequences);
+        self
+    }
+
     /// Whether a file is one of these, by whatever name; it need not exist.
     pub fn contains(&self, path: &Path) -> bool {
         if Identity::of(path).is_some_and(|found| self.known.contains(&found)) {

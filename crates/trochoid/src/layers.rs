@@ -1,6 +1,7 @@
 //! What a file holds beside what a run would write into it.
 
 use crate::output::file_channels;
+use crate::resume::OUTPUTS;
 use crate::{OutputFile, output_files};
 use std::collections::BTreeSet;
 use trochoid_graph::{CheckedGraph, resolved};
@@ -23,6 +24,12 @@ pub fn outputs_lost(graph: &CheckedGraph, file: &OutputFile, frame: i64) -> Vec<
     if others.is_empty() {
         return others;
     }
+    let metadata = trochoid_io::read_metadata(&file.path).unwrap_or_default();
+    if let Some((_, held)) = metadata.iter().find(|(key, _)| key == OUTPUTS) {
+        let held: BTreeSet<&str> = held.split(", ").collect();
+        return others.into_iter().filter(|index| held.contains(graph.outputs()[*index].name.as_str())).collect();
+    }
+    // Of a file that does not say so, its channels tell.
     let Ok(info) = trochoid_io::info(&file.path, &Limits::default()) else { return Vec::new() };
     let parts = info.parts.into_iter().flat_map(|part| part.channels);
     let found: BTreeSet<String> = parts.map(|channel| channel.full_name).collect();

@@ -84,7 +84,7 @@ pub use load::{LoadError, Loaded, load, missing_files, parse, registry};
 #[cfg(feature = "machine")]
 pub use machine::memory_share;
 #[cfg(feature = "io")]
-pub use marks::{Form, GENERATOR, TABLE, is_ours, mark};
+pub use marks::{Form, GENERATOR, TABLE, is_ours, mark, marks};
 #[cfg(feature = "io")]
 pub use naming::{NameFault, companion_files, output_files};
 #[cfg(feature = "io")]

@@ -16,6 +16,9 @@ pub const GENERATOR: &str = "Trochoid ";
 /// The first columns of the table of a report: its header is its mark, since CSV has no comments.
 pub const TABLE: &str = "scene,output,frame,settings,";
 
+/// The key that tells of what kind a picture is, where it is none of an output.
+const KIND: &str = "trochoid:kind";
+
 /// Keys of picture files' metadata begin so.
 pub(crate) const KEY: &str = "trochoid:";
 
@@ -27,6 +30,10 @@ struct Marked {
     trochoid_plan: Option<IgnoredAny>,
     /// Of certificates alone.
     digest: Option<IgnoredAny>,
+    /// Of reports of runs alone.
+    status: Option<IgnoredAny>,
+    /// Of reports of measurements alone.
+    rungs: Option<IgnoredAny>,
 }
 
 #[derive(Deserialize)]
@@ -43,6 +50,12 @@ pub enum Form {
     Exr,
     /// A picture as PNG.
     Png,
+    /// A picture made small, as PNG.
+    Preview,
+    /// How far a picture may lie from the references, as EXR.
+    Error,
+    /// A map of stability, as PNG.
+    Map,
     /// An animation.
     WebP,
     /// A picture of a graph.
@@ -60,6 +73,16 @@ pub enum Form {
 }
 
 impl Form {
+    /// How metadata tell of pictures that are none of an output.
+    fn kind(self) -> Option<&'static str> {
+        match self {
+            Self::Preview => Some("preview"),
+            Self::Error => Some("error"),
+            Self::Map => Some("map"),
+            _ => None,
+        }
+    }
+
     /// Of a picture, by its name's ending.
     pub fn of_picture(path: &Path) -> Self {
         let is_png = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("png"));
@@ -101,15 +124,21 @@ fn form_of(path: &Path, found: OpenFile) -> std::io::Result<Option<Form>> {
         return Ok(marked.and_then(|marked| match marked {
             Marked { trochoid_plan: Some(_), .. } => Some(Form::Plan),
             Marked { trochoid: Some(Version::Text(_)), digest: Some(_), .. } => Some(Form::Certificate),
-            Marked { trochoid: Some(Version::Text(_)), .. } => Some(Form::Report),
+            Marked { trochoid: Some(Version::Text(_)), status: Some(_), .. }
+            | Marked { trochoid: Some(Version::Text(_)), rungs: Some(_), .. } => Some(Form::Report),
             _ => None,
         }));
     }
     if head.starts_with(TABLE.as_bytes()) {
         return Ok(Some(Form::Table));
     }
-    let is_marked = trochoid_io::readable_metadata(path).iter().any(|(key, _)| key.starts_with(KEY));
-    Ok(is_marked.then_some(if head.starts_with(b"\x89PNG") { Form::Png } else { Form::Exr }))
+    let metadata = trochoid_io::readable_metadata(path);
+    if !metadata.iter().any(|(key, _)| key.starts_with(KEY)) {
+        return Ok(None);
+    }
+    let kind = metadata.iter().find(|(key, _)| key == KIND).map(|(_, kind)| kind.as_str());
+    let other = [Form::Preview, Form::Error, Form::Map].into_iter().find(|form| kind.is_some() && form.kind() == kind);
+    Ok(Some(other.unwrap_or(if head.starts_with(b"\x89PNG") { Form::Png } else { Form::Exr })))
 }
 
 /// The metadata of a picture, with the mark where they lack it.
@@ -118,9 +147,22 @@ pub(crate) fn with_mark(metadata: &[(String, String)]) -> Vec<(String, String)> 
     metadata.iter().cloned().chain(mark).collect()
 }
 
+/// The same of a form.
+pub(crate) fn with_marks(metadata: &[(String, String)], form: Form) -> Vec<(String, String)> {
+    let kind = marks(form).into_iter().filter(|(key, _)| key == KIND);
+    // First, so that it is there as long as any mark is, wherever the file is cut off.
+    kind.chain(with_mark(metadata)).collect()
+}
+
 /// The metadata that every picture has at least.
 pub fn mark() -> (String, String) {
     (format!("{KEY}version"), crate::VERSION.into())
+}
+
+/// The metadata that a picture of a form has at least.
+pub fn marks(form: Form) -> Vec<(String, String)> {
+    let kind = form.kind().map(|kind| (KIND.into(), kind.into()));
+    [mark()].into_iter().chain(kind).collect()
 }
 
 #[cfg(test)]
@@ -128,9 +170,12 @@ mod tests {
     use super::*;
     use trochoid_io::{ExrChannel, ExrImage, PngImage};
 
-    const FORMS: [Form; 9] = [
+    const FORMS: [Form; 12] = [
         Form::Exr,
         Form::Png,
+        Form::Preview,
+        Form::Error,
+        Form::Map,
         Form::WebP,
         Form::Svg,
         Form::Page,
@@ -170,6 +215,7 @@ mod tests {
             r#"{"trochoid_model": 1, "patches": []}"#,
             r#"{"dependencies": {"trochoid": "0.1.0"}}"#,
             r#"{"trochoid": "0.1.0""#,
+            r#"{"trochoid": "1", "nodes": {}}"#,
             "scene,output\n",
             "<svg/>",
             "<!-- about Trochoid 1 --><svg/>",
@@ -197,5 +243,8 @@ mod tests {
         trochoid_io::write_exr(&paths[1], &exr).expect("written");
         assert!(is_ours(&paths[0], Form::Png) && is_ours(&paths[1], Form::Exr));
         assert!(!paths.iter().any(|path| is_ours(path, Form::of_picture(path))));
+        let small = PngImage { metadata: marks(Form::Preview), ..png };
+        trochoid_io::write_png8(&paths[0], &small).expect("written");
+        assert!(is_ours(&paths[0], Form::Preview) && !is_ours(&paths[0], Form::Png) && !is_ours(&paths[0], Form::Map));
     }
 }

@@ -103,10 +103,12 @@ pub fn output_files(
             faults.add(&place, found, "write it as .exr");
         }
         let asked = if pattern.is_none() { own_file(graph, spec, frame) } else { None };
-        if let Some(path) = asked.as_ref().filter(|_| refused.is_none()) {
-            refused = graph.check_written(spec, path).err();
-        }
+        let is_asked = asked.is_some();
         let path = normalized(&asked.unwrap_or_else(|| expand_frame(&template, frame).into()));
+        // The very path that is written.
+        if is_asked && refused.is_none() {
+            refused = graph.check_written(spec, &path).err();
+        }
         // By whatever links: names that are hard links stay two files, since writing one gives it a file of its own.
         let leads_to = if outputs.len() > 1 { resolved(&path) } else { path.clone() };
         match places.iter().position(|place| *place == leads_to) {
@@ -211,8 +213,16 @@ fn with_frame(written: &str) -> String {
     }
 }
 
-/// The path without `.` and without `folder/..`, so that two spellings of one file are one.
+/// The path without `.` and without `folder/..`, so that two spellings of one file are one; as it is where the folder is a link,
+/// behind which `..` leads elsewhere.
 fn normalized(path: &Path) -> PathBuf {
+    let short = shortened(path);
+    let crosses_out = path.components().filter(|part| *part == Component::ParentDir).count()
+        > short.components().filter(|part| *part == Component::ParentDir).count();
+    if crosses_out && resolved(&short) != resolved(path) { path.into() } else { short }
+}
+
+fn shortened(path: &Path) -> PathBuf {
     let mut out = PathBuf::new();
     for part in path.components() {
         let folder = matches!(out.components().next_back(), Some(Component::Normal(_)));

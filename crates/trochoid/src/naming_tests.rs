@@ -23,6 +23,34 @@ fn two_spellings_of_a_file_are_one_file() {
     assert_eq!(normalized(Path::new("../../a/./b/../c")), Path::new("../../a/c"));
 }
 
+#[cfg(unix)]
+#[test]
+fn what_stands_behind_a_link_is_not_crossed_out() {
+    let held = tempfile::tempdir().unwrap();
+    let folder = held.path().canonicalize().unwrap();
+    std::fs::create_dir_all(folder.join("own/in/deep")).unwrap();
+    std::os::unix::fs::symlink("in/deep", folder.join("own/link")).unwrap();
+    let inner = folder.join("own/link/../k.exr");
+    assert_eq!(normalized(&inner), inner);
+    assert_eq!(normalized(&folder.join("own/in/../k.exr")), folder.join("own/k.exr"));
+    // Whatever a path looks like, what is checked is what is written.
+    let text = r##"{ "trochoid": 1, "format": { "width": 4, "height": 2 }, "nodes": { "x": { "type": "ScreenX" } },
+        "outputs": { "a": { "weights": "x", "file": "FILE" } } }"##;
+    for (file, written) in [
+        ("link/../k.exr", Some("own/in/k.exr")),
+        ("link/../../k.exr", Some("own/k.exr")),
+        ("link/../../../k.exr", None),
+        ("link/../../../own/k.exr", Some("own/k.exr")),
+        ("in/../../k.exr", None),
+    ] {
+        let graph = parse("a.json", &text.replace("FILE", file), &folder.join("own"), &[]).unwrap().graph;
+        let graph = graph.with_access(crate::Access::beneath(&folder.join("own")));
+        let named = output_files(&graph, &[0], 1, false, None);
+        let place = named.as_ref().ok().map(|files| resolved(&files[0].path));
+        assert_eq!(place, written.map(|written| folder.join(written)), "{file}");
+    }
+}
+
 #[test]
 fn unknown_placeholders_are_refused() {
     let graph = graph(r#""a": { "color": "mix" }"#);

@@ -3,19 +3,25 @@
 use crate::{Frame, OutputFile, Plan, Settings, Switches, VERSION, held, requirement};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
+use std::time::SystemTime;
 use trochoid_graph::{CheckedGraph, Guarantee, NodeId};
 
 /// The metadata entry that holds the fingerprint.
 pub(crate) const KEY: &str = "trochoid:fingerprint";
+/// The metadata entry that names the outputs that are in a file.
+pub(crate) const OUTPUTS: &str = "trochoid:outputs";
 /// The metadata entry that holds the weakest guarantee found to hold on a color of the file.
 const HELD: &str = "trochoid:held";
 
-/// Fingerprints of the files of a run; hashes every input file once.
+/// Length and time of the last change: a file that has the same ones is the same, as for what an evaluation keeps.
+type State = Option<(u64, Option<SystemTime>)>;
+
+/// Fingerprints of the files of a run; hashes an input file once as long as nobody changes it.
 #[derive(Debug, Default)]
 pub struct Fingerprints {
     settings: Settings,
     by_reference: bool,
-    inputs: HashMap<PathBuf, String>,
+    inputs: HashMap<PathBuf, (State, String)>,
 }
 
 impl Fingerprints {
@@ -53,8 +59,12 @@ impl Fingerprints {
         let may_read = |(index, reached): (usize, bool)| reached && graph.refused(NodeId(index), &context).is_none();
         let may_read: Vec<bool> = reached.into_iter().enumerate().map(may_read).collect();
         for path in graph.files(&may_read, &context) {
-            let hash = self.inputs.entry(path).or_insert_with_key(|path| hash_of(path));
-            hasher.update(hash.as_bytes());
+            let state = std::fs::metadata(&path).ok().map(|found| (found.len(), found.modified().ok()));
+            if self.inputs.get(&path).is_none_or(|(known, _)| *known != state) {
+                let hash = hash_of(&path);
+                self.inputs.insert(path.clone(), (state, hash));
+            }
+            hasher.update(self.inputs[&path].1.as_bytes());
         }
         hasher.finalize().to_hex().to_string()
     }
@@ -110,9 +120,11 @@ impl Fingerprints {
                 Some(format!("{name}: {}, {} exits", guarantee.name(), picture.audit.hull_exits))
             })
             .collect();
+        let names: Vec<&str> = pictures().map(|picture| graph.outputs()[picture.output].name.as_str()).collect();
         let entry = |key: &str, value: String| (format!("trochoid:{key}"), value);
         vec![
             entry("version", VERSION.into()),
+            (OUTPUTS.into(), names.join(", ")),
             entry("document", graph.document_hash()),
             entry("frame", frame.number.to_string()),
             entry("workingSpace", graph.space().name().into()),

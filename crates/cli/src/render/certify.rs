@@ -42,7 +42,7 @@ impl Beside {
 
     pub(super) fn paths(&self) -> impl Iterator<Item = (&'static str, &PathBuf, Form)> {
         let certificate = self.certificate.iter().map(|path| ("--certificate", path, Form::Certificate));
-        certificate.chain(self.error.iter().map(|path| ("--error", path, Form::Exr)))
+        certificate.chain(self.error.iter().map(|path| ("--error", path, Form::Error)))
     }
 
     /// What is wrong with writing there: over what is read, or over another file of the run.

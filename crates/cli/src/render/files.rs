@@ -2,13 +2,13 @@
 
 use super::Args;
 use super::certify::Beside;
-use crate::failure::Failure;
+use crate::failure::{FAILED, Failure};
 use crate::files;
 use std::collections::{BTreeSet, HashMap};
 use std::path::{Path, PathBuf};
 use trochoid::{
-    Access, CheckedGraph, Form, InputFiles, OutputFile, check_destinations, output_files, outputs_lost, quoted,
-    quoted_path, refused_outputs, resolved,
+    Access, CheckedGraph, Form, OutputFile, Right, check_destinations, output_files, outputs_lost, quoted, quoted_path,
+    refused_outputs, resolved,
 };
 
 /// What a run is to write.
@@ -40,10 +40,10 @@ impl Wanted<'_> {
             None => refused_outputs(graph, self.outputs, self.frames),
         };
         faults.extend(args.files.reach.refused(graph, self.outputs, self.frames, outside));
-        let read: Vec<&Path> = [args.graph.as_path()].into_iter().chain(args.plan.as_deref()).collect();
-        let inputs = InputFiles::new(graph, &read);
+        let inputs = files::inputs(graph, &args.graph, &args.set, args.plan.as_deref().as_slice());
         let mut written = Written::new();
         faults.extend(files.iter().filter_map(|(_, file)| files::input(&file.path, &inputs)));
+        faults.extend(files.iter().filter_map(|(_, file)| no_file(&file.path)));
         faults.extend(files.iter().filter_map(|(_, file)| taken_twice(&file.path, &mut written)));
         faults.extend(beside.iter().flat_map(|beside| beside.refusals(&inputs, &mut written)));
         let report = args.report.as_ref().filter(|_| !args.report_on_stdout());
@@ -69,7 +69,7 @@ impl Wanted<'_> {
         // What the document may not write is named all the same, so that all that is wrong is told at once.
         let named = self.graph.clone().with_access(Access::everything());
         let pattern = self.args.out.as_deref();
-        let may_write = |path: &Path| pattern.is_some() || self.graph.access().check(path).is_ok();
+        let may_write = |path: &Path| pattern.is_some() || self.graph.access().check_for(path, Right::Write).is_ok();
         let several = self.frames.len() > 1;
         let (mut written, mut beside) = (Vec::new(), Vec::new());
         for &frame in self.frames {
@@ -130,6 +130,13 @@ impl Wanted<'_> {
             }
         }
     }
+}
+
+/// What is wrong with a device or a pipe in place of a picture's file.
+fn no_file(path: &Path) -> Option<Failure> {
+    let is_other = std::fs::metadata(path).is_ok_and(|found| !found.is_file() && !found.is_dir());
+    let message = || format!("{}: found a device or a pipe; expected a file", path.display());
+    is_other.then(|| Failure::new(FAILED, message() + "\n  remedy: give the path of a file"))
 }
 
 /// What is wrong with a picture's file that another one of the run is too, by a link.

@@ -12,7 +12,7 @@ use std::collections::{BTreeSet, HashSet};
 use std::path::PathBuf;
 use std::time::Instant;
 use trochoid::{
-    Cache, CheckedGraph, EvalError, FileSink, Fingerprints, Frame, Guarantee, Monitor, OutputFile, Plan,
+    Cache, CheckedGraph, EvalError, FileSink, Fingerprints, Frame, Guarantee, Monitor, OutputFile, Pictures, Plan,
     ReferenceError, RunReport, Settings, Sink, Switches, Work, clear_partial_files, expand_frame, frame_report, misses,
     output_files, quoted, write_output,
 };
@@ -203,8 +203,16 @@ impl<'a> Job<'a> {
             .collect();
         let failed = |error: &dyn std::fmt::Display| Failure::new(FAILED, format!("frame {number}: {error}"));
         let plan = Plan::new(self.graph, &names, number, &[], &self.settings).map_err(|error| failed(&error))?;
+        let mut made_from =
+            || -> Vec<String> { open.iter().map(|file| fingerprints.of(self.graph, file, number)).collect() };
+        let before = made_from();
         // EXR files are written while their rows are made; others need the whole picture.
         let sink = FileSink::create(self.graph, &plan, &open)?;
+        if sink.is_none() || self.certifies() {
+            let account = plan.memory(Pictures::Files);
+            let refused = plan.check_memory(&account).err();
+            refused.map_or(Ok(()), |error| Err(Failure::evaluated(&format!("frame {number}: "), &error)))?;
+        }
         let [rendering, certifying] = [false, true].map(|second| Half { monitor: progress, second });
         let monitor: &dyn Monitor = if self.certifies() { &rendering } else { progress };
         let into = sink.as_ref().map(|sink| sink as &dyn Sink);
@@ -223,6 +231,12 @@ impl<'a> Job<'a> {
             (error, _) => Failure::evaluated(&format!("frame {number}: "), &error),
         })?;
         stop_if_asked()?;
+        if made_from() != before {
+            // Nobody can tell what was read of it.
+            let message = "found an input that was changed meanwhile; expected the same files from beginning to end; nothing \
+                           is written\n  remedy: render the frame again, for example with --resume";
+            return Err(failed(&message));
+        }
         let taken = started.elapsed().as_secs_f64();
         let misses = misses(self.graph, &frame, self.required);
         let writing = Instant::now();

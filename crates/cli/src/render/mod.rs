@@ -137,7 +137,10 @@ fn run_with(args: &Args, evaluate: &job::Evaluate<'_>) -> Result<(), Failure> {
         let assignments = [&args.set[..], &accuracy.set].concat();
         args.files.load(&args.graph, &assignments).map_err(|error| accuracy.refused(args, error))?.graph
     };
-    let job = Job::new(&settled, args, frames, &mut Vec::new()).with(accuracy);
+    // It may have been saved anew since.
+    let mut faults = Vec::new();
+    let job = Job::new(&settled, args, frames, &mut faults).with(accuracy);
+    Failure::all(faults)?;
     interrupt::watch()?;
     let mut report = RunReport::new(&settled);
     let outcome = job.run(evaluate, &mut report);

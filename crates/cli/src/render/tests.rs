@@ -123,3 +123,45 @@ fn long_work_at_a_late_frame_is_told_by_its_place() {
     let words = format!("warning: {}:3:1: frame 1000000: node \"sea\", preroll: found work for", args.graph.display());
     assert!(late.starts_with(&words), "{late}");
 }
+
+#[test]
+fn a_frame_of_an_input_that_is_changed_meanwhile_is_not_written() {
+    let folder = tempfile::tempdir().unwrap();
+    let picture = |value: f32, seconds: u64| {
+        let path = folder.path().join("in.exr");
+        let samples = vec![value; 32];
+        let channel = |name: &str| trochoid::io::ExrChannel::half(name, trochoid::io::Samples::contiguous(&samples));
+        let window = trochoid::Window::sized(8, 4);
+        let image = trochoid::io::ExrImage {
+            channels: ["R", "G", "B"].map(channel).into(),
+            ..trochoid::io::ExrImage::new(window)
+        };
+        trochoid::io::write_exr(&path, &image).unwrap();
+        let then = std::time::UNIX_EPOCH + std::time::Duration::from_secs(seconds);
+        std::fs::File::options().write(true).open(&path).unwrap().set_modified(then).unwrap();
+    };
+    let args = arguments(folder.path());
+    let document = DOCUMENT
+        .replace("\"across\":", "\"in\": { \"type\": \"Read\", \"file\": \"in.exr\", \"as\": \"color\" }, \"across\":");
+    std::fs::write(&args.graph, document.replace("\"a\": \"#123\"", "\"a\": \"in\"")).unwrap();
+    picture(0.25, 1);
+    run_with(&args, &honest).unwrap();
+    let whole = std::fs::read(folder.path().join("beauty.2.exr")).unwrap();
+    for name in ["beauty.2.exr", "mask.2.exr"] {
+        std::fs::remove_file(folder.path().join(name)).unwrap();
+    }
+    // Another picture for a while: of the same length, and gone when the run looks again, but not unseen.
+    let args = Args { resume: true, ..args };
+    let failure = run_with(&args, &|plan, sink, cache, monitor| {
+        let frame = honest(plan, sink, cache, monitor);
+        picture(0.5, 2);
+        frame
+    });
+    let failure = failure.unwrap_err();
+    assert_eq!(failure.code, FAILED);
+    assert!(!folder.path().join("beauty.2.exr").exists(), "nothing is written");
+    // A frame later all is as before, and the run is too.
+    picture(0.25, 1);
+    run_with(&args, &honest).unwrap();
+    assert!(std::fs::read(folder.path().join("beauty.2.exr")).unwrap() == whole);
+}

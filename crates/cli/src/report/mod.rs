@@ -26,14 +26,14 @@ mod tests;
 mod text;
 
 use crate::failure::{FAILED, Failure, INTERRUPTED};
-use crate::files::Files;
+use crate::files::{self, Files};
 use crate::progress::Progress;
 use crate::shell::{self, printable};
 use crate::{interrupt, outputs};
 use data::Report;
 use std::path::PathBuf;
 use trochoid::accuracy::{self, Ladder, LadderRequest, Request, TargetError};
-use trochoid::{CheckedGraph, Diagnostic, EvalError, Form, Format, InputFiles, Kind, Settings, Tolerance};
+use trochoid::{CheckedGraph, Diagnostic, EvalError, Form, Format, Kind, Settings, Tolerance};
 
 /// Options of `trochoid report`.
 #[derive(Debug, clap::Args)]
@@ -106,7 +106,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let mut faults = Vec::new();
     let output = choose(graph, args.output.as_ref(), &mut faults);
     let files = ["report.json", "report.csv", "report.html"].map(|name| args.out.join(name));
-    let inputs = InputFiles::new(graph, &[&args.graph]);
+    let inputs = files::inputs(graph, &args.graph, &args.set, &[]);
     let refusal = |(file, form): (&PathBuf, Form)| args.files.over.refusal(file, form, &inputs);
     faults.extend(files.iter().zip(FORMS).filter_map(refusal));
     faults.extend(args.files.reach.refused(graph, &[output], &[frame], Vec::new()));

@@ -6,7 +6,7 @@ use plotters::style::{FontStyle, register_font};
 use std::error::Error;
 use std::path::Path;
 use trochoid::io::{PngImage, Samples, write_png8};
-use trochoid::{Form, StabilityMap, mark};
+use trochoid::{Form, StabilityMap, marks};
 
 const WIDTH: usize = 1200;
 const HEIGHT: usize = 1000;
@@ -43,8 +43,8 @@ pub(super) fn write(path: &Path, over: Over, name: &str, map: &StabilityMap) -> 
         |channel: usize| -> Vec<f32> { pixels.chunks_exact(3).map(|p| f32::from(p[channel]) / 255.0).collect() };
     let channels = [0, 1, 2].map(channel);
     let channels = channels.each_ref().map(|channel| Samples::contiguous(channel));
-    let image = PngImage { metadata: vec![mark()], ..PngImage::new(WIDTH as u32, HEIGHT as u32, channels) };
-    Ok(write_png8(over.target(path, Form::Png), &image)?)
+    let image = PngImage { metadata: marks(Form::Map), ..PngImage::new(WIDTH as u32, HEIGHT as u32, channels) };
+    Ok(write_png8(over.target(path, Form::Map), &image)?)
 }
 
 /// R, G, B pixel by pixel.

@@ -4,7 +4,7 @@ mod map;
 mod text;
 
 use crate::failure::{FAILED, Failure};
-use crate::files::Over;
+use crate::files::{self, Over};
 use crate::shell;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -73,8 +73,11 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
                 "name the map for example map.png, or a folder for the maps of all nodes",
             ));
         }
-        let inputs = InputFiles::new(&graph, args.graph.as_deref().as_slice());
-        Failure::all(named(out, &graph).iter().filter_map(|path| args.over.refusal(path, Form::Png, &inputs)))?;
+        let inputs = match &args.graph {
+            Some(path) => files::inputs(&graph, path, &args.set, &[]),
+            None => InputFiles::new(&graph, &[]),
+        };
+        Failure::all(named(out, &graph).iter().filter_map(|path| args.over.refusal(path, Form::Map, &inputs)))?;
     }
     let found = trochoid::stability(&graph, args.frame.unwrap_or(graph.frames().0));
     let maps = write_maps(args, &graph, &found)?;

@@ -168,3 +168,27 @@ fn links_count_by_where_they_lead() {
     fs::write(scene.path("shot/a.json"), SCENE).unwrap();
     run_in(&scene, "other", &["render", "../alias/a.json"]).code(0);
 }
+
+#[cfg(unix)]
+#[test]
+fn nothing_is_written_elsewhere_behind_a_link() {
+    let scene = Scene::new("");
+    fs::create_dir_all(scene.path("shot/in/deep")).unwrap();
+    std::os::unix::fs::symlink("in/deep", scene.path("shot/link")).unwrap();
+    for (file, inside) in [("link/../../../made.exr", None), ("link/../made.exr", Some("shot/in/made.exr"))] {
+        let document = SCENE.replace("out/beauty.####.exr", file).replace("\"mask\":", "\"m\":");
+        fs::write(scene.path("shot/a.json"), document).unwrap();
+        let render = ["render", "shot/a.json", "--output", "beauty", "--frames", "1", "--strict"];
+        match inside {
+            Some(written) => {
+                scene.run(&render).code(0);
+                assert!(scene.path(written).exists(), "{written}");
+            }
+            None => {
+                scene.run(&["check", "shot/a.json", "--strict"]).code(2);
+                scene.run(&render).fails(2, &["file", "remedy: "]);
+            }
+        }
+        assert!(!scene.path("made.exr").exists() && !scene.path("shot/made.exr").exists());
+    }
+}

@@ -102,6 +102,47 @@ fn no_input_is_overwritten_by_any_run() {
 }
 
 #[test]
+fn what_set_hides_is_an_input_all_the_same() {
+    let scene = Scene::new(READS);
+    scene.write_picture("in.exr", 0.1);
+    scene.write_picture("other.exr", 0.2);
+    let is_input = ["is an input of the document", "give the output another name"];
+    let set = ["--set", "in.file=other.exr", "--overwrite"];
+    scene.run(&[&["render", "a.json", "--out", "in.exr"], &set[..]].concat()).fails(2, &is_input);
+    scene.run(&[&["render", "a.json", "--out", "other.exr"], &set[..]].concat()).fails(2, &is_input);
+    // What the document alone would do wrong, `check` tells.
+    fs::write(scene.path("a.json"), READS.replace("\"out.exr\"", "\"./in.exr\"")).unwrap();
+    scene.run(&["check", "a.json"]).fails(2, &is_input);
+    scene.run(&["render", "a.json", "--overwrite"]).fails(2, &is_input);
+}
+
+#[test]
+fn an_output_is_not_lost_where_another_one_has_its_file_and_its_channels() {
+    let both = READS.replace(
+        "\"outputs\": {",
+        "\"outputs\": { \"again\": { \"color\": \"in\", \"file\": \"out.exr\", \"layer\": \"\" },",
+    );
+    let scene = Scene::new(&both);
+    scene.write_picture("in.exr", 0.1);
+    scene.run(&["render", "a.json", "--output", "beauty"]).code(0);
+    scene.run(&["render", "a.json", "--output", "again"]).fails(2, &["found the output beauty in it"]);
+    scene.run(&["render", "a.json"]).code(0);
+    scene.run(&["render", "a.json", "--output", "again"]).fails(2, &["found the output beauty in it"]);
+}
+
+#[test]
+fn frames_are_not_replaced_by_previews_and_maps_unasked() {
+    let scene = Scene::new(SCENE);
+    scene.run(&["render", "a.json", "--output", "beauty", "--frames", "1", "--out", "x.png"]).code(0);
+    scene.run(&["render", "a.json", "--output", "beauty", "--frames", "1", "--out", "x.exr"]).code(0);
+    let another = ["of another kind", "--overwrite"];
+    scene.run(&["preview", "a.json", "--frames", "1", "-o", "x.png"]).fails(2, &another);
+    scene.run(&["stability", "-o", "x.png"]).fails(2, &another);
+    let error = ["render", "a.json", "--output", "beauty", "--frames", "1", "--out", "y.exr", "--error", "x.exr"];
+    scene.run(&error).fails(2, &another);
+}
+
+#[test]
 fn a_name_that_is_too_long_fails_before_anything_is_rendered() {
     let scene = Scene::new(SCENE);
     // Short at the first frame.

@@ -2,7 +2,7 @@
 
 use super::{ChannelText, ImageHashes};
 use crate::files::target;
-use crate::marks::with_mark;
+use crate::marks::with_marks;
 use crate::output::{file_channels, folder_of_file};
 use crate::{Form, OutputError, OutputFile};
 use std::path::Path;
@@ -116,7 +116,7 @@ pub fn error_image(
             channels.push(ExrChannel::float(own(name, "error").1, Samples::contiguous(&certified.doubt)));
         }
     }
-    let metadata = with_mark(metadata);
+    let metadata = with_marks(metadata, Form::Error);
     let image = ExrImage { display: graph.format().window(), channels, metadata, ..ExrImage::new(data) };
-    Ok(write_exr(target(path, Form::Exr, graph.access().overwrites()), &image)?)
+    Ok(write_exr(target(path, Form::Error, graph.access().overwrites()), &image)?)
 }
