@@ -169,8 +169,15 @@ fn render(
     let name = graph.outputs()[output].name.as_str();
     let plan = Plan::new(graph, &[name], frame, &[], &Settings::default()).map_err(|error| failed(&error))?;
     // It is made small and encoded from there.
-    plan.check_memory(&plan.memory(Pictures::Files))
-        .map_err(|error| Failure::evaluated(&format!("frame {frame}: "), &error))?;
+    plan.check_memory(&plan.memory(Pictures::Files)).map_err(|mut error| {
+        if let EvalError::TooMuchMemory { remedy, .. } = &mut error
+            && remedy.contains("EXR")
+        {
+            // Previews are no EXR.
+            *remedy = "lower the format's \"width\" and \"height\"";
+        }
+        Failure::evaluated(&format!("frame {frame}: "), &error)
+    })?;
     let evaluated = plan.evaluate(&Buffers::new(), cache, progress).map_err(|error| match error {
         EvalError::Cancelled => stopped(),
         error => Failure::evaluated(&format!("frame {frame}: "), &error),

@@ -65,7 +65,8 @@ impl Accuracy {
                     fault.remedy = format!(
                         "plan again for this document: trochoid plan {} --tolerance 1/64 --out {}",
                         quoted_path(&args.graph),
-                        quoted_path(plan)
+                        // Beside the document: the one that does not fit may be another's.
+                        quoted_path(&args.graph.with_extension("plan.json"))
                     );
                 }
                 LoadError::Invalid(faults).into()

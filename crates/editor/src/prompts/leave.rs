@@ -107,11 +107,8 @@ pub(super) fn external_ui(editor: &mut Editor, context: &Context, saving: Option
 }
 
 pub(super) fn rendering_ui(editor: &mut Editor, context: &Context, after: After) -> Option<Prompt> {
-    let Some(render) = editor.state().render.clone() else {
-        // It has ended meanwhile.
-        editor.leave(after, context);
-        return None;
-    };
+    // Once it has ended there is nothing to ask, and nothing was answered: the window stays, with how it ended.
+    let render = editor.state().render.clone()?;
     let mut answer = None;
     let modal = Modal::new("rendering".into()).show(context, |ui| {
         titled(ui, "Stop rendering?");

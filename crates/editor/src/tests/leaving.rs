@@ -144,6 +144,12 @@ fn a_run_is_not_ended_by_closing_the_window_unasked() {
     window.run_steps(3);
     assert!(!editor(&window).is_closing() && editor(&window).state().render.is_some());
     act(&mut window, Action::Quit);
+    // A run that ends by itself answers nothing.
+    window.state_mut().as_mut().unwrap().end_render();
+    window.run_steps(3);
+    assert!(!editor(&window).is_closing() && !editor(&window).prompts.is_open());
+    act(&mut window, Action::Render);
+    act(&mut window, Action::Quit);
     // Beside the one of the timeline.
     window.get_all_by_label("Stop").last().unwrap().click();
     window.run_steps(3);
