@@ -9,8 +9,9 @@ use std::time::{Duration, Instant};
 /// Kills of an ordinary run of the tests; `TROCHOID_KILLS` asks for another number.
 const KILLS: usize = 20;
 
-/// Several frames, EXR and PNG of each: pointwise, and with a stage that takes a while.
-const DOCUMENTS: [&str; 2] = [
+/// Several frames, EXR and PNG of each: pointwise, and with a stage that takes a while; and EXR alone, which is written while its
+/// rows are made.
+const DOCUMENTS: [&str; 3] = [
     r##"{ "trochoid": 1, "format": { "width": 320, "height": 180 }, "frames": { "first": 1, "last": 4 },
       "nodes": { "across": { "type": "ScreenX" }, "noise": { "type": "Noise", "scale": 0.3 },
                  "mask": { "type": "Clamp", "field": "noise", "min": -1, "max": 1 },
@@ -26,6 +27,12 @@ const DOCUMENTS: [&str; 2] = [
       "outputs": { "beauty": { "color": "mix", "file": "out/all.####.exr" },
                    "depth": { "field": "depth", "file": "out/all.####.exr" },
                    "show": { "color": "mix", "file": "out/show.####.png" } } }"##,
+    r##"{ "trochoid": 1, "format": { "width": 320, "height": 180, "samples": 4 }, "frames": { "first": 1, "last": 3 },
+      "nodes": { "noise": { "type": "Noise", "scale": 0.3, "octaves": 6 },
+                 "mask": { "type": "Clamp", "field": "noise", "min": -1, "max": 1 },
+                 "mix": { "type": "Mix", "a": { "keys": [[1, "#102040"], [4, "#402010"]] }, "b": "#fed", "weight": "mask" } },
+      "outputs": { "beauty": { "color": "mix", "file": "out/beauty.####.exr" },
+                   "mask": { "weights": "mask", "file": "out/deep/mask.####.exr" } } }"##,
 ];
 
 /// Every file in a folder and below, hidden ones too.
@@ -58,7 +65,8 @@ fn what_is_resumed_after_a_kill_is_the_whole_run_and_leaves_no_litter() {
         scene.run(&["render", "a.json", "--threads", "1"]).code(0);
         let takes = started.elapsed();
         let whole = contents(&out);
-        let share = kills / 2 + (kills % 2) * number;
+        // Shares that add up.
+        let share = kills * (number + 1) / DOCUMENTS.len() - kills * number / DOCUMENTS.len();
         let mut done = 0;
         while done < share {
             fs::remove_dir_all(&out).unwrap();
