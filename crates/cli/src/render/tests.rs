@@ -150,7 +150,7 @@ fn a_frame_of_an_input_that_is_changed_meanwhile_is_not_written() {
     for name in ["beauty.2.exr", "mask.2.exr"] {
         std::fs::remove_file(folder.path().join(name)).unwrap();
     }
-    // Another picture for a while: of the same length, and gone when the run looks again, but not unseen.
+    // Another picture of the same length, put there after the first was read.
     let args = Args { resume: true, ..args };
     let failure = run_with(&args, &|plan, sink, cache, monitor| {
         let frame = honest(plan, sink, cache, monitor);
@@ -160,7 +160,7 @@ fn a_frame_of_an_input_that_is_changed_meanwhile_is_not_written() {
     let failure = failure.unwrap_err();
     assert_eq!(failure.code, FAILED);
     assert!(!folder.path().join("beauty.2.exr").exists(), "nothing is written");
-    // A frame later all is as before, and the run is too.
+    // With the first one back, the same bytes are written.
     picture(0.25, 1);
     run_with(&args, &honest).unwrap();
     assert!(std::fs::read(folder.path().join("beauty.2.exr")).unwrap() == whole);

@@ -3,8 +3,14 @@
 use super::{Prompt, titled};
 use crate::actions::Action;
 use crate::editor::{After, Editor};
-use egui::{Context, Modal};
+use egui::{Context, Modal, Ui};
 use std::path::Path;
+
+/// Buttons with these words side by side; the one that was clicked.
+fn answer_ui<'w>(ui: &mut Ui, words: &[&'w str]) -> Option<&'w str> {
+    let clicked = |ui: &mut Ui| words.iter().copied().filter(|word| ui.button(*word).clicked()).last();
+    ui.horizontal(clicked).inner
+}
 
 pub(super) fn unsaved_ui(editor: &mut Editor, context: &Context, after: After) -> Option<Prompt> {
     let mut answer = None;
@@ -13,13 +19,7 @@ pub(super) fn unsaved_ui(editor: &mut Editor, context: &Context, after: After) -
         let text = format!("“{}” has changes that are not saved.", editor.state().session.title());
         ui.add(egui::Label::new(&text).truncate()).on_hover_text(&text);
         ui.add_space(8.0);
-        ui.horizontal(|ui| {
-            for word in ["Save", "Discard", "Cancel"] {
-                if ui.button(word).clicked() {
-                    answer = Some(word);
-                }
-            }
-        });
+        answer = answer_ui(ui, &["Save", "Discard", "Cancel"]);
     });
     match answer {
         Some("Save") => {
@@ -47,13 +47,7 @@ pub(super) fn newer_ui(editor: &mut Editor, context: &Context, after: Option<Aft
         ));
         ui.label("What it does not know stays as it is, but may not fit what was changed here.");
         ui.add_space(8.0);
-        ui.horizontal(|ui| {
-            for word in ["Save a copy …", "Write over it", "Cancel"] {
-                if ui.button(word).clicked() {
-                    answer = Some(word);
-                }
-            }
-        });
+        answer = answer_ui(ui, &["Save a copy …", "Write over it", "Cancel"]);
     });
     match answer {
         Some("Save a copy …") => {
@@ -84,13 +78,7 @@ pub(super) fn external_ui(editor: &mut Editor, context: &Context, saving: Option
             ui.label("Changes made here are not saved. Reloading can be undone.");
         }
         ui.add_space(8.0);
-        ui.horizontal(|ui| {
-            for word in words {
-                if ui.button(*word).clicked() {
-                    answer = Some(*word);
-                }
-            }
-        });
+        answer = answer_ui(ui, words);
     });
     match (answer, saving) {
         (None, saving) => return Some(Prompt::External(saving)),
@@ -115,13 +103,7 @@ pub(super) fn rendering_ui(editor: &mut Editor, context: &Context, after: After)
         let (done, total) = render.done;
         ui.label(format!("{done} of {total} frames are written, and stay."));
         ui.add_space(8.0);
-        ui.horizontal(|ui| {
-            for word in ["Stop", "Go on rendering"] {
-                if ui.button(word).clicked() {
-                    answer = Some(word);
-                }
-            }
-        });
+        answer = answer_ui(ui, &["Stop", "Go on rendering"]);
     });
     match answer {
         Some("Stop") => {
