@@ -153,7 +153,7 @@ fn channels_are_those_that_passes_ask_for() {
     let [view, coverage] = &of(&graph, &accounts, "view").channels[..] else { panic!("a view and its coverage") };
     assert_eq!((view.output, coverage.output), ("view", "coverage"));
     assert_eq!(view.wanted, ["Depth"]);
-    assert_eq!(view.wanted.len() + view.unasked.len(), trochoid::ViewChannel::COUNT);
+    assert_eq!(view.wanted.len() + view.unasked.len(), trochoid::Channel::COUNT);
     assert!(view.unasked.contains(&"Jacobian".into()));
     assert_eq!((&coverage.wanted[..], &coverage.unasked[..]), (&[][..], &["coverage".to_string()][..]));
     assert_eq!(of(&graph, &accounts, "depth").channels[0].wanted.len(), 1);

@@ -4,7 +4,7 @@ use crate::LeftOut;
 use crate::left_out::Reasons;
 use crate::optimize::Cut;
 use crate::rules::interval::Interval;
-use trochoid_graph::{Body, ChannelSet, Kind, NodeId, Op, Slot, Source, ViewChannel};
+use trochoid_graph::{Body, Channel, ChannelSet, Kind, NodeId, Op, Slot, Source};
 
 /// What becomes of a node in a plan.
 #[derive(Clone, Debug, PartialEq)]
@@ -153,7 +153,7 @@ impl Explainer<'_, '_> {
             for (channel, is_wanted) in wanted.iter().enumerate() {
                 if *is_wanted {
                     own.push(channel_name(*kind, output, channel));
-                } else if *kind != Kind::View || supplied.contains(ViewChannel::ALL[channel]) {
+                } else if *kind != Kind::View || supplied.contains(Channel::ALL[channel]) {
                     unasked.push(channel_name(*kind, output, channel));
                 }
             }
@@ -257,7 +257,7 @@ impl Explainer<'_, '_> {
 /// A channel's name within an output.
 fn channel_name(kind: Kind, output: &str, channel: usize) -> String {
     match kind {
-        Kind::View => format!("{:?}", ViewChannel::ALL[channel]),
+        Kind::View => format!("{:?}", Channel::ALL[channel]),
         Kind::Color => ["R", "G", "B"][channel].into(),
         Kind::Weights(2) | Kind::Field(1) => output.into(),
         Kind::Field(_) => ["x", "y", "z", "w"][channel.min(3)].into(),

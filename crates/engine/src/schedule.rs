@@ -9,9 +9,7 @@ use crate::plan::{Feed, Fill, Pass};
 use crate::planner::Planner;
 use crate::shading::{Shared, TELLING};
 use std::collections::{HashMap, HashSet};
-use trochoid_graph::{
-    ChannelSet, Kind, NodeId, Op, Program, Rate, Settled, Slot, Source, Stage, Variance, ViewChannel,
-};
+use trochoid_graph::{Channel, ChannelSet, Kind, NodeId, Op, Program, Rate, Settled, Slot, Source, Stage, Variance};
 use trochoid_image::Shading;
 
 /// What stages are to fill.
@@ -125,7 +123,7 @@ impl Scheduler<'_, '_, '_> {
     fn channels(&self, id: NodeId, wanted: bool) -> Vec<Vec<bool>> {
         let supplied = self.supplies(id);
         let channel =
-            |kind: &Kind, index: usize| wanted && (*kind != Kind::View || supplied.contains(ViewChannel::ALL[index]));
+            |kind: &Kind, index: usize| wanted && (*kind != Kind::View || supplied.contains(Channel::ALL[index]));
         let kinds = &self.planner.graph.node(id).kinds;
         kinds.iter().map(|kind| (0..kind.channels()).map(|index| channel(kind, index)).collect()).collect()
     }
@@ -198,7 +196,7 @@ impl Scheduler<'_, '_, '_> {
                 let asks = asks.union(prefers.intersect(self.supplies(*node)));
                 (0..kind.channels())
                     .map(|channel| {
-                        if kind == Kind::View && !asks.contains(ViewChannel::ALL[channel]) {
+                        if kind == Kind::View && !asks.contains(Channel::ALL[channel]) {
                             return Feed::Nothing;
                         }
                         let slot = Slot { node: *node, output: *output, channel };

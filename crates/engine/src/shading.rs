@@ -2,11 +2,11 @@
 
 use crate::lower::Lowered;
 use crate::planner::Planner;
-use trochoid_graph::{Body, Kind, NodeId, Rate, Source, Variance, ViewChannel};
+use trochoid_graph::{Body, Channel, Kind, NodeId, Rate, Source, Variance};
 use trochoid_image::Shading;
 
 /// What a view must tell, by [`Shading::is_shared`].
-pub(crate) const TELLING: [ViewChannel; 2] = [ViewChannel::Surface, ViewChannel::Depth];
+pub(crate) const TELLING: [Channel; 2] = [Channel::Surface, Channel::Depth];
 
 /// By node: `None` where every sample has a result of its own, else the views that must see the same surface there as at
 /// the pixel's first sample for its result to be taken.

@@ -10,7 +10,7 @@
 
 use crate::{
     Block, Bounding, ChannelSet, Check, Declaration, FrameContext, Inputs, Kind, Lowering, MemoryUse, NoBound, Outputs,
-    Prepare, Reckoning, Reference, References, Settled, Spectrum, Stability, Value, ViewChannel, Work,
+    Prepare, Reckoning, Reference, References, Settled, Spectrum, Stability, Value, Work,
 };
 use std::any::Any;
 use std::path::PathBuf;
@@ -109,7 +109,7 @@ pub trait Stage {
     /// Channels that a node with a View as output can supply.
     fn supplies(&self, node: &Settled) -> ChannelSet {
         let _ = node;
-        ChannelSet::of(ViewChannel::ALL)
+        ChannelSet::ALL
     }
 
     /// Channels that no setting could make a node with a View as output supply.

@@ -1,6 +1,6 @@
 //! What stages are given, and what they fill.
 
-use crate::{Bound, Found, FrameContext, Handle, Kind, LITERAL, NodeError, NodeId, Settled, Source, ViewChannel};
+use crate::{Bound, Channel, Found, FrameContext, Handle, Kind, LITERAL, NodeError, NodeId, Settled, Source};
 use std::any::{Any, TypeId};
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError, Weak};
@@ -269,7 +269,7 @@ impl<'a> Inputs<'a> {
     }
 
     /// A channel of the view connected to a port that the node prefers, where the view supplies it.
-    pub fn view_if_any(&self, port: &str, channel: ViewChannel) -> Option<&'a [f32]> {
+    pub fn view_if_any(&self, port: &str, channel: Channel) -> Option<&'a [f32]> {
         self.planes(port, 0)[channel as usize]
     }
 
@@ -277,7 +277,7 @@ impl<'a> Inputs<'a> {
     ///
     /// # Panics
     /// The node did not ask for it: a bug of that node, caught by its first test.
-    pub fn view(&self, port: &str, channel: ViewChannel) -> &'a [f32] {
+    pub fn view(&self, port: &str, channel: Channel) -> &'a [f32] {
         match self.planes(port, 0)[channel as usize] {
             Some(plane) => plane,
             None => unreachable!("the node did not ask for {channel:?}"),

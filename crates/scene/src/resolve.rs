@@ -5,6 +5,7 @@
 use fearless_simd::{Level, Simd, dispatch};
 use glam::DVec3;
 
+use crate::channel::{NORMALS, RESTS, TRAILS};
 use crate::raster::{NOTHING, Row};
 use crate::shading::unit_or_up;
 use crate::surface::Mesh;
@@ -126,10 +127,10 @@ impl Visible {
             height[lane] = projector.position.y + y[lane] - mesh.level;
         }
         block.put(Channel::Height, &height, out);
-        if wanted.intersects(ChannelSet::NORMALS) {
+        if wanted.intersects(NORMALS) {
             self.answer_normals(block, &weights, &sides, out);
         }
-        if wanted.intersects(ChannelSet::RESTS.union(ChannelSet::UV)) {
+        if wanted.intersects(RESTS.union(ChannelSet::UV)) {
             self.answer_rests(block, &weights, &offset, &height, out);
         }
         let attribute = |channel: Channel, values: &[f32], out: &mut Samples| {
@@ -144,7 +145,7 @@ impl Visible {
             }
         };
         attribute(Channel::SlopeVariance, &mesh.slope_variances, out);
-        if wanted.intersects(ChannelSet::TRAILS) {
+        if wanted.intersects(TRAILS) {
             for (values, channel) in mesh.trails.iter().zip(Channel::TRAILS) {
                 attribute(channel, values, out);
             }
@@ -155,7 +156,7 @@ impl Visible {
     fn answer_normals(&self, block: &Block<'_>, weights: &[Lanes; 3], sides: &Lanes, out: &mut Samples) {
         let mesh = block.mesh;
         if mesh.normals.is_empty() {
-            for channel in ChannelSet::NORMALS.iter() {
+            for channel in NORMALS.iter() {
                 block.put_all(channel, channel.background(), out);
             }
             return;

@@ -8,7 +8,7 @@ use crate::plan::{Feed, Fill};
 use crate::shading::TELLING;
 use std::borrow::Cow;
 use std::collections::HashMap;
-use trochoid_graph::{Block, Bound, Connection, Inputs, NodeError, NodeId, Outputs, Slot, ViewChannel};
+use trochoid_graph::{Block, Bound, Channel, Connection, Inputs, NodeError, NodeId, Outputs, Slot};
 use trochoid_image::{Shading, Window};
 
 /// What a view tells of the samples of the current tile.
@@ -48,7 +48,7 @@ pub(super) struct Kept {
 }
 
 /// The plane in which a view tells something.
-pub(super) fn telling(node: NodeId, channel: ViewChannel) -> Slot {
+pub(super) fn telling(node: NodeId, channel: Channel) -> Slot {
     Slot { node, output: 0, channel: channel as usize }
 }
 

@@ -103,11 +103,11 @@ impl NodeType for Strokes {
 impl Stage for Strokes {
     fn asks(&self, node: &Settled, _wanted: &[bool]) -> ChannelSet {
         let rests = if is_on_surfaces(node) { ChannelSet::of(&RESTS) } else { ChannelSet::EMPTY };
-        rests.union(ViewChannel::Coverage.into())
+        rests.union(Channel::Coverage.into())
     }
 
     fn prefers(&self, _node: &Settled, _wanted: &[bool]) -> ChannelSet {
-        ChannelSet::of(&[ViewChannel::Depth, ViewChannel::Surface])
+        ChannelSet::of(&[Channel::Depth, Channel::Surface])
     }
 
     fn regions_of_interest(&self, node: &Settled, _port: &str, window: Window, format: Format) -> Window {

@@ -71,8 +71,8 @@ static DECLARATION: Declaration = Declaration {
     revision: 2,
 };
 
-const REST: [ViewChannel; 2] = [ViewChannel::RestX, ViewChannel::RestZ];
-const WORLD: [ViewChannel; 3] = [ViewChannel::PositionX, ViewChannel::PositionY, ViewChannel::PositionZ];
+const REST: [Channel; 2] = [Channel::RestX, Channel::RestZ];
+const WORLD: [Channel; 3] = [Channel::PositionX, Channel::PositionY, Channel::PositionZ];
 
 fn kind(node: &Settled) -> NoiseKind {
     match node.text("kind") {
@@ -84,7 +84,7 @@ fn kind(node: &Settled) -> NoiseKind {
 }
 
 /// The channels that give the place in its space; none for the screen.
-fn channels(node: &Settled) -> &'static [ViewChannel] {
+fn channels(node: &Settled) -> &'static [Channel] {
     match node.text("space") {
         "world" => &WORLD,
         "rest" => &REST,
@@ -113,13 +113,13 @@ impl Stage for Noise {
     fn asks(&self, node: &Settled, _wanted: &[bool]) -> ChannelSet {
         match channels(node) {
             [] => ChannelSet::EMPTY,
-            channels => ChannelSet::of(channels).union(ViewChannel::Coverage.into()),
+            channels => ChannelSet::of(channels).union(Channel::Coverage.into()),
         }
     }
 
     fn prefers(&self, node: &Settled, _wanted: &[bool]) -> ChannelSet {
         // With the ray, the depth says where the point stands, in rest space too.
-        if node.bool("filter") && !channels(node).is_empty() { ViewChannel::Depth.into() } else { ChannelSet::EMPTY }
+        if node.bool("filter") && !channels(node).is_empty() { Channel::Depth.into() } else { ChannelSet::EMPTY }
     }
 
     fn interval(&self, node: &Settled, _output: usize, _channel: usize) -> Option<(f64, f64)> {
@@ -234,12 +234,12 @@ impl Footprints {
 
 impl Noisy {
     /// Fills the noise at the places that some channels of the view give.
-    fn on<const S: usize>(&self, block: &Block<'_>, inputs: &Inputs<'_>, channels: [ViewChannel; S], out: &mut [f32]) {
-        let footprints = self.footprints.over(block, inputs.view_if_any("view", ViewChannel::Depth));
+    fn on<const S: usize>(&self, block: &Block<'_>, inputs: &Inputs<'_>, channels: [Channel; S], out: &mut [f32]) {
+        let footprints = self.footprints.over(block, inputs.view_if_any("view", Channel::Depth));
         let planes = channels.map(|channel| inputs.view("view", channel));
         let place = |index: usize| std::array::from_fn(|axis| f64::from(planes[axis][index]) - self.moved(axis, S));
         self.noise.fill::<S>((0..out.len()).map(place), &footprints, out);
-        for (out, coverage) in out.iter_mut().zip(inputs.view("view", ViewChannel::Coverage)) {
+        for (out, coverage) in out.iter_mut().zip(inputs.view("view", Channel::Coverage)) {
             if *coverage == 0.0 {
                 *out = 0.0;
             }
@@ -287,7 +287,7 @@ impl Prepared for Noisy {
             where_covered(bounding, sample, || {
                 let along = channels.iter().map(|channel| certain(bounding, *channel, sample));
                 let place: Vec<Span> = along.enumerate().map(moved).collect();
-                let depth = certain(bounding, ViewChannel::Depth, sample);
+                let depth = certain(bounding, Channel::Depth, sample);
                 noise_span(&self.noise, &place, self.footprints.span(at, depth))
             })
         });
@@ -299,14 +299,14 @@ impl Prepared for Noisy {
             [] => self.screen.at(inputs.at).to_vec(),
             channels => {
                 let view = self.node.source("view");
-                if inputs.view(view, ViewChannel::Coverage) == 0.0 {
+                if inputs.view(view, Channel::Coverage) == 0.0 {
                     return Ok(vec![Reference::Field(vec![0.0])]);
                 }
                 channels.iter().map(|channel| inputs.view(view, *channel)).collect()
             }
         };
         let depth = match self.node.all("view").first() {
-            Some(view) if !channels(&self.node).is_empty() => inputs.view(view, ViewChannel::Depth),
+            Some(view) if !channels(&self.node).is_empty() => inputs.view(view, Channel::Depth),
             _ => 0.0,
         };
         let footprint = self.footprints.at(inputs.at, depth);

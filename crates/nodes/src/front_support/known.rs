@@ -1,7 +1,7 @@
 //! What is certain of a stage's inputs at a sample, and bounds by what follows for its outputs.
 
 use super::Span;
-use trochoid_graph::{Bound, Bounding, Inputs, Outputs, REFERENCE, ViewChannel};
+use trochoid_graph::{Bound, Bounding, Channel, Inputs, Outputs, REFERENCE};
 
 /// What a channel of the first connection of a port may be in the reference, by its bound; `None` where there is none.
 pub(crate) fn known(bounding: &Bounding<'_>, port: &str, channel: usize, sample: usize) -> Option<Span> {
@@ -14,13 +14,13 @@ pub(crate) fn known(bounding: &Bounding<'_>, port: &str, channel: usize, sample:
 }
 
 /// What a channel of the view may be at a sample; its background where the view does not supply it.
-pub(crate) fn certain(bounding: &Bounding<'_>, channel: ViewChannel, sample: usize) -> Span {
+pub(crate) fn certain(bounding: &Bounding<'_>, channel: Channel, sample: usize) -> Span {
     known(bounding, "view", channel as usize, sample).unwrap_or(Span::exactly(f64::from(channel.background())))
 }
 
 /// What a mask may be that is 0 where nothing is seen, and this elsewhere.
 pub(crate) fn where_covered(bounding: &Bounding<'_>, sample: usize, mask: impl FnOnce() -> Span) -> Span {
-    let coverage = certain(bounding, ViewChannel::Coverage, sample);
+    let coverage = certain(bounding, Channel::Coverage, sample);
     if coverage.high <= 0.0 {
         Span::exactly(0.0)
     } else if coverage.low > 0.0 {

@@ -55,13 +55,10 @@ static DECLARATION: Declaration = Declaration {
 
 /// Pass by knob, and the channels that it supplies.
 const PASSES: [(&str, ChannelSet); 4] = [
-    ("depth", ChannelSet::of(&[ViewChannel::Depth])),
-    (
-        "position",
-        ChannelSet::of(&[ViewChannel::PositionX, ViewChannel::PositionY, ViewChannel::PositionZ, ViewChannel::Height]),
-    ),
-    ("normal", ChannelSet::of(&[ViewChannel::NormalX, ViewChannel::NormalY, ViewChannel::NormalZ])),
-    ("coverage", ChannelSet::of(&[ViewChannel::Coverage])),
+    ("depth", ChannelSet::of(&[Channel::Depth])),
+    ("position", ChannelSet::of(&[Channel::PositionX, Channel::PositionY, Channel::PositionZ, Channel::Height])),
+    ("normal", ChannelSet::of(&[Channel::NormalX, Channel::NormalY, Channel::NormalZ])),
+    ("coverage", ChannelSet::of(&[Channel::Coverage])),
 ];
 
 /// Below this length a normal is no direction but rounding.
@@ -87,18 +84,18 @@ impl NodeType for ViewFromPasses {
 impl Stage for ViewFromPasses {
     fn supplies(&self, node: &Settled) -> ChannelSet {
         let given = PASSES.iter().filter(|(knob, _)| node.is_set(knob));
-        given.fold(ViewChannel::Coverage.into(), |all, (_, channels)| all.union(*channels))
+        given.fold(Channel::Coverage.into(), |all, (_, channels)| all.union(*channels))
     }
 
     fn lacks(&self) -> ChannelSet {
         let passes =
-            PASSES.iter().fold(ViewChannel::Coverage.into(), |all: ChannelSet, (_, channels)| all.union(*channels));
-        ChannelSet::of(ViewChannel::ALL).minus(passes)
+            PASSES.iter().fold(Channel::Coverage.into(), |all: ChannelSet, (_, channels)| all.union(*channels));
+        ChannelSet::ALL.minus(passes)
     }
 
     fn interval(&self, _node: &Settled, output: usize, channel: usize) -> Option<(f64, f64)> {
-        use ViewChannel::{Coverage, NormalX, NormalY, NormalZ};
-        match ViewChannel::ALL.get(channel) {
+        use Channel::{Coverage, NormalX, NormalY, NormalZ};
+        match Channel::ALL.get(channel) {
             _ if output == 1 => Some((0.0, 1.0)),
             Some(Coverage) => Some((0.0, 1.0)),
             Some(NormalX | NormalY | NormalZ) => Some((-1.0, 1.0)),
@@ -133,8 +130,8 @@ impl Stage for ViewFromPasses {
         let [with_depth, with_position, with_normal, with_coverage] = is_read(node, prepare.wanted);
         if with_depth {
             // Without a pass of its own, coverage is what depth says.
-            let mut channels = vec![ViewChannel::Depth];
-            channels.extend((!node.is_set(coverage)).then_some(ViewChannel::Coverage));
+            let mut channels = vec![Channel::Depth];
+            channels.extend((!node.is_set(coverage)).then_some(Channel::Coverage));
             let sky = Box::new(Sky { far: node.number("far") });
             let found = reading.scalar(depth)?;
             view.passes.push(reading.pass(prepare, &found, &found.channels, Rule::Field, Some(sky), channels)?);
@@ -155,7 +152,7 @@ impl Stage for ViewFromPasses {
         }
         if with_coverage {
             let found = reading.scalar(coverage)?;
-            let channels = vec![ViewChannel::Coverage];
+            let channels = vec![Channel::Coverage];
             view.passes.push(reading.pass(prepare, &found, &found.channels, Rule::Mask, None, channels)?);
         }
         Ok(Box::new(view))
@@ -169,7 +166,7 @@ fn is_read(node: &Settled, wanted: &[Vec<bool>]) -> [bool; 4] {
     };
     let any = |set: ChannelSet| set.iter().any(|channel| wanted(0, channel as usize));
     let mut read = PASSES.map(|(knob, channels)| node.is_set(knob) && any(channels));
-    let coverage_wanted = any(ViewChannel::Coverage.into()) || wanted(1, 0);
+    let coverage_wanted = any(Channel::Coverage.into()) || wanted(1, 0);
     let [(depth, _), .., (coverage, _)] = PASSES;
     read[0] |= node.is_set(depth) && !node.is_set(coverage) && coverage_wanted;
     read[3] = node.is_set(coverage) && coverage_wanted;
@@ -280,7 +277,7 @@ impl Reading<'_> {
         at: &[usize],
         rule: Rule,
         recipe: Option<Box<dyn Recipe>>,
-        channels: Vec<ViewChannel>,
+        channels: Vec<Channel>,
     ) -> Result<Pass, NodeError> {
         let fit = self.fit(found.info.display)?;
         let stored = Stored {
@@ -330,7 +327,7 @@ impl Reading<'_> {
 /// Some channels of a view, read on demand.
 struct Pass {
     stream: Stream,
-    channels: Vec<ViewChannel>,
+    channels: Vec<Channel>,
 }
 
 /// The channels of a view that are read.
@@ -348,7 +345,7 @@ impl Prepared for View {
         for pass in &self.passes {
             let mut outs: Vec<_> = pass.channels.iter().map(|channel| outputs.take(0, *channel as usize)).collect();
             let mut copy = None;
-            if let Some(at) = pass.channels.iter().position(|channel| *channel == ViewChannel::Coverage) {
+            if let Some(at) = pass.channels.iter().position(|channel| *channel == Channel::Coverage) {
                 copy = outputs.take(1, 0).map(|copy| (at, copy));
                 if outs[at].is_none() {
                     outs[at] = copy.take().map(|(_, copy)| copy);
@@ -362,10 +359,9 @@ impl Prepared for View {
             }
         }
         // What no pass has filled.
-        for channel in ViewChannel::ALL {
-            for plane in [outputs.take(0, *channel as usize), coverage_output(*channel, outputs)].into_iter().flatten()
-            {
-                plane.fill(absent(*channel));
+        for channel in Channel::ALL {
+            for plane in [outputs.take(0, channel as usize), coverage_output(channel, outputs)].into_iter().flatten() {
+                plane.fill(absent(channel));
             }
         }
         Ok(())
@@ -380,13 +376,13 @@ impl Prepared for View {
     }
 
     fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
-        let mut values: Vec<f64> = ViewChannel::ALL.iter().map(|channel| f64::from(absent(*channel))).collect();
+        let mut values: Vec<f64> = Channel::ALL.iter().map(|channel| f64::from(absent(*channel))).collect();
         for pass in &self.passes {
             for (channel, value) in pass.channels.iter().zip(pass.stream.reference(inputs.at)?) {
                 values[*channel as usize] = value;
             }
         }
-        let coverage = values[ViewChannel::Coverage as usize];
+        let coverage = values[Channel::Coverage as usize];
         Ok(vec![Reference::View(values), Reference::Mask(coverage)])
     }
 
@@ -404,13 +400,13 @@ impl Prepared for View {
 }
 
 /// The plane of the output `coverage`, at that channel.
-fn coverage_output<'a>(channel: ViewChannel, outputs: &mut Outputs<'a>) -> Option<&'a mut [f32]> {
-    if channel == ViewChannel::Coverage { outputs.take(1, 0) } else { None }
+fn coverage_output<'a>(channel: Channel, outputs: &mut Outputs<'a>) -> Option<&'a mut [f32]> {
+    if channel == Channel::Coverage { outputs.take(1, 0) } else { None }
 }
 
 /// The value of a channel without a pass: everything is covered, and the rest is background.
-fn absent(channel: ViewChannel) -> f32 {
-    if channel == ViewChannel::Coverage { 1.0 } else { channel.background() }
+fn absent(channel: Channel) -> f32 {
+    if channel == Channel::Coverage { 1.0 } else { channel.background() }
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use crate::testing::Frame;
 use std::path::Path;
-use trochoid_graph::{Body, ChannelSet, Document, NodeError, Reference, Registry, ViewChannel, check};
+use trochoid_graph::{Body, Channel, ChannelSet, Document, NodeError, Reference, Registry, check};
 use trochoid_image::Window;
 use trochoid_io::{ExrChannel, ExrImage, Samples, write_exr};
 
@@ -32,9 +32,9 @@ fn channels(frame: &Frame, x: usize) -> Vec<f32> {
     let id = frame.graph.find("view").unwrap();
     let at = [x as f64 + 0.5, 0.5];
     let Reference::View(truth) = frame.reference(id, 0, at) else { panic!("a view") };
-    let found: Vec<f32> = (0..ViewChannel::COUNT).map(|channel| frame.filled(id, 0, channel, at)).collect();
+    let found: Vec<f32> = (0..Channel::COUNT).map(|channel| frame.filled(id, 0, channel, at)).collect();
     assert!(truth.iter().zip(&found).all(|(truth, found)| *truth == f64::from(*found)), "{truth:?} and {found:?}");
-    assert_eq!(frame.filled(id, 1, 0, at), found[ViewChannel::Coverage as usize]);
+    assert_eq!(frame.filled(id, 1, 0, at), found[Channel::Coverage as usize]);
     found
 }
 
@@ -104,7 +104,7 @@ fn only_given_passes_are_supplied() {
     let frame = view(folder.path(), r#""depth": "Z""#).unwrap();
     let settled = frame.graph.settle(frame.graph.find("view").unwrap(), 1);
     let Body::Stage(stage) = super::NODE.body() else { unreachable!() };
-    assert_eq!(stage.supplies(&settled), ChannelSet::of(&[ViewChannel::Coverage, ViewChannel::Depth]));
+    assert_eq!(stage.supplies(&settled), ChannelSet::of(&[Channel::Coverage, Channel::Depth]));
     let text = view(folder.path(), r#""depth": "Depth""#).err().unwrap().message;
     assert!(text.contains("no layer \"Depth\""), "{text}");
 }

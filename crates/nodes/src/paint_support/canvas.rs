@@ -7,7 +7,7 @@ use trochoid_graph::*;
 use trochoid_image::Window;
 
 /// The point at rest, which seeds are fixed to.
-pub(crate) const RESTS: [ViewChannel; 3] = [ViewChannel::RestX, ViewChannel::RestY, ViewChannel::RestZ];
+pub(crate) const RESTS: [Channel; 3] = [Channel::RestX, Channel::RestY, Channel::RestZ];
 
 /// Where a pixel stands in a window, or the nearest one that does.
 #[inline(always)]
@@ -51,9 +51,9 @@ impl<'a> Planes<'a> {
     /// Of a picture and a block of it; seeds are fixed to surfaces or to the picture.
     pub(crate) fn new(picture: Window, on_surfaces: bool, block: &Block<'_>, inputs: &Inputs<'a>) -> Self {
         let view = inputs.all("view").first();
-        let channel = |channel: ViewChannel| view.and_then(|view| view.planes[channel as usize]);
+        let channel = |channel: Channel| view.and_then(|view| view.planes[channel as usize]);
         let window = view.map_or(picture, |view| view.window);
-        let parts = match (channel(ViewChannel::Coverage), channel(ViewChannel::Surface)) {
+        let parts = match (channel(Channel::Coverage), channel(Channel::Surface)) {
             (Some(coverage), Some(surfaces)) => coverage
                 .iter()
                 .zip(surfaces)
@@ -68,7 +68,7 @@ impl<'a> Planes<'a> {
             offset: block.offset,
             view: window,
             parts,
-            depths: channel(ViewChannel::Depth),
+            depths: channel(Channel::Depth),
             rests: on_surfaces.then_some(rests),
             flow: inputs.all("flow").first(),
             shares: ["size", "density", "detail"].map(|port| inputs.all(port).first()),
@@ -153,7 +153,7 @@ impl<'a> Seen<'a> {
         self.inputs.moved((x - self.pixel[0]) as f64, (y - self.pixel[1]) as f64)
     }
 
-    fn view(&self, x: i64, y: i64, channel: ViewChannel) -> f64 {
+    fn view(&self, x: i64, y: i64, channel: Channel) -> f64 {
         let Some(source) = self.node.all("view").first() else {
             return f64::from(channel.background());
         };
@@ -176,11 +176,11 @@ impl Around for Seen<'_> {
     }
 
     fn part(&self, x: i64, y: i64) -> f64 {
-        if self.view(x, y, ViewChannel::Coverage) > 0.0 { self.view(x, y, ViewChannel::Surface).max(0.0) } else { -1.0 }
+        if self.view(x, y, Channel::Coverage) > 0.0 { self.view(x, y, Channel::Surface).max(0.0) } else { -1.0 }
     }
 
     fn depth(&self, x: i64, y: i64) -> f64 {
-        self.view(x, y, ViewChannel::Depth)
+        self.view(x, y, Channel::Depth)
     }
 
     fn flow(&self, x: i64, y: i64) -> [f64; 2] {

@@ -5,7 +5,7 @@ use trochoid_graph::*;
 
 pub(crate) static NODE: &dyn NodeType = &ViewMask {
     declaration: &DECLARATION,
-    channels: &[ViewChannel::Height, ViewChannel::NormalY],
+    channels: &[Channel::Height, Channel::NormalY],
     ramps: |node| {
         let [height, rise, flatness, softness] =
             ["height", "rise", "flatness", "softness"].map(|knob| node.number(knob));

@@ -41,11 +41,11 @@ impl NodeType for Curvature {
 
 impl Stage for Curvature {
     fn asks(&self, _node: &Settled, _wanted: &[bool]) -> ChannelSet {
-        ChannelSet::of(&NORMAL).union(ChannelSet::of(&POSITION)).union(ViewChannel::Coverage.into())
+        ChannelSet::of(&NORMAL).union(ChannelSet::of(&POSITION)).union(Channel::Coverage.into())
     }
 
     fn prefers(&self, _node: &Settled, _wanted: &[bool]) -> ChannelSet {
-        ViewChannel::Surface.into()
+        Channel::Surface.into()
     }
 
     fn regions_of_interest(&self, node: &Settled, _port: &str, window: Window, _format: Format) -> Window {

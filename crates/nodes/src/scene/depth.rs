@@ -5,7 +5,7 @@ use trochoid_graph::*;
 
 pub(crate) static NODE: &dyn NodeType = &ViewCopy { declaration: &DECLARATION, channels: CHANNELS };
 
-const CHANNELS: &[ViewChannel] = &[ViewChannel::Depth];
+const CHANNELS: &[Channel] = &[Channel::Depth];
 
 static DECLARATION: Declaration = Declaration {
     name: "Depth",

@@ -99,7 +99,7 @@ impl Stage for FlowField {
         if !is_of_surface(node) {
             return ChannelSet::EMPTY;
         }
-        ChannelSet::of(&NORMAL).union(ChannelSet::of(&POSITION)).union(ViewChannel::Coverage.into())
+        ChannelSet::of(&NORMAL).union(ChannelSet::of(&POSITION)).union(Channel::Coverage.into())
     }
 
     fn interval(&self, _node: &Settled, output: usize, _channel: usize) -> Option<(f64, f64)> {
@@ -251,10 +251,9 @@ impl Flowing {
             let line = match (&self.eye, view, field) {
                 (Some(eye), Some(view), _) => {
                     let at = nearest(view.window, x, y);
-                    let channel =
-                        |channel: ViewChannel| view.planes[channel as usize].map_or(0.0, |p| f64::from(p[at]));
-                    if channel(ViewChannel::Coverage) > 0.0 {
-                        let vector = |channels: [ViewChannel; 3]| DVec3::from(channels.map(channel));
+                    let channel = |channel: Channel| view.planes[channel as usize].map_or(0.0, |p| f64::from(p[at]));
+                    if channel(Channel::Coverage) > 0.0 {
+                        let vector = |channels: [Channel; 3]| DVec3::from(channels.map(channel));
                         self.on_surface(eye, vector(POSITION), vector(NORMAL))
                     } else {
                         still
@@ -288,9 +287,9 @@ impl Flowing {
             .moved(inside(x, dx, self.picture.x0, self.picture.x1), inside(y, dy, self.picture.y0, self.picture.y1));
         let still = doubled(turned([1.0, 0.0], if self.is_by_hand() { self.turn } else { self.still }));
         let line = if let Some(eye) = &self.eye {
-            let channel = |channel: ViewChannel| there.view(self.node.source("view"), channel);
-            let vector = |channels: [ViewChannel; 3]| DVec3::from(channels.map(channel));
-            if channel(ViewChannel::Coverage) > 0.0 {
+            let channel = |channel: Channel| there.view(self.node.source("view"), channel);
+            let vector = |channels: [Channel; 3]| DVec3::from(channels.map(channel));
+            if channel(Channel::Coverage) > 0.0 {
                 self.on_surface(eye, vector(POSITION), vector(NORMAL))
             } else {
                 still

@@ -5,7 +5,7 @@ use trochoid_graph::*;
 
 pub(crate) static NODE: &dyn NodeType = &ViewMask {
     declaration: &DECLARATION,
-    channels: &[ViewChannel::Jacobian],
+    channels: &[Channel::Jacobian],
     ramps: |node| vec![Ramp::Falling { from: node.number("threshold"), width: node.number("width") }],
 };
 

@@ -50,7 +50,7 @@ impl NodeType for Fresnel {
 
 impl Stage for Fresnel {
     fn asks(&self, _node: &Settled, _wanted: &[bool]) -> ChannelSet {
-        ChannelSet::of(&NORMAL).union(ViewChannel::Coverage.into())
+        ChannelSet::of(&NORMAL).union(Channel::Coverage.into())
     }
 
     fn prefers(&self, _node: &Settled, _wanted: &[bool]) -> ChannelSet {

@@ -5,7 +5,7 @@ use trochoid_graph::*;
 
 pub(crate) static NODE: &dyn NodeType = &ViewCopy { declaration: &DECLARATION, channels: CHANNELS };
 
-const CHANNELS: &[ViewChannel] = &[ViewChannel::Height];
+const CHANNELS: &[Channel] = &[Channel::Height];
 
 static DECLARATION: Declaration = Declaration {
     name: "Height",

@@ -123,7 +123,7 @@ impl NodeType for Hooks {
 
 impl Stage for Hooks {
     fn asks(&self, _node: &Settled, _wanted: &[bool]) -> ChannelSet {
-        ViewChannel::Depth.into()
+        Channel::Depth.into()
     }
 
     fn interval(&self, _node: &Settled, output: usize, _channel: usize) -> Option<(f64, f64)> {
@@ -286,7 +286,7 @@ impl Growing {
 impl Prepared for Growing {
     fn fill(&self, block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let window = block.window;
-        let depths = inputs.view("view", ViewChannel::Depth);
+        let depths = inputs.view("view", Channel::Depth);
         let mut planes: [Option<&mut [f32]>; VALUES] = std::array::from_fn(|output| outputs.take(output, 0));
         planes.iter_mut().flatten().for_each(|plane| plane.fill(0.0));
         // What no ribbon covers yet.
@@ -326,7 +326,7 @@ impl Prepared for Growing {
     }
 
     fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
-        let depth = inputs.view(self.node.source("view"), ViewChannel::Depth);
+        let depth = inputs.view(self.node.source("view"), Channel::Depth);
         let (mut values, mut left) = ([0.0; VALUES], 1.0);
         for (_, claw) in self.claws.iter().filter(|(_, claw)| !self.is_hidden(claw, depth)) {
             let Some((within, random)) = claw.at(inputs.at) else { continue };

@@ -45,7 +45,7 @@ impl NodeType for InFront {
 
 impl Stage for InFront {
     fn asks(&self, _node: &Settled, _wanted: &[bool]) -> ChannelSet {
-        ViewChannel::Depth.into()
+        Channel::Depth.into()
     }
 
     fn prepare(&self, node: &Settled, _prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
@@ -75,7 +75,7 @@ const LOST: f64 = 1e-15;
 impl Prepared for Compared {
     fn fill(&self, _block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let Some(out) = outputs.take(0, 0) else { return Ok(()) };
-        let [depth, other] = ["view", "other"].map(|port| inputs.view(port, ViewChannel::Depth));
+        let [depth, other] = ["view", "other"].map(|port| inputs.view(port, Channel::Depth));
         for ((out, depth), other) in out.iter_mut().zip(depth).zip(other) {
             *out = mask(f64::from(*depth), f64::from(*other), self.soft) as f32;
         }
@@ -85,8 +85,8 @@ impl Prepared for Compared {
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
         bound_by(bounding, outputs, (0, 0), |sample| {
             let [depth, other] = ["view", "other"].map(|port| {
-                let background = f64::from(ViewChannel::Depth.background());
-                known(bounding, port, ViewChannel::Depth as usize, sample).unwrap_or(Span::exactly(background))
+                let background = f64::from(Channel::Depth.background());
+                known(bounding, port, Channel::Depth as usize, sample).unwrap_or(Span::exactly(background))
             });
             // The mask falls with the depth and rises with the other.
             let ends = [mask(depth.high, other.low, self.soft), mask(depth.low, other.high, self.soft)];
@@ -105,7 +105,7 @@ impl Prepared for Compared {
     }
 
     fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
-        let [depth, other] = ["view", "other"].map(|port| inputs.view(self.node.source(port), ViewChannel::Depth));
+        let [depth, other] = ["view", "other"].map(|port| inputs.view(self.node.source(port), Channel::Depth));
         Ok(vec![Reference::Mask(mask(depth, other, self.soft))])
     }
 }

@@ -72,7 +72,7 @@ impl NodeType for LightPool {
 
 impl Stage for LightPool {
     fn asks(&self, _node: &Settled, _wanted: &[bool]) -> ChannelSet {
-        ChannelSet::of(&POSITION).union(ViewChannel::Coverage.into())
+        ChannelSet::of(&POSITION).union(Channel::Coverage.into())
     }
 
     fn interval(&self, _node: &Settled, _output: usize, _channel: usize) -> Option<(f64, f64)> {

@@ -40,7 +40,7 @@ impl NodeType for NonSpecular {
 
 impl Stage for NonSpecular {
     fn asks(&self, _node: &Settled, _wanted: &[bool]) -> ChannelSet {
-        ChannelSet::of(&NORMAL).union(ViewChannel::Coverage.into())
+        ChannelSet::of(&NORMAL).union(Channel::Coverage.into())
     }
 
     fn prefers(&self, _node: &Settled, _wanted: &[bool]) -> ChannelSet {

@@ -5,7 +5,7 @@ use trochoid_graph::*;
 
 pub(crate) static NODE: &dyn NodeType = &ViewCopy { declaration: &DECLARATION, channels: CHANNELS };
 
-const CHANNELS: &[ViewChannel] = &[ViewChannel::NormalX, ViewChannel::NormalY, ViewChannel::NormalZ];
+const CHANNELS: &[Channel] = &[Channel::NormalX, Channel::NormalY, Channel::NormalZ];
 
 static DECLARATION: Declaration = Declaration {
     name: "Normal",

@@ -62,7 +62,7 @@ impl NodeType for ObjectMask {
 
 impl Stage for ObjectMask {
     fn asks(&self, _node: &Settled, _wanted: &[bool]) -> ChannelSet {
-        ViewChannel::Surface.into()
+        Channel::Surface.into()
     }
 
     fn rate(&self, _node: &Settled) -> Rate {
@@ -101,7 +101,7 @@ impl Chosen {
 impl Prepared for Chosen {
     fn fill(&self, _block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let Some(mask) = outputs.take(0, 0) else { return Ok(()) };
-        for (mask, surface) in mask.iter_mut().zip(inputs.view("view", ViewChannel::Surface)) {
+        for (mask, surface) in mask.iter_mut().zip(inputs.view("view", Channel::Surface)) {
             *mask = self.mask(*surface);
         }
         Ok(())
@@ -109,7 +109,7 @@ impl Prepared for Chosen {
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
         bound_by(bounding, outputs, (0, 0), |sample| {
-            let surface = certain(bounding, ViewChannel::Surface, sample);
+            let surface = certain(bounding, Channel::Surface, sample);
             if surface.low == surface.high {
                 Span::exactly(f64::from(self.mask(surface.low as f32)))
             } else if self.indices.iter().any(|index| surface.holds(f64::from(*index))) {
@@ -123,7 +123,7 @@ impl Prepared for Chosen {
     }
 
     fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
-        let surface = inputs.view(self.node.source("view"), ViewChannel::Surface);
+        let surface = inputs.view(self.node.source("view"), Channel::Surface);
         Ok(vec![Reference::Mask(f64::from(self.mask(surface as f32)))])
     }
 }

@@ -84,11 +84,11 @@ fn reach(width: f64) -> i64 {
 
 impl Stage for Outline {
     fn asks(&self, _node: &Settled, _wanted: &[bool]) -> ChannelSet {
-        ChannelSet::of(&[ViewChannel::Coverage, ViewChannel::Depth])
+        ChannelSet::of(&[Channel::Coverage, Channel::Depth])
     }
 
     fn prefers(&self, _node: &Settled, _wanted: &[bool]) -> ChannelSet {
-        ViewChannel::Surface.into()
+        Channel::Surface.into()
     }
 
     fn interval(&self, _node: &Settled, _output: usize, _channel: usize) -> Option<(f64, f64)> {
@@ -259,8 +259,8 @@ impl NearSeen {
 impl Drawing {
     /// What a sample may see.
     fn near(&self, bounding: &Bounding<'_>, sample: usize) -> NearSeen {
-        let [coverage, surface, depth] = [ViewChannel::Coverage, ViewChannel::Surface, ViewChannel::Depth]
-            .map(|channel| certain(bounding, channel, sample));
+        let [coverage, surface, depth] =
+            [Channel::Coverage, Channel::Surface, Channel::Depth].map(|channel| certain(bounding, channel, sample));
         if coverage.high <= 0.0 {
             return NearSeen { surface: Some(-1.0), w: [0.0; 2] };
         }
@@ -324,7 +324,7 @@ impl Prepared for Drawing {
         let Some(mask) = outputs.take(0, 0) else { return Ok(()) };
         mask.fill(0.0);
         let around = Around::of(inputs);
-        let depths = inputs.view("view", ViewChannel::Depth);
+        let depths = inputs.view("view", Channel::Depth);
         let seen: Vec<Seen> = around
             .surfaces()
             .into_iter()
@@ -427,7 +427,7 @@ impl Prepared for Drawing {
         let seen: Vec<Seen> = (0..side * side)
             .map(|index| {
                 let there = inputs.moved((from + index % side) as f64, (from + index / side) as f64);
-                self.seen(surface_of(&self.node, &there), there.view(view, ViewChannel::Depth))
+                self.seen(surface_of(&self.node, &there), there.view(view, Channel::Depth))
             })
             .collect();
         let at = |x: i64, y: i64| seen[((y - from) * side + x - from) as usize];

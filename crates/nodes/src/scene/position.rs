@@ -5,7 +5,7 @@ use trochoid_graph::*;
 
 pub(crate) static NODE: &dyn NodeType = &ViewCopy { declaration: &DECLARATION, channels: CHANNELS };
 
-const CHANNELS: &[ViewChannel] = &[ViewChannel::PositionX, ViewChannel::PositionY, ViewChannel::PositionZ];
+const CHANNELS: &[Channel] = &[Channel::PositionX, Channel::PositionY, Channel::PositionZ];
 
 static DECLARATION: Declaration = Declaration {
     name: "Position",

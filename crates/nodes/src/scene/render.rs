@@ -65,12 +65,9 @@ impl NodeType for Render {
     }
 }
 
-/// A view's channels as the scene crate names them, in the same order.
-const CHANNELS: [scene::Channel; ViewChannel::COUNT] = scene::Channel::ALL;
-
 impl Stage for Render {
     fn interval(&self, _node: &Settled, output: usize, channel: usize) -> Option<(f64, f64)> {
-        let is_coverage = output == 1 || channel == ViewChannel::Coverage as usize;
+        let is_coverage = output == 1 || channel == Channel::Coverage as usize;
         is_coverage.then_some((0.0, 1.0))
     }
 
@@ -85,22 +82,22 @@ impl Stage for Render {
     fn prepare(&self, node: &Settled, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
         let camera: scene::Camera = prepare.handles(node, "camera")?[0];
         let surfaces: Vec<SurfaceHandle> = prepare.handles(node, "surfaces")?;
-        let mut wanted: scene::ChannelSet = CHANNELS
+        let mut wanted: ChannelSet = Channel::ALL
             .into_iter()
             .zip(&prepare.wanted[0])
             .filter(|(_, wanted)| **wanted)
             .map(|(channel, _)| channel)
             .collect();
         if prepare.wanted[1][0] {
-            wanted = wanted.union(scene::ChannelSet::COVERAGE);
+            wanted = wanted.union(ChannelSet::COVERAGE);
         }
         let format = prepare.frame.format;
         let (follows, fineness) = (follows(node.text("points")), node.number("fineness"));
         let (mut visible, mut certain) = (None, None);
-        if wanted != scene::ChannelSet::NONE {
+        if wanted != ChannelSet::EMPTY {
             let surfaces = borrowed(&surfaces);
             // Surfaces are looked for from rest points on.
-            let mut prepared = if follows.is_some() { wanted.union(scene::ChannelSet::REST) } else { wanted };
+            let mut prepared = if follows.is_some() { wanted.union(ChannelSet::REST) } else { wanted };
             if prepare.bounded() {
                 prepared = prepared.union(SIGHT);
             }
@@ -146,7 +143,7 @@ fn borrowed(surfaces: &[SurfaceHandle]) -> Vec<&dyn scene::Surface> {
 const REFERENCE_RAY: f64 = 1e-8;
 
 /// What tells which sheet of a surface a sample sees.
-const SIGHT: scene::ChannelSet = scene::ChannelSet::of(&[scene::Channel::Depth, scene::Channel::Surface]);
+const SIGHT: ChannelSet = ChannelSet::of(&[Channel::Depth, Channel::Surface]);
 
 /// How far apart in depth, as a share of it, a point of a sheet and that of its mesh may lie.
 const SHEET: f64 = 0.02;
@@ -164,11 +161,11 @@ impl Prepared for Seen {
     fn fill(&self, block: &Block<'_>, _inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let Some(visible) = &self.visible else { return Ok(()) };
         let mut planes: Vec<_> =
-            CHANNELS.into_iter().enumerate().filter_map(|(i, c)| Some((c, outputs.take(0, i)?))).collect();
+            Channel::ALL.into_iter().enumerate().filter_map(|(i, c)| Some((c, outputs.take(0, i)?))).collect();
         let coverage = outputs.take(1, 0);
-        let mut wanted: scene::ChannelSet = planes.iter().map(|(channel, _)| *channel).collect();
+        let mut wanted: ChannelSet = planes.iter().map(|(channel, _)| *channel).collect();
         if coverage.is_some() {
-            wanted = wanted.union(scene::ChannelSet::COVERAGE);
+            wanted = wanted.union(ChannelSet::COVERAGE);
         }
         SAMPLES.with_borrow_mut(|samples| {
             match block.scattered {
@@ -179,7 +176,7 @@ impl Prepared for Seen {
                 plane.copy_from_slice(samples.channel(*channel));
             }
             if let Some(plane) = coverage {
-                plane.copy_from_slice(samples.channel(scene::Channel::Coverage));
+                plane.copy_from_slice(samples.channel(Channel::Coverage));
             }
         });
         if let Some(sums) = self.follows.filter(|_| !planes.is_empty()) {
@@ -189,7 +186,7 @@ impl Prepared for Seen {
             let found = points.iter().enumerate().filter_map(|(index, point)| Some((index, point.as_ref()?)));
             for (index, point) in found {
                 for (channel, plane) in &mut planes {
-                    plane[index] = channel.of(Some(point)) as f32;
+                    plane[index] = scene::channel_of(Some(point), *channel) as f32;
                 }
             }
         }
@@ -205,8 +202,8 @@ impl Prepared for Seen {
         let pixels: Vec<[i64; 2]> = bounding.block.pixels().collect();
         let sights = certain.sights(&borrowed(&self.surfaces), &pixels, bounding.block.offset);
         let same = self.sees(bounding.block, &sights);
-        let view = CHANNELS.into_iter().enumerate().map(|(index, channel)| (channel, 0, index));
-        for (channel, output, index) in view.chain([(scene::Channel::Coverage, 1, 0)]) {
+        let view = Channel::ALL.into_iter().enumerate().map(|(index, channel)| (channel, 0, index));
+        for (channel, output, index) in view.chain([(Channel::Coverage, 1, 0)]) {
             let (Some(filled), Some(bounds)) = (bounding.filled[output][index], outputs.take(output, index)) else {
                 continue;
             };
@@ -219,9 +216,9 @@ impl Prepared for Seen {
                     scene::Sight::Nothing => None,
                     scene::Sight::Point(hit) => Some(hit),
                 };
-                let (value, exact) = (f64::from(*value), channel.of(hit));
+                let (value, exact) = (f64::from(*value), scene::channel_of(hit, channel));
                 let distance = if value == exact { 0.0 } else { (value - exact).abs() };
-                let is_whole = matches!(channel, scene::Channel::Coverage | scene::Channel::Surface);
+                let is_whole = matches!(channel, Channel::Coverage | Channel::Surface);
                 let lost = hit.filter(|_| !is_whole).map_or(0.0, |hit| REFERENCE_RAY * (1.0 + hit.distance));
                 *bound = Bound::of(distance + lost).with(*same).encode();
             }
@@ -232,7 +229,7 @@ impl Prepared for Seen {
     fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
         let surfaces = borrowed(&self.surfaces);
         let hit = scene::reference::trace(&self.camera, &surfaces, self.format, inputs.at[0], inputs.at[1]);
-        let channels = CHANNELS.iter().map(|channel| channel.of(hit.as_ref())).collect();
+        let channels = Channel::ALL.iter().map(|channel| scene::channel_of(hit.as_ref(), *channel)).collect();
         let coverage = if hit.is_some() { 1.0 } else { 0.0 };
         Ok(vec![Reference::View(channels), Reference::Mask(coverage)])
     }
@@ -271,7 +268,7 @@ impl Seen {
                 None => visible.fill(block.window, block.offset, SIGHT, samples),
                 Some(pixels) => visible.fill_pixels(pixels, block.offset, SIGHT, samples),
             }
-            let shown = samples.channel(scene::Channel::Depth).iter().zip(samples.channel(scene::Channel::Surface));
+            let shown = samples.channel(Channel::Depth).iter().zip(samples.channel(Channel::Surface));
             let same = shown.zip(sights).map(|((depth, surface), sight)| match sight {
                 scene::Sight::Unclear => false,
                 scene::Sight::Nothing => *surface < 0.0,
@@ -282,18 +279,5 @@ impl Seen {
             });
             same.collect()
         })
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn channels_agree_with_the_scene_crate() {
-        for (ours, theirs) in ViewChannel::ALL.iter().zip(CHANNELS) {
-            assert_eq!(format!("{ours:?}"), format!("{theirs:?}"));
-            assert_eq!(ours.background(), theirs.background());
-        }
     }
 }

@@ -5,7 +5,7 @@ use trochoid_graph::*;
 
 pub(crate) static NODE: &dyn NodeType = &ViewCopy { declaration: &DECLARATION, channels: CHANNELS };
 
-const CHANNELS: &[ViewChannel] = &[ViewChannel::RestX, ViewChannel::RestY, ViewChannel::RestZ];
+const CHANNELS: &[Channel] = &[Channel::RestX, Channel::RestY, Channel::RestZ];
 
 static DECLARATION: Declaration = Declaration {
     name: "Rest",

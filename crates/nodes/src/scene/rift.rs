@@ -5,7 +5,7 @@ use trochoid_graph::*;
 
 pub(crate) static NODE: &dyn NodeType = &ViewCopy { declaration: &DECLARATION, channels: CHANNELS };
 
-const CHANNELS: &[ViewChannel] = &[ViewChannel::Rift];
+const CHANNELS: &[Channel] = &[Channel::Rift];
 
 static DECLARATION: Declaration = Declaration {
     name: "Rift",

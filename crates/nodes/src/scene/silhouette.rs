@@ -54,11 +54,11 @@ impl NodeType for Silhouette {
 
 impl Stage for Silhouette {
     fn asks(&self, _node: &Settled, _wanted: &[bool]) -> ChannelSet {
-        ChannelSet::of(&NORMAL).union(ViewChannel::Coverage.into())
+        ChannelSet::of(&NORMAL).union(Channel::Coverage.into())
     }
 
     fn prefers(&self, _node: &Settled, _wanted: &[bool]) -> ChannelSet {
-        ChannelSet::of(&POSITION).union(ViewChannel::Surface.into())
+        ChannelSet::of(&POSITION).union(Channel::Surface.into())
     }
 
     fn interval(&self, _node: &Settled, _output: usize, _channel: usize) -> Option<(f64, f64)> {

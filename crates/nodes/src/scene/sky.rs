@@ -56,7 +56,7 @@ impl Stage for Sky {
     fn asks(&self, _node: &Settled, wanted: &[bool]) -> ChannelSet {
         // The sky itself needs the camera alone.
         if wanted.get(1).is_some_and(|wanted| *wanted) {
-            ChannelSet::of(&NORMAL).union(ViewChannel::Coverage.into())
+            ChannelSet::of(&NORMAL).union(Channel::Coverage.into())
         } else {
             ChannelSet::EMPTY
         }
@@ -113,7 +113,7 @@ impl Prepared for Looking {
         }
         let Some(reflected) = outputs.take(1, 0) else { return Ok(()) };
         let normals = view_planes(inputs, NORMAL);
-        let coverage = inputs.view("view", ViewChannel::Coverage);
+        let coverage = inputs.view("view", Channel::Coverage);
         for (index, (out, at)) in reflected.iter_mut().zip(block.places()).enumerate() {
             let normal = DVec3::from(normals.map(|plane| f64::from(plane[index])));
             *out = if coverage[index] > 0.0 { self.mask(mirrored(ray(at), normal)) as f32 } else { 0.0 };

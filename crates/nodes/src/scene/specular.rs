@@ -46,11 +46,11 @@ impl NodeType for Specular {
 
 impl Stage for Specular {
     fn asks(&self, _node: &Settled, _wanted: &[bool]) -> ChannelSet {
-        ChannelSet::of(&NORMAL).union(ViewChannel::Coverage.into())
+        ChannelSet::of(&NORMAL).union(Channel::Coverage.into())
     }
 
     fn prefers(&self, _node: &Settled, _wanted: &[bool]) -> ChannelSet {
-        ChannelSet::of(&POSITION).union(ViewChannel::SlopeVariance.into())
+        ChannelSet::of(&POSITION).union(Channel::SlopeVariance.into())
     }
 
     fn rate(&self, _node: &Settled) -> Rate {
@@ -113,7 +113,7 @@ impl Prepared for Mirror {
         }
         let normals = view_planes(inputs, NORMAL);
         let views = view_directions(inputs, &self.eye, mask.len())?;
-        let variances = inputs.view_if_any("view", ViewChannel::SlopeVariance).unwrap_or_default();
+        let variances = inputs.view_if_any("view", Channel::SlopeVariance).unwrap_or_default();
         self.lights.fill(inputs, mask, |light, out| {
             let views = [&views[0][..], &views[1], &views[2]];
             blinn::fill(normals, light, views, self.shininess as f32, variances, self.model, out);
@@ -127,7 +127,7 @@ impl Prepared for Mirror {
             where_covered(bounding, sample, || {
                 let (point, normal) = (Near::point(bounding, sample), Toward::normal(bounding, sample));
                 let view = Toward::eye(&self.eye, point);
-                let variance = certain(bounding, ViewChannel::SlopeVariance, sample);
+                let variance = certain(bounding, Channel::SlopeVariance, sample);
                 let exponents = variance.through(|variance| blinn::widened(self.shininess, variance, self.model));
                 let exponents = exponents.within(0.0, self.shininess);
                 self.lights.may_give(point, |light| self.lobe([normal, light, view], exponents))
@@ -143,7 +143,7 @@ impl Prepared for Mirror {
         let normal = view_vector(&self.node, inputs, NORMAL);
         let point = view_vector(&self.node, inputs, POSITION);
         let view = toward_eye(&self.eye, point);
-        let variance = inputs.view(self.node.source("view"), ViewChannel::SlopeVariance);
+        let variance = inputs.view(self.node.source("view"), Channel::SlopeVariance);
         let mask = self
             .lights
             .reference(point, |light| blinn::reference(normal, light, view, self.shininess, variance, self.model));

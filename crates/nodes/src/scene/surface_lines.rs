@@ -47,7 +47,7 @@ static DECLARATION: Declaration = Declaration {
     revision: 2,
 };
 
-const RESTS: [ViewChannel; 3] = [ViewChannel::RestX, ViewChannel::RestY, ViewChannel::RestZ];
+const RESTS: [Channel; 3] = [Channel::RestX, Channel::RestY, Channel::RestZ];
 
 impl NodeType for SurfaceLines {
     fn declaration(&self) -> &'static Declaration {
@@ -61,7 +61,7 @@ impl NodeType for SurfaceLines {
 
 impl Stage for SurfaceLines {
     fn asks(&self, _node: &Settled, _wanted: &[bool]) -> ChannelSet {
-        ChannelSet::of(&RESTS).union(ViewChannel::Coverage.into())
+        ChannelSet::of(&RESTS).union(Channel::Coverage.into())
     }
 
     fn interval(&self, _node: &Settled, output: usize, _channel: usize) -> Option<(f64, f64)> {
@@ -235,7 +235,7 @@ impl Drawing {
 
 impl Prepared for Drawing {
     fn fill(&self, _block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
-        let coverage = inputs.view("view", ViewChannel::Coverage);
+        let coverage = inputs.view("view", Channel::Coverage);
         let planes = RESTS.map(|channel| inputs.view("view", channel));
         let rest = |index: usize| DVec3::from(planes.map(|plane| f64::from(plane[index])));
         let rests: Vec<DVec3> = (0..coverage.len()).map(rest).collect();

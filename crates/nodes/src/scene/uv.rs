@@ -5,7 +5,7 @@ use trochoid_graph::*;
 
 pub(crate) static NODE: &dyn NodeType = &ViewCopy { declaration: &DECLARATION, channels: CHANNELS };
 
-const CHANNELS: &[ViewChannel] = &[ViewChannel::U, ViewChannel::V];
+const CHANNELS: &[Channel] = &[Channel::U, Channel::V];
 
 static DECLARATION: Declaration = Declaration {
     name: "UV",

@@ -64,8 +64,8 @@ fn by_height(node: &Settled) -> bool {
 
 impl Stage for WaterlineFoam {
     fn asks(&self, node: &Settled, _wanted: &[bool]) -> ChannelSet {
-        let height = if by_height(node) { ChannelSet::from(ViewChannel::PositionY) } else { ChannelSet::EMPTY };
-        height.union(ViewChannel::Depth.into())
+        let height = if by_height(node) { ChannelSet::from(Channel::PositionY) } else { ChannelSet::EMPTY };
+        height.union(Channel::Depth.into())
     }
 
     fn interval(&self, _node: &Settled, _output: usize, _channel: usize) -> Option<(f64, f64)> {
@@ -142,8 +142,8 @@ impl Prepared for Foaming {
     fn fill(&self, _block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let Some(mask) = outputs.take(0, 0) else { return Ok(()) };
         let planes = |channel| ["view", "behind"].map(|port| inputs.view(port, channel));
-        let depths = planes(ViewChannel::Depth);
-        let heights = self.by_height.then(|| planes(ViewChannel::PositionY));
+        let depths = planes(Channel::Depth);
+        let heights = self.by_height.then(|| planes(Channel::PositionY));
         let edge = inputs.all("edge").first().and_then(|connection| connection.planes[0]);
         for (index, mask) in mask.iter_mut().enumerate() {
             let [water, behind] = depths.map(|plane| f64::from(plane[index]));
@@ -157,13 +157,13 @@ impl Prepared for Foaming {
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
         bound_by(bounding, outputs, (0, 0), |sample| {
-            let of = |channel: ViewChannel| {
+            let of = |channel: Channel| {
                 let background = Span::exactly(f64::from(channel.background()));
                 ["view", "behind"].map(|port| known(bounding, port, channel as usize, sample).unwrap_or(background))
             };
-            let depths = of(ViewChannel::Depth);
+            let depths = of(Channel::Depth);
             let apart = if self.by_height {
-                let [above, below] = of(ViewChannel::PositionY);
+                let [above, below] = of(Channel::PositionY);
                 above - below
             } else {
                 depths[1] - depths[0]
@@ -175,9 +175,9 @@ impl Prepared for Foaming {
 
     fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
         let of = |channel| ["view", "behind"].map(|port| inputs.view(self.node.source(port), channel));
-        let [water, behind] = of(ViewChannel::Depth);
+        let [water, behind] = of(Channel::Depth);
         let apart = if self.by_height {
-            let [above, below] = of(ViewChannel::PositionY);
+            let [above, below] = of(Channel::PositionY);
             above - below
         } else {
             behind - water

@@ -1,7 +1,7 @@
 //! What filters of a view read: a pixel and those around it.
 
 use crate::front_support::{Span, certain};
-use trochoid_graph::{Bounding, Connection, Inputs, References, Settled, ViewChannel};
+use trochoid_graph::{Bounding, Channel, Connection, Inputs, References, Settled};
 use trochoid_image::Window;
 
 /// A window that reaches so many pixels farther on each side.
@@ -48,18 +48,18 @@ impl<'a> Around<'a> {
     }
 
     /// A channel that the node asks for.
-    pub(crate) fn whole(&self, channel: ViewChannel) -> &'a [f32] {
+    pub(crate) fn whole(&self, channel: Channel) -> &'a [f32] {
         self.plane(channel).unwrap_or_default()
     }
 
-    fn plane(&self, channel: ViewChannel) -> Option<&'a [f32]> {
+    fn plane(&self, channel: Channel) -> Option<&'a [f32]> {
         self.view.planes[channel as usize]
     }
 
     /// The index of the surface seen by each sample, −1 where none is; one surface where the view tells them not apart.
     pub(crate) fn surfaces(&self) -> Vec<f32> {
-        let coverage = self.plane(ViewChannel::Coverage).unwrap_or_default();
-        match self.plane(ViewChannel::Surface) {
+        let coverage = self.plane(Channel::Coverage).unwrap_or_default();
+        match self.plane(Channel::Surface) {
             Some(surfaces) => {
                 surfaces.iter().zip(coverage).map(|(surface, c)| if *c > 0.0 { *surface } else { -1.0 }).collect()
             }
@@ -70,15 +70,14 @@ impl<'a> Around<'a> {
 
 /// The index of the surface that a sample sees, as [`Around::surfaces`].
 pub(crate) fn surface_of(node: &Settled, inputs: &References<'_>) -> f64 {
-    let channel = |channel: ViewChannel| inputs.view(node.source("view"), channel);
+    let channel = |channel: Channel| inputs.view(node.source("view"), channel);
     // Views that do not tell surfaces apart hold the background's −1.
-    if channel(ViewChannel::Coverage) > 0.0 { channel(ViewChannel::Surface).max(0.0) } else { -1.0 }
+    if channel(Channel::Coverage) > 0.0 { channel(Channel::Surface).max(0.0) } else { -1.0 }
 }
 
 /// The surface that a sample may see, as [`Around::surfaces`]; anything where that is not certain.
 pub(crate) fn may_see(bounding: &Bounding<'_>, sample: usize) -> Span {
-    let [coverage, surface] =
-        [ViewChannel::Coverage, ViewChannel::Surface].map(|channel| certain(bounding, channel, sample));
+    let [coverage, surface] = [Channel::Coverage, Channel::Surface].map(|channel| certain(bounding, channel, sample));
     if coverage.high <= 0.0 {
         Span::exactly(-1.0)
     } else if coverage.low > 0.0 && surface.low == surface.high {

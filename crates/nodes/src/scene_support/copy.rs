@@ -8,7 +8,7 @@ pub(crate) struct ViewCopy {
     /// Its declaration; the port is `view`.
     pub(crate) declaration: &'static Declaration,
     /// The channels, in the order of the output's components.
-    pub(crate) channels: &'static [ViewChannel],
+    pub(crate) channels: &'static [Channel],
 }
 
 impl NodeType for ViewCopy {
@@ -17,7 +17,7 @@ impl NodeType for ViewCopy {
     }
 
     fn check(&self, node: &Settled, check: &mut Check<'_>) {
-        if self.channels.contains(&ViewChannel::Rift) {
+        if self.channels.contains(&Channel::Rift) {
             check_trails(node, check);
         }
     }
@@ -43,7 +43,7 @@ impl Stage for ViewCopy {
 
 struct Copying {
     node: Settled,
-    channels: &'static [ViewChannel],
+    channels: &'static [Channel],
 }
 
 impl Prepared for Copying {

@@ -9,7 +9,7 @@ pub(crate) struct ViewMask {
     /// Its declaration; the port is `view`.
     pub(crate) declaration: &'static Declaration,
     /// The channels, one a ramp.
-    pub(crate) channels: &'static [ViewChannel],
+    pub(crate) channels: &'static [Channel],
     /// The ramps for some knobs.
     pub(crate) ramps: fn(&Settled) -> Vec<Ramp>,
 }
@@ -65,7 +65,7 @@ impl NodeType for ViewMask {
 
 impl Stage for ViewMask {
     fn asks(&self, _node: &Settled, _wanted: &[bool]) -> ChannelSet {
-        ChannelSet::of(self.channels).union(ViewChannel::Coverage.into())
+        ChannelSet::of(self.channels).union(Channel::Coverage.into())
     }
 
     fn interval(&self, _node: &Settled, _output: usize, _channel: usize) -> Option<(f64, f64)> {
@@ -87,7 +87,7 @@ impl Stage for ViewMask {
 
 struct Masking {
     node: Settled,
-    channels: &'static [ViewChannel],
+    channels: &'static [Channel],
     ramps: Vec<Ramp>,
 }
 
@@ -101,7 +101,7 @@ impl Prepared for Masking {
     fn fill(&self, _block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let Some(mask) = outputs.take(0, 0) else { return Ok(()) };
         let planes: Vec<&[f32]> = self.channels.iter().map(|channel| inputs.view("view", *channel)).collect();
-        let coverage = inputs.view("view", ViewChannel::Coverage);
+        let coverage = inputs.view("view", Channel::Coverage);
         let mut values = vec![0.0; planes.len()];
         for (index, out) in mask.iter_mut().enumerate() {
             values.iter_mut().zip(&planes).for_each(|(value, plane)| *value = f64::from(plane[index]));

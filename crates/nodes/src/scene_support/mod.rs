@@ -39,7 +39,7 @@ pub(crate) use waters::{
 
 use std::path::PathBuf;
 use std::sync::Arc;
-use trochoid_graph::{FrameContext, Inputs, NodeError, Reference, References, Settled, ViewChannel, escape_remedy};
+use trochoid_graph::{Channel, FrameContext, Inputs, NodeError, Reference, References, Settled, escape_remedy};
 use trochoid_scene::{Camera, DVec3, Surface};
 
 /// What nodes with a Surface as output hand on.
@@ -48,7 +48,7 @@ pub(crate) type SurfaceHandle = Arc<dyn Surface>;
 /// What a Render hands on beside its planes.
 pub(crate) struct Looking {
     pub(crate) camera: Camera,
-    /// What is seen, in the order of [`ViewChannel::Surface`].
+    /// What is seen, in the order of [`Channel::Surface`].
     pub(crate) surfaces: Vec<SurfaceHandle>,
 }
 
@@ -57,32 +57,32 @@ pub(crate) fn vector(node: &Settled, knob: &str) -> DVec3 {
     DVec3::from(node.vector3(knob))
 }
 
-pub(crate) const POSITION: [ViewChannel; 3] = [ViewChannel::PositionX, ViewChannel::PositionY, ViewChannel::PositionZ];
-pub(crate) const NORMAL: [ViewChannel; 3] = [ViewChannel::NormalX, ViewChannel::NormalY, ViewChannel::NormalZ];
+pub(crate) const POSITION: [Channel; 3] = [Channel::PositionX, Channel::PositionY, Channel::PositionZ];
+pub(crate) const NORMAL: [Channel; 3] = [Channel::NormalX, Channel::NormalY, Channel::NormalZ];
 
 /// Three channels of the view at one sample, in f64.
-pub(crate) fn view_vector(node: &Settled, inputs: &References<'_>, channels: [ViewChannel; 3]) -> DVec3 {
+pub(crate) fn view_vector(node: &Settled, inputs: &References<'_>, channels: [Channel; 3]) -> DVec3 {
     DVec3::from(channels.map(|channel| inputs.view(node.source("view"), channel)))
 }
 
 /// Three channels of the view over a block.
-pub(crate) fn view_planes<'a>(inputs: &Inputs<'a>, channels: [ViewChannel; 3]) -> Vectors3<'a> {
+pub(crate) fn view_planes<'a>(inputs: &Inputs<'a>, channels: [Channel; 3]) -> Vectors3<'a> {
     channels.map(|channel| inputs.view("view", channel))
 }
 
 /// Whether a sample of the view is covered, in f64.
 pub(crate) fn is_covered(node: &Settled, inputs: &References<'_>) -> bool {
-    inputs.view(node.source("view"), ViewChannel::Coverage) > 0.0
+    inputs.view(node.source("view"), Channel::Coverage) > 0.0
 }
 
 /// Whether no sample of a block is covered: there, a mask is 0 whatever it is made of.
 pub(crate) fn is_bare(inputs: &Inputs<'_>) -> bool {
-    inputs.view("view", ViewChannel::Coverage).iter().all(|coverage| *coverage == 0.0)
+    inputs.view("view", Channel::Coverage).iter().all(|coverage| *coverage == 0.0)
 }
 
 /// Sets a mask to its background, 0, where the view is not covered.
 pub(crate) fn uncover(inputs: &Inputs<'_>, mask: &mut [f32]) {
-    for (mask, coverage) in mask.iter_mut().zip(inputs.view("view", ViewChannel::Coverage)) {
+    for (mask, coverage) in mask.iter_mut().zip(inputs.view("view", Channel::Coverage)) {
         if *coverage == 0.0 {
             *mask = 0.0;
         }

@@ -2,7 +2,7 @@
 
 use super::surroundings::{First, Surroundings};
 use super::{NORMAL, POSITION, is_covered, view_planes, view_vector};
-use trochoid_graph::{Block, ChannelSet, Inputs, NodeError, References, Settled, ViewChannel};
+use trochoid_graph::{Block, Channel, ChannelSet, Inputs, NodeError, References, Settled};
 use trochoid_scene::shading::unit_or_up;
 use trochoid_scene::{DVec3, Ray};
 
@@ -29,7 +29,7 @@ const ASKED: usize = 64;
 
 /// What the view must supply.
 pub(crate) fn asked() -> ChannelSet {
-    ChannelSet::of(&NORMAL).union(ChannelSet::of(&POSITION)).union(ViewChannel::Coverage.into())
+    ChannelSet::of(&NORMAL).union(ChannelSet::of(&POSITION)).union(Channel::Coverage.into())
 }
 
 impl Surroundings {
@@ -49,7 +49,7 @@ impl Surroundings {
         quantity: impl Fn(&Seen, Rays<'_>) -> f64,
     ) -> Result<(), NodeError> {
         let (points, normals) = (view_planes(inputs, POSITION), view_planes(inputs, NORMAL));
-        let coverage = inputs.view("view", ViewChannel::Coverage);
+        let coverage = inputs.view("view", Channel::Coverage);
         let vector = |planes: [&[f32]; 3], index: usize| DVec3::from(planes.map(|plane| f64::from(plane[index])));
         let first = |ray: &_, limit| self.first(ray, limit);
         let blocks = |ray: &_, limit| self.blocks(ray, limit);

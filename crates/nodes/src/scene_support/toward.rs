@@ -4,7 +4,7 @@ use super::lit::{Combine, Lights};
 use super::{NORMAL, POSITION};
 use crate::front_support::{Span, certain};
 use std::f64::consts::PI;
-use trochoid_graph::{Bounding, ViewChannel};
+use trochoid_graph::{Bounding, Channel};
 use trochoid_scene::shading::unit_or_up;
 use trochoid_scene::{DVec3, Light, Projector};
 
@@ -18,7 +18,7 @@ pub(crate) struct Near {
 
 impl Near {
     /// Three channels of the view.
-    pub(crate) fn of(bounding: &Bounding<'_>, channels: [ViewChannel; 3], sample: usize) -> Self {
+    pub(crate) fn of(bounding: &Bounding<'_>, channels: [Channel; 3], sample: usize) -> Self {
         let spans = channels.map(|channel| certain(bounding, channel, sample));
         Self {
             vector: DVec3::from(spans.map(Span::middle)),

@@ -75,16 +75,16 @@ impl NodeType for DriftLines {
 }
 
 /// Cosine and sine of the chosen coordinate.
-fn phase(node: &Settled) -> [ViewChannel; 2] {
+fn phase(node: &Settled) -> [Channel; 2] {
     match node.text("coordinate") {
-        "along" => [ViewChannel::AlongCos, ViewChannel::AlongSin],
-        _ => [ViewChannel::AcrossCos, ViewChannel::AcrossSin],
+        "along" => [Channel::AlongCos, Channel::AlongSin],
+        _ => [Channel::AcrossCos, Channel::AcrossSin],
     }
 }
 
 impl Stage for DriftLines {
     fn asks(&self, node: &Settled, _wanted: &[bool]) -> ChannelSet {
-        let always = [ViewChannel::Coverage, ViewChannel::Height, ViewChannel::DriftWeight];
+        let always = [Channel::Coverage, Channel::Height, Channel::DriftWeight];
         ChannelSet::of(&phase(node)).union(ChannelSet::of(&always))
     }
 
@@ -117,7 +117,7 @@ impl Stage for DriftLines {
 
 struct Drawn {
     node: Settled,
-    phase: [ViewChannel; 2],
+    phase: [Channel; 2],
     lines: Lines,
 }
 
@@ -126,8 +126,8 @@ impl Prepared for Drawn {
         let Some(mask) = outputs.take(0, 0) else { return Ok(()) };
         let around = Around::of(inputs);
         let planes = self.phase.map(|channel| around.whole(channel));
-        let weights = around.whole(ViewChannel::DriftWeight);
-        let heights = around.whole(ViewChannel::Height);
+        let weights = around.whole(Channel::DriftWeight);
+        let heights = around.whole(Channel::Height);
         // Without trails there are no lines.
         if weights.iter().all(|weight| *weight == 0.0) {
             mask.fill(0.0);
@@ -168,7 +168,7 @@ impl Prepared for Drawn {
                 let beside = [[phase(x - 1, y), phase(x + 1, y)], [phase(x, y - 1), phase(x, y + 1)]];
                 let (density, told) = density_span(own, beside);
                 let [weight, height] =
-                    [ViewChannel::DriftWeight, ViewChannel::Height].map(|channel| certain(bounding, channel, here));
+                    [Channel::DriftWeight, Channel::Height].map(|channel| certain(bounding, channel, here));
                 let [weights, heights] = [weight, height].map(|span| [span.low, span.high]);
                 let ([low, high], smooth) =
                     self.lines.mask_span(&NearPlace { weight: weights, phase: own, height: heights, density });
@@ -187,8 +187,7 @@ impl Prepared for Drawn {
         let phase = |inputs: &References<'_>| self.phase.map(|channel| inputs.view(view, channel));
         let moved = |dx: f64, dy: f64| phase(&inputs.moved(dx, dy));
         let beside = [[moved(-1.0, 0.0), moved(1.0, 0.0)], [moved(0.0, -1.0), moved(0.0, 1.0)]];
-        let [weight, height] =
-            [ViewChannel::DriftWeight, ViewChannel::Height].map(|channel| inputs.view(view, channel));
+        let [weight, height] = [Channel::DriftWeight, Channel::Height].map(|channel| inputs.view(view, channel));
         let here = phase(inputs);
         let place = Place { weight, phase: here, height, density: density(here, beside) };
         Ok(vec![Reference::Mask(self.lines.mask(&place))])

@@ -170,7 +170,7 @@ impl NodeType for Spray {
 
 impl Stage for Spray {
     fn asks(&self, _node: &Settled, _wanted: &[bool]) -> ChannelSet {
-        ViewChannel::Depth.into()
+        Channel::Depth.into()
     }
 
     fn interval(&self, _node: &Settled, output: usize, _channel: usize) -> Option<(f64, f64)> {
@@ -258,7 +258,7 @@ fn down(number: f64) -> f32 {
 impl Prepared for Spraying {
     fn fill(&self, block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let [alpha, depth, age] = [0, 1, 2].map(|output| outputs.take(output, 0));
-        let surface = inputs.view("view", ViewChannel::Depth);
+        let surface = inputs.view("view", Channel::Depth);
         let planes = Planes { alpha, depth, age, weight: None };
         let stop = inputs.cancellation();
         paint(&self.dabs, block, surface, planes, stop);
@@ -269,7 +269,7 @@ impl Prepared for Spraying {
         // Whether a drop is born at all is drawn against waves, so that no drop's error follows from another figure's.
         let Some(dabs) = self.truth() else { return Err(NoBound("the reference's drops cover too much")) };
         let count = bounding.block.window.area();
-        let depths: Vec<Span> = (0..count).map(|sample| certain(bounding, ViewChannel::Depth, sample)).collect();
+        let depths: Vec<Span> = (0..count).map(|sample| certain(bounding, Channel::Depth, sample)).collect();
         // The deeper the surface, the more is seen of each drop.
         let seen = |surface: Vec<f32>| {
             let mut planes = [(); 4].map(|()| vec![0.0; count]);
@@ -316,7 +316,7 @@ impl Prepared for Spraying {
     fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
         let Some(dabs) = self.truth() else { return Err(NodeError::new("the reference's drops cover too much")) };
         let Sprayed { alpha, depth, age, .. } =
-            dabs.at(inputs.at, inputs.view(self.node.source("view"), ViewChannel::Depth));
+            dabs.at(inputs.at, inputs.view(self.node.source("view"), Channel::Depth));
         Ok(vec![Reference::Mask(alpha), Reference::Field(vec![depth]), Reference::Mask(age)])
     }
 

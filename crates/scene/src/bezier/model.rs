@@ -5,6 +5,7 @@ use glam::DVec3;
 use super::trace::Ball;
 use super::{Bicubic, tessellate, trace};
 use crate::certain::{Search, contours_of_facets};
+use crate::channel::FINE;
 use crate::points::Near;
 use crate::surface::{Anchor, Hit, Mesh, Surface};
 use crate::{ChannelSet, Projector, Ray};
@@ -166,7 +167,7 @@ impl Surface for PatchModel {
         let mut mesh = None;
         for tolerance in FINELY {
             let tessellation = Tessellation::Adaptive { tolerance };
-            mesh = (!stop()).then(|| tessellate::mesh(self, projector, tessellation, ChannelSet::FINE).0);
+            mesh = (!stop()).then(|| tessellate::mesh(self, projector, tessellation, FINE).0);
             // Where patches are too large for so fine ones nothing is known of the mesh.
             if mesh.as_ref().is_none_or(|mesh| mesh.tolerance.is_some()) {
                 break;
