@@ -28,6 +28,7 @@ mod memory;
 mod merging;
 mod painter;
 mod palette;
+mod portable;
 mod random;
 mod scale;
 mod scenes;

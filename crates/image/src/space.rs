@@ -159,14 +159,14 @@ impl std::fmt::Display for WorkingSpace {
 /// Encodes linear light for display (IEC 61966-2-1), odd about 0 and not limited to 1.
 pub fn srgb_encode(linear: f64) -> f64 {
     let v = linear.abs();
-    let encoded = if v <= 0.003_130_8 { 12.92 * v } else { 1.055 * v.powf(1.0 / 2.4) - 0.055 };
+    let encoded = if v <= 0.003_130_8 { 12.92 * v } else { 1.055 * libm::pow(v, 1.0 / 2.4) - 0.055 };
     encoded.copysign(linear)
 }
 
 /// Decodes a display value to linear light: the inverse of [`srgb_encode`].
 pub fn srgb_decode(encoded: f64) -> f64 {
     let v = encoded.abs();
-    let linear = if v <= 0.040_45 { v / 12.92 } else { ((v + 0.055) / 1.055).powf(2.4) };
+    let linear = if v <= 0.040_45 { v / 12.92 } else { libm::pow((v + 0.055) / 1.055, 2.4) };
     linear.copysign(encoded)
 }
 

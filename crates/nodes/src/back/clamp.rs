@@ -70,6 +70,6 @@ impl Pointwise for Clamp {
         if node.bool("smooth") {
             t = t * t * (3.0 - 2.0 * t);
         }
-        Reference::Mask(t.powf(node.number("power")))
+        Reference::Mask(libm::pow(t, node.number("power")))
     }
 }

@@ -11,7 +11,10 @@ pub(crate) fn reference(noise: &Noise, point: &[f64], footprint: f64) -> f64 {
         let place = place(noise, octave, point.iter().copied());
         let value = match noise.kind {
             NoiseKind::Fbm => gradient_noise(octave.seed, &place).0,
-            NoiseKind::Ridged => (1.0 - gradient_noise(octave.seed, &place).0.abs()).powi(2),
+            NoiseKind::Ridged => {
+                let valley = 1.0 - gradient_noise(octave.seed, &place).0.abs();
+                valley * valley
+            }
             NoiseKind::Cellular => distances(octave.seed, &place)[0],
             NoiseKind::Edges => {
                 let distances = distances(octave.seed, &place);

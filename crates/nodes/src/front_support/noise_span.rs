@@ -46,7 +46,8 @@ fn octave_span(noise: &Noise, octave: &Octave, point: &[Span]) -> Span {
             let Span { low, high, .. } = gradients(octave, &place, &reach);
             let farthest = high.abs().max(low.abs());
             let nearest = if low <= 0.0 && high >= 0.0 { 0.0 } else { high.abs().min(low.abs()) };
-            Span { low: (1.0 - farthest).powi(2), high: (1.0 - nearest).powi(2), clear: true }
+            let ends = [farthest, nearest].map(|height| (1.0 - height) * (1.0 - height));
+            Span { low: ends[0], high: ends[1], clear: true }
         }
         // A distance changes by no more than the way that is gone, and so does that to the second nearest point.
         NoiseKind::Cellular => around(distances(octave.seed, &place)[0], straight),
@@ -65,7 +66,8 @@ fn gradients(octave: &Octave, place: &[f64], reach: &[f64]) -> Span {
     // strongest bend 10/√3, and between corners slopes differ by 2 and what they rise to by 4 · axes at most.
     let axes = place.len();
     let bend = f64::from(AMPLITUDE[axes]) * (225.0 / 16.0 * axes as f64 + 7.5);
-    let off = straight + 0.5 * bend * reach.iter().sum::<f64>().powi(2);
+    let all: f64 = reach.iter().sum();
+    let off = straight + 0.5 * bend * (all * all);
     Span { low: value - off, high: value + off, clear: true }.within(-1.0, 1.0)
 }
 

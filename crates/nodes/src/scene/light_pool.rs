@@ -180,8 +180,9 @@ impl Falling {
             let [cos, sin] = pool.along.map(f64::abs);
             let [a, b] = self.across(pool, DVec3::from(middle));
             let away = [(a, (dx * cos + dz * sin) / pool.size[0]), (b, (dz * cos + dx * sin) / pool.size[1])];
+            let square = |v: f64| v * v;
             let power =
-                |end: fn(f64, f64) -> f64| away.map(|(at, by)| end(at.abs(), by).max(0.0).powi(2)).iter().sum::<f64>();
+                |end: fn(f64, f64) -> f64| away.map(|(at, by)| square(end(at.abs(), by).max(0.0))).iter().sum::<f64>();
             let light = |power: f64| if power < NOTHING { pool.strength * libm::exp(-power) } else { 0.0 };
             low += light(power(|at, by| at + by));
             high += light(power(|at, by| at - by));

@@ -239,7 +239,8 @@ impl Prepared for Turning {
                 let surface = surface_of(&self.node, inputs);
                 let squared = |dx: f64, dy: f64| {
                     let there = inputs.moved(dx, dy);
-                    (surface_of(&self.node, &there) == surface).then(|| self.edge(&there).powi(2))
+                    let square = |e: f64| e * e;
+                    (surface_of(&self.node, &there) == surface).then(|| square(self.edge(&there)))
                 };
                 let across = change(squared(-1.0, 0.0), e * e, squared(1.0, 0.0));
                 let down = change(squared(0.0, -1.0), e * e, squared(0.0, 1.0));

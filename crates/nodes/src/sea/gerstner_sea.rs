@@ -267,7 +267,7 @@ impl NodeType for GerstnerSea {
         let harmonic = |wave: &Wave| Harmonic {
             wavelength: wave.wavelength,
             amplitude: wave.amplitude,
-            direction: wave.direction[1].atan2(wave.direction[0]).to_degrees(),
+            direction: libm::atan2(wave.direction[1], wave.direction[0]).to_degrees(),
             sharpness: wave.compression(),
         };
         Some(Spectrum { waves: waves.iter().map(harmonic).collect(), unfolded: folding(waves).unfolded_scale })

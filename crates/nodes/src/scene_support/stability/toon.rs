@@ -45,7 +45,7 @@ fn says(sea: &ToonSea, forecast: &Forecast, verdict: Verdict) -> Vec<String> {
             "Every wave dies away: the slowest loses half in {:.3} steps ({}), and is down to a thousandth in {:.1}.",
             forecast.half_life,
             duration(forecast.half_life / rate),
-            forecast.half_life * 1000f64.log2(),
+            forecast.half_life * libm::log2(1000.0),
         ),
         Verdict::Bounded => "Nothing grows, but some wave never dies away: what bursts add to it stays.".into(),
         _ => "A level sea that is pushed goes on for ever: give it damping or a frequency above 0.".into(),
