@@ -8,18 +8,22 @@ use std::process::Command;
 /// What each package of the workspace may depend on, and nothing else of the workspace.
 const ALLOWED: &[(&str, &[&str])] = &[
     ("trochoid-memory", &[]),
-    ("trochoid-image", &["trochoid-memory"]),
+    ("trochoid-key", &[]),
+    ("trochoid-image", &["trochoid-key", "trochoid-memory"]),
     ("trochoid-jit", &["trochoid-memory"]),
     ("trochoid-weights", &["trochoid-image"]),
     ("trochoid-io", &["trochoid-image", "trochoid-memory"]),
-    ("trochoid-sea", &[]),
-    ("trochoid-scene", &["trochoid-image", "trochoid-sea"]),
-    ("trochoid-graph", &["trochoid-image", "trochoid-weights"]),
+    ("trochoid-sea", &["trochoid-key"]),
+    ("trochoid-scene", &["trochoid-image", "trochoid-key", "trochoid-sea"]),
+    ("trochoid-graph", &["trochoid-image", "trochoid-key", "trochoid-weights"]),
     (
         "trochoid-nodes",
         &["trochoid-graph", "trochoid-weights", "trochoid-image", "trochoid-scene", "trochoid-sea", "trochoid-io"],
     ),
-    ("trochoid-engine", &["trochoid-graph", "trochoid-image", "trochoid-jit", "trochoid-memory", "trochoid-weights"]),
+    (
+        "trochoid-engine",
+        &["trochoid-graph", "trochoid-image", "trochoid-jit", "trochoid-key", "trochoid-memory", "trochoid-weights"],
+    ),
     (
         "trochoid",
         &["trochoid-image", "trochoid-graph", "trochoid-engine", "trochoid-nodes", "trochoid-io", "trochoid-memory"],

@@ -2,10 +2,10 @@
 
 use crate::Plan;
 use crate::plan::{Fill, Pass};
-use crate::prepare::{Cache, Key, Ready, key_of_filled};
+use crate::prepare::{Cache, Ready, key_of_filled};
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
-use trochoid_graph::{NodeId, Variance};
+use trochoid_graph::{Key, NodeId, Variance};
 use trochoid_image::Window;
 
 /// A stage's planes over the whole picture, by output, by channel; empty where not wanted.

@@ -1,6 +1,6 @@
 //! From checked nodes to one pointwise program and the stages around it.
 
-use trochoid_graph::{Body, Builder, CheckedGraph, Lowering, NodeId, Program, Settled, Source, Value, load};
+use trochoid_graph::{Body, Builder, CheckedGraph, Key, Lowering, NodeId, Program, Settled, Source, Value, load};
 
 /// All pointwise nodes as one program, and the value of every node output.
 pub(crate) struct Lowered {
@@ -17,12 +17,7 @@ pub(crate) struct Lowered {
 ///
 /// `keys` are content keys: nodes with equal keys are computed once. Empty to compute each. They do not know what is
 /// bound, so nodes that depend on a bound one are left apart.
-pub(crate) fn lower(
-    graph: &CheckedGraph,
-    mut settled: Vec<Option<Settled>>,
-    bound: &[bool],
-    keys: &[String],
-) -> Lowered {
+pub(crate) fn lower(graph: &CheckedGraph, mut settled: Vec<Option<Settled>>, bound: &[bool], keys: &[Key]) -> Lowered {
     let count = graph.nodes().len();
     let mut lowered = Lowered {
         program: Program::default(),
@@ -37,7 +32,7 @@ pub(crate) fn lower(
         let node = graph.node(id);
         node.record.each_node(|input| apart[id.0] |= apart[input.0]);
         if let Some(key) = keys.get(id.0).filter(|_| !apart[id.0]) {
-            lowered.stands_in[id.0] = *first_of.entry(key.as_str()).or_insert(id);
+            lowered.stands_in[id.0] = *first_of.entry(*key).or_insert(id);
         }
         settled.redirect(&|node| lowered.stands_in[node.0]);
         if lowered.stands_in[id.0] != id {

@@ -6,7 +6,7 @@ use crate::planner::Planner;
 use crate::shading::Shared;
 use crate::{Account, LeftOut, Settings};
 use std::sync::{Arc, OnceLock};
-use trochoid_graph::{CheckedGraph, FrameContext, Kind, NodeId, Program, Settled, Slot, Variance};
+use trochoid_graph::{CheckedGraph, FrameContext, Key, Kind, NodeId, Program, Settled, Slot, Variance};
 use trochoid_image::Window;
 
 /// Why a plan cannot be made.
@@ -130,7 +130,7 @@ pub struct Plan<'g> {
     /// Stages to prepare, in order, with the channels wanted by any pass.
     pub(crate) prepares: Vec<(NodeId, Vec<Vec<bool>>)>,
     pub(crate) settled: Vec<Option<Settled>>,
-    pub(crate) keys: Vec<String>,
+    pub(crate) keys: Vec<Key>,
     pub(crate) bound: Vec<bool>,
     /// The threads, once they are needed.
     pub(crate) pool: OnceLock<Result<rayon::ThreadPool, String>>,

@@ -12,7 +12,7 @@ use crate::schedule::Scheduler;
 use crate::{Plan, Settings};
 use std::collections::HashMap;
 use std::sync::OnceLock;
-use trochoid_graph::{Body, CheckedGraph, FrameContext, Kind, NodeId, Settled, Slot, Source, Stage, Variance};
+use trochoid_graph::{Body, CheckedGraph, FrameContext, Key, Kind, NodeId, Settled, Slot, Source, Stage, Variance};
 use trochoid_image::Window;
 
 /// A plan in the making.
@@ -38,7 +38,7 @@ impl<'g> Planner<'g, '_> {
         let settled = self.reachable(&roots);
         let needed: Vec<bool> = settled.iter().map(Option::is_some).collect();
         let keys = graph.keys(&settled, &context);
-        let merge_keys: &[String] = if switches.merge { &keys } else { &[] };
+        let merge_keys: &[Key] = if switches.merge { &keys } else { &[] };
         let mut lowered = lower(graph, settled, &self.bound, merge_keys);
 
         // Positions of every output's channels, and of everything pointwise that a stage takes.

@@ -7,12 +7,10 @@ use crate::{EvalError, Monitor, Plan};
 use std::collections::HashMap;
 use std::sync::Arc;
 use std::time::Instant;
-use trochoid_graph::{Body, Handle, NodeError, NodeId, Pool, Prepare, Prepared};
+use trochoid_graph::{
+    Body, ContentKey, FileState, Handle, Key, NodeError, NodeId, Pool, Prepare, Prepared, file_states,
+};
 use trochoid_memory::Heap;
-
-/// Content key of the node, the channels wanted, and the state of the files that it depends on; of what it filled, the
-/// picture's format too.
-pub(crate) type Key = (String, Vec<Vec<bool>>, String);
 
 /// What stages prepared, by content key, so that what does not change from frame to frame is not done again; with
 /// [`Settings::keep`](crate::Settings::keep) also what they filled.
@@ -139,7 +137,7 @@ impl Cache {
         let mut ages: Vec<(u64, usize, bool, Key)> = self
             .kept
             .iter()
-            .map(|(key, entry)| (entry.used, entry.held.bytes(), matches!(entry.held, Held::Prepared(_)), key.clone()))
+            .map(|(key, entry)| (entry.used, entry.held.bytes(), matches!(entry.held, Held::Prepared(_)), *key))
             .collect();
         ages.sort_by_key(|age| std::cmp::Reverse(age.0));
         let (mut held, mut stages) = (0_usize, 0);
@@ -164,8 +162,8 @@ pub(crate) struct Ready {
     pub(crate) prepared: Arc<dyn Prepared>,
     pub(crate) seconds: f64,
     pub(crate) cached: bool,
-    /// The state of the files that it depends on.
-    files: String,
+    /// The key of the files that it depends on.
+    files: Key,
 }
 
 /// Prepares every stage of a plan, inputs first, unless that takes more memory than allowed. Gives the account of
@@ -179,7 +177,7 @@ pub(crate) fn prepare(
     let mut ready: HashMap<NodeId, Ready> = HashMap::new();
     let keys = keys(plan);
     // All that this frame uses is used before anything is dropped.
-    let mut known: Vec<Option<Arc<dyn Prepared>>> = keys.iter().map(|key| cache.prepared(key)).collect();
+    let mut known: Vec<Option<Arc<dyn Prepared>>> = keys.iter().map(|(key, _)| cache.prepared(key)).collect();
     let there = plan.prepares.iter().zip(&known);
     let there = there.filter_map(|((id, _), known)| Some((*id, known.as_ref()?.bytes() as u64))).collect();
     let mut account = plan.account(pictures, &there);
@@ -192,14 +190,14 @@ pub(crate) fn prepare(
             return Err(EvalError::of(plan.graph, *id, NodeError::new(refused)));
         }
     }
-    for (((id, wanted), key), known) in plan.prepares.iter().zip(keys).zip(&mut known) {
+    for (((id, wanted), (key, files)), known) in plan.prepares.iter().zip(keys).zip(&mut known) {
         if monitor.cancelled() {
             return Err(EvalError::Cancelled);
         }
         let node = plan.graph.node(*id);
         let (Body::Stage(stage), Some(settled)) = (node.ty.body(), &plan.settled[id.0]) else { continue };
         let entry = match known.take() {
-            Some(prepared) => Ready { prepared, seconds: 0.0, cached: true, files: key.2 },
+            Some(prepared) => Ready { prepared, seconds: 0.0, cached: true, files },
             None => {
                 monitor.preparing(&node.name);
                 let started = Instant::now();
@@ -214,7 +212,6 @@ pub(crate) fn prepare(
                 account.found(*id, prepared.bytes() as u64);
                 account.shrink_to(plan.settings.memory_limit);
                 plan.check_memory(&account)?;
-                let files = key.2.clone();
                 cache.keep(key, prepared.clone());
                 Ready { prepared, seconds: started.elapsed().as_secs_f64(), cached: false, files }
             }
@@ -226,26 +223,24 @@ pub(crate) fn prepare(
 
 /// The key of what a stage fills over the picture: what it is made of, which channels, and the picture's format.
 pub(crate) fn key_of_filled(plan: &Plan<'_>, fill: &Fill, ready: &Ready) -> Key {
-    let state = format!("filled {:?} {}", plan.context.format, ready.files);
-    (plan.keys[fill.node.0].clone(), fill.wanted.clone(), state)
+    ("filled", plan.keys[fill.node.0], &fill.wanted, plan.context.format, (plan.settings.bounds, ready.files)).key()
 }
 
-/// The keys of all that a plan prepares. Files are looked at again, since a plan may be evaluated long after it was made.
-fn keys(plan: &Plan<'_>) -> Vec<Key> {
-    let mut files: HashMap<NodeId, String> = HashMap::new();
+/// The keys of all that a plan prepares, each with that of the files that it depends on. Files are looked at again, since a
+/// plan may be evaluated long after it was made.
+fn keys(plan: &Plan<'_>) -> Vec<(Key, Key)> {
+    let mut files: HashMap<NodeId, Key> = HashMap::new();
     let mut keys = Vec::new();
     for (id, wanted) in &plan.prepares {
-        // What bounds need is held beside the rest.
-        let mut state = if plan.settings.bounds { "bounds ".to_owned() } else { String::new() };
+        let mut read: (Vec<FileState>, Vec<Option<Key>>) = Default::default();
         if let (Body::Stage(stage), Some(settled)) = (plan.graph.node(*id).ty.body(), &plan.settled[id.0]) {
-            for file in stage.files(settled, &plan.context) {
-                let found = std::fs::metadata(&file).map(|found| (found.len(), found.modified().ok()));
-                state += &format!("{} {found:?} ", file.display());
-            }
-            settled.each_node(|node| state += files.get(&node).map_or("", String::as_str));
+            read.0 = file_states(&stage.files(settled, &plan.context));
+            settled.each_node(|node| read.1.push(files.get(&node).copied()));
         }
-        files.insert(*id, state.clone());
-        keys.push((plan.keys[id.0].clone(), wanted.clone(), state));
+        let read = read.key();
+        files.insert(*id, read);
+        // What bounds need is held beside the rest.
+        keys.push((("prepared", plan.keys[id.0], wanted, (plan.settings.bounds, read)).key(), read));
     }
     keys
 }

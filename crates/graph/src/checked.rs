@@ -4,7 +4,9 @@
 use crate::Tolerance;
 use crate::{Access, Body, FrameContext, Item, Kind, NodeId, NodeType, Record, Setting, Settled, Source, Takes, Work};
 use std::path::{Path, PathBuf};
+use std::time::SystemTime;
 use trochoid_image::{Format, WorkingSpace};
+use trochoid_key::{ContentKey, Key, KeyHasher};
 
 /// A checked node.
 #[derive(Clone)]
@@ -131,6 +133,18 @@ pub struct OutputSpec {
     pub require: Option<Guarantee>,
     /// Line and column of `file` in the document, or of the output where there is none.
     pub place: [usize; 2],
+}
+
+/// A file by its path, its length and the time of its last change: one that has the same ones is the same.
+pub type FileState = (PathBuf, Option<(u64, Option<SystemTime>)>);
+
+/// The states of files, such as a node reads.
+pub fn file_states(files: &[PathBuf]) -> Vec<FileState> {
+    let state = |path: &PathBuf| {
+        let found = std::fs::metadata(path).ok();
+        (path.clone(), found.map(|found| (found.len(), found.modified().ok())))
+    };
+    files.iter().map(state).collect()
 }
 
 /// A validated graph. Made by [`crate::check()`] only.
@@ -340,31 +354,21 @@ impl CheckedGraph {
     /// A key covers type and its revision, knobs at the frame, the keys of everything connected, and, where
     /// the node says that it depends on them, time and format. Files count by path, length and time of change. A
     /// connected node without knobs in `settled` counts as nothing: its result must not matter.
-    pub fn keys(&self, settled: &[Option<Settled>], context: &FrameContext) -> Vec<String> {
-        let mut keys = vec![String::new(); self.nodes.len()];
-        let format = format!("{:?} {:?}", context.format, context.whole);
-        let mut text = Vec::new();
+    pub fn keys(&self, settled: &[Option<Settled>], context: &FrameContext) -> Vec<Key> {
+        let mut keys = vec![Key::default(); self.nodes.len()];
         for &id in &self.order {
             let Some(settled) = &settled[id.0] else { continue };
             let ty = self.nodes[id.0].ty;
             let declaration = ty.declaration();
-            text.clear();
-            text.extend(format!("{} {} ", declaration.name, declaration.revision).bytes());
-            settled.describe(&keys, &mut text);
-            text.extend(self.space.name().bytes());
+            let mut hasher = KeyHasher::new();
+            (declaration.name, declaration.revision, self.space).feed(&mut hasher);
+            settled.feed(&keys, &mut hasher);
             if let Body::Stage(stage) = ty.body() {
-                if stage.timed() {
-                    text.extend(context.time.to_bits().to_le_bytes());
-                }
-                if stage.formatted() {
-                    text.extend(format.bytes());
-                }
-                for file in stage.files(settled, context) {
-                    let state = std::fs::metadata(&file).map(|data| (data.len(), data.modified().ok()));
-                    text.extend(format!("{} {state:?}", file.display()).bytes());
-                }
+                stage.timed().then_some(context.time).feed(&mut hasher);
+                stage.formatted().then_some((context.format, context.whole)).feed(&mut hasher);
+                file_states(&stage.files(settled, context)).feed(&mut hasher);
             }
-            keys[id.0] = blake3::hash(&text).to_hex().to_string();
+            keys[id.0] = hasher.finish();
         }
         keys
     }

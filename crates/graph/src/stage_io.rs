@@ -5,13 +5,14 @@ use std::any::{Any, TypeId};
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError, Weak};
 use trochoid_image::Window;
+use trochoid_key::{ContentKey, Key};
 
 /// What stages share beside their connections, such as a file that several of them read.
 ///
 /// Nothing is kept that nobody holds, so an engine may use one pool for as long as it likes.
 #[derive(Default)]
 pub struct Pool {
-    made: Mutex<HashMap<(TypeId, String), Weak<dyn Any + Send + Sync>>>,
+    made: Mutex<HashMap<(TypeId, Key), Weak<dyn Any + Send + Sync>>>,
 }
 
 impl Pool {
@@ -20,18 +21,18 @@ impl Pool {
         Self::default()
     }
 
-    /// The `T` of this key that someone holds, else what `make` makes.
+    /// The `T` that someone holds of what has the same content, else what `make` makes.
     ///
     /// # Errors
     /// Those of `make`.
     pub fn get<T: Any + Send + Sync>(
         &self,
-        key: &str,
+        of: &impl ContentKey,
         make: impl FnOnce() -> Result<T, NodeError>,
     ) -> Result<Arc<T>, NodeError> {
         // Whole steps alone are done under the lock, so what a panic left is whole too.
         let mut made = self.made.lock().unwrap_or_else(PoisonError::into_inner);
-        let key = (TypeId::of::<T>(), key.to_owned());
+        let key = (TypeId::of::<T>(), of.key());
         let held = made.get(&key).and_then(Weak::upgrade);
         if let Some(held) = held.and_then(|held| held.downcast::<T>().ok()) {
             return Ok(held);
@@ -88,16 +89,16 @@ impl<'a> Prepare<'a> {
         self.bounded
     }
 
-    /// What all nodes share that ask for a `T` by this key.
+    /// What all nodes share that ask for a `T` of what has the same content.
     ///
     /// # Errors
     /// Those of `make`, which is called where no node holds one yet.
     pub fn shared<T: Any + Send + Sync>(
         &self,
-        key: &str,
+        of: &impl ContentKey,
         make: impl FnOnce() -> Result<T, NodeError>,
     ) -> Result<Arc<T>, NodeError> {
-        self.pool.get(key, make)
+        self.pool.get(of, make)
     }
 
     /// The handles of everything connected to a port, as `T`.

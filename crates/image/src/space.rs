@@ -1,3 +1,5 @@
+use trochoid_key::content_key;
+
 /// The space in which a document's colors mix; the guarantee holds there.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
 pub enum WorkingSpace {
@@ -9,6 +11,14 @@ pub enum WorkingSpace {
     /// sRGB as encoded for display, the way paint swatches are sampled.
     Srgb,
 }
+
+content_key!(
+    enum WorkingSpace {
+        LinearSrgb,
+        AcesCg,
+        Srgb,
+    }
+);
 
 /// CIE xy coordinates of red, green, blue and white.
 #[derive(Clone, Copy, Debug, PartialEq)]

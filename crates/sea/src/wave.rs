@@ -1,4 +1,5 @@
 use std::f64::consts::TAU;
+use trochoid_key::content_key;
 
 /// Acceleration of gravity in m/s².
 pub const GRAVITY: f64 = 9.81;
@@ -19,6 +20,8 @@ pub struct Wave {
     /// Phase φ in radians: a crest stands at the origin at t = 0 where it is 0.
     pub phase: f64,
 }
+
+content_key!(Wave { wavelength, direction, amplitude, horizontal, angular_frequency, phase });
 
 impl Wave {
     /// Wave number k = 2π/L in rad/m.

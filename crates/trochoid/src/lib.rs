@@ -103,9 +103,9 @@ pub use trochoid_engine::{
 };
 pub use trochoid_graph::{
     Accepts, Access, Animated, Arity, Channel, CheckedGraph, CheckedNode, Declaration, Default as KnobDefault,
-    Diagnostic, End, FORMAT_VERSION, Figure, Guarantee, Harmonic, Interpolation, Item, Kind, Knob, List, MemoryUse,
-    NodeId, NodeType, Omission, OutputSpec, Outside, Port, Precision, REFUSALS, Refusal, Refused, Registry, Relation,
-    Right, Severity, Source, Spectrum, Stability, StabilityMap, TERMS, Takes, Term, Tolerance, Verdict, Work,
+    Diagnostic, End, FORMAT_VERSION, Figure, Guarantee, Harmonic, Interpolation, Item, Key, Kind, Knob, List,
+    MemoryUse, NodeId, NodeType, Omission, OutputSpec, Outside, Port, Precision, REFUSALS, Refusal, Refused, Registry,
+    Relation, Right, Severity, Source, Spectrum, Stability, StabilityMap, TERMS, Takes, Term, Tolerance, Verdict, Work,
     allow_options, escape_frame, expand_frame, expected, in_bytes, nearest, quoted, quoted_path, refusal, refusals,
     resolved, schema,
 };

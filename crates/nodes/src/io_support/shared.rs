@@ -4,7 +4,7 @@ use super::limits;
 use std::collections::HashMap;
 use std::path::Path;
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
-use trochoid_graph::{NodeError, Prepare};
+use trochoid_graph::{NodeError, Prepare, file_states};
 use trochoid_image::Window;
 use trochoid_io::{BandBuffer, ExrReader, Selection};
 
@@ -88,10 +88,8 @@ impl SharedFile {
         reader: &ExrReader,
         channels: &[usize],
     ) -> Result<(Arc<Self>, Vec<usize>), NodeError> {
-        let found = std::fs::metadata(path).map(|found| (found.len(), found.modified().ok())).ok();
         let name = path.canonicalize().unwrap_or_else(|_| path.into());
-        let key = format!("{} {found:?} {}", name.display(), reader.info().part);
-        let file = prepare.shared(&key, || Self::new(reader))?;
+        let file = prepare.shared(&(file_states(&[name]), reader.info().part), || Self::new(reader))?;
         let places = file.add(reader, channels)?;
         Ok((file, places))
     }

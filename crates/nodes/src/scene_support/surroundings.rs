@@ -57,9 +57,10 @@ impl Surroundings {
         };
         let eye = looking.camera.projector(prepare.frame.format);
         let projector = surroundings(&eye, node.number("beyond"), node.number("detail"));
-        let address = |surface: &SurfaceHandle| format!("{:p}", Arc::as_ptr(surface));
-        let addresses: Vec<String> = looking.surfaces.iter().map(address).collect();
-        prepare.shared(&format!("{projector:?} {addresses:?}"), || {
+        // Surfaces count by who they are: what is shared holds them, so that no other takes the place of one.
+        let address = |surface: &SurfaceHandle| Arc::as_ptr(surface).cast::<()>().addr();
+        let addresses: Vec<usize> = looking.surfaces.iter().map(address).collect();
+        prepare.shared(&(projector, addresses), || {
             let surfaces = looking.surfaces.clone();
             let obstacles = Obstacles::new(&projector, &borrowed(&surfaces));
             Ok(Self { projector, surfaces, obstacles })

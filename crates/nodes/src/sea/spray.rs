@@ -199,7 +199,8 @@ impl Stage for Spray {
         let spray = spray(node).map_err(NodeError::new)?;
         let sea = seas.first().and_then(|surface| surface.as_sea()).map(|sea| (sea.frame().sea(), sea.level()));
         // Frames share the births that they have in common.
-        let run = prepare.shared(&format!("{spray:?} {sea:?}"), || {
+        let run = prepare.shared(&(&spray, &sea), || {
+            let spray = spray.clone();
             match sea.clone() {
                 Some((sea, level)) => SprayRun::new(spray, sea, level),
                 None => SprayRun::bursts(spray),

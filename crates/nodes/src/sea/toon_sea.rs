@@ -385,11 +385,10 @@ impl Stage for ToonSea {
         let sea = sea(node).map_err(NodeError::new)?;
         // Frames of one sea share its simulations, so that each takes only the steps since the one before. Trails have
         // simulations of their own, which are not begun before a view asks for them.
-        let key = format!("{sea:?}");
-        let simulation = prepare.shared(&key, || Ok(Mutex::new(sea.simulate(Wanted::default()))))?;
+        let simulation = prepare.shared(&sea, || Ok(Mutex::new(sea.simulate(Wanted::default()))))?;
         let trails = |wanted: Wanted| {
             let make = || Ok(Mutex::new(None));
-            let shared = prepare.shared(&format!("{wanted:?} {key}"), make)?;
+            let shared = prepare.shared(&(wanted, &sea), make)?;
             Ok::<_, NodeError>(Trails { sea: sea.clone(), wanted, time: prepare.frame.time, shared })
         };
         let (rift, drift) = (trails(RIFT)?, trails(DRIFT)?);

@@ -3,6 +3,7 @@
 use super::birth::{Birth, within};
 use super::draws::Draws;
 use super::{Spray, SprayError};
+use trochoid_key::content_key;
 
 /// Drops that are thrown from a place in one direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,6 +25,8 @@ pub struct Burst {
     /// Number of drops.
     pub count: usize,
 }
+
+content_key!(Burst { position, extent, time, duration, direction, spread, speed, count });
 
 impl Burst {
     pub(crate) fn check(&self) -> Result<(), SprayError> {

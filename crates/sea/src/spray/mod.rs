@@ -26,6 +26,8 @@
 //! Whether a drop is born does not depend on how the sea is evaluated: where f32 leaves a doubt, the f64 sum decides.
 //! Its place and velocity are those of the sea to f32. [`mod@reference`] is the same in f64 and plain loops.
 
+use trochoid_key::content_key;
+
 mod birth;
 mod breeder;
 mod burst;
@@ -97,6 +99,29 @@ pub struct Spray {
     /// Bursts, besides what crests throw.
     pub bursts: Vec<Burst>,
 }
+
+content_key!(Spray {
+    center,
+    size,
+    cell,
+    rate,
+    threshold,
+    width,
+    density,
+    follow,
+    speed,
+    cone,
+    wind,
+    drag,
+    lifetime,
+    radius,
+    growth,
+    vary,
+    tuft,
+    torn,
+    seed,
+    bursts,
+});
 
 impl Default for Spray {
     fn default() -> Self {

@@ -1,4 +1,5 @@
 use std::f64::consts::PI;
+use trochoid_key::content_key;
 
 use super::ToonError;
 use super::error::within;
@@ -18,6 +19,14 @@ pub enum Boundary {
     Fixed,
 }
 
+content_key!(
+    enum Boundary {
+        Replicate,
+        Periodic,
+        Fixed,
+    }
+);
+
 /// A grid of cells.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Basin {
@@ -30,6 +39,8 @@ pub struct Basin {
     /// What lies beyond.
     pub boundary: Boundary,
 }
+
+content_key!(Basin { columns, rows, spacing, boundary });
 
 impl Basin {
     /// Number of cells.

@@ -1,4 +1,5 @@
 use std::f64::consts::PI;
+use trochoid_key::content_key;
 
 use super::error::within;
 use super::splat::{DriftStamp, Stamp};
@@ -15,6 +16,13 @@ pub enum Shape {
     /// H·cos(min(p·|(u−x)/r|, π) + 1) as printed, at every step: a cusp in the center, −0.54·H everywhere far away.
     Literal,
 }
+
+content_key!(
+    enum Shape {
+        Intended,
+        Literal,
+    }
+);
 
 /// A wave's center that travels along a cubic Bézier curve, over and over.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,6 +46,8 @@ pub struct Burst {
     /// Offset in meters from the middle of its group, across: the origin of its drift lines.
     pub lane: f64,
 }
+
+content_key!(Burst { path, duration, offset, height, peak, influence, fade, active, lane });
 
 impl Burst {
     /// A burst of 1 m and 2 m radius along a path, in 10 s.

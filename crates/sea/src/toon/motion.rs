@@ -1,5 +1,6 @@
 use super::error::within;
 use super::{Basin, Instability, ToonError};
+use trochoid_key::{ContentKey, KeyHasher, content_key};
 
 /// Literal steps a second.
 pub const LITERAL_HZ: f64 = 60.0;
@@ -15,6 +16,8 @@ pub struct Mixing {
     /// Weight of the height itself.
     pub c2: f64,
 }
+
+content_key!(Mixing { c1, c2 });
 
 impl Default for Mixing {
     fn default() -> Self {
@@ -44,6 +47,8 @@ pub struct Physics {
     pub push: Option<f64>,
 }
 
+content_key!(Physics { speed, damping, frequency, push });
+
 /// How the height field moves.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Motion {
@@ -63,6 +68,16 @@ pub enum Motion {
         /// Steps a second at which bursts act.
         rate: f64,
     },
+}
+
+impl ContentKey for Motion {
+    fn feed(&self, hasher: &mut KeyHasher) {
+        match self {
+            Self::Literal(mixing) => (0_u8, mixing).feed(hasher),
+            Self::Resampled { mixing, rate } => (1_u8, mixing, rate).feed(hasher),
+            Self::Physical { physics, rate } => (2_u8, physics, rate).feed(hasher),
+        }
+    }
 }
 
 impl Default for Motion {

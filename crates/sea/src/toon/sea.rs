@@ -1,4 +1,5 @@
 use rayon::prelude::*;
+use trochoid_key::content_key;
 
 use super::burst::Stamping;
 use super::error::within;
@@ -27,6 +28,8 @@ pub struct Behavior {
     pub drift: Drift,
 }
 
+content_key!(Behavior { shape, oriented, injection, preroll, rift, drift });
+
 /// Fields besides the height that a simulation is to keep. What is not asked for is not simulated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Wanted {
@@ -35,6 +38,8 @@ pub struct Wanted {
     /// The coordinates of drift lines.
     pub drift: bool,
 }
+
+content_key!(Wanted { rift, drift });
 
 /// A toon sea: what there is to know of it at all times.
 #[derive(Clone, Debug, PartialEq)]
@@ -46,6 +51,8 @@ pub struct ToonSea {
     /// Arc lengths of each burst's path.
     pub(crate) lengths: Vec<Vec<f64>>,
 }
+
+content_key!(ToonSea { basin, motion, behavior, bursts, lengths });
 
 /// Buffers of a step, kept for their memory.
 #[derive(Clone, Debug, Default)]

@@ -1,6 +1,7 @@
 use super::ToonError;
 use super::error::within;
 use super::spline::length_at;
+use trochoid_key::content_key;
 
 /// How several bursts near a cell share in its rift.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -11,6 +12,13 @@ pub enum Combine {
     /// Only the nearest burst counts, as the printed formula has it.
     Nearest,
 }
+
+content_key!(
+    enum Combine {
+        Sum,
+        Nearest,
+    }
+);
 
 /// The trail of foam behind bursts: r += k·max(d − m, 0), m the distance from a burst, and r ÷= 1 + ε at every literal
 /// step.
@@ -25,6 +33,8 @@ pub struct Rift {
     /// Several bursts.
     pub combine: Combine,
 }
+
+content_key!(Rift { distance, gain, decay, combine });
 
 impl Default for Rift {
     fn default() -> Self {
@@ -83,6 +93,8 @@ pub struct Drift {
     /// Distance of lines in meters.
     pub period: f64,
 }
+
+content_key!(Drift { reach, lag, decay, renewal, period });
 
 impl Default for Drift {
     fn default() -> Self {
