@@ -69,7 +69,7 @@ fn every_figure_of_a_spray_counts_to_its_last_bit() {
 fn every_figure_of_a_toon_sea_counts_to_its_last_bit() {
     let basin = Basin { columns: 20, rows: 30, spacing: 0.5, boundary: Boundary::Replicate };
     let behavior = Behavior::default();
-    let motion = |motion| ToonSea::new(basin, motion, behavior, Vec::new()).unwrap().key();
+    let motion = |motion| ToonSea::new(basin, motion, behavior, Vec::new()).expect("stable").key();
     let mixing = Mixing::default();
     let physics = Physics { speed: 2.0, damping: 0.5, frequency: 1.0, push: None };
     let motions = [
