@@ -100,7 +100,7 @@ const OPENED: &[(&str, &str, &str)] = &[
 ];
 
 /// The sources of a folder, without tests.
-fn sources(folder: &Path, found: &mut Vec<(String, String)>) {
+pub(crate) fn sources(folder: &Path, found: &mut Vec<(String, String)>) {
     for entry in std::fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
         let name = path.file_name().unwrap().to_str().unwrap();

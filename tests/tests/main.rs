@@ -29,6 +29,7 @@ mod merging;
 mod painter;
 mod palette;
 mod random;
+mod rooms;
 mod scale;
 mod scenes;
 mod shading;

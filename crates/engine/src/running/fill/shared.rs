@@ -2,10 +2,10 @@
 
 use super::runner::Runner;
 use super::{FillState, Fills, Held, Taps};
-use crate::certify::fill_with_bounds;
 use crate::kernel::Plane;
-use crate::plan::{Feed, Fill};
-use crate::shading::TELLING;
+use crate::planning::plan::{Feed, Fill};
+use crate::planning::shading::TELLING;
+use crate::running::certify::fill_with_bounds;
 use std::borrow::Cow;
 use std::collections::HashMap;
 use trochoid_graph::{Block, Bound, Connection, Inputs, NodeError, NodeId, Outputs, Slot, ViewChannel};

@@ -5,10 +5,10 @@ mod pixels;
 
 pub use pixels::ReferencePixel;
 
-use crate::fill::extents;
-use crate::memory::Pictures;
-use crate::prepare::{Ready, prepare};
-use crate::shading::TELLING;
+use crate::planning::shading::TELLING;
+use crate::running::fill::extents;
+use crate::running::memory::Pictures;
+use crate::running::prepare::{Ready, prepare};
 use crate::{Cache, EvalError, Monitor, Plan, PlanError, Settings, Silent, Switches};
 use std::cell::RefCell;
 use std::collections::HashMap;

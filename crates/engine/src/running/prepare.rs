@@ -1,8 +1,8 @@
 //! Prepares stages once a frame, and keeps what the next frame can use.
 
-use crate::keep::Filled;
-use crate::memory::{MemoryAccount, Pictures};
-use crate::plan::Fill;
+use super::keep::Filled;
+use super::memory::{MemoryAccount, Pictures};
+use crate::planning::plan::Fill;
 use crate::{EvalError, Monitor, Plan};
 use std::collections::HashMap;
 use std::sync::Arc;

@@ -1,8 +1,8 @@
 //! What stages filled, kept for the next evaluation: an edit fills again only what depends on it.
 
+use super::prepare::{Cache, Key, Ready, key_of_filled};
 use crate::Plan;
-use crate::plan::{Fill, Pass};
-use crate::prepare::{Cache, Key, Ready, key_of_filled};
+use crate::planning::plan::{Fill, Pass};
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 use trochoid_graph::{NodeId, Variance};
@@ -35,7 +35,7 @@ impl Keeping {
         let mut keeping = Self::default();
         let Some(pass) = plan.kept_pass() else { return keeping };
         let picture = plan.graph.format().window();
-        let extents = crate::fill::extents(plan, ready, &pass.fills);
+        let extents = super::fill::extents(plan, ready, &pass.fills);
         // What lies beyond the picture would be missing, and what varies along one axis costs nothing.
         let is_kept = |fill: &&Fill| fill.variance == Variance::Pixel && extents.get(&fill.node) == Some(&picture);
         let mut room = cache.limit();

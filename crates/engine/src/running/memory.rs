@@ -1,7 +1,7 @@
 //! How much memory a plan takes, reckoned before any of it is taken.
 
-use crate::plan::{Feed, Fill, Pass};
-use crate::tile::channel_count;
+use super::tile::channel_count;
+use crate::planning::plan::{Feed, Fill, Pass};
 use crate::{EvalError, Plan};
 use std::collections::{HashMap, HashSet};
 use std::fmt::Write as _;

@@ -2,9 +2,9 @@
 
 use super::{ReferenceError, ReferenceFrame};
 use crate::judge::nan_count;
-use crate::memory::Pictures;
-use crate::prepare::prepare;
-use crate::run::Tally;
+use crate::running::memory::Pictures;
+use crate::running::prepare::prepare;
+use crate::running::run::Tally;
 use crate::{Buffers, Cache, EvalError, Frame, Monitor, Phases, Plan, Sink};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};

@@ -1,14 +1,14 @@
 //! Evaluates a plan: prepare, then tiles on all cores, judged as they are made.
 
-use crate::bands::{Bands, Rows};
-use crate::frame::{Frame, NodeReport, Phases, Picture, State};
+use super::bands::{Bands, Rows};
+use super::frame::{Frame, NodeReport, Phases, Picture, State};
+use super::keep::Keeping;
+use super::memory::Pictures;
+use super::prepare::{Ready, prepare};
+use super::tile::Worker;
 use crate::judge::Judge;
-use crate::keep::Keeping;
 use crate::kernel::{Chunks, Compiled, WeightAudit};
-use crate::memory::Pictures;
-use crate::plan::{Feed, Pass, PlannedOutput};
-use crate::prepare::{Ready, prepare};
-use crate::tile::Worker;
+use crate::planning::plan::{Feed, Pass, PlannedOutput};
 use crate::{Buffers, Cache, EvalError, Monitor, Plan};
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};

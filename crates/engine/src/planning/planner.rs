@@ -1,14 +1,14 @@
 //! Makes plans: lower, optimize, schedule, and explain what is left out.
 
-use crate::certify::with_bounds;
-use crate::controls::Controls;
-use crate::explain::{Account, Explainer};
-use crate::left_out::Reasons;
-use crate::lower::{Lowered, lower, positions};
-use crate::optimize::{cone, optimize};
-use crate::plan::Pass;
+use super::bounds::with_bounds;
+use super::controls::Controls;
+use super::explain::{Account, Explainer};
+use super::left_out::Reasons;
+use super::lower::{Lowered, lower, positions};
+use super::optimize::{cone, optimize};
+use super::plan::Pass;
+use super::schedule::Scheduler;
 use crate::rules::interval::Interval;
-use crate::schedule::Scheduler;
 use crate::{Plan, Settings};
 use std::collections::HashMap;
 use std::sync::OnceLock;

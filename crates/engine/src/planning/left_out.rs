@@ -1,8 +1,8 @@
 //! Why nodes are left out.
 
-use crate::lower::Lowered;
-use crate::optimize::{Cut, Optimized};
-use crate::planner::Planner;
+use super::lower::Lowered;
+use super::optimize::{Cut, Optimized};
+use super::planner::Planner;
 use std::collections::HashSet;
 use trochoid_graph::{Body, NodeId, Op};
 

@@ -1,8 +1,8 @@
 //! How far images reach, and what is asked of them beyond.
 
 use crate::Plan;
-use crate::plan::{Feed, Fill};
-use crate::prepare::Ready;
+use crate::planning::plan::{Feed, Fill};
+use crate::running::prepare::Ready;
 use std::collections::HashMap;
 use trochoid_graph::NodeId;
 use trochoid_image::Window;

@@ -1,9 +1,9 @@
 //! What is needed for some outputs at one frame, in which order, and why the rest is not.
 
+use super::planner::Planner;
+use super::shading::Shared;
 use crate::judge::Judge;
 use crate::kernel::Compiled;
-use crate::planner::Planner;
-use crate::shading::Shared;
 use crate::{Account, LeftOut, Settings};
 use std::sync::{Arc, OnceLock};
 use trochoid_graph::{CheckedGraph, FrameContext, Kind, NodeId, Program, Settled, Slot, Variance};

@@ -1,20 +1,11 @@
 //! Runs a program with bounds on the errors of all that it computes: operation by operation, in rows.
 
-use crate::kernel::{CHUNK, Compiled, Plane, TakeRow};
+use crate::kernel::{CHUNK, Compiled, Origin, Plane, TakeRow};
+use crate::planning::bounds::BOUNDS;
 use crate::rules::error::{Operands, error};
 use std::collections::HashMap;
-use trochoid_graph::{Bound, Op, Program, Scalar, Slot, Type};
+use trochoid_graph::{Bound, Op, Scalar, Slot, Type};
 use trochoid_weights::arithmetic as a;
-
-/// Channels of bounds stand this far behind those of values, among what a program hands to a stage.
-pub(crate) const BOUNDS: usize = 3;
-
-/// What a compiled program was made from.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Origin {
-    pub(crate) program: Program,
-    pub(crate) roots: Vec<u32>,
-}
 
 /// A program and its rows, for one thread.
 #[derive(Debug)]

@@ -1,12 +1,12 @@
 //! One thread's work on one tile: fill the stages, run the program, average the samples, judge the result.
 
-use crate::bands::Rows;
-use crate::fill::Fills;
+use super::bands::Rows;
+use super::fill::Fills;
+use super::keep::Keeping;
+use super::prepare::Ready;
 use crate::judge::{Judge, is_judged, nan_count};
-use crate::keep::Keeping;
 use crate::kernel::{Chunk, Look, Machine, Plane, WeightAudit};
-use crate::plan::Pass;
-use crate::prepare::Ready;
+use crate::planning::plan::Pass;
 use crate::{Buffers, EvalError, Monitor, Plan};
 use std::collections::HashMap;
 use std::sync::Arc;

@@ -8,12 +8,12 @@ mod extent;
 mod runner;
 mod shared;
 
-use crate::certify::fill_with_bounds;
-use crate::keep::{Filled, Keeping};
 use crate::kernel::{Chunk, Compiled, Plane, WeightAudit};
-use crate::plan::{Feed, Fill};
-use crate::prepare::{Ready, node_error};
-use crate::shading::TELLING;
+use crate::planning::plan::{Feed, Fill};
+use crate::planning::shading::TELLING;
+use crate::running::certify::fill_with_bounds;
+use crate::running::keep::{Filled, Keeping};
+use crate::running::prepare::{Ready, node_error};
 use crate::{Buffers, EvalError, Monitor, Plan};
 use extent::clamped;
 pub(crate) use extent::extents;

@@ -1,13 +1,13 @@
 //! One pixel in detail: which controls made it, and how errors of its passes reach it.
 
-use crate::fill::Fills;
+use super::fill::Fills;
+use super::memory::Pictures;
+use super::prepare::prepare;
+use super::run::programs;
 use crate::kernel::Chunks;
-use crate::memory::Pictures;
-use crate::prepare::prepare;
 use crate::rules::blame::blame;
 use crate::rules::error::{Operands, error};
 use crate::rules::evaluate::{Values, evaluate};
-use crate::run::programs;
 use crate::{Buffers, Cache, EvalError, Monitor, Plan, Settings};
 use std::collections::HashMap;
 use trochoid_graph::{Bound, NodeId, Op, Program, Slot};

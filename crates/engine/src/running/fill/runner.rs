@@ -1,7 +1,7 @@
 //! What runs the pointwise program before a stage.
 
-use crate::certify::Trace;
 use crate::kernel::{Chunk, Compiled, Machine, Plane, TakeRow, WeightAudit};
+use crate::running::certify::Trace;
 
 /// The program alone, or with bounds on its errors.
 #[derive(Debug)]

@@ -1,9 +1,9 @@
 //! What an output's colors are judged by: its controls, and how many roundings lie between them and it.
 
-use crate::lower::Lowered;
-use crate::optimize::cone;
-use crate::plan::PlannedOutput;
-use crate::planner::Planner;
+use super::lower::Lowered;
+use super::optimize::cone;
+use super::plan::PlannedOutput;
+use super::planner::Planner;
 use std::collections::HashMap;
 use std::sync::OnceLock;
 use trochoid_graph::{Kind, NodeId, Op, Program, Source};

@@ -1,8 +1,8 @@
 //! What becomes of each node in a plan, with the proof of what is left out.
 
+use super::left_out::Reasons;
+use super::optimize::Cut;
 use crate::LeftOut;
-use crate::left_out::Reasons;
-use crate::optimize::Cut;
 use crate::rules::interval::Interval;
 use trochoid_graph::{Body, ChannelSet, Kind, NodeId, Op, Slot, Source, ViewChannel};
 

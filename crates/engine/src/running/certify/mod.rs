@@ -10,19 +10,20 @@ mod trace;
 
 pub(crate) use stage::fill_with_bounds;
 pub use tally::{Certified, Distribution};
-pub(crate) use trace::{BOUNDS, Origin, Trace};
+pub(crate) use trace::Trace;
 
-use crate::fill::Fills;
 use crate::kernel::Chunks;
-use crate::memory::Pictures;
-use crate::plan::{Feed, Pass};
-use crate::prepare::{Ready, prepare};
+use crate::planning::bounds::BOUNDS;
+use crate::planning::plan::{Pass, PlannedOutput};
+use crate::running::fill::Fills;
+use crate::running::memory::Pictures;
+use crate::running::prepare::{Ready, prepare};
 use crate::{Buffers, Cache, EvalError, Monitor, Plan, PlanError, Settings, Switches};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, HashMap};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
-use trochoid_graph::{Bound, CheckedGraph, Kind, LITERAL, NodeId};
+use trochoid_graph::{CheckedGraph, Kind, NodeId};
 use trochoid_image::{Rgb, Window};
 
 /// Tiles that are certified one by one.
@@ -183,7 +184,7 @@ impl<'g> Certifier<'g> {
             if run.monitor.cancelled() {
                 return Err(EvalError::Cancelled);
             }
-            let of = |output: &crate::plan::PlannedOutput| Certified::new(output.index, output.kind, tile);
+            let of = |output: &PlannedOutput| Certified::new(output.index, output.kind, tile);
             let mut own: Vec<Certified> = plan.outputs.iter().map(of).collect();
             for (pass, fills, trace) in &mut passes {
                 let share = 1.0 / pass.offsets.len() as f64;
@@ -259,36 +260,6 @@ impl Run<'_> {
     fn note(&self, fills: &Fills<'_>) {
         for (id, why) in fills.unbounded() {
             self.unbounded.lock().unwrap_or_else(PoisonError::into_inner).insert(id, why.0);
-        }
-    }
-}
-
-/// Gives every plane of a pass another for its bounds, as a channel behind those of its output.
-pub(crate) fn with_bounds(pass: &mut Pass, graph: &CheckedGraph) {
-    let channels = |node: NodeId, output: usize| graph.node(node).kinds[output].channels();
-    for fill in &mut pass.fills {
-        fill.wanted.iter_mut().for_each(|wanted| wanted.extend_from_within(..));
-        for feeds in fill.inputs.iter_mut().flat_map(|(_, connections)| connections) {
-            let bound = |feed: &Feed| match feed {
-                Feed::Nothing => Feed::Nothing,
-                Feed::Slot(slot) => {
-                    let mut slot = *slot;
-                    slot.channel += channels(slot.node, slot.output);
-                    Feed::Slot(slot)
-                }
-                Feed::Tap(root, channel) => Feed::Tap(*root, BOUNDS + channel),
-                Feed::Constant(value) => Feed::Constant(Bound::of(f64::from(value.abs()) * LITERAL).encode()),
-            };
-            let bounds: Vec<Feed> = feeds.iter().map(bound).collect();
-            feeds.extend(bounds);
-        }
-    }
-    let programs = pass.fills.iter_mut().filter_map(|fill| fill.taps.as_mut()).chain([&mut pass.program]);
-    for program in programs {
-        program.planes.extend_from_within(..);
-        let middle = program.planes.len() / 2;
-        for slot in &mut program.planes[middle..] {
-            slot.channel += channels(slot.node, slot.output);
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Which stages are evaluated once for several samples of a pixel.
 
-use crate::lower::Lowered;
-use crate::planner::Planner;
+use super::lower::Lowered;
+use super::planner::Planner;
 use trochoid_graph::{Body, Kind, NodeId, Rate, Source, Variance, ViewChannel};
 use trochoid_image::Shading;
 

@@ -1,13 +1,12 @@
 //! Which stages fill which channels, from the outputs upstream.
 
+use super::lower::Lowered;
+use super::optimize::{cone, extract};
+use super::plan::{Feed, Fill, Pass};
+use super::planner::Planner;
+use super::shading::{Shared, TELLING};
 use crate::Switches;
-use crate::certify::Origin;
-use crate::kernel::{Compiled, Legal, Options, compile};
-use crate::lower::Lowered;
-use crate::optimize::{cone, extract};
-use crate::plan::{Feed, Fill, Pass};
-use crate::planner::Planner;
-use crate::shading::{Shared, TELLING};
+use crate::kernel::{Compiled, Legal, Options, Origin, compile};
 use std::collections::{HashMap, HashSet};
 use trochoid_graph::{
     ChannelSet, Kind, NodeId, Op, Program, Rate, Settled, Slot, Source, Stage, Variance, ViewChannel,
