@@ -1,7 +1,7 @@
 //! What is asked for is done.
 
 use super::Editor;
-use crate::actions::Action;
+use crate::actions::{Action, After, Pane};
 use crate::document::json::Misplaced;
 use crate::document::keep::Kept;
 use crate::document::sheet::FAR;
@@ -12,23 +12,8 @@ use crate::render::{Obstacle, Renderer};
 use crate::state::State;
 use egui::Context;
 use std::collections::BTreeSet;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::{Duration, Instant};
-
-/// What comes after this document.
-#[derive(Clone, Debug, PartialEq)]
-pub enum After {
-    /// A new document.
-    New,
-    /// A question for a document to open.
-    Ask,
-    /// This document.
-    Open(PathBuf),
-    /// A run, which needs a folder.
-    Render,
-    /// Nothing: the window closes.
-    Close,
-}
 
 /// What became of saving a text that is no JSON.
 const NOT_SAVED: &str = "Nothing was saved";
@@ -95,7 +80,7 @@ impl Editor {
                 state.selection = [name].into();
                 state.dropper = None;
                 state.output = None;
-                layout::bring(&mut self.tree, crate::layout::Pane::Canvas);
+                layout::bring(&mut self.tree, Pane::Canvas);
                 self.panels.canvas.frame();
             }
             Action::Look(node, output) => {

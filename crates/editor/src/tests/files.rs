@@ -201,7 +201,7 @@ fn a_document_saved_elsewhere_shows_the_same_picture_and_says_what_it_rewrote() 
     assert_eq!(editor(&window).notices.texts().len(), 2, "that it is saved, and what was rewritten");
     finished(&mut window);
     // From there they lead out of its folder.
-    act(&mut window, Action::Allow(crate::reach::Grant::Read(folder.path().join("shot"))));
+    act(&mut window, Action::Allow(crate::actions::Grant::Read(folder.path().join("shot"))));
     finished(&mut window);
     assert_eq!(editor(&window).state().seen.failed, None);
     assert!(editor(&window).state().session.text().contains("\"../shot/plate.png\""));

@@ -1,9 +1,8 @@
 //! What stays: pictures after an error, what was looked at, texts as they were written.
 
 use super::{DUSK, dusk};
-use crate::actions::Action;
+use crate::actions::{Action, Pane};
 use crate::document::{Edit, Path, Session};
-use crate::layout::Pane;
 use crate::testing::{Window, editor, finished, unseen, window};
 use egui::{Event, Key, Modifiers};
 use egui_kittest::kittest::Queryable;

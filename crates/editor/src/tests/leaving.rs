@@ -1,9 +1,8 @@
 //! What is typed, armed, running or changed elsewhere when something else is turned to.
 
 use super::{DUSK, dusk};
-use crate::actions::Action;
+use crate::actions::{Action, Pane};
 use crate::document::{Edit, Path, Session};
-use crate::layout::Pane;
 use crate::testing::{Window, editor, finished, unseen_in, until, window};
 use egui::accesskit::Role;
 use egui::{Event, Key, Modifiers, PointerButton, Pos2};

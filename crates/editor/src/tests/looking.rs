@@ -1,9 +1,8 @@
 //! Looking changes nothing: whatever is chosen, unfolded or shown, the text stays as it is byte by byte.
 
-use crate::actions::Action;
+use crate::actions::{Action, Pane};
 use crate::document::Session;
 use crate::editor::Editor;
-use crate::layout::Pane;
 use crate::testing::{Window, editor, unseen};
 use std::path::{Path, PathBuf};
 

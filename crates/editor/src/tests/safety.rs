@@ -2,9 +2,8 @@
 //! typed and not applied.
 
 use super::DUSK;
-use crate::actions::Action;
+use crate::actions::{Action, Pane};
 use crate::document::{Session, edit};
-use crate::layout::Pane;
 use crate::testing::{Window, editor, until, window};
 use egui::accesskit::Role;
 use egui::{Event, Key, Modifiers};

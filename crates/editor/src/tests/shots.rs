@@ -1,8 +1,7 @@
 //! Pictures of the window, drawn by wgpu, to be looked at: they need a graphics driver, so they are made on request.
 
-use crate::actions::Action;
+use crate::actions::{Action, Pane};
 use crate::document::Session;
-use crate::layout::Pane;
 use crate::testing::{Window, editor, finished, sized};
 use std::path::{Path, PathBuf};
 

@@ -1,9 +1,8 @@
 //! Numbers, colors and names as they are typed: entered, refused in words, or left alone.
 
 use super::DUSK;
-use crate::actions::Action;
+use crate::actions::{Action, After};
 use crate::document::{Path, Session};
-use crate::editor::After;
 use crate::testing::{Window, editor, unseen, unseen_in};
 use egui::accesskit::Role;
 use egui::{Event, Key, Rect};

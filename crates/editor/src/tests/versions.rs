@@ -1,7 +1,6 @@
 use super::DUSK;
-use crate::actions::Action;
+use crate::actions::{Action, Pane};
 use crate::document::{Path, Session, Standing};
-use crate::layout::Pane;
 use crate::testing::{Window, editor, finished, window};
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable;

@@ -1,16 +1,11 @@
 //! Questions before a document is left or written over: what becomes of unsaved work, of another program's changes, of a run.
 
-use super::{Prompt, titled};
-use crate::actions::Action;
-use crate::editor::{After, Editor};
-use egui::{Context, Modal, Ui};
+use super::modal::{answer_ui, titled};
+use crate::actions::{Action, After};
+use crate::editor::Editor;
+use crate::prompts::Prompt;
+use egui::{Context, Modal};
 use std::path::Path;
-
-/// Buttons with these words side by side; the one that was clicked.
-fn answer_ui<'w>(ui: &mut Ui, words: &[&'w str]) -> Option<&'w str> {
-    let clicked = |ui: &mut Ui| words.iter().copied().filter(|word| ui.button(*word).clicked()).last();
-    ui.horizontal(clicked).inner
-}
 
 pub(super) fn unsaved_ui(editor: &mut Editor, context: &Context, after: After) -> Option<Prompt> {
     let mut answer = None;

@@ -1,8 +1,18 @@
-//! What panels and commands ask for. The editor does it, so that no panel knows another.
+//! What panels and commands ask for, and the plain words that it takes to say it. The editor does it, so that no panel knows
+//! another; nothing here knows a panel.
+
+mod after;
+mod grant;
+mod line;
+mod pane;
+
+pub use after::After;
+pub use grant::Grant;
+pub use line::Line;
+pub use pane::Pane;
 
 use crate::document::{Edit, Path, Point};
 use crate::evaluate::Display;
-use crate::reach::Grant;
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 
@@ -78,7 +88,7 @@ pub enum Action {
     /// Lay all nodes out anew, or the chosen ones.
     Arrange,
     /// Line the chosen nodes up.
-    Line(crate::canvas::Line),
+    Line(Line),
     /// Ask for another type for the chosen node.
     Replace,
     /// Lead wires past the chosen nodes, which stay unconnected.
@@ -112,7 +122,7 @@ pub enum Action {
     /// Open the command palette.
     Palette,
     /// Show a panel, or bring it to the front.
-    Panel(crate::layout::Pane),
+    Panel(Pane),
     /// Change what the viewer shows beside the picture.
     Viewer(Switch),
     /// Arrange panels as at first.

@@ -1,16 +1,33 @@
-//! The window: menus above, panels, the timeline and what is to be known below.
+//! The window: menus above, panels, the timeline and what is to be known below, and over them the question that is open.
 
-use crate::actions::Action;
+mod allowed;
+mod leave;
+mod modal;
+mod palette;
+mod questions;
+mod recover;
+
+use crate::actions::{Action, Pane};
 use crate::commands::{COMMANDS, MENUS};
 use crate::document::Standing;
 use crate::editor::{Editor, Panels};
-use crate::layout::Pane;
 use crate::state::State;
 use egui::{Align, Layout, MenuBar, Panel, RichText, Ui, WidgetText};
 use egui_tiles::{SimplificationOptions, TileId, UiResponse};
 
+impl Editor {
+    /// Draws everything, and does what was asked for.
+    pub fn ui(&mut self, ui: &mut Ui) {
+        let context = ui.ctx().clone();
+        let mut actions = self.before(&context);
+        let typing = context.text_edit_focused();
+        window_ui(self, ui, &mut actions);
+        self.after(actions, typing, &context);
+    }
+}
+
 /// Draws the whole window.
-pub(crate) fn window_ui(editor: &mut Editor, ui: &mut Ui, actions: &mut Vec<Action>) {
+fn window_ui(editor: &mut Editor, ui: &mut Ui, actions: &mut Vec<Action>) {
     Panel::top("menus").show(ui, |ui| menus_ui(editor, ui, actions));
     unreadable_ui(&editor.state, ui, actions);
     version_ui(&editor.state, ui, actions);
@@ -20,22 +37,22 @@ pub(crate) fn window_ui(editor: &mut Editor, ui: &mut Ui, actions: &mut Vec<Acti
     });
     let filled = egui::Frame::new().fill(ui.visuals().panel_fill);
     egui::CentralPanel::no_frame().frame(filled).show(ui, |ui| {
-        let mut drawing = Drawing { state: &editor.state, panels: &mut editor.panels, actions };
-        editor.tree.ui(&mut drawing, ui);
+        let mut panes = Panes { state: &editor.state, panels: &mut editor.panels, actions };
+        editor.tree.ui(&mut panes, ui);
     });
     let context = ui.ctx().clone();
-    crate::prompts::prompts_ui(editor, &context, actions);
+    questions::prompts_ui(editor, &context, actions);
     editor.notices.show(&context);
 }
 
 /// Draws panels where they lie.
-struct Drawing<'e> {
+struct Panes<'e> {
     state: &'e State,
     panels: &'e mut Panels,
     actions: &'e mut Vec<Action>,
 }
 
-impl egui_tiles::Behavior<Pane> for Drawing<'_> {
+impl egui_tiles::Behavior<Pane> for Panes<'_> {
     fn pane_ui(&mut self, ui: &mut Ui, _: TileId, pane: &mut Pane) -> UiResponse {
         let (panels, state, actions) = (&mut *self.panels, self.state, &mut *self.actions);
         let framed = egui::Frame::new().inner_margin(if *pane == Pane::Canvas { 0 } else { 6 });
