@@ -13,12 +13,12 @@ pub(crate) struct Prompts {
     pub(crate) open: Option<Prompt>,
     pub(crate) dialog: FileDialog,
     /// What the file is for that the dialog asks for.
-    pub(crate) asking: Option<Asking>,
+    pub(crate) asking: Option<FileQuestion>,
 }
 
-#[derive(Clone, Debug)]
 /// What a file is asked for.
-pub(crate) enum Asking {
+#[derive(Clone, Debug)]
+pub(crate) enum FileQuestion {
     Open,
     /// And what comes after it is saved.
     Save(Option<After>),
@@ -115,7 +115,7 @@ impl Prompts {
     pub(crate) fn ask_open(&mut self, session: &Session) {
         self.dialog.config_mut().initial_directory = session.folder();
         self.dialog.pick_file();
-        self.asking = Some(Asking::Open);
+        self.asking = Some(FileQuestion::Open);
     }
 
     /// Asks where to save.
@@ -127,6 +127,6 @@ impl Prompts {
             None => "untitled.json".into(),
         };
         self.dialog.save_file();
-        self.asking = Some(Asking::Save(after));
+        self.asking = Some(FileQuestion::Save(after));
     }
 }

@@ -1,7 +1,7 @@
 //! Which ends of wires fit together, and what to do where they do not.
 
 use super::plan::End;
-use crate::document::session::Meaning;
+use crate::document::meaning::Meaning;
 use crate::document::{Edit, Path, Point, Session, Sheet, decor, edit};
 use std::collections::HashSet;
 use trochoid::{Accepts, Declaration, Diagnostic, Item, Kind, registry};

@@ -48,7 +48,7 @@ pub struct Canvas {
     /// Why the last wire was not drawn, and where it would have gone.
     refusal: Option<(connect::Refusal, egui::Pos2)>,
     menu: Option<menu::Menu>,
-    writing: Option<backdrop::Writing>,
+    writing: Option<backdrop::TextDraft>,
     wants_frame: bool,
     wants_search: bool,
     wants_replacement: bool,

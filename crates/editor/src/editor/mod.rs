@@ -2,8 +2,11 @@
 //! itself.
 
 mod act;
+mod change;
+mod leave;
 mod pictures;
 mod play;
+mod rendering;
 
 use crate::actions::{Action, Grant, Pane};
 use crate::canvas::Canvas;
@@ -26,7 +29,7 @@ use crate::viewer::Viewer;
 use crate::watch::Watcher;
 use crate::waves::Waves;
 use egui::{Context, Key};
-use pictures::Asked;
+use pictures::LastRequest;
 use play::Playback;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -48,7 +51,7 @@ pub struct Editor {
     /// What this document was allowed, the newest first: remembered where it has a file.
     pub(crate) answers: Vec<Grant>,
     pub(crate) worker: Worker,
-    asked: Asked,
+    asked: LastRequest,
     keeper: Option<Keeper>,
     kept: Backup,
     watcher: Watcher,
@@ -115,7 +118,7 @@ impl Editor {
             allowed: Vec::new(),
             answers: Vec::new(),
             worker,
-            asked: Asked::default(),
+            asked: LastRequest::default(),
             keeper,
             kept: Backup::default(),
             watcher: Watcher::default(),

@@ -1,11 +1,12 @@
 //! What to evaluate so that a node can be looked at: a document of just that node and what it depends on, so that faults
 //! elsewhere do not matter.
 
-use super::wish::Subject;
+use super::subject::Subject;
 use crate::document::{Path, Sheet, json as text};
 use serde_json::{Map, Value, json};
+use std::borrow::Cow;
 use std::path;
-use trochoid::{CheckedGraph, Kind, LoadError, NodeId, Refused, Severity, parse};
+use trochoid::{CheckedGraph, Format, Kind, LoadError, NodeId, Refused, Severity, parse};
 
 /// The name of the output that a lens looks through.
 pub const OUTPUT: &str = "look";
@@ -35,6 +36,20 @@ impl Lens {
         let reached = graph.reached(graph.outputs().iter().map(|output| output.node), frame);
         let nodes = (0..reached.len()).filter(|index| reached[*index] && !graph.nodes()[*index].disabled);
         nodes.filter_map(|index| graph.refused(NodeId(index), &context)).collect()
+    }
+
+    /// Its graph for pictures that are so many times smaller.
+    pub(super) fn drawn(&self, shrink: u32, finished: bool) -> Result<Cow<'_, CheckedGraph>, String> {
+        if shrink == 1 {
+            return Ok(Cow::Borrowed(&self.graph));
+        }
+        let whole = self.graph.format();
+        let side = |side: u32| side.div_ceil(shrink).max(1);
+        // A coarse picture is seen for a moment only: one sample a pixel.
+        let samples = if finished { whole.samples() } else { 1 };
+        let format =
+            Format::new(side(whole.width()), side(whole.height()), samples).map_err(|error| error.to_string())?;
+        Ok(Cow::Owned(self.graph.clone().drawn_at(format.with_shading(whole.shading()))))
     }
 
     /// A message with places of the user's document where it has those of the lens, which has all of it on one line.

@@ -1,15 +1,9 @@
 use super::{DUSK, dusk};
 use crate::actions::Action;
 use crate::document::{Session, edit};
-use crate::testing::{Window, editor, finished, until, window};
+use crate::testing::{Window, act, editor, finished, until, window};
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable;
-
-fn act(window: &mut Window, action: Action) {
-    let context = window.ctx.clone();
-    window.state_mut().as_mut().unwrap().act(action, &context);
-    window.run_steps(3);
-}
 
 fn moved(x: f32) -> Action {
     Action::Edit(edit::moved(&[("sky".into(), [x, 0.0])]))

@@ -3,7 +3,7 @@
 use crate::actions::{Action, Pane};
 use crate::document::Session;
 use crate::editor::Editor;
-use crate::testing::{Window, editor, unseen};
+use crate::testing::{Window, act, editor, unseen};
 use std::path::{Path, PathBuf};
 
 /// Every document of a folder of the repository.
@@ -16,12 +16,6 @@ fn documents(folder: &str) -> Vec<PathBuf> {
     files.sort();
     assert!(files.len() > 10, "{} documents", files.len());
     files
-}
-
-fn act(window: &mut Window, action: Action) {
-    let context = window.ctx.clone();
-    window.state_mut().as_mut().unwrap().act(action, &context);
-    window.run_steps(2);
 }
 
 /// What of a document was changed, if anything was.

@@ -1,16 +1,10 @@
 use super::{DUSK, dusk};
 use crate::actions::{Action, Pane};
 use crate::document::{Path, Session};
-use crate::testing::{Window, editor, finished, sized, unseen, window};
+use crate::testing::{Window, act, editor, finished, sized, unseen, window};
 use egui::accesskit::Role;
 use egui_kittest::kittest::{NodeT, Queryable};
 use serde_json::json;
-
-fn act(window: &mut Window, action: Action) {
-    let context = window.ctx.clone();
-    window.state_mut().as_mut().unwrap().act(action, &context);
-    window.run_steps(3);
-}
 
 fn choose(window: &mut Window, name: &str) {
     act(window, Action::Select([name.to_string()].into()));

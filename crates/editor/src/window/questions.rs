@@ -4,7 +4,7 @@ use super::modal::titled;
 use super::{allowed, leave, palette, recover};
 use crate::actions::{Action, After};
 use crate::editor::Editor;
-use crate::prompts::{Asking, Prompt};
+use crate::prompts::{FileQuestion, Prompt};
 use egui::{Context, Modal, ScrollArea};
 use std::path::{Path, PathBuf};
 use trochoid::Refused;
@@ -34,8 +34,8 @@ fn files_ui(editor: &mut Editor, context: &Context) {
     if let Some(file) = editor.prompts.dialog.take_picked() {
         editor.prompts.asking = None;
         match asking {
-            Asking::Open => editor.go(After::Open(file), context),
-            Asking::Save(after) => {
+            FileQuestion::Open => editor.go(After::Open(file), context),
+            FileQuestion::Save(after) => {
                 let whole = meant(&file, editor.prompts.dialog.selected_entry().map(|entry| entry.to_path_buf()));
                 // The dialog has asked about the file that it named, and about no other.
                 if whole != file && whole.exists() {
