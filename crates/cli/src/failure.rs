@@ -1,4 +1,4 @@
-use crate::{interrupt, memory};
+use crate::memory;
 use trochoid::accuracy::PlanFileError;
 use trochoid::certificate::CertificateError;
 use trochoid::{Diagnostic, EvalError, LoadError, OutputError, ReferenceError, RunStatus, Severity, in_bytes};
@@ -11,6 +11,9 @@ pub(crate) const INVALID: u8 = 2;
 pub(crate) const MISSED: u8 = 3;
 /// The user stopped it.
 pub(crate) const INTERRUPTED: u8 = 130;
+
+/// What is told where the user stopped it.
+pub(crate) const INTERRUPTION: &str = "interrupted; finished files are whole, others were not begun";
 
 /// Why a command did not do what it was asked: an exit code, and what to print on stderr.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -29,6 +32,11 @@ impl Failure {
     /// A failure that has been told already.
     pub(crate) fn silent(code: u8) -> Self {
         Self { code, messages: Vec::new() }
+    }
+
+    /// The user stopped it.
+    pub(crate) fn interrupted() -> Self {
+        Self::new(INTERRUPTED, INTERRUPTION)
     }
 
     /// Wrong usage: what was found and expected, and what to do.
@@ -113,7 +121,7 @@ impl From<PlanFileError> for Failure {
 impl From<CertificateError> for Failure {
     fn from(error: CertificateError) -> Self {
         match error {
-            error if error.is_cancelled() => Self::new(INTERRUPTED, interrupt::INTERRUPTION),
+            error if error.is_cancelled() => Self::interrupted(),
             CertificateError::Document(LoadError::Invalid(faults)) => LoadError::Invalid(once(faults)).into(),
             CertificateError::Document(error) => error.into(),
             CertificateError::Reference(ReferenceError::Eval(error)) => Self::evaluated("", &error),

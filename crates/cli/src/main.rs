@@ -14,6 +14,7 @@ mod failure;
 mod files;
 mod frames;
 mod graph;
+mod heap;
 mod info;
 mod interrupt;
 mod memory;
@@ -100,7 +101,7 @@ fn main() -> ExitCode {
             return ExitCode::from(if error.use_stderr() { failure::INVALID } else { 0 });
         }
     };
-    memory::bound(cli.memory);
+    heap::bound(cli.memory);
     let outcome = match &cli.command {
         #[cfg(feature = "editor")]
         Command::Edit(args) => edit::run(args),

@@ -45,6 +45,8 @@ pub mod accuracy;
 pub mod certificate;
 mod costs;
 #[cfg(feature = "io")]
+mod exr_layer;
+#[cfg(feature = "io")]
 mod files;
 #[cfg(feature = "io")]
 mod inputs;
@@ -60,6 +62,8 @@ mod marks;
 mod naming;
 #[cfg(feature = "io")]
 mod output;
+#[cfg(feature = "io")]
+mod output_file;
 mod report;
 #[cfg(feature = "io")]
 mod resume;
@@ -86,9 +90,11 @@ pub use machine::memory_share;
 #[cfg(feature = "io")]
 pub use marks::{Form, GENERATOR, TABLE, is_ours, mark, marks};
 #[cfg(feature = "io")]
-pub use naming::{NameFault, companion_files, output_files};
+pub use naming::{companion_files, output_files};
 #[cfg(feature = "io")]
-pub use output::{OutputError, OutputFile, write_output};
+pub use output::write_output;
+#[cfg(feature = "io")]
+pub use output_file::{NameFault, OutputError, OutputFile};
 pub use report::{RunReport, RunStatus, frame_report};
 #[cfg(feature = "io")]
 pub use resume::Fingerprints;
