@@ -1,5 +1,3 @@
-use super::Instability;
-
 /// Why a toon sea is refused.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ToonError {
@@ -48,5 +46,28 @@ pub(crate) fn within(
         Ok(())
     } else {
         Err(ToonError::Range { quantity, found, expected })
+    }
+}
+
+/// A recurrence that grows without bound, and the nearest one that does not.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Instability {
+    /// The coefficients c₁, c₂.
+    pub found: [f64; 2],
+    /// By how much the fastest mode grows in a step.
+    pub growth: f64,
+    /// The stable coefficients closest to them, to four decimals.
+    pub nearest: [f64; 2],
+}
+
+impl std::fmt::Display for Instability {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let ([c1, c2], [near1, near2]) = (self.found, self.nearest);
+        write!(
+            f,
+            "c1 {c1}, c2 {c2}, with which the sea grows by {:.4} a step; expected |c1| ≤ 1 and |2·c1·λ + c2| ≤ 1 + c1 \
+             for each mode λ of the grid; the nearest that holds: c1 {near1:.4}, c2 {near2:.4}",
+            self.growth
+        )
     }
 }

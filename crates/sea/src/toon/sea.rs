@@ -5,7 +5,7 @@ use super::error::within;
 use super::splat::{DRIFTS, DriftStep, RiftStep, Splat, Stamp, Targets};
 use super::spline::Spline;
 use super::trail::decayed;
-use super::{Basin, Burst, Drift, Field, LITERAL_HZ, Motion, Rift, Shape, Simulation, ToonError};
+use super::{Basin, Burst, Drift, Field, LITERAL_HZ, Motion, Rift, Shape, ToonError};
 
 /// Most bursts of a sea.
 pub const MAX_BURSTS: usize = 1_000_000;
@@ -96,18 +96,7 @@ impl ToonSea {
         &self.bursts
     }
 
-    /// The sea at rest, ready to be walked through time.
-    pub fn simulate(&self, wanted: Wanted) -> Simulation {
-        Simulation::new(self.with_lengths(wanted), wanted, true)
-    }
-
-    /// The same without heights: trails come from bursts alone, and are the same bits. So they can be left until
-    /// somebody asks for them.
-    pub fn simulate_trails(&self, wanted: Wanted) -> Simulation {
-        Simulation::new(self.with_lengths(wanted), wanted, false)
-    }
-
-    fn with_lengths(&self, wanted: Wanted) -> Self {
+    pub(super) fn with_lengths(&self, wanted: Wanted) -> Self {
         let mut sea = self.clone();
         if wanted.drift {
             sea.lengths = sea.bursts.iter().map(|burst| Spline(burst.path).lengths()).collect();
