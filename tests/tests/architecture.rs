@@ -24,9 +24,10 @@ const ALLOWED: &[(&str, &[&str])] = &[
         "trochoid",
         &["trochoid-image", "trochoid-graph", "trochoid-engine", "trochoid-nodes", "trochoid-io", "trochoid-memory"],
     ),
-    ("trochoid-editor", &["trochoid", "trochoid-diagram"]),
+    ("trochoid-terminal", &["trochoid"]),
+    ("trochoid-editor", &["trochoid", "trochoid-diagram", "trochoid-terminal"]),
     ("trochoid-diagram", &["trochoid-graph", "trochoid-image"]),
-    ("trochoid-cli", &["trochoid", "trochoid-diagram", "trochoid-editor"]),
+    ("trochoid-cli", &["trochoid", "trochoid-diagram", "trochoid-terminal"]),
     ("trochoid-tests", &["trochoid", "trochoid-diagram"]),
 ];
 

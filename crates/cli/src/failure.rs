@@ -1,12 +1,10 @@
-use crate::{interrupt, memory};
+use crate::interrupt;
 use trochoid::accuracy::PlanFileError;
 use trochoid::certificate::CertificateError;
 use trochoid::{Diagnostic, EvalError, LoadError, OutputError, ReferenceError, RunStatus, Severity, in_bytes};
+use trochoid_terminal::enough_memory;
+pub(crate) use trochoid_terminal::{FAILED, INVALID};
 
-/// Input or output failed, input data are bad, or the evaluation failed.
-pub(crate) const FAILED: u8 = 1;
-/// Wrong usage, or an invalid document.
-pub(crate) const INVALID: u8 = 2;
 /// A required guarantee or tolerance is not met, or a certificate does not hold.
 pub(crate) const MISSED: u8 = 3;
 /// The user stopped it.
@@ -48,7 +46,7 @@ impl Failure {
         };
         let (takes, most) = (in_bytes(*total), in_bytes(*limit));
         let text = format!("{place}{at}: found a frame that takes about {takes}: {found}; expected at most {most}");
-        let remedy = format!("{remedy}; or allow more: --memory {}", memory::enough(*total));
+        let remedy = format!("{remedy}; or allow more: --memory {}", enough_memory(*total));
         Self { code: FAILED, ..Self::usage(text, remedy) }
     }
 

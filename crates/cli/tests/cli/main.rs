@@ -6,6 +6,8 @@ mod access;
 mod bad_images;
 mod certify;
 mod commands;
+#[cfg(unix)]
+mod edit;
 mod examine;
 mod explain;
 mod files;

@@ -1,7 +1,6 @@
 //! `--memory`: how much the program may take, and its end where that, or the machine, does not suffice.
 
-use crate::failure::FAILED;
-use crate::shell;
+use crate::FAILED;
 use bytesize::ByteSize;
 use std::sync::Mutex;
 use trochoid::{Exhausted, Heap, discard_partial_files, exit_at_once, in_bytes, memory_share};
@@ -14,7 +13,7 @@ static RESERVE: Mutex<Vec<u8>> = Mutex::new(Vec::new());
 const RESERVED: usize = 4 << 20;
 
 /// Reads a size such as 8GB, 500MB or 2GiB.
-pub(crate) fn parse(text: &str) -> Result<u64, String> {
+fn parse(text: &str) -> Result<u64, String> {
     let expected = "expected a number with its unit, such as 8GB, 500MB or 2GiB";
     let size = text.parse::<ByteSize>().map_err(|_| expected.to_string())?.as_u64();
     if size < LEAST {
@@ -24,7 +23,7 @@ pub(crate) fn parse(text: &str) -> Result<u64, String> {
 }
 
 /// What to write for `--memory` where a frame is reckoned to take so many bytes: a tenth more, since reckoning is not all.
-pub(crate) fn enough(bytes: u64) -> String {
+pub fn enough_memory(bytes: u64) -> String {
     let bytes = bytes.saturating_add(bytes / 10).max(LEAST);
     if bytes > 10_000_000_000 {
         format!("{}GB", bytes.div_ceil(1_000_000_000))
@@ -33,15 +32,26 @@ pub(crate) fn enough(bytes: u64) -> String {
     }
 }
 
-/// Bounds the memory of the whole process. Where it does not suffice, the process ends with code 1 and leaves nothing half
-/// written.
-pub(crate) fn bound(asked: Option<u64>) {
-    let bytes = asked.unwrap_or_else(memory_share);
-    Heap::bound(usize::try_from(bytes).unwrap_or(usize::MAX));
-    if let Ok(mut reserve) = RESERVE.try_lock() {
-        *reserve = vec![1; RESERVED];
+/// How much memory the process may take.
+#[derive(Debug, clap::Args)]
+pub struct MemoryArgs {
+    /// Most memory to take, such as 8GB or 500MB: what needs more is refused before it begins [default: three quarters of the
+    /// machine's]
+    #[arg(long, global = true, value_name = "SIZE", value_parser = parse)]
+    memory: Option<u64>,
+}
+
+impl MemoryArgs {
+    /// Bounds the memory of the whole process, whose allocator is [`Heap`]. Where it does not suffice, the process ends with
+    /// code 1 and leaves nothing half written.
+    pub fn bound(&self) {
+        let bytes = self.memory.unwrap_or_else(memory_share);
+        Heap::bound(usize::try_from(bytes).unwrap_or(usize::MAX));
+        if let Ok(mut reserve) = RESERVE.try_lock() {
+            *reserve = vec![1; RESERVED];
+        }
+        Heap::on_exhaustion(end);
     }
-    Heap::on_exhaustion(end);
 }
 
 fn end(exhausted: Exhausted) -> ! {
@@ -54,7 +64,7 @@ fn end(exhausted: Exhausted) -> ! {
         Some(bound) => (format!(", of {} allowed", in_bytes(bound as u64)), "allow more by --memory, "),
         None => (", more than the machine has left".into(), "end other programs, "),
     };
-    shell::tell(&[format!(
+    crate::tell(&[format!(
         "error: out of memory: found {taken} taken and {asked} asked for{allowed}\n  remedy: {remedy}use fewer --threads, or \
          lower the format's \"width\" and \"height\""
     )]);
@@ -68,7 +78,7 @@ mod tests {
     #[test]
     fn what_would_do_can_be_asked_for() {
         for bytes in [1, 64_000_000, 999_999_999, 9_999_999_999, 10_000_000_000, 123_456_789_012] {
-            assert!(parse(&enough(bytes)).unwrap() >= bytes + bytes / 10, "{bytes}");
+            assert!(parse(&enough_memory(bytes)).unwrap() >= bytes + bytes / 10, "{bytes}");
         }
     }
 
