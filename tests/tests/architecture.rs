@@ -29,6 +29,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("trochoid-diagram", &["trochoid-graph", "trochoid-image"]),
     ("trochoid-cli", &["trochoid", "trochoid-diagram", "trochoid-terminal"]),
     ("trochoid-tests", &["trochoid", "trochoid-diagram"]),
+    ("trochoid-bench", &["trochoid", "trochoid-sea"]),
 ];
 
 fn arrows() -> BTreeMap<String, BTreeSet<String>> {

@@ -1,17 +1,15 @@
 //! How far the engine is from C written for one graph: random graphs of about 60 nodes, each also as a single loop.
 //!
-//! `cargo run --release -p trochoid --example fused -- [--seeds 1-10] [--keep DIR]` makes a document for every seed,
+//! `cargo run --release -p trochoid-bench --bin fused -- [--seeds 1-10] [--keep DIR]` makes a document for every seed,
 //! over four masks and a field that are bound as buffers, and the C of the same graph: all nodes in one loop over the
 //! pixels, in local variables, with plain mixes `a + (b - a) * t`, constants folded, and what depends on x alone in a
 //! table. It compares the results and times both in turn on one thread. The passes are noise, so that no mask is 0 or 1
 //! on a whole chunk and the engine cannot jump over branches; the C jumps over none.
 //!
-//! `--keep` writes the documents and the C. Two of them lie beside this file, to be read: `fused/seed_3.json` with
-//! `fused/seed_3.c`, and `fused/seed_7.json` with `fused/seed_7.c`. The C compiler is `CC`, or else `cc`.
+//! `--keep` writes the documents and the C. Two of them lie beside this file, to be read: `seed_3.json` with `seed_3.c`,
+//! and `seed_7.json` with `seed_7.c`. The C compiler is `CC`, or else `cc`.
 
-#[path = "fused/c.rs"]
 mod c;
-#[path = "fused/graph.rs"]
 mod graph;
 
 use graph::{Draw, Graph, HEIGHT, PASSES, WIDTH};

@@ -1,6 +1,6 @@
 //! What documents take of memory: reckoned beforehand, and as it is found.
 //!
-//!     cargo run --release -p trochoid --example memory -- graphs/stormy_sea.json
+//!     cargo run --release -p trochoid-bench --bin memory -- graphs/stormy_sea.json
 //!
 //! For each document: all outputs at its first frame, held whole. A line a node whose two figures are a megabyte or more.
 

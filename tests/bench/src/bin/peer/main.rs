@@ -14,15 +14,13 @@ use std::time::Instant;
 use trochoid::io::{EncodeScratch, ExrHeader, ExrWriter, Limits, SampleType, Selection, read};
 use trochoid::{Buffers, Cache, Frame, Instructions, Judging, Plan, Plane, Settings, Silent, Window};
 
-#[path = "peer/w2.rs"]
 mod w2;
-#[path = "peer/w3.rs"]
 mod w3;
 
 type Result<T> = std::result::Result<T, Box<dyn Error>>;
 
 /// The graph of W1, as anybody would write it.
-const W1: &str = include_str!("peer_w1.json");
+const W1: &str = include_str!("w1.json");
 
 fn main() -> Result<()> {
     let case = std::env::args().nth(1).ok_or("usage: peer CASE")?;
