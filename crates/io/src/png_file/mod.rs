@@ -4,8 +4,7 @@ mod text;
 
 use std::path::Path;
 
-use image::codecs::png::{CompressionType, FilterType, PngEncoder};
-use image::{ExtendedColorType, ImageEncoder};
+use png::{BitDepth, ColorType, Compression, EncodingError, Filter};
 
 pub(crate) use text::{check_whole, read_text, readable_text};
 
@@ -33,8 +32,8 @@ impl<'a> PngImage<'a> {
     }
 }
 
-const COLORS_8: [ExtendedColorType; 4] =
-    [ExtendedColorType::L8, ExtendedColorType::La8, ExtendedColorType::Rgb8, ExtendedColorType::Rgba8];
+/// By the number of channels.
+const COLORS: [ColorType; 4] = [ColorType::Grayscale, ColorType::GrayscaleAlpha, ColorType::Rgb, ColorType::Rgba];
 
 /// Writes 8 bits a channel, rounded to nearest, atomically and marked as sRGB.
 ///
@@ -55,7 +54,7 @@ pub fn write_png8(target: impl Into<Target>, image: &PngImage<'_>) -> Result<(),
     let target = target.into();
     let path = target.path();
     let bytes = quantize(path, image, 1, |value, bytes| bytes.push((value * 255.0).round() as u8))?;
-    write(&target, image, &bytes, COLORS_8)
+    write(&target, image, &bytes, BitDepth::Eight)
 }
 
 /// The bytes of a file of 8 bits a channel, rounded to nearest, marked as sRGB.
@@ -65,7 +64,7 @@ pub fn write_png8(target: impl Into<Target>, image: &PngImage<'_>) -> Result<(),
 pub fn encode_png8(image: &PngImage<'_>) -> Result<Vec<u8>, Error> {
     let path = Path::new("a picture in memory");
     let bytes = quantize(path, image, 1, |value, bytes| bytes.push((value * 255.0).round() as u8))?;
-    encode(path, image, &bytes, COLORS_8)
+    encode(path, image, &bytes, BitDepth::Eight)
 }
 
 /// Writes 16 bits a channel, rounded to nearest, atomically and marked as sRGB.
@@ -75,10 +74,9 @@ pub fn encode_png8(image: &PngImage<'_>) -> Result<Vec<u8>, Error> {
 pub fn write_png16(target: impl Into<Target>, image: &PngImage<'_>) -> Result<(), Error> {
     let target = target.into();
     let path = target.path();
-    let push = |value: f64, bytes: &mut Vec<u8>| bytes.extend(((value * 65535.0).round() as u16).to_ne_bytes());
+    let push = |value: f64, bytes: &mut Vec<u8>| bytes.extend(((value * 65535.0).round() as u16).to_be_bytes());
     let bytes = quantize(path, image, 2, push)?;
-    let colors = [ExtendedColorType::L16, ExtendedColorType::La16, ExtendedColorType::Rgb16, ExtendedColorType::Rgba16];
-    write(&target, image, &bytes, colors)
+    write(&target, image, &bytes, BitDepth::Sixteen)
 }
 
 /// Checks every value and stores it, pixel by pixel.
@@ -130,22 +128,31 @@ fn name(count: usize, index: usize) -> &'static str {
     names.get(index).copied().unwrap_or("?")
 }
 
-fn write(target: &Target, image: &PngImage<'_>, bytes: &[u8], colors: [ExtendedColorType; 4]) -> Result<(), Error> {
-    crate::write_bytes(target.clone(), &encode(target.path(), image, bytes, colors)?)
+fn write(target: &Target, image: &PngImage<'_>, bytes: &[u8], depth: BitDepth) -> Result<(), Error> {
+    crate::write_bytes(target.clone(), &encode(target.path(), image, bytes, depth)?)
 }
 
-fn encode(path: &Path, image: &PngImage<'_>, bytes: &[u8], colors: [ExtendedColorType; 4]) -> Result<Vec<u8>, Error> {
+fn encode(path: &Path, image: &PngImage<'_>, bytes: &[u8], depth: BitDepth) -> Result<Vec<u8>, Error> {
     let text = text::chunks(path, &image.metadata)?;
-    let mut png = Vec::new();
-    let color = colors[image.channels.len() - 1];
-    PngEncoder::new_with_quality(&mut png, CompressionType::Fast, FilterType::Adaptive)
-        .write_image(bytes, image.width, image.height, color)
-        .map_err(|error| {
-            Error::unwritable(path, format!("a picture that the PNG encoder refuses ({error})"), "a smaller one")
-        })?;
+    let png = compress(image, bytes, depth).map_err(|error| {
+        Error::unwritable(path, format!("a picture that the PNG encoder refuses ({error})"), "a smaller one")
+    })?;
     // Text stands before the pixels, so that reading it back does not pass over them.
     let (head, pixels) = png.split_at(text::HEADER.min(png.len()));
     Ok([head, &text, pixels].concat())
+}
+
+fn compress(image: &PngImage<'_>, bytes: &[u8], depth: BitDepth) -> Result<Vec<u8>, EncodingError> {
+    let mut file = Vec::new();
+    let mut encoder = png::Encoder::new(&mut file, image.width, image.height);
+    encoder.set_color(COLORS[image.channels.len() - 1]);
+    encoder.set_depth(depth);
+    encoder.set_compression(Compression::Fast);
+    encoder.set_filter(Filter::Adaptive);
+    let mut writer = encoder.write_header()?;
+    writer.write_image_data(bytes)?;
+    writer.finish()?;
+    Ok(file)
 }
 
 #[cfg(test)]

@@ -1,11 +1,13 @@
-//! JPEG through the `image` crate, which decodes it as a whole, to bytes.
+//! JPEG through the crate `zune-jpeg`, which decodes it as a whole, to bytes.
 
 use std::io::{BufRead, Seek};
 
-use image::ImageDecoder;
-use image::codecs::jpeg::JpegDecoder;
-use image::metadata::Orientation;
+use zune_jpeg::JpegDecoder;
+use zune_jpeg::zune_core::bytestream::ZCursor;
+use zune_jpeg::zune_core::colorspace::ColorSpace;
+use zune_jpeg::zune_core::options::DecoderOptions;
 
+use super::orientation::Orientation;
 use super::{Form, PLACE, TakeBytes, bases, check_claim, damaged, unsupported};
 use crate::limits::reserve;
 use crate::source::Source;
@@ -99,13 +101,35 @@ pub(super) fn form<R: BufRead + Seek>(source: &mut Source<R>) -> Result<Form, Er
         );
     }
     source.seek(0)?;
-    let mut decoder = decoder(source)?;
-    form.orientation = decoder.orientation().unwrap_or(Orientation::NoTransforms);
+    form.orientation = whole(source)?.orientation;
     Ok(form)
 }
 
-fn decoder<R: BufRead + Seek>(source: &mut Source<R>) -> Result<JpegDecoder<&mut R>, Error> {
-    JpegDecoder::new(&mut source.reader).map_err(|_| damaged(&source.path, FileKind::Jpeg, 0))
+/// A file, and what the decoder finds in its headers.
+struct Whole {
+    file: Vec<u8>,
+    /// Width, height.
+    size: (usize, usize),
+    /// What pixels are decoded to.
+    colors: ColorSpace,
+    orientation: Orientation,
+}
+
+fn options() -> DecoderOptions {
+    DecoderOptions::default().set_strict_mode(false).set_max_width(usize::MAX).set_max_height(usize::MAX)
+}
+
+fn whole<R: BufRead + Seek>(source: &mut Source<R>) -> Result<Whole, Error> {
+    let fault = || damaged(&source.path, FileKind::Jpeg, 0);
+    let mut file = Vec::new();
+    source.reader.read_to_end(&mut file).map_err(|_| fault())?;
+    let mut decoder = JpegDecoder::new_with_options(ZCursor::new(&file), options());
+    decoder.decode_headers().map_err(|_| fault())?;
+    let (Some(size), Some(stored)) = (decoder.dimensions(), decoder.input_colorspace()) else { return Err(fault()) };
+    let colors = if stored == ColorSpace::Luma { stored } else { ColorSpace::RGB };
+    let exif = decoder.exif().and_then(|exif| Orientation::from_block(exif));
+    let orientation = exif.unwrap_or(Orientation::NoTransforms);
+    Ok(Whole { file, size, colors, orientation })
 }
 
 pub(super) fn rows<R: BufRead + Seek>(
@@ -114,15 +138,16 @@ pub(super) fn rows<R: BufRead + Seek>(
     take: &mut TakeBytes<'_>,
 ) -> Result<(), Error> {
     let path = source.path.clone();
-    let decoder = decoder(source)?;
+    let Whole { file, size: (width, height), colors, .. } = whole(source)?;
     let size = form.row_bytes() * form.height as usize;
-    if decoder.total_bytes() != size as u64 {
+    if width * height * colors.num_components() != size {
         return Err(damaged(&path, FileKind::Jpeg, 0));
     }
-    let mut whole: Vec<u8> = reserve(&path, PLACE, size)?;
-    whole.resize(size, 0);
-    decoder.read_image(&mut whole).map_err(|_| damaged(&path, FileKind::Jpeg, 0))?;
-    for (y, row) in whole.chunks_exact(form.row_bytes()).enumerate() {
+    let mut pixels: Vec<u8> = reserve(&path, PLACE, size)?;
+    pixels.resize(size, 0);
+    let mut decoder = JpegDecoder::new_with_options(ZCursor::new(&file), options().jpeg_set_out_colorspace(colors));
+    decoder.decode_into(&mut pixels).map_err(|_| damaged(&path, FileKind::Jpeg, 0))?;
+    for (y, row) in pixels.chunks_exact(form.row_bytes()).enumerate() {
         if take(y, row).is_break() {
             break;
         }

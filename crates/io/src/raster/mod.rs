@@ -2,6 +2,7 @@
 //! are decoded at a time.
 
 mod jpeg;
+mod orientation;
 mod png;
 mod turn;
 
@@ -9,7 +10,6 @@ use std::io::{BufRead, Seek};
 use std::ops::ControlFlow;
 use std::path::Path;
 
-use image::metadata::Orientation;
 use trochoid_image::{Plane, Window};
 
 use crate::limits::reserve;
@@ -19,6 +19,7 @@ use crate::{
     tiff_file,
 };
 pub(crate) use jpeg::DENSEST as JPEG_DENSEST;
+pub(crate) use orientation::Orientation;
 pub(crate) use turn::oriented;
 
 /// The picture, for messages: these files have one.

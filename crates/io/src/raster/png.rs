@@ -4,9 +4,9 @@ use std::io::{BufRead, ErrorKind, Seek};
 use std::ops::ControlFlow;
 use std::path::Path;
 
-use image::metadata::Orientation;
 use png::{BitDepth, ColorType, Decoder, DecodingError, Reader, Transformations};
 
+use super::orientation::Orientation;
 use super::{Form, PLACE, TakeBytes, bases, check_claim, damaged};
 use crate::limits::reserve;
 use crate::source::Source;
@@ -61,7 +61,7 @@ pub(super) fn form<R: BufRead + Seek>(source: &mut Source<R>) -> Result<Form, Er
         sample_type: if depth == BitDepth::Sixteen { SampleType::U16 } else { SampleType::U8 },
         bases,
         // A damaged tag says nothing; viewers show such a picture as it is.
-        orientation: exif.and_then(|chunk| Orientation::from_exif_chunk(chunk)).unwrap_or(Orientation::NoTransforms),
+        orientation: exif.and_then(|chunk| Orientation::from_block(chunk)).unwrap_or(Orientation::NoTransforms),
         encoding: Encoding::Srgb,
         rows: if info.interlaced { info.height } else { 4 },
         working: WORKING as u64,

@@ -1,9 +1,9 @@
 //! Pictures turned upright, as their orientation tag says.
 
-use image::metadata::Orientation;
 use trochoid_image::Window;
 
 use super::Form;
+use super::orientation::Orientation;
 
 /// The window of the upright picture.
 pub(crate) fn oriented(stored: Window, orientation: Orientation) -> Window {
@@ -49,10 +49,11 @@ mod tests {
         let (width, height) = (3, 2);
         let samples: Vec<u8> = (0..6).collect();
         for tag in 1..=8 {
-            let orientation = Orientation::from_exif(tag).expect("a legal tag");
+            let orientation = Orientation::from_number(tag).expect("a legal tag");
             let buffer = image::GrayImage::from_raw(width, height, samples.clone()).expect("six pixels");
             let mut image = image::DynamicImage::ImageLuma8(buffer);
-            image.apply_orientation(orientation);
+            let theirs = image::metadata::Orientation::from_exif(tag as u8).expect("a legal tag");
+            image.apply_orientation(theirs);
             let form = Form {
                 width,
                 height,

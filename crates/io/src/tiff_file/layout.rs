@@ -3,10 +3,8 @@
 use std::io::{BufRead, Seek};
 use std::path::PathBuf;
 
-use image::metadata::Orientation;
-
 use super::directory::{Directory, tag};
-use crate::raster::{Form, PLACE, bases, unsupported};
+use crate::raster::{Form, Orientation, PLACE, bases, unsupported};
 use crate::source::Source;
 use crate::{Encoding, Error, Limits, SampleType};
 
@@ -244,13 +242,13 @@ impl Layout {
         let [offsets, lengths] = tags.places(tiled, count, packing)?;
         let predictor = tags.predictor(bits, float)?;
         let tables = tags.numbers(tag::JPEG_TABLES, 1 << 20)?.unwrap_or_default();
-        let orientation = tags.number(tag::ORIENTATION)?.and_then(|tag| u8::try_from(tag).ok());
+        let orientation = tags.number(tag::ORIENTATION)?.and_then(|tag| u16::try_from(tag).ok());
         let form = Form {
             width,
             height,
             sample_type: sample_type(&meaning, bits, float),
             bases: bases(!matches!(meaning, Meaning::Gray { .. }), alpha),
-            orientation: orientation.and_then(Orientation::from_exif).unwrap_or(Orientation::NoTransforms),
+            orientation: orientation.and_then(Orientation::from_number).unwrap_or(Orientation::NoTransforms),
             encoding: if float { Encoding::Linear } else { Encoding::Srgb },
             rows: chunk[1].min(height as usize) as u32,
             working: 0,
