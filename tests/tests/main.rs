@@ -1,5 +1,5 @@
-//! Tests across crates, one binary: architecture, golden cases of every node, scenes, random graphs, and the
-//! promises of the design, each held on real pixels.
+//! Tests across crates, one binary: architecture, scenes, random graphs, and the promises of the design, each held on
+//! real pixels. Cases that lie in files are the other binary, `cases`.
 
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
@@ -15,10 +15,8 @@ mod diagram;
 mod doors;
 mod drift;
 mod explain;
-mod extremes;
 mod filters;
 mod frames;
-mod golden;
 mod hoisting;
 mod keeping;
 mod library;
@@ -36,4 +34,3 @@ mod spray;
 mod streaming;
 mod support;
 mod thesis;
-mod warnings;
