@@ -125,7 +125,6 @@ fn files_are_opened_by_one_door() {
     for entry in std::fs::read_dir(root().join("crates")).unwrap() {
         sources(&entry.unwrap().path().join("src"), &mut files);
     }
-    assert!(files.len() > 300, "only {} sources", files.len());
     let found: BTreeSet<(&str, &str)> = files
         .iter()
         .flat_map(|(place, text)| OPENINGS.iter().filter(|word| text.contains(**word)).map(|word| (&**place, *word)))

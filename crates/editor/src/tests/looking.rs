@@ -15,7 +15,7 @@ fn documents(folder: &str) -> Vec<PathBuf> {
         |path: &PathBuf| path.to_string_lossy().ends_with(".json") && !path.to_string_lossy().ends_with(".expect.json");
     let mut files: Vec<PathBuf> = files.filter(is_document).collect();
     files.sort();
-    assert!(files.len() > 10, "{} documents", files.len());
+    assert!(!files.is_empty());
     files
 }
 
