@@ -23,4 +23,7 @@ mod render;
 mod resume;
 mod scene;
 mod stability;
+#[path = "../../../../tests/tests/support/stored.rs"]
+mod stored;
 mod streams;
+mod told;
