@@ -24,6 +24,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
         "trochoid",
         &["trochoid-image", "trochoid-graph", "trochoid-engine", "trochoid-nodes", "trochoid-io", "trochoid-memory"],
     ),
+    ("trochoid-book", &["trochoid"]),
     ("trochoid-editor", &["trochoid", "trochoid-diagram"]),
     ("trochoid-diagram", &["trochoid-graph", "trochoid-image"]),
     ("trochoid-cli", &["trochoid", "trochoid-diagram", "trochoid-editor"]),

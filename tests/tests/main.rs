@@ -6,6 +6,7 @@
 mod access;
 mod architecture;
 mod bad_documents;
+mod book;
 mod branches;
 mod cancellation;
 mod cartoon;
