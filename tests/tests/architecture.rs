@@ -8,26 +8,34 @@ use std::process::Command;
 /// What each package of the workspace may depend on, and nothing else of the workspace.
 const ALLOWED: &[(&str, &[&str])] = &[
     ("trochoid-memory", &[]),
-    ("trochoid-image", &["trochoid-memory"]),
+    ("trochoid-key", &[]),
+    ("trochoid-image", &["trochoid-key", "trochoid-memory"]),
     ("trochoid-jit", &["trochoid-memory"]),
     ("trochoid-weights", &["trochoid-image"]),
     ("trochoid-io", &["trochoid-image", "trochoid-memory"]),
-    ("trochoid-sea", &[]),
-    ("trochoid-scene", &["trochoid-image", "trochoid-sea"]),
-    ("trochoid-graph", &["trochoid-image", "trochoid-weights"]),
+    ("trochoid-sea", &["trochoid-key"]),
+    ("trochoid-scene", &["trochoid-image", "trochoid-key", "trochoid-sea"]),
+    ("trochoid-derive", &[]),
+    ("trochoid-graph", &["trochoid-derive", "trochoid-image", "trochoid-key", "trochoid-weights"]),
     (
         "trochoid-nodes",
         &["trochoid-graph", "trochoid-weights", "trochoid-image", "trochoid-scene", "trochoid-sea", "trochoid-io"],
     ),
-    ("trochoid-engine", &["trochoid-graph", "trochoid-image", "trochoid-jit", "trochoid-memory", "trochoid-weights"]),
+    (
+        "trochoid-engine",
+        &["trochoid-graph", "trochoid-image", "trochoid-jit", "trochoid-key", "trochoid-memory", "trochoid-weights"],
+    ),
     (
         "trochoid",
         &["trochoid-image", "trochoid-graph", "trochoid-engine", "trochoid-nodes", "trochoid-io", "trochoid-memory"],
     ),
-    ("trochoid-editor", &["trochoid", "trochoid-diagram"]),
+    ("trochoid-terminal", &["trochoid"]),
+    ("trochoid-book", &["trochoid"]),
+    ("trochoid-editor", &["trochoid", "trochoid-diagram", "trochoid-terminal"]),
     ("trochoid-diagram", &["trochoid-graph", "trochoid-image"]),
-    ("trochoid-cli", &["trochoid", "trochoid-diagram", "trochoid-editor"]),
+    ("trochoid-cli", &["trochoid", "trochoid-diagram", "trochoid-terminal"]),
     ("trochoid-tests", &["trochoid", "trochoid-diagram"]),
+    ("trochoid-bench", &["trochoid", "trochoid-sea"]),
 ];
 
 fn arrows() -> BTreeMap<String, BTreeSet<String>> {
@@ -100,7 +108,7 @@ const OPENED: &[(&str, &str, &str)] = &[
 ];
 
 /// The sources of a folder, without tests.
-fn sources(folder: &Path, found: &mut Vec<(String, String)>) {
+pub(crate) fn sources(folder: &Path, found: &mut Vec<(String, String)>) {
     for entry in std::fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
         let name = path.file_name().unwrap().to_str().unwrap();
@@ -125,7 +133,6 @@ fn files_are_opened_by_one_door() {
     for entry in std::fs::read_dir(root().join("crates")).unwrap() {
         sources(&entry.unwrap().path().join("src"), &mut files);
     }
-    assert!(files.len() > 300, "only {} sources", files.len());
     let found: BTreeSet<(&str, &str)> = files
         .iter()
         .flat_map(|(place, text)| OPENINGS.iter().filter(|word| text.contains(**word)).map(|word| (&**place, *word)))

@@ -5,13 +5,37 @@ use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use trochoid::{Buffers, Cache, EvalError, Monitor, Plan, parse};
 
-/// Says "stop" from the answer after so many on.
+/// Says "stop" from the answer after so many on, and counts what the engine and the nodes ask.
 struct Fires {
     after: usize,
     asked: AtomicUsize,
+    /// Stages that began to prepare.
+    stages: AtomicUsize,
+    /// Questions before the last one did.
+    before_last: AtomicUsize,
+}
+
+impl Fires {
+    fn after(after: usize) -> Self {
+        let zero = AtomicUsize::default;
+        Self { after, asked: zero(), stages: zero(), before_last: zero() }
+    }
+
+    /// Questions that only the last stage, or another that is filled, can have asked: the engine asks before each stage
+    /// prepares and once when all have, before the only tile, and before each stage is filled.
+    fn by_nodes(&self) -> usize {
+        let [asked, stages, before_last] =
+            [&self.asked, &self.stages, &self.before_last].map(|count| count.load(Ordering::Relaxed));
+        (asked - before_last).saturating_sub(2 + stages)
+    }
 }
 
 impl Monitor for Fires {
+    fn preparing(&self, _: &str) {
+        self.stages.fetch_add(1, Ordering::Relaxed);
+        self.before_last.store(self.asked.load(Ordering::Relaxed), Ordering::Relaxed);
+    }
+
     fn cancelled(&self) -> bool {
         self.asked.fetch_add(1, Ordering::Relaxed) >= self.after
     }
@@ -54,15 +78,19 @@ fn nodes_that_take_long_stop_between_tiles_too() {
         let loaded = parse("test.json", &text, Path::new("."), &[]).unwrap_or_else(|error| panic!("{error}\n{text}"));
         let plan =
             Plan::new(&loaded.graph, &[], 1, &[], &settings(|s| (s.threads, s.tile) = (1, Some((64, 64))))).unwrap();
-        // More than the engine itself asks: before each of at most six stages prepares, before the only tile, and
-        // before each of at most four is filled.
-        let after = 12;
-        let monitor = Fires { after, asked: AtomicUsize::new(0) };
-        let stopped = plan.evaluate(&Buffers::new(), &mut Cache::new(), &monitor);
-        let asked = monitor.asked.load(Ordering::Relaxed);
-        assert!(matches!(stopped, Err(EvalError::Cancelled)), "{out}: asked {asked} times");
-        // And it gets through when nobody stops it.
-        let never = Fires { after: usize::MAX, asked: AtomicUsize::new(0) };
-        assert!(plan.evaluate(&Buffers::new(), &mut Cache::new(), &never).is_ok(), "{out}");
+        let run = |after: usize| {
+            let monitor = Fires::after(after);
+            (plan.evaluate(&Buffers::new(), &mut Cache::new(), &monitor), monitor)
+        };
+        // It gets through when nobody stops it.
+        let (through, counted) = run(usize::MAX);
+        assert!(through.is_ok(), "{out}");
+        assert!(counted.by_nodes() > 0, "{out}: only the engine asks");
+        // And stops whichever answer is the first to say so.
+        let all = counted.asked.load(Ordering::Relaxed);
+        for after in (0..all.min(40)).chain([all / 2, all - 1]) {
+            let (stopped, _) = run(after);
+            assert!(matches!(stopped, Err(EvalError::Cancelled)), "{out}: after {after} of {all} answers");
+        }
     }
 }

@@ -159,7 +159,7 @@ fn a_keyed_knob_changes_the_key() {
         graph.keys(&settled, &graph.frame_context(frame, 1 << 30))
     };
     let (one, two, late, later) = (keys(1), keys(2), keys(50), keys(60));
-    let of = |keys: &[String], name: &str| keys[graph.find(name).unwrap().0].clone();
+    let of = |keys: &[trochoid::Key], name: &str| keys[graph.find(name).unwrap().0];
     assert_eq!(of(&one, "still"), of(&two, "still"));
     assert_ne!(of(&one, "moving"), of(&two, "moving"));
     assert_ne!(of(&one, "b"), of(&two, "b"), "keys hold those of everything upstream");

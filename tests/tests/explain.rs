@@ -153,7 +153,7 @@ fn channels_are_those_that_passes_ask_for() {
     let [view, coverage] = &of(&graph, &accounts, "view").channels[..] else { panic!("a view and its coverage") };
     assert_eq!((view.output, coverage.output), ("view", "coverage"));
     assert_eq!(view.wanted, ["Depth"]);
-    assert_eq!(view.wanted.len() + view.unasked.len(), trochoid::ViewChannel::COUNT);
+    assert_eq!(view.wanted.len() + view.unasked.len(), trochoid::Channel::COUNT);
     assert!(view.unasked.contains(&"Jacobian".into()));
     assert_eq!((&coverage.wanted[..], &coverage.unasked[..]), (&[][..], &["coverage".to_string()][..]));
     assert_eq!(of(&graph, &accounts, "depth").channels[0].wanted.len(), 1);
@@ -185,7 +185,10 @@ fn waves_below_the_pixel_and_drops_beside_the_picture_are_counted() {
     let far = omissions(&graph(FORMAT, &nodes(1000.0), field));
     assert_eq!(far.len(), 2);
     for (node, Omission { port, count, of, .. }) in &far {
-        assert_eq!((node.as_str(), *port, *count, *of), ("view", Some(("surfaces", 0)), 2.0, 3.0));
+        assert_eq!(
+            (node.as_str(), port.map(|(port, index)| (port.name(), index)), *count, *of),
+            ("view", Some(("surfaces", 0)), 2.0, 3.0)
+        );
     }
     assert_eq!(far[0].1.what, "waves");
     // From just above every wave is seen, though not to the horizon.

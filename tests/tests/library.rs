@@ -162,7 +162,11 @@ fn cancelled_evaluations_say_so() {
     let plan = Plan::new(&graph, &[], 1, &[], &settings(|s| (s.tile, s.threads) = (Some((4, 4)), 2))).unwrap();
     let expected = all_bits(&plan.evaluate(&Buffers::new(), &mut Cache::new(), &Silent).unwrap());
     let mut cache = Cache::new();
-    for left in [0, 1, 3, 7, 20] {
+    // How often a run that nobody stops asks.
+    let counter = Impatient { left: AtomicUsize::new(usize::MAX) };
+    plan.evaluate(&Buffers::new(), &mut Cache::new(), &counter).unwrap();
+    let all = usize::MAX - counter.left.into_inner();
+    for left in [0, 1, all / 8, all / 4, all / 2] {
         let monitor = Impatient { left: AtomicUsize::new(left) };
         let result = plan.evaluate(&Buffers::new(), &mut cache, &monitor);
         assert_eq!(result.err(), Some(EvalError::Cancelled), "after {left} questions");

@@ -1,11 +1,12 @@
-//! Tests across crates, one binary: architecture, golden cases of every node, scenes, random graphs, and the
-//! promises of the design, each held on real pixels.
+//! Tests across crates, one binary: architecture, scenes, random graphs, and the promises of the design, each held on
+//! real pixels. Cases that lie in files are the other binary, `cases`.
 
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
 mod access;
 mod architecture;
 mod bad_documents;
+mod book;
 mod branches;
 mod cancellation;
 mod cartoon;
@@ -15,10 +16,8 @@ mod diagram;
 mod doors;
 mod drift;
 mod explain;
-mod extremes;
 mod filters;
 mod frames;
-mod golden;
 mod hoisting;
 mod keeping;
 mod library;
@@ -28,7 +27,9 @@ mod memory;
 mod merging;
 mod painter;
 mod palette;
+mod portable;
 mod random;
+mod rooms;
 mod scale;
 mod scenes;
 mod shading;
@@ -36,4 +37,3 @@ mod spray;
 mod streaming;
 mod support;
 mod thesis;
-mod warnings;

@@ -12,7 +12,7 @@ fn documents() -> Vec<PathBuf> {
     let mut documents: Vec<PathBuf> =
         entries.filter(|path| path.extension().is_some_and(|extension| extension == "json")).collect();
     documents.sort();
-    assert!(documents.len() >= 2);
+    assert!(!documents.is_empty());
     documents
 }
 
@@ -36,7 +36,8 @@ fn golden_cases_satisfy_the_schema() {
     let validator = schema_validator();
     for entry in std::fs::read_dir(root().join("tests/nodes")).unwrap() {
         let path = entry.unwrap().path();
-        if path.to_string_lossy().ends_with(".expect.json") {
+        let name = path.to_string_lossy();
+        if name.ends_with(".expect.json") || !name.ends_with(".json") {
             continue;
         }
         let document: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(&path).unwrap()).unwrap();

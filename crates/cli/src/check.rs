@@ -214,7 +214,7 @@ impl Findings {
             }
             Err(error) => {
                 let all = (0..graph.nodes().len()).map(NodeId);
-                let notes = all.map(|id| (id, graph.node(id).ty.notes(&graph.settle(id, frame))));
+                let notes = all.map(|id| (id, graph.settle(id, frame).node().notes()));
                 let notes = notes.filter(|(_, notes)| !notes.is_empty()).collect();
                 Self {
                     frame,

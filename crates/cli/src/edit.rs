@@ -1,20 +1,76 @@
-//! `trochoid edit`: the graph editor.
+//! `trochoid edit`: becomes the editor, a program of its own, so that nothing else here needs a window system.
 
 use crate::failure::{FAILED, Failure};
-use crate::files::Reach;
-use std::path::PathBuf;
+use std::env::consts::EXE_SUFFIX;
+use std::ffi::OsString;
+use std::path::Path;
+use std::process::Command;
+use trochoid::quoted_path;
 
-#[derive(Debug, clap::Args)]
-pub(crate) struct Args {
-    /// The document; a new one if none is named
-    graph: Option<PathBuf>,
-    /// Let documents of this run read and write this file, or what lies beneath this folder; may be repeated [default: beneath
-    /// their own folder and, where that lies beneath the current one, beneath that, and what they were allowed in the editor]
-    #[arg(long, value_name = "PATH")]
-    allow: Vec<PathBuf>,
+pub(crate) fn run() -> Result<(), Failure> {
+    let own = std::env::current_exe()
+        .map_err(|error| Failure::new(FAILED, format!("the folder of this program cannot be found: {error}")))?;
+    let editor = own.with_file_name(format!("trochoid-editor{EXE_SUFFIX}"));
+    if !editor.is_file() {
+        let fault = format!("{}: found no such program; expected the editor", quoted_path(&editor));
+        return Err(Failure { code: FAILED, ..Failure::usage(fault, remedy(&editor)) });
+    }
+    let mut command = Command::new(&editor);
+    command.args(arguments(std::env::args_os().skip(1)));
+    let error = hand_over(&mut command);
+    Err(Failure::new(FAILED, format!("{}: cannot be run: {error}", quoted_path(&editor))))
 }
 
-pub(crate) fn run(args: &Args) -> Result<(), Failure> {
-    Reach { allow: args.allow.clone(), strict: false }.warn();
-    trochoid_editor::open(args.graph.as_deref(), &args.allow).map_err(|error| Failure::new(FAILED, error))
+/// The editor's arguments: all but the word that names the command, before which only options stand.
+fn arguments(all: impl Iterator<Item = OsString>) -> Vec<OsString> {
+    let mut all: Vec<OsString> = all.collect();
+    if let Some(name) = all.iter().position(|argument| argument == "edit") {
+        all.remove(name);
+    }
+    all
+}
+
+/// The command that puts the editor where it is looked for, if that is where cargo builds or installs programs.
+fn remedy(editor: &Path) -> String {
+    let folder = editor.parent().filter(|folder| folder.join("deps").is_dir());
+    let profile = match folder.and_then(|folder| folder.file_name()?.to_str()) {
+        None => return "install it, in the folder of the sources: cargo install --path crates/editor".into(),
+        Some("debug") => String::new(),
+        Some("release") => "--release ".into(),
+        Some(profile) => format!("--profile {profile} "),
+    };
+    format!("build it: cargo build {profile}-p trochoid-editor")
+}
+
+/// Lets another program take the place of this one, and says why that was not possible.
+#[cfg(unix)]
+fn hand_over(command: &mut Command) -> std::io::Error {
+    std::os::unix::process::CommandExt::exec(command)
+}
+
+/// Runs another program, ends as it ends, and says why that was not possible.
+#[cfg(not(unix))]
+fn hand_over(command: &mut Command) -> std::io::Error {
+    match command.status() {
+        Ok(status) => std::process::exit(status.code().unwrap_or(i32::from(FAILED))),
+        Err(error) => error,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_editor_gets_every_argument_but_the_name_of_the_command() {
+        for (all, handed_on) in [
+            ("edit", ""),
+            ("edit a.json --allow b", "a.json --allow b"),
+            ("--memory 8GB edit a.json", "--memory 8GB a.json"),
+            ("edit edit --allow=edit", "edit --allow=edit"),
+        ] {
+            let found = arguments(all.split_whitespace().map(OsString::from));
+            assert_eq!(found, handed_on.split_whitespace().collect::<Vec<_>>(), "{all}");
+        }
+    }
 }

@@ -212,7 +212,7 @@ impl Explained<'_> {
     fn source(&self, id: NodeId, omission: &Omission) -> Option<&str> {
         let (port, index) = omission.port?;
         let settled = self.graph.settle(id, self.frame);
-        match settled.all(port).get(index)? {
+        match settled.all(port.name()).get(index)? {
             trochoid::Source::Output { node, .. } => Some(&self.graph.node(*node).name),
             _ => None,
         }

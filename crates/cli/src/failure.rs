@@ -1,16 +1,16 @@
-use crate::{interrupt, memory};
 use trochoid::accuracy::PlanFileError;
 use trochoid::certificate::CertificateError;
 use trochoid::{Diagnostic, EvalError, LoadError, OutputError, ReferenceError, RunStatus, Severity, in_bytes};
+use trochoid_terminal::enough_memory;
+pub(crate) use trochoid_terminal::{FAILED, INVALID};
 
-/// Input or output failed, input data are bad, or the evaluation failed.
-pub(crate) const FAILED: u8 = 1;
-/// Wrong usage, or an invalid document.
-pub(crate) const INVALID: u8 = 2;
 /// A required guarantee or tolerance is not met, or a certificate does not hold.
 pub(crate) const MISSED: u8 = 3;
 /// The user stopped it.
 pub(crate) const INTERRUPTED: u8 = 130;
+
+/// What is told where the user stopped it.
+pub(crate) const INTERRUPTION: &str = "interrupted; finished files are whole, others were not begun";
 
 /// Why a command did not do what it was asked: an exit code, and what to print on stderr.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -31,6 +31,11 @@ impl Failure {
         Self { code, messages: Vec::new() }
     }
 
+    /// The user stopped it.
+    pub(crate) fn interrupted() -> Self {
+        Self::new(INTERRUPTED, INTERRUPTION)
+    }
+
     /// Wrong usage: what was found and expected, and what to do.
     pub(crate) fn usage(message: impl ToString, remedy: impl ToString) -> Self {
         let mut failure = Self::new(INVALID, message);
@@ -48,7 +53,7 @@ impl Failure {
         };
         let (takes, most) = (in_bytes(*total), in_bytes(*limit));
         let text = format!("{place}{at}: found a frame that takes about {takes}: {found}; expected at most {most}");
-        let remedy = format!("{remedy}; or allow more: --memory {}", memory::enough(*total));
+        let remedy = format!("{remedy}; or allow more: --memory {}", enough_memory(*total));
         Self { code: FAILED, ..Self::usage(text, remedy) }
     }
 
@@ -113,7 +118,7 @@ impl From<PlanFileError> for Failure {
 impl From<CertificateError> for Failure {
     fn from(error: CertificateError) -> Self {
         match error {
-            error if error.is_cancelled() => Self::new(INTERRUPTED, interrupt::INTERRUPTION),
+            error if error.is_cancelled() => Self::interrupted(),
             CertificateError::Document(LoadError::Invalid(faults)) => LoadError::Invalid(once(faults)).into(),
             CertificateError::Document(error) => error.into(),
             CertificateError::Reference(ReferenceError::Eval(error)) => Self::evaluated("", &error),

@@ -1,7 +1,6 @@
 //! What a document may read and write, and what may be written over.
 
 use crate::failure::{Failure, once};
-use crate::shell;
 use std::path::{Path, PathBuf};
 use std::sync::Once;
 use trochoid::io::Target;
@@ -43,17 +42,7 @@ impl Reach {
     /// Warns of what is allowed and not there, once, however often a document is loaded.
     pub(crate) fn warn(&self) {
         static WARNED: Once = Once::new();
-        WARNED.call_once(|| {
-            let missing = self.allow.iter().filter(|path| !path.exists());
-            let texts = missing.map(|path| {
-                format!(
-                    "warning: --allow {}: found nothing there; expected a file or folder\n  remedy: correct the path, which is \
-                     relative to the current folder, unless it is to be made",
-                    quoted_path(path)
-                )
-            });
-            shell::tell(&texts.collect::<Vec<_>>());
-        });
+        WARNED.call_once(|| trochoid_terminal::warn_of_missing(&self.allow));
     }
 
     /// The faults of files that a document may not reach, each with the remedy for all.

@@ -1,15 +1,12 @@
 //! Ctrl-C, as a question that long work asks now and then.
 
-use crate::failure::{FAILED, Failure, INTERRUPTED};
+use crate::failure::{FAILED, Failure, INTERRUPTED, INTERRUPTION};
 use crate::shell;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 /// How long long work may take to notice; then the process ends as if asked twice.
 const PATIENCE: Duration = Duration::from_secs(1);
-
-/// What is told then.
-pub(crate) const INTERRUPTION: &str = "interrupted; finished files are whole, others were not begun";
 
 static ASKED: AtomicBool = AtomicBool::new(false);
 

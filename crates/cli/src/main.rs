@@ -7,7 +7,6 @@
 #![cfg_attr(test, allow(clippy::unwrap_used, reason = "a test may panic"))]
 
 mod check;
-#[cfg(feature = "editor")]
 mod edit;
 mod explain;
 mod failure;
@@ -16,7 +15,6 @@ mod frames;
 mod graph;
 mod info;
 mod interrupt;
-mod memory;
 mod nodes;
 mod outputs;
 mod plan;
@@ -32,6 +30,7 @@ mod webp;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
+use trochoid_terminal::{EditArgs, MemoryArgs};
 
 #[global_allocator]
 static HEAP: trochoid::Heap = trochoid::Heap;
@@ -56,17 +55,14 @@ static HEAP: trochoid::Heap = trochoid::Heap;
 struct Cli {
     #[command(subcommand)]
     command: Command,
-    /// Most memory to take, such as 8GB or 500MB: what needs more is refused before it begins [default: three quarters of the
-    /// machine's]
-    #[arg(long, global = true, value_name = "SIZE", value_parser = memory::parse)]
-    memory: Option<u64>,
+    #[command(flatten)]
+    memory: MemoryArgs,
 }
 
 #[derive(Debug, Subcommand)]
 enum Command {
     /// Open the graph editor
-    #[cfg(feature = "editor")]
-    Edit(edit::Args),
+    Edit(EditArgs),
     /// Render outputs of a document into files
     Render(render::Args),
     /// Check a document: faults, guarantees, what is left out and why
@@ -100,10 +96,9 @@ fn main() -> ExitCode {
             return ExitCode::from(if error.use_stderr() { failure::INVALID } else { 0 });
         }
     };
-    memory::bound(cli.memory);
+    cli.memory.bound();
     let outcome = match &cli.command {
-        #[cfg(feature = "editor")]
-        Command::Edit(args) => edit::run(args),
+        Command::Edit(_) => edit::run(),
         Command::Render(args) => render::run(args),
         Command::Check(args) => check::run(args),
         Command::Graph(args) => graph::run(args),

@@ -3,7 +3,7 @@
 //! As JSON: the plan as `--out` writes it: `trochoid_plan`, `document_hash`, `frame`, `tolerance`, `set`, `predicted_seconds`,
 //! `certified`.
 
-use crate::failure::{FAILED, Failure, INTERRUPTED, MISSED};
+use crate::failure::{FAILED, Failure, MISSED};
 use crate::files::{self, Files, Reach};
 use crate::progress::Progress;
 use crate::shell::{self, printable};
@@ -138,7 +138,7 @@ impl Target<'_> {
         let request = Request { outputs: &outputs, frame: self.frame, tolerance, settings: self.settings };
         accuracy::plan(&load, &request, monitor).map_err(|error| match error {
             TargetError::Load(error) => error.into(),
-            TargetError::Evaluate(EvalError::Cancelled) => Failure::new(INTERRUPTED, interrupt::INTERRUPTION),
+            TargetError::Evaluate(EvalError::Cancelled) => Failure::interrupted(),
             TargetError::Evaluate(error) => Failure::evaluated(&format!("frame {}: ", self.frame), &error),
             TargetError::Missed(missed) => self.missed(&missed),
             unknown @ TargetError::Unknown { .. } => Failure::new(

@@ -1,13 +1,10 @@
 //! What is printed: results on stdout, everything else on stderr, colors on terminals alone.
 
 use crate::failure::{FAILED, Failure};
-use anstyle::{AnsiColor, Style};
+use anstyle::Style;
 use std::io::{ErrorKind, Write};
+pub(crate) use trochoid_terminal::{printable, tell};
 
-const ERROR: Style = AnsiColor::Red.on_default().bold();
-const WARNING: Style = AnsiColor::Yellow.on_default().bold();
-const NOTE: Style = AnsiColor::Green.on_default().bold();
-const REMEDY: Style = AnsiColor::Cyan.on_default().bold();
 /// Headings of manuals.
 pub(crate) const HEADING: Style = Style::new().bold();
 
@@ -33,32 +30,6 @@ pub(crate) fn print_json(value: &serde_json::Value) -> Result<(), Failure> {
     print(&format!("{value:#}\n"))
 }
 
-/// Prints messages on stderr. Where even that fails, nobody listens.
-pub(crate) fn tell<'m>(messages: impl IntoIterator<Item = &'m String>) {
-    let mut err = anstream::stderr().lock();
-    for message in messages {
-        let _ = writeln!(err, "{}", paint(message));
-    }
-}
-
-/// Colors the words at the start of lines that say what a message is.
-fn paint(message: &str) -> String {
-    let words = [("error:", ERROR), ("warning:", WARNING), ("note:", NOTE), ("  remedy:", REMEDY)];
-    let lines = message.lines().map(|line| {
-        let line = printable(line);
-        match words.iter().find(|(word, _)| line.starts_with(word)) {
-            Some((word, style)) => format!("{style}{word}{style:#}{}", &line[word.len()..]),
-            None => line,
-        }
-    });
-    lines.collect::<Vec<_>>().join("\n")
-}
-
-/// A text of a document or file without control characters, so that it cannot steer the terminal.
-pub(crate) fn printable(text: &str) -> String {
-    text.chars().map(|c| if c.is_control() { '\u{fffd}' } else { c }).collect()
-}
-
 /// Words broken into lines of at most 96 characters, each indented.
 pub(crate) fn wrap(text: &str, indent: usize) -> String {
     let mut lines = vec![String::new()];
@@ -79,14 +50,6 @@ pub(crate) fn wrap(text: &str, indent: usize) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn only_the_leading_words_are_painted() {
-        let painted = paint("error: a: error: b\u{1b}[2J\n  remedy: c");
-        assert_eq!(anstream::adapter::strip_str(&painted).to_string(), "error: a: error: b\u{fffd}[2J\n  remedy: c");
-        assert!(painted.starts_with('\u{1b}') && painted.contains("\n\u{1b}"));
-        assert!(!paint("found error: b").contains('\u{1b}'));
-    }
 
     #[test]
     fn lines_are_short_and_nothing_is_lost() {

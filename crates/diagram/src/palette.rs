@@ -1,7 +1,7 @@
 //! The control colors of a document.
 
 use std::collections::HashSet;
-use trochoid_graph::{CheckedGraph, Item, NodeId, Settled, Source, Takes};
+use trochoid_graph::{CheckedGraph, Item, NodeId, Source, Takes, Values};
 use trochoid_image::WorkingSpace;
 
 /// A color for display: sRGB of 8 bits a channel, clipped to what a display shows.
@@ -29,7 +29,7 @@ pub fn controls(graph: &CheckedGraph, id: NodeId) -> Vec<Swatch> {
     colors.into_iter().map(|color| Swatch::of(color, graph.space())).collect()
 }
 
-fn collect(items: &[Item], record: &Settled, colors: &mut Vec<[f64; 3]>) {
+fn collect(items: &[Item], record: &Values, colors: &mut Vec<[f64; 3]>) {
     for item in items {
         match item {
             Item::Port(port) => colors.extend(record.all(port.name).iter().filter_map(Source::color)),

@@ -102,7 +102,8 @@ fn has_display() -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::layout::{self, Pane};
+    use crate::actions::Pane;
+    use crate::layout;
     use eframe::{App as _, Storage};
     use std::collections::HashMap;
 

@@ -1,8 +1,6 @@
 //! Every command once: menus, shortcuts and the palette derive from this table.
 
-use crate::actions::{Action, Switch};
-use crate::canvas::Line;
-use crate::layout::Pane;
+use crate::actions::{Action, Line, Pane, Switch};
 use crate::state::State;
 use egui::{Key, KeyboardShortcut, Modifiers};
 

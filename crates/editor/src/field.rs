@@ -436,7 +436,7 @@ pub(crate) fn value_ui(
     let written = match value {
         Value::String(text) => text.clone(),
         Value::Null => String::new(),
-        other => crate::document::edit::style(other),
+        other => crate::document::change::style(other),
     };
     let mut told = draft_ui(ui, (salt, &written), read, |text| TextEdit::singleline(text).desired_width(width));
     if written.len() > SEEN && !told.response.has_focus() {

@@ -17,6 +17,7 @@
 pub mod actions;
 mod app;
 pub mod canvas;
+mod choice;
 pub mod commands;
 pub mod document;
 pub mod editor;

@@ -1,12 +1,10 @@
 //! Folders that documents may reach besides their own: which are asked for, what was answered, by document, and what of that
 //! is taken back.
 
-use crate::actions::Action;
-use crate::editor::Editor;
-use crate::prompts::titled;
-use egui::{Context, Modal, ScrollArea, Ui, WidgetInfo, WidgetType};
+use crate::actions::Grant;
+use egui::Ui;
 use std::path::{Path, PathBuf};
-use trochoid::{Access, Refused, Right};
+use trochoid::{Access, Refused};
 
 /// How many documents are remembered.
 const MOST: usize = 200;
@@ -17,53 +15,15 @@ const MOST_FOLDERS: usize = 50;
 /// Most bytes of the list: paths are short.
 const MOST_BYTES: u64 = 16 << 20;
 
-/// A folder that a document was allowed, with all beneath it, and for what. As it is remembered: a path alone is of reading.
-#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-#[serde(untagged)]
-pub enum Grant {
-    /// It may read there.
-    Read(PathBuf),
-    /// It may write there.
-    Write {
-        /// Where.
-        write: PathBuf,
-    },
-}
-
-impl Grant {
-    /// What was refused, allowed.
-    fn of(refused: &Refused) -> Self {
-        let folder = refused.outside.folder().to_path_buf();
-        match refused.right() {
-            Right::Read => Self::Read(folder),
-            Right::Write => Self::Write { write: folder },
-        }
-    }
-
-    /// The folder, what may be done there, and the word for that.
-    fn parts(&self) -> (&Path, Right, &'static str) {
-        match self {
-            Self::Read(folder) => (folder, Right::Read, "reading"),
-            Self::Write { write } => (write, Right::Write, "writing"),
-        }
-    }
-}
-
-impl std::fmt::Display for Grant {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let (folder, _, doing) = self.parts();
-        write!(f, "{doing} {}", folder.display())
-    }
-}
-
 /// A document, and what was allowed it.
-type Answer = (PathBuf, Vec<Grant>);
+pub(crate) type Answer = (PathBuf, Vec<Grant>);
 
 fn list(data: &Path) -> PathBuf {
     data.join("allowed.json")
 }
 
-fn read(data: &Path) -> Vec<Answer> {
+/// What every document was allowed, the newest first.
+pub(crate) fn read(data: &Path) -> Vec<Answer> {
     let text = trochoid::io::read_text(list(data), MOST_BYTES).unwrap_or_default();
     serde_json::from_str(&text).unwrap_or_default()
 }
@@ -152,59 +112,10 @@ fn help(refused: &Refused, grant: &Grant, has_file: bool) -> String {
     )
 }
 
-/// Shows which folders documents were allowed, and takes them back; whether it stays open.
-pub(crate) fn allowed_ui(editor: &mut Editor, context: &Context) -> bool {
-    let state = editor.state();
-    let own = state.session.file().map(whole);
-    let mut others = editor.prompts.data().map(read).unwrap_or_default();
-    others.retain(|(document, _)| Some(document) != own.as_ref());
-    let mut asked = None;
-    let mut closes = false;
-    let modal = Modal::new("allowed".into()).show(context, |ui| {
-        titled(ui, "Allowed folders");
-        ui.label("Where documents may read and write besides their own folders, because it was allowed here.");
-        ui.add_space(4.0);
-        ScrollArea::vertical().max_height(320.0).show(ui, |ui| {
-            ui.strong(format!("{} (open)", state.session.title()));
-            asked = grants_ui(ui, &editor.answers).map(|grant| Action::Forbid(None, grant));
-            for (document, grants) in &others {
-                ui.add_space(4.0);
-                ui.strong(document.display().to_string());
-                let taken = grants_ui(ui, grants).map(|grant| Action::Forbid(Some(document.clone()), grant));
-                asked = asked.take().or(taken);
-            }
-        });
-        ui.add_space(8.0);
-        closes = ui.button("Close").clicked();
-    });
-    if let Some(action) = asked {
-        editor.act(action, context);
-    }
-    !closes && !modal.should_close()
-}
-
-/// A row for each folder, with what is allowed there; gives what is taken back.
-fn grants_ui(ui: &mut Ui, grants: &[Grant]) -> Option<Grant> {
-    let mut taken = None;
-    if grants.is_empty() {
-        ui.weak("No folder besides its own.");
-    }
-    for grant in grants {
-        ui.horizontal(|ui| {
-            let remove = ui.button("Remove").on_hover_text("It is asked again when the document needs it next.");
-            remove.widget_info(|| WidgetInfo::labeled(WidgetType::Button, true, format!("Remove {grant}")));
-            if remove.clicked() {
-                taken = Some(grant.clone());
-            }
-            ui.add(egui::Label::new(grant.to_string()).wrap());
-        });
-    }
-    taken
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use trochoid::Right;
 
     fn reading(folder: &str) -> Grant {
         Grant::Read(folder.into())

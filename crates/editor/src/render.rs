@@ -13,7 +13,7 @@ use trochoid::{
 
 /// A run.
 pub(crate) struct Renderer {
-    shared: Arc<Shared>,
+    shared: Arc<RunState>,
     total: usize,
     thread: Option<JoinHandle<Result<String, String>>>,
 }
@@ -43,7 +43,7 @@ impl From<OutputError> for Obstacle {
 }
 
 #[derive(Default)]
-struct Shared {
+struct RunState {
     stop: AtomicBool,
     done: AtomicUsize,
     /// Thousandths of the present frame.
@@ -51,7 +51,7 @@ struct Shared {
     context: Mutex<Option<egui::Context>>,
 }
 
-impl Shared {
+impl RunState {
     fn wake(&self) {
         if let Some(context) = self.context.lock().unwrap_or_else(PoisonError::into_inner).as_ref() {
             context.request_repaint();
@@ -59,7 +59,7 @@ impl Shared {
     }
 }
 
-impl Monitor for Shared {
+impl Monitor for RunState {
     fn progress(&self, done: usize, total: usize) {
         self.share.store((1000 * done / total.max(1)) as u32, Ordering::Relaxed);
     }
@@ -99,7 +99,7 @@ impl Renderer {
         if let Some(fault) = check_destinations(named.iter().map(PathBuf::as_path)).first() {
             return Err(fault.to_string().into());
         }
-        let shared = Arc::new(Shared { context: Mutex::new(Some(context)), ..Shared::default() });
+        let shared = Arc::new(RunState { context: Mutex::new(Some(context)), ..RunState::default() });
         let (theirs, total) = (shared.clone(), frames.len());
         let run = move || {
             let outcome = run(&graph, &outputs, &frames, &theirs);
@@ -139,7 +139,7 @@ impl Drop for Renderer {
     }
 }
 
-fn run(graph: &CheckedGraph, outputs: &[usize], frames: &[i64], shared: &Shared) -> Result<String, String> {
+fn run(graph: &CheckedGraph, outputs: &[usize], frames: &[i64], shared: &RunState) -> Result<String, String> {
     let names: Vec<&str> = outputs.iter().map(|&index| graph.outputs()[index].name.as_str()).collect();
     let mut cache = Cache::new();
     let (mut missed, mut folder): (Vec<String>, Option<PathBuf>) = (Vec::new(), None);

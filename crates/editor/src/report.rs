@@ -13,12 +13,12 @@ use trochoid::{Format, Loaded, NodeReport, Settings, Silent, State as Became, To
 /// What the panel holds besides what all see.
 #[derive(Default)]
 pub(crate) struct Report {
-    measuring: Option<Receiver<Measured>>,
-    measured: Option<Measured>,
+    measuring: Option<Receiver<Measurement>>,
+    measured: Option<Measurement>,
 }
 
 /// How accurate settings are, and how long they take.
-struct Measured {
+struct Measurement {
     revision: u64,
     outcome: Result<Vec<Step>, String>,
 }
@@ -196,13 +196,13 @@ fn accuracy_ui(report: &mut Report, ui: &mut Ui, state: &State) {
     }
 }
 
-fn measure(result: &crate::evaluate::Result, revision: u64, context: egui::Context) -> Receiver<Measured> {
+fn measure(result: &crate::evaluate::Result, revision: u64, context: egui::Context) -> Receiver<Measurement> {
     let (sender, inbox) = channel();
     let result = result.clone();
     std::thread::spawn(move || {
         let outcome = ladder(&result);
         // The window may be closed by then.
-        let _ = sender.send(Measured { revision, outcome });
+        let _ = sender.send(Measurement { revision, outcome });
         context.request_repaint();
     });
     inbox

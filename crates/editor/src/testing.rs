@@ -1,5 +1,6 @@
 //! An editor without a window, for tests.
 
+use crate::actions::Action;
 use crate::document::Session;
 use crate::editor::Editor;
 use egui_kittest::Harness;
@@ -31,6 +32,18 @@ pub(crate) fn sized(session: Session, data: Option<PathBuf>, size: [f32; 2]) -> 
 /// The editor within.
 pub(crate) fn editor(window: &Window) -> &Editor {
     window.state().as_ref().unwrap()
+}
+
+/// Does what is asked for, and draws nothing yet.
+pub(crate) fn ask(window: &mut Window, action: Action) {
+    let context = window.ctx.clone();
+    window.state_mut().as_mut().unwrap().act(action, &context);
+}
+
+/// Does what is asked for, and draws what follows from it.
+pub(crate) fn act(window: &mut Window, action: Action) {
+    ask(window, action);
+    window.run_steps(3);
 }
 
 /// Draws until something holds; frames follow each other as in a window.

@@ -10,7 +10,7 @@ use egui_plot::{Line, Plot, PlotPoints, Points, Polygon};
 use serde_json::{Value, json};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
-use trochoid::{CheckedGraph, Item, Knob, KnobDefault, Spectrum, Stability, Takes, stability_of};
+use trochoid::{CheckedGraph, Item, Knob, KnobDefault, Role, Spectrum, Stability, Takes, stability_of};
 
 /// What the panel holds besides what all see.
 #[derive(Default)]
@@ -27,7 +27,7 @@ enum Found {
 
 /// Draws the sea that is chosen, or else the document's first.
 pub(crate) fn waves_ui(waves: &mut Waves, ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
-    let is_sea = |node: &&Node| matches!(node.ty.as_str(), "GerstnerSea" | "ToonSea" | "RippleSea");
+    let is_sea = |node: &&Node| node.is(Role::Sea);
     let sheet = state.sheet();
     let chosen = state.chosen().and_then(|name| sheet.node(name)).filter(is_sea);
     // Whatever is chosen: the sea that it shows or floats on.
@@ -56,9 +56,8 @@ pub(crate) fn waves_ui(waves: &mut Waves, ui: &mut Ui, state: &State, actions: &
             ui.weak("The document has errors: correct them to see its waves.");
             return;
         };
-        match sea.ty.as_str() {
-            "GerstnerSea" => spectrum_ui(waves, ui, state, sea, graph),
-            _ => stability_ui(waves, ui, state, sea, graph, actions),
+        if !spectrum_ui(waves, ui, state, sea, graph) {
+            stability_ui(waves, ui, state, sea, graph, actions);
         }
     });
 }
@@ -97,13 +96,14 @@ fn knobs_ui(ui: &mut Ui, state: &State, sea: &Node, actions: &mut Vec<Action>) {
         ui.vertical(|ui| {
             for name in KNOBS.into_iter().filter(|name| *name != "direction") {
                 let Some(knob) = knob(name) else { continue };
-                // What counts only under another choice would do nothing.
-                let counts = match name {
-                    "speed" if sea.ty == "GerstnerSea" => text_of(state, &path, "dispersion") == "speed",
-                    "period" => text_of(state, &path, "dispersion") == "period",
-                    _ => true,
-                };
-                if counts {
+                // What is named like a word of a choice counts only where that is chosen.
+                let mut choices = declaration.items.iter().filter_map(|item| match item {
+                    Item::Knob(Knob { name: choice, takes: Takes::Choice(words), .. }) if words.contains(&name) => {
+                        Some(choice)
+                    }
+                    _ => None,
+                });
+                if choices.all(|choice| text_of(state, &path, choice) == name) {
                     slider_ui(ui, state, &path, &knob, actions);
                 }
             }
@@ -214,16 +214,17 @@ fn dial_ui(ui: &mut Ui, path: &Path, value: Option<f64>, actions: &mut Vec<Actio
     response.on_hover_text(format!("Waves travel toward {degrees:.0}°, seen from above. Shift: steps of 15°."));
 }
 
-fn spectrum_ui(waves: &mut Waves, ui: &mut Ui, state: &State, sea: &Node, graph: &Arc<CheckedGraph>) {
+/// Draws the waves that a sea is made of; whether it is made of waves.
+fn spectrum_ui(waves: &mut Waves, ui: &mut Ui, state: &State, sea: &Node, graph: &Arc<CheckedGraph>) -> bool {
     let (revision, frame) = (state.session.revision(), state.frame);
     let current = |known: &(String, u64, i64, Option<Spectrum>)| {
         (known.0.as_str(), known.1, known.2) == (&sea.name, revision, frame)
     };
     if !waves.spectrum.as_ref().is_some_and(current) {
-        let found = graph.find(&sea.name).and_then(|id| graph.node(id).ty.spectrum(&graph.settle(id, frame)));
+        let found = graph.find(&sea.name).and_then(|id| graph.settle(id, frame).node().dynamics()?.spectrum());
         waves.spectrum = Some((sea.name.clone(), revision, frame, found));
     }
-    let Some((.., Some(spectrum))) = &waves.spectrum else { return };
+    let Some((.., Some(spectrum))) = &waves.spectrum else { return false };
     ui.separator();
     let (text, color) = match spectrum.unfolded {
         margin if margin.is_infinite() => ("Crests never fold over.".into(), ui.visuals().text_color()),
@@ -271,6 +272,7 @@ fn spectrum_ui(waves: &mut Waves, ui: &mut Ui, state: &State, sea: &Node, graph:
         .show(ui, |plot| {
             plot.points(Points::new("", PlotPoints::from(rose)).radius(1.5).color(Color32::from_rgb(0x5c, 0x9d, 0xdc)));
         });
+    true
 }
 
 fn counted(waves: usize) -> String {

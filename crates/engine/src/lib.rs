@@ -6,50 +6,32 @@
 //! rest is left out; [`Plan::evaluate`] gives a [`Frame`]. Output is bit-identical for every tile size, number
 //! of threads, and switch of [`Switches`]. [`ReferenceFrame`] is the slow f64 evaluator that all of this is
 //! held against.
+//!
+//! Two rooms: `planning` makes plans, `running` does what they say, and data walks that way alone. Both stand on `kernel`, which
+//! compiles programs and runs them over chunks of samples, and on `rules`, what is known of each operation besides.
 
-mod bands;
-mod buffers;
-mod certify;
-mod controls;
-mod examine;
-mod explain;
-mod fill;
-mod frame;
-mod inspect;
 mod judge;
-mod keep;
 mod kernel;
-mod left_out;
-mod lower;
-mod memory;
-mod optimize;
-mod plan;
-mod planner;
-mod points;
-mod prepare;
-mod reference;
+mod planning;
 mod rules;
-mod run;
-mod schedule;
+mod running;
 mod settings;
-mod shading;
 #[cfg(test)]
 mod tests;
-mod tile;
 
-pub use buffers::Buffers;
-pub use certify::{Certified, Certifier, Distribution, Limiting};
-pub use explain::{Account, Channels, Evidence, Fate, Proved};
-pub use frame::{EvalError, Frame, Monitor, NodeReport, Phases, Picture, Silent, State};
-pub use inspect::{Blame, Inspected, Inspection};
-pub use left_out::LeftOut;
-pub use memory::{MemoryAccount, Pictures, Taker};
-pub use plan::{Plan, PlanError};
-pub use points::ShadingPlan;
-pub use prepare::Cache;
-pub use reference::{ReferenceError, ReferenceFrame, ReferencePixel};
+pub use planning::explain::{Account, Channels, Evidence, Fate, Proved};
+pub use planning::left_out::LeftOut;
+pub use planning::plan::{Plan, PlanError};
 pub use rules::interval::Interval;
-pub use run::Sink;
+pub use running::buffers::Buffers;
+pub use running::certify::{Certified, Certifier, Distribution, Limiting};
+pub use running::frame::{EvalError, Frame, Monitor, NodeReport, Phases, Picture, Silent, State};
+pub use running::inspect::{Blame, Inspected, Inspection};
+pub use running::memory::{MemoryAccount, Pictures, Taker};
+pub use running::points::ShadingPlan;
+pub use running::prepare::Cache;
+pub use running::reference::{ReferenceError, ReferenceFrame, ReferencePixel};
+pub use running::run::Sink;
 pub use settings::{Judging, Settings, Switches};
 pub use trochoid_memory::Instructions;
 pub use trochoid_weights::{Audit, Hull};

@@ -1,5 +1,6 @@
 use trochoid_graph::NodeId;
 use trochoid_image::Window;
+use trochoid_key::content_key;
 use trochoid_memory::{Heap, Instructions};
 
 /// Which pixels are held against the hull of their palette.
@@ -15,6 +16,13 @@ pub enum Judging {
     /// Every 64th row, for about a hundredth of the time.
     Sampled,
 }
+
+content_key!(
+    enum Judging {
+        All,
+        Sampled,
+    }
+);
 
 /// Which optimizations run; none changes a bit of the output.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -34,6 +42,8 @@ pub struct Switches {
     /// Run the pointwise program as machine code, where the processor and the system allow it.
     pub compile: bool,
 }
+
+content_key!(Switches { demand, prune, fold, merge, hoist, fuse, compile });
 
 impl Switches {
     /// Every optimization.

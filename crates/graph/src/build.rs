@@ -1,7 +1,8 @@
 //! How nodes append to the pointwise program: typed, so that what is written is a blend.
 //!
 //! A [`Mask`] or [`Weights`] cannot be made but by the builder's operations, each of which keeps weights ≥ 0
-//! with sum 1. Having one is the proof:
+//! with sum 1. Having one is the proof that no color of the program leaves the hull of its controls; that rounding keeps
+//! what the operations promise is proved where they are defined, in `trochoid_weights::arithmetic`. None of these compile:
 //!
 //! ```compile_fail
 //! # use trochoid_graph::{Mask, Scalar};
@@ -26,6 +27,33 @@ use crate::program::{Color, Op, Partition, Program, Scalar, Slot};
 use crate::{Kind, NodeId};
 
 /// A scalar that is proved to lie in [0, 1]: a two-way partition of unity.
+///
+/// ```compile_fail
+/// # use trochoid_graph::{Mask, Scalar};
+/// fn forged(field: Scalar) -> Mask {
+///     field.into()
+/// }
+/// ```
+///
+/// ```compile_fail
+/// # use trochoid_graph::{Mask, Scalar};
+/// fn forged(mut mask: Mask, field: Scalar) -> Mask {
+///     mask.0 = field;
+///     mask
+/// }
+/// ```
+///
+/// ```compile_fail
+/// // Operators could leave [0, 1].
+/// # use trochoid_graph::Mask;
+/// fn forged(a: Mask, b: Mask) -> Mask {
+///     a + b
+/// }
+/// ```
+///
+/// ```compile_fail
+/// let forged = trochoid_graph::Mask::default();
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Mask(Scalar);
 
@@ -37,6 +65,34 @@ impl Mask {
 }
 
 /// Weights that are proved to be ≥ 0 and to sum to 1.
+///
+/// ```compile_fail
+/// # use trochoid_graph::{Partition, Weights};
+/// fn forged(raw: Partition) -> Weights {
+///     Weights(raw)
+/// }
+/// ```
+///
+/// ```compile_fail
+/// # use trochoid_graph::{Scalar, Weights};
+/// fn forged(fields: Vec<Scalar>) -> Weights {
+///     fields.into()
+/// }
+/// ```
+///
+/// ```compile_fail
+/// // Numbers are weighed by the builder, which looks at them.
+/// # use trochoid_graph::Weights;
+/// let forged: Weights = [0.7, 0.7].into_iter().collect();
+/// ```
+///
+/// ```compile_fail
+/// let forged: trochoid_graph::Weights = "[0.7, 0.7]".parse().unwrap();
+/// ```
+///
+/// ```compile_fail
+/// let forged = trochoid_graph::Weights::default();
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Weights(Form);
 

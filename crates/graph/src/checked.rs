@@ -2,9 +2,11 @@
 //! can stop its evaluation.
 
 use crate::Tolerance;
-use crate::{Access, Body, FrameContext, Item, Kind, NodeId, NodeType, Record, Setting, Settled, Source, Takes, Work};
+use crate::{Access, FrameContext, Item, Kind, NodeId, NodeType, Record, Setting, Settled, Takes, Work};
 use std::path::{Path, PathBuf};
+use std::time::SystemTime;
 use trochoid_image::{Format, WorkingSpace};
+use trochoid_key::{ContentKey, Key, KeyHasher};
 
 /// A checked node.
 #[derive(Clone)]
@@ -12,7 +14,7 @@ pub struct CheckedNode {
     /// Name in the document.
     pub name: String,
     /// Its type.
-    pub ty: &'static dyn NodeType,
+    pub ty: &'static NodeType,
     /// Knobs and connections.
     pub record: Record,
     /// Kinds of its outputs.
@@ -131,6 +133,18 @@ pub struct OutputSpec {
     pub require: Option<Guarantee>,
     /// Line and column of `file` in the document, or of the output where there is none.
     pub place: [usize; 2],
+}
+
+/// A file by its path, its length and the time of its last change: one that has the same ones is the same.
+pub type FileState = (PathBuf, Option<(u64, Option<SystemTime>)>);
+
+/// The states of files, such as a node reads.
+pub fn file_states(files: &[PathBuf]) -> Vec<FileState> {
+    let state = |path: &PathBuf| {
+        let found = std::fs::metadata(path).ok();
+        (path.clone(), found.map(|found| (found.len(), found.modified().ok())))
+    };
+    files.iter().map(state).collect()
 }
 
 /// A validated graph. Made by [`crate::check()`] only.
@@ -264,20 +278,15 @@ impl CheckedGraph {
         let needed = self.reached(self.outputs.iter().map(|output| output.node), frame);
         let nodes = self.nodes.iter().enumerate().filter(|(index, _)| needed[*index]);
         let work = nodes.filter_map(|(index, node)| {
-            Some((node.name.as_str(), node.ty.work(&self.settle(NodeId(index), frame), self.format, time)?))
+            Some((node.name.as_str(), self.settle(NodeId(index), frame).node().work(self.format, time)?))
         });
         work.filter(|(_, work)| work.is_heavy()).collect()
     }
 
-    /// A node's knobs at a frame.
+    /// A node at a frame.
     pub fn settle(&self, id: NodeId, frame: i64) -> Settled {
-        self.nodes[id.0].record.settle(frame as f64)
-    }
-
-    /// The one connection that a node hands on unchanged, given its knobs at a frame.
-    pub fn identity<'s>(&self, id: NodeId, settled: &'s Settled) -> Option<&'s Source<Vec<f64>>> {
-        let (port, index) = self.nodes[id.0].ty.identity(settled)?;
-        settled.all(port).get(index)
+        let node = &self.nodes[id.0];
+        node.ty.settle(node.record.settle(frame as f64))
     }
 
     /// Everything that is connected to the roots, themselves included.
@@ -290,17 +299,8 @@ impl CheckedGraph {
     pub fn reached(&self, roots: impl IntoIterator<Item = NodeId>, frame: i64) -> Vec<bool> {
         self.walk(roots, |id, open| {
             let settled = self.settle(id, frame);
-            self.each_needed(id, &settled, |node| open.push(node));
+            settled.each_needed(|node| open.push(node));
         })
-    }
-
-    /// Calls `f` with every node that a node takes its result from, given its knobs at a frame.
-    pub fn each_needed(&self, id: NodeId, settled: &Settled, mut f: impl FnMut(NodeId)) {
-        match self.identity(id, settled) {
-            Some(Source::Output { node, .. }) => f(*node),
-            Some(_) => {}
-            None => settled.each_node(f),
-        }
     }
 
     fn walk(
@@ -329,10 +329,7 @@ impl CheckedGraph {
 
     /// Files that a node reads at a frame.
     pub fn files_of(&self, id: NodeId, context: &FrameContext) -> Vec<PathBuf> {
-        match self.nodes[id.0].ty.body() {
-            Body::Stage(stage) => stage.files(&self.settle(id, context.frame), context),
-            Body::Pointwise(_) => Vec::new(),
-        }
+        self.settle(id, context.frame).stage().map_or_else(Vec::new, |stage| stage.files(context))
     }
 
     /// Content keys at a frame of all nodes that have their knobs in `settled`: equal keys mean equal results.
@@ -340,31 +337,21 @@ impl CheckedGraph {
     /// A key covers type and its revision, knobs at the frame, the keys of everything connected, and, where
     /// the node says that it depends on them, time and format. Files count by path, length and time of change. A
     /// connected node without knobs in `settled` counts as nothing: its result must not matter.
-    pub fn keys(&self, settled: &[Option<Settled>], context: &FrameContext) -> Vec<String> {
-        let mut keys = vec![String::new(); self.nodes.len()];
-        let format = format!("{:?} {:?}", context.format, context.whole);
-        let mut text = Vec::new();
+    pub fn keys(&self, settled: &[Option<Settled>], context: &FrameContext) -> Vec<Key> {
+        let mut keys = vec![Key::default(); self.nodes.len()];
         for &id in &self.order {
             let Some(settled) = &settled[id.0] else { continue };
             let ty = self.nodes[id.0].ty;
             let declaration = ty.declaration();
-            text.clear();
-            text.extend(format!("{} {} ", declaration.name, declaration.revision).bytes());
-            settled.describe(&keys, &mut text);
-            text.extend(self.space.name().bytes());
-            if let Body::Stage(stage) = ty.body() {
-                if stage.timed() {
-                    text.extend(context.time.to_bits().to_le_bytes());
-                }
-                if stage.formatted() {
-                    text.extend(format.bytes());
-                }
-                for file in stage.files(settled, context) {
-                    let state = std::fs::metadata(&file).map(|data| (data.len(), data.modified().ok()));
-                    text.extend(format!("{} {state:?}", file.display()).bytes());
-                }
+            let mut hasher = KeyHasher::new();
+            (declaration.name, declaration.revision, self.space).feed(&mut hasher);
+            settled.feed(&keys, &mut hasher);
+            if let Some(stage) = settled.stage() {
+                stage.timed().then_some(context.time).feed(&mut hasher);
+                stage.formatted().then_some((context.format, context.whole)).feed(&mut hasher);
+                file_states(&stage.files(context)).feed(&mut hasher);
             }
-            keys[id.0] = blake3::hash(&text).to_hex().to_string();
+            keys[id.0] = hasher.finish();
         }
         keys
     }

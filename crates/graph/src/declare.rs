@@ -22,6 +22,10 @@ pub struct Declaration {
     pub items: &'static [Item],
     /// Outputs; the first is meant where a reference names the node alone.
     pub outputs: &'static [Output],
+    /// What it is to programs that look for one of its kind.
+    pub role: Option<Role>,
+    /// What its outputs have beside their kind.
+    pub offers: &'static [Offer],
     /// Raised when the node's results change, so that no cache returns the old ones.
     pub revision: u32,
 }
@@ -33,6 +37,51 @@ pub enum End {
     Front,
     /// Convex operations only; makes Colors and Weights.
     Back,
+}
+
+/// What a node type is to programs that look for one of its kind: editors, and checks of other nodes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Role {
+    /// The usual camera.
+    Camera,
+    /// The usual light.
+    Light,
+    /// What looks at surfaces through a camera.
+    Render,
+    /// A view of passes that were rendered elsewhere.
+    Passes,
+    /// A sea, or other water.
+    Sea,
+    /// The usual way from a field to a mask.
+    Threshold,
+    /// The usual pass of light: how surfaces look that are lit and nothing else.
+    Clay,
+    /// Colors in rows and columns.
+    Patch,
+}
+
+/// What an output has beside its kind, for what needs just that.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Offer {
+    /// A plane at rest, over which it stands: of every sea.
+    Rest,
+    /// Waves that crests break of, in closed form.
+    Waves,
+    /// What bursts leave behind.
+    Trails,
+    /// Folds, which some take for breaking crests.
+    Folds,
+}
+
+impl std::fmt::Display for Offer {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Rest => "plane at rest",
+            Self::Waves => "waves",
+            Self::Trails => "trails of bursts",
+            Self::Folds => "folds",
+        })
+    }
 }
 
 /// One output of a node type.
@@ -81,6 +130,8 @@ pub struct Port {
     pub accepts: Accepts,
     /// How many connections.
     pub arity: Arity,
+    /// What it makes use of beside the kind.
+    pub wants: &'static [Offer],
 }
 
 /// How many connections a port takes.
@@ -196,161 +247,4 @@ pub struct List {
     pub min: usize,
     /// Most records.
     pub max: usize,
-}
-
-impl Port {
-    /// A port with exactly one connection.
-    pub const fn one(name: &'static str, accepts: Accepts, help: &'static str) -> Item {
-        Item::Port(Self { name, help, accepts, arity: Arity::One })
-    }
-
-    /// A port that may be left open.
-    pub const fn optional(name: &'static str, accepts: Accepts, help: &'static str) -> Item {
-        Item::Port(Self { name, help, accepts, arity: Arity::Optional })
-    }
-
-    /// A port with an array of connections.
-    pub const fn many(name: &'static str, accepts: Accepts, min: usize, max: usize, help: &'static str) -> Item {
-        Item::Port(Self { name, help, accepts, arity: Arity::Many { min, max } })
-    }
-}
-
-impl Knob {
-    const fn new(
-        name: &'static str,
-        takes: Takes,
-        default: Option<Default>,
-        animated: bool,
-        help: &'static str,
-    ) -> Self {
-        Self {
-            name,
-            help,
-            unit: "",
-            takes,
-            default,
-            animated,
-            held: false,
-            accuracy: false,
-            scales: false,
-            drawn: false,
-        }
-    }
-
-    /// A number in `[min, max]` with a default.
-    pub const fn number(name: &'static str, default: f64, min: f64, max: f64, help: &'static str) -> Self {
-        Self::new(name, Takes::Number { min, max }, Some(Default::Number(default)), true, help)
-    }
-
-    /// A whole number in `[min, max]` with a default.
-    pub const fn integer(name: &'static str, default: i64, min: i64, max: i64, help: &'static str) -> Self {
-        Self::new(name, Takes::Integer { min, max }, Some(Default::Number(default as f64)), true, help)
-    }
-
-    /// A truth value with a default.
-    pub const fn bool(name: &'static str, default: bool, help: &'static str) -> Self {
-        Self::new(name, Takes::Bool, Some(Default::Bool(default)), false, help)
-    }
-
-    /// One of several words; the first is the default.
-    pub const fn choice(name: &'static str, words: &'static [&'static str], help: &'static str) -> Self {
-        Self::new(name, Takes::Choice(words), Some(Default::Text(words[0])), false, help)
-    }
-
-    /// A color, required.
-    pub const fn color(name: &'static str, help: &'static str) -> Self {
-        Self::new(name, Takes::Color, None, true, help)
-    }
-
-    /// A vector of numbers with a default.
-    pub const fn vector(name: &'static str, default: &'static [f64], help: &'static str) -> Self {
-        Self::new(name, Takes::Vector(default.len()), Some(Default::Vector(default)), true, help)
-    }
-
-    /// A text that may be left unset.
-    pub const fn text(name: &'static str, help: &'static str) -> Self {
-        Self::new(name, Takes::Text, Some(Default::Unset), false, help)
-    }
-
-    /// A path, required.
-    pub const fn path(name: &'static str, help: &'static str) -> Self {
-        Self::new(name, Takes::Path, None, false, help)
-    }
-
-    /// A list of numbers, required.
-    pub const fn numbers(name: &'static str, min: usize, max: usize, help: &'static str) -> Self {
-        Self::new(name, Takes::Numbers { min, max }, None, false, help)
-    }
-
-    /// A list of texts that may be left unset.
-    pub const fn texts(name: &'static str, max: usize, help: &'static str) -> Self {
-        Self::new(name, Takes::Texts { max }, Some(Default::Unset), false, help)
-    }
-
-    /// Removes the default, so that the document must set the knob.
-    pub const fn required(mut self) -> Self {
-        self.default = None;
-        self
-    }
-
-    /// Lets the node see the knob as unset where the document sets none.
-    pub const fn optional(mut self) -> Self {
-        self.default = Some(Default::Unset);
-        self
-    }
-
-    /// Lets each key hold until the next.
-    pub const fn held(mut self) -> Self {
-        self.held = true;
-        self
-    }
-
-    /// Says that its words, or numbers, stand from the coarsest to the most accurate method.
-    pub const fn accuracy(mut self) -> Self {
-        self.accuracy = true;
-        self
-    }
-
-    /// Says that the node's work grows with it.
-    pub const fn scales(mut self) -> Self {
-        self.scales = true;
-        self
-    }
-
-    /// Says that it is a length on the picture, in pixels, as the width of a line is.
-    pub const fn drawn(mut self) -> Self {
-        self.drawn = true;
-        self.unit("pixels")
-    }
-
-    /// States the unit.
-    pub const fn unit(mut self, unit: &'static str) -> Self {
-        self.unit = unit;
-        self
-    }
-
-    /// Ends the declaration of a knob.
-    pub const fn item(self) -> Item {
-        Item::Knob(self)
-    }
-}
-
-impl List {
-    /// A list of `min` to `max` records.
-    pub const fn of(name: &'static str, items: &'static [Item], min: usize, max: usize, help: &'static str) -> Item {
-        Item::List(Self { name, help, items, min, max })
-    }
-}
-
-impl Output {
-    /// An output of one kind.
-    pub const fn new(name: &'static str, kind: Kind, help: &'static str) -> Self {
-        Self { name, kind, help, stored: &[] }
-    }
-
-    /// States the names of its channels in files.
-    pub const fn stored_as(mut self, channels: &'static [&'static str]) -> Self {
-        self.stored = channels;
-        self
-    }
 }

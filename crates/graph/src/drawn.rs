@@ -1,6 +1,6 @@
 //! The same picture with fewer pixels.
 
-use crate::{CheckedGraph, Declaration, Item, Record, Setting, Takes};
+use crate::{CheckedGraph, Item, Record, Setting, Takes};
 use trochoid_image::Format;
 
 impl CheckedGraph {
@@ -9,14 +9,14 @@ impl CheckedGraph {
     pub fn drawn_at(mut self, format: Format) -> Self {
         let scale = f64::from(format.width()) / f64::from(self.format.width());
         for node in &mut self.nodes {
-            shrink(node.ty.declaration(), &mut node.record, scale);
+            shrink(node.ty.declaration().items, &mut node.record, scale);
         }
         self.with_format(format)
     }
 }
 
-fn shrink(declaration: &Declaration, record: &mut Record, scale: f64) {
-    for item in declaration.items {
+fn shrink(items: &[Item], record: &mut Record, scale: f64) {
+    for item in items {
         let Item::Knob(knob) = item else { continue };
         if !knob.drawn {
             continue;
@@ -37,32 +37,28 @@ fn shrink(declaration: &Declaration, record: &mut Record, scale: f64) {
 
 #[cfg(test)]
 mod tests {
-    use crate::{Animated, Declaration, End, Item, Knob, Record, Setting};
+    use crate::{Animated, Items, Record, Setting};
 
-    static ITEMS: &[Item] = &[
-        Knob::number("width", 4.0, 0.5, 64.0, "A line's width.").drawn().item(),
-        Knob::integer("reach", 4, 1, 64, "A reach.").drawn().item(),
-        Knob::number("height", 4.0, 0.0, 64.0, "A wave's height.").unit("m").item(),
-    ];
+    #[derive(Clone, Items)]
+    struct Line {
+        /// A line's width.
+        #[knob(default = 4.0, range = 0.5..=64.0, drawn)]
+        width: f64,
+        /// A reach.
+        #[knob(default = 4, range = 1..=64, drawn)]
+        reach: i64,
+        /// A wave's height.
+        #[knob(default = 4.0, range = 0.0..=64.0, unit = "m")]
+        height: f64,
+    }
 
     #[test]
     fn pixels_shrink_within_their_range_and_meters_do_not() {
-        let declaration = Declaration {
-            name: "Test",
-            end: End::Front,
-            summary: "",
-            formula: "",
-            edge_cases: "",
-            source: "",
-            items: ITEMS,
-            outputs: &[],
-            revision: 1,
-        };
         let setting = |name: &'static str| (name, Setting::Numeric(Animated::constant(vec![4.0])));
         let mut record =
             Record { knobs: vec![setting("width"), setting("reach"), setting("height")], ..Record::default() };
-        super::shrink(&declaration, &mut record, 1.0 / 16.0);
-        let settled = record.settle(1.0);
-        assert_eq!((settled.number("width"), settled.integer("reach"), settled.number("height")), (0.5, 1, 4.0));
+        super::shrink(Line::ITEMS, &mut record, 1.0 / 16.0);
+        let line = Line::read(&mut crate::Reader::new(&record.settle(1.0)));
+        assert_eq!((line.width, line.reach, line.height), (0.5, 1, 4.0));
     }
 }

@@ -1,8 +1,8 @@
 //! What a node's own checks find.
 
-use crate::{Body, Kind, NodeType, Settled, Source};
+use crate::{ItemName, Kind, Offer, Settled, Source};
 
-/// Collects what [`NodeType::check`](crate::NodeType::check) finds.
+/// Collects what [`Node::check`](crate::Node::check) finds.
 pub struct Check<'a> {
     around: &'a dyn Around,
     faults: Vec<Fault>,
@@ -23,8 +23,6 @@ pub trait Around {
 /// A node that another one takes something from.
 #[derive(Clone)]
 pub struct Upstream {
-    /// Its type.
-    pub ty: &'static dyn NodeType,
     /// Its name in the document.
     pub name: String,
     /// Its ports and knobs.
@@ -32,26 +30,29 @@ pub struct Upstream {
 }
 
 impl Upstream {
-    /// Whether what it hands on has something beside its kind: see [`Stage::offers`](crate::Stage::offers).
-    pub fn offers(&self, what: &str) -> bool {
-        if let Body::Stage(stage) = self.ty.body() { stage.offers().contains(&what) } else { false }
+    /// The name of its type.
+    pub fn ty(&self) -> &'static str {
+        self.node.ty().declaration().name
+    }
+
+    /// Whether what it hands on has something beside its kind.
+    pub fn offers(&self, what: Offer) -> bool {
+        self.node.ty().declaration().offers.contains(&what)
     }
 }
 
 /// A port that takes an output, or a view of it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct User {
-    /// The name of the type of node whose port it is.
-    pub ty: &'static str,
-    /// The port.
-    pub port: &'static str,
+    /// What the port makes use of beside the kind.
+    pub wants: &'static [Offer],
 }
 
 /// A fault or warning within one node.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Fault {
     /// The port or knob.
-    pub item: &'static str,
+    pub item: ItemName,
     /// What was found.
     pub found: String,
     /// What was expected.
@@ -84,19 +85,13 @@ impl<'a> Check<'a> {
     }
 
     /// Reports an error.
-    pub fn error(&mut self, item: &'static str, found: impl ToString, expected: impl ToString, remedy: impl ToString) {
+    pub fn error(&mut self, item: ItemName, found: impl ToString, expected: impl ToString, remedy: impl ToString) {
         let (found, expected, remedy) = (found.to_string(), expected.to_string(), remedy.to_string());
         self.faults.push(Fault { item, found, expected, remedy, warning: false });
     }
 
     /// Reports a warning.
-    pub fn warning(
-        &mut self,
-        item: &'static str,
-        found: impl ToString,
-        expected: impl ToString,
-        remedy: impl ToString,
-    ) {
+    pub fn warning(&mut self, item: ItemName, found: impl ToString, expected: impl ToString, remedy: impl ToString) {
         let (found, expected, remedy) = (found.to_string(), expected.to_string(), remedy.to_string());
         self.faults.push(Fault { item, found, expected, remedy, warning: true });
     }

@@ -1,6 +1,7 @@
 //! The closed set of kinds of value that travel along edges.
 
 use std::fmt;
+use trochoid_image::Channel;
 
 /// What an output hands on and a port takes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -37,7 +38,7 @@ impl Kind {
             Self::Color => 3,
             Self::Weights(2) => 1,
             Self::Weights(n) | Self::Field(n) => n,
-            Self::View => ViewChannel::COUNT,
+            Self::View => Channel::COUNT,
             Self::Surface | Self::Camera | Self::Light => 0,
         }
     }
@@ -167,137 +168,5 @@ impl fmt::Display for Accepts {
             Self::Light => "Light",
             Self::View => "View",
         })
-    }
-}
-
-macro_rules! view_channels {
-    ($($(#[$doc:meta])* $name:ident $text:literal $background:expr,)*) => {
-        /// One plane of a [`Kind::View`].
-        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-        pub enum ViewChannel { $($(#[$doc])* $name,)* }
-
-        impl ViewChannel {
-            /// Every channel, in the order of a view's planes.
-            pub const ALL: &[Self] = &[$(Self::$name,)*];
-            /// Number of channels.
-            pub const COUNT: usize = Self::ALL.len();
-
-            /// Name for messages.
-            pub fn name(self) -> &'static str {
-                match self { $(Self::$name => $text,)* }
-            }
-
-            /// The documented value where nothing is seen.
-            pub fn background(self) -> f32 {
-                match self { $(Self::$name => $background,)* }
-            }
-        }
-    };
-}
-
-view_channels! {
-    /// 1 where a surface is seen, 0 elsewhere.
-    Coverage "coverage" 0.0,
-    /// Planar distance along the camera's axis, m; +∞ where nothing is seen.
-    Depth "depth" f32::INFINITY,
-    /// World x, m.
-    PositionX "position" 0.0,
-    /// World y, m.
-    PositionY "position" 0.0,
-    /// World z, m.
-    PositionZ "position" 0.0,
-    /// Unit normal x.
-    NormalX "normal" 0.0,
-    /// Unit normal y; a degenerate normal and the background point up.
-    NormalY "normal" 1.0,
-    /// Unit normal z.
-    NormalZ "normal" 0.0,
-    /// World x of the seen particle's rest point, m.
-    RestX "rest point" 0.0,
-    /// World y of the rest point, m.
-    RestY "rest point" 0.0,
-    /// World z of the rest point, m.
-    RestZ "rest point" 0.0,
-    /// Height above the surface's rest level, m.
-    Height "height" 0.0,
-    /// Distance from the rest point, m.
-    RestDistance "distance from rest" 0.0,
-    /// Slope variance of the waves that the footprint filtered out.
-    SlopeVariance "slope variance" 0.0,
-    /// Area ratio of displaced and resting surface, det J: below 1 where crests gather, negative in folds.
-    Jacobian "Jacobian" 1.0,
-    /// Index of the seen surface in the Render's list; −1 where nothing is seen.
-    Surface "surface" -1.0,
-    /// Texture coordinate u; the rest point's x on surfaces without texture coordinates.
-    U "texture coordinates" 0.0,
-    /// Texture coordinate v; the rest point's z on surfaces without texture coordinates.
-    V "texture coordinates" 0.0,
-    /// Foam that bursts left behind on a toon sea; 0 on other surfaces.
-    Rift "rift" 0.0,
-    /// How lately and closely bursts have passed: 1 in their middle, 0 where none was and on other surfaces.
-    DriftWeight "drift" 0.0,
-    /// Weight × cosine of the angle that counts drift lines along the paths of bursts.
-    AlongCos "drift" 0.0,
-    /// Weight × sine of that angle.
-    AlongSin "drift" 0.0,
-    /// Weight × cosine of the angle that counts drift lines across the paths.
-    AcrossCos "drift" 0.0,
-    /// Weight × sine of that angle.
-    AcrossSin "drift" 0.0,
-}
-
-/// A set of view channels.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
-pub struct ChannelSet(u32);
-
-impl ChannelSet {
-    /// No channel.
-    pub const EMPTY: Self = Self(0);
-
-    /// Exactly these channels.
-    pub const fn of(channels: &[ViewChannel]) -> Self {
-        let mut bits = 0;
-        let mut i = 0;
-        while i < channels.len() {
-            bits |= 1 << channels[i] as u32;
-            i += 1;
-        }
-        Self(bits)
-    }
-
-    /// Whether the channel is in the set.
-    pub fn contains(self, channel: ViewChannel) -> bool {
-        self.0 & (1 << channel as u32) != 0
-    }
-
-    /// The channels in either set.
-    pub fn union(self, other: Self) -> Self {
-        Self(self.0 | other.0)
-    }
-
-    /// The channels in this set but not in the other.
-    pub fn minus(self, other: Self) -> Self {
-        Self(self.0 & !other.0)
-    }
-
-    /// The channels in both sets.
-    pub fn intersect(self, other: Self) -> Self {
-        Self(self.0 & other.0)
-    }
-
-    /// Whether no channel is in the set.
-    pub fn is_empty(self) -> bool {
-        self.0 == 0
-    }
-
-    /// The channels in the set, in order.
-    pub fn iter(self) -> impl Iterator<Item = ViewChannel> {
-        ViewChannel::ALL.iter().copied().filter(move |&c| self.contains(c))
-    }
-}
-
-impl From<ViewChannel> for ChannelSet {
-    fn from(channel: ViewChannel) -> Self {
-        Self::of(&[channel])
     }
 }

@@ -9,6 +9,9 @@
 //! is no way to make a weight from a color, and no way to combine colors but by weights that are ≥ 0 and sum
 //! to 1. So every color of an output lies in the convex hull of the control colors, whatever the passes hold.
 
+// Derived code names this crate by its name.
+extern crate self as trochoid_graph;
+
 mod access;
 mod animated;
 mod bound;
@@ -16,10 +19,13 @@ mod build;
 mod check;
 mod checked;
 mod declare;
+#[cfg(doctest)]
+mod derive_tests;
 mod diagnostic;
 mod document;
 mod drawn;
 mod faults;
+mod fields;
 mod frame;
 mod kind;
 mod lowering;
@@ -31,6 +37,7 @@ mod reference;
 mod refusal;
 mod registry;
 mod schema;
+mod settled;
 mod shell;
 mod spanned;
 mod spectrum;
@@ -45,22 +52,32 @@ pub use animated::{Animated, Interpolation};
 pub use bound::{Bound, LITERAL, NoBound, REFERENCE};
 pub use build::{Builder, Mask, Value, Weights, load};
 pub use check::{FORMAT_VERSION, check, expected};
-pub use checked::{CheckedGraph, CheckedNode, Guarantee, OutputSpec, Precision};
-pub use declare::{Arity, Declaration, Default, End, Item, Knob, List, Output, Port, Takes};
+pub use checked::{CheckedGraph, CheckedNode, FileState, Guarantee, OutputSpec, Precision, file_states};
+pub use declare::{Arity, Declaration, Default, End, Item, Knob, List, Offer, Output, Port, Role, Takes};
 pub use diagnostic::{Diagnostic, Severity, nearest};
 pub use document::{Document, MAX_BYTES, MAX_NODES};
 pub use faults::{Around, Check, Fault, Upstream, User};
+pub use fields::{
+    Accepted, Choice, Connected, ItemName, Items, Many, One, Only, Optional, OutputSet, PortId, Read, ReadPort, Reader,
+    port,
+};
+#[doc(hidden)]
+pub use fields::{count_items, join_items};
 pub use frame::{FrameContext, escape_frame, escape_remedy, expand_frame, one_frame_pattern};
-pub use kind::{Accepts, ChannelSet, Kind, ViewChannel};
+pub use kind::{Accepts, Kind};
 pub use lowering::Lowering;
 pub use memory::{MemoryUse, Reckoning, in_bytes};
-pub use node::{Body, Found, Handle, NodeError, NodeType, Omission, Pointwise, Prepared, Rate, Stage, Variance};
+pub use node::{
+    Body, Declare, Dynamics, Found, Handle, Node, NodeError, NodeType, Omission, Paths, Pointwise, Prepared, Rate,
+    Stage, Variance,
+};
 pub use program::{Color, Op, Partition, Program, Scalar, Slot, Type};
-pub use record::{NodeId, Record, Setting, Settled, Source};
+pub use record::{NodeId, Record, Setting, Source, Values};
 pub use reference::{Reference, References};
 pub use refusal::{REFUSALS, Refusal, refusal};
 pub use registry::Registry;
 pub use schema::schema;
+pub use settled::Settled;
 pub use shell::{quoted, quoted_path};
 pub use spanned::{MAX_DEPTH, MAX_VALUES};
 pub use spectrum::{Harmonic, Spectrum};
@@ -68,4 +85,7 @@ pub use stability::{Figure, Relation, Stability, StabilityMap, Verdict};
 pub use stage_io::{Block, Bounding, Connection, Inputs, Outputs, Pool, Prepare};
 pub use terms::{TERMS, Term};
 pub use tolerance::Tolerance;
+pub use trochoid_derive::{Choice, Items, Node, Outputs};
+pub use trochoid_image::{Channel, ChannelSet};
+pub use trochoid_key::{ContentKey, Key, KeyHasher, content_key};
 pub use work::Work;

@@ -1,6 +1,6 @@
 //! Memory that nodes take at a frame, reckoned before any of it is taken.
 
-use crate::{FrameContext, NodeId, Settled, Source};
+use crate::{Connected, FrameContext, NodeId, Source};
 
 /// About how much memory a node takes at a frame, bytes, and what to do where that is too much.
 ///
@@ -70,8 +70,8 @@ impl<'a> Reckoning<'a> {
     }
 
     /// What all that is connected to a port takes.
-    pub fn all<'s>(&'s self, node: &'s Settled, port: &str) -> impl Iterator<Item = MemoryUse> + 's {
-        node.all(port).iter().filter_map(|source| match source {
+    pub fn all<'s>(&'s self, port: &'s impl Connected) -> impl Iterator<Item = MemoryUse> + 's {
+        port.sources().iter().filter_map(|source| match source {
             Source::Output { node, .. } => Some((self.of)(*node)),
             _ => None,
         })

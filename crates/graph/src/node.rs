@@ -1,78 +1,127 @@
 //! The contract between nodes and engine.
 //!
-//! A node type is one value that implements [`NodeType`]: its declaration, the checks that one knob's range
-//! cannot express, and its body. A body is either [`Pointwise`] (it lowers to the closed program) or a
-//! [`Stage`] (it prepares once a frame, then fills tiles).
+//! A node type is a struct whose fields are its ports and knobs: `#[derive(Node)]` makes its [`Declaration`] of it. A value of it
+//! is a node at one frame. It implements [`Node`]: the checks that one knob's range cannot express, and its body. A body is either
+//! [`Pointwise`] (it lowers to the closed program) or a [`Stage`] (it prepares once a frame, then fills tiles).
 //!
 //! An implementor **must** be deterministic, give the same value at a sample whatever the tile, and fill
 //! exactly the planes asked for. It **may** keep what `prepare` made, and read on from files that `prepare` opened. It
 //! **must not** read clocks, global state, or open files outside `prepare`.
 
 use crate::{
-    Block, Bounding, ChannelSet, Check, Declaration, FrameContext, Inputs, Kind, Lowering, MemoryUse, NoBound, Outputs,
-    Prepare, Reckoning, Reference, References, Settled, Spectrum, Stability, Value, ViewChannel, Work,
+    Block, Bounding, ChannelSet, Check, Declaration, FrameContext, Inputs, ItemName, Items, Kind, Lowering, MemoryUse,
+    NoBound, Outputs, PortId, Prepare, Reader, Reckoning, Reference, References, Settled, Source, Spectrum, Stability,
+    Value, Values, Work,
 };
 use std::any::Any;
 use std::path::PathBuf;
 use std::sync::Arc;
 use trochoid_image::{Format, Rgb, Window};
 
-/// A type of node.
-pub trait NodeType: Send + Sync + 'static {
-    /// Knobs, ports, outputs and documentation.
-    fn declaration(&self) -> &'static Declaration;
+/// A type of node: its declaration, and how its nodes are read.
+pub struct NodeType {
+    declaration: &'static Declaration,
+    read: fn(&Values) -> Arc<dyn Node>,
+}
 
-    /// Kinds of the outputs, where knobs or the number of connections decide them; by default as declared. Of a node
-    /// with an output of [`Kind::ANY`], that output has the kind of the node's first connection.
-    fn outputs(&self, node: &Settled) -> Vec<Kind> {
-        let _ = node;
-        self.declaration().outputs.iter().map(|output| output.kind).collect()
+impl NodeType {
+    /// The type that a struct declares.
+    pub const fn of<T: Declare + Node>() -> Self {
+        Self { declaration: T::DECLARATION, read: |values| Arc::new(T::read(&mut Reader::new(values))) }
     }
 
-    /// The port, and the connection within it, that a pointwise node hands on unchanged at a frame.
+    /// Knobs, ports, outputs and documentation.
+    pub fn declaration(&self) -> &'static Declaration {
+        self.declaration
+    }
+
+    /// A node of this type at one frame.
+    pub fn settle(&'static self, values: Values) -> Settled {
+        Settled::new(self, values)
+    }
+
+    pub(crate) fn read(&self, values: &Values) -> Arc<dyn Node> {
+        (self.read)(values)
+    }
+}
+
+/// A struct whose fields are the ports and knobs of a node. Made by `#[derive(Node)]`.
+pub trait Declare: Items {
+    /// Everything that is said about the type, once.
+    const DECLARATION: &'static Declaration;
+}
+
+/// A node at one frame.
+pub trait Node: Any + Send + Sync {
+    /// Kinds of the outputs, where knobs or the number of connections decide them; else as declared. Of a node
+    /// with an output of [`Kind::ANY`], that output has the kind of the node's first connection.
+    fn kinds(&self) -> Option<Vec<Kind>> {
+        None
+    }
+
+    /// The connection that a pointwise node hands on unchanged.
     ///
     /// Nothing else that is connected is then planned, evaluated or read from disk, whatever the switches of an engine
     /// say, and [`Pointwise::lower`] and [`Pointwise::reference`] may ask for nothing else. Called before `check`, so
     /// knobs may be out of range and ports empty.
-    fn identity(&self, node: &Settled) -> Option<(&'static str, usize)> {
-        let _ = node;
+    fn identity(&self) -> Option<&Source<Vec<f64>>> {
         None
     }
 
     /// Reports what ranges of single knobs cannot express. Called at every key frame.
-    fn check(&self, node: &Settled, check: &mut Check<'_>) {
-        let _ = (node, check);
+    fn check(&self, check: &mut Check<'_>) {
+        let _ = check;
     }
 
     /// About how long the node itself takes for a frame of a format, where legal knobs can make that very long:
     /// validation warns of it, see [`Work::MOST`]. `time` is that of the frame, in seconds since the first one, for
     /// what has to be stepped up to there.
-    fn work(&self, node: &Settled, format: Format, time: f64) -> Option<Work> {
-        let _ = (node, format, time);
+    fn work(&self, format: Format, time: f64) -> Option<Work> {
+        let _ = (format, time);
         None
     }
 
-    /// What a user may want to know of the node at a frame, in sentences: shown by `trochoid check`.
-    fn notes(&self, node: &Settled) -> Vec<String> {
-        let _ = node;
+    /// What a user may want to know of the node, in sentences: shown by `trochoid check`.
+    fn notes(&self) -> Vec<String> {
         Vec::new()
     }
 
-    /// Of a node that time moves, how its numbers behave in the long run: theory beside measurements, which may take
-    /// some seconds. Shown by `trochoid stability`.
-    fn stability(&self, node: &Settled) -> Option<Stability> {
-        let _ = node;
-        None
-    }
-
-    /// Of a sea, the waves that it is made of.
-    fn spectrum(&self, node: &Settled) -> Option<Spectrum> {
-        let _ = node;
+    /// Of a node that time moves, how its numbers behave.
+    fn dynamics(&self) -> Option<&dyn Dynamics> {
         None
     }
 
     /// How the node computes.
     fn body(&self) -> Body<'_>;
+}
+
+/// How the numbers of a node behave that time moves.
+pub trait Dynamics {
+    /// How they behave in the long run: theory beside measurements, which may take some seconds. Shown by `trochoid stability`.
+    fn stability(&self) -> Option<Stability> {
+        None
+    }
+
+    /// Of a sea, the waves that it is made of.
+    fn spectrum(&self) -> Option<Spectrum> {
+        None
+    }
+
+    /// Of a sea, where the paths lie that its lists have.
+    fn paths(&self) -> Option<Paths> {
+        None
+    }
+}
+
+/// Where paths lie that records of lists have: points x, z, x, z, … from an origin on, in meters.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Paths {
+    /// x, y and z of the point from which they are measured.
+    pub origin: [f64; 3],
+    /// The knob of a record that has one.
+    pub knob: ItemName,
+    /// The lists.
+    pub lists: Vec<ItemName>,
 }
 
 /// How a node computes.
@@ -86,30 +135,29 @@ pub enum Body<'a> {
 /// A back-end node that lowers to the closed program.
 pub trait Pointwise {
     /// Appends the node's operations and returns its output.
-    fn lower(&self, node: &Settled, lowering: &mut Lowering<'_>) -> Value;
+    fn lower(&self, lowering: &mut Lowering<'_>) -> Value;
 
     /// The same in f64 at one sample, straight from the formula.
-    fn reference(&self, node: &Settled, inputs: &References<'_>) -> Reference;
+    fn reference(&self, inputs: &References<'_>) -> Reference;
 }
 
 /// A front-end node, or a filter: prepares once a frame, then fills tiles.
 pub trait Stage {
     /// Channels that the node asks of its view, where the given outputs are wanted.
-    fn asks(&self, node: &Settled, wanted: &[bool]) -> ChannelSet {
-        let _ = (node, wanted);
+    fn asks(&self, wanted: &[bool]) -> ChannelSet {
+        let _ = wanted;
         ChannelSet::EMPTY
     }
 
     /// Channels that the node uses where its view supplies them, and does without elsewhere.
-    fn prefers(&self, node: &Settled, wanted: &[bool]) -> ChannelSet {
-        let _ = (node, wanted);
+    fn prefers(&self, wanted: &[bool]) -> ChannelSet {
+        let _ = wanted;
         ChannelSet::EMPTY
     }
 
     /// Channels that a node with a View as output can supply.
-    fn supplies(&self, node: &Settled) -> ChannelSet {
-        let _ = node;
-        ChannelSet::of(ViewChannel::ALL)
+    fn supplies(&self) -> ChannelSet {
+        ChannelSet::ALL
     }
 
     /// Channels that no setting could make a node with a View as output supply.
@@ -117,26 +165,20 @@ pub trait Stage {
         ChannelSet::EMPTY
     }
 
-    /// What a handle has beside its kind, by names that the nodes which want it know, such as waves that fold.
-    fn offers(&self) -> &'static [&'static str] {
-        &[]
-    }
-
     /// Certain bounds of an output channel, known before anything is prepared.
-    fn interval(&self, node: &Settled, output: usize, channel: usize) -> Option<(f64, f64)> {
-        let _ = (node, output, channel);
+    fn interval(&self, output: usize, channel: usize) -> Option<(f64, f64)> {
+        let _ = (output, channel);
         None
     }
 
     /// How an output varies over the picture.
-    fn variance(&self, node: &Settled, output: usize) -> Variance {
-        let _ = (node, output);
+    fn variance(&self, output: usize) -> Variance {
+        let _ = output;
         Variance::Pixel
     }
 
     /// Which samples of a pixel may share a result, where the document shades by the pixel.
-    fn rate(&self, node: &Settled) -> Rate {
-        let _ = node;
+    fn rate(&self) -> Rate {
         Rate::Sample
     }
 
@@ -144,15 +186,15 @@ pub trait Stage {
     ///
     /// A larger window must not need less, and it must grow by as much wherever it lies. May reach beyond the picture:
     /// engines clamp it to where the image lies, see [`Prepared::data_window`].
-    fn regions_of_interest(&self, node: &Settled, port: &str, window: Window, format: Format) -> Window {
-        let _ = (node, port, format);
+    fn regions_of_interest(&self, port: PortId, window: Window, format: Format) -> Window {
+        let _ = (port, format);
         window
     }
 
     /// The same for samples after a pixel's first one, where [`Prepared::find`] has found what lies beyond: no more than
     /// that.
-    fn regions_once_found(&self, node: &Settled, port: &str, window: Window, format: Format) -> Window {
-        self.regions_of_interest(node, port, window, format)
+    fn regions_once_found(&self, port: PortId, window: Window, format: Format) -> Window {
+        self.regions_of_interest(port, window, format)
     }
 
     /// Whether the result depends on the frame's time even where no knob is keyed.
@@ -166,16 +208,16 @@ pub trait Stage {
     }
 
     /// Files that the node reads at a frame, for keys and `--resume`.
-    fn files(&self, node: &Settled, frame: &FrameContext) -> Vec<PathBuf> {
-        let _ = (node, frame);
+    fn files(&self, frame: &FrameContext) -> Vec<PathBuf> {
+        let _ = frame;
         Vec::new()
     }
 
     /// About how much memory the node takes at a frame, where knobs, the format or files can make that much: plans add it up,
     /// and refuse what is too much before anything is prepared. May read headers of files; one that cannot be read counts as
     /// nothing, since [`prepare`](Self::prepare) says what is wrong with it.
-    fn memory(&self, node: &Settled, reckoning: &Reckoning<'_>) -> MemoryUse {
-        let _ = (node, reckoning);
+    fn memory(&self, reckoning: &Reckoning<'_>) -> MemoryUse {
+        let _ = reckoning;
         MemoryUse::default()
     }
 
@@ -183,8 +225,8 @@ pub trait Stage {
     ///
     /// # Errors
     /// What [`prepare`](Self::prepare) would say of them. Files that do not exist are not asked for.
-    fn examine(&self, node: &Settled, frame: &FrameContext, wanted: &[Vec<bool>]) -> Result<(), NodeError> {
-        let _ = (node, frame, wanted);
+    fn examine(&self, frame: &FrameContext, wanted: &[Vec<bool>]) -> Result<(), NodeError> {
+        let _ = (frame, wanted);
         Ok(())
     }
 
@@ -193,7 +235,7 @@ pub trait Stage {
     /// # Errors
     /// Files cannot be read, or their data break the contract of the kind: here, or in [`Prepared::fill`] where they are
     /// only read there.
-    fn prepare(&self, node: &Settled, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError>;
+    fn prepare(&self, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError>;
 }
 
 /// What a stage prepared for one frame.
@@ -214,7 +256,7 @@ pub trait Prepared: Send + Sync {
     /// picture. Only what has pixels beyond says more: a file with overscan, and a filter of one. `inputs` gives the
     /// same for all that is connected to a port; any pointwise node between ends its image at the picture, so that an
     /// operand without weight, which may be left out, cannot matter.
-    fn data_window(&self, picture: Window, inputs: &dyn Fn(&str) -> Window) -> Window {
+    fn data_window(&self, picture: Window, inputs: &dyn Fn(PortId) -> Window) -> Window {
         let _ = inputs;
         picture
     }
@@ -285,7 +327,7 @@ pub trait Prepared: Send + Sync {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Omission {
     /// The port, and the connection within it, whose work it is; `None` where it is the node's own.
-    pub port: Option<(&'static str, usize)>,
+    pub port: Option<(PortId, usize)>,
     /// What is left out, in the plural, such as "waves".
     pub what: &'static str,
     /// How many are left out: a count, or the mean of counts.
@@ -341,12 +383,15 @@ impl Variance {
     }
 }
 
-/// Why a node could not evaluate: bad input data, or input and output.
+/// Why a node could not evaluate.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{message}")]
-pub struct NodeError {
-    /// Place, what was found, what was expected, and what to do.
-    pub message: String,
+pub enum NodeError {
+    /// Bad input data, or input and output: place, what was found, what was expected, and what to do.
+    #[error("{0}")]
+    Data(String),
+    /// It was asked to stop; nobody sees it.
+    #[error("cancelled")]
+    Cancelled,
 }
 
 impl NodeError {
@@ -355,11 +400,6 @@ impl NodeError {
 
     /// An error from anything that can be shown.
     pub fn new(message: impl ToString) -> Self {
-        Self { message: message.to_string() }
-    }
-
-    /// What a node returns that stops because it was asked to; nobody sees it.
-    pub fn cancelled() -> Self {
-        Self::new("cancelled")
+        Self::Data(message.to_string())
     }
 }

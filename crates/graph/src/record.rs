@@ -1,6 +1,7 @@
 //! A node's knobs and connections: as checked, and as they stand at one frame.
 
 use crate::Animated;
+use trochoid_key::{ContentKey, Key, KeyHasher};
 
 /// Index of a node in its graph.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -55,8 +56,8 @@ impl<N> Default for Record<N> {
     }
 }
 
-/// A record with every key evaluated at one frame. What nodes see.
-pub type Settled = Record<Vec<f64>>;
+/// A record with every key evaluated at one frame.
+pub type Values = Record<Vec<f64>>;
 
 impl<N> Record<N> {
     /// The ports and what is connected to them; not those within lists.
@@ -94,14 +95,6 @@ impl<N> Record<N> {
     /// The node type declares no such port.
     pub fn all(&self, port: &str) -> &[Source<N>] {
         find::<Vec<_>>(&self.ports, port)
-    }
-
-    /// The one connection of a port.
-    ///
-    /// # Panics
-    /// The node type declares no such port, or declares it optional and it is open.
-    pub fn source(&self, port: &str) -> &Source<N> {
-        &self.all(port)[0]
     }
 
     /// The records of a list.
@@ -153,7 +146,7 @@ fn find<'a, T>(items: &'a [(&'static str, T)], name: &str) -> &'a T {
 
 impl Record {
     /// Evaluates every key at a frame.
-    pub fn settle(&self, frame: f64) -> Settled {
+    pub fn settle(&self, frame: f64) -> Values {
         Record {
             knobs: self.knobs.iter().map(|(name, setting)| (*name, setting.settle(frame))).collect(),
             ports: self
@@ -185,7 +178,7 @@ impl Record {
     }
 }
 
-impl Settled {
+impl Values {
     /// Leads every connection to the node that `to` names in its stead.
     pub fn redirect(&mut self, to: &dyn Fn(NodeId) -> NodeId) {
         for source in self.ports.iter_mut().flat_map(|(_, sources)| sources) {
@@ -216,26 +209,20 @@ impl Settled {
         [0, 1, 2].map(|i| values.get(i).copied().unwrap_or(0.0))
     }
 
-    /// Appends bytes that two records share only if they mean the same, given the keys of the nodes that they are
-    /// connected to.
-    pub(crate) fn describe(&self, keys: &[String], out: &mut Vec<u8>) {
+    /// Feeds what two records share only if they mean the same, given the keys of the nodes that they are connected to.
+    pub(crate) fn feed(&self, keys: &[Key], hasher: &mut KeyHasher) {
+        let Self { knobs, ports, lists } = self;
         // Every item is named, and every list has its length before it, so that none runs into the next.
-        put(out, self.knobs.len());
-        for (name, setting) in &self.knobs {
-            text(out, name);
-            setting.describe(out);
+        knobs.feed(hasher);
+        ports.len().feed(hasher);
+        for (name, sources) in ports {
+            (name, sources.len()).feed(hasher);
+            sources.iter().for_each(|source| source.feed(keys, hasher));
         }
-        put(out, self.ports.len());
-        for (name, sources) in &self.ports {
-            text(out, name);
-            put(out, sources.len());
-            sources.iter().for_each(|source| source.describe(keys, out));
-        }
-        put(out, self.lists.len());
-        for (name, records) in &self.lists {
-            text(out, name);
-            put(out, records.len());
-            records.iter().for_each(|record| record.describe(keys, out));
+        lists.len().feed(hasher);
+        for (name, records) in lists {
+            (name, records.len()).feed(hasher);
+            records.iter().for_each(|record| record.feed(keys, hasher));
         }
     }
 }
@@ -253,22 +240,15 @@ impl Setting {
     }
 }
 
-impl Setting<Vec<f64>> {
-    fn describe(&self, out: &mut Vec<u8>) {
+impl ContentKey for Setting<Vec<f64>> {
+    fn feed(&self, hasher: &mut KeyHasher) {
         match self {
-            Self::Numeric(values) => numbers(out, 0, values),
-            Self::Numbers(values) => numbers(out, 1, values),
-            Self::Bool(value) => out.extend([2, u8::from(*value)]),
-            Self::Text(word) => {
-                out.push(3);
-                text(out, word);
-            }
-            Self::Texts(words) => {
-                out.push(4);
-                put(out, words.len());
-                words.iter().for_each(|word| text(out, word));
-            }
-            Self::Unset => out.push(5),
+            Self::Numeric(values) => (0_u8, values).feed(hasher),
+            Self::Numbers(values) => (1_u8, values).feed(hasher),
+            Self::Bool(value) => (2_u8, value).feed(hasher),
+            Self::Text(word) => (3_u8, word).feed(hasher),
+            Self::Texts(words) => (4_u8, words).feed(hasher),
+            Self::Unset => 5_u8.feed(hasher),
         }
     }
 }
@@ -295,32 +275,12 @@ impl Source<Vec<f64>> {
         if let Self::Color(values) = self { Some([values[0], values[1], values[2]]) } else { None }
     }
 
-    fn describe(&self, keys: &[String], out: &mut Vec<u8>) {
+    fn feed(&self, keys: &[Key], hasher: &mut KeyHasher) {
         match self {
-            Self::Output { node, output } => {
-                out.push(0);
-                text(out, &keys[node.0]);
-                put(out, *output);
-            }
-            Self::Number(values) => numbers(out, 1, values),
-            Self::Color(values) => numbers(out, 2, values),
-            Self::Numbers(values) => numbers(out, 3, values),
+            Self::Output { node, output } => (0_u8, keys[node.0], output).feed(hasher),
+            Self::Number(values) => (1_u8, values).feed(hasher),
+            Self::Color(values) => (2_u8, values).feed(hasher),
+            Self::Numbers(values) => (3_u8, values).feed(hasher),
         }
     }
-}
-
-fn put(out: &mut Vec<u8>, number: usize) {
-    out.extend((number as u64).to_le_bytes());
-}
-
-fn text(out: &mut Vec<u8>, text: &str) {
-    put(out, text.len());
-    out.extend(text.as_bytes());
-}
-
-/// Bit patterns, so that numbers that print alike but differ stay apart.
-fn numbers(out: &mut Vec<u8>, tag: u8, numbers: &[f64]) {
-    out.push(tag);
-    put(out, numbers.len());
-    numbers.iter().for_each(|number| out.extend(number.to_bits().to_le_bytes()));
 }

@@ -1,6 +1,6 @@
 //! Values of the slow f64 evaluation, one sample at a time.
 
-use crate::{FrameContext, Handle, Source, ViewChannel};
+use crate::{Channel, FrameContext, Handle, Source};
 
 /// A value of the f64 reference at one sample.
 #[derive(Clone)]
@@ -96,7 +96,7 @@ impl<'a> References<'a> {
     }
 
     /// A channel of a connected view.
-    pub fn view(&self, source: &Source<Vec<f64>>, channel: ViewChannel) -> f64 {
+    pub fn view(&self, source: &Source<Vec<f64>>, channel: Channel) -> f64 {
         match self.value(source) {
             Reference::View(channels) => channels[channel as usize],
             _ => unreachable!("checked to be a View"),

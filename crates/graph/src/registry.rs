@@ -1,27 +1,32 @@
 //! The node types that a document may use.
 
-use crate::{Item, NodeType};
+use crate::{Item, NodeType, Role};
 use std::collections::BTreeMap;
 
 /// Node types by name. The facade makes one and hands it to everything that needs it.
 #[derive(Clone, Default)]
 pub struct Registry {
-    types: BTreeMap<&'static str, &'static dyn NodeType>,
+    types: BTreeMap<&'static str, &'static NodeType>,
 }
 
 impl Registry {
     /// A registry of these types; of two with one name, the later counts.
-    pub fn new(types: impl IntoIterator<Item = &'static dyn NodeType>) -> Self {
+    pub fn new(types: impl IntoIterator<Item = &'static NodeType>) -> Self {
         Self { types: types.into_iter().map(|ty| (ty.declaration().name, ty)).collect() }
     }
 
     /// The type of that name.
-    pub fn get(&self, name: &str) -> Option<&'static dyn NodeType> {
+    pub fn get(&self, name: &str) -> Option<&'static NodeType> {
         self.types.get(name).copied()
     }
 
+    /// The type that has a role.
+    pub fn of_role(&self, role: Role) -> Option<&'static NodeType> {
+        self.iter().find(|ty| ty.declaration().role == Some(role))
+    }
+
     /// All types, by name.
-    pub fn iter(&self) -> impl Iterator<Item = &'static dyn NodeType> {
+    pub fn iter(&self) -> impl Iterator<Item = &'static NodeType> {
         self.types.values().copied()
     }
 

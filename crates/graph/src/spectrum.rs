@@ -13,7 +13,7 @@ pub struct Harmonic {
     pub sharpness: f64,
 }
 
-/// What a node answers to [`NodeType::spectrum`](crate::NodeType::spectrum).
+/// What a node answers to [`Dynamics::spectrum`](crate::Dynamics::spectrum).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spectrum {
     /// Its waves, in no order.

@@ -1,6 +1,6 @@
 //! What can be said of a node's numerics over time: what is predicted beside what is measured.
 
-/// What a node answers to [`NodeType::stability`](crate::NodeType::stability).
+/// What a node answers to [`Dynamics::stability`](crate::Dynamics::stability).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Stability {
     /// The verdict.

@@ -1,17 +1,18 @@
 //! What stages are given, and what they fill.
 
-use crate::{Bound, Found, FrameContext, Handle, Kind, LITERAL, NodeError, NodeId, Settled, Source, ViewChannel};
+use crate::{Bound, Channel, Connected, Found, FrameContext, Handle, Kind, LITERAL, NodeError, NodeId, Source};
 use std::any::{Any, TypeId};
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError, Weak};
 use trochoid_image::Window;
+use trochoid_key::{ContentKey, Key};
 
 /// What stages share beside their connections, such as a file that several of them read.
 ///
 /// Nothing is kept that nobody holds, so an engine may use one pool for as long as it likes.
 #[derive(Default)]
 pub struct Pool {
-    made: Mutex<HashMap<(TypeId, String), Weak<dyn Any + Send + Sync>>>,
+    made: Mutex<HashMap<(TypeId, Key), Weak<dyn Any + Send + Sync>>>,
 }
 
 impl Pool {
@@ -20,18 +21,18 @@ impl Pool {
         Self::default()
     }
 
-    /// The `T` of this key that someone holds, else what `make` makes.
+    /// The `T` that someone holds of what has the same content, else what `make` makes.
     ///
     /// # Errors
     /// Those of `make`.
     pub fn get<T: Any + Send + Sync>(
         &self,
-        key: &str,
+        of: &impl ContentKey,
         make: impl FnOnce() -> Result<T, NodeError>,
     ) -> Result<Arc<T>, NodeError> {
         // Whole steps alone are done under the lock, so what a panic left is whole too.
         let mut made = self.made.lock().unwrap_or_else(PoisonError::into_inner);
-        let key = (TypeId::of::<T>(), key.to_owned());
+        let key = (TypeId::of::<T>(), of.key());
         let held = made.get(&key).and_then(Weak::upgrade);
         if let Some(held) = held.and_then(|held| held.downcast::<T>().ok()) {
             return Ok(held);
@@ -88,37 +89,38 @@ impl<'a> Prepare<'a> {
         self.bounded
     }
 
-    /// What all nodes share that ask for a `T` by this key.
+    /// What all nodes share that ask for a `T` of what has the same content.
     ///
     /// # Errors
     /// Those of `make`, which is called where no node holds one yet.
     pub fn shared<T: Any + Send + Sync>(
         &self,
-        key: &str,
+        of: &impl ContentKey,
         make: impl FnOnce() -> Result<T, NodeError>,
     ) -> Result<Arc<T>, NodeError> {
-        self.pool.get(key, make)
+        self.pool.get(of, make)
     }
 
     /// The handles of everything connected to a port, as `T`.
     ///
     /// # Errors
     /// The connected node hands on something else: a bug of that node, reported rather than hidden.
-    pub fn handles<T: Clone + 'static>(&self, node: &Settled, port: &str) -> Result<Vec<T>, NodeError> {
-        node.all(port)
+    pub fn handles<T: Clone + 'static>(&self, port: &impl Connected) -> Result<Vec<T>, NodeError> {
+        let name = port.id().name();
+        port.sources()
             .iter()
             .filter_map(|source| if let Source::Output { node, .. } = source { Some(*node) } else { None })
             .map(|id| {
                 (self.handles)(id).and_then(|handle| handle.downcast_ref::<T>().cloned()).ok_or_else(|| {
-                    NodeError::new(format!("\"{port}\" is connected to a node that hands on nothing usable"))
+                    NodeError::new(format!("\"{name}\" is connected to a node that hands on nothing usable"))
                 })
             })
             .collect()
     }
 
     /// The handle of the first node connected to a port, whatever it holds; `None` where the port is open.
-    pub fn handle_of(&self, node: &Settled, port: &str) -> Option<Handle> {
-        match node.all(port).first() {
+    pub fn handle_of(&self, port: &impl Connected) -> Option<Handle> {
+        match port.sources().first() {
             Some(Source::Output { node, .. }) => (self.handles)(*node),
             _ => None,
         }
@@ -134,7 +136,7 @@ impl<'a> Prepare<'a> {
     /// # Errors
     /// The user has asked to stop.
     pub fn go_on(&self) -> Result<(), NodeError> {
-        if self.cancelled() { Err(NodeError::cancelled()) } else { Ok(()) }
+        if self.cancelled() { Err(NodeError::Cancelled) } else { Ok(()) }
     }
 
     /// The same for threads that a stage starts.
@@ -203,14 +205,14 @@ pub struct Connection<'a> {
 
 /// The planes connected to a stage's ports over a block.
 pub struct Inputs<'a> {
-    ports: &'a [(&'static str, Vec<Connection<'a>>)],
+    ports: &'a [Vec<Connection<'a>>],
     cancelled: &'a (dyn Fn() -> bool + Sync),
     found: Option<&'a Found>,
 }
 
 impl<'a> Inputs<'a> {
     /// Made by the engine: for each port its connections.
-    pub fn new(ports: &'a [(&'static str, Vec<Connection<'a>>)]) -> Self {
+    pub fn new(ports: &'a [Vec<Connection<'a>>]) -> Self {
         Self { ports, cancelled: &|| false, found: None }
     }
 
@@ -241,7 +243,7 @@ impl<'a> Inputs<'a> {
     /// # Errors
     /// The user has asked to stop.
     pub fn go_on(&self) -> Result<(), NodeError> {
-        if self.cancelled() { Err(NodeError::cancelled()) } else { Ok(()) }
+        if self.cancelled() { Err(NodeError::Cancelled) } else { Ok(()) }
     }
 
     /// The same for threads that a stage starts.
@@ -250,26 +252,20 @@ impl<'a> Inputs<'a> {
     }
 
     /// The connections of a port: none where an optional port is open.
-    ///
-    /// # Panics
-    /// The node declares no such port.
-    pub fn all(&self, port: &str) -> &'a [Connection<'a>] {
-        match self.ports.iter().find(|(name, _)| *name == port) {
-            Some((_, connections)) => connections,
-            None => unreachable!("the node type does not declare \"{port}\""),
-        }
+    pub fn all(&self, port: &impl Connected) -> &'a [Connection<'a>] {
+        self.ports.get(port.id().index()).map_or(&[], Vec::as_slice)
     }
 
     /// The channels of connection `index` of a port.
     ///
     /// # Panics
-    /// The node declares no such port, or has no such connection.
-    pub fn planes(&self, port: &str, index: usize) -> &[Option<&'a [f32]>] {
+    /// The port has no such connection.
+    pub fn planes(&self, port: &impl Connected, index: usize) -> &[Option<&'a [f32]>] {
         &self.all(port)[index].planes
     }
 
     /// A channel of the view connected to a port that the node prefers, where the view supplies it.
-    pub fn view_if_any(&self, port: &str, channel: ViewChannel) -> Option<&'a [f32]> {
+    pub fn view_if_any(&self, port: &impl Connected, channel: Channel) -> Option<&'a [f32]> {
         self.planes(port, 0)[channel as usize]
     }
 
@@ -277,7 +273,7 @@ impl<'a> Inputs<'a> {
     ///
     /// # Panics
     /// The node did not ask for it: a bug of that node, caught by its first test.
-    pub fn view(&self, port: &str, channel: ViewChannel) -> &'a [f32] {
+    pub fn view(&self, port: &impl Connected, channel: Channel) -> &'a [f32] {
         match self.planes(port, 0)[channel as usize] {
             Some(plane) => plane,
             None => unreachable!("the node did not ask for {channel:?}"),
@@ -322,8 +318,13 @@ impl<'a> Outputs<'a> {
         Self { planes }
     }
 
-    /// Takes the plane of a channel, or `None` where nobody wants it.
-    pub fn take(&mut self, output: usize, channel: usize) -> Option<&'a mut [f32]> {
-        self.planes.get_mut(output)?.get_mut(channel)?.take()
+    /// Takes the plane of a channel of a node with one output, or `None` where nobody wants it.
+    pub fn only(&mut self, channel: usize) -> Option<&'a mut [f32]> {
+        self.take(0_usize, channel)
+    }
+
+    /// Takes the plane of an output's channel, or `None` where nobody wants it.
+    pub fn take(&mut self, output: impl Into<usize>, channel: usize) -> Option<&'a mut [f32]> {
+        self.planes.get_mut(output.into())?.get_mut(channel)?.take()
     }
 }

@@ -49,6 +49,11 @@ impl Tolerance {
     }
 }
 
+/// Whether a normal number ≥ 0 is a power of two: nothing stands in its fraction.
+fn is_power_of_two(number: f64) -> bool {
+    number.is_normal() && number.to_bits() << 12 == 0
+}
+
 impl fmt::Display for Tolerance {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -57,7 +62,7 @@ impl fmt::Display for Tolerance {
                 let whole = parts.round();
                 // As it was asked for, most often: parts of a whole. Halves of halves are such parts however small they are.
                 let is_part = (parts - whole).abs() < 1e-9 * whole && whole < 1e5;
-                if is_part || parts.log2().fract() == 0.0 {
+                if is_part || is_power_of_two(parts) {
                     if whole == 1.0 { write!(f, "1") } else { write!(f, "1/{whole}") }
                 } else {
                     write!(f, "{error:e}")

@@ -1,12 +1,14 @@
 //! How long nodes take for a frame, reckoned from their knobs before anything runs.
 
+use crate::ItemName;
+
 /// About how long a node takes for one frame, and what makes it take long.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Work {
     /// Seconds of one core, by what each step takes on a machine of today: the same on every machine.
     pub seconds: f64,
     /// The knob, list or port to change first.
-    pub item: &'static str,
+    pub item: ItemName,
     /// What to make smaller or larger.
     pub remedy: &'static str,
 }
@@ -53,7 +55,7 @@ mod tests {
         {
             assert_eq!(duration(seconds), text);
         }
-        let work = |seconds: f64| Work { seconds, item: "size", remedy: "make it smaller" };
+        let work = |seconds: f64| Work { seconds, item: ItemName::declared("size"), remedy: "make it smaller" };
         assert!(work(31.0).is_heavy() && !work(30.0).is_heavy() && work(f64::INFINITY).is_heavy());
     }
 }

@@ -1,4 +1,5 @@
 use crate::Window;
+use trochoid_key::content_key;
 
 /// Largest width and height of a picture, in pixels.
 pub const MAX_SIDE: u32 = 1 << 20;
@@ -14,6 +15,8 @@ pub struct Format {
     shading: Shading,
 }
 
+content_key!(Format { width, height, samples, shading });
+
 /// Where the samples of a pixel take passes that vary smoothly over a surface. What is visible, and every back-end
 /// operation, is evaluated at each sample.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -25,6 +28,13 @@ pub enum Shading {
     /// [`Shading::SAME_DEPTH`]: the multisampling of graphics processors.
     Pixel,
 }
+
+content_key!(
+    enum Shading {
+        Sample,
+        Pixel,
+    }
+);
 
 impl Shading {
     /// Every shading.

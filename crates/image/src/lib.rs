@@ -2,12 +2,14 @@
 //!
 //! Conventions: y points down, windows are half-open, the center of pixel `x` lies at `x + ½`.
 
+mod channel;
 mod color;
 mod format;
 mod plane;
 mod space;
 mod window;
 
+pub use channel::{Channel, ChannelSet};
 pub use color::{HexError, parse_hex};
 pub use format::{Format, FormatError, MAX_PIXELS, MAX_SIDE, Shading};
 pub use plane::{Plane, PlaneError};

@@ -1,3 +1,5 @@
+use trochoid_key::content_key;
+
 /// The space in which a document's colors mix; the guarantee holds there.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
 pub enum WorkingSpace {
@@ -9,6 +11,14 @@ pub enum WorkingSpace {
     /// sRGB as encoded for display, the way paint swatches are sampled.
     Srgb,
 }
+
+content_key!(
+    enum WorkingSpace {
+        LinearSrgb,
+        AcesCg,
+        Srgb,
+    }
+);
 
 /// CIE xy coordinates of red, green, blue and white.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -159,14 +169,14 @@ impl std::fmt::Display for WorkingSpace {
 /// Encodes linear light for display (IEC 61966-2-1), odd about 0 and not limited to 1.
 pub fn srgb_encode(linear: f64) -> f64 {
     let v = linear.abs();
-    let encoded = if v <= 0.003_130_8 { 12.92 * v } else { 1.055 * v.powf(1.0 / 2.4) - 0.055 };
+    let encoded = if v <= 0.003_130_8 { 12.92 * v } else { 1.055 * libm::pow(v, 1.0 / 2.4) - 0.055 };
     encoded.copysign(linear)
 }
 
 /// Decodes a display value to linear light: the inverse of [`srgb_encode`].
 pub fn srgb_decode(encoded: f64) -> f64 {
     let v = encoded.abs();
-    let linear = if v <= 0.040_45 { v / 12.92 } else { ((v + 0.055) / 1.055).powf(2.4) };
+    let linear = if v <= 0.040_45 { v / 12.92 } else { libm::pow((v + 0.055) / 1.055, 2.4) };
     linear.copysign(encoded)
 }
 

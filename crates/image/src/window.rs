@@ -1,3 +1,5 @@
+use trochoid_key::content_key;
+
 /// A half-open rectangle of pixels: `x0 <= x < x1`, `y0 <= y < y1`.
 ///
 /// Edges are 64-bit, so that width, height and area of any window of a file cannot overflow.
@@ -12,6 +14,8 @@ pub struct Window {
     /// Row after the last.
     pub y1: i64,
 }
+
+content_key!(Window { x0, y0, x1, y1 });
 
 impl Window {
     /// The window between two corners.

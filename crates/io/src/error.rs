@@ -1,6 +1,7 @@
 use std::path::{Path, PathBuf};
 
-use crate::open::OPEN;
+/// What is attempted first with a file that is to be read.
+pub(crate) const OPEN: &str = "open the file";
 
 /// Why a file was not read or not written. Every message names the place, what was found, and what to do.
 #[derive(Debug, thiserror::Error)]

@@ -1,11 +1,10 @@
 use std::fmt;
-use std::io::{BufRead, Seek};
 use std::path::Path;
 
 use trochoid_image::{Chromaticities, Window};
 
-use crate::source::{self, Source};
-use crate::{Encoding, Error, Limits, exr_file, raster};
+use crate::error::Error;
+use crate::limits::Limits;
 
 /// Kind of picture file, told by its first bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -95,6 +94,15 @@ pub struct ChannelInfo {
     pub sample_type: SampleType,
     /// Pixels per stored sample, across and down; other than 1 only for subsampled chroma, which is not read.
     pub sampling: [i32; 2],
+}
+
+/// How the values of a picture relate to light.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Encoding {
+    /// Proportional to light, or plain data.
+    Linear,
+    /// Encoded for display by the sRGB curve; [`trochoid_image::srgb_decode`] gives linear light.
+    Srgb,
 }
 
 /// Type of a channel's stored samples.
@@ -272,36 +280,6 @@ impl fmt::Display for Compression {
             Self::Tiff => "TIFF",
         })
     }
-}
-
-/// What kind of picture a file's first bytes announce, whatever its name.
-///
-/// # Errors
-/// The file cannot be opened, or is not a picture.
-pub fn kind(path: impl AsRef<Path>) -> Result<FileKind, Error> {
-    source::open(path.as_ref())?.kind()
-}
-
-/// Reads a file's header, without decoding pixels.
-///
-/// Parts that cannot be decoded (deep, HTJ2K) are described all the same.
-///
-/// # Errors
-/// The file cannot be opened, is not a picture, its header is damaged, or a window exceeds the limits.
-pub fn info(path: impl AsRef<Path>, limits: &Limits) -> Result<Info, Error> {
-    info_of(&mut source::open(path.as_ref())?, limits)
-}
-
-pub(crate) fn info_of<R: BufRead + Seek>(source: &mut Source<R>, limits: &Limits) -> Result<Info, Error> {
-    let kind = source.kind()?;
-    let parts = match kind {
-        FileKind::Exr => exr_file::Header::read(source)?.into_parts(),
-        _ => vec![raster::info(source, kind)?.0],
-    };
-    for (index, part) in parts.iter().enumerate() {
-        part.check_windows(&source.path, index, limits)?;
-    }
-    Ok(Info { kind, parts })
 }
 
 impl PartInfo {

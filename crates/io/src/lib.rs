@@ -62,6 +62,8 @@ mod png_file;
 #[cfg(feature = "pictures")]
 mod raster;
 #[cfg(feature = "pictures")]
+mod read;
+#[cfg(feature = "pictures")]
 mod row_reader;
 #[cfg(feature = "pictures")]
 mod samples;
@@ -85,7 +87,7 @@ pub use exr_file::{
     BandBuffer, EncodeScratch, EncodedBand, ExrChannel, ExrHeader, ExrImage, ExrReader, ExrWriter, write_exr,
 };
 #[cfg(feature = "pictures")]
-pub use info::{ChannelInfo, Compression, FileKind, Info, Levels, PartInfo, SampleType, Storage, info, kind};
+pub use info::{ChannelInfo, Compression, Encoding, FileKind, Info, Levels, PartInfo, SampleType, Storage};
 #[cfg(feature = "pictures")]
 pub use limits::Limits;
 #[cfg(feature = "pictures")]
@@ -94,11 +96,15 @@ pub use open::{OpenFile, open_file, read_bytes, read_text};
 #[cfg(feature = "pictures")]
 pub use partial::{clear_partial_files, discard_partial_files};
 #[cfg(feature = "pictures")]
-pub use picture::{Encoding, Picture, PictureChannel, PictureInfo, read};
+pub use picture::{Picture, PictureChannel, PictureInfo};
 #[cfg(feature = "pictures")]
 pub use png_file::{PngImage, encode_png8, write_png8, write_png16};
 #[cfg(feature = "pictures")]
-pub use row_reader::{RowReader, TakeRow};
+pub use raster::TakeRow;
+#[cfg(feature = "pictures")]
+pub use read::{info, kind, read};
+#[cfg(feature = "pictures")]
+pub use row_reader::RowReader;
 #[cfg(feature = "pictures")]
 pub use samples::Samples;
 #[cfg(feature = "pictures")]

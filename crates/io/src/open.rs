@@ -9,9 +9,8 @@ use std::io::Read;
 use std::path::Path;
 
 use crate::Error;
+use crate::error::OPEN;
 
-/// What is attempted first with a file that is to be read.
-pub(crate) const OPEN: &str = "open the file";
 const READ: &str = "read the file";
 
 /// A regular file, opened for reading.

@@ -1,18 +1,6 @@
-use std::path::Path;
-
 use trochoid_image::{Chromaticities, Plane, Window};
 
-use crate::source::{self, Shareable, Source};
-use crate::{ChannelInfo, Error, ExrReader, FileKind, Limits, PartInfo, SampleType, Selection, raster};
-
-/// How the values of a picture relate to light.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Encoding {
-    /// Proportional to light, or plain data.
-    Linear,
-    /// Encoded for display by the sRGB curve; [`trochoid_image::srgb_decode`] gives linear light.
-    Srgb,
-}
+use crate::info::{ChannelInfo, Encoding, PartInfo, SampleType};
 
 /// Decoded channels of one part of a file.
 #[derive(Clone, Debug, PartialEq)]
@@ -44,7 +32,7 @@ pub struct PictureChannel {
     pub plane: Plane,
 }
 
-/// A [`Picture`] without its pixels: what [`ExrReader::info`] says.
+/// A [`Picture`] without its pixels: what [`ExrReader::info`](crate::ExrReader::info) says.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PictureInfo {
     /// Number of the part the channels come from.
@@ -73,31 +61,6 @@ impl Picture {
         match (fitting.next(), fitting.next()) {
             (Some(only), None) => Some(&only.plane),
             _ => None,
-        }
-    }
-}
-
-/// Decodes what a selection asks for; other parts are not decoded.
-///
-/// # Errors
-/// The file cannot be opened, is not a picture, is damaged, holds something that is not supported, lacks what is
-/// selected, or exceeds the limits.
-pub fn read(path: impl AsRef<Path>, selection: &Selection, limits: &Limits) -> Result<Picture, Error> {
-    read_of(source::open(path.as_ref())?, selection, limits)
-}
-
-pub(crate) fn read_of<R: Shareable>(
-    mut source: Source<R>,
-    selection: &Selection,
-    limits: &Limits,
-) -> Result<Picture, Error> {
-    match source.kind()? {
-        FileKind::Exr => ExrReader::of(source, selection, limits)?.picture(),
-        kind => {
-            let (info, form) = raster::info(&mut source, kind)?;
-            let found = selection.resolve(&source.path, std::slice::from_ref(&info))?;
-            let planes = raster::read_planes(&mut source, kind, (&info, &form), &found.channels, limits)?;
-            Ok(PictureInfo::new(&info, found.part, &found.channels).with_planes(planes))
         }
     }
 }

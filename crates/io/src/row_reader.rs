@@ -1,14 +1,10 @@
 use std::fs::File;
 use std::io::BufReader;
-use std::ops::ControlFlow;
 use std::path::Path;
 
-use crate::raster::{self, Form};
+use crate::raster::{self, Form, TakeRow};
 use crate::source::{self, Source};
 use crate::{Error, FileKind, Limits, PictureInfo, Selection};
-
-/// Takes a row: its number, and its samples, one list a channel; may break off.
-pub type TakeRow<'a> = dyn FnMut(i64, &[Vec<f32>]) -> ControlFlow<()> + 'a;
 
 /// A PNG, JPEG or TIFF opened for reading row by row, from the top down.
 ///

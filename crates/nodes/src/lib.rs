@@ -1,7 +1,7 @@
 //! Every node of Trochoid, one file each.
 //!
-//! A node file has the same sections in the same order: declaration, checks, body (lowering, or prepare and
-//! fill), reference, tests. The build script finds the files; nothing else names them.
+//! A node file has the same sections in the same order: declaration, checks, body (lowering, or prepare and fill), reference,
+//! tests. The `mod.rs` of its folder lists it; nothing else names it. What the nodes of a folder share stands beside them.
 //!
 //! Features: `io` (Read, ViewFromPasses), `scene` (cameras, lights, Render, passes), `sea` (wave simulators);
 //! all on by default.
@@ -10,25 +10,48 @@
 
 #[cfg(all(test, feature = "io", feature = "sea"))]
 mod bound_tests;
-mod filter_support;
-mod front_support;
+mod bounds;
+mod convex;
+mod field;
 #[cfg(feature = "io")]
-mod io_support;
-mod paint_support;
+mod files;
+mod filter;
 #[cfg(feature = "scene")]
-#[cfg_attr(not(feature = "sea"), allow(dead_code, unused_imports, reason = "only wave simulators use some of it"))]
-mod scene_support;
+mod geometry;
+#[cfg(feature = "scene")]
+mod lit;
+mod paint;
+#[cfg(feature = "scene")]
+mod sea;
 #[cfg(test)]
 mod testing;
+#[cfg(feature = "scene")]
+mod view;
 
-include!(concat!(env!("OUT_DIR"), "/nodes.rs"));
+use trochoid_graph::NodeType;
 
 /// All node types.
 ///
 /// ```
-/// let names: Vec<_> = trochoid_nodes::all().iter().map(|ty| ty.declaration().name).collect();
+/// let names: Vec<_> = trochoid_nodes::all().map(|ty| ty.declaration().name).collect();
 /// assert!(names.contains(&"Mix"));
 /// ```
-pub fn all() -> &'static [&'static dyn trochoid_graph::NodeType] {
-    NODES
+pub fn all() -> impl Iterator<Item = &'static NodeType> {
+    let rooms = [
+        convex::NODES,
+        field::NODES,
+        filter::NODES,
+        paint::NODES,
+        #[cfg(feature = "scene")]
+        geometry::NODES,
+        #[cfg(feature = "scene")]
+        lit::NODES,
+        #[cfg(feature = "scene")]
+        sea::NODES,
+        #[cfg(feature = "scene")]
+        view::NODES,
+        #[cfg(feature = "io")]
+        files::NODES,
+    ];
+    rooms.into_iter().flatten()
 }

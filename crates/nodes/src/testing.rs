@@ -12,7 +12,7 @@ pub(crate) fn graph(key: &str, nodes: &str, folder: &Path) -> Result<CheckedGrap
             "outputs": {{ "out": {{ "{key}": "out" }} }} }}"#
     );
     let document = Document::parse("test.json", &text).map_err(|faults| format!("{faults:?}"))?;
-    let registry = Registry::new(crate::all().iter().copied());
+    let registry = Registry::new(crate::all());
     let (graph, faults) = check(&document, &registry, folder);
     let text: Vec<String> = faults.iter().map(|fault| format!("{fault:?}")).collect();
     graph.ok_or_else(|| text.join("\n"))
@@ -32,13 +32,12 @@ impl Frame {
         let mut prepared: Vec<Option<Box<dyn Prepared>>> = graph.nodes().iter().map(|_| None).collect();
         let pool = Pool::new();
         for &id in graph.order() {
-            let node = graph.node(id);
-            let Body::Stage(stage) = node.ty.body() else { continue };
+            let (node, settled) = (graph.node(id), graph.settle(id, context.frame));
+            let Some(stage) = settled.stage() else { continue };
             let wanted: Vec<Vec<bool>> = node.kinds.iter().map(|kind| vec![true; kind.channels()]).collect();
             let handles = |id: NodeId| prepared[id.0].as_ref().and_then(|prepared| prepared.handle());
-            let settled = graph.settle(id, context.frame);
             let prepare = Prepare::new(&context, &node.kinds, &wanted, &handles, &|| false, &pool);
-            let made = stage.prepare(&settled, &prepare)?;
+            let made = stage.prepare(&prepare)?;
             prepared[id.0] = Some(made);
         }
         Ok(Self { graph, context, prepared })
@@ -57,8 +56,8 @@ impl Frame {
             _ => unreachable!("literals are evaluated where they stand"),
         };
         let references = References::new(&self.context, at, &inputs);
-        match (self.graph.node(id).ty.body(), &self.prepared[id.0]) {
-            (Body::Pointwise(node), _) => node.reference(&self.graph.settle(id, self.context.frame), &references),
+        match (self.graph.settle(id, self.context.frame).pointwise(), &self.prepared[id.0]) {
+            (Some(node), _) => node.reference(&references),
             (_, Some(prepared)) => prepared.reference(&references).unwrap().swap_remove(output),
             _ => unreachable!("every stage is prepared"),
         }
@@ -79,17 +78,16 @@ impl Frame {
         let mut program = Program::default();
         let mut values: Vec<Option<Value>> = vec![None; self.graph.nodes().len()];
         for &id in self.graph.order() {
-            let node = self.graph.node(id);
-            let value = match node.ty.body() {
-                Body::Pointwise(pointwise) => {
+            let value = match self.graph.settle(id, self.context.frame).pointwise() {
+                Some(pointwise) => {
                     let inputs = |source: &Source<Vec<f64>>| match source {
                         Source::Output { node, .. } => values[node.0].clone().unwrap(),
                         _ => unreachable!("literals are lowered where they stand"),
                     };
                     let mut lowering = Lowering::new(Builder::new(&mut program, id), &inputs);
-                    pointwise.lower(&self.graph.settle(id, self.context.frame), &mut lowering)
+                    pointwise.lower(&mut lowering)
                 }
-                Body::Stage(_) => load(&mut program, id, 0, node.kinds[0]).unwrap(),
+                None => load(&mut program, id, 0, self.graph.node(id).kinds[0]).unwrap(),
             };
             values[id.0] = Some(value);
         }
@@ -129,7 +127,7 @@ impl Frame {
         }
         planes[output][channel] = Some(&mut plane);
         let prepared = self.prepared[id.0].as_ref().unwrap();
-        let ports: Vec<_> = self.graph.node(id).record.ports().map(|(name, _)| (name, Vec::new())).collect();
+        let ports: Vec<_> = self.graph.node(id).record.ports().map(|_| Vec::new()).collect();
         prepared.fill(&block, &Inputs::new(&ports), &mut Outputs::new(planes)).unwrap();
         plane[0]
     }

@@ -1,5 +1,6 @@
 use glam::DVec3;
 use trochoid_image::Format;
+use trochoid_key::{ContentKey, KeyHasher};
 
 /// How a camera maps the world to its picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -66,6 +67,14 @@ pub struct Projector {
     pub size: [f64; 2],
     /// How many times as close vertices of meshes stand as pixels ask for, 1 by default.
     pub fineness: f64,
+}
+
+impl ContentKey for Projector {
+    fn feed(&self, hasher: &mut KeyHasher) {
+        let Self { position, right, up, forward, orthographic, scale, size, fineness } = self;
+        [position, right, up, forward].map(|vector| vector.to_array()).feed(hasher);
+        (orthographic, scale, size, fineness).feed(hasher);
+    }
 }
 
 impl Camera {

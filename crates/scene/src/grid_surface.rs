@@ -4,6 +4,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::certain::{Search, SeenGrid, contours_of_grid, meet_grid};
+use crate::channel::{NORMALS, RESTS};
 use crate::points::Near;
 use crate::shading::unit_or_up;
 use crate::surface::{Anchor, Hit, Mesh, Surface, Topology};
@@ -304,8 +305,8 @@ impl Surface for GridSurface {
         let size = |channels: ChannelSet| if wanted.intersects(channels) { rows * columns } else { 0 };
         let mut mesh = Mesh {
             positions: vec![[0.0; 3]; rows * columns],
-            normals: vec![[0.0; 3]; size(ChannelSet::NORMALS)],
-            rests: vec![[0.0; 2]; size(ChannelSet::RESTS.union(ChannelSet::UV))],
+            normals: vec![[0.0; 3]; size(NORMALS)],
+            rests: vec![[0.0; 2]; size(RESTS.union(ChannelSet::UV))],
             rest_heights: Vec::new(),
             uvs: Vec::new(),
             slope_variances: vec![0.0; size(ChannelSet::of(&[Channel::SlopeVariance]))],

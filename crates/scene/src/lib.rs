@@ -44,7 +44,7 @@ mod visible;
 
 pub use camera::{Camera, Projection, Projector, Ray};
 pub use certain::{Certain, Search, Sight};
-pub use channel::{Channel, ChannelSet, Samples};
+pub use channel::{Samples, channel_of};
 pub use float::{Floating, Plane};
 pub use footprint::{GRAZING, footprint, footprint_axes};
 pub use glam::DVec3;
@@ -57,4 +57,5 @@ pub use rigid::{Pose, RigidBodies};
 pub use sea_surface::{Resolved, SeaSurface};
 pub use surface::{Anchor, Hit, Mesh, Surface, Topology};
 pub use triangles::{MAX_TRIANGLES, TriangleModel, Triangles, TrianglesError};
+pub use trochoid_image::{Channel, ChannelSet};
 pub use visible::{Stats, Visible};

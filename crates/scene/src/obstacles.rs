@@ -73,7 +73,7 @@ impl Obstacles {
     pub fn new(projector: &Projector, surfaces: &[&dyn Surface]) -> Self {
         let (mut positions, mut triangles) = (Vec::new(), Vec::new());
         for surface in surfaces {
-            let mesh = surface.tessellate(projector, ChannelSet::NONE);
+            let mesh = surface.tessellate(projector, ChannelSet::EMPTY);
             let first = u32::try_from(positions.len()).expect("fewer than 2³² vertices");
             positions.extend(mesh.positions.iter().copied().map(Vec3::from));
             assert!(u32::try_from(positions.len()).is_ok(), "fewer than 2³² vertices");

@@ -1,6 +1,7 @@
 use glam::DVec3;
 
 use crate::certain::Search;
+use crate::channel::FINE;
 use crate::points::Near;
 use crate::{ChannelSet, Projector, Ray, Resting, SeaSurface};
 
@@ -28,7 +29,7 @@ pub trait Surface: Send + Sync {
     /// A mesh with normals and rest points that is as much finer than a picture needs as it takes to know contours closely;
     /// or `None` as above.
     fn tessellate_finely(&self, projector: &Projector, stop: &(dyn Fn() -> bool + Sync)) -> Option<Mesh> {
-        self.tessellate_unless(projector, ChannelSet::FINE, stop)
+        self.tessellate_unless(projector, FINE, stop)
     }
 
     /// The first point of the continuous surface along a ray from the camera, in f64.

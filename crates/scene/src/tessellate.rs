@@ -6,6 +6,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 use trochoid_sea::{Fields, Line, LineScratch, Lines, Points, Wanted};
 
+use crate::channel::{NORMALS, RESTS};
 use crate::extent::{Sector, Strip};
 use crate::spacing::Spacing;
 use crate::surface::{Mesh, Topology};
@@ -255,8 +256,8 @@ impl<L: Layout> Rows<'_, L> {
         let size = |channels: ChannelSet| if wanted.intersects(channels) { len } else { 0 };
         let mut mesh = Mesh {
             positions: vec![[0.0; 3]; len],
-            normals: vec![[0.0; 3]; size(ChannelSet::NORMALS)],
-            rests: vec![[0.0; 2]; size(ChannelSet::RESTS.union(ChannelSet::UV))],
+            normals: vec![[0.0; 3]; size(NORMALS)],
+            rests: vec![[0.0; 2]; size(RESTS.union(ChannelSet::UV))],
             rest_heights: Vec::new(),
             uvs: Vec::new(),
             slope_variances: vec![0.0; size(ChannelSet::of(&[Channel::SlopeVariance]))],

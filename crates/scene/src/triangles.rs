@@ -6,6 +6,7 @@ use std::collections::HashMap;
 
 use crate::bezier::Placement;
 use crate::certain::{Search, contours_of_facets};
+use crate::channel::{NORMALS, RESTS};
 use crate::points::Near;
 use crate::surface::{Anchor, Hit, Mesh, Surface, Topology};
 use crate::{ChannelSet, Projector, Ray};
@@ -237,10 +238,10 @@ impl Surface for TriangleModel {
         let when = |channels: ChannelSet| wanted.intersects(channels);
         let mut mesh = Mesh::empty(0.0);
         mesh.positions = self.positions.par_iter().map(relative).collect();
-        if when(ChannelSet::NORMALS) {
+        if when(NORMALS) {
             mesh.normals = self.normals.par_iter().map(|normal| normal.as_vec3().to_array()).collect();
         }
-        if when(ChannelSet::RESTS) || (when(ChannelSet::UV) && self.mesh.uvs.is_empty()) {
+        if when(RESTS) || (when(ChannelSet::UV) && self.mesh.uvs.is_empty()) {
             let rests: Vec<[f32; 3]> = self.mesh.positions.par_iter().map(relative).collect();
             mesh.rests = rests.iter().map(|rest| [rest[0], rest[2]]).collect();
             mesh.rest_heights = rests.iter().map(|rest| rest[1]).collect();

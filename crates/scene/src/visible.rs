@@ -154,7 +154,7 @@ impl Visible {
     pub fn fill(&self, window: Window, offset: [f64; 2], wanted: ChannelSet, out: &mut Samples) {
         assert!(self.wanted.includes(wanted), "a view is asked only for the channels it was prepared for");
         out.shape(window, wanted);
-        if window.is_empty() || wanted == ChannelSet::NONE {
+        if window.is_empty() || wanted == ChannelSet::EMPTY {
             return;
         }
         self.look(window, offset, |seen| self.resolve(seen.within(window), offset, wanted, out));
@@ -169,7 +169,7 @@ impl Visible {
     pub fn fill_pixels(&self, pixels: &[[i64; 2]], offset: [f64; 2], wanted: ChannelSet, out: &mut Samples) {
         assert!(self.wanted.includes(wanted), "a view is asked only for the channels it was prepared for");
         out.shape(Window::new(0, 0, pixels.len() as i64, 1), wanted);
-        if pixels.is_empty() || wanted == ChannelSet::NONE {
+        if pixels.is_empty() || wanted == ChannelSet::EMPTY {
             return;
         }
         let around = pixels.iter().fold(Window::default(), |all, &[x, y]| all.union(Window::new(x, y, x + 1, y + 1)));

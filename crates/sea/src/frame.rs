@@ -1,4 +1,5 @@
 use std::f64::consts::TAU;
+use trochoid_key::content_key;
 
 use crate::fields::{SUMS, Sample};
 use crate::wave::{Wave, attenuation};
@@ -8,6 +9,8 @@ use crate::wave::{Wave, attenuation};
 pub struct Sea {
     waves: Vec<Wave>,
 }
+
+content_key!(Sea { waves });
 
 impl Sea {
     /// The sum of these waves.

@@ -3,7 +3,7 @@ use std::f64::consts::TAU;
 use rand_pcg::Pcg64;
 use rand_pcg::rand_core::Rng;
 
-use crate::wave::{GRAVITY, LENGTHS_M, Wave, WaveError, within};
+use crate::wave::{GRAVITY, LENGTHS_M, Wave, WaveError, WaveFigure, within};
 
 /// Most waves of one group.
 pub const MAX_GROUP: usize = 10_000;
@@ -106,7 +106,7 @@ impl WaveGroup {
             .into_iter()
             .map(|([x, z], forward, weight)| {
                 let (k, share) = (libm::sqrt(x * x + z * z), weight / total);
-                within("wavelength of a wave in the group", TAU / k, LENGTHS_M, "1e-6 to 1e9 meters")?;
+                within(WaveFigure::WavelengthInGroup, TAU / k, LENGTHS_M, "1e-6 to 1e9 meters")?;
                 let angular_frequency = self.speed.map_or(libm::sqrt(GRAVITY * k), |speed| speed * forward);
                 let travel = angular_frequency * self.time;
                 Ok(Wave {
@@ -123,20 +123,25 @@ impl WaveGroup {
 
     fn validate(&self) -> Result<(), WaveError> {
         let any = (f64::MIN, f64::MAX);
-        within("wavelength", self.wavelength, (1e-3, 1e6), "0.001 to 1,000,000 meters")?;
-        within("height", self.height, any, "a finite number of meters")?;
-        within("direction", self.direction, any, "a finite azimuth")?;
+        within(WaveFigure::Wavelength, self.wavelength, (1e-3, 1e6), "0.001 to 1,000,000 meters")?;
+        within(WaveFigure::Height, self.height, any, "a finite number of meters")?;
+        within(WaveFigure::Direction, self.direction, any, "a finite azimuth")?;
         let least = (Self::LEAST_ALONG, 1e6);
-        within("along", self.along / self.wavelength, least, "0.31 wavelengths or more")?;
-        within("across", self.across, (1e-3, 1e9), "0.001 to 1e9 meters")?;
-        within("focus", self.focus[0], (-1e9, 1e9), "at most 1e9 meters from the origin")?;
-        within("focus", self.focus[1], (-1e9, 1e9), "at most 1e9 meters from the origin")?;
-        within("time", self.time, (-1e9, 1e9), "at most 1e9 seconds")?;
-        within("sharpness", self.sharpness, (0.0, 1e3), "0 to 1000")?;
-        within("speed", self.speed.unwrap_or(0.0), any, "a finite number of m/s")?;
+        within(WaveFigure::Along, self.along / self.wavelength, least, "0.31 wavelengths or more")?;
+        within(WaveFigure::Across, self.across, (1e-3, 1e9), "0.001 to 1e9 meters")?;
+        within(WaveFigure::Focus, self.focus[0], (-1e9, 1e9), "at most 1e9 meters from the origin")?;
+        within(WaveFigure::Focus, self.focus[1], (-1e9, 1e9), "at most 1e9 meters from the origin")?;
+        within(WaveFigure::Time, self.time, (-1e9, 1e9), "at most 1e9 seconds")?;
+        within(WaveFigure::Sharpness, self.sharpness, (0.0, 1e3), "0 to 1000")?;
+        within(WaveFigure::Speed, self.speed.unwrap_or(0.0), any, "a finite number of m/s")?;
         for count in self.waves {
-            within("waves", count as f64, (1.0, MAX_GROUP as f64), "at least one wave each way")?;
+            within(WaveFigure::Waves, count as f64, (1.0, MAX_GROUP as f64), "at least one wave each way")?;
         }
-        within("waves", self.waves[0] as f64 * self.waves[1] as f64, (1.0, MAX_GROUP as f64), "at most 10,000 in all")
+        within(
+            WaveFigure::Waves,
+            self.waves[0] as f64 * self.waves[1] as f64,
+            (1.0, MAX_GROUP as f64),
+            "at most 10,000 in all",
+        )
     }
 }

@@ -29,11 +29,15 @@
 //! Results do not depend on the processor or the number of threads: additions, multiplications and exact roundings
 //! are made in a fixed order and never fused.
 
+#[macro_use]
+mod figures;
+
 mod direct;
 mod fields;
 mod folding;
 mod frame;
 mod grid;
+mod grid_plan;
 mod group;
 mod kernel;
 mod lanes;
@@ -54,11 +58,12 @@ mod wave;
 pub use fields::{Fields, Points, Sample, Wanted};
 pub use folding::{FoldOptions, Folding};
 pub use frame::{Sea, SeaFrame};
-pub use grid::{Grid, GridError, GridPlan, MAX_POINTS, MAX_SIDE};
+pub use grid::{Grid, GridError, MAX_POINTS, MAX_SIDE};
+pub use grid_plan::GridPlan;
 pub use group::{MAX_GROUP, WaveGroup};
 pub use line::{Line, LineScratch, Lines};
 pub use method::Method;
 pub use precise::{Bends, Precise, PreciseSea};
 pub use ripple::Ripple;
 pub use spectrum::{Convention, Dispersion, GerstnerSpectrum, MAX_WAVES, SpectrumError};
-pub use wave::{ExplicitWave, GRAVITY, Wave, WaveError, attenuation};
+pub use wave::{ExplicitWave, GRAVITY, Wave, WaveError, WaveFigure, attenuation};

@@ -3,7 +3,7 @@ use std::f64::consts::TAU;
 use rand_pcg::Pcg64;
 use rand_pcg::rand_core::Rng;
 
-use crate::wave::{GRAVITY, LENGTHS_M, Wave, WaveError, within};
+use crate::wave::{GRAVITY, LENGTHS_M, Wave, WaveError, WaveFigure, within};
 
 /// Most waves of one spectrum.
 pub const MAX_WAVES: usize = 100_000;
@@ -194,16 +194,16 @@ impl GerstnerSpectrum {
             return Err(SpectrumError::Count(self.count));
         }
         let any = (f64::MIN, f64::MAX);
-        within("wavelength", self.wavelength, (1e-3, 1e6), "0.001 to 1,000,000 meters")?;
-        within("spread", self.spread, (0.0, 3.0), "0 to 3")?;
-        within("height", self.height, (0.0, 1e6), "0 to 1,000,000 meters")?;
-        within("direction", self.direction, any, "a finite azimuth")?;
-        within("direction_spread", self.direction_spread, (0.0, 1e3), "0 or more, finite")?;
-        within("sharpness", self.sharpness, (0.0, 1e3), "0 to 1000")?;
+        within(WaveFigure::Wavelength, self.wavelength, (1e-3, 1e6), "0.001 to 1,000,000 meters")?;
+        within(WaveFigure::Spread, self.spread, (0.0, 3.0), "0 to 3")?;
+        within(WaveFigure::Height, self.height, (0.0, 1e6), "0 to 1,000,000 meters")?;
+        within(WaveFigure::Direction, self.direction, any, "a finite azimuth")?;
+        within(WaveFigure::DirectionSpread, self.direction_spread, (0.0, 1e3), "0 or more, finite")?;
+        within(WaveFigure::Sharpness, self.sharpness, (0.0, 1e3), "0 to 1000")?;
         match self.dispersion {
             Dispersion::Deep => {}
-            Dispersion::Speed(speed) => within("speed", speed, any, "a finite number of m/s")?,
-            Dispersion::Period(period) => within("period", period, (1e-9, f64::MAX), "more than 0 seconds")?,
+            Dispersion::Speed(speed) => within(WaveFigure::Speed, speed, any, "a finite number of m/s")?,
+            Dispersion::Period(period) => within(WaveFigure::Period, period, (1e-9, f64::MAX), "more than 0 seconds")?,
         }
         Ok(())
     }

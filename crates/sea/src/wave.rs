@@ -1,4 +1,5 @@
 use std::f64::consts::TAU;
+use trochoid_key::content_key;
 
 /// Acceleration of gravity in m/s².
 pub const GRAVITY: f64 = 9.81;
@@ -19,6 +20,8 @@ pub struct Wave {
     /// Phase φ in radians: a crest stands at the origin at t = 0 where it is 0.
     pub phase: f64,
 }
+
+content_key!(Wave { wavelength, direction, amplitude, horizontal, angular_frequency, phase });
 
 impl Wave {
     /// Wave number k = 2π/L in rad/m.
@@ -61,11 +64,34 @@ pub struct ExplicitWave {
     pub speed: Option<f64>,
 }
 
+figures! {
+    /// A figure of waves, or of spectra, groups and ripples.
+    WaveFigure {
+        Wavelength = "wavelength",
+        Spread = "spread",
+        Height = "height",
+        Amplitude = "amplitude",
+        Direction = "direction",
+        DirectionSpread = "direction_spread",
+        Sharpness = "sharpness",
+        Phase = "phase",
+        Speed = "speed",
+        Period = "period",
+        Frequency = "frequency",
+        Along = "along",
+        Across = "across",
+        Focus = "focus",
+        Time = "time",
+        Waves = "waves",
+        WavelengthInGroup = "wavelength of a wave in the group",
+    }
+}
+
 /// Why a wave is refused.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WaveError {
-    /// Which quantity.
-    pub quantity: &'static str,
+    /// Which figure.
+    pub figure: WaveFigure,
     /// Its value.
     pub found: f64,
     /// What is accepted instead.
@@ -74,7 +100,7 @@ pub struct WaveError {
 
 impl std::fmt::Display for WaveError {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{} {}; expected {}", self.quantity, self.found, self.expected)
+        write!(f, "{} {}; expected {}", self.figure, self.found, self.expected)
     }
 }
 
@@ -82,16 +108,12 @@ impl std::error::Error for WaveError {}
 
 /// Finite values within closed bounds pass; anything else, NaN too, is refused by name.
 pub(crate) fn within(
-    quantity: &'static str,
+    figure: WaveFigure,
     found: f64,
     (low, high): (f64, f64),
     expected: &'static str,
 ) -> Result<(), WaveError> {
-    if found.is_finite() && found >= low && found <= high {
-        Ok(())
-    } else {
-        Err(WaveError { quantity, found, expected })
-    }
+    if found.is_finite() && found >= low && found <= high { Ok(()) } else { Err(WaveError { figure, found, expected }) }
 }
 
 /// Shortest and longest wave in meters: phases stay exact in f64, and squares of wave numbers finite in f32.
@@ -102,15 +124,15 @@ impl TryFrom<ExplicitWave> for Wave {
 
     fn try_from(wave: ExplicitWave) -> Result<Self, WaveError> {
         let any = (f64::MIN, f64::MAX);
-        within("wavelength", wave.wavelength, LENGTHS_M, "1e-6 to 1e9 meters")?;
-        within("amplitude", wave.amplitude, any, "a finite number of meters")?;
-        within("direction", wave.direction, any, "a finite azimuth")?;
-        within("sharpness", wave.sharpness, (0.0, f64::MAX), "0 or more, finite")?;
-        within("phase", wave.phase, any, "a finite angle")?;
+        within(WaveFigure::Wavelength, wave.wavelength, LENGTHS_M, "1e-6 to 1e9 meters")?;
+        within(WaveFigure::Amplitude, wave.amplitude, any, "a finite number of meters")?;
+        within(WaveFigure::Direction, wave.direction, any, "a finite azimuth")?;
+        within(WaveFigure::Sharpness, wave.sharpness, (0.0, f64::MAX), "0 or more, finite")?;
+        within(WaveFigure::Phase, wave.phase, any, "a finite angle")?;
         let k = TAU / wave.wavelength;
         let angular_frequency = match wave.speed {
             Some(speed) => {
-                within("speed", speed, any, "a finite number of m/s")?;
+                within(WaveFigure::Speed, speed, any, "a finite number of m/s")?;
                 k * speed
             }
             None => libm::sqrt(GRAVITY * k),

@@ -1,6 +1,7 @@
 //! Where files go: looked at before anything is evaluated, and written whole or not at all.
 
-use crate::{Form, OutputError, is_ours};
+use crate::output_file::OutputError;
+use crate::{Form, is_ours};
 use std::collections::HashSet;
 use std::fs;
 use std::io::ErrorKind;
@@ -117,6 +118,12 @@ pub fn write_guarded(path: &Path, bytes: &[u8], form: Form, overwrites: bool) ->
 pub(crate) fn make_folder_of(path: &Path) -> std::io::Result<()> {
     let leads_to = if fs::metadata(path).is_err() { resolved(path) } else { path.into() };
     fs::create_dir_all(folder_of(&leads_to))
+}
+
+/// The same, with an error that names it.
+pub(crate) fn folder_of_file(path: &Path) -> Result<(), OutputError> {
+    make_folder_of(path)
+        .map_err(|error| OutputError::Folder { path: path.parent().unwrap_or(path).into(), reason: error.to_string() })
 }
 
 /// Writes a file that appears whole or not at all; folders are made. What is no regular file (a pipe, a device) is

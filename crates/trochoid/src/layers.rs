@@ -1,6 +1,6 @@
 //! What a file holds beside what a run would write into it.
 
-use crate::output::file_channels;
+use crate::exr_layer::file_channels;
 use crate::resume::OUTPUTS;
 use crate::{OutputFile, output_files};
 use std::collections::BTreeSet;

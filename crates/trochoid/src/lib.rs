@@ -45,6 +45,8 @@ pub mod accuracy;
 pub mod certificate;
 mod costs;
 #[cfg(feature = "io")]
+mod exr_layer;
+#[cfg(feature = "io")]
 mod files;
 #[cfg(feature = "io")]
 mod inputs;
@@ -60,6 +62,8 @@ mod marks;
 mod naming;
 #[cfg(feature = "io")]
 mod output;
+#[cfg(feature = "io")]
+mod output_file;
 mod report;
 #[cfg(feature = "io")]
 mod resume;
@@ -86,9 +90,11 @@ pub use machine::memory_share;
 #[cfg(feature = "io")]
 pub use marks::{Form, GENERATOR, TABLE, is_ours, mark, marks};
 #[cfg(feature = "io")]
-pub use naming::{NameFault, companion_files, output_files};
+pub use naming::{companion_files, output_files};
 #[cfg(feature = "io")]
-pub use output::{OutputError, OutputFile, write_output};
+pub use output::write_output;
+#[cfg(feature = "io")]
+pub use output_file::{NameFault, OutputError, OutputFile};
 pub use report::{RunReport, RunStatus, frame_report};
 #[cfg(feature = "io")]
 pub use resume::Fingerprints;
@@ -102,12 +108,12 @@ pub use trochoid_engine::{
     ShadingPlan, Silent, Sink, State, Switches, Taker,
 };
 pub use trochoid_graph::{
-    Accepts, Access, Animated, Arity, CheckedGraph, CheckedNode, Declaration, Default as KnobDefault, Diagnostic, End,
-    FORMAT_VERSION, Figure, Guarantee, Harmonic, Interpolation, Item, Kind, Knob, List, MemoryUse, NodeId, NodeType,
-    Omission, OutputSpec, Outside, Port, Precision, REFUSALS, Refusal, Refused, Registry, Relation, Right, Severity,
-    Source, Spectrum, Stability, StabilityMap, TERMS, Takes, Term, Tolerance, Verdict, ViewChannel, Work,
-    allow_options, escape_frame, expand_frame, expected, in_bytes, nearest, quoted, quoted_path, refusal, refusals,
-    resolved, schema,
+    Accepts, Access, Animated, Arity, Channel, CheckedGraph, CheckedNode, Declaration, Default as KnobDefault,
+    Diagnostic, Dynamics, End, FORMAT_VERSION, Figure, Guarantee, Harmonic, Interpolation, Item, Key, Kind, Knob, List,
+    MemoryUse, NodeId, NodeType, Omission, OutputSpec, Outside, Paths, Port, Precision, REFUSALS, Refusal, Refused,
+    Registry, Relation, Right, Role, Severity, Source, Spectrum, Stability, StabilityMap, TERMS, Takes, Term,
+    Tolerance, Verdict, Work, allow_options, escape_frame, expand_frame, expected, in_bytes, nearest, quoted,
+    quoted_path, refusal, refusals, resolved, schema,
 };
 pub use trochoid_image::{Format, Plane, Rgb, Shading, Window, WorkingSpace, srgb_decode, srgb_encode};
 #[cfg(feature = "io")]

@@ -6,7 +6,7 @@ use trochoid_graph::{CheckedGraph, Diagnostic, Document, MAX_BYTES, NodeId, Regi
 /// All node types of this build.
 pub fn registry() -> &'static Registry {
     static REGISTRY: OnceLock<Registry> = OnceLock::new();
-    REGISTRY.get_or_init(|| Registry::new(trochoid_nodes::all().iter().copied()))
+    REGISTRY.get_or_init(|| Registry::new(trochoid_nodes::all()))
 }
 
 /// A checked graph, and what validation warned of.

@@ -1,27 +1,8 @@
 //! Names of the files of frames.
 
-use crate::output::layer;
-use crate::{OutputError, OutputFile};
-use std::fmt;
+use crate::output_file::{NameFault, OutputError, OutputFile, layer};
 use std::path::{Component, Path, PathBuf};
 use trochoid_graph::{CheckedGraph, Kind, OutputSpec, escape_frame, expand_frame, one_frame_pattern, quoted, resolved};
-
-/// Why files cannot be named so.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct NameFault {
-    /// Where: an output of the document, or an option.
-    pub place: String,
-    /// What is wrong.
-    pub found: String,
-    /// What to do.
-    pub remedy: String,
-}
-
-impl fmt::Display for NameFault {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}: {}\n  remedy: {}", self.place, self.found, self.remedy)
-    }
-}
 
 /// Faults, each once: what is wrong with a pattern is said once, however many outputs it names.
 #[derive(Default)]

@@ -1,72 +1,14 @@
 //! From evaluated frames to files.
 
-use crate::files::{make_folder_of, target};
+use crate::Form;
+use crate::exr_layer::{convert, file_channels, reserved};
+use crate::files::{folder_of_file, target};
 use crate::marks::with_mark;
-use crate::stream::reserved;
-use crate::{Form, NameFault};
-use std::path::{Path, PathBuf};
+use crate::output_file::{OutputError, OutputFile};
 use trochoid_engine::{Frame, Picture};
-use trochoid_graph::{CheckedGraph, Kind, OutputSpec, Precision, Refused};
+use trochoid_graph::{CheckedGraph, Kind, OutputSpec, Precision};
 use trochoid_image::{Plane, Window, WorkingSpace};
 use trochoid_io::{ExrChannel, ExrImage, PngImage, SampleType, Samples, write_exr, write_png8, write_png16};
-
-/// A file to be written for one frame, and the outputs that go into it.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct OutputFile {
-    /// Where.
-    pub path: PathBuf,
-    /// Indices of outputs of the graph, each a layer of the file.
-    pub outputs: Vec<usize>,
-}
-
-/// Why files cannot be named or written.
-#[derive(Debug, thiserror::Error)]
-pub enum OutputError {
-    /// Files cannot be named so: everything that is wrong, such as one name for several pictures.
-    #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))]
-    Pattern(Vec<NameFault>),
-    /// The file cannot be written.
-    #[error(transparent)]
-    Io(#[from] trochoid_io::Error),
-    /// The document wants it where it may not write.
-    #[error("{}", .0.diagnostic())]
-    Refused(Box<Refused>),
-    /// Trochoid did not write the file that is there, or as another kind of file, or so little is left that nobody can tell.
-    #[error(
-        "{}: is there already, and does not bear Trochoid's mark of such a file: not written by it, of another kind, or cut off\n  \
-         remedy: give another name, or replace it with --overwrite",
-        path.display()
-    )]
-    Foreign {
-        /// The file.
-        path: PathBuf,
-    },
-    /// No file can be written there.
-    #[error("{}: {reason}", path.display())]
-    Destination {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        reason: String,
-    },
-    /// The folder cannot be made.
-    #[error("{}: the folder cannot be made: {reason}", path.display())]
-    Folder {
-        /// The folder.
-        path: PathBuf,
-        /// Why.
-        reason: String,
-    },
-}
-
-/// The layer of an output: its own name for one, else the output's name where several share the file.
-pub(crate) fn layer<'s>(spec: &'s OutputSpec, file: &OutputFile) -> &'s str {
-    match &spec.layer {
-        Some(layer) => layer,
-        None if file.outputs.len() > 1 => &spec.name,
-        None => "",
-    }
-}
 
 /// Writes one file of an evaluated frame; it appears whole or not at all. Folders are made.
 ///
@@ -86,23 +28,6 @@ pub fn write_output(
     let is_png = file.path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("png"));
     let metadata = &with_mark(metadata);
     if is_png { write_png(graph, frame, file, metadata) } else { write_layers(graph, frame, file, metadata) }
-}
-
-/// Makes the folder of a file.
-pub(crate) fn folder_of_file(path: &Path) -> Result<(), OutputError> {
-    make_folder_of(path)
-        .map_err(|error| OutputError::Folder { path: path.parent().unwrap_or(path).into(), reason: error.to_string() })
-}
-
-/// Names of an output's channels in an EXR file, and how their samples are stored.
-pub(crate) fn file_channels(graph: &CheckedGraph, spec: &OutputSpec, file: &OutputFile) -> Vec<(String, SampleType)> {
-    let layer = layer(spec, file);
-    // Fields are measures: half would round a depth of a kilometer to half a meter.
-    let default = if matches!(spec.kind, Kind::Field(_)) { Precision::Float } else { Precision::Half };
-    let float = spec.precision.unwrap_or(default) == Precision::Float;
-    let named = |name: String| if layer.is_empty() { name } else { format!("{layer}.{name}") };
-    let sample_type = if float { SampleType::Float } else { SampleType::Half };
-    channel_names(graph, spec).into_iter().map(|name| (named(name), sample_type)).collect()
 }
 
 fn pictures<'f>(graph: &'f CheckedGraph, frame: &'f Frame, file: &OutputFile) -> Vec<(&'f OutputSpec, &'f Picture)> {
@@ -181,38 +106,5 @@ fn samples_of<'s>(planes: &'s [Plane], converted: Option<&'s [Vec<f32>; 3]>) -> 
     match converted {
         Some(color) => color.iter().map(|channel| Samples::contiguous(channel)).collect(),
         None => planes.iter().map(Samples::plane).collect(),
-    }
-}
-
-/// Colors with every pixel converted in f64, a run of equal ones once: flat tones are cheap.
-pub(crate) fn convert([r, g, b]: [&[f32]; 3], f: impl Fn([f64; 3]) -> [f64; 3]) -> [Vec<f32>; 3] {
-    let mut converted = [0; 3].map(|_| Vec::with_capacity(r.len()));
-    let mut last = None;
-    for ((r, g), b) in r.iter().zip(g).zip(b) {
-        let color = [*r, *g, *b];
-        let bits = color.map(f32::to_bits);
-        let values = match last {
-            Some((same, values)) if same == bits => values,
-            _ => f(color.map(f64::from)).map(|value| value as f32),
-        };
-        last = Some((bits, values));
-        for (channel, value) in converted.iter_mut().zip(values) {
-            channel.push(value);
-        }
-    }
-    converted
-}
-
-/// EXR's names of an output's channels: as declared, such as `Z` for depth; `Y` is what viewers show as gray.
-fn channel_names(graph: &CheckedGraph, spec: &OutputSpec) -> Vec<String> {
-    let outputs = graph.node(spec.node).ty.declaration().outputs;
-    let stored = outputs.get(spec.output).map(|output| output.stored).unwrap_or_default();
-    match spec.kind {
-        Kind::Color => ["R", "G", "B"].map(String::from).into(),
-        kind if stored.len() == kind.channels() => stored.iter().map(|name| (*name).into()).collect(),
-        Kind::Weights(2) | Kind::Field(1) => vec!["Y".into()],
-        Kind::Field(n) => ["X", "Y", "Z", "W"].iter().take(n).map(|name| (*name).into()).collect(),
-        Kind::Weights(n) => (0..n).map(|i| format!("w{i}")).collect(),
-        _ => Vec::new(),
     }
 }

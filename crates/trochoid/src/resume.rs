@@ -4,10 +4,12 @@ use crate::{Frame, OutputFile, Plan, Settings, Switches, VERSION, held, requirem
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
-use trochoid_graph::{CheckedGraph, Guarantee, NodeId};
+use trochoid_graph::{CheckedGraph, ContentKey, Guarantee, KeyHasher, NodeId};
 
 /// The metadata entry that holds the fingerprint.
 pub(crate) const KEY: &str = "trochoid:fingerprint";
+/// The recipe of fingerprints. Files of another one are rendered again.
+const RECIPE: u32 = 2;
 /// The metadata entry that names the outputs that are in a file.
 pub(crate) const OUTPUTS: &str = "trochoid:outputs";
 /// The metadata entry that holds the weakest guarantee found to hold on a color of the file.
@@ -48,33 +50,35 @@ impl Fingerprints {
         let context = graph.frame_context(frame, u64::MAX);
         let roots = file.outputs.iter().map(|index| graph.outputs()[*index].node);
         let reached = graph.reached(roots, frame);
-        let mut hasher = blake3::Hasher::new();
-        hasher.update(format!("{VERSION} {} {frame} {:?}", graph.document_hash(), file.outputs).as_bytes());
-        hasher.update(format!("{:?} {}", graph.format(), self.shown()).as_bytes());
-        for id in graph.order().iter().filter(|id| reached[id.0]) {
-            let declaration = graph.node(*id).ty.declaration();
-            hasher.update(format!(" {} {}", declaration.name, declaration.revision).as_bytes());
-        }
+        let mut hasher = KeyHasher::new();
+        (RECIPE, VERSION, graph.document_hash(), frame, &file.outputs).feed(&mut hasher);
+        graph.format().feed(&mut hasher);
+        self.shown(&mut hasher);
+        let nodes = graph.order().iter().filter(|id| reached[id.0]).map(|id| graph.node(*id).ty.declaration());
+        let nodes: Vec<(&str, u32)> = nodes.map(|declaration| (declaration.name, declaration.revision)).collect();
+        nodes.feed(&mut hasher);
         // What the document may not read is not read for this either.
         let may_read = |(index, reached): (usize, bool)| reached && graph.refused(NodeId(index), &context).is_none();
         let may_read: Vec<bool> = reached.into_iter().enumerate().map(may_read).collect();
-        for path in graph.files(&may_read, &context) {
+        let files = graph.files(&may_read, &context);
+        files.len().feed(&mut hasher);
+        for path in files {
             let state = std::fs::metadata(&path).ok().map(|found| (found.len(), found.modified().ok()));
             if self.inputs.get(&path).is_none_or(|(known, _)| *known != state) {
                 let hash = hash_of(&path);
                 self.inputs.insert(path.clone(), (state, hash));
             }
-            hasher.update(self.inputs[&path].1.as_bytes());
+            self.inputs[&path].1.feed(&mut hasher);
         }
-        hasher.finalize().to_hex().to_string()
+        hasher.finish().to_hex()
     }
 
-    /// What of the settings shows in a file.
-    fn shown(&self) -> String {
+    /// Feeds what of the settings shows in a file.
+    fn shown(&self, hasher: &mut KeyHasher) {
         let Settings { switches, judge, region, .. } = &self.settings;
         // What is left out is told in the metadata; how the rest is computed is not.
         let switches = Switches { hoist: true, fuse: true, compile: true, ..*switches };
-        format!("{switches:?} {judge:?} {region:?} {}", self.by_reference)
+        (switches, judge, region, self.by_reference).feed(hasher);
     }
 
     /// What of a file's outputs is needed and left out, whatever else a run evaluates beside them.

@@ -1,6 +1,6 @@
 //! How the nodes of a graph that time moves behave in the long run.
 
-use trochoid_graph::{Body, CheckedGraph, NodeId, Stability, Verdict};
+use trochoid_graph::{CheckedGraph, Dynamics, NodeId, Stability, Stage, Verdict};
 
 /// The stability of every node that depends on time without being keyed, in the order of the document, with knobs as
 /// they are at a frame: theory beside measurements. Takes some seconds a node.
@@ -34,8 +34,9 @@ pub fn stability_of(graph: &CheckedGraph, id: NodeId, frame: i64) -> Option<Stab
     if node.disabled {
         return None;
     }
-    let timed = matches!(node.ty.body(), Body::Stage(stage) if stage.timed());
-    node.ty.stability(&graph.settle(id, frame)).or_else(|| timed.then(stateless))
+    let settled = graph.settle(id, frame);
+    let timed = settled.stage().is_some_and(Stage::timed);
+    settled.node().dynamics().and_then(Dynamics::stability).or_else(|| timed.then(stateless))
 }
 
 /// Of a node that tells nothing itself.

@@ -1,22 +1,15 @@
 //! Files written while their rows are made: memory does not grow with the picture.
 
-use crate::files::target;
+use crate::Form;
+use crate::exr_layer::{convert, file_channels, reserved};
+use crate::files::{folder_of_file, target};
 use crate::marks::with_mark;
-use crate::output::{convert, file_channels, folder_of_file};
-use crate::{Form, OutputError, OutputFile};
+use crate::output_file::{OutputError, OutputFile};
 use std::sync::{Mutex, PoisonError};
 use trochoid_engine::{EvalError, Plan, Sink};
-use trochoid_graph::{CheckedGraph, Kind, OutputSpec};
+use trochoid_graph::{CheckedGraph, Kind};
 use trochoid_image::{Window, WorkingSpace};
 use trochoid_io::{EncodeScratch, ExrHeader, ExrWriter};
-
-/// Bytes kept free in a header for what is known only at the end, and for each output besides its name.
-const LATE: (usize, usize) = (2048, 64);
-
-/// Bytes kept free in the header of a file of these outputs.
-pub(crate) fn reserved<'s>(outputs: impl Iterator<Item = &'s OutputSpec>) -> usize {
-    LATE.0 + outputs.map(|spec| spec.name.len() + LATE.1).sum::<usize>()
-}
 
 /// The EXR files of one frame, written band by band by [`Plan::evaluate_to`].
 ///

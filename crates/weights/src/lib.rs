@@ -5,7 +5,6 @@
 //!
 //! - [`arithmetic`] holds the scalar f32 definitions that every kernel inlines, each with the proof that rounding
 //!   cannot leave the operands' range; [`reference`](mod@reference) says the same in plain f64, independently.
-//! - [`Mask`] and [`Weights`] are proofs as values: whoever holds one knows that it is a partition of unity.
 //! - [`Hull`] and [`BoxHull`] judge finished pixels against the control colors, without trusting any of the above.
 //! - [`Audit`] is the count that comes of it.
 
@@ -13,13 +12,7 @@ pub mod arithmetic;
 pub mod reference;
 
 mod audit;
-mod error;
 mod hull;
-mod mask;
-mod weights;
 
 pub use audit::Audit;
-pub use error::WeightsError;
 pub use hull::{BoxHull, Facet, Hull, HullBuilder, Witness};
-pub use mask::Mask;
-pub use weights::Weights;

@@ -75,16 +75,6 @@ pub fn stack(masks: &[f64]) -> Vec<f64> {
     weights
 }
 
-/// Weights of the bands between ascending thresholds, lowest band first; see
-/// [`Weights::bands`](crate::Weights::bands).
-#[must_use]
-pub fn bands(x: f64, thresholds: &[f64], width: f64) -> Vec<f64> {
-    let masks: Vec<f64> = thresholds.iter().rev().map(|&at| clamp(x, at - width / 2.0, at + width / 2.0)).collect();
-    let mut weights = stack(&masks);
-    weights.reverse();
-    weights
-}
-
 /// Σ wᵢ·cᵢ.
 #[must_use]
 pub fn blend(values: &[f64], weights: &[f64]) -> f64 {

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
 use proptest::prelude::*;
+use trochoid_weights::arithmetic::{blend, normalize};
 use trochoid_weights::{BoxHull, Hull, HullBuilder};
 
 type Lattice = [i64; 3];
@@ -105,8 +106,9 @@ proptest! {
     ) {
         let points: Vec<[f32; 3]> = points.iter().map(|&[r, g, b]| if flat { [r, g, 0.25] } else { [r, g, b] }).collect();
         let hull = Hull::new(&points);
-        let weights = trochoid_weights::Weights::normalize(&weights[..points.len() - 1], 1e-3).unwrap();
-        let blend = weights.blend(&points);
+        let mut parts = vec![0.0; points.len()];
+        normalize(&weights[..points.len() - 1], 1e-3, &mut parts);
+        let blend = [0, 1, 2].map(|i| blend(&points.iter().map(|point| point[i]).collect::<Vec<_>>(), &parts));
         prop_assert_eq!(hull.exit(&blend, hull.margin(1)), None);
         prop_assert_eq!(BoxHull::new(&points).exit(&blend, 0.0), None);
         for point in &points {

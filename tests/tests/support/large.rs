@@ -21,7 +21,8 @@ impl Draw {
     }
 }
 
-fn document(size: (u32, u32), nodes: &str, outputs: &str) -> String {
+/// A document of this size with these nodes and outputs.
+pub(crate) fn document(size: (u32, u32), nodes: &str, outputs: &str) -> String {
     let (width, height) = size;
     format!(
         "{{ \"trochoid\": 1, \"format\": {{ \"width\": {width}, \"height\": {height} }},\n\"nodes\": {{\n{nodes}\n}},\n\

@@ -1,6 +1,6 @@
 //! Settings from a tolerance or a plan, for a run.
 
-use super::Args;
+use super::args::Args;
 use crate::failure::Failure;
 use crate::interrupt;
 use crate::plan::{Target, described};

@@ -1,9 +1,8 @@
 //! Certificates and error images beside the files of a run.
 
-use super::Args;
 use super::accuracy::Accuracy;
-use super::files::{Written, take};
-use super::job::interrupted;
+use super::args::Args;
+use super::written::{Written, take};
 use crate::failure::{FAILED, Failure};
 use crate::files::Over;
 use serde_json::{Value, json};
@@ -110,7 +109,7 @@ impl Certifying<'_> {
             None => {
                 let certifier = Certifier::new(graph, &names, number, &[], settings).map_err(|error| failed(&error))?;
                 certifier.certify(&Buffers::new(), cache, monitor).map_err(|error| match error {
-                    EvalError::Cancelled => interrupted(),
+                    EvalError::Cancelled => Failure::interrupted(),
                     error => Failure::evaluated(&format!("frame {number}: "), &error),
                 })?
             }

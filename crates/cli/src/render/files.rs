@@ -1,10 +1,11 @@
 //! The files of a run, looked at before anything is evaluated.
 
-use super::Args;
+use super::args::Args;
 use super::certify::Beside;
+use super::written::Written;
 use crate::failure::{FAILED, Failure};
 use crate::files;
-use std::collections::{BTreeSet, HashMap};
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use trochoid::{
     Access, CheckedGraph, Form, OutputFile, Right, check_destinations, output_files, outputs_lost, quoted, quoted_path,
@@ -18,9 +19,6 @@ pub(super) struct Wanted<'a> {
     pub(super) outputs: &'a [usize],
     pub(super) frames: &'a [i64],
 }
-
-/// Files of a run, by where they lead: their names, and what is written there.
-pub(super) type Written = HashMap<PathBuf, (PathBuf, Form)>;
 
 impl Wanted<'_> {
     /// Whether every file can be written, none is an input or the document itself, no two are one, and none replaces somebody
@@ -146,14 +144,4 @@ fn taken_twice(path: &Path, written: &mut Written) -> Option<Failure> {
     let message =
         format!("{path}: is the same file as {other}, of which one picture would be lost; expected two files");
     Some(Failure::usage(message, "remove the link between them, or give another name"))
-}
-
-/// Takes a file for what is written beside a picture, unless it is one of the run already.
-pub(super) fn take(path: &Path, form: Form, written: &mut Written) -> bool {
-    let place = resolved(path);
-    let is_free = !written.contains_key(&place);
-    if is_free {
-        written.insert(place, (path.into(), form));
-    }
-    is_free
 }

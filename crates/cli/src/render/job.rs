@@ -1,10 +1,11 @@
 //! What a run has to do, looked at before anything is evaluated; and doing it.
 
 use super::accuracy::Accuracy;
+use super::args::Args;
 use super::certify::{self, Beside, Certifying, Half};
 use super::files::Wanted;
-use super::{Args, line};
-use crate::failure::{FAILED, Failure, INTERRUPTED, MISSED};
+use super::line;
+use crate::failure::{FAILED, Failure, MISSED};
 use crate::progress::Progress;
 use crate::{frames, interrupt, outputs};
 use serde_json::{Value, json};
@@ -109,7 +110,7 @@ impl<'a> Job<'a> {
         let text = |(name, work): (&str, Work)| {
             let (found, expected) = (work.found(), Work::expected());
             let id = self.graph.find(name);
-            let at = id.map_or(String::new(), |id| format!("{}: ", self.graph.place_of(id, Some(work.item))));
+            let at = id.map_or(String::new(), |id| format!("{}: ", self.graph.place_of(id, Some(work.item.as_str()))));
             let place = format!("{at}frame {begin}: node \"{name}\", {}", work.item);
             format!("warning: {place}: found {found}; expected {expected}\n  remedy: {}", work.remedy)
         };
@@ -226,7 +227,7 @@ impl<'a> Job<'a> {
             evaluate(&plan, into, cache, monitor)
         };
         let frame = frame.map_err(|error| match (error, &sink) {
-            (EvalError::Cancelled, _) => interrupted(),
+            (EvalError::Cancelled, _) => Failure::interrupted(),
             (EvalError::Sink(text), Some(sink)) => sink.failure().map_or_else(|| failed(&text), Failure::from),
             (error, _) => Failure::evaluated(&format!("frame {number}: "), &error),
         })?;
@@ -318,10 +319,6 @@ fn note_of_sign(option: &str, pattern: &str, frame: i64) -> Option<String> {
     ))
 }
 
-pub(super) fn interrupted() -> Failure {
-    Failure::new(INTERRUPTED, interrupt::INTERRUPTION)
-}
-
 fn stop_if_asked() -> Result<(), Failure> {
-    if interrupt::asked() { Err(interrupted()) } else { Ok(()) }
+    if interrupt::asked() { Err(Failure::interrupted()) } else { Ok(()) }
 }

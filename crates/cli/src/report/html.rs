@@ -1,10 +1,10 @@
 //! `report.html`: one page that needs no other file, no network and no script.
 
 use super::data::Report;
+use super::escape::escape;
 use super::numbers::{count, short};
 use super::plots::{self, Outcome};
 use super::{pictures, tables};
-use crate::shell::printable;
 use std::fmt::Write as _;
 use trochoid::accuracy::Rung;
 use trochoid::{GENERATOR, VERSION};
@@ -156,10 +156,4 @@ fn worst(rung: &Rung) -> String {
 fn picture(data: &str, name: &str) -> String {
     let name = escape(name);
     format!("<figure><img src=\"{data}\" alt=\"{name}\"><figcaption>{name}</figcaption></figure>\n")
-}
-
-/// Text of a document as text of the page.
-pub(super) fn escape(text: &str) -> String {
-    let escaped = printable(text).replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;");
-    escaped.replace('"', "&quot;").replace('\'', "&#39;")
 }

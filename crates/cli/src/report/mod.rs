@@ -16,6 +16,7 @@
 
 mod csv;
 mod data;
+mod escape;
 mod html;
 mod numbers;
 mod pictures;
@@ -25,7 +26,7 @@ mod tables;
 mod tests;
 mod text;
 
-use crate::failure::{FAILED, Failure, INTERRUPTED};
+use crate::failure::{FAILED, Failure};
 use crate::files::{self, Files};
 use crate::progress::Progress;
 use crate::shell::{self, printable};
@@ -179,7 +180,7 @@ fn measure(args: &Args, graph: &CheckedGraph, output: usize, frame: i64) -> Resu
     progress.finish();
     found.map_err(|error| match error {
         TargetError::Load(error) => error.into(),
-        TargetError::Evaluate(EvalError::Cancelled) => Failure::new(INTERRUPTED, interrupt::INTERRUPTION),
+        TargetError::Evaluate(EvalError::Cancelled) => Failure::interrupted(),
         TargetError::Evaluate(error) => Failure::evaluated(&format!("frame {frame}: "), &error),
         error => Failure::new(FAILED, format!("frame {frame}: {error}")),
     })

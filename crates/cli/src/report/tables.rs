@@ -1,7 +1,7 @@
 //! The tables of the page.
 
 use super::data::Report;
-use super::html::escape;
+use super::escape::escape;
 use super::numbers::{mebibytes, percent, seconds, short};
 use std::fmt::Write as _;
 use trochoid::accuracy::Rung;

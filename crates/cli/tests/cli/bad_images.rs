@@ -1,6 +1,7 @@
-//! Pictures that must not be read: each has its own words, exit code 1, and nothing is written.
+//! Pictures that must not be read: exit code 1, and nothing is written. What each is told is stored in `tests/told/pictures`.
 
 use crate::scene::Scene;
+use crate::told::Told;
 use std::fs;
 use std::path::Path;
 use trochoid::io::{ExrChannel, ExrImage, PngImage, Samples, write_exr, write_png8};
@@ -43,12 +44,12 @@ fn png(path: &Path) {
     write_png8(path, &PngImage::new(4, 2, Samples::rgb(&pixels))).unwrap();
 }
 
-/// A picture: its name, how it is made, the knobs of the Read, and words of its diagnostic.
+/// A picture: the name of the case and of the file, how it is made, and the knobs of the Read.
 struct Case {
+    name: &'static str,
     file: &'static str,
     make: fn(&Path),
     knobs: &'static str,
-    words: &'static [&'static str],
 }
 
 const COLOR: &str = r#""as": "color""#;
@@ -57,117 +58,108 @@ const MASK: &str = r#""as": "weights", "channels": ["G"]"#;
 
 /// Attribute names end with a 0 byte, their types too, then four bytes of length stand before the value.
 const CASES: &[Case] = &[
-    Case { file: "gone.exr", make: |_| (), knobs: COLOR, words: &["gone.exr", "cannot open"] },
-    Case { file: "in.exr", make: |p| fs::create_dir(p).unwrap(), knobs: COLOR, words: &["in.exr"] },
-    Case { file: "in.exr", make: |p| fs::write(p, "").unwrap(), knobs: COLOR, words: &["in.exr", "found"] },
+    Case { name: "gone", file: "gone.exr", make: |_| (), knobs: COLOR },
+    Case { name: "a_folder", file: "in.exr", make: |p| fs::create_dir(p).unwrap(), knobs: COLOR },
+    Case { name: "empty", file: "in.exr", make: |p| fs::write(p, "").unwrap(), knobs: COLOR },
+    Case { name: "no_picture", file: "in.exr", make: |p| fs::write(p, "not a picture at all").unwrap(), knobs: COLOR },
+    Case { name: "cut_signature", file: "in.png", make: |p| fs::write(p, "\u{89}PNG\r\n").unwrap(), knobs: COLOR },
     Case {
-        file: "in.exr",
-        make: |p| fs::write(p, "not a picture at all").unwrap(),
-        knobs: COLOR,
-        words: &["in.exr", "found"],
-    },
-    Case { file: "in.png", make: |p| fs::write(p, "\u{89}PNG\r\n").unwrap(), knobs: COLOR, words: &["in.png"] },
-    Case {
+        name: "cut_early",
         file: "in.exr",
         make: |p| {
             gray(p);
             truncated(p, 0.2);
         },
         knobs: COLOR,
-        words: &["in.exr", "damaged or incomplete"],
     },
     Case {
+        name: "cut_late",
         file: "in.exr",
         make: |p| {
             gray(p);
             truncated(p, 0.95);
         },
         knobs: COLOR,
-        words: &["in.exr", "damaged or incomplete"],
     },
     Case {
+        name: "huge_window",
         file: "in.exr",
         make: |p| patched(p, b"dataWindow\0box2i\0", 4, &[0, 0, 0, 0, 0, 0, 0, 0, 255, 255, 1, 0, 255, 255, 1, 0]),
         knobs: COLOR,
-        words: &["in.exr", "at most"],
     },
     Case {
+        name: "reversed_window",
         file: "in.exr",
         make: |p| patched(p, b"dataWindow\0box2i\0", 4, &[9, 0, 0, 0, 0, 0, 0, 0, 3, 0, 0, 0, 1, 0, 0, 0]),
         knobs: COLOR,
-        words: &["in.exr", "window"],
     },
     Case {
+        name: "unknown_compression",
         file: "in.exr",
         make: |p| patched(p, b"compression\0compression\0", 4, &[77]),
         knobs: COLOR,
-        words: &["in.exr", "compression"],
     },
     Case {
+        name: "unknown_sample_type",
         file: "in.exr",
         make: |p| patched(p, b"channels\0chlist\0", 4 + 2, &[9]),
         knobs: COLOR,
-        words: &["in.exr", "channel"],
     },
     Case {
+        name: "subsampled",
         file: "in.exr",
         make: |p| patched(p, b"channels\0chlist\0", 4 + 2 + 8, &[2, 0, 0, 0]),
         knobs: COLOR,
-        words: &["in.exr", "subsampl", "not supported"],
     },
-    Case { file: "in.exr", make: gray, knobs: r#""as": "color", "layer": "beauty""#, words: &["no layer \"beauty\""] },
-    Case { file: "in.exr", make: gray, knobs: r#""as": "color", "part": "sea""#, words: &["no part \"sea\""] },
+    Case { name: "no_layer", file: "in.exr", make: gray, knobs: r#""as": "color", "layer": "beauty""# },
+    Case { name: "no_part", file: "in.exr", make: gray, knobs: r#""as": "color", "part": "sea""# },
+    Case { name: "no_channel", file: "in.exr", make: gray, knobs: r#""as": "field", "channels": ["Z"]"# },
+    Case { name: "too_few_channels", file: "in.exr", make: gray, knobs: r#""as": "weights""# },
+    Case { name: "no_colors", file: "in.exr", make: |p| exr(p, &["Y", "Z"], |_, _| 0.5), knobs: COLOR },
     Case {
-        file: "in.exr",
-        make: gray,
-        knobs: r#""as": "field", "channels": ["Z"]"#,
-        words: &["no channel \"Z\"", "\"R\""],
-    },
-    Case { file: "in.exr", make: gray, knobs: r#""as": "weights""#, words: &["in.exr", "channel"] },
-    Case { file: "in.exr", make: |p| exr(p, &["Y", "Z"], |_, _| 0.5), knobs: COLOR, words: &["in.exr"] },
-    Case {
+        name: "negative",
         file: "in.exr",
         make: |p| exr(p, &RGB, |c, i| if (c, i) == (1, 6) { -0.25 } else { 0.5 }),
         knobs: COLOR,
-        words: &["G", "(2, 1)", "-0.25", "repair"],
     },
     Case {
+        name: "infinite",
         file: "in.exr",
         make: |p| exr(p, &RGB, |c, i| if (c, i) == (2, 3) { f32::INFINITY } else { 0.5 }),
         knobs: COLOR,
-        words: &["B", "(3, 0)", "inf", "repair"],
     },
     Case {
+        name: "no_number",
         file: "in.exr",
         make: |p| exr(p, &RGB, |_, i| if i == 0 { f32::NAN } else { 0.5 }),
         knobs: COLOR,
-        words: &["(0, 0)", "NaN", "repair"],
     },
     Case {
+        name: "no_number_in_a_field",
         file: "in.exr",
         make: |p| exr(p, &RGB, |_, i| if i == 5 { f32::NAN } else { 0.5 }),
         knobs: FIELD,
-        words: &["G", "(1, 1)", "NaN", "repair"],
     },
     Case {
+        name: "no_mask",
         file: "in.exr",
         make: |p| exr(p, &RGB, |_, i| if i == 5 { 1.5 } else { 0.5 }),
         knobs: MASK,
-        words: &["G", "(1, 1)", "1.5", "repair"],
     },
     Case {
+        name: "negative_mask",
         file: "in.exr",
         make: |p| exr(p, &RGB, |_, i| if i == 7 { -0.5 } else { 0.5 }),
         knobs: MASK,
-        words: &["G", "(3, 1)", "-0.5"],
     },
     Case {
+        name: "weights_beyond_one",
         file: "in.exr",
         make: |p| exr(p, &RGB, |_, _| 0.5),
         knobs: r#""as": "weights", "channels": ["R", "G", "B"]"#,
-        words: &["(0, 0)", "1.5"],
     },
     Case {
+        name: "another_size",
         file: "in.exr",
         make: |p| {
             let plane = Plane::filled(Window::sized(9, 9), 0.5);
@@ -175,24 +167,19 @@ const CASES: &[Case] = &[
             write_exr(p, &ExrImage { channels, ..ExrImage::new(Window::sized(9, 9)) }).unwrap();
         },
         knobs: COLOR,
-        words: &["9", "4", "fit"],
     },
+    Case { name: "no_alpha", file: "in.exr", make: gray, knobs: r#""as": "color", "premultiplied": true"# },
     Case {
-        file: "in.exr",
-        make: gray,
-        knobs: r#""as": "color", "premultiplied": true"#,
-        words: &["expected a channel \"A\" to divide by"],
-    },
-    Case {
+        name: "cut_png",
         file: "in.png",
         make: |p| {
             png(p);
             truncated(p, 0.6);
         },
         knobs: COLOR,
-        words: &["in.png", "damaged or incomplete"],
     },
     Case {
+        name: "huge_png",
         file: "in.png",
         make: |p| {
             png(p);
@@ -202,26 +189,25 @@ const CASES: &[Case] = &[
             fs::write(p, bytes).unwrap();
         },
         knobs: COLOR,
-        words: &["in.png"],
     },
     Case {
+        name: "cut_jpeg",
         file: "in.jpg",
         make: |p| fs::write(p, [0xff, 0xd8, 0xff, 0xe0, 0, 16, b'J', b'F', b'I', b'F']).unwrap(),
         knobs: COLOR,
-        words: &["in.jpg"],
     },
     Case {
+        name: "cut_tiff",
         file: "in.tif",
         make: |p| fs::write(p, b"II*\0\x08\0\0\0\xff\xff").unwrap(),
         knobs: COLOR,
-        words: &["in.tif"],
     },
 ];
 
 #[test]
 fn bad_pictures_are_code_1_each_with_its_own_words_and_nothing_is_written() {
-    let mut seen = Vec::new();
-    for (index, case) in CASES.iter().enumerate() {
+    let mut told = Told::new("pictures");
+    for case in CASES {
         let kind = ["color", "field", "weights"].into_iter().find(|kind| case.knobs.contains(kind)).unwrap();
         let scene = Scene::new(&format!(
             r##"{{ "trochoid": 1, "format": {{ "width": 4, "height": 2 }},
@@ -230,17 +216,8 @@ fn bad_pictures_are_code_1_each_with_its_own_words_and_nothing_is_written() {
             case.file, case.knobs
         ));
         (case.make)(&scene.path(case.file));
-        let run = scene.run(&["render", "a.json"]).code(1);
-        assert_eq!(run.out, "", "case {index}");
-        assert!(run.err.contains("node \"in\" (Read)"), "case {index}: {}", run.err);
-        for word in case.words {
-            assert!(run.err.contains(word), "case {index}: no \"{word}\" in {}", run.err);
-        }
-        assert!(scene.files().iter().all(|name| name == case.file), "case {index}: {:?}", scene.files());
-        seen.push(run.err.replace(&scene.path("").display().to_string(), ""));
+        told.is(case.name, 1, &scene, &["render", "a.json"]);
+        assert!(scene.files().iter().all(|name| name == case.file), "{}: {:?}", case.name, scene.files());
     }
-    assert!(seen.len() >= 20);
-    seen.sort();
-    let distinct = seen.windows(2).filter(|pair| pair[0] != pair[1]).count() + 1;
-    assert!(distinct + 2 >= seen.len(), "too few messages of their own: {seen:#?}");
+    told.ends();
 }

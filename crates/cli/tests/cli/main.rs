@@ -6,6 +6,8 @@ mod access;
 mod bad_images;
 mod certify;
 mod commands;
+#[cfg(unix)]
+mod edit;
 mod examine;
 mod explain;
 mod files;
@@ -23,4 +25,7 @@ mod render;
 mod resume;
 mod scene;
 mod stability;
+#[path = "../../../../tests/tests/support/stored.rs"]
+mod stored;
 mod streams;
+mod told;

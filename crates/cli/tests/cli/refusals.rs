@@ -1,38 +1,41 @@
-//! What is refused, with which exit code; and that nothing is written then.
+//! What is refused, with which exit code and which words; and that nothing is written then.
+//!
+//! All that is told is stored, `crates/cli/tests/told/GROUP/NAME.txt`, and stored anew with `TROCHOID_UPDATE=1`.
 
 use crate::scene::{READS, SCENE, Scene};
+use crate::told::Told;
 use serde_json::Value;
 use std::fs;
 
 #[test]
 fn usage_is_code_2_and_writes_nothing() {
-    let scene = Scene::new(SCENE);
-    let render = |more: &[&str]| scene.run(&[&["render", "a.json"], more].concat());
-    let cases: [(&[&str], &[&str]); 17] = [
-        (&["--frames", "1-,3,x"], &["found \"1-\"", "found \"x\""]),
-        (&["--frames", "9-1"], &["\"9-1\"", "1-9"]),
-        (&["--frames", "1-2000000"], &["1-2000000", "at most 1000000"]),
-        (&["--output", "beuty"], &["found \"beuty\"", "did you mean beauty?"]),
-        (&["--out", "a.####.exr"], &["gives 2 outputs one name", "{output}"]),
-        (&["--out", "{output}.exr"], &["gives all frames one name", "####"]),
-        (&["--out", "{output}.####.jpg"], &["ending that cannot be written"]),
-        (&["--set", "mix.wieght=1"], &["unknown key \"wieght\"", "did you mean \"weight\"?"]),
-        (&["--set", "mix=1"], &["NODE.KNOB=VALUE"]),
-        (&["--threads", "-1"], &["-1"]),
-        (&["--threads", "100000"], &["--threads"]),
-        (&["--require", "ball"], &["ball", "hull, box"]),
-        (&["--quiet", "--json"], &["--quiet", "--json"]),
-        (&["--json", "--report", "-"], &["both write JSON on stdout"]),
-        (&["--nonsense"], &["--nonsense"]),
-        (&["--report", "a.json"], &["is a file of the document"]),
-        (&["--frames", "x", "--output", "y", "--out", "z.jpg"], &["\"x\"", "\"y\"", "z.jpg"]),
+    let (scene, mut told) = (Scene::new(SCENE), Told::new("usage"));
+    let cases: [(&str, &[&str]); 17] = [
+        ("frames_that_are_none", &["--frames", "1-,3,x"]),
+        ("frames_backward", &["--frames", "9-1"]),
+        ("frames_without_end", &["--frames", "1-2000000"]),
+        ("unknown_output", &["--output", "beuty"]),
+        ("one_name_for_two_outputs", &["--out", "a.####.exr"]),
+        ("one_name_for_all_frames", &["--out", "{output}.exr"]),
+        ("unknown_ending", &["--out", "{output}.####.jpg"]),
+        ("unknown_knob", &["--set", "mix.wieght=1"]),
+        ("assignment_without_knob", &["--set", "mix=1"]),
+        ("negative_threads", &["--threads", "-1"]),
+        ("too_many_threads", &["--threads", "100000"]),
+        ("unknown_guarantee", &["--require", "ball"]),
+        ("quiet_json", &["--quiet", "--json"]),
+        ("two_json", &["--json", "--report", "-"]),
+        ("unknown_option", &["--nonsense"]),
+        ("report_over_document", &["--report", "a.json"]),
+        ("three_at_once", &["--frames", "x", "--output", "y", "--out", "z.jpg"]),
     ];
-    for (arguments, words) in cases {
-        render(arguments).fails(2, words);
+    for (name, arguments) in cases {
+        told.is(name, 2, &scene, &[&["render", "a.json"], arguments].concat());
     }
+    told.is("no_graph", 2, &scene, &["render"]);
+    told.is("unknown_command", 2, &scene, &["rendr", "a.json"]);
+    told.ends();
     scene.run(&[]).code(2);
-    scene.run(&["render"]).fails(2, &["<GRAPH>"]);
-    scene.run(&["rendr", "a.json"]).fails(2, &["rendr"]);
     scene.has_no_files();
 }
 
@@ -45,62 +48,55 @@ fn invalid_documents_are_code_2_and_write_nothing() {
     );
     let mask = SCENE.replace("\"color\": \"mix\"", "\"color\": \"across\"");
     let deep = format!("{{ \"notes\": {}", "[".repeat(100_000));
-    let cases: [(&str, &[&str]); 5] = [
-        ("", &["a.json:1:1", "an empty file", "write a document"]),
-        (plus, &["the operation Plus", "no \"format\"", "no \"outputs\"", "\n  remedy: "]),
-        (&cyclic, &["the loop me ← me"]),
-        (&mask, &["a.json:5:37: beauty", "a mask"]),
-        (&deep, &["a.json:1:"]),
-    ];
-    for (document, words) in cases {
+    let mut told = Told::new("documents");
+    for (name, document) in [("empty", ""), ("plus", plus), ("loop", &cyclic), ("mask", &mask), ("deep", &deep)] {
         let scene = Scene::new(document);
-        scene.run(&["render", "a.json", "--report", "r.json"]).fails(2, words);
-        scene.run(&["check", "a.json"]).fails(2, words);
+        told.is(name, 2, &scene, &["render", "a.json", "--report", "r.json"]);
+        told.is(&format!("{name}_checked"), 2, &scene, &["check", "a.json"]);
         let json = scene.run(&["check", "a.json", "--json"]).code(2);
         assert_eq!(json.err, "");
         assert_eq!(json.json()["valid"], false);
         assert!(json.json()["diagnostics"][0]["remedy"].is_string());
         scene.has_no_files();
     }
-}
-
-#[test]
-fn a_document_that_is_no_text_is_code_2() {
     let scene = Scene::new("");
     fs::write(scene.path("a.json"), b"{ \"notes\":\n \"caf\xe9\" }").unwrap();
-    scene.run(&["render", "a.json"]).fails(2, &["a.json:2:6", "0xe9", "UTF-8"]);
+    told.is("no_text", 2, &scene, &["render", "a.json"]);
+    told.ends();
 }
 
 #[test]
 fn input_output_and_bad_data_are_code_1() {
-    let scene = Scene::new(READS);
-    scene.run(&["render", "none.json"]).fails(1, &["none.json: cannot open the file"]);
-    scene.run(&["render", "."]).fails(1, &["found a folder"]);
-    scene
-        .run(&["render", "a.json"])
-        .fails(1, &["frame 1: a.json:2:46: node \"in\" (Read)", "in.exr", "correct the path"]);
-    scene.run(&["info", "none.exr"]).fails(1, &["none.exr"]);
-    scene.run(&["info", "a.json"]).fails(1, &["a.json", "found JSON", "expected EXR, PNG, JPEG or TIFF"]);
+    let (scene, mut told) = (Scene::new(READS), Told::new("data"));
+    told.is("no_document", 1, &scene, &["render", "none.json"]);
+    told.is("folder_for_document", 1, &scene, &["render", "."]);
+    told.is("no_picture", 1, &scene, &["render", "a.json"]);
+    told.is("no_picture_of_info", 1, &scene, &["info", "none.exr"]);
+    told.is("document_for_picture", 1, &scene, &["info", "a.json"]);
     scene.has_no_files();
     scene.write_picture("in.exr", -0.5);
-    scene.run(&["render", "a.json"]).fails(1, &["-0.5"]);
+    told.is("negative_color", 1, &scene, &["render", "a.json"]);
     fs::write(scene.path("in.exr"), b"GIF89a").unwrap();
-    scene.run(&["render", "a.json"]).fails(1, &["in.exr: found a GIF picture", "convert it"]);
+    told.is("gif", 1, &scene, &["render", "a.json"]);
     fs::write(scene.path("in.exr"), b"v/1\x01 no picture at all").unwrap();
-    scene.run(&["render", "a.json"]).fails(1, &["in.exr"]);
+    told.is("damaged", 1, &scene, &["render", "a.json"]);
     assert_eq!(scene.files(), ["in.exr"]);
+    fs::write(scene.path("x.webp"), b"RIFF\x10\0\0\0WEBPVP8 ").unwrap();
+    told.is("webp", 1, &scene, &["info", "x.webp"]);
+    scene.write_picture("in.exr", 0.5);
+    told.is("unknown_channels", 1, &scene, &["render", "a.json", "--set", "in.channels=[\"X\",\"Y\",\"Z\"]"]);
+    told.ends();
 }
 
 #[test]
 fn pictures_beyond_memory_are_refused_by_their_place() {
     let scene = Scene::new(&SCENE.replace("\"width\": 16, \"height\": 8", "\"width\": 40000, \"height\": 40000"));
-    let words = [
-        "a.json:2:13: found a frame that takes about 68.8 GB: writing pictures 43.2 GB, pictures 25.6 GB",
-        "lower the format's",
-    ];
-    scene.run(&["render", "a.json", "--frames", "1", "--memory", "8GB"]).fails(1, &words);
-    let checked = scene.run(&["check", "a.json", "--memory", "8GB"]).code(2);
-    assert!(words.iter().all(|word| checked.err.contains(word)), "{}", checked.err);
+    let mut told = Told::new("memory");
+    // How many threads share the frame must not depend on the machine.
+    told.is("render", 1, &scene, &["render", "a.json", "--frames", "1", "--memory", "8GB", "--threads", "1"]);
+    let checked = scene.run(&["check", "a.json", "--memory", "8GB"]);
+    told.stands("check", 2, &checked, &scene);
+    told.ends();
     scene.has_no_files();
 }
 
@@ -109,12 +105,9 @@ fn all_that_is_wrong_with_a_pattern_is_told_at_once() {
     let fields = SCENE
         .replace("\"across\": {", "\"f\": { \"type\": \"FieldMath\", \"expression\": \"2\" }, \"across\": {")
         .replace("\"outputs\": {", "\"outputs\": { \"x\": { \"field\": \"f\" }, \"y\": { \"field\": \"f\" },");
-    let scene = Scene::new(&fields);
-    let run = scene.run(&["render", "a.json", "--out", "{output}.png"]).code(2);
-    for words in ["\"{output}.png\" gives all frames one name", "output \"x\" is a Field", "output \"y\" is a Field"] {
-        assert_eq!(run.err.matches(words).count(), 1, "{}", run.err);
-    }
-    assert_eq!(run.err.matches("error: ").count(), 3, "{}", run.err);
+    let mut told = Told::new("outputs");
+    told.is("pattern", 2, &Scene::new(&fields), &["render", "a.json", "--out", "{output}.png"]);
+    told.ends();
     let shared = SCENE
         .replace("out/mask.####.png", "m.png")
         .replace("\"mask\": {", "\"other\": { \"weights\": \"across\", \"file\": \"m.png\" }, \"mask\": {");
@@ -126,44 +119,38 @@ fn all_that_is_wrong_with_a_pattern_is_told_at_once() {
 
 #[test]
 fn places_that_take_no_files_are_found_before_anything_is_evaluated() {
-    let scene = Scene::new(SCENE);
-    scene.run(&["render", "a.json", "--out", "a.json/{output}.####.exr"]).fails(1, &["is no folder"]);
+    let (scene, mut told) = (Scene::new(SCENE), Told::new("places"));
+    told.is("beneath_a_file", 1, &scene, &["render", "a.json", "--out", "a.json/{output}.####.exr"]);
     fs::create_dir_all(scene.path("out/mask.0003.png")).unwrap();
-    scene.run(&["render", "a.json"]).fails(1, &["out/mask.0003.png", "is a folder"]);
-    scene.run(&["render", "a.json", "--frames", "1", "--report", "out"]).fails(1, &["is a folder"]);
+    told.is("a_folder", 1, &scene, &["render", "a.json"]);
+    told.is("a_folder_for_the_report", 1, &scene, &["render", "a.json", "--frames", "1", "--report", "out"]);
     scene.has_no_files();
     let reads = Scene::new(READS);
     reads.write_picture("in.exr", 0.5);
-    reads.run(&["render", "a.json", "--out", "in.exr"]).fails(2, &["in.exr", "written over"]);
-}
-
-#[test]
-fn values_that_half_cannot_hold_are_refused_and_leave_no_file() {
-    let scene = Scene::new(&SCENE.replace("\"#fff\"", "[1e6, 1e6, 1e6]"));
-    scene.run(&["render", "a.json", "--frames", "1", "--output", "beauty"]).fails(1, &["beauty.0001.exr"]);
-    scene.has_no_files();
+    told.is("over_its_input", 2, &reads, &["render", "a.json", "--out", "in.exr"]);
+    let bright = Scene::new(&SCENE.replace("\"#fff\"", "[1e6, 1e6, 1e6]"));
+    told.is("beyond_half", 1, &bright, &["render", "a.json", "--frames", "1", "--output", "beauty"]);
+    bright.has_no_files();
+    told.ends();
 }
 
 #[test]
 fn messages_name_what_is_meant() {
-    let named = Scene::new(&SCENE.replace("\"across\": {", "\"štorm 海\": { \"type\": \"ScreenY\" }, \"across\": {"));
-    named.run(&["check", "a.json"]).fails(2, &["the name \"štorm 海\"; expected a–z, A–Z, 0–9 and _"]);
+    let mut told = Told::new("names");
+    let named = SCENE.replace("\"across\": {", "\"štorm 海\": { \"type\": \"ScreenY\" }, \"across\": {");
+    told.is("letters", 2, &Scene::new(&named), &["check", "a.json"]);
     let sea = r#"{ "trochoid": 1, "format": { "width": 8, "height": 4 }, "nodes": { "storm": { "type": "GerstnerSea" },
         "height": { "type": "Height", "surface": "storm" } }, "outputs": { "h": { "field": "height" } } }"#;
     let sea = Scene::new(sea);
-    let set = |value: &str| sea.run(&["check", "a.json", "--set", &format!("storm.waves={value}")]);
-    set(r#"[{"amplitude":1,"wavelength":20},{"amplitude":1,"wavelength":0}]"#)
-        .fails(2, &["node \"storm\", waves[1].wavelength: found 0"]);
-    set("[{\"wavelenght\": 1}]").fails(2, &["node \"storm\", waves[0]: ", "unknown key \"wavelenght\""]);
-    set("1").fails(2, &["expected a list of records"]);
-    let scene = Scene::new(READS);
-    scene.write_picture("in.exr", 0.5);
-    let layer = ["render", "a.json", "--set", "in.channels=[\"X\",\"Y\",\"Z\"]"];
-    scene.run(&layer).fails(1, &["to try it by --set in.channels=…"]);
-    fs::write(scene.path("x.webp"), b"RIFF\x10\0\0\0WEBPVP8 ").unwrap();
-    scene.run(&["info", "x.webp"]).fails(1, &["found a WebP picture, expected EXR, PNG, JPEG or TIFF"]);
+    for (name, value) in [
+        ("place_in_a_list", r#"[{"amplitude":1,"wavelength":20},{"amplitude":1,"wavelength":0}]"#),
+        ("key_in_a_list", r#"[{"wavelenght": 1}]"#),
+        ("no_list", "1"),
+    ] {
+        told.is(name, 2, &sea, &["check", "a.json", "--set", &format!("storm.waves={value}")]);
+    }
     let long = READS.replace("\"nodes\"", "\"frames\": { \"first\": 0, \"last\": 20000 }, \"nodes\"");
     let long = Scene::new(&long.replace("in.exr", "in.#####.exr").replace("out.exr", "out.#####.exr"));
-    let words = ["in.00000.exr at frame 0, and none at 9999 more frames of the first 10000, which are looked at"];
-    assert!(long.run(&["check", "a.json"]).err.contains(words[0]));
+    told.stands("many_frames", 0, &long.run(&["check", "a.json"]), &long);
+    told.ends();
 }

@@ -35,7 +35,7 @@ pub(super) enum Subject {
 }
 
 /// What is given another text.
-pub(super) struct Writing {
+pub(super) struct TextDraft {
     subject: Subject,
     text: String,
     /// Whether all of it is to be chosen, so that what is typed stands in its place.
@@ -165,7 +165,7 @@ impl Canvas {
 
     /// Asks for another text; `fresh` where the one that is there is to be written over.
     pub(super) fn write(&mut self, subject: Subject, text: &str, fresh: bool) {
-        self.writing = Some(Writing { subject, text: text.into(), fresh });
+        self.writing = Some(TextDraft { subject, text: text.into(), fresh });
     }
 
     /// Draws the field for a text.
@@ -206,7 +206,7 @@ impl Canvas {
     }
 
     /// Where one writes.
-    fn writing_place(&self, plan: &Plan, writing: &Writing) -> Option<Rect> {
+    fn writing_place(&self, plan: &Plan, writing: &TextDraft) -> Option<Rect> {
         let seen = match &writing.subject {
             Subject::Backdrop(name) => self.view.area(area(plan.sheet.backdrops.get(name)?)),
             Subject::Output(name) => {
@@ -222,7 +222,7 @@ impl Canvas {
 }
 
 /// What follows from a text that was written.
-fn written(plan: &Plan, writing: &Writing) -> Vec<Action> {
+fn written(plan: &Plan, writing: &TextDraft) -> Vec<Action> {
     let text = writing.text.trim().to_string();
     match &writing.subject {
         Subject::Backdrop(name) => match plan.sheet.backdrops.get(name) {

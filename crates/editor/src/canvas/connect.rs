@@ -1,10 +1,10 @@
 //! Which ends of wires fit together, and what to do where they do not.
 
 use super::plan::End;
-use crate::document::session::Meaning;
+use crate::document::meaning::Meaning;
 use crate::document::{Edit, Path, Point, Session, Sheet, decor, edit};
 use std::collections::HashSet;
-use trochoid::{Accepts, Declaration, Diagnostic, Item, Kind, registry};
+use trochoid::{Accepts, Declaration, Diagnostic, Item, Kind, Role, registry};
 
 /// Why a wire is not drawn.
 #[derive(Clone, Debug, PartialEq)]
@@ -165,7 +165,7 @@ fn bridge(session: &Session, from: (usize, usize), to: (usize, usize), kind: Kin
     let accepts = session.sheet().nodes[to.0].pins[to.1].accepts;
     let mut types: Vec<&'static Declaration> =
         registry().iter().map(|ty| ty.declaration()).filter(|ty| leads(ty, kind, accepts)).collect();
-    types.sort_by_key(|ty| (ty.name != "Clamp", ty.items.len(), ty.name));
+    types.sort_by_key(|ty| (ty.role != Some(Role::Threshold), ty.items.len(), ty.name));
     // Each is tried on the whole document.
     types.into_iter().take(6).find_map(|ty| between(session, ty, from, to, kind, at))
 }

@@ -3,7 +3,7 @@
 use super::Canvas;
 use super::plan::Plan;
 use super::search::Search;
-use crate::actions::Action;
+use crate::actions::{Action, Line};
 use crate::document::sheet::Backdrop;
 use crate::document::{Point, decor};
 use crate::state::State;
@@ -31,34 +31,6 @@ pub(super) struct Menu {
     about: About,
     /// How many there were before it: none takes over the size of another.
     serial: u64,
-}
-
-/// How nodes are lined up.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Line {
-    /// Left edges.
-    Left,
-    /// Upper edges.
-    Top,
-    /// Centers, one above the other.
-    Centers,
-    /// Equal distances, along the longer side.
-    Distances,
-}
-
-impl Line {
-    /// All of them.
-    pub const ALL: [Self; 4] = [Self::Left, Self::Top, Self::Centers, Self::Distances];
-
-    /// What it is called.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Left => "Align left",
-            Self::Top => "Align top",
-            Self::Centers => "Align centers",
-            Self::Distances => "Distribute",
-        }
-    }
 }
 
 /// Where nodes go that are lined up.

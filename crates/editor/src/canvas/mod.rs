@@ -23,13 +23,12 @@ mod tests;
 mod view;
 mod wire;
 
-use crate::actions::Action;
+use crate::actions::{Action, Line};
 use crate::document::{Edit, Point, Sheet, edit};
 use crate::state::State;
 use drag::Gesture;
 use egui::{Align2, Color32, Event, FontId, Key, Modifiers, MouseWheelUnit, PointerButton, Rect, Response, Sense};
 use egui::{Stroke, StrokeKind, Ui, UiBuilder, WidgetInfo, WidgetType, pos2, vec2};
-pub use menu::Line;
 use plan::Plan;
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -49,7 +48,7 @@ pub struct Canvas {
     /// Why the last wire was not drawn, and where it would have gone.
     refusal: Option<(connect::Refusal, egui::Pos2)>,
     menu: Option<menu::Menu>,
-    writing: Option<backdrop::Writing>,
+    writing: Option<backdrop::TextDraft>,
     wants_frame: bool,
     wants_search: bool,
     wants_replacement: bool,

@@ -202,7 +202,7 @@ fn about_ui(plan: &Plan, ui: &mut Ui, end: End) {
             ui.weak(format!("Takes: {}{}", pin.accepts, if pin.required { ", required" } else { "" }));
             ui.label(pin.help);
             if let Some(text) = pin.value.as_ref().filter(|_| plan.wire_at((end.node(), index)).is_none()) {
-                ui.weak(format!("Now: {}", crate::document::edit::style(text)));
+                ui.weak(format!("Now: {}", crate::document::change::style(text)));
             }
         }
     }

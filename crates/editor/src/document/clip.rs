@@ -1,6 +1,6 @@
 //! Nodes as a text that survives a chat: JSON with their places.
 
-use super::edit::style;
+use super::change::style;
 use super::json::{Path, quoted};
 use super::sheet::{Node, Point, Sheet, point};
 use serde_json::{Map, Value};

@@ -1,6 +1,6 @@
 //! What a document says of its looks besides where nodes stand: backdrops, and dots that wires run through.
 
-use super::edit::{Edit, style};
+use super::change::{Edit, style};
 use super::json::{Op, Path, Step};
 use super::sheet::{Backdrop, Point, Sheet, point};
 use serde_json::{Value, json};

@@ -1,100 +1,18 @@
 //! The changes that can be made to a document, each one step of undo.
 
+use super::change::{Edit, style};
 use super::clip;
 use super::decor;
-use super::json::{Op, Path, Step, quoted};
+use super::json::{Op, Path, quoted};
+
 use super::sheet::{Node, Point, Sheet, Wire};
 use serde_json::{Map, Value, json};
 use std::collections::{BTreeMap, HashMap, HashSet};
 use trochoid::{Accepts, Declaration, Item, Kind, Knob, KnobDefault, Takes};
 
-/// A change: what it is called, and what it does to the text.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Edit {
-    /// What undo calls it.
-    pub label: String,
-    /// Changes with the same key, without a pause between them, are one step of undo.
-    pub merge: Option<String>,
-    /// What is done, in order.
-    pub ops: Vec<Op>,
-}
-
-impl Edit {
-    /// A change of one step.
-    pub fn new(label: impl Into<String>, ops: Vec<Op>) -> Self {
-        Self { label: label.into(), merge: None, ops }
-    }
-
-    /// The same change as a part of a gesture.
-    #[must_use]
-    pub fn merging(mut self, key: impl Into<String>) -> Self {
-        self.merge = Some(key.into());
-        self
-    }
-
-    /// Sets one value.
-    pub fn set(path: Path, value: &Value) -> Self {
-        Self::new(format!("Set {}", spoken(&path)), vec![Op::Set(path, style(value))])
-    }
-
-    /// Takes one value away, which goes back to its default.
-    pub fn reset(path: Path) -> Self {
-        Self::new(format!("Reset {}", spoken(&path)), vec![Op::Remove(path)])
-    }
-
-    /// Both changes as one, called as the first.
-    #[must_use]
-    pub fn then(mut self, next: Self) -> Self {
-        self.ops.extend(next.ops);
-        self
-    }
-
-    /// Whether it means in a document what it was made for in another: what it changes is the same there, lists as a whole, and
-    /// of the same nodes.
-    pub fn fits(&self, made_for: &Value, document: &Value) -> bool {
-        self.ops.iter().all(|op| {
-            let steps = &op.path().0;
-            let list = steps.iter().position(|step| matches!(step, Step::Index(_))).unwrap_or(steps.len());
-            let [place, node] = [list, steps.len().min(2)].map(|count| Path(steps[..count].to_vec()));
-            place.find(made_for) == place.find(document)
-                && node.find(made_for).is_some() == node.find(document).is_some()
-        })
-    }
-}
-
-/// A place as people call it: `storm.height` for `nodes.storm.height`.
-fn spoken(path: &Path) -> String {
-    let steps = path.0.strip_prefix(&[Step::from("nodes")][..]).unwrap_or(&path.0);
-    Path(steps.to_vec()).to_string()
-}
-
 /// `2 nodes`, `1 node`.
 pub fn count(n: usize, what: &str) -> String {
     if n == 1 { format!("1 {what}") } else { format!("{n} {what}s") }
-}
-
-/// A value as the project's documents write it: on one line, with spaces.
-pub fn style(value: &Value) -> String {
-    match value {
-        Value::Array(items) => {
-            let texts: Vec<String> = items.iter().map(style).collect();
-            format!("[{}]", texts.join(", "))
-        }
-        Value::Object(entries) if entries.is_empty() => "{}".into(),
-        Value::Object(entries) => {
-            let texts: Vec<String> =
-                entries.iter().map(|(key, value)| format!("{}: {}", quoted(key), style(value))).collect();
-            format!("{{ {} }}", texts.join(", "))
-        }
-        Value::Number(number) => number_text(number.as_f64().unwrap_or_default(), number),
-        other => other.to_string(),
-    }
-}
-
-/// A number without digits that say nothing.
-fn number_text(value: f64, number: &serde_json::Number) -> String {
-    let whole = value.fract() == 0.0 && value.abs() < 1e15;
-    if whole { format!("{value:.0}") } else { number.to_string() }
 }
 
 fn position(at: Point) -> Value {

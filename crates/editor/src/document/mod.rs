@@ -1,5 +1,6 @@
 //! The document: its text, what it means, and the changes that can be made to it. Nothing here draws.
 
+pub mod change;
 pub mod clip;
 pub mod color;
 pub mod decor;
@@ -7,6 +8,7 @@ pub mod edit;
 pub mod history;
 pub mod json;
 pub mod keep;
+pub mod meaning;
 pub mod output;
 pub mod relocate;
 pub mod session;
@@ -16,7 +18,7 @@ mod tests;
 mod trial;
 pub mod version;
 
-pub use edit::Edit;
+pub use change::Edit;
 pub use json::{Op, Path, Step};
 pub use session::Session;
 pub use sheet::{Node, Pin, Point, Sheet, Wire};

@@ -1,6 +1,6 @@
 //! What a document renders: changes of its outputs.
 
-use super::edit::Edit;
+use super::change::Edit;
 use super::json::{Op, Path, quoted};
 use super::sheet::{Output, Sheet};
 use serde_json::{Value, json};
@@ -57,7 +57,7 @@ pub fn made(sheet: &Sheet, from: (usize, usize)) -> Option<(Edit, String)> {
     let folder = first.and_then(|file| file.rfind(['/', '\\']).map(|end| &file[..=end])).unwrap_or_default();
     let png = kind == Some(Kind::Color) && first.is_some_and(|file| file.to_lowercase().ends_with(".png"));
     let file = format!("{folder}{name}.####.{}", if png { "png" } else { "exr" });
-    let body = super::edit::style(&json!({ key: source, "file": file }));
+    let body = super::change::style(&json!({ key: source, "file": file }));
     Some((Edit::new(format!("Make the output {name}"), vec![Op::Set(path(&name), body)]), name))
 }
 
@@ -165,7 +165,7 @@ mod tests {
             assert_eq!(made, name);
             session.edit(edit).unwrap();
             let sheet = session.sheet();
-            assert_eq!(sheet.get(&path(name)).map(super::super::edit::style).unwrap(), body);
+            assert_eq!(sheet.get(&path(name)).map(super::super::change::style).unwrap(), body);
             assert_eq!(session.meaning().errors().count(), 0, "{:?}", session.meaning().diagnostics);
         }
         let sheet = session.sheet().clone();
@@ -183,7 +183,7 @@ mod tests {
         let sheet = session.sheet().clone();
         let [twice, sky] = ["twice", "sky"].map(|name| (sheet.find(name).unwrap(), 0));
         session.edit(redirected(&sheet, "beauty", twice).unwrap()).unwrap();
-        let body = |session: &Session| session.sheet().get(&path("beauty")).map(super::super::edit::style).unwrap();
+        let body = |session: &Session| session.sheet().get(&path("beauty")).map(super::super::change::style).unwrap();
         assert_eq!(body(&session), r#"{ "field": "twice", "file": "out/beauty.####.exr" }"#);
         let sheet = session.sheet().clone();
         session.edit(redirected(&sheet, "beauty", sky).unwrap()).unwrap();

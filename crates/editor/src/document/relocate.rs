@@ -1,8 +1,8 @@
 //! The paths of a document that moves to another folder: they are written anew, so that they lead to the same files.
 
-use super::edit::{Edit, count};
-use super::json::{Op, Path as Place, quoted};
-use super::session::applied;
+use super::change::Edit;
+use super::edit::count;
+use super::json::{Op, Path as ValuePath, quoted};
 use super::sheet::Sheet;
 use serde_json::Value;
 use std::path::{Component, Path, PathBuf};
@@ -40,20 +40,20 @@ pub fn relocated(sheet: &Sheet, from: &Path, to: &Path, stored: bool) -> Result<
 pub fn carried(text: &str, from: &Path, to: &Path) -> Option<String> {
     let sheet = Sheet::new(serde_json::from_str(text).ok()?, None);
     let edit = relocated(&sheet, from, to, true).ok()?;
-    Some(applied(text, &edit).ok()?.0)
+    Some(edit.applied(text).ok()?.0)
 }
 
 /// Every path that a document writes, of what it reads and, if asked for, of what it renders to.
-fn paths(sheet: &Sheet, outputs: bool) -> Vec<(Place, String)> {
+fn paths(sheet: &Sheet, outputs: bool) -> Vec<(ValuePath, String)> {
     let mut found = Vec::new();
     for node in &sheet.nodes {
-        let place = Place::node(&node.name);
+        let place = ValuePath::node(&node.name);
         if let (Some(declaration), Some(body)) = (node.declaration, sheet.get(&place)) {
             collect(declaration.items, body, &place, &mut found);
         }
     }
     for output in sheet.outputs.iter().filter(|_| outputs) {
-        let place = Place::default().to("outputs").to(&output.name).to("file");
+        let place = ValuePath::default().to("outputs").to(&output.name).to("file");
         if let Some(Value::String(path)) = sheet.get(&place) {
             found.push((place, path.clone()));
         }
@@ -61,7 +61,7 @@ fn paths(sheet: &Sheet, outputs: bool) -> Vec<(Place, String)> {
     found
 }
 
-fn collect(items: &[Item], body: &Value, place: &Place, found: &mut Vec<(Place, String)>) {
+fn collect(items: &[Item], body: &Value, place: &ValuePath, found: &mut Vec<(ValuePath, String)>) {
     for item in items {
         match (item, body.get(item.name())) {
             (Item::Knob(knob), Some(Value::String(path))) if matches!(knob.takes, Takes::Path) => {

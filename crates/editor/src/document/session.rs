@@ -1,16 +1,17 @@
 //! One open document: its text, what became of it, and what it means.
 
+use super::change::Edit;
 use super::decor;
-use super::edit::Edit;
 use super::history::{Change, History};
-use super::json::{Misplaced, Splice, splice};
+use super::json::{Misplaced, Splice};
+use super::meaning::Meaning;
 use super::relocate::relocated;
 use super::sheet::Sheet;
 use super::trial;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
-use trochoid::{Access, CheckedGraph, Diagnostic, LoadError, Severity, missing_files, parse};
+use trochoid::{Access, Diagnostic};
 
 /// Counts the texts of all documents: no two have one number.
 static REVISIONS: AtomicU64 = AtomicU64::new(1);
@@ -26,59 +27,6 @@ pub struct Session {
     /// The text that is in the file, as far as this session knows.
     stored: Option<String>,
     access: Access,
-}
-
-/// What a text means.
-#[derive(Clone, Debug, Default)]
-pub struct Meaning {
-    /// The graph, where the document is valid.
-    pub graph: Option<Arc<CheckedGraph>>,
-    /// Errors and warnings.
-    pub diagnostics: Vec<Diagnostic>,
-    /// What can be drawn, whether it is valid or not; of a text that is no JSON, what could be drawn before.
-    pub sheet: Arc<Sheet>,
-    /// Whether the text is JSON at all: if not, nothing but the text can be edited.
-    pub readable: bool,
-}
-
-impl Meaning {
-    /// Reads a text; `name` and `folder` as for [`trochoid::parse`], `access` is what it may reach.
-    pub fn of(name: &str, text: &str, folder: &Path, access: &Access) -> Self {
-        let (graph, mut diagnostics) = match parse(name, text, folder, &[]) {
-            Ok(loaded) => (Some(loaded.graph.with_access(access.clone())), loaded.warnings),
-            Err(LoadError::Invalid(diagnostics)) => (None, diagnostics),
-            Err(error @ LoadError::Io { .. }) => (None, vec![trouble(name, &error.to_string())]),
-        };
-        if let Some(graph) = &graph {
-            diagnostics.extend(missing_files(graph));
-        }
-        // What is too deep or too large for the graph is too deep for anything else.
-        let value = if text.len() <= 64 << 20 { serde_json::from_str(text).ok() } else { None };
-        let readable = value.is_some();
-        let mut sheet = Sheet::new(value.unwrap_or_default(), graph.as_ref());
-        sheet.text = text.into();
-        let sheet = Arc::new(sheet);
-        Self { graph: graph.map(Arc::new), diagnostics, sheet, readable }
-    }
-
-    /// The errors.
-    pub fn errors(&self) -> impl Iterator<Item = &Diagnostic> {
-        self.diagnostics.iter().filter(|diagnostic| diagnostic.severity == Severity::Error)
-    }
-}
-
-fn trouble(name: &str, found: &str) -> Diagnostic {
-    Diagnostic {
-        severity: Severity::Error,
-        file: name.into(),
-        line: 0,
-        column: 0,
-        node: None,
-        port: None,
-        found: found.into(),
-        expected: "a document".into(),
-        remedy: String::new(),
-    }
 }
 
 /// The document that a new window shows: a light on a ramp, so that there is something to play with.
@@ -229,7 +177,7 @@ impl Session {
         fault: impl FnOnce(&Edit, &Meaning, &Meaning) -> Option<Diagnostic>,
     ) -> Result<Option<Diagnostic>, Misplaced> {
         let edit = decor::following(self.sheet(), edit);
-        let (text, splices) = applied(&self.text, &edit)?;
+        let (text, splices) = edit.applied(&self.text)?;
         if splices.is_empty() {
             return Ok(None);
         }
@@ -258,7 +206,7 @@ impl Session {
     /// # Errors
     /// It names a place that is not there.
     pub fn after(&self, edit: &Edit) -> Result<Meaning, Misplaced> {
-        Ok(self.meaning_of(&applied(&self.text, edit)?.0))
+        Ok(self.meaning_of(&edit.applied(&self.text)?.0))
     }
 
     /// Ends a gesture: what comes next is a step of its own.
@@ -292,7 +240,7 @@ impl Session {
             Some(folder) => relocated(self.sheet(), &self.folder(), folder, self.file.is_some())?,
             None => Edit::new("Save", Vec::new()),
         };
-        let (text, splices) = applied(&self.text, &edit).map_err(|error| error.to_string())?;
+        let (text, splices) = edit.applied(&self.text).map_err(|error| error.to_string())?;
         trochoid::write_whole(file, text.as_bytes()).map_err(|error| error.to_string())?;
         self.stored = Some(text.clone());
         self.text = text;
@@ -349,20 +297,6 @@ impl Session {
 fn folder_of(file: Option<&Path>) -> PathBuf {
     let folder = file.and_then(Path::parent).map(Path::to_path_buf);
     folder.unwrap_or_else(|| std::env::current_dir().unwrap_or_default())
-}
-
-/// A text after a change, and what became of it.
-pub(super) fn applied(text: &str, edit: &Edit) -> Result<(String, Vec<Splice>), Misplaced> {
-    let mut text = text.to_string();
-    let mut splices = Vec::new();
-    for op in &edit.ops {
-        let splice = splice(&text, op)?;
-        if splice.removed != splice.inserted {
-            splice.redo(&mut text);
-            splices.push(splice);
-        }
-    }
-    Ok((text, splices))
 }
 
 /// Most bytes of a document.

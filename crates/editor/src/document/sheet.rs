@@ -4,7 +4,7 @@ use super::json::{Path, Step};
 use serde_json::Value;
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::sync::Arc;
-use trochoid::{Accepts, Arity, CheckedGraph, Declaration, Item, Kind, registry};
+use trochoid::{Accepts, Arity, CheckedGraph, Declaration, Item, Kind, Role, registry};
 
 /// A point on the canvas, x to the right and y down.
 pub type Point = [f32; 2];
@@ -54,6 +54,13 @@ pub struct Node {
     pub pins: Vec<Pin>,
     /// What it makes: names and kinds, where these are known.
     pub makes: Vec<(&'static str, Option<Kind>)>,
+}
+
+impl Node {
+    /// Whether its type has a role.
+    pub fn is(&self, role: Role) -> bool {
+        self.declaration.is_some_and(|declaration| declaration.role == Some(role))
+    }
 }
 
 /// A place of a node for one connection.

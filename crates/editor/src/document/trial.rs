@@ -1,15 +1,15 @@
 //! Whether a document bears a value that is given to it.
 
-use super::edit::Edit;
+use super::change::Edit;
 use super::json::{Op, Path, Step};
-use super::session::Meaning;
+use super::meaning::Meaning;
 use trochoid::Diagnostic;
 
 /// The fault that a change brings to the node that it changes, or to the entry of the document where that is no node's. None
 /// where there was one before, or where another goes away: then the change is a step on a way out.
 pub(super) fn fault(edit: &Edit, before: &Meaning, after: &Meaning) -> Option<Diagnostic> {
     let [Op::Set(path, _), ..] = edit.ops.as_slice() else { return None };
-    let place = Place::of(path)?;
+    let place = Part::of(path)?;
     let is_known = |fault: &Diagnostic| before.errors().any(|known| is_same(known, fault));
     let stays = |known: &Diagnostic| after.errors().any(|fault| is_same(known, fault));
     if before.errors().any(|fault| place.holds(fault)) || !before.errors().all(stays) {
@@ -19,13 +19,13 @@ pub(super) fn fault(edit: &Edit, before: &Meaning, after: &Meaning) -> Option<Di
 }
 
 /// What a change is of.
-enum Place<'p> {
+enum Part<'p> {
     Node(&'p str),
     /// An entry of the document itself, such as its format.
     Top(&'p [Step]),
 }
 
-impl<'p> Place<'p> {
+impl<'p> Part<'p> {
     fn of(path: &'p Path) -> Option<Self> {
         match path.0.as_slice() {
             [Step::Key(nodes), Step::Key(name), ..] if nodes == "nodes" => Some(Self::Node(name)),

@@ -1,6 +1,6 @@
 //! Which version of the document format a document is of.
 
-use super::edit::Edit;
+use super::change::Edit;
 use super::json::{Op, Path};
 use serde_json::Value;
 use trochoid::FORMAT_VERSION;

@@ -2,20 +2,23 @@
 //! itself.
 
 mod act;
+mod change;
+mod leave;
 mod pictures;
 mod play;
+mod rendering;
 
-use crate::actions::Action;
+use crate::actions::{Action, Grant, Pane};
 use crate::canvas::Canvas;
 use crate::commands::Space;
 use crate::document::keep::{Keeper, Kept, discard, kept};
 use crate::document::{Session, Sheet};
 use crate::evaluate::Worker;
-use crate::layout::{self, Pane};
+use crate::layout;
 use crate::notices::Notices;
 use crate::prompts::Prompts;
 use crate::properties::Properties;
-use crate::reach::{self, Grant};
+use crate::reach;
 use crate::refusal;
 use crate::render::Renderer;
 use crate::report::Report;
@@ -25,15 +28,13 @@ use crate::timeline::Timeline;
 use crate::viewer::Viewer;
 use crate::watch::Watcher;
 use crate::waves::Waves;
-use egui::{Context, Key, Ui};
-use pictures::Asked;
+use egui::{Context, Key};
+use pictures::LastRequest;
 use play::Playback;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
-
-pub use act::After;
 
 /// The editor of one document.
 pub struct Editor {
@@ -50,7 +51,7 @@ pub struct Editor {
     /// What this document was allowed, the newest first: remembered where it has a file.
     pub(crate) answers: Vec<Grant>,
     pub(crate) worker: Worker,
-    asked: Asked,
+    asked: LastRequest,
     keeper: Option<Keeper>,
     kept: Backup,
     watcher: Watcher,
@@ -117,7 +118,7 @@ impl Editor {
             allowed: Vec::new(),
             answers: Vec::new(),
             worker,
-            asked: Asked::default(),
+            asked: LastRequest::default(),
             keeper,
             kept: Backup::default(),
             watcher: Watcher::default(),
@@ -225,17 +226,16 @@ impl Editor {
         context.request_repaint();
     }
 
-    /// Draws everything, and does what was asked for.
-    pub fn ui(&mut self, ui: &mut Ui) {
-        let context = ui.ctx().clone();
-        self.hear(&context);
-        self.forgive(&context);
+    /// What comes before anything is drawn: what has happened since is heard. Gives what keys ask for.
+    pub(crate) fn before(&mut self, context: &Context) -> Vec<Action> {
+        self.hear(context);
+        self.forgive(context);
         let mut actions = Vec::new();
         if self.prompts.is_open() {
             self.space = Space::default();
         } else {
-            crate::commands::pressed(&context, &self.state, &mut actions);
-            if self.space.plays(&context) {
+            crate::commands::pressed(context, &self.state, &mut actions);
+            if self.space.plays(context) {
                 actions.push(Action::Play(!self.state.playing));
             }
         }
@@ -243,25 +243,29 @@ impl Editor {
         if self.state.dropper.is_some() && context.input(|input| input.key_pressed(Key::Escape)) {
             actions.push(Action::Dropper(None));
         }
-        let typing = context.text_edit_focused();
-        crate::window::window_ui(self, ui, &mut actions);
+        actions
+    }
+
+    /// What comes after everything is drawn: what was asked for is done, and pictures are asked for. `typing` says whether
+    /// something was being typed when drawing began.
+    pub(crate) fn after(&mut self, actions: Vec<Action>, typing: bool, context: &Context) {
         let mut later = std::mem::take(&mut self.later);
         for action in actions {
             // What is typed and not entered yet counts before the document is written, rendered or left.
             if typing && action.needs_all() {
-                self.defer(action, &context);
+                self.defer(action, context);
             } else {
-                self.act(action, &context);
+                self.act(action, context);
             }
         }
         for action in later.drain(..) {
             // What was typed is refused: that stays to be seen.
-            if !(action.hides() && refusal::is_fresh(&context)) {
-                self.act(action, &context);
+            if !(action.hides() && refusal::is_fresh(context)) {
+                self.act(action, context);
             }
         }
-        self.keep(&context);
-        self.play(&context);
+        self.keep(context);
+        self.play(context);
         self.ask();
         self.ask_held();
         self.ask_blame();

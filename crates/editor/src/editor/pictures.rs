@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 /// What was asked of the worker last.
 #[derive(Default)]
-pub(super) struct Asked {
+pub(super) struct LastRequest {
     pub(super) generation: u64,
     pub(super) what: Option<What>,
     pub(super) display: crate::evaluate::Display,

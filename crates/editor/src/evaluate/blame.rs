@@ -1,8 +1,7 @@
 //! What a pixel is made of.
 
 use super::lens::Lens;
-use super::wish::Subject;
-use super::worker::drawn;
+use super::subject::Subject;
 use trochoid::{Buffers, Cache, Monitor, Plan, Settings};
 
 /// A question about a pixel of a picture.
@@ -58,7 +57,7 @@ pub fn pixel(at: [f32; 2], size: [u32; 2]) -> [i64; 2] {
 
 /// Asks a lens for what a pixel is made of; `None` where that cannot be told.
 pub(super) fn answer(question: &Question, lens: &Lens, cache: &mut Cache, monitor: &dyn Monitor) -> Option<Blamed> {
-    let graph = drawn(lens, question.shrunk, true).ok()?;
+    let graph = lens.drawn(question.shrunk, true).ok()?;
     let format = graph.format();
     let pixel = pixel(question.at, [format.width(), format.height()]);
     let plan = Plan::new(&graph, &[super::lens::OUTPUT], question.frame, &[], &Settings::default()).ok()?;

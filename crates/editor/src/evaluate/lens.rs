@@ -1,11 +1,12 @@
 //! What to evaluate so that a node can be looked at: a document of just that node and what it depends on, so that faults
 //! elsewhere do not matter.
 
-use super::wish::Subject;
+use super::subject::Subject;
 use crate::document::{Path, Sheet, json as text};
 use serde_json::{Map, Value, json};
+use std::borrow::Cow;
 use std::path;
-use trochoid::{CheckedGraph, Kind, LoadError, NodeId, Refused, Severity, parse};
+use trochoid::{CheckedGraph, Format, Kind, LoadError, NodeId, Refused, Role, Severity, parse, registry};
 
 /// The name of the output that a lens looks through.
 pub const OUTPUT: &str = "look";
@@ -35,6 +36,20 @@ impl Lens {
         let reached = graph.reached(graph.outputs().iter().map(|output| output.node), frame);
         let nodes = (0..reached.len()).filter(|index| reached[*index] && !graph.nodes()[*index].disabled);
         nodes.filter_map(|index| graph.refused(NodeId(index), &context)).collect()
+    }
+
+    /// Its graph for pictures that are so many times smaller.
+    pub(super) fn drawn(&self, shrink: u32, finished: bool) -> Result<Cow<'_, CheckedGraph>, String> {
+        if shrink == 1 {
+            return Ok(Cow::Borrowed(&self.graph));
+        }
+        let whole = self.graph.format();
+        let side = |side: u32| side.div_ceil(shrink).max(1);
+        // A coarse picture is seen for a moment only: one sample a pixel.
+        let samples = if finished { whole.samples() } else { 1 };
+        let format =
+            Format::new(side(whole.width()), side(whole.height()), samples).map_err(|error| error.to_string())?;
+        Ok(Cow::Owned(self.graph.clone().drawn_at(format.with_shading(whole.shading()))))
     }
 
     /// A message with places of the user's document where it has those of the lens, which has all of it on one line.
@@ -80,11 +95,12 @@ pub fn lens(sheet: &Sheet, node: usize, output: usize, name: &str, folder: &path
         Some(Kind::Field(_)) => ("field", reference),
         Some(Kind::View) => clay(sheet, reference, &mut nodes),
         Some(Kind::Surface) => {
-            if !borrow(sheet, "Camera", &mut nodes) {
-                nodes.insert(CAMERA.into(), json!({ "type": "Camera", "position": [0, 8, 30], "target": [0, 1, 0] }));
+            if !borrow(sheet, Role::Camera, &mut nodes) {
+                let camera = json!({ "type": ty(Role::Camera), "position": [0, 8, 30], "target": [0, 1, 0] });
+                nodes.insert(CAMERA.into(), camera);
             }
-            let camera = borrowed(sheet, "Camera").unwrap_or(CAMERA.into());
-            nodes.insert(VIEW.into(), json!({ "type": "Render", "camera": camera, "surfaces": [reference] }));
+            let camera = borrowed(sheet, Role::Camera).unwrap_or(CAMERA.into());
+            nodes.insert(VIEW.into(), json!({ "type": ty(Role::Render), "camera": camera, "surfaces": [reference] }));
             clay(sheet, VIEW.into(), &mut nodes)
         }
         Some(kind @ (Kind::Camera | Kind::Light)) => {
@@ -117,14 +133,19 @@ pub fn lens(sheet: &Sheet, node: usize, output: usize, name: &str, folder: &path
     }
 }
 
-/// The first node of a type in the document.
-fn borrowed(sheet: &Sheet, ty: &str) -> Option<String> {
-    sheet.nodes.iter().find(|node| node.ty == ty && !node.disabled).map(|node| node.name.clone())
+/// The name of the type that has a role.
+fn ty(role: Role) -> &'static str {
+    registry().of_role(role).map_or("", |ty| ty.declaration().name)
 }
 
-/// Brings the document's first node of a type, and whatever it depends on; whether there is one.
-fn borrow(sheet: &Sheet, ty: &str, nodes: &mut Map<String, Value>) -> bool {
-    let Some(found) = borrowed(sheet, ty).and_then(|name| sheet.find(&name)) else { return false };
+/// The first node of a role in the document.
+fn borrowed(sheet: &Sheet, role: Role) -> Option<String> {
+    sheet.nodes.iter().find(|node| node.is(role) && !node.disabled).map(|node| node.name.clone())
+}
+
+/// Brings the document's first node of a role, and whatever it depends on; whether there is one.
+fn borrow(sheet: &Sheet, role: Role, nodes: &mut Map<String, Value>) -> bool {
+    let Some(found) = borrowed(sheet, role).and_then(|name| sheet.find(&name)) else { return false };
     for index in sheet.upstream([found]) {
         let name = &sheet.nodes[index].name;
         nodes.entry(name.clone()).or_insert_with(|| sheet.get(&Path::node(name)).cloned().unwrap_or_default());
@@ -134,11 +155,11 @@ fn borrow(sheet: &Sheet, ty: &str, nodes: &mut Map<String, Value>) -> bool {
 
 /// Lights a view like clay.
 fn clay(sheet: &Sheet, view: String, nodes: &mut Map<String, Value>) -> (&'static str, String) {
-    if !borrow(sheet, "Light", nodes) {
-        nodes.insert(LIGHT.into(), json!({ "type": "Light", "direction": [0.5, 0.6, 0.4] }));
+    if !borrow(sheet, Role::Light, nodes) {
+        nodes.insert(LIGHT.into(), json!({ "type": ty(Role::Light), "direction": [0.5, 0.6, 0.4] }));
     }
-    let light = borrowed(sheet, "Light").unwrap_or(LIGHT.into());
-    nodes.insert(CLAY.into(), json!({ "type": "NonSpecular", "view": view, "lights": [light] }));
+    let light = borrowed(sheet, Role::Light).unwrap_or(LIGHT.into());
+    nodes.insert(CLAY.into(), json!({ "type": ty(Role::Clay), "view": view, "lights": [light] }));
     ("field", CLAY.into())
 }
 

@@ -1,8 +1,12 @@
 //! Evaluation on a thread of its own: what is newest first, coarse before fine, and never waited for.
 
 pub mod blame;
+mod evaluator;
 pub mod lens;
+mod picture;
+mod queue;
 pub mod shown;
+mod subject;
 #[cfg(test)]
 mod tests;
 mod wish;
@@ -11,5 +15,6 @@ mod worker;
 pub use blame::{Blamed, Question, Share};
 pub use lens::{Lens, lens};
 pub use shown::{Channel, Display, Screen};
-pub use wish::{Job, News, Result, Subject, Thumbnail};
+pub use subject::Subject;
+pub use wish::{Job, News, Result, Thumbnail};
 pub use worker::Worker;

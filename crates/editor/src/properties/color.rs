@@ -1,6 +1,6 @@
 //! Colors: swatches, the dropper, and a painting to take colors from.
 
-use super::{Place, Properties};
+use super::place::{Place, Properties};
 use crate::actions::Action;
 use crate::document::Edit;
 use crate::document::color::{hex, rgb};
@@ -39,7 +39,7 @@ pub(super) fn color_ui(ui: &mut Ui, value: &Value, place: &Place<'_>, actions: &
     let swatch = field::swatch_ui(ui, shown).map(|color| json!(hex(color)));
     let written = match value {
         Value::String(text) => text.clone(),
-        other => crate::document::edit::style(other),
+        other => crate::document::change::style(other),
     };
     let salt = place.path.to_string();
     let text = field::draft_ui(ui, (&salt, &written), read_color, |text| {

@@ -1,6 +1,6 @@
 //! Values keyed over frames: their keys, and the curve through them.
 
-use super::{Place, Properties};
+use super::place::{Place, Properties};
 use crate::actions::Action;
 use crate::field::{self, Gesture, Told};
 use crate::refusal::refusal_ui;
@@ -11,12 +11,12 @@ use trochoid::{Animated, Interpolation};
 
 /// A keyed value as documents write it.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Keyed {
+pub(super) struct KeyedValue {
     pub(super) keys: Vec<(f64, Value)>,
     pub(super) interpolation: String,
 }
 
-impl Keyed {
+impl KeyedValue {
     /// The keys of a value that has some.
     pub(super) fn read(value: &Value) -> Option<Self> {
         let keys = value.get("keys")?.as_array()?.iter().map(|key| {
@@ -105,7 +105,13 @@ pub(super) fn typed_ui(
 }
 
 /// Asks for the value that a gesture has given: as a key at a frame where there are keys.
-pub(super) fn tell(told: Told<Value>, keyed: Option<&Keyed>, frame: f64, place: &Place<'_>, actions: &mut Vec<Action>) {
+pub(super) fn tell(
+    told: Told<Value>,
+    keyed: Option<&KeyedValue>,
+    frame: f64,
+    place: &Place<'_>,
+    actions: &mut Vec<Action>,
+) {
     told.edit(actions, |value| match keyed {
         Some(keyed) => place.set(&keyed.with(frame, &value).write()),
         None => place.set(&value),
@@ -116,7 +122,7 @@ pub(super) fn tell(told: Told<Value>, keyed: Option<&Keyed>, frame: f64, place: 
 pub(super) fn button_ui(
     panel: &mut Properties,
     ui: &mut Ui,
-    keyed: Option<&Keyed>,
+    keyed: Option<&KeyedValue>,
     shown: &Value,
     place: &Place<'_>,
     actions: &mut Vec<Action>,
@@ -138,7 +144,7 @@ pub(super) fn button_ui(
                 if keyed.keys.is_empty() { shown.clone() } else { keyed.write() }
             }
             Some(keyed) => keyed.with(frame, shown).write(),
-            None => Keyed { keys: vec![(frame, shown.clone())], interpolation: "linear".into() }.write(),
+            None => KeyedValue { keys: vec![(frame, shown.clone())], interpolation: "linear".into() }.write(),
         };
         gesture.edit(place.set(&value), actions);
         actions.push(Action::Seal);
@@ -194,7 +200,7 @@ fn pressed(input: &egui::InputState) -> Option<egui::Pos2> {
 }
 
 /// The curve, whose keys can be dragged; a double click sets a new one.
-pub(super) fn curve_ui(ui: &mut Ui, keyed: &Keyed, unit: &str, place: &Place<'_>, actions: &mut Vec<Action>) {
+pub(super) fn curve_ui(ui: &mut Ui, keyed: &KeyedValue, unit: &str, place: &Place<'_>, actions: &mut Vec<Action>) {
     let Some(animated) = keyed.animated() else { return };
     let (first, last) = (place.state.range.0 as f64, place.state.range.1 as f64);
     let first = first.min(keyed.keys.first().map_or(first, |key| key.0));
@@ -212,7 +218,7 @@ pub(super) fn curve_ui(ui: &mut Ui, keyed: &Keyed, unit: &str, place: &Place<'_>
     let before = ui.data(|data| data.get_temp::<egui_plot::PlotTransform>(id));
     if let (Some(before), Some(at)) = (before, ui.input(pressed)) {
         let near = |(key, component): &(usize, usize)| {
-            let value = Keyed::numbers(&keyed.keys[*key].1).get(*component).copied().unwrap_or(f64::INFINITY);
+            let value = KeyedValue::numbers(&keyed.keys[*key].1).get(*component).copied().unwrap_or(f64::INFINITY);
             before.position_from_point(&PlotPoint::new(keyed.keys[*key].0, value)).distance(at)
         };
         let all = (0..keyed.keys.len()).flat_map(|key| (0..count).map(move |component| (key, component)));
@@ -233,7 +239,7 @@ pub(super) fn curve_ui(ui: &mut Ui, keyed: &Keyed, unit: &str, place: &Place<'_>
             let keys: Vec<[f64; 2]> = keyed
                 .keys
                 .iter()
-                .filter_map(|(frame, value)| Some([*frame, *Keyed::numbers(value).get(component)?]))
+                .filter_map(|(frame, value)| Some([*frame, *KeyedValue::numbers(value).get(component)?]))
                 .collect();
             plot.points(Points::new("", PlotPoints::from(keys)).radius(5.0).color(COMPONENTS[component]));
         }
@@ -282,7 +288,7 @@ pub(super) fn curve_ui(ui: &mut Ui, keyed: &Keyed, unit: &str, place: &Place<'_>
     ui.horizontal_wrapped(|ui| {
         for word in Interpolation::NAMES {
             if let Some(gesture) = Gesture::click(&ui.selectable_label(keyed.interpolation == word, word)) {
-                let keyed = Keyed { interpolation: word.into(), ..keyed.clone() };
+                let keyed = KeyedValue { interpolation: word.into(), ..keyed.clone() };
                 gesture.edit(place.set(&keyed.write()), actions);
                 actions.push(Action::Seal);
             }

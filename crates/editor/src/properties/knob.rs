@@ -1,6 +1,7 @@
 //! A knob: a widget for what it takes.
 
-use super::{Place, Properties, color, key, label_ui};
+use super::place::{Place, Properties, label_ui};
+use super::{color, key};
 use crate::actions::Action;
 use crate::document::edit::default_value;
 use crate::field::{self, Gesture, Number, Told};
@@ -16,7 +17,7 @@ pub(super) fn knob_ui(
     place: &Place<'_>,
     actions: &mut Vec<Action>,
 ) {
-    let keyed = place.value.and_then(key::Keyed::read);
+    let keyed = place.value.and_then(key::KeyedValue::read);
     let default = default_value(knob);
     let at = |frame: f64| match &keyed {
         Some(keyed) => keyed.at(frame),
@@ -51,7 +52,7 @@ fn help(knob: &Knob, default: &Value) -> String {
     let default = match knob.default {
         None => "required".into(),
         Some(trochoid::KnobDefault::Unset) => "unset by default".into(),
-        Some(_) => format!("{} by default", crate::document::edit::style(default)),
+        Some(_) => format!("{} by default", crate::document::change::style(default)),
     };
     format!("{}\n\n{}{unit}; {default}.", knob.help, expected(&knob.takes))
 }
@@ -64,7 +65,7 @@ fn menu_ui(ui: &mut Ui, knob: &'static Knob, place: &Place<'_>, shown: &Value, a
         ui.close();
     }
     if ui.button("Copy value").clicked() {
-        ui.ctx().copy_text(crate::document::edit::style(shown));
+        ui.ctx().copy_text(crate::document::change::style(shown));
         ui.close();
     }
 }

@@ -3,7 +3,9 @@
 mod color;
 mod key;
 mod knob;
+mod notes;
 mod output;
+mod place;
 mod port;
 mod ramp;
 mod record;
@@ -11,25 +13,14 @@ mod surface;
 
 use crate::actions::Action;
 use crate::document::{Edit, Path, edit};
-use crate::evaluate::Screen;
 use crate::field::{self, Gesture, Number};
-use crate::prose::{explained, prose, prose_ui};
+use crate::prose::{prose, prose_ui};
 use crate::state::State;
 use egui::{RichText, ScrollArea, Ui};
+use place::Place;
+pub(crate) use place::Properties;
 use serde_json::Value;
-use std::collections::HashSet;
-use trochoid::{Item, Severity};
-
-/// What the panel holds besides what all see.
-#[derive(Default)]
-pub(crate) struct Properties {
-    /// Places whose curves are open.
-    curves: HashSet<Path>,
-    /// A painting to take colors from.
-    pub(crate) reference: Option<(String, Screen)>,
-    texture: Option<egui::TextureHandle>,
-    dialog: Option<egui_file_dialog::FileDialog>,
-}
+use trochoid::{Role, Severity};
 
 /// Draws the knobs of the chosen node, or of the document where none is chosen.
 pub(crate) fn properties_ui(panel: &mut Properties, ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
@@ -72,28 +63,6 @@ fn is_faulty(state: &State, name: &str) -> bool {
     let faults = &state.session.meaning().diagnostics;
     let above = || state.sheet().find(name).and_then(|node| state.fault_of(node));
     faults.iter().any(|fault| fault.node.as_deref() == Some(name)) || above().is_some()
-}
-
-/// What a widget needs to know of where it stands.
-pub(crate) struct Place<'p> {
-    pub(crate) state: &'p State,
-    pub(crate) path: Path,
-    /// What the document writes there.
-    pub(crate) value: Option<&'p Value>,
-}
-
-impl Place<'_> {
-    /// This value at this place; changes during one gesture are one step of undo.
-    pub(crate) fn set(&self, value: &Value) -> Edit {
-        Edit::set(self.path.clone(), value).merging(self.path.to_string())
-    }
-
-    /// Asks for the default.
-    pub(crate) fn reset(&self, gesture: Gesture, actions: &mut Vec<Action>) {
-        if self.value.is_some() {
-            gesture.edit(Edit::reset(self.path.clone()), actions);
-        }
-    }
 }
 
 /// Height of the room for what is wrong with a node, points.
@@ -161,12 +130,12 @@ fn node_ui(panel: &mut Properties, ui: &mut Ui, state: &State, name: &str, actio
         if ramp::is_ramp(declaration.items) {
             ramp::ramp_ui(ui, state, &path, actions);
         }
-        if node.ty == "Patch" {
+        if node.is(Role::Patch) {
             surface::patch_ui(ui, state, &path, actions);
         }
-        items_ui(panel, ui, state, (declaration.items, &path, body), actions);
+        record::items_ui(panel, ui, state, (declaration.items, &path, body), actions);
         ui.separator();
-        notes_ui(ui, state, &path, actions);
+        notes::notes_ui(ui, state, &path, actions);
     });
 }
 
@@ -178,50 +147,6 @@ fn wrong_name(name: &str, sheet: &crate::document::Sheet) -> Option<String> {
         return Some("a name of a–z, A–Z, 0–9 and _ that does not start with a digit".into());
     }
     sheet.find(name).map(|_| "another name: there is such a node already".into())
-}
-
-/// The widgets of some items, in the order of their declaration.
-pub(crate) fn items_ui(
-    panel: &mut Properties,
-    ui: &mut Ui,
-    state: &State,
-    (items, path, body): (&'static [Item], &Path, Option<&Value>),
-    actions: &mut Vec<Action>,
-) {
-    for item in items {
-        let place = Place { state, path: path.to(item.name()), value: body.and_then(|body| body.get(item.name())) };
-        match item {
-            Item::Knob(knob) => knob::knob_ui(panel, ui, knob, &place, actions),
-            Item::Port(port) => port::port_ui(panel, ui, port, &place, actions),
-            Item::List(list) => record::list_ui(panel, ui, list, &place, actions),
-        }
-    }
-}
-
-/// A label with what it means.
-pub(crate) fn label_ui(ui: &mut Ui, name: &str, help: &str, set: bool) -> egui::Response {
-    let text = name.replace('_', " ");
-    let text = if set { RichText::new(text).strong() } else { RichText::new(text) };
-    // In a narrow panel, what is set needs the room more.
-    let width = (0.4 * ui.available_size_before_wrap().x).clamp(56.0, 96.0);
-    let size = egui::vec2(width, ui.spacing().interact_size.y);
-    let label = ui.allocate_ui_with_layout(size, egui::Layout::left_to_right(egui::Align::Center), |ui| {
-        ui.set_min_width(width);
-        ui.add(egui::Label::new(text).truncate().sense(egui::Sense::click()))
-    });
-    explained(label.inner, help)
-}
-
-fn notes_ui(ui: &mut Ui, state: &State, path: &Path, actions: &mut Vec<Action>) {
-    let place = Place { state, path: path.to("notes"), value: state.sheet().get(&path.to("notes")) };
-    let text = place.value.and_then(Value::as_str).unwrap_or_default();
-    let told = field::text_ui(ui, text, |text| {
-        egui::TextEdit::multiline(text).hint_text("Notes").desired_rows(2).desired_width(f32::INFINITY)
-    });
-    told.edit(actions, |text| match text.as_str() {
-        "" => Edit::reset(place.path.clone()).merging(place.path.to_string()),
-        text => place.set(&text.into()),
-    });
 }
 
 /// What belongs to the whole document: its format, frames and working space.
@@ -285,5 +210,5 @@ fn document_ui(ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
     ui.separator();
     output::outputs_ui(ui, state, actions);
     ui.separator();
-    notes_ui(ui, state, &Path::default(), actions);
+    notes::notes_ui(ui, state, &Path::default(), actions);
 }

@@ -113,7 +113,7 @@ pub(super) fn output_ui(ui: &mut Ui, state: &State, name: &str, actions: &mut Ve
         }
     });
     ui.separator();
-    super::notes_ui(ui, state, &output::path(name), actions);
+    super::notes::notes_ui(ui, state, &output::path(name), actions);
 }
 
 /// All that can be rendered.

@@ -1,6 +1,7 @@
 //! A port: what is connected to it, or the constant that stands in its place.
 
-use super::{Place, Properties, color, key, knob, label_ui};
+use super::place::{Place, Properties, label_ui};
+use super::{color, key, knob};
 use crate::actions::Action;
 use crate::document::{Edit, Path, edit};
 use crate::field::Gesture;
@@ -31,7 +32,7 @@ pub(super) fn port_ui(
         && let Some(gesture) = Gesture::click(&ui.small_button(format!("Add to {}", port.name)))
     {
         let value = elements.last().cloned().unwrap_or_else(|| json!("#808080"));
-        let ops = vec![crate::document::Op::Set(place.path.to(elements.len()), edit::style(&value))];
+        let ops = vec![crate::document::Op::Set(place.path.to(elements.len()), crate::document::change::style(&value))];
         gesture.edit(Edit::new(format!("Add to {}", port.name), ops), actions);
     }
 }
@@ -79,7 +80,7 @@ fn source_ui(
                 ui.label(RichText::new(format!("needs a {}", port.accepts)).color(crate::theme::error(ui.visuals())));
             }
             (None, value) => {
-                let keyed = value.and_then(key::Keyed::read);
+                let keyed = value.and_then(key::KeyedValue::read);
                 let default = if port.accepts.takes_color() { json!("#808080") } else { json!(0) };
                 let at = |frame: f64| match &keyed {
                     Some(keyed) => keyed.at(frame),

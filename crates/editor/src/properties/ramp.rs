@@ -2,7 +2,7 @@
 
 use super::color;
 use crate::actions::Action;
-use crate::document::{Edit, Op, Path, edit};
+use crate::document::{Edit, Op, Path};
 use crate::field::{self, Gesture};
 use crate::state::State;
 use egui::{Color32, Pos2, Rect, Sense, Stroke, Ui, pos2, vec2};
@@ -105,7 +105,10 @@ pub(super) fn ramp_ui(ui: &mut Ui, state: &State, path: &Path, actions: &mut Vec
             json!({ "at": field::rounded(f64::from(place)), "color": crate::document::color::hex(color_at(place)) });
         let index = known.iter().position(|stop| stop.0 > place).unwrap_or(known.len());
         let op = if index == known.len() { Op::Set } else { Op::Insert };
-        gesture.edit(Edit::new("Add a stop", vec![op(stops_path.to(index), edit::style(&stop))]), actions);
+        gesture.edit(
+            Edit::new("Add a stop", vec![op(stops_path.to(index), crate::document::change::style(&stop))]),
+            actions,
+        );
     }
     if let (Some(gesture), Some(index)) = (Gesture::secondary_click(&response), pointer.and_then(nearest))
         && known.len() > 2

@@ -1,12 +1,14 @@
-//! A list of records, such as a ramp's stops or the waves of a sea.
+//! The items of a node, and of the records of its lists, such as a ramp's stops or the waves of a sea.
 
-use super::{Place, Properties, items_ui};
+use super::place::{Place, Properties};
+use super::{knob, port};
 use crate::actions::Action;
-use crate::document::{Edit, Op, edit};
+use crate::document::{Edit, Op, Path, change, edit};
 use crate::field::Gesture;
+use crate::state::State;
 use egui::{CollapsingHeader, RichText, Ui};
 use serde_json::Value;
-use trochoid::List;
+use trochoid::{Item, List};
 
 /// Draws a list: its records, each to be opened, removed and duplicated.
 pub(super) fn list_ui(
@@ -28,7 +30,7 @@ pub(super) fn list_ui(
                 ui.horizontal_wrapped(|ui| {
                     ui.weak(format!("{}[{index}]", list.name.replace('_', " ")));
                     if let Some(gesture) = Gesture::click(&ui.small_button("Duplicate")) {
-                        let op = Op::Insert(path.clone(), edit::style(record));
+                        let op = Op::Insert(path.clone(), change::style(record));
                         gesture.edit(Edit::new(format!("Duplicate {}", list.name), vec![op]), actions);
                     }
                     let removable = records.len() > list.min;
@@ -46,10 +48,28 @@ pub(super) fn list_ui(
         if records.len() < list.max
             && let Some(gesture) = Gesture::click(&ui.button("Add"))
         {
-            let value = edit::style(&edit::record(list.items, records.len()));
+            let value = change::style(&edit::record(list.items, records.len()));
             let op = Op::Set(place.path.to(records.len()), value);
             gesture.edit(Edit::new(format!("Add to {}", list.name), vec![op]), actions);
         }
     });
     crate::prose::explained(shown.header_response, list.help);
+}
+
+/// The widgets of some items, in the order of their declaration.
+pub(super) fn items_ui(
+    panel: &mut Properties,
+    ui: &mut Ui,
+    state: &State,
+    (items, path, body): (&'static [Item], &Path, Option<&Value>),
+    actions: &mut Vec<Action>,
+) {
+    for item in items {
+        let place = Place { state, path: path.to(item.name()), value: body.and_then(|body| body.get(item.name())) };
+        match item {
+            Item::Knob(knob) => knob::knob_ui(panel, ui, knob, &place, actions),
+            Item::Port(port) => port::port_ui(panel, ui, port, &place, actions),
+            Item::List(list) => list_ui(panel, ui, list, &place, actions),
+        }
+    }
 }

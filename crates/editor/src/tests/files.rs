@@ -1,15 +1,9 @@
 use super::{DUSK, dusk};
 use crate::actions::Action;
 use crate::document::{Session, edit};
-use crate::testing::{Window, editor, finished, until, window};
+use crate::testing::{Window, act, editor, finished, until, window};
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable;
-
-fn act(window: &mut Window, action: Action) {
-    let context = window.ctx.clone();
-    window.state_mut().as_mut().unwrap().act(action, &context);
-    window.run_steps(3);
-}
 
 fn moved(x: f32) -> Action {
     Action::Edit(edit::moved(&[("sky".into(), [x, 0.0])]))
@@ -201,7 +195,7 @@ fn a_document_saved_elsewhere_shows_the_same_picture_and_says_what_it_rewrote() 
     assert_eq!(editor(&window).notices.texts().len(), 2, "that it is saved, and what was rewritten");
     finished(&mut window);
     // From there they lead out of its folder.
-    act(&mut window, Action::Allow(crate::reach::Grant::Read(folder.path().join("shot"))));
+    act(&mut window, Action::Allow(crate::actions::Grant::Read(folder.path().join("shot"))));
     finished(&mut window);
     assert_eq!(editor(&window).state().seen.failed, None);
     assert!(editor(&window).state().session.text().contains("\"../shot/plate.png\""));

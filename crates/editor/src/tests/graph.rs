@@ -14,7 +14,7 @@ fn command(window: &mut Window, letters: &str) {
 
 fn text(window: &Window, path: &str) -> String {
     let value = editor(window).state().sheet().value.pointer(path);
-    value.map(crate::document::edit::style).unwrap_or_default()
+    value.map(crate::document::change::style).unwrap_or_default()
 }
 
 #[test]

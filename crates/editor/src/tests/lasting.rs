@@ -1,19 +1,12 @@
 //! What stays: pictures after an error, what was looked at, texts as they were written.
 
 use super::{DUSK, dusk};
-use crate::actions::Action;
+use crate::actions::{Action, Pane};
 use crate::document::{Edit, Path, Session};
-use crate::layout::Pane;
-use crate::testing::{Window, editor, finished, unseen, window};
+use crate::testing::{Window, act, editor, finished, unseen, window};
 use egui::{Event, Key, Modifiers};
 use egui_kittest::kittest::Queryable;
 use serde_json::json;
-
-fn act(window: &mut Window, action: Action) {
-    let context = window.ctx.clone();
-    window.state_mut().as_mut().unwrap().act(action, &context);
-    window.run_steps(3);
-}
 
 fn set(value: f64) -> Action {
     Action::Edit(Edit::set(Path::node("dusk").to("weight"), &json!(value)))

@@ -1,20 +1,13 @@
 //! What is typed, armed, running or changed elsewhere when something else is turned to.
 
 use super::{DUSK, dusk};
-use crate::actions::Action;
+use crate::actions::{Action, Pane};
 use crate::document::{Edit, Path, Session};
-use crate::layout::Pane;
-use crate::testing::{Window, editor, finished, unseen_in, until, window};
+use crate::testing::{Window, act, ask, editor, finished, unseen_in, until, window};
 use egui::accesskit::Role;
 use egui::{Event, Key, Modifiers, PointerButton, Pos2};
 use egui_kittest::kittest::Queryable;
 use serde_json::json;
-
-fn act(window: &mut Window, action: Action) {
-    let context = window.ctx.clone();
-    window.state_mut().as_mut().unwrap().act(action, &context);
-    window.run_steps(3);
-}
 
 fn select(window: &mut Window, node: &str) {
     act(window, Action::Select([node.to_string()].into()));
@@ -166,8 +159,7 @@ fn saving_asks_where_another_program_has_changed_the_file() {
     let theirs = DUSK.replace("0.25", "0.75");
     std::fs::write(&file, &theirs).unwrap();
     // Before any watcher can tell.
-    let context = window.ctx.clone();
-    window.state_mut().as_mut().unwrap().act(Action::Save, &context);
+    ask(&mut window, Action::Save);
     assert_eq!(std::fs::read_to_string(&file).unwrap(), theirs);
     window.run_steps(3);
     window.get_by_label("Write over it").click();

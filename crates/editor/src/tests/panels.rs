@@ -1,17 +1,10 @@
 use super::{DUSK, dusk};
-use crate::actions::Action;
+use crate::actions::{Action, Pane};
 use crate::document::{Path, Session};
-use crate::layout::Pane;
-use crate::testing::{Window, editor, finished, sized, unseen, window};
+use crate::testing::{Window, act, editor, finished, sized, unseen, window};
 use egui::accesskit::Role;
 use egui_kittest::kittest::{NodeT, Queryable};
 use serde_json::json;
-
-fn act(window: &mut Window, action: Action) {
-    let context = window.ctx.clone();
-    window.state_mut().as_mut().unwrap().act(action, &context);
-    window.run_steps(3);
-}
 
 fn choose(window: &mut Window, name: &str) {
     act(window, Action::Select([name.to_string()].into()));
@@ -315,6 +308,9 @@ fn sources(panel: &str) -> Vec<(String, String)> {
     own.into_iter().map(|file| (file.display().to_string(), std::fs::read_to_string(file).unwrap())).collect()
 }
 
+/// What stands above panels and brings them together.
+const ABOVE: [&str; 2] = ["editor", "window"];
+
 #[test]
 fn no_panel_knows_another() {
     for panel in PANELS {
@@ -323,6 +319,13 @@ fn no_panel_knows_another() {
                 assert!(!text.contains(&format!("crate::{other}::")), "{file} knows {other}");
             }
         }
+    }
+    // What they ask for each other by knows none of them, nor what they are drawn with.
+    for (file, text) in sources("actions") {
+        for other in PANELS.iter().chain(&ABOVE).chain(&["commands", "field", "layout", "prompts", "state"]) {
+            assert!(!text.contains(&format!("crate::{other}")), "{file} knows {other}");
+        }
+        assert!(!text.contains("crate::{"), "{file} names several modules at once, of which none would be found");
     }
 }
 

@@ -3,7 +3,7 @@
 use super::{DUSK, dusk};
 use crate::actions::Action;
 use crate::document::{Edit, Path, Session};
-use crate::testing::{Window, editor, finished, window};
+use crate::testing::{Window, ask, editor, finished, window};
 use serde_json::json;
 use std::time::{Duration, Instant};
 
@@ -16,11 +16,6 @@ fn slow(session: Session, milliseconds: u64) -> Window {
     finished(&mut window);
     editor(&window).worker.slow_down(Duration::from_millis(milliseconds));
     window
-}
-
-fn act(window: &mut Window, action: Action) {
-    let context = window.ctx.clone();
-    window.state_mut().as_mut().unwrap().act(action, &context);
 }
 
 /// The frame whose picture is shown, whole.
@@ -54,12 +49,12 @@ fn wanted(from: i64, (first, last): (i64, i64), count: usize) -> Vec<i64> {
 fn every_frame_is_shown_in_order_however_long_it_takes() {
     // 300 ms on the window's clock, where a frame should last 42.
     let mut window = slow(dusk(), 30);
-    act(&mut window, Action::Play(true));
+    ask(&mut window, Action::Play(true));
     let count = 2 * FRAMES as usize + 3;
     assert_eq!(follow(&mut window, count), wanted(1, (1, FRAMES), count));
     assert!(editor(&window).state().seen.rate.is_some_and(|rate| rate > 0.0 && rate < 30.0));
     assert_eq!(editor(&window).state().seen.frames.len(), FRAMES as usize, "all are kept");
-    act(&mut window, Action::Play(false));
+    ask(&mut window, Action::Play(false));
     window.step();
     assert_eq!(editor(&window).state().seen.rate, None);
 }
@@ -68,7 +63,7 @@ fn every_frame_is_shown_in_order_however_long_it_takes() {
 fn a_range_that_cannot_be_kept_is_played_all_the_same() {
     let mut window = slow(dusk(), 5);
     window.state_mut().as_mut().unwrap().room = 1;
-    act(&mut window, Action::Play(true));
+    ask(&mut window, Action::Play(true));
     let count = 2 * FRAMES as usize + 3;
     assert_eq!(follow(&mut window, count), wanted(1, (1, FRAMES), count));
     assert!(editor(&window).state().seen.frames.len() <= 2);
@@ -77,10 +72,10 @@ fn a_range_that_cannot_be_kept_is_played_all_the_same() {
 #[test]
 fn an_edit_while_frames_are_played_shows_in_those_that_follow() {
     let mut window = slow(dusk(), 10);
-    act(&mut window, Action::Play(true));
+    ask(&mut window, Action::Play(true));
     follow(&mut window, 4);
     let edit = Edit::set(Path::node("dusk").to("weight"), &json!(0.75));
-    act(&mut window, Action::Edit(edit));
+    ask(&mut window, Action::Edit(edit));
     let revision = editor(&window).state().session.revision();
     let from = shown(&window).unwrap();
     let frames = follow(&mut window, 12);
@@ -88,11 +83,11 @@ fn an_edit_while_frames_are_played_shows_in_those_that_follow() {
     assert_eq!(editor(&window).state().seen.result.as_ref().unwrap().subject.revision, revision);
     // A fault of the document is waited for.
     let broken = editor(&window).state().session.text().replace("\"sky\", \"b\"", "\"skyy\", \"b\"");
-    act(&mut window, Action::Rewrite(broken));
+    ask(&mut window, Action::Rewrite(broken));
     finished(&mut window);
     window.run_steps(5);
     assert!(editor(&window).state().playing && editor(&window).state().seen.failed.is_some());
-    act(&mut window, Action::Undo);
+    ask(&mut window, Action::Undo);
     let from = editor(&window).state().frame;
     finished(&mut window);
     let frames = follow(&mut window, 5);
@@ -113,14 +108,14 @@ fn a_frame_that_cannot_be_made_ends_it_and_says_why() {
     let file = folder.path().join("dusk.json");
     std::fs::write(&file, text).unwrap();
     let mut window = slow(Session::open(&file).unwrap(), 5);
-    act(&mut window, Action::Play(true));
+    ask(&mut window, Action::Play(true));
     crate::testing::until(&mut window, "the end", |editor| !editor.state().playing);
     let state = editor(&window).state();
     assert_eq!(state.frame, 3);
     let why = state.seen.failed.clone().unwrap();
     assert!(why.contains("plate.0003.png"), "{why}");
     assert_eq!(state.seen.last.as_ref().map(|last| last.frame), Some(2), "the last picture stays in sight");
-    act(&mut window, Action::Frame(4));
+    ask(&mut window, Action::Frame(4));
     finished(&mut window);
     assert_eq!((shown(&window), editor(&window).state().seen.last.is_none()), (Some(4), true));
 }
@@ -128,8 +123,8 @@ fn a_frame_that_cannot_be_made_ends_it_and_says_why() {
 #[test]
 fn one_frame_is_shown_and_nothing_is_done() {
     let mut window = slow(dusk(), 0);
-    act(&mut window, Action::Range(3, 3));
-    act(&mut window, Action::Play(true));
+    ask(&mut window, Action::Range(3, 3));
+    ask(&mut window, Action::Play(true));
     assert_eq!(follow(&mut window, 2), [1, 3]);
     window.run_steps(40);
     assert_eq!((shown(&window), editor(&window).state().playing), (Some(3), true));
@@ -138,17 +133,17 @@ fn one_frame_is_shown_and_nothing_is_done() {
 #[test]
 fn the_range_and_the_frame_may_change_while_frames_are_played() {
     let mut window = slow(dusk(), 8);
-    act(&mut window, Action::Play(true));
+    ask(&mut window, Action::Play(true));
     follow(&mut window, 3);
-    act(&mut window, Action::Range(5, 7));
+    ask(&mut window, Action::Range(5, 7));
     let frames = follow(&mut window, 10);
     assert_eq!(frames[1..], wanted(5, (5, 7), 9));
     // Nothing of it is made yet.
-    act(&mut window, Action::Range(20, 22));
+    ask(&mut window, Action::Range(20, 22));
     let frames = follow(&mut window, 8);
     assert_eq!(frames[1..], wanted(20, (20, 22), 7));
-    act(&mut window, Action::Range(1, FRAMES));
-    act(&mut window, Action::Frame(2));
+    ask(&mut window, Action::Range(1, FRAMES));
+    ask(&mut window, Action::Frame(2));
     finished(&mut window);
     let frames = follow(&mut window, 10);
     assert_eq!(frames, wanted(frames[0], (1, FRAMES), 10));

@@ -3,7 +3,7 @@
 use super::DUSK;
 use crate::actions::Action;
 use crate::document::Session;
-use crate::testing::{Window, editor, finished, until, window};
+use crate::testing::{Window, act, editor, finished, until, window};
 use egui_kittest::kittest::Queryable;
 use std::path::{Path, PathBuf};
 
@@ -52,12 +52,6 @@ impl Shot {
 fn look(window: &mut Window) {
     finished(window);
     window.run_steps(2);
-}
-
-fn act(window: &mut Window, action: Action) {
-    let context = window.ctx.clone();
-    window.state_mut().as_mut().unwrap().act(action, &context);
-    window.run_steps(3);
 }
 
 fn is_seen(window: &Window) -> bool {

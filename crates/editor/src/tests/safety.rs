@@ -2,10 +2,9 @@
 //! typed and not applied.
 
 use super::DUSK;
-use crate::actions::Action;
+use crate::actions::{Action, Pane};
 use crate::document::{Session, edit};
-use crate::layout::Pane;
-use crate::testing::{Window, editor, until, window};
+use crate::testing::{Window, act, editor, until, window};
 use egui::accesskit::Role;
 use egui::{Event, Key, Modifiers};
 use egui_kittest::kittest::Queryable;
@@ -28,9 +27,7 @@ impl Desk {
     }
 
     fn act(&mut self, action: Action) {
-        let context = self.window.ctx.clone();
-        self.window.state_mut().as_mut().unwrap().act(action, &context);
-        self.window.run_steps(3);
+        act(&mut self.window, action);
     }
 
     fn saves(&mut self) {

@@ -1,16 +1,9 @@
 //! Pictures of the window, drawn by wgpu, to be looked at: they need a graphics driver, so they are made on request.
 
-use crate::actions::Action;
+use crate::actions::{Action, Pane};
 use crate::document::Session;
-use crate::layout::Pane;
-use crate::testing::{Window, editor, finished, sized};
+use crate::testing::{Window, act, editor, finished, sized};
 use std::path::{Path, PathBuf};
-
-fn act(window: &mut Window, action: Action) {
-    let context = window.ctx.clone();
-    window.state_mut().as_mut().unwrap().act(action, &context);
-    window.run_steps(3);
-}
 
 /// Draws until nothing on the window changes any more: thumbnails as well.
 fn still(window: &mut Window) {

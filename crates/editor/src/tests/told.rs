@@ -3,16 +3,10 @@
 use super::DUSK;
 use crate::actions::Action;
 use crate::document::{Path, Session};
-use crate::testing::{Window, editor, finished, unseen, window};
+use crate::testing::{Window, act, editor, finished, unseen, window};
 use egui::{Event, Modifiers, PointerButton, pos2};
 use egui_kittest::kittest::Queryable;
 use serde_json::json;
-
-fn act(window: &mut Window, action: Action) {
-    let context = window.ctx.clone();
-    window.state_mut().as_mut().unwrap().act(action, &context);
-    window.run_steps(3);
-}
 
 fn texts(window: &Window) -> Vec<&str> {
     editor(window).notices.texts()

@@ -1,10 +1,9 @@
 //! Numbers, colors and names as they are typed: entered, refused in words, or left alone.
 
 use super::DUSK;
-use crate::actions::Action;
+use crate::actions::{Action, After};
 use crate::document::{Path, Session};
-use crate::editor::After;
-use crate::testing::{Window, editor, unseen, unseen_in};
+use crate::testing::{Window, act, editor, unseen, unseen_in};
 use egui::accesskit::Role;
 use egui::{Event, Key, Rect};
 use egui_kittest::kittest::{NodeT, Queryable};
@@ -24,12 +23,6 @@ fn open(text: &str, node: &str) -> Window {
     let mut window = unseen_in(Session::new(text.into(), None), [1280.0, 1400.0]);
     choose(&mut window, node);
     window
-}
-
-fn act(window: &mut Window, action: Action) {
-    let context = window.ctx.clone();
-    window.state_mut().as_mut().unwrap().act(action, &context);
-    window.run_steps(2);
 }
 
 fn choose(window: &mut Window, node: &str) {

@@ -1,17 +1,10 @@
 use super::DUSK;
-use crate::actions::Action;
+use crate::actions::{Action, Pane};
 use crate::document::{Path, Session, Standing};
-use crate::layout::Pane;
-use crate::testing::{Window, editor, finished, window};
+use crate::testing::{Window, act, editor, finished, window};
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable;
 use serde_json::json;
-
-fn act(window: &mut Window, action: Action) {
-    let context = window.ctx.clone();
-    window.state_mut().as_mut().unwrap().act(action, &context);
-    window.run_steps(3);
-}
 
 fn set(value: f64) -> Action {
     Action::Edit(crate::document::Edit::set(Path::node("dusk").to("weight"), &json!(value)))

@@ -11,10 +11,8 @@ use egui::{
     vec2,
 };
 use serde_json::{Value, json};
-use trochoid::{NodeId, Source};
+use trochoid::{CheckedNode, Dynamics, NodeId, Paths, Role, Source};
 
-/// Lists of a ToonSea whose records have a path.
-const LISTS: [&str; 3] = ["guides", "bursts", "bodies"];
 /// Paths of a list that are drawn, at most.
 const PATHS: usize = 64;
 /// Pieces of a curve as it is drawn.
@@ -110,14 +108,18 @@ impl Eye {
     }
 }
 
+fn has_role(node: &CheckedNode, role: Role) -> bool {
+    node.ty.declaration().role == Some(role)
+}
+
 /// The camera through which a sea is seen in a picture.
 fn camera(result: &Result, sea: NodeId) -> Option<NodeId> {
     let graph = &result.lens.graph;
     graph.nodes().iter().enumerate().find_map(|(index, node)| {
-        let is_render = node.ty.declaration().name == "Render" && graph.reached([NodeId(index)], result.frame)[sea.0];
+        let is_render = has_role(node, Role::Render) && graph.reached([NodeId(index)], result.frame)[sea.0];
         let settled = is_render.then(|| graph.settle(NodeId(index), result.frame))?;
         settled.sources().into_iter().find_map(|source| match source {
-            Source::Output { node, .. } if graph.node(*node).ty.declaration().name == "Camera" => Some(*node),
+            Source::Output { node, .. } if has_role(graph.node(*node), Role::Camera) => Some(*node),
             _ => None,
         })
     })
@@ -130,17 +132,17 @@ struct Way {
     points: [f64; 8],
 }
 
-fn ways(state: &State, sea: &str) -> Vec<Way> {
+fn ways(state: &State, sea: &str, paths: &Paths) -> Vec<Way> {
     let body = Path::node(sea);
     let mut ways = Vec::new();
-    for list in LISTS {
+    for list in paths.lists.iter().map(|list| list.as_str()) {
         let records = state.sheet().get(&body.to(list)).and_then(Value::as_array).map_or(&[][..], Vec::as_slice);
         for (index, record) in records.iter().enumerate().take(PATHS) {
-            let numbers = record.get("path").and_then(Value::as_array).map_or(&[][..], Vec::as_slice);
+            let numbers = record.get(paths.knob.as_str()).and_then(Value::as_array).map_or(&[][..], Vec::as_slice);
             let numbers: Vec<f64> = numbers.iter().filter_map(Value::as_f64).collect();
             if let Ok(points) = <[f64; 8]>::try_from(numbers) {
                 let name = format!("{list}[{index}]");
-                ways.push(Way { name, path: body.to(list).to(index).to("path"), points });
+                ways.push(Way { name, path: body.to(list).to(index).to(paths.knob.as_str()), points });
             }
         }
     }
@@ -156,18 +158,16 @@ pub(super) fn handles_ui(
     result: &Result,
     actions: &mut Vec<Action>,
 ) {
-    let Some(name) = state.chosen().filter(|name| state.sheet().node(name).is_some_and(|node| node.ty == "ToonSea"))
-    else {
-        return;
-    };
+    let Some(name) = state.chosen() else { return };
     let graph = &result.lens.graph;
     let Some(sea) = graph.find(name) else { return };
+    let settled = graph.settle(sea, result.frame);
+    let Some(paths) = settled.node().dynamics().and_then(Dynamics::paths) else { return };
     let Some(eye) = camera(result, sea).map(|camera| Eye::new(result, camera)) else { return };
-    let knobs = graph.settle(sea, result.frame);
-    let [x, z, level] = ["x", "z", "level"].map(|knob| knobs.number(knob));
+    let [x, level, z] = paths.origin;
     let at = |point: [f64; 2]| eye.project([x + point[0], level, z + point[1]]).map(|share| place(rect, share));
     let painter = ui.painter().with_clip_rect(area);
-    for way in ways(state, name) {
+    for way in ways(state, name, &paths) {
         let points: [[f64; 2]; 4] = std::array::from_fn(|index| [way.points[2 * index], way.points[2 * index + 1]]);
         curve(&painter, points, &at);
         for (index, point) in points.into_iter().enumerate() {

@@ -20,7 +20,7 @@ type Point = [f32; 3];
 /// The space, as it was turned last.
 pub(super) struct Space {
     pub(super) shown: bool,
-    /// Turned about the vertical, and raised, in radians.
+    /// Projection about the vertical, and raised, in radians.
     turn: [f32; 2],
     zoom: f32,
     cloud: Option<Cloud>,
@@ -82,14 +82,14 @@ impl Cloud {
 }
 
 /// How points of the space come to the screen: parallel, turned about the middle of the hull.
-struct Turned {
+struct Projection {
     center: Point,
     turn: [f32; 2],
     scale: f32,
     origin: Pos2,
 }
 
-impl Turned {
+impl Projection {
     /// Where a point is drawn, and how near it is.
     fn place(&self, point: Point) -> (Pos2, f32) {
         let [x, y, z] = [0, 1, 2].map(|axis| point[axis] - self.center[axis]);
@@ -135,7 +135,7 @@ impl Space {
             return response;
         }
         let room = 0.5 * area.width().min(area.height()) - 18.0;
-        let turned = Turned {
+        let turned = Projection {
             center: cloud.center,
             turn: self.turn,
             scale: room.max(8.0) / cloud.radius * self.zoom,
@@ -149,7 +149,7 @@ impl Space {
 }
 
 /// The axes of the working space, from black to where each channel is 1.
-fn axes(painter: &Painter, turned: &Turned) {
+fn axes(painter: &Painter, turned: &Projection) {
     let ends = [
         ([1.0, 0.0, 0.0], "R", Color32::from_rgb(0xd0, 0x60, 0x60)),
         ([0.0, 1.0, 0.0], "G", Color32::from_rgb(0x60, 0xb0, 0x60)),
@@ -164,7 +164,7 @@ fn axes(painter: &Painter, turned: &Turned) {
     }
 }
 
-fn draw(painter: &Painter, cloud: &Cloud, turned: &Turned) {
+fn draw(painter: &Painter, cloud: &Cloud, turned: &Projection) {
     let mut points: Vec<(Pos2, f32, Color32)> = Vec::with_capacity(cloud.points.len());
     for (point, color) in &cloud.points {
         let (at, near) = turned.place(*point);

@@ -4,7 +4,7 @@ use super::handles::Eye;
 use crate::actions::Action;
 use crate::document::{Path, Session};
 use crate::evaluate::{Channel, Display};
-use crate::testing::{Window, editor, sized, until};
+use crate::testing::{Window, ask, editor, sized, until};
 use egui::accesskit::Role;
 use egui::{Event, Key, Modifiers, PointerButton, Pos2, Rect, pos2, vec2};
 use egui_kittest::kittest::Queryable;
@@ -46,8 +46,7 @@ fn open(text: &str, size: [f32; 2]) -> Window {
 }
 
 fn act(window: &mut Window, action: Action) {
-    let context = window.ctx.clone();
-    window.state_mut().as_mut().unwrap().act(action, &context);
+    ask(window, action);
     settle(window);
 }
 
@@ -471,9 +470,8 @@ fn every_switch_of_the_viewer_is_a_command() {
         let state = editor(window).state();
         let command = crate::commands::COMMANDS.iter().find(|command| command.name == name).unwrap();
         assert!((command.enabled)(state), "{name}");
-        let (action, context) = ((command.action)(state), window.ctx.clone());
-        window.state_mut().as_mut().unwrap().act(action, &context);
-        window.run_steps(3);
+        let action = (command.action)(state);
+        crate::testing::act(window, action);
     };
     run(&mut window, "Difference");
     assert!(window.query_by_label("Let go of A").is_some(), "what is seen is held, where nothing was");

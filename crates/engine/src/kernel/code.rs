@@ -2,8 +2,7 @@
 
 use super::audit::Legal;
 use super::native::Native;
-use crate::certify::Origin;
-use trochoid_graph::{NodeId, Slot};
+use trochoid_graph::{NodeId, Program, Slot};
 use trochoid_memory::Instructions;
 
 /// Samples in a chunk.
@@ -165,6 +164,13 @@ impl Code {
     pub(crate) fn chunks(&self) -> usize {
         self.own + 3
     }
+}
+
+/// What a compiled program was made from.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Origin {
+    pub(crate) program: Program,
+    pub(crate) roots: Vec<u32>,
 }
 
 /// A compiled program.

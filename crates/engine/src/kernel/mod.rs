@@ -31,6 +31,6 @@ mod sweep;
 pub(crate) use audit::{Legal, WeightAudit};
 #[cfg(test)]
 pub(crate) use code::Fault;
-pub(crate) use code::{CHUNK, Chunk, Compiled, Plane};
+pub(crate) use code::{CHUNK, Chunk, Compiled, Origin, Plane};
 pub(crate) use compile::{Options, compile};
 pub(crate) use run::{Chunks, Look, Machine, Range, TakeRow};

@@ -1,58 +1,71 @@
 //! Filters as the engine sees them: halos, controls, and a broken kernel that must be noticed.
 
-use super::nodes::{Gate, Mix, Slope, declare};
+use super::nodes;
 use crate::{Buffers, Cache, Frame, Plan, ReferenceFrame, Settings, Silent, Switches};
 use std::path::Path;
 use trochoid_graph::*;
 use trochoid_image::{Format, Window};
 
 /// A blend of each pixel with those two to the left and to the right of it: a quarter, a half, a quarter.
-pub(super) struct Smear;
-/// The same with a negative lobe, which no filter may have.
-struct Sharpen;
+///
+/// # Formula
+/// # Edge cases
+/// # Source
+#[derive(Clone, Node)]
+#[node(end = Back, revision = 1, output(image: Kind::Color = ""))]
+pub(super) struct Smear {
+    /// What is blended.
+    image: One<port::Color>,
+}
 
-const ITEMS: &[Item] = &[Port::one("image", Accepts::Color, "")];
-const OUTPUTS: &[Output] = &[Output::new("image", Kind::Color, "")];
-static SMEAR: Declaration = declare("Smear", End::Back, ITEMS, OUTPUTS);
-static SHARPEN: Declaration = declare("Sharpen", End::Back, ITEMS, OUTPUTS);
+/// The same with a negative lobe, which no filter may have.
+///
+/// # Formula
+/// # Edge cases
+/// # Source
+#[derive(Clone, Node)]
+#[node(end = Back, revision = 1, output(image: Kind::Color = ""))]
+struct Sharpen {
+    /// What is sharpened.
+    image: One<port::Color>,
+}
 
 macro_rules! filter {
-    ($ty:ident, $declaration:ident, $lobe:literal) => {
-        impl NodeType for $ty {
-            fn declaration(&self) -> &'static Declaration {
-                &$declaration
-            }
+    ($ty:ident, $lobe:literal) => {
+        impl Node for $ty {
             fn body(&self) -> Body<'_> {
                 Body::Stage(self)
             }
         }
 
         impl Stage for $ty {
-            fn regions_of_interest(&self, _node: &Settled, _port: &str, window: Window, _format: Format) -> Window {
+            fn regions_of_interest(&self, _port: PortId, window: Window, _format: Format) -> Window {
                 Window { x0: window.x0 - 2, x1: window.x1 + 2, ..window }
             }
-            fn prepare(&self, node: &Settled, _prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
-                Ok(Box::new(Blended { node: node.clone(), lobe: $lobe }))
+            fn prepare(&self, _prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
+                Ok(Box::new(Blended { image: self.image.clone(), lobe: $lobe }))
             }
         }
     };
 }
 
-filter!(Smear, SMEAR, 0.25);
-filter!(Sharpen, SHARPEN, -0.25);
+filter!(Smear, 0.25);
+filter!(Sharpen, -0.25);
+
+pub(super) static TYPES: [NodeType; 2] = [NodeType::of::<Smear>(), NodeType::of::<Sharpen>()];
 
 struct Blended {
-    node: Settled,
+    image: One<port::Color>,
     lobe: f32,
 }
 
 impl Prepared for Blended {
     fn fill(&self, block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
-        let image = &inputs.all("image")[0];
+        let image = &inputs.all(&self.image)[0];
         let (from, window) = (image.window, block.window);
         assert!(from.intersect(image.extent) == from && from.intersect(window) == window);
         for channel in 0..3 {
-            let (Some(out), Some(samples)) = (outputs.take(0, channel), image.planes[channel]) else { continue };
+            let (Some(out), Some(samples)) = (outputs.only(channel), image.planes[channel]) else { continue };
             assert_eq!((out.len(), samples.len()), (window.area(), from.area()));
             for (index, out) in out.iter_mut().enumerate() {
                 let (x, y) = (window.x0 + (index % window.width()) as i64, (index / window.width()) as i64);
@@ -65,14 +78,13 @@ impl Prepared for Blended {
     }
 
     fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
-        let at = |dx: f64| inputs.moved(dx, 0.0).color(self.node.source("image"));
+        let at = |dx: f64| inputs.moved(dx, 0.0).color(&self.image);
         let (left, here, right, lobe) = (at(-2.0), at(0.0), at(2.0), f64::from(self.lobe));
         Ok(vec![Reference::Color([0, 1, 2].map(|c| lobe * left[c] + (1.0 - 2.0 * lobe) * here[c] + lobe * right[c]))])
     }
 }
 
 fn graph(last: &str) -> CheckedGraph {
-    let types: [&'static dyn NodeType; 5] = [&Slope, &Gate, &Mix, &Smear, &Sharpen];
     let text = format!(
         r##"{{ "trochoid": 1, "format": {{ "width": 31, "height": 5, "samples": 4 }},
         "nodes": {{
@@ -84,7 +96,7 @@ fn graph(last: &str) -> CheckedGraph {
         "outputs": {{ "last": {{ "color": "last" }} }} }}"##
     );
     let document = Document::parse("test", &text).unwrap();
-    let (graph, diagnostics) = check(&document, &Registry::new(types), Path::new("."));
+    let (graph, diagnostics) = check(&document, &Registry::new(nodes::TYPES.iter().chain(&TYPES)), Path::new("."));
     graph.unwrap_or_else(|| panic!("{diagnostics:?}"))
 }
 

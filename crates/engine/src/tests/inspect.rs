@@ -1,7 +1,6 @@
 //! A pixel's blame: shares that sum to 1 and mix to what the picture shows.
 
-use super::filters::Smear;
-use super::nodes::{Gate, Mix, Slope, Thirds};
+use super::{filters, nodes as types};
 use crate::{Blame, Buffers, Cache, Inspected, Monitor, Plan, Settings, Silent};
 use proptest::prelude::*;
 use std::path::Path;
@@ -13,7 +12,6 @@ const COLORS: [[f64; 3]; 4] = [[0.0, 0.5, 1.0], [1.0, 0.25, 0.0], [0.125, 0.75, 
 
 /// A graph of 31 by 5 pixels with these nodes beside a slope and its mask, and an output of the last.
 fn graph(samples: u32, nodes: &[(String, String)]) -> CheckedGraph {
-    let types: [&'static dyn NodeType; 5] = [&Slope, &Gate, &Mix, &Thirds, &Smear];
     let body: Vec<String> = nodes.iter().map(|(name, body)| format!("\"{name}\": {body}")).collect();
     let text = format!(
         r##"{{ "trochoid": 1, "format": {{ "width": 31, "height": 5, "samples": {samples} }},
@@ -23,7 +21,8 @@ fn graph(samples: u32, nodes: &[(String, String)]) -> CheckedGraph {
         nodes.last().unwrap().0
     );
     let document = Document::parse("test", &text).unwrap();
-    let (graph, diagnostics) = check(&document, &Registry::new(types), Path::new("."));
+    let (graph, diagnostics) =
+        check(&document, &Registry::new(types::TYPES.iter().chain(&filters::TYPES)), Path::new("."));
     graph.unwrap_or_else(|| panic!("{diagnostics:?}"))
 }
 

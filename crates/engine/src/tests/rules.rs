@@ -1,7 +1,7 @@
 //! The rules of every operation, held against what the operation does.
 
-use crate::inspect::Inspection;
 use crate::rules::interval::{Bounds, Interval, interval};
+use crate::running::inspect::Inspection;
 use proptest::prelude::*;
 use trochoid_graph::{Bound, Color, NodeId, Op, Partition, Program, Scalar, Slot};
 

@@ -64,11 +64,11 @@ struct Draft<'a> {
     name: &'a str,
     offset: usize,
     /// `None` where the type is unknown: references to the node are then not held against it.
-    ty: Option<&'static dyn NodeType>,
+    ty: Option<&'static NodeType>,
     disabled: bool,
     record: Record,
     /// The record at the first frame, once it is read; connections count as they are now.
-    settled: Settled,
+    settled: Option<Settled>,
     /// Where each item stands in the text.
     offsets: Vec<(&'static str, usize)>,
     /// Items within are faulty, so that checks across knobs would only repeat it.
@@ -278,7 +278,7 @@ impl<'a> Checker<'a> {
             ty: None,
             disabled: false,
             record: Record::default(),
-            settled: Settled::default(),
+            settled: None,
             offsets: Vec::new(),
             faulty: false,
             kinds: Vec::new(),
@@ -334,14 +334,14 @@ impl<'a> Checker<'a> {
         let (first, last) = (top.first, top.last);
         let users = direct_users(drafts);
         for (index, draft) in drafts.iter().enumerate().filter(|(_, draft)| !draft.faulty && !draft.disabled) {
-            let Some(ty) = draft.ty else { continue };
+            let (Some(ty), Some(settled)) = (draft.ty, &draft.settled) else { continue };
             let (mut faults, mut work): (Vec<Fault>, Option<Work>) = (Vec::new(), None);
             let mut rules = |frame: f64, settled: &Settled| {
                 let around = Surroundings { drafts, users: &users, node: index, frame };
                 let mut check = Check::new(&around);
-                ty.check(settled, &mut check);
+                settled.node().check(&mut check);
                 faults.extend(check.into_faults());
-                let at = |time: f64| top.format.and_then(|format| ty.work(settled, format, time));
+                let at = |time: f64| top.format.and_then(|format| settled.node().work(format, time));
                 // Of what is stepped, a frame after another takes the steps between.
                 let next = if last > first { at(1.0 / top.fps) } else { None };
                 let here = at(0.0);
@@ -351,12 +351,12 @@ impl<'a> Checker<'a> {
             };
             let mut frames = draft.record.key_frames();
             if frames.is_empty() {
-                rules(first as f64, &draft.settled);
+                rules(first as f64, settled);
             } else {
                 frames.extend([first as f64, last as f64]);
                 frames.sort_by(f64::total_cmp);
                 frames.dedup();
-                frames.into_iter().for_each(|frame| rules(frame, &draft.record.settle(frame)));
+                frames.into_iter().for_each(|frame| rules(frame, &ty.settle(draft.record.settle(frame))));
             }
             faults.dedup();
             // What is wrong may be what makes it long.
@@ -365,8 +365,8 @@ impl<'a> Checker<'a> {
                 faults.push(Fault { item, found, expected, remedy, warning: true });
             }
             for fault in faults {
-                let offset = draft.offset_of(fault.item);
-                let place = Place { offset, node: Some(draft.name), port: Some(fault.item) };
+                let offset = draft.offset_of(fault.item.as_str());
+                let place = Place { offset, node: Some(draft.name), port: Some(fault.item.as_str()) };
                 let severity = if fault.warning { Severity::Warning } else { Severity::Error };
                 self.report(severity, place, fault.found, fault.expected, fault.remedy);
             }
@@ -386,10 +386,11 @@ fn direct_users(drafts: &[Draft<'_>]) -> Vec<Vec<(usize, User)>> {
     let mut users = vec![Vec::new(); drafts.len()];
     for (index, draft) in drafts.iter().enumerate().filter(|(_, draft)| !draft.disabled) {
         let Some(ty) = draft.ty else { continue };
-        for (port, sources) in draft.record.ports() {
-            for source in sources {
+        for item in ty.declaration().items {
+            let Item::Port(port) = item else { continue };
+            for source in draft.record.all(port.name) {
                 let Source::Output { node, .. } = source else { continue };
-                users[node.0].push((index, User { ty: ty.declaration().name, port }));
+                users[node.0].push((index, User { wants: port.wants }));
             }
         }
     }
@@ -412,7 +413,7 @@ impl Around for Surroundings<'_, '_> {
     fn upstream(&self, source: &Source<Vec<f64>>) -> Option<Upstream> {
         let Source::Output { node, .. } = source else { return None };
         let draft = self.drafts.get(node.0).filter(|draft| !draft.faulty)?;
-        Some(Upstream { ty: draft.ty?, name: draft.name.into(), node: draft.record.settle(self.frame) })
+        Some(Upstream { name: draft.name.into(), node: draft.ty?.settle(draft.record.settle(self.frame)) })
     }
 
     fn users(&self) -> Vec<User> {
@@ -427,9 +428,10 @@ impl Around for Surroundings<'_, '_> {
 fn name_kinds(drafts: &mut [Draft<'_>], first: i64) {
     for draft in drafts.iter_mut() {
         if let Some(ty) = draft.ty {
-            draft.settled = draft.record.settle(first as f64);
+            let settled = ty.settle(draft.record.settle(first as f64));
             // Where a choice that must be made is wrong, it may be the one that decides.
-            draft.kinds = if draft.lacks_a_choice() { Vec::new() } else { ty.outputs(&draft.settled) };
+            draft.kinds = if draft.lacks_a_choice() { Vec::new() } else { settled.kinds() };
+            draft.settled = Some(settled);
         }
     }
     name_passed_kinds(drafts);

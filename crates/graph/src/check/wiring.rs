@@ -2,7 +2,7 @@
 
 use super::{Checker, Draft, Place, kind_of};
 use crate::{
-    Accepts, Arity, Body, ChannelSet, Item, Kind, NodeId, OutputSpec, Port, Record, Severity, Source, refusal,
+    Accepts, Arity, ChannelSet, Item, Kind, NodeId, OutputSpec, Port, Record, Settled, Severity, Source, refusal,
 };
 use petgraph::algo::{tarjan_scc, toposort};
 use petgraph::graph::{DiGraph, NodeIndex};
@@ -52,20 +52,21 @@ impl<'a> Checker<'a> {
         for draft in drafts.iter().filter(|draft| !draft.disabled) {
             let Some(ty) = draft.ty else { continue };
             self.kinds(ty.declaration().items, &draft.record, draft, drafts);
-            let Body::Stage(stage) = ty.body() else { continue };
             if draft.faulty {
                 continue;
             }
-            let settled = draft.record.settle(0.0);
-            let asks = stage.asks(&settled, &vec![true; draft.kinds.len()]);
+            let settled = ty.settle(draft.record.settle(0.0));
+            let Some(stage) = settled.stage() else { continue };
+            let asks = stage.asks(&vec![true; draft.kinds.len()]);
             for (port, sources) in settled.ports() {
                 for source in sources {
                     let Source::Output { node, .. } = source else { continue };
                     if kind_of(source, drafts) != Some(Kind::View) || drafts[node.0].faulty {
                         continue;
                     }
-                    let Some(Body::Stage(view)) = drafts[node.0].ty.map(|ty| ty.body()) else { continue };
-                    let missing = asks.minus(view.supplies(&drafts[node.0].record.settle(0.0)));
+                    let view = drafts[node.0].ty.map(|ty| ty.settle(drafts[node.0].record.settle(0.0)));
+                    let Some(view) = view.as_ref().and_then(Settled::stage) else { continue };
+                    let missing = asks.minus(view.supplies());
                     let never = missing.minus(view.lacks()) != missing;
                     self.missing_channels(missing, never, port, draft, &drafts[node.0]);
                 }

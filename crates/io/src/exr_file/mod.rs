@@ -5,6 +5,7 @@ mod attribute;
 mod band;
 mod chunks;
 mod codec;
+mod failure;
 mod header;
 mod layout;
 mod parallel;
@@ -19,7 +20,8 @@ pub(crate) use chunks::check_whole;
 pub(crate) use header::{Header, readable_strings};
 pub use reader::ExrReader;
 pub use write::{ExrChannel, ExrImage, write_exr};
-pub use writer::{EncodeScratch, EncodedBand, ExrHeader, ExrWriter};
+pub use write_header::ExrHeader;
+pub use writer::{EncodeScratch, EncodedBand, ExrWriter};
 
 /// The first bytes of every EXR file.
 const MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];

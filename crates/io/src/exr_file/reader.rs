@@ -8,7 +8,8 @@ use trochoid_image::{Plane, Window};
 
 use super::band::{BandBuffer, ChunkTarget, Stored};
 use super::chunks::{Chunks, Position};
-use super::codec::{Codec, Described, Failure};
+use super::codec::{Codec, Described};
+use super::failure::Failure;
 use super::header::Header;
 use super::parallel::in_order;
 use crate::limits::{grow, zeroed};

@@ -3,7 +3,8 @@
 use trochoid_image::{Chromaticities, Window};
 
 use super::parallel::in_order;
-use super::writer::{EncodeScratch, ExrHeader, ExrWriter};
+use super::write_header::ExrHeader;
+use super::writer::{EncodeScratch, ExrWriter};
 use crate::{Error, SampleType, Samples, Target};
 
 /// A picture to be written as EXR.

@@ -4,7 +4,6 @@ use std::path::Path;
 
 use trochoid_image::{Chromaticities, Window};
 
-use super::writer::ExrHeader;
 use super::{LONG_NAMES, MAGIC, MAX_COORDINATE, NAME_LENGTH};
 use crate::{Error, SampleType};
 
@@ -33,6 +32,39 @@ const ENTRY: usize = 12;
 
 /// Longest name that readers of before 2.0 know.
 const SHORT_NAME: usize = 31;
+
+/// What an EXR file is to hold, without the pixels.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ExrHeader {
+    /// The frame the viewer sees.
+    pub display: Window,
+    /// Where pixels are stored: the window of every channel.
+    pub data: Window,
+    /// Names of the channels, in any order, and how samples are stored: [`SampleType::Half`] rounds to nearest and
+    /// refuses finite values beyond ±65504, [`SampleType::Float`] keeps them as they are.
+    pub channels: Vec<(String, SampleType)>,
+    /// String attributes, kept in order.
+    pub metadata: Vec<(String, String)>,
+    /// Bytes kept free for the metadata that [`ExrWriter::finish`](super::ExrWriter::finish) adds: of each entry those of name and value, and 12.
+    /// What stays free is an attribute without meaning.
+    pub late_metadata: usize,
+    /// Primaries and white point of RGB channels.
+    pub chromaticities: Option<Chromaticities>,
+}
+
+impl ExrHeader {
+    /// A picture whose data fill its display window, still without channels.
+    pub fn new(window: Window) -> Self {
+        Self {
+            display: window,
+            data: window,
+            channels: Vec::new(),
+            metadata: Vec::new(),
+            late_metadata: 0,
+            chromaticities: None,
+        }
+    }
+}
 
 /// Refuses what the format cannot hold; `sorted` are the channels in the order of their names.
 pub(super) fn check(path: &Path, header: &ExrHeader, sorted: &[usize]) -> Result<(), Error> {

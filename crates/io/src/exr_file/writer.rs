@@ -7,11 +7,11 @@ use std::sync::Mutex;
 
 use half::f16;
 use half::slice::{HalfBitsSliceExt, HalfFloatSliceExt};
-use trochoid_image::{Chromaticities, Window};
+use trochoid_image::Window;
 
 use super::layout::Layout;
 use super::parallel::lock;
-use super::write_header;
+use super::write_header::{self, ExrHeader};
 use super::zip::Deflater;
 use crate::atomic::AtomicFile;
 use crate::{Compression, Error, SampleType, Samples, Storage, Target};
@@ -20,39 +20,6 @@ use crate::{Compression, Error, SampleType, Samples, Storage, Target};
 const MAX_HALF: f32 = 65504.0;
 /// Spent buffers that are kept for further bands.
 const SPARE: usize = 64;
-
-/// What an EXR file is to hold, without the pixels.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ExrHeader {
-    /// The frame the viewer sees.
-    pub display: Window,
-    /// Where pixels are stored: the window of every channel.
-    pub data: Window,
-    /// Names of the channels, in any order, and how samples are stored: [`SampleType::Half`] rounds to nearest and
-    /// refuses finite values beyond ±65504, [`SampleType::Float`] keeps them as they are.
-    pub channels: Vec<(String, SampleType)>,
-    /// String attributes, kept in order.
-    pub metadata: Vec<(String, String)>,
-    /// Bytes kept free for the metadata that [`ExrWriter::finish`] adds: of each entry those of name and value, and 12.
-    /// What stays free is an attribute without meaning.
-    pub late_metadata: usize,
-    /// Primaries and white point of RGB channels.
-    pub chromaticities: Option<Chromaticities>,
-}
-
-impl ExrHeader {
-    /// A picture whose data fill its display window, still without channels.
-    pub fn new(window: Window) -> Self {
-        Self {
-            display: window,
-            data: window,
-            channels: Vec::new(),
-            metadata: Vec::new(),
-            late_metadata: 0,
-            chromaticities: None,
-        }
-    }
-}
 
 /// An EXR file being written band by band: 16 rows at a time, compressed by any number of threads, in any order.
 ///

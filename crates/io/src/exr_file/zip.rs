@@ -4,7 +4,7 @@
 
 use libdeflater::{CompressionLvl, Compressor, DecompressionError, Decompressor};
 
-use super::codec::{Failure, WHOLE};
+use super::failure::{Failure, WHOLE};
 use crate::limits::grow;
 
 /// Compression level of libdeflate. Measured on noisy half RGB, 2 is a fifth faster than 4, OpenEXR's default, and its

@@ -6,7 +6,7 @@ use image::ImageDecoder;
 use image::codecs::jpeg::JpegDecoder;
 use image::metadata::Orientation;
 
-use super::{Form, PLACE, TakeBytes, bases, check_claim, damaged, unsupported};
+use super::form::{Form, PLACE, TakeBytes, bases, check_claim, damaged, unsupported};
 use crate::limits::reserve;
 use crate::source::Source;
 use crate::{Encoding, Error, FileKind, SampleType};

@@ -7,7 +7,7 @@ use std::path::Path;
 use image::metadata::Orientation;
 use png::{BitDepth, ColorType, Decoder, DecodingError, Reader, Transformations};
 
-use super::{Form, PLACE, TakeBytes, bases, check_claim, damaged};
+use super::form::{Form, PLACE, TakeBytes, bases, check_claim, damaged};
 use crate::limits::reserve;
 use crate::source::Source;
 use crate::{Encoding, Error, FileKind, SampleType};

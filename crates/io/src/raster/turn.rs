@@ -3,7 +3,7 @@
 use image::metadata::Orientation;
 use trochoid_image::Window;
 
-use super::Form;
+use super::form::Form;
 
 /// The window of the upright picture.
 pub(crate) fn oriented(stored: Window, orientation: Orientation) -> Window {

@@ -105,6 +105,6 @@ fn large_tiles_in_many_bands() {
     let bytes = exr(std::slice::from_ref(&part));
     let limits = crate::Limits::default();
     let source = crate::source::Source::of_bytes(bytes);
-    let picture = crate::picture::read_of(source, &Selection::channels(["Z"]), &limits).unwrap();
+    let picture = crate::read::read_of(source, &Selection::channels(["Z"]), &limits).unwrap();
     assert_eq!(picture.channels[0].plane.samples(), part.float());
 }

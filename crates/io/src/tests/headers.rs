@@ -4,9 +4,7 @@ use trochoid_image::{Chromaticities, Window};
 
 use super::make::{Method, Part, SMALL, describe, exr, read};
 use crate::source::Source;
-use crate::{
-    BandBuffer, Compression, Error, ExrReader, FileKind, Levels, Limits, SampleType, Selection, Storage, info, picture,
-};
+use crate::{BandBuffer, Compression, Error, ExrReader, FileKind, Levels, Limits, SampleType, Selection, Storage};
 
 /// Builds a header attribute by attribute.
 #[derive(Clone)]
@@ -73,8 +71,8 @@ fn huge_claims_are_refused_at_once() {
     let huge = Head::new(0).part(100_000, 100_000, 3).end();
     assert!(huge.len() < 1024);
     for result in [
-        info::info_of(&mut Source::of_bytes(huge.clone()), &Limits::default()).map(|_| ()),
-        picture::read_of(Source::of_bytes(huge.clone()), &Selection::default(), &Limits::default()).map(|_| ()),
+        crate::read::info_of(&mut Source::of_bytes(huge.clone()), &Limits::default()).map(|_| ()),
+        crate::read::read_of(Source::of_bytes(huge.clone()), &Selection::default(), &Limits::default()).map(|_| ()),
     ] {
         let error = result.unwrap_err();
         assert!(matches!(error, Error::TooLarge { found: 10_000_000_000, limit: 2_147_483_648, .. }), "{error}");
@@ -90,7 +88,7 @@ fn huge_claims_are_refused_at_once() {
     // Small enough in pixels, but one chunk would need too much.
     let wide = Head::new(0).part(1 << 20, 1, 9).end();
     let limits = Limits { pixels: u64::MAX, bytes: 1 << 20 };
-    let error = picture::read_of(Source::of_bytes(wide), &Selection::default(), &limits).unwrap_err();
+    let error = crate::read::read_of(Source::of_bytes(wide), &Selection::default(), &limits).unwrap_err();
     assert!(matches!(error, Error::TooLarge { .. }), "{error}");
 }
 
@@ -258,7 +256,7 @@ fn a_header_is_described() {
 
 #[test]
 fn other_files_are_refused() {
-    let refused = |bytes: &[u8]| info::info_of(&mut Source::of_bytes(bytes.to_vec()), &SMALL).unwrap_err();
+    let refused = |bytes: &[u8]| crate::read::info_of(&mut Source::of_bytes(bytes.to_vec()), &SMALL).unwrap_err();
     for (bytes, found) in [(&b""[..], "an empty file"), (b"v", "text"), (b"GIF89a..", "a GIF picture")] {
         let error = refused(bytes);
         assert!(matches!(error, Error::NoPicture { .. }) && error.to_string().contains(found), "{error}");

@@ -7,7 +7,7 @@ use trochoid_image::Window;
 
 use super::make::{SMALL, describe, read};
 use crate::source::Source;
-use crate::{Encoding, Error, FileKind, Limits, SampleType, Selection, picture};
+use crate::{Encoding, Error, FileKind, Limits, SampleType, Selection};
 
 const WIDTH: u32 = 13;
 const HEIGHT: u32 = 7;
@@ -119,7 +119,7 @@ fn huge_claims_are_refused() {
     let tight = Limits { bytes: 100, ..SMALL };
     for format in [ImageFormat::Png, ImageFormat::Tiff, ImageFormat::Jpeg] {
         let source = Source::of_bytes(encoded(&image, format));
-        let error = picture::read_of(source, &Selection::default(), &tight).unwrap_err();
+        let error = crate::read::read_of(source, &Selection::default(), &tight).unwrap_err();
         assert!(matches!(error, Error::TooLarge { .. } | Error::Unsupported { .. }), "{format:?}: {error}");
     }
 }

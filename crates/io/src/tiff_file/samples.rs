@@ -117,10 +117,12 @@ impl Layout {
 
 /// A float of 24 bits (1 of sign, 7 of exponent around 63, 16 of fraction) as the bits of an f32.
 fn float24(bits: u32) -> u32 {
+    // 2⁻⁷⁸, a unit of the fraction where the exponent is least.
+    const LEAST: f32 = f32::from_bits((127 - 62 - 16) << 23);
     let (sign, exponent, fraction) = ((bits >> 23 & 1) << 31, bits >> 16 & 0x7f, bits & 0xffff);
     match exponent {
         0 if fraction == 0 => sign,
-        0 => sign | (fraction as f32 * 2.0_f32.powi(-62 - 16)).to_bits(),
+        0 => sign | (fraction as f32 * LEAST).to_bits(),
         0x7f => sign | 0x7f80_0000 | fraction << 7,
         _ => sign | (exponent + 127 - 63) << 23 | fraction << 7,
     }

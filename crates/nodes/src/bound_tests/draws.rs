@@ -78,11 +78,11 @@ pub(super) struct Given {
 
 /// Ranges within which the truth lies whatever the bound.
 fn legal(kind: Kind, channel: usize) -> (f64, f64) {
-    match (kind, ViewChannel::ALL.get(channel)) {
+    match (kind, Channel::ALL.get(channel)) {
         (Kind::Weights(_), _) => (0.0, 1.0),
         (Kind::Color, _) => (0.0, f64::MAX),
-        (Kind::View, Some(ViewChannel::Coverage)) => (0.0, 1.0),
-        (Kind::View, Some(ViewChannel::Depth | ViewChannel::SlopeVariance)) => (0.0, f64::INFINITY),
+        (Kind::View, Some(Channel::Coverage)) => (0.0, 1.0),
+        (Kind::View, Some(Channel::Depth | Channel::SlopeVariance)) => (0.0, f64::INFINITY),
         _ => (f64::NEG_INFINITY, f64::INFINITY),
     }
 }
@@ -119,8 +119,8 @@ impl Given {
             for (channel, plane) in self.drawn.iter().enumerate() {
                 let (low, high) = legal(self.kind, channel);
                 let truth = plane[sample].truth(draws, f64::from(other[channel].value)).clamp(low, high);
-                let is_whole = self.kind == Kind::View
-                    && [ViewChannel::Coverage, ViewChannel::Surface].contains(&ViewChannel::ALL[channel]);
+                let is_whole =
+                    self.kind == Kind::View && [Channel::Coverage, Channel::Surface].contains(&Channel::ALL[channel]);
                 self.truths[channel][sample] = if is_whole { truth.round() } else { truth };
             }
         }
@@ -169,28 +169,28 @@ fn smooth(draws: &mut Draws, kind: Kind, [x, y]: [f64; 2], slope: &[[f64; 3]], s
     let length = normal.iter().map(|v| v * v).sum::<f64>().sqrt();
     // Sky above, and one surface beside another that is farther off.
     let (is_sky, is_far) = (y < 1.0, x > 12.0);
-    let channel = |(index, channel): (usize, &ViewChannel)| {
+    let channel = |(index, channel): (usize, &Channel)| {
         let value = match channel {
             _ if is_sky => return Drawn::exactly(f64::from(channel.background())),
-            ViewChannel::Coverage => return Drawn::exactly(1.0),
-            ViewChannel::Surface => return Drawn::exactly(f64::from(u8::from(is_far))),
-            ViewChannel::Depth => 10.0 + ripple(index) + if is_far { 4.0 } else { 0.0 },
-            ViewChannel::NormalX => normal[0] / length,
-            ViewChannel::NormalY => normal[1] / length,
-            ViewChannel::NormalZ => normal[2] / length,
-            ViewChannel::PositionX | ViewChannel::RestX | ViewChannel::U => 0.3 * x + ripple(index),
-            ViewChannel::PositionZ | ViewChannel::RestZ | ViewChannel::V => 0.3 * y + ripple(index),
-            ViewChannel::SlopeVariance => 0.002 * (1.5 + spot(index)),
-            ViewChannel::Jacobian => 0.4 + 0.3 * spot(index),
-            ViewChannel::DriftWeight => 0.6 + 0.1 * spot(index),
+            Channel::Coverage => return Drawn::exactly(1.0),
+            Channel::Surface => return Drawn::exactly(f64::from(u8::from(is_far))),
+            Channel::Depth => 10.0 + ripple(index) + if is_far { 4.0 } else { 0.0 },
+            Channel::NormalX => normal[0] / length,
+            Channel::NormalY => normal[1] / length,
+            Channel::NormalZ => normal[2] / length,
+            Channel::PositionX | Channel::RestX | Channel::U => 0.3 * x + ripple(index),
+            Channel::PositionZ | Channel::RestZ | Channel::V => 0.3 * y + ripple(index),
+            Channel::SlopeVariance => 0.002 * (1.5 + spot(index)),
+            Channel::Jacobian => 0.4 + 0.3 * spot(index),
+            Channel::DriftWeight => 0.6 + 0.1 * spot(index),
             // A line every few pixels, in good agreement.
-            ViewChannel::AlongCos | ViewChannel::AcrossCos => 0.59 * libm::cos(0.05 * x + ripple(20)),
-            ViewChannel::AlongSin | ViewChannel::AcrossSin => 0.59 * libm::sin(0.05 * x + ripple(20)),
+            Channel::AlongCos | Channel::AcrossCos => 0.59 * libm::cos(0.05 * x + ripple(20)),
+            Channel::AlongSin | Channel::AcrossSin => 0.59 * libm::sin(0.05 * x + ripple(20)),
             _ => spot(index),
         };
         drawn(draws, value)
     };
-    ViewChannel::ALL.iter().enumerate().map(channel).collect()
+    Channel::ALL.iter().enumerate().map(channel).collect()
 }
 
 /// A sample of a connection as bad as its kind allows.
@@ -240,31 +240,31 @@ fn hostile(draws: &mut Draws, kind: Kind) -> Vec<Drawn> {
         1 => draws.direction().map(|v| v * 1e6),
         _ => [0; 3].map(|_| 5.0 * draws.signed()),
     };
-    let channel = |channel: &ViewChannel| {
+    let channel = |channel: &Channel| {
         let value = match channel {
-            ViewChannel::Coverage if doubt => {
+            Channel::Coverage if doubt => {
                 return Drawn { value: f32::from(u8::from(covered)), bound: Bound::of(1.0).with(false) };
             }
-            ViewChannel::Coverage => return Drawn::exactly(f64::from(u8::from(covered))),
+            Channel::Coverage => return Drawn::exactly(f64::from(u8::from(covered))),
             _ if !covered && !doubt => return Drawn::exactly(f64::from(channel.background())),
-            ViewChannel::Surface => {
+            Channel::Surface => {
                 let value = draws.one_of(&[0.0, 0.0, 1.0, 2.0]);
                 let bound = if doubt { Bound::of(draws.one_of(&[0.0, 1.0, 64.0])).with(false) } else { Bound::EXACT };
                 return Drawn { value: value as f32, bound };
             }
-            ViewChannel::Depth if draws.chance(0.1) => f64::INFINITY,
-            ViewChannel::Depth => draws.one_of(&[1e-3, 1.0, 10.0, 1e5]) * draws.unit(),
-            ViewChannel::NormalX => normal[0],
-            ViewChannel::NormalY => normal[1],
-            ViewChannel::NormalZ => normal[2],
-            ViewChannel::PositionX => position[0],
-            ViewChannel::PositionY => position[1],
-            ViewChannel::PositionZ => position[2],
-            ViewChannel::SlopeVariance => draws.one_of(&[0.0, 1e-6, 0.1, 1e6]) * draws.unit(),
-            ViewChannel::DriftWeight => draws.one_of(&[0.0, 1e-4, 1.0]) * draws.unit(),
+            Channel::Depth if draws.chance(0.1) => f64::INFINITY,
+            Channel::Depth => draws.one_of(&[1e-3, 1.0, 10.0, 1e5]) * draws.unit(),
+            Channel::NormalX => normal[0],
+            Channel::NormalY => normal[1],
+            Channel::NormalZ => normal[2],
+            Channel::PositionX => position[0],
+            Channel::PositionY => position[1],
+            Channel::PositionZ => position[2],
+            Channel::SlopeVariance => draws.one_of(&[0.0, 1e-6, 0.1, 1e6]) * draws.unit(),
+            Channel::DriftWeight => draws.one_of(&[0.0, 1e-4, 1.0]) * draws.unit(),
             _ => number(draws),
         };
         drawn(draws, value)
     };
-    ViewChannel::ALL.iter().map(channel).collect()
+    Channel::ALL.iter().map(channel).collect()
 }

@@ -38,21 +38,22 @@ fn hold(frame: &Frame, how: How, seed: u64, tighter: f64) -> Found {
     let mut draws = Draws(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1);
     let id = frame.graph.find("out").unwrap();
     let (node, prepared) = (frame.graph.settle(id, frame.context.frame), frame.prepared[id.0].as_ref().unwrap());
-    let Body::Stage(stage) = frame.graph.node(id).ty.body() else { panic!("not a stage") };
+    let stage = node.stage().unwrap();
     let picture = frame.context.format.window();
     let mut given: HashMap<(NodeId, usize), Given> = HashMap::new();
-    let mut ports: Vec<(&'static str, Vec<(NodeId, usize)>)> = Vec::new();
-    for (port, _) in frame.graph.node(id).record.ports() {
+    let mut ports: Vec<Vec<(NodeId, usize)>> = Vec::new();
+    for (index, (port, connected)) in node.ports().enumerate() {
         let mut sources = Vec::new();
-        for source in node.all(port) {
+        for source in connected {
             let Source::Output { node: from, output } = source else { panic!("connect {port} to a node") };
             let kind = frame.graph.node(*from).kinds[*output];
-            let window = stage.regions_of_interest(&node, port, picture, frame.context.format).intersect(picture);
+            let window =
+                stage.regions_of_interest(PortId::new(index, port), picture, frame.context.format).intersect(picture);
             let new = Given::new(&mut draws, how, kind, window);
             assert!(given.insert((*from, *output), new).is_none() || kind.channels() == 0, "two ports share a source");
             sources.push((*from, *output));
         }
-        ports.push((port, sources));
+        ports.push(sources);
     }
     let block = Block::of(picture, [draws.unit(), draws.unit()]);
     let planes = |bounds: bool| -> HashMap<(NodeId, usize), Vec<Vec<f32>>> {
@@ -61,16 +62,16 @@ fn hold(frame: &Frame, how: How, seed: u64, tighter: f64) -> Found {
     };
     let (values, bounds) = (planes(false), planes(true));
     fn connect<'a>(
-        ports: &[(&'static str, Vec<(NodeId, usize)>)],
+        ports: &[Vec<(NodeId, usize)>],
         planes: &'a HashMap<(NodeId, usize), Vec<Vec<f32>>>,
         window: Window,
-    ) -> Vec<(&'static str, Vec<Connection<'a>>)> {
+    ) -> Vec<Vec<Connection<'a>>> {
         let connection = |source: &(NodeId, usize)| Connection {
             planes: planes[source].iter().map(|plane| Some(&plane[..])).collect(),
             window,
             extent: window,
         };
-        ports.iter().map(|(port, sources)| (*port, sources.iter().map(connection).collect())).collect()
+        ports.iter().map(|sources| sources.iter().map(connection).collect()).collect()
     }
     let (values, bounds) = (connect(&ports, &values, picture), connect(&ports, &bounds, picture));
     let (inputs, limits) = (Inputs::new(&values), Inputs::new(&bounds));

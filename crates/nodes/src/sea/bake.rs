@@ -1,87 +1,103 @@
 //! Bake: a sea as images, for other renderers.
 
-use crate::scene_support::{SurfaceHandle, check_sea, y_up_to};
+use super::check_sea;
+use crate::geometry::Up;
+use crate::view::SurfaceHandle;
 use rayon::prelude::*;
-use std::sync::Arc;
+use std::ops::Range;
 use trochoid_graph::*;
 use trochoid_image::Window;
 use trochoid_scene::Resting;
 use trochoid_sea::{Fields, Grid, Sample, Wanted};
 
-pub(crate) static NODE: &dyn NodeType = &Bake;
+/// Evaluates a sea over a rectangle of the world, as images for other renderers.
+///
+/// # Formula
+/// Pixel (i, j) of W × H is the rest point x₀ = `x` + (i + ½)·`width`/W, z₀ = `z` + (j + ½)·`depth`/H, as seen from
+/// above. displacement = P − P₀; height is its y; normal = N/|N|, N = ∂P/∂z₀ × ∂P/∂x₀; jacobian = det ∂(x, z)/∂(x₀,
+/// z₀). With `up` z, (x, y, z) is written as (x, −z, y).
+///
+/// # Edge cases
+/// The images have the document's size: a bake that needs another is a document of its own. A pixel is one point,
+/// whatever `samples` says, and its waves fade as in any picture whose pixels are `footprint` wide. Where a sea ends it
+/// rests. Folded places have a jacobian below 0 and a normal that points down; one without direction points up. Outputs
+/// of three channels are written as R, G, B and those of one as Y, in 32-bit float, which Blender and Houdini read as
+/// they are: set their color space to raw.
+///
+/// # Source
+/// Cook, Shade Trees, 1984 (displacement); Tessendorf, Simulating Ocean Water, 2001 (Jacobian).
+#[derive(Clone, Node)]
+#[node(end = Front, revision = 1, outputs = Out)]
+pub(crate) struct Bake {
+    /// A sea: a surface that lies over a plane at rest.
+    sea: One<port::Surface>,
+    /// World x of the left edge.
+    #[knob(default = 0.0, range = -1e7..=1e7, unit = "m")]
+    x: f64,
+    /// World z of the upper edge.
+    #[knob(default = 0.0, range = -1e7..=1e7, unit = "m")]
+    z: f64,
+    /// World size along x.
+    #[knob(default = 100.0, range = 1e-3..=1e7, unit = "m")]
+    width: f64,
+    /// World size along z; downward in the images.
+    #[knob(default = 100.0, range = 1e-3..=1e7, unit = "m")]
+    depth: f64,
+    /// The axis that points up in the images: y in Houdini and Maya, z in Blender.
+    up: Up,
+    /// Waves that it cannot resolve fade; the greater distance of pixels if unset, 0 keeps all.
+    #[knob(range = 0.0..=1e7, unit = "m")]
+    footprint: Option<f64>,
+    /// Largest error, over each quantity's root mean square; decides how waves are summed.
+    #[knob(default = 1e-4, range = 1e-7..=1.0)]
+    tolerance: f64,
+}
 
-struct Bake;
+#[derive(Clone, Copy, Debug, PartialEq, Outputs)]
+enum Out {
+    /// Height over the sea at rest, m.
+    #[output(Kind::Field(1))]
+    Height,
+    /// Unit normal.
+    #[output(Kind::Field(3), stored = ["R", "G", "B"])]
+    Normal,
+    /// Displacement from the rest point, m.
+    #[output(Kind::Field(3), stored = ["R", "G", "B"])]
+    Displacement,
+    /// Area ratio of moved and resting surface: foam where it is small.
+    #[output(Kind::Field(1))]
+    Jacobian,
+}
 
-const RGB: &[&str] = &["R", "G", "B"];
+impl Out {
+    /// Where its channels stand among the images.
+    fn channels(self) -> Range<usize> {
+        match self {
+            Self::Height => 0..1,
+            Self::Normal => 1..4,
+            Self::Displacement => 4..7,
+            Self::Jacobian => 7..8,
+        }
+    }
+}
 
-static DECLARATION: Declaration = Declaration {
-    name: "Bake",
-    end: End::Front,
-    summary: "Evaluates a sea over a rectangle of the world, as images for other renderers.",
-    formula: "Pixel (i, j) of W × H is the rest point x₀ = `x` + (i + ½)·`width`/W, z₀ = `z` + (j + ½)·`depth`/H, as \
-              seen from above. displacement = P − P₀; height is its y; normal = N/|N|, N = ∂P/∂z₀ × ∂P/∂x₀; jacobian \
-              = det ∂(x, z)/∂(x₀, z₀). With `up` z, (x, y, z) is written as (x, −z, y).",
-    edge_cases: "The images have the document's size: a bake that needs another is a document of its own. A pixel is \
-                 one point, whatever `samples` says, and its waves fade as in any picture whose pixels are \
-                 `footprint` wide. Where a sea ends it rests. Folded places have a jacobian below 0 and a normal that \
-                 points down; one without direction points up. Outputs of three channels are written as R, G, B and \
-                 those of one as Y, in 32-bit float, which Blender and Houdini read as they are: set their color \
-                 space to raw.",
-    source: "Cook, Shade Trees, 1984 (displacement); Tessendorf, Simulating Ocean Water, 2001 (Jacobian).",
-    items: &[
-        Port::one("sea", Accepts::Surface, "A sea: a surface that lies over a plane at rest."),
-        Knob::number("x", 0.0, -1e7, 1e7, "World x of the left edge.").unit("m").item(),
-        Knob::number("z", 0.0, -1e7, 1e7, "World z of the upper edge.").unit("m").item(),
-        Knob::number("width", 100.0, 1e-3, 1e7, "World size along x.").unit("m").item(),
-        Knob::number("depth", 100.0, 1e-3, 1e7, "World size along z; downward in the images.").unit("m").item(),
-        Knob::choice("up", &["y", "z"], "The axis that points up in the images: y in Houdini and Maya, z in Blender.")
-            .item(),
-        Knob::number(
-            "footprint",
-            0.0,
-            0.0,
-            1e7,
-            "Waves that it cannot resolve fade; the greater distance of pixels if unset, 0 keeps all.",
-        )
-        .optional()
-        .unit("m")
-        .item(),
-        Knob::number(
-            "tolerance",
-            1e-4,
-            1e-7,
-            1.0,
-            "Largest error, over each quantity's root mean square; decides how waves are summed.",
-        )
-        .item(),
-    ],
-    outputs: &[
-        Output::new("height", Kind::Field(1), "Height over the sea at rest, m."),
-        Output::new("normal", Kind::Field(3), "Unit normal.").stored_as(RGB),
-        Output::new("displacement", Kind::Field(3), "Displacement from the rest point, m.").stored_as(RGB),
-        Output::new("jacobian", Kind::Field(1), "Area ratio of moved and resting surface: foam where it is small."),
-    ],
-    revision: 1,
-};
-
-/// Where each output's channels stand among the images.
-const CHANNELS: [std::ops::Range<usize>; 4] = [0..1, 1..4, 4..7, 7..8];
-
-/// The rest points of the pixels.
-fn grid(node: &Settled, frame: &FrameContext) -> Grid {
-    let sides = [frame.format.width(), frame.format.height()];
-    let step = [node.number("width") / f64::from(sides[0]), node.number("depth") / f64::from(sides[1])];
-    Grid {
-        origin: [node.number("x") + step[0] / 2.0, node.number("z") + step[1] / 2.0],
-        step,
-        columns: sides[0] as usize,
-        rows: sides[1] as usize,
-        footprint: if node.is_set("footprint") { node.number("footprint") } else { step[0].max(step[1]) },
+impl Bake {
+    /// The rest points of the pixels.
+    fn grid(&self, frame: &FrameContext) -> Grid {
+        let sides = [frame.format.width(), frame.format.height()];
+        let step = [self.width / f64::from(sides[0]), self.depth / f64::from(sides[1])];
+        Grid {
+            origin: [self.x + step[0] / 2.0, self.z + step[1] / 2.0],
+            step,
+            columns: sides[0] as usize,
+            rows: sides[1] as usize,
+            footprint: self.footprint.unwrap_or(step[0].max(step[1])),
+        }
     }
 }
 
 /// All channels at one rest point.
-fn channels(sample: &Sample, up: &str) -> [f64; 8] {
+fn channels(sample: &Sample, up: Up) -> [f64; 8] {
     let normal = sample.normal();
     // No square of a component that f64 holds may overflow, or vanish.
     let largest = normal.iter().fold(0.0f64, |largest, n| largest.max(n.abs()));
@@ -92,17 +108,13 @@ fn channels(sample: &Sample, up: &str) -> [f64; 8] {
     } else {
         [0.0, 1.0, 0.0]
     };
-    let ([nx, ny, nz], [dx, dy, dz]) = (y_up_to(up, normal), y_up_to(up, sample.displacement));
+    let ([nx, ny, nz], [dx, dy, dz]) = (up.of_y_up(normal), up.of_y_up(sample.displacement));
     [sample.displacement[1], nx, ny, nz, dx, dy, dz, sample.jacobian()]
 }
 
-impl NodeType for Bake {
-    fn declaration(&self) -> &'static Declaration {
-        &DECLARATION
-    }
-
-    fn check(&self, node: &Settled, check: &mut Check<'_>) {
-        check_sea(node, check, "sea");
+impl Node for Bake {
+    fn check(&self, check: &mut Check<'_>) {
+        check_sea(&self.sea, check);
     }
 
     fn body(&self) -> Body<'_> {
@@ -110,32 +122,39 @@ impl NodeType for Bake {
     }
 }
 
+/// Whether somebody wants an output.
+fn is_asked(wanted: &[Vec<bool>], output: Out) -> bool {
+    wanted.get(usize::from(output)).is_some_and(|channels| channels.contains(&true))
+}
+
+/// The sums that the wanted images are worked out from.
+fn sums(wanted: &[Vec<bool>]) -> Wanted {
+    let any = |outputs: [Out; 2]| outputs.into_iter().any(|output| is_asked(wanted, output));
+    let (displacement, derivatives) = (any([Out::Height, Out::Displacement]), any([Out::Normal, Out::Jacobian]));
+    Wanted { displacement, derivatives, ..Wanted::default() }
+}
+
 /// Channels of the images that are wanted, and of the sums that they are worked out from.
 fn planes(wanted: &[Vec<bool>]) -> [usize; 2] {
-    let asked = |output: usize| wanted.get(output).is_some_and(|channels| channels.contains(&true));
-    let images = (0..4).filter(|output| asked(*output)).map(|output| CHANNELS[output].len()).sum();
-    [images, 3 * usize::from(asked(0) || asked(2)) + 5 * usize::from(asked(1) || asked(3))]
+    let images = Out::ALL.into_iter().filter(|output| is_asked(wanted, *output)).map(|output| output.channels().len());
+    let Wanted { displacement, derivatives, .. } = sums(wanted);
+    [images.sum(), 3 * usize::from(displacement) + 5 * usize::from(derivatives)]
 }
 
 impl Stage for Bake {
-    fn memory(&self, node: &Settled, reckoning: &Reckoning<'_>) -> MemoryUse {
-        let _ = node;
+    fn memory(&self, reckoning: &Reckoning<'_>) -> MemoryUse {
         let [images, sums] = planes(reckoning.wanted).map(|planes| planes as u64 * reckoning.pixels() * 4);
         MemoryUse::held(images, "bake fewer outputs at a time, or a smaller format").working(sums)
     }
 
-    fn prepare(&self, node: &Settled, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
-        let surface: SurfaceHandle = prepare.handles::<SurfaceHandle>(node, "sea")?.swap_remove(0);
-        let grid = grid(node, prepare.frame);
-        let up = if node.text("up") == "z" { "z" } else { "y" };
-        let asked = |output: usize| prepare.wanted.get(output).is_some_and(|channels| channels.contains(&true));
-        let wanted =
-            Wanted { displacement: asked(0) || asked(2), derivatives: asked(1) || asked(3), ..Wanted::default() };
+    fn prepare(&self, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
+        let surface: SurfaceHandle = prepare.handles::<SurfaceHandle>(&self.sea)?.swap_remove(0);
+        let (grid, up) = (self.grid(prepare.frame), self.up);
         let points = grid.columns * grid.rows;
         let sea = resting(&surface)?;
         let mut fields = Fields::default();
         let stop = prepare.cancellation();
-        sea.on_grid(grid, wanted, node.number("tolerance"), &mut fields, stop).map_err(NodeError::new)?;
+        sea.on_grid(grid, sums(prepare.wanted), self.tolerance, &mut fields, stop).map_err(NodeError::new)?;
         prepare.go_on()?;
         let sample = |point: usize| {
             let value = |values: &Vec<f32>| values.get(point).map_or(0.0, |value| f64::from(*value));
@@ -147,7 +166,8 @@ impl Stage for Bake {
             }
         };
         let images: [Vec<f32>; 8] = std::array::from_fn(|channel| {
-            if !(0..4).any(|output| asked(output) && CHANNELS[output].contains(&channel)) {
+            if !Out::ALL.iter().any(|output| is_asked(prepare.wanted, *output) && output.channels().contains(&channel))
+            {
                 return Vec::new();
             }
             let value = |point: usize| channels(&sample(point), up)[channel] as f32;
@@ -173,9 +193,9 @@ fn resting(surface: &SurfaceHandle) -> Result<&dyn Resting, NodeError> {
 }
 
 struct Baked {
-    surface: Arc<dyn trochoid_scene::Surface>,
+    surface: SurfaceHandle,
     grid: Grid,
-    up: &'static str,
+    up: Up,
     /// The channels of all outputs, row by row; empty where not wanted.
     images: [Vec<f32>; 8],
 }
@@ -187,8 +207,8 @@ impl Prepared for Baked {
         if columns == 0 {
             return Ok(());
         }
-        for (output, channels) in CHANNELS.into_iter().enumerate() {
-            for (index, image) in self.images[channels].iter().enumerate() {
+        for output in Out::ALL {
+            for (index, image) in self.images[output.channels()].iter().enumerate() {
                 let Some(plane) = outputs.take(output, index) else { continue };
                 for (row, out) in plane.chunks_exact_mut(columns).enumerate() {
                     let start = (y0 as usize + row) * self.grid.columns + x0 as usize;
@@ -203,7 +223,7 @@ impl Prepared for Baked {
         let Grid { origin, step, footprint, .. } = self.grid;
         let rest = [0, 1].map(|axis| origin[axis] + inputs.at[axis].floor() * step[axis]);
         let values = channels(&resting(&self.surface)?.at(rest, footprint), self.up);
-        Ok(CHANNELS.into_iter().map(|channels| Reference::Field(values[channels].to_vec())).collect())
+        Ok(Out::ALL.map(|output| Reference::Field(values[output.channels()].to_vec())).into())
     }
 
     fn bytes(&self) -> usize {
@@ -351,11 +371,11 @@ mod tests {
         let sea = r#""sea": { "type": "GerstnerSea", "count": 3 }, "b": { "type": "Bake", "sea": "sea" }"#;
         let frame = baked(sea, 16, 9).unwrap();
         let node = frame.graph.settle(frame.graph.find("b").unwrap(), 1);
-        let of = |_| MemoryUse::default();
+        let (bake, of) = (node.get::<Bake>().unwrap(), |_| MemoryUse::default());
         let taken = |wanted: [bool; 4]| {
             let channels = [1, 3, 3, 1].into_iter().zip(wanted).map(|(count, wanted)| vec![wanted; count]);
             let channels: Vec<Vec<bool>> = channels.collect();
-            let taken = Bake.memory(&node, &Reckoning::new(&frame.context, &channels, &of));
+            let taken = bake.memory(&Reckoning::new(&frame.context, &channels, &of));
             [taken.held, taken.working].map(|bytes| bytes / (16 * 9 * 4))
         };
         assert_eq!(taken([true, false, false, false]), [1, 3]);
@@ -369,13 +389,14 @@ mod tests {
         let frame = baked(&format!(r#"{sea}, "b": {{ "type": "Bake", "sea": "sea" }}"#), 4, 3).unwrap();
         let id = frame.graph.find("b").unwrap();
         let settled = frame.graph.settle(id, 1);
+        let bake = settled.get::<Bake>().unwrap();
         let handles = |id: NodeId| frame.prepared[id.0].as_ref().and_then(|prepared| prepared.handle());
         let wanted = [vec![true], vec![false; 3], vec![false; 3], vec![false]];
         let pool = Pool::new();
         let kinds = &frame.graph.node(id).kinds;
         let prepare = Prepare::new(&frame.context, kinds, &wanted, &handles, &|| false, &pool);
-        assert_eq!(Bake.prepare(&settled, &prepare).unwrap().bytes(), 4 * 3 * size_of::<f32>());
+        assert_eq!(bake.prepare(&prepare).unwrap().bytes(), 4 * 3 * size_of::<f32>());
         let stopped = Prepare::new(&frame.context, kinds, &wanted, &handles, &|| true, &pool);
-        assert_eq!(Bake.prepare(&settled, &stopped).err().unwrap().message, "cancelled");
+        assert_eq!(bake.prepare(&stopped).err().unwrap().to_string(), "cancelled");
     }
 }

@@ -1,72 +1,80 @@
 //! DriftLines: lines that bursts draw behind them.
 
-use crate::front_support::{Span, bound_by, certain, where_covered};
-use crate::scene_support::{Around, check_trails, grown, is_covered};
+use super::check_trails;
+use crate::bounds::{Span, bound_by, certain, where_covered};
+use crate::view::{Around, grown, is_covered, nothing};
 use trochoid_graph::*;
 use trochoid_image::{Format, Window};
 use trochoid_sea::toon::lines::{Lines, Place, density};
 use trochoid_sea::toon::{LineRow, NearPhase, NearPlace, density_span};
 
-pub(crate) static NODE: &dyn NodeType = &DriftLines;
+/// A mask of lines along the motion of a toon sea's bursts, which taper with the height.
+///
+/// # Formula
+/// Each line covers `thickness` of the distance of lines, times √ of how far its end lies above, times how fresh the
+/// trail is, how well bursts agree, and how many pixels the distance spans; each factor falls to 0 without a jump, so
+/// that lines appear and vanish by tapering alone.
+///
+/// # Edge cases
+/// 0 where nothing is seen and on other surfaces. Every second line ends halfway up, so that there are fewer where they
+/// are thin. Where a burst overtakes another's wake, lines taper away until it has renewed them. With `low` above
+/// `high` lines taper downward. Soft by a pixel at their edges.
+///
+/// # Source
+/// The drift lines that Dadfar and Welling, 5.1, could not keep whole in turns; phases and agreement: the manual of
+/// ToonSea.
+#[derive(Clone, Node)]
+#[node(end = Front, revision = 1, output(mask: Kind::MASK = "The lines."))]
+pub(crate) struct DriftLines {
+    /// A toon sea.
+    view: One<port::View>,
+    /// Lines side by side along the paths, or one behind the other, swept back across them.
+    coordinate: Coordinate,
+    /// Height up to which lines have their full thickness.
+    #[knob(default = 0.0, range = -1e5..=1e5, unit = "m")]
+    low: f64,
+    /// Height at which the longest lines have ended.
+    #[knob(default = 2.0, range = -1e5..=1e5, unit = "m")]
+    high: f64,
+    /// Share of the distance of lines that a line covers.
+    #[knob(default = 0.6, range = 0.0..=1.0)]
+    thickness: f64,
+    /// Shifts all lines, in their distance.
+    #[knob(default = 0.0, range = -1e3..=1e3)]
+    shift: f64,
+    /// Weight of the trail from which on lines are full: 1 is a burst's middle.
+    #[knob(default = 0.3, range = 1e-3..=10.0)]
+    fresh: f64,
+    /// Disagreement of bursts, in lines, that lines bear: gone at twice that.
+    #[knob(default = 0.5, range = 1e-3..=10.0)]
+    spread: f64,
+    /// Distance of lines at which they are gone: full from twice that on.
+    #[knob(default = 3.0, range = 0.0..=1e3, drawn)]
+    finest: f64,
+    /// Which of all such drawings.
+    #[knob(default = 0, range = 0..=1_000_000_000)]
+    seed: i64,
+}
 
-struct DriftLines;
+#[derive(Clone, Copy, Debug, PartialEq, Choice)]
+enum Coordinate {
+    Across,
+    Along,
+}
 
-static DECLARATION: Declaration = Declaration {
-    name: "DriftLines",
-    end: End::Front,
-    summary: "A mask of lines along the motion of a toon sea's bursts, which taper with the height.",
-    formula: "Each line covers `thickness` of the distance of lines, times √ of how far its end lies above, times how \
-              fresh the trail is, how well bursts agree, and how many pixels the distance spans; each factor falls \
-              to 0 without a jump, so that lines appear and vanish by tapering alone.",
-    edge_cases: "0 where nothing is seen and on other surfaces. Every second line ends halfway up, so that there are \
-                 fewer where they are thin. Where a burst overtakes another's wake, lines taper away until it has \
-                 renewed them. With `low` above `high` lines taper downward. Soft by a pixel at their edges.",
-    source: "The drift lines that Dadfar and Welling, 5.1, could not keep whole in turns; phases and agreement: the \
-             manual of ToonSea.",
-    items: &[
-        Port::one("view", Accepts::View, "A toon sea."),
-        Knob::choice(
-            "coordinate",
-            &["across", "along"],
-            "Lines side by side along the paths, or one behind the other, swept back across them.",
-        )
-        .item(),
-        Knob::number("low", 0.0, -1e5, 1e5, "Height up to which lines have their full thickness.").unit("m").item(),
-        Knob::number("high", 2.0, -1e5, 1e5, "Height at which the longest lines have ended.").unit("m").item(),
-        Knob::number("thickness", 0.6, 0.0, 1.0, "Share of the distance of lines that a line covers.").item(),
-        Knob::number("shift", 0.0, -1e3, 1e3, "Shifts all lines, in their distance.").item(),
-        Knob::number(
-            "fresh",
-            0.3,
-            1e-3,
-            10.0,
-            "Weight of the trail from which on lines are full: 1 is a burst's middle.",
-        )
-        .item(),
-        Knob::number(
-            "spread",
-            0.5,
-            1e-3,
-            10.0,
-            "Disagreement of bursts, in lines, that lines bear: gone at twice that.",
-        )
-        .item(),
-        Knob::number("finest", 3.0, 0.0, 1e3, "Distance of lines at which they are gone: full from twice that on.")
-            .drawn()
-            .item(),
-        Knob::integer("seed", 0, 0, 1_000_000_000, "Which of all such drawings.").item(),
-    ],
-    outputs: &[Output::new("mask", Kind::MASK, "The lines.")],
-    revision: 1,
-};
-
-impl NodeType for DriftLines {
-    fn declaration(&self) -> &'static Declaration {
-        &DECLARATION
+impl Coordinate {
+    /// Its cosine and sine.
+    fn phase(self) -> [Channel; 2] {
+        match self {
+            Self::Across => [Channel::AcrossCos, Channel::AcrossSin],
+            Self::Along => [Channel::AlongCos, Channel::AlongSin],
+        }
     }
+}
 
-    fn check(&self, node: &Settled, check: &mut Check<'_>) {
-        check_trails(node, check);
+impl Node for DriftLines {
+    fn check(&self, check: &mut Check<'_>) {
+        check_trails(&self.view, check);
     }
 
     fn body(&self) -> Body<'_> {
@@ -74,25 +82,17 @@ impl NodeType for DriftLines {
     }
 }
 
-/// Cosine and sine of the chosen coordinate.
-fn phase(node: &Settled) -> [ViewChannel; 2] {
-    match node.text("coordinate") {
-        "along" => [ViewChannel::AlongCos, ViewChannel::AlongSin],
-        _ => [ViewChannel::AcrossCos, ViewChannel::AcrossSin],
-    }
-}
-
 impl Stage for DriftLines {
-    fn asks(&self, node: &Settled, _wanted: &[bool]) -> ChannelSet {
-        let always = [ViewChannel::Coverage, ViewChannel::Height, ViewChannel::DriftWeight];
-        ChannelSet::of(&phase(node)).union(ChannelSet::of(&always))
+    fn asks(&self, _wanted: &[bool]) -> ChannelSet {
+        let always = [Channel::Coverage, Channel::Height, Channel::DriftWeight];
+        ChannelSet::of(&self.coordinate.phase()).union(ChannelSet::of(&always))
     }
 
-    fn regions_of_interest(&self, _node: &Settled, _port: &str, window: Window, _format: Format) -> Window {
+    fn regions_of_interest(&self, _port: PortId, window: Window, _format: Format) -> Window {
         grown(window, 1)
     }
 
-    fn interval(&self, _node: &Settled, _output: usize, _channel: usize) -> Option<(f64, f64)> {
+    fn interval(&self, _output: usize, _channel: usize) -> Option<(f64, f64)> {
         Some((0.0, 1.0))
     }
 
@@ -100,34 +100,26 @@ impl Stage for DriftLines {
         false
     }
 
-    fn prepare(&self, node: &Settled, _prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
-        let lines = Lines {
-            thickness: node.number("thickness"),
-            low: node.number("low"),
-            high: node.number("high"),
-            shift: node.number("shift"),
-            fresh: node.number("fresh"),
-            spread: node.number("spread"),
-            finest: node.number("finest"),
-            seed: node.integer("seed") as u32,
-        };
-        Ok(Box::new(Drawn { node: node.clone(), phase: phase(node), lines }))
+    fn prepare(&self, _prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
+        let Self { thickness, low, high, shift, fresh, spread, finest, .. } = *self;
+        let lines = Lines { thickness, low, high, shift, fresh, spread, finest, seed: self.seed as u32 };
+        Ok(Box::new(PreparedLines { view: self.view.clone(), phase: self.coordinate.phase(), lines }))
     }
 }
 
-struct Drawn {
-    node: Settled,
-    phase: [ViewChannel; 2],
+struct PreparedLines {
+    view: One<port::View>,
+    phase: [Channel; 2],
     lines: Lines,
 }
 
-impl Prepared for Drawn {
+impl Prepared for PreparedLines {
     fn fill(&self, block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
-        let Some(mask) = outputs.take(0, 0) else { return Ok(()) };
-        let around = Around::of(inputs);
+        let Some(mask) = outputs.only(0) else { return Ok(()) };
+        let around = Around::of(inputs, &self.view);
         let planes = self.phase.map(|channel| around.whole(channel));
-        let weights = around.whole(ViewChannel::DriftWeight);
-        let heights = around.whole(ViewChannel::Height);
+        let weights = around.whole(Channel::DriftWeight);
+        let heights = around.whole(Channel::Height);
         // Without trails there are no lines.
         if weights.iter().all(|weight| *weight == 0.0) {
             mask.fill(0.0);
@@ -152,14 +144,14 @@ impl Prepared for Drawn {
     }
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
-        let (around, mut pixels) = (Around::of(bounding.inputs), bounding.block.pixels());
-        bound_by(bounding, outputs, (0, 0), |_| {
+        let (around, mut pixels) = (Around::of(bounding.inputs, &self.view), bounding.block.pixels());
+        bound_by(bounding, outputs, (Only, 0), |_| {
             let [x, y] = pixels.next().unwrap_or_default();
             let here = around.index(x, y);
-            where_covered(bounding, here, || {
+            where_covered(bounding, &self.view, here, || {
                 let mut clear = true;
                 let mut phase = |x: i64, y: i64| {
-                    let spans = self.phase.map(|channel| certain(bounding, channel, around.index(x, y)));
+                    let spans = self.phase.map(|channel| certain(bounding, &self.view, channel, around.index(x, y)));
                     clear &= spans.iter().all(|span| span.clear);
                     let within = spans.map(Span::half);
                     NearPhase { phase: spans.map(Span::middle), within: libm::hypot(within[0], within[1]) }
@@ -168,7 +160,7 @@ impl Prepared for Drawn {
                 let beside = [[phase(x - 1, y), phase(x + 1, y)], [phase(x, y - 1), phase(x, y + 1)]];
                 let (density, told) = density_span(own, beside);
                 let [weight, height] =
-                    [ViewChannel::DriftWeight, ViewChannel::Height].map(|channel| certain(bounding, channel, here));
+                    [Channel::DriftWeight, Channel::Height].map(|channel| certain(bounding, &self.view, channel, here));
                 let [weights, heights] = [weight, height].map(|span| [span.low, span.high]);
                 let ([low, high], smooth) =
                     self.lines.mask_span(&NearPlace { weight: weights, phase: own, height: heights, density });
@@ -180,15 +172,13 @@ impl Prepared for Drawn {
     }
 
     fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
-        if !is_covered(&self.node, inputs) {
-            return Ok(crate::scene_support::nothing());
+        if !is_covered(inputs, &self.view) {
+            return Ok(nothing());
         }
-        let view = self.node.source("view");
-        let phase = |inputs: &References<'_>| self.phase.map(|channel| inputs.view(view, channel));
+        let phase = |inputs: &References<'_>| self.phase.map(|channel| inputs.view(&self.view, channel));
         let moved = |dx: f64, dy: f64| phase(&inputs.moved(dx, dy));
         let beside = [[moved(-1.0, 0.0), moved(1.0, 0.0)], [moved(0.0, -1.0), moved(0.0, 1.0)]];
-        let [weight, height] =
-            [ViewChannel::DriftWeight, ViewChannel::Height].map(|channel| inputs.view(view, channel));
+        let [weight, height] = [Channel::DriftWeight, Channel::Height].map(|channel| inputs.view(&self.view, channel));
         let here = phase(inputs);
         let place = Place { weight, phase: here, height, density: density(here, beside) };
         Ok(vec![Reference::Mask(self.lines.mask(&place))])

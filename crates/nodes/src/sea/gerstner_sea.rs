@@ -1,173 +1,301 @@
 //! GerstnerSea: a sum of trochoidal waves.
 
-use crate::scene_support::{Parted, REST, SurfaceHandle, WAVES, memory, parted, stability};
+use super::stability;
+use crate::geometry::{Standing, memory};
 use std::collections::VecDeque;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Mutex, PoisonError};
 use trochoid_graph::*;
 use trochoid_image::Format;
 use trochoid_scene::SeaSurface;
 use trochoid_sea::{
-    Convention, Dispersion, ExplicitWave, FoldOptions, Folding, GerstnerSpectrum, MAX_WAVES, Sea, Wave, WaveGroup,
+    Convention, Dispersion, ExplicitWave, FoldOptions, Folding, GerstnerSpectrum, MAX_WAVES, Sea, SpectrumError, Wave,
+    WaveError, WaveFigure, WaveGroup,
 };
 
-pub(crate) static NODE: &dyn NodeType = &GerstnerSea;
+/// An endless sea: a sum of trochoidal waves with log-normal lengths, of waves and of crests set by hand.
+///
+/// # Formula
+/// θ = k(d · p₀) − ωt + φ;  x −= h·d·sin θ,  y += a·cos θ.  a ∝ L, scaled so that 4 × RMS of the sum is `height`; ω =
+/// √(gk). Waves that a pixel cannot resolve fade by exp(−(kσ)²/2), σ = footprint/2. A group's waves have k = d(2π/L +
+/// p/`along`) + e·q/`across`, |p|, |q| ≤ 1.8, a ∝ exp(−(p² + q²)/2), Σa = `height`, and crests that meet at its focus.
+///
+/// # Edge cases
+/// `count` 0 without `waves` and `groups` is a flat sea. Sharpness 0 is a sum of sinusoids; beyond 1 crests fold over.
+/// With convention "thesis" the sum is flat for many waves, and sharpness scales the height too.
+///
+/// # Source
+/// Thesis 3.2.1; Hinsinger, Neyret and Cani, Interactive Animation of Ocean Waves, 2002.
+#[derive(Clone, Node)]
+#[node(end = Front, revision = 1, role = Sea, offers(Rest, Waves), output(surface: Kind::Surface = "The sea at the frame's time."))]
+pub(crate) struct GerstnerSea {
+    /// Number of random waves.
+    #[knob(default = 1000, range = 0..=MAX_WAVES as i64, scales)]
+    count: i64,
+    /// Mean wavelength.
+    #[knob(default = 20.0, range = 1e-3..=1e5, unit = "m")]
+    wavelength: f64,
+    /// Standard deviation of ln L.
+    #[knob(default = 0.5, range = 0.0..=3.0)]
+    spread: f64,
+    /// Significant wave height, 4 × RMS.
+    #[knob(default = 1.0, range = 0.0..=1e4, unit = "m")]
+    height: f64,
+    /// Where waves travel: 0 is +X, 90 is +Z.
+    #[knob(default = 0.0, range = -3600.0..=3600.0, unit = "degrees")]
+    direction: f64,
+    /// Standard deviation of the direction.
+    #[knob(default = 30.0, range = 0.0..=360.0, unit = "degrees")]
+    direction_spread: f64,
+    /// 0: sinusoids. 1: the sharpest crests reach the cusp.
+    #[knob(default = 0.5, range = 0.0..=10.0)]
+    sharpness: f64,
+    /// How frequency follows from length.
+    dispersion: Frequencies,
+    /// Speed of the crests, with dispersion "speed".
+    #[knob(default = 5.0, range = 0.0..=1e4, unit = "m/s")]
+    speed: f64,
+    /// Period of all waves, with dispersion "period".
+    #[knob(default = 4.0, range = 1e-3..=1e6, unit = "s")]
+    period: f64,
+    /// Signs and weights as settled, or as printed.
+    convention: Signs,
+    /// Which sea of all that have these figures.
+    #[knob(default = 0, range = 0..=1_000_000_000)]
+    seed: i64,
+    /// World y of the sea at rest.
+    #[knob(default = 0.0, range = -1e5..=1e5, unit = "m")]
+    pub(super) level: f64,
+    /// How fine waves are drawn: 1 as pixels resolve them; 0.5 as two pixels do, with a quarter of the vertices.
+    #[knob(default = 1.0, range = 0.05..=4.0)]
+    detail: f64,
+    /// Waves set by hand, besides the random ones.
+    #[list(0..=10_000)]
+    waves: Vec<Handmade>,
+    /// Crests set by hand, each a packet of waves that meet at a place and time.
+    #[list(0..=100)]
+    groups: Vec<Group>,
+}
 
-struct GerstnerSea;
+#[derive(Clone, Items)]
+struct Handmade {
+    /// Crest to crest.
+    #[knob(range = 1e-3..=1e6, unit = "m", required)]
+    wavelength: f64,
+    /// Vertical amplitude.
+    #[knob(range = -1e4..=1e4, unit = "m", required)]
+    amplitude: f64,
+    /// Where it travels: 0 is +X, 90 is +Z.
+    #[knob(default = 0.0, range = -3600.0..=3600.0, unit = "degrees")]
+    direction: f64,
+    /// Its share of the cusp: 0 is a sinusoid, 1 a cusp.
+    #[knob(default = 0.0, range = 0.0..=10.0)]
+    sharpness: f64,
+    /// Phase at the origin at time 0.
+    #[knob(default = 0.0, range = -1e6..=1e6, unit = "degrees")]
+    phase: f64,
+    /// Speed of the crests; deep water decides if unset.
+    #[knob(range = 0.0..=1e4, unit = "m/s")]
+    speed: Option<f64>,
+}
 
-static DECLARATION: Declaration = Declaration {
-    name: "GerstnerSea",
-    end: End::Front,
-    summary: "An endless sea: a sum of trochoidal waves with log-normal lengths, of waves and of crests set by hand.",
-    formula: "θ = k(d · p₀) − ωt + φ;  x −= h·d·sin θ,  y += a·cos θ.  a ∝ L, scaled so that 4 × RMS of the sum is \
-              `height`; ω = √(gk). Waves that a pixel cannot resolve fade by exp(−(kσ)²/2), σ = footprint/2. A group's waves \
-              have k = d(2π/L + p/`along`) + e·q/`across`, |p|, |q| ≤ 1.8, a ∝ exp(−(p² + q²)/2), Σa = `height`, and \
-              crests that meet at its focus.",
-    edge_cases: "`count` 0 without `waves` and `groups` is a flat sea. Sharpness 0 is a sum of sinusoids; beyond 1 crests fold \
-                 over. With convention \"thesis\" the sum is flat for many waves, and sharpness scales the height too.",
-    source: "Thesis 3.2.1; Hinsinger, Neyret and Cani, Interactive Animation of Ocean Waves, 2002.",
-    items: &[
-        Knob::integer("count", 1000, 0, MAX_WAVES as i64, "Number of random waves.").scales().item(),
-        Knob::number("wavelength", 20.0, 1e-3, 1e5, "Mean wavelength.").unit("m").item(),
-        Knob::number("spread", 0.5, 0.0, 3.0, "Standard deviation of ln L.").item(),
-        Knob::number("height", 1.0, 0.0, 1e4, "Significant wave height, 4 × RMS.").unit("m").item(),
-        Knob::number("direction", 0.0, -3600.0, 3600.0, "Where waves travel: 0 is +X, 90 is +Z.")
-            .unit("degrees")
-            .item(),
-        Knob::number("direction_spread", 30.0, 0.0, 360.0, "Standard deviation of the direction.")
-            .unit("degrees")
-            .item(),
-        Knob::number("sharpness", 0.5, 0.0, 10.0, "0: sinusoids. 1: the sharpest crests reach the cusp.").item(),
-        Knob::choice("dispersion", &["deep", "speed", "period"], "How frequency follows from length.").item(),
-        Knob::number("speed", 5.0, 0.0, 1e4, "Speed of the crests, with dispersion \"speed\".").unit("m/s").item(),
-        Knob::number("period", 4.0, 1e-3, 1e6, "Period of all waves, with dispersion \"period\".").unit("s").item(),
-        Knob::choice("convention", &["settled", "thesis"], "Signs and weights as settled, or as printed.").item(),
-        Knob::integer("seed", 0, 0, 1_000_000_000, "Which sea of all that have these figures.").item(),
-        Knob::number("level", 0.0, -1e5, 1e5, "World y of the sea at rest.").unit("m").item(),
-        Knob::number(
-            "detail",
-            1.0,
-            0.05,
-            4.0,
-            "How fine waves are drawn: 1 as pixels resolve them; 0.5 as two pixels do, with a quarter of the vertices.",
-        )
-        .item(),
-        List::of("waves", WAVE, 0, 10_000, "Waves set by hand, besides the random ones."),
-        List::of("groups", GROUP, 0, 100, "Crests set by hand, each a packet of waves that meet at a place and time."),
-    ],
-    outputs: &[Output::new("surface", Kind::Surface, "The sea at the frame's time.")],
-    revision: 1,
-};
+#[derive(Clone, Items)]
+struct Group {
+    /// Length of the middle wave.
+    #[knob(range = 1e-3..=1e6, unit = "m", required)]
+    wavelength: f64,
+    /// Height of the crest over the sea at rest, at its focus.
+    #[knob(range = -1e4..=1e4, unit = "m", required)]
+    height: f64,
+    /// Where it travels: 0 is +X, 90 is +Z.
+    #[knob(default = 0.0, range = -3600.0..=3600.0, unit = "degrees")]
+    direction: f64,
+    /// Standard deviation along its travel, ≥ 0.31 wavelengths; half of one if unset.
+    #[knob(range = 1e-3..=1e6, unit = "m")]
+    along: Option<f64>,
+    /// Standard deviation across its travel; half a wavelength if unset.
+    #[knob(range = 1e-3..=1e6, unit = "m")]
+    across: Option<f64>,
+    /// World x of the focus.
+    #[knob(default = 0.0, range = -1e8..=1e8, unit = "m")]
+    x: f64,
+    /// World z of the focus.
+    #[knob(default = 0.0, range = -1e8..=1e8, unit = "m")]
+    z: f64,
+    /// When the crests meet at the focus.
+    #[knob(default = 0.0, range = -1e8..=1e8, unit = "s")]
+    time: f64,
+    /// Share of the cusp that the crest takes at its focus.
+    #[knob(default = 0.5, range = 0.0..=10.0)]
+    sharpness: f64,
+    /// Pace at which it travels unchanged; in deep water, if unset, it comes and goes.
+    #[knob(range = -1e4..=1e4, unit = "m/s")]
+    speed: Option<f64>,
+    /// Waves along the travel; few let the crest return nearby.
+    #[knob(default = 5, range = 1..=100)]
+    waves_along: i64,
+    /// Waves across the travel.
+    #[knob(default = 5, range = 1..=100)]
+    waves_across: i64,
+    /// Which group of all that have these figures.
+    #[knob(default = 0, range = 0..=1_000_000_000)]
+    seed: i64,
+}
 
-static WAVE: &[Item] = &[
-    Knob::number("wavelength", 10.0, 1e-3, 1e6, "Crest to crest.").required().unit("m").item(),
-    Knob::number("amplitude", 1.0, -1e4, 1e4, "Vertical amplitude.").required().unit("m").item(),
-    Knob::number("direction", 0.0, -3600.0, 3600.0, "Where it travels: 0 is +X, 90 is +Z.").unit("degrees").item(),
-    Knob::number("sharpness", 0.0, 0.0, 10.0, "Its share of the cusp: 0 is a sinusoid, 1 a cusp.").item(),
-    Knob::number("phase", 0.0, -1e6, 1e6, "Phase at the origin at time 0.").unit("degrees").item(),
-    Knob::number("speed", 0.0, 0.0, 1e4, "Speed of the crests; deep water decides if unset.")
-        .optional()
-        .unit("m/s")
-        .item(),
-];
+#[derive(Clone, Copy, Debug, PartialEq, Choice)]
+enum Frequencies {
+    Deep,
+    Speed,
+    Period,
+}
 
-static GROUP: &[Item] = &[
-    Knob::number("wavelength", 30.0, 1e-3, 1e6, "Length of the middle wave.").required().unit("m").item(),
-    Knob::number("height", 2.0, -1e4, 1e4, "Height of the crest over the sea at rest, at its focus.")
-        .required()
-        .unit("m")
-        .item(),
-    Knob::number("direction", 0.0, -3600.0, 3600.0, "Where it travels: 0 is +X, 90 is +Z.").unit("degrees").item(),
-    Knob::number(
-        "along",
-        15.0,
-        1e-3,
-        1e6,
-        "Standard deviation along its travel, ≥ 0.31 wavelengths; half of one if unset.",
-    )
-    .optional()
-    .unit("m")
-    .item(),
-    Knob::number("across", 15.0, 1e-3, 1e6, "Standard deviation across its travel; half a wavelength if unset.")
-        .optional()
-        .unit("m")
-        .item(),
-    Knob::number("x", 0.0, -1e8, 1e8, "World x of the focus.").unit("m").item(),
-    Knob::number("z", 0.0, -1e8, 1e8, "World z of the focus.").unit("m").item(),
-    Knob::number("time", 0.0, -1e8, 1e8, "When the crests meet at the focus.").unit("s").item(),
-    Knob::number("sharpness", 0.5, 0.0, 10.0, "Share of the cusp that the crest takes at its focus.").item(),
-    Knob::number(
-        "speed",
-        0.0,
-        -1e4,
-        1e4,
-        "Pace at which it travels unchanged; in deep water, if unset, it comes and goes.",
-    )
-    .optional()
-    .unit("m/s")
-    .item(),
-    Knob::integer("waves_along", 5, 1, 100, "Waves along the travel; few let the crest return nearby.").item(),
-    Knob::integer("waves_across", 5, 1, 100, "Waves across the travel.").item(),
-    Knob::integer("seed", 0, 0, 1_000_000_000, "Which group of all that have these figures.").item(),
-];
+#[derive(Clone, Copy, Debug, PartialEq, Choice)]
+enum Signs {
+    Settled,
+    Thesis,
+}
 
-/// The waves that the knobs describe.
-fn waves(node: &Settled) -> Result<Vec<Wave>, String> {
-    let spectrum = GerstnerSpectrum {
-        count: node.integer("count") as usize,
-        wavelength: node.number("wavelength"),
-        spread: node.number("spread"),
-        height: node.number("height"),
-        direction: node.number("direction").to_radians(),
-        direction_spread: node.number("direction_spread").to_radians(),
-        sharpness: node.number("sharpness"),
-        dispersion: match node.text("dispersion") {
-            "speed" => Dispersion::Speed(node.number("speed")),
-            "period" => Dispersion::Period(node.number("period")),
-            _ => Dispersion::Deep,
-        },
-        convention: if node.text("convention") == "thesis" { Convention::Thesis } else { Convention::Settled },
-        seed: node.integer("seed") as u64,
-    };
-    let mut waves = spectrum.waves().map_err(|error| error.to_string())?;
-    for wave in node.list("waves") {
-        let wave = ExplicitWave {
-            wavelength: wave.number("wavelength"),
-            amplitude: wave.number("amplitude"),
-            direction: wave.number("direction").to_radians(),
-            sharpness: wave.number("sharpness"),
-            phase: wave.number("phase").to_radians(),
-            speed: wave.is_set("speed").then(|| wave.number("speed")),
-        };
-        waves.push(Wave::try_from(wave).map_err(|error| error.to_string())?);
+/// Why there is no such sea.
+#[derive(Debug, thiserror::Error)]
+enum Refused {
+    #[error(transparent)]
+    Spectrum(#[from] SpectrumError),
+    #[error(transparent)]
+    Handmade(#[from] WaveError),
+    #[error("groups[{index}]: {error}")]
+    Group { index: usize, error: WaveError },
+    #[error("{}; expected {}; {}", short(*.index, *.along), long_enough(*.least), SHORT)]
+    Short { index: usize, along: f64, least: f64 },
+}
+
+/// What to do about a group that is too short.
+const SHORT: &str = "raise \"along\", or lower its \"wavelength\"";
+
+fn short(index: usize, along: f64) -> String {
+    format!("groups[{index}] with \"along\" {along} m")
+}
+
+fn long_enough(least: f64) -> String {
+    let ratio = WaveGroup::LEAST_ALONG;
+    format!("at least {least:.3} m, {ratio} of its wavelength: a shorter one would need waves that run the other way")
+}
+
+impl Refused {
+    /// Reports it.
+    fn report(&self, check: &mut Check<'_>) {
+        const CHANGE: &str = "change it";
+        match self {
+            Self::Spectrum(SpectrumError::Count(found)) => {
+                let (found, expected) = (format!("{found} waves"), format!("at most {MAX_WAVES}"));
+                check.error(GerstnerSea::COUNT, found, expected, "lower \"count\"");
+            }
+            Self::Spectrum(SpectrumError::Knob(WaveError { figure, found, expected })) => {
+                check.error(GerstnerSea::of_spectrum(*figure), format!("{figure} {found}"), expected, CHANGE);
+            }
+            Self::Handmade(WaveError { figure, found, expected }) => {
+                check.error(GerstnerSea::WAVES, format!("{figure} {found}"), expected, CHANGE);
+            }
+            Self::Group { index, error: WaveError { figure, found, expected } } => {
+                check.error(GerstnerSea::GROUPS, format!("groups[{index}]: {figure} {found}"), expected, CHANGE);
+            }
+            Self::Short { index, along, least } => {
+                check.error(GerstnerSea::GROUPS, short(*index, *along), long_enough(*least), SHORT);
+            }
+        }
     }
-    for (index, group) in node.list("groups").iter().enumerate() {
-        let half = group.number("wavelength") / 2.0;
-        let or_half = |knob: &str| if group.is_set(knob) { group.number(knob) } else { half };
+}
+
+impl Handmade {
+    fn wave(&self) -> Result<Wave, WaveError> {
+        Wave::try_from(ExplicitWave {
+            wavelength: self.wavelength,
+            amplitude: self.amplitude,
+            direction: self.direction.to_radians(),
+            sharpness: self.sharpness,
+            phase: self.phase.to_radians(),
+            speed: self.speed,
+        })
+    }
+}
+
+impl Group {
+    fn waves(&self, index: usize) -> Result<Vec<Wave>, Refused> {
+        let half = self.wavelength / 2.0;
         let group = WaveGroup {
-            wavelength: group.number("wavelength"),
-            height: group.number("height"),
-            direction: group.number("direction").to_radians(),
-            along: or_half("along"),
-            across: or_half("across"),
-            focus: [group.number("x"), group.number("z")],
-            time: group.number("time"),
-            sharpness: group.number("sharpness"),
-            speed: group.is_set("speed").then(|| group.number("speed")),
-            waves: [group.integer("waves_along") as usize, group.integer("waves_across") as usize],
-            seed: group.integer("seed") as u64,
+            wavelength: self.wavelength,
+            height: self.height,
+            direction: self.direction.to_radians(),
+            along: self.along.unwrap_or(half),
+            across: self.across.unwrap_or(half),
+            focus: [self.x, self.z],
+            time: self.time,
+            sharpness: self.sharpness,
+            speed: self.speed,
+            waves: [self.waves_along as usize, self.waves_across as usize],
+            seed: self.seed as u64,
         };
         let least = WaveGroup::LEAST_ALONG * group.wavelength;
         if group.along < least {
-            return Err(format!(
-                "groups[{index}] with \"along\" {} m; expected at least {least:.3} m, {} of its wavelength: a shorter \
-                 one would need waves that run the other way; raise \"along\", or lower its \"wavelength\"",
-                group.along,
-                WaveGroup::LEAST_ALONG
-            ));
+            return Err(Refused::Short { index, along: group.along, least });
         }
-        waves.extend(group.waves().map_err(|error| format!("groups[{index}]: {error}"))?);
+        group.waves().map_err(|error| Refused::Group { index, error })
     }
-    Ok(waves)
+
+    /// How many they are.
+    fn count(&self) -> f64 {
+        self.waves_along as f64 * self.waves_across as f64
+    }
+}
+
+impl GerstnerSea {
+    /// The waves that the knobs describe.
+    fn waves(&self) -> Result<Vec<Wave>, Refused> {
+        let spectrum = GerstnerSpectrum {
+            count: self.count as usize,
+            wavelength: self.wavelength,
+            spread: self.spread,
+            height: self.height,
+            direction: self.direction.to_radians(),
+            direction_spread: self.direction_spread.to_radians(),
+            sharpness: self.sharpness,
+            dispersion: match self.dispersion {
+                Frequencies::Deep => Dispersion::Deep,
+                Frequencies::Speed => Dispersion::Speed(self.speed),
+                Frequencies::Period => Dispersion::Period(self.period),
+            },
+            convention: match self.convention {
+                Signs::Settled => Convention::Settled,
+                Signs::Thesis => Convention::Thesis,
+            },
+            seed: self.seed as u64,
+        };
+        let mut waves = spectrum.waves()?;
+        for wave in &self.waves {
+            waves.push(wave.wave()?);
+        }
+        for (index, group) in self.groups.iter().enumerate() {
+            waves.extend(group.waves(index)?);
+        }
+        Ok(waves)
+    }
+
+    /// The knob that a figure of the spectrum comes from.
+    fn of_spectrum(figure: WaveFigure) -> ItemName {
+        match figure {
+            WaveFigure::Wavelength | WaveFigure::WavelengthInGroup => Self::WAVELENGTH,
+            WaveFigure::Spread => Self::SPREAD,
+            WaveFigure::Height | WaveFigure::Amplitude => Self::HEIGHT,
+            WaveFigure::Direction => Self::DIRECTION,
+            WaveFigure::DirectionSpread => Self::DIRECTION_SPREAD,
+            WaveFigure::Sharpness => Self::SHARPNESS,
+            WaveFigure::Speed => Self::SPEED,
+            WaveFigure::Period | WaveFigure::Frequency => Self::PERIOD,
+            WaveFigure::Waves => Self::COUNT,
+            // Of groups and ripples.
+            WaveFigure::Phase | WaveFigure::Along | WaveFigure::Across | WaveFigure::Focus | WaveFigure::Time => {
+                Self::WAVES
+            }
+        }
+    }
 }
 
 /// How far waves are from folding. The latest are remembered: a document is checked at every edit, and few touch its seas.
@@ -187,54 +315,50 @@ fn folding(waves: Vec<Wave>) -> Folding {
 /// Seas whose folding is remembered.
 const REMEMBERED: usize = 16;
 
-impl NodeType for GerstnerSea {
-    fn declaration(&self) -> &'static Declaration {
-        &DECLARATION
-    }
+/// Whether so many folds that they are seen.
+fn is_folded(folds: &Folding) -> bool {
+    folds.folded_share > FoldOptions::default().tolerated_share
+}
 
-    fn check(&self, node: &Settled, check: &mut Check<'_>) {
-        let waves = match waves(node) {
+impl Node for GerstnerSea {
+    fn check(&self, check: &mut Check<'_>) {
+        let waves = match self.waves() {
             Ok(waves) => waves,
-            Err(error) => {
-                let Parted { item, found, expected, remedy } = parted(&error, DECLARATION.items);
-                let item = item.unwrap_or(if found.starts_with("group") { "groups" } else { "waves" });
-                return check.error(item, found, expected, remedy);
-            }
+            Err(refused) => return refused.report(check),
         };
         // What takes folds for breaking crests wants them.
-        let wants = |user: User| matches!((user.ty, user.port), ("Spray", "sea") | ("FoldFoam" | "CrestFoam", "view"));
-        if check.users().into_iter().any(wants) {
+        if check.users().iter().any(|user| user.wants.contains(&Offer::Folds)) {
             return;
         }
         let folds = folding(waves);
-        if folds.folded_share > FoldOptions::default().tolerated_share {
+        if is_folded(&folds) {
             let found = format!("crests that fold over on {:.2} % of the sea", 100.0 * folds.folded_share);
-            let sharpness = node.number("sharpness") * folds.unfolded_scale;
-            let remedy = if node.list("waves").is_empty() && node.list("groups").is_empty() {
+            let sharpness = self.sharpness * folds.unfolded_scale;
+            let remedy = if self.waves.is_empty() && self.groups.is_empty() {
                 format!("a sharpness of {sharpness:.3} would not fold")
             } else {
                 format!("all sharpnesses times {:.3} would not fold", folds.unfolded_scale)
             };
-            check.warning("sharpness", found, "crests that do not fold", remedy);
+            check.warning(Self::SHARPNESS, found, "crests that do not fold", remedy);
         }
     }
 
-    fn work(&self, node: &Settled, format: Format, _time: f64) -> Option<Work> {
+    fn work(&self, format: Format, _time: f64) -> Option<Work> {
         // A wave at a vertex, of which a picture of a sea has 1.5 a pixel, within limits.
         const WAVE: f64 = 4e-11;
-        let group = |group: &Settled| group.number("waves_along") * group.number("waves_across");
-        let waves =
-            node.number("count") + node.list("waves").len() as f64 + node.list("groups").iter().map(group).sum::<f64>();
-        let vertices = (1.5 * format.window().area() as f64).clamp(1e6, 8e6);
+        const VERTICES_PER_PIXEL: f64 = 1.5;
+        let grouped: f64 = self.groups.iter().map(Group::count).sum();
+        let waves = self.count as f64 + self.waves.len() as f64 + grouped;
+        let vertices = (VERTICES_PER_PIXEL * format.window().area() as f64).clamp(1e6, 8e6);
         let remedy = "lower \"count\", the waves of \"groups\", or the pixels";
-        Some(Work { seconds: WAVE * waves * vertices, item: "count", remedy })
+        Some(Work { seconds: WAVE * waves * vertices, item: Self::COUNT, remedy })
     }
 
-    fn notes(&self, node: &Settled) -> Vec<String> {
-        let Ok(waves) = waves(node) else { return Vec::new() };
+    fn notes(&self) -> Vec<String> {
+        let Ok(waves) = self.waves() else { return Vec::new() };
         let count = waves.len();
         let folds = folding(waves);
-        let verdict = if folds.folded_share > FoldOptions::default().tolerated_share {
+        let verdict = if is_folded(&folds) {
             format!(
                 "crests fold over on {:.2} % of the sea; with {:.3} times the sharpness they would not",
                 100.0 * folds.folded_share,
@@ -258,23 +382,29 @@ impl NodeType for GerstnerSea {
         )]
     }
 
-    fn stability(&self, node: &Settled) -> Option<Stability> {
-        Some(stability::waves(waves(node).ok()?))
-    }
-
-    fn spectrum(&self, node: &Settled) -> Option<Spectrum> {
-        let waves = waves(node).ok()?;
-        let harmonic = |wave: &Wave| Harmonic {
-            wavelength: wave.wavelength,
-            amplitude: wave.amplitude,
-            direction: wave.direction[1].atan2(wave.direction[0]).to_degrees(),
-            sharpness: wave.compression(),
-        };
-        Some(Spectrum { waves: waves.iter().map(harmonic).collect(), unfolded: folding(waves).unfolded_scale })
+    fn dynamics(&self) -> Option<&dyn Dynamics> {
+        Some(self)
     }
 
     fn body(&self) -> Body<'_> {
         Body::Stage(self)
+    }
+}
+
+impl Dynamics for GerstnerSea {
+    fn stability(&self) -> Option<Stability> {
+        Some(stability::waves(self.waves().ok()?))
+    }
+
+    fn spectrum(&self) -> Option<Spectrum> {
+        let waves = self.waves().ok()?;
+        let harmonic = |wave: &Wave| Harmonic {
+            wavelength: wave.wavelength,
+            amplitude: wave.amplitude,
+            direction: libm::atan2(wave.direction[1], wave.direction[0]).to_degrees(),
+            sharpness: wave.compression(),
+        };
+        Some(Spectrum { waves: waves.iter().map(harmonic).collect(), unfolded: folding(waves).unfolded_scale })
     }
 }
 
@@ -287,29 +417,13 @@ impl Stage for GerstnerSea {
         false
     }
 
-    fn offers(&self) -> &'static [&'static str] {
-        &[REST, WAVES]
+    fn memory(&self, reckoning: &Reckoning<'_>) -> MemoryUse {
+        memory::of_sea(self.detail, reckoning)
     }
 
-    fn memory(&self, node: &Settled, reckoning: &Reckoning<'_>) -> MemoryUse {
-        memory::of_sea(node.number("detail"), reckoning)
-    }
-
-    fn prepare(&self, node: &Settled, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
-        let sea = Sea::new(waves(node).map_err(NodeError::new)?);
-        let surface = SeaSurface::new(&sea, prepare.frame.time, node.number("level"));
-        Ok(Box::new(Surging(Arc::new(surface.with_detail(node.number("detail"))))))
-    }
-}
-
-struct Surging(SurfaceHandle);
-
-impl Prepared for Surging {
-    fn handle(&self) -> Option<Handle> {
-        Some(Arc::new(self.0.clone()))
-    }
-
-    fn reference(&self, _inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
-        Ok(vec![Reference::Handle(Arc::new(self.0.clone()))])
+    fn prepare(&self, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
+        let sea = Sea::new(self.waves().map_err(NodeError::new)?);
+        let surface = SeaSurface::new(&sea, prepare.frame.time, self.level);
+        Ok(Box::new(Standing::new(surface.with_detail(self.detail))))
     }
 }

@@ -5,6 +5,7 @@
 //!
 //! After CSE 167, *Toon Shading and Surface Patches*, and G. Farin, *Curves and Surfaces for CAGD*, 2002.
 
+mod ball;
 mod bicubic;
 mod bilinear;
 mod continuity;
@@ -13,6 +14,7 @@ mod edge;
 mod model;
 mod normal;
 mod stitch;
+mod surface;
 mod tessellate;
 mod through;
 mod trace;

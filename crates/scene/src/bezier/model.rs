@@ -2,20 +2,13 @@
 
 use glam::DVec3;
 
-use super::trace::Ball;
-use super::{Bicubic, tessellate, trace};
-use crate::certain::{Search, contours_of_facets};
-use crate::points::Near;
-use crate::surface::{Anchor, Hit, Mesh, Surface};
-use crate::{ChannelSet, Projector, Ray};
+use super::Bicubic;
+use super::ball::Ball;
 
 /// Most patches of one model.
 pub const MAX_PATCHES: usize = 1 << 16;
 /// Most straight pieces of a patch's edge.
 pub const MAX_SEGMENTS: usize = 256;
-
-/// Tolerances in pixels of fine meshes, the first of which that patches allow counts.
-const FINELY: [f64; 3] = [1.0 / 64.0, 1.0 / 16.0, 1.0 / 4.0];
 
 /// A patch with its texture coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -106,7 +99,7 @@ impl Placed {
 
     /// Where in the patch texture coordinates lie. Of patches side by side an edge belongs to that which begins there,
     /// and the last edge, at 1, to that which ends there.
-    fn place(&self, uv: [f64; 2]) -> Option<[f64; 2]> {
+    pub(super) fn place(&self, uv: [f64; 2]) -> Option<[f64; 2]> {
         let share = |axis: usize| {
             let [from, to] = [self.uv[0][axis], self.uv[1][axis]];
             let inside = uv[axis] >= from && (uv[axis] < to || (uv[axis] == to && to == 1.0));
@@ -149,52 +142,5 @@ impl PatchModel {
     /// The patches in the world.
     pub fn shapes(&self) -> impl Iterator<Item = &Bicubic> {
         self.placed.iter().map(|placed| &placed.shape)
-    }
-
-    /// Vertices without any normal, which point up, of the mesh for a camera.
-    pub fn without_normal(&self, projector: &Projector) -> usize {
-        tessellate::mesh(self, projector, self.tessellation, ChannelSet::NORMAL).1
-    }
-}
-
-impl Surface for PatchModel {
-    fn tessellate(&self, projector: &Projector, wanted: ChannelSet) -> Mesh {
-        tessellate::mesh(self, projector, self.tessellation, wanted).0
-    }
-
-    fn tessellate_finely(&self, projector: &Projector, stop: &(dyn Fn() -> bool + Sync)) -> Option<Mesh> {
-        let mut mesh = None;
-        for tolerance in FINELY {
-            let tessellation = Tessellation::Adaptive { tolerance };
-            mesh = (!stop()).then(|| tessellate::mesh(self, projector, tessellation, ChannelSet::FINE).0);
-            // Where patches are too large for so fine ones nothing is known of the mesh.
-            if mesh.as_ref().is_none_or(|mesh| mesh.tolerance.is_some()) {
-                break;
-            }
-        }
-        mesh
-    }
-
-    fn contours(&self, search: &Search<'_>, mesh: &Mesh) -> bool {
-        contours_of_facets(mesh, search, true)
-    }
-
-    /// The point within the least distance to each side that holds one.
-    fn meet_near(&self, projector: &Projector, ray: &Ray, near: &Near) -> Option<Hit> {
-        let around = |share: f64| [(1.0 - share) * near.distance, (1.0 + share) * near.distance];
-        [1e-4, 1e-3, 1e-2].into_iter().find_map(|share| trace::trace(self, projector, ray, around(share)))
-    }
-
-    fn trace(&self, projector: &Projector, ray: &Ray) -> Option<Hit> {
-        trace::trace(self, projector, ray, [0.0, f64::INFINITY])
-    }
-
-    fn anchors(&self, uv: [f64; 2]) -> Vec<Anchor> {
-        let anchor = |placed: &Placed| {
-            let [u, v] = placed.place(uv)?;
-            let [along_u, along_v] = placed.shape.tangents(u, v);
-            Some(Anchor { point: placed.shape.evaluate(u, v), along_u, along_v })
-        };
-        self.placed.iter().filter_map(anchor).collect()
     }
 }

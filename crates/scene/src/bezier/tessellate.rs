@@ -7,6 +7,7 @@ use super::edge::{Scale, Shared, whole};
 use super::model::{MAX_SEGMENTS, Placed, Tessellation};
 use super::stitch::Cut;
 use super::{Bicubic, PatchModel};
+use crate::channel::{NORMALS, RESTS};
 use crate::surface::{Mesh, Topology};
 use crate::{ChannelSet, Projector};
 
@@ -156,14 +157,14 @@ fn part(placed: &Placed, cut: &Cut, projector: &Projector, wanted: ChannelSet) -
     let relative = |point: DVec3| (point - projector.position).as_vec3().to_array();
     let mut without = 0;
     let mut normals = Vec::new();
-    if wanted.intersects(ChannelSet::NORMALS) {
+    if wanted.intersects(NORMALS) {
         normals.extend(places.iter().map(|[u, v]| {
             let normal = placed.for_normals.normal(*u, *v);
             without += usize::from(normal == super::UnitNormal::None);
             normal.vector().as_vec3().to_array()
         }));
     }
-    let rests = if wanted.intersects(ChannelSet::RESTS) {
+    let rests = if wanted.intersects(RESTS) {
         places.iter().map(|[u, v]| relative(placed.rest.evaluate(*u, *v))).collect()
     } else {
         Vec::new()

@@ -2,39 +2,13 @@
 
 use glam::{DMat2, DVec2, DVec3};
 
+use super::ball::SLACK;
 use super::{Bicubic, PatchModel};
 use crate::surface::Hit;
 use crate::{Projector, Ray};
 
 /// Halvings of u and v where nothing else finds the point: they are known to 2⁻²⁶, and so is the point against the patch's size.
 const HALVINGS: u32 = 26;
-/// Slack of the test whether a part of a patch may hold the ray, against the patch's distance and size: rounding must
-/// not open gaps between parts.
-const SLACK: f64 = 1e-12;
-
-/// What holds a patch, or a model.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Ball {
-    center: DVec3,
-    radius: f64,
-}
-
-impl Ball {
-    /// Around a box.
-    pub(super) fn around((low, high): (DVec3, DVec3)) -> Self {
-        Self { center: (low + high) / 2.0, radius: low.distance(high) / 2.0 }
-    }
-
-    /// Whether a ray may meet it between two distances.
-    fn may_meet(&self, ray: &Ray, [from, to]: [f64; 2]) -> bool {
-        let offset = self.center - ray.origin;
-        let reach = self.radius + SLACK * (self.radius + offset.length());
-        let along = offset.dot(ray.direction);
-        let aside = (offset - along * ray.direction).length();
-        !(aside > reach || along + reach < from || along - reach > to)
-    }
-}
-
 /// A patch as the ray sees it: x and y across the ray, z along it.
 struct Lined {
     shape: Bicubic,

@@ -19,10 +19,11 @@ pub(crate) use grid::{SeenGrid, meet_grid};
 pub(crate) use sea::{SeenSea, meet_sea};
 pub use turns::Search;
 
+use crate::channel::FINE;
 use crate::points::{APART, around};
 use crate::sheets::{Sheet, Sheets};
 use crate::surface::{Hit, Surface};
-use crate::{Camera, ChannelSet, Projector, Visible};
+use crate::{Camera, Projector, Visible};
 use trochoid_image::Format;
 use turns::{Marks, Turn};
 
@@ -76,7 +77,7 @@ impl Certain {
         stop: &(dyn Fn() -> bool + Sync),
     ) -> Option<Self> {
         let finely = |surface: &dyn Surface, projector: &Projector| surface.tessellate_finely(projector, stop);
-        let visible = Visible::of_meshes(camera.projector(format), surfaces, format, ChannelSet::FINE, finely)?;
+        let visible = Visible::of_meshes(camera.projector(format), surfaces, format, FINE, finely)?;
         let search = Search::new(&visible, APART, stop);
         for (surface, layer) in surfaces.iter().zip(&visible.layers) {
             if !surface.contours(&search, &layer.mesh) {

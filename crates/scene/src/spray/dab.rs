@@ -1,27 +1,13 @@
 //! One drop in the picture.
 
-use super::Droplet;
-use super::stamp::{Form, Print};
+use super::stamp::{Form, Print, Stamp};
 use crate::Projector;
 use glam::DVec3;
+use trochoid_sea::spray::Droplet;
 
 /// Distance in radii below which a perspective camera sees a drop whole, and below which it sees none of it: nothing
 /// that flies past the lens may fill the picture.
 const NEAR: [f64; 2] = [12.0, 4.0];
-
-/// Which stamps are set.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-pub enum Stamp {
-    /// Large drops ragged, small ones discs and streaks.
-    #[default]
-    Mixed,
-    /// Discs.
-    Disc,
-    /// Dabs along the motion.
-    Streak,
-    /// Dabs along the motion that bristles have torn.
-    Ragged,
-}
 
 /// How drops are painted.
 #[derive(Clone, Copy, Debug, PartialEq)]

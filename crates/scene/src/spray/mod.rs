@@ -25,7 +25,8 @@
 mod dab;
 mod stamp;
 
-pub use dab::{Brush, Sprayed, Stamp};
+pub use dab::{Brush, Sprayed};
+pub use stamp::Stamp;
 pub use trochoid_sea::spray::Droplet;
 
 use crate::Projector;

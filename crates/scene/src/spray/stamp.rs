@@ -1,10 +1,23 @@
 //! Forms of a brush's stamp.
 
-use super::Droplet;
-use super::dab::Stamp;
+use trochoid_sea::spray::Droplet;
 
 /// From this share of the largest radius on, drops of mixed stamps are ragged.
 const LARGE: f64 = 0.4;
+
+/// Which stamps are set.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Stamp {
+    /// Large drops ragged, small ones discs and streaks.
+    #[default]
+    Mixed,
+    /// Discs.
+    Disc,
+    /// Dabs along the motion.
+    Streak,
+    /// Dabs along the motion that bristles have torn.
+    Ragged,
+}
 
 /// The form of one stamp.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

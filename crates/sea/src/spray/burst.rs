@@ -2,7 +2,8 @@
 
 use super::birth::{Birth, within};
 use super::draws::Draws;
-use super::{Spray, SprayError};
+use super::{Spray, SprayError, SprayFigure};
+use trochoid_key::content_key;
 
 /// Drops that are thrown from a place in one direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,13 +26,15 @@ pub struct Burst {
     pub count: usize,
 }
 
+content_key!(Burst { position, extent, time, duration, direction, spread, speed, count });
+
 impl Burst {
     pub(crate) fn check(&self) -> Result<(), SprayError> {
         let any = self.position.iter().chain(&self.direction).chain([&self.time]);
         let not_negative = [self.extent, self.duration, self.spread, self.speed];
         let bad = any.chain(&not_negative).find(|value| !value.is_finite());
         match bad.or_else(|| not_negative.iter().find(|value| **value < 0.0)) {
-            Some(found) => Err(SprayError::Figure("bursts", *found)),
+            Some(found) => Err(SprayError::Figure(SprayFigure::Bursts, *found)),
             None => Ok(()),
         }
     }

@@ -1,10 +1,35 @@
 use super::{MAX_CELLS, MAX_CROWD, MAX_DROPS, MAX_STEPS, MAX_WORK};
 
+figures! {
+    /// A figure of a spray.
+    SprayFigure {
+        Center = "center",
+        Size = "size",
+        Cell = "cell",
+        Rate = "rate",
+        Threshold = "threshold",
+        Width = "width",
+        Density = "density",
+        Follow = "follow",
+        Speed = "speed",
+        Cone = "cone",
+        Wind = "wind",
+        Drag = "drag",
+        Lifetime = "lifetime",
+        Radius = "radius",
+        Growth = "growth",
+        Vary = "vary",
+        Tuft = "tuft",
+        Torn = "torn",
+        Bursts = "bursts",
+    }
+}
+
 /// Why a spray is refused.
 #[derive(Clone, Debug, PartialEq)]
 pub enum SprayError {
     /// A figure is not finite, or outside what it can mean.
-    Figure(&'static str, f64),
+    Figure(SprayFigure, f64),
     /// More cells than [`MAX_CELLS`].
     Cells(f64, f64),
     /// More steps in a lifetime than [`MAX_STEPS`].
@@ -21,12 +46,12 @@ pub enum SprayError {
 
 impl SprayError {
     /// The figure that is best changed.
-    pub fn figure(&self) -> &'static str {
+    pub fn figure(&self) -> SprayFigure {
         match self {
-            Self::Figure(figure, _) => figure,
-            Self::Cells(..) => "cell",
-            Self::Steps(_) | Self::Work(_) => "rate",
-            Self::Crowd(_) | Self::Drops | Self::Stopped => "density",
+            Self::Figure(figure, _) => *figure,
+            Self::Cells(..) => SprayFigure::Cell,
+            Self::Steps(_) | Self::Work(_) => SprayFigure::Rate,
+            Self::Crowd(_) | Self::Drops | Self::Stopped => SprayFigure::Density,
         }
     }
 }

@@ -26,6 +26,8 @@
 //! Whether a drop is born does not depend on how the sea is evaluated: where f32 leaves a doubt, the f64 sum decides.
 //! Its place and velocity are those of the sea to f32. [`mod@reference`] is the same in f64 and plain loops.
 
+use trochoid_key::content_key;
+
 mod birth;
 mod breeder;
 mod burst;
@@ -37,7 +39,7 @@ mod run;
 
 pub use birth::{Birth, Droplet};
 pub use burst::Burst;
-pub use error::SprayError;
+pub use error::{SprayError, SprayFigure};
 pub use run::SprayRun;
 
 /// Most cells of a spray.
@@ -97,6 +99,29 @@ pub struct Spray {
     /// Bursts, besides what crests throw.
     pub bursts: Vec<Burst>,
 }
+
+content_key!(Spray {
+    center,
+    size,
+    cell,
+    rate,
+    threshold,
+    width,
+    density,
+    follow,
+    speed,
+    cone,
+    wind,
+    drag,
+    lifetime,
+    radius,
+    growth,
+    vary,
+    tuft,
+    torn,
+    seed,
+    bursts,
+});
 
 impl Default for Spray {
     fn default() -> Self {
@@ -171,26 +196,31 @@ impl Spray {
     /// # Errors
     /// A figure that is not finite or cannot be negative and is, or too many cells, steps or drops.
     pub fn check(&self) -> Result<(), SprayError> {
-        let any = self.center.iter().map(|&v| ("center", v)).chain(self.wind.iter().map(|&v| ("wind", v)));
-        for (figure, value) in any.chain([("threshold", self.threshold), ("follow", self.follow)]) {
+        let any = self
+            .center
+            .iter()
+            .map(|&v| (SprayFigure::Center, v))
+            .chain(self.wind.iter().map(|&v| (SprayFigure::Wind, v)));
+        for (figure, value) in any.chain([(SprayFigure::Threshold, self.threshold), (SprayFigure::Follow, self.follow)])
+        {
             if !value.is_finite() {
                 return Err(SprayError::Figure(figure, value));
             }
         }
-        let positive = [("cell", self.cell), ("rate", self.rate), ("tuft", self.tuft)];
+        let positive = [(SprayFigure::Cell, self.cell), (SprayFigure::Rate, self.rate), (SprayFigure::Tuft, self.tuft)];
         let figures = [
-            ("size", self.size[0]),
-            ("size", self.size[1]),
-            ("width", self.width),
-            ("density", self.density),
-            ("speed", self.speed),
-            ("cone", self.cone),
-            ("drag", self.drag),
-            ("lifetime", self.lifetime),
-            ("radius", self.radius),
-            ("growth", self.growth),
-            ("vary", self.vary),
-            ("torn", self.torn),
+            (SprayFigure::Size, self.size[0]),
+            (SprayFigure::Size, self.size[1]),
+            (SprayFigure::Width, self.width),
+            (SprayFigure::Density, self.density),
+            (SprayFigure::Speed, self.speed),
+            (SprayFigure::Cone, self.cone),
+            (SprayFigure::Drag, self.drag),
+            (SprayFigure::Lifetime, self.lifetime),
+            (SprayFigure::Radius, self.radius),
+            (SprayFigure::Growth, self.growth),
+            (SprayFigure::Vary, self.vary),
+            (SprayFigure::Torn, self.torn),
         ];
         for (figure, value) in positive.into_iter().chain(figures) {
             if !value.is_finite() || value < 0.0 || (value == 0.0 && positive.contains(&(figure, value))) {

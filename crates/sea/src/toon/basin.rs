@@ -1,7 +1,8 @@
 use std::f64::consts::PI;
+use trochoid_key::content_key;
 
-use super::ToonError;
 use super::error::within;
+use super::{ToonError, ToonFigure};
 
 /// Most cells of a basin.
 const MAX_CELLS: f64 = (1 << 26) as f64;
@@ -18,6 +19,14 @@ pub enum Boundary {
     Fixed,
 }
 
+content_key!(
+    enum Boundary {
+        Replicate,
+        Periodic,
+        Fixed,
+    }
+);
+
 /// A grid of cells.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Basin {
@@ -31,6 +40,8 @@ pub struct Basin {
     pub boundary: Boundary,
 }
 
+content_key!(Basin { columns, rows, spacing, boundary });
+
 impl Basin {
     /// Number of cells.
     pub fn cells(&self) -> usize {
@@ -39,10 +50,10 @@ impl Basin {
 
     pub(crate) fn validate(&self) -> Result<(), ToonError> {
         let side = (2.0, 16_384.0);
-        within("columns", self.columns as f64, side, "2 to 16384 cells")?;
-        within("rows", self.rows as f64, side, "2 to 16384 cells")?;
-        within("columns × rows", self.columns as f64 * self.rows as f64, (4.0, MAX_CELLS), "at most 2²⁶ cells")?;
-        within("spacing", self.spacing, (1e-6, 1e6), "1e-6 to 1e6 meters")
+        within(ToonFigure::Columns, self.columns as f64, side, "2 to 16384 cells")?;
+        within(ToonFigure::Rows, self.rows as f64, side, "2 to 16384 cells")?;
+        within(ToonFigure::Cells, self.columns as f64 * self.rows as f64, (4.0, MAX_CELLS), "at most 2²⁶ cells")?;
+        within(ToonFigure::Spacing, self.spacing, (1e-6, 1e6), "1e-6 to 1e6 meters")
     }
 
     /// Angle of the kth basis function along an axis of n cells: the mean of a cell's two neighbors multiplies it by

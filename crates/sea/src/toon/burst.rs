@@ -1,20 +1,17 @@
 use std::f64::consts::PI;
+use trochoid_key::content_key;
 
 use super::error::within;
 use super::splat::{DriftStamp, Stamp};
 use super::spline::Spline;
-use super::{Basin, Drift, Rift, ToonError};
+use super::{Basin, Drift, Rift, Shape, ToonError, ToonFigure};
 
-/// The profile of bursts.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Shape {
-    /// (p·H/2)·(cos(min(π·|(u−x)/r|/p, π)) + 1): 2 × half its height at the center, 0 beyond its radius, smooth. Scaled
-    /// so that a burst that rests reaches its own height.
-    #[default]
-    Intended,
-    /// H·cos(min(p·|(u−x)/r|, π) + 1) as printed, at every step: a cusp in the center, −0.54·H everywhere far away.
-    Literal,
-}
+content_key!(
+    enum Shape {
+        Intended,
+        Literal,
+    }
+);
 
 /// A wave's center that travels along a cubic Bézier curve, over and over.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,6 +36,8 @@ pub struct Burst {
     pub lane: f64,
 }
 
+content_key!(Burst { path, duration, offset, height, peak, influence, fade, active, lane });
+
 impl Burst {
     /// A burst of 1 m and 2 m radius along a path, in 10 s.
     pub fn along(path: [[f64; 2]; 4]) -> Self {
@@ -57,19 +56,20 @@ impl Burst {
 
     pub(crate) fn validate(&self) -> Result<(), ToonError> {
         for value in self.path.iter().flatten() {
-            within("control point", *value, (-1e9, 1e9), "-1e9 to 1e9 meters")?;
+            within(ToonFigure::ControlPoint, *value, (-1e9, 1e9), "-1e9 to 1e9 meters")?;
         }
-        within("duration", self.duration, (1e-3, 1e9), "0.001 to 1e9 seconds")?;
-        within("offset", self.offset, (-1e9, 1e9), "-1e9 to 1e9 seconds")?;
-        within("height", self.height, (-1e6, 1e6), "-1e6 to 1e6 meters")?;
-        within("peak", self.peak, (1e-3, 1e3), "0.001 to 1000")?;
-        within("influence", self.influence[0], (1e-3, 1e6), "0.001 to 1e6 meters")?;
-        within("influence", self.influence[1], (1e-3, 1e6), "0.001 to 1e6 meters")?;
-        within("fade", self.fade, (0.0, 0.5), "0 to 0.5")?;
-        within("lane", self.lane, (-1e6, 1e6), "-1e6 to 1e6 meters")?;
+        within(ToonFigure::Duration, self.duration, (1e-3, 1e9), "0.001 to 1e9 seconds")?;
+        within(ToonFigure::Offset, self.offset, (-1e9, 1e9), "-1e9 to 1e9 seconds")?;
+        within(ToonFigure::Height, self.height, (-1e6, 1e6), "-1e6 to 1e6 meters")?;
+        within(ToonFigure::Peak, self.peak, (1e-3, 1e3), "0.001 to 1000")?;
+        within(ToonFigure::Influence, self.influence[0], (1e-3, 1e6), "0.001 to 1e6 meters")?;
+        within(ToonFigure::Influence, self.influence[1], (1e-3, 1e6), "0.001 to 1e6 meters")?;
+        within(ToonFigure::Fade, self.fade, (0.0, 0.5), "0 to 0.5")?;
+        within(ToonFigure::Lane, self.lane, (-1e6, 1e6), "-1e6 to 1e6 meters")?;
         let [start, end] = self.active;
         if start.is_nan() || end.is_nan() {
-            return Err(ToonError::Range { quantity: "active", found: f64::NAN, expected: "two times in seconds" });
+            let (figure, expected) = (ToonFigure::Active, "two times in seconds");
+            return Err(ToonError::Range { figure, burst: None, found: f64::NAN, expected });
         }
         Ok(())
     }

@@ -1,4 +1,39 @@
-use super::Instability;
+figures! {
+    /// A figure of a toon sea.
+    ToonFigure {
+        Columns = "columns",
+        Rows = "rows",
+        Cells = "columns × rows",
+        Spacing = "spacing",
+        Rate = "rate",
+        Speed = "speed",
+        Damping = "damping",
+        Frequency = "frequency",
+        Push = "push",
+        Injection = "injection",
+        RiftDistance = "rift distance",
+        RiftGain = "rift gain",
+        RiftDecay = "rift decay",
+        DriftReach = "drift reach",
+        DriftLag = "drift lag",
+        DriftDecay = "drift decay",
+        DriftRenewal = "drift renewal",
+        DriftPeriod = "drift period",
+        Bursts = "number of bursts",
+        ControlPoint = "control point",
+        Duration = "duration",
+        Offset = "offset",
+        Height = "height",
+        Peak = "peak",
+        Influence = "influence",
+        Fade = "fade",
+        Lane = "lane",
+        Active = "active",
+        BodyLength = "length of a body",
+        BodyBeam = "beam of a body",
+        BodyDraught = "draught of a body",
+    }
+}
 
 /// Why a toon sea is refused.
 #[derive(Clone, Debug, PartialEq)]
@@ -6,7 +41,9 @@ pub enum ToonError {
     /// A number outside its range.
     Range {
         /// What it is.
-        quantity: &'static str,
+        figure: ToonFigure,
+        /// Of a burst, its place among all bursts of the sea.
+        burst: Option<usize>,
         /// Its value.
         found: f64,
         /// What is accepted instead.
@@ -24,13 +61,41 @@ pub enum ToonError {
 impl std::fmt::Display for ToonError {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            Self::Range { quantity, found, expected } => write!(f, "{quantity} {found}; expected {expected}"),
             Self::Unstable(instability) => instability.fmt(f),
-            Self::NotResampled { found: [c1, c2] } => write!(
-                f,
+            Self::Range { .. } | Self::NotResampled { .. } => {
+                write!(f, "{}; expected {}", self.found(), self.expected())
+            }
+        }
+    }
+}
+
+impl ToonError {
+    /// What was found.
+    pub fn found(&self) -> String {
+        match self {
+            Self::Range { figure, found, .. } => format!("{figure} {found}"),
+            Self::Unstable(instability) => instability.found(),
+            Self::NotResampled { found: [c1, c2] } => format!(
                 "c1 {c1}, c2 {c2}, which cannot be resampled: some mode changes its sign at every step, so that half a \
-                 step has no real value; expected 0 < c1 < 1 and c2 of 0 or more, or the literal motion"
+                 step has no real value"
             ),
+        }
+    }
+
+    /// What is accepted instead.
+    pub fn expected(&self) -> &'static str {
+        match self {
+            Self::Range { expected, .. } => expected,
+            Self::Unstable(_) => Instability::EXPECTED,
+            Self::NotResampled { .. } => "0 < c1 < 1 and c2 of 0 or more, or the literal motion",
+        }
+    }
+
+    /// The same of a burst, by its place among all bursts.
+    pub fn of_burst(self, index: usize) -> Self {
+        match self {
+            Self::Range { figure, found, expected, .. } => Self::Range { figure, burst: Some(index), found, expected },
+            other => other,
         }
     }
 }
@@ -39,7 +104,7 @@ impl std::error::Error for ToonError {}
 
 /// Finite values within closed bounds pass; anything else, NaN too, is refused by name.
 pub(crate) fn within(
-    quantity: &'static str,
+    figure: ToonFigure,
     found: f64,
     (low, high): (f64, f64),
     expected: &'static str,
@@ -47,6 +112,35 @@ pub(crate) fn within(
     if found.is_finite() && found >= low && found <= high {
         Ok(())
     } else {
-        Err(ToonError::Range { quantity, found, expected })
+        Err(ToonError::Range { figure, burst: None, found, expected })
+    }
+}
+
+/// A recurrence that grows without bound, and the nearest one that does not.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Instability {
+    /// The coefficients c₁, c₂.
+    pub found: [f64; 2],
+    /// By how much the fastest mode grows in a step.
+    pub growth: f64,
+    /// The stable coefficients closest to them, to four decimals.
+    pub nearest: [f64; 2],
+}
+
+impl Instability {
+    /// What is accepted instead.
+    pub(crate) const EXPECTED: &str = "|c1| ≤ 1 and |2·c1·λ + c2| ≤ 1 + c1 for each mode λ of the grid";
+
+    /// What was found.
+    pub(crate) fn found(&self) -> String {
+        let [c1, c2] = self.found;
+        format!("c1 {c1}, c2 {c2}, with which the sea grows by {:.4} a step", self.growth)
+    }
+}
+
+impl std::fmt::Display for Instability {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let ([c1, c2], found, expected) = (self.nearest, self.found(), Self::EXPECTED);
+        write!(f, "{found}; expected {expected}; the nearest that holds: c1 {c1:.4}, c2 {c2:.4}")
     }
 }

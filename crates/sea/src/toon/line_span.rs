@@ -73,7 +73,7 @@ pub fn density_span(here: NearPhase, beside: [[NearPhase; 2]; 2]) -> ([f64; 2], 
         let (mut sure, mut low, mut high) = (None::<f64>, f64::INFINITY, 0.0_f64);
         for there in sides {
             let ((a, own), (b, other)) = (here.angle(), there.angle());
-            let norms = [0, 1].map(|end| (here.lengths()[end] * there.lengths()[end]).powi(2));
+            let norms = [0, 1].map(|end| here.lengths()[end] * there.lengths()[end]).map(|norm| norm * norm);
             let apart = (a - b).abs();
             let apart = apart.min(TAU - apart);
             let (least, most) = ((apart - own - other).max(0.0), apart + own + other);
@@ -156,7 +156,8 @@ impl Lines {
     fn shown_span(&self, place: &NearPlace) -> [f64; 2] {
         let lengths = place.phase.lengths();
         let spread = |weight: f64, length: f64, lost: f64| {
-            let lost = (1.0 - (length / weight).powi(2) + lost).max(0.0);
+            let kept = length / weight;
+            let lost = (1.0 - kept * kept + lost).max(0.0);
             f64::from(Drift::LINES) / TAU * libm::sqrt(lost)
         };
         let weights = place.weight.map(|weight| weight.max(0.0));

@@ -1,5 +1,6 @@
 use super::error::within;
-use super::{Basin, Instability, ToonError};
+use super::{Basin, Instability, ToonError, ToonFigure};
+use trochoid_key::{ContentKey, KeyHasher, content_key};
 
 /// Literal steps a second.
 pub const LITERAL_HZ: f64 = 60.0;
@@ -15,6 +16,8 @@ pub struct Mixing {
     /// Weight of the height itself.
     pub c2: f64,
 }
+
+content_key!(Mixing { c1, c2 });
 
 impl Default for Mixing {
     fn default() -> Self {
@@ -44,6 +47,8 @@ pub struct Physics {
     pub push: Option<f64>,
 }
 
+content_key!(Physics { speed, damping, frequency, push });
+
 /// How the height field moves.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Motion {
@@ -65,6 +70,16 @@ pub enum Motion {
     },
 }
 
+impl ContentKey for Motion {
+    fn feed(&self, hasher: &mut KeyHasher) {
+        match self {
+            Self::Literal(mixing) => (0_u8, mixing).feed(hasher),
+            Self::Resampled { mixing, rate } => (1_u8, mixing, rate).feed(hasher),
+            Self::Physical { physics, rate } => (2_u8, physics, rate).feed(hasher),
+        }
+    }
+}
+
 impl Default for Motion {
     fn default() -> Self {
         Self::Resampled { mixing: Mixing::default(), rate: LITERAL_HZ }
@@ -81,7 +96,7 @@ impl Motion {
     }
 
     pub(crate) fn validate(&self, basin: &Basin) -> Result<(), ToonError> {
-        within("rate", self.rate(), (1e-3, 1e4), "0.001 to 10,000 steps a second")?;
+        within(ToonFigure::Rate, self.rate(), (1e-3, 1e4), "0.001 to 10,000 steps a second")?;
         match *self {
             Self::Literal(mixing) => Instability::check(mixing, basin).map_err(ToonError::Unstable),
             Self::Resampled { mixing, .. } => {
@@ -93,10 +108,15 @@ impl Motion {
             }
             Self::Physical { physics, .. } => {
                 let range = (0.0, 1e6);
-                within("speed", physics.speed, range, "0 to 1e6 m/s")?;
-                within("damping", physics.damping, range, "0 to 1e6 per second")?;
-                within("frequency", physics.frequency, range, "0 to 1e6 rad/s")?;
-                within("push", physics.push.unwrap_or(0.0), (-1e12, 1e12), "a finite number per second squared")
+                within(ToonFigure::Speed, physics.speed, range, "0 to 1e6 m/s")?;
+                within(ToonFigure::Damping, physics.damping, range, "0 to 1e6 per second")?;
+                within(ToonFigure::Frequency, physics.frequency, range, "0 to 1e6 rad/s")?;
+                within(
+                    ToonFigure::Push,
+                    physics.push.unwrap_or(0.0),
+                    (-1e12, 1e12),
+                    "a finite number per second squared",
+                )
             }
         }
     }

@@ -1,11 +1,12 @@
 use rayon::prelude::*;
+use trochoid_key::content_key;
 
 use super::burst::Stamping;
 use super::error::within;
 use super::splat::{DRIFTS, DriftStep, RiftStep, Splat, Stamp, Targets};
 use super::spline::Spline;
 use super::trail::decayed;
-use super::{Basin, Burst, Drift, Field, LITERAL_HZ, Motion, Rift, Shape, Simulation, ToonError};
+use super::{Basin, Burst, Drift, Field, LITERAL_HZ, Motion, Rift, Shape, ToonError, ToonFigure};
 
 /// Most bursts of a sea.
 pub const MAX_BURSTS: usize = 1_000_000;
@@ -27,6 +28,8 @@ pub struct Behavior {
     pub drift: Drift,
 }
 
+content_key!(Behavior { shape, oriented, injection, preroll, rift, drift });
+
 /// Fields besides the height that a simulation is to keep. What is not asked for is not simulated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Wanted {
@@ -35,6 +38,8 @@ pub struct Wanted {
     /// The coordinates of drift lines.
     pub drift: bool,
 }
+
+content_key!(Wanted { rift, drift });
 
 /// A toon sea: what there is to know of it at all times.
 #[derive(Clone, Debug, PartialEq)]
@@ -46,6 +51,8 @@ pub struct ToonSea {
     /// Arc lengths of each burst's path.
     pub(crate) lengths: Vec<Vec<f64>>,
 }
+
+content_key!(ToonSea { basin, motion, behavior, bursts, lengths });
 
 /// Buffers of a step, kept for their memory.
 #[derive(Clone, Debug, Default)]
@@ -70,9 +77,11 @@ impl ToonSea {
         motion.validate(&basin)?;
         behavior.rift.validate()?;
         behavior.drift.validate()?;
-        within("injection", behavior.injection.unwrap_or(0.0), (-1e6, 1e6), "-1e6 to 1e6")?;
-        within("number of bursts", bursts.len() as f64, (0.0, MAX_BURSTS as f64), "at most a million")?;
-        bursts.iter().try_for_each(Burst::validate)?;
+        within(ToonFigure::Injection, behavior.injection.unwrap_or(0.0), (-1e6, 1e6), "-1e6 to 1e6")?;
+        within(ToonFigure::Bursts, bursts.len() as f64, (0.0, MAX_BURSTS as f64), "at most a million")?;
+        for (index, burst) in bursts.iter().enumerate() {
+            burst.validate().map_err(|error| error.of_burst(index))?;
+        }
         Ok(Self { basin, motion, behavior, bursts, lengths: Vec::new() })
     }
 
@@ -96,18 +105,7 @@ impl ToonSea {
         &self.bursts
     }
 
-    /// The sea at rest, ready to be walked through time.
-    pub fn simulate(&self, wanted: Wanted) -> Simulation {
-        Simulation::new(self.with_lengths(wanted), wanted, true)
-    }
-
-    /// The same without heights: trails come from bursts alone, and are the same bits. So they can be left until
-    /// somebody asks for them.
-    pub fn simulate_trails(&self, wanted: Wanted) -> Simulation {
-        Simulation::new(self.with_lengths(wanted), wanted, false)
-    }
-
-    fn with_lengths(&self, wanted: Wanted) -> Self {
+    pub(super) fn with_lengths(&self, wanted: Wanted) -> Self {
         let mut sea = self.clone();
         if wanted.drift {
             sea.lengths = sea.bursts.iter().map(|burst| Spline(burst.path).lengths()).collect();

@@ -76,6 +76,19 @@ pub struct Drifted<'a> {
     pub across: [&'a [f32]; 2],
 }
 
+impl ToonSea {
+    /// The sea at rest, ready to be walked through time.
+    pub fn simulate(&self, wanted: Wanted) -> Simulation {
+        Simulation::new(self.with_lengths(wanted), wanted, true)
+    }
+
+    /// The same without heights: trails come from bursts alone, and are the same bits. So they can be left until
+    /// somebody asks for them.
+    pub fn simulate_trails(&self, wanted: Wanted) -> Simulation {
+        Simulation::new(self.with_lengths(wanted), wanted, false)
+    }
+}
+
 impl Simulation {
     pub(crate) fn new(sea: ToonSea, wanted: Wanted, heights: bool) -> Self {
         let modes = match sea.motion {

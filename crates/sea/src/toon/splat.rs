@@ -118,7 +118,7 @@ struct Tile {
 
 /// Where a tile lies.
 #[derive(Clone, Copy)]
-struct Place {
+struct TilePlace {
     column: usize,
     row: usize,
     rows: usize,
@@ -155,7 +155,7 @@ impl Splat {
             for tile_column in 0..across {
                 let bin = index * across + tile_column;
                 let members = &this.members[this.starts[bin] as usize..this.starts[bin + 1] as usize];
-                let place = Place { column: tile_column * TILE_COLUMNS, row, rows: (rows - row).min(TILE_ROWS) };
+                let place = TilePlace { column: tile_column * TILE_COLUMNS, row, rows: (rows - row).min(TILE_ROWS) };
                 let step = Step { stamps, members, shape, base: far as f32, gain, rift: rift_step, drift: drift_step };
                 dispatch!(level, simd => simd.vectorize(#[inline(always)] || {
                     step.tile(simd, place, columns, &mut tile, &mut band);
@@ -235,7 +235,7 @@ const NEAREST: u8 = 2;
 
 impl Step<'_> {
     #[inline(always)]
-    fn tile<S: Simd>(&self, simd: S, place: Place, columns: usize, tile: &mut Tile, band: &mut Band<'_>) {
+    fn tile<S: Simd>(&self, simd: S, place: TilePlace, columns: usize, tile: &mut Tile, band: &mut Band<'_>) {
         if !self.members.is_empty() {
             tile.height.fill(self.base);
             let rift = match self.rift {
@@ -271,7 +271,7 @@ impl Step<'_> {
 
     /// Rows and vectors of the tile that a burst touches, and where it stands in the tile.
     #[inline(always)]
-    fn window(stamp: &Stamp, place: Place) -> ([usize; 2], [usize; 2], [f32; 2]) {
+    fn window(stamp: &Stamp, place: TilePlace) -> ([usize; 2], [usize; 2], [f32; 2]) {
         let x = stamp.place[0] - place.column as f64;
         let z = stamp.place[1] - place.row as f64;
         let bound = |value: f64, limit: usize| value.clamp(0.0, limit as f64) as usize;
@@ -283,7 +283,7 @@ impl Step<'_> {
     }
 
     #[inline(always)]
-    fn stamp<S: Simd, const SHAPE: u8, const RIFT: u8>(&self, simd: S, place: Place, tile: &mut Tile) {
+    fn stamp<S: Simd, const SHAPE: u8, const RIFT: u8>(&self, simd: S, place: TilePlace, tile: &mut Tile) {
         let lane = f32x16::from_slice(simd, &LANE);
         let zero = f32x16::splat(simd, 0.0);
         let distance = self.rift.map_or(0.0, |rift| rift.distance);
@@ -333,7 +333,7 @@ impl Step<'_> {
     }
 
     #[inline(always)]
-    fn drifts<S: Simd>(&self, simd: S, place: Place, tile: &mut Tile) {
+    fn drifts<S: Simd>(&self, simd: S, place: TilePlace, tile: &mut Tile) {
         let lane = f32x16::from_slice(simd, &LANE);
         let zero = f32x16::splat(simd, 0.0);
         // Not a closure: those are compiled for the plainest processor, and every operation in them is a call.
@@ -372,7 +372,7 @@ impl Step<'_> {
 
     /// Adds the tile's sums to the fields.
     #[inline(always)]
-    fn store(&self, place: Place, columns: usize, tile: &Tile, band: &mut Band<'_>) {
+    fn store(&self, place: TilePlace, columns: usize, tile: &Tile, band: &mut Band<'_>) {
         let touched = !self.members.is_empty();
         let width = (columns - place.column).min(TILE_COLUMNS);
         for row in 0..place.rows {

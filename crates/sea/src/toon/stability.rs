@@ -2,7 +2,7 @@
 
 use std::f64::consts::LN_2;
 
-use super::{Basin, LITERAL_HZ, Mixing, Motion, Physics};
+use super::{Basin, Instability, LITERAL_HZ, Mixing, Motion, Physics};
 
 /// What theory says of a motion on a grid.
 ///
@@ -113,17 +113,6 @@ impl Mixing {
     }
 }
 
-/// A recurrence that grows without bound, and the nearest one that does not.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Instability {
-    /// The coefficients c₁, c₂.
-    pub found: [f64; 2],
-    /// By how much the fastest mode grows in a step.
-    pub growth: f64,
-    /// The stable coefficients closest to them, to four decimals.
-    pub nearest: [f64; 2],
-}
-
 /// Rounding of 1 − c₁ − c₂ where the decimals sum to 1: a mode this far beyond grows by 1e-15 a step.
 const SLACK: f64 = 1e-15;
 /// How far inside the stable region the proposal lies, so that four decimals keep it there.
@@ -146,18 +135,6 @@ impl Instability {
         }
         let growth = gaps.map(|gap| radius(found, gap)).into_iter().fold(0.0, f64::max);
         Err(Self { found, growth, nearest: nearest(found, gaps) })
-    }
-}
-
-impl std::fmt::Display for Instability {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let ([c1, c2], [near1, near2]) = (self.found, self.nearest);
-        write!(
-            f,
-            "c1 {c1}, c2 {c2}, with which the sea grows by {:.4} a step; expected |c1| ≤ 1 and |2·c1·λ + c2| ≤ 1 + c1 \
-             for each mode λ of the grid; the nearest that holds: c1 {near1:.4}, c2 {near2:.4}",
-            self.growth
-        )
     }
 }
 

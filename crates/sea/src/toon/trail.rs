@@ -1,6 +1,7 @@
-use super::ToonError;
 use super::error::within;
 use super::spline::length_at;
+use super::{ToonError, ToonFigure};
+use trochoid_key::content_key;
 
 /// How several bursts near a cell share in its rift.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -11,6 +12,13 @@ pub enum Combine {
     /// Only the nearest burst counts, as the printed formula has it.
     Nearest,
 }
+
+content_key!(
+    enum Combine {
+        Sum,
+        Nearest,
+    }
+);
 
 /// The trail of foam behind bursts: r += k·max(d − m, 0), m the distance from a burst, and r ÷= 1 + ε at every literal
 /// step.
@@ -25,6 +33,8 @@ pub struct Rift {
     /// Several bursts.
     pub combine: Combine,
 }
+
+content_key!(Rift { distance, gain, decay, combine });
 
 impl Default for Rift {
     fn default() -> Self {
@@ -44,9 +54,9 @@ impl Rift {
     }
 
     pub(crate) fn validate(&self) -> Result<(), ToonError> {
-        within("rift distance", self.distance, (1e-6, 1e6), "1e-6 to 1e6 meters")?;
-        within("rift gain", self.gain, (0.0, 1e6), "0 to 1e6 per meter")?;
-        within("rift decay", self.decay, (0.0, 1e3), "0 to 1000")
+        within(ToonFigure::RiftDistance, self.distance, (1e-6, 1e6), "1e-6 to 1e6 meters")?;
+        within(ToonFigure::RiftGain, self.gain, (0.0, 1e6), "0 to 1e6 per meter")?;
+        within(ToonFigure::RiftDecay, self.decay, (0.0, 1e3), "0 to 1000")
     }
 }
 
@@ -84,6 +94,8 @@ pub struct Drift {
     pub period: f64,
 }
 
+content_key!(Drift { reach, lag, decay, renewal, period });
+
 impl Default for Drift {
     fn default() -> Self {
         Self { reach: [1.1, 1.25], lag: 0.35, decay: 0.02, renewal: 0.5, period: 0.8 }
@@ -96,12 +108,12 @@ impl Drift {
 
     pub(crate) fn validate(&self) -> Result<(), ToonError> {
         for reach in self.reach {
-            within("drift reach", reach, (1e-3, 1e3), "0.001 to 1000")?;
+            within(ToonFigure::DriftReach, reach, (1e-3, 1e3), "0.001 to 1000")?;
         }
-        within("drift lag", self.lag, (-1e3, 1e3), "-1000 to 1000")?;
-        within("drift decay", self.decay, (0.0, 1e3), "0 to 1000")?;
-        within("drift renewal", self.renewal, (0.0, 1e3), "0 to 1000")?;
-        within("drift period", self.period, (1e-6, 1e6), "1e-6 to 1e6 meters")
+        within(ToonFigure::DriftLag, self.lag, (-1e3, 1e3), "-1000 to 1000")?;
+        within(ToonFigure::DriftDecay, self.decay, (0.0, 1e3), "0 to 1000")?;
+        within(ToonFigure::DriftRenewal, self.renewal, (0.0, 1e3), "0 to 1000")?;
+        within(ToonFigure::DriftPeriod, self.period, (1e-6, 1e6), "1e-6 to 1e6 meters")
     }
 
     /// What makes weights and phases come to about 1 where bursts pass: their greatest sum is 1/(ε + ρ).

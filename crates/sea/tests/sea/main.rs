@@ -5,6 +5,7 @@ mod evaluation;
 mod folding;
 mod grids;
 mod group;
+mod keys;
 mod random;
 mod ripple;
 mod spray;

@@ -4,12 +4,14 @@
 //! those of its passes. The search goes from the coarsest methods to more accurate ones, and makes those passes more
 //! accurate that limit the picture where it is worst. What it finds depends on the document alone, not on the machine.
 
+mod error;
 #[cfg(feature = "io")]
 mod file;
 mod knobs;
 mod ladder;
 mod pilot;
 
+pub use error::{Missed, TargetError};
 #[cfg(feature = "io")]
 pub use file::{PlanFile, PlanFileError};
 pub use knobs::AccuracyKnob;
@@ -17,8 +19,7 @@ pub use ladder::{Attempt, Errors, Ladder, LadderRequest, Limit, PassError, Rung,
 pub use pilot::predict;
 
 use crate::{LoadError, Loaded};
-use std::fmt;
-use trochoid_engine::{Buffers, Cache, Certified, Certifier, EvalError, Limiting, Monitor, PlanError, Settings};
+use trochoid_engine::{Buffers, Cache, Certified, Certifier, Limiting, Monitor, PlanError, Settings};
 use trochoid_graph::{CheckedGraph, Kind, NodeId, Tolerance};
 use trochoid_image::{Window, WorkingSpace};
 
@@ -44,69 +45,6 @@ pub struct Planned {
     pub certified: Vec<Certified>,
     /// Seconds that rendering the frame will take: measured on an eighth of it.
     pub predicted: f64,
-}
-
-/// Why there are no such settings.
-#[derive(Debug, thiserror::Error)]
-pub enum TargetError {
-    /// The document with the settings is not valid.
-    #[error(transparent)]
-    Load(#[from] LoadError),
-    /// There is no plan.
-    #[error(transparent)]
-    Plan(#[from] PlanError),
-    /// It cannot be evaluated.
-    #[error(transparent)]
-    Evaluate(#[from] EvalError),
-    /// The most accurate settings miss it.
-    #[error("{0}")]
-    Missed(Box<Missed>),
-    /// Nothing is known of the errors of an output.
-    #[error(
-        "output \"{output}\": found no sample whose error is certain, since {why}; expected a bound to hold against the \
-         tolerance"
-    )]
-    Unknown {
-        /// The output.
-        output: String,
-        /// The pass that knows no bound, and why.
-        why: String,
-    },
-    /// No output has errors that a tolerance speaks of.
-    #[error("found no output of colors or weights; expected one: a tolerance speaks of what is displayed")]
-    NothingDisplayed,
-}
-
-/// By how much the most accurate settings miss a tolerance, and why.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Missed {
-    /// The tolerance, in display-encoded values.
-    pub tolerance: f64,
-    /// What it allows in the working space.
-    pub allowed: f64,
-    /// The output.
-    pub output: String,
-    /// The largest certified error of a sample in no doubt, in the working space.
-    pub certified: f64,
-    /// Where.
-    pub pixel: [i64; 2],
-    /// The pass that makes most of it, with its type; `None` where it is the rounding of f32 all over the graph.
-    pub pass: Option<(String, &'static str)>,
-}
-
-impl fmt::Display for Missed {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { output, certified, pixel: [x, y], allowed, .. } = self;
-        write!(
-            f,
-            "output \"{output}\": found {certified:.1e} certified at pixel ({x}, {y}) by the most accurate methods, "
-        )?;
-        match &self.pass {
-            Some((name, ty)) => write!(f, "limited by the pass \"{name}\" ({ty})")?,
-            None => write!(f, "limited by the rounding of f32 in all passes together")?,
-        }
-        write!(f, "; expected at most {allowed:.1e}")
-    }
 }
 
 /// Finds the settings, given how to load the document with assignments beyond its own.

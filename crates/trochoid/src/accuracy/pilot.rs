@@ -1,6 +1,6 @@
 //! Parts of a picture that stand for all of it.
 
-use super::TargetError;
+use super::error::TargetError;
 use trochoid_engine::{Buffers, Cache, Monitor, Plan, Settings};
 use trochoid_graph::CheckedGraph;
 use trochoid_image::Window;

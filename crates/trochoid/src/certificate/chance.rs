@@ -41,8 +41,8 @@ pub(super) fn allowed(looked: u64, p: f64) -> u64 {
     let n = looked as f64;
     let unlikely = |k: u64| {
         let q = k as f64 / n;
-        let term = |a: f64, b: f64| if a == 0.0 { 0.0 } else { a * (a / b).ln() };
-        q > p && -n * (term(q, p) + term(1.0 - q, 1.0 - p)) <= BAD_LUCK.ln()
+        let term = |a: f64, b: f64| if a == 0.0 { 0.0 } else { a * libm::log(a / b) };
+        q > p && -n * (term(q, p) + term(1.0 - q, 1.0 - p)) <= libm::log(BAD_LUCK)
     };
     (0..looked).find(|most| unlikely(most + 1)).unwrap_or(looked)
 }

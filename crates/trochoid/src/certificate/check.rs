@@ -1,5 +1,6 @@
 //! Checking certificates: all that can be held against document, inputs and image, then pixels against the references.
 
+use super::failed::Failed;
 use super::image::StoredImage;
 use super::inputs::{files, folder_of, hashed, is_same, plain};
 use super::make::{channels_of, format_of, plan_of};
@@ -7,7 +8,6 @@ use super::pixels::PixelCheck;
 use super::words::{Contents, Size, Words};
 use super::*;
 use crate::{LoadError, OutputFile};
-use std::fmt;
 use std::path::Path;
 use trochoid_engine::{Cache, Monitor, ReferenceFrame};
 use trochoid_graph::{Access, CheckedGraph, Guarantee, Kind, refusals};
@@ -43,23 +43,6 @@ pub struct Request<'r> {
     /// Which files the document in the certificate may reach: by default what is [usual](Access::usual) of the certificate's
     /// folder. Where the document says that it stood is its own claim.
     pub access: Option<&'r Access>,
-}
-
-/// Something that does not hold.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Failed {
-    /// Where.
-    pub place: String,
-    /// What was found there.
-    pub found: String,
-    /// What the certificate or the references say.
-    pub expected: String,
-}
-
-impl fmt::Display for Failed {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}: found {}; expected {}", self.place, self.found, self.expected)
-    }
 }
 
 /// What was seen of one output.

@@ -1,9 +1,10 @@
 //! Image files as they stand: their samples, hashed in blocks; and images of certified errors.
 
 use super::{ChannelText, ImageHashes};
+use crate::exr_layer::file_channels;
+use crate::files::folder_of_file;
 use crate::files::target;
 use crate::marks::with_marks;
-use crate::output::{file_channels, folder_of_file};
 use crate::{Form, OutputError, OutputFile};
 use std::path::Path;
 use trochoid_engine::Certified;

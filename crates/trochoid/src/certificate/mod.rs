@@ -38,6 +38,7 @@
 mod chance;
 mod check;
 mod color;
+mod failed;
 mod image;
 mod inputs;
 mod make;
@@ -50,7 +51,8 @@ mod tests;
 mod types;
 mod words;
 
-pub use check::{Choice, Failed, Findings, Request, Verification, verify};
+pub use check::{Choice, Findings, Request, Verification, verify};
+pub use failed::Failed;
 pub use image::error_image;
 pub use make::{Made, certify};
 pub use seal::CertificateError;

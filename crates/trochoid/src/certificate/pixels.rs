@@ -1,8 +1,8 @@
 //! The pixels of one output against their references.
 
 use super::chance::{allowed, choose};
-use super::check::Failed;
 use super::color::Coding;
+use super::failed::Failed;
 use super::image::{StoredChannel, StoredImage};
 use super::make::hash_of_corners;
 use super::map::PixelMap;

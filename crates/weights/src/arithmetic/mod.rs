@@ -11,7 +11,6 @@
 mod partition;
 mod rows;
 
-pub(crate) use partition::round_from_f64;
 pub use partition::{MAX_WEIGHTS, accumulate, blend, normalize, round_partition, round_weight, stack};
 pub use rows::{normalize_rows, power_row, round_partition_rows, stack_rows};
 
@@ -170,14 +169,4 @@ pub fn product(a: f32, b: f32) -> f32 {
 pub fn screen(a: f32, b: f32) -> f32 {
     let (small, large) = if a < b { (a, b) } else { (b, a) };
     mix(large, 1.0, small)
-}
-
-/// The mask of one threshold of Bands: [`clamp`] over a ramp of the given width centered on the threshold.
-///
-/// Width 0, or a width too small to move the threshold, is a [`step`]: the upper band at the threshold itself.
-#[inline(always)]
-#[must_use]
-pub fn threshold(x: f32, threshold: f32, width: f32) -> f32 {
-    let half = 0.5 * width;
-    clamp(x, threshold - half, threshold + half)
 }

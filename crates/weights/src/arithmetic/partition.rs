@@ -56,7 +56,7 @@ pub fn round_partition(raw: &mut [f32]) {
 
 /// The same from f64 weights: rounded to multiples of 2⁻²⁴ without passing through f32.
 #[inline]
-pub(crate) fn round_from_f64(raw: impl Iterator<Item = f64>, out: &mut [f32]) {
+fn round_from_f64(raw: impl Iterator<Item = f64>, out: &mut [f32]) {
     let mut largest = 0;
     let mut best = f64::NEG_INFINITY;
     let mut sum = 0.0_f64;

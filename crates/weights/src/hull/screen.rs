@@ -44,7 +44,7 @@ impl Screen {
             return None;
         }
         // So much more that a pixel off by some roundings is still within.
-        let more = largest * 2.0_f64.powi(-16);
+        let more = largest / 65_536.0;
         let min = bounds.min().map(|v| (f64::from(v) - more) as f32);
         let max = bounds.max().map(|v| (f64::from(v) + more) as f32);
         let planes = planes.iter().map(|plane| narrow(plane, &min, &max, largest)).collect();

@@ -70,7 +70,7 @@ impl Driver {
 
     fn text(&self, path: &str) -> String {
         let value = self.state.sheet().value.pointer(path);
-        value.map(edit::style).unwrap_or_default()
+        value.map(crate::document::change::style).unwrap_or_default()
     }
 
     fn at(&self, name: &str) -> [f32; 2] {

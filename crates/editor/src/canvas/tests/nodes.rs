@@ -1,6 +1,6 @@
 use super::{Driver, GRAPH, click, drag, nowhere, open, place, press, stroke};
-use crate::actions::Action;
-use crate::canvas::menu::{Line, lined_up};
+use crate::actions::{Action, Line};
+use crate::canvas::menu::lined_up;
 use crate::canvas::place::size;
 use crate::canvas::{arrange, freezing, placed};
 use crate::document::{Session, edit};

@@ -5,7 +5,7 @@ use crate::actions::Action;
 use crate::canvas::{Canvas, canvas_ui};
 use crate::document::Session;
 use crate::editor::Editor;
-use crate::testing::{finished, sized, until};
+use crate::testing::{ask, finished, sized, until};
 use egui::{Event, Key, Modifiers, MouseWheelUnit, PointerButton, TouchPhase, Vec2, pos2, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
@@ -16,8 +16,7 @@ fn seen(scene: &str) -> Editor {
     crate::tests::shots::at_root();
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../graphs").join(format!("{scene}.json"));
     let mut window = sized(Session::open(&file).unwrap(), None, [400.0, 300.0]);
-    let context = window.ctx.clone();
-    window.state_mut().as_mut().unwrap().act(Action::Proxy(4), &context);
+    ask(&mut window, Action::Proxy(4));
     finished(&mut window);
     until(&mut window, "thumbnails", |editor| !editor.state().seen.thumbnails.is_empty());
     window.into_state().unwrap()

@@ -1,5 +1,5 @@
 use super::{SMALL, small};
-use crate::document::{Path, Session, edit};
+use crate::document::{Edit, Path, Session, change, edit};
 use serde_json::json;
 use trochoid::{Item, Takes, registry};
 
@@ -137,7 +137,7 @@ fn a_drag_is_one_step_and_typing_another() {
     session.seal();
     let path = Path::node("soft").to("size");
     for step in 0..5 {
-        session.edit(edit::Edit::set(path.clone(), &json!(step)).merging("size")).unwrap();
+        session.edit(Edit::set(path.clone(), &json!(step)).merging("size")).unwrap();
     }
     assert_eq!(value(&session, "soft", "size"), json!(4));
     assert_eq!(session.undo().as_deref(), Some("Set soft.size"));
@@ -154,8 +154,8 @@ fn documents_with_faults_open_and_can_be_mended() {
     assert!(session.meaning().graph.is_none());
     assert_eq!(session.sheet().nodes.len(), 6, "all nodes are there");
     assert!(session.sheet().node("soft").unwrap().declaration.is_none());
-    session.edit(edit::Edit::set(Path::node("sea").to("weight"), &json!("across"))).unwrap();
-    session.edit(edit::Edit::set(Path::node("soft").to("type"), &json!("Blur"))).unwrap();
+    session.edit(Edit::set(Path::node("sea").to("weight"), &json!("across"))).unwrap();
+    session.edit(Edit::set(Path::node("soft").to("type"), &json!("Blur"))).unwrap();
     valid(&session);
     let broken = Session::new("{ \"trochoid\": 1, ".into(), None);
     assert!(!broken.meaning().readable);
@@ -172,7 +172,7 @@ fn documents_with_faults_open_and_can_be_mended() {
 #[test]
 fn numbers_are_written_as_people_write_them() {
     let value = json!({ "a": [1.0, 2.5, -0.25], "b": { "c": "#fff000" }, "d": {}, "e": true });
-    assert_eq!(edit::style(&value), r##"{ "a": [1, 2.5, -0.25], "b": { "c": "#fff000" }, "d": {}, "e": true }"##);
+    assert_eq!(change::style(&value), r##"{ "a": [1, 2.5, -0.25], "b": { "c": "#fff000" }, "d": {}, "e": true }"##);
 }
 
 #[test]

@@ -1,8 +1,8 @@
 use super::{SMALL, small};
-use crate::document::edit::{self, Edit};
+use crate::document::edit;
 use crate::document::history::{Change, History};
 use crate::document::json::Splice;
-use crate::document::{Path, Session};
+use crate::document::{Edit, Path, Session};
 use rand::seq::IndexedRandom;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;

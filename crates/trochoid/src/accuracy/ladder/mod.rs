@@ -1,11 +1,13 @@
 //! Error against run time: settings side by side, from the coarsest to the most accurate, each certified, measured and timed.
 
 mod limit;
+mod request;
 mod rung;
 mod truth;
 mod work;
 
 pub use limit::Limit;
+pub use request::LadderRequest;
 pub use rung::{Errors, PassError, Rung};
 pub use work::{Saving, Scaling};
 
@@ -18,21 +20,6 @@ use trochoid_graph::CheckedGraph;
 use trochoid_image::{Format, Window};
 use truth::Truth;
 use work::{savings, scalings};
-
-/// What is to be measured.
-#[derive(Clone, Copy, Debug)]
-pub struct LadderRequest<'a> {
-    /// Output, frame and how plans run; the tolerance does not count.
-    pub request: Request<'a>,
-    /// The size at which all is measured, if not the document's.
-    pub format: Option<Format>,
-    /// How many pixels are held against the f64 reference.
-    pub pixels: usize,
-    /// Whether all of the picture is certified, or an eighth of it.
-    pub whole: bool,
-    /// Tolerances to ask for, of displayed values.
-    pub tolerances: &'a [f64],
-}
 
 /// All that was found.
 #[derive(Clone, Debug)]

@@ -1,8 +1,9 @@
 //! One rung: settings certified, measured and timed.
 
+use super::request::LadderRequest;
 use super::truth::{Truth, chosen};
-use super::{LadderRequest, Request, TargetError};
 use crate::accuracy::predict;
+use crate::accuracy::{Request, TargetError};
 use std::time::Instant;
 use trochoid_engine::{Buffers, Cache, Certified, Certifier, Frame, Monitor, Picture, Plan};
 use trochoid_graph::CheckedGraph;

@@ -1,6 +1,7 @@
 //! Pixels of the f64 references.
 
-use super::{LadderRequest, TargetError};
+use super::request::LadderRequest;
+use crate::accuracy::TargetError;
 use std::collections::BTreeSet;
 use trochoid_engine::{Cache, EvalError, Monitor, ReferenceError, ReferenceFrame};
 use trochoid_graph::CheckedGraph;

@@ -1,0 +1,88 @@
+//! Documents that stand in the book: checked, and rendered.
+
+use std::path::Path;
+use trochoid::io::{Limits, Selection, read};
+use trochoid::{Buffers, Cache, OutputFile, Plan, Settings, Silent, parse, write_output};
+
+/// The largest difference of a stored picture's values from what its document makes: rounding on another machine.
+const SAME: f32 = 2.5 / 255.0;
+
+/// Renders the first output of a document at its first frame, as a PNG.
+///
+/// # Errors
+/// The document has a fault or a warning, cannot be rendered, or leaves the hull of its control colors.
+pub(crate) fn render(name: &str, document: &str, folder: &Path, to: &Path) -> Result<(), String> {
+    let loaded = parse(name, document, folder, &[]).map_err(|error| error.to_string())?;
+    if let Some(warning) = loaded.warnings.first() {
+        return Err(warning.to_string());
+    }
+    let graph = &loaded.graph;
+    let output = graph.outputs().first().ok_or_else(|| format!("{name}: no output"))?;
+    let said = |error: &dyn std::fmt::Display| format!("{name}: {error}");
+    let plan = Plan::new(graph, &[output.name.as_str()], graph.frames().0, &[], &Settings::default())
+        .map_err(|error| said(&error))?;
+    let frame = plan.evaluate(&Buffers::new(), &mut Cache::new(), &Silent).map_err(|error| said(&error))?;
+    let picture = &frame.pictures[0];
+    if picture.audit.hull_exits > 0 {
+        return Err(format!("{name}: {} pixels outside the hull of the control colors", picture.audit.hull_exits));
+    }
+    let file = OutputFile { path: to.into(), outputs: vec![picture.output] };
+    write_output(graph, &frame, &file, &[]).map_err(|error| said(&error))
+}
+
+/// Whether two pictures are the same, but for rounding.
+///
+/// # Errors
+/// One of them cannot be read.
+pub(crate) fn same_pictures(a: &Path, b: &Path) -> Result<bool, String> {
+    let picture = |path: &Path| {
+        read(path, &Selection::default(), &Limits::default()).map_err(|error| format!("{}: {error}", path.display()))
+    };
+    let (a, b) = (picture(a)?, picture(b)?);
+    let same_size = a.data == b.data && a.channels.len() == b.channels.len();
+    let near = |(a, b): (&f32, &f32)| (a - b).abs() <= SAME;
+    Ok(same_size
+        && a.channels.iter().zip(&b.channels).all(|(a, b)| a.plane.samples().iter().zip(b.plane.samples()).all(near)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A picture of one color, 8 × 4, with more nodes beside it.
+    fn document(color: &str, more: &str) -> String {
+        format!(
+            r##"{{ "trochoid": 1, "format": {{ "width": 8, "height": 4 }},
+                "nodes": {{ "c": {{ "type": "Constant", "color": "{color}" }}{more} }},
+                "outputs": {{ "picture": {{ "color": "c" }} }} }}"##
+        )
+    }
+
+    #[test]
+    fn pictures_are_told_apart() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let pictures = ["#808080", "#818181", "#848484"].map(|color| {
+            let to = folder.path().join(format!("{}.png", &color[1..]));
+            render(color, &document(color, ""), folder.path(), &to).expect("valid");
+            to
+        });
+        assert_eq!(same_pictures(&pictures[0], &pictures[1]), Ok(true), "rounding");
+        assert_eq!(same_pictures(&pictures[0], &pictures[2]), Ok(false));
+        assert!(same_pictures(&pictures[0], &folder.path().join("none.png")).is_err());
+    }
+
+    #[test]
+    fn faults_and_warnings_of_documents_are_said() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let to = folder.path().join("a.png");
+        for (text, part) in [
+            (document("blue", ""), "error: a.json:2:"),
+            (document("#000", r#", "x": { "type": "ScreenX" }"#), "no output needs"),
+            (document("#000", "").replace(r#""color": "c""#, r#""field": "c""#), "error: a.json:3:"),
+        ] {
+            let fault = render("a.json", &text, folder.path(), &to).expect_err(part);
+            assert!(fault.contains(part), "{fault}: {part}");
+            assert!(!to.exists());
+        }
+    }
+}

@@ -1,0 +1,213 @@
+//! The page of a node type, from its declaration.
+
+use serde_json::{Value, json};
+use std::fmt::Write as _;
+use trochoid::{Accepts, Arity, Declaration, End, Item, Knob, KnobDefault, List, Port, expected};
+
+/// The page of a node type: `document` is the one that shows it, whose picture lies beside the page.
+pub(crate) fn node_page(declaration: &Declaration, document: &str) -> String {
+    let name = declaration.name;
+    let mut page = format!("# {name}\n\n{}\n\n![{name}]({name}.png)\n\n", prose(declaration.summary));
+    let _ = writeln!(page, "{}\n", end(declaration.end));
+    items(&mut page, declaration.items);
+    page.push_str("## Outputs\n\n| name | what it is | what it holds |\n|---|---|---|\n");
+    for (index, output) in declaration.outputs.iter().enumerate() {
+        let main = if index == 0 { ", the node's name alone" } else { "" };
+        let _ = writeln!(page, "| `{}`{main} | {} | {} |", output.name, output.kind, cell(output.help));
+    }
+    for (heading, body) in
+        [("Formula", declaration.formula), ("Edge cases", declaration.edge_cases), ("Source", declaration.source)]
+    {
+        if !body.is_empty() {
+            let _ = write!(page, "\n## {heading}\n\n{}\n", prose(body));
+        }
+    }
+    let _ = write!(
+        page,
+        "\n## The document of the picture\n\n\
+         It is complete: `trochoid render docs/nodes/{name}.json --out {name}.png` makes the picture above.\n\n```json\n{}\n```\n",
+        document.trim_end()
+    );
+    page
+}
+
+/// One line of the list of nodes, as a row of a table.
+pub(crate) fn row(declaration: &Declaration) -> String {
+    let name = declaration.name;
+    format!(
+        "| [<img src=\"nodes/{name}.png\" alt=\"{name}\" width=\"160\">](nodes/{name}.md) | [{name}](nodes/{name}.md) | {} |\n",
+        cell(declaration.summary)
+    )
+}
+
+fn end(end: End) -> &'static str {
+    match end {
+        End::Front => "*Front end:* any mathematics; makes passes.",
+        End::Back => "*Back end:* convex operations only, so no color leaves the palette.",
+    }
+}
+
+fn items(page: &mut String, items: &[Item]) {
+    if items.is_empty() {
+        page.push_str("It has no ports and no knobs.\n\n");
+        return;
+    }
+    let ports: Vec<&Port> =
+        items.iter().filter_map(|item| if let Item::Port(port) = item { Some(port) } else { None }).collect();
+    if !ports.is_empty() {
+        page.push_str("## Ports\n\n| name | takes | what it means |\n|---|---|---|\n");
+        ports.iter().for_each(|port| port_row(page, port, ""));
+        page.push('\n');
+    }
+    if ports.len() < items.len() {
+        page.push_str("## Knobs\n\n| name | takes | default | what it means |\n|---|---|---|---|\n");
+        for item in items {
+            match item {
+                Item::Port(_) => {}
+                Item::Knob(knob) => knob_row(page, knob, ""),
+                Item::List(list) => list_rows(page, list, ""),
+            }
+        }
+        page.push_str("\nA default with ◆ may be keyed over frames.\n\n");
+    }
+}
+
+fn port_row(page: &mut String, port: &Port, prefix: &str) {
+    let _ = writeln!(page, "| `{prefix}{}` | {} | {} |", port.name, takes_of(port), cell(port.help));
+}
+
+fn knob_row(page: &mut String, knob: &Knob, prefix: &str) {
+    let unit = if knob.unit.is_empty() { String::new() } else { format!(", in {}", knob.unit) };
+    let default = match default_of(knob) {
+        _ if knob.default.is_none() => "**required**".into(),
+        Value::Null => "unset".into(),
+        value => format!("`{value}`"),
+    };
+    let keyed = if knob.animated { " ◆" } else { "" };
+    let takes = cell(&format!("{}{unit}", expected(&knob.takes)));
+    let _ = writeln!(page, "| `{prefix}{}` | {takes} | {default}{keyed} | {} |", knob.name, cell(knob.help));
+}
+
+/// A list of records, and below it what each of them holds; `prefix` is the list that it lies in.
+fn list_rows(page: &mut String, list: &List, prefix: &str) {
+    let required = if list.min > 0 { "**required**" } else { "none" };
+    let name = format!("{prefix}{}", list.name);
+    let count = range(list.min, list.max);
+    let _ = writeln!(page, "| `{name}` | a list of {count} records, as below | {required} | {} |", cell(list.help));
+    let within = format!("{name}[].");
+    for item in list.items {
+        match item {
+            Item::Port(port) => {
+                let is_open = matches!(port.arity, Arity::Optional | Arity::Many { min: 0, .. });
+                let default = if is_open { "none" } else { "**required**" };
+                let (takes, help) = (takes_of(port), cell(port.help));
+                let _ = writeln!(page, "| `{within}{}` | {takes} | {default} | {help} |", port.name);
+            }
+            Item::Knob(knob) => knob_row(page, knob, &within),
+            Item::List(list) => list_rows(page, list, &within),
+        }
+    }
+}
+
+fn takes_of(port: &Port) -> String {
+    let literal = match port.accepts {
+        Accepts::Color => ", or a literal color",
+        Accepts::Image => ", or a literal color or mask",
+        Accepts::Mask => ", or a literal number from 0 to 1",
+        Accepts::Scalar | Accepts::Field => ", or a literal number",
+        Accepts::Weights => ", or literal numbers that sum to 1",
+        _ => "",
+    };
+    let accepts = port.accepts;
+    match port.arity {
+        Arity::One => format!("{accepts}{literal}"),
+        Arity::Optional => format!("{accepts}{literal}; may be left open"),
+        Arity::Many { min, max } => {
+            let open = if min == 0 { "; may be left open" } else { "" };
+            format!("a list of {} × {accepts}{literal}{open}", range(min, max))
+        }
+    }
+}
+
+fn range(min: usize, max: usize) -> String {
+    match (min, max) {
+        (min, max) if min == max => min.to_string(),
+        (min, max) if max > 4096 => format!("{min} or more"),
+        (min, max) => format!("{min} to {max}"),
+    }
+}
+
+fn default_of(knob: &Knob) -> Value {
+    match knob.default {
+        Some(KnobDefault::Number(number)) if number.fract() == 0.0 && number.abs() < 1e15 => json!(number as i64),
+        Some(KnobDefault::Number(number)) => json!(number),
+        Some(KnobDefault::Bool(value)) => json!(value),
+        Some(KnobDefault::Text(text)) => json!(text),
+        Some(KnobDefault::Vector(values)) => json!(values),
+        Some(KnobDefault::Unset) | None => Value::Null,
+    }
+}
+
+/// A declaration's text as Markdown: what stands between backticks stays code, all else is plain text.
+fn prose(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    for (index, part) in text.split('`').enumerate() {
+        if index % 2 == 1 {
+            let _ = write!(out, "`{part}`");
+            continue;
+        }
+        for c in part.chars() {
+            if "\\*_{}[]<>#|~&^$".contains(c) {
+                out.push('\\');
+            }
+            out.push(c);
+        }
+    }
+    out
+}
+
+/// As [`prose`], within a table, whose cells end at any bar.
+fn cell(text: &str) -> String {
+    let prose = prose(text);
+    let mut out = String::with_capacity(prose.len());
+    let mut last = ' ';
+    for c in prose.chars() {
+        if c == '|' && last != '\\' {
+            out.push('\\');
+        }
+        out.push(c);
+        last = c;
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn plain_text_stays_plain() {
+        assert_eq!(prose("a*b_c with `size_y` < 1"), r"a\*b\_c with `size_y` \< 1");
+        assert_eq!(cell("|n · v| of `a|b`"), r"\|n · v\| of `a\|b`");
+    }
+
+    #[test]
+    fn pages_have_all_ports_knobs_and_outputs() {
+        for ty in trochoid::registry().iter() {
+            let declaration = ty.declaration();
+            let page = node_page(declaration, "{}");
+            for item in declaration.items {
+                assert!(page.contains(&format!("\n| `{}` | ", item.name())), "{}: {}", declaration.name, item.name());
+                if let Item::List(list) = item {
+                    for item in list.items {
+                        let row = format!("\n| `{}[].{}` | ", list.name, item.name());
+                        assert!(page.contains(&row), "{}: {row}", declaration.name);
+                    }
+                }
+            }
+            for output in declaration.outputs {
+                assert!(page.contains(&format!("\n| `{}`", output.name)), "{}: {}", declaration.name, output.name);
+            }
+        }
+    }
+}

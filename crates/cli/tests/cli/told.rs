@@ -1,0 +1,43 @@
+//! All that commands tell, held against what is stored.
+
+use crate::scene::{Run, Scene};
+use crate::stored;
+use std::path::{Path, PathBuf};
+
+/// What the commands of one test tell: a folder with a text for each.
+pub(crate) struct Told {
+    folder: PathBuf,
+    faults: Vec<String>,
+}
+
+impl Told {
+    pub(crate) fn new(group: &str) -> Self {
+        Self { folder: Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/told").join(group), faults: Vec::new() }
+    }
+
+    /// A command ends with this code, nothing on stdout, and all on stderr that is stored.
+    pub(crate) fn is(&mut self, name: &str, code: i32, scene: &Scene, arguments: &[&str]) {
+        let run = scene.run(arguments);
+        if !run.out.is_empty() {
+            self.faults
+                .push(format!("{name}: {arguments:?}: found on stdout, where nothing was expected: {}", run.out));
+        }
+        self.stands(name, code, &run, scene);
+    }
+
+    /// A run ended with this code and all on stderr that is stored, whatever went to stdout.
+    pub(crate) fn stands(&mut self, name: &str, code: i32, run: &Run, scene: &Scene) {
+        if run.code != code || run.err.contains("panicked") {
+            self.faults.push(format!("{name}: found the code {}; expected {code}: {}", run.code, run.err));
+            return;
+        }
+        let path = self.folder.join(format!("{name}.txt"));
+        self.faults.extend(stored::holds_said(&path, &run.err, &scene.path("")).err());
+    }
+
+    /// No command told other than before.
+    #[track_caller]
+    pub(crate) fn ends(self) {
+        assert!(self.faults.is_empty(), "{}", self.faults.join("\n"));
+    }
+}

@@ -1,0 +1,271 @@
+//! One field: a port, a knob, a list, or a group of them.
+
+use crate::docs::help;
+use proc_macro2::TokenStream;
+use quote::quote;
+use syn::ext::IdentExt as _;
+use syn::parse::{Parse, ParseStream};
+use syn::{Attribute, Error, Expr, ExprRange, Field, GenericArgument, Ident, LitStr, PathArguments, Token, Type};
+
+/// What a field declares, and how it is read.
+pub(crate) struct Part {
+    /// A slice of items.
+    pub(crate) items: TokenStream,
+    pub(crate) read: TokenStream,
+}
+
+/// The last name of a type, and what stands in its angle brackets.
+fn named(ty: &Type) -> Option<(String, Option<&Type>)> {
+    let Type::Path(path) = ty else { return None };
+    let last = path.path.segments.last()?;
+    let argument = match &last.arguments {
+        PathArguments::AngleBracketed(arguments) => arguments.args.first().and_then(|argument| match argument {
+            GenericArgument::Type(ty) => Some(ty),
+            _ => None,
+        }),
+        _ => None,
+    };
+    Some((last.ident.to_string(), argument))
+}
+
+fn attribute<'f>(field: &'f Field, name: &str) -> Option<&'f Attribute> {
+    field.attrs.iter().find(|attribute| attribute.path().is_ident(name))
+}
+
+/// Both ends of `a..=b`.
+fn ends(range: &ExprRange) -> Result<[&Expr; 2], Error> {
+    match (&range.start, &range.end, &range.limits) {
+        (Some(start), Some(end), syn::RangeLimits::Closed(_)) => Ok([start, end]),
+        _ => Err(Error::new_spanned(range, "expected a range with both ends: a..=b")),
+    }
+}
+
+pub(crate) fn part(field: &Field) -> Result<Part, Error> {
+    let ident = field.ident.as_ref().ok_or_else(|| Error::new_spanned(field, "expected a name"))?;
+    let (name, ty) = (ident.unraw().to_string(), &field.ty);
+    if attribute(field, "items").is_some() {
+        return Ok(Part {
+            items: quote! { <#ty as ::trochoid_graph::Items>::ITEMS },
+            read: quote! { <#ty as ::trochoid_graph::Items>::read(reader) },
+        });
+    }
+    let help = help(&field.attrs, field)?;
+    if let Some(list) = attribute(field, "list") {
+        return records(list, &name, ty, &help);
+    }
+    match named(ty) {
+        Some((arity, _)) if ["One", "Optional", "Many"].contains(&arity.as_str()) => port(field, &arity, &name, &help),
+        _ => knob(field, &name, &help),
+    }
+}
+
+/// `#[list(1..=8)] layers: Vec<Layer>`.
+fn records(list: &Attribute, name: &str, ty: &Type, help: &str) -> Result<Part, Error> {
+    let range: ExprRange = list.parse_args()?;
+    let [min, max] = ends(&range)?;
+    let Some((_, Some(record))) = named(ty) else { return Err(Error::new_spanned(ty, "expected Vec<Record>")) };
+    Ok(Part {
+        items: quote! {
+            &[::trochoid_graph::Item::List(::trochoid_graph::List {
+                name: #name,
+                help: #help,
+                items: <#record as ::trochoid_graph::Items>::ITEMS,
+                min: #min,
+                max: #max,
+            })]
+        },
+        read: quote! { reader.list() },
+    })
+}
+
+/// What `#[port(…)]` says.
+#[derive(Default)]
+struct PortSaid {
+    many: Option<ExprRange>,
+    wants: Vec<Ident>,
+}
+
+fn parse_port(input: ParseStream<'_>) -> Result<PortSaid, Error> {
+    let mut said = PortSaid::default();
+    while !input.is_empty() {
+        if input.peek(Ident) {
+            let key: Ident = input.parse()?;
+            if key != "wants" {
+                return Err(Error::new_spanned(key, "expected a range, or wants(…)"));
+            }
+            let content;
+            syn::parenthesized!(content in input);
+            said.wants = content.parse_terminated(Ident::parse, Token![,])?.into_iter().collect();
+        } else {
+            said.many = Some(input.parse()?);
+        }
+        if !input.is_empty() {
+            input.parse::<Token![,]>()?;
+        }
+    }
+    Ok(said)
+}
+
+fn port(field: &Field, arity: &str, name: &str, help: &str) -> Result<Part, Error> {
+    let said = attribute(field, "port").map(|port| port.parse_args_with(parse_port)).transpose()?.unwrap_or_default();
+    let arity = match (arity, &said.many) {
+        ("One", None) => quote! { ::trochoid_graph::Arity::One },
+        ("Optional", None) => quote! { ::trochoid_graph::Arity::Optional },
+        ("Many", Some(range)) => {
+            let [min, max] = ends(range)?;
+            quote! { ::trochoid_graph::Arity::Many { min: #min, max: #max } }
+        }
+        ("Many", None) => return Err(Error::new_spanned(field, "say how many connections: #[port(1..=64)]")),
+        _ => return Err(Error::new_spanned(field, "a range is for Many<…> alone")),
+    };
+    let (ty, wants) = (&field.ty, said.wants);
+    Ok(Part {
+        items: quote! {
+            &[::trochoid_graph::Item::Port(::trochoid_graph::Port {
+                name: #name,
+                help: #help,
+                accepts: <#ty as ::trochoid_graph::Connected>::ACCEPTS,
+                arity: #arity,
+                wants: &[#(::trochoid_graph::Offer::#wants),*],
+            })]
+        },
+        read: quote! { reader.port() },
+    })
+}
+
+/// What `#[knob(…)]` says.
+#[derive(Default)]
+struct KnobSaid {
+    default: Option<Expr>,
+    range: Option<ExprRange>,
+    len: Option<ExprRange>,
+    unit: Option<LitStr>,
+    flags: Vec<Ident>,
+}
+
+impl KnobSaid {
+    fn is(&self, flag: &str) -> bool {
+        self.flags.iter().any(|known| known == flag)
+    }
+}
+
+fn parse_knob(input: ParseStream<'_>) -> Result<KnobSaid, Error> {
+    const FLAGS: [&str; 7] = ["required", "held", "accuracy", "scales", "drawn", "path", "color"];
+    let mut said = KnobSaid::default();
+    while !input.is_empty() {
+        let key: Ident = input.parse()?;
+        if FLAGS.contains(&key.to_string().as_str()) {
+            said.flags.push(key);
+        } else {
+            input.parse::<Token![=]>()?;
+            match key.to_string().as_str() {
+                "default" => said.default = Some(input.parse()?),
+                "range" => said.range = Some(input.parse()?),
+                "len" => said.len = Some(input.parse()?),
+                "unit" => said.unit = Some(input.parse()?),
+                _ => {
+                    let known = format!("expected default, range, len, unit, or one of {}", FLAGS.join(", "));
+                    return Err(Error::new_spanned(key, known));
+                }
+            }
+        }
+        if !input.is_empty() {
+            input.parse::<Token![,]>()?;
+        }
+    }
+    Ok(said)
+}
+
+/// Attributes without arguments, `#[knob]`, say nothing.
+fn said_of(field: &Field) -> Result<KnobSaid, Error> {
+    match attribute(field, "knob") {
+        Some(knob) if matches!(knob.meta, syn::Meta::List(_)) => knob.parse_args_with(parse_knob),
+        _ => Ok(KnobSaid::default()),
+    }
+}
+
+/// What a knob of a type takes, its default, and whether it may be keyed.
+fn takes(field: &Field, ty: &Type, said: &KnobSaid) -> Result<(TokenStream, Option<TokenStream>, bool), Error> {
+    let range = |of: &Option<ExprRange>, example: &str| match of {
+        Some(range) => ends(range).map(|ends| ends.map(|end| quote!(#end))),
+        None => Err(Error::new_spanned(field, format!("expected {example}"))),
+    };
+    let default = said.default.as_ref();
+    if let Type::Array(array) = ty {
+        let len = &array.len;
+        return Ok(match said.is("color") {
+            true => (quote! { Color }, None, true),
+            false => {
+                let default = default.map(|default| quote! { Vector(&{ const VALUES: #ty = #default; VALUES }) });
+                (quote! { Vector(#len) }, default, true)
+            }
+        });
+    }
+    let (name, argument) = named(ty).ok_or_else(|| Error::new_spanned(ty, "no type of a knob"))?;
+    let inner = argument.and_then(named).map(|(name, _)| name);
+    Ok(match (name.as_str(), inner.as_deref()) {
+        ("f64", _) => {
+            let [min, max] = range(&said.range, "a range: #[knob(default = 1.0, range = 0.0..=9.0)]")?;
+            (quote! { Number { min: #min, max: #max } }, default.map(|default| quote! { Number(#default) }), true)
+        }
+        ("i64", _) => {
+            let [min, max] = range(&said.range, "a range: #[knob(default = 1, range = 0..=9)]")?;
+            let default = default.map(|default| quote! { Number({ const VALUE: i64 = #default; VALUE as f64 }) });
+            (quote! { Integer { min: #min, max: #max } }, default, true)
+        }
+        ("bool", _) => (quote! { Bool }, default.map(|default| quote! { Bool(#default) }), false),
+        ("String", _) if said.is("path") => (quote! { Path }, None, false),
+        ("String", _) => (quote! { Text }, default.map(|default| quote! { Text(#default) }), false),
+        ("Vec", Some("f64")) => {
+            let [min, max] = range(&said.len, "how many: #[knob(len = 1..=64)]")?;
+            (quote! { Numbers { min: #min, max: #max } }, None, false)
+        }
+        ("Vec", Some("String")) => {
+            let [_, max] = range(&said.len, "how many: #[knob(len = 0..=64)]")?;
+            (quote! { Texts { max: #max } }, Some(quote! { Unset }), false)
+        }
+        ("Vec", _) => return Err(Error::new_spanned(field, "a list of records takes #[list(1..=8)]")),
+        _ => {
+            let words = quote! { <#ty as ::trochoid_graph::Choice>::WORDS };
+            let default = default.map_or(quote! { Text(#words[0]) }, |word| quote! { Text(#word) });
+            (quote! { Choice(#words) }, Some(default), false)
+        }
+    })
+}
+
+fn knob(field: &Field, name: &str, help: &str) -> Result<Part, Error> {
+    let said = said_of(field)?;
+    let (ty, optional) = match named(&field.ty) {
+        Some((option, Some(inner))) if option == "Option" => (inner, true),
+        _ => (&field.ty, false),
+    };
+    let (takes, default, animated) = takes(field, ty, &said)?;
+    let default = match default {
+        _ if said.is("required") => None,
+        _ if optional => Some(quote! { Unset }),
+        default => default,
+    };
+    let default = match default {
+        Some(default) => quote! { ::std::option::Option::Some(::trochoid_graph::Default::#default) },
+        None => quote! { ::std::option::Option::None },
+    };
+    let [held, accuracy, scales, drawn] = ["held", "accuracy", "scales", "drawn"].map(|flag| said.is(flag));
+    let unit = said.unit.map_or(if drawn { "pixels" } else { "" }.to_owned(), |unit| unit.value());
+    Ok(Part {
+        items: quote! {
+            &[::trochoid_graph::Item::Knob(::trochoid_graph::Knob {
+                name: #name,
+                help: #help,
+                unit: #unit,
+                takes: ::trochoid_graph::Takes::#takes,
+                default: #default,
+                animated: #animated,
+                held: #held,
+                accuracy: #accuracy,
+                scales: #scales,
+                drawn: #drawn,
+            })]
+        },
+        read: quote! { reader.knob() },
+    })
+}

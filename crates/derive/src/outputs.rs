@@ -1,0 +1,68 @@
+//! Outputs of a node.
+
+use crate::choice::variants;
+use crate::docs::help;
+use crate::items::snake;
+use proc_macro2::TokenStream;
+use quote::quote;
+use syn::parse::ParseStream;
+use syn::{DeriveInput, Error, Expr, Ident, LitStr, Token};
+
+/// What `#[output(…)]` says.
+struct Said {
+    kind: Expr,
+    name: Option<String>,
+    stored: Option<Expr>,
+}
+
+fn parse(input: ParseStream<'_>) -> Result<Said, Error> {
+    let mut said = Said { kind: input.parse()?, name: None, stored: None };
+    while !input.is_empty() {
+        input.parse::<Token![,]>()?;
+        let key: Ident = input.parse()?;
+        input.parse::<Token![=]>()?;
+        match key.to_string().as_str() {
+            "name" => said.name = Some(input.parse::<LitStr>()?.value()),
+            "stored" => said.stored = Some(input.parse()?),
+            _ => return Err(Error::new_spanned(key, "expected name or stored")),
+        }
+    }
+    Ok(said)
+}
+
+/// The expression of one output.
+pub(crate) fn output(name: &str, kind: &Expr, help: &str, stored: Option<&Expr>) -> TokenStream {
+    let stored = stored.map_or(quote!(&[]), |stored| quote!(&#stored));
+    quote! { ::trochoid_graph::Output { name: #name, kind: #kind, help: #help, stored: #stored } }
+}
+
+pub(crate) fn derive(input: &DeriveInput) -> Result<TokenStream, Error> {
+    let mut outputs = Vec::new();
+    let mut names = Vec::new();
+    for variant in variants(input)? {
+        let attribute = variant.attrs.iter().find(|attribute| attribute.path().is_ident("output"));
+        let attribute = attribute.ok_or_else(|| Error::new_spanned(variant, "say its kind: #[output(Kind::MASK)]"))?;
+        let said = attribute.parse_args_with(parse)?;
+        let name = said.name.unwrap_or_else(|| snake(&variant.ident));
+        outputs.push(output(&name, &said.kind, &help(&variant.attrs, variant)?, said.stored.as_ref()));
+        names.push(&variant.ident);
+    }
+    let (name, count) = (&input.ident, names.len());
+    Ok(quote! {
+        impl #name {
+            /// Every output, in order.
+            #[allow(dead_code)]
+            pub(crate) const ALL: [Self; #count] = [#(Self::#names),*];
+        }
+
+        impl ::trochoid_graph::OutputSet for #name {
+            const OUTPUTS: &'static [::trochoid_graph::Output] = &[#(#outputs),*];
+        }
+
+        impl ::std::convert::From<#name> for usize {
+            fn from(output: #name) -> usize {
+                output as usize
+            }
+        }
+    })
+}

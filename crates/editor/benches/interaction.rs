@@ -1,0 +1,184 @@
+//! How long the interface takes, without a screen: `cargo bench -p trochoid-editor --bench interaction`.
+//!
+//! A window of 1920 × 1080 points is laid out and tessellated as it would be for the graphics driver, whose part is not
+//! measured. Times to a picture run from the edit to the drawing that has the picture.
+
+use egui::{Context, Event, RawInput, Rect, pos2, vec2};
+use serde_json::json;
+use std::path::Path;
+use std::time::{Duration, Instant};
+use trochoid_editor::actions::Action;
+use trochoid_editor::document::{self, Edit, Session};
+use trochoid_editor::editor::Editor;
+
+struct Window {
+    context: Context,
+    editor: Editor,
+}
+
+impl Window {
+    fn new(session: Session) -> std::io::Result<Self> {
+        let context = Context::default();
+        let editor = Editor::new(&context, session, None)?;
+        Ok(Self { context, editor })
+    }
+
+    /// Draws once, and says how long that took.
+    fn draw(&mut self, events: Vec<Event>) -> Duration {
+        let screen_rect = Some(Rect::from_min_size(pos2(0.0, 0.0), vec2(1920.0, 1080.0)));
+        let input = RawInput { screen_rect, events, ..RawInput::default() };
+        let started = Instant::now();
+        let mut output = self.context.run_ui(input, |ui| self.editor.ui(ui));
+        output.textures_delta.clear();
+        let shapes = self.context.tessellate(output.shapes, output.pixels_per_point);
+        std::hint::black_box(shapes.len());
+        started.elapsed()
+    }
+
+    /// Draws as a window does, whenever a frame is asked for, until something holds.
+    fn until(&mut self, holds: impl Fn(&Editor) -> bool) -> Duration {
+        let started = Instant::now();
+        while !holds(&self.editor) {
+            if self.context.has_requested_repaint() {
+                self.draw(Vec::new());
+            }
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        started.elapsed()
+    }
+
+    /// Draws for a while: what comes after a picture, such as small ones of the nodes, is over then.
+    fn rest(&mut self) {
+        let started = Instant::now();
+        self.until(|_| started.elapsed() > Duration::from_secs(1));
+    }
+
+    fn finished(&mut self) -> Duration {
+        self.until(|editor| editor.state().seen.progress.is_none() && editor.state().seen.result.is_some())
+    }
+
+    /// Times from an edit to the first picture after it, and to the whole one.
+    fn edit(&mut self, edit: Edit) -> (Duration, Duration) {
+        self.rest();
+        let before = self.editor.state().seen.result.clone();
+        let context = self.context.clone();
+        let started = Instant::now();
+        self.editor.act(Action::Edit(edit), &context);
+        self.draw(Vec::new());
+        let other = |editor: &Editor| match (&before, &editor.state().seen.result) {
+            (Some(old), Some(new)) => !std::sync::Arc::ptr_eq(old, new),
+            (_, new) => new.is_some(),
+        };
+        self.until(other);
+        let first = started.elapsed();
+        self.finished();
+        (first, started.elapsed())
+    }
+}
+
+fn percentile(times: &mut [Duration], share: f64) -> f64 {
+    times.sort();
+    times[((times.len() - 1) as f64 * share) as usize].as_secs_f64() * 1e3
+}
+
+/// A chain of mixes of ramps, as many nodes as asked for.
+fn chain(count: usize) -> String {
+    let mut nodes = serde_json::Map::new();
+    nodes.insert("down".into(), json!({ "type": "ScreenY" }));
+    nodes.insert("across".into(), json!({ "type": "ScreenX" }));
+    let mut last = String::from("#203040");
+    for index in 0..count.saturating_sub(2) {
+        let name = format!("mix_{index}");
+        let weight = if index % 2 == 0 { "down" } else { "across" };
+        let color = format!("#{:02x}{:02x}80", index * 7 % 256, index * 13 % 256);
+        nodes.insert(name.clone(), json!({ "type": "Mix", "a": last, "b": color, "weight": weight }));
+        last = name;
+    }
+    json!({
+        "trochoid": 1,
+        "format": { "width": 1920, "height": 1080, "samples": 16 },
+        "nodes": nodes,
+        "outputs": { "beauty": { "color": last } },
+    })
+    .to_string()
+}
+
+fn row(what: &str, (first, whole): (Duration, Duration)) {
+    println!("{what:<52} {:>7.0} ms {:>7.0} ms", first.as_secs_f64() * 1e3, whole.as_secs_f64() * 1e3);
+}
+
+fn median(mut runs: Vec<(Duration, Duration)>) -> (Duration, Duration) {
+    let middle = runs.len() / 2;
+    let mut firsts: Vec<Duration> = runs.iter().map(|run| run.0).collect();
+    firsts.sort();
+    runs.sort_by_key(|run| run.1);
+    (firsts[middle], runs[middle].1)
+}
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    // What scenes read lies beneath it.
+    std::env::set_current_dir(&root)?;
+    let mut window = Window::new(Session::new(chain(500), None))?;
+    window.finished();
+    for idle in [true, false] {
+        let mut times = Vec::new();
+        for frame in 0..400 {
+            if !idle && frame % 10 == 0 {
+                // An edit keeps the evaluation going.
+                let color = json!(format!("#{:02x}4060", frame % 256));
+                let path = document::Path::node("mix_3").to("b");
+                let context = window.context.clone();
+                window.editor.act(Action::Edit(Edit::set(path, &color)), &context);
+            }
+            let at = pos2(300.0 + frame as f32, 700.0);
+            times.push(window.draw(vec![Event::PointerMoved(at)]));
+        }
+        let what = if idle { "at rest" } else { "evaluating, an edit every tenth" };
+        println!(
+            "frame, 500 nodes, {what}: median {:.1} ms, 95 % {:.1} ms, most {:.1} ms",
+            percentile(&mut times, 0.5),
+            percentile(&mut times, 0.95),
+            percentile(&mut times, 1.0)
+        );
+    }
+    println!("\n{:<52} {:>10} {:>10}", "from an edit to a picture, 1920 × 1080", "first", "whole");
+    let scene = |name: &str| Session::open(&root.join("graphs").join(name));
+    let set = |node: &str, knob: &str, value: serde_json::Value| Edit::set(document::Path::node(node).to(knob), &value);
+
+    let mut window = Window::new(scene("from_passes.json")?)?;
+    window.finished();
+    let sheet = window.editor.state().sheet().clone();
+    let mix = sheet.nodes.iter().find(|node| {
+        let b = sheet.get(&document::Path::node(&node.name).to("b"));
+        node.ty == "Mix" && b.and_then(|b| b.as_str()).is_some_and(|b| b.starts_with('#'))
+    });
+    if let Some(mix) = mix {
+        let runs =
+            (0..9).map(|n| window.edit(set(&mix.name, "b", json!(format!("#{:02x}5566", 16 * n + 9))))).collect();
+        row("a control color, from_passes", median(runs));
+    }
+    let clamp = sheet.nodes.iter().find(|node| node.ty == "Clamp");
+    if let Some(clamp) = clamp {
+        let low = sheet.get(&document::Path::node(&clamp.name).to("min")).and_then(|min| min.as_f64()).unwrap_or(0.0);
+        let runs =
+            (0..9).map(|n| window.edit(set(&clamp.name, "min", json!(low - 0.001 * f64::from(n + 1))))).collect();
+        row("a back-end knob, from_passes", median(runs));
+    }
+
+    let mut window = Window::new(scene("stormy_sea_bare.json")?)?;
+    window.finished();
+    let sheet = window.editor.state().sheet().clone();
+    if let Some(sea) = sheet.nodes.iter().find(|node| node.ty == "GerstnerSea") {
+        let runs = (0..5).map(|n| window.edit(set(&sea.name, "sharpness", json!(0.5 + 0.01 * f64::from(n))))).collect();
+        row("a wave knob, stormy_sea_bare", median(runs));
+    }
+
+    let started = Instant::now();
+    let mut window = Window::new(scene("stormy_sea.json")?)?;
+    window.until(|editor| editor.state().seen.result.is_some());
+    let first = started.elapsed();
+    window.finished();
+    row("stormy_sea opens", (first, started.elapsed()));
+    Ok(())
+}

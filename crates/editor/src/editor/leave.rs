@@ -1,0 +1,126 @@
+//! Leaving a document, and saving it before.
+
+use super::Editor;
+use crate::actions::After;
+use crate::document::keep::Kept;
+use crate::document::{Session, Standing, edit};
+use egui::Context;
+use std::path::Path;
+
+/// What became of saving a text that is no JSON.
+const NOT_SAVED: &str = "Nothing was saved";
+
+impl Editor {
+    /// Leaves this document for something else, unless there is unsaved work, or a run would end with the window: then a
+    /// question comes first.
+    pub(crate) fn leave(&mut self, after: After, context: &Context) {
+        if self.renderer.is_some() && matches!(after, After::Close) {
+            self.prompts.rendering(after);
+        } else if self.is_unsaved() {
+            self.prompts.unsaved(after);
+        } else {
+            self.go(after, context);
+        }
+    }
+
+    /// Goes on to something else, whatever is unsaved.
+    pub(crate) fn go(&mut self, after: After, context: &Context) {
+        match after {
+            After::New => self.start(Session::new(crate::document::session::NEW.into(), None), context),
+            After::Ask => self.prompts.ask_open(&self.state.session),
+            After::Open(file) => match Session::open(&file) {
+                Ok(session) => {
+                    self.start(session, context);
+                    self.offer();
+                }
+                Err(error) => {
+                    self.notices.error(error);
+                    self.offer_lost(&file);
+                }
+            },
+            After::Render => self.render(context),
+            After::Close => {
+                self.closing = true;
+                context.send_viewport_cmd(egui::ViewportCommand::Close);
+            }
+        }
+    }
+
+    /// Saves to the document's file, or asks where to; goes on to something else then.
+    pub(crate) fn store(&mut self, after: Option<After>, context: &Context) {
+        if !self.settle(NOT_SAVED) {
+            return;
+        }
+        let session = &self.state.session;
+        let newer = Standing::of(&session.sheet().value).is_newer();
+        match session.file().map(Path::to_path_buf) {
+            // Also where nobody could watch the file.
+            Some(_) if session.differs_on_disk() == Some(true) => self.prompts.external(Some(after)),
+            Some(_) if newer && session.is_changed() => self.prompts.newer(after),
+            Some(file) => self.save(&file, after, context),
+            None => self.prompts.ask_save(session, after),
+        }
+    }
+
+    /// Saves to a file, and goes on to something else where that worked.
+    pub(crate) fn save(&mut self, file: &Path, after: Option<After>, context: &Context) {
+        let moves = self.state.session.file() != Some(file);
+        // The watcher tells of this write too; it is what we know already then.
+        match self.state.session.save(file) {
+            Ok(paths) => {
+                self.notices.success(format!("Saved {}", file.display()));
+                if paths > 0 {
+                    let what = edit::count(paths, "relative path");
+                    let (were, they) = if paths == 1 { ("was", "it leads") } else { ("were", "they lead") };
+                    let text = format!("{what} {were} rewritten so that {they} to the same files from the new folder");
+                    self.notices.info(text);
+                }
+                if moves {
+                    self.watcher.watch(Some(file), context);
+                    self.remember();
+                    self.changed();
+                }
+                if let Some(data) = self.prompts.data() {
+                    self.recent = crate::recent::add(data, file);
+                }
+                if let Some(after) = after {
+                    self.go(after, context);
+                }
+            }
+            Err(error) => {
+                self.notices.error(error);
+            }
+        }
+    }
+
+    /// Takes what was kept of an editor that ended unexpectedly.
+    pub(crate) fn recover(&mut self, kept: &Kept, context: &Context) {
+        let session = kept.file.as_deref().and_then(|file| Session::open(file).ok());
+        let mut session = session.unwrap_or_else(|| Session::new(String::new(), kept.file.clone()));
+        session.recover(&kept.text, kept.overtaken);
+        self.start(session, context);
+        // It is not in the file yet, so it is kept again before the old copy goes.
+        self.copy();
+        if let Some(keeper) = &self.keeper {
+            keeper.replace(kept.clone());
+        }
+    }
+
+    /// Asks where to save.
+    pub(super) fn save_as(&mut self) {
+        if self.settle(NOT_SAVED) {
+            self.prompts.ask_save(&self.state.session, None);
+        }
+    }
+
+    /// Takes what is in the file now.
+    pub(super) fn reload(&mut self) {
+        self.settle("It stays there");
+        match self.state.session.reload() {
+            Ok(()) => self.changed(),
+            Err(error) => {
+                self.notices.error(error);
+            }
+        }
+    }
+}

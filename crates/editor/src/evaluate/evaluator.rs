@@ -1,0 +1,194 @@
+//! The thread that evaluates: what it holds, and how it does its tasks.
+
+use super::blame;
+use super::lens::{Lens, lens, of_every_node};
+use super::picture::{Failure, evaluate};
+use super::queue::{Cancellation, Progress, Queue, Task, Yields};
+use super::shown::{self, Display};
+use super::subject::Subject;
+use super::wish::{Job, News, Thumbnail};
+use std::sync::Arc;
+use std::sync::mpsc::Sender;
+use std::time::{Duration, Instant};
+use trochoid::{Buffers, Cache, EvalError, Format, Plan, Settings};
+
+/// Memory for what stages have prepared, bytes.
+const CACHE: usize = 3 << 30;
+/// Pictures that take no longer need no coarse one before them.
+const AT_ONCE: Duration = Duration::from_millis(90);
+/// Width and height of thumbnails, at most.
+const THUMBNAIL: [u32; 2] = [128, 80];
+
+/// What the thread holds.
+pub(super) struct Evaluator<'o> {
+    queue: &'o Queue,
+    news: &'o Sender<News>,
+    wake: &'o (dyn Fn() + Send + Sync),
+    cache: Cache,
+    /// How long a picture took, and how many samples it had, of what was looked at last.
+    last: Option<(Duration, u64)>,
+    lens: Option<(Subject, Arc<Lens>)>,
+}
+
+impl<'o> Evaluator<'o> {
+    pub(super) fn new(queue: &'o Queue, news: &'o Sender<News>, wake: &'o (dyn Fn() + Send + Sync)) -> Self {
+        Self { queue, news, wake, cache: Cache::with_limit(CACHE), last: None, lens: None }
+    }
+
+    fn tell(&self, news: News) {
+        // Nobody listens while the window closes.
+        let _ = self.news.send(news);
+        (self.wake)();
+    }
+
+    /// Does what there is to do, until there will be no more.
+    pub(super) fn work(&mut self) {
+        while let Some(task) = self.queue.next() {
+            let stamp = self.queue.stamp();
+            match task {
+                Task::Show(generation, picture, space, display) => {
+                    let screen = Arc::new(shown::screen(&picture, space, &display));
+                    self.tell(News::Shown { generation, display, screen });
+                }
+                Task::Held(number, picture, space, display) => {
+                    let screen = Arc::new(shown::screen(&picture, space, &display));
+                    self.tell(News::Held { number, display, screen });
+                }
+                Task::Picture(job) => self.picture(&job, stamp),
+                Task::Blame(question) => {
+                    let Ok(lens) = self.lens(&question.subject) else { continue };
+                    let monitor = Cancellation { queue: self.queue, stamp, yields: Yields::Never, progress: None };
+                    if let Some(blamed) = blame::answer(&question, &lens, &mut self.cache, &monitor) {
+                        self.tell(News::Blame(Box::new(blamed)));
+                    }
+                }
+                Task::Thumbnails(subject, frame) => self.small(&subject, frame, stamp),
+                Task::Ahead(job) => {
+                    self.ahead(job, stamp);
+                    self.queue.requests().making = None;
+                }
+            }
+        }
+    }
+
+    /// Makes a frame before it is shown.
+    fn ahead(&mut self, job: Job, stamp: u64) {
+        let (generation, frame) = (job.generation, job.frame);
+        let monitor = Cancellation { queue: self.queue, stamp, yields: Yields::Short, progress: None };
+        let made = match self.lens(&job.subject) {
+            Ok(lens) => evaluate(&job, &lens, job.proxy, true, &mut self.cache, &monitor),
+            Err(message) => Err(Failure::Because(message, None)),
+        };
+        match made {
+            Ok(result) => self.tell(News::Ahead(Box::new(result))),
+            Err(Failure::Because(..)) => self.tell(News::AheadFailed { generation, frame }),
+            Err(Failure::Cancelled) => {
+                let mut requests = self.queue.requests();
+                if self.queue.stamp() == stamp {
+                    // Something short came between: it is waited for all the same.
+                    requests.ahead.push_front(job);
+                }
+            }
+        }
+    }
+
+    /// The graph that shows a subject, made once.
+    fn lens(&mut self, subject: &Subject) -> Result<Arc<Lens>, String> {
+        if let Some((_, lens)) = self.lens.as_ref().filter(|(known, _)| known.is(subject)) {
+            return Ok(lens.clone());
+        }
+        let same_node = |known: &Subject| {
+            (known.node, known.output) == (subject.node, subject.output)
+                && known.sheet.nodes.len() == subject.sheet.nodes.len()
+        };
+        if !self.lens.as_ref().is_some_and(|(known, _)| same_node(known)) {
+            self.last = None;
+        }
+        let mut lens = lens(&subject.sheet, subject.node, subject.output, &subject.name, &subject.folder)?;
+        lens.graph = lens.graph.with_access(subject.access.clone());
+        let lens = Arc::new(lens);
+        self.lens = Some((subject.clone(), lens.clone()));
+        Ok(lens)
+    }
+
+    /// Makes a picture, coarse ones before it where it takes long.
+    fn picture(&mut self, job: &Job, stamp: u64) {
+        let lens = match self.lens(&job.subject) {
+            Ok(lens) => lens,
+            Err(message) => {
+                let generation = job.generation;
+                let (node, begun, refused) = (None, false, Vec::new());
+                return self.tell(News::Failed { generation, message, node, begun, refused });
+            }
+        };
+        let format = lens.graph.format();
+        let samples = |shrink: u32| {
+            u64::from(format.width() / shrink) * u64::from(format.height() / shrink) * u64::from(format.samples())
+        };
+        let expected = self.last.map(|(time, pixels)| time.mul_f64(samples(job.proxy) as f64 / pixels.max(1) as f64));
+        let mut sizes = Vec::new();
+        if job.progressive && expected.is_none_or(|time| time > AT_ONCE) {
+            let long = expected.is_none_or(|time| time > Duration::from_millis(900));
+            sizes.extend([8, 3].into_iter().filter(|shrink| *shrink > job.proxy && (*shrink == 8 || long)));
+        }
+        sizes.push(job.proxy);
+        for shrink in sizes {
+            let tell = |share: f32| {
+                let _ = self.news.send(News::Progress { generation: job.generation, share });
+                (self.wake)();
+            };
+            let finished = shrink == job.proxy;
+            let told = Progress::new(&tell);
+            let monitor = Cancellation {
+                queue: self.queue,
+                stamp,
+                yields: Yields::Never,
+                progress: if finished { Some(&told) } else { None },
+            };
+            let started = Instant::now();
+            match evaluate(job, &lens, shrink, finished, &mut self.cache, &monitor) {
+                Ok(result) => {
+                    if job.region.is_none() {
+                        self.last = Some((started.elapsed(), samples(shrink)));
+                    }
+                    self.tell(News::Picture(Box::new(result)));
+                }
+                Err(Failure::Cancelled) => return,
+                Err(Failure::Because(message, node)) => {
+                    let (generation, begun, refused) = (job.generation, true, lens.refused(job.frame));
+                    return self.tell(News::Failed { generation, message, node, begun, refused });
+                }
+            }
+        }
+        self.cache.forget_unused();
+    }
+
+    /// Makes small pictures of all nodes.
+    fn small(&mut self, subject: &Subject, frame: i64, stamp: u64) {
+        let Some(graph) = of_every_node(&subject.sheet, &subject.name, &subject.folder) else { return };
+        let graph = graph.with_access(subject.access.clone());
+        let monitor = Cancellation { queue: self.queue, stamp, yields: Yields::Always, progress: None };
+        let format = graph.format();
+        let shrink = (format.width() as f32 / THUMBNAIL[0] as f32).max(format.height() as f32 / THUMBNAIL[1] as f32);
+        let side = |side: u32| ((side as f32 / shrink.max(1.0)).round() as u32).max(1);
+        let Ok(format) = Format::new(side(format.width()), side(format.height()), 1) else { return };
+        let graph = graph.drawn_at(format);
+        let mut settings = Settings::default();
+        settings.keep = true;
+        let Ok(plan) = Plan::new(&graph, &[], frame, &[], &settings) else { return };
+        let evaluated = match plan.evaluate(&Buffers::new(), &mut self.cache, &monitor) {
+            Ok(evaluated) => evaluated,
+            Err(EvalError::Cancelled) if self.queue.stamp() == stamp => {
+                // Something short came between: what stages have prepared is kept meanwhile.
+                self.queue.requests().thumbnails.get_or_insert((subject.clone(), frame));
+                return;
+            }
+            Err(_) => return,
+        };
+        let pictures = evaluated.pictures.iter().map(|picture| Thumbnail {
+            node: graph.outputs()[picture.output].name.clone(),
+            screen: shown::screen(picture, graph.space(), &Display::default()),
+        });
+        self.tell(News::Thumbnails(pictures.collect()));
+    }
+}

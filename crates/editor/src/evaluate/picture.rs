@@ -1,0 +1,80 @@
+//! One picture, made.
+
+use super::lens::{Lens, OUTPUT};
+use super::queue::Cancellation;
+use super::shown;
+use super::wish::{Job, Result};
+use std::sync::Arc;
+use std::time::Instant;
+#[cfg(test)]
+use trochoid::Monitor;
+use trochoid::{Buffers, Cache, EvalError, Format, Plan, Settings, Window};
+
+/// Why there is no picture.
+pub(super) enum Failure {
+    /// It is out of date.
+    Cancelled,
+    /// Why, and the node that it was.
+    Because(String, Option<String>),
+}
+
+/// Evaluates a job through its lens, so many times smaller; `finished` says whether that is what was asked for.
+pub(super) fn evaluate(
+    job: &Job,
+    lens: &Arc<Lens>,
+    shrink: u32,
+    finished: bool,
+    cache: &mut Cache,
+    monitor: &Cancellation<'_>,
+) -> std::result::Result<Result, Failure> {
+    let because = |error: &dyn std::fmt::Display| {
+        Failure::Because(crate::prose::here(&lens.in_document(&error.to_string(), &job.subject)), None)
+    };
+    let started = Instant::now();
+    #[cfg(test)]
+    monitor.queue.pace(|| monitor.cancelled());
+    let graph = lens.drawn(shrink, finished).map_err(|error| because(&error))?;
+    let graph = graph.as_ref();
+    let format = graph.format();
+    let mut settings = Settings::default();
+    settings.region = job.region.map(|region| part(region, format));
+    // What an edit leaves alone is there at once in coarse pictures.
+    settings.keep = !finished;
+    let plan = Plan::new(graph, &[OUTPUT], job.frame, &[], &settings).map_err(|error| because(&error))?;
+    let mut frame = match plan.evaluate(&Buffers::new(), cache, monitor) {
+        Ok(frame) => frame,
+        Err(EvalError::Cancelled) => return Err(Failure::Cancelled),
+        Err(error) => {
+            let Failure::Because(message, _) = because(&error) else { return Err(Failure::Cancelled) };
+            let node = if let EvalError::Node { node, .. } = error { Some(node) } else { None };
+            return Err(Failure::Because(message, node));
+        }
+    };
+    let picture = frame.pictures.pop().ok_or_else(|| because(&"nothing was evaluated"))?;
+    let screen = shown::screen(&picture, graph.space(), &job.display);
+    Ok(Result {
+        generation: job.generation,
+        frame: job.frame,
+        shrunk: shrink,
+        finished,
+        subject: job.subject.clone(),
+        lens: lens.clone(),
+        format,
+        picture: Arc::new(picture),
+        screen: Arc::new(screen),
+        display: job.display,
+        nodes: Arc::new(frame.nodes),
+        seconds: (frame.seconds, started.elapsed().as_secs_f64()),
+    })
+}
+
+/// The pixels of a part of the picture, at least one.
+fn part(region: [f32; 4], format: Format) -> Window {
+    let pixels = |share: f32, side: u32| (f64::from(share) * f64::from(side)).round() as i64;
+    let window = format.window();
+    let (x0, y0) = (pixels(region[0], format.width()), pixels(region[1], format.height()));
+    let (x1, y1) = (pixels(region[2], format.width()), pixels(region[3], format.height()));
+    let x0 = x0.clamp(window.x0, window.x1 - 1);
+    let y0 = y0.clamp(window.y0, window.y1 - 1);
+    Window { x0, y0, x1: x1.clamp(x0 + 1, window.x1), y1: y1.clamp(y0 + 1, window.y1) }
+}

@@ -1,0 +1,40 @@
+//! `trochoid-editor`: the graph editor, as `trochoid edit` runs it.
+//!
+//! Exit codes: 0 the window was closed; 1 the document cannot be read, there is no display, or memory ran out; 2 usage.
+
+use clap::Parser;
+use std::process::ExitCode;
+use trochoid_terminal::{EditArgs, FAILED, INVALID, MemoryArgs, tell, warn_of_missing};
+
+#[global_allocator]
+static HEAP: trochoid::Heap = trochoid::Heap;
+
+/// The graph editor of Trochoid
+#[derive(Debug, Parser)]
+#[command(name = "trochoid-editor", version = trochoid::VERSION, max_term_width = 100)]
+struct Cli {
+    #[command(flatten)]
+    edit: EditArgs,
+    #[command(flatten)]
+    memory: MemoryArgs,
+}
+
+fn main() -> ExitCode {
+    let Cli { edit, memory } = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(error) => {
+            // Help and version are results and go to stdout; a reader that has gone away is no error.
+            let _ = error.print();
+            return ExitCode::from(if error.use_stderr() { INVALID } else { 0 });
+        }
+    };
+    memory.bound();
+    warn_of_missing(&edit.allow);
+    match trochoid_editor::open(edit.graph.as_deref(), &edit.allow) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            tell(&[format!("error: {error}")]);
+            ExitCode::from(FAILED)
+        }
+    }
+}

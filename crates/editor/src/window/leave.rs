@@ -1,0 +1,113 @@
+//! Questions before a document is left or written over: what becomes of unsaved work, of another program's changes, of a run.
+
+use super::modal::{answer_ui, titled};
+use crate::actions::{Action, After};
+use crate::editor::Editor;
+use crate::prompts::Prompt;
+use egui::{Context, Modal};
+use std::path::Path;
+
+pub(super) fn unsaved_ui(editor: &mut Editor, context: &Context, after: After) -> Option<Prompt> {
+    let mut answer = None;
+    let modal = Modal::new("unsaved".into()).show(context, |ui| {
+        titled(ui, "Save changes?");
+        let text = format!("“{}” has changes that are not saved.", editor.state().session.title());
+        ui.add(egui::Label::new(&text).truncate()).on_hover_text(&text);
+        ui.add_space(8.0);
+        answer = answer_ui(ui, &["Save", "Discard", "Cancel"]);
+    });
+    match answer {
+        Some("Save") => {
+            editor.store(Some(after), context);
+            None
+        }
+        Some("Discard") => {
+            editor.go(after, context);
+            None
+        }
+        Some(_) => None,
+        None if modal.should_close() => None,
+        None => Some(Prompt::Unsaved(after)),
+    }
+}
+
+pub(super) fn newer_ui(editor: &mut Editor, context: &Context, after: Option<After>) -> Option<Prompt> {
+    let mut answer = None;
+    let modal = Modal::new("newer".into()).show(context, |ui| {
+        titled(ui, "Write over a newer document?");
+        let session = &editor.state().session;
+        ui.label(format!(
+            "“{}” is of a version of the document format that this editor does not know.",
+            session.title()
+        ));
+        ui.label("What it does not know stays as it is, but may not fit what was changed here.");
+        ui.add_space(8.0);
+        answer = answer_ui(ui, &["Save a copy …", "Write over it", "Cancel"]);
+    });
+    match answer {
+        Some("Save a copy …") => {
+            let Editor { prompts, state, .. } = editor;
+            prompts.ask_save(&state.session, after);
+        }
+        Some("Write over it") => {
+            if let Some(file) = editor.state().session.file().map(Path::to_path_buf) {
+                editor.save(&file, after, context);
+            }
+        }
+        Some(_) => {}
+        None if modal.should_close() => {}
+        None => return Some(Prompt::Newer(after)),
+    }
+    None
+}
+
+pub(super) fn external_ui(editor: &mut Editor, context: &Context, saving: Option<Option<After>>) -> Option<Prompt> {
+    let mut answer = None;
+    let changed = editor.is_unsaved();
+    let words: &[&str] =
+        if saving.is_some() { &["Reload", "Write over it", "Cancel"] } else { &["Reload", "Keep what is here"] };
+    Modal::new("external".into()).show(context, |ui| {
+        titled(ui, "The file has changed");
+        ui.label(format!("Another program has changed “{}”.", editor.state().session.title()));
+        if changed {
+            ui.label("Changes made here are not saved. Reloading can be undone.");
+        }
+        ui.add_space(8.0);
+        answer = answer_ui(ui, words);
+    });
+    match (answer, saving) {
+        (None, saving) => return Some(Prompt::External(saving)),
+        (Some("Reload"), _) => editor.act(Action::Reload, context),
+        (Some("Cancel"), _) => {}
+        (Some(_), saving) => {
+            editor.state.session.keep_mine();
+            if let Some(after) = saving {
+                editor.store(after, context);
+            }
+        }
+    }
+    None
+}
+
+pub(super) fn rendering_ui(editor: &mut Editor, context: &Context, after: After) -> Option<Prompt> {
+    // Once it has ended there is nothing to ask, and nothing was answered: the window stays, with how it ended.
+    let render = editor.state().render.clone()?;
+    let mut answer = None;
+    let modal = Modal::new("rendering".into()).show(context, |ui| {
+        titled(ui, "Stop rendering?");
+        let (done, total) = render.done;
+        ui.label(format!("{done} of {total} frames are written, and stay."));
+        ui.add_space(8.0);
+        answer = answer_ui(ui, &["Stop", "Go on rendering"]);
+    });
+    match answer {
+        Some("Stop") => {
+            editor.end_render();
+            editor.leave(after, context);
+            None
+        }
+        Some(_) => None,
+        None if modal.should_close() => None,
+        None => Some(Prompt::Rendering(after)),
+    }
+}

@@ -1,0 +1,221 @@
+//! The window: menus above, panels, the timeline and what is to be known below, and over them the question that is open.
+
+mod allowed;
+mod leave;
+mod modal;
+mod palette;
+mod questions;
+mod recover;
+
+use crate::actions::{Action, Pane};
+use crate::commands::{COMMANDS, MENUS};
+use crate::document::Standing;
+use crate::editor::{Editor, Panels};
+use crate::state::State;
+use egui::{Align, Layout, MenuBar, Panel, RichText, Ui, WidgetText};
+use egui_tiles::{SimplificationOptions, TileId, UiResponse};
+
+impl Editor {
+    /// Draws everything, and does what was asked for.
+    pub fn ui(&mut self, ui: &mut Ui) {
+        let context = ui.ctx().clone();
+        let mut actions = self.before(&context);
+        let typing = context.text_edit_focused();
+        window_ui(self, ui, &mut actions);
+        self.after(actions, typing, &context);
+    }
+}
+
+/// Draws the whole window.
+fn window_ui(editor: &mut Editor, ui: &mut Ui, actions: &mut Vec<Action>) {
+    Panel::top("menus").show(ui, |ui| menus_ui(editor, ui, actions));
+    unreadable_ui(&editor.state, ui, actions);
+    version_ui(&editor.state, ui, actions);
+    Panel::bottom("status").show(ui, |ui| status_ui(&editor.state, ui, actions));
+    Panel::bottom("timeline").show(ui, |ui| {
+        crate::timeline::timeline_ui(&mut editor.panels.timeline, ui, &editor.state, actions);
+    });
+    let filled = egui::Frame::new().fill(ui.visuals().panel_fill);
+    egui::CentralPanel::no_frame().frame(filled).show(ui, |ui| {
+        let mut panes = Panes { state: &editor.state, panels: &mut editor.panels, actions };
+        editor.tree.ui(&mut panes, ui);
+    });
+    let context = ui.ctx().clone();
+    questions::prompts_ui(editor, &context, actions);
+    editor.notices.show(&context);
+}
+
+/// Draws panels where they lie.
+struct Panes<'e> {
+    state: &'e State,
+    panels: &'e mut Panels,
+    actions: &'e mut Vec<Action>,
+}
+
+impl egui_tiles::Behavior<Pane> for Panes<'_> {
+    fn pane_ui(&mut self, ui: &mut Ui, _: TileId, pane: &mut Pane) -> UiResponse {
+        let (panels, state, actions) = (&mut *self.panels, self.state, &mut *self.actions);
+        let framed = egui::Frame::new().inner_margin(if *pane == Pane::Canvas { 0 } else { 6 });
+        framed.show(ui, |ui| match pane {
+            Pane::Viewer => crate::viewer::viewer_ui(&mut panels.viewer, ui, state, actions),
+            Pane::Canvas => crate::canvas::canvas_ui(&mut panels.canvas, ui, state, actions),
+            Pane::Properties => crate::properties::properties_ui(&mut panels.properties, ui, state, actions),
+            Pane::Waves => crate::waves::waves_ui(&mut panels.waves, ui, state, actions),
+            Pane::Report => crate::report::report_ui(&mut panels.report, ui, state, actions),
+            Pane::Text => crate::source::source_ui(&mut panels.source, ui, state, actions),
+        });
+        UiResponse::None
+    }
+
+    fn tab_title_for_pane(&mut self, pane: &Pane) -> WidgetText {
+        pane.title().into()
+    }
+
+    fn simplification_options(&self) -> SimplificationOptions {
+        SimplificationOptions { all_panes_must_have_tabs: true, ..SimplificationOptions::default() }
+    }
+}
+
+fn menus_ui(editor: &Editor, ui: &mut Ui, actions: &mut Vec<Action>) {
+    MenuBar::new().ui(ui, |ui| {
+        for menu in MENUS {
+            ui.menu_button(menu, |ui| {
+                for command in COMMANDS.iter().filter(|command| command.menu == menu) {
+                    let mut button = egui::Button::new(command.name);
+                    if let Some(keys) = command.keys {
+                        button = button.shortcut_text(ui.ctx().format_shortcut(&keys));
+                    }
+                    let enabled = (command.enabled)(&editor.state);
+                    if ui.add_enabled(enabled, button).on_hover_text(command.help).clicked() {
+                        actions.push((command.action)(&editor.state));
+                    }
+                }
+                if menu == "File" && !editor.recent.is_empty() {
+                    ui.menu_button("Open recent", |ui| {
+                        for file in &editor.recent {
+                            let name = file.file_name().unwrap_or_default().to_string_lossy();
+                            if ui.button(name).on_hover_text(file.display().to_string()).clicked() {
+                                actions.push(Action::OpenFile(file.clone()));
+                            }
+                        }
+                    });
+                }
+            });
+        }
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            ui.weak(editor.title());
+        });
+    });
+}
+
+/// What is wrong with a text that is no JSON, as long as nothing else of it can be said.
+fn unreadable_ui(state: &State, ui: &mut Ui, actions: &mut Vec<Action>) {
+    let meaning = state.session.meaning();
+    let Some(fault) = meaning.errors().next().filter(|_| !meaning.readable) else { return };
+    Panel::top("unreadable").show(ui, |ui| {
+        ui.horizontal_wrapped(|ui| {
+            let place =
+                if fault.line > 0 { format!("Line {}, column {}: ", fault.line, fault.column) } else { String::new() };
+            let stays = if state.sheet().value.is_null() {
+                "Nothing else can be shown until the text is mended."
+            } else {
+                "What is shown here is as it was before, and cannot be changed until the text is mended."
+            };
+            let text = format!("{place}found {}; expected {}. {stays}", fault.found, fault.expected);
+            ui.label(RichText::new(text).color(crate::theme::error(ui.visuals())));
+            if ui.button("Show the text").clicked() {
+                actions.push(Action::Panel(Pane::Text));
+            }
+            let undo = egui::Button::new("Undo");
+            if ui.add_enabled(state.session.history().undoes().is_some(), undo).clicked() {
+                actions.push(Action::Undo);
+            }
+        });
+    });
+}
+
+/// What is to be known of a document of another version, as long as it is one.
+fn version_ui(state: &State, ui: &mut Ui, actions: &mut Vec<Action>) {
+    let standing = Standing::of(&state.sheet().value);
+    let Some(notice) = standing.notice() else { return };
+    Panel::top("version").show(ui, |ui| {
+        ui.horizontal_wrapped(|ui| {
+            ui.label(RichText::new(notice).color(ui.visuals().warn_fg_color));
+            if let Some(edit) = standing.remedy()
+                && ui.button("Write the version").on_hover_text("Changes nothing else; undo takes it back.").clicked()
+            {
+                actions.push(Action::Edit(edit));
+            }
+        });
+    });
+}
+
+fn status_ui(state: &State, ui: &mut Ui, actions: &mut Vec<Action>) {
+    ui.horizontal(|ui| {
+        let meaning = state.session.meaning();
+        let broken = state.broken();
+        let told = meaning.errors().count();
+        let errors = told + usize::from(broken.is_some());
+        let warnings = meaning.diagnostics.len() - told;
+        if errors > 0 {
+            let text = crate::document::edit::count(errors, "error");
+            let mut label = ui.button(RichText::new(text).color(crate::theme::error(ui.visuals())));
+            for fault in meaning.errors().take(6) {
+                label = label.on_hover_text(fault.to_string());
+            }
+            if let Some((_, failed)) = broken {
+                label = label.on_hover_text(failed);
+            }
+            // The culprit is what one wants to see.
+            let culprit = meaning.errors().find_map(|fault| fault.node.clone());
+            let culprit = culprit.or_else(|| broken.and_then(|(node, _)| node.map(String::from)));
+            if label.clicked() {
+                match culprit {
+                    Some(node) => actions.push(Action::Visit(node)),
+                    None if told == 0 => actions.push(Action::Panel(Pane::Viewer)),
+                    None => actions.push(Action::Panel(Pane::Text)),
+                }
+            }
+        } else {
+            ui.weak("No errors");
+        }
+        if warnings > 0 {
+            let label = ui.weak(crate::document::edit::count(warnings, "warning"));
+            let texts: Vec<String> = meaning
+                .diagnostics
+                .iter()
+                .filter(|fault| fault.severity == trochoid::Severity::Warning)
+                .take(6)
+                .map(ToString::to_string)
+                .collect();
+            label.on_hover_text(texts.join("\n\n"));
+        }
+        if !state.selection.is_empty() {
+            ui.weak(format!("{} chosen", crate::document::edit::count(state.selection.len(), "node")));
+        }
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            if let Some(render) = &state.render {
+                if ui.button("Stop").clicked() {
+                    actions.push(Action::CancelRender);
+                }
+                let (done, total) = render.done;
+                let share = (done as f32 + render.share) / total.max(1) as f32;
+                let text = format!("Rendering {} of {total}", (done + 1).min(total));
+                ui.add(egui::ProgressBar::new(share).desired_width(180.0).text(text));
+            }
+            if let Some(share) = state.seen.progress {
+                ui.add(egui::ProgressBar::new(share).desired_width(100.0));
+                ui.weak("Evaluating");
+            } else if let Some(result) = state.seen.result.as_deref().filter(|result| result.finished) {
+                // Of the picture that is shown, and of no other.
+                ui.weak(crate::format::seconds(result.seconds.1));
+                if result.picture.guarantee.is_some() {
+                    let exits = result.picture.audit.hull_exits;
+                    let text = format!("{} outside the palette", crate::format::thousands(exits));
+                    ui.weak(text)
+                        .on_hover_text("Pixels that are no convex mix of the control colors, on the finished picture.");
+                }
+            }
+        });
+    });
+}

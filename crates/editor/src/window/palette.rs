@@ -1,0 +1,58 @@
+//! The command palette.
+
+use crate::actions::Action;
+use crate::choice::{matches, moved};
+use crate::commands::{COMMANDS, Command};
+use crate::editor::Editor;
+use crate::prompts::Prompt;
+use egui::{Context, Key, Modal, ScrollArea};
+
+/// Asks for a command by its name.
+pub(super) fn palette_ui(
+    editor: &mut Editor,
+    context: &Context,
+    mut text: String,
+    mut chosen: usize,
+    actions: &mut Vec<Action>,
+) -> Option<Prompt> {
+    let state = editor.state();
+    let mut run: Option<&Command> = None;
+    let modal = Modal::new("palette".into()).show(context, |ui| {
+        ui.set_width(420.0);
+        let field = ui.add(egui::TextEdit::singleline(&mut text).hint_text("Command …").desired_width(f32::INFINITY));
+        field.request_focus();
+        if field.changed() {
+            chosen = 0;
+        }
+        let found = matches(&text, COMMANDS.iter().enumerate().map(|(index, command)| (index, command.name)));
+        let found: Vec<&Command> =
+            found.into_iter().map(|index| &COMMANDS[index]).filter(|command| (command.enabled)(state)).collect();
+        chosen = moved(ui, chosen, found.len());
+        ScrollArea::vertical().max_height(320.0).auto_shrink([false, true]).show(ui, |ui| {
+            for (index, command) in found.iter().enumerate() {
+                let keys = command.keys.map(|keys| ui.ctx().format_shortcut(&keys)).unwrap_or_default();
+                let button = egui::Button::selectable(index == chosen, command.name)
+                    .shortcut_text(keys)
+                    .min_size(egui::vec2(ui.available_width(), 0.0));
+                let row = ui.add(button).on_hover_text(command.help);
+                if index == chosen {
+                    row.scroll_to_me(None);
+                }
+                if row.clicked() {
+                    run = Some(command);
+                }
+            }
+            if found.is_empty() {
+                ui.weak("No command has this name.");
+            }
+        });
+        if ui.input(|input| input.key_pressed(Key::Enter)) {
+            run = found.get(chosen).copied();
+        }
+    });
+    if let Some(command) = run {
+        actions.push((command.action)(editor.state()));
+        return None;
+    }
+    (!modal.should_close()).then_some(Prompt::Palette { text, chosen })
+}

@@ -1,0 +1,16 @@
+//! From a checked graph to a [`Plan`](crate::Plan): what is needed, in which order, and why the rest is left out.
+//!
+//! Nodes are lowered to one program (`lower`), which is optimized (`optimize`) and turned into passes over the samples
+//! (`schedule`); `left_out` and `explain` say what became of the rest. Nothing here reads a file or fills a plane, and nothing
+//! here knows of the room that does, `running`.
+
+pub(crate) mod bounds;
+mod controls;
+pub(crate) mod explain;
+pub(crate) mod left_out;
+mod lower;
+mod optimize;
+pub(crate) mod plan;
+mod planner;
+mod schedule;
+pub(crate) mod shading;

@@ -1,0 +1,350 @@
+//! Which stages fill which channels, from the outputs upstream.
+
+use super::lower::Lowered;
+use super::optimize::{cone, extract};
+use super::plan::{Feed, Fill, Pass};
+use super::planner::Planner;
+use super::shading::{Shared, TELLING};
+use crate::Switches;
+use crate::kernel::{Compiled, Legal, Options, Origin, compile};
+use std::collections::{HashMap, HashSet};
+use trochoid_graph::{
+    Channel, ChannelSet, Kind, NodeId, Op, PortId, Program, Rate, Settled, Slot, Source, Stage, Variance,
+};
+use trochoid_image::Shading;
+
+/// What stages are to fill.
+#[derive(Default)]
+struct Wanted {
+    /// By node, by output, by channel.
+    channels: HashMap<NodeId, Vec<Vec<bool>>>,
+    /// What is read at every sample, and not only where samples do not share.
+    apart: HashSet<Slot>,
+}
+
+/// Turns an optimized program and the stages around it into passes.
+pub(crate) struct Scheduler<'p, 'g, 's> {
+    pub(crate) planner: &'p Planner<'g, 's>,
+    pub(crate) lowered: &'p Lowered,
+    pub(crate) program: &'p Program,
+    pub(crate) taps: &'p HashMap<(NodeId, usize), Vec<u32>>,
+    pub(crate) shared: &'p Shared,
+}
+
+impl Scheduler<'_, '_, '_> {
+    fn switches(&self) -> Switches {
+        self.planner.settings.switches
+    }
+
+    /// One walk over the samples for some outputs: demand flows from them upstream.
+    pub(crate) fn pass(&self, members: &[usize], offsets: Vec<[f64; 2]>, output_roots: &[Vec<u32>]) -> Pass {
+        let graph = self.planner.graph;
+        let roots: Vec<u32> = members.iter().flat_map(|&member| output_roots[member].iter().copied()).collect();
+        let mut needed = cone(self.program, roots.iter().copied());
+        if !self.switches().demand {
+            needed.fill(true);
+        }
+        let mut wanted = Wanted::default();
+        self.want_loads(&needed, true, &mut wanted);
+        if !self.switches().demand {
+            // Everything reachable, every channel.
+            for index in 0..self.lowered.settled.len() {
+                let id = NodeId(index);
+                if self.lowered.stands_in[index] == id && self.stage(id).is_some() {
+                    wanted.channels.insert(id, self.channels(id, true));
+                }
+            }
+        }
+        let sharing = offsets.len() > 1 && graph.format().shading() == Shading::Pixel;
+        let mut fills: Vec<Fill> = Vec::new();
+        for &id in graph.order().iter().rev() {
+            if self.planner.bound[id.0] {
+                if let Some(wanted) = wanted.channels.remove(&id) {
+                    let (variance, inputs) = (Variance::Pixel, Vec::new());
+                    fills.push(Fill { node: id, wanted, variance, inputs, taps: None, read: false, shared: None });
+                }
+                continue;
+            }
+            let (Some(stage), Some(settled)) = (self.stage(id), self.lowered.settled[id.0].as_ref()) else {
+                continue;
+            };
+            let Some(own) = wanted.channels.get(&id).cloned() else { continue };
+            let shared = self.shared[id.0].clone().filter(|_| sharing);
+            let mut fill = self.fill(id, stage, settled, (own, shared), &mut wanted);
+            if sharing && stage.rate() == Rate::Surface && graph.node(id).kinds.contains(&Kind::View) {
+                fills.extend(split(&mut fill, &wanted.apart));
+            }
+            // Cameras, lights and surfaces are only prepared.
+            if fill.wanted.iter().any(|channels| channels.iter().any(|&channel| channel)) {
+                fills.push(fill);
+            }
+        }
+        fills.reverse();
+        let program = self.compile(&roots, !self.switches().demand, self.switches().hoist);
+        for fill in &mut fills {
+            fill.read = program.planes.iter().any(|slot| fill.fills(slot));
+        }
+        let halo = self.halo(&fills);
+        let mut owners = Vec::new();
+        for &member in members {
+            for channel in 0..output_roots[member].len() {
+                owners.push((member, channel));
+            }
+        }
+        Pass { offsets, fills, halo, sharing, program, roots: owners }
+    }
+
+    /// Marks what `needed` operations load.
+    fn want_loads(&self, needed: &[bool], apart: bool, wanted: &mut Wanted) {
+        for (op, _) in self.program.ops().iter().zip(needed).filter(|(_, needed)| **needed).map(|(op, _)| op) {
+            match op {
+                Op::Load(slot) => self.want(wanted, *slot, apart),
+                Op::LoadColor(slot) => (0..3).for_each(|channel| self.want(wanted, Slot { channel, ..*slot }, apart)),
+                _ => {}
+            }
+        }
+    }
+
+    fn want(&self, wanted: &mut Wanted, slot: Slot, apart: bool) {
+        let own = wanted.channels.entry(slot.node).or_insert_with(|| self.channels(slot.node, false));
+        own[slot.output][slot.channel] = true;
+        if apart {
+            wanted.apart.insert(slot);
+        }
+    }
+
+    /// What a view can supply.
+    pub(crate) fn supplies(&self, id: NodeId) -> ChannelSet {
+        self.stage(id).map_or(ChannelSet::EMPTY, Stage::supplies)
+    }
+
+    fn stage(&self, id: NodeId) -> Option<&dyn Stage> {
+        self.planner.stage(self.lowered, id)
+    }
+
+    fn channels(&self, id: NodeId, wanted: bool) -> Vec<Vec<bool>> {
+        let supplied = self.supplies(id);
+        let channel =
+            |kind: &Kind, index: usize| wanted && (*kind != Kind::View || supplied.contains(Channel::ALL[index]));
+        let kinds = &self.planner.graph.node(id).kinds;
+        kinds.iter().map(|kind| (0..kind.channels()).map(|index| channel(kind, index)).collect()).collect()
+    }
+
+    /// Plans one stage's inputs and marks what it wants of others.
+    fn fill(
+        &self,
+        id: NodeId,
+        stage: &dyn Stage,
+        settled: &Settled,
+        (own, shared): (Vec<Vec<bool>>, Option<Vec<NodeId>>),
+        wanted: &mut Wanted,
+    ) -> Fill {
+        let apart = shared.is_none();
+        for view in shared.iter().flatten() {
+            for channel in TELLING {
+                self.want(wanted, Slot { node: *view, output: 0, channel: channel as usize }, true);
+            }
+        }
+        let outputs_wanted: Vec<bool> = own.iter().map(|channels| channels.iter().any(|&channel| channel)).collect();
+        let asks = stage.asks(&outputs_wanted);
+        let prefers = stage.prefers(&outputs_wanted);
+        let mut tap_roots: Vec<u32> = Vec::new();
+        let mut inputs = Vec::new();
+        for (index, (name, sources)) in settled.ports().enumerate() {
+            let feeds = sources
+                .iter()
+                .map(|source| self.feed(source, (asks, prefers), apart, &mut tap_roots, wanted))
+                .collect();
+            inputs.push((PortId::new(index, name), feeds));
+        }
+        let taps = (!tap_roots.is_empty()).then(|| {
+            self.want_loads(&cone(self.program, tap_roots.iter().copied()), apart, wanted);
+            self.compile(&tap_roots, false, self.switches().hoist && apart)
+        });
+        let variance = if self.switches().hoist {
+            (0..own.len()).map(|output| stage.variance(output)).max().unwrap_or(Variance::Pixel)
+        } else {
+            Variance::Pixel
+        };
+        Fill { node: id, wanted: own, variance, inputs, taps, read: false, shared }
+    }
+
+    fn feed(
+        &self,
+        source: &Source<Vec<f64>>,
+        (asks, prefers): (ChannelSet, ChannelSet),
+        apart: bool,
+        tap_roots: &mut Vec<u32>,
+        wanted: &mut Wanted,
+    ) -> Vec<Feed> {
+        match self.handed_on(source) {
+            Source::Number(values) | Source::Color(values) => {
+                values.iter().map(|v| Feed::Constant(*v as f32)).collect()
+            }
+            Source::Numbers(numbers) => numbers.iter().map(|v| Feed::Constant(*v as f32)).collect(),
+            Source::Output { node, output } => {
+                let kind = self.planner.graph.node(*node).kinds[*output];
+                if let Some(positions) = self.taps.get(&(*node, *output)) {
+                    let mut feeds = Vec::new();
+                    for &position in positions {
+                        tap_roots.push(position);
+                        let channels = if kind == Kind::Color { 3 } else { 1 };
+                        feeds.extend((0..channels).map(|channel| Feed::Tap(tap_roots.len() - 1, channel)));
+                    }
+                    return feeds;
+                }
+                // A camera, light or surface still has to be prepared.
+                wanted.channels.entry(*node).or_insert_with(|| self.channels(*node, false));
+                let asks = asks.union(prefers.intersect(self.supplies(*node)));
+                (0..kind.channels())
+                    .map(|channel| {
+                        if kind == Kind::View && !asks.contains(Channel::ALL[channel]) {
+                            return Feed::Nothing;
+                        }
+                        let slot = Slot { node: *node, output: *output, channel };
+                        self.want(wanted, slot, apart);
+                        Feed::Slot(slot)
+                    })
+                    .collect()
+            }
+        }
+    }
+
+    /// The stage that a source comes to where all between only hand it on, so that a file read through a Switch keeps
+    /// its overscan; else the source.
+    fn handed_on<'a>(&'a self, source: &'a Source<Vec<f64>>) -> &'a Source<Vec<f64>> {
+        let mut at = source;
+        while let Source::Output { node, .. } = at {
+            if self.planner.bound[node.0] || self.stage(*node).is_some() {
+                return at;
+            }
+            let settled = self.lowered.settled[node.0].as_ref();
+            match settled.and_then(|settled| settled.node().identity()) {
+                Some(chosen) => at = chosen,
+                None => return source,
+            }
+        }
+        source
+    }
+
+    /// How far the stages of a pass reach beyond what is asked of it, across and down.
+    fn halo(&self, fills: &[Fill]) -> (usize, usize) {
+        let format = self.planner.graph.format();
+        let picture = format.window();
+        let max = |a: (usize, usize), b: (usize, usize)| (a.0.max(b.0), a.1.max(b.1));
+        let mut largest = (0, 0);
+        let mut beyond: HashMap<NodeId, (usize, usize)> = HashMap::new();
+        for fill in fills.iter().rev() {
+            let Some(stage) = self.stage(fill.node) else { continue };
+            let own = beyond.get(&fill.node).copied().unwrap_or_default();
+            let mut taps = own;
+            for (port, connections) in &fill.inputs {
+                let asked = stage.regions_of_interest(*port, picture, format);
+                let grown = |before: i64, after: i64, most: usize| before.max(after).clamp(0, most as i64) as usize;
+                let reach = (
+                    own.0 + grown(picture.x0 - asked.x0, asked.x1 - picture.x1, picture.width()),
+                    own.1 + grown(picture.y0 - asked.y0, asked.y1 - picture.y1, picture.height()),
+                );
+                largest = max(largest, reach);
+                for feed in connections.iter().flatten() {
+                    match feed {
+                        Feed::Slot(slot) => {
+                            let known = beyond.entry(slot.node).or_default();
+                            *known = max(*known, reach);
+                        }
+                        Feed::Tap(..) => taps = max(taps, reach),
+                        Feed::Nothing | Feed::Constant(_) => {}
+                    }
+                }
+            }
+            for slot in fill.taps.iter().flat_map(|taps| &taps.planes) {
+                let known = beyond.entry(slot.node).or_default();
+                *known = max(*known, taps);
+            }
+        }
+        largest
+    }
+
+    /// Compiles what `roots` need, or everything. Before a stage it must not be everything: that reads the stage itself.
+    /// Without `hoist` it may run over single pixels in place of rows.
+    fn compile(&self, roots: &[u32], everything: bool, hoist: bool) -> Compiled {
+        let mut kept = cone(self.program, roots.iter().copied());
+        if everything {
+            kept.fill(true);
+        }
+        let (program, map) = extract(self.program, &kept);
+        let roots: Vec<u32> = roots.iter().map(|root| map[*root as usize]).collect();
+        let switches = self.switches();
+        let format = self.planner.graph.format();
+        let samples = format.window().area().saturating_mul(format.samples() as usize);
+        let legal = |slot: &Slot| {
+            let kind = self.planner.graph.node(slot.node).kinds[slot.output];
+            self.planner.bound[slot.node.0].then_some(match kind {
+                Kind::Color => Legal::Color,
+                Kind::Weights(_) => Legal::Mask,
+                _ => Legal::Field,
+            })
+        };
+        let options = Options {
+            hoist,
+            fuse: switches.fuse,
+            everything: !switches.demand,
+            instructions: self.planner.settings.instructions,
+            native: switches.compile && samples >= self.planner.settings.compile_from,
+            variance: &|slot| self.planner.variance(self.lowered, slot),
+            legal: &legal,
+        };
+        let mut compiled = compile(&program, &roots, &options);
+        if self.planner.settings.bounds {
+            compiled.origin = Origin { program, roots };
+        }
+        compiled
+    }
+
+    /// Every stage that some pass fills, or whose handle another stage takes, inputs first.
+    pub(crate) fn prepares(&self, passes: &[Pass]) -> Vec<(NodeId, Vec<Vec<bool>>)> {
+        let graph = self.planner.graph;
+        let mut wanted: HashMap<NodeId, Vec<Vec<bool>>> = HashMap::new();
+        for fill in passes.iter().flat_map(|pass| &pass.fills).filter(|fill| !self.planner.bound[fill.node.0]) {
+            let own = wanted.entry(fill.node).or_insert_with(|| self.channels(fill.node, false));
+            for (own, fill) in own.iter_mut().flatten().zip(fill.wanted.iter().flatten()) {
+                *own |= fill;
+            }
+        }
+        for &id in graph.order().iter().rev() {
+            if !wanted.contains_key(&id) {
+                continue;
+            }
+            let Some(settled) = &self.lowered.settled[id.0] else { continue };
+            for source in settled.sources() {
+                if let Source::Output { node, .. } = source
+                    && self.stage(*node).is_some()
+                {
+                    wanted.entry(*node).or_insert_with(|| self.channels(*node, false));
+                }
+            }
+        }
+        graph.order().iter().filter_map(|id| Some((*id, wanted.remove(id)?))).collect()
+    }
+}
+
+/// Leaves a view what every sample needs, and gives the rest: channels that samples share which see the same surface.
+fn split(view: &mut Fill, apart: &HashSet<Slot>) -> Option<Fill> {
+    let mut rest = view.clone();
+    let tells = TELLING.map(|channel| Slot { node: view.node, output: 0, channel: channel as usize });
+    for (output, channels) in view.wanted.iter_mut().enumerate() {
+        for (channel, wanted) in channels.iter_mut().enumerate() {
+            let slot = Slot { node: view.node, output, channel };
+            let is_rest = *wanted && !apart.contains(&slot) && !tells.contains(&slot);
+            rest.wanted[output][channel] = is_rest;
+            *wanted &= !is_rest;
+        }
+    }
+    if !rest.wanted.iter().flatten().any(|wanted| *wanted) {
+        return None;
+    }
+    // What is shared is told by what every sample has.
+    tells.iter().for_each(|slot| view.wanted[slot.output][slot.channel] = true);
+    rest.shared = Some(vec![view.node]);
+    Some(rest)
+}

@@ -1,0 +1,265 @@
+//! How far a picture may lie from what the f64 references give: bounds on the errors of all passes, carried through the
+//! back end by the rule of each operation.
+//!
+//! A certifying plan has two channels for each: the values, and behind them their bounds. Stages bound their own results;
+//! the program runs with bounds beside its values. Nothing of the picture is computed differently.
+
+mod stage;
+mod tally;
+mod trace;
+
+pub(crate) use stage::fill_with_bounds;
+pub use tally::{Certified, Distribution};
+pub(crate) use trace::Trace;
+
+use crate::kernel::Chunks;
+use crate::planning::bounds::BOUNDS;
+use crate::planning::plan::{Pass, PlannedOutput};
+use crate::running::fill::Fills;
+use crate::running::memory::Pictures;
+use crate::running::prepare::{Ready, prepare};
+use crate::{Buffers, Cache, EvalError, Monitor, Plan, PlanError, Settings, Switches};
+use rayon::prelude::*;
+use std::collections::{BTreeMap, HashMap};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
+use trochoid_graph::{CheckedGraph, Kind, NodeId};
+use trochoid_image::{Rgb, Window};
+
+/// Tiles that are certified one by one.
+const TILE: (usize, usize) = (128, 32);
+
+/// Makes certificates of some outputs at a frame.
+///
+/// ```
+/// # use trochoid_engine::{Buffers, Cache, Certifier, Settings, Silent};
+/// # fn show(graph: &trochoid_graph::CheckedGraph) -> Result<(), Box<dyn std::error::Error>> {
+/// let certifier = Certifier::new(graph, &["beauty"], 1, &[], &Settings::default())?;
+/// let certified = certifier.certify(&Buffers::new(), &mut Cache::new(), &Silent)?;
+/// println!("{} at most, {} of the samples in doubt", certified[0].clear.max(), certified[0].in_doubt(1.0 / 255.0));
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Debug)]
+pub struct Certifier<'g> {
+    plan: Plan<'g>,
+}
+
+impl<'g> Certifier<'g> {
+    /// As [`Plan::new`].
+    ///
+    /// # Errors
+    /// As [`Plan::new`].
+    pub fn new(
+        graph: &'g CheckedGraph,
+        outputs: &[&str],
+        frame: i64,
+        bound: &[&str],
+        settings: &Settings,
+    ) -> Result<Self, PlanError> {
+        // What optimizations fold has been rounded on the way: here every operation counts.
+        let switches = Switches { demand: true, ..Switches::NONE };
+        let settings = Settings { switches, bounds: true, tile: None, ..settings.clone() };
+        Ok(Self { plan: Plan::new(graph, outputs, frame, bound, &settings)? })
+    }
+
+    /// Bounds the error of every sample of every output, on all threads.
+    ///
+    /// # Errors
+    /// As [`Plan::evaluate`].
+    pub fn certify(
+        &self,
+        buffers: &Buffers<'_>,
+        cache: &mut Cache,
+        monitor: &dyn Monitor,
+    ) -> Result<Vec<Certified>, EvalError> {
+        let plan = &self.plan;
+        plan.in_pool(|| {
+            plan.validate_all(buffers)?;
+            let (ready, _) = prepare(plan, cache, monitor, Pictures::Whole)?;
+            let (width, height) = TILE;
+            let (across, down) = plan.halo();
+            let tiles: Vec<Window> = plan.window.tiles(width.max(4 * across), height.max(4 * down)).collect();
+            let mut all: Vec<Certified> =
+                plan.outputs.iter().map(|output| Certified::new(output.index, output.kind, plan.window)).collect();
+            let run = Run { total: tiles.len(), done: AtomicUsize::new(0), unbounded: Mutex::default(), monitor };
+            let parts: Result<Vec<Vec<Certified>>, EvalError> = tiles
+                .par_chunks(tiles.len().div_ceil(8 * rayon::current_num_threads()).max(1))
+                .map(|tiles| self.tiles(tiles, &ready, buffers, &run))
+                .collect();
+            for (index, part) in parts?.into_iter().flatten().enumerate() {
+                all[index % plan.outputs.len()].add(&part);
+            }
+            let unbounded = run.unbounded.into_inner().unwrap_or_else(PoisonError::into_inner);
+            for (certified, output) in all.iter_mut().zip(&plan.outputs) {
+                let node = plan.graph.outputs()[output.index].node;
+                let reached = plan.graph.reached([node], plan.frame());
+                certified.unbounded =
+                    unbounded.iter().map(|(id, why)| (*id, *why)).filter(|(id, _)| reached[id.0]).collect();
+                match output.kind {
+                    Kind::Color => {
+                        let palette = plan.palette(output, &ready, buffers);
+                        certified.palette = palette.hull.vertices().to_vec();
+                        certified.cap(breadth(&certified.palette) + 2.0 * palette.margin);
+                    }
+                    Kind::Weights(_) => certified.cap(1.0),
+                    _ => {}
+                }
+            }
+            Ok(all)
+        })
+    }
+
+    /// Which stage makes most of the bound at a pixel: the one without whose own errors it is least.
+    ///
+    /// # Errors
+    /// As [`Plan::evaluate`].
+    pub fn limiting(
+        &self,
+        output: usize,
+        pixel: [i64; 2],
+        buffers: &Buffers<'_>,
+        cache: &mut Cache,
+        monitor: &dyn Monitor,
+    ) -> Result<Limiting, EvalError> {
+        let (bound, by_stage) = self.by_stage(output, pixel, buffers, cache, monitor)?;
+        let least = by_stage.into_iter().min_by(|a, b| a.1.total_cmp(&b.1));
+        let (stage, without) = least.map_or((None, bound), |(stage, without)| (Some(stage), without));
+        Ok(Limiting { stage: stage.filter(|_| without < MATTERS * bound), bound, without })
+    }
+
+    /// The bound of an output at a pixel, and what it were if one stage had no errors of its own: of each stage on the way.
+    ///
+    /// The largest channel's, averaged over the pixel's samples. What the cache holds of a certification is used again.
+    ///
+    /// # Errors
+    /// As [`Plan::evaluate`].
+    pub fn by_stage(
+        &self,
+        output: usize,
+        [x, y]: [i64; 2],
+        buffers: &Buffers<'_>,
+        cache: &mut Cache,
+        monitor: &dyn Monitor,
+    ) -> Result<(f64, Vec<(NodeId, f64)>), EvalError> {
+        let graph = self.plan.graph;
+        let name = graph.outputs()[output].name.as_str();
+        let bound = self.plan.bound.iter().enumerate().filter(|(_, bound)| **bound);
+        let bound: Vec<&str> = bound.map(|(id, _)| graph.node(NodeId(id)).name.as_str()).collect();
+        let region = Some(Window::new(x, y, x + 1, y + 1));
+        let mut at = |exact: Option<NodeId>| {
+            let settings = Settings { region, exact, ..self.plan.settings.clone() };
+            let Ok(plan) = Plan::new(graph, &[name], self.plan.frame(), &bound, &settings) else {
+                unreachable!("a part of a plan is no larger than the plan")
+            };
+            let certified = Self { plan }.certify(buffers, cache, monitor)?;
+            Ok(certified[0].errors.iter().map(|error| f64::from(error[0])).fold(0.0, f64::max))
+        };
+        let whole = at(None)?;
+        let stages = self.plan.prepares.iter().map(|(stage, _)| Ok((*stage, at(Some(*stage))?)));
+        Ok((whole, stages.collect::<Result<_, EvalError>>()?))
+    }
+
+    fn tiles(
+        &self,
+        tiles: &[Window],
+        ready: &HashMap<NodeId, Ready>,
+        buffers: &Buffers<'_>,
+        run: &Run<'_>,
+    ) -> Result<Vec<Certified>, EvalError> {
+        let plan = &self.plan;
+        let mut chunks = Chunks::of([]);
+        let mut chunks = chunks.all();
+        let mut seconds = vec![0.0; plan.graph.nodes().len()];
+        let mut passes: Vec<(&Pass, Fills<'_>, Trace<'_>)> = plan
+            .passes
+            .iter()
+            .map(|pass| {
+                let fills = Fills::new(plan, ready, buffers, (&pass.fills, pass.sharing), run.monitor, &mut chunks);
+                (pass, fills, Trace::new(&pass.program))
+            })
+            .collect();
+        let mut done = Vec::new();
+        for &tile in tiles {
+            if run.monitor.cancelled() {
+                return Err(EvalError::Cancelled);
+            }
+            let of = |output: &PlannedOutput| Certified::new(output.index, output.kind, tile);
+            let mut own: Vec<Certified> = plan.outputs.iter().map(of).collect();
+            for (pass, fills, trace) in &mut passes {
+                let share = 1.0 / pass.offsets.len() as f64;
+                let mut means: Vec<Vec<Vec<f64>>> = own.iter().map(|_| Vec::new()).collect();
+                for (sample, offset) in pass.offsets.iter().enumerate() {
+                    fills.fill(tile, (sample, *offset), &mut seconds)?;
+                    run.note(fills);
+                    let planes = fills.planes(&pass.program);
+                    // By root, by channel: values, then bounds.
+                    let mut rows = vec![Vec::new(); pass.roots.len() * 2 * BOUNDS];
+                    trace.tile(&planes, tile.width(), tile.height(), &mut |root, channel, _, row| {
+                        rows[root * 2 * BOUNDS + channel].extend_from_slice(row);
+                    });
+                    let mut values: Vec<Vec<Vec<f32>>> = vec![Vec::new(); own.len()];
+                    let mut bounds = values.clone();
+                    for (&(output, _), rows) in pass.roots.iter().zip(rows.chunks_mut(2 * BOUNDS)) {
+                        let mut rows = rows.iter_mut().map(std::mem::take);
+                        values[output].extend(rows.by_ref().take(BOUNDS).filter(|row| !row.is_empty()));
+                        bounds[output].extend(rows.filter(|row| !row.is_empty()));
+                    }
+                    for (output, own) in own.iter_mut().enumerate().filter(|(output, _)| !bounds[*output].is_empty()) {
+                        own.sample(&bounds[output], share);
+                        means[output].resize(values[output].len(), vec![0.0; tile.area()]);
+                        for (means, values) in means[output].iter_mut().zip(&values[output]) {
+                            means.iter_mut().zip(values).for_each(|(mean, value)| *mean += share * f64::from(*value));
+                        }
+                    }
+                }
+                own.iter_mut().zip(&means).for_each(|(own, means)| own.average(means));
+            }
+            done.extend(own);
+            run.monitor.progress(run.done.fetch_add(1, Ordering::Relaxed) + 1, run.total);
+        }
+        Ok(done)
+    }
+}
+
+/// What limits the accuracy of an output.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Limiting {
+    /// The stage; `None` where no single one does, but the rounding of f32 all over the graph.
+    pub stage: Option<NodeId>,
+    /// The bound with its errors, in the output's own unit.
+    pub bound: f64,
+    /// The bound as if it had none.
+    pub without: f64,
+}
+
+/// A stage limits where less than this share of the bound is left without its errors.
+const MATTERS: f64 = 0.75;
+
+/// The greatest difference of two colors in any channel.
+fn breadth(palette: &[Rgb]) -> f64 {
+    let span = |channel: usize| {
+        let values = || palette.iter().map(|color| f64::from(color[channel]));
+        values().fold(f64::NEG_INFINITY, f64::max) - values().fold(f64::INFINITY, f64::min)
+    };
+    (0..3).map(span).fold(0.0, f64::max)
+}
+
+/// What the threads of one certification share.
+struct Run<'m> {
+    /// Tiles in all, and those that are done.
+    total: usize,
+    done: AtomicUsize,
+    /// Stages that told of no bound, and why.
+    unbounded: Mutex<BTreeMap<NodeId, &'static str>>,
+    monitor: &'m dyn Monitor,
+}
+
+impl Run<'_> {
+    /// Takes down what stages have told.
+    fn note(&self, fills: &Fills<'_>) {
+        for (id, why) in fills.unbounded() {
+            self.unbounded.lock().unwrap_or_else(PoisonError::into_inner).insert(id, why.0);
+        }
+    }
+}

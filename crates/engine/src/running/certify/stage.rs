@@ -1,0 +1,54 @@
+//! A stage's planes with their bounds.
+
+use trochoid_graph::{Block, Bound, Bounding, Connection, Inputs, NoBound, NodeError, Outputs, Prepared};
+
+/// What a stage is given, by port.
+pub(crate) type Ports<'a> = Vec<Vec<Connection<'a>>>;
+/// What it is to fill, by output.
+pub(crate) type Planes<'a> = Vec<Vec<Option<&'a mut [f32]>>>;
+
+/// Fills a stage's planes: of each connection and output, the second half of the channels holds the bounds of the first.
+/// Tells why where the stage knows none. One that counts as exact has no errors of its own.
+pub(crate) fn fill_with_bounds(
+    (prepared, exact): (&dyn Prepared, bool),
+    block: &Block<'_>,
+    ports: &Ports<'_>,
+    cancelled: &(dyn Fn() -> bool + Sync),
+    mut planes: Planes<'_>,
+) -> Result<Option<NoBound>, NodeError> {
+    let (values, bounds) = (half(ports, false), half(ports, true));
+    let inputs = Inputs::new(&values).with_cancellation(cancelled);
+    let limits = Inputs::new(&bounds).with_cancellation(cancelled);
+    let mut targets: Planes<'_> = Vec::new();
+    for planes in &mut planes {
+        let middle = planes.len() / 2;
+        targets.push(planes.split_off(middle));
+    }
+    let lent = planes.iter_mut().map(|planes| planes.iter_mut().map(|plane| plane.as_deref_mut()).collect());
+    prepared.fill(block, &inputs, &mut Outputs::new(lent.collect()))?;
+    let filled: Vec<Vec<Option<&[f32]>>> =
+        planes.iter().map(|planes| planes.iter().map(|plane| plane.as_deref()).collect()).collect();
+    let bounding = Bounding { block, inputs: &inputs, bounds: &limits, filled: &filled };
+    if exact {
+        targets.iter_mut().flatten().flatten().for_each(|plane| plane.fill(Bound::EXACT.encode()));
+        return Ok(None);
+    }
+    let lent = targets.iter_mut().map(|planes| planes.iter_mut().map(|plane| plane.as_deref_mut()).collect());
+    let none = prepared.bound(&bounding, &mut Outputs::new(lent.collect())).err();
+    if none.is_some() {
+        targets.iter_mut().flatten().flatten().for_each(|plane| plane.fill(Bound::UNKNOWN.encode()));
+    }
+    Ok(none)
+}
+
+/// The values of all connections, or their bounds.
+fn half<'a>(ports: &Ports<'a>, second: bool) -> Ports<'a> {
+    let mut half = ports.clone();
+    for connection in half.iter_mut().flatten() {
+        let bounds = connection.planes.split_off(connection.planes.len() / 2);
+        if second {
+            connection.planes = bounds;
+        }
+    }
+    half
+}

@@ -1,0 +1,477 @@
+//! The stages of one pass, filled over one tile after the other.
+//!
+//! A stage is filled over a window of its own: all that its readers need of it. The program needs the tile; a filter
+//! needs its region of interest, clamped to the extent of the image that it reads, so that no stage is ever asked for
+//! pixels where its image does not lie.
+
+mod extent;
+mod runner;
+mod shared;
+
+use crate::kernel::{Chunk, Compiled, Plane, WeightAudit};
+use crate::planning::plan::{Feed, Fill};
+use crate::planning::shading::TELLING;
+use crate::running::certify::fill_with_bounds;
+use crate::running::keep::{Filled, Keeping};
+use crate::running::prepare::{Ready, node_error};
+use crate::{Buffers, EvalError, Monitor, Plan};
+use extent::clamped;
+pub(crate) use extent::extents;
+use runner::Runner;
+use shared::{Apart, Kept, View, telling};
+use std::borrow::Cow;
+use std::cell::Cell;
+use std::collections::HashMap;
+use std::time::Instant;
+use trochoid_graph::{Block, Connection, Found, Inputs, NoBound, NodeError, NodeId, Outputs, Slot, Stage, Variance};
+use trochoid_image::Window;
+
+/// All stages of a pass, with their planes over the current tile.
+pub(crate) struct Fills<'p> {
+    plan: &'p Plan<'p>,
+    ready: &'p HashMap<NodeId, Ready>,
+    buffers: &'p Buffers<'p>,
+    monitor: &'p dyn Monitor,
+    fills: Vec<FillState<'p>>,
+    /// Which fill holds a plane.
+    by_slot: HashMap<Slot, usize>,
+    /// What tells whether samples share.
+    views: Vec<View>,
+    /// Where the current sample does not share.
+    apart: Vec<Apart>,
+    /// The current tile.
+    tile: Window,
+    /// Whether samples of a pixel share.
+    sharing: bool,
+    /// A row of bounds of what the caller gave: there is no truth but that.
+    exact: Vec<f32>,
+    /// What was filled before, and what is to be kept of this.
+    keeping: Option<&'p Keeping>,
+}
+
+struct FillState<'p> {
+    fill: &'p Fill,
+    /// `None` where a buffer of the caller stands in.
+    stage: Option<&'p dyn Stage>,
+    taps: Option<Runner<'p>>,
+    /// By output, by channel; empty where not wanted.
+    planes: Vec<Vec<Vec<f32>>>,
+    one_row: bool,
+    /// The columns and the offset for which a single row was filled last.
+    columns: Option<(i64, i64, [f64; 2])>,
+    /// By port, by connection: how far the image reaches, and what is needed of it for the current tile.
+    images: Vec<Vec<Image>>,
+    /// The pixels that the planes hold; of planes of one row, its columns.
+    window: Window,
+    /// The pixels that the program before the stage runs over.
+    tap_window: Window,
+    /// What the planes hold of the first sample, where another does not share it now.
+    kept: Kept,
+    /// What the stage found for all samples at the first one.
+    found: Option<Found>,
+    /// What is needed for the current sample: all of what the planes hold, but for what was shared.
+    need: Window,
+    /// Why the stage knows no bound, if it was asked for one and said so.
+    unbounded: Cell<Option<NoBound>>,
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+struct Image {
+    extent: Window,
+    region: Window,
+}
+
+impl FillState<'_> {
+    /// The pixels that the stage itself fills: of what does not vary along an axis, one.
+    fn own_window(&self, window: Window) -> Window {
+        match self.fill.variance {
+            Variance::Constant | Variance::Column => Window { y1: window.y0 + 1, ..window },
+            Variance::Row => Window { x1: window.x0 + 1, ..window },
+            Variance::Pixel => window,
+        }
+    }
+}
+
+impl<'p> Fills<'p> {
+    pub(crate) fn new(
+        plan: &'p Plan<'p>,
+        ready: &'p HashMap<NodeId, Ready>,
+        buffers: &'p Buffers<'p>,
+        (fills, sharing): (&'p [Fill], bool),
+        monitor: &'p dyn Monitor,
+        chunks: &mut &'p mut [Chunk],
+    ) -> Self {
+        let by_slot = by_slot(fills);
+        let views = View::of(fills, &by_slot);
+        let extents = extents(plan, ready, fills);
+        let picture = plan.graph.format().window();
+        let bounding = plan.settings.bounds;
+        let image = |fill: &Fill, feeds: &Vec<Feed>| {
+            let extent = match feeds.iter().find(|feed| **feed != Feed::Nothing) {
+                Some(Feed::Slot(slot)) => extents.get(&slot.node),
+                Some(Feed::Tap(..)) => None,
+                // A literal lies wherever the stage does.
+                _ => extents.get(&fill.node),
+            };
+            Image { extent: extent.copied().unwrap_or(picture), region: Window::default() }
+        };
+        let fills = fills
+            .iter()
+            .map(|fill| FillState {
+                fill,
+                stage: plan.stage(fill.node),
+                taps: fill.taps.as_ref().map(|taps| Runner::new(taps, bounding, chunks)),
+                planes: fill.wanted.iter().map(|channels| vec![Vec::new(); channels.len()]).collect(),
+                one_row: fill.variance <= Variance::Column,
+                columns: None,
+                images: fill
+                    .inputs
+                    .iter()
+                    .map(|(_, connections)| connections.iter().map(|feeds| image(fill, feeds)).collect())
+                    .collect(),
+                window: Window::default(),
+                tap_window: Window::default(),
+                kept: Kept::default(),
+                found: None,
+                need: Window::default(),
+                unbounded: Cell::new(None),
+            })
+            .collect();
+        Self {
+            plan,
+            ready,
+            buffers,
+            monitor,
+            fills,
+            by_slot,
+            views,
+            apart: Vec::new(),
+            tile: Window::default(),
+            sharing,
+            exact: if bounding { vec![0.0; picture.width()] } else { Vec::new() },
+            keeping: None,
+        }
+    }
+
+    /// Takes from what was filled before, and keeps what is not known yet.
+    pub(crate) fn keeping(self, keeping: &'p Keeping) -> Self {
+        Self { keeping: Some(keeping), ..self }
+    }
+
+    /// What an earlier evaluation filled.
+    fn known(&self, node: NodeId) -> Option<&'p Filled> {
+        self.keeping?.known.get(&node).map(|filled| &**filled)
+    }
+
+    /// Fills every stage over what a tile needs of it, for a sample of the pixels by its number and offset; adds the time
+    /// that each took to `seconds`. The first sample of a tile comes first: the others may share its results.
+    pub(crate) fn fill(
+        &mut self,
+        tile: Window,
+        (sample, offset): (usize, [f64; 2]),
+        seconds: &mut [f64],
+    ) -> Result<(), EvalError> {
+        if sample == 0 || self.sharing {
+            self.place(tile, sample);
+        }
+        self.apart.clear();
+        for index in 0..self.fills.len() {
+            if self.fills[index].need.is_empty() {
+                continue;
+            }
+            if self.monitor.cancelled() {
+                return Err(EvalError::Cancelled);
+            }
+            let started = Instant::now();
+            let id = self.fills[index].fill.node;
+            let filled = match &self.fills[index].fill.shared {
+                Some(views) if sample > 0 => self.stage_apart(index, views, offset),
+                _ => self.stage(index, (sample, offset)).map(|()| self.look(index, sample)),
+            };
+            filled.map_err(|error| node_error(self.plan, id, error, self.monitor))?;
+            seconds[id.0] += started.elapsed().as_secs_f64();
+        }
+        Ok(())
+    }
+
+    /// The planes that a program reads over the current tile, in its order.
+    pub(crate) fn planes(&self, program: &Compiled) -> Vec<Plane<'_>> {
+        program.planes.iter().map(|slot| self.plane(slot, self.tile, &self.fills)).collect()
+    }
+
+    /// The stages that know no bound on what they filled last, and why.
+    pub(crate) fn unbounded(&self) -> impl Iterator<Item = (NodeId, NoBound)> {
+        self.fills.iter().filter_map(|state| Some((state.fill.node, state.unbounded.get()?)))
+    }
+
+    /// The extremes of weights over everything that ran before stages.
+    pub(crate) fn audit(&self) -> WeightAudit {
+        let machines = self.fills.iter().filter_map(|fill| fill.taps.as_ref());
+        machines.map(Runner::audit).fold(WeightAudit::default(), WeightAudit::merge)
+    }
+
+    /// Decides every stage's window, from the program backwards: for a later sample, what it cannot share.
+    fn place(&mut self, tile: Window, sample: usize) {
+        let format = self.plan.graph.format();
+        self.tile = tile;
+        for state in &mut self.fills {
+            let is_kept = self.keeping.is_some_and(|keeping| keeping.wants(state.fill.node));
+            state.need = if state.fill.read || is_kept { tile } else { Window::default() };
+            state.tap_window = Window::default();
+        }
+        for index in (0..self.fills.len()).rev() {
+            let (before, rest) = self.fills.split_at_mut(index);
+            let Some(state) = rest.first_mut() else { continue };
+            let is_shared = sample > 0 && state.fill.shared.is_some();
+            if state.need.is_empty() && sample == 0 {
+                // Filled although nobody reads it, where demand is switched off.
+                state.need = tile;
+            }
+            if !is_shared {
+                state.window = state.need;
+            }
+            let is_everywhere = state.fill.shared.as_ref().is_some_and(Vec::is_empty);
+            let is_known = self.keeping.is_some_and(|keeping| keeping.known.contains_key(&state.fill.node));
+            if state.need.is_empty() || is_known || (is_shared && is_everywhere) {
+                continue;
+            }
+            let Some(stage) = state.stage else { continue };
+            let own = state.own_window(state.need);
+            let mut need = |slot: &Slot, window: Window| {
+                if let Some(other) = self.by_slot.get(slot).and_then(|&index| before.get_mut(index)) {
+                    other.need = other.need.union(window);
+                }
+            };
+            for view in state.fill.shared.iter().flatten() {
+                TELLING.iter().for_each(|channel| need(&telling(*view, *channel), state.need));
+            }
+            for ((port, connections), images) in state.fill.inputs.iter().zip(&mut state.images) {
+                let asked = if sample == 0 {
+                    stage.regions_of_interest(*port, own, format)
+                } else {
+                    stage.regions_once_found(*port, own, format)
+                };
+                for (feeds, image) in connections.iter().zip(images) {
+                    image.region = clamped(asked, image.extent);
+                    for feed in feeds {
+                        match feed {
+                            Feed::Slot(slot) => need(slot, image.region),
+                            Feed::Tap(..) => state.tap_window = state.tap_window.union(image.region),
+                            Feed::Nothing | Feed::Constant(_) => {}
+                        }
+                    }
+                }
+            }
+            for slot in state.fill.taps.iter().flat_map(|taps| &taps.planes) {
+                need(slot, state.tap_window);
+            }
+        }
+    }
+
+    fn is_bound(&self, node: NodeId) -> bool {
+        self.plan.bound[node.0]
+    }
+
+    /// A slot over a window: a buffer of the caller is read in place.
+    fn plane<'a>(&'a self, slot: &Slot, over: Window, fills: &'a [FillState<'_>]) -> Plane<'a> {
+        let start =
+            |within: Window, stride: usize| (over.y0 - within.y0) as usize * stride + (over.x0 - within.x0) as usize;
+        if self.is_bound(slot.node) {
+            if slot.channel >= self.plan.graph.node(slot.node).kinds[slot.output].channels() {
+                return Plane { samples: &self.exact, start: 0, stride: 0 };
+            }
+            let picture = self.plan.graph.format().window();
+            let sources = self.buffers.get(&self.plan.graph.node(slot.node).name).unwrap_or_default();
+            let samples: &[f32] = sources.get(slot.channel).copied().unwrap_or_default();
+            let stride = picture.width();
+            return Plane { samples, start: start(picture, stride), stride };
+        }
+        match self.by_slot.get(slot).and_then(|&index| fills.get(index)) {
+            Some(state) if let Some(filled) = self.known(state.fill.node) => {
+                let picture = self.plan.graph.format().window();
+                let stride = picture.width();
+                let samples = &filled.planes[slot.output][slot.channel];
+                Plane { samples, start: start(picture, stride), stride }
+            }
+            Some(state) => {
+                let stride = if state.one_row { 0 } else { state.window.width() };
+                let samples = &state.planes[slot.output][slot.channel];
+                Plane { samples, start: start(state.window, stride), stride }
+            }
+            None => unreachable!("a plane is filled before it is read"),
+        }
+    }
+
+    /// Fills one stage's planes.
+    fn stage(&mut self, index: usize, (sample, offset): (usize, [f64; 2])) -> Result<(), NodeError> {
+        let node = self.fills[index].fill.node;
+        if self.is_bound(node) || self.known(node).is_some() {
+            return Ok(());
+        }
+        self.fills[index].kept.indices.clear();
+        // What does not vary from row to row is there already where the tile before had the same columns.
+        let state = &mut self.fills[index];
+        let columns = Some((state.window.x0, state.window.x1, offset));
+        if state.one_row && std::mem::replace(&mut state.columns, columns) == columns {
+            return Ok(());
+        }
+        // Taken out, so that the stages before it can be read meanwhile.
+        let (mut planes, mut machine) = {
+            let state = &mut self.fills[index];
+            (std::mem::take(&mut state.planes), state.taps.take())
+        };
+        let filled = self.fill_into(index, (sample, offset), &mut planes, machine.as_mut());
+        let state = &mut self.fills[index];
+        if filled.is_err() {
+            state.columns = None;
+        }
+        (state.planes, state.taps) = (planes, machine);
+        state.found = filled?;
+        if let Some(keeping) = self.keeping {
+            let state = &self.fills[index];
+            keeping.take(node, (self.tile, state.window), self.plan.graph.format().window(), &state.planes);
+        }
+        Ok(())
+    }
+
+    /// The same into planes; gives what was found for all samples.
+    fn fill_into(
+        &self,
+        index: usize,
+        (sample, offset): (usize, [f64; 2]),
+        planes: &mut [Vec<Vec<f32>>],
+        machine: Option<&mut Runner<'p>>,
+    ) -> Result<Option<Found>, NodeError> {
+        let state = &self.fills[index];
+        let before = &self.fills[..index];
+        let window = state.own_window(state.window);
+        for (plane, wanted) in planes.iter_mut().flatten().zip(state.fill.wanted.iter().flatten()) {
+            let samples = if *wanted { window.area() } else { 0 };
+            // Tiles differ by a little in size: room for twice as much would stay empty.
+            plane.reserve_exact(samples.saturating_sub(plane.len()));
+            plane.resize(samples, 0.0);
+        }
+        let taps = self.run_taps(state, before, machine);
+        let held: Vec<Vec<Held<'_>>> = state
+            .fill
+            .inputs
+            .iter()
+            .zip(&state.images)
+            .map(|((_, connections), images)| {
+                let connections = connections.iter().zip(images);
+                connections
+                    .map(|(feeds, image)| {
+                        feeds.iter().map(|feed| self.samples(feed, image.region, state, before, &taps)).collect()
+                    })
+                    .collect()
+            })
+            .collect();
+        let ports: Vec<Vec<Connection<'_>>> = state
+            .images
+            .iter()
+            .zip(&held)
+            .map(|(images, held)| {
+                let connections = images.iter().zip(held).map(|(image, held)| Connection {
+                    planes: held.iter().map(Option::as_deref).collect(),
+                    window: image.region,
+                    extent: image.extent,
+                });
+                connections.collect()
+            })
+            .collect();
+        let outputs = planes
+            .iter_mut()
+            .zip(&state.fill.wanted)
+            .map(|(planes, wanted)| {
+                planes.iter_mut().zip(wanted).map(|(plane, wanted)| wanted.then_some(plane.as_mut_slice())).collect()
+            })
+            .collect();
+        let Some(ready) = self.ready.get(&state.fill.node) else { return Ok(None) };
+        let cancelled = || self.monitor.cancelled();
+        let block = Block::of(window, offset);
+        if self.plan.settings.bounds {
+            let exact = self.plan.settings.exact == Some(state.fill.node);
+            let filled = fill_with_bounds((&*ready.prepared, exact), &block, &ports, &cancelled, outputs)?;
+            state.unbounded.set(filled);
+            return Ok(None);
+        }
+        let inputs = Inputs::new(&ports).with_cancellation(&cancelled);
+        let found = match sample {
+            0 if self.sharing => ready.prepared.find(&block, &inputs)?,
+            _ => state.found.clone(),
+        };
+        let inputs = inputs.with_found(found.as_ref());
+        ready.prepared.fill(&block, &inputs, &mut Outputs::new(outputs))?;
+        if state.fill.variance == Variance::Row {
+            let width = state.window.width();
+            for plane in planes.iter_mut().flatten().filter(|plane| !plane.is_empty()) {
+                *plane = plane.iter().flat_map(|value| std::iter::repeat_n(*value, width)).collect();
+            }
+        }
+        Ok(found)
+    }
+
+    /// The samples of one channel over a region, row by row: in place where they lie so already.
+    fn samples<'a>(
+        &'a self,
+        feed: &Feed,
+        region: Window,
+        state: &FillState<'_>,
+        before: &'a [FillState<'_>],
+        taps: &'a Taps,
+    ) -> Option<Cow<'a, [f32]>> {
+        let plane = match feed {
+            Feed::Nothing => return None,
+            Feed::Constant(value) => return Some(vec![*value; region.area()].into()),
+            Feed::Tap(root, channel) => {
+                let within = state.tap_window;
+                let stride = within.width();
+                let start = (region.y0 - within.y0) as usize * stride + (region.x0 - within.x0) as usize;
+                Plane { samples: taps.get(&(*root, *channel))?, start, stride }
+            }
+            Feed::Slot(slot) => self.plane(slot, region, before),
+        };
+        let (width, height) = (region.width(), region.height());
+        Some(if plane.stride == width || height == 1 {
+            plane.samples[plane.start..plane.start + region.area()].into()
+        } else {
+            let mut samples = Vec::with_capacity(region.area());
+            for y in 0..height {
+                samples.extend_from_slice(plane.row(y, width));
+            }
+            samples.into()
+        })
+    }
+
+    /// Runs the pointwise program before a stage; gives its roots' planes.
+    fn run_taps(&self, state: &FillState<'_>, before: &[FillState<'_>], machine: Option<&mut Runner<'p>>) -> Taps {
+        let mut taps = Taps::new();
+        if let (Some(machine), Some(compiled)) = (machine, &state.fill.taps) {
+            let window = state.tap_window;
+            let planes: Vec<Plane<'_>> = compiled.planes.iter().map(|slot| self.plane(slot, window, before)).collect();
+            machine.tile(&planes, window.width(), window.height(), &mut |root, channel, _, row| {
+                let plane = taps.entry((root, channel)).or_insert_with(|| Vec::with_capacity(window.area()));
+                plane.extend_from_slice(row);
+            });
+        }
+        taps
+    }
+}
+
+/// The channels of one connection, each where asked for.
+type Held<'a> = Vec<Option<Cow<'a, [f32]>>>;
+
+/// The planes of a program's roots by root and channel.
+type Taps = HashMap<(usize, usize), Vec<f32>>;
+
+fn by_slot(fills: &[Fill]) -> HashMap<Slot, usize> {
+    let mut by_slot = HashMap::new();
+    for (index, fill) in fills.iter().enumerate() {
+        for (output, channels) in fill.wanted.iter().enumerate() {
+            for channel in (0..channels.len()).filter(|channel| channels[*channel]) {
+                by_slot.insert(Slot { node: fill.node, output, channel }, index);
+            }
+        }
+    }
+    by_slot
+}

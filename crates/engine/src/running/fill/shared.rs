@@ -1,0 +1,328 @@
+//! Stages whose results the samples of a pixel share: of all but the first sample, only what differs is filled.
+
+use super::runner::Runner;
+use super::{FillState, Fills, Held, Taps};
+use crate::kernel::Plane;
+use crate::planning::plan::{Feed, Fill};
+use crate::planning::shading::TELLING;
+use crate::running::certify::fill_with_bounds;
+use std::borrow::Cow;
+use std::collections::HashMap;
+use trochoid_graph::{Block, Bound, Channel, Connection, Inputs, NodeError, NodeId, Outputs, Slot};
+use trochoid_image::{Shading, Window};
+
+/// What a view tells of the samples of the current tile.
+pub(super) struct View {
+    node: NodeId,
+    /// The fill that holds what it tells.
+    fill: usize,
+    /// Surface and depth that the first sample sees, and at which pixels.
+    first: [Vec<f32>; 2],
+    all: Window,
+    /// Whether the current sample sees something else, and at which pixels that is known.
+    differs: Vec<bool>,
+    window: Window,
+    /// Bounds of what the first sample sees, if they are asked for, and whether the reference may see it differ where this
+    /// one does not, or the other way.
+    first_bounds: [Vec<f32>; 2],
+    doubtful: Vec<bool>,
+}
+
+/// The pixels of a window at which the current sample does not share, by the views that say so.
+pub(super) struct Apart {
+    views: Vec<NodeId>,
+    window: Window,
+    /// As indices into planes over the window.
+    indices: Vec<usize>,
+    pixels: Vec<[i64; 2]>,
+    /// The pixels at which the reference may say otherwise.
+    doubtful: Vec<[i64; 2]>,
+}
+
+/// Results of the first sample, by plane, at the pixels where those of another stand in their place.
+#[derive(Default)]
+pub(super) struct Kept {
+    /// As indices into the planes.
+    pub(super) indices: Vec<usize>,
+    values: Vec<Vec<f32>>,
+}
+
+/// The plane in which a view tells something.
+pub(super) fn telling(node: NodeId, channel: Channel) -> Slot {
+    Slot { node, output: 0, channel: channel as usize }
+}
+
+impl View {
+    /// The views by which stages share.
+    pub(super) fn of(fills: &[Fill], by_slot: &HashMap<Slot, usize>) -> Vec<Self> {
+        let mut nodes: Vec<NodeId> = fills.iter().flat_map(|fill| fill.shared.iter().flatten().copied()).collect();
+        nodes.sort_unstable();
+        nodes.dedup();
+        let view = |node: NodeId| {
+            let fill = *by_slot.get(&telling(node, TELLING[0]))?;
+            let (all, window) = (Window::default(), Window::default());
+            Some(Self {
+                node,
+                fill,
+                first: Default::default(),
+                all,
+                differs: Vec::new(),
+                window,
+                first_bounds: Default::default(),
+                doubtful: Vec::new(),
+            })
+        };
+        nodes.into_iter().filter_map(view).collect()
+    }
+
+    /// Whether the sample differs, over a row of a window within its own.
+    fn row(&self, window: Window, y: i64) -> &[bool] {
+        &self.differs[self.place([window.x0, y])..][..window.width()]
+    }
+
+    /// Whether the reference may say otherwise at a pixel.
+    fn is_doubtful(&self, pixel: [i64; 2]) -> bool {
+        self.doubtful.get(self.place(pixel)).is_some_and(|doubtful| *doubtful)
+    }
+
+    fn place(&self, [x, y]: [i64; 2]) -> usize {
+        (y - self.window.y0) as usize * self.window.width() + (x - self.window.x0) as usize
+    }
+
+    /// Compares what a sample sees with what the first one saw, which was asked at as many pixels or more.
+    fn compare(&mut self, sample: usize, window: Window, [surfaces, depths]: [&[f32]; 2]) {
+        if sample == 0 {
+            self.all = window;
+            self.first = [surfaces.to_vec(), depths.to_vec()];
+            return;
+        }
+        self.window = window;
+        self.differs.resize(surfaces.len(), false);
+        let width = window.width();
+        let samples = surfaces.chunks_exact(width).zip(depths.chunks_exact(width));
+        for ((differs, (surfaces, depths)), y) in self.differs.chunks_exact_mut(width).zip(samples).zip(window.y0..) {
+            let start = (y - self.all.y0) as usize * self.all.width() + (window.x0 - self.all.x0) as usize;
+            let first = self.first[0][start..start + width].iter().zip(&self.first[1][start..start + width]);
+            for ((differs, first), sample) in differs.iter_mut().zip(first).zip(surfaces.iter().zip(depths)) {
+                let pair = |(surface, depth): (&f32, &f32)| (f64::from(*surface), f64::from(*depth));
+                *differs = !Shading::is_shared(pair(first), pair(sample));
+            }
+        }
+    }
+
+    /// After [`compare`](Self::compare), the same with the bounds of what is compared.
+    fn doubt(&mut self, sample: usize, [surfaces, depths]: [&[f32]; 2], bounds: [&[f32]; 2]) {
+        if sample == 0 {
+            self.first_bounds = bounds.map(<[f32]>::to_vec);
+            return;
+        }
+        let width = self.window.width();
+        let doubtful = |index: usize| {
+            let (x, y) = (self.window.x0 + (index % width) as i64, self.window.y0 + (index / width) as i64);
+            let start = (y - self.all.y0) as usize * self.all.width() + (x - self.all.x0) as usize;
+            let first = [&self.first, &self.first_bounds].map(|planes| [planes[0][start], planes[1][start]]);
+            let here = [[surfaces[index], depths[index]], [bounds[0][index], bounds[1][index]]];
+            is_doubtful(first, here)
+        };
+        self.doubtful = (0..surfaces.len()).map(doubtful).collect();
+    }
+}
+
+/// Whether samples that see this surface and depth, each within bounds, may share or not.
+fn is_doubtful([first, first_bounds]: [[f32; 2]; 2], [here, bounds]: [[f32; 2]; 2]) -> bool {
+    let [first_bounds, bounds] = [first_bounds, bounds].map(|bounds| bounds.map(Bound::decode));
+    let is_certain = |[surface, depth]: [Bound; 2]| surface.clear && depth.clear && surface.size == 0.0;
+    if !is_certain(first_bounds) || !is_certain(bounds) {
+        return true;
+    }
+    let ([surface, first], [other, depth]) = (first.map(f64::from), here.map(f64::from));
+    let (off_first, off) = (first_bounds[1].size, bounds[1].size + first_bounds[1].size);
+    if surface != other || (first == depth && off == 0.0) {
+        return false;
+    }
+    // NaN of infinite depths is in doubt.
+    let apart = (depth - first).abs();
+    let limit = |first: f64| Shading::SAME_DEPTH * first.max(0.0);
+    let is_shared = apart + off <= limit(first.abs() - off_first);
+    let is_apart = apart - off > limit(first.abs() + off_first);
+    !(is_shared || is_apart)
+}
+
+impl<'p> Fills<'p> {
+    /// Looks at what a stage has told, if it is a view that is asked.
+    pub(super) fn look(&mut self, index: usize, sample: usize) {
+        for view in self.views.iter_mut().filter(|view| view.fill == index) {
+            let state = &self.fills[index];
+            let planes = TELLING.map(|channel| &state.planes[0][channel as usize][..]);
+            view.compare(sample, state.window, planes);
+            if self.plan.settings.bounds {
+                let behind = state.planes[0].len() / 2;
+                let bounds = TELLING.map(|channel| &state.planes[0][behind + channel as usize][..]);
+                view.doubt(sample, planes, bounds);
+            }
+        }
+    }
+
+    /// Fills a stage where the current sample does not share with the first one, and leaves the first one's results
+    /// elsewhere.
+    pub(super) fn stage_apart(&mut self, index: usize, views: &[NodeId], offset: [f64; 2]) -> Result<(), NodeError> {
+        let (window, held) = (self.fills[index].need, self.fills[index].window);
+        let known = self.apart.iter().position(|apart| apart.window == window && apart.views == views);
+        let apart = match known {
+            Some(known) => self.apart.swap_remove(known),
+            None => self.differing(views, window),
+        };
+        let state = &mut self.fills[index];
+        let mut kept = std::mem::take(&mut state.kept);
+        let mut own = std::mem::take(&mut state.planes);
+        let mut machine = state.taps.take();
+        let mut planes: Vec<&mut Vec<f32>> = own.iter_mut().flatten().filter(|plane| !plane.is_empty()).collect();
+        for (plane, values) in planes.iter_mut().zip(&kept.values) {
+            kept.indices.iter().zip(values).for_each(|(index, value)| plane[*index] = *value);
+        }
+        kept.indices.clear();
+        let place = |[x, y]: &[i64; 2]| (y - held.y0) as usize * held.width() + (x - held.x0) as usize;
+        if window == held {
+            kept.indices.extend_from_slice(&apart.indices);
+        } else {
+            kept.indices.extend(apart.pixels.iter().map(place));
+        }
+        // Behind those for which there will be other results.
+        let doubtful: Vec<usize> = apart.doubtful.iter().map(place).collect();
+        kept.indices.extend_from_slice(&doubtful);
+        kept.values.resize_with(planes.len(), Vec::new);
+        for (plane, values) in planes.iter().zip(&mut kept.values) {
+            values.clear();
+            values.extend(kept.indices.iter().map(|index| plane[*index]));
+        }
+        let mut filled = Ok(());
+        if !apart.indices.is_empty() {
+            filled = self.fill_pixels(index, &apart, offset, machine.as_mut()).map(|found| {
+                for (plane, values) in planes.iter_mut().zip(found) {
+                    kept.indices.iter().zip(values).for_each(|(index, value)| plane[*index] = value);
+                }
+            });
+        }
+        for planes in own.iter_mut().filter(|_| !doubtful.is_empty()) {
+            let bounds = planes.len() / 2;
+            for plane in planes[bounds..].iter_mut().filter(|plane| !plane.is_empty()) {
+                doubtful.iter().for_each(|place| plane[*place] = Bound::UNKNOWN.encode());
+            }
+        }
+        let state = &mut self.fills[index];
+        (state.planes, state.kept, state.taps) = (own, kept, machine);
+        self.apart.push(apart);
+        filled
+    }
+
+    /// The pixels of a window at which some view sees something else than at the first sample.
+    fn differing(&self, views: &[NodeId], window: Window) -> Apart {
+        let asked: Vec<&View> = self.views.iter().filter(|view| views.contains(&view.node)).collect();
+        let (mut indices, mut pixels, mut doubtful) = (Vec::new(), Vec::new(), Vec::new());
+        for (y, first) in (window.y0..window.y1).zip((0..).step_by(window.width())) {
+            let rows: Vec<&[bool]> = asked.iter().map(|view| view.row(window, y)).collect();
+            for x in (0..window.width()).filter(|x| rows.iter().any(|row| row[*x])) {
+                indices.push(first + x);
+                pixels.push([window.x0 + x as i64, y]);
+            }
+            if self.plan.settings.bounds {
+                let pixels = (window.x0..window.x1).map(|x| [x, y]);
+                doubtful.extend(pixels.filter(|pixel| asked.iter().any(|view| view.is_doubtful(*pixel))));
+            }
+        }
+        Apart { views: views.to_vec(), window, indices, pixels, doubtful }
+    }
+
+    /// The stage's planes at single pixels of its window.
+    fn fill_pixels(
+        &self,
+        index: usize,
+        apart: &Apart,
+        offset: [f64; 2],
+        machine: Option<&mut Runner<'p>>,
+    ) -> Result<Vec<Vec<f32>>, NodeError> {
+        let (state, before) = (&self.fills[index], &self.fills[..index]);
+        let Some(ready) = self.ready.get(&state.fill.node) else { return Ok(Vec::new()) };
+        let taps = self.tap_pixels(state, apart, before, machine);
+        let count = apart.indices.len();
+        let gather = |feed: &Feed| -> Option<Cow<'_, [f32]>> {
+            Some(match feed {
+                Feed::Nothing => return None,
+                Feed::Constant(value) => vec![*value; count].into(),
+                Feed::Tap(root, channel) => taps.get(&(*root, *channel))?.into(),
+                Feed::Slot(slot) => self.gather(slot, apart, before).into(),
+            })
+        };
+        let block = Block::scattered(&apart.pixels, offset);
+        let held: Vec<Vec<Held<'_>>> = state
+            .fill
+            .inputs
+            .iter()
+            .map(|(_, connections)| connections.iter().map(|feeds| feeds.iter().map(gather).collect()).collect())
+            .collect();
+        let ports: Vec<Vec<Connection<'_>>> = held
+            .iter()
+            .map(|connections| {
+                let connections = connections.iter().map(|held| Connection {
+                    planes: held.iter().map(Option::as_deref).collect(),
+                    window: block.window,
+                    extent: block.window,
+                });
+                connections.collect()
+            })
+            .collect();
+        let wanted = state.fill.wanted.iter().flatten().filter(|wanted| **wanted);
+        let mut found = vec![vec![0.0; count]; wanted.count()];
+        let mut targets = found.iter_mut();
+        let outputs = state
+            .fill
+            .wanted
+            .iter()
+            .map(|channels| {
+                let target = |wanted: &bool| wanted.then(|| targets.next().map(Vec::as_mut_slice)).flatten();
+                channels.iter().map(target).collect()
+            })
+            .collect();
+        let cancelled = || self.monitor.cancelled();
+        if self.plan.settings.bounds {
+            let exact = self.plan.settings.exact == Some(state.fill.node);
+            let filled = fill_with_bounds((&*ready.prepared, exact), &block, &ports, &cancelled, outputs)?;
+            state.unbounded.set(filled);
+            return Ok(found);
+        }
+        let inputs = Inputs::new(&ports).with_cancellation(&cancelled);
+        ready.prepared.fill(&block, &inputs, &mut Outputs::new(outputs))?;
+        Ok(found)
+    }
+
+    /// A plane at single pixels.
+    fn gather(&self, slot: &Slot, apart: &Apart, before: &[FillState<'_>]) -> Vec<f32> {
+        let (plane, window) = (self.plane(slot, apart.window, before), apart.window);
+        if plane.stride == window.width() {
+            let samples = &plane.samples[plane.start..];
+            return apart.indices.iter().map(|index| samples[*index]).collect();
+        }
+        let at = |[x, y]: &[i64; 2]| plane.start + (y - window.y0) as usize * plane.stride + (x - window.x0) as usize;
+        apart.pixels.iter().map(|pixel| plane.samples[at(pixel)]).collect()
+    }
+
+    /// Runs the pointwise program before a stage at single pixels of its window.
+    fn tap_pixels(
+        &self,
+        state: &FillState<'_>,
+        apart: &Apart,
+        before: &[FillState<'_>],
+        machine: Option<&mut Runner<'p>>,
+    ) -> Taps {
+        let mut taps = Taps::new();
+        if let (Some(machine), Some(compiled)) = (machine, &state.fill.taps) {
+            let planes: Vec<Vec<f32>> = compiled.planes.iter().map(|slot| self.gather(slot, apart, before)).collect();
+            let stride = apart.indices.len();
+            let planes: Vec<Plane<'_>> = planes.iter().map(|samples| Plane { samples, start: 0, stride }).collect();
+            machine.tile(&planes, stride, 1, &mut |root, channel, _, row| {
+                taps.entry((root, channel)).or_default().extend_from_slice(row);
+            });
+        }
+        taps
+    }
+}

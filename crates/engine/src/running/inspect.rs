@@ -1,0 +1,223 @@
+//! One pixel in detail: which controls made it, and how errors of its passes reach it.
+
+use super::fill::Fills;
+use super::memory::Pictures;
+use super::prepare::prepare;
+use super::run::programs;
+use crate::kernel::Chunks;
+use crate::rules::blame::blame;
+use crate::rules::error::{Operands, error};
+use crate::rules::evaluate::{Values, evaluate};
+use crate::{Buffers, Cache, EvalError, Monitor, Plan, Settings};
+use std::collections::HashMap;
+use trochoid_graph::{Bound, NodeId, Op, Program, Slot};
+use trochoid_image::Window;
+
+/// A pixel and what made it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Inspected {
+    /// Its value by channel, in the working space for colors, averaged as the picture's is. Computed in f64, so it may
+    /// differ from the picture's in the last digits.
+    pub value: Vec<f64>,
+    /// The control colors of a Color, each node's every color once, the greatest share first; empty for anything else.
+    pub blame: Vec<Blame>,
+}
+
+/// A control color's share of a pixel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Blame {
+    /// The node that holds the control color.
+    pub node: NodeId,
+    /// The color.
+    pub color: [f64; 3],
+    /// Its weight; the weights of a pixel sum to 1.
+    pub weight: f64,
+}
+
+impl Plan<'_> {
+    /// The value of an output at a pixel, and the control colors that it is mixed of; `None` if the plan has no such output
+    /// or the picture no such pixel.
+    ///
+    /// `output` counts among the outputs of the graph. The mix is that of the document, before optimizations fold any of
+    /// it. A color that a stage makes, such as one read from a file or filtered, counts as a control of that stage's node;
+    /// of nodes that say the same, the first counts for all. Costs as much as a tile of one pixel: stages that the cache
+    /// holds are not prepared again.
+    ///
+    /// ```
+    /// # use trochoid_engine::{Buffers, Cache, Plan, Settings, Silent};
+    /// # fn show(graph: &trochoid_graph::CheckedGraph) -> Result<(), Box<dyn std::error::Error>> {
+    /// let plan = Plan::new(graph, &["beauty"], 1, &[], &Settings::default())?;
+    /// let output = plan.outputs()[0];
+    /// let pixel = plan.inspect(output, [640, 360], &Buffers::new(), &mut Cache::new(), &Silent)?;
+    /// for share in pixel.unwrap_or_default().blame {
+    ///     println!("{:3.0} % {:?} of {}", 100.0 * share.weight, share.color, graph.node(share.node).name);
+    /// }
+    /// # Ok(())
+    /// # }
+    /// ```
+    ///
+    /// # Errors
+    /// As [`Plan::evaluate`].
+    pub fn inspect(
+        &self,
+        output: usize,
+        [x, y]: [i64; 2],
+        buffers: &Buffers<'_>,
+        cache: &mut Cache,
+        monitor: &dyn Monitor,
+    ) -> Result<Option<Inspected>, EvalError> {
+        let graph = self.graph;
+        let window = Window::new(x, y, x.saturating_add(1), y.saturating_add(1));
+        let own = self.outputs.iter().position(|own| own.index == output);
+        let Some(own) = own.filter(|_| graph.format().window().intersect(window) == window && !window.is_empty())
+        else {
+            return Ok(None);
+        };
+        // The same outputs, so that stages are asked for the same channels and the cache knows what they prepared.
+        let names: Vec<&str> = self.outputs.iter().map(|own| graph.outputs()[own.index].name.as_str()).collect();
+        let bound = self.bound.iter().enumerate().filter(|(_, bound)| **bound);
+        let bound: Vec<&str> = bound.map(|(id, _)| graph.node(NodeId(id)).name.as_str()).collect();
+        let settings = Settings {
+            region: Some(window),
+            tile: None,
+            threads: 0,
+            compile_from: usize::MAX,
+            bounds: false,
+            exact: None,
+            ..self.settings.clone()
+        };
+        let Ok(plan) = Plan::new(graph, &names, self.frame(), &bound, &settings) else {
+            unreachable!("a pixel of a picture can be planned where the picture could")
+        };
+        self.in_pool(|| plan.pixel(own, buffers, cache, monitor)).map(Some)
+    }
+
+    /// What the only pixel of the plan is made of.
+    fn pixel(
+        &self,
+        output: usize,
+        buffers: &Buffers<'_>,
+        cache: &mut Cache,
+        monitor: &dyn Monitor,
+    ) -> Result<Inspected, EvalError> {
+        self.validate(buffers)?;
+        let (ready, _) = prepare(self, cache, monitor, Pictures::Rows)?;
+        let (program, roots) = (&self.source.0, &self.source.1[output]);
+        let mut chunks = Chunks::of(self.passes.iter().flat_map(programs));
+        let mut chunks = chunks.all();
+        let mut seconds = vec![0.0; self.graph.nodes().len()];
+        let mut found = Inspected::default();
+        let passes = self.passes.iter().filter(|pass| pass.roots.iter().any(|(owner, _)| *owner == output));
+        for pass in passes {
+            let mut fills = Fills::new(self, &ready, buffers, (&pass.fills, pass.sharing), monitor, &mut chunks);
+            let share = 1.0 / pass.offsets.len() as f64;
+            for sample in pass.offsets.iter().copied().enumerate() {
+                fills.fill(self.window, sample, &mut seconds)?;
+                let planes = fills.planes(&pass.program);
+                buffers.normalized(self, &pass.program.planes, &planes, self.window)?;
+                let slots = pass.program.planes.iter().zip(&planes);
+                let values: HashMap<&Slot, f64> =
+                    slots.map(|(slot, plane)| (slot, f64::from(plane.row(0, 1)[0]))).collect();
+                // What no pixel depends on is not filled, and any value does.
+                let inspection =
+                    Inspection::new(program, &|slot| (values.get(slot).copied().unwrap_or_default(), Bound::EXACT));
+                found.add(&inspection, roots, share);
+            }
+        }
+        cache.trim();
+        found.blame.sort_by(|a, b| b.weight.total_cmp(&a.weight));
+        Ok(found)
+    }
+}
+
+impl Inspected {
+    /// Adds a sample's share.
+    fn add(&mut self, inspection: &Inspection, roots: &[u32], share: f64) {
+        let values: Vec<f64> = roots.iter().flat_map(|root| inspection.value(*root).iter().copied()).collect();
+        self.value.resize(values.len(), 0.0);
+        self.value.iter_mut().zip(values).for_each(|(sum, value)| *sum += share * value);
+        for part in roots.iter().flat_map(|root| inspection.blame(*root)) {
+            let weight = share * part.weight;
+            match self.blame.iter_mut().find(|own| own.node == part.node && own.color == part.color) {
+                Some(own) => own.weight += weight,
+                None => self.blame.push(Blame { weight, ..part }),
+            }
+        }
+    }
+}
+
+/// A program evaluated in f64 at one sample, with bounds on errors.
+#[derive(Clone, Debug)]
+pub struct Inspection {
+    program: Program,
+    values: Vec<Values>,
+    bounds: Vec<Vec<Bound>>,
+}
+
+/// Results so far.
+struct Known<'a> {
+    values: &'a [Values],
+    bounds: &'a [Vec<Bound>],
+}
+
+impl Operands for Known<'_> {
+    fn value(&self, position: u32, row: usize) -> f64 {
+        self.values[position as usize][row]
+    }
+
+    fn bound(&self, position: u32, row: usize) -> Bound {
+        self.bounds[position as usize][row]
+    }
+}
+
+impl Inspection {
+    /// Evaluates a program at a sample; `input` gives the value of each plane loaded, and a bound on its error.
+    pub fn new(program: &Program, input: &dyn Fn(&Slot) -> (f64, Bound)) -> Self {
+        let mut values: Vec<Values> = Vec::with_capacity(program.ops().len());
+        let mut bounds: Vec<Vec<Bound>> = Vec::with_capacity(program.ops().len());
+        for (op, _) in program.ops() {
+            let channel = |slot: &Slot, channel: usize| input(&Slot { channel, ..*slot });
+            let value = evaluate(op, &|id| values[id as usize].clone(), &|slot, c| channel(slot, c).0);
+            let mut own = vec![Bound::EXACT; value.len()];
+            match op {
+                Op::Load(slot) => own[0] = channel(slot, slot.channel).1,
+                Op::LoadColor(slot) => own.iter_mut().enumerate().for_each(|(c, own)| *own = channel(slot, c).1),
+                _ => error(op, &Known { values: &values, bounds: &bounds }, &value, &mut own),
+            }
+            values.push(value);
+            bounds.push(own);
+        }
+        Self { program: program.clone(), values, bounds }
+    }
+
+    /// The value at a position of the program.
+    pub fn value(&self, position: u32) -> &[f64] {
+        &self.values[position as usize]
+    }
+
+    /// Bounds on its error: of f64 arithmetic.
+    pub fn bound(&self, position: u32) -> &[Bound] {
+        &self.bounds[position as usize]
+    }
+
+    /// The control colors of a color and their weights, which sum to 1; controls of weight 0 are left out.
+    pub fn blame(&self, position: u32) -> Vec<Blame> {
+        let mut shares = vec![0.0; self.program.ops().len()];
+        shares[position as usize] = 1.0;
+        let mut found = Vec::new();
+        for at in (0..=position as usize).rev() {
+            let share = shares[at];
+            if share == 0.0 {
+                continue;
+            }
+            let (op, origin) = &self.program.ops()[at];
+            blame(op, share, &|id| self.values[id as usize].clone(), &mut |operand, part| {
+                shares[operand as usize] += part;
+            });
+            if let (Op::ConstantColor(_) | Op::LoadColor(_), [r, g, b]) = (op, self.values[at].as_slice()) {
+                found.push(Blame { node: *origin, color: [*r, *g, *b], weight: share });
+            }
+        }
+        found
+    }
+}

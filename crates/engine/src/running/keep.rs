@@ -1,0 +1,100 @@
+//! What stages filled, kept for the next evaluation: an edit fills again only what depends on it.
+
+use super::prepare::{Cache, Ready, key_of_filled};
+use crate::Plan;
+use crate::planning::plan::{Fill, Pass};
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, PoisonError};
+use trochoid_graph::{Key, NodeId, Variance};
+use trochoid_image::Window;
+
+/// A stage's planes over the whole picture, by output, by channel; empty where not wanted.
+#[derive(Debug)]
+pub(crate) struct Filled {
+    pub(crate) planes: Vec<Vec<Vec<f32>>>,
+}
+
+impl Filled {
+    pub(crate) fn bytes(&self) -> usize {
+        self.planes.iter().flatten().map(|plane| 4 * plane.len()).sum()
+    }
+}
+
+/// The stages of a plan whose planes are kept, and those whose planes are to be.
+#[derive(Debug, Default)]
+pub(crate) struct Keeping {
+    /// What is known of earlier evaluations.
+    pub(crate) known: HashMap<NodeId, Arc<Filled>>,
+    /// What is being filled now, tile by tile, and its key.
+    new: HashMap<NodeId, (Key, Mutex<Filled>)>,
+}
+
+impl Keeping {
+    /// Looks up what a plan's stages filled before.
+    pub(crate) fn new(plan: &Plan<'_>, ready: &HashMap<NodeId, Ready>, cache: &mut Cache) -> Self {
+        let mut keeping = Self::default();
+        let Some(pass) = plan.kept_pass() else { return keeping };
+        let picture = plan.graph.format().window();
+        let extents = super::fill::extents(plan, ready, &pass.fills);
+        // What lies beyond the picture would be missing, and what varies along one axis costs nothing.
+        let is_kept = |fill: &&Fill| fill.variance == Variance::Pixel && extents.get(&fill.node) == Some(&picture);
+        let mut room = cache.limit();
+        for fill in pass.fills.iter().filter(is_kept) {
+            let Some(key) = ready.get(&fill.node).map(|ready| key_of_filled(plan, fill, ready)) else { continue };
+            if let Some(filled) = cache.filled(&key) {
+                keeping.known.insert(fill.node, filled);
+                continue;
+            }
+            let wanted = fill.wanted.iter().flatten().filter(|wanted| **wanted);
+            let Some(left) = room.checked_sub(wanted.count() * picture.area() * 4) else { continue };
+            room = left;
+            let plane = |wanted: &bool| vec![0.0; if *wanted { picture.area() } else { 0 }];
+            let planes = fill.wanted.iter().map(|channels| channels.iter().map(plane).collect()).collect();
+            keeping.new.insert(fill.node, (key, Mutex::new(Filled { planes })));
+        }
+        keeping
+    }
+
+    /// Whether a stage's planes are kept from now on.
+    pub(crate) fn wants(&self, node: NodeId) -> bool {
+        self.new.contains_key(&node)
+    }
+
+    /// Takes a tile of planes that cover a window around it.
+    pub(crate) fn take(&self, node: NodeId, (tile, window): (Window, Window), picture: Window, from: &[Vec<Vec<f32>>]) {
+        let Some((_, filled)) = self.new.get(&node) else { return };
+        let mut filled = filled.lock().unwrap_or_else(PoisonError::into_inner);
+        let start = |within: Window, y: i64| (y - within.y0) as usize * within.width() + (tile.x0 - within.x0) as usize;
+        for (to, from) in filled.planes.iter_mut().flatten().zip(from.iter().flatten()) {
+            if to.is_empty() {
+                continue;
+            }
+            for y in tile.y0..tile.y1 {
+                let (to, from) = (&mut to[start(picture, y)..], &from[start(window, y)..]);
+                to[..tile.width()].copy_from_slice(&from[..tile.width()]);
+            }
+        }
+    }
+
+    /// Hands what was filled to the cache, once every tile is done.
+    pub(crate) fn finish(self, cache: &mut Cache) {
+        for (key, filled) in self.new.into_values() {
+            let filled = filled.into_inner().unwrap_or_else(PoisonError::into_inner);
+            cache.keep_filled(key, Arc::new(filled));
+        }
+    }
+}
+
+impl Plan<'_> {
+    /// The only pass, if what its stages fill can be kept: one sample a pixel of the whole picture, made of the document
+    /// alone and without bounds.
+    fn kept_pass(&self) -> Option<&Pass> {
+        let whole = self.window == self.graph.format().window() && !self.settings.bounds;
+        match &self.passes[..] {
+            [pass] if self.settings.keep && whole && pass.offsets.len() == 1 && !self.bound.contains(&true) => {
+                Some(pass)
+            }
+            _ => None,
+        }
+    }
+}

@@ -1,0 +1,299 @@
+//! How much memory a plan takes, reckoned before any of it is taken.
+
+use super::tile::channel_count;
+use crate::planning::plan::{Feed, Fill, Pass};
+use crate::{EvalError, Plan};
+use std::collections::{HashMap, HashSet};
+use std::fmt::Write as _;
+use trochoid_graph::{MemoryUse, NodeId, Reckoning, Stage, Variance, in_bytes};
+use trochoid_image::Window;
+
+/// Takers that a message names, at most.
+const NAMED: usize = 4;
+
+/// What takes memory.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Taker {
+    /// What a node prepared.
+    Node(NodeId),
+    /// The pictures of the outputs, where they are not handed on row by row.
+    Pictures,
+    /// What one of them needs while it is written to its file.
+    Writing,
+    /// Tiles that threads work on.
+    Tiles,
+    /// What one node needs while it prepares, at most.
+    Preparing(NodeId),
+}
+
+/// Where the pictures of the outputs go.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Pictures {
+    /// Into memory, as by [`Plan::evaluate`].
+    Whole,
+    /// Into memory, and from there into files, one after the other.
+    Files,
+    /// On, row by row, as by [`Plan::evaluate_to`].
+    Rows,
+}
+
+/// Bytes that a sample takes beside itself while its picture is converted, encoded and compressed, whole or by rows.
+const ENCODED: u64 = 9;
+const ENCODED_ROWS: u64 = 5;
+
+/// Rows that files take at once, at most.
+const ROWS: usize = 32;
+
+/// About how much memory a plan takes at its frame.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct MemoryAccount {
+    /// Everything that takes some, the largest first: who, bytes, and what to do where that is too much.
+    pub takers: Vec<(Taker, u64, &'static str)>,
+    /// Nodes whose share another one counts.
+    shared: Vec<NodeId>,
+    /// Threads that work on tiles at once.
+    workers: usize,
+}
+
+impl MemoryAccount {
+    /// All together, bytes.
+    pub fn total(&self) -> u64 {
+        self.takers.iter().fold(0, |sum, (_, bytes, _)| sum.saturating_add(*bytes))
+    }
+
+    /// Threads that work on tiles at once: as many as the settings say, or as have room.
+    pub fn workers(&self) -> usize {
+        self.workers
+    }
+
+    /// What nodes hold, bytes.
+    pub(crate) fn held(&self) -> u64 {
+        let nodes = self.takers.iter().filter(|(taker, ..)| matches!(taker, Taker::Node(_)));
+        nodes.fold(0, |sum, (_, bytes, _)| sum.saturating_add(*bytes))
+    }
+
+    /// What a node holds in truth, where that is more.
+    pub(crate) fn found(&mut self, id: NodeId, bytes: u64) {
+        if self.shared.contains(&id) {
+            return;
+        }
+        match self.takers.iter_mut().find(|(taker, ..)| *taker == Taker::Node(id)) {
+            Some((_, held, _)) => *held = bytes.max(*held),
+            None => self.takers.push((Taker::Node(id), bytes, "lower the format's \"width\" and \"height\"")),
+        }
+    }
+
+    /// Lets fewer threads work on tiles at once where all of them go beyond a limit: that is slower, and the picture is the
+    /// same.
+    pub(crate) fn shrink_to(&mut self, limit: u64) {
+        let total = self.total();
+        if let Some((_, tiles, _)) = self.takers.iter_mut().find(|(taker, ..)| *taker == Taker::Tiles) {
+            let room = limit.saturating_sub(total - *tiles);
+            let each = *tiles / self.workers as u64;
+            self.workers = usize::try_from(room / each.max(1)).unwrap_or(usize::MAX).clamp(1, self.workers);
+            *tiles = each * self.workers as u64;
+        }
+        self.takers.retain(|(_, bytes, _)| *bytes > 0);
+        self.takers.sort_by_key(|(_, bytes, _)| std::cmp::Reverse(*bytes));
+    }
+}
+
+impl Plan<'_> {
+    /// About how much memory the plan takes: what its nodes hold, the most that one needs while it prepares, tiles, and the
+    /// pictures, where they stay in memory. Reads headers of files, and nothing else.
+    pub fn memory(&self, pictures: Pictures) -> MemoryAccount {
+        self.account(pictures, &HashMap::new())
+    }
+
+    /// What [`Plan::memory`] gives, where some nodes are prepared and hold so many bytes.
+    pub(crate) fn account(&self, pictures: Pictures, known: &HashMap<NodeId, u64>) -> MemoryAccount {
+        let mut uses: HashMap<NodeId, MemoryUse> = HashMap::new();
+        let mut account = MemoryAccount { takers: Vec::new(), shared: Vec::new(), workers: 1 };
+        let takers = &mut account.takers;
+        let mut preparing = None;
+        let mut shared = HashSet::new();
+        for (id, wanted) in &self.prepares {
+            let Some(stage) = self.stage(*id) else { continue };
+            let of = |id: NodeId| uses.get(&id).copied().unwrap_or_default();
+            let mut taken = stage.memory(&Reckoning::new(&self.context, wanted, &of));
+            if let Some(bytes) = known.get(id) {
+                (taken.held, taken.working) = (*bytes, 0);
+            }
+            if taken.remedy.is_empty() {
+                taken.remedy = "lower the format's \"width\" and \"height\"";
+            }
+            if taken.shared.is_none_or(|key| shared.insert(key)) {
+                takers.push((Taker::Node(*id), taken.held, taken.remedy));
+            } else {
+                account.shared.push(*id);
+            }
+            if preparing.is_none_or(|(_, bytes, _)| taken.working > bytes) {
+                preparing = Some((Taker::Preparing(*id), taken.working, taken.remedy));
+            }
+            uses.insert(*id, taken);
+        }
+        takers.extend(preparing);
+        let channels = || self.outputs.iter().map(|output| output.kind.channels());
+        if pictures != Pictures::Rows {
+            let size = [self.window.width(), self.window.height()];
+            let bytes = samples(channels().sum(), size).saturating_mul(size_of::<f32>() as u64);
+            let remedy = "write EXR alone, whose rows are not kept, lower the format's \"width\" and \"height\", or \
+                          render fewer outputs at once";
+            takers.push((Taker::Pictures, bytes, remedy));
+            if pictures == Pictures::Files {
+                let bytes = samples(channels().max().unwrap_or(0), size).saturating_mul(ENCODED);
+                takers.push((Taker::Writing, bytes, remedy));
+            }
+        }
+        let tiles = self.passes.iter().map(|pass| self.scratch(pass, &uses)).fold(0, u64::saturating_add);
+        // A band that is handed on has the picture's width.
+        let band = match pictures {
+            Pictures::Rows => {
+                let rows = self.passes.iter().map(|pass| self.tile_before(pass)[1]).max().unwrap_or(0);
+                let rows = rows.next_multiple_of(ROWS).min(self.window.height());
+                samples(channels().sum(), [self.window.width(), rows])
+            }
+            Pictures::Whole | Pictures::Files => 0,
+        };
+        let tiles = tiles.saturating_add(band.saturating_mul(size_of::<f32>() as u64 + ENCODED_ROWS));
+        let remedy = "lower the format's \"width\", or let filters reach less far";
+        account.workers = self.threads();
+        account.takers.push((Taker::Tiles, tiles.saturating_mul(account.workers as u64), remedy));
+        account.shrink_to(self.settings.memory_limit);
+        account
+    }
+
+    /// Refuses a frame that takes more memory than the settings allow, as an evaluation does before it prepares anything.
+    ///
+    /// # Errors
+    /// [`EvalError::TooMuchMemory`], with the largest takers.
+    pub fn check_memory(&self, account: &MemoryAccount) -> Result<(), EvalError> {
+        let limit = self.settings.memory_limit;
+        if account.total() <= limit {
+            return Ok(());
+        }
+        Err(EvalError::TooMuchMemory {
+            place: match account.takers.first() {
+                Some((Taker::Node(id) | Taker::Preparing(id), ..)) => self.graph.place_of(*id, None),
+                _ => self.graph.place_of_format(),
+            },
+            found: self.named(account),
+            total: account.total(),
+            limit,
+            remedy: account.takers.first().map_or("", |(_, _, remedy)| remedy),
+        })
+    }
+
+    /// The largest takers, in words.
+    fn named(&self, account: &MemoryAccount) -> String {
+        let mut text = String::new();
+        for (taker, bytes, _) in account.takers.iter().take(NAMED) {
+            let name = |id: &NodeId| {
+                let node = self.graph.node(*id);
+                format!("\"{}\" ({})", node.name, node.ty.declaration().name)
+            };
+            let what = match taker {
+                Taker::Node(id) => name(id),
+                Taker::Pictures => "pictures".into(),
+                Taker::Writing => "writing pictures".into(),
+                Taker::Tiles if account.workers == 1 => "tiles of one thread".into(),
+                Taker::Tiles => format!("tiles of {} threads", account.workers),
+                Taker::Preparing(id) => format!("preparing {}", name(id)),
+            };
+            let comma = if text.is_empty() { "" } else { ", " };
+            let _ = write!(text, "{comma}{what} {}", in_bytes(*bytes));
+        }
+        let rest = account.takers.iter().skip(NAMED);
+        let (count, bytes) = rest.fold((0, 0), |(count, sum), (_, bytes, _)| (count + 1, sum + bytes));
+        if count > 0 {
+            let _ = write!(text, ", {count} more {}", in_bytes(bytes));
+        }
+        text
+    }
+
+    /// Threads that the settings ask for.
+    pub(crate) fn threads(&self) -> usize {
+        if self.settings.threads == 0 { rayon::current_num_threads() } else { self.settings.threads }
+    }
+
+    /// What one thread needs for a tile of a pass: every stage's planes over what its readers need, sums of samples, what is
+    /// kept of the first sample's views, what comes and goes with the stage that needs most, and what nodes hold by thread.
+    fn scratch(&self, pass: &Pass, uses: &HashMap<NodeId, MemoryUse>) -> u64 {
+        let tile = self.tile_before(pass);
+        let (sizes, passing) = self.sizes(pass, tile);
+        let of_thread = pass.fills.iter().zip(&sizes).map(|(fill, size)| {
+            let [pixel, most] = uses.get(&fill.node).copied().unwrap_or_default().thread;
+            samples(1, *size).saturating_mul(pixel).min(most)
+        });
+        let of_thread = of_thread.max().unwrap_or_default();
+        let planes = pass.fills.iter().zip(sizes).map(|(fill, [width, height])| {
+            let channels = fill.wanted.iter().flatten().filter(|wanted| **wanted).count();
+            let rows = if fill.variance <= Variance::Column { height.min(1) } else { height };
+            samples(channels, [width, rows])
+        });
+        let views: HashSet<NodeId> = pass.fills.iter().flat_map(|fill| fill.shared.iter().flatten()).copied().collect();
+        let held = planes.sum::<u64>() + samples(3 * views.len(), tile) + passing;
+        let sums = if pass.offsets.len() > 1 { samples(channel_count(pass), tile) } else { 0 };
+        let sums = sums.saturating_mul(size_of::<f64>() as u64).saturating_add(of_thread);
+        held.saturating_mul(size_of::<f32>() as u64).saturating_add(sums)
+    }
+
+    /// How large tiles will be at most, as far as can be told before files are open.
+    fn tile_before(&self, pass: &Pass) -> [usize; 2] {
+        let reads = |fill: &Fill| self.stage(fill.node).is_some_and(|stage| !stage.files(&self.context).is_empty());
+        let (width, height) = self.tile_for(pass.fills.iter().any(reads).then_some(1));
+        [width.min(self.window.width()), height.min(self.window.height())]
+    }
+
+    /// Width and height of what each stage of a pass fills for a tile, but for what lies beyond the picture; and the most
+    /// samples that come and go with one stage: its inputs, of which it gets copies and makes about as much again, and the
+    /// values of the program before it.
+    fn sizes(&self, pass: &Pass, tile: [usize; 2]) -> (Vec<[usize; 2]>, u64) {
+        let mut sizes: Vec<[usize; 2]> = pass.fills.iter().map(|fill| if fill.read { tile } else { [0, 0] }).collect();
+        let mut most = 0;
+        for (index, fill) in pass.fills.iter().enumerate().rev() {
+            let Some(stage) = self.stage(fill.node) else { continue };
+            let [width, height] = sizes[index];
+            let own = Window::new(0, 0, width as i64, height as i64);
+            let mut passing = 0_u64;
+            let (mut taps, mut tapped) = (HashSet::new(), [0, 0]);
+            for (port, connections) in &fill.inputs {
+                let asked = stage.regions_of_interest(*port, own, self.graph.format());
+                let asked = [asked.width().min(self.window.width()), asked.height().min(self.window.height())];
+                let mut need = |node: NodeId| {
+                    let readers = pass.fills[..index].iter().zip(&mut sizes).filter(|(fill, _)| fill.node == node);
+                    readers.for_each(|(_, size)| *size = larger(*size, asked));
+                };
+                for feed in connections.iter().flatten().filter(|feed| **feed != Feed::Nothing) {
+                    passing = passing.saturating_add(samples(2, asked));
+                    match feed {
+                        Feed::Slot(slot) => need(slot.node),
+                        Feed::Tap(root, channel) => {
+                            taps.insert((*root, *channel));
+                            tapped = larger(tapped, asked);
+                            fill.taps.iter().flat_map(|taps| &taps.planes).for_each(|slot| need(slot.node));
+                        }
+                        Feed::Nothing | Feed::Constant(_) => {}
+                    }
+                }
+            }
+            most = most.max(passing.saturating_add(samples(taps.len(), tapped)));
+        }
+        (sizes, most)
+    }
+
+    /// A node's stage, where it is needed and not filled from outside.
+    pub(crate) fn stage(&self, id: NodeId) -> Option<&dyn Stage> {
+        self.settled[id.0].as_ref().filter(|_| !self.bound[id.0])?.stage()
+    }
+}
+
+/// The larger of two sizes, along each axis.
+fn larger(a: [usize; 2], b: [usize; 2]) -> [usize; 2] {
+    [a[0].max(b[0]), a[1].max(b[1])]
+}
+
+/// Samples of so many planes.
+fn samples(planes: usize, [width, height]: [usize; 2]) -> u64 {
+    (planes as u64).saturating_mul(width as u64).saturating_mul(height as u64)
+}

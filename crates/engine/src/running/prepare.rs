@@ -1,0 +1,255 @@
+//! Prepares stages once a frame, and keeps what the next frame can use.
+
+use super::keep::Filled;
+use super::memory::{MemoryAccount, Pictures};
+use crate::planning::plan::Fill;
+use crate::{EvalError, Monitor, Plan};
+use std::collections::HashMap;
+use std::sync::Arc;
+use std::time::Instant;
+use trochoid_graph::{
+    ContentKey, FileState, Handle, Key, NodeError, NodeId, Pool, Prepare, Prepared, Settled, file_states,
+};
+use trochoid_memory::Heap;
+
+/// What stages prepared, by content key, so that what does not change from frame to frame is not done again; with
+/// [`Settings::keep`](crate::Settings::keep) also what they filled.
+///
+/// Holds at most so many bytes as that and [`Prepared::bytes`] tell, and drops what was not used for the longest time: when an
+/// evaluation prepares, and again when it is done, since files keep blocks decoded meanwhile. What a running evaluation
+/// uses lives on until then, whatever the cache keeps.
+pub struct Cache {
+    kept: HashMap<Key, Entry>,
+    limit: usize,
+    /// What the present frame leaves of the limit.
+    room: usize,
+    clock: u64,
+    /// The clock at the last call of `forget_unused`.
+    mark: u64,
+    pool: Pool,
+}
+
+struct Entry {
+    held: Held,
+    used: u64,
+}
+
+#[derive(Clone)]
+enum Held {
+    Prepared(Arc<dyn Prepared>),
+    Filled(Arc<Filled>),
+}
+
+impl Held {
+    fn bytes(&self) -> usize {
+        match self {
+            Self::Prepared(prepared) => prepared.bytes(),
+            Self::Filled(filled) => filled.bytes(),
+        }
+    }
+}
+
+/// Bytes that a cache holds unless it is told otherwise.
+const LIMIT: usize = 1 << 30;
+
+/// Prepared stages that a cache holds: few of them count by their bytes, but one may keep a file open.
+const ENTRIES: usize = 256;
+
+impl Default for Cache {
+    fn default() -> Self {
+        Self::with_limit(LIMIT.min(Heap::allowed() / 4))
+    }
+}
+
+impl Cache {
+    /// An empty cache of 1 GiB, or of a quarter of what the program's [`Heap`] is bounded to.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// An empty cache of at most so many bytes.
+    pub fn with_limit(bytes: usize) -> Self {
+        Self { kept: HashMap::new(), limit: bytes, room: bytes, clock: 0, mark: 0, pool: Pool::new() }
+    }
+
+    /// Memory held, bytes.
+    pub fn bytes(&self) -> usize {
+        self.kept.values().map(|entry| entry.held.bytes()).sum()
+    }
+
+    /// Drops what nothing has used since the last call of this: between the frames of a sequence, what only the frame before
+    /// needed.
+    pub fn forget_unused(&mut self) {
+        let mark = std::mem::replace(&mut self.mark, self.clock);
+        self.kept.retain(|_, entry| entry.used > mark);
+    }
+
+    pub(crate) fn limit(&self) -> usize {
+        self.limit
+    }
+
+    /// Holds no more than so many bytes while a frame needs the rest.
+    fn make_room(&mut self, bytes: u64) {
+        self.room = self.limit.min(usize::try_from(bytes).unwrap_or(usize::MAX));
+    }
+
+    /// What is kept under a key, which counts as used.
+    fn touch(&mut self, key: &Key) -> Option<Held> {
+        self.clock += 1;
+        let entry = self.kept.get_mut(key)?;
+        entry.used = self.clock;
+        Some(entry.held.clone())
+    }
+
+    fn prepared(&mut self, key: &Key) -> Option<Arc<dyn Prepared>> {
+        match self.touch(key)? {
+            Held::Prepared(prepared) => Some(prepared),
+            Held::Filled(_) => None,
+        }
+    }
+
+    pub(crate) fn filled(&mut self, key: &Key) -> Option<Arc<Filled>> {
+        match self.touch(key)? {
+            Held::Filled(filled) => Some(filled),
+            Held::Prepared(_) => None,
+        }
+    }
+
+    fn keep(&mut self, key: Key, prepared: Arc<dyn Prepared>) {
+        self.insert(key, Held::Prepared(prepared));
+        self.trim();
+    }
+
+    /// Keeps what a stage filled; [`trim`](Self::trim) comes after the last.
+    pub(crate) fn keep_filled(&mut self, key: Key, filled: Arc<Filled>) {
+        self.insert(key, Held::Filled(filled));
+    }
+
+    fn insert(&mut self, key: Key, held: Held) {
+        self.clock += 1;
+        self.kept.insert(key, Entry { held, used: self.clock });
+    }
+
+    /// Drops what is too large by itself, then the oldest until the rest is within the limits.
+    pub(crate) fn trim(&mut self) {
+        let limit = self.room;
+        self.kept.retain(|_, entry| entry.held.bytes() <= limit);
+        let mut ages: Vec<(u64, usize, bool, Key)> = self
+            .kept
+            .iter()
+            .map(|(key, entry)| (entry.used, entry.held.bytes(), matches!(entry.held, Held::Prepared(_)), *key))
+            .collect();
+        ages.sort_by_key(|age| std::cmp::Reverse(age.0));
+        let (mut held, mut stages) = (0_usize, 0);
+        for (_, bytes, is_prepared, key) in ages {
+            held = held.saturating_add(bytes);
+            stages += usize::from(is_prepared);
+            if held > limit || (is_prepared && stages > ENTRIES) {
+                self.kept.remove(&key);
+            }
+        }
+    }
+}
+
+impl std::fmt::Debug for Cache {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "Cache of {} nodes", self.kept.len())
+    }
+}
+
+/// A prepared stage and how it came to be.
+pub(crate) struct Ready {
+    pub(crate) prepared: Arc<dyn Prepared>,
+    pub(crate) seconds: f64,
+    pub(crate) cached: bool,
+    /// The key of the files that it depends on.
+    files: Key,
+}
+
+/// Prepares every stage of a plan, inputs first, unless that takes more memory than allowed. Gives the account of
+/// its memory too.
+pub(crate) fn prepare(
+    plan: &Plan<'_>,
+    cache: &mut Cache,
+    monitor: &dyn Monitor,
+    pictures: Pictures,
+) -> Result<(HashMap<NodeId, Ready>, MemoryAccount), EvalError> {
+    let mut ready: HashMap<NodeId, Ready> = HashMap::new();
+    let keys = keys(plan);
+    // All that this frame uses is used before anything is dropped.
+    let mut known: Vec<Option<Arc<dyn Prepared>>> = keys.iter().map(|(key, _)| cache.prepared(key)).collect();
+    let there = plan.prepares.iter().zip(&known);
+    let there = there.filter_map(|((id, _), known)| Some((*id, known.as_ref()?.bytes() as u64))).collect();
+    let mut account = plan.account(pictures, &there);
+    plan.check_memory(&account)?;
+    cache.make_room((plan.settings.memory_limit - account.total()).saturating_add(account.held()));
+    cache.trim();
+    // Of what is kept too: another graph may have been allowed to read it.
+    for (id, _) in &plan.prepares {
+        if let Some(refused) = plan.graph.refused(*id, &plan.context) {
+            return Err(EvalError::of(plan.graph, *id, NodeError::new(refused)));
+        }
+    }
+    for (((id, wanted), (key, files)), known) in plan.prepares.iter().zip(keys).zip(&mut known) {
+        if monitor.cancelled() {
+            return Err(EvalError::Cancelled);
+        }
+        let node = plan.graph.node(*id);
+        let Some(stage) = plan.settled[id.0].as_ref().and_then(Settled::stage) else { continue };
+        let entry = match known.take() {
+            Some(prepared) => Ready { prepared, seconds: 0.0, cached: true, files },
+            None => {
+                monitor.preparing(&node.name);
+                let started = Instant::now();
+                let handles = |id: NodeId| -> Option<Handle> { ready.get(&id)?.prepared.handle() };
+                let cancelled = || monitor.cancelled();
+                let prepare = Prepare::new(&plan.context, &node.kinds, wanted, &handles, &cancelled, &cache.pool)
+                    .with_bounds(plan.settings.bounds);
+                let prepared = stage.prepare(&prepare).map_err(|error| node_error(plan, *id, error, monitor))?;
+                let prepared: Arc<dyn Prepared> = prepared.into();
+                // What was reckoned too low counts as it is.
+                account.found(*id, prepared.bytes() as u64);
+                account.shrink_to(plan.settings.memory_limit);
+                plan.check_memory(&account)?;
+                cache.keep(key, prepared.clone());
+                Ready { prepared, seconds: started.elapsed().as_secs_f64(), cached: false, files }
+            }
+        };
+        ready.insert(*id, entry);
+    }
+    Ok((ready, account))
+}
+
+/// The key of what a stage fills over the picture: what it is made of, which channels, and the picture's format.
+pub(crate) fn key_of_filled(plan: &Plan<'_>, fill: &Fill, ready: &Ready) -> Key {
+    ("filled", plan.keys[fill.node.0], &fill.wanted, plan.context.format, (plan.settings.bounds, ready.files)).key()
+}
+
+/// The keys of all that a plan prepares, each with that of the files that it depends on. Files are looked at again, since a
+/// plan may be evaluated long after it was made.
+fn keys(plan: &Plan<'_>) -> Vec<(Key, Key)> {
+    let mut files: HashMap<NodeId, Key> = HashMap::new();
+    let mut keys = Vec::new();
+    for (id, wanted) in &plan.prepares {
+        let mut read: (Vec<FileState>, Vec<Option<Key>>) = Default::default();
+        if let Some(settled) = &plan.settled[id.0]
+            && let Some(stage) = settled.stage()
+        {
+            read.0 = file_states(&stage.files(&plan.context));
+            settled.each_node(|node| read.1.push(files.get(&node).copied()));
+        }
+        let read = read.key();
+        files.insert(*id, read);
+        // What bounds need is held beside the rest.
+        keys.push((("prepared", plan.keys[id.0], wanted, (plan.settings.bounds, read)).key(), read));
+    }
+    keys
+}
+
+/// A node's error with its name; a node that stopped because it was asked to has no error of its own.
+pub(crate) fn node_error(plan: &Plan<'_>, id: NodeId, error: NodeError, monitor: &dyn Monitor) -> EvalError {
+    if monitor.cancelled() {
+        return EvalError::Cancelled;
+    }
+    EvalError::of(plan.graph, id, error)
+}

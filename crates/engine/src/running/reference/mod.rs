@@ -1,0 +1,259 @@
+//! The slow f64 evaluator: the references of the nodes, sample by sample. The oracle of everything fast.
+
+mod frame;
+mod pixels;
+
+pub use pixels::ReferencePixel;
+
+use crate::planning::shading::TELLING;
+use crate::running::fill::extents;
+use crate::running::memory::Pictures;
+use crate::running::prepare::{Ready, prepare};
+use crate::{Cache, EvalError, Monitor, Plan, PlanError, Settings, Silent, Switches};
+use std::cell::RefCell;
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, PoisonError};
+use trochoid_graph::{Body, CheckedGraph, Kind, NodeId, Reference, References, Source};
+use trochoid_image::{Shading, Window};
+
+/// A frame that can be evaluated in f64 at any pixel.
+pub struct ReferenceFrame<'g> {
+    plan: Plan<'g>,
+    ready: HashMap<NodeId, Ready>,
+    /// How far the images of stages reach.
+    extents: HashMap<NodeId, Window>,
+    /// What each node that was asked for depends on, itself last.
+    orders: Mutex<HashMap<NodeId, Arc<[NodeId]>>>,
+}
+
+/// Why a reference cannot be had.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum ReferenceError {
+    /// The plan cannot be made.
+    #[error(transparent)]
+    Plan(#[from] PlanError),
+    /// A node fails.
+    #[error(transparent)]
+    Eval(#[from] EvalError),
+}
+
+impl<'g> ReferenceFrame<'g> {
+    /// Prepares every node that an output needs at a frame.
+    ///
+    /// # Errors
+    /// As planning and evaluation.
+    pub fn new(graph: &'g CheckedGraph, output: &str, frame: i64) -> Result<Self, ReferenceError> {
+        Self::prepared(graph, output, frame, &mut Cache::new(), &Silent)
+    }
+
+    /// The same with what a cache holds, such as of another output of the frame.
+    ///
+    /// # Errors
+    /// As [`ReferenceFrame::new`]; or the monitor asked to stop.
+    pub fn prepared(
+        graph: &'g CheckedGraph,
+        output: &str,
+        frame: i64,
+        cache: &mut Cache,
+        monitor: &dyn Monitor,
+    ) -> Result<Self, ReferenceError> {
+        Self::bounded(graph, output, frame, Settings::default().memory_limit, cache, monitor)
+    }
+
+    /// The same within a limit of memory, bytes.
+    pub(crate) fn bounded(
+        graph: &'g CheckedGraph,
+        output: &str,
+        frame: i64,
+        memory_limit: u64,
+        cache: &mut Cache,
+        monitor: &dyn Monitor,
+    ) -> Result<Self, ReferenceError> {
+        let settings = Settings { switches: Switches::NONE, memory_limit, ..Settings::default() };
+        let plan = Plan::new(graph, &[output], frame, &[], &settings)?;
+        let (ready, _) = prepare(&plan, cache, monitor, Pictures::Rows)?;
+        let extents = extents(&plan, &ready, plan.passes.first().map_or(&[], |pass| &pass.fills));
+        Ok(Self { plan, ready, extents, orders: Mutex::default() })
+    }
+
+    /// The output at a place in the picture, in pixels: pixel x has its center at x + ½.
+    ///
+    /// # Errors
+    /// A node's input data are illegal there.
+    pub fn sample(&self, x: f64, y: f64) -> Result<Vec<f64>, EvalError> {
+        let spec = &self.plan.graph.outputs()[self.plan.outputs[0].index];
+        let evaluation = Evaluation { frame: self, known: RefCell::default() };
+        Ok(numbers(evaluation.output(spec.node, spec.output, [x, y])?))
+    }
+
+    /// A place within the extent of a node's image: of the nearest pixel the same place in it.
+    fn within(&self, node: NodeId, at: [f64; 2]) -> [f64; 2] {
+        let extent = self.extents.get(&self.handed_on(node)).copied().unwrap_or(self.plan.graph.format().window());
+        let axis = |at: f64, first: i64, end: i64| {
+            let pixel = at.floor();
+            let nearest = pixel.clamp(first as f64, (end - 1) as f64);
+            if nearest == pixel { at } else { nearest + (at - pixel) }
+        };
+        [axis(at[0], extent.x0, extent.x1), axis(at[1], extent.y0, extent.y1)]
+    }
+
+    /// A node and what it depends on, inputs first.
+    fn order(&self, id: NodeId) -> Arc<[NodeId]> {
+        let upstream = || {
+            let needed = self.plan.graph.reached([id], self.plan.context.frame);
+            self.plan.graph.order().iter().filter(|id| needed[id.0]).copied().collect()
+        };
+        let mut orders = self.orders.lock().unwrap_or_else(PoisonError::into_inner);
+        orders.entry(id).or_insert_with(upstream).clone()
+    }
+
+    /// The node that a chain of nodes which only hand an input on comes to.
+    fn handed_on(&self, mut node: NodeId) -> NodeId {
+        while let Some(settled) = &self.plan.settled[node.0]
+            && let Some(Source::Output { node: chosen, .. }) = settled.node().identity()
+        {
+            node = *chosen;
+        }
+        node
+    }
+
+    /// The output at a pixel, averaged over the samples that the fast path averages.
+    ///
+    /// # Errors
+    /// As [`ReferenceFrame::sample`].
+    pub fn pixel(&self, x: i64, y: i64) -> Result<Vec<f64>, EvalError> {
+        let offsets = &self.plan.passes[0].offsets;
+        let mut sum: Vec<f64> = Vec::new();
+        for offset in offsets {
+            let value = self.sample(x as f64 + offset[0], y as f64 + offset[1])?;
+            sum.resize(value.len(), 0.0);
+            sum.iter_mut().zip(value).for_each(|(sum, value)| *sum += value);
+        }
+        Ok(sum.into_iter().map(|sum| sum / offsets.len() as f64).collect())
+    }
+}
+
+/// The outputs of nodes at places.
+type Known = HashMap<(NodeId, [u64; 2]), Vec<Reference>>;
+
+/// One sample in the making: filters ask for their inputs at other places, and several for the same.
+struct Evaluation<'e, 'g> {
+    frame: &'e ReferenceFrame<'g>,
+    /// The outputs of nodes, by the bits of the place.
+    known: RefCell<Known>,
+}
+
+impl Evaluation<'_, '_> {
+    /// An output of a node at a place. Only filters go deeper: what a node reads where it stands is evaluated before.
+    fn output(&self, id: NodeId, output: usize, at: [f64; 2]) -> Result<Reference, EvalError> {
+        let key = at.map(f64::to_bits);
+        let known = || self.known.borrow().get(&(id, key)).map(|outputs| outputs[output].clone());
+        if let Some(value) = known() {
+            return Ok(value);
+        }
+        for &node in self.frame.order(id).iter() {
+            if !self.known.borrow().contains_key(&(node, key)) {
+                let outputs = self.node(node, at)?;
+                self.known.borrow_mut().insert((node, key), outputs);
+            }
+        }
+        match known() {
+            Some(value) => Ok(value),
+            None => unreachable!("a node stands in its own order"),
+        }
+    }
+
+    /// The first sample of the pixel in which a sample stands, where the document shades by the pixel.
+    fn first(&self, at: [f64; 2]) -> Option<[f64; 2]> {
+        let format = self.frame.plan.graph.format();
+        let pixel = at.map(f64::floor);
+        let place = |sample: u32| {
+            let offset = format.sample_offset(sample);
+            [pixel[0] + offset[0], pixel[1] + offset[1]]
+        };
+        // Of fields only the center is asked, which is no sample.
+        let is_sample = format.samples() > 1 && (0..format.samples()).any(|sample| place(sample) == at);
+        (is_sample && format.shading() == Shading::Pixel).then(|| place(0))
+    }
+
+    /// The first sample of the pixel, where the one at a place takes a stage's results from there.
+    fn shares(&self, id: NodeId, at: [f64; 2]) -> Result<Option<[f64; 2]>, EvalError> {
+        let Some(views) = &self.frame.plan.shared[id.0] else { return Ok(None) };
+        let Some(first) = self.first(at).filter(|first| *first != at) else { return Ok(None) };
+        for view in views {
+            let told = |at: [f64; 2]| {
+                self.output(*view, 0, at).map(|told| match told {
+                    Reference::View(channels) => {
+                        let [surface, depth] = TELLING.map(|channel| channels[channel as usize]);
+                        (surface, depth)
+                    }
+                    _ => unreachable!("stages share by views"),
+                })
+            };
+            if !Shading::is_shared(told(first)?, told(at)?) {
+                return Ok(None);
+            }
+        }
+        Ok(Some(first))
+    }
+
+    fn node(&self, id: NodeId, at: [f64; 2]) -> Result<Vec<Reference>, EvalError> {
+        let plan = &self.frame.plan;
+        let node = plan.graph.node(id);
+        if let Some(first) = self.shares(id, at)? {
+            return (0..node.kinds.len()).map(|output| self.output(id, output, first)).collect();
+        }
+        let Some(settled) = &plan.settled[id.0] else { return Ok(Vec::new()) };
+        // Inputs cannot refuse where they are asked, so their error is kept, and told in place of the node's result.
+        let failed = RefCell::new(None);
+        let inputs = |source: &Source<Vec<f64>>, place: [f64; 2]| match source {
+            Source::Output { node, output } => {
+                let place = if place == at { at } else { self.frame.within(*node, place) };
+                self.output(*node, *output, place).unwrap_or_else(|error| {
+                    failed.borrow_mut().get_or_insert(error);
+                    nothing(plan.graph.node(*node).kinds[*output])
+                })
+            }
+            _ => unreachable!("literals are read where they stand"),
+        };
+        let inputs = References::new(&plan.context, at, &inputs).with_first(self.first(at).unwrap_or(at));
+        let outputs = match settled.node().body() {
+            Body::Pointwise(pointwise) => Ok(vec![pointwise.reference(&inputs)]),
+            Body::Stage(_) => match self.frame.ready.get(&id) {
+                Some(ready) => ready.prepared.reference(&inputs).map_err(|error| EvalError::of(plan.graph, id, error)),
+                None => Ok(Vec::new()),
+            },
+        };
+        match failed.into_inner() {
+            Some(error) => Err(error),
+            None => outputs,
+        }
+    }
+}
+
+/// A value, channel by channel.
+fn numbers(value: Reference) -> Vec<f64> {
+    match value {
+        Reference::Color(color) => color.to_vec(),
+        Reference::Mask(t) => vec![t],
+        Reference::Weights(numbers) | Reference::Field(numbers) | Reference::View(numbers) => numbers,
+        Reference::Handle(_) => Vec::new(),
+    }
+}
+
+/// A value of a kind, where there is none.
+fn nothing(kind: Kind) -> Reference {
+    match kind {
+        Kind::Color => Reference::Color([0.0; 3]),
+        Kind::MASK => Reference::Mask(0.0),
+        Kind::Weights(n) => Reference::Weights(vec![1.0 / n as f64; n]),
+        Kind::View => Reference::View(vec![0.0; kind.channels()]),
+        _ => Reference::Field(vec![0.0; kind.channels()]),
+    }
+}
+
+impl std::fmt::Debug for ReferenceFrame<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "ReferenceFrame of {}", self.plan.graph.name())
+    }
+}

@@ -1,0 +1,134 @@
+//! What a check of finished pictures asks of the references: many pixels, the weights on the way to them, and the control
+//! colors. Nothing here looks at a program, a tile or a plane.
+
+use super::{Evaluation, ReferenceFrame};
+use crate::{EvalError, Monitor};
+use rayon::prelude::*;
+use std::cell::RefCell;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use trochoid_graph::{Body, Kind, Reference, References, Source};
+use trochoid_image::Rgb;
+
+/// Pixels that a thread takes at once.
+const PIECE: usize = 16;
+
+/// A pixel by the references.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ReferencePixel {
+    /// By channel, the mean over the samples that the fast path averages.
+    pub value: Vec<f64>,
+    /// The smallest weight that any node gave at any of the samples; +∞ where none gave weights.
+    pub weight_min: f64,
+    /// The largest |Σω − 1| of them.
+    pub weight_sum_max_deviation: f64,
+}
+
+impl ReferencePixel {
+    /// Takes the weights that a node gave.
+    fn see(&mut self, given: &Reference) {
+        match given {
+            // Of two weights 1 − t and t the sum is 1 by definition.
+            Reference::Mask(t) => self.weight_min = self.weight_min.min(t.min(1.0 - t)),
+            Reference::Weights(weights) => {
+                self.weight_min = weights.iter().copied().fold(self.weight_min, f64::min);
+                let deviation = (weights.iter().sum::<f64>() - 1.0).abs();
+                self.weight_sum_max_deviation = self.weight_sum_max_deviation.max(deviation);
+            }
+            _ => {}
+        }
+    }
+}
+
+impl ReferenceFrame<'_> {
+    /// The output at some pixels, as [`ReferenceFrame::pixel`], with what is seen of weights on the way; on all threads.
+    ///
+    /// # Errors
+    /// As [`ReferenceFrame::sample`]; or the monitor asked to stop.
+    pub fn pixels(&self, places: &[[i64; 2]], monitor: &dyn Monitor) -> Result<Vec<ReferencePixel>, EvalError> {
+        let done = AtomicUsize::new(0);
+        let pieces: Result<Vec<Vec<ReferencePixel>>, EvalError> = places
+            .par_chunks(PIECE)
+            .map(|piece| {
+                let pixels = piece
+                    .iter()
+                    .map(|&place| if monitor.cancelled() { Err(EvalError::Cancelled) } else { self.seen(place) });
+                let pixels = pixels.collect();
+                let done = done.fetch_add(piece.len(), Ordering::Relaxed) + piece.len();
+                monitor.progress(done, places.len());
+                pixels
+            })
+            .collect();
+        Ok(pieces?.into_iter().flatten().collect())
+    }
+
+    fn seen(&self, [x, y]: [i64; 2]) -> Result<ReferencePixel, EvalError> {
+        let spec = &self.plan.graph.outputs()[self.plan.outputs[0].index];
+        let offsets = &self.plan.passes[0].offsets;
+        let mut pixel = ReferencePixel { value: Vec::new(), weight_min: f64::INFINITY, weight_sum_max_deviation: 0.0 };
+        for offset in offsets {
+            let evaluation = Evaluation { frame: self, known: RefCell::default() };
+            let value = evaluation.output(spec.node, spec.output, [x as f64 + offset[0], y as f64 + offset[1]])?;
+            let value = super::numbers(value);
+            pixel.value.resize(value.len(), 0.0);
+            pixel.value.iter_mut().zip(value).for_each(|(sum, value)| *sum += value);
+            evaluation.known.borrow().values().flatten().for_each(|given| pixel.see(given));
+        }
+        pixel.value.iter_mut().for_each(|sum| *sum /= offsets.len() as f64);
+        Ok(pixel)
+    }
+
+    /// Every color that the output is mixed from, found by following its Color connections: literals, what nodes make of
+    /// themselves, and what stages say that they add.
+    pub fn controls(&self) -> Vec<Rgb> {
+        let graph = self.plan.graph;
+        let spec = &graph.outputs()[self.plan.outputs[0].index];
+        let mut colors = Vec::new();
+        let mut add = |color: &[f64]| colors.push([0, 1, 2].map(|c| color[c] as f32 + 0.0));
+        let mut seen = vec![false; graph.nodes().len()];
+        let mut open = vec![spec.node];
+        while let Some(id) = open.pop() {
+            let Some(settled) = self.plan.settled[id.0].as_ref().filter(|_| !std::mem::replace(&mut seen[id.0], true))
+            else {
+                continue;
+            };
+            let before = open.len();
+            let mut takes_color = false;
+            let mut take = |source: &Source<Vec<f64>>| match source {
+                Source::Color(color) => {
+                    takes_color = true;
+                    add(color);
+                }
+                Source::Output { node, output } if graph.node(*node).kinds[*output] == Kind::Color => open.push(*node),
+                _ => {}
+            };
+            match settled.node().identity() {
+                Some(source) => take(source),
+                None => settled.each_source(&mut take),
+            }
+            takes_color |= open.len() > before;
+            match settled.node().body() {
+                // What takes no color makes one of its own, everywhere the same.
+                Body::Pointwise(pointwise) if !takes_color => {
+                    let nothing = |source: &Source<Vec<f64>>, _: [f64; 2]| self.nothing(source);
+                    let inputs = References::new(&self.plan.context, [0.5; 2], &nothing);
+                    if let Reference::Color(color) = pointwise.reference(&inputs) {
+                        add(&color);
+                    }
+                }
+                Body::Pointwise(_) => {}
+                Body::Stage(_) => {
+                    let controls = self.ready.get(&id).map(|ready| ready.prepared.controls());
+                    controls.unwrap_or_default().iter().for_each(|color| add(&color.map(f64::from)));
+                }
+            }
+        }
+        colors
+    }
+
+    fn nothing(&self, source: &Source<Vec<f64>>) -> Reference {
+        match source {
+            Source::Output { node, output } => super::nothing(self.plan.graph.node(*node).kinds[*output]),
+            _ => Reference::Mask(0.0),
+        }
+    }
+}

@@ -1,0 +1,474 @@
+//! Evaluates a plan: prepare, then tiles on all cores, judged as they are made.
+
+use super::bands::{Bands, Rows};
+use super::frame::{Frame, NodeReport, Phases, Picture, State};
+use super::keep::Keeping;
+use super::memory::Pictures;
+use super::prepare::{Ready, prepare};
+use super::tile::Worker;
+use crate::judge::Judge;
+use crate::kernel::{Chunks, Compiled, WeightAudit};
+use crate::planning::plan::{Feed, Pass, PlannedOutput};
+use crate::{Buffers, Cache, EvalError, Monitor, Plan};
+use std::collections::HashMap;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Instant;
+use trochoid_graph::{Guarantee, Kind, NodeId, Omission, Variance};
+use trochoid_image::{Plane, Window};
+use trochoid_weights::{Audit, BoxHull, HullBuilder};
+
+/// Takes finished rows instead of planes in memory.
+///
+/// Bands come from many threads at once and begin in order from the top of the picture, though they may end in any.
+pub trait Sink: Sync {
+    /// Bands are whole multiples of so many rows, but for the last one.
+    fn rows(&self) -> usize;
+
+    /// Takes a band of full rows: by output of the plan, by channel, its samples row by row.
+    ///
+    /// # Errors
+    /// The rows cannot be stored; the evaluation stops.
+    fn take(&self, band: Window, rows: &[Vec<&[f32]>]) -> Result<(), EvalError>;
+}
+
+/// Tiles that keep the planes of a few stages in L2.
+const TILE: (usize, usize) = (256, 16);
+
+/// What the workers report when they are done.
+#[derive(Default)]
+pub(crate) struct Tally {
+    pub(crate) fill_seconds: Vec<f64>,
+    pub(crate) program_seconds: f64,
+    pub(crate) weights: WeightAudit,
+    pub(crate) audits: Vec<Audit>,
+}
+
+impl Tally {
+    fn add(&mut self, worker: &Worker<'_>) {
+        self.fill_seconds.resize(worker.fill_seconds.len(), 0.0);
+        for (all, own) in self.fill_seconds.iter_mut().zip(&worker.fill_seconds) {
+            *all += own;
+        }
+        self.program_seconds += worker.program_seconds;
+        self.weights = self.weights.merge(worker.audit());
+        self.audits.resize(worker.audits.len(), Audit::default());
+        for (all, own) in self.audits.iter_mut().zip(&worker.audits) {
+            *all = all.merge(*own);
+        }
+    }
+}
+
+/// For how much of a band a thread idles at the end of a picture, on average.
+const IDLE: f64 = 0.3;
+
+/// Into how many bands to divide a picture, at least so many, for threads that share them: few, since each computes
+/// `halo` more rows at both ends; many, since bands differ, and at the end of the picture threads idle.
+fn divided(height: usize, least: usize, halo: usize, threads: usize) -> usize {
+    let least = least.max(1);
+    let rows = |bands: usize| {
+        let band = height as f64 / bands as f64 + 2.0 * halo as f64;
+        ((bands as f64 / threads as f64).max(1.0) + IDLE) * band
+    };
+    let most = least.max(2 * threads).min(height.max(1));
+    (least..=most).min_by(|a, b| rows(*a).total_cmp(&rows(*b))).unwrap_or(least)
+}
+
+impl Plan<'_> {
+    /// Evaluates the plan. `buffers` supplies what was bound; `cache` keeps what the next frame can use.
+    ///
+    /// # Errors
+    /// Input and output, illegal input data, memory, or cancellation.
+    pub fn evaluate(
+        &self,
+        buffers: &Buffers<'_>,
+        cache: &mut Cache,
+        monitor: &dyn Monitor,
+    ) -> Result<Frame, EvalError> {
+        let mut frame = Frame::default();
+        self.evaluate_into(&mut frame, buffers, cache, monitor)?;
+        Ok(frame)
+    }
+
+    /// As [`Plan::evaluate`], into the memory of a frame that is no longer needed, such as the one before. After an error
+    /// the frame holds nothing of use.
+    ///
+    /// # Errors
+    /// As [`Plan::evaluate`].
+    pub fn evaluate_into(
+        &self,
+        frame: &mut Frame,
+        buffers: &Buffers<'_>,
+        cache: &mut Cache,
+        monitor: &dyn Monitor,
+    ) -> Result<(), EvalError> {
+        let old = std::mem::take(&mut frame.pictures);
+        let mut pictures = Vec::new();
+        let into = &mut pictures;
+        *frame = self.run(buffers, cache, monitor, Pictures::Whole, move |ready| {
+            *into = self.allocate(old)?;
+            Ok(Bands::of_planes(into.iter_mut().collect(), self.window, self.tile(ready).1))
+        })?;
+        for (picture, planes) in frame.pictures.iter_mut().zip(pictures) {
+            picture.planes = planes;
+        }
+        Ok(())
+    }
+
+    /// As [`Plan::evaluate`], with the rows handed to a sink as soon as they are finished: memory does not grow with the
+    /// picture. The frame's pictures have no planes.
+    ///
+    /// # Errors
+    /// As [`Plan::evaluate`], and what the sink reports.
+    pub fn evaluate_to(
+        &self,
+        sink: &dyn Sink,
+        buffers: &Buffers<'_>,
+        cache: &mut Cache,
+        monitor: &dyn Monitor,
+    ) -> Result<Frame, EvalError> {
+        let channels: Vec<usize> = self.outputs.iter().map(|output| output.kind.channels()).collect();
+        self.run(buffers, cache, monitor, Pictures::Rows, |ready| {
+            let height = self.tile(ready).1.next_multiple_of(sink.rows().max(1));
+            Ok(Bands::of_sink(sink, channels, self.window, height))
+        })
+    }
+
+    /// What the stages of the plan leave out of their own work at this frame, by node. Prepares all of them, but fills
+    /// nothing.
+    ///
+    /// # Errors
+    /// As [`Plan::evaluate`].
+    pub fn omissions(
+        &self,
+        cache: &mut Cache,
+        monitor: &dyn Monitor,
+    ) -> Result<Vec<(NodeId, Vec<Omission>)>, EvalError> {
+        self.in_pool(|| {
+            let (ready, _) = prepare(self, cache, monitor, Pictures::Rows)?;
+            let stages = self.prepares.iter().filter_map(|(id, _)| Some((*id, ready.get(id)?.prepared.left_out())));
+            Ok(stages.filter(|(_, omissions)| !omissions.is_empty()).collect())
+        })
+    }
+
+    fn run<'s>(
+        &self,
+        buffers: &Buffers<'_>,
+        cache: &mut Cache,
+        monitor: &dyn Monitor,
+        pictures: Pictures,
+        bands: impl FnOnce(&HashMap<NodeId, Ready>) -> Result<Bands<'s>, EvalError> + Send,
+    ) -> Result<Frame, EvalError> {
+        self.in_pool(|| {
+            self.validate(buffers)?;
+            let started = Instant::now();
+            let (ready, account) = prepare(self, cache, monitor, pictures)?;
+            let prepared = started.elapsed().as_secs_f64();
+            let started = Instant::now();
+            let judges: Vec<Option<Arc<Judge>>> =
+                self.outputs.iter().map(|output| self.judge(output, &ready, buffers)).collect();
+            let judged = started.elapsed().as_secs_f64();
+            let started = Instant::now();
+            let keeping = Keeping::new(self, &ready, cache);
+            let bands = bands(&ready)?;
+            // No more workers than bands.
+            let workers = account.workers().min(bands.count()).max(1);
+            let tally = self.tiles((&bands, workers), &ready, buffers, (&judges, &keeping), monitor);
+            let known: Vec<NodeId> = keeping.known.keys().copied().collect();
+            if tally.is_ok() {
+                keeping.finish(cache);
+            }
+            // What was decoded on demand counts as well.
+            cache.trim();
+            let tally = tally?;
+            let seconds = Phases { prepare: prepared, hull: judged, tiles: started.elapsed().as_secs_f64() };
+            Ok(self.assemble(judges, &tally, (&ready, &known), seconds))
+        })
+    }
+
+    /// Runs on as many threads as the settings say.
+    pub(crate) fn in_pool<R: Send>(&self, run: impl FnOnce() -> Result<R, EvalError> + Send) -> Result<R, EvalError> {
+        let threads = self.settings.threads;
+        if threads == 0 {
+            return run();
+        }
+        // Made once: starting threads costs as much as a small picture.
+        let pool = self.pool.get_or_init(|| {
+            rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(|error| error.to_string())
+        });
+        match pool {
+            Ok(pool) => pool.install(run),
+            Err(error) => Err(EvalError::Threads(error.clone())),
+        }
+    }
+
+    /// Checks the buffers of bound nodes. Values that only programs read are checked in passing.
+    pub(crate) fn validate(&self, buffers: &Buffers<'_>) -> Result<(), EvalError> {
+        let picture_area = self.graph.format().window().area();
+        for (id, _) in self.bound.iter().enumerate().filter(|(_, bound)| **bound) {
+            let node = self.graph.node(NodeId(id));
+            let kind = node.kinds[0];
+            buffers.validate(&node.name, kind, picture_area)?;
+            let feeds_stage = self.passes.iter().flat_map(|pass| &pass.fills).any(|fill| {
+                let feeds = fill.inputs.iter().flat_map(|(_, connections)| connections).flatten();
+                feeds.into_iter().any(|feed| matches!(feed, Feed::Slot(slot) if slot.node.0 == id))
+                    || fill.taps.iter().flat_map(|taps| &taps.planes).any(|slot| slot.node.0 == id)
+            });
+            // The palette is made of a color's values before they are mixed.
+            if feeds_stage || kind == Kind::Color || matches!(kind, Kind::Weights(n) if n > 2) {
+                buffers.validate_values(&node.name, kind)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Checks every value of the buffers of bound nodes.
+    pub(crate) fn validate_all(&self, buffers: &Buffers<'_>) -> Result<(), EvalError> {
+        self.validate(buffers)?;
+        let bound = self.graph.nodes().iter().zip(&self.bound).filter(|(_, bound)| **bound);
+        bound.into_iter().try_for_each(|(node, _)| buffers.validate_values(&node.name, node.kinds[0]))
+    }
+
+    /// Width and height of tiles.
+    fn tile(&self, ready: &HashMap<NodeId, Ready>) -> (usize, usize) {
+        let fills = self.passes.iter().flat_map(|pass| &pass.fills);
+        self.tile_for(fills.filter_map(|fill| ready.get(&fill.node)?.prepared.rows_per_band()).max())
+    }
+
+    /// Width and height of tiles where files are read so many rows at a time, if any are.
+    pub(crate) fn tile_for(&self, bands: Option<usize>) -> (usize, usize) {
+        if let Some((width, height)) = self.settings.tile {
+            return (width.max(1), height.max(1));
+        }
+        let fills = || self.passes.iter().flat_map(|pass| &pass.fills);
+        let in_place = fills().all(|fill| self.bound[fill.node.0] || fill.variance <= Variance::Column);
+        let (across, down) = self.halo();
+        let (width, height) = (self.window.width(), self.window.height());
+        // How high bands are that reach beyond themselves, for at least so many rows of their own.
+        let band = |least: usize| height.div_ceil(divided(height, height / TILE.1.max(least), down, self.threads()));
+        match bands {
+            // Whole rows, so that every block of a file is decoded once.
+            Some(rows) => {
+                let height = if down == 0 { TILE.1 } else { band(4 * down) };
+                (width, height.next_multiple_of(rows.max(1)))
+            }
+            None if in_place && across + down == 0 => (self.window.width(), TILE.1),
+            // Tiles that are large against what they share with their neighbors, and wide: threads share the bands.
+            None => {
+                let columns = (width / TILE.0.max(12 * across)).max(1);
+                (width.div_ceil(columns), band(6 * down))
+            }
+        }
+    }
+
+    /// The hull of every control color that an output depends on.
+    pub(crate) fn judge(
+        &self,
+        output: &PlannedOutput,
+        ready: &HashMap<NodeId, Ready>,
+        buffers: &Buffers<'_>,
+    ) -> Option<Arc<Judge>> {
+        let judge = || Arc::new(self.palette(output, ready, buffers));
+        (output.kind == Kind::Color).then(|| match output.control_stages[..] {
+            // The document's colors alone: the same at every evaluation.
+            [] => output.judge.get_or_init(judge).clone(),
+            _ => judge(),
+        })
+    }
+
+    /// What a color output is judged by: the controls that it depends on, of which bound nodes have theirs in buffers.
+    pub(crate) fn palette(
+        &self,
+        output: &PlannedOutput,
+        ready: &HashMap<NodeId, Ready>,
+        buffers: &Buffers<'_>,
+    ) -> Judge {
+        let mut builder = HullBuilder::new();
+        let mut colors = output.constants.clone();
+        builder.add(&colors);
+        let mut count = 0;
+        let mut all_listed = true;
+        for id in &output.control_stages {
+            if self.bound[id.0] {
+                if let Some([r, g, b]) = buffers.get(&self.graph.node(*id).name) {
+                    builder.add_row(r, g, b);
+                    count += r.len();
+                    all_listed = false;
+                }
+            } else if let Some(ready) = ready.get(id) {
+                let controls = ready.prepared.controls();
+                builder.add(&controls);
+                count += controls.len();
+                all_listed &= controls.len() <= 64;
+                colors.extend(controls.iter().take(64));
+            }
+        }
+        colors.sort_by(|a, b| a.iter().zip(b).fold(std::cmp::Ordering::Equal, |o, (a, b)| o.then(a.total_cmp(b))));
+        colors.dedup();
+        // Each once, as far as they are known one by one.
+        let count = if all_listed { colors.len() } else { count + output.constants.len() };
+        colors.truncate(64);
+        let hull = builder.finish();
+        // One level more for averaging the samples.
+        let margin = hull.margin(output.mix_levels + 1);
+        let bounds = BoxHull::new(hull.vertices());
+        Judge { hull: Arc::new(hull), bounds, margin, count, colors }
+    }
+
+    /// Planes for every output, where possible those that are given.
+    pub(crate) fn allocate(&self, old: Vec<Picture>) -> Result<Vec<Vec<Plane>>, EvalError> {
+        let mut old: Vec<Plane> = old.into_iter().flat_map(|picture| picture.planes).collect();
+        old.retain(|plane| plane.window() == self.window);
+        old.reverse();
+        let mut index = 0;
+        let mut plane = || {
+            index += 1;
+            let bytes = self.window.area().saturating_mul(4);
+            old.pop().map_or_else(|| Plane::zeroed(self.window, index).map_err(|_| EvalError::Memory { bytes }), Ok)
+        };
+        self.outputs.iter().map(|output| (0..output.kind.channels()).map(|_| plane()).collect()).collect()
+    }
+
+    /// Evaluates every band, on so many threads.
+    fn tiles(
+        &self,
+        (bands, workers): (&Bands<'_>, usize),
+        ready: &HashMap<NodeId, Ready>,
+        buffers: &Buffers<'_>,
+        (judges, keeping): (&[Option<Arc<Judge>>], &Keeping),
+        monitor: &dyn Monitor,
+    ) -> Result<Tally, EvalError> {
+        let (width, _) = self.tile(ready);
+        let total = bands.count() * self.window.width().div_ceil(width);
+        let done = AtomicUsize::new(0);
+        let tally = Mutex::new(Tally::default());
+        let failed: Mutex<Option<EvalError>> = Mutex::new(None);
+        let stop = AtomicBool::new(false);
+        let work = || {
+            let mut chunks = Chunks::of(self.passes.iter().flat_map(programs));
+            let mut worker = Worker::new(self, ready, buffers, (judges, keeping), monitor, chunks.all());
+            let mut band = |window: Window, rows: &mut Rows<'_>| {
+                for tile in window.tiles(width, window.height()) {
+                    if monitor.cancelled() {
+                        return Err(EvalError::Cancelled);
+                    }
+                    worker.tile(tile, window, rows)?;
+                    monitor.progress(done.fetch_add(1, Ordering::Relaxed) + 1, total);
+                }
+                Ok(())
+            };
+            while !stop.load(Ordering::Relaxed) {
+                match bands.work(&mut band) {
+                    Ok(true) => {}
+                    Ok(false) => break,
+                    Err(error) => {
+                        stop.store(true, Ordering::Relaxed);
+                        failed.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error);
+                    }
+                }
+            }
+            tally.lock().unwrap_or_else(PoisonError::into_inner).add(&worker);
+        };
+        rayon::scope(|scope| {
+            for _ in 1..workers {
+                scope.spawn(|_| work());
+            }
+            work();
+        });
+        match failed.into_inner().unwrap_or_else(PoisonError::into_inner) {
+            Some(error) => Err(error),
+            None => Ok(tally.into_inner().unwrap_or_else(PoisonError::into_inner)),
+        }
+    }
+
+    pub(crate) fn assemble(
+        &self,
+        judges: Vec<Option<Arc<Judge>>>,
+        tally: &Tally,
+        ready: (&HashMap<NodeId, Ready>, &[NodeId]),
+        seconds: Phases,
+    ) -> Frame {
+        let pictures = self
+            .outputs
+            .iter()
+            .zip(judges)
+            .enumerate()
+            .map(|(index, (output, judge))| {
+                let mut audit = tally.audits.get(index).copied().unwrap_or_default();
+                audit.weight_min = f64::from(tally.weights.min);
+                audit.weight_sum_max_deviation = tally.weights.max_deviation;
+                let hull = judge.as_ref().map(|judge| judge.hull.clone());
+                let (margin, count, colors) =
+                    judge.map_or((0.0, 0, Vec::new()), |j| (j.margin, j.count, j.colors.clone()));
+                Picture {
+                    output: output.index,
+                    kind: output.kind,
+                    planes: Vec::new(),
+                    // Every color operation has scalar weights, so the hull is what holds.
+                    guarantee: (output.kind == Kind::Color).then_some(Guarantee::Hull),
+                    audit,
+                    control_count: count,
+                    control_colors: colors,
+                    hull,
+                    margin,
+                }
+            })
+            .collect();
+        Frame {
+            number: self.context.frame,
+            window: self.window,
+            pictures,
+            nodes: self.node_reports(tally, ready),
+            seconds,
+            threads: rayon::current_num_threads(),
+        }
+    }
+
+    /// Of nodes in `known`, what an earlier evaluation filled was used.
+    fn node_reports(&self, tally: &Tally, (ready, known): (&HashMap<NodeId, Ready>, &[NodeId])) -> Vec<NodeReport> {
+        // The programs' time is shared out by the cost of each node's operations.
+        let mut costs = vec![0.0; self.graph.nodes().len()];
+        let mut samples = vec![0u64; costs.len()];
+        for pass in &self.passes {
+            let taken = (self.window.area() * pass.offsets.len()) as u64;
+            for compiled in programs(pass) {
+                for (origin, cost) in &compiled.costs {
+                    costs[origin.0] += cost * taken as f64;
+                    samples[origin.0] = taken;
+                }
+            }
+            for fill in pass.fills.iter().filter(|fill| !known.contains(&fill.node)) {
+                samples[fill.node.0] += taken;
+            }
+        }
+        let total: f64 = costs.iter().sum();
+        let nodes = self.graph.nodes().iter().enumerate();
+        nodes
+            .map(|(index, node)| {
+                let ready = ready.get(&NodeId(index));
+                let fill = tally.fill_seconds.get(index).copied().unwrap_or(0.0);
+                let share = if total > 0.0 { costs[index] / total * tally.program_seconds } else { 0.0 };
+                let state = match &self.left_out[index] {
+                    Some(why) => State::LeftOut(why.clone()),
+                    None if ready.is_some_and(|ready| ready.cached) => State::Cached,
+                    None => State::Evaluated,
+                };
+                NodeReport {
+                    name: node.name.clone(),
+                    ty: node.ty.declaration().name,
+                    state,
+                    seconds: ready.map_or(0.0, |ready| ready.seconds) + fill + share,
+                    estimated: costs[index] > 0.0,
+                    pixels: samples[index],
+                    bytes: ready.map_or(0, |ready| ready.prepared.bytes()),
+                    repaired: ready.map_or(0, |ready| ready.prepared.repaired()),
+                }
+            })
+            .collect()
+    }
+}
+
+/// Every program that a pass runs.
+pub(crate) fn programs(pass: &Pass) -> impl Iterator<Item = &Compiled> {
+    pass.fills.iter().filter_map(|fill| fill.taps.as_ref()).chain([&pass.program])
+}

@@ -1,0 +1,268 @@
+//! One thread's work on one tile: fill the stages, run the program, average the samples, judge the result.
+
+use super::bands::Rows;
+use super::fill::Fills;
+use super::keep::Keeping;
+use super::prepare::Ready;
+use crate::judge::{Judge, is_judged, nan_count};
+use crate::kernel::{Chunk, Look, Machine, Plane, WeightAudit};
+use crate::planning::plan::Pass;
+use crate::{Buffers, EvalError, Monitor, Plan};
+use std::collections::HashMap;
+use std::sync::Arc;
+use std::time::Instant;
+use trochoid_graph::NodeId;
+use trochoid_image::Window;
+use trochoid_memory::{Target, write_around};
+use trochoid_weights::Audit;
+
+/// Where a frame moves more than this, results are written around the cache, bytes: that of large processors. They
+/// would be gone from it before anybody reads them, and push out what is still to be read.
+const CACHE: usize = 32 << 20;
+
+/// What a thread needs to evaluate tiles, reused from one to the next.
+pub(crate) struct Worker<'p> {
+    plan: &'p Plan<'p>,
+    buffers: &'p Buffers<'p>,
+    judges: &'p [Option<Arc<Judge>>],
+    passes: Vec<PassState<'p>>,
+    /// Seconds by node, and of all programs together.
+    pub(crate) fill_seconds: Vec<f64>,
+    pub(crate) program_seconds: f64,
+    /// By output.
+    pub(crate) audits: Vec<Audit>,
+}
+
+struct PassState<'p> {
+    pass: &'p Pass,
+    machine: Machine<'p>,
+    fills: Fills<'p>,
+    /// Sums of the samples, by channel, and one row of each.
+    sums: Vec<Vec<f64>>,
+    rows: Vec<Vec<f32>>,
+}
+
+/// A tile within a band of full rows.
+#[derive(Clone, Copy)]
+struct Place {
+    tile: Window,
+    /// Columns of the band before the tile, and all of them.
+    x: usize,
+    stride: usize,
+}
+
+impl<'p> Worker<'p> {
+    /// Takes the chunks that its machines need from `chunks`.
+    pub(crate) fn new(
+        plan: &'p Plan<'p>,
+        ready: &'p HashMap<NodeId, Ready>,
+        buffers: &'p Buffers<'p>,
+        (judges, keeping): (&'p [Option<Arc<Judge>>], &'p Keeping),
+        monitor: &'p dyn Monitor,
+        mut chunks: &'p mut [Chunk],
+    ) -> Self {
+        let passes = plan
+            .passes
+            .iter()
+            .map(|pass| PassState {
+                pass,
+                machine: Machine::new(&pass.program, &mut chunks),
+                fills: Fills::new(plan, ready, buffers, (&pass.fills, pass.sharing), monitor, &mut chunks)
+                    .keeping(keeping),
+                sums: vec![Vec::new(); channel_count(pass)],
+                rows: vec![Vec::new(); channel_count(pass)],
+            })
+            .collect();
+        let nodes = plan.graph.nodes().len();
+        Self {
+            plan,
+            buffers,
+            judges,
+            passes,
+            fill_seconds: vec![0.0; nodes],
+            program_seconds: 0.0,
+            audits: vec![Audit::default(); judges.len()],
+        }
+    }
+
+    /// Evaluates a tile of a band into the band's rows.
+    pub(crate) fn tile(&mut self, tile: Window, band: Window, rows: &mut Rows<'_>) -> Result<(), EvalError> {
+        let place = Place { tile, x: (tile.x0 - band.x0) as usize, stride: band.width() };
+        for index in 0..self.passes.len() {
+            let mut seen = if self.passes[index].pass.offsets.len() == 1 {
+                self.single(index, place, rows)?
+            } else {
+                self.averaged(index, place, rows)?
+            };
+            for (output, seen) in seen.iter_mut().enumerate() {
+                if self.passes[index].pass.roots.iter().any(|(owner, _)| *owner == output) {
+                    seen.pixels = tile.area() as u64;
+                    self.audits[output] = self.audits[output].merge(*seen);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// One sample a pixel: the program writes straight into the band.
+    fn single(&mut self, index: usize, place: Place, rows: &mut Rows<'_>) -> Result<Vec<Audit>, EvalError> {
+        let (plan, judges) = (self.plan, self.judges);
+        let state = &mut self.passes[index];
+        let pass = state.pass;
+        state.fills.fill(place.tile, (0, pass.offsets[0]), &mut self.fill_seconds)?;
+        let started = Instant::now();
+        let width = place.tile.width();
+        let planes = state.fills.planes(&pass.program);
+        let machine = &mut state.machine;
+        let mut seen = run_rows(plan, pass, judges, machine, &planes, place, rows);
+        if machine.is_suspect() {
+            // Something illegal, or −0: that must not be told from 0, so that no bit depends on what is pruned.
+            machine.acquit();
+            let normalized = self.buffers.normalized(plan, &pass.program.planes, &planes, place.tile)?;
+            let planes = with_normalized(&planes, &normalized, width);
+            seen = run_rows(plan, pass, judges, machine, &planes, place, rows);
+        }
+        for (root, &(output, _)) in pass.roots.iter().enumerate() {
+            let judge = &judges[output];
+            let suspicious = match judge {
+                Some(judge) => state.machine.color_range(root).is_none_or(|range| !judge.is_boxed(&range)),
+                None => state.machine.saw_nan(root),
+            };
+            if suspicious {
+                seen[output] = audit_tile(judge.as_deref(), &rows[output], place);
+            }
+        }
+        self.program_seconds += started.elapsed().as_secs_f64();
+        Ok(seen)
+    }
+
+    /// Several samples a pixel: their average, with equal weights.
+    fn averaged(&mut self, index: usize, place: Place, rows: &mut Rows<'_>) -> Result<Vec<Audit>, EvalError> {
+        let plan = self.plan;
+        let state = &mut self.passes[index];
+        let pass = state.pass;
+        let (width, height) = (place.tile.width(), place.tile.height());
+        for sums in &mut state.sums {
+            sums.clear();
+            sums.resize(width * height, 0.0);
+        }
+        state.rows.iter_mut().for_each(|row| row.resize(width, 0.0));
+        let mut normalized = None;
+        for sample in pass.offsets.iter().copied().enumerate() {
+            state.fills.fill(place.tile, sample, &mut self.fill_seconds)?;
+            let started = Instant::now();
+            let planes = state.fills.planes(&pass.program);
+            // What the caller gave is the same for every sample.
+            let normalized = match &mut normalized {
+                Some(known) => known,
+                none => none.insert(self.buffers.normalized(plan, &pass.program.planes, &planes, place.tile)?),
+            };
+            let planes = with_normalized(&planes, normalized, width);
+            let mut views = state.machine.begin(&planes, width);
+            for y in 0..height {
+                let mut out: Vec<Target<'_>> = state.rows.iter_mut().map(|row| Target::new(row)).collect();
+                state.machine.row(&mut views, y, &mut out, 0, None);
+                for (sums, row) in state.sums.iter_mut().zip(&state.rows) {
+                    for (sum, value) in sums[y * width..(y + 1) * width].iter_mut().zip(row) {
+                        *sum += f64::from(*value);
+                    }
+                }
+            }
+            self.program_seconds += started.elapsed().as_secs_f64();
+        }
+        // Equal weights that sum to 1: partial sums of n values ≤ m are at most n·m, which f64 holds exactly for every
+        // f32 m, so the average stays in the samples' box.
+        let scale = 1.0 / pass.offsets.len() as f64;
+        for (slice, sums) in slices(pass, rows).into_iter().zip(&state.sums) {
+            for (y, sums) in sums.chunks_exact(width).enumerate() {
+                let start = y * place.stride + place.x;
+                for (to, sum) in slice[start..start + width].iter_mut().zip(sums) {
+                    *to = (sum * scale) as f32;
+                }
+            }
+        }
+        let mut seen = vec![Audit::default(); self.judges.len()];
+        // The channels of weights are roots of their own, looked at together.
+        for &(output, _) in pass.roots.iter().filter(|(_, first)| *first == 0) {
+            seen[output] = audit_tile(self.judges[output].as_deref(), &rows[output], place);
+        }
+        Ok(seen)
+    }
+
+    /// The extremes of weights over everything that this worker ran.
+    pub(crate) fn audit(&self) -> WeightAudit {
+        let audits = self.passes.iter().map(|state| state.fills.audit().merge(state.machine.audit()));
+        audits.fold(WeightAudit::default(), WeightAudit::merge)
+    }
+}
+
+/// Runs a pass' program over a tile, straight into the band.
+fn run_rows(
+    plan: &Plan<'_>,
+    pass: &Pass,
+    judges: &[Option<Arc<Judge>>],
+    machine: &mut Machine<'_>,
+    planes: &[Plane<'_>],
+    place: Place,
+    rows: &mut Rows<'_>,
+) -> Vec<Audit> {
+    let width = place.tile.width();
+    let mut seen = vec![Audit::default(); judges.len()];
+    let mut views = machine.begin(planes, width);
+    let mut run = |targets: &mut [Target<'_>]| {
+        let mut look = |root: usize, color: [&[f32]; 3]| {
+            let (output, _) = pass.roots[root];
+            if let Some(judge) = &judges[output] {
+                seen[output] = seen[output].merge(judge.row(color));
+            }
+        };
+        for y in 0..place.tile.height() {
+            let judged = is_judged(plan.settings.judge, place.tile.y0 + y as i64);
+            let look = judged.then_some(&mut look as Look<'_>);
+            machine.row(&mut views, y, targets, y * place.stride + place.x, look);
+        }
+    };
+    let slices = slices(pass, rows);
+    let read = pass.program.planes.iter().filter(|slot| plan.bound[slot.node.0]).count();
+    if 4 * plan.window.area() * (slices.len() + read) > CACHE {
+        write_around(slices, run);
+    } else {
+        run(&mut slices.into_iter().map(Target::new).collect::<Vec<_>>());
+    }
+    seen
+}
+
+/// The planes of a tile, some of them replaced.
+fn with_normalized<'a>(planes: &[Plane<'a>], normalized: &'a [(usize, Vec<f32>)], width: usize) -> Vec<Plane<'a>> {
+    let mut planes = planes.to_vec();
+    for (plane, samples) in normalized {
+        planes[*plane] = Plane { samples, start: 0, stride: width };
+    }
+    planes
+}
+
+/// Number of channels over all roots of a pass.
+pub(crate) fn channel_count(pass: &Pass) -> usize {
+    pass.program.roots.iter().sum()
+}
+
+/// The rows of a band that a pass makes, channel by channel in the order of its roots.
+fn slices<'r>(pass: &Pass, rows: &'r mut Rows<'_>) -> Vec<&'r mut [f32]> {
+    let made = |output: usize| pass.roots.iter().any(|(owner, _)| *owner == output);
+    let mine = rows.iter_mut().enumerate().filter(|(output, _)| made(*output));
+    mine.flat_map(|(_, channels)| channels.iter_mut().map(|channel| &mut **channel)).collect()
+}
+
+/// Looks at every pixel of a tile of a finished band.
+fn audit_tile(judge: Option<&Judge>, channels: &[&mut [f32]], place: Place) -> Audit {
+    let mut audit = Audit::default();
+    for y in 0..place.tile.height() {
+        let start = y * place.stride + place.x;
+        let row: Vec<&[f32]> = channels.iter().map(|channel| &channel[start..start + place.tile.width()]).collect();
+        audit = audit.merge(match (judge, &row[..]) {
+            (Some(judge), &[r, g, b]) => judge.row([r, g, b]),
+            _ => Audit { nan_count: nan_count(&row), ..Audit::default() },
+        });
+    }
+    audit
+}

@@ -1,0 +1,90 @@
+//! A node at one frame.
+
+use crate::{Body, Kind, Node, NodeId, NodeType, Pointwise, Source, Stage, Values};
+use std::any::Any;
+use std::ops::Deref;
+use std::sync::Arc;
+
+/// A node at one frame: what its document says there, and what its type reads in it.
+#[derive(Clone)]
+pub struct Settled {
+    ty: &'static NodeType,
+    values: Values,
+    node: Arc<dyn Node>,
+}
+
+impl Settled {
+    pub(crate) fn new(ty: &'static NodeType, values: Values) -> Self {
+        let node = ty.read(&values);
+        Self { ty, values, node }
+    }
+
+    /// Its type.
+    pub fn ty(&self) -> &'static NodeType {
+        self.ty
+    }
+
+    /// What its type says of it.
+    pub fn node(&self) -> &dyn Node {
+        &*self.node
+    }
+
+    /// The same with its fields, where it is a node of that type.
+    pub fn get<T: Node>(&self) -> Option<&T> {
+        (&*self.node as &dyn Any).downcast_ref()
+    }
+
+    /// Kinds of its outputs.
+    pub fn kinds(&self) -> Vec<Kind> {
+        let declared = || self.ty.declaration().outputs.iter().map(|output| output.kind).collect();
+        self.node.kinds().unwrap_or_else(declared)
+    }
+
+    /// Its body, where it is a stage.
+    pub fn stage(&self) -> Option<&dyn Stage> {
+        if let Body::Stage(stage) = self.node.body() { Some(stage) } else { None }
+    }
+
+    /// Its body, where it is pointwise.
+    pub fn pointwise(&self) -> Option<&dyn Pointwise> {
+        if let Body::Pointwise(pointwise) = self.node.body() { Some(pointwise) } else { None }
+    }
+
+    /// Calls `f` with every node that it takes its result from.
+    pub fn each_needed(&self, mut f: impl FnMut(NodeId)) {
+        match self.node.identity() {
+            Some(Source::Output { node, .. }) => f(*node),
+            Some(_) => {}
+            None => self.values.each_node(f),
+        }
+    }
+
+    /// Leads every connection to the node that `to` names in its stead.
+    pub fn redirect(&mut self, to: &dyn Fn(NodeId) -> NodeId) {
+        let before = self.values.clone();
+        self.values.redirect(to);
+        if self.values != before {
+            self.node = self.ty.read(&self.values);
+        }
+    }
+}
+
+impl Deref for Settled {
+    type Target = Values;
+
+    fn deref(&self) -> &Values {
+        &self.values
+    }
+}
+
+impl PartialEq for Settled {
+    fn eq(&self, other: &Self) -> bool {
+        std::ptr::eq(self.ty, other.ty) && self.values == other.values
+    }
+}
+
+impl std::fmt::Debug for Settled {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct(self.ty.declaration().name).field("values", &self.values).finish_non_exhaustive()
+    }
+}

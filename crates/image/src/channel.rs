@@ -1,0 +1,174 @@
+//! What a view can answer for each of its samples.
+
+macro_rules! channels {
+    ($($(#[$doc:meta])* $name:ident $text:literal $background:expr,)*) => {
+        /// One scalar that a view can answer for each sample, and so one of its planes.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+        #[repr(u8)]
+        pub enum Channel { $($(#[$doc])* $name,)* }
+
+        impl Channel {
+            /// Every channel, in the order of a view's planes.
+            pub const ALL: [Self; Self::COUNT] = [$(Self::$name,)*];
+            /// Number of channels.
+            pub const COUNT: usize = [$(Self::$name,)*].len();
+
+            /// Name for messages.
+            pub fn name(self) -> &'static str {
+                match self { $(Self::$name => $text,)* }
+            }
+
+            /// What the channel holds where nothing is seen.
+            pub const fn background(self) -> f32 {
+                match self { $(Self::$name => $background,)* }
+            }
+        }
+    };
+}
+
+channels! {
+    /// 1 where a surface is seen, 0 elsewhere.
+    Coverage "coverage" 0.0,
+    /// Planar distance along the camera's axis, m; +∞ where nothing is seen.
+    Depth "depth" f32::INFINITY,
+    /// World x of the point, m.
+    PositionX "position" 0.0,
+    /// World y, m.
+    PositionY "position" 0.0,
+    /// World z, m.
+    PositionZ "position" 0.0,
+    /// Unit normal x. It stands on the outer side, a sea's in the air: toward a camera outside, away from one inside.
+    /// Where a sea folds over itself the side that is seen counts, not the one that was up at rest.
+    NormalX "normal" 0.0,
+    /// Unit normal y; a degenerate normal and the background point up.
+    NormalY "normal" 1.0,
+    /// Unit normal z.
+    NormalZ "normal" 0.0,
+    /// World x of the seen particle's rest point, m. A sea's rest point lies on its rest level, a model's in the model's
+    /// own space, so that textures stay on it.
+    RestX "rest point" 0.0,
+    /// World y of the rest point, m.
+    RestY "rest point" 0.0,
+    /// World z of the rest point, m.
+    RestZ "rest point" 0.0,
+    /// Height above the surface's rest level, m.
+    Height "height" 0.0,
+    /// Distance from the rest point, m.
+    RestDistance "distance from rest" 0.0,
+    /// Slope variance that the pixel's footprint filtered out: roughness to add.
+    SlopeVariance "slope variance" 0.0,
+    /// Area ratio of displaced and resting surface, det J: below 1 where crests gather, negative in folds.
+    Jacobian "Jacobian" 1.0,
+    /// Index of the seen surface among those that are looked at; −1 where nothing is seen.
+    Surface "surface" -1.0,
+    /// Texture coordinate u; the rest point's x on surfaces without texture coordinates.
+    U "texture coordinates" 0.0,
+    /// Texture coordinate v; the rest point's z on surfaces without texture coordinates.
+    V "texture coordinates" 0.0,
+    /// Foam that bursts left behind on a toon sea; 0 on other surfaces, as all that follow.
+    Rift "rift" 0.0,
+    /// How lately and closely bursts have passed, w: 1 in their middle, 0 where none was.
+    DriftWeight "drift" 0.0,
+    /// w·cos of the angle that counts drift lines along the paths of bursts, a full turn for every 16.
+    AlongCos "drift" 0.0,
+    /// w·sin of that angle.
+    AlongSin "drift" 0.0,
+    /// w·cos of the angle that counts drift lines across the paths.
+    AcrossCos "drift" 0.0,
+    /// w·sin of that angle.
+    AcrossSin "drift" 0.0,
+}
+
+impl Channel {
+    /// What bursts leave behind: the rift, then the drift.
+    pub const TRAILS: [Self; 6] =
+        [Self::Rift, Self::DriftWeight, Self::AlongCos, Self::AlongSin, Self::AcrossCos, Self::AcrossSin];
+}
+
+/// A set of channels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
+pub struct ChannelSet(u32);
+
+impl ChannelSet {
+    /// No channel.
+    pub const EMPTY: Self = Self(0);
+    /// Coverage.
+    pub const COVERAGE: Self = Self::of(&[Channel::Coverage]);
+    /// Depth.
+    pub const DEPTH: Self = Self::of(&[Channel::Depth]);
+    /// Position, three channels.
+    pub const POSITION: Self = Self::of(&[Channel::PositionX, Channel::PositionY, Channel::PositionZ]);
+    /// Normal, three channels.
+    pub const NORMAL: Self = Self::of(&[Channel::NormalX, Channel::NormalY, Channel::NormalZ]);
+    /// Rest point, three channels.
+    pub const REST: Self = Self::of(&[Channel::RestX, Channel::RestY, Channel::RestZ]);
+    /// Texture coordinates, two channels.
+    pub const UV: Self = Self::of(&[Channel::U, Channel::V]);
+    /// Every channel.
+    pub const ALL: Self = Self::of(&Channel::ALL);
+
+    /// Exactly these channels.
+    pub const fn of(channels: &[Channel]) -> Self {
+        let (mut bits, mut index) = (0, 0);
+        while index < channels.len() {
+            bits |= 1 << channels[index] as u32;
+            index += 1;
+        }
+        Self(bits)
+    }
+
+    /// Whether the channel is in the set.
+    pub const fn contains(self, channel: Channel) -> bool {
+        self.0 & (1 << channel as u32) != 0
+    }
+
+    /// Whether all channels of `other` are in this set.
+    pub const fn includes(self, other: Self) -> bool {
+        self.0 & other.0 == other.0
+    }
+
+    /// Whether the sets share a channel.
+    pub const fn intersects(self, other: Self) -> bool {
+        self.0 & other.0 != 0
+    }
+
+    /// The channels in either set.
+    pub const fn union(self, other: Self) -> Self {
+        Self(self.0 | other.0)
+    }
+
+    /// The channels in both sets.
+    pub const fn intersect(self, other: Self) -> Self {
+        Self(self.0 & other.0)
+    }
+
+    /// The channels in this set but not in the other.
+    pub const fn minus(self, other: Self) -> Self {
+        Self(self.0 & !other.0)
+    }
+
+    /// Whether no channel is in the set.
+    pub const fn is_empty(self) -> bool {
+        self.0 == 0
+    }
+
+    /// The channels in the set, in order.
+    pub fn iter(self) -> impl Iterator<Item = Channel> {
+        Channel::ALL.into_iter().filter(move |&channel| self.contains(channel))
+    }
+}
+
+impl From<Channel> for ChannelSet {
+    fn from(channel: Channel) -> Self {
+        Self::of(&[channel])
+    }
+}
+
+impl FromIterator<Channel> for ChannelSet {
+    fn from_iter<T: IntoIterator<Item = Channel>>(channels: T) -> Self {
+        channels.into_iter().fold(Self::EMPTY, |set, channel| set.union(channel.into()))
+    }
+}
+
+// One bit each.
+const _: () = assert!(Channel::COUNT <= 32);

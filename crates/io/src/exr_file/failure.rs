@@ -1,0 +1,32 @@
+//! Why a chunk cannot be decoded.
+
+/// Why a chunk cannot be decoded.
+#[derive(Debug)]
+pub(super) enum Failure {
+    Invalid {
+        found: String,
+        expected: String,
+    },
+    Unsupported(String),
+    /// So many bytes of memory are not available.
+    Memory(u64),
+}
+
+impl Failure {
+    pub(super) fn invalid(found: impl Into<String>, expected: impl Into<String>) -> Self {
+        Self::Invalid { found: found.into(), expected: expected.into() }
+    }
+}
+
+/// What every chunk is expected to be.
+pub(super) const WHOLE: &str = "a chunk that decodes to its pixels";
+
+impl From<exr::error::Error> for Failure {
+    fn from(error: exr::error::Error) -> Self {
+        match error {
+            exr::error::Error::NotSupported(_) => Self::Unsupported("a chunk of a kind that is not known".into()),
+            // Not in the library's words, which say nothing of what to do.
+            _ => Self::invalid("bytes that do not decode", WHOLE),
+        }
+    }
+}

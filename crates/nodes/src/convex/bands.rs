@@ -1,0 +1,132 @@
+//! Bands: a field cut at thresholds.
+
+use trochoid_graph::*;
+
+/// Cuts a field at thresholds into bands, the lowest band first.
+///
+/// # Formula
+/// cₖ = Clamp(x, θₖ − width/2, θₖ + width/2); band k ≥ 1 has the weight cₖ·Πⱼ₍ⱼ>ₖ₎(1 − cⱼ), band 0 what is left: Π(1 −
+/// cⱼ).
+///
+/// # Edge cases
+/// Width 0 is hard, with the upper band at the threshold itself. Where ramps overlap, since thresholds stand closer
+/// than `width`, the upper band goes first. +∞ belongs to the uppermost band, −∞ to the lowest.
+///
+/// # Source
+/// A stack of Clamps (thesis 3.2.4.2) from the highest threshold down.
+#[derive(Clone, Node)]
+#[node(end = Back, revision = 1, output(weights: Kind::ANY_WEIGHTS = "One weight a band, the lowest first."))]
+pub(crate) struct Bands {
+    /// What is cut into bands.
+    field: One<port::Scalar>,
+    /// Where each band but the lowest begins, ascending, in the field's unit.
+    #[knob(len = 1..=255)]
+    thresholds: Vec<f64>,
+    /// Width of the soft edge, in the field's unit.
+    #[knob(default = 0.0, range = 0.0..=HIGHEST)]
+    width: f64,
+}
+
+/// Bounds beyond every f32 would reach kernels as infinities.
+const HIGHEST: f64 = f32::MAX as f64;
+
+impl Node for Bands {
+    fn kinds(&self) -> Option<Vec<Kind>> {
+        Some(vec![Kind::Weights(self.thresholds.len() + 1)])
+    }
+
+    fn check(&self, check: &mut Check<'_>) {
+        for (band, pair) in self.thresholds.windows(2).enumerate() {
+            let found = || format!("{} after {}", pair[1], pair[0]);
+            if pair[1] < pair[0] {
+                check.error(Self::THRESHOLDS, found(), "ascending thresholds", "sort them, and their colors with them");
+                return;
+            }
+            if pair[1] == pair[0] && self.width == 0.0 {
+                let expected = format!("band {} to have room", band + 1);
+                check.warning(Self::THRESHOLDS, found(), expected, "it never shows: remove one, and the band's color");
+            }
+        }
+        let half = self.width / 2.0;
+        if self.thresholds.iter().any(|at| at.abs() + half > HIGHEST) {
+            check.error(Self::WIDTH, "a soft edge that ends beyond every f32", "smaller numbers", "reduce the width");
+        }
+    }
+
+    fn body(&self) -> Body<'_> {
+        Body::Pointwise(self)
+    }
+}
+
+impl Pointwise for Bands {
+    fn lower(&self, lowering: &mut Lowering<'_>) -> Value {
+        let x = lowering.scalar(&self.field);
+        let half = 0.5 * self.width as f32;
+        let mask = |at: &f64| {
+            let threshold = *at as f32;
+            let (min, max) = (threshold - half, threshold + half);
+            if min < max { lowering.build.clamp(x, min, max) } else { lowering.build.step(x, threshold) }
+        };
+        Value::Weights(Weights::ladder(self.thresholds.iter().map(mask).collect()))
+    }
+
+    fn reference(&self, inputs: &References<'_>) -> Reference {
+        let x = inputs.scalar(&self.field);
+        let width = self.width;
+        let mut left = 1.0;
+        let mut weights = Vec::with_capacity(self.thresholds.len() + 1);
+        for at in self.thresholds.iter().rev() {
+            let c = if x >= at + width / 2.0 {
+                1.0
+            } else if x >= at - width / 2.0 {
+                (x - (at - width / 2.0)) / width
+            } else {
+                0.0
+            };
+            weights.push(left * c);
+            left *= 1.0 - c;
+        }
+        if let [t] = weights[..] {
+            return Reference::Mask(t);
+        }
+        weights.push(left);
+        weights.reverse();
+        Reference::Weights(weights)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::testing::{agrees, frame, refused};
+
+    fn bands(thresholds: &str, width: f64) -> String {
+        format!(
+            r#""x": {{ "type": "ScreenX" }},
+            "out": {{ "type": "Bands", "field": "x", "thresholds": [{thresholds}], "width": {width} }}"#
+        )
+    }
+
+    #[test]
+    fn weights_agree_with_the_formula() {
+        for thresholds in ["0.4", "0.2, 0.6", "0.1, 0.3, 0.31, 0.8"] {
+            for width in [0.0, 0.15, 0.9] {
+                agrees("weights", &bands(thresholds, width));
+            }
+        }
+    }
+
+    #[test]
+    fn the_lowest_band_is_first_and_a_threshold_belongs_to_the_upper() {
+        let hard = frame("weights", &bands("0.25, 0.5, 0.75", 0.0));
+        assert_eq!(hard.lowered([0.5, 0.5]), [1.0, 0.0, 0.0, 0.0]);
+        assert_eq!(hard.lowered([2.0, 0.5]), [0.0, 0.0, 1.0, 0.0]);
+        assert_eq!(hard.lowered([3.5, 0.5]), [0.0, 0.0, 0.0, 1.0]);
+        assert_eq!(frame("weights", &bands("0.5", 0.0)).lowered([2.0, 0.5]), [0.0, 1.0]);
+    }
+
+    #[test]
+    fn thresholds_ascend() {
+        assert!(refused("weights", &bands("0.5, 0.2", 0.0)).contains("0.2 after 0.5"));
+        assert!(refused("weights", &bands("3e38", 3e38)).contains("beyond every f32"));
+    }
+}

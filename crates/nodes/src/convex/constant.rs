@@ -1,0 +1,49 @@
+//! Constant: one control color.
+
+use trochoid_graph::*;
+
+/// Gives one control color everywhere.
+///
+/// # Formula
+/// C
+///
+/// # Edge cases
+/// A keyed color is one control color at each frame.
+///
+/// # Source
+/// A vertex of the hull: Akleman, Liu, House, Barycentric Shaders, 2016.
+#[derive(Clone, Node)]
+#[node(end = Back, revision = 1, output(color: Kind::Color = "The color."))]
+pub(crate) struct Constant {
+    /// The control color.
+    #[knob(color)]
+    color: [f64; 3],
+}
+
+impl Node for Constant {
+    fn body(&self) -> Body<'_> {
+        Body::Pointwise(self)
+    }
+}
+
+impl Pointwise for Constant {
+    fn lower(&self, lowering: &mut Lowering<'_>) -> Value {
+        Value::Color(lowering.build.control(self.color.map(|v| v as f32)))
+    }
+
+    fn reference(&self, _inputs: &References<'_>) -> Reference {
+        Reference::Color(self.color)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::testing::{agrees, frame};
+
+    #[test]
+    fn a_color_is_itself() {
+        agrees("color", r##""out": { "type": "Constant", "color": "#8b9aa1" }"##);
+        let nodes = r#""out": { "type": "Constant", "color": [0.25, 0.5, 4] }"#;
+        assert_eq!(frame("color", nodes).lowered([0.5, 0.5]), [0.25, 0.5, 4.0]);
+    }
+}

@@ -1,0 +1,49 @@
+//! Invert: the other side of a mask.
+
+use trochoid_graph::*;
+
+/// Gives the complement of a mask.
+///
+/// # Formula
+/// 1 − t
+///
+/// # Edge cases
+/// Exact at 0, ½ and 1. Twice inverted, a mask below 2⁻²⁴ loses its last digits; a Mix with `a` and `b` exchanged loses
+/// none.
+///
+/// # Source
+/// The second weight of a partition of unity in two.
+#[derive(Clone, Node)]
+#[node(end = Back, revision = 1, output(mask: Kind::MASK = "The complement."))]
+pub(crate) struct Invert {
+    /// The mask.
+    weight: One<port::Mask>,
+}
+
+impl Node for Invert {
+    fn body(&self) -> Body<'_> {
+        Body::Pointwise(self)
+    }
+}
+
+impl Pointwise for Invert {
+    fn lower(&self, lowering: &mut Lowering<'_>) -> Value {
+        let t = lowering.mask(&self.weight);
+        Value::Weights(Weights::mask(lowering.build.complement(t)))
+    }
+
+    fn reference(&self, inputs: &References<'_>) -> Reference {
+        Reference::Mask(1.0 - inputs.scalar(&self.weight))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::testing::agrees;
+
+    #[test]
+    fn weights_change_sides() {
+        agrees("weights", r#""x": { "type": "ScreenX" }, "out": { "type": "Invert", "weight": "x" }"#);
+        agrees("weights", r#""out": { "type": "Invert", "weight": 0.3 }"#);
+    }
+}

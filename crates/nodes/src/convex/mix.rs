@@ -1,0 +1,42 @@
+//! Mix: the barycentric operation on two colors.
+
+use trochoid_graph::*;
+
+/// Mixes two colors by a mask.
+///
+/// # Formula
+/// (1 − t)·a + t·b
+///
+/// # Edge cases
+/// Exactly `a` at t = 0, `b` at t = 1, and their common value where they are equal.
+///
+/// # Source
+/// Thesis 3.2.4.2, Mix(C₀, C₁, t).
+#[derive(Clone, Node)]
+#[node(end = Back, revision = 1, output(color: Kind::Color = "The mixed color."))]
+pub(crate) struct Mix {
+    /// The color where the weight is 0.
+    a: One<port::Color>,
+    /// The color where the weight is 1.
+    b: One<port::Color>,
+    /// How much of `b`.
+    weight: One<port::Mask>,
+}
+
+impl Node for Mix {
+    fn body(&self) -> Body<'_> {
+        Body::Pointwise(self)
+    }
+}
+
+impl Pointwise for Mix {
+    fn lower(&self, lowering: &mut Lowering<'_>) -> Value {
+        let (a, b, t) = (lowering.color(&self.a), lowering.color(&self.b), lowering.mask(&self.weight));
+        Value::Color(lowering.build.mix(a, b, t))
+    }
+
+    fn reference(&self, inputs: &References<'_>) -> Reference {
+        let (a, b, t) = (inputs.color(&self.a), inputs.color(&self.b), inputs.scalar(&self.weight));
+        Reference::Color([0, 1, 2].map(|c| (1.0 - t) * a[c] + t * b[c]))
+    }
+}

@@ -1,0 +1,75 @@
+//! Normalize: from fields to a partition of unity.
+
+use trochoid_graph::*;
+
+/// Divides fields by their sum; what is missing from 1 goes to one more weight, the last.
+///
+/// # Formula
+/// wᵢ = vᵢ/max(S, τ) with vᵢ = max(fieldᵢ, 0), S = Σ vᵢ, τ = `floor`; the last weight is 1 − S/max(S, τ).
+///
+/// # Edge cases
+/// Negative values count as 0. Where all fields are 0 the last weight is 1; where their sum is at least `floor` it is 0.
+/// Infinity, which fields here should not hold, counts as the largest finite f32.
+///
+/// # Source
+/// Shepard's weights with a floor, so that no quotient has a slope beyond 2/τ.
+#[derive(Clone, Node)]
+#[node(end = Back, revision = 1, output(weights: Kind::ANY_WEIGHTS = "One weight a field, and the remainder."))]
+pub(crate) struct Normalize {
+    /// Finite fields, one a weight.
+    #[port(1..=255)]
+    fields: Many<port::Scalar>,
+    /// Sum below which weight is handed to the last.
+    #[knob(default = 0.001, range = 1e-30..=f32::MAX as f64)]
+    floor: f64,
+}
+
+impl Node for Normalize {
+    fn kinds(&self) -> Option<Vec<Kind>> {
+        Some(vec![Kind::Weights(self.fields.len() + 1)])
+    }
+
+    fn body(&self) -> Body<'_> {
+        Body::Pointwise(self)
+    }
+}
+
+impl Pointwise for Normalize {
+    fn lower(&self, lowering: &mut Lowering<'_>) -> Value {
+        let values = self.fields.iter().map(|source| lowering.scalar(source)).collect();
+        Value::Weights(lowering.build.normalize(values, self.floor as f32))
+    }
+
+    fn reference(&self, inputs: &References<'_>) -> Reference {
+        let fields = self.fields.iter().map(|source| inputs.scalar(source));
+        let values: Vec<f64> = fields.map(|v| v.max(0.0).min(f64::from(f32::MAX))).collect();
+        let sum: f64 = values.iter().sum();
+        let divisor = sum.max(self.floor);
+        let remainder = (divisor - sum) / divisor;
+        if values.len() == 1 {
+            return Reference::Mask(remainder);
+        }
+        Reference::Weights(values.iter().map(|v| v / divisor).chain([remainder]).collect())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::testing::{agrees, frame};
+
+    #[test]
+    fn weights_agree_with_the_formula() {
+        let xy = r#""x": { "type": "ScreenX" }, "y": { "type": "ScreenY" }"#;
+        for fields in [r#""x""#, r#""x", "y""#, r#""x", "y", -3, 0.2"#] {
+            let out = format!(r#"{xy}, "out": {{ "type": "Normalize", "fields": [{fields}], "floor": 0.5 }}"#);
+            agrees("weights", &out);
+        }
+    }
+
+    #[test]
+    fn nothing_goes_to_the_last() {
+        let frame = frame("weights", r#""out": { "type": "Normalize", "fields": [-1, 0] }"#);
+        assert_eq!(frame.lowered([0.5, 0.5]), [0.0, 0.0, 1.0]);
+        assert_eq!(frame.truth([0.5, 0.5]), [0.0, 0.0, 1.0]);
+    }
+}

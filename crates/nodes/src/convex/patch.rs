@@ -1,0 +1,122 @@
+//! Patch: colors over two masks.
+
+use trochoid_graph::*;
+
+/// Spans 4 colors (bilinear) or 16 (bicubic) over two masks.
+///
+/// # Formula
+/// Σ Bᵢ(u)·Bⱼ(v)·Cⱼᵢ with Bernstein polynomials of degree 1 or 3; colors row by row, u fastest.
+///
+/// # Edge cases
+/// The corner colors are met exactly at the corners; the other 12 of 16 pull without being met.
+///
+/// # Source
+/// Bézier patch by de Casteljau's algorithm, u first, then v; thesis 3.2.4.3.
+#[derive(Clone, Node)]
+#[node(end = Back, revision = 1, role = Patch, output(color: Kind::Color = "The color."))]
+pub(crate) struct Patch {
+    /// Along a row of colors.
+    u: One<port::Mask>,
+    /// From row to row.
+    v: One<port::Mask>,
+    /// 4 or 16 colors, row by row, u fastest.
+    #[port(4..=16)]
+    colors: Many<port::Color>,
+}
+
+/// One Bézier curve at `t`: neighbors are mixed until one color is left.
+fn casteljau(build: &mut Builder<'_>, mut points: Vec<Color>, t: Mask) -> Color {
+    while points.len() > 1 {
+        points = points.windows(2).map(|pair| build.mix(pair[0], pair[1], t)).collect();
+    }
+    points[0]
+}
+
+/// Bernstein polynomials of degree 1 or 3.
+fn bernstein(side: usize, t: f64) -> Vec<f64> {
+    let s = 1.0 - t;
+    if side == 2 { vec![s, t] } else { vec![s * s * s, 3.0 * s * s * t, 3.0 * s * t * t, t * t * t] }
+}
+
+impl Patch {
+    /// Colors in a row: 2 for 4 colors, 4 for 16.
+    fn side(&self) -> usize {
+        if self.colors.len() < 16 { 2 } else { 4 }
+    }
+}
+
+impl Node for Patch {
+    fn check(&self, check: &mut Check<'_>) {
+        let count = self.colors.len();
+        if count != 4 && count != 16 {
+            let remedy = "list 2 rows of 2 or 4 rows of 4; a single row is a Ramp, other weights are a Blend's";
+            check.error(Self::COLORS, format!("{count} colors"), "4 or 16 colors", remedy);
+        }
+    }
+
+    fn body(&self) -> Body<'_> {
+        Body::Pointwise(self)
+    }
+}
+
+impl Pointwise for Patch {
+    fn lower(&self, lowering: &mut Lowering<'_>) -> Value {
+        let (u, v) = (lowering.mask(&self.u), lowering.mask(&self.v));
+        let colors: Vec<_> = self.colors.iter().map(|source| lowering.color(source)).collect();
+        let build = &mut lowering.build;
+        let rows = colors.chunks(self.side()).map(|row| casteljau(build, row.to_vec(), u)).collect();
+        Value::Color(casteljau(build, rows, v))
+    }
+
+    fn reference(&self, inputs: &References<'_>) -> Reference {
+        let side = self.side();
+        let along = bernstein(side, inputs.scalar(&self.u));
+        let down = bernstein(side, inputs.scalar(&self.v));
+        let mut sum = [0.0; 3];
+        for (index, source) in self.colors.iter().enumerate() {
+            let weight = along[index % side] * down[index / side];
+            let color = inputs.color(source);
+            sum = [0, 1, 2].map(|c| sum[c] + weight * color[c]);
+        }
+        Reference::Color(sum)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::testing::{agrees, frame, refused};
+
+    fn patch(count: usize) -> String {
+        let color = |i: usize| format!("[{}, {}, {}]", i, (i * 7) % 5, (i * i) % 3);
+        let colors: Vec<String> = (0..count).map(color).collect();
+        format!(
+            r#""x": {{ "type": "ScreenX" }}, "y": {{ "type": "ScreenY" }},
+            "out": {{ "type": "Patch", "u": "x", "v": "y", "colors": [{}] }}"#,
+            colors.join(", ")
+        )
+    }
+
+    #[test]
+    fn casteljau_is_bernstein() {
+        agrees("color", &patch(4));
+        let frame = frame("color", &patch(16));
+        for at in [[0.6, 0.7], [1.9, 2.2], [3.3, 1.1]] {
+            for (truth, found) in frame.truth(at).iter().zip(frame.lowered(at)) {
+                assert!((truth - f64::from(found)).abs() < 1e-5, "{truth} and {found}");
+            }
+        }
+    }
+
+    #[test]
+    fn rows_run_along_u() {
+        let frame = frame("color", &patch(16));
+        for (at, first) in [([0.5, 0.5], 0.0), ([3.5, 0.5], 3.0), ([0.5, 2.5], 12.0), ([3.5, 2.5], 15.0)] {
+            assert_eq!(frame.lowered(at)[0], first);
+        }
+    }
+
+    #[test]
+    fn other_counts_are_refused() {
+        assert!(refused("color", &patch(9)).contains("9 colors"));
+    }
+}

@@ -1,0 +1,160 @@
+//! Ramp: colors along a mask.
+
+use trochoid_graph::*;
+
+/// Leads through colors along a mask.
+///
+/// # Formula
+/// Σ hᵢ(t)·Cᵢ, the hat functions hᵢ over the stops: u = (t − atᵢ)/(atᵢ₊₁ − atᵢ) of the way from Cᵢ to Cᵢ₊₁; `smooth`
+/// eases u²(3 − 2u); `step` keeps Cᵢ until the next stop.
+///
+/// # Edge cases
+/// At a stop exactly its color, before the first and after the last theirs. Two stops at one place are a hard edge,
+/// with the later color at the place itself.
+///
+/// # Source
+/// Piecewise linear interpolation as a partition of unity; smooth: thesis 3.2.4.2.
+#[derive(Clone, Node)]
+#[node(end = Back, revision = 1, output(color: Kind::Color = "The color."))]
+pub(crate) struct Ramp {
+    /// Where along the ramp.
+    weight: One<port::Mask>,
+    /// Colors and their places, ascending.
+    #[list(1..=256)]
+    stops: Vec<Stop>,
+    /// How to get from stop to stop.
+    interpolation: Interpolation,
+}
+
+/// A color at a place.
+#[derive(Clone, Items)]
+pub(crate) struct Stop {
+    /// Place of the color, 0 to 1.
+    #[knob(range = 0.0..=1.0, required)]
+    at: f64,
+    /// The color there.
+    color: One<port::Color>,
+}
+
+/// What lies between two stops.
+#[derive(Clone, Copy, Debug, PartialEq, Choice)]
+pub(crate) enum Interpolation {
+    Linear,
+    Smooth,
+    Step,
+}
+
+impl Ramp {
+    /// The places of the stops. Keyed places that ascend at their keys might cross in between: the later one then waits.
+    fn places(&self) -> Vec<f64> {
+        let reached = |last: &mut f64, stop: &Stop| {
+            *last = last.max(stop.at);
+            Some(*last)
+        };
+        self.stops.iter().scan(0.0, reached).collect()
+    }
+}
+
+impl Node for Ramp {
+    fn check(&self, check: &mut Check<'_>) {
+        let at: Vec<f64> = self.stops.iter().map(|stop| stop.at).collect();
+        if let Some(pair) = at.windows(2).find(|pair| pair[1] < pair[0]) {
+            let found = format!("a stop at {} after one at {}", pair[1], pair[0]);
+            check.error(Self::STOPS, found, "stops that ascend", "sort the stops by \"at\"");
+        }
+        if let Some(three) = at.windows(3).find(|three| three[0] == three[1] && three[1] == three[2]) {
+            let found = format!("three stops at {}", three[0]);
+            let remedy = "the middle color never shows: remove or move it";
+            check.warning(Self::STOPS, found, "at most two stops at one place: a hard edge", remedy);
+        }
+    }
+
+    fn body(&self) -> Body<'_> {
+        Body::Pointwise(self)
+    }
+}
+
+impl Pointwise for Ramp {
+    fn lower(&self, lowering: &mut Lowering<'_>) -> Value {
+        let (stops, places) = (&self.stops, self.places());
+        let x = lowering.scalar(&self.weight);
+        let mut color = lowering.color(&stops[0].color);
+        // A mask that has reached 1 shows its color alone, so each Mix needs only the one before.
+        for (stop, at) in stops[1..].iter().zip(places.windows(2)) {
+            let next = lowering.color(&stop.color);
+            let (min, max) = (at[0] as f32, at[1] as f32);
+            let build = &mut lowering.build;
+            let t = match self.interpolation {
+                Interpolation::Linear | Interpolation::Smooth if min >= max => build.step(x, max),
+                Interpolation::Linear => build.clamp(x, min, max),
+                Interpolation::Smooth => {
+                    let t = build.clamp(x, min, max);
+                    build.smooth(t)
+                }
+                Interpolation::Step => build.step(x, max),
+            };
+            color = build.mix(color, next, t);
+        }
+        Value::Color(color)
+    }
+
+    fn reference(&self, inputs: &References<'_>) -> Reference {
+        let (stops, places) = (&self.stops, self.places());
+        let t = inputs.scalar(&self.weight);
+        let reached = places.partition_point(|at| *at <= t);
+        let color = |stop: usize| inputs.color(&stops[stop].color);
+        if reached == 0 {
+            return Reference::Color(color(0));
+        }
+        if reached == stops.len() || self.interpolation == Interpolation::Step {
+            return Reference::Color(color(reached - 1));
+        }
+        let (from, to) = (color(reached - 1), color(reached));
+        let mut u = (t - places[reached - 1]) / (places[reached] - places[reached - 1]);
+        if self.interpolation == Interpolation::Smooth {
+            u = u * u * (3.0 - 2.0 * u);
+        }
+        Reference::Color([0, 1, 2].map(|c| (1.0 - u) * from[c] + u * to[c]))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::testing::{agrees, frame, refused};
+
+    fn ramp(interpolation: &str, stops: &str) -> String {
+        format!(
+            r#""x": {{ "type": "ScreenX" }},
+            "out": {{ "type": "Ramp", "weight": "x", "interpolation": "{interpolation}", "stops": [{stops}] }}"#
+        )
+    }
+
+    const STOPS: &str = r#"{ "at": 0.1, "color": [1, 0, 0] }, { "at": 0.4, "color": [0, 1, 0] },
+        { "at": 0.4, "color": [0.5, 0.5, 0] }, { "at": 0.9, "color": [0, 0, 1] }"#;
+
+    #[test]
+    fn the_chain_of_mixes_is_the_sum_of_hats() {
+        for interpolation in ["linear", "smooth", "step"] {
+            agrees("color", &ramp(interpolation, STOPS));
+        }
+        agrees("color", &ramp("linear", r#"{ "at": 0.5, "color": [1, 2, 3] }"#));
+    }
+
+    #[test]
+    fn a_stop_shows_its_color() {
+        for interpolation in ["linear", "smooth", "step"] {
+            let stops = r#"{ "at": 0, "color": [0.1, 0.7, 0.3] }, { "at": 0.5, "color": [0.3, 0.9, 0.1] },
+                { "at": 0.5, "color": [0.2, 0.6, 0.4] }, { "at": 1, "color": [0.7, 0.2, 0.9] }"#;
+            let frame = frame("color", &ramp(interpolation, stops));
+            assert_eq!(frame.lowered([0.5, 0.5]), [0.1, 0.7, 0.3]);
+            assert_eq!(frame.lowered([2.0, 0.5]), [0.2, 0.6, 0.4], "the later of two at one place");
+            assert_eq!(frame.lowered([3.5, 0.5]), [0.7, 0.2, 0.9]);
+        }
+    }
+
+    #[test]
+    fn stops_ascend() {
+        let stops = r#"{ "at": 0.5, "color": [1, 0, 0] }, { "at": 0.4, "color": [0, 1, 0] }"#;
+        assert!(refused("color", &ramp("linear", stops)).contains("a stop at 0.4 after one at 0.5"));
+    }
+}

@@ -1,0 +1,57 @@
+//! Screen: any of several masks.
+
+use trochoid_graph::*;
+
+/// Gives the mask of where any mask is.
+///
+/// # Formula
+/// 1 − Π(1 − tᵢ)
+///
+/// # Edge cases
+/// 1 where any mask is 1, 0 where all are 0, exactly. Masks below 2⁻²⁴ may vanish.
+///
+/// # Source
+/// Complement of the product of complements (De Morgan).
+#[derive(Clone, Node)]
+#[node(end = Back, revision = 1, output(mask: Kind::MASK = "The union."))]
+pub(crate) struct Screen {
+    /// The masks, in any order.
+    #[port(2..=64)]
+    weights: Many<port::Mask>,
+}
+
+impl Node for Screen {
+    fn body(&self) -> Body<'_> {
+        Body::Pointwise(self)
+    }
+}
+
+impl Pointwise for Screen {
+    fn lower(&self, lowering: &mut Lowering<'_>) -> Value {
+        let first = lowering.mask(&self.weights[0]);
+        let mut left = lowering.build.complement(first);
+        for source in &self.weights[1..] {
+            let t = lowering.mask(source);
+            let open = lowering.build.complement(t);
+            left = lowering.build.product(left, open);
+        }
+        Value::Weights(Weights::mask(lowering.build.complement(left)))
+    }
+
+    fn reference(&self, inputs: &References<'_>) -> Reference {
+        // t + u − t·u keeps the digits of small masks.
+        let either = |t: f64, u: f64| t + u - t * u;
+        Reference::Mask(self.weights.iter().map(|source| inputs.scalar(source)).fold(0.0, either))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::testing::agrees;
+
+    #[test]
+    fn any_of_the_masks() {
+        let xy = r#""x": { "type": "ScreenX" }, "y": { "type": "ScreenY" }"#;
+        agrees("weights", &format!(r#"{xy}, "out": {{ "type": "Screen", "weights": ["x", "y", 0.25] }}"#));
+    }
+}

@@ -1,0 +1,73 @@
+//! Stack: masks laid over each other.
+
+use trochoid_graph::*;
+
+/// Lays masks over each other, the first on top; one more weight takes what they leave.
+///
+/// # Formula
+/// wᵢ = tᵢ·Πⱼ₍ⱼ<ᵢ₎(1 − tⱼ); the last weight is Π(1 − tⱼ).
+///
+/// # Edge cases
+/// A mask of 1 leaves exactly nothing to those below. A mask of 0 changes nothing. With one mask, the first weight is t
+/// and the second 1 − t.
+///
+/// # Source
+/// Porter, Duff, Compositing Digital Images, 1984: over, written with straight colors.
+#[derive(Clone, Node)]
+#[node(end = Back, revision = 1, output(weights: Kind::ANY_WEIGHTS = "One weight a mask, and the remainder."))]
+pub(crate) struct Stack {
+    /// The masks, the uppermost first.
+    #[port(1..=255)]
+    weights: Many<port::Mask>,
+}
+
+impl Node for Stack {
+    fn kinds(&self) -> Option<Vec<Kind>> {
+        Some(vec![Kind::Weights(self.weights.len() + 1)])
+    }
+
+    fn body(&self) -> Body<'_> {
+        Body::Pointwise(self)
+    }
+}
+
+impl Pointwise for Stack {
+    fn lower(&self, lowering: &mut Lowering<'_>) -> Value {
+        let masks = self.weights.iter().map(|source| lowering.mask(source)).collect();
+        Value::Weights(lowering.build.stack(masks))
+    }
+
+    fn reference(&self, inputs: &References<'_>) -> Reference {
+        let mut left = 1.0;
+        let mut weights = Vec::with_capacity(self.weights.len() + 1);
+        for source in self.weights.iter() {
+            let t = inputs.scalar(source);
+            weights.push(left * t);
+            left *= 1.0 - t;
+        }
+        if weights.len() == 1 {
+            return Reference::Mask(left);
+        }
+        weights.push(left);
+        Reference::Weights(weights)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::testing::{agrees, frame};
+
+    #[test]
+    fn weights_agree_with_the_formula() {
+        let xy = r#""x": { "type": "ScreenX" }, "y": { "type": "ScreenY" }"#;
+        for weights in [r#""x""#, r#""x", "y""#, r#""x", 0.25, "y", 0.5"#] {
+            agrees("weights", &format!(r#"{xy}, "out": {{ "type": "Stack", "weights": [{weights}] }}"#));
+        }
+    }
+
+    #[test]
+    fn the_first_lies_on_top() {
+        let frame = frame("weights", r#""out": { "type": "Stack", "weights": [0.75, 1, 1] }"#);
+        assert_eq!(frame.lowered([0.5, 0.5]), [0.75, 0.25, 0.0, 0.0]);
+    }
+}

@@ -1,0 +1,217 @@
+//! Grain: the canvas or paper that a picture is painted on.
+
+use crate::bounds::bound_at;
+use crate::field::{Axes, Noise, NoiseKind, Screen, noise_reference};
+use std::f64::consts::PI;
+use trochoid_graph::*;
+
+/// A mask of the weave of canvas, or of the tooth of paper, that lies still on the picture: ½ in the mean.
+///
+/// # Formula
+/// ½ + relief·(h − mean)/2, limited to [0, 1]. canvas: threads cross, one over, one under; h = sin(πs)·(0.55 + 0.45·sin(πr))
+/// of the thread on top, s across and r along it from crossing to crossing, times 1 + slub·n, n noise drawn out along
+/// the thread. paper: h = 0.7·fbm + 0.3·(2·ridged − 1), its fibers drawn out.
+///
+/// # Edge cases
+/// As threads get finer than two pixels the weave fades to its mean, with those of less than one pixel nothing is left.
+/// Threads are counted in picture heights, so that the grain does not change with the picture's size.
+///
+/// # Source
+/// Plain weave; Curtis et al., Computer-Generated Watercolor, 1997, for paper as a height field.
+#[derive(Clone, Node)]
+#[node(end = Front, revision = 1, output(mask: Kind::MASK = "The height: 1 on top."))]
+pub(crate) struct Grain {
+    /// What is painted on.
+    kind: Ground,
+    /// Threads in a picture height; of paper, bumps.
+    #[knob(default = 220.0, range = 1.0..=1e4)]
+    threads: f64,
+    /// How uneven threads are.
+    #[knob(default = 0.5, range = 0.0..=1.0)]
+    slub: f64,
+    /// Turns the grain, clockwise.
+    #[knob(default = 0.0, range = -360.0..=360.0, unit = "degrees")]
+    turn: f64,
+    /// How deep it is.
+    #[knob(default = 1.0, range = 0.0..=8.0)]
+    relief: f64,
+    /// Which piece of all there are.
+    #[knob(default = 0, range = 0..=1_000_000_000)]
+    seed: i64,
+}
+
+/// What a picture is painted on.
+#[derive(Clone, Copy, Debug, PartialEq, Choice)]
+pub(crate) enum Ground {
+    Canvas,
+    Paper,
+}
+
+impl Node for Grain {
+    fn body(&self) -> Body<'_> {
+        Body::Stage(self)
+    }
+}
+
+/// How far noise is drawn out along threads and fibers.
+const DRAWN_OUT: f64 = 9.0;
+/// Where between two crossings a thread's noise is looked up.
+const BETWEEN: f64 = 0.37;
+/// Height of a thread where it goes under, and how much higher it is where it lies on top.
+const LOW: f64 = 0.55;
+const BOW: f64 = 0.45;
+/// Mean of sin(πs)·(0.55 + 0.45·sin(πr)).
+const MEAN: f64 = (2.0 / PI) * (LOW + BOW * 2.0 / PI);
+/// Shares of bumps and fibers in the height of paper.
+const BUMPS: f64 = 0.7;
+const FIBERS: f64 = 0.3;
+
+impl Stage for Grain {
+    fn interval(&self, _output: usize, _channel: usize) -> Option<(f64, f64)> {
+        Some((0.0, 1.0))
+    }
+
+    fn rate(&self) -> Rate {
+        Rate::Pixel
+    }
+
+    fn prepare(&self, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
+        let seed = self.seed as u32;
+        let noise = |kind: NoiseKind, octaves: usize, salt: u32| {
+            let axes = Axes { scale: 1.0, octaves, lacunarity: 2.1, gain: 0.6, seed: seed.wrapping_mul(5) ^ salt };
+            Noise::new(kind, axes, None)
+        };
+        let noises = match self.kind {
+            Ground::Canvas => [noise(NoiseKind::Fbm, 2, 0x53), noise(NoiseKind::Fbm, 2, 0x54)],
+            Ground::Paper => [noise(NoiseKind::Fbm, 4, 0x51), noise(NoiseKind::Ridged, 2, 0x52)],
+        };
+        // Threads in a pixel.
+        let density = self.threads / f64::from(prepare.frame.format.height());
+        let t = (2.0 - 2.0 * density).clamp(0.0, 1.0);
+        Ok(Box::new(PreparedGrain {
+            node: self.clone(),
+            turn: libm::sincos(-self.turn.to_radians()),
+            kept: t * t * (3.0 - 2.0 * t),
+            screen: Screen::of(prepare.frame.format),
+            noises,
+        }))
+    }
+}
+
+struct PreparedGrain {
+    node: Grain,
+    /// Sine and cosine of the way back.
+    turn: (f64, f64),
+    /// What the pixel's size leaves of the threads.
+    kept: f64,
+    screen: Screen,
+    /// Of canvas: of threads that run across, and down. Of paper: bumps, fibers.
+    noises: [Noise; 2],
+}
+
+impl PreparedGrain {
+    /// A place in threads.
+    fn place(&self, pixels: [f64; 2]) -> [f64; 2] {
+        let [x, y] = self.screen.at(pixels);
+        let (sin, cos) = self.turn;
+        [(x * cos - y * sin) * self.node.threads, (x * sin + y * cos) * self.node.threads]
+    }
+
+    /// Where both noises are looked up.
+    fn lookups(&self, [x, y]: [f64; 2]) -> [[f64; 2]; 2] {
+        match self.node.kind {
+            // A thread has noise of its own: along it drawn out, beside it another's.
+            Ground::Canvas => [[x / DRAWN_OUT, libm::floor(y) + BETWEEN], [libm::floor(x) + BETWEEN, y / DRAWN_OUT]],
+            Ground::Paper => [[x / 2.0, y / 2.0], [x / 2.0 / DRAWN_OUT, y / 2.0]],
+        }
+    }
+
+    /// The mask at a place in threads, of both noises there.
+    fn mask(&self, [x, y]: [f64; 2], noises: [f64; 2]) -> f64 {
+        let height = match self.node.kind {
+            Ground::Canvas => {
+                let (i, j) = (libm::floor(x), libm::floor(y));
+                let [u, v] = [libm::sin(PI * (x - i)), libm::sin(PI * (y - j))];
+                // The one that runs across is on top in every second square of a row, and in the others of the next.
+                let across = (i + j) - 2.0 * libm::floor((i + j) / 2.0) == 0.0;
+                let (bulge, bow, noise) = if across { (v, u, noises[0]) } else { (u, v, noises[1]) };
+                // h = sin(πs)·(0.55 + 0.45·sin(πr))·(1 + slub·n), less its mean.
+                bulge * (LOW + BOW * bow) * (1.0 + self.node.slub * noise) - MEAN
+            }
+            // h = 0.7·fbm + 0.3·(2·ridged − 1).
+            Ground::Paper => BUMPS * noises[0] + FIBERS * (2.0 * noises[1] - 1.0),
+        };
+        (0.5 + 0.5 * self.node.relief * self.kept * height).clamp(0.0, 1.0)
+    }
+
+    /// The mask in f64 at a place in pixels.
+    fn truth(&self, pixels: [f64; 2]) -> f64 {
+        let place = self.place(pixels);
+        let lookups = self.lookups(place);
+        self.mask(place, [0, 1].map(|axis: usize| noise_reference(&self.noises[axis], &lookups[axis], 0.0)))
+    }
+}
+
+impl Prepared for PreparedGrain {
+    fn fill(&self, block: &Block<'_>, _inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
+        let Some(mask) = outputs.only(0) else { return Ok(()) };
+        if self.kept == 0.0 || self.node.relief == 0.0 {
+            mask.fill(0.5);
+            return Ok(());
+        }
+        let places: Vec<[f64; 2]> = block.places().map(|place| self.place(place)).collect();
+        let mut noises = [vec![0.0f32; places.len()], vec![0.0f32; places.len()]];
+        for (axis, (noise, out)) in self.noises.iter().zip(&mut noises).enumerate() {
+            noise.fill::<2>(places.iter().map(|place| self.lookups(*place)[axis]), &[], out);
+        }
+        for (((out, place), a), b) in mask.iter_mut().zip(&places).zip(&noises[0]).zip(&noises[1]) {
+            *out = self.mask(*place, [f64::from(*a), f64::from(*b)]) as f32;
+        }
+        Ok(())
+    }
+
+    fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
+        bound_at(bounding, outputs, (Only, 0), |at| self.truth(at));
+        Ok(())
+    }
+
+    fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
+        Ok(vec![Reference::Mask(self.truth(inputs.at))])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::testing::{Frame, graph};
+    use std::path::Path;
+
+    /// All masks of a picture of 4 × 3 pixels, at many places within its pixels.
+    fn masks(knobs: &str) -> Vec<(f32, f64)> {
+        let nodes = format!(r#""out": {{ "type": "Grain", {knobs} }}"#);
+        let frame = Frame::new(graph("weights", &nodes, Path::new(".")).unwrap()).unwrap();
+        let id = frame.graph.find("out").unwrap();
+        let places = (0..90).flat_map(|y| (0..120).map(move |x| [f64::from(x) / 30.0, f64::from(y) / 30.0]));
+        places.map(|at| (frame.filled(id, 0, 0, at), frame.truth(at)[1])).collect()
+    }
+
+    #[test]
+    fn agrees_with_the_reference_and_lies_about_one_half() {
+        for knobs in [
+            r#""threads": 1.4"#,
+            r#""threads": 1.2, "turn": 33, "slub": 1, "seed": 8"#,
+            r#""kind": "paper", "threads": 1.4, "turn": -20"#,
+        ] {
+            let masks = masks(knobs);
+            assert!(masks.iter().all(|(found, truth)| (f64::from(*found) - truth).abs() < 3e-6), "{knobs}");
+            let mean = masks.iter().map(|(found, _)| f64::from(*found)).sum::<f64>() / masks.len() as f64;
+            assert!((mean - 0.5).abs() < 0.08, "{knobs}: {mean}");
+            let (low, high) = masks.iter().fold((1.0f32, 0.0f32), |(l, h), (m, _)| (l.min(*m), h.max(*m)));
+            assert!(high - low > 0.25, "{knobs}: from {low} to {high}");
+        }
+    }
+
+    #[test]
+    fn threads_finer_than_pixels_leave_nothing() {
+        assert!(masks(r#""threads": 3"#).iter().all(|(found, truth)| *found == 0.5 && *truth == 0.5));
+    }
+}

@@ -1,0 +1,80 @@
+//! ScreenY: down the picture.
+
+use trochoid_graph::*;
+
+/// Rises from the top of the picture to the bottom.
+///
+/// # Formula
+/// (y − ½)/(height − 1), limited to [0, 1]; y in pixels from the upper edge.
+///
+/// # Edge cases
+/// 0 at the first pixel's center, 1 at the last's; ½ in a picture one pixel high.
+///
+/// # Source
+/// Conventions of the document format.
+#[derive(Clone, Node)]
+#[node(end = Front, revision = 1, output(mask: Kind::MASK = "The mask."))]
+pub(crate) struct ScreenY;
+
+impl Node for ScreenY {
+    fn body(&self) -> Body<'_> {
+        Body::Stage(self)
+    }
+}
+
+impl Stage for ScreenY {
+    fn interval(&self, _output: usize, _channel: usize) -> Option<(f64, f64)> {
+        Some((0.0, 1.0))
+    }
+
+    fn variance(&self, _output: usize) -> Variance {
+        Variance::Row
+    }
+
+    fn prepare(&self, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
+        Ok(Box::new(PreparedScreenY { height: prepare.frame.format.height() }))
+    }
+}
+
+/// The picture's height, in pixels.
+struct PreparedScreenY {
+    height: u32,
+}
+
+impl Prepared for PreparedScreenY {
+    fn fill(&self, block: &Block<'_>, _inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
+        let Some(plane) = outputs.only(0) else { return Ok(()) };
+        let last = f64::from(self.height) - 1.0;
+        let start = block.window.y0 as f64 + block.offset[1] - 0.5;
+        for (row, out) in plane.chunks_mut(block.window.width().max(1)).enumerate() {
+            out.fill(if last > 0.0 { ((start + row as f64) / last).clamp(0.0, 1.0) as f32 } else { 0.5 });
+        }
+        Ok(())
+    }
+
+    fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
+        bounding.rounded_once(outputs);
+        Ok(())
+    }
+
+    fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
+        let last = f64::from(self.height) - 1.0;
+        let t = if last > 0.0 { ((inputs.at[1] - 0.5) / last).clamp(0.0, 1.0) } else { 0.5 };
+        Ok(vec![Reference::Mask(t)])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::testing::frame;
+
+    #[test]
+    fn from_the_first_center_to_the_last() {
+        let frame = frame("weights", r#""out": { "type": "ScreenY" }"#);
+        let id = frame.graph.find("out").unwrap();
+        for (y, t) in [(0.5, 0.0), (2.5, 1.0), (1.5, 0.5), (0.25, 0.0), (2.75, 1.0), (1.0, 0.25)] {
+            assert_eq!(frame.filled(id, 0, 0, [1.5, y]), t);
+            assert_eq!(frame.truth([1.5, y])[1], f64::from(t));
+        }
+    }
+}

@@ -1,0 +1,376 @@
+//! Shape: discs, boxes and polygons drawn on the picture.
+
+use crate::bounds::bound_at;
+use crate::field::Screen;
+use trochoid_graph::*;
+
+/// A mask of discs, boxes and polygons, united.
+///
+/// # Formula
+/// ½ − d/edge, limited to [0, 1], with the least signed distance d to a shape, in pixels, negative inside.
+///
+/// # Edge cases
+/// Places run right and down from the upper left corner in picture heights: (0, 0) to (width/height, 1). Edge 0 is a
+/// step that includes the outline. Polygons close themselves; where they cross themselves, what is enclosed twice is
+/// outside. Round corners shrink no box.
+///
+/// # Source
+/// Signed distance fields; polygons by the even-odd rule.
+#[derive(Clone, Node)]
+#[node(end = Front, revision = 1, output(mask: Kind::MASK = "1 inside any of the shapes."))]
+pub(crate) struct Shape {
+    /// What is drawn.
+    #[list(1..=1000)]
+    shapes: Vec<Figure>,
+    /// Width of the soft edge; 1 smooths a single sample.
+    #[knob(default = 1.0, range = 0.0..=1e4, drawn)]
+    edge: f64,
+}
+
+/// The forms of shapes.
+#[derive(Clone, Copy, Debug, PartialEq, Choice)]
+pub(crate) enum Form {
+    Disc,
+    Box,
+    Polygon,
+}
+
+/// One of the shapes.
+#[derive(Clone, Items)]
+pub(crate) struct Figure {
+    /// What it is.
+    form: Form,
+    /// Where it is: the middle, or where a polygon has its (0, 0).
+    #[knob(default = [0.0, 0.0], unit = "picture heights")]
+    center: [f64; 2],
+    /// The disc's radius.
+    #[knob(default = 0.1, range = 0.0..=1e3, unit = "picture heights")]
+    radius: f64,
+    /// Width and height of the box.
+    #[knob(default = [0.2, 0.1], unit = "picture heights")]
+    size: [f64; 2],
+    /// Radius of the box's corners, at most half its shorter side.
+    #[knob(default = 0.0, range = 0.0..=1e3, unit = "picture heights")]
+    corner: f64,
+    /// The polygon's corners x₀, y₀, x₁, y₁, …, from its center.
+    #[knob(len = 6..=4000, unit = "picture heights")]
+    points: Option<Vec<f64>>,
+    /// Turns it about its center, clockwise.
+    #[knob(default = 0.0, range = -3600.0..=3600.0, unit = "degrees")]
+    angle: f64,
+}
+
+impl Figure {
+    /// The polygon's corners, as numbers; none where there are none.
+    fn points(&self) -> &[f64] {
+        self.points.as_deref().unwrap_or_default()
+    }
+}
+
+impl Node for Shape {
+    fn check(&self, check: &mut Check<'_>) {
+        for (index, shape) in self.shapes.iter().enumerate() {
+            let points = shape.points();
+            if shape.form == Form::Polygon && (points.len() < 6 || points.len() % 2 != 0) {
+                let found = format!("{} numbers as points of shapes[{index}]", points.len());
+                check.error(Self::SHAPES, found, "an x and a y for three corners or more", "complete the pairs");
+            }
+            if shape.form == Form::Box && shape.size.iter().any(|side| *side < 0.0) {
+                let found = format!("a negative size of shapes[{index}]");
+                check.error(Self::SHAPES, found, "width and height ≥ 0", "write them without a sign");
+            }
+        }
+    }
+
+    fn body(&self) -> Body<'_> {
+        Body::Stage(self)
+    }
+}
+
+impl Stage for Shape {
+    fn interval(&self, _output: usize, _channel: usize) -> Option<(f64, f64)> {
+        Some((0.0, 1.0))
+    }
+
+    fn prepare(&self, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
+        let screen = Screen::of(prepare.frame.format);
+        let drawn = self.shapes.iter().map(|shape| Drawn::new(shape, screen)).collect();
+        Ok(Box::new(PreparedShape { drawn, edge: self.edge }))
+    }
+}
+
+/// A shape, in pixels.
+struct Drawn {
+    center: [f64; 2],
+    /// Sine and cosine of the angle by which it is turned.
+    turn: (f64, f64),
+    outline: Outline,
+    /// The least and greatest x and y of it on the picture.
+    bounds: [[f64; 2]; 2],
+}
+
+enum Outline {
+    Disc(f64),
+    /// Half the size without the rounding, and the rounding.
+    Box([f64; 2], f64),
+    Polygon(Polygon),
+}
+
+/// Corners, the first again at the end.
+struct Polygon {
+    /// From the center, before it is turned.
+    corners: Vec<[f64; 2]>,
+    /// On the picture.
+    seen: Vec<[f64; 2]>,
+}
+
+impl Drawn {
+    fn new(shape: &Figure, screen: Screen) -> Self {
+        // Farther off than any picture all is alike, and nothing overflows.
+        let pixels = |heights: f64| (heights * screen.height).clamp(-1e12, 1e12);
+        let [x, y] = shape.center.map(pixels);
+        let turn = libm::sincos(shape.angle.to_radians());
+        let around = |reach: f64| [[x - reach, y - reach], [x + reach, y + reach]];
+        let (outline, bounds) = match shape.form {
+            Form::Box => {
+                let [width, height] = shape.size.map(|side| pixels(side) / 2.0);
+                let corner = pixels(shape.corner).min(width).min(height);
+                (Outline::Box([width - corner, height - corner], corner), around(width + height))
+            }
+            Form::Polygon => {
+                let mut corners: Vec<[f64; 2]> =
+                    shape.points().chunks_exact(2).map(|pair| [pixels(pair[0]), pixels(pair[1])]).collect();
+                corners.extend(corners.first().copied());
+                let (sin, cos) = turn;
+                let seen: Vec<[f64; 2]> =
+                    corners.iter().map(|[a, b]| [x + a * cos - b * sin, y + a * sin + b * cos]).collect();
+                let extreme = |of: fn(f64, f64) -> f64, from: f64| {
+                    seen.iter().fold([from; 2], |all, at| [of(all[0], at[0]), of(all[1], at[1])])
+                };
+                let bounds = [extreme(f64::min, f64::INFINITY), extreme(f64::max, f64::NEG_INFINITY)];
+                (Outline::Polygon(Polygon { corners, seen }), bounds)
+            }
+            Form::Disc => {
+                let radius = pixels(shape.radius);
+                (Outline::Disc(radius), around(radius))
+            }
+        };
+        Self { center: [x, y], turn, outline, bounds }
+    }
+
+    /// A place on the picture as the shape has it before it is turned and moved.
+    fn place(&self, at: [f64; 2]) -> [f64; 2] {
+        let [x, y] = [at[0] - self.center[0], at[1] - self.center[1]];
+        let (sin, cos) = self.turn;
+        [x * cos + y * sin, y * cos - x * sin]
+    }
+
+    /// Signed distance in pixels, negative inside.
+    fn distance(&self, at: [f64; 2]) -> f64 {
+        let place = self.place(at);
+        match &self.outline {
+            Outline::Disc(radius) => length(place) - radius,
+            Outline::Box(half, corner) => {
+                let beyond = [place[0].abs() - half[0], place[1].abs() - half[1]];
+                let inside = beyond[0].max(beyond[1]).min(0.0);
+                length(beyond.map(|side| side.max(0.0))) + inside - corner
+            }
+            Outline::Polygon(polygon) => polygon.signed(place, 0..polygon.corners.len() - 1),
+        }
+    }
+}
+
+impl Polygon {
+    /// Signed distance to the nearest of some sides, negative inside all of them.
+    fn signed(&self, place: [f64; 2], sides: impl IntoIterator<Item = usize>) -> f64 {
+        let of = |side: usize| (self.corners[side], self.corners[side + 1]);
+        let nearest = sides.into_iter().map(of).map(|(a, b)| away(place, a, b)).fold(f64::INFINITY, f64::min);
+        let inside = self.corners.windows(2).fold(false, |inside, side| inside ^ crosses(place, side[0], side[1]));
+        if inside { -nearest } else { nearest }
+    }
+
+    /// The sides that come within `reach` of a row of the picture, and where along it they do.
+    fn near(&self, row: f64, reach: f64) -> Vec<(std::ops::RangeInclusive<f64>, usize)> {
+        let mut near = Vec::new();
+        for (index, side) in self.seen.windows(2).enumerate() {
+            let ([ax, ay], [bx, by]) = (side[0], side[1]);
+            if ay.max(by) < row - reach || ay.min(by) > row + reach {
+                continue;
+            }
+            // The part of the side within the band; all of it where it lies along the row.
+            let at = |y: f64| if ay == by { ax } else { ax + ((y - ay) / (by - ay)).clamp(0.0, 1.0) * (bx - ax) };
+            let ends = if (ay - by).abs() <= reach { [ax, bx] } else { [at(row - reach), at(row + reach)] };
+            near.push((ends[0].min(ends[1]) - reach..=ends[0].max(ends[1]) + reach, index));
+        }
+        near.sort_by(|a, b| a.0.start().total_cmp(b.0.start()));
+        near
+    }
+}
+
+fn length([x, y]: [f64; 2]) -> f64 {
+    (x * x + y * y).sqrt()
+}
+
+/// Distance from a place to a side.
+fn away(place: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
+    let (side, from) = ([b[0] - a[0], b[1] - a[1]], [place[0] - a[0], place[1] - a[1]]);
+    let squared = side[0] * side[0] + side[1] * side[1];
+    let part = if squared > 0.0 { ((from[0] * side[0] + from[1] * side[1]) / squared).clamp(0.0, 1.0) } else { 0.0 };
+    length([from[0] - part * side[0], from[1] - part * side[1]])
+}
+
+/// Whether the half-line to the right of a place crosses a side.
+fn crosses(place: [f64; 2], a: [f64; 2], b: [f64; 2]) -> bool {
+    (a[1] > place[1]) != (b[1] > place[1]) && place[0] < a[0] + (place[1] - a[1]) / (b[1] - a[1]) * (b[0] - a[0])
+}
+
+struct PreparedShape {
+    drawn: Vec<Drawn>,
+    edge: f64,
+}
+
+impl PreparedShape {
+    /// The mask in f64 at a place in pixels.
+    fn truth(&self, at: [f64; 2]) -> f64 {
+        self.mask(self.drawn.iter().map(|shape| shape.distance(at)).fold(f64::INFINITY, f64::min))
+    }
+
+    fn mask(&self, distance: f64) -> f64 {
+        if self.edge > 0.0 {
+            (0.5 - distance / self.edge).clamp(0.0, 1.0)
+        } else if distance <= 0.0 {
+            1.0
+        } else {
+            0.0
+        }
+    }
+}
+
+impl Prepared for PreparedShape {
+    fn fill(&self, block: &Block<'_>, _inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
+        let Some(mask) = outputs.only(0) else { return Ok(()) };
+        mask.fill(0.0);
+        let window = block.window;
+        for shape in &self.drawn {
+            // Pixels beyond the shape and its edge, and a pixel more for rounding, stay as they are.
+            let reach = self.edge / 2.0 + 1.0;
+            let [low, high] = shape.bounds;
+            let within = |axis: usize, first: i64, end: i64| {
+                let from = (low[axis] - reach - block.offset[axis]).floor().max(first as f64) as i64;
+                let to = (high[axis] + reach - block.offset[axis]).ceil().min((end - 1) as f64) as i64;
+                from..to + 1
+            };
+            let columns = within(0, window.x0, window.x1);
+            for y in within(1, window.y0, window.y1) {
+                let row = &mut mask[(y - window.y0) as usize * window.width()..][..window.width()];
+                let at = y as f64 + block.offset[1];
+                let place = |x: i64| shape.place([x as f64 + block.offset[0], at]);
+                let mut draw = |x: i64, distance: f64| {
+                    let out = &mut row[(x - window.x0) as usize];
+                    *out = out.max(self.mask(distance) as f32);
+                };
+                let Outline::Polygon(polygon) = &shape.outline else {
+                    columns.clone().for_each(|x| draw(x, shape.distance([x as f64 + block.offset[0], at])));
+                    continue;
+                };
+                let near = polygon.near(at, reach);
+                let (mut x, mut begun) = (columns.start, 0);
+                while x < columns.end {
+                    let here = x as f64 + block.offset[0];
+                    begun += near[begun..].iter().take_while(|(span, _)| *span.start() <= here).count();
+                    let beside = near[..begun].iter().filter(|(span, _)| here <= *span.end()).map(|(_, side)| *side);
+                    if beside.clone().next().is_some() {
+                        draw(x, polygon.signed(place(x), beside));
+                        x += 1;
+                        continue;
+                    }
+                    // Up to the next side all lies inside, or all outside, too far away for the edge.
+                    let next = near.get(begun).map_or(f64::INFINITY, |(span, _)| *span.start() - block.offset[0]);
+                    let end = (next.ceil().min(columns.end as f64) as i64).max(x + 1);
+                    if polygon.signed(place(x), []) < 0.0 {
+                        (x..end).for_each(|x| draw(x, f64::NEG_INFINITY));
+                    }
+                    x = end;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
+        bound_at(bounding, outputs, (Only, 0), |at| self.truth(at));
+        Ok(())
+    }
+
+    fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
+        Ok(vec![Reference::Mask(self.truth(inputs.at))])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::testing::{frame, refused};
+    use trochoid_graph::{Block, Inputs, Outputs};
+    use trochoid_image::Window;
+
+    #[test]
+    fn shapes_agree_with_the_reference_wherever_they_lie() {
+        let shapes = [
+            r#"{ "center": [0.4, 0.5], "radius": 0.3 }"#,
+            r#"{ "form": "box", "center": [1.1, 0.4], "size": [0.5, 0.3], "corner": 0.1, "angle": 30 }"#,
+            r#"{ "form": "box", "center": [-4, 9], "size": [8, 0.2], "angle": -63 }"#,
+            r#"{ "form": "polygon", "center": [0.6, 0.5], "angle": 20,
+                "points": [-0.5, -0.4, 0.5, 0.4, 0.5, -0.4, -0.5, 0.4] }"#,
+            r#"{ "form": "polygon", "points": [0, 0, 0, 0, 0, 0] }"#,
+            r#"{ "center": [3e38, -3e38], "angle": 10, "radius": 1000 }"#,
+        ];
+        let mut lists: Vec<String> = shapes.iter().map(|shape| (*shape).to_string()).collect();
+        lists.push(shapes.join(", "));
+        for list in lists {
+            for edge in ["0", "0.5", "1", "7"] {
+                let frame =
+                    frame("weights", &format!(r#""out": {{ "type": "Shape", "edge": {edge}, "shapes": [{list}] }}"#));
+                let id = frame.graph.find("out").unwrap();
+                for (x, y) in (0..24).flat_map(|y| (0..32).map(move |x| (x, y))) {
+                    let at = [f64::from(x) / 8.0 + 0.07, f64::from(y) / 8.0 + 0.03];
+                    let (found, truth) = (frame.filled(id, 0, 0, at), frame.truth(at)[1]);
+                    assert!((f64::from(found) - truth).abs() < 1e-6, "{list} at {at:?}: {found}, expected {truth}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn rows_of_polygons_agree_with_the_reference() {
+        let star = "0, -6, 1, 4, -5, -2, 5, -2, -1, 4, 8, 8, -8, 8, 8, 7.9";
+        let comb = "-9, 6, -9, -6, -8, 5, -7, -6, -6.9, 5, 0, -5.5, 0.1, 5, 9, -6, 9, -6, 9, 6";
+        for (points, angle, edge) in [star, comb]
+            .iter()
+            .flat_map(|p| [0, 33, 90, 181].map(|a| (p, a)))
+            .flat_map(|(p, a)| [0, 1, 9].map(|e| (p, a, e)))
+        {
+            let shape = format!(
+                r#""out": {{ "type": "Shape", "edge": {edge}, "shapes": [{{ "form": "polygon", "center": [9.3, 6.1],
+                    "angle": {angle}, "points": [{points}] }}] }}"#
+            );
+            let frame = frame("weights", &shape);
+            let block = Block::of(Window::new(-7, -5, 70, 45), [0.27, 0.81]);
+            let mut plane = vec![f32::NAN; block.window.area()];
+            let mut outputs = Outputs::new(vec![vec![Some(&mut plane[..])]]);
+            frame.node("out").fill(&block, &Inputs::new(&[]), &mut outputs).unwrap();
+            let places = (-5..45).flat_map(|y| (-7..70).map(move |x| [f64::from(x) + 0.27, f64::from(y) + 0.81]));
+            for (found, at) in plane.iter().zip(places) {
+                let truth = frame.truth(at)[1];
+                assert!((f64::from(*found) - truth).abs() < 1e-6, "{shape} at {at:?}: {found}, expected {truth}");
+            }
+        }
+    }
+
+    #[test]
+    fn bad_corners_are_refused() {
+        let of = |shape: &str| refused("weights", &format!(r#""out": {{ "type": "Shape", "shapes": [{shape}] }}"#));
+        assert!(of(r#"{ "form": "polygon" }"#).contains("0 numbers as points of shapes[0]"));
+        assert!(of(r#"{ "form": "polygon", "points": [0, 0, 1, 0, 1, 1, 0] }"#).contains("7 numbers"));
+        assert!(of(r#"{ "form": "box", "size": [1, -1] }"#).contains("negative size"));
+    }
+}

@@ -1,0 +1,302 @@
+//! From stored values to colors of the working space.
+
+use super::covered;
+use super::knobs::Encoded;
+use super::legal::{Rule, place};
+use std::path::PathBuf;
+use trochoid_graph::NodeError;
+use trochoid_image::{Chromaticities, Plane, WorkingSpace, srgb_decode, srgb_encode};
+use trochoid_io::{Encoding, SampleType};
+
+/// Alpha that colors are to be divided by, and the color where nothing is covered.
+pub(crate) struct Premultiplied {
+    pub(crate) alpha: Plane,
+    pub(crate) uncovered: Option<[f32; 3]>,
+}
+
+/// What colors of a file mean, and what is done about those that are outside the working space.
+#[derive(Clone)]
+pub(crate) struct Meaning {
+    pub(crate) path: PathBuf,
+    pub(crate) part: usize,
+    /// How the file says that it is encoded.
+    pub(crate) encoding: Encoding,
+    pub(crate) chromaticities: Option<Chromaticities>,
+    pub(crate) stored: SampleType,
+    pub(crate) space: WorkingSpace,
+    pub(crate) repair: bool,
+}
+
+/// Converts colors in place: divided by alpha, decoded, brought to the working space, in f64 and rounded once.
+///
+/// `planes` hold legal stored values. Returns how many values were set to the nearest legal one, as `repair` allows.
+///
+/// # Errors
+/// A color outside the working space, or no covered pixel.
+pub(crate) fn convert(
+    conversion: &mut Conversion,
+    planes: &mut [Plane; 3],
+    premultiplied: Option<&Premultiplied>,
+) -> Result<u64, NodeError> {
+    if conversion.identity && premultiplied.is_none() {
+        // −0 is legal, but no color.
+        planes.iter_mut().flat_map(|plane| plane.samples_mut()).for_each(|sample| *sample += 0.0);
+        return Ok(0);
+    }
+    let window = planes[0].window();
+    let [r, g, b] = planes.each_mut().map(|plane| plane.samples_mut());
+    if let (Some(table), None) = (&conversion.table, premultiplied) {
+        [r, g, b].into_iter().for_each(|samples| table.apply(samples));
+        return Ok(0);
+    }
+    let mut repaired = 0;
+    for (index, ((r, g), b)) in r.iter_mut().zip(g).zip(b).enumerate() {
+        let alpha = premultiplied.map_or(1.0, |p| f64::from(p.alpha.samples()[index]));
+        if alpha != 0.0 {
+            repaired += conversion.pixel([r, g, b], alpha, || place(window, index))?;
+        }
+    }
+    if let Some(Premultiplied { alpha, uncovered }) = premultiplied
+        && !covered::spread(planes, alpha)
+    {
+        let Some(color) = uncovered else {
+            return Err(NodeError::new(format!(
+                "{}: part {}: alpha is 0 everywhere, expected at least one covered pixel to take colors from; \
+                 set \"outside\" to the color that is meant",
+                conversion.meaning.path.display(),
+                conversion.meaning.part
+            )));
+        };
+        planes.iter_mut().zip(color).for_each(|(plane, value)| plane.samples_mut().fill(*value));
+    }
+    Ok(repaired)
+}
+
+/// The value that a sample stands for: of integers the exact fraction, which f32 rounds.
+fn exact(stored: SampleType, value: f32) -> f64 {
+    let value = f64::from(value);
+    match stored {
+        SampleType::U8 => (value * 255.0).round() / 255.0,
+        SampleType::U16 => (value * 65535.0).round() / 65535.0,
+        SampleType::Half | SampleType::Float | SampleType::Uint => value,
+    }
+}
+
+/// From stored values to a working space.
+#[derive(Clone)]
+pub(crate) struct Conversion {
+    meaning: Meaning,
+    pub(crate) identity: bool,
+    decode: Option<Memo>,
+    /// Linear primaries of the file to those of the space; `None` where they are the same.
+    matrix: Option<[[f64; 3]; 3]>,
+    encode: Option<Memo>,
+    /// All of it, where a channel has few values and does not depend on the others.
+    table: Option<Table>,
+}
+
+impl Conversion {
+    /// The conversion that a file and the knob `encoding` ask for.
+    ///
+    /// # Errors
+    /// Primaries that span no colors.
+    pub(crate) fn new(meaning: Meaning, encoding: Encoded) -> Result<Self, NodeError> {
+        let encoded = match encoding {
+            Encoded::Linear => false,
+            Encoded::Srgb => true,
+            Encoded::Auto => meaning.encoding == Encoding::Srgb,
+        };
+        let space = meaning.space;
+        let wide = space == WorkingSpace::AcesCg;
+        let to = if wide { WorkingSpace::AcesCg } else { WorkingSpace::LinearSrgb };
+        let matrix = match known(&meaning) {
+            Some(from) if from == to => None,
+            Some(from) => {
+                let column = |c: usize| {
+                    let mut basis = [0.0; 3];
+                    basis[c] = 1.0;
+                    to.from_linear_srgb(from.to_linear_srgb(basis))
+                };
+                let columns = [column(0), column(1), column(2)];
+                Some([0, 1, 2].map(|i| [columns[0][i], columns[1][i], columns[2][i]]))
+            }
+            None => Some(other(&meaning, &to.chromaticities())?),
+        };
+        // Display encoding in and out cancel, if nothing happens to the light between.
+        let encode = space == WorkingSpace::Srgb;
+        let identity = matrix.is_none() && encoded == encode;
+        let mut conversion = Self {
+            meaning,
+            identity,
+            decode: (encoded && !identity).then(|| Memo::new(srgb_decode)),
+            matrix,
+            encode: (encode && !identity).then(|| Memo::new(srgb_encode)),
+            table: None,
+        };
+        if conversion.meaning.stored == SampleType::U8 && conversion.matrix.is_none() && !identity {
+            // No value of one byte leaves 0 to 1, so none is illegal.
+            let value = |byte: usize| conversion.color([byte as f64 / 255.0; 3])[0] as f32 + 0.0;
+            conversion.table = Some(Table(Box::new(std::array::from_fn(value))));
+        }
+        Ok(conversion)
+    }
+
+    /// Converts the pixels from `at` on in place, as [`convert`] does.
+    pub(crate) fn row(&mut self, [x, y]: [i64; 2], [r, g, b]: [&mut [f32]; 3]) -> Result<u64, NodeError> {
+        if let Some(table) = &self.table {
+            [r, g, b].into_iter().for_each(|samples| table.apply(samples));
+            return Ok(0);
+        }
+        let mut repaired = 0;
+        if !self.identity {
+            for (index, ((r, g), b)) in r.iter_mut().zip(g).zip(b).enumerate() {
+                repaired += self.pixel([r, g, b], 1.0, || (x + index as i64, y))?;
+            }
+        }
+        Ok(repaired)
+    }
+
+    fn pixel(
+        &mut self,
+        [r, g, b]: [&mut f32; 3],
+        alpha: f64,
+        place: impl FnOnce() -> (i64, i64),
+    ) -> Result<u64, NodeError> {
+        let straight = [*r, *g, *b].map(|v| exact(self.meaning.stored, v) / alpha);
+        let color = self.color(straight).map(|v| v as f32 + 0.0);
+        let legal = color.map(|v| Rule::Color.nearest(v));
+        let wrong = color.iter().zip(&legal).filter(|(found, legal)| found != legal).count();
+        let Meaning { path, part, space, repair, .. } = &self.meaning;
+        if wrong > 0 && !repair {
+            let (x, y) = place();
+            return Err(NodeError::new(format!(
+                "{}: part {part}, pixel ({x}, {y}): the color ({r}, {g}, {b}) of the file is ({}, {}, {}) in {space}, \
+                 expected finite numbers, at least 0; choose a wider \"working_space\" (acescg), or set \
+                 \"repair\": true to take the nearest legal value",
+                path.display(),
+                color[0],
+                color[1],
+                color[2]
+            )));
+        }
+        [*r, *g, *b] = legal;
+        Ok(wrong as u64)
+    }
+
+    fn color(&mut self, stored: [f64; 3]) -> [f64; 3] {
+        let mut color = stored;
+        if let Some(decode) = &mut self.decode {
+            color = color.map(|v| decode.of(v));
+        }
+        if let Some(m) = &self.matrix {
+            color = [0, 1, 2].map(|i| m[i][0] * color[0] + m[i][1] * color[1] + m[i][2] * color[2]);
+        }
+        if let Some(encode) = &mut self.encode {
+            color = color.map(|v| encode.of(v));
+        }
+        color
+    }
+}
+
+/// What each value of one byte becomes.
+#[derive(Clone)]
+struct Table(Box<[f32; 256]>);
+
+impl Table {
+    fn apply(&self, samples: &mut [f32]) {
+        // The nearest byte: samples are a byte's fraction of 255, rounded.
+        samples.iter_mut().for_each(|sample| *sample = self.0[usize::from((*sample * 255.0 + 0.5) as u8)]);
+    }
+}
+
+/// The linear space whose primaries the file states, if it is one that is known here; Rec. 709, as the EXR specification says,
+/// where it states none.
+fn known(meaning: &Meaning) -> Option<WorkingSpace> {
+    let Some(found) = meaning.chromaticities else { return Some(WorkingSpace::LinearSrgb) };
+    let listed = |c: Chromaticities| [c.red, c.green, c.blue, c.white];
+    // Files state three decimals.
+    let near = |space: &WorkingSpace| {
+        let pairs = listed(found).into_iter().zip(listed(space.chromaticities()));
+        pairs.flat_map(|(a, b)| [a[0] - b[0], a[1] - b[1]]).all(|difference| difference.abs() < 1.5e-3)
+    };
+    [WorkingSpace::LinearSrgb, WorkingSpace::AcesCg].into_iter().find(near)
+}
+
+/// The matrix from any other primaries.
+fn other(meaning: &Meaning, to: &Chromaticities) -> Result<[[f64; 3]; 3], NodeError> {
+    let found = meaning.chromaticities.unwrap_or(*to);
+    found.matrix_to(to).ok_or_else(|| {
+        NodeError::new(format!(
+            "{}: part {}: found the primaries red {:?}, green {:?}, blue {:?}, white {:?}, expected three that span colors, \
+             with a white among them; correct the attribute \"chromaticities\", or remove it if they are those of Rec. 709",
+            meaning.path.display(),
+            meaning.part,
+            found.red,
+            found.green,
+            found.blue,
+            found.white
+        ))
+    })
+}
+
+/// A function that remembers its latest values: pictures hold few different ones, and powers are dear.
+#[derive(Clone)]
+struct Memo {
+    function: fn(f64) -> f64,
+    known: Vec<(u64, f64)>,
+}
+
+/// Values remembered; a power of 2.
+const REMEMBERED: usize = 1 << 16;
+
+impl Memo {
+    fn new(function: fn(f64) -> f64) -> Self {
+        Self { function, known: vec![(0.0_f64.to_bits(), function(0.0)); REMEMBERED] }
+    }
+
+    fn of(&mut self, value: f64) -> f64 {
+        let bits = value.to_bits();
+        let slot = (bits.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> (64 - REMEMBERED.trailing_zeros())) as usize;
+        let known = &mut self.known[slot];
+        if known.0 != bits {
+            *known = (bits, (self.function)(value));
+        }
+        known.1
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bytes_by_table_are_bytes_by_formula() {
+        for (space, encoding) in [
+            (WorkingSpace::LinearSrgb, Encoded::Auto),
+            (WorkingSpace::LinearSrgb, Encoded::Linear),
+            (WorkingSpace::Srgb, Encoded::Linear),
+            (WorkingSpace::AcesCg, Encoded::Auto),
+        ] {
+            let meaning = Meaning {
+                path: PathBuf::new(),
+                part: 0,
+                encoding: Encoding::Srgb,
+                chromaticities: None,
+                stored: SampleType::U8,
+                space,
+                repair: false,
+            };
+            let mut conversion = Conversion::new(meaning, encoding).unwrap();
+            assert_eq!(conversion.table.is_some(), conversion.matrix.is_none() && !conversion.identity);
+            let bytes: Vec<f32> = (0..=255_u8).map(|byte| f32::from(byte) / 255.0).collect();
+            let row = |conversion: &mut Conversion| {
+                let [mut r, mut g, mut b] = [bytes.clone(), bytes.clone(), bytes.clone()];
+                conversion.row([0, 0], [&mut r, &mut g, &mut b]).unwrap();
+                [r, g, b].concat().iter().map(|v| v.to_bits()).collect::<Vec<u32>>()
+            };
+            let by_table = row(&mut conversion);
+            conversion.table = None;
+            assert_eq!(by_table, row(&mut conversion), "{space} {encoding:?}");
+        }
+    }
+}

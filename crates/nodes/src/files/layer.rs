@@ -1,0 +1,430 @@
+//! One plane of a file, laid over the document's picture.
+
+use super::kept::Grid;
+use super::knobs::FitBy;
+use crate::filter;
+use std::path::Path;
+use std::sync::Arc;
+use trochoid_graph::{Block, Choice, NodeError};
+use trochoid_image::{Format, Plane, Window};
+
+/// How pixels of the document find their place in a picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Fit {
+    way: Way,
+    /// Corner of the picture's display window.
+    origin: [i64; 2],
+    /// Pixels of the picture for each of the document, across and down.
+    scale: [f64; 2],
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Way {
+    /// Pixel by pixel, corner on corner.
+    Pixel,
+    /// Scaled; the pixel that the sample falls into.
+    Nearest,
+    /// Scaled; a blend of the four pixels around the sample.
+    Bilinear,
+}
+
+/// The two neighbors of a sample along an axis, and how far it lies toward the second.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Tap {
+    low: i64,
+    t: f64,
+}
+
+impl Fit {
+    /// Lays a picture with this display window over a document's as the knob says: drawn at a format, and whole. What is
+    /// drawn smaller shows the same part of the picture.
+    ///
+    /// # Errors
+    /// Their sizes differ, and the knob is unset.
+    pub(crate) fn new(
+        by: Option<FitBy>,
+        words: &[&str],
+        display: Window,
+        [format, whole]: [Format; 2],
+        path: &Path,
+    ) -> Result<Self, NodeError> {
+        let (width, height) = (display.width(), display.height());
+        let sides = |format: Format| [format.width(), format.height()];
+        let per = |from: [f64; 2]| [0, 1].map(|axis| from[axis] / f64::from(sides(format)[axis]));
+        let scale = per([width as f64, height as f64]);
+        let same = (width, height) == (whole.width() as usize, whole.height() as usize);
+        let way = match by {
+            _ if same || by == Some(FitBy::Crop) => {
+                let (way, scale) = match sides(format) == sides(whole) {
+                    true => (Way::Pixel, scale),
+                    false => (Way::Nearest, per(sides(whole).map(f64::from))),
+                };
+                return Ok(Self { way, origin: [display.x0, display.y0], scale });
+            }
+            Some(FitBy::Nearest) => Way::Nearest,
+            Some(FitBy::Bilinear) => Way::Bilinear,
+            Some(FitBy::Crop) | None => {
+                let scale = words.iter().filter(|word| **word != FitBy::Crop.word()).map(|fit| format!("\"{fit}\""));
+                return Err(NodeError::new(format!(
+                    "{}: the picture has {width} × {height} pixels, the document {} × {}: say how to \"fit\" it: {} to \
+                     scale it, or \"crop\" to lay the upper left corners on each other",
+                    path.display(),
+                    whole.width(),
+                    whole.height(),
+                    scale.collect::<Vec<_>>().join(" or ")
+                )));
+            }
+        };
+        Ok(Self { way, origin: [display.x0, display.y0], scale })
+    }
+
+    /// Where a sample falls, given its position in the document along an axis, in pixels.
+    fn tap(&self, axis: usize, at: f64) -> Tap {
+        let origin = self.origin[axis];
+        match self.way {
+            Way::Pixel => Tap { low: origin + at.floor() as i64, t: 0.0 },
+            Way::Nearest => Tap { low: origin + (at * self.scale[axis]).floor() as i64, t: 0.0 },
+            Way::Bilinear => {
+                let center = at * self.scale[axis] - 0.5;
+                Tap { low: origin + center.floor() as i64, t: center - center.floor() }
+            }
+        }
+    }
+
+    /// The pixels that a sample at a position along an axis may be made of.
+    pub(crate) fn neighbors(&self, axis: usize, at: f64) -> std::ops::RangeInclusive<i64> {
+        let low = self.tap(axis, at).low;
+        low..=if self.way == Way::Bilinear { low + 1 } else { low }
+    }
+
+    /// Whether each pixel of the document is one of the picture.
+    pub(crate) fn is_pixel(&self) -> bool {
+        self.way == Way::Pixel
+    }
+
+    /// Whether every sample is some pixel of the picture, as it is.
+    pub(crate) fn is_exact(&self) -> bool {
+        self.way != Way::Bilinear
+    }
+
+    /// Lays rows of a picture over a block. `line` gives the pixels from (x, y) on, one row for each channel.
+    pub(crate) fn lay(
+        &self,
+        block: &Block<'_>,
+        outs: &mut [Option<&mut [f32]>],
+        mut line: impl FnMut(i64, i64, &mut [Option<&mut [f32]>]) -> Result<(), NodeError>,
+    ) -> Result<(), NodeError> {
+        let (window, offset) = (block.window, block.offset);
+        let width = window.width();
+        if window.is_empty() {
+            return Ok(());
+        }
+        let columns: Vec<Tap> = match self.way {
+            Way::Pixel => Vec::new(),
+            _ => (window.x0..window.x1).map(|x| self.tap(0, x as f64 + offset[0])).collect(),
+        };
+        // Taps do not go back, so the first and the last are the outermost.
+        let left = self.tap(0, window.x0 as f64 + offset[0]).low;
+        let length = columns.last().map_or(0, |last| (last.low + 2 - left) as usize);
+        let none = |out: &Option<&mut [f32]>| out.as_ref().map(|_| vec![0.0; length]);
+        let mut lines: [Vec<Option<Vec<f32>>>; 2] = [outs.iter().map(none).collect(), outs.iter().map(none).collect()];
+        for (row, y) in (window.y0..window.y1).enumerate() {
+            let down = self.tap(1, y as f64 + offset[1]);
+            if self.way == Way::Pixel {
+                let mut rows: Vec<Option<&mut [f32]>> =
+                    outs.iter_mut().map(|out| out.as_deref_mut().map(|out| &mut out[row * width..][..width])).collect();
+                line(left, down.low, &mut rows)?;
+                continue;
+            }
+            let needed = if self.way == Way::Bilinear { 2 } else { 1 };
+            for (below, lines) in lines.iter_mut().enumerate().take(needed) {
+                let mut rows: Vec<Option<&mut [f32]>> = lines.iter_mut().map(Option::as_deref_mut).collect();
+                line(left, down.low + below as i64, &mut rows)?;
+            }
+            let [upper, lower] = &lines;
+            for ((out, upper), lower) in outs.iter_mut().zip(upper).zip(lower) {
+                let (Some(out), Some(upper), Some(lower)) = (out, upper, lower) else { continue };
+                for (out, across) in out[row * width..].iter_mut().zip(&columns) {
+                    let at = (across.low - left) as usize;
+                    *out = if across.t == 0.0 && down.t == 0.0 {
+                        upper[at]
+                    } else {
+                        let values = [upper[at], upper[at + 1], lower[at], lower[at + 1]];
+                        filter::blended(values, &filter::weights(across.t, down.t))
+                    };
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The values at a place of the document, in pixels, in f64, of a picture with these pixels.
+    pub(crate) fn blend<E>(
+        &self,
+        at: [f64; 2],
+        texel: &mut dyn FnMut(i64, i64) -> Result<Vec<f64>, E>,
+    ) -> Result<Vec<f64>, E> {
+        let (across, down) = (self.tap(0, at[0]), self.tap(1, at[1]));
+        let nearest = texel(across.low, down.low)?;
+        let mut sums = vec![0.0; nearest.len()];
+        for (dy, v) in [(0, 1.0 - down.t), (1, down.t)] {
+            for (dx, u) in [(0, 1.0 - across.t), (1, across.t)] {
+                if u * v > 0.0 {
+                    let values = texel(across.low + dx, down.low + dy)?;
+                    sums.iter_mut().zip(values).for_each(|(sum, value)| *sum += u * v * value);
+                }
+            }
+        }
+        Ok(sums.into_iter().zip(nearest).map(|(sum, nearest)| if sum.is_nan() { nearest } else { sum }).collect())
+    }
+
+    /// Where a picture with this data window has pixels, in the document's.
+    pub(crate) fn window(&self, data: Window) -> Window {
+        let axis = |axis: usize, first: i64, end: i64| {
+            let (first, end) = (first - self.origin[axis], end - self.origin[axis]);
+            match self.way {
+                Way::Pixel => (first, end),
+                Way::Nearest | Way::Bilinear => {
+                    let place = |at: i64| at as f64 / self.scale[axis];
+                    (place(first).floor() as i64, place(end).ceil() as i64)
+                }
+            }
+        };
+        let ((x0, x1), (y0, y1)) = (axis(0, data.x0, data.x1), axis(1, data.y0, data.y1));
+        Window { x0, y0, x1, y1 }
+    }
+}
+
+/// Samples of a channel.
+#[derive(Clone, Debug)]
+enum Pixels {
+    Whole(Plane),
+    /// Only those on a grid.
+    Kept(Arc<Grid>, Vec<f32>),
+}
+
+/// One plane of a file, laid over the document's picture.
+#[derive(Clone, Debug)]
+pub(crate) struct Layer {
+    pixels: Pixels,
+    fit: Fit,
+    /// The value outside the plane's window; without it the nearest pixel repeats.
+    outside: Option<f32>,
+}
+
+impl Layer {
+    pub(crate) fn new(plane: Plane, fit: Fit, outside: Option<f32>) -> Self {
+        Self { pixels: Pixels::Whole(plane), fit, outside }
+    }
+
+    /// Of a picture of which only some pixels are kept.
+    pub(crate) fn kept(grid: Arc<Grid>, samples: Vec<f32>, fit: Fit, outside: Option<f32>) -> Self {
+        Self { pixels: Pixels::Kept(grid, samples), fit, outside }
+    }
+
+    /// Whether all pixels are kept that a block is made of.
+    pub(crate) fn covers(&self, block: &Block<'_>) -> bool {
+        let Pixels::Kept(grid, _) = &self.pixels else { return true };
+        let (window, [across, down]) = (block.window, block.offset);
+        let near = |axis, at: i64, offset| self.fit.neighbors(axis, at as f64 + offset);
+        (window.x0..window.x1).all(|x| near(0, x, across).all(|x| grid.has_column(x)))
+            && (window.y0..window.y1).all(|y| near(1, y, down).all(|y| grid.has_row(y)))
+    }
+
+    /// The same of the value at a place.
+    pub(crate) fn covers_place(&self, [x, y]: [f64; 2]) -> bool {
+        let Pixels::Kept(grid, _) = &self.pixels else { return true };
+        self.fit.neighbors(0, x).all(|x| grid.has_column(x)) && self.fit.neighbors(1, y).all(|y| grid.has_row(y))
+    }
+
+    /// The plane's window.
+    fn data(&self) -> Window {
+        match &self.pixels {
+            Pixels::Whole(plane) => plane.window(),
+            Pixels::Kept(grid, _) => grid.data(),
+        }
+    }
+
+    /// The samples of a block, row by row.
+    pub(crate) fn fill(&self, block: &Block<'_>, out: &mut [f32]) {
+        let window = block.window;
+        if window.is_empty() {
+            return;
+        }
+        let down = |y: i64| self.fit.tap(1, y as f64 + block.offset[1]);
+        let rows = out.chunks_mut(window.width()).zip(window.y0..);
+        if let (Way::Pixel, Pixels::Whole(plane)) = (self.fit.way, &self.pixels) {
+            let left = self.fit.tap(0, window.x0 as f64 + block.offset[0]).low;
+            rows.for_each(|(row, y)| self.copy(plane, left, down(y).low, row));
+            return;
+        }
+        let columns: Vec<Tap> = (window.x0..window.x1).map(|x| self.fit.tap(0, x as f64 + block.offset[0])).collect();
+        for (row, y) in rows {
+            let down = down(y);
+            for (out, across) in row.iter_mut().zip(&columns) {
+                *out = self.sample(*across, down);
+            }
+        }
+    }
+
+    /// The pixels from (`left`, `y`) on: what lies within the plane in one piece.
+    fn copy(&self, plane: &Plane, left: i64, y: i64, out: &mut [f32]) {
+        let data = plane.window();
+        let stored = match self.outside {
+            Some(_) => plane.row(y),
+            None => plane.row(y.clamp(data.y0, data.y1 - 1)),
+        };
+        let within = |x: i64| (x - left).clamp(0, out.len() as i64) as usize;
+        let (first, last) = (within(data.x0), within(data.x1));
+        if let Some(row) = stored.filter(|_| first < last) {
+            let start = (left + first as i64 - data.x0) as usize;
+            out[first..last].copy_from_slice(&row[start..start + last - first]);
+            out[..first].fill(self.texel(data.x0 - 1, y));
+            out[last..].fill(self.texel(data.x1, y));
+        } else {
+            // Above, below, or on one side of the plane: one value, but for rows that repeat.
+            out.iter_mut().zip(left..).for_each(|(out, x)| *out = self.texel(x, y));
+        }
+    }
+
+    /// Lies between the four pixels, or is the one that the sample falls on.
+    fn sample(&self, across: Tap, down: Tap) -> f32 {
+        let nearest = self.texel(across.low, down.low);
+        if across.t == 0.0 && down.t == 0.0 {
+            return nearest;
+        }
+        let values = [
+            nearest,
+            self.texel(across.low + 1, down.low),
+            self.texel(across.low, down.low + 1),
+            self.texel(across.low + 1, down.low + 1),
+        ];
+        filter::blended(values, &filter::weights(across.t, down.t))
+    }
+
+    /// The value at a place of the document, in pixels, in f64.
+    pub(crate) fn reference(&self, at: [f64; 2]) -> f64 {
+        let mut texel = |x: i64, y: i64| Ok::<_, std::convert::Infallible>(vec![f64::from(self.texel(x, y))]);
+        match self.fit.blend(at, &mut texel) {
+            Ok(values) => values[0],
+            Err(never) => match never {},
+        }
+    }
+
+    fn texel(&self, x: i64, y: i64) -> f32 {
+        match (self.outside, &self.pixels) {
+            (Some(outside), _) if !self.data().contains(x, y) => outside,
+            (_, Pixels::Whole(plane)) => plane.nearest(x, y),
+            // What is not kept was asked about before.
+            (_, Pixels::Kept(grid, samples)) => grid.place(x, y).map_or(f32::NAN, |place| samples[place]),
+        }
+    }
+
+    /// Where the file holds pixels, in the document's.
+    pub(crate) fn window(&self) -> Window {
+        self.fit.window(self.data())
+    }
+
+    /// All samples that are kept.
+    pub(crate) fn samples(&self) -> &[f32] {
+        match &self.pixels {
+            Pixels::Whole(plane) => plane.samples(),
+            Pixels::Kept(_, samples) => samples,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn layer(by: Option<FitBy>, format: [u32; 2], outside: Option<f32>) -> Layer {
+        let window = Window::new(-1, 0, 1, 2);
+        let plane = Plane::new(window, vec![0.0, 1.0, 2.0, 3.0]).unwrap();
+        let format = Format::new(format[0], format[1], 1).unwrap();
+        Layer::new(plane, Fit::new(by, FitBy::WORDS, window, [format; 2], Path::new("a.exr")).unwrap(), outside)
+    }
+
+    fn filled(layer: &Layer, window: Window) -> Vec<f32> {
+        let mut out = vec![f32::NAN; window.area()];
+        let block = Block::of(window, [0.5, 0.5]);
+        layer.fill(&block, &mut out);
+        for (index, value) in out.iter().enumerate() {
+            let (x, y) = super::super::legal::place(window, index);
+            let truth = layer.reference([x as f64 + 0.5, y as f64 + 0.5]);
+            assert!((f64::from(*value) - truth).abs() < 1e-6, "({x}, {y}): {value} and {truth}");
+        }
+        out
+    }
+
+    #[test]
+    fn equal_sizes_lie_pixel_on_pixel() {
+        assert_eq!(filled(&layer(None, [2, 2], None), Window::sized(2, 2)), [0.0, 1.0, 2.0, 3.0]);
+    }
+
+    #[test]
+    fn a_smaller_drawing_takes_the_same_part_and_errors_name_the_document() {
+        let [whole, small] = [[8, 4], [4, 2]].map(|[width, height]| Format::new(width, height, 1).unwrap());
+        let fit = |by: Option<FitBy>, display: Window| {
+            Fit::new(by, FitBy::WORDS, display, [small, whole], Path::new("a.exr"))
+        };
+        let same = Window::sized(8, 4);
+        assert_eq!(fit(None, same).unwrap().window(same), Window::sized(4, 2));
+        let large = Window::sized(12, 8);
+        assert_eq!(fit(Some(FitBy::Crop), large).unwrap().window(large), Window::sized(6, 4));
+        assert_eq!(fit(Some(FitBy::Nearest), large).unwrap().window(large), Window::sized(4, 2));
+        // Of the size of the drawing, it is none of the document.
+        let error = fit(None, Window::sized(4, 2)).unwrap_err().to_string();
+        assert!(error.contains("4 × 2 pixels, the document 8 × 4"), "{error}");
+    }
+
+    #[test]
+    fn the_window_is_that_of_the_document() {
+        let of = |by: Option<FitBy>, format: [u32; 2]| layer(by, format, None).window();
+        assert_eq!(of(None, [2, 2]), Window::sized(2, 2));
+        assert_eq!(of(Some(FitBy::Crop), [9, 1]), Window::sized(2, 2));
+        assert_eq!(of(Some(FitBy::Bilinear), [4, 1]), Window::sized(4, 1));
+        // A pixel more than is shown, to the right and below.
+        let (display, data) = (Window::new(-1, 0, 1, 2), Window::new(-1, 0, 2, 3));
+        let fit = |by: Option<FitBy>, width: u32| {
+            Fit::new(by, FitBy::WORDS, display, [Format::new(width, 2, 1).unwrap(); 2], Path::new("a.exr")).unwrap()
+        };
+        let window = |fit: Fit| Layer::new(Plane::filled(data, 0.0), fit, None).window();
+        assert_eq!(window(fit(None, 2)), Window::sized(3, 3));
+        assert_eq!(window(fit(Some(FitBy::Nearest), 5)), Window::sized(8, 3));
+    }
+
+    #[test]
+    fn other_sizes_need_a_fit() {
+        let format = Format::new(4, 2, 1).unwrap();
+        let error = Fit::new(None, FitBy::WORDS, Window::sized(2, 2), [format; 2], Path::new("a.exr")).unwrap_err();
+        assert!(error.to_string().contains("2 × 2") && error.to_string().contains("\"fit\""), "{error}");
+    }
+
+    #[test]
+    fn crop_repeats_the_edge_or_takes_the_outside() {
+        let window = Window::sized(3, 1);
+        assert_eq!(filled(&layer(Some(FitBy::Crop), [3, 3], None), window), [0.0, 1.0, 1.0]);
+        assert_eq!(filled(&layer(Some(FitBy::Crop), [3, 3], Some(9.0)), window), [0.0, 1.0, 9.0]);
+    }
+
+    #[test]
+    fn rows_are_copied_from_any_place() {
+        for outside in [None, Some(9.0)] {
+            let layer = layer(Some(FitBy::Crop), [3, 3], outside);
+            for (x0, x1) in [(-9, -5), (-3, 1), (-2, 5), (0, 2), (1, 2), (2, 7), (8, 9)] {
+                for y0 in -3..4 {
+                    filled(&layer, Window::new(x0, y0, x1, y0 + 2));
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn scaling_up_repeats_or_blends() {
+        let window = Window::sized(4, 1);
+        assert_eq!(filled(&layer(Some(FitBy::Nearest), [4, 4], None), window), [0.0, 0.0, 1.0, 1.0]);
+        assert_eq!(filled(&layer(Some(FitBy::Bilinear), [4, 2], None), window), [0.0, 0.25, 0.75, 1.0]);
+        assert_eq!(filled(&layer(Some(FitBy::Bilinear), [1, 1], None), Window::sized(1, 1)), [1.5]);
+    }
+}

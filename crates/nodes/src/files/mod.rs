@@ -1,0 +1,85 @@
+//! Nodes that read files, and what they share: decoding a selection, bad data, fitting, and color conversion.
+
+mod color;
+mod cost;
+mod covered;
+mod kept;
+#[cfg(test)]
+mod kept_tests;
+mod knobs;
+mod layer;
+mod legal;
+mod on_demand;
+mod palette;
+mod read;
+mod reading;
+mod recipe;
+mod shared;
+mod stream;
+#[cfg(test)]
+mod stream_tests;
+mod texture;
+mod view_from_passes;
+
+pub(crate) use cost::{memory_of_passes, memory_of_picture};
+pub(crate) use kept::Kept;
+pub(crate) use layer::{Fit, Layer};
+pub(crate) use legal::Rule;
+pub(crate) use on_demand::{FoundPass, Opened, find_pass};
+#[cfg(test)]
+pub(crate) use palette::{MANY_COLORS, distinct};
+pub(crate) use palette::{controls, walked};
+pub(crate) use reading::Reading;
+pub(crate) use recipe::Recipe;
+pub(crate) use shared::SharedFile;
+pub(crate) use stream::{Rows, Stored, Stream};
+
+use std::path::Path;
+use trochoid_graph::{FrameContext, NodeError, NodeType};
+use trochoid_image::{MAX_PIXELS, Window};
+use trochoid_io::{ExrReader, Limits, Picture, PictureInfo, RowReader, Selection};
+
+/// Colors of at most so many bytes are kept decoded: their file is read for the control colors, so that reading it on demand
+/// would decode it twice.
+pub(crate) const KEPT_COLORS: u64 = 256 << 20;
+
+/// Pictures other than EXR of at most so many bytes are kept whole; of larger ones only what the document's samples fall on.
+pub(crate) const KEPT_WHOLE: u64 = if cfg!(test) { 1 << 10 } else { 64 << 20 };
+
+/// Decodes a selection within the frame's limit of memory.
+pub(crate) fn decode(frame: &FrameContext, path: &Path, selection: &Selection) -> Result<Picture, NodeError> {
+    let picture = trochoid_io::read(path, selection, &limits(frame)).map_err(|error| reading::selected(error, None))?;
+    filled(path, picture.part, picture.data)?;
+    Ok(picture)
+}
+
+fn limits(frame: &FrameContext) -> Limits {
+    Limits { pixels: MAX_PIXELS, bytes: frame.memory_limit }
+}
+
+/// What a file says of a selection, by its header alone.
+pub(crate) fn header(
+    frame: &FrameContext,
+    path: &Path,
+    selection: &Selection,
+) -> Result<PictureInfo, trochoid_io::Error> {
+    if trochoid_io::kind(path)?.is_exr() {
+        return Ok(ExrReader::open(path, selection, &limits(frame))?.info().clone());
+    }
+    Ok(RowReader::open(path, selection, &limits(frame))?.info().clone())
+}
+
+/// Refuses a picture without a pixel: there is none to repeat outside its data window.
+fn filled(path: &Path, part: usize, data: Window) -> Result<(), NodeError> {
+    if data.is_empty() {
+        let path = path.display();
+        return Err(NodeError::new(format!("{path}: part {part}: found the data window {data}, expected a pixel")));
+    }
+    Ok(())
+}
+
+pub(crate) static NODES: &[NodeType] = &[
+    NodeType::of::<read::Read>(),
+    NodeType::of::<texture::Texture>(),
+    NodeType::of::<view_from_passes::ViewFromPasses>(),
+];

@@ -1,0 +1,152 @@
+//! Finding channels, in a file that is only opened as in a picture that is decoded.
+
+use super::reading::selected;
+use super::{decode, filled, header, shared};
+use std::path::Path;
+use trochoid_graph::{FrameContext, ItemName, NodeError, Prepare};
+use trochoid_io::{Error, ExrReader, Picture, PictureInfo, Selection};
+
+/// Channels by name.
+pub(crate) struct Names<'a> {
+    pub(crate) part: usize,
+    /// Base names and full names.
+    list: Vec<(&'a str, &'a str)>,
+}
+
+impl<'a> From<&'a Picture> for Names<'a> {
+    fn from(picture: &'a Picture) -> Self {
+        let list = picture.channels.iter().map(|channel| (&*channel.name, &*channel.full_name)).collect();
+        Self { part: picture.part, list }
+    }
+}
+
+impl<'a> From<&'a PictureInfo> for Names<'a> {
+    fn from(info: &'a PictureInfo) -> Self {
+        let list = info.channels.iter().map(|channel| (&*channel.base, &*channel.full_name)).collect();
+        Self { part: info.part, list }
+    }
+}
+
+impl Names<'_> {
+    pub(crate) fn count(&self) -> usize {
+        self.list.len()
+    }
+
+    /// The full names of all, for messages.
+    pub(crate) fn all(&self) -> String {
+        self.some(&(0..self.list.len()).collect::<Vec<_>>())
+    }
+
+    /// The same of some.
+    pub(crate) fn some(&self, at: &[usize]) -> String {
+        const SHOWN: usize = 12;
+        let mut names: Vec<String> = at.iter().take(SHOWN).map(|&at| format!("\"{}\"", self.list[at].1)).collect();
+        if at.len() > SHOWN {
+            names.push(format!("{} more", at.len() - SHOWN));
+        }
+        names.join(", ")
+    }
+
+    /// Full names of some.
+    pub(crate) fn full(&self, at: &[usize]) -> Vec<String> {
+        at.iter().map(|&index| self.list[index].1.to_owned()).collect()
+    }
+
+    /// Positions of the channels called `bases`, in any case; `None` unless all are there.
+    pub(crate) fn positions<const N: usize>(&self, bases: [&str; N]) -> Option<[usize; N]> {
+        self.among(&(0..self.list.len()).collect::<Vec<_>>(), bases)
+    }
+
+    /// The same among some.
+    pub(crate) fn among<const N: usize>(&self, some: &[usize], bases: [&str; N]) -> Option<[usize; N]> {
+        let mut found = [0; N];
+        for (at, base) in found.iter_mut().zip(bases) {
+            *at = *some.iter().find(|&&index| self.list[index].0.eq_ignore_ascii_case(base))?;
+        }
+        Some(found)
+    }
+
+    /// R, G and B, or the one channel besides alpha.
+    pub(crate) fn color(&self) -> Option<[usize; 3]> {
+        self.positions(["R", "G", "B"]).or_else(|| {
+            let is_alpha = |index: &usize| self.list[*index].0.eq_ignore_ascii_case("A");
+            let others: Vec<usize> = (0..self.list.len()).filter(|index| !is_alpha(index)).collect();
+            if let [gray] = others[..] { Some([gray; 3]) } else { None }
+        })
+    }
+
+    fn called(&self, base: &str) -> Vec<usize> {
+        (0..self.list.len()).filter(|&index| self.list[index].0.eq_ignore_ascii_case(base)).collect()
+    }
+}
+
+/// A picture whose rows are read on demand where its format allows that, and its size.
+pub(crate) enum Opened {
+    /// Read on demand.
+    Exr(Box<ExrReader>),
+    /// Decoded.
+    Picture(Picture),
+}
+
+impl Opened {
+    /// Opens what was found.
+    pub(crate) fn new(prepare: &Prepare<'_>, path: &Path, found: &FoundPass) -> Result<Self, NodeError> {
+        if found.is_exr {
+            return shared::open(prepare, path, &found.selection)
+                .map(|reader| Self::Exr(reader.into()))
+                .map_err(NodeError::new);
+        }
+        decode(prepare.frame, path, &found.selection).map(Self::Picture)
+    }
+}
+
+/// A layer or part, or the one channel, that a knob names.
+pub(crate) struct FoundPass {
+    pub(crate) info: PictureInfo,
+    /// Which of the selected channels are meant.
+    pub(crate) channels: Vec<usize>,
+    selection: Selection,
+    is_exr: bool,
+}
+
+impl FoundPass {
+    pub(crate) fn names(&self) -> Names<'_> {
+        Names::from(&self.info)
+    }
+}
+
+/// What the channels R, G and B of a file's main layer, which has no name, are called as a pass.
+const MAIN: &str = "RGB";
+
+/// Finds a layer or part, or the one channel, that a knob names, such as `Combined.A`, by the file's header.
+///
+/// # Errors
+/// The file cannot be read, or has none of that name.
+pub(crate) fn find_pass(frame: &FrameContext, path: &Path, knob: ItemName, name: &str) -> Result<FoundPass, NodeError> {
+    let is_exr = trochoid_io::kind(path).map_err(NodeError::new)?.is_exr();
+    let find = |selection: Selection| {
+        let info = header(frame, path, &selection)?;
+        Ok(FoundPass { channels: (0..info.channels.len()).collect(), info, selection, is_exr })
+    };
+    let mut found = find(Selection::layer(name));
+    if let Err(missing @ Error::NotFound { .. }) = found {
+        found = find(Selection::channels([name]));
+        // Not the channel's full name: perhaps that of its layer was cut short.
+        if name == MAIN && matches!(found, Err(Error::NotFound { .. })) {
+            found = find(Selection::channels(["R", "G", "B"]));
+        }
+        if let (Err(Error::NotFound { .. }), Some((layer, base))) = (&found, name.rsplit_once('.')) {
+            found = find(Selection::layer(layer)).map(|pass| {
+                let channels = pass.names().called(base);
+                FoundPass { channels, ..pass }
+            });
+        }
+        // Of several misses the layer's says most: it lists what the file has.
+        if matches!(&found, Ok(pass) if pass.channels.is_empty()) || matches!(found, Err(Error::NotFound { .. })) {
+            found = Err(missing);
+        }
+    }
+    let found = found.map_err(|error| selected(error, Some(knob)))?;
+    filled(path, found.info.part, found.info.data)?;
+    Ok(found)
+}

@@ -1,0 +1,303 @@
+//! Read: a picture file as colors, weights or a field.
+
+use crate::bounds::{bound_at, bound_exact};
+use crate::files::knobs::{As, FitBy, Knobs, Named, Selected, Taken};
+use crate::files::{Fit, KEPT_COLORS, KEPT_WHOLE, Kept, Layer, Reading, Stream, controls, memory_of_picture, walked};
+use crate::filter;
+use crate::view::named;
+use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
+use trochoid_graph::*;
+use trochoid_image::{Plane, Rgb, Window};
+
+/// Reads a picture file: EXR, PNG, JPEG or TIFF.
+///
+/// # Formula
+/// As color: stored value, divided by alpha if `premultiplied`, decoded, converted to the working space. As weights: wᵢ/Σw. As
+/// field: the stored value.
+///
+/// # Edge cases
+/// Colors must be finite and ≥ 0, weights in [0, 1] with sum 1 within 0.001, fields not NaN; anything else is refused with its
+/// place or, with `repair`, set to the nearest legal value (NaN to 0, weights divided by their sum) and counted. Of weights and
+/// fields in an EXR only rows that are needed are read, and of other large pictures only what samples fall on is held. Outside its
+/// data window a picture repeats its nearest pixel. An EXR without chromaticities has those of Rec. 709; of any others white
+/// becomes white (Bradford). Floats of a TIFF are linear light. Every color of the file is a control color.
+///
+/// # Source
+/// OpenEXR, Technical Introduction; IEC 61966-2-1.
+#[derive(Clone, Node)]
+#[node(
+    end = Back,
+    revision = 1,
+    output(image: Kind::Color = "The picture: Color, mask, Weights or Field, by `as` and channels.")
+)]
+pub(crate) struct Read {
+    #[items]
+    named: Named,
+    #[items]
+    selected: Selected,
+    /// How a picture of another size is laid over the document's.
+    pub(super) fit: Option<FitBy>,
+    /// Color outside the data window; by default the nearest pixel repeats.
+    #[knob(color)]
+    pub(super) outside: Option<[f64; 3]>,
+    #[items]
+    taken: Taken,
+}
+
+impl Read {
+    fn knobs(&self) -> Knobs<'_> {
+        Knobs { named: &self.named, selected: &self.selected, taken: &self.taken, fit: self.fit }
+    }
+
+    pub(super) fn reading<'a>(&'a self, frame: &'a FrameContext, path: &'a Path) -> Reading<'a> {
+        let outside = self.outside.map(|color| color.map(|v| v as f32));
+        Reading { knobs: self.knobs(), frame, path, outside }
+    }
+}
+
+impl Node for Read {
+    fn kinds(&self) -> Option<Vec<Kind>> {
+        Some(vec![self.knobs().kind()])
+    }
+
+    fn check(&self, check: &mut Check<'_>) {
+        self.knobs().check("a Read", self.outside.map(|_| Self::OUTSIDE), check);
+    }
+
+    fn body(&self) -> Body<'_> {
+        Body::Stage(self)
+    }
+}
+
+impl Stage for Read {
+    fn interval(&self, _output: usize, _channel: usize) -> Option<(f64, f64)> {
+        (self.named.r#as == As::Weights).then_some((0.0, 1.0))
+    }
+
+    fn files(&self, frame: &FrameContext) -> Vec<PathBuf> {
+        vec![frame.path(&self.named.file)]
+    }
+
+    fn memory(&self, reckoning: &Reckoning<'_>) -> MemoryUse {
+        memory_of_picture(self.knobs(), reckoning, true)
+    }
+
+    fn examine(&self, frame: &FrameContext, wanted: &[Vec<bool>]) -> Result<(), NodeError> {
+        let path = named(frame, &self.named.file)?;
+        let wanted = wanted.first().map(Vec::as_slice).unwrap_or_default();
+        self.reading(frame, &path).examine(wanted, true)
+    }
+
+    fn prepare(&self, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
+        let path = named(prepare.frame, &self.named.file)?;
+        let wanted = prepare.wanted.first().map(Vec::as_slice).unwrap_or_default();
+        let reading = self.reading(prepare.frame, &path);
+        let (kind, outside) = (reading.knobs.kind(), reading.outside);
+        if let Some((stream, targets)) = reading.on_demand(prepare, kind, wanted, KEPT_COLORS)? {
+            return Ok(Box::new(Streamed::new(kind, stream, targets, prepare)?));
+        }
+        if let Some(Kept { grid, fit, planes, controls, repaired }) = reading.kept(prepare, kind, wanted, KEPT_WHOLE)? {
+            let mut layers: Vec<Option<Layer>> = (0..kind.channels()).map(|_| None).collect();
+            for (channel, samples) in planes {
+                let outside = outside.map(|color| color[channel]);
+                layers[channel] = Some(Layer::kept(grid.clone(), samples, fit, outside));
+            }
+            let (node, frame) = (self.clone(), prepare.frame.clone());
+            let again = Again { node, frame, wanted: wanted.to_vec(), whole: OnceLock::new() };
+            return Ok(Box::new(Decoded {
+                kind,
+                layers,
+                controls: Some(controls),
+                outside,
+                repaired,
+                again: Some(again),
+            }));
+        }
+        let (layers, repaired) = whole(&reading, kind, wanted)?;
+        Ok(Box::new(Decoded { kind, layers, controls: None, outside, repaired, again: None }))
+    }
+}
+
+/// The planes of a whole file, and how many values were repaired.
+fn whole(reading: &Reading<'_>, kind: Kind, wanted: &[bool]) -> Result<(Layers, u64), NodeError> {
+    let Reading { knobs, frame, path, outside } = *reading;
+    let mut fit = None;
+    let (planes, repaired) = reading.planes(kind, wanted, &mut |picture| {
+        fit = Some(Fit::new(knobs.fit, FitBy::WORDS, picture.display, [frame.format, frame.whole], path)?);
+        Ok(())
+    })?;
+    let outside_of = |channel: usize| outside.map(|color| color[channel]);
+    let layer = |(channel, plane): (usize, Option<Plane>)| Some(Layer::new(plane?, fit?, outside_of(channel)));
+    Ok((planes.into_iter().enumerate().map(layer).collect(), repaired))
+}
+
+/// The channels of an output, `None` where nobody wants them.
+type Layers = Vec<Option<Layer>>;
+
+/// What it takes to read the whole of a file of which little is kept, where someone asks for more than that.
+struct Again {
+    node: Read,
+    frame: FrameContext,
+    wanted: Vec<bool>,
+    whole: OnceLock<Result<Layers, NodeError>>,
+}
+
+impl Again {
+    fn layers(&self, kind: Kind) -> Result<&Layers, NodeError> {
+        let read = || {
+            let path = self.frame.path(&self.node.named.file);
+            whole(&self.node.reading(&self.frame, &path), kind, &self.wanted).map(|(layers, _)| layers)
+        };
+        self.whole.get_or_init(read).as_ref().map_err(Clone::clone)
+    }
+}
+
+/// The planes of a file, ready to be sampled.
+struct Decoded {
+    kind: Kind,
+    layers: Layers,
+    /// The colors of a file that is not kept whole.
+    controls: Option<Vec<Rgb>>,
+    outside: Option<Rgb>,
+    repaired: u64,
+    again: Option<Again>,
+}
+
+impl Decoded {
+    /// The layers, of which all have what is `covered`.
+    fn layers(&self, covered: impl Fn(&Layer) -> bool) -> Result<&Layers, NodeError> {
+        match &self.again {
+            Some(again) if !self.layers.iter().flatten().all(covered) => again.layers(self.kind),
+            _ => Ok(&self.layers),
+        }
+    }
+
+    /// The channels at a place, in f64.
+    fn values(&self, at: [f64; 2]) -> Result<Vec<f64>, NodeError> {
+        let layers = self.layers(|layer| layer.covers_place(at))?;
+        Ok(layers.iter().map(|layer| layer.as_ref().map_or(0.0, |layer| layer.reference(at))).collect())
+    }
+}
+
+impl Prepared for Decoded {
+    fn controls(&self) -> Vec<Rgb> {
+        if let Some(controls) = &self.controls {
+            return controls.clone();
+        }
+        let [Some(r), Some(g), Some(b)] = &self.layers[..] else { return Vec::new() };
+        if self.kind != Kind::Color {
+            return Vec::new();
+        }
+        let mut colors = controls([r, g, b].map(Layer::samples));
+        colors.extend(self.outside);
+        colors
+    }
+
+    fn data_window(&self, picture: Window, _inputs: &dyn Fn(PortId) -> Window) -> Window {
+        self.layers.iter().flatten().fold(picture, |window, layer| window.union(layer.window()))
+    }
+
+    fn fill(&self, block: &Block<'_>, _inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
+        for (channel, layer) in self.layers(|layer| layer.covers(block))?.iter().enumerate() {
+            if let (Some(layer), Some(plane)) = (layer, outputs.only(channel)) {
+                layer.fill(block, plane);
+            }
+        }
+        Ok(())
+    }
+
+    fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
+        for channel in 0..self.layers.len() {
+            bound_at(bounding, outputs, (Only, channel), |at| {
+                self.values(at).map_or(f64::NAN, |values| values[channel])
+            });
+        }
+        Ok(())
+    }
+
+    fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
+        Ok(vec![filter::value(self.kind, self.values(inputs.at)?)])
+    }
+
+    fn repaired(&self) -> u64 {
+        self.repaired
+    }
+
+    fn bytes(&self) -> usize {
+        let whole = self.again.as_ref().and_then(|again| again.whole.get()?.as_ref().ok());
+        let layers = self.layers.iter().chain(whole.into_iter().flatten());
+        layers.flatten().map(|layer| size_of_val(layer.samples())).sum()
+    }
+}
+
+/// The channels of a file that is read on demand.
+struct Streamed {
+    kind: Kind,
+    stream: Stream,
+    /// The output's channels that the stream has.
+    targets: Vec<usize>,
+    controls: Vec<Rgb>,
+}
+
+impl Streamed {
+    fn new(kind: Kind, stream: Stream, targets: Vec<usize>, prepare: &Prepare<'_>) -> Result<Self, NodeError> {
+        let mut controls = Vec::new();
+        if kind == Kind::Color {
+            controls = walked(&stream, prepare.cancellation())?;
+            controls.extend(stream.outside);
+        }
+        Ok(Self { kind, stream, targets, controls })
+    }
+}
+
+impl Prepared for Streamed {
+    fn controls(&self) -> Vec<Rgb> {
+        self.controls.clone()
+    }
+
+    fn data_window(&self, picture: Window, _inputs: &dyn Fn(PortId) -> Window) -> Window {
+        picture.union(self.stream.window())
+    }
+
+    fn fill(&self, block: &Block<'_>, _inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
+        let mut outs: Vec<_> = self.targets.iter().map(|channel| outputs.only(*channel)).collect();
+        self.stream.fill(block, &mut outs)
+    }
+
+    fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
+        if self.stream.is_exact() {
+            bound_exact(bounding, outputs);
+            return Ok(());
+        }
+        for (index, channel) in self.targets.iter().enumerate() {
+            let truth = |at| self.stream.reference(at).map_or(f64::NAN, |values| values[index]);
+            bound_at(bounding, outputs, (Only, *channel), truth);
+        }
+        Ok(())
+    }
+
+    fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
+        let mut numbers = vec![0.0; self.kind.channels()];
+        for (channel, value) in self.targets.iter().zip(self.stream.reference(inputs.at)?) {
+            numbers[*channel] = value;
+        }
+        Ok(vec![filter::value(self.kind, numbers)])
+    }
+
+    fn repaired(&self) -> u64 {
+        self.stream.repaired()
+    }
+
+    fn rows_per_band(&self) -> Option<usize> {
+        self.stream.rows_per_band()
+    }
+
+    fn bytes(&self) -> usize {
+        self.stream.bytes() + size_of_val(&self.controls[..])
+    }
+}
+
+#[cfg(test)]
+#[path = "read_tests.rs"]
+mod tests;

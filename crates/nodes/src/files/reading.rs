@@ -1,0 +1,393 @@
+//! A file as the planes of a Color, of weights or of a field.
+
+use super::color::{Conversion, Meaning, Premultiplied, convert};
+use super::knobs::{FitBy, Knobs, Selected};
+use super::legal::take;
+use super::on_demand::Names;
+use super::recipe::{Colors, Normalized};
+use super::stream::MOST_ROWS;
+use super::{Fit, Recipe, Rows, Rule, SharedFile, Stored, Stream, decode, filled, header, shared};
+use std::path::{Path, PathBuf};
+use trochoid_graph::{Choice, FrameContext, ItemName, Kind, NodeError, Prepare};
+use trochoid_image::{Plane, Rgb};
+use trochoid_io::{FileKind, Picture, PictureInfo, Selection};
+
+/// Largest difference from 1 of a sum of weights: what storing them in half can cost.
+const SUM_TOLERANCE: f64 = 1e-3;
+
+/// One reading of a node with its knobs.
+pub(crate) struct Reading<'a> {
+    pub(crate) knobs: Knobs<'a>,
+    pub(crate) frame: &'a FrameContext,
+    pub(crate) path: &'a Path,
+    /// The color where nothing is covered, if one is set.
+    pub(crate) outside: Option<Rgb>,
+}
+
+/// How the output's channels are made of stored ones.
+pub(super) struct Made {
+    pub(super) rule: Rule,
+    /// The stored channels, by their positions in what was selected.
+    pub(super) at: Vec<usize>,
+    /// What makes the output's channels of them; none where they are the same.
+    pub(super) recipe: Option<Box<dyn Recipe>>,
+    /// The output's channels.
+    pub(super) targets: Vec<usize>,
+}
+
+/// The planes of the output, `None` where nobody wants them, and the number of repaired values.
+pub(crate) type Planes = (Vec<Option<Plane>>, u64);
+
+/// Sees a picture before its values are judged, and may refuse it.
+type Accept<'a> = dyn FnMut(&Picture) -> Result<(), NodeError> + 'a;
+
+impl Reading<'_> {
+    /// The planes of a value of `kind`, as far as they are wanted.
+    ///
+    /// # Errors
+    /// The file cannot be read, `accept` refuses it, or its values are not legal.
+    pub(crate) fn planes(&self, kind: Kind, wanted: &[bool], accept: &mut Accept<'_>) -> Result<Planes, NodeError> {
+        match kind {
+            _ if !wanted.contains(&true) => Ok(((0..kind.channels()).map(|_| None).collect(), 0)),
+            Kind::Color => self.color(accept),
+            Kind::Field(_) => self.field(wanted, accept),
+            _ => self.weights(accept),
+        }
+    }
+
+    /// Looks at the header for what reading would fail with; `laid` over the document's pixels or looked up anywhere.
+    ///
+    /// # Errors
+    /// The file cannot be read, has another size and nobody says how to fit it, or lacks what is selected.
+    pub(crate) fn examine(&self, wanted: &[bool], laid: bool) -> Result<(), NodeError> {
+        let kind = self.knobs.kind();
+        if !wanted.contains(&true) {
+            return Ok(());
+        }
+        let channels = if kind == Kind::Color { self.color_channels() } else { self.wanted_channels(kind, wanted) };
+        let named = channels.len();
+        let info = header(self.frame, self.path, &self.selection(channels)).map_err(|error| selected(error, None))?;
+        filled(self.path, info.part, info.data)?;
+        if laid {
+            Fit::new(self.knobs.fit, FitBy::WORDS, info.display, [self.frame.format, self.frame.whole], self.path)?;
+        }
+        self.made(kind, &info, named, wanted)?;
+        if kind == Kind::Color {
+            self.alpha(&Names::from(&info), named)?;
+        }
+        Ok(())
+    }
+
+    pub(super) fn repair(&self) -> bool {
+        self.knobs.taken.repair
+    }
+
+    pub(super) fn selection(&self, channels: Vec<String>) -> Selection {
+        let Selected { part, layer, .. } = self.knobs.selected;
+        Selection { part: part.as_deref().map(Into::into), layer: layer.clone(), channels }
+    }
+
+    pub(super) fn fault(&self, part: usize, found: String, expected: &str) -> NodeError {
+        NodeError::new(format!("{}: part {part}: found {found}, expected {expected}", self.path.display()))
+    }
+
+    /// The output's channels as a stream that reads rows on demand, and which they are; `None` where the whole picture must
+    /// be decoded first, or, of colors, is no larger than `budget` bytes: their control colors are needed before anything
+    /// else, so the file would be decoded twice.
+    ///
+    /// # Errors
+    /// The file cannot be opened, or lacks what is selected.
+    pub(crate) fn on_demand(
+        &self,
+        prepare: &Prepare<'_>,
+        kind: Kind,
+        wanted: &[bool],
+        budget: u64,
+    ) -> Result<Option<(Stream, Vec<usize>)>, NodeError> {
+        let io = |error: trochoid_io::Error| selected(error, None);
+        let premultiplied = kind == Kind::Color && self.knobs.taken.premultiplied;
+        if !wanted.contains(&true) || premultiplied || trochoid_io::kind(self.path).map_err(io)? != FileKind::Exr {
+            return Ok(None);
+        }
+        let channels = self.wanted_channels(kind, wanted);
+        let named = channels.len();
+        let reader = shared::open(prepare, self.path, &self.selection(channels)).map_err(io)?;
+        let info = reader.info();
+        filled(self.path, info.part, info.data)?;
+        let small = 3 * size_of::<f32>() as u64 * info.data.area() as u64 <= budget.min(self.frame.memory_limit);
+        if info.data.height() > MOST_ROWS || (kind == Kind::Color && small) {
+            return Ok(None);
+        }
+        let fit =
+            Fit::new(self.knobs.fit, FitBy::WORDS, info.display, [self.frame.format, self.frame.whole], self.path)?;
+        let Made { rule, at, recipe, targets } = self.made(kind, info, named, wanted)?;
+        let stored = Stored {
+            path: self.path.into(),
+            part: info.part,
+            names: Names::from(info).full(&at),
+            data: info.data,
+            rule,
+            repair: self.repair(),
+        };
+        let (file, places) = SharedFile::of(prepare, self.path, &reader, &at)?;
+        let mut stream = Stream::new(stored, Rows::File(file, places), recipe, targets.len(), fit);
+        stream.outside = self.outside;
+        Ok(Some((stream, targets)))
+    }
+
+    /// The channels to select for a value of `kind`: of fields only those that anyone wants.
+    pub(super) fn wanted_channels(&self, kind: Kind, wanted: &[bool]) -> Vec<String> {
+        match kind {
+            Kind::Field(_) => self.wanted_names(wanted),
+            _ => self.knobs.selected.channels.clone(),
+        }
+    }
+
+    /// How the output's channels are made of those that a file has.
+    pub(super) fn made(
+        &self,
+        kind: Kind,
+        info: &PictureInfo,
+        named: usize,
+        wanted: &[bool],
+    ) -> Result<Made, NodeError> {
+        let names = Names::from(info);
+        if kind != Kind::Color {
+            self.only(&names, named)?;
+        }
+        let (rule, at) = match kind {
+            Kind::Color => {
+                let at = self.find_color(&names, named)?;
+                (Rule::Color, if at[0] == at[1] { vec![at[0]] } else { at.to_vec() })
+            }
+            Kind::Field(_) => (Rule::Field, (0..names.count()).collect()),
+            _ => (Rule::Mask, (0..names.count()).collect()),
+        };
+        let mut recipe: Option<Box<dyn Recipe>> = None;
+        let mut targets: Vec<usize> = (0..kind.channels()).collect();
+        match kind {
+            Kind::Color => {
+                let gray = at.len() == 1;
+                let conversion = self.conversion(info, at[0])?;
+                if gray || !conversion.identity {
+                    recipe = Some(Box::new(Colors::new(gray, conversion)));
+                }
+            }
+            Kind::Field(_) => targets.retain(|&channel| wanted[channel]),
+            _ if at.len() > 1 => recipe = Some(Box::new(Normalized(self.sums(&names)))),
+            _ => {}
+        }
+        Ok(Made { rule, at, recipe, targets })
+    }
+
+    fn sums(&self, names: &Names<'_>) -> Sums {
+        Sums { path: self.path.into(), part: names.part, names: names.all(), repair: self.repair() }
+    }
+
+    fn conversion(&self, info: &PictureInfo, channel: usize) -> Result<Conversion, NodeError> {
+        let meaning = Meaning {
+            path: self.path.into(),
+            part: info.part,
+            encoding: info.encoding,
+            chromaticities: info.chromaticities,
+            stored: info.channels[channel].sample_type,
+            space: self.frame.space,
+            repair: self.repair(),
+        };
+        Conversion::new(meaning, self.knobs.taken.encoding)
+    }
+
+    /// Of the named channels those that anyone wants.
+    fn wanted_names(&self, wanted: &[bool]) -> Vec<String> {
+        let names = self.knobs.selected.channels.iter().zip(wanted);
+        names.filter(|(_, wanted)| **wanted).map(|(name, _)| name.clone()).collect()
+    }
+
+    /// Takes the planes at these positions of a picture, each held against a rule.
+    fn take(&self, picture: &mut Picture, at: &[usize], rule: Rule) -> Result<(Vec<Plane>, u64), NodeError> {
+        let mut repaired = 0;
+        let mut planes = Vec::with_capacity(at.len());
+        for &index in at {
+            let (plane, more) = take(self.path, picture, index, rule, self.repair())?;
+            planes.push(plane);
+            repaired += more;
+        }
+        Ok((planes, repaired))
+    }
+
+    fn color(&self, accept: &mut Accept<'_>) -> Result<Planes, NodeError> {
+        let channels = self.color_channels();
+        let named = channels.len();
+        let mut picture = decode(self.frame, self.path, &self.selection(channels))?;
+        accept(&picture)?;
+        let at = self.find_color(&Names::from(&picture), named)?;
+        let (alpha, mut repaired) = match self.alpha(&Names::from(&picture), named)? {
+            Some(at) => {
+                let (planes, repaired) = self.take(&mut picture, &[at], Rule::Color)?;
+                (planes.into_iter().next(), repaired)
+            }
+            None => (None, 0),
+        };
+        let gray = at[0] == at[1];
+        let bytes = 3 * size_of::<f32>() as u64 * picture.data.area() as u64;
+        if gray && bytes > self.frame.memory_limit {
+            let found = format!("a gray picture of {bytes} bytes as color");
+            return Err(self.fault(picture.part, found, &format!("at most {} bytes", self.frame.memory_limit)));
+        }
+        let meaning = Meaning {
+            path: self.path.into(),
+            part: picture.part,
+            encoding: picture.encoding,
+            chromaticities: picture.chromaticities,
+            stored: picture.channels[at[0]].sample_type,
+            space: self.frame.space,
+            repair: self.repair(),
+        };
+        let (planes, more) = self.take(&mut picture, if gray { &at[..1] } else { &at }, Rule::Color)?;
+        repaired += more;
+        let mut planes: [Plane; 3] = match <[Plane; 3]>::try_from(planes) {
+            Ok(planes) => planes,
+            Err(gray) => [0, 1, 2].map(|_| gray[0].clone()),
+        };
+        let premultiplied = alpha.map(|alpha| Premultiplied { alpha, uncovered: self.outside });
+        let mut conversion = Conversion::new(meaning, self.knobs.taken.encoding)?;
+        repaired += convert(&mut conversion, &mut planes, premultiplied.as_ref())?;
+        Ok((planes.into_iter().map(Some).collect(), repaired))
+    }
+
+    /// The channels to select for a color: those that are named, and alpha where colors are divided by it.
+    fn color_channels(&self) -> Vec<String> {
+        let mut channels = self.knobs.selected.channels.clone();
+        if let Some(first) = channels.first().filter(|_| self.knobs.taken.premultiplied) {
+            // Alpha of the layer that the channels are of.
+            let layer = first.rfind('.').map_or("", |dot| &first[..=dot]);
+            channels.push(format!("{layer}A"));
+        }
+        channels
+    }
+
+    /// Where the alpha stands that colors are divided by, if they are.
+    fn alpha(&self, names: &Names<'_>, named: usize) -> Result<Option<usize>, NodeError> {
+        match (self.knobs.taken.premultiplied, named) {
+            (false, _) => Ok(None),
+            (true, 0) => names.positions(["A"]).map(|[at]| Some(at)).ok_or_else(|| {
+                let expected = "a channel \"A\" to divide by; set \"premultiplied\": false";
+                self.fault(names.part, format!("the channels {}", names.all()), expected)
+            }),
+            (true, _) => Ok(Some(named - 1)),
+        }
+    }
+
+    /// The channels of a color: as named, else R, G and B, or the one channel besides alpha.
+    fn find_color(&self, names: &Names<'_>, named: usize) -> Result<[usize; 3], NodeError> {
+        match named {
+            0 => names.color().ok_or_else(|| {
+                let expected = "R, G and B, or one channel; name 1 or 3 of them in \"channels\"";
+                self.fault(names.part, format!("the channels {}", names.all()), expected)
+            }),
+            1 | 2 => Ok([0; 3]),
+            _ => Ok([0, 1, 2]),
+        }
+    }
+
+    /// The named channels, or the only one.
+    fn scalars(&self, channels: Vec<String>) -> Result<Picture, NodeError> {
+        let named = channels.len();
+        let picture = decode(self.frame, self.path, &self.selection(channels))?;
+        self.only(&Names::from(&picture), named)?;
+        Ok(picture)
+    }
+
+    /// Refuses several channels where none is named.
+    fn only(&self, names: &Names<'_>, named: usize) -> Result<(), NodeError> {
+        if named > 0 || names.count() == 1 {
+            return Ok(());
+        }
+        let found = format!("{} channels: {}", names.count(), names.all());
+        Err(self.fault(names.part, found, "one; name the ones that are meant in \"channels\""))
+    }
+
+    fn field(&self, wanted: &[bool], accept: &mut Accept<'_>) -> Result<Planes, NodeError> {
+        let mut picture = self.scalars(self.wanted_names(wanted))?;
+        accept(&picture)?;
+        let all: Vec<usize> = (0..picture.channels.len()).collect();
+        let (planes, repaired) = self.take(&mut picture, &all, Rule::Field)?;
+        let mut planes = planes.into_iter();
+        Ok((wanted.iter().map(|wanted| if *wanted { planes.next() } else { None }).collect(), repaired))
+    }
+
+    fn weights(&self, accept: &mut Accept<'_>) -> Result<Planes, NodeError> {
+        let mut picture = self.scalars(self.knobs.selected.channels.clone())?;
+        accept(&picture)?;
+        let all: Vec<usize> = (0..picture.channels.len()).collect();
+        let (mut planes, mut repaired) = self.take(&mut picture, &all, Rule::Mask)?;
+        if planes.len() > 1 {
+            let sums = self.sums(&Names::from(&picture));
+            let window = planes[0].window();
+            let mut rows: Vec<_> =
+                planes.iter_mut().map(|plane| plane.samples_mut().chunks_mut(window.width())).collect();
+            for y in window.y0..window.y1 {
+                let mut lines: Vec<&mut [f32]> = rows.iter_mut().filter_map(Iterator::next).collect();
+                repaired += sums.normalize([window.x0, y], &mut lines)?;
+            }
+        }
+        if planes.len() == 2 {
+            // A mask is written as the weight of its second control.
+            planes.remove(0);
+        }
+        Ok((planes.into_iter().map(Some).collect(), repaired))
+    }
+}
+
+/// A file's error, with the knob that names what the file does not have: `knob` or, by default, the one for it.
+pub(super) fn selected(error: trochoid_io::Error, knob: Option<ItemName>) -> NodeError {
+    match &error {
+        trochoid_io::Error::NotFound { kind, existing, .. } if !existing.is_empty() => {
+            let own = if *kind == "channel" { Selected::CHANNELS.as_str() } else { kind };
+            let knob = knob.map_or(own, ItemName::as_str);
+            let node = NodeError::NODE;
+            NodeError::new(format!("{error}, in the node's \"{knob}\", or to try it by --set {node}.{knob}=…"))
+        }
+        _ => NodeError::new(error),
+    }
+}
+
+/// Divides weights by their sum.
+pub(crate) struct Sums {
+    path: PathBuf,
+    part: usize,
+    /// The channels, for messages.
+    names: String,
+    repair: bool,
+}
+
+impl Sums {
+    /// Divides the pixels from (`x`, `y`) on, a line for each channel. Returns the number of pixels where that repaired
+    /// them.
+    pub(crate) fn normalize(&self, [x, y]: [i64; 2], lines: &mut [&mut [f32]]) -> Result<u64, NodeError> {
+        let mut sums = vec![0.0_f64; lines.first().map_or(0, |line| line.len())];
+        for line in lines.iter() {
+            sums.iter_mut().zip(&**line).for_each(|(sum, weight)| *sum += f64::from(*weight));
+        }
+        let is_off = |sum: &f64| (sum - 1.0).abs() > SUM_TOLERANCE;
+        let off = sums.iter().fold(0, |off, sum| off + u64::from(is_off(sum)));
+        if off > 0 && !self.repair {
+            let at = sums.iter().position(is_off).unwrap_or_default();
+            let (sum, x) = (sums[at], x + at as i64);
+            return Err(NodeError::new(format!(
+                "{}: part {}: found weights in {} that sum to {sum} at pixel ({x}, {y}), expected the sum 1 within \
+                 0.001; set \"repair\": true to divide them by their sum",
+                self.path.display(),
+                self.part,
+                self.names
+            )));
+        }
+        let equal = 1.0 / lines.len() as f64;
+        for line in lines.iter_mut() {
+            for (weight, sum) in line.iter_mut().zip(&sums) {
+                *weight = if *sum > 0.0 { f64::from(*weight) / sum } else { equal } as f32;
+            }
+        }
+        Ok(off)
+    }
+}

@@ -1,0 +1,351 @@
+//! Texture: a picture file looked up by coordinates.
+
+use crate::bounds::{Span, bound_by, known};
+use crate::files::knobs::{As, Knobs, Named, Selected, Taken};
+use crate::files::{Reading, controls, memory_of_picture};
+use crate::filter::{blended, fill, value, weights};
+use crate::view::named;
+use std::path::PathBuf;
+use std::sync::OnceLock;
+use trochoid_graph::*;
+use trochoid_image::{Plane, Rgb, Window};
+
+/// Looks a picture file up at u and v: on a surface, or wherever fields say.
+///
+/// # Formula
+/// The picture's value at x = u·width − ½, y = (1 − v)·height − ½ in its pixels: u from 0 at the left edge to 1 at the right, v
+/// from 0 at the lower edge to 1 at the upper. bilinear: a blend of the four pixels around; nearest: the pixel that the place falls
+/// into.
+///
+/// # Edge cases
+/// Beyond [0, 1] the picture repeats, is mirrored at its edges, or ends with its last pixel, by `wrap`. A coordinate that is no
+/// finite number counts as 0, but ±∞ as the edge where `wrap` is clamp. Outside its data window a picture repeats its nearest
+/// pixel. A picture seen smaller than it is stored is not averaged: raise the format's `samples`. To lay a picture over the screen,
+/// Read it with `fit`: ScreenX is 0 and 1 at the centers of the outer pixels and ScreenY falls from above, but u and v are 0 and 1
+/// at the picture's edges, and v rises. Bad data as Read. Every color of the file is a control color.
+///
+/// # Source
+/// v rises from the lower edge as in OBJ, RenderMan and Blender; OpenEXR, Technical Introduction.
+#[derive(Clone, Node)]
+#[node(
+    end = Back,
+    revision = 1,
+    output(image: Kind::Color = "The picture: Color, mask, Weights or Field, by `as` and channels.")
+)]
+pub(crate) struct Texture {
+    #[items]
+    named: Named,
+    /// Where across the picture, 0 to 1 from left to right.
+    u: One<port::Scalar>,
+    /// Where along its height, 0 to 1 from bottom to top.
+    v: One<port::Scalar>,
+    /// What lies beyond 0 and 1.
+    wrap: Wrap,
+    /// What lies between pixels.
+    filter: Filter,
+    #[items]
+    selected: Selected,
+    #[items]
+    taken: Taken,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Choice)]
+enum Wrap {
+    Repeat,
+    Clamp,
+    Mirror,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Choice)]
+enum Filter {
+    Bilinear,
+    Nearest,
+}
+
+impl Texture {
+    fn knobs(&self) -> Knobs<'_> {
+        Knobs { named: &self.named, selected: &self.selected, taken: &self.taken, fit: None }
+    }
+}
+
+impl Node for Texture {
+    fn kinds(&self) -> Option<Vec<Kind>> {
+        Some(vec![self.knobs().kind()])
+    }
+
+    fn check(&self, check: &mut Check<'_>) {
+        self.knobs().check("a Texture", None, check);
+    }
+
+    fn body(&self) -> Body<'_> {
+        Body::Stage(self)
+    }
+}
+
+impl Stage for Texture {
+    fn interval(&self, _output: usize, _channel: usize) -> Option<(f64, f64)> {
+        (self.named.r#as == As::Weights).then_some((0.0, 1.0))
+    }
+
+    fn formatted(&self) -> bool {
+        false
+    }
+
+    fn files(&self, frame: &FrameContext) -> Vec<PathBuf> {
+        vec![frame.path(&self.named.file)]
+    }
+
+    fn memory(&self, reckoning: &Reckoning<'_>) -> MemoryUse {
+        memory_of_picture(self.knobs(), reckoning, false)
+    }
+
+    fn examine(&self, frame: &FrameContext, wanted: &[Vec<bool>]) -> Result<(), NodeError> {
+        let path = named(frame, &self.named.file)?;
+        let wanted = wanted.first().map(Vec::as_slice).unwrap_or_default();
+        Reading { knobs: self.knobs(), frame, path: &path, outside: None }.examine(wanted, false)
+    }
+
+    fn prepare(&self, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
+        let path = named(prepare.frame, &self.named.file)?;
+        let kind = self.knobs().kind();
+        let wanted = prepare.wanted.first().map(Vec::as_slice).unwrap_or_default();
+        let mut display = Window::default();
+        let reading = Reading { knobs: self.knobs(), frame: prepare.frame, path: &path, outside: None };
+        let (planes, repaired) = reading.planes(kind, wanted, &mut |picture| {
+            display = picture.display;
+            Ok(())
+        })?;
+        let ranges = planes.iter().map(|_| OnceLock::new()).collect();
+        Ok(Box::new(PreparedTexture { node: self.clone(), kind, planes, display, repaired, ranges }))
+    }
+}
+
+impl Wrap {
+    /// A coordinate brought to [0, 1].
+    fn unit(self, at: f64) -> f64 {
+        let within = match self {
+            Self::Repeat => at - at.floor(),
+            Self::Clamp => at.clamp(0.0, 1.0),
+            Self::Mirror => {
+                let twice = at.rem_euclid(2.0);
+                if twice > 1.0 { 2.0 - twice } else { twice }
+            }
+        };
+        if within.is_finite() { within } else { 0.0 }
+    }
+
+    /// A neighbor of a pixel that lies in a row of `count`.
+    fn pixel(self, at: i64, count: i64) -> i64 {
+        match self {
+            Self::Repeat => at.rem_euclid(count),
+            // A mirror repeats the pixel at the edge.
+            Self::Clamp | Self::Mirror => at.clamp(0, count - 1),
+        }
+    }
+}
+
+/// A picture, ready to be looked up.
+struct PreparedTexture {
+    node: Texture,
+    kind: Kind,
+    planes: Vec<Option<Plane>>,
+    /// What u and v run over.
+    display: Window,
+    repaired: u64,
+    /// The least and the greatest sample of each plane, once someone asks.
+    ranges: Vec<OnceLock<(f64, f64)>>,
+}
+
+/// Two neighbors along an axis, and how far a place lies toward the second.
+type Tap = ([i64; 2], f64);
+
+impl PreparedTexture {
+    fn is_bilinear(&self) -> bool {
+        self.node.filter == Filter::Bilinear
+    }
+
+    /// The neighbors of a place along an axis of `count` pixels.
+    fn tap(&self, at: f64, count: usize) -> Tap {
+        let (place, count) = (at * count as f64, count as i64);
+        if !self.is_bilinear() {
+            return ([(place.floor() as i64).clamp(0, count - 1); 2], 0.0);
+        }
+        let center = place - 0.5;
+        let low = center.floor() as i64;
+        ([low, low + 1].map(|pixel| self.node.wrap.pixel(pixel, count)), center - center.floor())
+    }
+
+    /// The pixels around u and v, and how far the place lies toward the right and the lower ones.
+    fn taps(&self, u: f64, v: f64) -> ([[i64; 2]; 4], [f64; 2]) {
+        let (xs, across) = self.tap(self.node.wrap.unit(u), self.display.width());
+        let (ys, down) = self.tap(1.0 - self.node.wrap.unit(v), self.display.height());
+        let at = |x: usize, y: usize| [self.display.x0 + xs[x], self.display.y0 + ys[y]];
+        ([at(0, 0), at(1, 0), at(0, 1), at(1, 1)], [across, down])
+    }
+
+    /// A plane at u and v in f64.
+    fn truth(&self, plane: &Plane, u: f64, v: f64) -> f64 {
+        let (pixels, [across, down]) = self.taps(u, v);
+        let weights = [(1.0 - across) * (1.0 - down), across * (1.0 - down), (1.0 - across) * down, across * down];
+        let texel = |[x, y]: [i64; 2]| f64::from(plane.nearest(x, y));
+        let terms = pixels.iter().zip(weights).filter(|(_, w)| *w > 0.0);
+        let sum: f64 = terms.map(|(pixel, w)| w * texel(*pixel)).sum();
+        if sum.is_nan() { texel(pixels[0]) } else { sum }
+    }
+
+    /// What a channel may be where u and v may lie anywhere in spans.
+    fn span(&self, channel: usize, [u, v]: [Span; 2]) -> Span {
+        let Some(plane) = &self.planes[channel] else { return Span::exactly(0.0) };
+        if u.low == u.high && v.low == v.high {
+            let truth = self.truth(plane, u.low, v.low);
+            return Span::of(&[truth, truth]).with(u.clear && v.clear);
+        }
+        // Pixels that may count, as they follow one another beyond the picture's edges.
+        let sides = [self.display.width() as f64, self.display.height() as f64];
+        let (center, more) = if self.is_bilinear() { (0.5, 1.0) } else { (0.0, 0.0) };
+        let [across, down] = [(u, sides[0]), (v, sides[1])].map(|(span, side)| {
+            let lost = 1e-15 * side * (1.0 + span.low.abs() + span.high.abs());
+            [(span.low * side - center - lost).floor(), (span.high * side - center + lost).floor() + more]
+        });
+        let count = |[first, last]: [f64; 2]| last - first + 1.0;
+        let few = count(across) * count(down) <= MOST;
+        let texels = if few { self.texels(plane, across, down) } else { Vec::new() };
+        let (least, most) = extremes(texels.iter().flatten().copied());
+        if texels.is_empty() || !(most - least).is_finite() {
+            // It is a blend of some pixels.
+            let all = || extremes(plane.samples().iter().map(|sample| f64::from(*sample)));
+            let (least, most) = *self.ranges[channel].get_or_init(all);
+            return Span::unclear(least, most);
+        }
+        let clear = u.clear && v.clear;
+        if !self.is_bilinear() {
+            return Span { low: least, high: most, clear: least == most };
+        }
+        let (steepest_across, steepest_down) = (
+            texels.iter().flat_map(|row| row.windows(2)).map(|pair| (pair[1] - pair[0]).abs()).fold(0.0, f64::max),
+            texels
+                .windows(2)
+                .flat_map(|rows| rows[0].iter().zip(&rows[1]))
+                .map(|(a, b)| (b - a).abs())
+                .fold(0.0, f64::max),
+        );
+        let off = u.half() * sides[0] * steepest_across + v.half() * sides[1] * steepest_down;
+        let lost = 1e-13
+            * (least.abs().max(most.abs())
+                + (u.middle().abs() * sides[0] + v.middle().abs() * sides[1]) * (most - least));
+        let middle = self.truth(plane, u.middle(), v.middle());
+        Span { low: middle - off, high: middle + off, clear }.wider(lost)
+    }
+
+    /// Rows of pixels from one to another, those beyond the edges as they are wrapped.
+    fn texels(&self, plane: &Plane, across: [f64; 2], down: [f64; 2]) -> Vec<Vec<f64>> {
+        let pixels = |[first, last]: [f64; 2], side: usize, is_up: bool| -> Vec<i64> {
+            let side = side as f64;
+            let of = |at: i64| {
+                let unit = self.node.wrap.unit((at as f64 + 0.5) / side);
+                (((if is_up { 1.0 - unit } else { unit }) * side).floor() as i64).clamp(0, side as i64 - 1)
+            };
+            (first as i64..=last as i64).map(of).collect()
+        };
+        let columns = pixels(across, self.display.width(), false);
+        let rows = pixels(down, self.display.height(), true);
+        let [x0, y0] = [self.display.x0, self.display.y0];
+        rows.iter().map(|y| columns.iter().map(|x| f64::from(plane.nearest(x0 + x, y0 + y))).collect()).collect()
+    }
+}
+
+/// The least and the greatest of some numbers.
+fn extremes(numbers: impl Iterator<Item = f64>) -> (f64, f64) {
+    numbers.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), number| (least.min(number), most.max(number)))
+}
+
+/// Most pixels that are looked at where a place is not certain.
+const MOST: f64 = 4096.0;
+
+impl Prepared for PreparedTexture {
+    fn controls(&self) -> Vec<Rgb> {
+        match &self.planes[..] {
+            [Some(r), Some(g), Some(b)] if self.kind == Kind::Color => controls([r, g, b].map(Plane::samples)),
+            _ => Vec::new(),
+        }
+    }
+
+    fn fill(&self, block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
+        let coordinate =
+            |port: &One<port::Scalar>| inputs.planes(port, 0).first().copied().flatten().unwrap_or_default();
+        let places = coordinate(&self.node.u).iter().zip(coordinate(&self.node.v));
+        // Where each sample looks, once for all channels.
+        let taps: Vec<_> = places
+            .map(|(u, v)| {
+                let (pixels, [across, down]) = self.taps(f64::from(*u), f64::from(*v));
+                (pixels, weights(across, down))
+            })
+            .collect();
+        fill(self.kind, block.window.area(), outputs, |channel, out| {
+            if let Some(plane) = &self.planes[channel] {
+                for (out, (pixels, weights)) in out.iter_mut().zip(&taps) {
+                    *out = blended(pixels.map(|[x, y]| plane.nearest(x, y)), weights);
+                }
+            }
+        });
+        Ok(())
+    }
+
+    fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
+        for channel in 0..self.planes.len() {
+            bound_by(bounding, outputs, (Only, channel), |sample| {
+                let place = [&self.node.u, &self.node.v]
+                    .map(|port| known(bounding, port, 0, sample).unwrap_or(Span::exactly(0.0)));
+                let span = self.span(channel, place);
+                if matches!(self.kind, Kind::Weights(_)) { span.within(0.0, 1.0) } else { span }
+            });
+        }
+        Ok(())
+    }
+
+    fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
+        let (u, v) = (inputs.scalar(&self.node.u), inputs.scalar(&self.node.v));
+        let of = |plane: &Option<Plane>| plane.as_ref().map_or(0.0, |plane| self.truth(plane, u, v));
+        Ok(vec![value(self.kind, self.planes.iter().map(of).collect())])
+    }
+
+    fn repaired(&self) -> u64 {
+        self.repaired
+    }
+
+    fn bytes(&self) -> usize {
+        self.planes.iter().flatten().map(|plane| size_of_val(plane.samples())).sum()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Wrap;
+    use crate::testing::refused;
+
+    #[test]
+    fn coordinates_come_back_to_the_picture() {
+        let cases = [
+            (0.25, [0.25, 0.25, 0.25]),
+            (1.25, [0.25, 1.0, 0.75]),
+            (-0.25, [0.75, 0.0, 0.25]),
+            (-3.75, [0.25, 0.0, 0.25]),
+            (1e30, [0.0, 1.0, 0.0]),
+            (f64::INFINITY, [0.0, 1.0, 0.0]),
+            (f64::NEG_INFINITY, [0.0, 0.0, 0.0]),
+            (f64::NAN, [0.0, 0.0, 0.0]),
+        ];
+        for (at, expected) in cases {
+            assert_eq!([Wrap::Repeat, Wrap::Clamp, Wrap::Mirror].map(|wrap| wrap.unit(at)), expected, "{at}");
+        }
+        assert_eq!([-1, 4].map(|at| Wrap::Repeat.pixel(at, 4)), [3, 0]);
+        assert_eq!([-1, 4].map(|at| Wrap::Mirror.pixel(at, 4)), [0, 3]);
+    }
+
+    #[test]
+    fn knobs_of_colors_are_refused_of_fields() {
+        let node =
+            r#""out": { "type": "Texture", "file": "a.exr", "as": "field", "premultiplied": true, "u": 0, "v": 0 }"#;
+        assert!(refused("field", node).contains("a Texture as field"));
+    }
+}

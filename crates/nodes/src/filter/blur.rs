@@ -1,0 +1,138 @@
+//! Blur: the mean of the pixels around.
+
+use crate::filter::{Bounded, Kernel, Shape, Summed, fill, filter, kind, mean, numbers, value};
+use trochoid_graph::*;
+use trochoid_image::{Format, Window};
+
+/// Blurs an image: colors, a mask, weights or a field.
+///
+/// # Formula
+/// Σ wⱼ·Σ wₖ·image(x + k, y + j). gaussian: wₖ ~ exp(−k²/2s²) for |k| ≤ ⌈4s⌉; box: wₖ ~ min(1, s + 1 − |k|) for |k| ≤
+/// ⌈s⌉; s = `size`; Σ wₖ = 1.
+///
+/// # Edge cases
+/// Size 0 hands the image on. Beyond its border an image repeats its nearest pixel; a file with pixels beyond the
+/// picture, read straight into the Blur or through other filters, uses them. No result lies beyond the values under the
+/// kernel, and weights still sum to 1. In a field ±∞ spreads as far as the kernel; where +∞ and −∞ meet, the pixel in
+/// the middle is kept. Each sample of a pixel is filtered apart. No color is added to the palette. Time grows with the
+/// size.
+///
+/// # Source
+/// Kernels without negative lobes, which alone stay in the palette.
+#[derive(Clone, Node)]
+#[node(end = Back, revision = 1, output(image: Kind::ANY = "The blurred image, of the same kind."))]
+pub(crate) struct Blur {
+    /// What is blurred.
+    image: One<port::Image>,
+    /// Standard deviation of the Gaussian; the box is 2·size + 1 wide.
+    #[knob(default = 1.0, range = 0.0..=MOST, drawn)]
+    size: f64,
+    /// The size down; by default that across.
+    #[knob(range = 0.0..=MOST, drawn)]
+    size_y: Option<f64>,
+    /// The kernel's shape.
+    filter: Shape,
+}
+
+/// The largest size: a kernel that any picture disappears in.
+const MOST: f64 = 10_000.0;
+
+impl Blur {
+    /// Sizes across and down.
+    fn sizes(&self) -> [f64; 2] {
+        [self.size, self.size_y.unwrap_or(self.size)]
+    }
+}
+
+impl Node for Blur {
+    fn work(&self, format: Format, _time: f64) -> Option<Work> {
+        // A weight times a sample of a color.
+        const WEIGHT: f64 = 2.4e-10;
+        let sides = [format.width(), format.height()];
+        let weights: f64 = (self.sizes().iter().zip(sides))
+            .map(|(size, side)| (2.0 * self.filter.radius(*size) as f64).min(2.0 * f64::from(side)))
+            .sum();
+        let seconds = WEIGHT * weights * format.window().area() as f64 * f64::from(format.samples());
+        Some(Work { seconds, item: Self::SIZE, remedy: "lower \"size\", or have fewer samples or pixels" })
+    }
+
+    fn body(&self) -> Body<'_> {
+        Body::Stage(self)
+    }
+}
+
+impl Stage for Blur {
+    fn regions_of_interest(&self, _port: PortId, window: Window, _format: Format) -> Window {
+        let [across, down] = self.sizes().map(|size| self.filter.radius(size));
+        Window::new(window.x0 - across, window.y0 - down, window.x1 + across, window.y1 + down)
+    }
+
+    fn formatted(&self) -> bool {
+        false
+    }
+
+    fn prepare(&self, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
+        Ok(Box::new(PreparedBlur {
+            node: self.clone(),
+            kind: kind(prepare),
+            kernels: self.sizes().map(|size| Kernel::new(self.filter, size)),
+        }))
+    }
+}
+
+struct PreparedBlur {
+    node: Blur,
+    kind: Kind,
+    /// Across and down.
+    kernels: [Kernel; 2],
+}
+
+impl Prepared for PreparedBlur {
+    fn data_window(&self, _picture: Window, inputs: &dyn Fn(PortId) -> Window) -> Window {
+        inputs(self.node.image.id())
+    }
+
+    fn fill(&self, block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
+        let image = &inputs.all(&self.node.image)[0];
+        fill(self.kind, block.window.area(), outputs, |channel, out| {
+            if let Some(Some(samples)) = image.planes.get(channel) {
+                let stop = inputs.cancellation();
+                filter(self.kernels.each_ref(), (image.window, samples), image.extent, block.window, stop, out);
+            }
+        });
+        inputs.go_on()
+    }
+
+    fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
+        let Window { x0, x1, y0, y1 } = bounding.block.window;
+        let [across, down] = self.node.sizes().map(|size| self.node.filter.reference(size));
+        let reach = down.last().map_or(0, |(dy, _)| *dy);
+        for (image, filled, bounds) in Bounded::channels(bounding, &self.node.image, self.kind, outputs) {
+            // Beyond the image its last row repeats.
+            let Window { y0: first, y1: end, .. } = image.window();
+            let (top, bottom) = ((y0 - reach).clamp(first, end - 1), (y1 - 1 + reach).clamp(first, end - 1));
+            let sum = |weights: &[(i64, f64)], at: &dyn Fn(i64) -> Summed| {
+                weights.iter().fold(Summed::NOTHING, |sum, (step, weight)| sum.plus(*weight, at(*step)))
+            };
+            let rows: Vec<Vec<Summed>> =
+                (top..=bottom).map(|y| (x0..x1).map(|x| sum(&across, &|dx| image.at(x + dx, y))).collect()).collect();
+            let pixels = (y0..y1).flat_map(|y| (x0..x1).map(move |x| (x, y)));
+            for ((bound, filled), (x, y)) in bounds.iter_mut().zip(filled).zip(pixels) {
+                let row = |dy: i64| rows[((y + dy).clamp(top, bottom) - top) as usize][(x - x0) as usize];
+                *bound = sum(&down, &row).of(*filled, 0.0).encode();
+            }
+        }
+        Ok(())
+    }
+
+    fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
+        let image = &self.node.image;
+        let [across, down] = self.node.sizes().map(|size| self.node.filter.reference(size));
+        let row = |dy: i64| {
+            let at = |dx: i64| numbers(&inputs.moved(dx as f64, dy as f64), image);
+            mean(across.iter().map(|(dx, w)| (*w, at(*dx))), || at(0))
+        };
+        let numbers = mean(down.iter().map(|(dy, w)| (*w, row(*dy))), || row(0));
+        Ok(vec![value(self.kind, numbers)])
+    }
+}

@@ -1,0 +1,68 @@
+//! Images of any kind: as planes to fill, and as numbers of the reference.
+
+use trochoid_graph::{Kind, Outputs, Prepare, Reference, References, Source};
+use trochoid_weights::arithmetic;
+
+/// The kind of a node's only output.
+pub(crate) fn kind(prepare: &Prepare<'_>) -> Kind {
+    prepare.kinds.first().copied().unwrap_or(Kind::Color)
+}
+
+/// Fills the wanted planes of the first output, of `area` samples each, channel by channel. Weights that were filtered
+/// one by one are rounded to sum to exactly 1 again.
+pub(crate) fn fill(kind: Kind, area: usize, outputs: &mut Outputs<'_>, mut channel: impl FnMut(usize, &mut [f32])) {
+    let count = kind.channels();
+    let mut wanted: Vec<Option<&mut [f32]>> = (0..count).map(|index| outputs.only(index)).collect();
+    if !matches!(kind, Kind::Weights(n) if n > 2) {
+        for (index, plane) in wanted.into_iter().enumerate() {
+            if let Some(plane) = plane {
+                channel(index, plane);
+            }
+        }
+        return;
+    }
+    // Every weight counts for the sum, wanted or not.
+    let mut spare: Vec<Vec<f32>> =
+        wanted.iter().map(|plane| if plane.is_some() { Vec::new() } else { vec![0.0; area] }).collect();
+    let mut planes: Vec<&mut [f32]> =
+        wanted.iter_mut().zip(&mut spare).map(|(plane, spare)| plane.as_deref_mut().unwrap_or(spare)).collect();
+    for (index, plane) in planes.iter_mut().enumerate() {
+        channel(index, plane);
+    }
+    arithmetic::round_partition_rows(&mut planes);
+}
+
+/// A value of the reference as the numbers of its planes.
+pub(crate) fn numbers(inputs: &References<'_>, source: &Source<Vec<f64>>) -> Vec<f64> {
+    match inputs.value(source) {
+        Reference::Color(color) => color.to_vec(),
+        Reference::Mask(t) => vec![t],
+        Reference::Weights(numbers) | Reference::Field(numbers) | Reference::View(numbers) => numbers,
+        Reference::Handle(_) => Vec::new(),
+    }
+}
+
+/// The value of a kind that has these numbers.
+pub(crate) fn value(kind: Kind, numbers: Vec<f64>) -> Reference {
+    match (kind, &numbers[..]) {
+        (Kind::Color, &[r, g, b]) => Reference::Color([r, g, b]),
+        (Kind::MASK, &[t]) => Reference::Mask(t),
+        (Kind::Weights(_), _) => Reference::Weights(numbers),
+        _ => Reference::Field(numbers),
+    }
+}
+
+/// Σ wᵢ·vᵢ over the terms of weight above 0, number by number; where that is none, as between +∞ and −∞, the number of
+/// `otherwise`.
+pub(crate) fn mean(terms: impl Iterator<Item = (f64, Vec<f64>)>, otherwise: impl FnOnce() -> Vec<f64>) -> Vec<f64> {
+    let mut sum: Vec<f64> = Vec::new();
+    for (weight, values) in terms.filter(|(weight, _)| *weight > 0.0) {
+        sum.resize(values.len(), 0.0);
+        sum.iter_mut().zip(values).for_each(|(sum, value)| *sum += weight * value);
+    }
+    if sum.iter().any(|sum| sum.is_nan()) {
+        let otherwise = otherwise();
+        sum.iter_mut().zip(otherwise).filter(|(sum, _)| sum.is_nan()).for_each(|(sum, other)| *sum = other);
+    }
+    sum
+}

@@ -1,0 +1,184 @@
+//! Warp: an image looked up at displaced places.
+
+use crate::bounds::{Span, known};
+use crate::filter::{Bounded, Summed, blended, fill, kind, mean, numbers, value, weights};
+use trochoid_graph::*;
+use trochoid_image::{Format, Window};
+
+/// Displaces an image: colors, a mask, weights or a field.
+///
+/// # Formula
+/// image(x + dx, y + dy), y down, between pixels a blend of the four around; dx and dy are limited to [−reach, reach].
+///
+/// # Edge cases
+/// A displacement by whole pixels keeps every bit. Beyond its border an image repeats its nearest pixel; a file with
+/// pixels beyond the picture, read straight into the Warp or through other filters, uses them. No result lies beyond
+/// the four pixels, and weights still sum to 1. Where +∞ and −∞ of a field meet, the upper left of the four is taken.
+/// Each sample of a pixel is displaced apart. No color is added to the palette.
+///
+/// # Source
+/// Bilinear resampling, whose weights are ≥ 0 and sum to 1.
+#[derive(Clone, Node)]
+#[node(end = Back, revision = 1, output(image: Kind::ANY = "The displaced image, of the same kind."))]
+pub(crate) struct Warp {
+    /// What is displaced.
+    image: One<port::Image>,
+    /// How far to the right the image is looked up, in pixels; by default 0.
+    dx: Optional<port::Scalar>,
+    /// How far down, in pixels; by default 0.
+    dy: Optional<port::Scalar>,
+    /// The largest displacement along an axis; more is cut to it.
+    #[knob(default = 32.0, range = 0.0..=4096.0, unit = "pixels")]
+    reach: f64,
+}
+
+impl Node for Warp {
+    fn body(&self) -> Body<'_> {
+        Body::Stage(self)
+    }
+}
+
+impl Stage for Warp {
+    fn regions_of_interest(&self, port: PortId, window: Window, _format: Format) -> Window {
+        let reach = if port == self.image.id() { self.reach.ceil() as i64 } else { 0 };
+        Window::new(window.x0 - reach, window.y0 - reach, window.x1 + reach, window.y1 + reach)
+    }
+
+    fn formatted(&self) -> bool {
+        false
+    }
+
+    fn prepare(&self, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
+        Ok(Box::new(PreparedWarp { node: self.clone(), kind: kind(prepare) }))
+    }
+}
+
+struct PreparedWarp {
+    node: Warp,
+    kind: Kind,
+}
+
+impl PreparedWarp {
+    /// Whole pixels of a displacement, and the fraction beyond.
+    fn split(&self, displacement: f64) -> (i64, f64) {
+        let limited = if displacement.is_nan() { 0.0 } else { displacement.clamp(-self.node.reach, self.node.reach) };
+        (limited.floor() as i64, limited - limited.floor())
+    }
+
+    /// How far a sample may be off that looks at a place within spans of displacements.
+    fn moved(&self, image: Bounded<'_>, [x, y]: [i64; 2], spans: [Span; 2], filled: f32) -> Bound {
+        let [(dx, u), (dy, v)] = spans.map(|span| self.split(span.middle()));
+        let shares =
+            [((0, 0), (1.0 - u) * (1.0 - v)), ((1, 0), u * (1.0 - v)), ((0, 1), (1.0 - u) * v), ((1, 1), u * v)];
+        let middle = shares.into_iter().fold(Summed::NOTHING, |sum, ((right, down), weight)| {
+            sum.plus(weight, image.at(x + dx + right, y + dy + down))
+        });
+        if spans.iter().all(|span| span.low == span.high) {
+            return middle.of(filled, 0.0).with(spans.iter().all(|span| span.clear));
+        }
+        // Between four pixels the image changes by no more than they do; others are reached where the place may lie there.
+        let [across, down] = spans.map(|span| [self.split(span.low).0, self.split(span.high).0 + 1]);
+        let [width, height] = [across, down].map(|[first, last]| last - first + 1);
+        if width * height > MOST {
+            let most = if matches!(self.kind, Kind::Weights(_)) { 1.0 } else { f64::INFINITY };
+            return Bound::of(most).with(false);
+        }
+        let at = |column: i64, row: i64| image.at(x + across[0] + column, y + down[0] + row);
+        let (mut steepest, mut own) = ([0.0_f64; 2], Bound::EXACT);
+        for row in 0..height {
+            for column in 0..width {
+                let here = at(column, row);
+                own = Bound { size: own.size.max(here.bound.size), clear: own.clear && here.bound.clear };
+                for (axis, there) in [(0, (column + 1, row)), (1, (column, row + 1))] {
+                    if there.0 < width && there.1 < height {
+                        let change = (at(there.0, there.1).value - here.value).abs();
+                        steepest[axis] = if change.is_nan() { f64::INFINITY } else { steepest[axis].max(change) };
+                    }
+                }
+            }
+        }
+        let off = [0, 1].map(|axis| if spans[axis].half() > 0.0 { spans[axis].half() * steepest[axis] } else { 0.0 });
+        let clear = own.clear && spans.iter().all(|span| span.clear);
+        middle.within(own).of(filled, (off[0] + off[1]) * (1.0 + 1e-9)).with(clear)
+    }
+}
+
+/// Most pixels that are looked at where a place is not certain.
+const MOST: i64 = 4096;
+
+impl Prepared for PreparedWarp {
+    fn data_window(&self, _picture: Window, inputs: &dyn Fn(PortId) -> Window) -> Window {
+        inputs(self.node.image.id()).intersect(inputs(self.node.dx.id())).intersect(inputs(self.node.dy.id()))
+    }
+
+    fn fill(&self, block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
+        let Warp { image, dx, dy, .. } = &self.node;
+        let image = &inputs.all(image)[0];
+        let (window, from) = (block.window, image.window);
+        let displacements = |port| inputs.all(port).first().and_then(|connection| connection.planes[0]);
+        let (dx, dy) = (displacements(dx), displacements(dy));
+        let split =
+            |plane: Option<&[f32]>, index: usize| self.split(plane.map_or(0.0, |plane| f64::from(plane[index])));
+        let column = |x: i64| (x.clamp(from.x0, from.x1 - 1) - from.x0) as usize;
+        let row = |y: i64| (y.clamp(from.y0, from.y1 - 1) - from.y0) as usize * from.width();
+        // Where each sample that is moved looks, once for all channels.
+        let places = (window.y0..window.y1).flat_map(|y| (window.x0..window.x1).map(move |x| (x, y)));
+        let taps: Vec<(usize, [usize; 4], [f32; 4])> = places
+            .enumerate()
+            .filter_map(|(index, (x, y))| {
+                let ((dx, u), (dy, v)) = (split(dx, index), split(dy, index));
+                if (dx, dy) == (0, 0) && u == 0.0 && v == 0.0 {
+                    return None;
+                }
+                let (left, right) = (column(x + dx), column(x + dx + 1));
+                let (above, below) = (row(y + dy), row(y + dy + 1));
+                Some((index, [above + left, above + right, below + left, below + right], weights(u, v)))
+            })
+            .collect();
+        fill(self.kind, window.area(), outputs, |channel, out| {
+            if let Some(Some(samples)) = image.planes.get(channel) {
+                // All others see what lies in their own place.
+                for (y, out) in (window.y0..window.y1).zip(out.chunks_exact_mut(window.width().max(1))) {
+                    let (first, end) = (window.x0.max(from.x0), window.x1.min(from.x1));
+                    for (x, out) in (window.x0..window.x1).zip(out.iter_mut()) {
+                        if x < first || x >= end {
+                            *out = samples[row(y) + column(x)];
+                        }
+                    }
+                    if first < end {
+                        let within = (first - window.x0) as usize..(end - window.x0) as usize;
+                        out[within].copy_from_slice(&samples[row(y) + column(first)..][..(end - first) as usize]);
+                    }
+                }
+                for (index, at, weights) in &taps {
+                    out[*index] = blended(at.map(|at| samples[at]), weights);
+                }
+            }
+        });
+        Ok(())
+    }
+
+    fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
+        let Warp { image, dx, dy, reach } = &self.node;
+        let displaced =
+            |port, sample: usize| known(bounding, port, 0, sample).unwrap_or(Span::exactly(0.0)).within(-reach, *reach);
+        let pixels: Vec<[i64; 2]> = bounding.block.pixels().collect();
+        for (image, filled, bounds) in Bounded::channels(bounding, image, self.kind, outputs) {
+            for (sample, ((bound, filled), [x, y])) in bounds.iter_mut().zip(filled).zip(&pixels).enumerate() {
+                let spans = [dx, dy].map(|port| displaced(port, sample));
+                *bound = self.moved(image, [*x, *y], spans, *filled).encode();
+            }
+        }
+        Ok(())
+    }
+
+    fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
+        let Warp { image, dx, dy, .. } = &self.node;
+        let split = |port: &Optional<_>| self.split(port.as_ref().map_or(0.0, |source| inputs.scalar(source)));
+        let ((dx, u), (dy, v)) = (split(dx), split(dy));
+        let at = |right: i64, down: i64| numbers(&inputs.moved((dx + right) as f64, (dy + down) as f64), image);
+        let corners = [(0, 0, (1.0 - u) * (1.0 - v)), (1, 0, u * (1.0 - v)), (0, 1, (1.0 - u) * v), (1, 1, u * v)];
+        let terms = corners.into_iter().filter(|(.., w)| *w > 0.0).map(|(right, down, w)| (w, at(right, down)));
+        Ok(vec![value(self.kind, mean(terms, || at(0, 0)))])
+    }
+}

@@ -1,0 +1,242 @@
+//! BezierModel: a surface of Bézier patches.
+
+use super::{Stance, Standing, check_ending, memory, patch, read_model};
+use crate::view::named;
+use std::path::PathBuf;
+use trochoid_graph::*;
+use trochoid_scene::DVec3;
+use trochoid_scene::bezier::{MAX_PATCHES, MAX_SEGMENTS, Patch, PatchModel, Rails, Tessellation, continuity};
+
+/// A surface of bilinear and bicubic Bézier patches, from a model file, control points, or rails that it passes
+/// through.
+///
+/// # Formula
+/// P(u, v) = Σ Bᵢ(u)Bⱼ(v)Pᵢⱼ. N = ∂P/∂u × ∂P/∂v. Rails: Catmull-Rom through the points, as exact bicubic patches. World
+/// = translate + Rz·Ry·Rx·(scale · (x, stretch·y, z)).
+///
+/// # Edge cases
+/// Where tangents vanish the normal is its limit from inside the patch; a patch without area has (0, 1, 0). At the open
+/// end of a rail the tangent is that of the parabola through its last three points. Open surfaces are seen from both
+/// sides. Neighbors that share an edge's control points never crack: its pieces follow from the edge alone.
+///
+/// # Source
+/// CSE 167, Toon Shading and Surface Patches; Farin, Curves and Surfaces for CAGD, 2002; Catmull and Rom, 1974.
+#[derive(Clone, Node)]
+#[node(end = Front, revision = 1, output(surface: Kind::Surface = "The surface."))]
+pub(crate) struct BezierModel {
+    /// A model file: points, patches of 4 or 16 of them, sheets of rails.
+    #[knob(path)]
+    model: Option<String>,
+    /// Patches by their control points.
+    #[list(0..=1024)]
+    patches: Vec<PatchPoints>,
+    /// Rows of points that the surface passes through.
+    #[list(0..=256)]
+    rails: Vec<RailPoints>,
+    /// Joins the last point of each rail to its first.
+    #[knob(default = false)]
+    closed_u: bool,
+    /// Joins the last rail to the first.
+    #[knob(default = false)]
+    closed_v: bool,
+    /// Factor of the model's heights. The teapot as published stands squat by Blinn's 0.75: 1.3333 gives it Newell's
+    /// height back.
+    #[knob(default = 1.0, range = 1e-3..=1e3)]
+    stretch: f64,
+    #[items]
+    stance: Stance,
+    /// As fine as the picture needs, or alike everywhere.
+    tessellation: Pieces,
+    /// How far facets may stand off the surface; adaptive.
+    #[knob(default = 0.1, range = 1e-3..=100.0, unit = "pixels")]
+    tolerance: f64,
+    /// Pieces of each patch's edge; uniform.
+    #[knob(default = 16, range = 1..=MAX_SEGMENTS as i64)]
+    segments: i64,
+}
+
+#[derive(Clone, Items)]
+struct PatchPoints {
+    /// 4 points (bilinear) or 16 (bicubic), row by row, u fastest.
+    #[list(4..=16)]
+    points: Vec<Point>,
+}
+
+#[derive(Clone, Items)]
+struct RailPoints {
+    /// Points along the rail, as many on every rail.
+    #[list(2..=1024)]
+    points: Vec<Point>,
+}
+
+#[derive(Clone, Items)]
+struct Point {
+    /// The point; may be keyed.
+    #[knob(unit = "m", required)]
+    at: [f64; 3],
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Choice)]
+enum Pieces {
+    Adaptive,
+    Uniform,
+}
+
+/// Points that make no patches.
+#[derive(Debug)]
+struct Misfit {
+    item: ItemName,
+    found: String,
+    expected: &'static str,
+}
+
+fn places(points: &[Point]) -> Vec<DVec3> {
+    points.iter().map(|point| point.at.into()).collect()
+}
+
+impl BezierModel {
+    /// The patches that the knobs describe, but for the model file.
+    fn inline(&self) -> Result<Vec<Patch>, Misfit> {
+        let mut patches = Vec::new();
+        for (index, PatchPoints { points }) in self.patches.iter().enumerate() {
+            let misfit = |found| Misfit {
+                item: Self::PATCHES,
+                found: format!("{found} points of patches[{index}]"),
+                expected: "4 points, or 16",
+            };
+            patches.push(patch(&places(points)).map_err(misfit)?);
+        }
+        let rails: Vec<_> = self.rails.iter().map(|rail| places(&rail.points)).collect();
+        if !rails.is_empty() {
+            let rails = Rails { rails, closed_u: self.closed_u, closed_v: self.closed_v };
+            patches.extend(rails.patches().map_err(|error| Misfit {
+                item: Self::RAILS,
+                found: error.to_string(),
+                expected: "2 rails or more of equal length",
+            })?);
+        }
+        Ok(patches)
+    }
+}
+
+impl Node for BezierModel {
+    fn check(&self, check: &mut Check<'_>) {
+        self.stance.check(check);
+        check_ending(self.model.as_deref().unwrap_or_default(), &["json"], Self::MODEL, check);
+        match self.inline() {
+            Err(Misfit { item, found, expected }) => check.error(item, found, expected, "add or remove points"),
+            Ok(patches) if patches.is_empty() && self.model.is_none() => {
+                let expected = "a model file, patches or rails";
+                check.error(Self::MODEL, "no patches", expected, "set \"model\" to a file");
+            }
+            Ok(patches) if patches.len() > MAX_PATCHES => {
+                let found = format!("{} patches", patches.len());
+                check.error(Self::RAILS, found, format!("at most {MAX_PATCHES}"), "use fewer points");
+            }
+            Ok(_) => {}
+        }
+    }
+
+    fn notes(&self) -> Vec<String> {
+        // Model files are not opened to check a document.
+        match self.inline() {
+            Ok(patches) if !patches.is_empty() => {
+                let shapes: Vec<_> = patches.iter().map(|patch| &patch.shape).collect();
+                vec![continuity(shapes).to_string()]
+            }
+            _ => Vec::new(),
+        }
+    }
+
+    fn body(&self) -> Body<'_> {
+        Body::Stage(self)
+    }
+}
+
+/// About how many bytes of a file say one vertex: patches are cut as finely as their pixels ask for.
+const BYTES_OF_VERTEX: u64 = 2;
+
+impl Stage for BezierModel {
+    fn formatted(&self) -> bool {
+        false
+    }
+
+    fn files(&self, frame: &FrameContext) -> Vec<PathBuf> {
+        self.model.iter().map(|model| frame.path(model)).collect()
+    }
+
+    fn examine(&self, frame: &FrameContext, _wanted: &[Vec<bool>]) -> Result<(), NodeError> {
+        let Some(model) = &self.model else { return Ok(()) };
+        trochoid_io::open_file(named(frame, model)?).map(drop).map_err(NodeError::new)
+    }
+
+    fn memory(&self, reckoning: &Reckoning<'_>) -> MemoryUse {
+        if let Some(model) = &self.model {
+            return memory::of_model(&reckoning.frame.path(model), BYTES_OF_VERTEX);
+        }
+        let side = match self.tessellation {
+            Pieces::Adaptive => 1,
+            Pieces::Uniform => self.segments as u64 + 1,
+        };
+        memory::of_patches(self.patches.len() as u64, side)
+    }
+
+    fn prepare(&self, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
+        let misfit = |Misfit { found, expected, .. }| NodeError::new(format!("{found}: {expected}"));
+        let mut patches = self.inline().map_err(misfit)?;
+        if let Some(model) = &self.model {
+            patches.extend(read_model(&named(prepare.frame, model)?)?);
+        }
+        let mut placement = self.stance.placement();
+        placement.scale.y *= self.stretch;
+        let tessellation = match self.tessellation {
+            Pieces::Adaptive => Tessellation::Adaptive { tolerance: self.tolerance },
+            Pieces::Uniform => Tessellation::Uniform { segments: self.segments as u32 },
+        };
+        Ok(Box::new(Standing::new(PatchModel::new(&patches, placement, self.stance.flip, tessellation))))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::{graph, refused};
+    use std::path::Path;
+
+    fn nodes(knobs: &str) -> String {
+        format!(
+            r#""c": {{ "type": "Camera" }}, "s": {{ "type": "BezierModel", {knobs} }},
+            "v": {{ "type": "Render", "camera": "c", "surfaces": ["s"] }}, "out": {{ "type": "Depth", "view": "v" }}"#
+        )
+    }
+
+    const FIVE: &str = r#""patches": [{ "points": [{ "at": [0, 0, 0] }, { "at": [0, 0, 0] }, { "at": [0, 0, 0] },
+        { "at": [0, 0, 0] }, { "at": [1, 0, 0] }] }]"#;
+    const RAILS: &str = r#"{ "points": [{ "at": [0, 0, 0] }, { "at": [1, 0, 0] }, { "at": [2, 1, 0] }] },
+        { "points": [{ "at": [0, 0, 1] }, { "at": { "keys": [[1, [1, 0, 1]], [9, [1, 4, 1]]] } },
+            { "at": [2, 0, 1] }] }"#;
+
+    #[test]
+    fn what_makes_no_surface_is_refused() {
+        for (knobs, part) in [
+            (r#""stretch": 1"#, "no patches"),
+            (r#""model": "a.json", "scale": [1, 0, 1]"#, "factors other than 0"),
+            (FIVE, "5 points of patches[0]"),
+            (r#""rails": [{ "points": [{ "at": [0,0,0] }, { "at": [1,0,0] }] }]"#, "1 rails"),
+        ] {
+            let faults = refused("field", &nodes(knobs));
+            assert!(faults.contains(part), "{knobs}: {faults}");
+        }
+    }
+
+    #[test]
+    fn keyed_points_move_and_the_notes_report_joints() {
+        let graph = graph("field", &nodes(&format!(r#""rails": [{RAILS}]"#)), Path::new(".")).unwrap();
+        let id = graph.find("s").unwrap();
+        let model = |frame: i64| graph.settle(id, frame).get::<BezierModel>().unwrap().clone();
+        let corner = |frame: i64| model(frame).inline().unwrap()[0].shape.points[15].y;
+        assert_eq!((corner(1), corner(5), corner(9)), (0.0, 2.0, 4.0));
+        let notes = model(1).notes();
+        assert!(notes[0].starts_with("2 patches, 1 joint: no gaps"), "{notes:?}");
+    }
+}

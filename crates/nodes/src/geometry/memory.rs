@@ -1,0 +1,68 @@
+//! About how much memory surfaces take, and views of them. Figures are of what the scenes under `graphs/` were found to hold.
+
+use crate::view::Facets;
+use std::path::Path;
+use trochoid_graph::{Connected, MemoryUse, One, Reckoning, Source, port};
+use trochoid_scene::Visible;
+
+/// A vertex of a view's mesh: position, normal, rest point, slope, its place on the screen, and its share of the bins.
+const VERTEX: u64 = 64;
+/// The same of what rays meet: position, triangles and boxes.
+const OBSTACLE: u64 = 48;
+/// Most vertices that a view has of a surface.
+const MOST: u64 = 8_000_000;
+
+const VIEW: &str = "lower the format's \"width\" and \"height\", or the \"fineness\" of what looks at it";
+
+/// A sea of waves, of which a view has about one vertex a pixel, or so many times more along each axis.
+#[cfg(feature = "sea")]
+pub(crate) fn of_sea(detail: f64, reckoning: &Reckoning<'_>) -> MemoryUse {
+    let vertices = reckoning.pixels() as f64 * (detail * detail);
+    MemoryUse::default().seen((vertices as u64).min(MOST) * VERTEX)
+}
+
+/// A sea on a grid, so many bytes a cell. A view has some vertices a cell, but hardly more than one a pixel.
+#[cfg(feature = "sea")]
+pub(crate) fn of_grid(cells: u64, held: u64, reckoning: &Reckoning<'_>) -> MemoryUse {
+    let remedy = "lower \"columns\" or \"rows\"";
+    MemoryUse::held(cells * held, remedy).seen((4 * cells).max(cells + reckoning.pixels()).min(MOST + cells) * VERTEX)
+}
+
+/// A model from a file of so many bytes for a vertex, which is seen with all that it has.
+pub(crate) fn of_model(path: &Path, bytes_of_vertex: u64) -> MemoryUse {
+    let vertices = std::fs::metadata(path).map_or(0, |file| file.len() / bytes_of_vertex);
+    // Positions, normals and coordinates in f64, and triangles.
+    MemoryUse::held(vertices * 96, "take a smaller model").working(vertices * 96).seen(vertices * VERTEX)
+}
+
+/// Patches of so many vertices along each side.
+pub(crate) fn of_patches(patches: u64, side: u64) -> MemoryUse {
+    MemoryUse::default().seen((patches * side * side).min(MOST) * VERTEX)
+}
+
+/// What looks at the surfaces of a port with vertices so many times as close as pixels ask for.
+pub(crate) fn of_view(surfaces: &impl Connected, fineness: f64, reckoning: &Reckoning<'_>) -> MemoryUse {
+    let seen = reckoning.all(surfaces).fold(0, |sum: u64, taken| sum.saturating_add(taken.seen));
+    let held = seen as f64 * (fineness * fineness);
+    let pixel = reckoning.frame.format.samples() as u64 * Visible::BYTES_OF_SAMPLE;
+    let most = Visible::MOST_SAMPLES * Visible::BYTES_OF_SAMPLE;
+    MemoryUse::held((held as u64).min(seen.max(MOST * VERTEX)), VIEW).seen(seen).thread(pixel, most)
+}
+
+/// What stands in the way of rays around a view.
+pub(crate) fn of_surroundings(view: &One<port::View>, facets: &Facets, reckoning: &Reckoning<'_>) -> MemoryUse {
+    let seen = reckoning.all(view).fold(0, |sum: u64, taken| sum.saturating_add(taken.seen));
+    let Facets { detail, beyond } = *facets;
+    let wider = (1.0 + 2.0 * beyond) / detail;
+    let vertices = seen as f64 / VERTEX as f64 * (wider * wider);
+    let held = (vertices as u64).min(seen / VERTEX + MOST) * OBSTACLE;
+    let view = match **view {
+        Source::Output { node, .. } => node.0 as u64,
+        _ => 0,
+    };
+    MemoryUse::held(held, "raise \"detail\", or lower \"beyond\"").working(held).shared([
+        view,
+        beyond.to_bits(),
+        detail.to_bits(),
+    ])
+}

@@ -1,0 +1,169 @@
+//! Mesh: a model of triangles.
+
+use super::{Stance, Standing, Up, check_ending, memory, read_mesh};
+use crate::view::named;
+use std::path::PathBuf;
+use trochoid_graph::*;
+use trochoid_scene::{DVec3, MAX_TRIANGLES, TriangleModel, Triangles};
+
+/// A model of triangles from a file: Wavefront OBJ, or glTF 2.0.
+///
+/// # Formula
+/// Weights w of a triangle's corners give position, normal and texture coordinates: Σ wᵢPᵢ, Σ wᵢNᵢ/|Σ wᵢNᵢ|, Σ wᵢUVᵢ.
+/// World = translate + Rz·Ry·Rx·(scale · P); normals go by the inverse transpose.
+///
+/// # Edge cases
+/// Polygons are cut as fans, so they must be convex. Smooth normals are the mean of the triangles around a place,
+/// weighted by area; "file" has them where the file gives none. Seen from behind, a triangle shows its other side.
+/// Texture coordinates rise from the lower left; without any, they are the rest point's x and z. Materials, points,
+/// lines, skins and animations are left out. A glTF holds its buffers itself: .glb, or .gltf with embedded ones. What
+/// file it is follows from how it begins.
+///
+/// # Source
+/// Wavefront, Advanced Visualizer, Appendix B1 (OBJ); Khronos, glTF 2.0 Specification.
+#[derive(Clone, Node)]
+#[node(end = Front, revision = 1, output(surface: Kind::Surface = "The surface."))]
+pub(crate) struct Mesh {
+    /// The model: .obj, .glb or .gltf; #### or %04d stands for the frame, \# and \% for the signs.
+    #[knob(path)]
+    file: String,
+    /// The axis that points up in the file.
+    up: Up,
+    /// As the file has them, or of the triangles.
+    normals: Normals,
+    #[items]
+    stance: Stance,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Choice)]
+enum Normals {
+    File,
+    Smooth,
+    Flat,
+}
+
+impl Node for Mesh {
+    fn check(&self, check: &mut Check<'_>) {
+        self.stance.check(check);
+        check_ending(&self.file, &["obj", "glb", "gltf"], Self::FILE, check);
+    }
+
+    fn body(&self) -> Body<'_> {
+        Body::Stage(self)
+    }
+}
+
+impl Mesh {
+    /// The triangles of the file as the knobs have them, before they are placed.
+    fn triangles(&self, frame: &FrameContext) -> Result<Triangles, NodeError> {
+        let path = named(frame, &self.file)?;
+        let mut mesh = read_mesh(&path, frame.memory_limit)?;
+        for vector in mesh.positions.iter_mut().chain(&mut mesh.normals) {
+            *vector = DVec3::from(self.up.to_y_up(vector.to_array()));
+        }
+        match self.normals {
+            Normals::File => {}
+            Normals::Smooth => mesh.normals = Vec::new(),
+            Normals::Flat if 3 * mesh.triangles.len() > MAX_TRIANGLES => {
+                return Err(NodeError::new(format!(
+                    "{}: found {} triangles; expected at most {} with flat normals: reduce the mesh, or take smooth \
+                     ones",
+                    path.display(),
+                    mesh.triangles.len(),
+                    MAX_TRIANGLES / 3
+                )));
+            }
+            Normals::Flat => mesh = mesh.faceted(),
+        }
+        Ok(mesh)
+    }
+}
+
+/// About how many bytes of a file say one vertex.
+const BYTES_OF_VERTEX: u64 = 40;
+
+impl Stage for Mesh {
+    fn formatted(&self) -> bool {
+        false
+    }
+
+    fn examine(&self, frame: &FrameContext, _wanted: &[Vec<bool>]) -> Result<(), NodeError> {
+        trochoid_io::open_file(named(frame, &self.file)?).map(drop).map_err(NodeError::new)
+    }
+
+    fn files(&self, frame: &FrameContext) -> Vec<PathBuf> {
+        vec![frame.path(&self.file)]
+    }
+
+    fn memory(&self, reckoning: &Reckoning<'_>) -> MemoryUse {
+        memory::of_model(&reckoning.frame.path(&self.file), BYTES_OF_VERTEX)
+    }
+
+    fn prepare(&self, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
+        let mesh = self.triangles(prepare.frame)?;
+        let model = TriangleModel::new(mesh, self.stance.placement(), self.stance.flip).map_err(NodeError::new)?;
+        Ok(Box::new(Standing::new(model)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::{Frame, graph, refused};
+    use std::path::Path;
+
+    fn nodes(knobs: &str) -> String {
+        format!(
+            r#""c": {{ "type": "Camera", "position": [0, 0, 5], "target": [0, 0, 0] }},
+            "s": {{ "type": "Mesh", {knobs} }}, "v": {{ "type": "Render", "camera": "c", "surfaces": ["s"] }},
+            "out": {{ "type": "Normal", "view": "v" }}"#
+        )
+    }
+
+    /// Two triangles that meet at an edge, with a seam of texture coordinates on it.
+    const TENT: &str = "v -2 -2 0\nv 2 -2 0\nv 0 0 1\nv 0 3 0\nvt 0 0\nvt 1 0\nvt 0.5 1\nvt 0 1\n\
+                        f 1/1 2/2 3/3\nf 3/4 2/2 4/1\nf 1/1 3/3 4/4\n";
+
+    fn prepared(knobs: &str) -> Result<Frame, NodeError> {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("tent.obj"), TENT).unwrap();
+        Frame::new(graph("field", &nodes(knobs), folder.path()).unwrap())
+    }
+
+    fn normal(frame: &Frame, at: [f64; 2]) -> DVec3 {
+        DVec3::from_slice(&frame.truth(at))
+    }
+
+    #[test]
+    fn normals_are_smooth_across_seams_or_flat() {
+        let smooth = prepared(r#""file": "tent.obj""#).unwrap();
+        let flat = prepared(r#""file": "tent.obj", "normals": "flat""#).unwrap();
+        // Right and left of the edge that rises from the tent's point.
+        let (left, right) = ([1.98, 1.3], [2.02, 1.3]);
+        let bend = |frame: &Frame| normal(frame, left).distance(normal(frame, right));
+        assert!(bend(&smooth) < 0.05 && bend(&flat) > 0.3, "{} {}", bend(&smooth), bend(&flat));
+        for frame in [&smooth, &flat] {
+            assert!(normal(frame, left).z > 0.5);
+        }
+    }
+
+    #[test]
+    fn models_whose_z_points_up_are_turned() {
+        let up = prepared(r#""file": "tent.obj", "up": "z", "rotate": [90, 0, 0]"#).unwrap();
+        let as_it_is = prepared(r#""file": "tent.obj""#).unwrap();
+        for at in [[2.0, 1.2], [1.7, 1.6], [2.4, 1.7]] {
+            assert!(normal(&up, at).distance(normal(&as_it_is, at)) < 1e-9);
+        }
+    }
+
+    #[test]
+    fn knobs_without_sense_and_files_that_are_none_are_refused() {
+        let message = |result: Result<Frame, NodeError>| result.err().unwrap().to_string();
+        assert!(refused("field", &nodes(r#""file": "a.obj", "scale": [1, 1, 0]"#)).contains("other than 0"));
+        assert!(refused("field", &nodes(r#""up": "y""#)).contains("file"));
+        assert!(message(prepared(r#""file": "none.obj""#)).contains("none.obj"));
+        let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+        let error = message(Frame::new(graph("field", &nodes(r#""file": "Cargo.toml""#), root).unwrap()));
+        assert!(error.contains("Cargo.toml: found no triangle"), "{error}");
+    }
+}

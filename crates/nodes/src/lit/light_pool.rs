@@ -1,0 +1,307 @@
+//! LightPool: sun that falls through gaps of the clouds.
+
+use crate::bounds::{Span, bound_by, certain, known, where_covered};
+use crate::view::{POSITION, is_covered, nothing, ramp, uncover, view_planes, view_vector};
+use trochoid_graph::*;
+use trochoid_scene::{DVec3, Light};
+
+/// A mask of pools of light in the world, as sun makes that falls through gaps of the clouds.
+///
+/// # Formula
+/// s = Σ strengthᵢ·exp(−(a/length)² − (b/width)²) + ragged·noise, a and b the horizontal distances from the pool's center
+/// along and across its direction; t = (s − from)/(to − from) limited to [0, 1]; t²(3 − 2t). With a `light` each point
+/// counts where its ray of light meets the height 0.
+///
+/// # Edge cases
+/// 0 where nothing is seen. Without pools the noise alone has gaps. A light that comes from the horizon or below, or has a
+/// place, moves nothing. `from` = `to` is a hard edge.
+///
+/// # Source
+/// Gaussian spots, broken by noise: how marine painters lead the eye.
+#[derive(Clone, Node)]
+#[node(end = Front, revision = 1, output(mask: Kind::MASK = "The light."))]
+pub(crate) struct LightPool {
+    /// What light falls on.
+    view: One<port::View>,
+    /// Breaks the edges: a Noise in world space, say.
+    noise: Optional<port::Scalar>,
+    /// Whence it comes: crests then reach out of a pool, toward the light.
+    light: Optional<port::Light>,
+    /// The pools.
+    #[list(0..=64)]
+    pools: Vec<Pool>,
+    /// How much of the noise is added.
+    #[knob(default = 0.2, range = -1e3..=1e3)]
+    ragged: f64,
+    /// Light at which the mask begins.
+    #[knob(default = 0.05, range = -1e3..=1e3)]
+    from: f64,
+    /// Light at which it is 1.
+    #[knob(default = 0.7, range = -1e3..=1e3)]
+    to: f64,
+}
+
+/// A pool.
+#[derive(Clone, Copy, Items)]
+struct Pool {
+    /// Where the center lies along x.
+    #[knob(default = 0.0, range = -1e7..=1e7, unit = "m")]
+    x: f64,
+    /// Where the center lies along z.
+    #[knob(default = 0.0, range = -1e7..=1e7, unit = "m")]
+    z: f64,
+    /// Half its length, where e⁻¹ of the light is left.
+    #[knob(default = 10.0, range = 1e-3..=1e7, unit = "m")]
+    length: f64,
+    /// Half its width.
+    #[knob(default = 10.0, range = 1e-3..=1e7, unit = "m")]
+    width: f64,
+    /// Where the length points: 0 is +X, 90 is +Z.
+    #[knob(default = 0.0, range = -360.0..=360.0, unit = "degrees")]
+    direction: f64,
+    /// How much light in its center.
+    #[knob(default = 1.0, range = 0.0..=1e3)]
+    strength: f64,
+}
+
+impl Node for LightPool {
+    fn check(&self, check: &mut Check<'_>) {
+        if self.to < self.from {
+            let found = format!("{} below from, {}", self.to, self.from);
+            check.error(Self::TO, found, "at least as much", "swap them, and Invert the mask");
+        }
+        if self.pools.is_empty() && self.noise.is_none() {
+            let found = "no pools and no noise: the light is the same everywhere";
+            check.warning(
+                Self::POOLS,
+                found,
+                "pools, or a noise that has gaps",
+                "give \"pools\", or connect \"noise\"",
+            );
+        }
+    }
+
+    fn body(&self) -> Body<'_> {
+        Body::Stage(self)
+    }
+}
+
+impl Stage for LightPool {
+    fn asks(&self, _wanted: &[bool]) -> ChannelSet {
+        ChannelSet::of(&POSITION).union(Channel::Coverage.into())
+    }
+
+    fn interval(&self, _output: usize, _channel: usize) -> Option<(f64, f64)> {
+        Some((0.0, 1.0))
+    }
+
+    fn formatted(&self) -> bool {
+        false
+    }
+
+    fn rate(&self) -> Rate {
+        Rate::Surface
+    }
+
+    fn prepare(&self, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
+        let lights: Vec<Light> = prepare.handles(&self.light)?;
+        let pools = Pools {
+            spots: self.pools.iter().map(Spot::of).collect(),
+            slant: lights.first().map_or([0.0; 2], slant),
+            ragged: self.ragged,
+            from: self.from,
+            to: self.to,
+        };
+        Ok(Box::new(PreparedPools { view: self.view.clone(), noise: self.noise.clone(), pools }))
+    }
+}
+
+/// Light from lower than this, as a share of its length, comes from the horizon.
+const LOWEST: f64 = 1e-3;
+
+/// How far light moves along x and z with each meter up.
+fn slant(light: &Light) -> [f64; 2] {
+    let toward = light.illuminate(DVec3::ZERO).direction;
+    match light {
+        Light::Directional { .. } if toward.y > LOWEST => [toward.x / toward.y, toward.z / toward.y],
+        _ => [0.0; 2],
+    }
+}
+
+/// A pool as light falls.
+struct Spot {
+    center: [f64; 2],
+    /// Unit vector of its length.
+    along: [f64; 2],
+    size: [f64; 2],
+    strength: f64,
+}
+
+impl Spot {
+    fn of(pool: &Pool) -> Self {
+        let &Pool { x, z, length, width, direction, strength } = pool;
+        let (sin, cos) = libm::sincos(direction.to_radians());
+        Self { center: [x, z], along: [cos, sin], size: [length, width], strength }
+    }
+}
+
+/// All pools, and what becomes of their light.
+struct Pools {
+    spots: Vec<Spot>,
+    slant: [f64; 2],
+    ragged: f64,
+    from: f64,
+    to: f64,
+}
+
+/// What rounding loses of a sum, for a unit of what is added.
+const LOST: f64 = 1e-14;
+
+/// The largest of three numbers' sizes.
+fn size(numbers: [f64; 3]) -> f64 {
+    numbers.into_iter().fold(0.0, |most, number| most.max(number.abs()))
+}
+
+/// Gaussians of more than this power are nothing.
+const NOTHING: f64 = 40.0;
+
+impl Pools {
+    fn mask(&self, point: DVec3, noise: f64) -> f64 {
+        let light = |pool: &Spot| {
+            let [a, b] = self.across(pool, point);
+            let power = a * a + b * b;
+            if power < NOTHING { pool.strength * libm::exp(-power) } else { 0.0 }
+        };
+        let sum = self.spots.iter().map(light).sum::<f64>() + self.ragged * noise;
+        self.brightness(sum)
+    }
+
+    /// The mask of a sum of light.
+    fn brightness(&self, sum: f64) -> f64 {
+        let t = ramp(sum, self.from, self.to - self.from);
+        t * t * (3.0 - 2.0 * t)
+    }
+
+    /// What the mask may be, where a point and the noise may lie anywhere in spans.
+    fn span(&self, point: [Span; 3], noise: Span) -> Span {
+        let (middle, half) = (point.map(Span::middle), point.map(Span::half));
+        let reach = |axis: usize, along: usize| {
+            let lost = LOST * (1.0 + self.slant[axis].abs()) * size(middle);
+            half[along] + self.slant[axis].abs() * half[1] + if size(half) > 0.0 { lost } else { 0.0 }
+        };
+        let (dx, dz) = (reach(0, 0), reach(1, 2));
+        let (mut low, mut high) = (self.ragged * noise.low, self.ragged * noise.high);
+        (low, high) = (low.min(high), low.max(high));
+        if low.is_nan() || high.is_nan() || !(dx + dz).is_finite() {
+            return Span::unclear(0.0, 1.0);
+        }
+        for pool in &self.spots {
+            let [cos, sin] = pool.along.map(f64::abs);
+            let [a, b] = self.across(pool, DVec3::from(middle));
+            let away = [(a, (dx * cos + dz * sin) / pool.size[0]), (b, (dz * cos + dx * sin) / pool.size[1])];
+            let square = |v: f64| v * v;
+            let power =
+                |end: fn(f64, f64) -> f64| away.map(|(at, by)| square(end(at.abs(), by).max(0.0))).iter().sum::<f64>();
+            let light = |power: f64| if power < NOTHING { pool.strength * libm::exp(-power) } else { 0.0 };
+            low += light(power(|at, by| at + by));
+            high += light(power(|at, by| at - by));
+        }
+        // What is nothing of pools, and what sums lose.
+        let strength = self.spots.iter().map(|pool| pool.strength).sum::<f64>();
+        let sum = Span { low, high, clear: true }.wider(LOST * (strength + (self.ragged * noise.high).abs()));
+        let ends = [sum.low, sum.high].map(|sum| self.brightness(sum));
+        let clear = noise.clear && point.iter().all(|along| along.clear);
+        let mask = Span::of(&ends).wider(LOST).within(0.0, 1.0);
+        mask.with(clear && (self.to > self.from || ends[0] == ends[1]))
+    }
+
+    /// How far a point lies from a pool's center along and across it, in halves of its size.
+    fn across(&self, pool: &Spot, point: DVec3) -> [f64; 2] {
+        let place = [point.x - self.slant[0] * point.y, point.z - self.slant[1] * point.y];
+        let [dx, dz] = [place[0] - pool.center[0], place[1] - pool.center[1]];
+        let [cos, sin] = pool.along;
+        [(dx * cos + dz * sin) / pool.size[0], (dz * cos - dx * sin) / pool.size[1]]
+    }
+}
+
+struct PreparedPools {
+    view: One<port::View>,
+    noise: Optional<port::Scalar>,
+    pools: Pools,
+}
+
+impl Prepared for PreparedPools {
+    fn fill(&self, _block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
+        let Some(mask) = outputs.only(0) else { return Ok(()) };
+        let planes = view_planes(inputs, &self.view, POSITION);
+        let noise = inputs.all(&self.noise).first().and_then(|connection| connection.planes[0]);
+        for (index, out) in mask.iter_mut().enumerate() {
+            let point = DVec3::from(planes.map(|plane| f64::from(plane[index])));
+            *out = self.pools.mask(point, noise.map_or(0.0, |noise| f64::from(noise[index]))) as f32;
+        }
+        uncover(inputs, &self.view, mask);
+        Ok(())
+    }
+
+    fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
+        bound_by(bounding, outputs, (Only, 0), |sample| {
+            where_covered(bounding, &self.view, sample, || {
+                let point = POSITION.map(|channel| certain(bounding, &self.view, channel, sample));
+                self.pools.span(point, known(bounding, &self.noise, 0, sample).unwrap_or(Span::exactly(0.0)))
+            })
+        });
+        Ok(())
+    }
+
+    fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
+        if !is_covered(inputs, &self.view) {
+            return Ok(nothing());
+        }
+        let noise = self.noise.as_ref().map_or(0.0, |source| inputs.scalar(source));
+        Ok(vec![Reference::Mask(self.pools.mask(view_vector(inputs, &self.view, POSITION), noise))])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::refused;
+
+    fn falling(slant: [f64; 2]) -> Pools {
+        let spot = Spot { center: [10.0, -5.0], along: [0.6, 0.8], size: [20.0, 5.0], strength: 1.0 };
+        Pools { spots: vec![spot], slant, ragged: 0.5, from: 0.0, to: 1.0 }
+    }
+
+    #[test]
+    fn a_pool_is_brightest_in_its_center_and_as_long_as_it_says() {
+        let pool = falling([0.0; 2]);
+        let at = |x: f64, z: f64| pool.mask(DVec3::new(x, 3.0, z), 0.0);
+        assert_eq!(at(10.0, -5.0), 1.0);
+        let smooth = |t: f64| t * t * (3.0 - 2.0 * t);
+        let edge = smooth(libm::exp(-1.0));
+        for side in [-1.0, 1.0] {
+            let along = at(10.0 + side * 20.0 * 0.6, -5.0 + side * 20.0 * 0.8);
+            let across = at(10.0 - side * 5.0 * 0.8, -5.0 + side * 5.0 * 0.6);
+            assert!((along - edge).abs() < 1e-12 && (across - edge).abs() < 1e-12, "{along}, {across}, {edge}");
+        }
+        assert_eq!(at(1e9, 0.0), 0.0);
+        assert!(pool.mask(DVec3::new(10.0, 0.0, -5.0), -1.0) < 0.6, "noise takes from it");
+    }
+
+    #[test]
+    fn slanting_light_meets_crests_beside_the_pool() {
+        let pool = falling([2.0, 0.0]);
+        // Two meters up, the light comes from four meters along x.
+        assert_eq!(pool.mask(DVec3::new(14.0, 2.0, -5.0), 0.0), 1.0);
+        assert_eq!(slant(&Light::Directional { direction: DVec3::new(1.0, 0.5, 0.0) })[0], 2.0);
+        assert_eq!(slant(&Light::Directional { direction: DVec3::new(1.0, -0.5, 0.0) }), [0.0; 2]);
+    }
+
+    #[test]
+    fn edges_run_upward() {
+        let nodes = r#""camera": { "type": "Camera" }, "sea": { "type": "GerstnerSea", "count": 0 },
+            "view": { "type": "Render", "camera": "camera", "surfaces": ["sea"] },
+            "out": { "type": "LightPool", "view": "view", "from": 0.5, "to": 0.25 }"#;
+        assert!(refused("weights", nodes).contains("0.25 below from"));
+    }
+}

@@ -1,0 +1,179 @@
+//! Light directions over a block, and how several lights combine.
+
+use crate::view::{Looking, POSITION, view_planes};
+use trochoid_graph::{Choice, Connected, Inputs, Many, NodeError, One, Prepare, port};
+use trochoid_image::Format;
+use trochoid_scene::{Camera, DVec3, Illumination, Light, Projector};
+
+/// Three planes: the x, y and z of many vectors.
+pub(crate) type Vectors3<'a> = [&'a [f32]; 3];
+
+/// How the masks of several lights become one.
+#[derive(Clone, Copy, Debug, PartialEq, Choice)]
+pub(crate) enum Combine {
+    Screen,
+    Max,
+    Mean,
+}
+
+impl Combine {
+    /// One mask of several, in f64.
+    pub(crate) fn reference(self, masks: &[f64]) -> f64 {
+        match self {
+            Self::Screen => 1.0 - masks.iter().map(|t| 1.0 - t).product::<f64>(),
+            Self::Max => masks.iter().copied().fold(0.0, f64::max),
+            Self::Mean => masks.iter().sum::<f64>() / masks.len().max(1) as f64,
+        }
+    }
+
+    /// Takes the mask of light `index` of `count` into what the lights before it gave.
+    fn take(self, mask: &mut [f32], light: &[f32], index: usize, count: usize) {
+        for (mask, light) in mask.iter_mut().zip(light) {
+            *mask = match self {
+                _ if index == 0 && self != Self::Mean => *light,
+                Self::Screen => trochoid_weights::arithmetic::screen(*mask, *light),
+                Self::Max => mask.max(*light),
+                // A partial sum of n masks, each over n, is at most 1 up to rounding.
+                Self::Mean => (*mask + *light / count as f32).min(1.0),
+            };
+        }
+    }
+}
+
+/// The lights connected to a pass.
+pub(crate) struct Lights {
+    lights: Vec<Light>,
+    combine: Combine,
+}
+
+impl Lights {
+    pub(crate) fn of(lights: &Many<port::Light>, combine: Combine, prepare: &Prepare<'_>) -> Result<Self, NodeError> {
+        Ok(Self { lights: prepare.handles(lights)?, combine })
+    }
+
+    pub(crate) fn lights(&self) -> &[Light] {
+        &self.lights
+    }
+
+    pub(crate) fn combine(&self) -> Combine {
+        self.combine
+    }
+
+    /// Fills `mask`: `shade` gives the mask of one light from unit vectors toward it; intensity then scales it.
+    ///
+    /// # Errors
+    /// A light has a place, and the view has no position pass to measure from.
+    pub(crate) fn fill(
+        &self,
+        inputs: &Inputs<'_>,
+        view: &One<port::View>,
+        mask: &mut [f32],
+        mut shade: impl FnMut(Vectors3<'_>, &mut [f32]),
+    ) -> Result<(), NodeError> {
+        mask.fill(0.0);
+        let n = mask.len();
+        let mut directions = [vec![0.0; n], vec![0.0; n], vec![0.0; n]];
+        let mut intensity = vec![1.0; n];
+        let mut one = vec![0.0; n];
+        for (index, light) in self.lights.iter().enumerate() {
+            if let Light::Directional { .. } = light {
+                let toward = light.illuminate(DVec3::ZERO).direction.as_vec3();
+                for (plane, value) in directions.iter_mut().zip([toward.x, toward.y, toward.z]) {
+                    plane.fill(value);
+                }
+                intensity.fill(1.0);
+            } else {
+                if inputs.view_if_any(view, POSITION[0]).is_none() {
+                    return Err(NodeError::new(
+                        "the view has no position pass, which a point or spot light needs: add the pass, or use a \
+                         directional light",
+                    ));
+                }
+                let positions = view_planes(inputs, view, POSITION);
+                let [x, y, z] = &mut directions;
+                for i in 0..n {
+                    let point = DVec3::from(positions.map(|plane| f64::from(plane[i])));
+                    let Illumination { direction, intensity: arrives } = light.illuminate(point);
+                    (x[i], y[i], z[i]) = (direction.x as f32, direction.y as f32, direction.z as f32);
+                    intensity[i] = arrives as f32;
+                }
+            }
+            shade([&directions[0], &directions[1], &directions[2]], &mut one);
+            for (one, intensity) in one.iter_mut().zip(&intensity) {
+                *one *= intensity;
+            }
+            self.combine.take(mask, &one, index, self.lights.len());
+        }
+        Ok(())
+    }
+
+    /// The mask at one point in f64.
+    pub(crate) fn reference(&self, point: DVec3, shade: impl Fn(DVec3) -> f64) -> f64 {
+        self.within_reach(point, |direction, _| shade(direction))
+    }
+
+    /// The same where it counts how far away the light stands, in meters: infinitely far, if it has no place.
+    pub(crate) fn within_reach(&self, point: DVec3, shade: impl Fn(DVec3, f64) -> f64) -> f64 {
+        let masks: Vec<f64> = self
+            .lights
+            .iter()
+            .map(|light| {
+                let Illumination { direction, intensity } = light.illuminate(point);
+                let reach = match light {
+                    Light::Directional { .. } => f64::INFINITY,
+                    Light::Point { position } | Light::Spot { position, .. } => position.distance(point),
+                };
+                if intensity > 0.0 { intensity * shade(direction, reach) } else { 0.0 }
+            })
+            .collect();
+        self.combine.reference(&masks)
+    }
+}
+
+/// The projector of the camera behind the connected view.
+///
+/// # Errors
+/// The view has no camera.
+pub(crate) fn eye(prepare: &Prepare<'_>, view: &impl Connected, format: Format) -> Result<Projector, NodeError> {
+    let handle = prepare.handle_of(view);
+    // A Render hands on its surfaces too; a view of passes has its camera alone.
+    let camera = handle.as_deref().and_then(|handle| {
+        handle.downcast_ref::<Camera>().or_else(|| handle.downcast_ref::<Looking>().map(|looking| &looking.camera))
+    });
+    match camera {
+        Some(camera) => Ok(camera.projector(format)),
+        None => Err(NodeError::new("the view has no camera: connect one to it")),
+    }
+}
+
+/// The vector from a point toward the eye, of any length, in f64.
+pub(crate) fn toward_eye(eye: &Projector, point: DVec3) -> DVec3 {
+    if eye.orthographic { -eye.forward } else { eye.position - point }
+}
+
+/// Unit vectors from the points of a block toward the eye.
+///
+/// # Errors
+/// The camera has a place, and the view has no position pass to measure from.
+pub(crate) fn view_directions(
+    inputs: &Inputs<'_>,
+    view: &One<port::View>,
+    eye: &Projector,
+    count: usize,
+) -> Result<[Vec<f32>; 3], NodeError> {
+    let mut views = [vec![0.0; count], vec![0.0; count], vec![0.0; count]];
+    let [x, y, z] = &mut views;
+    let positions = match inputs.view_if_any(view, POSITION[0]) {
+        Some(_) => view_planes(inputs, view, POSITION),
+        // Parallel rays need no positions.
+        None if eye.orthographic => [&[][..]; 3],
+        None => {
+            return Err(NodeError::new(
+                "the view has no position pass, which a perspective camera needs: add the pass, or connect an \
+                 orthographic camera",
+            ));
+        }
+    };
+    trochoid_scene::shading::view_directions(positions, eye, [x, y, z]);
+    Ok(views)
+}

@@ -1,0 +1,56 @@
+//! NonSpecular: how much light reaches a point, all but reflections.
+
+use super::{Combine, Facing, Shades, Toward, Vectors3};
+use crate::bounds::Span;
+use trochoid_graph::*;
+use trochoid_scene::DVec3;
+use trochoid_scene::shading::lambert;
+
+/// A mask of the light that reaches the surface: Lambert's cosine, mapped to [0, 1].
+///
+/// # Formula
+/// Cᵖ with C = (N · L + 1)/2 and p = `power`, times the light's intensity there
+///
+/// # Edge cases
+/// 0 where nothing is seen. A degenerate normal points up.
+///
+/// # Source
+/// Thesis 3.2.3.2; power 2 is its C².
+#[derive(Clone, Node)]
+#[node(end = Front, revision = 1, role = Clay, output(mask: Kind::MASK = "How much light arrives."))]
+pub(crate) struct NonSpecular {
+    /// What is lit.
+    view: One<port::View>,
+    /// By what.
+    #[port(1..=64)]
+    lights: Many<port::Light>,
+    /// How several lights become one mask.
+    combine: Combine,
+    /// Contrast: the mask is raised to this power.
+    #[knob(default = 1.0, range = 0.01..=100.0)]
+    power: f64,
+}
+
+impl Shades for NonSpecular {
+    const LOOKS: bool = false;
+
+    fn view(&self) -> &One<port::View> {
+        &self.view
+    }
+
+    fn lights(&self) -> (&Many<port::Light>, Combine) {
+        (&self.lights, self.combine)
+    }
+
+    fn fill(&self, seen: Facing<Vectors3<'_>, &[f32]>, light: Vectors3<'_>, mask: &mut [f32]) {
+        lambert::fill(seen.normal, light, self.power as f32, mask);
+    }
+
+    fn reference(&self, seen: Facing<DVec3, f64>, light: DVec3) -> f64 {
+        lambert::reference(seen.normal, light, self.power)
+    }
+
+    fn span(&self, seen: Facing<Toward, Span>, light: Toward) -> Span {
+        seen.normal.cosine(light).through(|cosine| libm::pow((cosine + 1.0) / 2.0, self.power))
+    }
+}

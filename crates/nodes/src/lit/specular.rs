@@ -1,0 +1,107 @@
+//! Specular: where a light is mirrored toward the eye.
+
+use super::{Combine, Facing, Shades, Toward, Vectors3};
+use crate::bounds::Span;
+use crate::view::POSITION;
+use std::f64::consts::FRAC_PI_2;
+use trochoid_graph::*;
+use trochoid_scene::DVec3;
+use trochoid_scene::shading::blinn;
+
+/// A mask of the lights' mirror image in the surface.
+///
+/// # Formula
+/// half: exp(s · log1p(−½|N − H|²)), H halfway between light and eye, which is (N · H)ˢ; reflection: (R · V)ˢ. s =
+/// `shininess`, lowered where the footprint took waves away.
+///
+/// # Edge cases
+/// 0 where nothing is seen, where the surface faces away from the light, and where light and eye are opposite.
+///
+/// # Source
+/// Thesis 3.2.3.1, R = I − 2N(N · I); Blinn, Models of Light Reflection, 1977.
+#[derive(Clone, Node)]
+#[node(end = Front, revision = 1, output(mask: Kind::MASK = "How much of the lights is mirrored."))]
+pub(crate) struct Specular {
+    /// What mirrors.
+    view: One<port::View>,
+    /// What is mirrored.
+    #[port(1..=64)]
+    lights: Many<port::Light>,
+    /// How several lights become one mask.
+    combine: Combine,
+    /// Exponent: the higher, the sharper.
+    #[knob(default = 60.0, range = 0.0..=1e6)]
+    shininess: f64,
+    /// Blinn's half vector, or the thesis' mirror form.
+    model: Model,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Choice)]
+enum Model {
+    Half,
+    Reflection,
+}
+
+impl From<Model> for blinn::Model {
+    fn from(model: Model) -> Self {
+        match model {
+            Model::Half => Self::Half,
+            Model::Reflection => Self::Reflection,
+        }
+    }
+}
+
+impl Shades for Specular {
+    const LOOKS: bool = true;
+    const PREFERS: ChannelSet = ChannelSet::of(&POSITION).union(ChannelSet::of(&[Channel::SlopeVariance]));
+
+    fn view(&self) -> &One<port::View> {
+        &self.view
+    }
+
+    fn lights(&self) -> (&Many<port::Light>, Combine) {
+        (&self.lights, self.combine)
+    }
+
+    fn fill(&self, seen: Facing<Vectors3<'_>, &[f32]>, light: Vectors3<'_>, mask: &mut [f32]) {
+        let Facing { normal, eye, variance } = seen;
+        blinn::fill(normal, light, eye, self.shininess as f32, variance, self.model.into(), mask);
+    }
+
+    fn reference(&self, seen: Facing<DVec3, f64>, light: DVec3) -> f64 {
+        blinn::reference(seen.normal, light, seen.eye, self.shininess, seen.variance, self.model.into())
+    }
+
+    fn span(&self, seen: Facing<Toward, Span>, light: Toward) -> Span {
+        let widened = |variance| blinn::widened(self.shininess, variance, self.model.into());
+        let exponents = seen.variance.through(widened).within(0.0, self.shininess);
+        self.lobe([seen.normal, light, seen.eye], exponents)
+    }
+}
+
+impl Specular {
+    /// What the lobe may be of one light, for exponents of a span.
+    fn lobe(&self, [normal, light, view]: [Toward; 3], exponents: Span) -> Span {
+        let apart = match self.model {
+            Model::Half => normal.angle(light.halfway(view)),
+            Model::Reflection => normal.mirrored(light).angle(view),
+        };
+        let of = |angle: f64, exponent: f64| {
+            let away = 2.0 * libm::sin(angle / 2.0) * libm::sin(angle / 2.0);
+            if angle < FRAC_PI_2 { libm::exp(exponent * libm::log1p(-away.min(1.0))) } else { 0.0 }
+        };
+        let jumps = exponents.low == 0.0 && apart.holds(FRAC_PI_2);
+        let lobe = Span::of(&[of(apart.high, exponents.high), of(apart.low, exponents.low)]).within(0.0, 1.0);
+        let lobe = lobe.with(apart.clear && exponents.clear && !jumps);
+        // Seen from behind the surface there is no light.
+        let faces = normal.angle(light);
+        if faces.low > FRAC_PI_2 {
+            Span::exactly(0.0).with(faces.clear)
+        } else if faces.high < FRAC_PI_2 {
+            lobe
+        } else {
+            let is_dark = lobe.low == lobe.high && lobe.low == 0.0;
+            lobe.or(Span::exactly(0.0)).with(is_dark)
+        }
+    }
+}

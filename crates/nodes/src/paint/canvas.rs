@@ -1,0 +1,230 @@
+//! What strokes see around them: of the planes of a block, and of the reference's values.
+
+use super::{Around, Corner};
+use std::cell::RefCell;
+use std::collections::HashMap;
+use trochoid_graph::*;
+use trochoid_image::Window;
+
+/// What strokes see beside the image.
+#[derive(Clone, Items)]
+pub(crate) struct Sight {
+    /// The surfaces that strokes lie on; without it they lie on the picture.
+    pub(crate) view: Optional<port::View>,
+    /// Direction of the strokes, right and down: a FlowField, say; by default to the right.
+    flow: Optional<port::Direction>,
+    /// Share of length, width and spacing at a place; 1/16 is the least.
+    size: Optional<port::Mask>,
+    /// Share of the strokes at a place.
+    density: Optional<port::Mask>,
+    /// Where 1, the last layer alone paints.
+    detail: Optional<port::Mask>,
+}
+
+/// The point at rest, which seeds are fixed to.
+pub(crate) const RESTS: [Channel; 3] = [Channel::RestX, Channel::RestY, Channel::RestZ];
+
+/// Where a pixel stands in a window, or the nearest one that does.
+#[inline(always)]
+pub(crate) fn index(window: Window, x: i64, y: i64) -> usize {
+    let column = x.clamp(window.x0, window.x1 - 1) - window.x0;
+    let row = y.clamp(window.y0, window.y1 - 1) - window.y0;
+    row as usize * window.width() + column as usize
+}
+
+/// A sample of a connection.
+#[inline(always)]
+pub(crate) fn sample(connection: Option<&Connection<'_>>, channel: usize, x: i64, y: i64) -> Option<f64> {
+    let connection = connection?;
+    let plane = (*connection.planes.get(channel)?)?;
+    Some(f64::from(plane[index(connection.window, x, y)]))
+}
+
+/// The picture as strokes see it.
+pub(crate) trait Canvas: Around {
+    /// What seeds are placed by, at the upper left of a pixel.
+    fn corner(&self, x: i64, y: i64) -> Corner;
+}
+
+/// The planes of a block.
+pub(crate) struct Planes<'a> {
+    picture: Window,
+    /// How far samples lie from their pixels' upper left corners.
+    offset: [f64; 2],
+    view: Window,
+    /// Over the view's window.
+    parts: Vec<f32>,
+    depths: Option<&'a [f32]>,
+    /// Where seeds are fixed to surfaces.
+    rests: Option<[&'a [f32]; 3]>,
+    flow: Option<&'a Connection<'a>>,
+    /// Size, density, detail.
+    shares: [Option<&'a Connection<'a>>; 3],
+}
+
+impl<'a> Planes<'a> {
+    /// Of a picture and a block of it; seeds are fixed to surfaces or to the picture.
+    pub(crate) fn new(
+        sight: &Sight,
+        picture: Window,
+        on_surfaces: bool,
+        block: &Block<'_>,
+        inputs: &Inputs<'a>,
+    ) -> Self {
+        let view = inputs.all(&sight.view).first();
+        let channel = |channel: Channel| view.and_then(|view| view.planes[channel as usize]);
+        let window = view.map_or(picture, |view| view.window);
+        let parts = match (channel(Channel::Coverage), channel(Channel::Surface)) {
+            (Some(coverage), Some(surfaces)) => coverage
+                .iter()
+                .zip(surfaces)
+                .map(|(c, surface)| if *c > 0.0 { surface.max(0.0) } else { -1.0 })
+                .collect(),
+            (Some(coverage), None) => coverage.iter().map(|c| if *c > 0.0 { 0.0 } else { -1.0 }).collect(),
+            _ => Vec::new(),
+        };
+        let rests = RESTS.map(|rest| channel(rest).unwrap_or_default());
+        Self {
+            picture,
+            offset: block.offset,
+            view: window,
+            parts,
+            depths: channel(Channel::Depth),
+            rests: on_surfaces.then_some(rests),
+            flow: inputs.all(&sight.flow).first(),
+            shares: [&sight.size, &sight.density, &sight.detail].map(|port| inputs.all(port).first()),
+        }
+    }
+
+    /// Parts and depths of some pixels of a row within the window, as far as they are known.
+    pub(crate) fn row(&self, x: [i64; 2], y: i64) -> [Option<&[f32]>; 2] {
+        let start = index(self.view, x[0], y);
+        let row = start..start + (x[1] - x[0]) as usize;
+        [self.parts.get(row.clone()), self.depths.and_then(|depths| depths.get(row))]
+    }
+}
+
+impl Around for Planes<'_> {
+    #[inline(always)]
+    fn inside(&self, x: i64, y: i64) -> bool {
+        self.picture.contains(x, y)
+    }
+
+    #[inline(always)]
+    fn part(&self, x: i64, y: i64) -> f64 {
+        if self.parts.is_empty() { -1.0 } else { f64::from(self.parts[index(self.view, x, y)]) }
+    }
+
+    #[inline(always)]
+    fn depth(&self, x: i64, y: i64) -> f64 {
+        self.depths.map_or(f64::INFINITY, |depths| f64::from(depths[index(self.view, x, y)]))
+    }
+
+    #[inline(always)]
+    fn flow(&self, x: i64, y: i64) -> [f64; 2] {
+        [0, 1].map(|axis| sample(self.flow, axis, x, y).unwrap_or(1.0 - axis as f64))
+    }
+
+    #[inline(always)]
+    fn shares(&self, x: i64, y: i64) -> [f64; 3] {
+        let [size, density, detail] = self.shares;
+        [
+            sample(size, 0, x, y).unwrap_or(1.0),
+            sample(density, 0, x, y).unwrap_or(1.0),
+            sample(detail, 0, x, y).unwrap_or(0.0),
+        ]
+    }
+}
+
+impl Canvas for Planes<'_> {
+    #[inline(always)]
+    fn corner(&self, x: i64, y: i64) -> Corner {
+        let part = self.part(x, y);
+        let rest = match self.rests {
+            Some(rests) if part >= 0.0 => rests.map(|plane| f64::from(plane[index(self.view, x, y)])),
+            _ => [x as f64 + self.offset[0], 0.0, y as f64 + self.offset[1]],
+        };
+        Corner { rest, part, depth: self.depth(x, y) }
+    }
+}
+
+/// What the reference sees around a pixel.
+pub(crate) struct Seen<'a> {
+    sight: &'a Sight,
+    picture: Window,
+    on_surfaces: bool,
+    inputs: &'a References<'a>,
+    pub(crate) pixel: [i64; 2],
+    offset: [f64; 2],
+    /// What was asked for already.
+    views: RefCell<HashMap<(i64, i64), Vec<f64>>>,
+}
+
+impl<'a> Seen<'a> {
+    pub(crate) fn new(sight: &'a Sight, picture: Window, on_surfaces: bool, inputs: &'a References<'a>) -> Self {
+        let pixel = inputs.at.map(|at| at.floor() as i64);
+        let offset = [0, 1].map(|axis| inputs.at[axis] - pixel[axis] as f64);
+        Self { sight, picture, on_surfaces, inputs, pixel, offset, views: RefCell::default() }
+    }
+
+    /// What the sample of a pixel is given; beyond the picture that of the nearest pixel.
+    fn there(&self, x: i64, y: i64) -> References<'a> {
+        let picture = self.picture;
+        let (x, y) = (x.clamp(picture.x0, picture.x1 - 1), y.clamp(picture.y0, picture.y1 - 1));
+        self.inputs.moved((x - self.pixel[0]) as f64, (y - self.pixel[1]) as f64)
+    }
+
+    fn view(&self, x: i64, y: i64, channel: Channel) -> f64 {
+        let Some(source) = &*self.sight.view else {
+            return f64::from(channel.background());
+        };
+        let mut views = self.views.borrow_mut();
+        let channels = views.entry((x, y)).or_insert_with(|| match self.there(x, y).value(source) {
+            Reference::View(channels) => channels,
+            _ => Vec::new(),
+        });
+        channels.get(channel as usize).copied().unwrap_or(f64::from(channel.background()))
+    }
+
+    fn number(&self, port: &Optional<port::Mask>, x: i64, y: i64, default: f64) -> f64 {
+        port.as_ref().map_or(default, |source| self.there(x, y).scalar(source))
+    }
+}
+
+impl Around for Seen<'_> {
+    fn inside(&self, x: i64, y: i64) -> bool {
+        self.picture.contains(x, y)
+    }
+
+    fn part(&self, x: i64, y: i64) -> f64 {
+        if self.view(x, y, Channel::Coverage) > 0.0 { self.view(x, y, Channel::Surface).max(0.0) } else { -1.0 }
+    }
+
+    fn depth(&self, x: i64, y: i64) -> f64 {
+        self.view(x, y, Channel::Depth)
+    }
+
+    fn flow(&self, x: i64, y: i64) -> [f64; 2] {
+        match self.sight.flow.as_ref().map(|flow| self.there(x, y).value(flow)) {
+            Some(Reference::Field(flow)) => [flow[0], flow[1]],
+            _ => [1.0, 0.0],
+        }
+    }
+
+    fn shares(&self, x: i64, y: i64) -> [f64; 3] {
+        let Sight { size, density, detail, .. } = self.sight;
+        [(size, 1.0), (density, 1.0), (detail, 0.0)].map(|(port, default)| self.number(port, x, y, default))
+    }
+}
+
+impl Canvas for Seen<'_> {
+    fn corner(&self, x: i64, y: i64) -> Corner {
+        let part = self.part(x, y);
+        let rest = if self.on_surfaces && part >= 0.0 {
+            RESTS.map(|channel| self.view(x, y, channel))
+        } else {
+            [x as f64 + self.offset[0], 0.0, y as f64 + self.offset[1]]
+        };
+        Corner { rest, part, depth: self.depth(x, y) }
+    }
+}

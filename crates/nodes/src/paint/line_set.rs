@@ -1,0 +1,367 @@
+//! LineSet: lines side by side, each with an end of its own, as a carver cuts them into a block of wood.
+
+use crate::filter::numbers;
+use crate::paint::{draw, key};
+use crate::view::grown;
+use trochoid_graph::*;
+use trochoid_image::{Format, Window};
+
+/// Masks of lines side by side that taper to ends of their own, such as the carved lines of a printed wave; one inside the other,
+/// where several widths are given.
+///
+/// # Formula
+/// Line i stands at q = i + ½ + jitter·(h₁ − ½), (q, v) the `place`. Half its width: e = ½·width·thickness·(1 + vary·(h₂ −
+/// ½))·√clamp((v₁ − v)/(tail·(v₁ − v₀)))·√clamp((v − v₀)/head), from v₀ = mix(begin, h₃) to v₁ = mix(end, h₄); of width k, q −
+/// k·lean and v − k·lag take their places. A line d away is drawn at least a pixel wide: W = max(2e, c), c = |∇q|: (2e/W)·clamp(½
+/// + (W/2 − d)/c), of all lines the greatest, and fades away as c grows from ½/finest to 1/finest.
+///
+/// # Edge cases
+/// h₁ to h₄ are random numbers of line and seed: lines stay themselves where places move. ∇ takes the smaller of the differences
+/// to both sides, so that the borders of surfaces do no harm. 0 where the thickness is 0 or a place is no finite number. Outputs
+/// beyond the list of widths are 0. Head or tail 0 ends bluntly.
+///
+/// # Source
+/// The drift lines of Dadfar and Welling, 5.1, and those of Hokusai's Great Wave.
+#[derive(Clone, Node)]
+#[node(end = Front, revision = 1, outputs = Out)]
+pub(crate) struct LineSet {
+    /// Across the lines, 1 from line to line, and along them: such as UV's.
+    place: One<port::Field>,
+    /// Share of the widths at a place; by default 1.
+    thickness: Optional<port::Mask>,
+    #[items]
+    lines: Lines,
+    /// Which lines of all that have these figures.
+    #[knob(default = 0, range = 0..=1_000_000_000)]
+    seed: i64,
+}
+
+/// Figures of all lines.
+#[derive(Clone, Items)]
+struct Lines {
+    /// Share of their distance that lines cover, for each output; 0 to 2.
+    #[knob(len = 1..=4)]
+    widths: Vec<f64>,
+    /// Between which places lines begin.
+    #[knob(default = [0.0, 0.0])]
+    begin: [f64; 2],
+    /// Between which places they end.
+    #[knob(default = [1.0, 1.0])]
+    end: [f64; 2],
+    /// How far behind their beginning lines have their full width.
+    #[knob(default = 0.0, range = 0.0..=1e6)]
+    head: f64,
+    /// Share of their length on which they taper toward the end.
+    #[knob(default = 1.0, range = 0.0..=1.0)]
+    tail: f64,
+    /// How much widths differ, as a share.
+    #[knob(default = 0.6, range = 0.0..=1.9)]
+    vary: f64,
+    /// How far lines stand off their places, in their distance.
+    #[knob(default = 0.25, range = 0.0..=1.0)]
+    jitter: f64,
+    /// How far to the side each next width lies, in their distance.
+    #[knob(default = 0.0, range = -1.0..=1.0)]
+    lean: f64,
+    /// How much later along the lines each next width lies.
+    #[knob(default = 0.0, range = -1e6..=1e6)]
+    lag: f64,
+    /// Distance of lines at which they are gone: full from twice that on.
+    #[knob(default = 3.0, range = 0.1..=1e3, drawn)]
+    finest: f64,
+}
+
+/// One mask a width.
+#[derive(Clone, Copy, Debug, PartialEq, Outputs)]
+enum Out {
+    /// The lines, by the first width.
+    #[output(Kind::MASK)]
+    Mask,
+    /// By the second.
+    #[output(Kind::MASK)]
+    Second,
+    /// By the third.
+    #[output(Kind::MASK)]
+    Third,
+    /// By the fourth.
+    #[output(Kind::MASK)]
+    Fourth,
+}
+
+/// Widths at most.
+const MOST: usize = Out::ALL.len();
+/// The greatest of them.
+const WIDEST: f64 = 2.0;
+
+impl Node for LineSet {
+    fn check(&self, check: &mut Check<'_>) {
+        if let Some(width) = self.lines.widths.iter().find(|width| !(0.0..=WIDEST).contains(*width)) {
+            let remedy = "make the distance of lines larger";
+            check.error(Lines::WIDTHS, width.to_string(), "shares from 0 to 2", remedy);
+        }
+        if let Some(kind) = check.kind(&self.place).filter(|kind| *kind != Kind::Field(2)) {
+            let remedy = "join two by a FieldMath: \"[a, b]\" with 2 components";
+            check.error(Self::PLACE, kind.to_string(), "a Field of 2 components, across and along", remedy);
+        }
+    }
+
+    fn body(&self) -> Body<'_> {
+        Body::Stage(self)
+    }
+}
+
+impl Stage for LineSet {
+    fn interval(&self, output: usize, _channel: usize) -> Option<(f64, f64)> {
+        Some((0.0, if output < self.lines.widths.len() { 1.0 } else { 0.0 }))
+    }
+
+    fn regions_of_interest(&self, port: PortId, window: Window, _format: Format) -> Window {
+        if port == self.place.id() { grown(window, 1) } else { window }
+    }
+
+    fn formatted(&self) -> bool {
+        false
+    }
+
+    fn prepare(&self, _prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
+        Ok(Box::new(PreparedLines {
+            place: self.place.clone(),
+            thickness: self.thickness.clone(),
+            drawn: DrawnLines::new(self.lines.clone(), self.seed),
+        }))
+    }
+}
+
+struct PreparedLines {
+    place: One<port::Field>,
+    thickness: Optional<port::Mask>,
+    drawn: DrawnLines,
+}
+
+/// Lines of a seed.
+struct DrawnLines {
+    lines: Lines,
+    /// How far from its place a line may reach, in their distance, before it is blurred.
+    farthest: f64,
+    key: u64,
+}
+
+/// What a line is everywhere.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Line {
+    index: i64,
+    middle: f64,
+    begin: f64,
+    end: f64,
+    /// Factor of its widths.
+    width: f64,
+}
+
+/// The lines that were asked for last: neighbors mostly ask for the same.
+#[derive(Default)]
+struct Recent([Option<Line>; 4]);
+
+impl Recent {
+    fn line(&mut self, drawing: &DrawnLines, index: i64) -> Line {
+        let slot = &mut self.0[index.rem_euclid(4) as usize];
+        match slot {
+            Some(line) if line.index == index => *line,
+            _ => *slot.insert(drawing.line(index)),
+        }
+    }
+}
+
+/// ∇ of a value, of those before and after it along both axes.
+fn change(here: f64, across: [f64; 2], down: [f64; 2]) -> f64 {
+    let [x, y] = [across, down].map(|[before, after]| (here - before).abs().min((after - here).abs()));
+    (x * x + y * y).sqrt()
+}
+
+/// Least softness of an edge, for places where nothing changes.
+const LEAST_CHANGE: f64 = 1e-4;
+/// Beyond this, places in 32 bits are coarser than lines.
+const FARTHEST: f64 = 1e6;
+
+impl DrawnLines {
+    fn new(lines: Lines, seed: i64) -> Self {
+        let Lines { ref widths, vary, jitter, lean, .. } = lines;
+        let widest = widths.iter().copied().fold(0.0, f64::max);
+        let farthest = 0.5 * widest * (1.0 + 0.5 * vary) + 0.5 * jitter + lean.abs() * (widths.len().max(1) - 1) as f64;
+        Self { lines, farthest, key: key(0x6c69_6e65, seed) }
+    }
+
+    fn line(&self, index: i64) -> Line {
+        let line = key(self.key, index);
+        let [h1, h2, h3, h4] = [1, 2, 3, 4].map(|which| draw(line, which));
+        let between = |[from, to]: [f64; 2], share: f64| from + share * (to - from);
+        Line {
+            index,
+            middle: index as f64 + 0.5 + self.lines.jitter * (h1 - 0.5),
+            width: 1.0 + self.lines.vary * (h2 - 0.5),
+            begin: between(self.lines.begin, h3),
+            end: between(self.lines.end, h4),
+        }
+    }
+
+    /// How much of its width a line has at a place along it.
+    fn taper(&self, line: &Line, v: f64) -> f64 {
+        if v < line.begin || v > line.end {
+            return 0.0;
+        }
+        let share = |way: f64, of: f64| if way < of { (way / of).sqrt() } else { 1.0 };
+        share(line.end - v, self.lines.tail * (line.end - line.begin)) * share(v - line.begin, self.lines.head)
+    }
+
+    /// The masks at a place where `q` changes by so much from pixel to pixel.
+    fn masks(&self, [q, v]: [f64; 2], change: f64, thickness: f64, recent: &mut Recent) -> [f64; MOST] {
+        let mut masks = [0.0; MOST];
+        let sharp = (2.0 - change * self.lines.finest * 2.0).clamp(0.0, 1.0);
+        // Comparisons with NaN fail.
+        if !(thickness > 0.0 && sharp > 0.0 && q.abs() <= FARTHEST && v.abs() < f64::INFINITY) {
+            return masks;
+        }
+        let change = change.max(LEAST_CHANGE);
+        let farthest = self.farthest + change;
+        let [first, last] = [q - farthest - 0.5, q + farthest - 0.5].map(|end| end.floor() as i64);
+        for index in first..=last + 1 {
+            let line = recent.line(self, index);
+            for (k, (mask, width)) in masks.iter_mut().zip(&self.lines.widths).enumerate() {
+                let taper = self.taper(&line, v - k as f64 * self.lines.lag);
+                let wide = width * line.width * taper * thickness;
+                if wide <= 0.0 {
+                    continue;
+                }
+                let distance = (q - k as f64 * self.lines.lean - line.middle).abs();
+                let drawn = wide.max(change);
+                let value = (wide / drawn) * (0.5 + (0.5 * drawn - distance) / change).clamp(0.0, 1.0);
+                *mask = f64::max(*mask, sharp * value);
+            }
+        }
+        masks
+    }
+}
+
+impl Prepared for PreparedLines {
+    fn fill(&self, block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
+        let place = &inputs.all(&self.place)[0];
+        let [across, along] = [0, 1].map(|axis| place.planes[axis].unwrap_or_default());
+        let thickness = inputs.all(&self.thickness).first().and_then(|connection| connection.planes[0]);
+        let (window, from) = (block.window, place.window);
+        let column = |x: i64| (x.clamp(from.x0, from.x1 - 1) - from.x0) as usize;
+        let row = |y: i64| (y.clamp(from.y0, from.y1 - 1) - from.y0) as usize * from.width();
+        let mut planes = Out::ALL.map(|output| outputs.take(output, 0));
+        if thickness.is_some_and(|plane| plane.iter().all(|thickness| *thickness == 0.0)) {
+            planes.iter_mut().flatten().for_each(|plane| plane.fill(0.0));
+            return Ok(());
+        }
+        let mut recent = Recent::default();
+        let mut index = 0;
+        for y in window.y0..window.y1 {
+            let [above, here, below] = [y - 1, y, y + 1].map(row);
+            for x in window.x0..window.x1 {
+                let wide = thickness.map_or(1.0, |plane| f64::from(plane[index]));
+                let masks = if wide > 0.0 {
+                    let at = |plane: &[f32], row: usize, x: i64| f64::from(plane[row + column(x)]);
+                    let q = at(across, here, x);
+                    let beside = [x - 1, x + 1].map(|x| at(across, here, x));
+                    let change = change(q, beside, [above, below].map(|row| at(across, row, x)));
+                    self.drawn.masks([q, at(along, here, x)], change, wide, &mut recent)
+                } else {
+                    [0.0; MOST]
+                };
+                for (plane, mask) in planes.iter_mut().zip(masks) {
+                    if let Some(plane) = plane {
+                        plane[index] = mask as f32;
+                    }
+                }
+                index += 1;
+            }
+        }
+        Ok(())
+    }
+
+    fn bound(&self, _bounding: &Bounding<'_>, _outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
+        Err(NoBound("places beside each other say how wide an edge is, in a quotient without end"))
+    }
+
+    fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
+        let place = |dx: f64, dy: f64| {
+            let numbers = numbers(&inputs.moved(dx, dy), &self.place);
+            [numbers[0], numbers[1]]
+        };
+        let [q, v] = place(0.0, 0.0);
+        let beside = [[-1.0, 0.0], [1.0, 0.0], [0.0, -1.0], [0.0, 1.0]].map(|[x, y]| place(x, y)[0]);
+        let thickness = self.thickness.as_ref().map_or(1.0, |source| inputs.scalar(source));
+        let change = change(q, [beside[0], beside[1]], [beside[2], beside[3]]);
+        let masks = self.drawn.masks([q, v], change, thickness, &mut Recent::default());
+        Ok(masks.map(Reference::Mask).to_vec())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::refused;
+
+    fn drawing(widths: &[f64], jitter: f64) -> DrawnLines {
+        let (begin, end, widths) = ([0.0, 0.3], [0.6, 1.4], widths.to_vec());
+        let lines =
+            Lines { widths, begin, end, head: 0.1, tail: 0.8, vary: 0.6, jitter, lean: 0.1, lag: 0.02, finest: 3.0 };
+        DrawnLines { key: key(0, 3), ..DrawnLines::new(lines, 0) }
+    }
+
+    #[test]
+    fn hostile_places_have_masks_too() {
+        let drawing = drawing(&[1.9, 1.0, 0.5, 0.1], 1.0);
+        let hostile = [0.0, -0.0, 0.5, 1e-30, -3.7, 1e6, -1e18, f64::MAX, f64::NAN, f64::INFINITY, f64::NEG_INFINITY];
+        for q in hostile {
+            for v in hostile {
+                for change in hostile.map(f64::abs) {
+                    for thickness in [0.0, 1e-30, 0.3, 1.0] {
+                        let masks = drawing.masks([q, v], change, thickness, &mut Recent::default());
+                        assert!(masks.iter().all(|mask| (0.0..=1.0).contains(mask)), "{masks:?} at {q}, {v}, {change}");
+                        assert!(thickness > 0.0 || masks == [0.0; MOST]);
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn no_line_is_missed_and_what_is_kept_of_neighbors_changes_nothing() {
+        let drawing = drawing(&[1.6, 0.7], 1.0);
+        let mut recent = Recent::default();
+        let mut most: f64 = 0.0;
+        for step in 0..4000 {
+            let place = [f64::from(step) * 0.0137 - 20.0, f64::from(step % 37) / 30.0];
+            let masks = drawing.masks(place, 0.02, 1.0, &mut recent);
+            assert_eq!(masks, drawing.masks(place, 0.02, 1.0, &mut Recent::default()));
+            // All lines far around, one by one.
+            for (k, width) in drawing.lines.widths.iter().enumerate() {
+                let all = (-40..60).map(|index| {
+                    let line = drawing.line(index);
+                    let wide = width * line.width * drawing.taper(&line, place[1] - k as f64 * drawing.lines.lag);
+                    let distance = (place[0] - k as f64 * drawing.lines.lean - line.middle).abs();
+                    let drawn = wide.max(0.02);
+                    if wide > 0.0 {
+                        wide / drawn * (0.5 + (0.5 * drawn - distance) / 0.02).clamp(0.0, 1.0)
+                    } else {
+                        0.0
+                    }
+                });
+                assert_eq!(masks[k], all.fold(0.0, f64::max), "{place:?}");
+                most = most.max(masks[k]);
+            }
+        }
+        assert_eq!(most, 1.0);
+    }
+
+    #[test]
+    fn places_have_two_components_and_widths_are_shares() {
+        let nodes = r#""x": { "type": "ScreenX" }, "out": { "type": "LineSet", "place": "x", "widths": [0.5] }"#;
+        assert!(refused("weights", nodes).contains("2 components"));
+        let nodes = r#""x": { "type": "ScreenX" }, "p": { "type": "FieldMath", "a": "x", "components": 2,
+            "expression": "[a, a]" }, "out": { "type": "LineSet", "place": "p", "widths": [0.5, 3] }"#;
+        assert!(refused("weights", nodes).contains("from 0 to 2"));
+    }
+}

@@ -1,0 +1,392 @@
+//! Strokes: a picture laid anew with a brush.
+
+use crate::filter::{fill, kind, numbers, value};
+use crate::paint::{
+    Around, Canvas, Cells, Layer, LayerKnobs, MARGIN, Manner, Planes, RESTS, STRIDES, Seen, Sight, Stroke,
+    index as place, layers, pixels, placed, reach, sample, seeds_of,
+};
+use fearless_simd::{Level, Simd, dispatch};
+use std::sync::Arc;
+use trochoid_graph::*;
+use trochoid_image::{Format, Window};
+
+/// Lays an image anew with strokes of a brush, each of which takes one color at its seed and follows a flow.
+///
+/// # Formula
+/// Stroke over stroke, layer over layer, the first lowest: (1 − w)·below + w·c, c the image at the stroke's source. a along and b
+/// across the stroke, −1 to 1, b less a bend by a² as the flow turns: w = opacity · min(1, 2.2(1 − a²)(1 − b²)) · (1 −
+/// 0.55·bristle·(1 − hair)) · (1 − 0.8·bristle·max(a, 0)·hair), hair(b) in [0, 1]. Seeds: one point a cell of square grids of
+/// sides 2^ℓ on the surface at rest, of the two levels next to one point in `spacing`² pixels, which fade into each other.
+///
+/// # Edge cases
+/// Seeds are fixed on the surface, so that strokes move with it and neither boil nor swim; where none is seen, on the picture.
+/// From a spacing of 5 pixels on they are sought between every second pixel. All but the share `lost` end where the surface does
+/// or depth jumps, and take their color from their own side. Strokes fade out beside what hides their seed, and at the picture's
+/// border. What no stroke covers is the image itself. Weights come of geometry alone and are those of every color: a picture of
+/// other colors has the same strokes, and no color is added to the palette. Each sample of a pixel is painted apart; shaded by the
+/// pixel, with the strokes of the first one.
+///
+/// # Source
+/// Meier, Painterly Rendering for Animation, 1996; Litwinowicz, Processing Images and Video for an Impressionist Effect, 1997;
+/// Hertzmann, Painterly Rendering with Curved Brush Strokes of Multiple Sizes, 1998.
+#[derive(Clone, Node)]
+#[node(end = Back, revision = 2, output(image: Kind::ANY = "The painted image, of the same kind."))]
+pub(crate) struct Strokes {
+    /// What is painted.
+    image: One<port::Image>,
+    #[items]
+    sight: Sight,
+    /// Layers, the coarsest first.
+    #[list(1..=8)]
+    layers: Vec<LayerKnobs>,
+    /// Of a picture of this height the layers' pixels are meant, whatever the format: a draft at half the size has the same
+    /// strokes. The picture's own pixels if unset.
+    #[knob(range = 1..=1 << 20, unit = "pixels")]
+    height: Option<i64>,
+    /// What seeds are fixed to: the surface at rest, or the picture.
+    anchor: Anchor,
+    /// The least jump of depth that is an edge, as a share of the depth.
+    #[knob(default = 0.12, range = 1e-3..=1e3)]
+    edge: f64,
+    /// Share of strokes that go on over edges.
+    #[knob(default = 0.3, range = 0.0..=1.0)]
+    lost: f64,
+    /// Which strokes of all that have these figures.
+    #[knob(default = 0, range = 0..=1_000_000_000)]
+    seed: i64,
+}
+
+/// What seeds are fixed to.
+#[derive(Clone, Copy, Debug, PartialEq, Choice)]
+enum Anchor {
+    Rest,
+    Screen,
+}
+
+impl Strokes {
+    /// Whether seeds are fixed to surfaces.
+    fn is_on_surfaces(&self) -> bool {
+        self.sight.view.is_some() && self.anchor == Anchor::Rest
+    }
+
+    /// The layers in pixels of a format, the lowest first.
+    fn layers(&self, format: Format) -> Vec<Layer> {
+        layers(&self.layers, self.height, self.seed, format)
+    }
+}
+
+impl Node for Strokes {
+    fn work(&self, format: Format, _time: f64) -> Option<Work> {
+        // A sample, a stroke, and a sample that a stroke covers.
+        const SAMPLE: f64 = 2.6e-7;
+        const STROKE: f64 = 1.5e-6;
+        const COVERED: f64 = 2.0e-9;
+        let layer = |layer: &Layer| {
+            let strokes = 1.0 / (layer.spacing * layer.spacing);
+            // Strokes are half as large at least.
+            strokes * (STROKE + COVERED * 0.56 * 4.0 * layer.half[0] * layer.half[1])
+        };
+        let samples = format.window().area() as f64 * f64::from(format.samples());
+        let seconds = samples * (SAMPLE + self.layers(format).iter().map(layer).sum::<f64>());
+        let remedy = "raise \"spacing\", or lower \"length\" and \"width\": each place is painted \
+                      length · width / spacing² times; or have fewer samples or pixels";
+        Some(Work { seconds, item: Self::LAYERS, remedy })
+    }
+
+    fn body(&self) -> Body<'_> {
+        Body::Stage(self)
+    }
+}
+
+impl Stage for Strokes {
+    fn asks(&self, _wanted: &[bool]) -> ChannelSet {
+        let rests = if self.is_on_surfaces() { ChannelSet::of(&RESTS) } else { ChannelSet::EMPTY };
+        rests.union(Channel::Coverage.into())
+    }
+
+    fn prefers(&self, _wanted: &[bool]) -> ChannelSet {
+        ChannelSet::of(&[Channel::Depth, Channel::Surface])
+    }
+
+    fn regions_of_interest(&self, _port: PortId, window: Window, format: Format) -> Window {
+        let by = reach(&self.layers(format)) + MARGIN + 1 + STRIDES[1];
+        Window::new(window.x0 - by, window.y0 - by, window.x1 + by, window.y1 + by)
+    }
+
+    fn regions_once_found(&self, _port: PortId, window: Window, _format: Format) -> Window {
+        window
+    }
+
+    fn prepare(&self, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
+        Ok(Box::new(PreparedStrokes {
+            image: self.image.clone(),
+            sight: self.sight.clone(),
+            kind: kind(prepare),
+            picture: prepare.frame.format.window(),
+            layers: self.layers(prepare.frame.format),
+            manner: Manner::new(self.edge, self.lost),
+            on_surfaces: self.is_on_surfaces(),
+        }))
+    }
+}
+
+/// Width and height of the parts of a block that are painted one after the other.
+const PART: (usize, usize) = (128, 64);
+
+struct PreparedStrokes {
+    image: One<port::Image>,
+    sight: Sight,
+    kind: Kind,
+    picture: Window,
+    layers: Vec<Layer>,
+    manner: Manner,
+    on_surfaces: bool,
+}
+
+impl PreparedStrokes {
+    /// The upper left pixels of all patches so large whose strokes may reach so far into a window.
+    fn near(&self, window: Window, reach: i64, stride: i64) -> Window {
+        let picture = self.picture;
+        Window::new(
+            (window.x0 - reach - stride).max(picture.x0),
+            (window.y0 - reach - stride).max(picture.y0),
+            (window.x1 + reach).min(picture.x1 - stride),
+            (window.y1 + reach).min(picture.y1 - stride),
+        )
+    }
+
+    /// Every stroke that reaches a window, by layer.
+    fn strokes(
+        &self,
+        window: Window,
+        around: &impl Canvas,
+        go_on: impl Fn() -> Result<(), NodeError>,
+    ) -> Result<Vec<(usize, Stroke)>, NodeError> {
+        let mut strokes = Vec::new();
+        for stride in STRIDES {
+            // Fine layers reach less far.
+            let mut layers: Vec<(usize, &Layer, Window, Cells)> = Vec::new();
+            for (index, layer) in self.layers.iter().enumerate().filter(|(_, layer)| layer.stride() == stride) {
+                layers.push((index, layer, self.near(window, reach(&[*layer]), stride), Cells::new(layer.key)));
+            }
+            let Some(all) = layers.iter().map(|(_, _, near, _)| *near).reduce(Window::union) else { continue };
+            // Patches stand at the same places whatever the window.
+            let [x0, y0] = [all.x0, all.y0].map(|first| first + (-first).rem_euclid(stride));
+            for y in (y0..all.y1).step_by(stride as usize) {
+                go_on()?;
+                let mut left = [around.corner(x0, y), around.corner(x0, y + stride)];
+                for x in (x0..all.x1).step_by(stride as usize) {
+                    let right = [around.corner(x + stride, y), around.corner(x + stride, y + stride)];
+                    let corners = [left[0], right[0], left[1], right[1]];
+                    left = right;
+                    let Some(patch) = placed(corners, stride as f64, self.manner.step) else { continue };
+                    let [size, ..] = around.shares(x, y);
+                    for (index, layer, near, cells) in &mut layers {
+                        if !near.contains(x, y) {
+                            continue;
+                        }
+                        seeds_of(&patch, pixels(layer, size), cells, |seed| {
+                            let stroke = Stroke::new(layer, &self.manner, &seed, [x, y], around);
+                            strokes.extend(stroke.map(|stroke| (*index, stroke)));
+                        });
+                    }
+                }
+            }
+        }
+        Ok(strokes)
+    }
+}
+
+/// What is painted on: what each stroke adds, and what they leave to see of the image, from the uppermost down.
+struct Sums {
+    /// By channel.
+    sums: Vec<Vec<f64>>,
+    left: Vec<f64>,
+}
+
+impl Sums {
+    /// Adds a stroke that covers so much of some pixels of a row, of values by channel.
+    #[inline(always)]
+    fn add(&mut self, start: usize, covers: &[f32], values: &[f64], weights: &mut [f64]) {
+        let left = &mut self.left[start..start + covers.len()];
+        for ((weight, left), covers) in weights.iter_mut().zip(left).zip(covers) {
+            *weight = f64::from(*covers) * *left;
+            *left -= *weight;
+        }
+        for (sums, value) in self.sums.iter_mut().zip(values) {
+            let sums = &mut sums[start..start + covers.len()];
+            if value.is_finite() {
+                for (sum, weight) in sums.iter_mut().zip(&*weights) {
+                    *sum += weight * value;
+                }
+                continue;
+            }
+            // Nothing of infinity is nothing.
+            for (sum, weight) in sums.iter_mut().zip(&*weights).filter(|(_, weight)| **weight > 0.0) {
+                *sum += weight * value;
+            }
+        }
+    }
+}
+
+/// Strokes from the uppermost down, and the image's values at their sources, channel by channel.
+struct Laid {
+    strokes: Vec<Stroke>,
+    values: Vec<f64>,
+    /// Where the sample stands in its pixel that they were found for.
+    offset: [f64; 2],
+}
+
+impl PreparedStrokes {
+    /// Finds the strokes of a block, for the sample whose inputs these are.
+    fn laid(&self, block: &Block<'_>, inputs: &Inputs<'_>) -> Result<Laid, NodeError> {
+        let image = &inputs.all(&self.image)[0];
+        let planes = Planes::new(&self.sight, self.picture, self.on_surfaces, block, inputs);
+        let mut strokes = self.strokes(block.window, &planes, || inputs.go_on())?;
+        // Strokes of surfaces that stand at several places are told apart by where they are.
+        strokes.sort_unstable_by(|(layer, a), (other, b)| {
+            let at = |axis: usize| a.at[axis].total_cmp(&b.at[axis]);
+            other.cmp(layer).then(b.order.cmp(&a.order)).then_with(|| at(1)).then_with(|| at(0))
+        });
+        let strokes: Vec<Stroke> = strokes.into_iter().map(|(_, stroke)| stroke).collect();
+        let channels = self.kind.channels();
+        let mut values = Vec::with_capacity(strokes.len() * channels);
+        for stroke in &strokes {
+            let [x, y] = stroke.source;
+            values.extend((0..channels).map(|channel| sample(Some(image), channel, x, y).unwrap_or(0.0)));
+        }
+        Ok(Laid { strokes, values, offset: block.offset })
+    }
+}
+
+impl Prepared for PreparedStrokes {
+    fn find(&self, block: &Block<'_>, inputs: &Inputs<'_>) -> Result<Option<Found>, NodeError> {
+        Ok(Some(Arc::new(self.laid(block, inputs)?)))
+    }
+
+    fn fill(&self, block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
+        let window = block.window;
+        let image = &inputs.all(&self.image)[0];
+        let planes = Planes::new(&self.sight, self.picture, self.on_surfaces, block, inputs);
+        let own;
+        let laid = match inputs.found::<Laid>() {
+            Some(found) => found,
+            None => {
+                own = self.laid(block, inputs)?;
+                &own
+            }
+        };
+        let shift = [0, 1].map(|axis| block.offset[axis] - laid.offset[axis]);
+        let strokes: Vec<Stroke> = laid.strokes.iter().map(|stroke| stroke.seen_from(shift)).collect();
+        let values = &laid.values;
+        let area = window.area();
+        let mut sums = Sums { sums: vec![vec![0.0; area]; self.kind.channels()], left: vec![1.0; area] };
+        let width = window.width();
+        let (mut covers, mut weights) = (vec![0.0f32; width], vec![0.0f64; width]);
+        let (flat, far) = (vec![-1.0f32; width], vec![f32::INFINITY; width]);
+        let channels = self.kind.channels();
+        let level = Level::new();
+        // Part by part, so that what is painted on stays near; no bit depends on where parts end.
+        let parts: Vec<Window> = window.tiles(PART.0, PART.1).collect();
+        let across = width.div_ceil(PART.0);
+        let mut on: Vec<Vec<u32>> = vec![Vec::new(); parts.len()];
+        for (index, stroke) in strokes.iter().enumerate() {
+            let bounds = stroke.bounds().intersect(window);
+            if bounds.is_empty() {
+                continue;
+            }
+            let column = |x: i64| (x - window.x0) as usize / PART.0;
+            let row = |y: i64| (y - window.y0) as usize / PART.1;
+            for row in row(bounds.y0)..=row(bounds.y1 - 1) {
+                for column in column(bounds.x0)..=column(bounds.x1 - 1) {
+                    on[row * across + column].push(index as u32);
+                }
+            }
+        }
+        for (part, on) in parts.into_iter().zip(on) {
+            inputs.go_on()?;
+            dispatch!(level, simd => simd.vectorize(#[inline(always)] || {
+                for index in &on {
+                    let stroke = &strokes[*index as usize];
+                    let values = &values[*index as usize * channels..][..channels];
+                    let [first, last] = stroke.rows();
+                    for y in first.max(part.y0)..(last + 1).min(part.y1) {
+                        let [begin, end] = stroke.columns(y);
+                        let (x0, x1) = (begin.max(part.x0), (end + 1).min(part.x1));
+                        if x0 >= x1 {
+                            continue;
+                        }
+                        let count = (x1 - x0) as usize;
+                        let [parts, depths] = planes.row([x0, x1], y);
+                        let (parts, depths) = (parts.unwrap_or(&flat[..count]), depths.unwrap_or(&far[..count]));
+                        let from = [begin as f64 - stroke.at[0], y as f64 - stroke.at[1]];
+                        stroke.cover_row(from, x0 - begin, parts, depths, &mut covers[..count]);
+                        sums.add(place(window, x0, y), &covers[..count], values, &mut weights[..count]);
+                    }
+                }
+            }));
+        }
+        fill(self.kind, area, outputs, |channel, out| {
+            let rows = out.chunks_mut(width).zip(window.y0..);
+            for ((row, y), start) in rows.zip((0..).step_by(width)) {
+                for ((out, x), pixel) in row.iter_mut().zip(window.x0..).zip(start..) {
+                    let own = sample(Some(image), channel, x, y).unwrap_or(0.0);
+                    let left = sums.left[pixel];
+                    let sum = sums.sums[channel][pixel] + if left > 0.0 { left * own } else { 0.0 };
+                    // Between +∞ and −∞ there is no mean.
+                    *out = if sum.is_nan() { own as f32 } else { sum as f32 };
+                }
+            }
+        });
+        Ok(())
+    }
+
+    fn bound(&self, _bounding: &Bounding<'_>, _outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
+        Err(NoBound("strokes begin, end and hide one another where the view says so, each from far away"))
+    }
+
+    fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
+        let seen = Seen::new(&self.sight, self.picture, self.on_surfaces, inputs);
+        let [x, y] = seen.pixel;
+        let first = inputs.first();
+        let found_at = Seen::new(&self.sight, self.picture, self.on_surfaces, &first);
+        let mut strokes = self.strokes(Window::new(x, y, x + 1, y + 1), &found_at, || Ok(()))?;
+        let shift = [0, 1].map(|axis| inputs.at[axis] - first.at[axis]);
+        strokes.sort_by(|(layer, a), (other, b)| {
+            let at = |axis: usize| b.at[axis].total_cmp(&a.at[axis]);
+            layer.cmp(other).then(a.order.cmp(&b.order)).then_with(|| at(1)).then_with(|| at(0))
+        });
+        let image = &self.image;
+        let own = numbers(inputs, image);
+        let mut painted = own.clone();
+        for (_, stroke) in strokes {
+            let stroke = stroke.seen_from(shift);
+            let from = [x as f64 - stroke.at[0], y as f64 - stroke.at[1]];
+            let w = stroke.covers(from, seen.part(x, y), seen.depth(x, y));
+            if w == 0.0 {
+                continue;
+            }
+            let source = first.moved((stroke.source[0] - x) as f64, (stroke.source[1] - y) as f64);
+            for (below, color) in painted.iter_mut().zip(numbers(&source, image)) {
+                *below = if w < 1.0 { (1.0 - w) * *below + w * color } else { color };
+            }
+        }
+        for (painted, own) in painted.iter_mut().zip(own).filter(|(painted, _)| painted.is_nan()) {
+            *painted = own;
+        }
+        Ok(vec![value(self.kind, painted)])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::testing::refused;
+
+    #[test]
+    fn a_flow_has_two_components() {
+        let nodes = r##""x": { "type": "ScreenX" },
+            "out": { "type": "Strokes", "image": "#808080", "flow": "x", "layers": [{}] }"##;
+        let faults = refused("color", nodes);
+        assert!(faults.contains("2 components"), "{faults}");
+    }
+}

@@ -1,0 +1,298 @@
+//! SurfaceLines: the net of light lines that scrolls over cartoon water.
+
+use crate::field::{Axes, Noise, NoiseKind, edges_reference, noise_reference};
+use crate::lit::eye;
+use crate::view::{is_covered, view_planes, view_vector};
+use std::f64::consts::TAU;
+use trochoid_graph::*;
+use trochoid_scene::{DVec3, Projector, footprint_axes};
+
+/// A mask of lines on the water that scroll and sway, and coordinates by which a Texture lays a tiled picture there
+/// instead.
+///
+/// # Formula
+/// q = (p₀ − scroll·time)/scale + sway·n(q), p₀ the rest point, n gradient noise; the distance to a line is d =
+/// scale·(F₂ − F₁)/2 by the two nearest feature points. A line of width w is drawn at least one pixel wide, W = max(w,
+/// c), c = √((∇d·a)² + (∇d·b)²) the change of d over the sides a and b of the pixel's patch on the water, ∇Fᵢ the unit
+/// vector away from a point: (w/W)·(½ + (W/2 − d)/c), limited to [0, w/W]. It fades to the lines' share of the water by
+/// exp(−(2πf/scale)²/8), f the longer side of the pixel's patch on the water. u = (x₀ − scroll_x·time)/scale, v = −(z₀
+/// − scroll_z·time)/scale.
+///
+/// # Edge cases
+/// 0 where nothing is seen. u and v grow toward +X and −Z, and leave out whole pairs of tiles that time scrolled by, so
+/// that they stay exact. The pixel's patch is that of the water at rest. Needs a view with a camera.
+///
+/// # Source
+/// Creation of a cartoon shader of water for the web, part 2 (a tiled picture of lines, pos.y += time); Worley, A
+/// Cellular Texture Basis Function, 1996, for the lines.
+#[derive(Clone, Node)]
+#[node(end = Front, revision = 2, outputs = Out)]
+pub(crate) struct SurfaceLines {
+    /// The water.
+    view: One<port::View>,
+    /// Share of the width at a place, such as a Noise; by default 1.
+    thickness: Optional<port::Mask>,
+    /// Size of the meshes, and of a tile of u and v.
+    #[knob(default = 3.0, range = 1e-3..=1e6, unit = "m")]
+    scale: f64,
+    /// Width of the lines.
+    #[knob(default = 0.15, range = 0.0..=1e6, unit = "m")]
+    width: f64,
+    /// How fast they move along x.
+    #[knob(default = 0.0, range = -1e6..=1e6, unit = "m/s")]
+    scroll_x: f64,
+    /// How fast they move along z.
+    #[knob(default = 0.2, range = -1e6..=1e6, unit = "m/s")]
+    scroll_z: f64,
+    /// How far the lines bend, in meshes; 0 draws them straight.
+    #[knob(default = 0.25, range = 0.0..=10.0)]
+    sway: f64,
+    /// How fast they sway: 1 bends them anew once a second.
+    #[knob(default = 0.3, range = -1e3..=1e3, unit = "1/s")]
+    liveliness: f64,
+    /// Which net of all that have these figures.
+    #[knob(default = 0, range = 0..=1_000_000_000)]
+    seed: i64,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Outputs)]
+enum Out {
+    /// The lines.
+    #[output(Kind::MASK)]
+    Mask,
+    /// Where across the tiles: 1 more with each tile.
+    #[output(Kind::Field(1))]
+    U,
+    /// Where along their height.
+    #[output(Kind::Field(1))]
+    V,
+}
+
+const RESTS: [Channel; 3] = [Channel::RestX, Channel::RestY, Channel::RestZ];
+
+impl Node for SurfaceLines {
+    fn body(&self) -> Body<'_> {
+        Body::Stage(self)
+    }
+}
+
+impl Stage for SurfaceLines {
+    fn asks(&self, _wanted: &[bool]) -> ChannelSet {
+        ChannelSet::of(&RESTS).union(Channel::Coverage.into())
+    }
+
+    fn interval(&self, output: usize, _channel: usize) -> Option<(f64, f64)> {
+        match Out::ALL[output] {
+            Out::Mask => Some((0.0, 1.0)),
+            Out::U | Out::V => None,
+        }
+    }
+
+    fn timed(&self) -> bool {
+        true
+    }
+
+    fn prepare(&self, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
+        let (time, seed) = (prepare.frame.time, self.seed as u32);
+        let cells = |size: f64, seed: u32| Axes { scale: size, octaves: 1, lacunarity: 2.0, gain: 0.5, seed };
+        let net = Noise::new(NoiseKind::Edges, cells(1.0, seed), None);
+        let evolution = self.liveliness * time;
+        let bend = |axis: u32| Noise::new(NoiseKind::Fbm, cells(BEND, mixed(seed, axis)), Some(evolution));
+        Ok(Box::new(PreparedNet {
+            node: self.clone(),
+            projector: eye(prepare, &self.view, prepare.frame.format)?,
+            scrolled: [self.scroll_x, self.scroll_z].map(|speed| speed * time / self.scale),
+            shares: shares(&net),
+            bends: [bend(1), bend(2)],
+            net,
+        }))
+    }
+}
+
+/// Size of the bends in meshes.
+const BEND: f64 = 1.7;
+
+/// Seeds of the bends, unlike each other and the net's.
+fn mixed(seed: u32, axis: u32) -> u32 {
+    seed.wrapping_mul(3).wrapping_add(axis).wrapping_mul(0x9e37_79b9)
+}
+
+/// Places along each axis at which the net is sampled, and how many of them lie in a mesh.
+const SAMPLES: usize = 64;
+const SAMPLES_PER_MESH: f64 = 3.7;
+
+/// Distances of places to the nearest line in meshes, in order: how much of the water is nearer than a distance.
+fn shares(net: &Noise) -> Vec<f32> {
+    let place = |index: usize| [index % SAMPLES, index / SAMPLES].map(|step| step as f64 / SAMPLES_PER_MESH);
+    let mut distances = vec![0.0; SAMPLES * SAMPLES];
+    net.fill::<2>((0..SAMPLES * SAMPLES).map(place), &[], &mut distances);
+    distances.iter_mut().for_each(|distance| *distance /= 2.0);
+    distances.sort_by(f32::total_cmp);
+    distances
+}
+
+struct PreparedNet {
+    node: SurfaceLines,
+    projector: Projector,
+    /// How far the tiles have moved along x and z, in tiles.
+    scrolled: [f64; 2],
+    net: Noise,
+    bends: [Noise; 2],
+    shares: Vec<f32>,
+}
+
+/// The lines at one place, all but their distance.
+#[derive(Clone, Copy, Default)]
+struct Place {
+    /// In meshes.
+    at: [f64; 2],
+    /// Steps to the next pixels, in meshes.
+    steps: [[f64; 2]; 2],
+    /// Width of the line in meshes.
+    width: f64,
+}
+
+impl Place {
+    /// The longer side of the pixel's patch.
+    fn longest(&self) -> f64 {
+        self.steps.map(|[x, z]| libm::hypot(x, z)).into_iter().fold(0.0, f64::max)
+    }
+
+    /// The same, moved by so many meshes.
+    fn bent(&self, by: [f64; 2]) -> Self {
+        Self { at: [self.at[0] + by[0], self.at[1] + by[1]], ..*self }
+    }
+
+    /// Share of the lines that the pixel's size leaves; none below 1e-8.
+    fn sharp(&self) -> f64 {
+        let turn = TAU * self.longest();
+        if turn < 12.0 { libm::exp(-turn * turn / 8.0) } else { 0.0 }
+    }
+
+    /// The mask, from F₂ − F₁ and how much it grows along both axes.
+    fn mask(&self, edges: f64, slope: [f64; 2], share: f64) -> f64 {
+        let d = edges / 2.0;
+        let [across, along] = self.steps.map(|[x, z]| (slope[0] * x + slope[1] * z) / 2.0);
+        let change = libm::hypot(across, along).max(LEAST_CHANGE);
+        let drawn = self.width.max(change);
+        let line = if self.width > 0.0 {
+            (self.width / drawn) * (0.5 + (drawn / 2.0 - d) / change).clamp(0.0, 1.0)
+        } else {
+            0.0
+        };
+        self.faded(line, share)
+    }
+
+    /// A line that the pixel's size fades to the lines' share of the water.
+    fn faded(&self, line: f64, share: f64) -> f64 {
+        (share + (line - share) * self.sharp()).clamp(0.0, 1.0)
+    }
+}
+
+/// Least softness of an edge in meshes, for places where the distance does not change.
+const LEAST_CHANGE: f64 = 1e-3;
+
+impl PreparedNet {
+    /// A rest point in tiles.
+    fn tiles(&self, rest: DVec3) -> [f64; 2] {
+        [rest.x / self.node.scale - self.scrolled[0], rest.z / self.node.scale - self.scrolled[1]]
+    }
+
+    /// The place of a rest point, before it is bent.
+    fn place(&self, rest: DVec3, thickness: f64) -> Place {
+        let steps = footprint_axes(&self.projector, rest).map(|axis| axis.map(|along| along / self.node.scale));
+        Place { at: self.tiles(rest), steps, width: self.node.width * thickness / self.node.scale }
+    }
+
+    /// The lines' share of the water.
+    fn share(&self, place: &Place) -> f64 {
+        let nearer = self.shares.partition_point(|distance| f64::from(*distance) < place.width / 2.0);
+        nearer as f64 / self.shares.len() as f64
+    }
+
+    /// Coordinates of a picture: whole pairs of tiles are no difference to it, mirrored or not.
+    fn coordinates(&self, rest: DVec3) -> [f64; 2] {
+        let offset = self.scrolled.map(|tiles| tiles - 2.0 * libm::floor(tiles / 2.0));
+        [rest.x / self.node.scale - offset[0], offset[1] - rest.z / self.node.scale]
+    }
+
+    fn fill_mask(&self, rests: &[DVec3], coverage: &[f32], thickness: Option<&[f32]>, mask: &mut [f32]) {
+        let mut near: Vec<(usize, Place)> = Vec::new();
+        for (index, rest) in rests.iter().enumerate() {
+            let place = self.place(*rest, thickness.map_or(1.0, |plane| f64::from(plane[index])));
+            if coverage[index] == 0.0 {
+                mask[index] = 0.0;
+            } else if place.sharp() == 0.0 {
+                mask[index] = place.faded(0.0, self.share(&place)) as f32;
+            } else {
+                near.push((index, place));
+            }
+        }
+        if self.node.sway > 0.0 {
+            let mut bends = [vec![0.0f32; near.len()], vec![0.0f32; near.len()]];
+            for (bend, out) in self.bends.iter().zip(&mut bends) {
+                bend.fill::<2>(near.iter().map(|(_, place)| place.at), &[], out);
+            }
+            for (step, (_, place)) in near.iter_mut().enumerate() {
+                *place = place.bent([0, 1].map(|axis| self.node.sway * f64::from(bends[axis][step])));
+            }
+        }
+        let places: Vec<[f64; 2]> = near.iter().map(|(_, place)| place.at).collect();
+        let (mut edges, mut slopes) = (vec![0.0; near.len()], vec![[0.0; 2]; near.len()]);
+        self.net.fill_edges(&places, &mut edges, &mut slopes);
+        for (((index, place), edges), slope) in near.iter().zip(edges).zip(slopes) {
+            mask[*index] = place.mask(f64::from(edges), slope.map(f64::from), self.share(place)) as f32;
+        }
+    }
+}
+
+/// All outputs at one sample.
+fn references(mask: f64, [u, v]: [f64; 2]) -> Vec<Reference> {
+    let output = |output| match output {
+        Out::Mask => Reference::Mask(mask),
+        Out::U => Reference::Field(vec![u]),
+        Out::V => Reference::Field(vec![v]),
+    };
+    Out::ALL.map(output).into()
+}
+
+impl Prepared for PreparedNet {
+    fn fill(&self, _block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
+        let coverage = inputs.view(&self.node.view, Channel::Coverage);
+        let planes = view_planes(inputs, &self.node.view, RESTS);
+        let rest = |index: usize| DVec3::from(planes.map(|plane| f64::from(plane[index])));
+        let rests: Vec<DVec3> = (0..coverage.len()).map(rest).collect();
+        if let Some(mask) = outputs.take(Out::Mask, 0) {
+            let thickness = inputs.all(&self.node.thickness).first().and_then(|connection| connection.planes[0]);
+            self.fill_mask(&rests, coverage, thickness, mask);
+        }
+        for (axis, output) in [Out::U, Out::V].into_iter().enumerate() {
+            let Some(plane) = outputs.take(output, 0) else { continue };
+            for ((out, rest), coverage) in plane.iter_mut().zip(&rests).zip(coverage) {
+                *out = if *coverage == 0.0 { 0.0 } else { self.coordinates(*rest)[axis] as f32 };
+            }
+        }
+        Ok(())
+    }
+
+    fn bound(&self, _bounding: &Bounding<'_>, _outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
+        Err(NoBound("the slope of its net jumps wherever another cell is the nearest"))
+    }
+
+    fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
+        if !is_covered(inputs, &self.node.view) {
+            return Ok(references(0.0, [0.0; 2]));
+        }
+        let rest = view_vector(inputs, &self.node.view, RESTS);
+        let thickness = self.node.thickness.as_ref().map_or(1.0, |source| inputs.scalar(source));
+        let place = self.place(rest, thickness);
+        let place = place.bent([0, 1].map(|axis| self.node.sway * noise_reference(&self.bends[axis], &place.at, 0.0)));
+        let (edges, slope) = edges_reference(&self.net, place.at);
+        let mask = place.mask(edges, slope, self.share(&place));
+        Ok(references(mask, self.coordinates(rest)))
+    }
+
+    fn bytes(&self) -> usize {
+        self.shares.len() * 4
+    }
+}

@@ -1,0 +1,267 @@
+//! WaterlineFoam: foam where something pierces the water, or lies shallow under it.
+
+use super::check_same_camera;
+use crate::bounds::{Span, bound_by, known};
+use trochoid_graph::*;
+
+/// A mask of foam along the lines where things stand in the water: where what lies behind it is near.
+///
+/// # Formula
+/// t = (d' − d)/(distance·(1 + edge)), d and d' the depths of `view` and `behind`, or how far the water stands above
+/// what is behind it; the mask is 1 up to t = `solid` and falls to 0 at t = 1.
+///
+/// # Edge cases
+/// 0 where `view` sees no water, where the water is hidden by what `behind` sees, where nothing lies behind it, and
+/// where 1 + edge ≤ 0. `solid` 1 is a line with a hard edge: the source's line is distance 0.7, solid 1. A `view` that
+/// holds the things too sees foam all over them: view the water alone.
+///
+/// # Source
+/// Creation of a cartoon shader of water for the web, part 2: foamLine = clamp(screenDepth − worldDepth, 0, 1).
+#[derive(Clone, Node)]
+#[node(end = Front, revision = 1, output(mask: Kind::MASK = "The foam."))]
+pub(crate) struct WaterlineFoam {
+    /// The water alone.
+    view: One<port::View>,
+    /// The same without the water, by the same camera.
+    behind: One<port::View>,
+    /// How much wider the foam is, as a share: noise that evolves makes a ragged, lively edge. By default 0.
+    edge: Optional<port::Scalar>,
+    /// How far behind the water things still make foam.
+    #[knob(default = 1.0, range = 1e-9..=1e9, unit = "m")]
+    distance: f64,
+    /// Share of the distance up to which foam covers everything.
+    #[knob(default = 0.0, range = 0.0..=1.0)]
+    solid: f64,
+    /// Of what the distance is: along the view, as in the source, or straight down, alike from every side.
+    measure: Measure,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Choice)]
+enum Measure {
+    Depth,
+    Height,
+}
+
+impl WaterlineFoam {
+    /// Of the water, and of what lies behind it.
+    fn views(&self) -> [&One<port::View>; 2] {
+        [&self.view, &self.behind]
+    }
+}
+
+impl Node for WaterlineFoam {
+    fn check(&self, check: &mut Check<'_>) {
+        check_same_camera(self.views(), check);
+        if *self.view == *self.behind {
+            let found = "the same view as \"view\": nothing lies behind itself, and all of it would be foam";
+            let remedy = "connect a Render of the same camera with all surfaces but the water";
+            check.error(Self::BEHIND, found, "a view without the water", remedy);
+        }
+    }
+
+    fn body(&self) -> Body<'_> {
+        Body::Stage(self)
+    }
+}
+
+impl Stage for WaterlineFoam {
+    fn asks(&self, _wanted: &[bool]) -> ChannelSet {
+        match self.measure {
+            Measure::Depth => Channel::Depth.into(),
+            Measure::Height => ChannelSet::of(&[Channel::Depth, Channel::PositionY]),
+        }
+    }
+
+    fn interval(&self, _output: usize, _channel: usize) -> Option<(f64, f64)> {
+        Some((0.0, 1.0))
+    }
+
+    fn formatted(&self) -> bool {
+        false
+    }
+
+    fn prepare(&self, _prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
+        let foam = Foam { distance: self.distance, solid: self.solid };
+        Ok(Box::new(PreparedFoam { node: self.clone(), foam }))
+    }
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Foam {
+    distance: f64,
+    solid: f64,
+}
+
+impl Foam {
+    /// The mask at one sample: depths of the water and of what lies behind it, how far apart they are, and the edge.
+    fn mask(self, [water, behind]: [f64; 2], apart: f64, edge: f64) -> f64 {
+        let reach = self.distance * (1.0 + edge).max(0.0);
+        // Depth is +∞ where nothing is seen.
+        if water == f64::INFINITY || behind == f64::INFINITY || behind < water || reach <= 0.0 {
+            return 0.0;
+        }
+        let t = apart.max(0.0) / reach;
+        if t <= self.solid {
+            1.0
+        } else if t < 1.0 {
+            (1.0 - t) / (1.0 - self.solid)
+        } else {
+            0.0
+        }
+    }
+
+    /// What the mask may be, where all that it is made of may lie anywhere in spans.
+    fn span(self, [water, behind]: [Span; 2], apart: Span, edge: Span) -> Span {
+        if water.low == f64::INFINITY || behind.low == f64::INFINITY || behind.high < water.low {
+            return Span::exactly(0.0);
+        }
+        if apart.low.is_nan() || apart.high.is_nan() || edge.low.is_nan() || edge.high.is_nan() {
+            return Span::unclear(0.0, 1.0);
+        }
+        // Depths of which the water is the nearer one: foam rises with the edge and falls with what lies between.
+        let nearer = [0.0, 1.0];
+        let lost = LOST * (apart.low.abs() + apart.high.abs()).min(f64::MAX);
+        let [thin, thick] = [apart.high + lost, apart.low - lost];
+        let ends = [self.mask(nearer, thin, edge.low), self.mask(nearer, thick, edge.high)];
+        let is_seen = water.high < f64::INFINITY && behind.high < f64::INFINITY && behind.low >= water.high;
+        let low = if is_seen { ends[0] } else { 0.0 };
+        if low == ends[1] && (low == 0.0 || low == 1.0) {
+            return Span::exactly(low);
+        }
+        let clear = [water, behind, apart, edge].iter().all(|span| span.clear) && is_seen && self.solid < 1.0;
+        Span { low, high: ends[1], clear }.wider(LOST / (1.0 - self.solid).max(LOST)).within(0.0, 1.0)
+    }
+}
+
+/// What rounding loses of a share.
+const LOST: f64 = 1e-15;
+
+struct PreparedFoam {
+    node: WaterlineFoam,
+    foam: Foam,
+}
+
+impl Prepared for PreparedFoam {
+    fn fill(&self, _block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
+        let Some(mask) = outputs.only(0) else { return Ok(()) };
+        let planes = |channel| self.node.views().map(|view| inputs.view(view, channel));
+        let depths = planes(Channel::Depth);
+        let heights = match self.node.measure {
+            Measure::Depth => None,
+            Measure::Height => Some(planes(Channel::PositionY)),
+        };
+        let edge = inputs.all(&self.node.edge).first().and_then(|connection| connection.planes[0]);
+        for (index, mask) in mask.iter_mut().enumerate() {
+            let [water, behind] = depths.map(|plane| f64::from(plane[index]));
+            let apart =
+                heights.map_or(behind - water, |[water, behind]| f64::from(water[index]) - f64::from(behind[index]));
+            let edge = edge.map_or(0.0, |plane| f64::from(plane[index]));
+            *mask = self.foam.mask([water, behind], apart, edge) as f32;
+        }
+        Ok(())
+    }
+
+    fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
+        bound_by(bounding, outputs, (Only, 0), |sample| {
+            let of = |channel: Channel| {
+                let background = Span::exactly(f64::from(channel.background()));
+                let known = |view| known(bounding, view, channel as usize, sample).unwrap_or(background);
+                self.node.views().map(known)
+            };
+            let depths = of(Channel::Depth);
+            let apart = match self.node.measure {
+                Measure::Depth => depths[1] - depths[0],
+                Measure::Height => {
+                    let [above, below] = of(Channel::PositionY);
+                    above - below
+                }
+            };
+            self.foam.span(depths, apart, known(bounding, &self.node.edge, 0, sample).unwrap_or(Span::exactly(0.0)))
+        });
+        Ok(())
+    }
+
+    fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
+        let of = |channel| self.node.views().map(|view| inputs.view(view, channel));
+        let [water, behind] = of(Channel::Depth);
+        let apart = match self.node.measure {
+            Measure::Depth => behind - water,
+            Measure::Height => {
+                let [above, below] = of(Channel::PositionY);
+                above - below
+            }
+        };
+        let edge = self.node.edge.as_ref().map_or(0.0, |source| inputs.scalar(source));
+        Ok(vec![Reference::Mask(self.foam.mask([water, behind], apart, edge))])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Foam;
+    use crate::testing::{graph, refused};
+    use std::path::Path;
+
+    #[test]
+    fn one_camera_sees_both_views() {
+        let nodes = |other: &str| {
+            format!(
+                r#""a": {{ "type": "Camera", "fov": 40 }},
+                "b": {{ "type": "Camera", "fov": {{ "keys": [[1, {other}]] }} }},
+                "s": {{ "type": "GerstnerSea", "count": 0 }},
+                "v": {{ "type": "Render", "camera": "a", "surfaces": ["s"] }},
+                "w": {{ "type": "Render", "camera": "b", "surfaces": ["s"] }},
+                "out": {{ "type": "WaterlineFoam", "view": "v", "behind": "w" }}"#
+            )
+        };
+        let faults = refused("weights", &nodes("41"));
+        assert!(faults.contains("views of two cameras") && faults.contains("connect the camera of"), "{faults}");
+        assert!(graph("weights", &nodes("40"), Path::new(".")).is_ok(), "two nodes that are the same camera");
+    }
+
+    #[test]
+    fn water_before_itself_is_refused() {
+        let nodes = r#""c": { "type": "Camera" }, "s": { "type": "GerstnerSea", "count": 0 },
+            "v": { "type": "Render", "camera": "c", "surfaces": ["s"] },
+            "out": { "type": "WaterlineFoam", "view": "v", "behind": "v" }"#;
+        let faults = refused("weights", nodes);
+        assert!(faults.contains("nothing lies behind itself") && faults.contains("but the water"), "{faults}");
+    }
+
+    #[test]
+    fn the_source_line_is_a_share_of_everything() {
+        let line = Foam { distance: 0.7, solid: 1.0 };
+        for (behind, expected) in [(10.0, 1.0), (10.69, 1.0), (10.71, 0.0), (11.0, 0.0)] {
+            assert_eq!(line.mask([10.0, behind], behind - 10.0, 0.0), expected, "{behind}");
+        }
+        let soft = Foam { distance: 2.0, solid: 0.5 };
+        for (apart, expected) in [(0.0, 1.0), (1.0, 1.0), (1.5, 0.5), (1.75, 0.25), (2.0, 0.0), (9.0, 0.0)] {
+            assert_eq!(soft.mask([5.0, 5.0 + apart], apart, 0.0), expected, "{apart}");
+            assert_eq!(soft.mask([5.0, 6.0], apart / 2.0, -0.5), expected, "half the width, {apart}");
+        }
+    }
+
+    #[test]
+    fn hostile_depths_make_masks() {
+        let (never, values) = (f64::INFINITY, [0.0, -0.0, 1e-300, -1e30, 1e30, 3.0, f64::INFINITY, f64::NEG_INFINITY]);
+        for solid in [0.0, 0.3, 1.0] {
+            for distance in [1e-9, 1.0, 1e9] {
+                let foam = Foam { distance, solid };
+                for water in values {
+                    for behind in values {
+                        for edge in [0.0, -1.0, -5.0, 1e30, never, -never] {
+                            let apart = if water == behind { 0.0 } else { behind - water };
+                            let mask = foam.mask([water, behind], apart, edge);
+                            assert!((0.0..=1.0).contains(&mask), "{water} {behind} {edge}: {mask}");
+                            if water == never || behind == never || behind < water || edge <= -1.0 {
+                                assert_eq!(mask, 0.0, "{water} {behind} {edge}");
+                            }
+                        }
+                    }
+                }
+                assert_eq!(foam.mask([4.0, 4.0], 0.0, 0.0), 1.0, "where they meet");
+                assert_eq!(foam.mask([4.0, 5.0], 1.0, never), 1.0, "an endless edge reaches everything");
+            }
+        }
+    }
+}

@@ -1,0 +1,29 @@
+//! Depth: how far away things are.
+
+use super::Copies;
+use trochoid_graph::*;
+
+/// The planar distance from the camera, along its axis.
+///
+/// # Formula
+/// (P − P_C) · axis
+///
+/// # Edge cases
+/// +∞ where nothing is seen; Clamp takes it to 1.
+///
+/// # Source
+/// Thesis 3.2.3.4, Z_s.
+#[derive(Clone, Node)]
+#[node(end = Front, revision = 1, output(depth: Kind::Field(1) = "Planar distance, m.", ["Z"]))]
+pub(crate) struct Depth {
+    /// What is seen.
+    view: One<port::View>,
+}
+
+impl Copies for Depth {
+    const CHANNELS: &[Channel] = &[Channel::Depth];
+
+    fn view(&self) -> &One<port::View> {
+        &self.view
+    }
+}

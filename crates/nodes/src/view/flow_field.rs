@@ -1,0 +1,440 @@
+//! FlowField: the direction of brush strokes.
+
+use super::{NORMAL, POSITION, grown, ramp};
+use crate::field::{Axes, Noise, NoiseKind, Screen, noise_reference};
+use crate::filter::{Kernel, Shape, filter};
+use crate::lit::eye;
+use trochoid_graph::*;
+use trochoid_image::{Format, Window};
+use trochoid_scene::{DVec3, Projector};
+
+/// Makes directions in the picture: up the slope of a surface, along its crests, along or across what a Field shows, or by
+/// hand.
+///
+/// # Formula
+/// slope: the projection of Y − n(n·Y), the steepest way up, n the normal; crest: of Y × n; gradient: (∂f/∂x, ∂f/∂y) by
+/// central differences; contour: at right angles to it; constant: (1, 0). Turned by `turn`; on surfaces drawn to the
+/// projection of `calm` as 1 − n·Y falls from steep to flat; turned by `waver` times noise. A direction is that of a line:
+/// v is taken as (cos 2φ, sin 2φ), those are smoothed by a Gaussian of `smooth` pixels, and half the angle is the result, x
+/// ≥ 0.
+///
+/// # Edge cases
+/// Where nothing is seen, `still`; the same where a direction vanishes. The length is 1 where all around agree, and 0 where
+/// lines of every direction meet: (0, 0). Noise lies on the picture.
+///
+/// # Source
+/// Litwinowicz, 1997 (strokes across gradients); Kass and Witkin, Analyzing Oriented Patterns, 1987 (doubled angles).
+#[derive(Clone, Node)]
+#[node(end = Front, revision = 1, outputs = Out)]
+pub(crate) struct FlowField {
+    /// The surfaces; for slope and crest.
+    view: Optional<port::View>,
+    /// What gradient and contour follow.
+    field: Optional<port::Scalar>,
+    /// Which way.
+    along: Along,
+    /// Turns directions, clockwise.
+    #[knob(default = 0.0, range = -360.0..=360.0, unit = "degrees")]
+    turn: f64,
+    /// Direction in the world where the surface lies flat.
+    #[knob(default = [1.0, 0.0, 0.0])]
+    calm: [f64; 3],
+    /// 1 − n·Y up to which `calm` alone counts.
+    #[knob(default = 0.0, range = 0.0..=2.0)]
+    flat: f64,
+    /// 1 − n·Y from which the surface alone counts.
+    #[knob(default = 0.0, range = 0.0..=2.0)]
+    steep: f64,
+    /// Direction where nothing is seen, clockwise from the right.
+    #[knob(default = 0.0, range = -360.0..=360.0, unit = "degrees")]
+    still: f64,
+    /// How far noise turns directions, to either side.
+    #[knob(default = 0.0, range = 0.0..=360.0, unit = "degrees")]
+    waver: f64,
+    /// Size of the noise.
+    #[knob(default = 0.3, range = 1e-3..=1e3, unit = "picture heights")]
+    waver_scale: f64,
+    /// Standard deviation of the smoothing.
+    #[knob(default = 0.0, range = 0.0..=64.0, drawn)]
+    smooth: f64,
+    /// Which noise of all that have these figures.
+    #[knob(default = 0, range = 0..=1_000_000_000)]
+    seed: i64,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Choice)]
+enum Along {
+    Slope,
+    Crest,
+    Gradient,
+    Contour,
+    Constant,
+}
+
+impl Along {
+    /// Whether directions come of the surface.
+    fn is_of_surface(self) -> bool {
+        matches!(self, Self::Slope | Self::Crest)
+    }
+
+    /// Whether they come of a field.
+    fn is_of_field(self) -> bool {
+        matches!(self, Self::Gradient | Self::Contour)
+    }
+
+    /// Whether they stand at right angles to the way up.
+    fn is_crosswise(self) -> bool {
+        matches!(self, Self::Crest | Self::Contour)
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Outputs)]
+enum Out {
+    /// The direction: right and down, at most 1 long.
+    #[output(Kind::Field(2))]
+    Flow,
+    /// Its length: how much directions agree.
+    #[output(Kind::MASK)]
+    Length,
+}
+
+impl Node for FlowField {
+    fn check(&self, check: &mut Check<'_>) {
+        let along = self.along.word();
+        if self.along.is_of_surface() && self.view.is_none() {
+            let remedy = "connect \"view\", or follow a field (gradient, contour)";
+            check.error(Self::ALONG, format!("{along} without a view"), "surfaces to follow", remedy);
+        }
+        if self.along.is_of_field() && self.field.is_none() {
+            let remedy = "connect \"field\", or follow a surface (slope, crest)";
+            check.error(Self::ALONG, format!("{along} without a field"), "a field to follow", remedy);
+        }
+        if self.steep < self.flat {
+            let found = format!("{} below flat, {}", self.steep, self.flat);
+            check.error(Self::STEEP, found, "at least as much", "swap them");
+        }
+        if self.along.is_of_surface() && self.steep > 0.0 && self.calm == [0.0; 3] {
+            let remedy = "write for example [1, 0, 0], or \"steep\": 0 for no calm direction";
+            check.error(Self::CALM, "[0, 0, 0], which leads nowhere", "a direction in the world", remedy);
+        }
+    }
+
+    fn body(&self) -> Body<'_> {
+        Body::Stage(self)
+    }
+}
+
+impl Stage for FlowField {
+    fn asks(&self, _wanted: &[bool]) -> ChannelSet {
+        if !self.along.is_of_surface() {
+            return ChannelSet::EMPTY;
+        }
+        ChannelSet::of(&NORMAL).union(ChannelSet::of(&POSITION)).union(Channel::Coverage.into())
+    }
+
+    fn interval(&self, output: usize, _channel: usize) -> Option<(f64, f64)> {
+        Some(match Out::ALL[output] {
+            Out::Flow => (-1.0, 1.0),
+            Out::Length => (0.0, 1.0),
+        })
+    }
+
+    fn regions_of_interest(&self, port: PortId, window: Window, _format: Format) -> Window {
+        let difference = i64::from(port == self.field.id());
+        grown(window, SMOOTHING.radius(self.smooth) + difference)
+    }
+
+    fn rate(&self) -> Rate {
+        Rate::Pixel
+    }
+
+    fn prepare(&self, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
+        let axes = Axes { scale: self.waver_scale, octaves: 2, lacunarity: 2.0, gain: 0.5, seed: self.seed as u32 };
+        let format = prepare.frame.format;
+        Ok(Box::new(PreparedFlow {
+            picture: format.window(),
+            eye: self.along.is_of_surface().then(|| eye(prepare, &self.view, format)).transpose()?,
+            turn: libm::sincos(self.turn.to_radians()),
+            still: libm::sincos(self.still.to_radians()),
+            calm: DVec3::from(self.calm).try_normalize().unwrap_or(DVec3::X),
+            waver: self.waver.to_radians(),
+            noise: Noise::new(NoiseKind::Fbm, axes, None),
+            screen: Screen::of(format),
+            kernel: Kernel::new(SMOOTHING, self.smooth),
+            radius: SMOOTHING.radius(self.smooth),
+            node: self.clone(),
+        }))
+    }
+}
+
+/// What directions are smoothed by.
+const SMOOTHING: Shape = Shape::Gaussian;
+
+struct PreparedFlow {
+    node: FlowField,
+    picture: Window,
+    /// Where directions come of the surface.
+    eye: Option<Projector>,
+    /// Sines and cosines.
+    turn: (f64, f64),
+    still: (f64, f64),
+    calm: DVec3,
+    /// In radians.
+    waver: f64,
+    noise: Noise,
+    screen: Screen,
+    kernel: Kernel,
+    /// How far the kernel reaches at most, in pixels.
+    radius: i64,
+}
+
+/// What is shorter vanishes.
+const SHORTEST: f64 = 1e-12;
+/// The same of directions whose angles were doubled and smoothed.
+const SHORTEST_DOUBLED: f64 = 1e-6;
+
+/// A unit vector; `None` for one that vanishes.
+fn unit([x, y]: [f64; 2]) -> Option<[f64; 2]> {
+    let length = (x * x + y * y).sqrt();
+    (length > SHORTEST && length.is_finite()).then(|| [x / length, y / length])
+}
+
+/// A unit vector turned clockwise in a picture whose y points down.
+fn turned([x, y]: [f64; 2], (sin, cos): (f64, f64)) -> [f64; 2] {
+    [x * cos - y * sin, x * sin + y * cos]
+}
+
+/// (cos 2φ, sin 2φ) of a unit vector: the same for both ways along a line.
+fn doubled([x, y]: [f64; 2]) -> [f64; 2] {
+    [x * x - y * y, 2.0 * x * y]
+}
+
+/// The way along a line of which [`doubled`] gave these, and how long they are; to the right, or down.
+fn halved([c, s]: [f64; 2]) -> ([f64; 2], f64) {
+    let length = (c * c + s * s).sqrt().min(1.0);
+    if length < SHORTEST_DOUBLED {
+        return ([0.0; 2], 0.0);
+    }
+    let cos = (c / length).clamp(-1.0, 1.0);
+    let (x, y) = (((1.0 + cos) / 2.0).sqrt(), ((1.0 - cos) / 2.0).sqrt());
+    ([x * length, if s < 0.0 { -y * length } else { y * length }], length)
+}
+
+/// Where a direction at a point of the world leads in the picture.
+fn projected(eye: &Projector, point: DVec3, direction: DVec3) -> Option<[f64; 2]> {
+    let along = [direction.dot(eye.right), -direction.dot(eye.up)];
+    if eye.orthographic {
+        return unit(along);
+    }
+    let offset = point - eye.position;
+    let (depth, deeper) = (offset.dot(eye.forward), direction.dot(eye.forward));
+    // The slope of a quotient, times depth² > 0.
+    let at = [offset.dot(eye.right), -offset.dot(eye.up)];
+    unit([0, 1].map(|axis| along[axis] * depth - at[axis] * deeper))
+}
+
+impl PreparedFlow {
+    /// (cos 2φ, sin 2φ) on a surface.
+    fn on_surface(&self, eye: &Projector, point: DVec3, normal: DVec3) -> [f64; 2] {
+        let still = [self.still.1, self.still.0];
+        let upward = DVec3::Y - normal * normal.y;
+        let way = if self.node.along.is_crosswise() { DVec3::Y.cross(normal) } else { upward };
+        let of_surface = projected(eye, point, way).map(|way| turned(way, self.turn));
+        let calm = projected(eye, point, self.calm - normal * self.calm.dot(normal)).unwrap_or(still);
+        let Some(of_surface) = of_surface else { return doubled(calm) };
+        let steep = ramp(1.0 - normal.y, self.node.flat, self.node.steep - self.node.flat);
+        let share = steep * steep * (3.0 - 2.0 * steep);
+        let (of_surface, calm) = (doubled(of_surface), doubled(calm));
+        [0, 1].map(|axis| share * of_surface[axis] + (1.0 - share) * calm[axis])
+    }
+
+    /// The same of a field's change to the right and down.
+    fn of_change(&self, change: [f64; 2]) -> [f64; 2] {
+        let Some([x, y]) = unit(change) else { return doubled([self.still.1, self.still.0]) };
+        doubled(turned(if self.node.along.is_crosswise() { [-y, x] } else { [x, y] }, self.turn))
+    }
+
+    /// Turned by noise, which doubled angles do twice.
+    fn wavering(&self, doubled: [f64; 2], noise: f64) -> [f64; 2] {
+        if self.waver == 0.0 { doubled } else { turned(doubled, libm::sincos(2.0 * self.waver * noise)) }
+    }
+
+    /// Doubled directions over a window, before they are smoothed.
+    fn lines(&self, window: Window, block: &Block<'_>, inputs: &Inputs<'_>) -> Result<[Vec<f32>; 2], NodeError> {
+        let mut lines = [vec![0.0f32; window.area()], vec![0.0f32; window.area()]];
+        let pixels = || (window.y0..window.y1).flat_map(|y| (window.x0..window.x1).map(move |x| (x, y)));
+        let mut noise = vec![0.0f32; if self.waver > 0.0 { window.area() } else { 0 }];
+        if self.waver > 0.0 {
+            let place = |(x, y): (i64, i64)| self.screen.at([x as f64 + block.offset[0], y as f64 + block.offset[1]]);
+            self.noise.fill::<2>(pixels().map(place), &[], &mut noise);
+        }
+        let still = doubled(turned([1.0, 0.0], if self.is_by_hand() { self.turn } else { self.still }));
+        let view = inputs.all(&self.node.view).first();
+        let field = inputs.all(&self.node.field).first().and_then(|field| Some((field.window, field.planes[0]?)));
+        for (index, (x, y)) in pixels().enumerate() {
+            if x == window.x0 {
+                inputs.go_on()?;
+            }
+            let line = match (&self.eye, view, field) {
+                (Some(eye), Some(view), _) => {
+                    let at = nearest(view.window, x, y);
+                    let channel = |channel: Channel| view.planes[channel as usize].map_or(0.0, |p| f64::from(p[at]));
+                    if channel(Channel::Coverage) > 0.0 {
+                        let vector = |channels: [Channel; 3]| DVec3::from(channels.map(channel));
+                        self.on_surface(eye, vector(POSITION), vector(NORMAL))
+                    } else {
+                        still
+                    }
+                }
+                (None, _, Some((window, plane))) if self.node.along.is_of_field() => {
+                    let at = |x: i64, y: i64| f64::from(plane[nearest(window, x, y)]);
+                    self.of_change([at(x + 1, y) - at(x - 1, y), at(x, y + 1) - at(x, y - 1)])
+                }
+                _ => still,
+            };
+            let line = self.wavering(line, noise.get(index).copied().map_or(0.0, f64::from));
+            lines[0][index] = line[0] as f32;
+            lines[1][index] = line[1] as f32;
+        }
+        Ok(lines)
+    }
+
+    fn is_by_hand(&self) -> bool {
+        self.eye.is_none() && !self.node.along.is_of_field()
+    }
+
+    /// The doubled direction that the reference sees so many pixels away.
+    fn line(&self, inputs: &References<'_>, dx: i64, dy: i64) -> [f64; 2] {
+        // Beyond the picture its border repeats.
+        let inside = |at: f64, by: i64, first: i64, end: i64| {
+            ((at.floor() as i64 + by).clamp(first, end - 1) - at.floor() as i64) as f64
+        };
+        let [x, y] = inputs.at;
+        let there = inputs
+            .moved(inside(x, dx, self.picture.x0, self.picture.x1), inside(y, dy, self.picture.y0, self.picture.y1));
+        let still = doubled(turned([1.0, 0.0], if self.is_by_hand() { self.turn } else { self.still }));
+        let line = if let (Some(eye), Some(view)) = (&self.eye, &*self.node.view) {
+            let channel = |channel: Channel| there.view(view, channel);
+            let vector = |channels: [Channel; 3]| DVec3::from(channels.map(channel));
+            if channel(Channel::Coverage) > 0.0 {
+                self.on_surface(eye, vector(POSITION), vector(NORMAL))
+            } else {
+                still
+            }
+        } else if let (true, Some(field)) = (self.node.along.is_of_field(), &*self.node.field) {
+            let at = |dx: f64, dy: f64| there.moved(dx, dy).scalar(field);
+            self.of_change([at(1.0, 0.0) - at(-1.0, 0.0), at(0.0, 1.0) - at(0.0, -1.0)])
+        } else {
+            still
+        };
+        self.wavering(line, noise_reference(&self.noise, &self.screen.at(there.at), 0.0))
+    }
+}
+
+/// Where a pixel stands in a window, or the nearest one that does.
+fn nearest(window: Window, x: i64, y: i64) -> usize {
+    let column = x.clamp(window.x0, window.x1 - 1) - window.x0;
+    let row = y.clamp(window.y0, window.y1 - 1) - window.y0;
+    row as usize * window.width() + column as usize
+}
+
+impl Prepared for PreparedFlow {
+    fn fill(&self, block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
+        let window = block.window;
+        let from = grown(window, self.radius).intersect(self.picture);
+        let mut lines = self.lines(from, block, inputs)?;
+        if self.radius > 0 {
+            lines = lines.map(|line| {
+                let mut smooth = vec![0.0f32; window.area()];
+                let kernels = [&self.kernel, &self.kernel];
+                filter(kernels, (from, &line), self.picture, window, inputs.cancellation(), &mut smooth);
+                smooth
+            });
+            inputs.go_on()?;
+        }
+        let (mut x, mut y, mut length) =
+            (outputs.take(Out::Flow, 0), outputs.take(Out::Flow, 1), outputs.take(Out::Length, 0));
+        for (index, (c, s)) in lines[0].iter().zip(&lines[1]).enumerate() {
+            let (way, long) = halved([f64::from(*c), f64::from(*s)]);
+            for (plane, value) in [(&mut x, way[0]), (&mut y, way[1]), (&mut length, long)] {
+                if let Some(plane) = plane {
+                    plane[index] = value as f32;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn bound(&self, _bounding: &Bounding<'_>, _outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
+        Err(NoBound("where directions meet, none is near another"))
+    }
+
+    fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
+        let weights = SMOOTHING.reference(self.node.smooth);
+        let mut sum = [0.0; 2];
+        for (dy, down) in &weights {
+            for (dx, across) in &weights {
+                let line = self.line(inputs, *dx, *dy);
+                sum = [0, 1].map(|axis| sum[axis] + across * down * line[axis]);
+            }
+        }
+        let (way, length) = halved(sum);
+        Ok(vec![Reference::Field(way.to_vec()), Reference::Mask(length)])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::{frame, refused};
+
+    #[test]
+    fn halving_undoes_doubling() {
+        for degrees in -89..=90 {
+            let (sin, cos) = libm::sincos(f64::from(degrees).to_radians());
+            let ([x, y], length) = halved(doubled([cos, sin]));
+            assert!((length - 1.0).abs() < 1e-12);
+            assert!((x - cos).abs() < 1e-7 && (y - sin).abs() < 1e-7, "{degrees}: {x}, {y}");
+            let (other, _) = halved(doubled([-cos, -sin]));
+            assert_eq!(other, [x, y], "a line has two directions");
+        }
+        assert_eq!(halved([0.0; 2]), ([0.0; 2], 0.0));
+    }
+
+    #[test]
+    fn projection_is_the_slope_of_places_in_the_picture() {
+        let camera = trochoid_scene::Camera {
+            position: DVec3::new(1.0, 4.0, 9.0),
+            target: DVec3::new(0.0, 1.0, 0.0),
+            roll: 0.3,
+            projection: trochoid_scene::Projection::Perspective { fov: 0.9 },
+        };
+        let eye = camera.projector(trochoid_image::Format::new(64, 48, 1).unwrap());
+        for index in 0..200 {
+            let t = f64::from(index);
+            let point = DVec3::new(3.0 * libm::sin(t), libm::sin(2.7 * t), -4.0 + 3.0 * libm::cos(1.3 * t));
+            let way = DVec3::new(libm::cos(5.1 * t), libm::sin(3.3 * t), libm::cos(t));
+            let place = |by: f64| eye.project(point + way * by).unwrap().0;
+            let (before, after) = (place(-1e-5), place(1e-5));
+            let expected = unit([after[0] - before[0], after[1] - before[1]]).unwrap();
+            let found = projected(&eye, point, way).unwrap();
+            assert!((0..2).all(|axis| (found[axis] - expected[axis]).abs() < 1e-5), "{found:?}, {expected:?}");
+        }
+    }
+
+    #[test]
+    fn directions_by_hand_are_the_same_everywhere() {
+        let frame = frame("field", r#""out": { "type": "FlowField", "along": "constant", "turn": 30 }"#);
+        let truth = frame.truth([1.5, 1.5]);
+        assert!((truth[0] - 0.75f64.sqrt()).abs() < 1e-9 && (truth[1] - 0.5).abs() < 1e-9, "{truth:?}");
+        let id = frame.graph.find("out").unwrap();
+        assert!((frame.filled(id, 0, 1, [1.5, 1.5]) - 0.5).abs() < 1e-6);
+    }
+
+    #[test]
+    fn needs_what_it_follows() {
+        assert!(refused("field", r#""out": { "type": "FlowField" }"#).contains("slope without a view"));
+        let contour = r#""out": { "type": "FlowField", "along": "contour" }"#;
+        assert!(refused("field", contour).contains("contour without a field"));
+    }
+}

@@ -1,0 +1,130 @@
+//! InFront: which of two views is nearer.
+
+use crate::bounds::{Span, bound_by, certain};
+use crate::sea::check_same_camera;
+use trochoid_graph::*;
+
+/// A mask of where a view's surface is nearer than that of another view.
+///
+/// # Formula
+/// 1 where d < d', with `soft` (d' − d)/soft + ½ clamped to [0, 1]; d, d': planar depths of `view` and `other`
+///
+/// # Edge cases
+/// 0 where `view` sees nothing; 1 where only `other` sees nothing. Equal depths: 0, with `soft` ½.
+///
+/// # Source
+/// Z compositing: Duff, Compositing 3-D Rendered Images, 1985.
+#[derive(Clone, Node)]
+#[node(end = Front, revision = 1, output(mask: Kind::MASK = "1 where `view` is in front."))]
+pub(crate) struct InFront {
+    /// What may be in front.
+    view: One<port::View>,
+    /// What it may be in front of.
+    other: One<port::View>,
+    /// Depth over which one view gives way to the other.
+    #[knob(default = 0.0, range = 0.0..=1e6, unit = "m")]
+    soft: f64,
+}
+
+impl Node for InFront {
+    fn check(&self, check: &mut Check<'_>) {
+        check_same_camera([&self.view, &self.other], check);
+        if *self.view == *self.other {
+            let found = "the view itself, of which nothing is in front of itself: the mask tells nothing";
+            check.warning(Self::OTHER, found, "another view", "connect a Render of what may be behind");
+        }
+    }
+
+    fn body(&self) -> Body<'_> {
+        Body::Stage(self)
+    }
+}
+
+impl Stage for InFront {
+    fn asks(&self, _wanted: &[bool]) -> ChannelSet {
+        Channel::Depth.into()
+    }
+
+    fn prepare(&self, _prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
+        Ok(Box::new(self.clone()))
+    }
+}
+
+/// The mask in f64; depths are exact in it.
+fn mask(depth: f64, other: f64, soft: f64) -> f64 {
+    if depth == f64::INFINITY {
+        0.0
+    } else if soft == 0.0 || other == f64::INFINITY {
+        f64::from(u8::from(depth < other))
+    } else {
+        ((other - depth) / soft + 0.5).clamp(0.0, 1.0)
+    }
+}
+
+/// What the difference of depths loses, relative to them.
+const LOST: f64 = 1e-15;
+
+impl Prepared for InFront {
+    fn fill(&self, _block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
+        let Some(out) = outputs.only(0) else { return Ok(()) };
+        let [depth, other] = [&self.view, &self.other].map(|view| inputs.view(view, Channel::Depth));
+        for ((out, depth), other) in out.iter_mut().zip(depth).zip(other) {
+            *out = mask(f64::from(*depth), f64::from(*other), self.soft) as f32;
+        }
+        Ok(())
+    }
+
+    fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
+        bound_by(bounding, outputs, (Only, 0), |sample| {
+            let [depth, other] = [&self.view, &self.other].map(|view| certain(bounding, view, Channel::Depth, sample));
+            // The mask falls with the depth and rises with the other.
+            let ends = [mask(depth.high, other.low, self.soft), mask(depth.low, other.high, self.soft)];
+            if ends.iter().any(|end| end.is_nan()) {
+                return Span::unclear(0.0, 1.0);
+            }
+            if ends[0] == ends[1] && (ends[0] == 0.0 || ends[0] == 1.0) {
+                return Span::exactly(ends[0]);
+            }
+            let smooth = self.soft > 0.0 && depth.high.is_finite() && other.high.is_finite();
+            let slack = LOST * (depth.high.abs() + other.high.abs()) / self.soft;
+            let span = Span { low: ends[0], high: ends[1], clear: smooth && depth.clear && other.clear };
+            if smooth { span.wider(slack).within(0.0, 1.0) } else { span }
+        });
+        Ok(())
+    }
+
+    fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
+        let [depth, other] = [&self.view, &self.other].map(|view| inputs.view(view, Channel::Depth));
+        Ok(vec![Reference::Mask(mask(depth, other, self.soft))])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::mask;
+    use crate::testing::refused;
+
+    #[test]
+    fn depths_by_two_cameras_are_refused() {
+        let nodes = r#""a": { "type": "Camera" }, "b": { "type": "Camera", "fov": 41 },
+            "s": { "type": "GerstnerSea", "count": 0 },
+            "v": { "type": "Render", "camera": "a", "surfaces": ["s"] },
+            "w": { "type": "Render", "camera": "b", "surfaces": ["s"] },
+            "out": { "type": "InFront", "view": "v", "other": "w" }"#;
+        let faults = refused("weights", nodes);
+        assert!(faults.contains("views of two cameras") && faults.contains("connect the camera of"), "{faults}");
+    }
+
+    #[test]
+    fn nothing_is_behind_everything() {
+        let nothing = f64::INFINITY;
+        for soft in [0.0, 2.0] {
+            assert_eq!(
+                (mask(nothing, nothing, soft), mask(nothing, 5.0, soft), mask(5.0, nothing, soft)),
+                (0.0, 0.0, 1.0)
+            );
+            assert_eq!((mask(1.0, 5.0, soft), mask(5.0, 1.0, soft)), (1.0, 0.0));
+        }
+        assert_eq!((mask(5.0, 5.0, 0.0), mask(5.0, 5.0, 2.0), mask(5.0, 5.5, 2.0)), (0.0, 0.5, 0.75));
+    }
+}

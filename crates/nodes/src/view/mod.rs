@@ -1,0 +1,142 @@
+//! Cameras, views of surfaces, and passes of what they see.
+
+mod around;
+mod camera;
+mod cloud_layers;
+mod clouds;
+mod copy;
+mod curvature;
+mod depth;
+mod flow_field;
+mod height;
+mod in_front;
+mod mask;
+mod normal;
+mod object_mask;
+mod outline;
+mod position;
+mod ray_pass;
+mod render;
+mod rest;
+mod rest_distance;
+mod seen;
+mod silhouette;
+mod sky;
+mod surroundings;
+mod thickness;
+mod uv;
+mod way;
+
+pub(crate) use around::{Around, change, grown, may_see, surface_of};
+pub(crate) use camera::{Camera, Projection};
+pub(crate) use copy::{Copies, ViewCopy};
+pub(crate) use mask::{Masks, Ramp, ViewMask, ramp};
+pub(crate) use ray_pass::{Quantity, RayPass, Traces};
+pub(crate) use render::Render;
+pub(crate) use seen::{Rays, Seen, asked};
+pub(crate) use surroundings::{Facets, Surroundings, landed};
+pub(crate) use way::Way;
+
+use crate::lit::Vectors3;
+use std::path::PathBuf;
+use std::sync::Arc;
+use trochoid_graph::{
+    Channel, FrameContext, Handle, Inputs, NodeError, NodeType, One, Prepared, Reference, References, escape_remedy,
+    port,
+};
+use trochoid_scene::{DVec3, Surface};
+
+/// What nodes with a Surface as output hand on.
+pub(crate) type SurfaceHandle = Arc<dyn Surface>;
+
+/// What a Render hands on beside its planes.
+pub(crate) struct Looking {
+    pub(crate) camera: trochoid_scene::Camera,
+    /// What is seen, in the order of [`Channel::Surface`].
+    pub(crate) surfaces: Vec<SurfaceHandle>,
+}
+
+/// A stage that hands on a camera or a light.
+pub(crate) struct Handed<T>(pub(crate) T);
+
+impl<T: Copy + Send + Sync + 'static> Prepared for Handed<T> {
+    fn handle(&self) -> Option<Handle> {
+        Some(Arc::new(self.0))
+    }
+
+    fn reference(&self, _inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
+        Ok(vec![Reference::Handle(Arc::new(self.0))])
+    }
+}
+
+pub(crate) const POSITION: [Channel; 3] = [Channel::PositionX, Channel::PositionY, Channel::PositionZ];
+pub(crate) const NORMAL: [Channel; 3] = [Channel::NormalX, Channel::NormalY, Channel::NormalZ];
+
+/// Three channels of the view at one sample, in f64.
+pub(crate) fn view_vector(inputs: &References<'_>, view: &One<port::View>, channels: [Channel; 3]) -> DVec3 {
+    DVec3::from(channels.map(|channel| inputs.view(view, channel)))
+}
+
+/// Three channels of the view over a block.
+pub(crate) fn view_planes<'a>(inputs: &Inputs<'a>, view: &One<port::View>, channels: [Channel; 3]) -> Vectors3<'a> {
+    channels.map(|channel| inputs.view(view, channel))
+}
+
+/// Whether a sample of the view is covered, in f64.
+pub(crate) fn is_covered(inputs: &References<'_>, view: &One<port::View>) -> bool {
+    inputs.view(view, Channel::Coverage) > 0.0
+}
+
+/// Whether no sample of a block is covered: there, a mask is 0 whatever it is made of.
+pub(crate) fn is_bare(inputs: &Inputs<'_>, view: &One<port::View>) -> bool {
+    inputs.view(view, Channel::Coverage).iter().all(|coverage| *coverage == 0.0)
+}
+
+/// Sets a mask to its background, 0, where the view is not covered.
+pub(crate) fn uncover(inputs: &Inputs<'_>, view: &One<port::View>, mask: &mut [f32]) {
+    for (mask, coverage) in mask.iter_mut().zip(inputs.view(view, Channel::Coverage)) {
+        if *coverage == 0.0 {
+            *mask = 0.0;
+        }
+    }
+}
+
+/// A mask of the reference at an uncovered sample.
+pub(crate) fn nothing() -> Vec<Reference> {
+    vec![Reference::Mask(0.0)]
+}
+
+/// The file that a node names, at the frame.
+///
+/// # Errors
+/// There is none, but one whose folders or name have a `#` or a `%` of their own.
+pub(crate) fn named(frame: &FrameContext, written: &str) -> Result<PathBuf, NodeError> {
+    let path = frame.path(written);
+    if !path.exists()
+        && let Some(remedy) = escape_remedy(frame, written)
+    {
+        return Err(NodeError::new(format!("{}: found no file of this name, expected one; {remedy}", path.display())));
+    }
+    Ok(path)
+}
+
+pub(crate) static NODES: &[NodeType] = &[
+    NodeType::of::<camera::Camera>(),
+    NodeType::of::<clouds::Clouds>(),
+    NodeType::of::<curvature::Curvature>(),
+    NodeType::of::<ViewCopy<depth::Depth>>(),
+    NodeType::of::<flow_field::FlowField>(),
+    NodeType::of::<ViewCopy<height::Height>>(),
+    NodeType::of::<in_front::InFront>(),
+    NodeType::of::<ViewCopy<normal::Normal>>(),
+    NodeType::of::<object_mask::ObjectMask>(),
+    NodeType::of::<outline::Outline>(),
+    NodeType::of::<ViewCopy<position::Position>>(),
+    NodeType::of::<render::Render>(),
+    NodeType::of::<ViewCopy<rest::Rest>>(),
+    NodeType::of::<ViewCopy<rest_distance::RestDistance>>(),
+    NodeType::of::<silhouette::Silhouette>(),
+    NodeType::of::<sky::Sky>(),
+    NodeType::of::<RayPass<thickness::Thickness>>(),
+    NodeType::of::<ViewCopy<uv::UV>>(),
+];

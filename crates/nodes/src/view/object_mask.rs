@@ -1,0 +1,147 @@
+//! ObjectMask: which object is seen.
+
+use super::{Looking, Render, SurfaceHandle};
+use crate::bounds::{Span, bound_by, certain};
+use crate::sea::check_indices;
+use std::sync::Arc;
+use trochoid_graph::*;
+
+/// A mask of chosen surfaces: 1 where one of them is seen.
+///
+/// # Formula
+/// 1 where the seen surface is one of `surfaces`, or stands at one of `indices` in the Render's list
+///
+/// # Edge cases
+/// 0 where nothing is seen, and everywhere for surfaces that the view does not hold.
+///
+/// # Source
+/// The field's object identity pass (cryptomattes of one level).
+#[derive(Clone, Node)]
+#[node(end = Front, revision = 1, output(mask: Kind::MASK = "1 where a chosen surface is seen."))]
+pub(crate) struct ObjectMask {
+    /// What is seen.
+    view: One<port::View>,
+    /// The chosen surfaces, by the names of their nodes.
+    #[port(0..=64)]
+    surfaces: Many<port::Surface>,
+    /// Chosen surfaces by their place in the Render's list, from 0.
+    #[knob(len = 1..=64)]
+    indices: Option<Vec<f64>>,
+}
+
+impl Node for ObjectMask {
+    fn check(&self, check: &mut Check<'_>) {
+        let indices = self.indices.as_deref().unwrap_or_default();
+        if self.surfaces.is_empty() && indices.is_empty() {
+            check.error(Self::SURFACES, "no surface", "at least one", "name the surface's node, or set \"indices\"");
+        }
+        if let Some(index) = indices.iter().find(|index| index.fract() != 0.0 || !(0.0..64.0).contains(*index)) {
+            check.error(Self::INDICES, index.to_string(), "whole numbers from 0 to 63", "write the place in the list");
+        } else {
+            check_indices(&self.view, Self::INDICES, indices.iter().copied(), check);
+        }
+        let Some(view) = check.upstream(&self.view) else { return };
+        let Some(Render { surfaces: held, .. }) = view.node.get() else { return };
+        let strangers = self.surfaces.iter().filter(|chosen| !held.contains(chosen));
+        let names: Vec<String> =
+            strangers.filter_map(|source| Some(format!("\"{}\"", check.upstream(source)?.name))).collect();
+        if !names.is_empty() {
+            let found = format!("{}, which \"{}\" does not show: nowhere is any of it", names.join(", "), view.name);
+            let remedy = format!("add it to the surfaces of \"{}\", or choose one of those", view.name);
+            check.warning(Self::SURFACES, found, "surfaces of the view", remedy);
+        }
+    }
+
+    fn body(&self) -> Body<'_> {
+        Body::Stage(self)
+    }
+}
+
+impl Stage for ObjectMask {
+    fn asks(&self, _wanted: &[bool]) -> ChannelSet {
+        Channel::Surface.into()
+    }
+
+    fn rate(&self) -> Rate {
+        Rate::Surface
+    }
+
+    fn prepare(&self, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
+        let chosen: Vec<SurfaceHandle> = prepare.handles(&self.surfaces)?;
+        let mut indices: Vec<f32> = self.indices.iter().flatten().map(|index| *index as f32).collect();
+        if !chosen.is_empty() {
+            let handle = prepare.handle_of(&self.view);
+            let Some(view) = handle.as_deref().and_then(|handle| handle.downcast_ref::<Looking>()) else {
+                return Err(NodeError::new("the view does not know its surfaces: use \"indices\", or view a Render"));
+            };
+            let held = view.surfaces.iter().enumerate();
+            indices.extend(
+                held.filter(|(_, held)| chosen.iter().any(|chosen| Arc::ptr_eq(chosen, held)))
+                    .map(|(index, _)| index as f32),
+            );
+        }
+        Ok(Box::new(PreparedChoice { view: self.view.clone(), indices }))
+    }
+}
+
+struct PreparedChoice {
+    view: One<port::View>,
+    indices: Vec<f32>,
+}
+
+impl PreparedChoice {
+    fn mask(&self, surface: f32) -> f32 {
+        if self.indices.contains(&surface) { 1.0 } else { 0.0 }
+    }
+}
+
+impl Prepared for PreparedChoice {
+    fn fill(&self, _block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
+        let Some(mask) = outputs.only(0) else { return Ok(()) };
+        for (mask, surface) in mask.iter_mut().zip(inputs.view(&self.view, Channel::Surface)) {
+            *mask = self.mask(*surface);
+        }
+        Ok(())
+    }
+
+    fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
+        bound_by(bounding, outputs, (Only, 0), |sample| {
+            let surface = certain(bounding, &self.view, Channel::Surface, sample);
+            if surface.low == surface.high {
+                Span::exactly(f64::from(self.mask(surface.low as f32)))
+            } else if self.indices.iter().any(|index| surface.holds(f64::from(*index))) {
+                Span::unclear(0.0, 1.0)
+            } else {
+                // Whichever is seen, it is none of those.
+                Span::exactly(0.0)
+            }
+        });
+        Ok(())
+    }
+
+    fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
+        let surface = inputs.view(&self.view, Channel::Surface);
+        Ok(vec![Reference::Mask(f64::from(self.mask(surface as f32)))])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::testing::refused;
+
+    #[test]
+    fn nothing_chosen_and_no_places_are_refused() {
+        let nodes = |knobs: &str| {
+            format!(
+                r#""c": {{ "type": "Camera" }}, "s": {{ "type": "BezierModel", "model": "a.json" }},
+                "v": {{ "type": "Render", "camera": "c", "surfaces": ["s"] }},
+                "out": {{ "type": "ObjectMask", "view": "v" {knobs} }}"#
+            )
+        };
+        assert!(refused("weights", &nodes("")).contains("no surface"));
+        for index in ["0.5", "-1", "64"] {
+            let faults = refused("weights", &nodes(&format!(r#", "indices": [{index}]"#)));
+            assert!(faults.contains("whole numbers"), "{faults}");
+        }
+    }
+}

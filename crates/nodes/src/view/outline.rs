@@ -1,0 +1,432 @@
+//! Outline: lines where one thing ends before another.
+
+use super::{Around, grown, surface_of};
+use crate::bounds::{Span, bound_by, certain, known};
+use trochoid_graph::*;
+use trochoid_image::{Format, Window};
+
+/// A mask of lines along the edges of objects, and where depth jumps.
+///
+/// # Formula
+/// Two pixels side by side are parted if they see different surfaces, or if w = 1/depth differs by more than depth_step · w
+/// and more than either side's slope explains. One of the two owns the edge. A line is width · thickness − r, limited to
+/// [0, 1], r pixels from the owner's center, on the owner's side.
+///
+/// # Edge cases
+/// 1/depth is straight on planes seen in perspective, so that no grazing plane has lines. The sky counts as a surface of
+/// its own, behind everything, and last. Beyond its border the image repeats. The owner's side is what sees its surface and
+/// is nearer to it than to the other side in 1/depth. Each sample of a pixel is drawn apart.
+///
+/// # Source
+/// Saito and Takahashi, Comprehensible Rendering of 3-D Shapes, 1990.
+#[derive(Clone, Node)]
+#[node(end = Front, revision = 1, output(mask: Kind::MASK = "1 on the lines."))]
+pub(crate) struct Outline {
+    /// What is outlined.
+    view: One<port::View>,
+    /// Share of the width at a place, such as a Noise; by default 1.
+    thickness: Optional<port::Mask>,
+    /// How far the line reaches into the owner's side.
+    #[knob(default = 1.5, range = 0.0..=64.0, drawn)]
+    width: f64,
+    /// Who draws: the nearer side, the farther, both, or the surface that comes first or last in the Render's list; within
+    /// one surface first is near.
+    owner: Owner,
+    /// Lines between different surfaces, and before the sky.
+    #[knob(default = true)]
+    objects: bool,
+    /// Groups of surfaces that count as one: the first of each.
+    #[list(0..=64)]
+    together: Vec<Group>,
+    /// The smallest jump of depth that has a line, as a share of the depth.
+    #[knob(default = 0.1, range = 1e-6..=1e6)]
+    depth_step: f64,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Choice)]
+enum Owner {
+    Near,
+    Far,
+    Both,
+    First,
+    Last,
+}
+
+/// Surfaces that count as one.
+#[derive(Clone, Items)]
+struct Group {
+    /// Their places in the Render's list, from 0.
+    #[knob(len = 1..=64)]
+    surfaces: Vec<f64>,
+}
+
+impl Node for Outline {
+    fn body(&self) -> Body<'_> {
+        Body::Stage(self)
+    }
+}
+
+impl Outline {
+    /// As what each surface counts: those of a group as its first.
+    fn counts_as(&self) -> Vec<f64> {
+        let mut counts_as: Vec<f64> = (0..64).map(f64::from).collect();
+        for Group { surfaces } in &self.together {
+            for surface in surfaces {
+                if let (Some(entry), Some(first)) = (counts_as.get_mut(*surface as usize), surfaces.first()) {
+                    *entry = *first;
+                }
+            }
+        }
+        counts_as
+    }
+
+    /// How far owners stand from what they draw.
+    fn reach(&self) -> i64 {
+        self.width.ceil() as i64
+    }
+}
+
+impl Stage for Outline {
+    fn asks(&self, _wanted: &[bool]) -> ChannelSet {
+        ChannelSet::of(&[Channel::Coverage, Channel::Depth])
+    }
+
+    fn prefers(&self, _wanted: &[bool]) -> ChannelSet {
+        Channel::Surface.into()
+    }
+
+    fn interval(&self, _output: usize, _channel: usize) -> Option<(f64, f64)> {
+        Some((0.0, 1.0))
+    }
+
+    fn regions_of_interest(&self, port: PortId, window: Window, _format: Format) -> Window {
+        // An owner's edge, and the slope beyond it.
+        if port == self.view.id() { grown(window, self.reach() + 2) } else { window }
+    }
+
+    fn formatted(&self) -> bool {
+        false
+    }
+
+    fn prepare(&self, _prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
+        Ok(Box::new(PreparedOutline { node: self.clone(), counts_as: self.counts_as() }))
+    }
+}
+
+struct PreparedOutline {
+    node: Outline,
+    /// As what each surface counts.
+    counts_as: Vec<f64>,
+}
+
+/// Depth before which nothing has a place, in meters.
+const NEAREST: f64 = 1e-6;
+
+/// What a sample sees: the surface's index, −1 for the sky, and 1/depth.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Seen {
+    surface: f64,
+    w: f64,
+}
+
+impl Seen {
+    fn new(surface: f64, depth: f64) -> Self {
+        // Planes behind an orthographic camera have no place in 1/depth.
+        Self { surface, w: if surface < 0.0 { 0.0 } else { 1.0 / depth.max(NEAREST) } }
+    }
+
+    /// The place in the Render's list; the sky comes last.
+    fn rank(self) -> f64 {
+        if self.surface < 0.0 { f64::INFINITY } else { self.surface }
+    }
+}
+
+impl PreparedOutline {
+    /// What a sample sees, of a group its first surface.
+    fn seen(&self, surface: f64, depth: f64) -> Seen {
+        let surface = if surface < 0.0 { surface } else { *self.counts_as.get(surface as usize).unwrap_or(&surface) };
+        Seen::new(surface, depth)
+    }
+
+    /// Whether an edge parts `a` from `b` beside it; `before` and `after` stand farther out in the same line.
+    #[inline]
+    fn parted(&self, before: Seen, a: Seen, b: Seen, after: Seen) -> bool {
+        if self.node.objects && a.surface != b.surface {
+            return true;
+        }
+        let step = self.node.depth_step * a.w.min(b.w);
+        let jump = (a.w - b.w).abs();
+        // On planes either side foretells the other.
+        jump > step && (b.w - (2.0 * a.w - before.w)).abs() > step && (a.w - (2.0 * b.w - after.w)).abs() > step
+    }
+
+    /// Whether `a` and whether `b` own the edge between them.
+    fn owners(&self, a: Seen, b: Seen) -> [bool; 2] {
+        let near = a.w >= b.w;
+        let first = if a.surface == b.surface { near } else { a.rank() < b.rank() };
+        match self.node.owner {
+            Owner::Near => [near, !near],
+            Owner::Far => [!near, near],
+            Owner::Both => [true; 2],
+            Owner::First => [first, !first],
+            Owner::Last => [!first, first],
+        }
+    }
+
+    /// How much an owner draws on `sample`, `squared` pixels² away, where the line is so wide.
+    fn drawn(width: f64, sample: Seen, owner: Seen, other: Seen, squared: f64) -> f64 {
+        let own = sample.surface == owner.surface && (sample.w - owner.w).abs() <= (sample.w - other.w).abs();
+        if own { (width - squared.sqrt()).clamp(0.0, 1.0) } else { 0.0 }
+    }
+}
+
+/// What rounding loses of widths.
+const LOST: f64 = 1e-15;
+
+/// Whether something holds: `None` where that is not certain.
+type Holds = Option<bool>;
+const YES: Holds = Some(true);
+const NO: Holds = Some(false);
+
+fn and(a: Holds, b: Holds) -> Holds {
+    match (a, b) {
+        (YES, YES) => YES,
+        (NO, _) | (_, NO) => NO,
+        _ => None,
+    }
+}
+
+fn not(a: Holds) -> Holds {
+    a.map(|a| !a)
+}
+
+/// Whether a number is above another.
+fn above(a: [f64; 2], b: [f64; 2]) -> Holds {
+    if a[0] > b[1] {
+        YES
+    } else if a[1] <= b[0] {
+        NO
+    } else {
+        None
+    }
+}
+
+/// The absolute difference a − b of numbers that lie between others.
+fn apart(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
+    let (low, high) = (a[0] - b[1], a[1] - b[0]);
+    let slack = LOST * (a[1].abs() + b[1].abs());
+    let least = if low <= 0.0 && high >= 0.0 { 0.0 } else { low.abs().min(high.abs()) };
+    [(least - slack).max(0.0), low.abs().max(high.abs()) + slack]
+}
+
+/// What a sample may see: its surface where that is certain, and between which numbers 1/depth lies.
+struct NearSeen {
+    surface: Option<f64>,
+    w: [f64; 2],
+}
+
+impl NearSeen {
+    /// Whether it sees the same surface as another.
+    fn is_like(&self, other: &Self) -> Holds {
+        Some(self.surface? == other.surface?)
+    }
+
+    /// Whether it belongs to the owner of an edge.
+    fn may_belong(&self, owner: &Self, other: &Self) -> Holds {
+        and(self.is_like(owner), not(above(apart(self.w, owner.w), apart(self.w, other.w))))
+    }
+}
+
+impl PreparedOutline {
+    /// What a sample may see.
+    fn near(&self, bounding: &Bounding<'_>, sample: usize) -> NearSeen {
+        let [coverage, surface, depth] = [Channel::Coverage, Channel::Surface, Channel::Depth]
+            .map(|channel| certain(bounding, &self.node.view, channel, sample));
+        if coverage.high <= 0.0 {
+            return NearSeen { surface: Some(-1.0), w: [0.0; 2] };
+        }
+        let w = [depth.high, depth.low].map(|depth| 1.0 / depth.max(NEAREST));
+        if coverage.low > 0.0 && surface.low == surface.high {
+            let seen = self.seen(surface.low.max(0.0), depth.low);
+            NearSeen { surface: Some(seen.surface), w }
+        } else {
+            NearSeen { surface: None, w: [0.0, w[1]] }
+        }
+    }
+
+    /// Whether an edge parts `a` from `b`, as [`parted`](Self::parted) has it.
+    fn may_part(&self, before: &NearSeen, a: &NearSeen, b: &NearSeen, after: &NearSeen) -> Holds {
+        let differs = if self.node.objects { not(a.is_like(b)) } else { NO };
+        if differs == YES {
+            return YES;
+        }
+        let step = [0, 1].map(|end| self.node.depth_step * a.w[end].min(b.w[end]));
+        let foretold = |from: [f64; 2], by: [f64; 2]| [2.0 * from[0] - by[1], 2.0 * from[1] - by[0]];
+        let jumps = and(
+            above(apart(a.w, b.w), step),
+            and(above(apart(b.w, foretold(a.w, before.w)), step), above(apart(a.w, foretold(b.w, after.w)), step)),
+        );
+        if jumps == YES {
+            YES
+        } else if differs == NO {
+            jumps
+        } else {
+            None
+        }
+    }
+
+    /// Whether an edge's `owner` draws, where it stands before the `other` along the axis or after it.
+    fn may_own(&self, owner: &NearSeen, other: &NearSeen, is_first: bool) -> Holds {
+        // Of equals the first one is the nearer.
+        let nearer = if is_first { not(above(other.w, owner.w)) } else { above(owner.w, other.w) };
+        let listed = match owner.is_like(other) {
+            None => None,
+            YES => nearer,
+            NO => {
+                let rank = |seen: &NearSeen| seen.surface.map(|surface| Seen { surface, w: 0.0 }.rank());
+                rank(owner).zip(rank(other)).map(|(owner, other)| owner < other)
+            }
+        };
+        match self.node.owner {
+            Owner::Near => nearer,
+            Owner::Far => not(nearer),
+            Owner::Both => YES,
+            Owner::First => listed,
+            Owner::Last => not(listed),
+        }
+    }
+}
+
+/// Across and down.
+const STEPS: [(i64, i64); 2] = [(1, 0), (0, 1)];
+
+impl Prepared for PreparedOutline {
+    fn fill(&self, block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
+        let Some(mask) = outputs.only(0) else { return Ok(()) };
+        mask.fill(0.0);
+        let around = Around::of(inputs, &self.node.view);
+        let depths = inputs.view(&self.node.view, Channel::Depth);
+        let seen: Vec<Seen> = around
+            .surfaces()
+            .into_iter()
+            .zip(depths)
+            .map(|(surface, depth)| self.seen(f64::from(surface), f64::from(*depth)))
+            .collect();
+        let at = |x: i64, y: i64| seen[around.index(x, y)];
+        let thickness = inputs.all(&self.node.thickness).first().and_then(|connection| connection.planes[0]);
+        let (window, reach) = (block.window, self.node.reach());
+        let mut draw = |x: i64, y: i64, owner: Seen, other: Seen| {
+            for py in (y - reach).max(window.y0)..(y + reach + 1).min(window.y1) {
+                for px in (x - reach).max(window.x0)..(x + reach + 1).min(window.x1) {
+                    let index = (py - window.y0) as usize * window.width() + (px - window.x0) as usize;
+                    let width = self.node.width * thickness.map_or(1.0, |plane| f64::from(plane[index]));
+                    let squared = ((px - x) * (px - x) + (py - y) * (py - y)) as f64;
+                    let drawn = Self::drawn(width, at(px, py), owner, other, squared) as f32;
+                    if drawn > mask[index] {
+                        mask[index] = drawn;
+                    }
+                }
+            }
+        };
+        // Every edge of which one side may own something within the window.
+        for y in window.y0 - reach - 1..window.y1 + reach + 1 {
+            for x in window.x0 - reach - 1..window.x1 + reach + 1 {
+                for (dx, dy) in STEPS {
+                    let (a, b) = (at(x, y), at(x + dx, y + dy));
+                    if a == b || !self.parted(at(x - dx, y - dy), a, b, at(x + 2 * dx, y + 2 * dy)) {
+                        continue;
+                    }
+                    let [first, second] = self.owners(a, b);
+                    if first {
+                        draw(x, y, a, b);
+                    }
+                    if second {
+                        draw(x + dx, y + dy, b, a);
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
+        let around = Around::of(bounding.inputs, &self.node.view);
+        let seen: Vec<NearSeen> = (0..around.area()).map(|sample| self.near(bounding, sample)).collect();
+        let at = |x: i64, y: i64| &seen[around.index(x, y)];
+        let reach = self.node.reach();
+        // Every edge across and down of which one side may own something within the window.
+        let edges = grown(bounding.block.window, reach + 1);
+        let part = |x: i64, y: i64| {
+            STEPS.map(|(dx, dy)| {
+                self.may_part(at(x - dx, y - dy), at(x, y), at(x + dx, y + dy), at(x + 2 * dx, y + 2 * dy))
+            })
+        };
+        let parted: Vec<[Holds; 2]> = (edges.y0..edges.y1)
+            .flat_map(|y| (edges.x0..edges.x1).map(move |x| (x, y)))
+            .map(|(x, y)| part(x, y))
+            .collect();
+        let mut pixels = bounding.block.pixels();
+        bound_by(bounding, outputs, (Only, 0), |sample| {
+            let [px, py] = pixels.next().unwrap_or_default();
+            let thickness = known(bounding, &self.node.thickness, 0, sample).unwrap_or(Span::exactly(1.0));
+            let width = thickness.through(|thickness| self.node.width * thickness);
+            // What is drawn for certain, and what may be.
+            let (mut sure, mut most) = (0.0_f64, 0.0_f64);
+            for (x, y) in (-reach..=reach).flat_map(|y| (-reach..=reach).map(move |x| (x, y))) {
+                let away = libm::sqrt((x * x + y * y) as f64);
+                let drawn = [width.low, width.high].map(|width| (width - away).clamp(0.0, 1.0));
+                if drawn[1] <= most && drawn[0] <= sure {
+                    continue;
+                }
+                for (dx, dy) in [(1, 0), (-1, 0), (0, 1), (0, -1)] {
+                    let (x, y) = (px + x, py + y);
+                    let (left, upper) = (x.min(x + dx), y.min(y + dy));
+                    let index = (upper - edges.y0) as usize * edges.width() + (left - edges.x0) as usize;
+                    let parted = parted[index][usize::from(dx == 0)];
+                    if parted == NO {
+                        continue;
+                    }
+                    let [owner, other] = [at(x, y), at(x + dx, y + dy)];
+                    let own = if (x, y) == (px, py) { YES } else { at(px, py).may_belong(owner, other) };
+                    let owns = and(parted, and(self.may_own(owner, other, dx + dy > 0), own));
+                    sure = if owns == YES { sure.max(drawn[0]) } else { sure };
+                    most = if owns == NO { most } else { most.max(drawn[1]) };
+                }
+            }
+            // What a width is off by is no jump.
+            let clear = thickness.clear && most - sure <= width.high - width.low + LOST;
+            Span { low: sure, high: most, clear }.wider(LOST).within(0.0, 1.0)
+        });
+        Ok(())
+    }
+
+    fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
+        let view = &self.node.view;
+        let reach = self.node.reach();
+        let side = 2 * (reach + 2) + 1;
+        let from = -(reach + 2);
+        let seen: Vec<Seen> = (0..side * side)
+            .map(|index| {
+                let there = inputs.moved((from + index % side) as f64, (from + index / side) as f64);
+                self.seen(surface_of(&there, view), there.view(view, Channel::Depth))
+            })
+            .collect();
+        let at = |x: i64, y: i64| seen[((y - from) * side + x - from) as usize];
+        let thickness = self.node.thickness.as_ref().map_or(1.0, |source| inputs.scalar(source));
+        let mut mask: f64 = 0.0;
+        for (x, y) in (-reach..=reach).flat_map(|y| (-reach..=reach).map(move |x| (x, y))) {
+            // The four pixels beside an owner.
+            for (dx, dy) in [(1, 0), (-1, 0), (0, 1), (0, -1)] {
+                let (owner, other) = (at(x, y), at(x + dx, y + dy));
+                let (before, after) = (at(x - dx, y - dy), at(x + 2 * dx, y + 2 * dy));
+                let forward = dx + dy > 0;
+                let owns = if forward { self.owners(owner, other)[0] } else { self.owners(other, owner)[1] };
+                if owns && self.parted(before, owner, other, after) {
+                    let squared = (x * x + y * y) as f64;
+                    mask = mask.max(Self::drawn(self.node.width * thickness, at(0, 0), owner, other, squared));
+                }
+            }
+        }
+        Ok(vec![Reference::Mask(mask)])
+    }
+}

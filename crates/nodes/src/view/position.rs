@@ -1,0 +1,29 @@
+//! Position: where things are.
+
+use super::Copies;
+use trochoid_graph::*;
+
+/// The seen point in the world.
+///
+/// # Formula
+/// P
+///
+/// # Edge cases
+/// (0, 0, 0) where nothing is seen.
+///
+/// # Source
+/// The field's position pass.
+#[derive(Clone, Node)]
+#[node(end = Front, revision = 1, output(position: Kind::Field(3) = "World position, m."))]
+pub(crate) struct Position {
+    /// What is seen.
+    view: One<port::View>,
+}
+
+impl Copies for Position {
+    const CHANNELS: &[Channel] = &super::POSITION;
+
+    fn view(&self) -> &One<port::View> {
+        &self.view
+    }
+}

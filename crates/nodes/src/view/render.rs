@@ -1,0 +1,291 @@
+//! Render: what a camera sees of surfaces.
+
+use super::{Looking, SurfaceHandle};
+use crate::geometry::memory;
+use std::cell::RefCell;
+use trochoid_graph::*;
+use trochoid_image::Format;
+use trochoid_scene as scene;
+
+/// Makes a view: what a camera sees of surfaces, sample by sample, to the horizon.
+///
+/// # Formula
+/// Each sample sees the nearest surface along its ray. Only the fields that passes ask for are computed.
+///
+/// # Edge cases
+/// Where nothing is seen, coverage is 0, depth +∞, the normal (0, 1, 0), the surface −1, all else 0.
+///
+/// # Source
+/// Tessellation adapted to the view after Hinsinger, Neyret and Cani, Interactive Animation of Ocean Waves, 2002; the
+/// reference traces the continuous surfaces.
+#[derive(Clone, Node)]
+#[node(end = Front, revision = 2, role = Render, outputs = Out)]
+pub(crate) struct Render {
+    /// The point of view.
+    pub(crate) camera: One<port::Camera>,
+    /// What is to be seen.
+    #[port(1..=64)]
+    pub(crate) surfaces: Many<port::Surface>,
+    /// How many times as close vertices of meshes stand as the picture's pixels ask for.
+    #[knob(default = 1.0, range = 0.125..=8.0, accuracy)]
+    fineness: f64,
+    /// What passes are told of: points of the mesh that stands for a surface; points of the surface itself next to those,
+    /// for a few times as long; or these to the digits of the reference, for many times as long.
+    #[knob(accuracy)]
+    points: Points,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Choice)]
+enum Points {
+    Mesh,
+    Surface,
+    Exact,
+}
+
+impl Points {
+    /// How samples are followed to surfaces, where they are.
+    fn sums(self) -> Option<scene::Sums> {
+        match self {
+            Self::Mesh => None,
+            Self::Surface => Some(scene::Sums::Single),
+            Self::Exact => Some(scene::Sums::Double),
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Outputs)]
+enum Out {
+    /// The view, for passes.
+    #[output(Kind::View)]
+    View,
+    /// 1 where a surface is seen, else 0.
+    #[output(Kind::MASK)]
+    Coverage,
+}
+
+impl Node for Render {
+    fn check(&self, check: &mut Check<'_>) {
+        let surfaces = &self.surfaces;
+        let again = surfaces.iter().enumerate().find(|(index, source)| surfaces[..*index].contains(source));
+        if let Some(twice) = again.and_then(|(_, source)| check.upstream(source)) {
+            let found = format!("\"{}\" twice: the same surface at the same place", twice.name);
+            check.warning(Self::SURFACES, found, "each surface once", "name it once");
+        }
+    }
+
+    fn body(&self) -> Body<'_> {
+        Body::Stage(self)
+    }
+}
+
+impl Stage for Render {
+    fn interval(&self, output: usize, channel: usize) -> Option<(f64, f64)> {
+        match Out::ALL[output] {
+            Out::View => (channel == Channel::Coverage as usize).then_some((0.0, 1.0)),
+            Out::Coverage => Some((0.0, 1.0)),
+        }
+    }
+
+    fn rate(&self) -> Rate {
+        Rate::Surface
+    }
+
+    fn memory(&self, reckoning: &Reckoning<'_>) -> MemoryUse {
+        memory::of_view(&self.surfaces, self.fineness, reckoning)
+    }
+
+    fn prepare(&self, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
+        let camera: scene::Camera = prepare.handles(&self.camera)?[0];
+        let surfaces: Vec<SurfaceHandle> = prepare.handles(&self.surfaces)?;
+        let mut wanted: ChannelSet = Channel::ALL
+            .into_iter()
+            .zip(&prepare.wanted[usize::from(Out::View)])
+            .filter(|(_, wanted)| **wanted)
+            .map(|(channel, _)| channel)
+            .collect();
+        if prepare.wanted[usize::from(Out::Coverage)][0] {
+            wanted = wanted.union(ChannelSet::COVERAGE);
+        }
+        let format = prepare.frame.format;
+        let (follows, fineness) = (self.points.sums(), self.fineness);
+        let (mut visible, mut certain) = (None, None);
+        if wanted != ChannelSet::EMPTY {
+            let surfaces = borrowed(&surfaces);
+            // Surfaces are looked for from rest points on.
+            let mut prepared = if follows.is_some() { wanted.union(ChannelSet::REST) } else { wanted };
+            if prepare.bounded() {
+                prepared = prepared.union(SIGHT);
+            }
+            let stop = prepare.cancellation();
+            let found = scene::Visible::prepare_unless(&camera, &surfaces, format, fineness, prepared, stop);
+            visible = Some(found.ok_or(NodeError::Cancelled)?);
+            if prepare.bounded() {
+                let found = scene::Certain::new(&camera, &surfaces, format, stop);
+                certain = Some(found.ok_or(NodeError::Cancelled)?);
+            }
+        }
+        let port = self.surfaces.id();
+        Ok(Box::new(Prospect { port, camera, surfaces, format, follows, visible, certain }))
+    }
+}
+
+struct Prospect {
+    /// That of the surfaces.
+    port: PortId,
+    camera: scene::Camera,
+    surfaces: Vec<SurfaceHandle>,
+    format: Format,
+    /// Whether each sample is followed to the surface itself, and how.
+    follows: Option<scene::Sums>,
+    /// `None` where no channel is wanted.
+    visible: Option<scene::Visible>,
+    /// Where it is certain what is seen, if someone will ask.
+    certain: Option<scene::Certain>,
+}
+
+fn borrowed(surfaces: &[SurfaceHandle]) -> Vec<&dyn scene::Surface> {
+    surfaces.iter().map(|surface| surface.as_ref()).collect()
+}
+
+/// What the reference itself may lose where it looks for the end of a ray: relative to its distance, and at a grazing
+/// angle as much more. Normals and what goes with them turn there by as many radians at most.
+const REFERENCE_RAY: f64 = 1e-8;
+
+/// What tells which sheet of a surface a sample sees.
+const SIGHT: ChannelSet = ChannelSet::of(&[Channel::Depth, Channel::Surface]);
+
+/// How far apart in depth, as a share of it, a point of a sheet and that of its mesh may lie.
+const SHEET: f64 = 0.02;
+
+thread_local! {
+    /// Reused from tile to tile.
+    static SAMPLES: RefCell<scene::Samples> = RefCell::default();
+}
+
+impl Prepared for Prospect {
+    fn handle(&self) -> Option<Handle> {
+        Some(std::sync::Arc::new(Looking { camera: self.camera, surfaces: self.surfaces.clone() }))
+    }
+
+    fn fill(&self, block: &Block<'_>, _inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
+        let Some(visible) = &self.visible else { return Ok(()) };
+        let mut planes: Vec<_> =
+            Channel::ALL.into_iter().enumerate().filter_map(|(i, c)| Some((c, outputs.take(Out::View, i)?))).collect();
+        let coverage = outputs.take(Out::Coverage, 0);
+        let mut wanted: ChannelSet = planes.iter().map(|(channel, _)| *channel).collect();
+        if coverage.is_some() {
+            wanted = wanted.union(ChannelSet::COVERAGE);
+        }
+        SAMPLES.with_borrow_mut(|samples| {
+            match block.scattered {
+                None => visible.fill(block.window, block.offset, wanted, samples),
+                Some(pixels) => visible.fill_pixels(pixels, block.offset, wanted, samples),
+            }
+            for (channel, plane) in &mut planes {
+                plane.copy_from_slice(samples.channel(*channel));
+            }
+            if let Some(plane) = coverage {
+                plane.copy_from_slice(samples.channel(Channel::Coverage));
+            }
+        });
+        if let Some(sums) = self.follows.filter(|_| !planes.is_empty()) {
+            let pixels: Vec<[i64; 2]> = block.pixels().collect();
+            let points = visible.points(&borrowed(&self.surfaces), &pixels, block.offset, sums);
+            // What the mesh shows stands where no point of the surface is near it.
+            let found = points.iter().enumerate().filter_map(|(index, point)| Some((index, point.as_ref()?)));
+            for (index, point) in found {
+                for (channel, plane) in &mut planes {
+                    plane[index] = scene::channel_of(Some(point), *channel) as f32;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// How far each channel lies from the point of the surface itself, wherever it is certain that this is what the sample
+    /// sees.
+    fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
+        let Some(certain) = &self.certain else {
+            return Err(NoBound("it was not prepared for any"));
+        };
+        let pixels: Vec<[i64; 2]> = bounding.block.pixels().collect();
+        let sights = certain.sights(&borrowed(&self.surfaces), &pixels, bounding.block.offset);
+        let same = self.sees(bounding.block, &sights);
+        let view = Channel::ALL.into_iter().enumerate().map(|(index, channel)| (channel, Out::View, index));
+        for (channel, output, index) in view.chain([(Channel::Coverage, Out::Coverage, 0)]) {
+            let filled = bounding.filled[usize::from(output)][index];
+            let (Some(filled), Some(bounds)) = (filled, outputs.take(output, index)) else { continue };
+            for (((bound, value), sight), same) in bounds.iter_mut().zip(filled).zip(&sights).zip(&same) {
+                let hit = match sight {
+                    scene::Sight::Unclear => {
+                        *bound = Bound::UNKNOWN.encode();
+                        continue;
+                    }
+                    scene::Sight::Nothing => None,
+                    scene::Sight::Point(hit) => Some(hit),
+                };
+                let (value, exact) = (f64::from(*value), scene::channel_of(hit, channel));
+                let distance = if value == exact { 0.0 } else { (value - exact).abs() };
+                let is_whole = matches!(channel, Channel::Coverage | Channel::Surface);
+                let lost = hit.filter(|_| !is_whole).map_or(0.0, |hit| REFERENCE_RAY * (1.0 + hit.distance));
+                *bound = Bound::of(distance + lost).with(*same).encode();
+            }
+        }
+        Ok(())
+    }
+
+    fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
+        let surfaces = borrowed(&self.surfaces);
+        let hit = scene::reference::trace(&self.camera, &surfaces, self.format, inputs.at[0], inputs.at[1]);
+        let channels = Channel::ALL.iter().map(|channel| scene::channel_of(hit.as_ref(), *channel)).collect();
+        let coverage = if hit.is_some() { 1.0 } else { 0.0 };
+        Ok(vec![Reference::View(channels), Reference::Mask(coverage)])
+    }
+
+    fn left_out(&self) -> Vec<Omission> {
+        let Some(projector) = self.visible.as_ref().map(scene::Visible::projector) else { return Vec::new() };
+        let seas = self.surfaces.iter().enumerate();
+        let seas = seas.filter_map(|(index, surface)| Some((index, surface.as_sea()?.resolved(projector)?)));
+        seas.flat_map(|(index, resolved)| {
+            let of = resolved.of as f64;
+            let waves = |what, count: f64, why| {
+                (count > 0.0).then_some(Omission { port: Some((self.port, index)), what, count, of, why })
+            };
+            let everywhere = "no pixel resolves them: its footprint leaves less than 1e-6 of each";
+            let mean = "the pixels there do not resolve them, the farthest least";
+            [
+                waves("waves", of - resolved.most as f64, everywhere),
+                waves("waves at a vertex on average", of - resolved.mean, mean),
+            ]
+        })
+        .flatten()
+        .collect()
+    }
+
+    fn bytes(&self) -> usize {
+        self.visible.as_ref().map_or(0, |visible| visible.stats().bytes)
+    }
+}
+
+impl Prospect {
+    /// Whether each sample's mesh shows the sheet of the surface that is there in truth.
+    fn sees(&self, block: &Block<'_>, sights: &[scene::Sight]) -> Vec<bool> {
+        let Some(visible) = &self.visible else { return vec![true; sights.len()] };
+        SAMPLES.with_borrow_mut(|samples| {
+            match block.scattered {
+                None => visible.fill(block.window, block.offset, SIGHT, samples),
+                Some(pixels) => visible.fill_pixels(pixels, block.offset, SIGHT, samples),
+            }
+            let shown = samples.channel(Channel::Depth).iter().zip(samples.channel(Channel::Surface));
+            let same = shown.zip(sights).map(|((depth, surface), sight)| match sight {
+                scene::Sight::Unclear => false,
+                scene::Sight::Nothing => *surface < 0.0,
+                scene::Sight::Point(hit) => {
+                    let apart = (f64::from(*depth) - hit.depth).abs();
+                    hit.surface as f32 == *surface && apart <= SHEET * hit.depth.abs()
+                }
+            });
+            same.collect()
+        })
+    }
+}

@@ -1,0 +1,87 @@
+//! Quantities of seen points from which rays go on: what they ask of a view, and how a block of them is filled.
+
+use super::surroundings::{First, Surroundings};
+use super::{NORMAL, POSITION, is_covered, view_planes, view_vector};
+use trochoid_graph::{Block, Channel, ChannelSet, Inputs, NodeError, One, References, port};
+use trochoid_scene::shading::unit_or_up;
+use trochoid_scene::{DVec3, Ray};
+
+/// A point that is seen.
+pub(crate) struct Seen {
+    /// Where in the picture, in pixels.
+    pub(crate) at: [f64; 2],
+    pub(crate) point: DVec3,
+    /// Of length 1.
+    pub(crate) normal: DVec3,
+    /// Size of the facets there, in meters.
+    pub(crate) facet: f64,
+}
+
+/// What rays meet.
+#[derive(Clone, Copy)]
+pub(crate) struct Rays<'a> {
+    pub(crate) first: First<'a>,
+    pub(crate) blocks: &'a dyn Fn(&Ray, f64) -> bool,
+}
+
+/// Points from one question whether to stop to the next.
+const ASKED: usize = 64;
+
+/// What the view must supply.
+pub(crate) fn asked() -> ChannelSet {
+    ChannelSet::of(&NORMAL).union(ChannelSet::of(&POSITION)).union(Channel::Coverage.into())
+}
+
+impl Surroundings {
+    fn seen(&self, at: [f64; 2], point: DVec3, normal: DVec3) -> Seen {
+        Seen { at, point, normal: unit_or_up(normal), facet: self.facet(point) }
+    }
+
+    /// Fills a block with a quantity of the points seen, by the tessellated surfaces; 0 where nothing is seen.
+    ///
+    /// # Errors
+    /// The user has asked to stop.
+    pub(crate) fn fill(
+        &self,
+        block: &Block<'_>,
+        inputs: &Inputs<'_>,
+        view: &One<port::View>,
+        out: &mut [f32],
+        quantity: impl Fn(&Seen, Rays<'_>) -> f64,
+    ) -> Result<(), NodeError> {
+        let (points, normals) = (view_planes(inputs, view, POSITION), view_planes(inputs, view, NORMAL));
+        let coverage = inputs.view(view, Channel::Coverage);
+        let vector = |planes: [&[f32]; 3], index: usize| DVec3::from(planes.map(|plane| f64::from(plane[index])));
+        let first = |ray: &_, limit| self.first(ray, limit);
+        let blocks = |ray: &_, limit| self.blocks(ray, limit);
+        let rays = Rays { first: &first, blocks: &blocks };
+        for (index, (out, at)) in out.iter_mut().zip(block.places()).enumerate() {
+            // Rays may take long: a soft shadow's over a row more than anybody waits.
+            if index % ASKED == 0 {
+                inputs.go_on()?;
+            }
+            *out = if coverage[index] > 0.0 {
+                quantity(&self.seen(at, vector(points, index), vector(normals, index)), rays) as f32
+            } else {
+                0.0
+            };
+        }
+        Ok(())
+    }
+
+    /// The same of one sample, by the continuous surfaces, in f64.
+    pub(crate) fn quantity_reference(
+        &self,
+        inputs: &References<'_>,
+        view: &One<port::View>,
+        quantity: impl Fn(&Seen, Rays<'_>) -> f64,
+    ) -> f64 {
+        if !is_covered(inputs, view) {
+            return 0.0;
+        }
+        let (point, normal) = (view_vector(inputs, view, POSITION), view_vector(inputs, view, NORMAL));
+        let first = |ray: &_, limit| self.first_reference(ray, limit);
+        let rays = Rays { first: &first, blocks: &|ray, limit| first(ray, limit).is_some() };
+        quantity(&self.seen(inputs.at, point, normal), rays)
+    }
+}

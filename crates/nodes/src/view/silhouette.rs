@@ -1,0 +1,249 @@
+//! Silhouette: where a surface turns away from the eye.
+
+use super::{Around, NORMAL, POSITION, change, grown, is_covered, may_see, surface_of, view_planes, view_vector};
+use crate::bounds::{Span, bound_by, where_covered};
+use crate::lit::{Near, Toward, eye, toward_eye, view_directions};
+use trochoid_graph::*;
+use trochoid_image::{Format, Window};
+use trochoid_scene::Projector;
+use trochoid_scene::shading::unit_or_up;
+
+/// A mask of the lines where surfaces turn away from the eye.
+///
+/// # Formula
+/// e = max(0, N · V). By cutoff: 1 where e < cutoff, falling straight to 0 at cutoff + ramp. By `width` in pixels: width +
+/// ½ − d, limited to [0, 1], with the distance d = e²/|∇e²| to the place where e reaches 0: toward a round edge e falls
+/// like the root of the distance.
+///
+/// # Edge cases
+/// 0 where nothing is seen; e is 1 there. ∇ takes the pixels beside that see the same surface; where there are none, or e²
+/// does not change, no line is drawn but at e = 0. Ramp 0 is the hard cutoff. Toward the horizon all faces of a sea are
+/// seen from the edge, and the line thickens with them.
+///
+/// # Source
+/// Toon shading by thresholds: edge = max(0, n · v), black below 0.01, or by a one-dimensional ramp: give `edge` to a Ramp.
+#[derive(Clone, Node)]
+#[node(end = Front, revision = 1, outputs = Out)]
+pub(crate) struct Silhouette {
+    /// What is drawn.
+    view: One<port::View>,
+    /// N · V below which the line is drawn.
+    #[knob(default = 0.2, range = 0.0..=1.0)]
+    cutoff: f64,
+    /// How much more it takes until the line is gone.
+    #[knob(default = 0.05, range = 0.0..=1.0)]
+    ramp: f64,
+    /// The line's width; if set, in place of the cutoff.
+    #[knob(range = 0.0..=100.0, drawn)]
+    width: Option<f64>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Outputs)]
+enum Out {
+    /// 1 on the line.
+    #[output(Kind::MASK)]
+    Mask,
+    /// max(0, N · V): 0 where the surface turns away.
+    #[output(Kind::MASK)]
+    Edge,
+}
+
+impl Node for Silhouette {
+    fn body(&self) -> Body<'_> {
+        Body::Stage(self)
+    }
+}
+
+impl Stage for Silhouette {
+    fn asks(&self, _wanted: &[bool]) -> ChannelSet {
+        ChannelSet::of(&NORMAL).union(Channel::Coverage.into())
+    }
+
+    fn prefers(&self, _wanted: &[bool]) -> ChannelSet {
+        ChannelSet::of(&POSITION).union(Channel::Surface.into())
+    }
+
+    fn interval(&self, _output: usize, _channel: usize) -> Option<(f64, f64)> {
+        Some((0.0, 1.0))
+    }
+
+    fn regions_of_interest(&self, _port: PortId, window: Window, _format: Format) -> Window {
+        grown(window, i64::from(self.width.is_some()))
+    }
+
+    fn prepare(&self, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
+        let eye = eye(prepare, &self.view, prepare.frame.format)?;
+        Ok(Box::new(PreparedSilhouette { node: self.clone(), eye }))
+    }
+}
+
+struct PreparedSilhouette {
+    node: Silhouette,
+    eye: Projector,
+}
+
+impl PreparedSilhouette {
+    /// The mask by the cutoff.
+    fn cut(&self, e: f64) -> f64 {
+        if e < self.node.cutoff {
+            1.0
+        } else if self.node.ramp > 0.0 {
+            (1.0 - (e - self.node.cutoff) / self.node.ramp).max(0.0)
+        } else {
+            0.0
+        }
+    }
+
+    /// The mask by a width, of e² and its changes across and down.
+    fn line(width: f64, squared: f64, changes: [Option<f64>; 2]) -> f64 {
+        let [across, down] = changes.map(|change| change.unwrap_or(0.0));
+        let slope = (across * across + down * down).sqrt();
+        if squared == 0.0 {
+            (width + 0.5).min(1.0)
+        } else if slope > 0.0 {
+            (width + 0.5 - squared / slope).clamp(0.0, 1.0)
+        } else {
+            0.0
+        }
+    }
+
+    /// max(0, N · V) at a sample of the reference.
+    fn edge(&self, inputs: &References<'_>) -> f64 {
+        let normal = unit_or_up(view_vector(inputs, &self.node.view, NORMAL));
+        let view = unit_or_up(toward_eye(&self.eye, view_vector(inputs, &self.node.view, POSITION)));
+        normal.dot(view).clamp(0.0, 1.0)
+    }
+}
+
+/// What rounding loses of a mask.
+const LOST: f64 = 1e-12;
+
+impl Prepared for PreparedSilhouette {
+    fn fill(&self, block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
+        let view = &self.node.view;
+        let around = Around::of(inputs, view);
+        let [nx, ny, nz] = view_planes(inputs, view, NORMAL);
+        let views = view_directions(inputs, view, &self.eye, around.area())?;
+        let surfaces = around.surfaces();
+        let edges: Vec<f64> = (0..around.area())
+            .map(|i| {
+                let normal = unit_or_up([nx[i], ny[i], nz[i]].map(f64::from).into());
+                let view = unit_or_up([&views[0], &views[1], &views[2]].map(|axis| f64::from(axis[i])).into());
+                normal.dot(view).clamp(0.0, 1.0)
+            })
+            .collect();
+        let (mut mask, mut edge) = (outputs.take(Out::Mask, 0), outputs.take(Out::Edge, 0));
+        let window = block.window;
+        let pixels = (window.y0..window.y1).flat_map(|y| (window.x0..window.x1).map(move |x| (x, y)));
+        for (out, (x, y)) in pixels.enumerate() {
+            let here = around.index(x, y);
+            let seen = surfaces[here] >= 0.0;
+            if let Some(edge) = &mut edge {
+                edge[out] = if seen { edges[here] as f32 } else { 1.0 };
+            }
+            let Some(mask) = &mut mask else { continue };
+            mask[out] = match self.node.width {
+                _ if !seen => 0.0,
+                None => self.cut(edges[here]) as f32,
+                Some(width) => {
+                    let squared = |x: i64, y: i64| {
+                        let there = around.index(x, y);
+                        (surfaces[there] == surfaces[here]).then(|| edges[there] * edges[there])
+                    };
+                    let own = edges[here] * edges[here];
+                    let across = change(squared(x - 1, y), own, squared(x + 1, y));
+                    let down = change(squared(x, y - 1), own, squared(x, y + 1));
+                    Self::line(width, own, [across, down]) as f32
+                }
+            };
+        }
+        Ok(())
+    }
+
+    fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
+        let view = &self.node.view;
+        let around = Around::of(bounding.inputs, view);
+        let edge = |there: usize| {
+            let toward = Toward::eye(&self.eye, Near::point(bounding, view, there));
+            Toward::normal(bounding, view, there).cosine(toward).within(0.0, 1.0)
+        };
+        let pixels: Vec<usize> = bounding.block.pixels().map(|[x, y]| around.index(x, y)).collect();
+        bound_by(bounding, outputs, (Out::Edge, 0), |sample| {
+            // Where nothing is seen the mask is 1.
+            let faced = where_covered(bounding, view, pixels[sample], || edge(pixels[sample]).through(|e| 1.0 - e));
+            if faced.is_exact() {
+                Span::exactly(1.0 - faced.low)
+            } else {
+                faced.through(|faced| 1.0 - faced).within(0.0, 1.0)
+            }
+        });
+        let mut places = bounding.block.pixels();
+        bound_by(bounding, outputs, (Out::Mask, 0), |sample| {
+            let [x, y] = places.next().unwrap_or_default();
+            where_covered(bounding, view, pixels[sample], || match self.node.width {
+                None => {
+                    let e = edge(pixels[sample]);
+                    let ends = [self.cut(e.high), self.cut(e.low)];
+                    let cut = Span::of(&ends).wider(LOST).within(0.0, 1.0);
+                    if ends[0] == ends[1] && (ends[0] == 0.0 || ends[0] == 1.0) {
+                        Span::exactly(ends[0])
+                    } else {
+                        cut.with(e.clear && self.node.ramp > 0.0)
+                    }
+                }
+                Some(width) => {
+                    let seen = |x: i64, y: i64| may_see(bounding, view, around.index(x, y));
+                    let squared = |x: i64, y: i64| edge(around.index(x, y)).through(|e| e * e).within(0.0, 1.0);
+                    let (here, own) = (seen(x, y), squared(x, y));
+                    let mut clear = here.is_exact() && own.clear;
+                    let mut changes = [0.0; 2];
+                    let mut least = [0.0; 2];
+                    for (axis, [dx, dy]) in [[1, 0], [0, 1]].into_iter().enumerate() {
+                        let beside = [-1, 1].map(|side| {
+                            let there = seen(x + side * dx, y + side * dy);
+                            clear &= there.is_exact();
+                            (there.low == here.low).then(|| squared(x + side * dx, y + side * dy))
+                        });
+                        let Some(change) = change(beside[0], own, beside[1]) else { continue };
+                        clear &= change.clear;
+                        changes[axis] = change.low.abs().max(change.high.abs());
+                        least[axis] = if change.holds(0.0) { 0.0 } else { change.low.abs().min(change.high.abs()) };
+                    }
+                    if !clear {
+                        return Span::unclear(0.0, 1.0);
+                    }
+                    let [steepest, flattest] = [changes, least].map(|[across, down]| libm::hypot(across, down));
+                    let line = |squared: f64, slope: f64| Self::line(width, squared, [Some(slope), None]);
+                    let span =
+                        Span::of(&[line(own.high, flattest), line(own.low, steepest)]).wider(LOST).within(0.0, 1.0);
+                    // Where neither the square nor its slope is certain not to vanish there is no line or a whole one.
+                    span.with(flattest > 0.0 || (own.low > 0.0 && steepest == 0.0))
+                }
+            })
+        });
+        Ok(())
+    }
+
+    fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
+        let view = &self.node.view;
+        if !is_covered(inputs, view) {
+            return Ok(vec![Reference::Mask(0.0), Reference::Mask(1.0)]);
+        }
+        let e = self.edge(inputs);
+        let mask = match self.node.width {
+            None => self.cut(e),
+            Some(width) => {
+                let surface = surface_of(inputs, view);
+                let squared = |dx: f64, dy: f64| {
+                    let there = inputs.moved(dx, dy);
+                    let square = |e: f64| e * e;
+                    (surface_of(&there, view) == surface).then(|| square(self.edge(&there)))
+                };
+                let across = change(squared(-1.0, 0.0), e * e, squared(1.0, 0.0));
+                let down = change(squared(0.0, -1.0), e * e, squared(0.0, 1.0));
+                Self::line(width, e * e, [across, down])
+            }
+        };
+        Ok(vec![Reference::Mask(mask), Reference::Mask(e)])
+    }
+}

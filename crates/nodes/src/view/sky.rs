@@ -1,0 +1,154 @@
+//! Sky: how high the eye looks, straight and by way of the surface.
+
+use super::{NORMAL, is_covered, view_planes, view_vector};
+use crate::bounds::{bound_at, bound_by, where_covered};
+use crate::lit::{Toward, eye};
+use trochoid_graph::*;
+use trochoid_scene::shading::unit_or_up;
+use trochoid_scene::{DVec3, Projector};
+
+/// Two masks for a gradient of the sky: seen straight, and mirrored by the surface.
+///
+/// # Formula
+/// (ε − from)/(to − from), limited to [0, 1]; ε is the elevation above the horizon of the ray d through the sample, for
+/// `reflected` of r = d − 2(d · N)N.
+///
+/// # Edge cases
+/// `sky` is everywhere, also behind surfaces; `reflected` is 0 where nothing is seen. A mirrored ray that points below the
+/// horizon has the elevation of the ground. A degenerate normal points up.
+///
+/// # Source
+/// The law of reflection; thesis 3.2.3.3 mirrors an environment.
+#[derive(Clone, Node)]
+#[node(end = Front, revision = 1, outputs = Out)]
+pub(crate) struct Sky {
+    /// What the camera sees.
+    view: One<port::View>,
+    /// The elevation where the masks are 0; 0 is the horizon.
+    #[knob(default = 0.0, range = -90.0..=90.0, unit = "degrees")]
+    from: f64,
+    /// The elevation where they are 1; 90 is the zenith.
+    #[knob(default = 90.0, range = -90.0..=90.0, unit = "degrees")]
+    to: f64,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Outputs)]
+enum Out {
+    /// How high the sample's ray points.
+    #[output(Kind::MASK)]
+    Sky,
+    /// How high it points after the surface has mirrored it.
+    #[output(Kind::MASK)]
+    Reflected,
+}
+
+impl Node for Sky {
+    fn check(&self, check: &mut Check<'_>) {
+        let (from, to) = (self.from, self.to);
+        if to <= from {
+            check.error(
+                Self::TO,
+                format!("from {from} to {to}"),
+                "from below to",
+                "exchange them, and Invert the mask",
+            );
+        }
+    }
+
+    fn body(&self) -> Body<'_> {
+        Body::Stage(self)
+    }
+}
+
+impl Stage for Sky {
+    fn asks(&self, wanted: &[bool]) -> ChannelSet {
+        // The sky itself needs the camera alone.
+        if wanted.get(usize::from(Out::Reflected)).is_some_and(|wanted| *wanted) {
+            ChannelSet::of(&NORMAL).union(Channel::Coverage.into())
+        } else {
+            ChannelSet::EMPTY
+        }
+    }
+
+    fn interval(&self, _output: usize, _channel: usize) -> Option<(f64, f64)> {
+        Some((0.0, 1.0))
+    }
+
+    fn rate(&self) -> Rate {
+        Rate::Surface
+    }
+
+    fn prepare(&self, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
+        let eye = eye(prepare, &self.view, prepare.frame.format)?;
+        Ok(Box::new(PreparedSky { node: self.clone(), eye }))
+    }
+}
+
+struct PreparedSky {
+    node: Sky,
+    eye: Projector,
+}
+
+impl PreparedSky {
+    /// The mask of a direction of any length.
+    fn mask(&self, direction: DVec3) -> f64 {
+        let level = (direction.x * direction.x + direction.z * direction.z).sqrt();
+        self.share(libm::atan2(direction.y, level).to_degrees())
+    }
+
+    /// The mask of an elevation in degrees.
+    fn share(&self, elevation: f64) -> f64 {
+        ((elevation - self.node.from) / (self.node.to - self.node.from)).clamp(0.0, 1.0)
+    }
+}
+
+/// What rounding loses of a share.
+const LOST: f64 = 1e-14;
+
+/// A direction as a plane of this normal mirrors it.
+fn mirrored(direction: DVec3, normal: DVec3) -> DVec3 {
+    let normal = unit_or_up(normal);
+    direction - normal * (2.0 * direction.dot(normal))
+}
+
+impl Prepared for PreparedSky {
+    fn fill(&self, block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
+        let ray = |[x, y]: [f64; 2]| self.eye.ray(x, y).direction;
+        if let Some(sky) = outputs.take(Out::Sky, 0) {
+            sky.iter_mut().zip(block.places()).for_each(|(out, at)| *out = self.mask(ray(at)) as f32);
+        }
+        let Some(reflected) = outputs.take(Out::Reflected, 0) else { return Ok(()) };
+        let normals = view_planes(inputs, &self.node.view, NORMAL);
+        let coverage = inputs.view(&self.node.view, Channel::Coverage);
+        for (index, (out, at)) in reflected.iter_mut().zip(block.places()).enumerate() {
+            let normal = DVec3::from(normals.map(|plane| f64::from(plane[index])));
+            *out = if coverage[index] > 0.0 { self.mask(mirrored(ray(at), normal)) as f32 } else { 0.0 };
+        }
+        Ok(())
+    }
+
+    fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
+        let ray = |[x, y]: [f64; 2]| self.eye.ray(x, y).direction;
+        bound_at(bounding, outputs, (Out::Sky, 0), |at| self.mask(ray(at)));
+        let mut places = bounding.block.places();
+        bound_by(bounding, outputs, (Out::Reflected, 0), |sample| {
+            let at = places.next().unwrap_or_default();
+            where_covered(bounding, &self.node.view, sample, || {
+                // What a normal turns by, its mirror image turns by twice, and its elevation by no more.
+                let mirrored = Toward::normal(bounding, &self.node.view, sample).mirrored(Toward::exactly(-ray(at)));
+                mirrored.elevation().through(|degrees| self.share(degrees)).wider(LOST).within(0.0, 1.0)
+            })
+        });
+        Ok(())
+    }
+
+    fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
+        let direction = self.eye.ray(inputs.at[0], inputs.at[1]).direction;
+        let reflected = if is_covered(inputs, &self.node.view) {
+            self.mask(mirrored(direction, view_vector(inputs, &self.node.view, NORMAL)))
+        } else {
+            0.0
+        };
+        Ok(vec![Reference::Mask(self.mask(direction)), Reference::Mask(reflected)])
+    }
+}

@@ -1,0 +1,128 @@
+//! Thickness: how much water light has to pass.
+
+use super::{Facets, Quantity, Rays, Seen, Traces, Way};
+use crate::lit::{eye, toward_eye};
+use trochoid_graph::*;
+use trochoid_scene::shading::unit_or_up;
+use trochoid_scene::{DVec3, Light};
+
+/// How much water lies between the seen point and the air behind it, toward a light or along the eye's ray.
+///
+/// # Formula
+/// The length of the straight way from P − δN to where it first passes through a surface, at most `distance`; δ = `inset`,
+/// but at most halfway to where −N does. The way leads toward the light, or, where `ray` is eye, along the eye's ray d as
+/// the water refracts it: r = d/η − (d · N/η + √(1 − (1 − (d · N)²)/η²))N.
+///
+/// # Edge cases
+/// 0 where nothing is seen. `distance` where the way has no end: toward a light below the horizon, or out of what is seen
+/// from below. Surfaces count as far as the picture, made wider by `beyond`, holds them; ways begin at least 1/50 of a
+/// facet under them.
+///
+/// # Source
+/// Thesis 3.1.2: thin crests against the light are translucent; Snell's law.
+#[derive(Clone, Node)]
+#[node(end = Front, revision = 1, output(thickness: Kind::Field(1) = "Length of the way, m."))]
+pub(crate) struct Thickness {
+    /// What is seen, a Render.
+    view: One<port::View>,
+    /// Where light comes from; for `ray` light.
+    light: Optional<port::Light>,
+    /// Where the way leads.
+    ray: Leads,
+    /// Index of refraction η; for `ray` eye.
+    #[knob(default = 1.333, range = 1.0..=10.0)]
+    ior: f64,
+    #[items]
+    way: Way,
+    #[items]
+    facets: Facets,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Choice)]
+enum Leads {
+    Light,
+    Eye,
+}
+
+impl Traces for Thickness {
+    const RATE: Rate = Rate::Surface;
+
+    fn view(&self) -> &One<port::View> {
+        &self.view
+    }
+
+    fn facets(&self) -> &Facets {
+        &self.facets
+    }
+
+    fn most(&self) -> f64 {
+        self.way.most()
+    }
+
+    fn interval(&self) -> Option<(f64, f64)> {
+        // The value is a rounded f32.
+        Some((0.0, f64::from(self.way.most() as f32)))
+    }
+
+    fn check(&self, check: &mut Check<'_>) {
+        if self.ray == Leads::Light && self.light.is_none() {
+            let found = "the ray light without a light";
+            check.error(Self::RAY, found, "a light that the way leads to", "connect \"light\", or use \"eye\"");
+        }
+    }
+
+    fn quantity(&self, prepare: &Prepare<'_>) -> Result<Quantity, NodeError> {
+        let eye = eye(prepare, &self.view, prepare.frame.format)?;
+        let light = match self.ray {
+            Leads::Light => prepare.handles::<Light>(&self.light)?.first().copied(),
+            Leads::Eye => None,
+        };
+        let &Self { ior, way, .. } = self;
+        Ok(Box::new(move |seen: &Seen, rays: Rays<'_>| {
+            let along = match &light {
+                Some(light) => light.illuminate(seen.point).direction,
+                None => refracted(-unit_or_up(toward_eye(&eye, seen.point)), seen.normal, ior),
+            };
+            way.length(seen, along, rays.first)
+        }))
+    }
+
+    fn output(quantity: f64) -> Reference {
+        Reference::Field(vec![quantity])
+    }
+}
+
+/// A unit direction as a surface of this unit normal refracts it into what has index `ior`.
+fn refracted(direction: DVec3, normal: DVec3, ior: f64) -> DVec3 {
+    let cosine = direction.dot(normal) / ior;
+    let squared = 1.0 - (1.0 / (ior * ior) - cosine * cosine);
+    unit_or_up(direction / ior - normal * (cosine + squared.max(0.0).sqrt()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::refused;
+
+    #[test]
+    fn refracts_as_snell_says() {
+        for angle in [0.0f64, 0.3, 1.0, 1.57] {
+            let bent = refracted(DVec3::new(angle.sin(), -angle.cos(), 0.0), DVec3::Y, 1.333);
+            assert!((bent.x - angle.sin() / 1.333).abs() < 1e-12 && bent.y < 0.0, "{bent}");
+            assert!((bent.length() - 1.0).abs() < 1e-12);
+        }
+        let straight = DVec3::new(0.6, -0.8, 0.0);
+        assert!((refracted(straight, DVec3::Y, 1.0) - straight).length() < 1e-12);
+    }
+
+    #[test]
+    fn needs_a_light_to_go_toward() {
+        let faults = refused(
+            "field",
+            r#""camera": { "type": "Camera" }, "sea": { "type": "GerstnerSea", "count": 0 },
+               "view": { "type": "Render", "camera": "camera", "surfaces": ["sea"] },
+               "out": { "type": "Thickness", "view": "view" }"#,
+        );
+        assert!(faults.contains("connect \\\"light\\\""), "{faults}");
+    }
+}

@@ -1,0 +1,15 @@
+use std::path::PathBuf;
+use trochoid::quoted_path;
+
+/// Warns of what `--allow` names and is not there.
+pub fn warn_of_missing(allow: &[PathBuf]) {
+    let missing = allow.iter().filter(|path| !path.exists());
+    let texts = missing.map(|path| {
+        format!(
+            "warning: --allow {}: found nothing there; expected a file or folder\n  remedy: correct the path, which is \
+             relative to the current folder, unless it is to be made",
+            quoted_path(path)
+        )
+    });
+    crate::tell(&texts.collect::<Vec<_>>());
+}

@@ -1,0 +1,96 @@
+//! `--memory`: how much the program may take, and its end where that, or the machine, does not suffice.
+
+use crate::FAILED;
+use bytesize::ByteSize;
+use std::sync::Mutex;
+use trochoid::{Exhausted, Heap, discard_partial_files, exit_at_once, in_bytes, memory_share};
+
+/// The least that is any use.
+const LEAST: u64 = 64_000_000;
+
+/// Given back at the end, so that there is memory to say why; large enough for the system to take it from the process.
+static RESERVE: Mutex<Vec<u8>> = Mutex::new(Vec::new());
+const RESERVED: usize = 4 << 20;
+
+/// Reads a size such as 8GB, 500MB or 2GiB.
+fn parse(text: &str) -> Result<u64, String> {
+    let expected = "expected a number with its unit, such as 8GB, 500MB or 2GiB";
+    let size = text.parse::<ByteSize>().map_err(|_| expected.to_string())?.as_u64();
+    if size < LEAST {
+        return Err(format!("found {}; {expected}, of {} or more", in_bytes(size), in_bytes(LEAST)));
+    }
+    Ok(size)
+}
+
+/// What to write for `--memory` where a frame is reckoned to take so many bytes: a tenth more, since reckoning is not all.
+pub fn enough_memory(bytes: u64) -> String {
+    let bytes = bytes.saturating_add(bytes / 10).max(LEAST);
+    if bytes > 10_000_000_000 {
+        format!("{}GB", bytes.div_ceil(1_000_000_000))
+    } else {
+        format!("{}MB", bytes.div_ceil(100_000_000) * 100)
+    }
+}
+
+/// How much memory the process may take.
+#[derive(Debug, clap::Args)]
+pub struct MemoryArgs {
+    /// Most memory to take, such as 8GB or 500MB: what needs more is refused before it begins [default: three quarters of the
+    /// machine's]
+    #[arg(long, global = true, value_name = "SIZE", value_parser = parse)]
+    memory: Option<u64>,
+}
+
+impl MemoryArgs {
+    /// Bounds the memory of the whole process, whose allocator is [`Heap`]. Where it does not suffice, the process ends with
+    /// code 1 and leaves nothing half written.
+    pub fn bound(&self) {
+        let bytes = self.memory.unwrap_or_else(memory_share);
+        Heap::bound(usize::try_from(bytes).unwrap_or(usize::MAX));
+        if let Ok(mut reserve) = RESERVE.try_lock() {
+            *reserve = vec![1; RESERVED];
+        }
+        Heap::on_exhaustion(end);
+    }
+}
+
+fn end(exhausted: Exhausted) -> ! {
+    if let Ok(mut reserve) = RESERVE.try_lock() {
+        *reserve = Vec::new();
+    }
+    discard_partial_files();
+    let (asked, taken) = (in_bytes(exhausted.asked as u64), in_bytes(exhausted.taken as u64));
+    let (allowed, remedy) = match exhausted.bound {
+        Some(bound) => (format!(", of {} allowed", in_bytes(bound as u64)), "allow more by --memory, "),
+        None => (", more than the machine has left".into(), "end other programs, "),
+    };
+    crate::tell(&[format!(
+        "error: out of memory: found {taken} taken and {asked} asked for{allowed}\n  remedy: {remedy}use fewer --threads, or \
+         lower the format's \"width\" and \"height\""
+    )]);
+    exit_at_once(FAILED)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_would_do_can_be_asked_for() {
+        for bytes in [1, 64_000_000, 999_999_999, 9_999_999_999, 10_000_000_000, 123_456_789_012] {
+            assert!(parse(&enough_memory(bytes)).unwrap() >= bytes + bytes / 10, "{bytes}");
+        }
+    }
+
+    #[test]
+    fn sizes_have_units() {
+        for (text, bytes) in
+            [("8GB", 8_000_000_000), ("500MB", 500_000_000), ("2GiB", 2 << 30), ("1.5 gb", 1_500_000_000)]
+        {
+            assert_eq!(parse(text), Ok(bytes), "{text}");
+        }
+        for text in ["", "8", "1kB", "much", "-8GB", "8XB", "NaNGB"] {
+            assert!(parse(text).unwrap_err().contains("8GB"), "{text}");
+        }
+    }
+}

@@ -1,0 +1,46 @@
+use anstyle::{AnsiColor, Style};
+use std::io::Write;
+
+const ERROR: Style = AnsiColor::Red.on_default().bold();
+const WARNING: Style = AnsiColor::Yellow.on_default().bold();
+const NOTE: Style = AnsiColor::Green.on_default().bold();
+const REMEDY: Style = AnsiColor::Cyan.on_default().bold();
+
+/// Prints messages on stderr, with colors on terminals alone. Where even that fails, nobody listens.
+pub fn tell<'m>(messages: impl IntoIterator<Item = &'m String>) {
+    let mut err = anstream::stderr().lock();
+    for message in messages {
+        let _ = writeln!(err, "{}", paint(message));
+    }
+}
+
+/// Colors the words at the start of lines that say what a message is.
+fn paint(message: &str) -> String {
+    let words = [("error:", ERROR), ("warning:", WARNING), ("note:", NOTE), ("  remedy:", REMEDY)];
+    let lines = message.lines().map(|line| {
+        let line = printable(line);
+        match words.iter().find(|(word, _)| line.starts_with(word)) {
+            Some((word, style)) => format!("{style}{word}{style:#}{}", &line[word.len()..]),
+            None => line,
+        }
+    });
+    lines.collect::<Vec<_>>().join("\n")
+}
+
+/// A text of a document or file without control characters, so that it cannot steer the terminal.
+pub fn printable(text: &str) -> String {
+    text.chars().map(|c| if c.is_control() { '\u{fffd}' } else { c }).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_the_leading_words_are_painted() {
+        let painted = paint("error: a: error: b\u{1b}[2J\n  remedy: c");
+        assert_eq!(anstream::adapter::strip_str(&painted).to_string(), "error: a: error: b\u{fffd}[2J\n  remedy: c");
+        assert!(painted.starts_with('\u{1b}') && painted.contains("\n\u{1b}"));
+        assert!(!paint("found error: b").contains('\u{1b}'));
+    }
+}

@@ -1,0 +1,80 @@
+//! A file of pictures that is to be written, and why it cannot be.
+
+use std::fmt;
+use std::path::PathBuf;
+use trochoid_graph::{OutputSpec, Refused};
+
+/// A file to be written for one frame, and the outputs that go into it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct OutputFile {
+    /// Where.
+    pub path: PathBuf,
+    /// Indices of outputs of the graph, each a layer of the file.
+    pub outputs: Vec<usize>,
+}
+
+/// Why files cannot be named or written.
+#[derive(Debug, thiserror::Error)]
+pub enum OutputError {
+    /// Files cannot be named so: everything that is wrong, such as one name for several pictures.
+    #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))]
+    Pattern(Vec<NameFault>),
+    /// The file cannot be written.
+    #[error(transparent)]
+    Io(#[from] trochoid_io::Error),
+    /// The document wants it where it may not write.
+    #[error("{}", .0.diagnostic())]
+    Refused(Box<Refused>),
+    /// Trochoid did not write the file that is there, or as another kind of file, or so little is left that nobody can tell.
+    #[error(
+        "{}: is there already, and does not bear Trochoid's mark of such a file: not written by it, of another kind, or cut off\n  \
+         remedy: give another name, or replace it with --overwrite",
+        path.display()
+    )]
+    Foreign {
+        /// The file.
+        path: PathBuf,
+    },
+    /// No file can be written there.
+    #[error("{}: {reason}", path.display())]
+    Destination {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        reason: String,
+    },
+    /// The folder cannot be made.
+    #[error("{}: the folder cannot be made: {reason}", path.display())]
+    Folder {
+        /// The folder.
+        path: PathBuf,
+        /// Why.
+        reason: String,
+    },
+}
+
+/// Why files cannot be named so.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct NameFault {
+    /// Where: an output of the document, or an option.
+    pub place: String,
+    /// What is wrong.
+    pub found: String,
+    /// What to do.
+    pub remedy: String,
+}
+
+impl fmt::Display for NameFault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: {}\n  remedy: {}", self.place, self.found, self.remedy)
+    }
+}
+
+/// The layer of an output: its own name for one, else the output's name where several share the file.
+pub(crate) fn layer<'s>(spec: &'s OutputSpec, file: &OutputFile) -> &'s str {
+    match &spec.layer {
+        Some(layer) => layer,
+        None if file.outputs.len() > 1 => &spec.name,
+        None => "",
+    }
+}
