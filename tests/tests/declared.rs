@@ -5,8 +5,7 @@ use crate::support::root;
 use std::collections::BTreeSet;
 use std::sync::LazyLock;
 
-static NAMES: LazyLock<BTreeSet<&str>> =
-    LazyLock::new(|| trochoid::declarations(None).into_iter().map(|declaration| declaration.name).collect());
+static NAMES: LazyLock<BTreeSet<&str>> = LazyLock::new(|| trochoid::registry().names().collect());
 
 /// Words that are names of nodes and of something else too: kinds of value, operations of other programs, a label.
 const HOMONYMS: &[(&str, &[&str])] = &[
