@@ -53,7 +53,7 @@ impl Node for Blur {
             .map(|(size, side)| (2.0 * self.filter.radius(*size) as f64).min(2.0 * f64::from(side)))
             .sum();
         let seconds = WEIGHT * weights * format.window().area() as f64 * f64::from(format.samples());
-        Some(Work { seconds, item: Self::SIZE, remedy: "lower \"size\", or have fewer samples or pixels" })
+        Some(Work { seconds, item: Self::SIZE, remedy: "lower \"size\", or use fewer samples or pixels" })
     }
 
     fn body(&self) -> Body<'_> {
