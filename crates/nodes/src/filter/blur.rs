@@ -24,10 +24,10 @@ use trochoid_image::{Format, Window};
 pub(crate) struct Blur {
     /// Image to blur.
     image: One<port::Image>,
-    /// Amount of blur, in pixels: the standard deviation of the Gaussian; a box is 2·size + 1 pixels wide.
+    /// Amount of blur: standard deviation of the Gaussian; a box is 2·size + 1 wide.
     #[knob(default = 1.0, range = 0.0..=MOST, drawn)]
     size: f64,
-    /// Vertical size, in pixels; by default the same as `size`.
+    /// Vertical amount of blur; by default the same as `size`.
     #[knob(range = 0.0..=MOST, drawn)]
     size_y: Option<f64>,
     /// Shape of the kernel: gaussian, or box (every pixel under the kernel has the same weight).
