@@ -1,10 +1,11 @@
-//! Every node of Trochoid, one file each.
+//! All nodes of Trochoid, one file each.
 //!
-//! A node file has the same sections in the same order: declaration, checks, body (lowering, or prepare and fill), reference,
-//! tests. The `mod.rs` of its folder lists it; nothing else names it. What the nodes of a folder share stands beside them.
+//! Node files have the same sections in the same order: declaration, checks, body (lowering, or prepare and fill),
+//! reference, tests. Only the `mod.rs` of its folder names a node. Code shared by the nodes of a folder is in the same
+//! folder.
 //!
-//! Features: `io` (Read, ViewFromPasses), `scene` (cameras, lights, Render, passes), `sea` (wave simulators);
-//! all on by default.
+//! Features: `io` (Read, ViewFromPasses), `scene` (cameras, lights, Render, passes) and `sea` (wave simulators). All
+//! are on by default.
 
 #![cfg_attr(test, allow(clippy::unwrap_used, reason = "a test may panic"))]
 
@@ -30,7 +31,7 @@ mod view;
 
 use trochoid_graph::NodeType;
 
-/// All node types.
+/// Returns all node types.
 ///
 /// ```
 /// let names: Vec<_> = trochoid_nodes::all().map(|ty| ty.declaration().name).collect();

@@ -1,4 +1,4 @@
-//! Fields and masks over the picture: coordinates, noise, shapes and formulas.
+//! Nodes that make fields and masks: screen coordinates, noise, grain, shapes, broken paint and formulas.
 
 mod expression;
 mod field_math;

@@ -1,21 +1,21 @@
-//! Kernels along one axis, and images filtered by one across and one down.
+//! One-dimensional kernels, and separable filtering by one across and one down.
 
 use fearless_simd::{Level, Simd, dispatch};
 use rayon::prelude::*;
 use trochoid_graph::Choice;
 use trochoid_image::Window;
 
-/// The shape of a kernel.
+/// Shape of a kernel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Choice)]
 pub(crate) enum Shape {
     /// exp(−k²/2σ²), cut off at four σ.
     Gaussian,
-    /// 1 up to the half width; the pixel after it counts by the fraction that is left.
+    /// 1 up to the half width; the next pixel has the remaining fraction.
     Box,
 }
 
 impl Shape {
-    /// The farthest pixel that a kernel of a size reaches.
+    /// Returns the distance of the farthest pixel that a kernel of a size reaches.
     pub(crate) fn radius(self, size: f64) -> i64 {
         match self {
             Self::Gaussian => (REACH * size).ceil() as i64,
@@ -23,7 +23,7 @@ impl Shape {
         }
     }
 
-    /// The weights of the pixels at distances from 0 to the radius, before they are made to sum to 1.
+    /// Returns the weights of the pixels at distances from 0 to the radius, before they are normalized.
     fn raw(self, size: f64) -> impl Iterator<Item = f64> {
         (0..=self.radius(size)).map(move |k| {
             let k = k as f64;
@@ -35,7 +35,7 @@ impl Shape {
         })
     }
 
-    /// The weights from the farthest pixel on one side to that on the other, in f64.
+    /// Returns the offsets and normalized weights from the farthest pixel on one side to that on the other, in f64.
     pub(crate) fn reference(self, size: f64) -> Vec<(i64, f64)> {
         let half: Vec<f64> = self.raw(size).collect();
         let total = 2.0 * half.iter().skip(1).sum::<f64>() + half[0];
@@ -44,24 +44,24 @@ impl Shape {
     }
 }
 
-/// How many standard deviations a Gaussian reaches: what lies beyond would weigh less than a ten-thousandth.
+/// Radius of a Gaussian in standard deviations. All pixels beyond it together would weigh less than a ten-thousandth.
 const REACH: f64 = 4.0;
 
-/// 1 as a multiple of the least weight, 2⁻²⁴.
+/// 1 as a multiple of the smallest weight, 2⁻²⁴.
 const ONE: f64 = 16_777_216.0;
 
-/// The weights of a symmetric kernel: multiples of 2⁻²⁴ that sum to exactly 1, from one side to the other.
+/// Weights of a symmetric kernel from one side to the other: multiples of 2⁻²⁴ that sum to exactly 1.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Kernel {
     weights: Vec<f32>,
 }
 
 impl Kernel {
-    /// The kernel of a shape and size.
+    /// Creates the kernel of a shape and size.
     ///
-    /// It is the running sums from the center outward that are rounded, and a weight is the difference of two of them:
-    /// so none is negative, both sides are equal, the sum is exact however many there are, and what rounding takes from
-    /// a pixel goes to the next one.
+    /// The running sums from the center outward are rounded, and each weight is the difference of two of them.
+    /// Therefore no weight is negative, both sides are equal, the sum is exact for any number of weights, and what
+    /// rounding takes from one pixel goes to the next.
     pub(crate) fn new(shape: Shape, size: f64) -> Self {
         let half: Vec<f64> = shape.raw(size).collect();
         let total = 2.0 * half.iter().skip(1).sum::<f64>() + half[0];
@@ -69,7 +69,7 @@ impl Kernel {
         let (mut sum, mut before) = (0.0, 0.0);
         for weight in &half[1..] {
             sum += weight;
-            // Not more than half of everything, whatever rounding did to the sum.
+            // One side has at most half of the total, even if rounding has made the sum larger.
             let rounded = (sum / total * ONE).round().min(ONE / 2.0);
             side.push(((rounded - before) / ONE) as f32);
             before = rounded;
@@ -84,13 +84,13 @@ impl Kernel {
         Self { weights }
     }
 
-    /// The farthest pixel that has a weight.
+    /// Returns the distance of the farthest pixel that has a weight.
     fn radius(&self) -> usize {
         self.weights.len() / 2
     }
 
-    /// The kernel for an image that is so many pixels long. Farther than that everything is the repeated pixel at the
-    /// end, which takes the weights of all beyond: so no kernel costs more than twice the image.
+    /// Returns the kernel for an image that is `length` pixels long. Everything farther away is the repeated pixel at
+    /// the border, which takes those weights too. So no kernel is longer than twice the image.
     fn folded(&self, length: usize) -> Self {
         let cut = self.radius().saturating_sub(length.max(1) - 1);
         let (ends, rest) = self.weights.split_at(cut);
@@ -109,17 +109,18 @@ impl Kernel {
     }
 }
 
-/// Samples that are summed at once: enough sums at a time that none waits for the one before.
+/// Sums computed at a time: enough of them to hide the latency of an addition.
 const LANES: usize = 32;
-/// Rows that a thread filters at once.
+/// Rows in one task for a thread.
 const BATCH: usize = 16;
 
-/// Filters `from`, an image as far as it is needed, into the `to` part of it. Beyond the edge of `from` the nearest pixel
-/// repeats; `extent` is how far the whole image reaches.
+/// Filters the part `from` of an image and writes the part `to` of the result. Beyond the edge of `from`, the nearest
+/// pixel repeats; `extent` is the window of the whole image.
 ///
-/// Each result is rounded to f32 once across and once down, from sums in f64 in the order of the kernel: wherever a tile
-/// begins, the same bits, and never beyond the values under the kernel ([`trochoid_weights::arithmetic::blend`]). Told
-/// to `stop`, it ends as soon as it can, and what is out is of no use.
+/// Sums are in f64, in the order of the kernel, and each result is rounded to f32 once across and once down. The bits
+/// therefore do not depend on where a tile begins, and no result lies outside the values under the kernel
+/// ([`trochoid_weights::arithmetic::blend`]). When `stop` returns true, filtering ends early and the contents of `out`
+/// are unspecified.
 pub(crate) fn filter(
     kernels: [&Kernel; 2],
     (from, samples): (Window, &[f32]),
@@ -171,7 +172,7 @@ pub(crate) fn filter(
 }
 
 impl Kernel {
-    /// One row, from `line`, which begins a radius before it.
+    /// Filters one row, from `line`, which begins one radius before it.
     fn row(&self, level: Level, line: &[f64], out: &mut [f32]) {
         let center = self.radius();
         dispatch!(level, simd => simd.vectorize(#[inline(always)] || {
@@ -184,7 +185,7 @@ impl Kernel {
                     }
                 }
                 for ((out, sum), value) in out.iter_mut().zip(sums).zip(&line[start + center..]) {
-                    // Between +∞ and −∞ there is no mean.
+                    // +∞ and −∞ have no mean: keep the center.
                     *out = if sum.is_nan() { *value as f32 } else { sum as f32 };
                 }
             }
@@ -192,7 +193,7 @@ impl Kernel {
     }
 }
 
-/// One row as the sum of others, each with its weight; `center` is the one in the middle.
+/// Fills one row with the weighted sum of others; `center` is the middle one.
 fn column(level: Level, taps: &[(f64, &[f32])], center: &[f32], out: &mut [f32]) {
     let whole = out.len() / LANES * LANES;
     let (blocks, rest) = out.split_at_mut(whole);
@@ -217,7 +218,7 @@ fn column(level: Level, taps: &[(f64, &[f32])], center: &[f32], out: &mut [f32])
 
 #[cfg(test)]
 thread_local! {
-    /// Gives new kernels a negative lobe, so that tests see whether anybody notices.
+    /// Gives new kernels a negative lobe, so that tests can show that such a fault is detected.
     static LOBE: std::cell::Cell<bool> = const { std::cell::Cell::new(false) };
 }
 
@@ -254,7 +255,7 @@ mod tests {
                 let truth = shape.reference(size);
                 let cut = (truth.len() - kernel.weights.len()) / 2;
                 for ((k, truth), found) in truth.iter().skip(cut).zip(&kernel.weights) {
-                    // The center takes what both sides leave.
+                    // The center takes what the sides leave of 1.
                     let slack = if *k == 0 { 3.0 } else { 1.0 };
                     assert!((truth - f64::from(*found)).abs() <= slack / ONE, "{shape:?} {size} at {k}");
                 }
@@ -269,7 +270,7 @@ mod tests {
         assert_eq!(Kernel::new(Shape::Box, 0.5).weights, [0.25, 0.5, 0.25]);
     }
 
-    /// A few pixels of hostile values.
+    /// A few pixels of extreme values.
     fn hostile(width: usize, height: usize) -> Vec<f32> {
         let values = [0.0, 1.0, f32::MAX, f32::MIN_POSITIVE, 1e-45, 3.0e38, 0.1, 1.0 + f32::EPSILON];
         (0..width * height).map(|i| values[(i * 7 + i / 3) % values.len()]).collect()

@@ -1,26 +1,26 @@
-//! Claws: ribbons with thumbs in a picture, what their places are, and what is drawn there.
+//! Claws: ribbons with thumbs in the picture; finds the pixels inside them and computes what is drawn there.
 
 use super::ribbon::{Ribbon, STEPS, Within};
 use trochoid_image::Window;
 
-/// A ribbon and its thumbs.
+/// A ribbon with its thumbs.
 pub(crate) struct Claw {
-    /// Each with its random number; of two in which a place lies equally deep the later counts.
+    /// Ribbons, each with its random number. Where a point lies equally deep in two, the later one wins.
     pub(crate) parts: Vec<(Ribbon, f64)>,
-    /// Depth of what it is rooted in.
+    /// Depth of the root.
     pub(crate) depth: f64,
-    /// The side to which it bends: 1 right, −1 left.
+    /// Side to which the ribbon bends: 1 is right, −1 is left.
     pub(crate) side: f64,
-    /// Which row, the first is 1.
+    /// Number of its row, counted from 1.
     pub(crate) row: f64,
     pub(crate) tag: f64,
-    /// Widths of the ink along the outer and the inner rim, in pixels.
+    /// Widths of the ink along the outer and inner edges, in pixels.
     pub(crate) line: [f64; 2],
-    /// Size of the crescent of shade.
+    /// Size of the shading crescent.
     pub(crate) shade: f64,
 }
 
-/// What a place in a claw has.
+/// Values of all outputs at a point in a claw.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Drawn {
     pub(crate) mask: f64,
@@ -36,20 +36,20 @@ pub(crate) struct Drawn {
     pub(crate) shade: f64,
 }
 
-/// Shares of the way over which ink sets in, along the outer and the inner rim.
+/// Ranges along the ribbon over which the ink fades in, on the outer and inner edges.
 const OUTER_INK: [f64; 2] = [0.06, 0.3];
 const INNER_INK: [f64; 2] = [0.35, 0.65];
-/// How much of a half width ink takes at most.
+/// Largest width of the ink, as a fraction of half the ribbon's width.
 const MOST_INK: f64 = 0.62;
-/// The crescent of shade: where along the way it is widest and how far it reaches to either side; how wide it is there, in half
-/// widths for a `shade` of 1, and how much less at its ends.
+/// The shading crescent: where along the ribbon it is widest, how far it reaches to either side, its width there (in
+/// half widths, for a `shade` of 1), and the loss of width at its ends.
 const CRESCENT_MIDDLE: f64 = 0.42;
 const CRESCENT_REACH: f64 = 0.4;
 const CRESCENT_WIDTH: f64 = 0.98;
 const CRESCENT_LOSS: f64 = 0.8;
 
 impl Claw {
-    /// Least and greatest x, then y, of its places.
+    /// Returns the bounding box: minimum and maximum of x, then of y.
     pub(crate) fn bounds(&self) -> [[f64; 2]; 2] {
         [0, 1].map(|axis: usize| {
             let ends = self.parts.iter().map(|(ribbon, _)| ribbon.bounds()[axis]);
@@ -57,26 +57,27 @@ impl Claw {
         })
     }
 
-    /// Where a place lies in it, and the random number of the part.
+    /// Returns the position of a point within the claw, and the random number of the ribbon it lies in.
     pub(crate) fn at(&self, place: [f64; 2]) -> Option<(Within, f64)> {
         let parts = self.parts.iter().map(|(ribbon, random)| ribbon.at(place).map(|within| (within, *random)));
         parts.fold(None, united)
     }
 
-    /// What is drawn where a place lies in it, in a part with that random number.
+    /// Returns the outputs at a position within a ribbon of this claw that has the given random number.
     pub(crate) fn drawn(&self, within: Within, random: f64) -> Drawn {
         let Within { along, across, half_width } = within;
-        // t = across·side: 1 at the inner rim, −1 at the outer one.
+        // t = across·side: 1 at the inner edge, −1 at the outer one.
         let (inner, inset) = (across * self.side, within.inset());
         let eased = |[from, to]: [f64; 2]| {
             let t = ((along - from) / (to - from)).clamp(0.0, 1.0);
             t * t * (3.0 - 2.0 * t)
         };
-        // ink = clamp(½ + line − i), i the inset.
+        // ink = clamp(½ + line − i) with the inset i.
         let line = if inner < 0.0 { self.line[0] * eased(OUTER_INK) } else { self.line[1] * eased(INNER_INK) };
         let line = line.min(MOST_INK * half_width);
         let ink = if line > 0.0 { (0.5 + line - inset).clamp(0.0, 1.0) } else { 0.0 };
-        // shade = clamp(½ + h·(t − 1 + shade·(0.98 − 0.8·((s − 0.42)/0.4)²))), h half the width, s the share of the way.
+        // shade = clamp(½ + h·(t − 1 + shade·(0.98 − 0.8·((s − 0.42)/0.4)²))) with half the width h, and s from 0 at
+        // the root to 1 at the tip.
         let middle = (along - CRESCENT_MIDDLE) / CRESCENT_REACH;
         let crescent = inner - 1.0 + self.shade * (CRESCENT_WIDTH - CRESCENT_LOSS * middle * middle);
         let shade = if self.shade > 0.0 { (0.5 + half_width * crescent).clamp(0.0, 1.0) } else { 0.0 };
@@ -85,7 +86,7 @@ impl Claw {
     }
 }
 
-/// Of two parts, that in which a place lies deeper; the latter, if equal.
+/// Returns whichever of two ribbons a point lies deeper in; the latter if both are equal.
 fn united(all: Option<(Within, f64)>, part: Option<(Within, f64)>) -> Option<(Within, f64)> {
     match (all, part) {
         (Some((first, _)), Some((second, _))) if second.inset() < first.inset() => all,
@@ -94,7 +95,8 @@ fn united(all: Option<(Within, f64)>, part: Option<(Within, f64)>) -> Option<(Wi
     }
 }
 
-/// Where places lie in a claw, with the random number of the part.
+/// Positions of samples within a claw, each with the random number of its ribbon. Kept between calls to reuse the
+/// memory.
 #[derive(Default)]
 pub(crate) struct Places {
     all: Vec<Option<(Within, f64)>>,
@@ -102,8 +104,8 @@ pub(crate) struct Places {
 }
 
 impl Places {
-    /// The samples of a window, at an offset within their pixels, row by row: as [`Claw::at`], but step by step over
-    /// what each covers.
+    /// Finds the samples of a window, at an offset within their pixels, row by row. The results are those of
+    /// [`Claw::at`], but faster: each step of a spine visits only the pixels of its bounding box.
     pub(crate) fn find(&mut self, claw: &Claw, window: Window, offset: [f64; 2]) -> &[Option<(Within, f64)>] {
         self.all.clear();
         self.all.resize(window.area(), None);
@@ -133,7 +135,7 @@ impl Places {
     }
 }
 
-/// The pixels of a window whose samples may lie within bounds of x and y.
+/// Returns the pixels of a window whose samples may lie within a bounding box.
 pub(crate) fn covered([[x0, x1], [y0, y1]]: [[f64; 2]; 2], window: Window) -> Window {
     let [x0, y0] = [x0, y0].map(|low| low.floor() as i64);
     let [x1, y1] = [x1, y1].map(|high| high.floor() as i64 + 1);
@@ -173,7 +175,7 @@ mod tests {
             }
         }
         assert!(parts_seen.iter().all(|count| *count > 20), "{parts_seen:?}");
-        // Nothing lies outside.
+        // Nothing is found outside.
         for place in (0..2000).map(|i| [f64::from(i % 50) - 4.0, f64::from(i / 50) - 3.0]) {
             let [[x0, x1], [y0, y1]] = claw.bounds();
             let inside = (x0..=x1).contains(&place[0]) && (y0..=y1).contains(&place[1]);
@@ -190,7 +192,7 @@ mod tests {
             let (within, random) = claw.at([x, y]).unwrap();
             claw.drawn(within, random)
         };
-        // The right of the way is the inner side, and below in the picture.
+        // The inner side is the right of the ribbon, which is at the bottom of the picture.
         assert_eq!(drawn(50.0, -9.3).ink, 1.0, "outer rim");
         assert_eq!(drawn(50.0, 0.0).ink, 0.0, "middle");
         assert_eq!(drawn(3.0, -5.0).ink, 0.0, "no ink at the root");

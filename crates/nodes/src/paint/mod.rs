@@ -1,5 +1,5 @@
-//! The painter's nodes, and what they share: random numbers of strokes, where strokes begin, what they see around them, and their
-//! shape.
+//! Nodes that paint and draw (strokes, hooks, line sets), and what they share: random numbers, the seeds and shapes of
+//! strokes, and access to their surroundings.
 
 mod canvas;
 #[cfg(feature = "scene")]

@@ -1,6 +1,6 @@
-//! Random numbers that belong to a place: of integers alone, alike on every machine.
+//! Random numbers as hashes of keys, computed with integers only and therefore the same on every machine.
 
-/// All bits of a number mixed with each other (the finalizer of SplitMix64).
+/// Mixes all bits of a number (the finalizer of SplitMix64).
 #[inline(always)]
 fn scrambled(number: u64) -> u64 {
     let z = (number ^ (number >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -8,16 +8,16 @@ fn scrambled(number: u64) -> u64 {
     z ^ (z >> 31)
 }
 
-/// 2⁶⁴ by the golden ratio: multiples of it are spread evenly.
+/// 2⁶⁴ divided by the golden ratio; its multiples are spread evenly.
 const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
 
-/// One key of a key and a number.
+/// Derives a key from a key and a number.
 #[inline(always)]
 pub(crate) fn key(key: u64, number: i64) -> u64 {
     scrambled(key.wrapping_add(GOLDEN).wrapping_add((number as u64).wrapping_mul(0xd6e8_feb8_6659_fd93)))
 }
 
-/// The random number `which` of a key, in [0, 1).
+/// Returns random number `which` of a key, in [0, 1).
 #[inline(always)]
 pub(crate) fn draw(key: u64, which: u64) -> f64 {
     let bits = scrambled(key.wrapping_add(which.wrapping_mul(GOLDEN)));

@@ -1,33 +1,33 @@
-//! Ribbons on a spine that bends late, as Hokusai's foam does.
+//! Ribbons along a spine that curls toward its tip, like the foam in Hokusai's Great Wave.
 
-/// What a ribbon looks like, whatever its size.
+/// Shape of a ribbon, independent of its size.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Shape {
-    /// Angle from root to tip, in radians; positive turns clockwise in a picture whose y points down.
+    /// Total bend from root to tip, in radians; positive values turn clockwise in a picture whose y points down.
     pub(crate) curl: f64,
-    /// The power of the way at which it bends: the higher, the later.
+    /// Exponent of the bend along the spine; larger values bend closer to the tip.
     pub(crate) late: f64,
-    /// The power at which it gets thinner toward the tip.
+    /// Exponent of the narrowing toward the tip.
     pub(crate) taper: f64,
-    /// How much thicker it is in the middle.
+    /// Extra width in the middle, as a fraction.
     pub(crate) bulge: f64,
 }
 
-/// Where a place lies in a ribbon.
+/// Position of a point within a ribbon.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Within {
     /// 0 at the root, 1 at the tip.
     pub(crate) along: f64,
-    /// −1 to 1, from the left of the way to its right.
+    /// −1 at the left edge, 1 at the right edge, seen from the root.
     pub(crate) across: f64,
-    /// In pixels.
+    /// Half the width of the ribbon at this point, in pixels.
     pub(crate) half_width: f64,
 }
 
-/// Share of the way over which the root is drawn in, like a root of it.
+/// Fraction of the spine over which the ribbon widens from its root, as a square root.
 const DRAWN_IN: f64 = 0.14;
 
-/// Steps of a spine.
+/// Segments of a spine.
 pub(crate) const STEPS: usize = 24;
 
 /// A ribbon in the picture.
@@ -36,15 +36,15 @@ pub(crate) struct Ribbon {
     points: [[f64; 2]; STEPS + 1],
     /// Half widths at the points.
     widths: [f64; STEPS + 1],
-    /// Directions of the way at the points, in radians.
+    /// Directions of the spine at the points, in radians.
     angles: [f64; STEPS + 1],
-    /// Least and greatest x and y of its places.
+    /// Bounding box: minimum and maximum of x, then of y.
     bounds: [[f64; 2]; 2],
 }
 
 impl Ribbon {
-    /// From a root in pixels, in a direction in radians clockwise from the right, so long and with half a width so
-    /// large, both in pixels.
+    /// Creates a ribbon from its root (in pixels), direction (in radians clockwise from the right), length and half
+    /// width (in pixels).
     pub(crate) fn new(shape: &Shape, root: [f64; 2], direction: f64, length: f64, half_width: f64) -> Self {
         let way = |step: usize| step as f64 / STEPS as f64;
         // θ₀ + curl·s^late
@@ -56,7 +56,7 @@ impl Ribbon {
             let thin = libm::pow(1.0 - s, shape.taper) * (1.0 + shape.bulge * libm::sin(std::f64::consts::PI * s));
             half_width * thin * (s / DRAWN_IN).min(1.0).sqrt()
         });
-        // The integral of the direction, by the trapezoidal rule.
+        // Integrate the direction by the trapezoidal rule.
         let mut points = [root; STEPS + 1];
         for step in 1..=STEPS {
             let ([sin, cos], [sin_before, cos_before]) = (turn(angles[step]), turn(angles[step - 1]));
@@ -73,30 +73,30 @@ impl Ribbon {
         Self { points, widths, angles, bounds }
     }
 
-    /// Least and greatest x, then y, of its places.
+    /// Returns the bounding box: minimum and maximum of x, then of y.
     pub(crate) fn bounds(&self) -> [[f64; 2]; 2] {
         self.bounds
     }
 
-    /// A point of the spine at a share of the way, and the direction there.
+    /// Returns the point of the spine at a position from 0 to 1, and the direction there.
     pub(crate) fn spine(&self, along: f64) -> ([f64; 2], f64) {
         let step = ((along * STEPS as f64) as usize).min(STEPS);
         (self.points[step], self.angles[step])
     }
 
-    /// Where a place lies in it: of all steps of the spine, in that whose middle is nearest in its own widths. Ends
-    /// and bends are round.
+    /// Returns the position of a point within the ribbon, if it lies in it. The segment with the smallest distance in
+    /// half widths decides, so ends and bends are round.
     pub(crate) fn at(&self, place: [f64; 2]) -> Option<Within> {
         (0..STEPS).fold(None, |found, step| Within::deeper(found, self.at_step(step, place)))
     }
 
-    /// Least and greatest x, then y, of the places of one step of the spine.
+    /// Returns the bounding box of one segment: minimum and maximum of x, then of y.
     pub(crate) fn step_bounds(&self, step: usize) -> [[f64; 2]; 2] {
         let (from, to, wide) = (self.points[step], self.points[step + 1], self.widths[step].max(self.widths[step + 1]));
         [0, 1].map(|axis| [from[axis].min(to[axis]) - wide, from[axis].max(to[axis]) + wide])
     }
 
-    /// Where a place lies in one step of the spine.
+    /// Returns the position of a point within one segment, if it lies in it.
     #[inline]
     pub(crate) fn at_step(&self, step: usize, place: [f64; 2]) -> Option<Within> {
         let ([ax, ay], [bx, by]) = (self.points[step], self.points[step + 1]);
@@ -116,12 +116,12 @@ impl Ribbon {
 }
 
 impl Within {
-    /// The distance to the rim in pixels.
+    /// Returns the distance to the edge, in pixels.
     pub(crate) fn inset(&self) -> f64 {
         (1.0 - self.across.abs()) * self.half_width
     }
 
-    /// Of two steps, that whose middle is nearer in its own widths; the first, if equal.
+    /// Returns whichever of two positions is nearer to the spine in half widths; the first if both are equal.
     pub(crate) fn deeper(first: Option<Self>, second: Option<Self>) -> Option<Self> {
         match (first, second) {
             (Some(a), Some(b)) if b.across.abs() < a.across.abs() => second,
@@ -152,7 +152,7 @@ mod tests {
         assert!((right.across - 0.5).abs() < 0.02 && right.across > 0.0, "y points down: {right:?}");
         assert!(at(22.0, 3.5).unwrap().across < 0.0);
         assert!(at(22.0, 8.2).is_none() && at(35.0, 5.0).is_none());
-        // Around its root it is as round as its widths.
+        // The end at the root is round.
         assert!(at(9.0, 5.0).is_some_and(|within| within.along < 0.2) && at(5.0, 5.0).is_none());
     }
 
@@ -162,7 +162,7 @@ mod tests {
         let ribbon = Ribbon::new(&shape, [0.0; 2], 0.3, 100.0, 10.0);
         let (tip, direction) = ribbon.spine(1.0);
         assert!((direction - 2.3).abs() < 1e-12);
-        // The integral of the direction, by many small steps.
+        // Integrate the direction in many small steps.
         let mut point = [0.0; 2];
         for step in 0..100_000 {
             let s = (f64::from(step) + 0.5) / 1e5;
