@@ -15,7 +15,7 @@ fn the_default_sea_is_stable_and_drawn() {
     let run = scene.run(&arguments(&["-o", "maps/sea.png"])).code(0).says(&[
         "sea (ToonSea): stable",
         "the slowest loses half in 9.02",
-        "What would break it: c1 outside",
+        "It becomes unstable with c1 outside",
         "predicted    measured",
         "0.92604     0.92604 = 2³⁰ steps in f64, 8 × 8 cells",
         "map: maps/sea.png",

@@ -112,7 +112,7 @@ mod tests {
             "w": { "type": "Render", "camera": "b", "surfaces": ["s"] },
             "out": { "type": "InFront", "view": "v", "other": "w" }"#;
         let faults = refused("weights", nodes);
-        assert!(faults.contains("views of two cameras") && faults.contains("connect the camera of"), "{faults}");
+        assert!(faults.contains("views by different cameras") && faults.contains("connect the camera of"), "{faults}");
     }
 
     #[test]
