@@ -1,4 +1,4 @@
-//! Knobs of surfaces that stand in the world, and what they hand on.
+//! Placement knobs of surfaces, and the handle that they output.
 
 use crate::view::SurfaceHandle;
 use std::sync::Arc;
@@ -6,40 +6,40 @@ use trochoid_graph::{Check, Choice, Handle, ItemName, Items, NodeError, Prepared
 use trochoid_scene::bezier::Placement;
 use trochoid_scene::{DVec3, Surface};
 
-/// How a model stands in the world.
+/// Placement of a model in the world.
 #[derive(Clone, Items)]
 pub(crate) struct Stance {
-    /// Factors along the model's own axes; first of all.
+    /// Scale factors along the model's own axes, applied first.
     #[knob(default = [1.0; 3])]
     scale: [f64; 3],
-    /// Turns about x, then y, then z.
+    /// Rotations about x, then y, then z.
     #[knob(default = [0.0; 3], unit = "degrees")]
     rotate: [f64; 3],
-    /// Where the model's origin comes to stand.
+    /// World position of the model's origin.
     #[knob(default = [0.0; 3], unit = "m")]
     translate: [f64; 3],
-    /// Takes the other side for the outer one.
+    /// Turns the surface inside out.
     #[knob(default = false)]
     pub(crate) flip: bool,
 }
 
 impl Stance {
-    /// Reports a scale that leaves no surface.
+    /// Reports a scale that flattens the surface completely.
     pub(crate) fn check(&self, check: &mut Check<'_>) {
         if self.scale.contains(&0.0) {
             let found = format!("{:?}", self.scale);
-            check.error(Self::SCALE, found, "factors other than 0", "write a small factor to make a model flat");
+            check.error(Self::SCALE, found, "factors other than 0", "use a small factor to flatten a model");
         }
     }
 
-    /// What the knobs say.
+    /// Returns the placement that the knobs describe.
     pub(crate) fn placement(&self) -> Placement {
         let rotate = DVec3::from(self.rotate.map(f64::to_radians));
         Placement { scale: self.scale.into(), rotate, translate: self.translate.into() }
     }
 }
 
-/// The axis that points up in a file.
+/// Axis that points up in a file.
 #[derive(Clone, Copy, Debug, PartialEq, Choice)]
 pub(crate) enum Up {
     Y,
@@ -47,7 +47,7 @@ pub(crate) enum Up {
 }
 
 impl Up {
-    /// A vector of a world whose y points up as the file has it.
+    /// Converts a vector from a world with y up to the file's axes.
     #[cfg(feature = "sea")]
     pub(crate) fn of_y_up<T: std::ops::Neg<Output = T>>(self, [x, y, z]: [T; 3]) -> [T; 3] {
         match self {
@@ -56,7 +56,7 @@ impl Up {
         }
     }
 
-    /// A vector of the file in a world whose y points up.
+    /// Converts a vector from the file's axes to a world with y up.
     pub(crate) fn to_y_up<T: std::ops::Neg<Output = T>>(self, [x, y, z]: [T; 3]) -> [T; 3] {
         match self {
             Self::Y => [x, y, z],
@@ -65,7 +65,7 @@ impl Up {
     }
 }
 
-/// Refuses a file whose name says that another node reads it.
+/// Refuses a file whose extension belongs to another node.
 pub(crate) fn check_ending(file: &str, endings: &[&str], item: ItemName, check: &mut Check<'_>) {
     const READERS: [(&[&str], &str, &str); 3] = [
         (&["obj", "glb", "gltf"], "a mesh of triangles", "Mesh"),
