@@ -31,7 +31,7 @@ use trochoid_image::{Plane, Rgb, Window};
 #[node(
     end = Back,
     revision = 1,
-    output(image: Kind::Color = "The picture: Color, mask, Weights or Field, by `as` and channels.")
+    output(image: Kind::Color = "The picture: a Color, mask, Weights or Field, depending on `as` and `channels`.")
 )]
 pub(crate) struct Texture {
     #[items]

@@ -103,7 +103,7 @@ impl BezierModel {
             let misfit = |found| Misfit {
                 item: Self::PATCHES,
                 found: format!("{found} points of patches[{index}]"),
-                expected: "4 points, or 16",
+                expected: "4 or 16 points",
             };
             patches.push(patch(&places(points)).map_err(misfit)?);
         }
@@ -113,7 +113,7 @@ impl BezierModel {
             patches.extend(rails.patches().map_err(|error| Misfit {
                 item: Self::RAILS,
                 found: error.to_string(),
-                expected: "2 rails or more of equal length",
+                expected: "2 or more rails with the same number of points",
             })?);
         }
         Ok(patches)

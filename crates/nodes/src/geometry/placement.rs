@@ -77,7 +77,7 @@ pub(crate) fn check_ending(file: &str, endings: &[&str], item: ItemName, check: 
     let reader = READERS.iter().find(|(known, ..)| is_one(known)).filter(|_| !is_one(endings));
     if let Some((_, what, reader)) = reader {
         let expected = format!("a file with the ending .{}", endings.join(", ."));
-        let remedy = format!("read it by the node {reader}, or choose another file");
+        let remedy = format!("read it with the node {reader}, or choose another file");
         check.error(item, format!("\"{file}\", {what}"), expected, remedy);
     }
 }

@@ -51,7 +51,8 @@ pub(crate) struct GerstnerSea {
     /// Sharpness of the crests: 0 gives sinusoids; at 1 the sharpest crests reach a cusp.
     #[knob(default = 0.5, range = 0.0..=10.0)]
     sharpness: f64,
-    /// Relation of frequency to wavelength.
+    /// Relation of frequency to wavelength: that of "deep" water, one "speed" of all crests, or one "period" of all
+    /// waves.
     dispersion: Frequencies,
     /// Speed of the crests, for dispersion "speed".
     #[knob(default = 5.0, range = 0.0..=1e4, unit = "m/s")]
@@ -180,7 +181,7 @@ fn short(index: usize, along: f64) -> String {
 
 fn long_enough(least: f64) -> String {
     let ratio = WaveGroup::LEAST_ALONG;
-    format!("at least {least:.3} m, {ratio} of its wavelength: a shorter one would need waves that run the other way")
+    format!("at least {least:.3} m, {ratio} of its wavelength: a shorter group would need waves that travel backward")
 }
 
 impl Refused {

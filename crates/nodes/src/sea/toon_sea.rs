@@ -52,7 +52,8 @@ pub(crate) struct ToonSea {
     /// Method of the simulation: "resampled" and "literal" use c1 and c2; "physical" uses speed, damping and
     /// frequency.
     mode: Mode,
-    /// Behavior at the grid's edges.
+    /// Behavior at the grid's edges: "replicate" repeats the edge cells, so that waves are reflected; "periodic" wraps
+    /// around to the opposite edge; "fixed" keeps the water beyond at rest, so that waves are reflected upside down.
     boundary: Beyond,
     /// Weight of the neighbors and of the previous step.
     #[knob(default = 0.3, range = -1.0..=1.0)]
@@ -284,7 +285,7 @@ impl ToonSea {
         let (mixing, basin) = (self.mixing(), self.basin());
         let (nearest, mut advice) = match Instability::check(mixing, &basin) {
             Err(Instability { nearest: [c1, c2], .. }) => {
-                (Mixing { c1, c2 }, format!("set \"c1\" {c1}, \"c2\" {c2}, the nearest that are stable"))
+                (Mixing { c1, c2 }, format!("set \"c1\" {c1}, \"c2\" {c2}, the nearest stable values"))
             }
             Ok(()) => (mixing, "keep them".into()),
         };
@@ -298,8 +299,8 @@ impl ToonSea {
         }
         let Physics { speed, damping, frequency, .. } = nearest.continuum(basin.spacing);
         format!(
-            "{advice}; or set \"mode\" \"physical\", which is stable whatever its numbers: the same waves are about \
-             \"speed\" {speed:.3}, \"damping\" {damping:.2}, \"frequency\" {frequency:.2}"
+            "{advice}; or set \"mode\" \"physical\", which is always stable; the same waves have about \"speed\" \
+             {speed:.3}, \"damping\" {damping:.2}, \"frequency\" {frequency:.2}"
         )
     }
 }

@@ -110,8 +110,8 @@ impl Node for FlowField {
             check.error(Self::ALONG, format!("{along} without a field"), "a field to follow", remedy);
         }
         if self.steep < self.flat {
-            let found = format!("{} below flat, {}", self.steep, self.flat);
-            check.error(Self::STEEP, found, "at least as much", "swap them");
+            let found = format!("{}, below \"flat\" {}", self.steep, self.flat);
+            check.error(Self::STEEP, found, "at least the value of \"flat\"", "swap them");
         }
         if self.along.is_of_surface() && self.steep > 0.0 && self.calm == [0.0; 3] {
             let remedy = "write for example [1, 0, 0], or \"steep\": 0 for no calm direction";

@@ -14,7 +14,7 @@ use trochoid_graph::*;
 /// # Source
 /// The standard normal pass.
 #[derive(Clone, Node)]
-#[node(end = Front, revision = 1, output(normal: Kind::Field(3) = "Unit normal in the world."))]
+#[node(end = Front, revision = 1, output(normal: Kind::Field(3) = "World-space unit normal."))]
 pub(crate) struct Normal {
     /// View to take normals from.
     view: One<port::View>,

@@ -14,7 +14,7 @@ use trochoid_graph::*;
 /// # Source
 /// The standard position pass.
 #[derive(Clone, Node)]
-#[node(end = Front, revision = 1, output(position: Kind::Field(3) = "World position, m."))]
+#[node(end = Front, revision = 1, output(position: Kind::Field(3) = "World-space position, m."))]
 pub(crate) struct Position {
     /// View to take positions from.
     view: One<port::View>,

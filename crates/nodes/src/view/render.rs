@@ -207,7 +207,7 @@ impl Prepared for Prospect {
     /// sample sees it.
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
         let Some(certain) = &self.certain else {
-            return Err(NoBound("it was not prepared for any"));
+            return Err(NoBound("no bounds were requested"));
         };
         let pixels: Vec<[i64; 2]> = bounding.block.pixels().collect();
         let sights = certain.sights(&borrowed(&self.surfaces), &pixels, bounding.block.offset);

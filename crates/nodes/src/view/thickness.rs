@@ -66,7 +66,7 @@ impl Traces for Thickness {
 
     fn check(&self, check: &mut Check<'_>) {
         if self.ray == Leads::Light && self.light.is_none() {
-            let found = "the ray light without a light";
+            let found = "ray light without a light";
             check.error(Self::RAY, found, "a light to trace toward", "connect \"light\", or use \"eye\"");
         }
     }

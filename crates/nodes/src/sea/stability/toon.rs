@@ -126,14 +126,14 @@ fn figures(sea: &ToonSea, forecast: &Forecast) -> Vec<Figure> {
         },
         Figure {
             predicted: forecast.stiffness,
-            note: "cells a step; explicit waves: ≤ 0.7071".into(),
+            note: "cells/step; explicit waves: ≤ 0.7071".into(),
             ..figure("stiffness", "stiffness c·dt/dx", "")
         },
     ];
     if let Some(explicit) = Probe::explicit(motion, basin) {
         figures.push(Figure {
             measured: Some(explicit.radius()),
-            note: "a step by an ordinary explicit solver".into(),
+            note: "one step of an explicit solver".into(),
             ..figure("explicit_radius", "  growth if explicit", "")
         });
     }
