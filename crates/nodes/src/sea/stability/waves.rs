@@ -106,7 +106,7 @@ fn folds(sea: &Sea, says: &mut Vec<String>, figures: &mut Vec<Figure>) {
             1.0 / fold.lambda[0],
         ),
         (false, true) => format!(
-            "Crests fold over on {:.2} % of the sea; with every sharpness multiplied by {scale:.3}, on a thousandth of it.",
+            "Crests fold over on {:.2} % of the sea; with every sharpness times {scale:.3}, on a thousandth of it.",
             100.0 * share
         ),
         (false, false) => "Crests are flat and troughs sharp, as printed in the thesis; no crest folds over.".into(),
