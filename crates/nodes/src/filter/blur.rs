@@ -21,6 +21,7 @@ use trochoid_image::{Format, Window};
 /// Kernels without negative lobes, which alone stay in the palette.
 #[derive(Clone, Node)]
 #[node(end = Back, revision = 1, output(image: Kind::ANY = "The blurred image, of the same kind."))]
+#[also_called("GaussianBlur", "Defocus", "Soften", "BoxBlur")]
 pub(crate) struct Blur {
     /// What is blurred.
     image: One<port::Image>,

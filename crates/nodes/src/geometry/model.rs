@@ -47,8 +47,8 @@ struct Sheet {
 /// The file cannot be read, is too large, or is not a model. The error states line and column, or the faulty patch and
 /// number.
 pub(crate) fn read_model(path: &Path) -> Result<Vec<Patch>, NodeError> {
-    let bytes = trochoid_io::read_bytes(path, MAX_FILE_BYTES).map_err(NodeError::new)?;
-    patches(&bytes).map_err(|message| NodeError::new(format!("{}: {message}", path.display())))
+    let bytes = trochoid_io::read_bytes(path, MAX_FILE_BYTES)?;
+    patches(&bytes).map_err(|message| NodeError::from(std::io::Error::other(format!("{}: {message}", path.display()))))
 }
 
 fn patches(bytes: &[u8]) -> Result<Vec<Patch>, String> {

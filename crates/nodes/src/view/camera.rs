@@ -18,6 +18,7 @@ use trochoid_scene as scene;
 /// Field convention: right-handed, Y up, the camera looks along its own −Z.
 #[derive(Clone, Node)]
 #[node(end = Front, revision = 1, role = Camera, output(camera: Kind::Camera = "The camera."))]
+#[also_called("Camera3D", "PerspectiveCamera", "Viewpoint")]
 pub(crate) struct Camera {
     /// Position of the camera.
     #[knob(default = [0.0, 2.0, 10.0], unit = "m")]

@@ -20,8 +20,8 @@ const BYTES_PER_BYTE: u64 = 32;
 /// # Errors
 /// The file cannot be read, is too large for `memory` bytes, or is no mesh: with the line, node or array at fault.
 pub(crate) fn read_mesh(path: &Path, memory: u64) -> Result<Triangles, NodeError> {
-    let fault = |message: String| NodeError::new(format!("{}: {message}", path.display()));
-    let bytes = trochoid_io::read_bytes(path, memory / BYTES_PER_BYTE).map_err(NodeError::new)?;
+    let fault = |message: String| NodeError::from(std::io::Error::other(format!("{}: {message}", path.display())));
+    let bytes = trochoid_io::read_bytes(path, memory / BYTES_PER_BYTE)?;
     mesh(&bytes).map_err(fault)
 }
 
