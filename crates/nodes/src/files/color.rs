@@ -1,4 +1,4 @@
-//! From stored values to colors of the working space.
+//! Conversion of stored values to colors of the working space.
 
 use super::covered;
 use super::knobs::Encoded;
@@ -8,18 +8,18 @@ use trochoid_graph::{BadData, NodeError};
 use trochoid_image::{Chromaticities, Plane, WorkingSpace, srgb_decode, srgb_encode};
 use trochoid_io::{Encoding, SampleType};
 
-/// Alpha that colors are to be divided by, and the color where nothing is covered.
+/// Alpha by which colors are divided, and the color used if no pixel is covered.
 pub(crate) struct Premultiplied {
     pub(crate) alpha: Plane,
     pub(crate) uncovered: Option<[f32; 3]>,
 }
 
-/// What colors of a file mean, and what is done about those that are outside the working space.
+/// Interpretation of a file's colors, and the treatment of colors outside the working space.
 #[derive(Clone)]
 pub(crate) struct Meaning {
     pub(crate) path: PathBuf,
     pub(crate) part: usize,
-    /// How the file says that it is encoded.
+    /// Encoding stated by the file.
     pub(crate) encoding: Encoding,
     pub(crate) chromaticities: Option<Chromaticities>,
     pub(crate) stored: SampleType,
@@ -27,19 +27,21 @@ pub(crate) struct Meaning {
     pub(crate) repair: bool,
 }
 
-/// Converts colors in place: divided by alpha, decoded, brought to the working space, in f64 and rounded once.
+/// Converts colors in place: divides them by alpha, decodes them and converts them to the working space, in f64,
+/// rounding once.
 ///
-/// `planes` hold legal stored values. Returns how many values were set to the nearest legal one, as `repair` allows.
+/// `planes` hold legal stored values. Returns the number of values set to the nearest legal one, if `repair` allows
+/// that.
 ///
 /// # Errors
-/// A color outside the working space, or no covered pixel.
+/// A color is outside the working space, or no pixel is covered.
 pub(crate) fn convert(
     conversion: &mut Conversion,
     planes: &mut [Plane; 3],
     premultiplied: Option<&Premultiplied>,
 ) -> Result<u64, NodeError> {
     if conversion.identity && premultiplied.is_none() {
-        // −0 is legal, but no color.
+        // −0 is a legal stored value, but not a color.
         planes.iter_mut().flat_map(|plane| plane.samples_mut()).for_each(|sample| *sample += 0.0);
         return Ok(0);
     }
@@ -69,7 +71,7 @@ pub(crate) fn convert(
     Ok(repaired)
 }
 
-/// The value that a sample stands for: of integers the exact fraction, which f32 rounds.
+/// Returns the exact value of a sample: for integers the exact fraction, which f32 rounds.
 fn exact(stored: SampleType, value: f32) -> f64 {
     let value = f64::from(value);
     match stored {
@@ -79,24 +81,24 @@ fn exact(stored: SampleType, value: f32) -> f64 {
     }
 }
 
-/// From stored values to a working space.
+/// A conversion from stored values to a working space.
 #[derive(Clone)]
 pub(crate) struct Conversion {
     meaning: Meaning,
     pub(crate) identity: bool,
     decode: Option<Memo>,
-    /// Linear primaries of the file to those of the space; `None` where they are the same.
+    /// Matrix from the file's linear primaries to those of the space; `None` if they are the same.
     matrix: Option<[[f64; 3]; 3]>,
     encode: Option<Memo>,
-    /// All of it, where a channel has few values and does not depend on the others.
+    /// The whole conversion as a table, if each channel has few values and does not depend on the others.
     table: Option<Table>,
 }
 
 impl Conversion {
-    /// The conversion that a file and the knob `encoding` ask for.
+    /// Returns the conversion for a file and the knob `encoding`.
     ///
     /// # Errors
-    /// Primaries that span no colors.
+    /// The primaries span no colors.
     pub(crate) fn new(meaning: Meaning, encoding: Encoded) -> Result<Self, NodeError> {
         let encoded = match encoding {
             Encoded::Linear => false,
@@ -119,7 +121,7 @@ impl Conversion {
             }
             None => Some(other(&meaning, &to.chromaticities())?),
         };
-        // Display encoding in and out cancel, if nothing happens to the light between.
+        // Decoding and encoding for display cancel if nothing changes the light between them.
         let encode = space == WorkingSpace::Srgb;
         let identity = matrix.is_none() && encoded == encode;
         let mut conversion = Self {
@@ -131,14 +133,14 @@ impl Conversion {
             table: None,
         };
         if conversion.meaning.stored == SampleType::U8 && conversion.matrix.is_none() && !identity {
-            // No value of one byte leaves 0 to 1, so none is illegal.
+            // No byte value is outside 0 to 1, so none is illegal.
             let value = |byte: usize| conversion.color([byte as f64 / 255.0; 3])[0] as f32 + 0.0;
             conversion.table = Some(Table(Box::new(std::array::from_fn(value))));
         }
         Ok(conversion)
     }
 
-    /// Converts the pixels from `at` on in place, as [`convert`] does.
+    /// Converts the pixels from `at` on in place, as in [`convert`].
     pub(crate) fn row(&mut self, [x, y]: [i64; 2], [r, g, b]: [&mut [f32]; 3]) -> Result<u64, NodeError> {
         if let Some(table) = &self.table {
             [r, g, b].into_iter().for_each(|samples| table.apply(samples));
@@ -191,19 +193,19 @@ impl Conversion {
     }
 }
 
-/// What each value of one byte becomes.
+/// Table of the converted value for each byte value.
 #[derive(Clone)]
 struct Table(Box<[f32; 256]>);
 
 impl Table {
     fn apply(&self, samples: &mut [f32]) {
-        // The nearest byte: samples are a byte's fraction of 255, rounded.
+        // Find the byte: a sample is a rounded fraction of 255.
         samples.iter_mut().for_each(|sample| *sample = self.0[usize::from((*sample * 255.0 + 0.5) as u8)]);
     }
 }
 
-/// The linear space whose primaries the file states, if it is one that is known here; Rec. 709, as the EXR specification says,
-/// where it states none.
+/// Returns the known linear space with the primaries stated by the file; Rec. 709, as the EXR specification says, if
+/// the file states none.
 fn known(meaning: &Meaning) -> Option<WorkingSpace> {
     let Some(found) = meaning.chromaticities else { return Some(WorkingSpace::LinearSrgb) };
     let listed = |c: Chromaticities| [c.red, c.green, c.blue, c.white];
@@ -215,7 +217,7 @@ fn known(meaning: &Meaning) -> Option<WorkingSpace> {
     [WorkingSpace::LinearSrgb, WorkingSpace::AcesCg].into_iter().find(near)
 }
 
-/// The matrix from any other primaries.
+/// Returns the matrix from any other primaries.
 fn other(meaning: &Meaning, to: &Chromaticities) -> Result<[[f64; 3]; 3], NodeError> {
     let found = meaning.chromaticities.unwrap_or(*to);
     found.matrix_to(to).ok_or_else(|| {
@@ -231,14 +233,14 @@ fn other(meaning: &Meaning, to: &Chromaticities) -> Result<[[f64; 3]; 3], NodeEr
     })
 }
 
-/// A function that remembers its latest values: pictures hold few different ones, and powers are dear.
+/// A function that caches its latest values: pictures contain few distinct values, and powers are expensive.
 #[derive(Clone)]
 struct Memo {
     function: fn(f64) -> f64,
     known: Vec<(u64, f64)>,
 }
 
-/// Values remembered; a power of 2.
+/// Number of cached values; a power of 2.
 const REMEMBERED: usize = 1 << 16;
 
 impl Memo {

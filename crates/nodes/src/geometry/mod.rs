@@ -1,4 +1,4 @@
-//! Surfaces of triangles and patches, and how they stand in the world.
+//! Surfaces of triangles and patches, and their placement in the world.
 
 mod bezier_model;
 mod float;

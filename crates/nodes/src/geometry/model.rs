@@ -1,6 +1,6 @@
 //! Model files of Bézier patches.
 //!
-//! JSON: `points` by number, `patches` of 4 (bilinear) or 16 (bicubic) of them, row by row, and `sheets` of rails that
+//! JSON with `points`, `patches` of 4 (bilinear) or 16 (bicubic) point numbers, row by row, and `sheets` of rails that
 //! a surface passes through.
 
 use serde::Deserialize;
@@ -9,9 +9,9 @@ use trochoid_graph::NodeError;
 use trochoid_scene::DVec3;
 use trochoid_scene::bezier::{Bicubic, Bilinear, MAX_PATCHES, Patch, Rails};
 
-/// Most bytes of a model file.
+/// Maximum size of a model file, in bytes.
 const MAX_FILE_BYTES: u64 = 8 << 20;
-/// Greatest coordinate.
+/// Largest coordinate.
 const FARTHEST: f64 = 1e9;
 
 #[derive(Deserialize)]
@@ -41,10 +41,11 @@ struct Sheet {
     rails: Vec<Vec<[f64; 3]>>,
 }
 
-/// The patches of a model file.
+/// Reads the patches of a model file.
 ///
 /// # Errors
-/// The file cannot be read, is too large, or is no model: with line and column, or the patch and number at fault.
+/// The file cannot be read, is too large, or is not a model. The error states line and column, or the faulty patch and
+/// number.
 pub(crate) fn read_model(path: &Path) -> Result<Vec<Patch>, NodeError> {
     let bytes = trochoid_io::read_bytes(path, MAX_FILE_BYTES)?;
     patches(&bytes).map_err(|message| NodeError::from(std::io::Error::other(format!("{}: {message}", path.display()))))
@@ -105,7 +106,7 @@ fn patches(bytes: &[u8]) -> Result<Vec<Patch>, String> {
     Ok(patches)
 }
 
-/// A patch of 4 or 16 points; else their number.
+/// Returns a patch of 4 or 16 points; for any other number of points, the number as an error.
 pub(crate) fn patch(points: &[DVec3]) -> Result<Patch, usize> {
     if let Ok(points) = points.try_into() {
         return Ok(Patch::new(Bilinear { points }.elevate()));
