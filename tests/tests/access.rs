@@ -37,7 +37,7 @@ fn every_node_that_names_a_file_is_asked_before_it_prepares() {
         assert_eq!(evaluate(&graph), Ok(()), "{name}: the golden case itself");
         let refused = refused_files(&elsewhere, &outputs, &[frame]);
         assert!(refused.iter().any(|refused| refused.item.is_some() && refused.place[0] > 0), "{name}: {refused:?}");
-        let is_refusal = |error: &EvalError| matches!(error, EvalError::Node { message, .. } if message.contains("what the document may reach"));
+        let is_refusal = |error: &EvalError| matches!(error, EvalError::Node { message, .. } if message.contains("that the document may reach"));
         assert!(evaluate(&elsewhere).is_err_and(|error| is_refusal(&error)), "{name}");
         let output = &graph.outputs()[0].name;
         let reference = ReferenceFrame::new(&elsewhere, output, frame).map(drop);

@@ -75,7 +75,7 @@ impl Outside {
 
     fn expected(&self) -> String {
         let allowed: Vec<String> = self.allowed.iter().map(|root| root.display().to_string()).collect();
-        format!("one beneath what the document may reach: {}", allowed.join(", "))
+        format!("a file that the document may reach, beneath {}", allowed.join(", "))
     }
 
     fn remedy(&self) -> String {
@@ -85,7 +85,7 @@ impl Outside {
 
 fn remedy<'o>(paths: impl IntoIterator<Item = &'o Outside, IntoIter: ExactSizeIterator>) -> String {
     let paths = paths.into_iter();
-    let what = if paths.len() == 1 { "it" } else { "them" };
+    let what = if paths.len() == 1 { "this file" } else { "these files" };
     format!("if you trust the document with {what}: {}", allow_options(paths))
 }
 
@@ -285,7 +285,7 @@ impl Refused {
     fn found(&self) -> String {
         let (path, leads_to) = (self.path.display(), self.outside.leads_to.display());
         let same = self.path == self.outside.leads_to;
-        if same { format!("the file {path}") } else { format!("the file {path}, which is {leads_to}") }
+        if same { format!("the file {path}") } else { format!("the file {path}, which leads to {leads_to}") }
     }
 }
 

@@ -57,7 +57,7 @@ impl Document {
         let root = parse(text).map_err(|error| {
             let (line, column) = line_and_column(text, error.offset);
             if text.trim().is_empty() {
-                let found = if text.is_empty() { "an empty file" } else { "white space alone" };
+                let found = if text.is_empty() { "an empty file" } else { "only white space" };
                 return fault(line, column, found.into(), "JSON".into(), "write a document, or name another file");
             }
             let near: String = text[floor(text, error.offset)..].chars().take(20).collect();
@@ -66,7 +66,7 @@ impl Document {
             } else if near.is_empty() || error.message.contains("EOF") {
                 "the text ends too early: close every bracket and quote"
             } else if error.message.contains("deeper") || error.message.contains("more than") {
-                "no document needs that: lists and objects are a few levels deep"
+                "no document needs that (lists and objects are a few levels deep): check what wrote it"
             } else {
                 "correct the syntax there; JSON has no comments and no trailing commas"
             };
@@ -95,7 +95,7 @@ impl Document {
             port: None,
             found: format!("\"{}\"", shorten(assignment)),
             expected: "NODE.KNOB=VALUE, for example storm.height=3".into(),
-            remedy: "name a node of the document, a dot, one of its knobs, and a JSON value".into(),
+            remedy: "write a node of the document, a dot, one of its knobs, =, and a JSON value".into(),
         };
         let Some(((node, knob), value)) =
             assignment.split_once('=').and_then(|(path, value)| Some((path.split_once('.')?, value)))
@@ -104,12 +104,12 @@ impl Document {
         };
         if let Some((list, _)) = knob.split_once('.') {
             fault.node = Some(shorten(node));
-            fault.found = format!("\"{}\", which reaches into \"{}\"", shorten(knob), shorten(list));
+            fault.found = format!("\"{}\", a path into \"{}\"", shorten(knob), shorten(list));
             fault.expected = "a knob of the node itself".into();
             // Such as of stops[1].color.
             let list = list.split('[').next().unwrap_or(list);
             fault.remedy = format!(
-                "set all of \"{}\", such as --set {}",
+                "set all of \"{}\", for example --set {}",
                 shorten(list),
                 crate::quoted(&format!("{node}.{list}=[{{ … }}]"))
             );
@@ -148,8 +148,8 @@ impl Document {
         fault.found = format!("node \"{}\"", shorten(node));
         fault.expected = "a node of the document".into();
         if at_top {
-            fault.found = format!("\"{}\", which is no node but stands beside them", shorten(node));
-            fault.remedy = format!("change \"{}\" in the document itself: --set reaches nodes alone", shorten(node));
+            fault.found = format!("\"{}\", which is not a node but a key beside \"nodes\"", shorten(node));
+            fault.remedy = format!("change \"{}\" in the document itself: --set changes only nodes", shorten(node));
         } else if let Some(near) = crate::nearest(node, names.iter().map(String::as_str)) {
             fault.remedy = format!("did you mean \"{near}\"?");
         }

@@ -119,7 +119,7 @@ pub fn escape_remedy(frame: &FrameContext, text: &str) -> Option<String> {
         if path.exists() {
             let (json, word) = (serde_json::Value::from(written.as_str()), quoted(&written));
             return Some(format!(
-                "there is {}: a # or % of a name itself has a backslash before it: {json} in a document, {word} in a shell",
+                "{} exists: write a backslash before a # or % that is part of a name: {json} in a document, {word} in a shell",
                 path.display()
             ));
         }

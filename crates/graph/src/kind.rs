@@ -122,33 +122,31 @@ impl Accepts {
     pub fn remedy(self, found: Kind) -> String {
         match (self, found) {
             (Self::Mask | Self::Weights, Kind::Field(1)) => {
-                "put a Clamp between: it maps the field to weights in [0, 1]".into()
+                "insert a Clamp: it maps the field to weights in [0, 1]".into()
             }
             (Self::Mask | Self::Weights, Kind::Field(_)) => {
-                "take one component with a FieldMath (\"expression\": \"a.x\"), then Clamp it".into()
+                "extract one component with a FieldMath (\"expression\": \"a.x\"), then Clamp it".into()
             }
             (Self::Direction, Kind::Weights(_) | Kind::Field(_)) => {
                 "connect a FlowField, or make two components with FieldMath".into()
             }
-            (Self::Scalar, Kind::Field(_)) => "take one component with a FieldMath: \"expression\": \"a.x\"".into(),
+            (Self::Scalar, Kind::Field(_)) => "extract one component with a FieldMath: \"expression\": \"a.x\"".into(),
             (Self::Mask, Kind::Weights(n)) => {
-                format!("give the {n} weights to a Blend with {n} colors; a mask has two ways only")
+                format!("connect the {n} weights to a Blend with {n} colors; a mask has only two weights")
             }
             (Self::Mask | Self::Weights | Self::Scalar | Self::Field | Self::Direction, Kind::Color) => {
-                "colors never become weights, or the picture would not stay linear in its palette; \
+                "a color cannot become a weight: the picture would no longer be linear in its palette; \
                  read the picture as a field (Read with \"as\": \"field\") and Clamp it"
                     .into()
             }
             (Self::Color, Kind::Weights(_) | Kind::Field(_)) => {
-                "give it to a Mix, Blend, Ramp or Patch as its weight; control colors make the color".into()
+                "connect it as the weight of a Mix, Blend, Ramp or Patch; the colors come from control colors".into()
             }
-            (Self::View, Kind::Surface | Kind::Camera) => {
-                "put a Render between: it looks at surfaces through a camera".into()
-            }
+            (Self::View, Kind::Surface | Kind::Camera) => "insert a Render: it shows surfaces through a camera".into(),
             (Self::Surface, Kind::View) => {
-                "name the surfaces themselves, such as a GerstnerSea; a View is what a camera sees of them".into()
+                "connect the surfaces themselves, such as a GerstnerSea; a View is what a camera sees of them".into()
             }
-            (_, Kind::View) => "put a pass between, for example NonSpecular or Depth".into(),
+            (_, Kind::View) => "insert a pass, for example NonSpecular or Depth".into(),
             _ => format!("connect a {self}"),
         }
     }

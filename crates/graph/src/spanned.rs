@@ -135,12 +135,9 @@ impl<'t> Reader<'t> {
         let offset = self.at;
         let error = |message: String| SyntaxError { offset, message };
         if depth > MAX_DEPTH {
-            return Err(error(format!("values are nested deeper than {MAX_DEPTH} levels")));
+            return Err(error(format!("values nested deeper than {MAX_DEPTH} levels")));
         }
-        self.left = self
-            .left
-            .checked_sub(1)
-            .ok_or_else(|| error(format!("the document holds more than {MAX_VALUES} values")))?;
+        self.left = self.left.checked_sub(1).ok_or_else(|| error(format!("more than {MAX_VALUES} values")))?;
         let json = match self.peek() {
             b'"' => Json::String(self.string()?.into_owned()),
             b'[' => {
@@ -179,7 +176,7 @@ impl<'t> Reader<'t> {
                     b't' => Json::Bool(true),
                     b'f' => Json::Bool(false),
                     _ => Json::Number(
-                        slice.parse().map_err(|_| error(format!("\"{}\" is not a number", shorten(slice))))?,
+                        slice.parse().map_err(|_| error(format!("\"{}\", which is not a number", shorten(slice))))?,
                     ),
                 }
             }

@@ -112,7 +112,10 @@ impl<'a> Prepare<'a> {
             .filter_map(|source| if let Source::Output { node, .. } = source { Some(*node) } else { None })
             .map(|id| {
                 (self.handles)(id).and_then(|handle| handle.downcast_ref::<T>().cloned()).ok_or_else(|| {
-                    NodeError::new(format!("\"{name}\" is connected to a node that hands on nothing usable"))
+                    NodeError::new(format!(
+                        "port \"{name}\": found a node that has an incompatible output, expected one that fits; \
+                         connect another node"
+                    ))
                 })
             })
             .collect()

@@ -33,14 +33,14 @@ pub const TERMS: &[Term] = &[
     node("Blur", "", &["GaussianBlur", "Defocus", "Soften", "BoxBlur"]),
     node(
         "Warp",
-        "by \"dx\" and \"dy\"",
+        "its \"dx\" and \"dy\"",
         &["Transform", "Move", "Translate", "Scale", "Rotate", "Displace", "IDistort", "Distort", "CornerPin"],
     ),
     node("Shape", "", &["Roto", "RotoPaint", "Ellipse", "Circle", "Rectangle", "Box", "Radial", "Polygon"]),
     node("Noise", "", &["Perlin", "Fractal", "Turbulence", "Voronoi", "Worley", "Cellular", "Fbm"]),
     node(
         "FieldMath",
-        "a formula",
+        "with a formula",
         &[
             "Math",
             "Expression",
@@ -63,7 +63,7 @@ pub const TERMS: &[Term] = &[
     Term {
         words: &["Write", "Output", "FileOutput", "Save", "Viewer", "Export"],
         node: None,
-        how: "no node writes: name it under \"outputs\", with a \"file\"",
+        how: "no node writes files: list the node under \"outputs\", with a \"file\"",
     },
 ];
 
@@ -79,8 +79,8 @@ impl Term {
     pub fn remedy(&self) -> String {
         match (self.node, self.how) {
             (None, how) => how.into(),
-            (Some(node), "") => format!("the node for that is \"{node}\""),
-            (Some(node), how) => format!("the node for that is \"{node}\" ({how})"),
+            (Some(node), "") => format!("use the node \"{node}\""),
+            (Some(node), how) => format!("use the node \"{node}\" ({how})"),
         }
     }
 }

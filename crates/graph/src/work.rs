@@ -24,7 +24,7 @@ impl Work {
 
     /// What was found, for messages.
     pub fn found(&self) -> String {
-        format!("work for about {} of one core at each frame", duration(self.seconds))
+        format!("about {} of work per frame on one core", duration(self.seconds))
     }
 
     /// What was expected, for messages.

@@ -70,7 +70,7 @@ impl Shading {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum FormatError {
     /// A side is 0 or too large.
-    #[error("a picture of {width} × {height} pixels is refused: each side is 1 to {MAX_SIDE} pixels")]
+    #[error("a picture of {width} × {height} pixels is refused: each side must have 1 to {MAX_SIDE} pixels")]
     Side {
         /// Width found.
         width: u32,
@@ -78,7 +78,7 @@ pub enum FormatError {
         height: u32,
     },
     /// Too many pixels in all.
-    #[error("a picture of {width} × {height} pixels is refused: at most {MAX_PIXELS} pixels in all")]
+    #[error("a picture of {width} × {height} pixels is refused: at most {MAX_PIXELS} pixels in total")]
     Area {
         /// Width found.
         width: u32,
@@ -86,7 +86,7 @@ pub enum FormatError {
         height: u32,
     },
     /// Not a number of samples that has a pattern.
-    #[error("{samples} samples a pixel are refused: 1, 4 or 16")]
+    #[error("{samples} samples per pixel are refused: use 1, 4 or 16")]
     Samples {
         /// Number found.
         samples: u32,

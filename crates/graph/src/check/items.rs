@@ -160,8 +160,10 @@ impl<'a> Checker<'a> {
         match &value.json {
             Json::String(text) if !accepts.takes_color() && text.starts_with('#') => {
                 let remedy = match accepts {
-                    Accepts::Mask => "write a number from 0 to 1, or the name of a mask; a color is no weight",
-                    Accepts::Weights => "write the name of a node, or numbers that sum to 1; a color is no weight",
+                    Accepts::Mask => "write a number from 0 to 1, or the name of a mask; a color cannot be a weight",
+                    Accepts::Weights => {
+                        "write the name of a node, or numbers that sum to 1; a color cannot be a weight"
+                    }
                     Accepts::Scalar | Accepts::Field => "write a number, or the name of a node",
                     _ => "write the name of a node",
                 };
@@ -234,7 +236,7 @@ impl<'a> Checker<'a> {
             };
             self.error(
                 place,
-                format!("a reference to \"{}\", which is no node", shorten(name)),
+                format!("a reference to \"{}\", which is not a node", shorten(name)),
                 "the name of a node",
                 remedy,
             );
@@ -278,12 +280,7 @@ impl<'a> Checker<'a> {
             };
         };
         if !knob.animated && matches!(value.json, Json::Object(_)) {
-            self.error(
-                place,
-                "a keyed value",
-                expected(&knob.takes),
-                "this knob cannot be keyed over frames: write one value",
-            );
+            self.error(place, "a keyed value", expected(&knob.takes), "this knob cannot be animated: write one value");
             return Setting::Unset;
         }
         let setting = match knob.takes {
@@ -314,7 +311,7 @@ impl<'a> Checker<'a> {
                 Json::String(text) => {
                     let remedy = match nearest(text, words.iter().copied()) {
                         Some(near) => format!("did you mean \"{near}\"?"),
-                        None => format!("choose one of them: {}", knob.help),
+                        None => format!("choose one of these: {}", knob.help),
                     };
                     self.error(place, value.brief(), expected(&knob.takes), remedy);
                     None
@@ -380,16 +377,16 @@ fn example(takes: &Takes) -> String {
             }
         }
         Takes::Color => "\"#rrggbb\"".into(),
-        Takes::Vector(_) | Takes::Numbers { .. } => "[ … ], with numbers".into(),
-        Takes::Text => "a text in quotes".into(),
+        Takes::Vector(_) | Takes::Numbers { .. } => "[ … ], a list of numbers".into(),
+        Takes::Text => "a string in quotes".into(),
         Takes::Path => "the path of a file in quotes, relative to the document".into(),
-        Takes::Texts { .. } => "[ … ], with texts in quotes".into(),
+        Takes::Texts { .. } => "[ … ], a list of strings in quotes".into(),
     }
 }
 
 /// What to write for a list.
 fn how_to_write(list: &List) -> String {
-    format!("give \"{}\": [{{ … }}, …], records with {}: {}", list.name, keys_of(list), list.help)
+    format!("write \"{}\": [{{ … }}, …], a list of records with {}: {}", list.name, keys_of(list), list.help)
 }
 
 /// Whether a value is a mask for certain: a number from 0 to 1, or a node whose type makes masks alone.

@@ -143,8 +143,8 @@ impl<'a> Checker<'a> {
                 let (_, line, column) = self.document.place(first);
                 self.error(
                     place.at(entry.offset),
-                    format!("\"{}\" a second time", shorten(&entry.key)),
-                    format!("each name once; the first stands at {line}:{column}"),
+                    format!("a second \"{}\"", shorten(&entry.key)),
+                    format!("each name once; the first is at {line}:{column}"),
                     "rename or remove one of them",
                 );
             } else {
@@ -289,7 +289,12 @@ impl<'a> Checker<'a> {
         };
         match items.iter().find(|item| item.key == "type") {
             None => {
-                self.error(place, "no \"type\"", "the type of the node", "add \"type\"; `trochoid nodes` lists them");
+                self.error(
+                    place,
+                    "no \"type\"",
+                    "the type of the node",
+                    "add \"type\"; `trochoid nodes` lists the types",
+                );
             }
             Some(Entry { value: Spanned { json: Json::String(ty), offset }, .. }) => {
                 draft.ty = self.registry.get(ty);
@@ -299,7 +304,7 @@ impl<'a> Checker<'a> {
             }
             Some(item) => {
                 let place = Place { offset: item.value.offset, node: Some(name), port: Some("type") };
-                self.error(place, item.value.brief(), "the name of a node type", "`trochoid nodes` lists them");
+                self.error(place, item.value.brief(), "the name of a node type", "`trochoid nodes` lists the types");
             }
         }
         draft

@@ -117,11 +117,11 @@ impl<'a> Checker<'a> {
                     ),
                     FormatError::Area { .. } => (
                         format!("{width} × {height} = {} pixels", u64::from(width) * u64::from(height)),
-                        format!("at most {MAX_PIXELS} pixels in all"),
+                        format!("at most {MAX_PIXELS} pixels in total"),
                         "choose a size within the limits",
                     ),
                     FormatError::Samples { .. } => {
-                        (format!("{samples} samples a pixel"), "1, 4 or 16".into(), "choose one of them")
+                        (format!("{samples} samples per pixel"), "1, 4 or 16".into(), "choose one of them")
                     }
                 };
                 self.error(place, found, expected, remedy);
@@ -136,7 +136,8 @@ impl<'a> Checker<'a> {
         };
         if found.is_none() {
             let place = Place::top(entry.value.offset, &entry.key);
-            let remedy = "\"pixel\" shades once what varies smoothly over a surface; \"sample\" at each sample";
+            let remedy = "\"pixel\" evaluates smoothly varying passes once per pixel and surface; \"sample\" at each \
+                          sample";
             let names = Shading::ALL.map(Shading::name);
             self.error(place, entry.value.brief(), format!("one of {}", names.join(", ")), remedy);
         }
@@ -164,11 +165,12 @@ impl<'a> Checker<'a> {
         };
         if tolerance.is_none() {
             let place = Place::top(value.offset, "tolerance");
-            self.error(place, value.brief(), Tolerance::EXPECTED, "say how far pixels may be off");
+            self.error(place, value.brief(), Tolerance::EXPECTED, "write the largest error that a pixel may have");
         }
         if matches!(tolerance, Some(Tolerance::Error(error)) if error < Tolerance::FINE) {
             let place = Place::top(value.offset, "tolerance");
-            let remedy = "ask for 1/512, which no display of 8 bits shows, unless something computes with the picture";
+            let remedy = "ask for 1/512, which is invisible on an 8-bit display, unless the picture is processed \
+                          further";
             let expected = "an error of 1/4096 or more: smaller ones take very long to certify";
             self.report(Severity::Warning, place, value.brief(), expected.into(), remedy.into());
         }
@@ -194,7 +196,7 @@ impl<'a> Checker<'a> {
                         place,
                         entry.value.brief(),
                         "frames per second, above 0 and at most 1e6",
-                        "write for example 24",
+                        "write, for example, 24",
                     );
                 }
                 (key, _) => {
@@ -205,7 +207,7 @@ impl<'a> Checker<'a> {
         top.last = last.unwrap_or(top.first);
         if top.last < top.first {
             let found = format!("first {} after last {}", top.first, top.last);
-            self.error(place, found, "first ≤ last", "exchange them");
+            self.error(place, found, "first ≤ last", "swap them");
             top.last = top.first;
         }
     }

@@ -132,7 +132,7 @@ impl<'a> Checker<'a> {
             && items.iter().all(|item| matches!(&item.json, Json::Array(pair) if pair.len() == 2))
         {
             let remedy = format!("write {{ \"keys\": [{}, …] }}: each key is [frame, value]", pair_text(first));
-            self.error(place, "a list of pairs", "one value, or a keyed one", remedy);
+            self.error(place, "a list of pairs", "one value or a keyed value", remedy);
             return None;
         }
         if !matches!(value.json, Json::Object(_)) {
@@ -182,12 +182,22 @@ impl<'a> Checker<'a> {
         };
         if let Some([before, after]) = keys.windows(2).map(|pair| [pair[0].0, pair[1].0]).find(|[a, b]| a >= b) {
             let found = format!("keys out of order: frame {after} after frame {before}");
-            self.error(place, found, "frames that ascend, each once", "sort the keys by frame; each is [frame, value]");
+            self.error(
+                place,
+                found,
+                "frames in ascending order, each once",
+                "sort the keys by frame; each is [frame, value]",
+            );
             return None;
         }
         let animated = Animated::keyed(keys, interpolation);
         if animated.is_none() {
-            self.error(place, "keys of different sizes", "values alike", "give each key the same number of values");
+            self.error(
+                place,
+                "keys of different sizes",
+                "values of one size",
+                "give each key the same number of values",
+            );
         }
         animated
     }
@@ -231,10 +241,10 @@ pub fn expected(takes: &Takes) -> String {
         Takes::Choice(words) => format!("one of {}", words.join(", ")),
         Takes::Color => "a color: \"#rrggbb\" in sRGB, or [r, g, b] in the working space".into(),
         Takes::Vector(n) => format!("a list of {n} numbers"),
-        Takes::Text => "a text".into(),
+        Takes::Text => "a string".into(),
         Takes::Path => "a path relative to the document".into(),
         Takes::Numbers { min, max } => format!("a list of {}", count(*min, *max, "number")),
-        Takes::Texts { max } => format!("a list of {}", count(1, *max, "text")),
+        Takes::Texts { max } => format!("a list of {}", count(1, *max, "string")),
     }
 }
 

@@ -34,7 +34,7 @@ impl<'a> Checker<'a> {
                 Item::Port(port) if is_short(port, record) => {
                     let offset = draft.offset_of(port.name);
                     let place = Place { offset, node: Some(draft.name), port: Some(port.name) };
-                    let found = "a disabled node that hands on nothing";
+                    let found = "a disabled node that passes nothing through";
                     self.error(place, found, format!("a {}", port.accepts), "enable the node, or connect another");
                 }
                 Item::List(list) => {
@@ -95,9 +95,9 @@ impl<'a> Checker<'a> {
         let remedy = if never {
             expected.push_str(": the view of a Render");
             let ty = view.ty.map_or("node", |ty| ty.declaration().name);
-            format!("connect a Render, which sees the surfaces themselves; no pass of a {ty} holds that")
+            format!("connect a Render, which sees the surfaces themselves; no pass of a {ty} holds this")
         } else {
-            format!("give \"{}\" the pass that holds it, or use another pass here", view.name)
+            format!("add the pass that holds it to \"{}\", or use another pass here", view.name)
         };
         self.error(place, found, expected, remedy);
     }
@@ -223,22 +223,22 @@ impl<'a> Checker<'a> {
             let draft = &drafts[end];
             let mut found = "a node that no output needs".to_string();
             if !ends.is_empty() {
-                found += &format!(", nor {}", names(&ends));
+                found += &format!(", like {}", names(&ends));
             }
             if !others.is_empty() {
                 let whose = if ends.is_empty() { "it needs" } else { "they need" };
-                found += &format!(", and what only {whose}: {}", names(&others));
+                found += &format!(", with the nodes that only {whose}: {}", names(&others));
             }
             let remedy = match (ends.len(), ends.len() + others.len() + 1) {
-                (0, 1) => "it is not evaluated; connect it to what an output needs, or remove it".to_string(),
+                (0, 1) => "it is not evaluated; connect it to a node that an output needs, or remove it".to_string(),
                 (0, all) => {
                     format!(
-                        "none of the {all} is evaluated; connect {} to what an output needs, or remove all",
+                        "none of the {all} is evaluated; connect {} to a node that an output needs, or remove all",
                         draft.name
                     )
                 }
                 (_, all) => format!(
-                    "none of the {all} is evaluated; connect {}, {} to what an output needs, or remove all",
+                    "none of the {all} is evaluated; connect {}, {} to a node that an output needs, or remove all",
                     draft.name,
                     names(&ends)
                 ),
