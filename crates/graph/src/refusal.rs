@@ -1,20 +1,20 @@
-//! Operations of other compositors that leave the hull, each with the reason, a witness and the nearest
-//! convex rewrite.
+//! Operations of other compositors that leave the convex hull, each with the reason, an example that proves it
+//! and the nearest convex rewrite.
 
 /// Why an operation is refused.
 #[derive(Clone, Copy, Debug)]
 pub struct Refusal {
-    /// Names under which other compositors know it.
+    /// Names of the operation in other compositors.
     pub names: &'static [&'static str],
-    /// Why it is not convex.
+    /// Why the operation is not convex.
     pub reason: &'static str,
-    /// Control colors and weights that leave the hull.
+    /// Example: control colors and weights whose result leaves the hull.
     pub witness: &'static str,
-    /// What to write instead.
+    /// Convex replacement, as an instruction.
     pub rewrite: &'static str,
 }
 
-/// Every refused operation.
+/// All refused operations.
 pub const REFUSALS: &[Refusal] = &[
     Refusal {
         names: &["Plus", "Add", "Sum", "Linear Dodge"],
@@ -74,7 +74,8 @@ pub const REFUSALS: &[Refusal] = &[
     },
     Refusal {
         names: &["Multiply", "Screen"],
-        reason: "each channel of one color is the weight of that channel of the other, and such weights do not sum to 1",
+        reason: "each channel of one color is the weight of that channel of the other, and such weights do not sum \
+                 to 1",
         witness: "red (1, 0, 0) times green (0, 1, 0) is black, off the segment between them",
         rewrite: "Mix toward a darker color (for Multiply) or a brighter one (for Screen), with the pass as the \
                   weight; Multiply and Screen here combine the masks in their \"weights\"",
@@ -87,7 +88,7 @@ pub const REFUSALS: &[Refusal] = &[
     },
 ];
 
-/// The refusal of an operation of that name.
+/// Returns the refusal of the operation with a name, ignoring case.
 pub fn refusal(name: &str) -> Option<&'static Refusal> {
     REFUSALS.iter().find(|refusal| refusal.names.iter().any(|known| known.eq_ignore_ascii_case(name)))
 }

@@ -1,13 +1,14 @@
-//! What other programs call the job of a node, for who writes their word.
+//! Names that other programs use for the jobs of nodes, so that an unknown node type can be answered with the right
+//! node.
 
-/// Words of other programs for one job.
+/// Names in other programs for one job.
 #[derive(Clone, Copy, Debug)]
 pub struct Term {
-    /// The words; case, spaces and underscores do not count.
+    /// The names; only letters and digits count, and case does not.
     pub words: &'static [&'static str],
-    /// The node that does the job; `None` where it is no node's.
+    /// Node that does the job; `None` if no node does it.
     pub node: Option<&'static str>,
-    /// What to do with it, or where else the job is done; empty where the node's name says it.
+    /// How to use the node, or how the job is done without one; empty if the node's name is enough.
     pub how: &'static str,
 }
 
@@ -15,8 +16,7 @@ const fn node(node: &'static str, how: &'static str, words: &'static [&'static s
     Term { words, node: Some(node), how }
 }
 
-/// Every word that is known. What other compositors do to colors and a convex one cannot is in
-/// [`REFUSALS`](crate::REFUSALS).
+/// All known names. Operations on colors that are not convex are in [`REFUSALS`](crate::REFUSALS).
 pub const TERMS: &[Term] = &[
     node("Read", "", &["Image", "ImageRead", "ReadImage", "Load", "LoadImage", "Loader", "Input", "File", "Footage"]),
     node("Read", "its \"fit\"", &["Crop", "Reformat", "Resize", "Resample"]),
@@ -68,14 +68,14 @@ pub const TERMS: &[Term] = &[
 ];
 
 impl Term {
-    /// What is known of a word.
+    /// Finds the entry for a name.
     pub fn of(word: &str) -> Option<&'static Self> {
         let plain = |word: &str| word.chars().filter(char::is_ascii_alphanumeric).collect::<String>().to_lowercase();
         let wanted = plain(word);
         TERMS.iter().find(|term| term.words.iter().any(|known| plain(known) == wanted))
     }
 
-    /// What to do, as a sentence.
+    /// Returns the remedy as a sentence.
     pub fn remedy(&self) -> String {
         match (self.node, self.how) {
             (None, how) => how.into(),
