@@ -1,38 +1,38 @@
-//! The closed set of kinds of value that travel along edges.
+//! The closed set of kinds of value on connections.
 
 use std::fmt;
 use trochoid_image::Channel;
 
-/// What an output hands on and a port takes.
+/// Kind of value that an output has and a port takes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Kind {
     /// RGB image in the working space; finite, ≥ 0.
     Color,
-    /// Partition of unity over `n` controls. `Weights(2)` is a *mask*, held as one number t in [0, 1].
+    /// Partition of unity over `n` controls. `Weights(2)` is a *mask*, stored as one number t in [0, 1].
     Weights(usize),
     /// Unbounded image of 1 to 4 components, never NaN.
     Field(usize),
     /// Geometry that a camera can see. Front end only.
     Surface,
-    /// A point of view. Front end only.
+    /// Camera. Front end only.
     Camera,
-    /// A source of light. Front end only.
+    /// Light source. Front end only.
     Light,
-    /// What a camera sees of surfaces: coverage, and whatever fields are asked of it. Front end only.
+    /// Surfaces as a camera sees them: coverage, and the fields that nodes request. Front end only.
     View,
 }
 
 impl Kind {
-    /// A two-way partition of unity, written as one number.
+    /// Two-way partition of unity, written as one number.
     pub const MASK: Self = Self::Weights(2);
 
-    /// In a declaration: a partition of as many ways as knobs and connections say.
+    /// In a declaration: a partition whose number of weights depends on knobs and connections.
     pub const ANY_WEIGHTS: Self = Self::Weights(0);
 
     /// In a declaration: the kind of the node's first connection.
     pub const ANY: Self = Self::Field(0);
 
-    /// Number of planes that the value occupies in a tile; 0 for values that are not images.
+    /// Returns the number of planes of the value in a tile; 0 for values that are not images.
     pub fn channels(self) -> usize {
         match self {
             Self::Color => 3,
@@ -62,16 +62,16 @@ impl fmt::Display for Kind {
     }
 }
 
-/// What a port takes.
+/// Kinds of value and literals that a port takes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Accepts {
     /// A Color, or a literal color.
     Color,
     /// A mask, or a literal number in [0, 1].
     Mask,
-    /// A partition of any number of controls.
+    /// A partition over any number of controls.
     Weights,
-    /// A Field of one component, a mask (which is forgotten to be one), or a literal number.
+    /// A Field of one component, a mask (read as a Field), or a literal number.
     Scalar,
     /// A Field of any number of components, or a mask.
     Field,
@@ -90,7 +90,7 @@ pub enum Accepts {
 }
 
 impl Accepts {
-    /// Whether a value of `kind` may be connected: like to like, and mask → Field.
+    /// Whether a value of `kind` may be connected: one of the same kind, or a mask as a Field.
     pub fn takes(self, kind: Kind) -> bool {
         matches!(
             (self, kind),
@@ -118,7 +118,7 @@ impl Accepts {
         matches!(self, Self::Color | Self::Image)
     }
 
-    /// The node that makes a legal value of a refused one, as a sentence, for diagnostics.
+    /// Returns a remedy for diagnostics: how to turn a refused value into a legal one.
     pub fn remedy(self, found: Kind) -> String {
         match (self, found) {
             (Self::Mask | Self::Weights, Kind::Field(1)) => {
