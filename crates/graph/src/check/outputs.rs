@@ -1,4 +1,4 @@
-//! The `outputs` of a document: what is rendered, into which files, under which requirements.
+//! Reads the `outputs` of a document: what is rendered, into which files, with which guarantees.
 
 use super::items::Names;
 use super::{Checker, Draft, Place, kind_of};
@@ -137,7 +137,7 @@ impl<'a> Checker<'a> {
         Some(spec)
     }
 
-    /// An output of a disabled node shows what that node hands on.
+    /// Resolves an output of a disabled node, which shows the first input of that node if it has the same kind.
     fn bypassed(
         &mut self,
         mut spec: OutputSpec,
@@ -145,7 +145,7 @@ impl<'a> Checker<'a> {
         place: Place<'_>,
         drafts: &[Draft<'a>],
     ) -> Option<OutputSpec> {
-        // Edges have been led past disabled nodes already, so the first source is enabled.
+        // Connections already bypass disabled nodes, so the first source is enabled.
         let first = draft.record.sources().into_iter().next();
         match first {
             Some(source @ Source::Output { node, output })
@@ -179,7 +179,7 @@ impl<'a> Checker<'a> {
         guarantee
     }
 
-    /// The file must be able to hold what is rendered, and should not round it coarsely.
+    /// Checks that the file can store the output, and warns if it rounds coarsely.
     fn stored(&mut self, spec: &OutputSpec, file: Place<'_>, precision: Place<'_>) {
         if let Some(path) = &spec.file
             && path.to_lowercase().ends_with(".png")
@@ -206,7 +206,7 @@ impl<'a> Checker<'a> {
         [line, column]
     }
 
-    /// The file's ending must be one that can be written, and its precision one that the format has.
+    /// Checks that the ending of the file is supported, and that its format has the precision.
     fn file(&mut self, spec: &mut OutputSpec, place: Place<'_>) {
         let Some(file) = &spec.file else { return };
         let lower = file.to_lowercase();

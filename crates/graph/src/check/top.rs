@@ -1,11 +1,11 @@
-//! Everything outside `nodes` and `outputs`: version, format, working space, frames.
+//! Reads everything outside of `nodes` and `outputs`: version, format, working space, frames, tolerance.
 
 use super::{Checker, Place};
 use crate::spanned::{Entry, Json, Spanned};
 use crate::{Severity, Tolerance};
 use trochoid_image::{Format, FormatError, MAX_PIXELS, MAX_SIDE, Shading, WorkingSpace};
 
-/// What the top of a document says.
+/// Settings at the top of a document.
 pub(super) struct Top {
     pub(super) format: Option<Format>,
     pub(super) first: i64,
@@ -14,12 +14,12 @@ pub(super) struct Top {
     pub(super) tolerance: Option<Tolerance>,
 }
 
-/// The version of the document format; there is no other yet.
+/// Version of the document format; the only one so far.
 pub const FORMAT_VERSION: u32 = 1;
 
 const KEYS: [&str; 9] =
     ["trochoid", "format", "working_space", "frames", "tolerance", "nodes", "outputs", "ui", "notes"];
-/// Frames are numbered within this range, so that times stay exact.
+/// Largest absolute frame number, so that times stay exact.
 const MAX_FRAME: f64 = 1e7;
 
 impl<'a> Checker<'a> {
@@ -55,7 +55,7 @@ impl<'a> Checker<'a> {
     fn version(&mut self, value: &'a Spanned, place: Place<'a>) {
         match value.json {
             Json::Number(version) if version == f64::from(FORMAT_VERSION) => {}
-            // Its author means something that is not known here: to write another number would not help.
+            // The document uses a format that is unknown here; another number would not help.
             Json::Number(version) if version > f64::from(FORMAT_VERSION) => {
                 let found = format!("{}, a newer version of the document format", value.brief());
                 let expected = format!("{FORMAT_VERSION}, the newest version that this Trochoid reads");
@@ -88,7 +88,7 @@ impl<'a> Checker<'a> {
                 }
             };
             *slot = match entry.value.json {
-                // The format checks its own limits; here numbers only have to fit.
+                // `Format` checks its own limits; here numbers only have to fit.
                 Json::Number(n) if n.fract() == 0.0 && (0.0..=f64::from(u32::MAX)).contains(&n) => Some(n as u32),
                 _ => {
                     let place = Place::top(entry.value.offset, &entry.key);
