@@ -1,4 +1,4 @@
-//! A node: its items, and what is said about it beside them.
+//! `#[derive(Node)]`: the declaration of a node.
 
 use crate::docs::Sections;
 use crate::items::fields;
@@ -9,7 +9,7 @@ use syn::parse::{Parse, ParseStream};
 use syn::token::Paren;
 use syn::{DeriveInput, Error, Expr, Ident, LitInt, LitStr, Path, Token, parenthesized, parse_quote};
 
-/// What `#[node(…)]` says.
+/// Arguments of `#[node(…)]`.
 #[derive(Default)]
 struct Said {
     name: Option<String>,
@@ -21,7 +21,7 @@ struct Said {
     reads: Option<TokenStream>,
 }
 
-/// `mask: Kind::MASK = "What it holds."`, with the names of its channels in files behind it.
+/// Parses a single output, `mask: Kind::MASK = "Help."`, optionally followed by the names of its channels in files.
 fn single(input: ParseStream<'_>) -> Result<TokenStream, Error> {
     let name: Ident = input.parse()?;
     input.parse::<Token![:]>()?;
@@ -112,7 +112,7 @@ fn aliases(input: ParseStream<'_>) -> Result<Vec<TokenStream>, Error> {
 
 pub(crate) fn derive(input: &DeriveInput) -> Result<TokenStream, Error> {
     let attribute = input.attrs.iter().find(|attribute| attribute.path().is_ident("node"));
-    let example = "#[node(end = Back, revision = 1, output(mask: Kind::MASK = \"What it holds.\"))]";
+    let example = "#[node(end = Back, revision = 1, output(mask: Kind::MASK = \"Help.\"))]";
     let attribute = attribute.ok_or_else(|| Error::new_spanned(input, format!("expected {example}")))?;
     let said = attribute.parse_args_with(parse)?;
     let lacks = |what: &str| Error::new_spanned(attribute, format!("no {what}: expected {example}"));

@@ -1,13 +1,13 @@
-//! What a graph means: kinds of value, the contract of nodes, documents and their validation.
+//! The meaning of graphs: kinds of value, the contract of nodes, documents and their validation.
 //!
 //! A *document* is JSON: nodes by name, each with a type, knobs and connections, and outputs. Checking it
 //! against a [`Registry`] of node types gives a [`CheckedGraph`], or every fault as a [`Diagnostic`].
 //!
-//! A graph is evaluated frame by frame. At a frame every knob has one value. A node's output is a value of one
+//! A graph is evaluated frame by frame. At a frame every knob has one value. The output of a node is a value of one
 //! of a closed set of [`Kind`]s. Front-end nodes make Fields and masks by any mathematics; back-end nodes make
-//! Colors by convex operations only, which they express as a [`Program`] of a closed set of operations. There
-//! is no way to make a weight from a color, and no way to combine colors but by weights that are ≥ 0 and sum
-//! to 1. So every color of an output lies in the convex hull of the control colors, whatever the passes hold.
+//! Colors by convex operations only, which they express as a [`Program`] of a closed set of operations. No operation
+//! makes a weight from a color, and colors are combined only by weights that are ≥ 0 and sum to 1. So every color of
+//! an output lies in the convex hull of the control colors, whatever the passes contain.
 
 // Derived code names this crate by its name.
 extern crate self as trochoid_graph;

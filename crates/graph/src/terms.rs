@@ -1,17 +1,18 @@
-//! The words of other programs, for documents that use them: nodes declare theirs, and outputs are no nodes.
+//! Names that other programs use for the jobs of nodes, so that an unknown node type can be answered with the right
+//! node. Nodes declare theirs.
 
 use crate::Registry;
 
-/// A word of other programs for the job of a node.
+/// Name in another program for the job of a node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Alias {
-    /// The word; case, spaces and underscores do not count.
+    /// The name; only letters and digits count, and case does not.
     pub word: &'static str,
-    /// The knob or way to do it, such as `its "fit"`; empty where the node's name says it.
+    /// How to use the node, such as `its "fit"`; empty if the node's name is enough.
     pub how: &'static str,
 }
 
-/// What does the job that another program's word names.
+/// What does the job here that another program has a name for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Term {
     /// A node.
@@ -25,7 +26,7 @@ pub enum Term {
     Output,
 }
 
-/// Words for a node that writes, which the document's outputs do.
+/// Names of nodes that write. Here the document's outputs do.
 pub const OUTPUT_WORDS: [&str; 6] = ["Write", "Output", "FileOutput", "Save", "Viewer", "Export"];
 
 impl Term {
