@@ -30,9 +30,9 @@ pub(crate) struct Render {
     /// Density of mesh vertices, relative to what the picture's pixels require.
     #[knob(default = 1.0, range = 0.125..=8.0, accuracy)]
     fineness: f64,
-    /// Points that passes receive: "mesh" uses the mesh that approximates each surface; "surface" finds the closest
-    /// point of the surface itself and takes a few times as long; "exact" finds it to the precision of the reference
-    /// and takes many times as long.
+    /// Points that passes receive: "mesh" uses the mesh that approximates each surface; "surface" moves from there
+    /// to the surface itself, which takes a few times as long; "exact" does so to the precision of the reference,
+    /// which takes many times as long.
     #[knob(accuracy)]
     points: Points,
 }
