@@ -1,8 +1,8 @@
-//! What formulas are made of, and their value at one sample.
+//! The syntax tree of FieldMath's formulas, and their value at one sample.
 
 use super::program::Function;
 
-/// What an expression is made of, with its number of components.
+/// An expression with its number of components.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Expression {
     pub(crate) node: Node,
@@ -12,20 +12,20 @@ pub(crate) struct Expression {
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Node {
     Number(f64),
-    /// An input, from 0.
+    /// An input, counted from 0.
     Input(usize),
-    /// The same of each component; a number beside vectors goes with each of theirs.
+    /// A function applied component by component; arguments of one component are used for every component.
     Each(Function, Vec<Expression>),
     Dot(Box<Expression>, Box<Expression>),
     Length(Box<Expression>),
-    /// Components of a vector.
+    /// Selected components of a value.
     Pick(Box<Expression>, Vec<usize>),
-    /// Several as one vector.
+    /// The components of several values, one after another.
     Join(Vec<Expression>),
 }
 
 impl Expression {
-    /// The components at one sample, of the components of the inputs there.
+    /// Returns the components of the value at one sample, from the components of the inputs.
     pub(crate) fn value(&self, inputs: &[Vec<f64>; 4]) -> Vec<f64> {
         match &self.node {
             Node::Number(number) => vec![*number],

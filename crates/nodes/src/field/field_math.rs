@@ -62,7 +62,7 @@ impl FieldMath {
     fn parsed(&self, widths: [Option<usize>; 4]) -> Result<Expression, BadData> {
         let expression = parse(&self.expression, widths).map_err(|fault| {
             let place = format!("column {} of the expression", fault.column);
-            let remedy = fault.remedy.unwrap_or_else(|| "write it as `trochoid nodes FieldMath` says".into());
+            let remedy = fault.remedy.unwrap_or_else(|| "see `trochoid nodes FieldMath` for the syntax".into());
             BadData::new(format_args!("{} at {place}", fault.found), fault.expected, remedy)
         })?;
         let components = self.components as usize;
@@ -246,7 +246,7 @@ mod tests {
         let faults = of(r#""out": { "type": "FieldMath", "expression": "[1, 2, 3]" }"#);
         assert!(faults.contains("set \\\"components\\\" to 3"), "{faults}");
         let faults = of(r#""out": { "type": "FieldMath", "expression": "a + b", "a": 1 }"#);
-        assert!(faults.contains("input b, to which nothing is connected"), "{faults}");
+        assert!(faults.contains("the unconnected input b"), "{faults}");
         of(r#""out": { "type": "FieldMath" }"#);
     }
 }

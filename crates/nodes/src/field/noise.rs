@@ -16,7 +16,7 @@ use trochoid_graph::*;
 /// In world and rest space, 0 where no surface is seen. Screen coordinates run right and down from the upper left
 /// corner in picture heights, so the noise does not change with the picture's size. A view without a camera or depth
 /// has no footprints, so its noise is not filtered. Views store positions in 32 bits: far from the origin, cells finer
-/// than that precision are lost, but the noise itself stays exact. Random numbers are computed from integers, so they
+/// than that precision are lost, but the noise itself stays precise. Random numbers are computed from integers, so they
 /// are the same on every machine.
 ///
 /// # Source

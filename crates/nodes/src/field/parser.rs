@@ -1,4 +1,4 @@
-//! The language of FieldMath: its grammar, and what may be computed with what.
+//! Parser of FieldMath's formulas: the grammar, and checks of the numbers of components.
 //!
 //! ```text
 //! comparison = sum [ ("<" | "<=" | ">" | ">=" | "==" | "!=") sum ]
@@ -8,19 +8,20 @@
 //! part       = atom { "." letters }
 //! atom       = number | name | name "(" list ")" | "[" list "]" | "(" comparison ")"
 //! ```
-//! No crate fits: those at hand compute with the machine's own functions, whose bits differ, or know no vectors.
+//! No existing crate fits: they compute with the machine's math functions, whose bits differ between machines, or have
+//! no vectors.
 
 use super::expression::{Expression, Node};
 use super::program::Function;
 use trochoid_graph::nearest;
 
-/// What is wrong, and where: a column in characters, from 1.
+/// A syntax or type error and its column, in characters, counted from 1.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Fault {
     pub(crate) column: usize,
     pub(crate) found: String,
     pub(crate) expected: String,
-    /// What to do, where that is known.
+    /// Remedy, if one is known.
     pub(crate) remedy: Option<String>,
 }
 
@@ -30,14 +31,14 @@ impl Fault {
     }
 }
 
-/// Deeper than any formula that a person writes; beyond it the stack would be at risk.
+/// Largest nesting depth: more than anyone writes, and safe for the stack.
 const DEPTH: usize = 64;
-/// Longer than any formula that a person writes; it bounds how deep a row of operators nests.
+/// Largest number of characters: more than anyone writes; it also bounds the depth of chains of operators.
 const LENGTH: usize = 1000;
-/// The most components of a value.
+/// Largest number of components of a value.
 pub(crate) const WIDEST: usize = 4;
 
-/// Reads an expression. `inputs` gives the number of components of each input that is connected.
+/// Parses an expression. `inputs` has the number of components of each connected input.
 pub(crate) fn parse(text: &str, inputs: [Option<usize>; 4]) -> Result<Expression, Fault> {
     let characters: Vec<char> = text.chars().collect();
     if characters.len() > LENGTH {
@@ -74,7 +75,7 @@ impl Parser {
         }
     }
 
-    /// What stands here is not what was expected.
+    /// Returns the error that something else was expected here.
     fn fault(&mut self, expected: &str) -> Fault {
         self.space();
         let found = match self.text.get(self.at) {
@@ -88,7 +89,7 @@ impl Parser {
         Fault { column: at + 1, found: found.into(), expected: expected.into(), remedy: None }
     }
 
-    /// Takes a sign where it stands here.
+    /// Skips a sign and returns true, if it stands here.
     fn take(&mut self, sign: &str) -> bool {
         self.space();
         let here = sign.chars().enumerate().all(|(i, c)| self.text.get(self.at + i) == Some(&c));
@@ -100,7 +101,7 @@ impl Parser {
         if self.take(sign) { Ok(()) } else { Err(self.fault(&format!("'{sign}'"))) }
     }
 
-    /// Goes one level down, unless that is too deep.
+    /// Applies a rule one level deeper; fails if that is too deep.
     fn nested(&mut self, rule: impl FnOnce(&mut Self) -> Parsed) -> Parsed {
         if self.depth == DEPTH {
             return Err(self.fault_at(self.at, format!("more than {DEPTH} levels"), "fewer levels of brackets"));
@@ -132,7 +133,7 @@ impl Parser {
         }
     }
 
-    /// Operators of one rank, from left to right.
+    /// Parses operators of equal precedence, which are left-associative.
     fn row(&mut self, signs: [(&str, Function); 2], operand: fn(&mut Self) -> Parsed) -> Parsed {
         let mut left = operand(self)?;
         loop {
@@ -254,8 +255,7 @@ impl Parser {
             Some(index) => match self.inputs[index] {
                 Some(width) => Ok(Expression { node: Node::Input(index), width }),
                 None => {
-                    let fault =
-                        self.fault_at(at, format!("input {name}, to which nothing is connected"), "a connected input");
+                    let fault = self.fault_at(at, format!("the unconnected input {name}"), "a connected input");
                     Err(fault.with_remedy(format!("connect \"{name}\", or leave it out of the expression")))
                 }
             },
@@ -271,7 +271,7 @@ impl Parser {
         }
     }
 
-    /// Values up to a closing bracket.
+    /// Parses a list of values up to a closing bracket.
     fn list(&mut self, close: &str) -> Result<Vec<Expression>, Fault> {
         let mut values = vec![self.comparison()?];
         while self.take(",") {
@@ -330,11 +330,11 @@ impl Parser {
     }
 
     fn unlike(&self, at: usize, a: usize, b: usize) -> Fault {
-        let found = format!("{} beside {}", components(a), components(b));
-        self.fault_at(at, found, "equally many, or a single number")
+        let found = format!("{} combined with {}", components(a), components(b));
+        self.fault_at(at, found, "the same number of components, or a single number")
     }
 
-    /// A function of each component.
+    /// Applies a function component by component.
     fn each(&self, at: usize, function: Function, arguments: Vec<Expression>) -> Parsed {
         let width = arguments.iter().map(|argument| argument.width).max().unwrap_or(1);
         match arguments.iter().find(|argument| argument.width != 1 && argument.width != width) {
@@ -344,7 +344,7 @@ impl Parser {
     }
 }
 
-/// A count of components in words.
+/// Describes a number of components.
 fn components(count: usize) -> String {
     if count == 1 { "a single number".into() } else { format!("{count} components") }
 }
@@ -356,7 +356,7 @@ mod tests {
 
     const INPUTS: [Vec<f64>; 4] = [Vec::new(), Vec::new(), Vec::new(), Vec::new()];
 
-    /// The value by recursion, and by the program.
+    /// Checks that recursion and the program give the same value.
     fn values(text: &str, inputs: [Vec<f64>; 4]) -> Vec<f64> {
         let widths = inputs.each_ref().map(|input| (!input.is_empty()).then_some(input.len()));
         let expression = parse(text, widths).unwrap_or_else(|fault| panic!("{text}: {fault:?}"));
@@ -443,9 +443,9 @@ mod tests {
             ("sin + 1", 5, "'(' after sin"),
             ("min(1)", 1, "1 arguments of min"),
             ("clamp(1, 2)", 1, "2 arguments of clamp"),
-            ("a + b", 3, "3 components beside 2 components"),
-            ("dot(a, b)", 1, "3 components beside 2 components"),
-            ("c + d", 5, "input d, to which nothing"),
+            ("a + b", 3, "3 components combined with 2 components"),
+            ("dot(a, b)", 1, "3 components combined with 2 components"),
+            ("c + d", 5, "the unconnected input d"),
             ("b.z", 3, "letters xy"),
             ("b.", 3, "\".\""),
             ("[a, b]", 1, "5 components"),

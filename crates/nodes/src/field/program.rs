@@ -1,4 +1,4 @@
-//! Expressions of FieldMath for many samples at once: a list of steps, each over a run of samples.
+//! Expressions of FieldMath compiled for many samples at once: a list of steps, each over a run of samples.
 
 use super::expression::{Expression, Node};
 use crate::bounds::Span;
@@ -7,7 +7,7 @@ use std::collections::HashMap;
 
 macro_rules! functions {
     ($($name:ident $text:literal ($least:literal) $of:expr;)*) => {
-        /// What is computed of numbers.
+        /// Functions and operators of numbers.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
         pub(crate) enum Function { $($name,)* }
 
@@ -18,18 +18,18 @@ macro_rules! functions {
                 match self { $(Self::$name => $text,)* }
             }
 
-            /// Every function.
+            /// Returns all functions.
             #[cfg(test)]
             pub(crate) fn all() -> &'static [Self] {
                 Self::ALL
             }
 
-            /// Fewest and most arguments.
+            /// Returns the smallest and largest number of arguments.
             pub(crate) fn arguments(self) -> (usize, usize) {
                 match self { $(Self::$name => ($least, $least),)* }
             }
 
-            /// The function over a run of samples.
+            /// Computes the function over a run of samples.
             #[inline(always)]
             fn fill(self, [a, b, c]: [&[f64]; 3], out: &mut [f64]) {
                 match self {
@@ -42,7 +42,7 @@ macro_rules! functions {
                 }
             }
 
-            /// The function of one number each.
+            /// Computes the function at a single sample.
             pub(crate) fn of(self, arguments: &[f64]) -> f64 {
                 let argument = |index: usize| arguments.get(index).copied().unwrap_or(0.0);
                 let of: fn(f64, f64, f64) -> f64 = match self { $(Self::$name => $of,)* };
@@ -56,7 +56,7 @@ fn truth(holds: bool) -> f64 {
     if holds { 1.0 } else { 0.0 }
 }
 
-/// The second of two numbers if so told, else the first; NaN where either is.
+/// Returns `b` if `second`, otherwise `a`; NaN if either is NaN.
 fn either(a: f64, b: f64, second: bool) -> f64 {
     if a.is_nan() || b.is_nan() {
         f64::NAN
@@ -75,13 +75,13 @@ fn most(a: f64, b: f64) -> f64 {
     either(a, b, b > a)
 }
 
-/// t²(3 − 2t) of how far x lies from a to b.
+/// Returns t²(3 − 2t) with t = (x − a)/(b − a), limited to [0, 1].
 fn smoothstep(a: f64, b: f64, x: f64) -> f64 {
     let t = least(most((x - a) / (b - a), 0.0), 1.0);
     t * t * (3.0 - 2.0 * t)
 }
 
-// Names without letters are operators; those of functions are what documents write.
+// Names with letters are functions that formulas call; the others are operators.
 functions! {
     Add "+" (2) |a, b, _| a + b;
     Subtract "-" (2) |a, b, _| a - b;
@@ -116,40 +116,40 @@ functions! {
 }
 
 impl Function {
-    /// The function of a name.
+    /// Returns the function with a name.
     pub(crate) fn named(name: &str) -> Option<Self> {
         Self::ALL.iter().copied().find(|function| function.text() == name)
     }
 
-    /// Every name that can be called.
+    /// Returns the names of all functions that formulas can call.
     pub(crate) fn names() -> Vec<&'static str> {
         let texts = Self::ALL.iter().map(|function| function.text());
         texts.filter(|text| text.starts_with(|c: char| c.is_ascii_alphabetic())).collect()
     }
 }
 
-/// One step: its result is known by its place in the list.
+/// One step; later steps refer to its result by its index.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 enum Step {
-    /// The bits of a number.
+    /// A number, by its bits.
     Constant(u64),
     Input {
         input: usize,
         component: usize,
     },
-    /// Arguments beyond those of the function repeat the first.
+    /// A function of earlier steps. Unused arguments repeat the first.
     Apply(Function, [usize; 3]),
 }
 
-/// An expression as steps, no two alike.
+/// An expression as a list of distinct steps.
 #[derive(Clone, Debug)]
 pub(crate) struct Program {
     steps: Vec<Step>,
-    /// The steps of the result's components.
+    /// Steps that compute the components of the result.
     results: Vec<usize>,
 }
 
-/// Samples in a run: the results of a few dozen steps stay in the nearest cache.
+/// Samples in a run, so few that the results of a few dozen steps stay in the level-1 cache.
 const RUN: usize = 64;
 
 impl Program {
@@ -159,13 +159,13 @@ impl Program {
         Self { steps: building.steps, results }
     }
 
-    /// Components of the result.
+    /// Returns the number of components of the result.
     pub(crate) fn width(&self) -> usize {
         self.results.len()
     }
 
-    /// Computes `count` samples, run by run. `load(first, input, component, run)` gives a run of an input from sample
-    /// `first` on, `store(first, component, run)` takes a run of the result.
+    /// Computes `count` samples, run by run. `load(first, input, component, run)` loads a run of an input that starts
+    /// at sample `first`; `store(first, component, run)` stores a run of the result.
     pub(crate) fn run(
         &self,
         count: usize,
@@ -210,7 +210,7 @@ impl Program {
         }
     }
 
-    /// The spans of the result's components at one sample, of those of the inputs there.
+    /// Returns the spans of the result's components at one sample, from the spans of the inputs.
     pub(crate) fn spans(&self, input: impl Fn(usize, usize) -> Span) -> Vec<Span> {
         let mut spans: Vec<Span> = Vec::with_capacity(self.steps.len());
         for step in &self.steps {
@@ -243,7 +243,7 @@ impl Building {
         self.step(Step::Apply(function, [argument(0), argument(1), argument(2)]))
     }
 
-    /// Σ aᵢ·bᵢ.
+    /// Adds the steps of Σ aᵢ·bᵢ.
     fn dot(&mut self, a: &[usize], b: &[usize]) -> usize {
         let products: Vec<usize> = a.iter().zip(b).map(|(a, b)| self.apply(Function::Multiply, &[*a, *b])).collect();
         let mut sum = products[0];
@@ -253,7 +253,7 @@ impl Building {
         sum
     }
 
-    /// The steps of an expression's components.
+    /// Adds the steps of an expression and returns those of its components.
     fn components(&mut self, expression: &Expression) -> Vec<usize> {
         match &expression.node {
             Node::Number(number) => vec![self.step(Step::Constant(number.to_bits()))],

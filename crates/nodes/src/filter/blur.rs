@@ -31,7 +31,7 @@ pub(crate) struct Blur {
     /// Vertical amount of blur; by default the same as `size`.
     #[knob(range = 0.0..=MOST, drawn)]
     size_y: Option<f64>,
-    /// Shape of the kernel: gaussian, or box (every pixel under the kernel has the same weight).
+    /// Shape of the kernel: gaussian, or box (all pixels within the size weigh the same).
     filter: Shape,
 }
 

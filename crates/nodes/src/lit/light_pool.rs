@@ -54,7 +54,7 @@ struct Pool {
     /// Half the length of the pool: distance from its center at which 1/e of its light is left.
     #[knob(default = 10.0, range = 1e-3..=1e7, unit = "m")]
     length: f64,
-    /// Half the width of the pool, measured in the same way.
+    /// Half the width of the pool: distance across it at which 1/e of its light is left.
     #[knob(default = 10.0, range = 1e-3..=1e7, unit = "m")]
     width: f64,
     /// Direction of the pool's length: 0 is +X, 90 is +Z.
@@ -73,12 +73,7 @@ impl Node for LightPool {
         }
         if self.pools.is_empty() && self.noise.is_none() {
             let found = "no pools and no noise: the light is the same everywhere";
-            check.warning(
-                Self::POOLS,
-                found,
-                "pools, or a noise that has gaps",
-                "give \"pools\", or connect \"noise\"",
-            );
+            check.warning(Self::POOLS, found, "pools, or a noise that has gaps", "add \"pools\", or connect \"noise\"");
         }
     }
 

@@ -40,7 +40,8 @@ pub(crate) struct Hooks {
     /// Index of the surface in the Render's list, counted from 0; all surfaces by default.
     #[knob(range = 0..=63)]
     surface: Option<i64>,
-    /// Value of |n · v| (surface normal and view direction) below which ribbons shrink as their root turns edge-on; 0 never shrinks them.
+    /// Value of |n · v| (surface normal and view direction) below which ribbons shrink as their root turns edge-on; 0
+    /// never shrinks them.
     #[knob(default = 0.3, range = 0.0..=1.0)]
     turned: f64,
     /// Smallest jump in depth that hides a ribbon, as a fraction of the depth.

@@ -1,10 +1,11 @@
-//! What noise may be at points that are certain up to a bound.
+//! Spans of noise over uncertain points and footprints.
 
 use super::reference::{distances, gradient_noise, kept, place};
 use super::{AMPLITUDE, Noise, NoiseKind, Octave};
 use crate::bounds::Span;
 
-/// What noise may be at a point of two or three coordinates, each somewhere in a span, for a footprint in one.
+/// Returns the span of the noise at a point of two or three coordinates, over spans of the coordinates and the
+/// footprint.
 pub(crate) fn span(noise: &Noise, point: &[Span], footprint: Span) -> Span {
     let axes = point.len() + usize::from(noise.evolution.is_some());
     let mean = noise.kind.mean(axes);
@@ -22,13 +23,13 @@ pub(crate) fn span(noise: &Noise, point: &[Span], footprint: Span) -> Span {
     Span { low: low - LOST, high: high + LOST, clear }.within(least, most)
 }
 
-/// What sums of octaves lose.
+/// Rounding error of the sum of octaves.
 const LOST: f64 = 1e-14;
 
-/// What one octave may be.
+/// Returns the span of one octave.
 fn octave_span(noise: &Noise, octave: &Octave, point: &[Span]) -> Span {
     let place = place(noise, octave, point.iter().map(|along| along.middle()));
-    // How far off it may be along each axis of space, in cells; other numbers are rounded otherwise.
+    // Uncertainty along each axis of space, in cells, including the rounding to cells.
     let reach = |(along, place): (&Span, &f64)| match along.half() {
         0.0 => 0.0,
         half => half * octave.frequency + 1e-15 * (1.0 + place.abs()),
@@ -49,7 +50,8 @@ fn octave_span(noise: &Noise, octave: &Octave, point: &[Span]) -> Span {
             let ends = [farthest, nearest].map(|height| (1.0 - height) * (1.0 - height));
             Span { low: ends[0], high: ends[1], clear: true }
         }
-        // A distance changes by no more than the way that is gone, and so does that to the second nearest point.
+        // Moving a point changes its distance to the nearest feature point, and to the second nearest, by at most the
+        // length of the move.
         NoiseKind::Cellular => around(distances(octave.seed, &place)[0], straight),
         NoiseKind::Edges => {
             let [first, second] = distances(octave.seed, &place);
@@ -58,12 +60,13 @@ fn octave_span(noise: &Noise, octave: &Octave, point: &[Span]) -> Span {
     }
 }
 
-/// What gradient noise may be so far around a place: its slopes there, and the most that they may change.
+/// Returns the span of gradient noise within `reach` of a place, from its slopes there and a bound of their change.
 fn gradients(octave: &Octave, place: &[f64], reach: &[f64]) -> Span {
     let (value, slopes) = gradient_noise(octave.seed, place);
     let straight: f64 = slopes.iter().zip(reach).map(|(slope, reach)| slope.abs() * reach).sum();
-    // No second derivative passes the amplitude times 225/16 · axes + 15/2: the fade's steepest slope is 15/8, its
-    // strongest bend 10/√3, and between corners slopes differ by 2 and what they rise to by 4 · axes at most.
+    // No second derivative exceeds the amplitude times 225/16 · axes + 15/2: the fade's slope is at most 15/8 and its
+    // second derivative at most 10/√3; between corners, gradients differ by at most 2 and the values they lead to by at
+    // most 4 · axes.
     let axes = place.len();
     let bend = f64::from(AMPLITUDE[axes]) * (225.0 / 16.0 * axes as f64 + 7.5);
     let all: f64 = reach.iter().sum();
