@@ -1,7 +1,6 @@
 //! What is certain of a stage's inputs at a sample, and bounds by what follows for its outputs.
 
-use crate::bounds::Span;
-use trochoid_graph::{Bound, Bounding, Channel, Connected, Inputs, Outputs, REFERENCE};
+use trochoid_graph::{Bound, Bounding, Channel, Connected, Inputs, Outputs, REFERENCE, Span};
 
 /// What a channel of the first connection of a port may be in the reference, by its bound; `None` where there is none.
 pub(crate) fn known(bounding: &Bounding<'_>, port: &impl Connected, channel: usize, sample: usize) -> Option<Span> {

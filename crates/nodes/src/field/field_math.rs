@@ -1,6 +1,5 @@
 //! FieldMath: any arithmetic on fields.
 
-use crate::bounds::Span;
 use crate::field::{Expression, Program, parse};
 use crate::filter::numbers;
 use std::collections::HashMap;

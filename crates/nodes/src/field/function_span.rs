@@ -1,7 +1,7 @@
 //! What functions of formulas give where their arguments are only known within bounds.
 
 use super::program::Function;
-use crate::bounds::{ROUNDING, Span};
+use trochoid_graph::Span;
 
 impl Function {
     /// All that the function can give of numbers within these spans.
@@ -69,7 +69,7 @@ impl Function {
                 let (middle, radius) = (a.low / 2.0 + a.high / 2.0, a.high / 2.0 - a.low / 2.0);
                 let at = self.of(&[middle]);
                 // The slope is 1 at most. What the middle has been rounded by counts too.
-                let reach = radius + middle.abs() * ROUNDING;
+                let reach = radius + middle.abs() * Span::ROUNDING;
                 let Span { low, high, .. } = Span::of(&[at - reach, at + reach]);
                 if at.is_nan() { Span::ANY } else { Span { low: low.max(-1.0), high: high.min(1.0), clear: true } }
             }

@@ -1,6 +1,6 @@
 //! Noise: procedural variation that stays where it is put.
 
-use crate::bounds::{Span, bound_by, certain, where_covered};
+use crate::bounds::{bound_by, certain, where_covered};
 use crate::field::{Axes, Noise as Octaves, NoiseKind, Screen, noise_reference, noise_span};
 use trochoid_graph::*;
 

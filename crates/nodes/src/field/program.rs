@@ -1,9 +1,9 @@
 //! Expressions of FieldMath for many samples at once: a list of steps, each over a run of samples.
 
 use super::expression::{Expression, Node};
-use crate::bounds::Span;
 use fearless_simd::{Level, Simd, dispatch};
 use std::collections::HashMap;
+use trochoid_graph::Span;
 
 macro_rules! functions {
     ($($name:ident $text:literal ($least:literal) $of:expr;)*) => {

@@ -1,6 +1,6 @@
 //! Scumble: paint that a dry brush breaks.
 
-use crate::bounds::{Span, bound_by, known};
+use crate::bounds::{bound_by, known};
 use trochoid_graph::*;
 
 /// Breaks a soft density into paint dragged over a grain: closed where it is dense, in flecks where it is thin.

@@ -1,6 +1,6 @@
 //! Texture: a picture file looked up by coordinates.
 
-use crate::bounds::{Span, bound_by, known};
+use crate::bounds::{bound_by, known};
 use crate::files::knobs::{As, Knobs, Named, Selected, Taken};
 use crate::files::{Reading, controls, memory_of_picture};
 use crate::filter::{blended, fill, value, weights};

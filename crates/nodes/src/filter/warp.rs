@@ -1,6 +1,6 @@
 //! Warp: an image looked up at displaced places.
 
-use crate::bounds::{Span, known};
+use crate::bounds::known;
 use crate::filter::{Bounded, Summed, blended, fill, kind, mean, numbers, value, weights};
 use trochoid_graph::*;
 use trochoid_image::{Format, Window};

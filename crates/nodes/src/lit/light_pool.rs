@@ -1,6 +1,6 @@
 //! LightPool: sun that falls through gaps of the clouds.
 
-use crate::bounds::{Span, bound_by, certain, known, where_covered};
+use crate::bounds::{bound_by, certain, known, where_covered};
 use crate::view::{POSITION, is_covered, nothing, ramp, uncover, view_planes, view_vector};
 use trochoid_graph::*;
 use trochoid_scene::{DVec3, Light};

@@ -1,7 +1,6 @@
 //! NonSpecular: how much light reaches a point, all but reflections.
 
 use super::{Combine, Facing, Shades, Toward, Vectors3};
-use crate::bounds::Span;
 use trochoid_graph::*;
 use trochoid_scene::DVec3;
 use trochoid_scene::shading::lambert;

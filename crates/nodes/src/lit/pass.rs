@@ -1,7 +1,7 @@
 //! Passes of how lights shade what is seen, each sample by its normal.
 
 use super::{Combine, Lights, Near, Toward, Vectors3, eye, toward_eye, view_directions};
-use crate::bounds::{Span, bound_by, certain, where_covered};
+use crate::bounds::{bound_by, certain, where_covered};
 use crate::view::{NORMAL, POSITION, is_bare, is_covered, nothing, uncover, view_planes, view_vector};
 use trochoid_graph::*;
 use trochoid_scene::{DVec3, Projector};

@@ -1,10 +1,10 @@
 //! Points and directions that are certain up to a distance and an angle, and what light gives there.
 
 use super::lights::{Combine, Lights};
-use crate::bounds::{Span, certain};
+use crate::bounds::certain;
 use crate::view::{NORMAL, POSITION};
 use std::f64::consts::PI;
-use trochoid_graph::{Bounding, Channel, One, port};
+use trochoid_graph::{Bounding, Channel, One, Span, port};
 use trochoid_scene::shading::unit_or_up;
 use trochoid_scene::{DVec3, Light, Projector};
 

@@ -1,7 +1,7 @@
 //! DriftLines: lines that bursts draw behind them.
 
 use super::check_trails;
-use crate::bounds::{Span, bound_by, certain, where_covered};
+use crate::bounds::{bound_by, certain, where_covered};
 use crate::view::{Around, grown, is_covered, nothing};
 use trochoid_graph::*;
 use trochoid_image::{Format, Window};

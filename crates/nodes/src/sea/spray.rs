@@ -1,7 +1,7 @@
 //! Spray: drops that breaking crests and bursts throw into the air.
 
 use super::waters::can_break;
-use crate::bounds::{Span, bound_by, certain};
+use crate::bounds::{bound_by, certain};
 use crate::lit::eye;
 use crate::view::SurfaceHandle;
 use std::sync::{Arc, OnceLock};

@@ -1,7 +1,7 @@
 //! WaterlineFoam: foam where something pierces the water, or lies shallow under it.
 
 use super::check_same_camera;
-use crate::bounds::{Span, bound_by, known};
+use crate::bounds::{bound_by, known};
 use trochoid_graph::*;
 
 /// A mask of foam along the lines where things stand in the water: where what lies behind it is near.

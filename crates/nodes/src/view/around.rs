@@ -1,7 +1,7 @@
 //! What filters of a view read: a pixel and those around it.
 
-use crate::bounds::{Span, certain};
-use trochoid_graph::{Bounding, Channel, Connection, Inputs, One, References, port};
+use crate::bounds::certain;
+use trochoid_graph::{Bounding, Channel, Connection, Inputs, One, References, Span, port};
 use trochoid_image::Window;
 
 /// A window that reaches so many pixels farther on each side.

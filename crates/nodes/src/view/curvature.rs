@@ -1,7 +1,7 @@
 //! Curvature: how sharply a surface bends.
 
 use super::{Around, NORMAL, POSITION, change, grown, may_see, surface_of, view_planes, view_vector};
-use crate::bounds::{Span, bound_by, certain};
+use crate::bounds::{bound_by, certain};
 use trochoid_graph::*;
 use trochoid_image::{Format, Window};
 use trochoid_scene::DVec3;

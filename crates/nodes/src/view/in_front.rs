@@ -1,6 +1,6 @@
 //! InFront: which of two views is nearer.
 
-use crate::bounds::{Span, bound_by, certain};
+use crate::bounds::{bound_by, certain};
 use crate::sea::check_same_camera;
 use trochoid_graph::*;
 

@@ -1,7 +1,7 @@
 //! Masks that follow from some channels of a view at each sample by itself.
 
 use super::{is_covered, nothing};
-use crate::bounds::{Span, bound_by, certain, where_covered};
+use crate::bounds::{bound_by, certain, where_covered};
 use trochoid_graph::*;
 
 /// A node whose one output is the product of ramps over channels of its view, 0 where nothing is seen.

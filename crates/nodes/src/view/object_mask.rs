@@ -1,7 +1,7 @@
 //! ObjectMask: which object is seen.
 
 use super::{Looking, Render, SurfaceHandle};
-use crate::bounds::{Span, bound_by, certain};
+use crate::bounds::{bound_by, certain};
 use crate::sea::check_indices;
 use std::sync::Arc;
 use trochoid_graph::*;

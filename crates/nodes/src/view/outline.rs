@@ -1,7 +1,7 @@
 //! Outline: lines where one thing ends before another.
 
 use super::{Around, grown, surface_of};
-use crate::bounds::{Span, bound_by, certain, known};
+use crate::bounds::{bound_by, certain, known};
 use trochoid_graph::*;
 use trochoid_image::{Format, Window};
 

@@ -1,7 +1,7 @@
 //! Passes of quantities that rays find, which go on from the points of a view.
 
 use super::{Facets, Rays, Seen, Surroundings, asked};
-use crate::bounds::{Span, bound_by, where_covered};
+use crate::bounds::{bound_by, where_covered};
 use crate::geometry::memory;
 use crate::sea::check_surfaces;
 use std::sync::Arc;

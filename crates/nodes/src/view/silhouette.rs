@@ -1,7 +1,7 @@
 //! Silhouette: where a surface turns away from the eye.
 
 use super::{Around, NORMAL, POSITION, change, grown, is_covered, may_see, surface_of, view_planes, view_vector};
-use crate::bounds::{Span, bound_by, where_covered};
+use crate::bounds::{bound_by, where_covered};
 use crate::lit::{Near, Toward, eye, toward_eye, view_directions};
 use trochoid_graph::*;
 use trochoid_image::{Format, Window};

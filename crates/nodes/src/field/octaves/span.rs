@@ -2,7 +2,7 @@
 
 use super::reference::{distances, gradient_noise, kept, place};
 use super::{AMPLITUDE, Noise, NoiseKind, Octave};
-use crate::bounds::Span;
+use trochoid_graph::Span;
 
 /// What noise may be at a point of two or three coordinates, each somewhere in a span, for a footprint in one.
 pub(crate) fn span(noise: &Noise, point: &[Span], footprint: Span) -> Span {
