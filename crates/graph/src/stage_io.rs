@@ -1,6 +1,6 @@
 //! What stages are given, and what they fill.
 
-use crate::{Bound, Channel, Connected, Found, FrameContext, Handle, Kind, LITERAL, NodeError, NodeId, Source};
+use crate::{Channel, Connected, Found, FrameContext, Handle, Kind, NodeError, NodeId, Source};
 use std::any::{Any, TypeId};
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError, Weak};
@@ -277,32 +277,6 @@ impl<'a> Inputs<'a> {
         match self.planes(port, 0)[channel as usize] {
             Some(plane) => plane,
             None => unreachable!("the node did not ask for {channel:?}"),
-        }
-    }
-}
-
-/// What a stage is given to bound the errors of what it filled.
-pub struct Bounding<'a> {
-    /// The samples.
-    pub block: &'a Block<'a>,
-    /// What it was given to fill them.
-    pub inputs: &'a Inputs<'a>,
-    /// For every plane of that, its bounds ([`Bound`](crate::Bound), encoded).
-    pub bounds: &'a Inputs<'a>,
-    /// By output, by channel: what it filled, where wanted.
-    pub filled: &'a [Vec<Option<&'a [f32]>>],
-}
-
-impl Bounding<'_> {
-    /// The bounds of a stage without inputs that computes in f64 as its reference does, and rounds once.
-    pub fn rounded_once(&self, outputs: &mut Outputs<'_>) {
-        for (output, channels) in self.filled.iter().enumerate() {
-            for (channel, filled) in channels.iter().enumerate() {
-                let (Some(filled), Some(bounds)) = (filled, outputs.take(output, channel)) else { continue };
-                for (bound, value) in bounds.iter_mut().zip(*filled) {
-                    *bound = Bound::of(f64::from(value.abs()) * LITERAL + f64::from(f32::from_bits(1))).encode();
-                }
-            }
         }
     }
 }

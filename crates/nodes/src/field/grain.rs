@@ -1,6 +1,5 @@
 //! Grain: the canvas or paper that a picture is painted on.
 
-use crate::bounds::bound_at;
 use crate::field::{Axes, Noise, NoiseKind, Screen, noise_reference};
 use std::f64::consts::PI;
 use trochoid_graph::*;
@@ -171,7 +170,7 @@ impl Prepared for PreparedGrain {
     }
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
-        bound_at(bounding, outputs, (Only, 0), |at| self.truth(at));
+        bounding.bound_at(outputs, (Only, 0), |at| self.truth(at));
         Ok(())
     }
 

@@ -1,6 +1,5 @@
 //! Noise: procedural variation that stays where it is put.
 
-use crate::bounds::{bound_by, certain, where_covered};
 use crate::field::{Axes, Noise as Octaves, NoiseKind, Screen, noise_reference, noise_span};
 use trochoid_graph::*;
 
@@ -253,7 +252,7 @@ impl Prepared for PreparedNoise {
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
         let (view, channels) = (&self.node.view, self.node.space.channels());
         let mut places = bounding.block.places();
-        bound_by(bounding, outputs, (Only, 0), |sample| {
+        bounding.bound_by(outputs, (Only, 0), |sample| {
             let at = places.next().unwrap_or_default();
             let moved = |(axis, along): (usize, Span)| {
                 let by = self.moved(axis);
@@ -264,10 +263,10 @@ impl Prepared for PreparedNoise {
                     self.screen.at(at).map(Span::exactly).into_iter().enumerate().map(moved).collect();
                 return noise_span(&self.octaves, &place, self.footprints.span(at, Span::exactly(0.0)));
             }
-            where_covered(bounding, view, sample, || {
-                let along = channels.iter().map(|channel| certain(bounding, view, *channel, sample));
+            bounding.where_covered(view, sample, || {
+                let along = channels.iter().map(|channel| bounding.certain(view, *channel, sample));
                 let place: Vec<Span> = along.enumerate().map(moved).collect();
-                let depth = certain(bounding, view, Channel::Depth, sample);
+                let depth = bounding.certain(view, Channel::Depth, sample);
                 noise_span(&self.octaves, &place, self.footprints.span(at, depth))
             })
         });

@@ -1,6 +1,5 @@
 //! Scumble: paint that a dry brush breaks.
 
-use crate::bounds::{bound_by, known};
 use trochoid_graph::*;
 
 /// Breaks a soft density into paint dragged over a grain: closed where it is dense, in flecks where it is thin.
@@ -120,8 +119,8 @@ impl Prepared for Scumble {
     }
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
-        bound_by(bounding, outputs, (Only, 0), |sample| {
-            let [density, noise] = [known(bounding, &self.density, 0, sample), known(bounding, &self.noise, 0, sample)]
+        bounding.bound_by(outputs, (Only, 0), |sample| {
+            let [density, noise] = [bounding.known(&self.density, 0, sample), bounding.known(&self.noise, 0, sample)]
                 .map(|span| span.unwrap_or(Span::exactly(0.0)));
             self.span(density.within(0.0, 1.0), noise)
         });

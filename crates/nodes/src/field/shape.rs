@@ -1,6 +1,5 @@
 //! Shape: discs, boxes and polygons drawn on the picture.
 
-use crate::bounds::bound_at;
 use crate::field::Screen;
 use trochoid_graph::*;
 
@@ -298,7 +297,7 @@ impl Prepared for PreparedShape {
     }
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
-        bound_at(bounding, outputs, (Only, 0), |at| self.truth(at));
+        bounding.bound_at(outputs, (Only, 0), |at| self.truth(at));
         Ok(())
     }
 

@@ -1,7 +1,6 @@
 //! Points and directions that are certain up to a distance and an angle, and what light gives there.
 
 use super::lights::{Combine, Lights};
-use crate::bounds::certain;
 use crate::view::{NORMAL, POSITION};
 use std::f64::consts::PI;
 use trochoid_graph::{Bounding, Channel, One, Span, port};
@@ -19,7 +18,7 @@ pub(crate) struct Near {
 impl Near {
     /// Three channels of the view.
     pub(crate) fn of(bounding: &Bounding<'_>, view: &One<port::View>, channels: [Channel; 3], sample: usize) -> Self {
-        let spans = channels.map(|channel| certain(bounding, view, channel, sample));
+        let spans = channels.map(|channel| bounding.certain(view, channel, sample));
         Self {
             vector: DVec3::from(spans.map(Span::middle)),
             within: DVec3::from(spans.map(Span::half)).length(),

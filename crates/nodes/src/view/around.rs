@@ -1,6 +1,5 @@
 //! What filters of a view read: a pixel and those around it.
 
-use crate::bounds::certain;
 use trochoid_graph::{Bounding, Channel, Connection, Inputs, One, References, Span, port};
 use trochoid_image::Window;
 
@@ -80,7 +79,7 @@ pub(crate) fn surface_of(inputs: &References<'_>, view: &One<port::View>) -> f64
 /// The surface that a sample may see, as [`Around::surfaces`]; anything where that is not certain.
 pub(crate) fn may_see(bounding: &Bounding<'_>, view: &One<port::View>, sample: usize) -> Span {
     let [coverage, surface] =
-        [Channel::Coverage, Channel::Surface].map(|channel| certain(bounding, view, channel, sample));
+        [Channel::Coverage, Channel::Surface].map(|channel| bounding.certain(view, channel, sample));
     if coverage.high <= 0.0 {
         Span::exactly(-1.0)
     } else if coverage.low > 0.0 && surface.low == surface.high {
