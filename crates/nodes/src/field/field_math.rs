@@ -1,9 +1,9 @@
 //! FieldMath: any arithmetic on fields.
 
-use crate::field::{Expression, Program, parse};
 use crate::filter::numbers;
 use std::collections::HashMap;
 use std::sync::{Mutex, OnceLock, PoisonError};
+use trochoid_field::{Expression, Program, parse};
 use trochoid_graph::*;
 use trochoid_image::Window;
 
@@ -56,8 +56,8 @@ impl FieldMath {
     fn parsed(&self, widths: [Option<usize>; 4]) -> Result<Expression, [String; 3]> {
         let expression = parse(&self.expression, widths).map_err(|fault| {
             let place = format!("column {} of the expression", fault.column);
-            let remedy = fault.remedy.unwrap_or_else(|| "write it as `trochoid nodes FieldMath` says".into());
-            [format!("{} at {place}", fault.found), fault.expected, remedy]
+            let remedy = fault.remedy.map_or("write it as `trochoid nodes FieldMath` says".into(), |r| r.to_string());
+            [format!("{} at {place}", fault.found), fault.expected.to_string(), remedy]
         })?;
         let components = self.components as usize;
         if expression.width == components {

@@ -1,7 +1,8 @@
 //! Grain: the canvas or paper that a picture is painted on.
 
-use crate::field::{Axes, Noise, NoiseKind, Screen, noise_reference};
+use crate::field::Screen;
 use std::f64::consts::PI;
+use trochoid_field::{Axes, Noise, NoiseKind};
 use trochoid_graph::*;
 
 /// A mask of the weave of canvas, or of the tooth of paper, that lies still on the picture: ½ in the mean.
@@ -147,7 +148,7 @@ impl PreparedGrain {
     fn truth(&self, pixels: [f64; 2]) -> f64 {
         let place = self.place(pixels);
         let lookups = self.lookups(place);
-        self.mask(place, [0, 1].map(|axis: usize| noise_reference(&self.noises[axis], &lookups[axis], 0.0)))
+        self.mask(place, [0, 1].map(|axis: usize| self.noises[axis].reference(&lookups[axis], 0.0)))
     }
 }
 

@@ -1,6 +1,7 @@
 //! Noise: procedural variation that stays where it is put.
 
-use crate::field::{Axes, Noise as Octaves, NoiseKind, Screen, noise_reference, noise_span};
+use crate::field::Screen;
+use trochoid_field::{Axes, Noise as Octaves, NoiseKind};
 use trochoid_graph::*;
 
 /// Makes procedural noise: on the picture, in the world, or on the water as it moves.
@@ -261,13 +262,13 @@ impl Prepared for PreparedNoise {
             if channels.is_empty() {
                 let place: Vec<Span> =
                     self.screen.at(at).map(Span::exactly).into_iter().enumerate().map(moved).collect();
-                return noise_span(&self.octaves, &place, self.footprints.span(at, Span::exactly(0.0)));
+                return self.octaves.span(&place, self.footprints.span(at, Span::exactly(0.0)));
             }
             bounding.where_covered(view, sample, || {
                 let along = channels.iter().map(|channel| bounding.certain(view, *channel, sample));
                 let place: Vec<Span> = along.enumerate().map(moved).collect();
                 let depth = bounding.certain(view, Channel::Depth, sample);
-                noise_span(&self.octaves, &place, self.footprints.span(at, depth))
+                self.octaves.span(&place, self.footprints.span(at, depth))
             })
         });
         Ok(())
@@ -286,7 +287,7 @@ impl Prepared for PreparedNoise {
         let depth = view.map_or(0.0, |view| inputs.view(view, Channel::Depth));
         let footprint = self.footprints.at(inputs.at, depth);
         place.iter_mut().enumerate().for_each(|(axis, along)| *along -= self.moved(axis));
-        Ok(vec![Reference::Field(vec![noise_reference(&self.octaves, &place, footprint)])])
+        Ok(vec![Reference::Field(vec![self.octaves.reference(&place, footprint)])])
     }
 }
 

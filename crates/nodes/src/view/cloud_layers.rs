@@ -1,7 +1,7 @@
 //! Layers of clouds: where rays pass through them, and how dense they are.
 
-use crate::field::{Noise, Octave};
 use crate::view::ramp;
+use trochoid_field::{Noise, Octave};
 use trochoid_scene::{DVec3, Ray};
 
 /// By how many times the parts of a slanting ray may be more than those of one straight up.
@@ -122,7 +122,7 @@ impl Cut {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::field::{Axes, NoiseKind};
+    use trochoid_field::{Axes, NoiseKind};
 
     /// A layer without noise.
     fn layer(base: f64, thickness: f64) -> Layer {

@@ -1,9 +1,10 @@
 //! FlowField: the direction of brush strokes.
 
 use super::{NORMAL, POSITION, grown, ramp};
-use crate::field::{Axes, Noise, NoiseKind, Screen, noise_reference};
+use crate::field::Screen;
 use crate::filter::{Kernel, Shape, filter};
 use crate::lit::eye;
+use trochoid_field::{Axes, Noise, NoiseKind};
 use trochoid_graph::*;
 use trochoid_image::{Format, Window};
 use trochoid_scene::{DVec3, Projector};
@@ -327,7 +328,7 @@ impl PreparedFlow {
         } else {
             still
         };
-        self.wavering(line, noise_reference(&self.noise, &self.screen.at(there.at), 0.0))
+        self.wavering(line, self.noise.reference(&self.screen.at(there.at), 0.0))
     }
 }
 

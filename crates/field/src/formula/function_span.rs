@@ -1,12 +1,12 @@
 //! What functions of formulas give where their arguments are only known within bounds.
 
-use super::program::Function;
+use super::Function;
 use trochoid_graph::Span;
 
 impl Function {
     /// All that the function can give of numbers within these spans.
-    pub(crate) fn span(self, [a, b, c]: [Span; 3]) -> Span {
-        let (_, count) = self.arguments();
+    pub(super) fn span(self, [a, b, c]: [Span; 3]) -> Span {
+        let count = self.arguments();
         let arguments = &[a, b, c][..count];
         if arguments.iter().all(|argument| argument.is_exact()) {
             let numbers: Vec<f64> = arguments.iter().map(|argument| argument.low).collect();
@@ -147,9 +147,9 @@ mod tests {
         ) {
             let spans: [Span; 3] = std::array::from_fn(|i| Span::around(middle[i], Bound::of(size[i])));
             let numbers: Vec<f64> = (0..3).map(|i| middle[i] + size[i] * at[i]).collect();
-            for function in Function::all() {
+            for function in Function::ALL {
                 let span = function.span(spans);
-                let (_, count) = function.arguments();
+                let count = function.arguments();
                 let value = function.of(&numbers[..count]);
                 let inside = span.is_any() || span.holds(value) || (span.is_exact() && value.to_bits() == span.low.to_bits());
                 prop_assert!(inside, "{function:?} of {numbers:?} is {value}, beyond {span:?} of {spans:?}");
