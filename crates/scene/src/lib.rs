@@ -18,6 +18,8 @@ mod certain;
 mod channel;
 mod edges;
 mod extent;
+#[cfg(feature = "files")]
+pub mod files;
 mod first_point;
 mod float;
 mod followed;
