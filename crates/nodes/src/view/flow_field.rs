@@ -2,12 +2,12 @@
 
 use super::{NORMAL, POSITION, grown, ramp};
 use crate::field::Screen;
-use crate::filter::{Kernel, Shape, filter};
 use crate::lit::eye;
 use trochoid_field::{Axes, Noise, NoiseKind};
 use trochoid_graph::*;
 use trochoid_image::{Format, Window};
 use trochoid_scene::{DVec3, Projector};
+use trochoid_weights::kernel::{Kernel, Shape, filter};
 
 /// Makes directions in the picture: up the slope of a surface, along its crests, along or across what a Field shows, or by
 /// hand.

@@ -2,12 +2,11 @@
 
 use fearless_simd::{Level, Simd, dispatch};
 use rayon::prelude::*;
-use trochoid_graph::Choice;
 use trochoid_image::Window;
 
 /// The shape of a kernel.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Choice)]
-pub(crate) enum Shape {
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Shape {
     /// exp(−k²/2σ²), cut off at four σ.
     Gaussian,
     /// 1 up to the half width; the pixel after it counts by the fraction that is left.
@@ -16,7 +15,7 @@ pub(crate) enum Shape {
 
 impl Shape {
     /// The farthest pixel that a kernel of a size reaches.
-    pub(crate) fn radius(self, size: f64) -> i64 {
+    pub fn radius(self, size: f64) -> i64 {
         match self {
             Self::Gaussian => (REACH * size).ceil() as i64,
             Self::Box => size.ceil() as i64,
@@ -36,7 +35,7 @@ impl Shape {
     }
 
     /// The weights from the farthest pixel on one side to that on the other, in f64.
-    pub(crate) fn reference(self, size: f64) -> Vec<(i64, f64)> {
+    pub fn reference(self, size: f64) -> Vec<(i64, f64)> {
         let half: Vec<f64> = self.raw(size).collect();
         let total = 2.0 * half.iter().skip(1).sum::<f64>() + half[0];
         let radius = self.radius(size);
@@ -52,7 +51,7 @@ const ONE: f64 = 16_777_216.0;
 
 /// The weights of a symmetric kernel: multiples of 2⁻²⁴ that sum to exactly 1, from one side to the other.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Kernel {
+pub struct Kernel {
     weights: Vec<f32>,
 }
 
@@ -62,7 +61,7 @@ impl Kernel {
     /// It is the running sums from the center outward that are rounded, and a weight is the difference of two of them:
     /// so none is negative, both sides are equal, the sum is exact however many there are, and what rounding takes from
     /// a pixel goes to the next one.
-    pub(crate) fn new(shape: Shape, size: f64) -> Self {
+    pub fn new(shape: Shape, size: f64) -> Self {
         let half: Vec<f64> = shape.raw(size).collect();
         let total = 2.0 * half.iter().skip(1).sum::<f64>() + half[0];
         let mut side = Vec::with_capacity(half.len());
@@ -118,9 +117,9 @@ const BATCH: usize = 16;
 /// repeats; `extent` is how far the whole image reaches.
 ///
 /// Each result is rounded to f32 once across and once down, from sums in f64 in the order of the kernel: wherever a tile
-/// begins, the same bits, and never beyond the values under the kernel ([`trochoid_weights::arithmetic::blend`]). Told
+/// begins, the same bits, and never beyond the values under the kernel ([`arithmetic::blend`](crate::arithmetic::blend)). Told
 /// to `stop`, it ends as soon as it can, and what is out is of no use.
-pub(crate) fn filter(
+pub fn filter(
     kernels: [&Kernel; 2],
     (from, samples): (Window, &[f32]),
     extent: Window,
@@ -343,7 +342,7 @@ mod tests {
         let image: Vec<f32> = (0..64).map(|i| if i % 16 < 8 { 0.0 } else { 1.0 }).collect();
         let mut out = vec![0.0; 64];
         filter([&kernel, &kernel], (window, &image), window, window, &|| false, &mut out);
-        let hull = trochoid_weights::Hull::new(&[[0.0; 3], [1.0; 3]]);
+        let hull = crate::Hull::new(&[[0.0; 3], [1.0; 3]]);
         let (exits, worst) = hull.exits(&out, &out, &out, hull.margin(2));
         assert!(exits > 0 && worst > 0.05, "{exits} pixels, by {worst}");
     }
