@@ -1,6 +1,6 @@
-//! Noise and formulas over fields, with their f64 reference and bounds.
+//! Noise and formulas over fields, with their f64 reference and bounds, and random numbers that belong to a place.
 //!
-//! Each is there three times: fast, for many samples at once; in f64 at one sample, straight from the definition; and as
+//! Noise and formulas are each there three times: fast, for many samples at once; in f64 at one sample, straight from the definition; and as
 //! a [`Span`](trochoid_graph::Span) of all that it may be where its arguments are only known within bounds.
 //!
 //! ```
@@ -22,6 +22,7 @@
 
 mod formula;
 mod noise;
+pub mod random;
 
 pub use formula::{Expected, Expression, Fault, Found, MAX_DEPTH, MAX_LENGTH, MAX_WIDTH, Program, Remedy, parse};
 pub use noise::{Axes, Noise, NoiseKind, Octave};

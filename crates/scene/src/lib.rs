@@ -16,6 +16,7 @@ mod camera;
 mod carried;
 mod certain;
 mod channel;
+pub mod claws;
 mod edges;
 mod extent;
 #[cfg(feature = "files")]

@@ -1,8 +1,8 @@
 //! LineSet: lines side by side, each with an end of its own, as a carver cuts them into a block of wood.
 
 use crate::filter::numbers;
-use crate::paint::{draw, key};
 use crate::view::grown;
+use trochoid_field::random::{draw, key};
 use trochoid_graph::*;
 use trochoid_image::{Format, Window};
 

@@ -4,7 +4,7 @@
 //! measure 2^ℓ. What is seen between four pixels is a patch of the surface: it holds the points that lie in it, of the
 //! two levels whose density in the picture is next to what is asked for, one fading out as the other fades in.
 
-use super::{draw, key};
+use trochoid_field::random::{draw, key};
 
 /// What one pixel sees.
 #[derive(Clone, Copy, Debug, PartialEq)]

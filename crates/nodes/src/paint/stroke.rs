@@ -1,7 +1,8 @@
 //! One stroke: where it lies, whence its color, and how much it covers.
 
-use super::{Layer, MARGIN, Seed, draw};
+use super::{Layer, MARGIN, Seed};
 use std::f64::consts::TAU;
+use trochoid_field::random::draw;
 use trochoid_image::Window;
 
 /// What a stroke is told of the picture: at pixels, which are those nearest to what lies beyond.

@@ -2,37 +2,37 @@
 
 /// What a ribbon looks like, whatever its size.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Shape {
+pub struct Shape {
     /// Angle from root to tip, in radians; positive turns clockwise in a picture whose y points down.
-    pub(crate) curl: f64,
+    pub curl: f64,
     /// The power of the way at which it bends: the higher, the later.
-    pub(crate) late: f64,
+    pub late: f64,
     /// The power at which it gets thinner toward the tip.
-    pub(crate) taper: f64,
+    pub taper: f64,
     /// How much thicker it is in the middle.
-    pub(crate) bulge: f64,
+    pub bulge: f64,
 }
 
 /// Where a place lies in a ribbon.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Within {
+pub struct Within {
     /// 0 at the root, 1 at the tip.
-    pub(crate) along: f64,
+    pub along: f64,
     /// −1 to 1, from the left of the way to its right.
-    pub(crate) across: f64,
+    pub across: f64,
     /// In pixels.
-    pub(crate) half_width: f64,
+    pub half_width: f64,
 }
 
 /// Share of the way over which the root is drawn in, like a root of it.
 const DRAWN_IN: f64 = 0.14;
 
 /// Steps of a spine.
-pub(crate) const STEPS: usize = 24;
+pub(super) const STEPS: usize = 24;
 
 /// A ribbon in the picture.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Ribbon {
+pub struct Ribbon {
     points: [[f64; 2]; STEPS + 1],
     /// Half widths at the points.
     widths: [f64; STEPS + 1],
@@ -45,7 +45,7 @@ pub(crate) struct Ribbon {
 impl Ribbon {
     /// From a root in pixels, in a direction in radians clockwise from the right, so long and with half a width so
     /// large, both in pixels.
-    pub(crate) fn new(shape: &Shape, root: [f64; 2], direction: f64, length: f64, half_width: f64) -> Self {
+    pub fn new(shape: &Shape, root: [f64; 2], direction: f64, length: f64, half_width: f64) -> Self {
         let way = |step: usize| step as f64 / STEPS as f64;
         // θ₀ + curl·s^late
         let angles: [f64; STEPS + 1] =
@@ -74,31 +74,31 @@ impl Ribbon {
     }
 
     /// Least and greatest x, then y, of its places.
-    pub(crate) fn bounds(&self) -> [[f64; 2]; 2] {
+    pub fn bounds(&self) -> [[f64; 2]; 2] {
         self.bounds
     }
 
     /// A point of the spine at a share of the way, and the direction there.
-    pub(crate) fn spine(&self, along: f64) -> ([f64; 2], f64) {
+    pub fn spine(&self, along: f64) -> ([f64; 2], f64) {
         let step = ((along * STEPS as f64) as usize).min(STEPS);
         (self.points[step], self.angles[step])
     }
 
     /// Where a place lies in it: of all steps of the spine, in that whose middle is nearest in its own widths. Ends
     /// and bends are round.
-    pub(crate) fn at(&self, place: [f64; 2]) -> Option<Within> {
+    pub fn at(&self, place: [f64; 2]) -> Option<Within> {
         (0..STEPS).fold(None, |found, step| Within::deeper(found, self.at_step(step, place)))
     }
 
     /// Least and greatest x, then y, of the places of one step of the spine.
-    pub(crate) fn step_bounds(&self, step: usize) -> [[f64; 2]; 2] {
+    pub(super) fn step_bounds(&self, step: usize) -> [[f64; 2]; 2] {
         let (from, to, wide) = (self.points[step], self.points[step + 1], self.widths[step].max(self.widths[step + 1]));
         [0, 1].map(|axis| [from[axis].min(to[axis]) - wide, from[axis].max(to[axis]) + wide])
     }
 
     /// Where a place lies in one step of the spine.
     #[inline]
-    pub(crate) fn at_step(&self, step: usize, place: [f64; 2]) -> Option<Within> {
+    pub(super) fn at_step(&self, step: usize, place: [f64; 2]) -> Option<Within> {
         let ([ax, ay], [bx, by]) = (self.points[step], self.points[step + 1]);
         let (dx, dy) = (bx - ax, by - ay);
         let (px, py) = (place[0] - ax, place[1] - ay);
@@ -117,12 +117,12 @@ impl Ribbon {
 
 impl Within {
     /// The distance to the rim in pixels.
-    pub(crate) fn inset(&self) -> f64 {
+    pub fn inset(&self) -> f64 {
         (1.0 - self.across.abs()) * self.half_width
     }
 
     /// Of two steps, that whose middle is nearer in its own widths; the first, if equal.
-    pub(crate) fn deeper(first: Option<Self>, second: Option<Self>) -> Option<Self> {
+    pub(super) fn deeper(first: Option<Self>, second: Option<Self>) -> Option<Self> {
         match (first, second) {
             (Some(a), Some(b)) if b.across.abs() < a.across.abs() => second,
             (None, _) => second,
