@@ -34,7 +34,9 @@ use syn::{DeriveInput, parse_macro_input};
 /// The struct's documentation is the node's: what it does in one sentence, then the sections `# Formula`, `# Edge cases` and
 /// `# Source`. `#[node(end = Back, revision = 1, outputs = Out)]` names its end, its revision and the enum of its outputs;
 /// a node with one output may declare it there, `output(mask: Kind::MASK = "What it holds.")`.
-#[proc_macro_derive(Node, attributes(node, port, knob, list, items))]
+/// `#[also_called("Lerp", "Dissolve")]` lists words of other programs for its job, `#[also_called("Crop" => "its \"fit\"")]`
+/// with the way to do it.
+#[proc_macro_derive(Node, attributes(node, also_called, port, knob, list, items))]
 pub fn node(input: TokenStream) -> TokenStream {
     let input = parse_macro_input!(input as DeriveInput);
     node::derive(&input).unwrap_or_else(syn::Error::into_compile_error).into()

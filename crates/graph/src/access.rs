@@ -260,6 +260,8 @@ pub struct Refused {
     pub outside: Outside,
 }
 
+impl std::error::Error for Refused {}
+
 impl Refused {
     /// The fault, with the place in the document and the remedy.
     pub fn diagnostic(&self) -> Diagnostic {

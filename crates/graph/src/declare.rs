@@ -1,7 +1,6 @@
 //! The one declaration of a node type: schema, manual, editor widgets, checks and keys derive from it.
 
-use crate::Accepts;
-use crate::Kind;
+use crate::{Accepts, Alias, Kind};
 
 /// Everything that is said about a node type, once.
 #[derive(Clone, Copy, Debug)]
@@ -26,6 +25,10 @@ pub struct Declaration {
     pub role: Option<Role>,
     /// What its outputs have beside their kind.
     pub offers: &'static [Offer],
+    /// The files that it reads, where their names tell.
+    pub reads: Option<Files>,
+    /// What other programs call it.
+    pub aliases: &'static [Alias],
     /// Raised when the node's results change, so that no cache returns the old ones.
     pub revision: u32,
 }
@@ -71,6 +74,8 @@ pub enum Offer {
     Trails,
     /// Folds, which some take for breaking crests.
     Folds,
+    /// A map of its stability.
+    StabilityMap,
 }
 
 impl std::fmt::Display for Offer {
@@ -80,7 +85,25 @@ impl std::fmt::Display for Offer {
             Self::Waves => "waves",
             Self::Trails => "trails of bursts",
             Self::Folds => "folds",
+            Self::StabilityMap => "map of its stability",
         })
+    }
+}
+
+/// Files that a node type reads.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Files {
+    /// What they hold, such as "a picture".
+    pub what: &'static str,
+    /// Their endings, in lower case.
+    pub endings: &'static [&'static str],
+}
+
+impl Files {
+    /// Whether a file's name says that it is one of them.
+    pub fn include(&self, name: &str) -> bool {
+        let ending = name.rsplit_once('.').map(|(_, ending)| ending.to_lowercase());
+        ending.is_some_and(|ending| self.endings.contains(&&*ending))
     }
 }
 

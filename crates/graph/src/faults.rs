@@ -1,6 +1,6 @@
 //! What a node's own checks find.
 
-use crate::{ItemName, Kind, Offer, Settled, Source};
+use crate::{Declaration, ItemName, Kind, Offer, Registry, Settled, Source};
 
 /// Collects what [`Node::check`](crate::Node::check) finds.
 pub struct Check<'a> {
@@ -18,6 +18,19 @@ pub trait Around {
 
     /// What takes the node's outputs.
     fn users(&self) -> Vec<User>;
+
+    /// All node types.
+    fn registry(&self) -> &Registry;
+}
+
+/// "a Mesh, Render or Sky"; "another node" where there is none.
+pub fn one_of(types: impl Iterator<Item = &'static Declaration>) -> String {
+    let names: Vec<&str> = types.map(|declaration| declaration.name).collect();
+    match names.as_slice() {
+        [] => "another node".into(),
+        [name] => format!("a {name}"),
+        [names @ .., last] => format!("a {} or {last}", names.join(", ")),
+    }
 }
 
 /// A node that another one takes something from.
@@ -72,6 +85,16 @@ impl<'a> Check<'a> {
     /// The kind of a connection or literal, where known.
     pub fn kind(&self, source: &Source<Vec<f64>>) -> Option<Kind> {
         self.around.kind(source)
+    }
+
+    /// All node types.
+    pub fn types(&self) -> impl Iterator<Item = &'static Declaration> {
+        self.around.registry().iter().map(|ty| ty.declaration())
+    }
+
+    /// The names of the node types that offer something, as in "a Mesh, Render or Sky".
+    pub fn offering(&self, what: Offer) -> String {
+        one_of(self.types().filter(|declaration| declaration.offers.contains(&what)))
     }
 
     /// The node that a connection comes from, where it has no faults of its own.

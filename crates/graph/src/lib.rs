@@ -32,6 +32,7 @@ mod kind;
 mod lowering;
 mod memory;
 mod node;
+mod node_error;
 mod program;
 mod record;
 mod reference;
@@ -56,10 +57,10 @@ pub use bounding::Bounding;
 pub use build::{Builder, Mask, Value, Weights, load};
 pub use check::{FORMAT_VERSION, check, expected};
 pub use checked::{CheckedGraph, CheckedNode, FileState, Guarantee, OutputSpec, Precision, file_states};
-pub use declare::{Arity, Declaration, Default, End, Item, Knob, List, Offer, Output, Port, Role, Takes};
+pub use declare::{Arity, Declaration, Default, End, Files, Item, Knob, List, Offer, Output, Port, Role, Takes};
 pub use diagnostic::{Diagnostic, Severity, nearest};
 pub use document::{Document, MAX_BYTES, MAX_NODES};
-pub use faults::{Around, Check, Fault, Upstream, User};
+pub use faults::{Around, Check, Fault, Upstream, User, one_of};
 pub use fields::{
     Accepted, Choice, Connected, ItemName, Items, Many, One, Only, Optional, OutputSet, PortId, Read, ReadPort, Reader,
     port,
@@ -71,9 +72,9 @@ pub use kind::{Accepts, Kind};
 pub use lowering::Lowering;
 pub use memory::{MemoryUse, Reckoning, in_bytes};
 pub use node::{
-    Body, Declare, Dynamics, Found, Handle, Node, NodeError, NodeType, Omission, Paths, Pointwise, Prepared, Rate,
-    Stage, Variance,
+    Body, Declare, Dynamics, Found, Handle, Node, NodeType, Omission, Paths, Pointwise, Prepared, Rate, Stage, Variance,
 };
+pub use node_error::{BadData, DataPlace, Failure, NodeError};
 pub use program::{Color, Op, Partition, Program, Scalar, Slot, Type};
 pub use record::{NodeId, Record, Setting, Source, Values};
 pub use reference::{Reference, References};
@@ -87,7 +88,7 @@ pub use spanned::{MAX_DEPTH, MAX_VALUES};
 pub use spectrum::{Harmonic, Spectrum};
 pub use stability::{Figure, Relation, Stability, StabilityMap, Verdict};
 pub use stage_io::{Block, Connection, Inputs, Outputs, Pool, Prepare};
-pub use terms::{TERMS, Term};
+pub use terms::{Alias, OUTPUT_WORDS, Term};
 pub use tolerance::Tolerance;
 pub use trochoid_derive::{Choice, Items, Node, Outputs};
 pub use trochoid_image::{Channel, ChannelSet};

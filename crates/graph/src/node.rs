@@ -10,8 +10,8 @@
 
 use crate::{
     Block, Bounding, ChannelSet, Check, Declaration, FrameContext, Inputs, ItemName, Items, Kind, Lowering, MemoryUse,
-    NoBound, Outputs, PortId, Prepare, Reader, Reckoning, Reference, References, Settled, Source, Spectrum, Stability,
-    Value, Values, Work,
+    NoBound, NodeError, Outputs, PortId, Prepare, Reader, Reckoning, Reference, References, Settled, Source, Spectrum,
+    Stability, Value, Values, Work,
 };
 use std::any::Any;
 use std::path::PathBuf;
@@ -380,26 +380,5 @@ impl Variance {
             (this, other) if this == other => this,
             _ => Self::Pixel,
         }
-    }
-}
-
-/// Why a node could not evaluate.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum NodeError {
-    /// Bad input data, or input and output: place, what was found, what was expected, and what to do.
-    #[error("{0}")]
-    Data(String),
-    /// It was asked to stop; nobody sees it.
-    #[error("cancelled")]
-    Cancelled,
-}
-
-impl NodeError {
-    /// Stands for the node's name in messages of nodes, which do not know it.
-    pub const NODE: &'static str = "{node}";
-
-    /// An error from anything that can be shown.
-    pub fn new(message: impl ToString) -> Self {
-        Self::Data(message.to_string())
     }
 }

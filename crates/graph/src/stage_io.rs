@@ -1,6 +1,6 @@
 //! What stages are given, and what they fill.
 
-use crate::{Channel, Connected, Found, FrameContext, Handle, Kind, NodeError, NodeId, Source};
+use crate::{BadData, Channel, Connected, Found, FrameContext, Handle, Kind, NodeError, NodeId, Source};
 use std::any::{Any, TypeId};
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError, Weak};
@@ -106,13 +106,15 @@ impl<'a> Prepare<'a> {
     /// # Errors
     /// The connected node hands on something else: a bug of that node, reported rather than hidden.
     pub fn handles<T: Clone + 'static>(&self, port: &impl Connected) -> Result<Vec<T>, NodeError> {
-        let name = port.id().name();
+        let item = port.id().item();
         port.sources()
             .iter()
             .filter_map(|source| if let Source::Output { node, .. } = source { Some(*node) } else { None })
             .map(|id| {
                 (self.handles)(id).and_then(|handle| handle.downcast_ref::<T>().cloned()).ok_or_else(|| {
-                    NodeError::new(format!("\"{name}\" is connected to a node that hands on nothing usable"))
+                    BadData::new("an incompatible output", "one of the port's kind", "connect another node")
+                        .of_item(item)
+                        .into()
                 })
             })
             .collect()

@@ -10,7 +10,7 @@ use trochoid_weights::{Audit, Hull};
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum EvalError {
     /// A node could not read its files, or its input data are illegal.
-    #[error("{place}: node \"{node}\" ({ty}): {message}")]
+    #[error("{place}: node \"{node}\" ({ty}): {}", error.of_node(node))]
     Node {
         /// Document, line and column: of the file's name where the node reads one.
         place: String,
@@ -19,7 +19,7 @@ pub enum EvalError {
         /// Its type.
         ty: String,
         /// What it says.
-        message: String,
+        error: NodeError,
     },
     /// A bound buffer does not fit.
     #[error("buffer bound to \"{node}\": {reason}")]
@@ -71,7 +71,7 @@ impl EvalError {
             place: graph.place_of(id, node.file_item()),
             node: node.name.clone(),
             ty: node.ty.declaration().name.into(),
-            message: error.to_string().replace(NodeError::NODE, &node.name),
+            error,
         }
     }
 }

@@ -187,7 +187,7 @@ pub(crate) fn prepare(
     // Of what is kept too: another graph may have been allowed to read it.
     for (id, _) in &plan.prepares {
         if let Some(refused) = plan.graph.refused(*id, &plan.context) {
-            return Err(EvalError::of(plan.graph, *id, NodeError::new(refused)));
+            return Err(EvalError::of(plan.graph, *id, refused.into()));
         }
     }
     for (((id, wanted), (key, files)), known) in plan.prepares.iter().zip(keys).zip(&mut known) {

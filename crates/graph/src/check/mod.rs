@@ -317,9 +317,9 @@ impl<'a> Checker<'a> {
             return self.refused(place, ty, refusal);
         }
         let near = nearest(ty, self.registry.names());
-        let term = Term::of(ty).filter(|term| term.node.is_none_or(|node| self.registry.get(node).is_some()));
+        let term = Term::of(ty, self.registry);
         let remedy = match (term, near) {
-            (Some(term), Some(near)) if term.node != Some(near) => {
+            (Some(term), Some(near)) if term.node() != Some(near) => {
                 format!("{}; or did you mean \"{near}\"?", term.remedy())
             }
             (Some(term), _) => term.remedy(),
@@ -337,7 +337,7 @@ impl<'a> Checker<'a> {
             let (Some(ty), Some(settled)) = (draft.ty, &draft.settled) else { continue };
             let (mut faults, mut work): (Vec<Fault>, Option<Work>) = (Vec::new(), None);
             let mut rules = |frame: f64, settled: &Settled| {
-                let around = Surroundings { drafts, users: &users, node: index, frame };
+                let around = Surroundings { registry: self.registry, drafts, users: &users, node: index, frame };
                 let mut check = Check::new(&around);
                 settled.node().check(&mut check);
                 faults.extend(check.into_faults());
@@ -399,6 +399,7 @@ fn direct_users(drafts: &[Draft<'_>]) -> Vec<Vec<(usize, User)>> {
 
 /// The graph around a node at a frame.
 struct Surroundings<'d, 'a> {
+    registry: &'d Registry,
     drafts: &'d [Draft<'a>],
     users: &'d [Vec<(usize, User)>],
     node: usize,
@@ -414,6 +415,10 @@ impl Around for Surroundings<'_, '_> {
         let Source::Output { node, .. } = source else { return None };
         let draft = self.drafts.get(node.0).filter(|draft| !draft.faulty)?;
         Some(Upstream { name: draft.name.into(), node: draft.ty?.settle(draft.record.settle(self.frame)) })
+    }
+
+    fn registry(&self) -> &Registry {
+        self.registry
     }
 
     fn users(&self) -> Vec<User> {

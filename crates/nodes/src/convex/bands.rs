@@ -16,6 +16,7 @@ use trochoid_graph::*;
 /// A stack of Clamps (thesis 3.2.4.2) from the highest threshold down.
 #[derive(Clone, Node)]
 #[node(end = Back, revision = 1, output(weights: Kind::ANY_WEIGHTS = "One weight a band, the lowest first."))]
+#[also_called("Posterize", "Threshold", "Quantize", "Step", "Toon", "CelShade")]
 pub(crate) struct Bands {
     /// What is cut into bands.
     field: One<port::Scalar>,

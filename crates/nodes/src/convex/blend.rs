@@ -15,6 +15,7 @@ use trochoid_graph::*;
 /// Akleman, Liu, House, Barycentric Shaders, 2016, equation 1.
 #[derive(Clone, Node)]
 #[node(end = Back, revision = 1, output(color: Kind::Color = "The blended color."))]
+#[also_called("Average", "WeightedSum", "Combine")]
 pub(crate) struct Blend {
     /// The colors, in the order of the weights.
     #[port(2..=4096)]

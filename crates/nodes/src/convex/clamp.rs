@@ -14,6 +14,7 @@ use trochoid_graph::*;
 /// Thesis 3.2.4.2, Clamp(t, max, min); `power` is the C² of 3.2.3.2.
 #[derive(Clone, Node)]
 #[node(end = Back, revision = 1, role = Threshold, output(mask: Kind::MASK = "The mask."))]
+#[also_called("MapRange", "Remap", "Fit", "SmoothStep", "Levels")]
 pub(crate) struct Clamp {
     /// What is measured against the range.
     field: One<port::Scalar>,

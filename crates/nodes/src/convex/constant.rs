@@ -14,6 +14,7 @@ use trochoid_graph::*;
 /// A vertex of the hull: Akleman, Liu, House, Barycentric Shaders, 2016.
 #[derive(Clone, Node)]
 #[node(end = Back, revision = 1, output(color: Kind::Color = "The color."))]
+#[also_called("Color", "Colour", "Solid", "SolidColor", "Fill", "Background", "RGB")]
 pub(crate) struct Constant {
     /// The control color.
     #[knob(color)]

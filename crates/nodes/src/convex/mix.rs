@@ -14,6 +14,7 @@ use trochoid_graph::*;
 /// Thesis 3.2.4.2, Mix(C₀, C₁, t).
 #[derive(Clone, Node)]
 #[node(end = Back, revision = 1, output(color: Kind::Color = "The mixed color."))]
+#[also_called("Lerp", "Dissolve", "Crossfade", "CrossDissolve", "MixRGB", "MixColor", "Keymix")]
 pub(crate) struct Mix {
     /// The color where the weight is 0.
     a: One<port::Color>,

@@ -16,6 +16,7 @@ use trochoid_graph::*;
 /// Piecewise linear interpolation as a partition of unity; smooth: thesis 3.2.4.2.
 #[derive(Clone, Node)]
 #[node(end = Back, revision = 1, output(color: Kind::Color = "The color."))]
+#[also_called("ColorRamp", "Gradient", "GradientMap", "Curves", "ColorCurve", "Lookup", "LUT", "Colorize")]
 pub(crate) struct Ramp {
     /// Where along the ramp.
     weight: One<port::Mask>,

@@ -15,6 +15,7 @@ use trochoid_graph::*;
 /// Porter, Duff, Compositing Digital Images, 1984: over, written with straight colors.
 #[derive(Clone, Node)]
 #[node(end = Back, revision = 1, output(weights: Kind::ANY_WEIGHTS = "One weight a mask, and the remainder."))]
+#[also_called("Layer", "Layers", "Composite", "Comp", "AlphaOver", "LayerStack")]
 pub(crate) struct Stack {
     /// The masks, the uppermost first.
     #[port(1..=255)]

@@ -15,6 +15,7 @@ use trochoid_graph::*;
 /// A choice among colors stays in their palette.
 #[derive(Clone, Node)]
 #[node(end = Back, revision = 1, output(output: Kind::ANY = "The chosen input."))]
+#[also_called("Choose", "Select", "Selector")]
 pub(crate) struct Switch {
     /// What to choose from, all of one kind.
     #[port(1..=MOST)]

@@ -23,6 +23,9 @@ use trochoid_image::Window;
 /// The front end computes freely; a Clamp makes a mask of the result.
 #[derive(Clone, Node)]
 #[node(end = Front, revision = 1, output(field: Kind::ANY = "The result."))]
+#[also_called(
+    "Math", "Expression", "Formula", "Checkerboard", "Checker", "Stripes", "Grid", "MergeExpression", "VectorMath" => "a formula"
+)]
 pub(crate) struct FieldMath {
     /// The formula, such as "a*sin(6*b.x) + 1".
     #[knob(required)]
@@ -52,19 +55,19 @@ impl FieldMath {
         [&self.a, &self.b, &self.c, &self.d]
     }
 
-    /// The formula, where the inputs have these components; else what is wrong: found, expected, remedy.
-    fn parsed(&self, widths: [Option<usize>; 4]) -> Result<Expression, [String; 3]> {
+    /// The formula, for inputs of these numbers of components.
+    fn parsed(&self, widths: [Option<usize>; 4]) -> Result<Expression, BadData> {
         let expression = parse(&self.expression, widths).map_err(|fault| {
             let place = format!("column {} of the expression", fault.column);
             let remedy = fault.remedy.map_or("write it as `trochoid nodes FieldMath` says".into(), |r| r.to_string());
-            [format!("{} at {place}", fault.found), fault.expected.to_string(), remedy]
+            BadData::new(format_args!("{} at {place}", fault.found), fault.expected.to_string(), remedy)
         })?;
         let components = self.components as usize;
         if expression.width == components {
             return Ok(expression);
         }
         let remedy = format!("set \"components\" to {}, or pick some, as in (…).x", expression.width);
-        Err([format!("a result of {} components", expression.width), format!("{components}"), remedy])
+        Err(BadData::new(format_args!("a result of {} components", expression.width), components.to_string(), remedy))
     }
 }
 
@@ -82,7 +85,7 @@ impl Node for FieldMath {
                 *width = Some(kind.channels());
             }
         }
-        if let Err([found, expected, remedy]) = self.parsed(widths) {
+        if let Err(BadData { found, expected, remedy, .. }) = self.parsed(widths) {
             check.error(Self::EXPRESSION, found, expected, remedy);
         }
     }
@@ -125,9 +128,7 @@ struct PreparedFieldMath {
 impl PreparedFieldMath {
     /// The formula, where the inputs have these components.
     fn expression(&self, widths: [Option<usize>; 4]) -> Result<Expression, NodeError> {
-        self.node.parsed(widths).map_err(|[found, expected, remedy]| {
-            NodeError::new(format!("found {found}; expected {expected}; {remedy}"))
-        })
+        Ok(self.node.parsed(widths)?)
     }
 
     /// Sets NaN to its substitute, and keeps where that was: tiles may compute a pixel more than once.

@@ -23,6 +23,7 @@ use trochoid_graph::*;
 /// 1989; Worley, A Cellular Texture Basis Function, 1996.
 #[derive(Clone, Node)]
 #[node(end = Front, revision = 2, output(noise: Kind::Field(1) = "fbm in [−1, 1], all else in [0, 1]."))]
+#[also_called("Perlin", "Fractal", "Turbulence", "Voronoi", "Worley", "Cellular", "Fbm")]
 pub(crate) struct Noise {
     /// What the noise lies on; for `space` world and rest.
     view: Optional<port::View>,

@@ -17,6 +17,7 @@ use trochoid_graph::*;
 /// Signed distance fields; polygons by the even-odd rule.
 #[derive(Clone, Node)]
 #[node(end = Front, revision = 1, output(mask: Kind::MASK = "1 inside any of the shapes."))]
+#[also_called("Roto", "RotoPaint", "Ellipse", "Circle", "Rectangle", "Box", "Radial", "Polygon")]
 pub(crate) struct Shape {
     /// What is drawn.
     #[list(1..=1000)]

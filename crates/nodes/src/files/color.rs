@@ -4,7 +4,7 @@ use super::covered;
 use super::knobs::Encoded;
 use super::legal::{Rule, place};
 use std::path::PathBuf;
-use trochoid_graph::NodeError;
+use trochoid_graph::{BadData, NodeError};
 use trochoid_image::{Chromaticities, Plane, WorkingSpace, srgb_decode, srgb_encode};
 use trochoid_io::{Encoding, SampleType};
 
@@ -60,12 +60,9 @@ pub(crate) fn convert(
         && !covered::spread(planes, alpha)
     {
         let Some(color) = uncovered else {
-            return Err(NodeError::new(format!(
-                "{}: part {}: alpha is 0 everywhere, expected at least one covered pixel to take colors from; \
-                 set \"outside\" to the color that is meant",
-                conversion.meaning.path.display(),
-                conversion.meaning.part
-            )));
+            let expected = "at least one covered pixel to take colors from";
+            let bad = BadData::new("alpha 0 everywhere", expected, "set \"outside\" to the color that is meant");
+            return Err(bad.in_file(&conversion.meaning.path).in_part(conversion.meaning.part).into());
         };
         planes.iter_mut().zip(color).for_each(|(plane, value)| plane.samples_mut().fill(*value));
     }
@@ -168,16 +165,12 @@ impl Conversion {
         let wrong = color.iter().zip(&legal).filter(|(found, legal)| found != legal).count();
         let Meaning { path, part, space, repair, .. } = &self.meaning;
         if wrong > 0 && !repair {
-            let (x, y) = place();
-            return Err(NodeError::new(format!(
-                "{}: part {part}, pixel ({x}, {y}): the color ({r}, {g}, {b}) of the file is ({}, {}, {}) in {space}, \
-                 expected finite numbers, at least 0; choose a wider \"working_space\" (acescg), or set \
-                 \"repair\": true to take the nearest legal value",
-                path.display(),
-                color[0],
-                color[1],
-                color[2]
-            )));
+            let [red, green, blue] = color;
+            let found = format_args!("the color ({r}, {g}, {b}), which is ({red}, {green}, {blue}) in {space}");
+            let remedy =
+                "choose a wider \"working_space\" (acescg), or set \"repair\": true to take the nearest legal value";
+            let bad = BadData::new(found, "finite numbers, at least 0", remedy);
+            return Err(bad.in_file(path).in_part(*part).at_pixel(place()).into());
         }
         [*r, *g, *b] = legal;
         Ok(wrong as u64)
@@ -226,16 +219,15 @@ fn known(meaning: &Meaning) -> Option<WorkingSpace> {
 fn other(meaning: &Meaning, to: &Chromaticities) -> Result<[[f64; 3]; 3], NodeError> {
     let found = meaning.chromaticities.unwrap_or(*to);
     found.matrix_to(to).ok_or_else(|| {
-        NodeError::new(format!(
-            "{}: part {}: found the primaries red {:?}, green {:?}, blue {:?}, white {:?}, expected three that span colors, \
-             with a white among them; correct the attribute \"chromaticities\", or remove it if they are those of Rec. 709",
-            meaning.path.display(),
-            meaning.part,
-            found.red,
-            found.green,
-            found.blue,
-            found.white
-        ))
+        let Chromaticities { red, green, blue, white } = found;
+        BadData::new(
+            format_args!("the primaries red {red:?}, green {green:?}, blue {blue:?}, white {white:?}"),
+            "three that span colors, with a white among them",
+            "correct the attribute \"chromaticities\", or remove it if they are those of Rec. 709",
+        )
+        .in_file(&meaning.path)
+        .in_part(meaning.part)
+        .into()
     })
 }
 

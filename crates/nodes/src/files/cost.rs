@@ -37,10 +37,9 @@ fn in_use(cost: Result<Cost, NodeError>) -> MemoryUse {
 impl Reading<'_> {
     /// Of a value by the knobs that Read and Texture share; a Read keeps only what the document's samples fall on.
     fn cost(&self, wanted: &[bool], laid: bool) -> Result<Cost, NodeError> {
-        let io = |error: trochoid_io::Error| NodeError::new(error);
         let kind = self.knobs.kind();
         let selection = self.selection(self.wanted_channels(kind, wanted));
-        let cost = trochoid_io::cost(self.path, &selection, None, &limits(self.frame)).map_err(io)?;
+        let cost = trochoid_io::cost(self.path, &selection, None, &limits(self.frame))?;
         let planes = match kind {
             // A gray picture has three planes of color; alpha is held while colors are divided by it.
             Kind::Color => 3 + u64::from(self.knobs.taken.premultiplied),
@@ -62,14 +61,13 @@ impl Reading<'_> {
 
     /// Pixels of the picture, and how a Read holds it.
     fn pixels(&self, selection: &Selection, kind: Kind, laid: bool) -> Result<(u64, Held), NodeError> {
-        let io = |error: trochoid_io::Error| NodeError::new(error);
         let premultiplied = kind == Kind::Color && self.knobs.taken.premultiplied;
-        if trochoid_io::kind(self.path).map_err(io)?.is_exr() {
-            let reader = trochoid_io::ExrReader::open(self.path, selection, &limits(self.frame)).map_err(io)?;
+        if trochoid_io::kind(self.path)?.is_exr() {
+            let reader = trochoid_io::ExrReader::open(self.path, selection, &limits(self.frame))?;
             let held = if premultiplied { Held::Whole } else { Held::Stream };
             return Ok((reader.info().data.area() as u64, held));
         }
-        let reader = RowReader::open(self.path, selection, &limits(self.frame)).map_err(io)?;
+        let reader = RowReader::open(self.path, selection, &limits(self.frame))?;
         let (display, data): (Window, Window) = (reader.info().display, reader.info().data);
         let pixels = data.area() as u64;
         if premultiplied || !laid {
@@ -81,14 +79,13 @@ impl Reading<'_> {
 }
 
 fn cost_of_passes(frame: &FrameContext, path: &Path) -> Result<Cost, NodeError> {
-    let io = |error: trochoid_io::Error| NodeError::new(error);
-    if trochoid_io::kind(path).map_err(io)?.is_exr() {
+    if trochoid_io::kind(path)?.is_exr() {
         // Rows on demand, of no more than all channels of the file.
-        let info = trochoid_io::info(path, &limits(frame)).map_err(io)?;
+        let info = trochoid_io::info(path, &limits(frame))?;
         let whole = info.parts.iter().map(|part| 4 * part.data.area() as u64 * part.channels.len() as u64);
         return Ok(Cost { held: whole.sum::<u64>().min(KEPT as u64), decoding: 0 });
     }
-    trochoid_io::cost(path, &Selection::default(), None, &limits(frame)).map_err(io)
+    Ok(trochoid_io::cost(path, &Selection::default(), None, &limits(frame))?)
 }
 
 /// How the pixels of a file are held.

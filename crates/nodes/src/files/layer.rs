@@ -5,7 +5,7 @@ use super::knobs::FitBy;
 use crate::filter;
 use std::path::Path;
 use std::sync::Arc;
-use trochoid_graph::{Block, Choice, NodeError};
+use trochoid_graph::{BadData, Block, Choice, NodeError};
 use trochoid_image::{Format, Plane, Window};
 
 /// How pixels of the document find their place in a picture.
@@ -65,14 +65,13 @@ impl Fit {
             Some(FitBy::Bilinear) => Way::Bilinear,
             Some(FitBy::Crop) | None => {
                 let scale = words.iter().filter(|word| **word != FitBy::Crop.word()).map(|fit| format!("\"{fit}\""));
-                return Err(NodeError::new(format!(
-                    "{}: the picture has {width} × {height} pixels, the document {} × {}: say how to \"fit\" it: {} to \
-                     scale it, or \"crop\" to lay the upper left corners on each other",
-                    path.display(),
-                    whole.width(),
-                    whole.height(),
+                let found = format_args!("a picture of {width} × {height} pixels");
+                let expected = format!("{} × {}, as the document has", whole.width(), whole.height());
+                let remedy = format!(
+                    "say how to \"fit\" it: {} to scale it, or \"crop\" to lay the upper left corners on each other",
                     scale.collect::<Vec<_>>().join(" or ")
-                )));
+                );
+                return Err(BadData::new(found, expected, remedy).in_file(path).into());
             }
         };
         Ok(Self { way, origin: [display.x0, display.y0], scale })

@@ -1,7 +1,7 @@
 //! Bad data: what each kind of value refuses, and the nearest legal value.
 
 use std::path::Path;
-use trochoid_graph::NodeError;
+use trochoid_graph::{BadData, NodeError};
 use trochoid_image::{Plane, Window};
 use trochoid_io::Picture;
 
@@ -65,20 +65,10 @@ pub(crate) fn legalize(samples: &mut [f32], rule: Rule, repair: bool) -> Result<
 }
 
 /// What is said of an illegal sample.
-pub(crate) fn illegal(
-    path: &Path,
-    part: usize,
-    channel: &str,
-    (x, y): (i64, i64),
-    found: f32,
-    rule: Rule,
-) -> NodeError {
-    NodeError::new(format!(
-        "{}: part {part}, channel \"{channel}\", pixel ({x}, {y}): found {found}, expected {}; \
-         correct the file, or set \"repair\": true to take the nearest legal value",
-        path.display(),
-        rule.expected()
-    ))
+pub(crate) fn illegal(path: &Path, part: usize, channel: &str, pixel: (i64, i64), found: f32, rule: Rule) -> NodeError {
+    let remedy = "correct the file, or set \"repair\": true to take the nearest legal value";
+    let bad = BadData::new(found, rule.expected(), remedy);
+    bad.in_file(path).in_part(part).in_channel(channel).at_pixel(pixel).into()
 }
 
 /// Takes the plane of channel `at` out of a picture, with every sample held against a rule: the first illegal one is

@@ -35,7 +35,7 @@ pub(crate) use shared::SharedFile;
 pub(crate) use stream::{Rows, Stored, Stream};
 
 use std::path::Path;
-use trochoid_graph::{FrameContext, NodeError, NodeType};
+use trochoid_graph::{BadData, FrameContext, NodeError, NodeType};
 use trochoid_image::{MAX_PIXELS, Window};
 use trochoid_io::{ExrReader, Limits, Picture, PictureInfo, RowReader, Selection};
 
@@ -72,8 +72,8 @@ pub(crate) fn header(
 /// Refuses a picture without a pixel: there is none to repeat outside its data window.
 fn filled(path: &Path, part: usize, data: Window) -> Result<(), NodeError> {
     if data.is_empty() {
-        let path = path.display();
-        return Err(NodeError::new(format!("{path}: part {part}: found the data window {data}, expected a pixel")));
+        let found = format_args!("the data window {data}");
+        return Err(BadData::new(found, "a pixel", "").in_file(path).in_part(part).into());
     }
     Ok(())
 }

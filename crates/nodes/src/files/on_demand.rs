@@ -92,9 +92,7 @@ impl Opened {
     /// Opens what was found.
     pub(crate) fn new(prepare: &Prepare<'_>, path: &Path, found: &FoundPass) -> Result<Self, NodeError> {
         if found.is_exr {
-            return shared::open(prepare, path, &found.selection)
-                .map(|reader| Self::Exr(reader.into()))
-                .map_err(NodeError::new);
+            return Ok(Self::Exr(shared::open(prepare, path, &found.selection)?.into()));
         }
         decode(prepare.frame, path, &found.selection).map(Self::Picture)
     }
@@ -123,7 +121,7 @@ const MAIN: &str = "RGB";
 /// # Errors
 /// The file cannot be read, or has none of that name.
 pub(crate) fn find_pass(frame: &FrameContext, path: &Path, knob: ItemName, name: &str) -> Result<FoundPass, NodeError> {
-    let is_exr = trochoid_io::kind(path).map_err(NodeError::new)?.is_exr();
+    let is_exr = trochoid_io::kind(path)?.is_exr();
     let find = |selection: Selection| {
         let info = header(frame, path, &selection)?;
         Ok(FoundPass { channels: (0..info.channels.len()).collect(), info, selection, is_exr })

@@ -28,8 +28,11 @@ use trochoid_image::{Plane, Rgb, Window};
 #[node(
     end = Back,
     revision = 1,
+    reads("a picture": "exr", "png", "jpg", "jpeg", "tif", "tiff"),
     output(image: Kind::Color = "The picture: Color, mask, Weights or Field, by `as` and channels.")
 )]
+#[also_called("Image", "ImageRead", "ReadImage", "Load", "LoadImage", "Loader", "Input", "File", "Footage")]
+#[also_called("Crop", "Reformat", "Resize", "Resample" => "its \"fit\"")]
 pub(crate) struct Read {
     #[items]
     named: Named,

@@ -8,8 +8,9 @@ use super::recipe::{Colors, Normalized};
 use super::stream::MOST_ROWS;
 use super::{Fit, Recipe, Rows, Rule, SharedFile, Stored, Stream, decode, filled, header, shared};
 use std::path::{Path, PathBuf};
-use trochoid_graph::{Choice, FrameContext, ItemName, Kind, NodeError, Prepare};
+use trochoid_graph::{BadData, Choice, FrameContext, ItemName, Kind, NodeError, Prepare};
 use trochoid_image::{Plane, Rgb};
+use trochoid_io::Entry;
 use trochoid_io::{FileKind, Picture, PictureInfo, Selection};
 
 /// Largest difference from 1 of a sum of weights: what storing them in half can cost.
@@ -88,7 +89,7 @@ impl Reading<'_> {
     }
 
     pub(super) fn fault(&self, part: usize, found: String, expected: &str) -> NodeError {
-        NodeError::new(format!("{}: part {part}: found {found}, expected {expected}", self.path.display()))
+        BadData::new(found, expected, "").in_file(self.path).in_part(part).into()
     }
 
     /// The output's channels as a stream that reads rows on demand, and which they are; `None` where the whole picture must
@@ -343,12 +344,14 @@ impl Reading<'_> {
 pub(super) fn selected(error: trochoid_io::Error, knob: Option<ItemName>) -> NodeError {
     match &error {
         trochoid_io::Error::NotFound { kind, existing, .. } if !existing.is_empty() => {
-            let own = if *kind == "channel" { Selected::CHANNELS.as_str() } else { kind };
-            let knob = knob.map_or(own, ItemName::as_str);
-            let node = NodeError::NODE;
-            NodeError::new(format!("{error}, in the node's \"{knob}\", or to try it by --set {node}.{knob}=…"))
+            let own = match kind {
+                Entry::Part => Selected::PART,
+                Entry::Layer => Selected::LAYER,
+                Entry::Channel => Selected::CHANNELS,
+            };
+            NodeError::missing(error, knob.unwrap_or(own))
         }
-        _ => NodeError::new(error),
+        _ => error.into(),
     }
 }
 
@@ -374,13 +377,10 @@ impl Sums {
         if off > 0 && !self.repair {
             let at = sums.iter().position(is_off).unwrap_or_default();
             let (sum, x) = (sums[at], x + at as i64);
-            return Err(NodeError::new(format!(
-                "{}: part {}: found weights in {} that sum to {sum} at pixel ({x}, {y}), expected the sum 1 within \
-                 0.001; set \"repair\": true to divide them by their sum",
-                self.path.display(),
-                self.part,
-                self.names
-            )));
+            let found = format_args!("weights in {} that sum to {sum}", self.names);
+            let remedy = "set \"repair\": true to divide them by their sum";
+            let bad = BadData::new(found, "the sum 1 within 0.001", remedy);
+            return Err(bad.in_file(&self.path).in_part(self.part).at_pixel((x, y)).into());
         }
         let equal = 1.0 / lines.len() as f64;
         for line in lines.iter_mut() {

@@ -95,12 +95,8 @@ impl SharedFile {
     }
 
     fn new(reader: &ExrReader) -> Result<Self, NodeError> {
-        let state = State {
-            reader: Arc::new(reader.narrowed(&[]).map_err(NodeError::new)?),
-            kept: HashMap::new(),
-            clock: 0,
-            spare: Vec::new(),
-        };
+        let state =
+            State { reader: Arc::new(reader.narrowed(&[])?), kept: HashMap::new(), clock: 0, spare: Vec::new() };
         Ok(Self {
             state: Mutex::new(state),
             scratch: Mutex::default(),
@@ -117,7 +113,7 @@ impl SharedFile {
     /// Wants more channels. What is decoded without them is dropped.
     fn add(&self, reader: &ExrReader, channels: &[usize]) -> Result<Vec<usize>, NodeError> {
         let mut state = lock(&self.state);
-        let (joined, places) = state.reader.joined(reader, channels).map_err(NodeError::new)?;
+        let (joined, places) = state.reader.joined(reader, channels)?;
         if joined.info().channels.len() > state.reader.info().channels.len() {
             state.reader = Arc::new(joined);
             state.kept.clear();
@@ -169,7 +165,7 @@ impl SharedFile {
         for (band, buffer) in (first..).zip(&mut spare) {
             // The old samples' memory takes the new ones.
             scratch.exchange(buffer);
-            reader.decode(band, &mut scratch).map_err(NodeError::new)?;
+            reader.decode(band, &mut scratch)?;
             scratch.exchange(buffer);
         }
         lock(&self.scratch).push(scratch);

@@ -29,8 +29,10 @@ use trochoid_image::{Plane, Rgb, Window};
 #[node(
     end = Back,
     revision = 1,
+    reads("a picture": "exr", "png", "jpg", "jpeg", "tif", "tiff"),
     output(image: Kind::Color = "The picture: Color, mask, Weights or Field, by `as` and channels.")
 )]
+#[also_called("ImageTexture", "TexImage", "STMap", "UVMap", "Tile")]
 pub(crate) struct Texture {
     #[items]
     named: Named,

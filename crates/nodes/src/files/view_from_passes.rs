@@ -26,6 +26,7 @@ use trochoid_scene::{Camera, DVec3, Projection};
 /// Blender writes 10¹⁰ (65504 in half) as the depth of the sky, and has z upward.
 #[derive(Clone, Node)]
 #[node(end = Front, revision = 1, outputs = Out, role = Passes)]
+#[also_called("Passes", "AOV", "AOVs", "RenderPasses", "Cryptomatte", "ReadPasses")]
 pub(crate) struct ViewFromPasses {
     /// The EXR; #### or %04d stands for the frame, \# and \% for the signs. A normal map may be a PNG.
     #[knob(path)]
@@ -314,13 +315,9 @@ impl Reading<'_> {
     }
 
     fn fault(&self, pass: PassKnob<'_>, found: &FoundPass, expected: &str) -> NodeError {
-        NodeError::new(format!(
-            "{}: the pass \"{}\" is {}: found the channels {}, expected {expected}",
-            self.path.display(),
-            pass.item,
-            pass.name(),
-            found.names().some(&found.channels)
-        ))
+        let (name, channels) = (pass.name(), found.names().some(&found.channels));
+        let found = format_args!("{name} with the channels {channels}");
+        BadData::new(found, expected, "").of_item(pass.item).in_file(self.path).into()
     }
 
     /// A pass of these stored channels.

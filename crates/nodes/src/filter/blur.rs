@@ -22,6 +22,7 @@ use trochoid_weights::kernel::{self, Kernel, filter};
 /// Kernels without negative lobes, which alone stay in the palette.
 #[derive(Clone, Node)]
 #[node(end = Back, revision = 1, output(image: Kind::ANY = "The blurred image, of the same kind."))]
+#[also_called("GaussianBlur", "Defocus", "Soften", "BoxBlur")]
 pub(crate) struct Blur {
     /// What is blurred.
     image: One<port::Image>,

@@ -19,6 +19,9 @@ use trochoid_image::{Format, Window};
 /// Bilinear resampling, whose weights are ≥ 0 and sum to 1.
 #[derive(Clone, Node)]
 #[node(end = Back, revision = 1, output(image: Kind::ANY = "The displaced image, of the same kind."))]
+#[also_called(
+    "Transform", "Move", "Translate", "Scale", "Rotate", "Displace", "IDistort", "Distort", "CornerPin" => "by \"dx\" and \"dy\""
+)]
 pub(crate) struct Warp {
     /// What is displaced.
     image: One<port::Image>,

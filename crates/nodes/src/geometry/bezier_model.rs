@@ -22,7 +22,12 @@ use trochoid_scene::bezier::{MAX_PATCHES, MAX_SEGMENTS, Patch, PatchModel, Rails
 /// # Source
 /// CSE 167, Toon Shading and Surface Patches; Farin, Curves and Surfaces for CAGD, 2002; Catmull and Rom, 1974.
 #[derive(Clone, Node)]
-#[node(end = Front, revision = 1, output(surface: Kind::Surface = "The surface."))]
+#[node(
+    end = Front,
+    revision = 1,
+    reads("a model of Bézier patches": "json"),
+    output(surface: Kind::Surface = "The surface.")
+)]
 pub(crate) struct BezierModel {
     /// A model file: points, patches of 4 or 16 of them, sheets of rails.
     #[knob(path)]
@@ -122,7 +127,7 @@ impl BezierModel {
 impl Node for BezierModel {
     fn check(&self, check: &mut Check<'_>) {
         self.stance.check(check);
-        check_ending(self.model.as_deref().unwrap_or_default(), &["json"], Self::MODEL, check);
+        check_ending(self.model.as_deref().unwrap_or_default(), Self::DECLARATION, Self::MODEL, check);
         match self.inline() {
             Err(Misfit { item, found, expected }) => check.error(item, found, expected, "add or remove points"),
             Ok(patches) if patches.is_empty() && self.model.is_none() => {
@@ -167,7 +172,8 @@ impl Stage for BezierModel {
 
     fn examine(&self, frame: &FrameContext, _wanted: &[Vec<bool>]) -> Result<(), NodeError> {
         let Some(model) = &self.model else { return Ok(()) };
-        trochoid_io::open_file(named(frame, model)?).map(drop).map_err(NodeError::new)
+        trochoid_io::open_file(named(frame, model)?)?;
+        Ok(())
     }
 
     fn memory(&self, reckoning: &Reckoning<'_>) -> MemoryUse {
@@ -182,7 +188,7 @@ impl Stage for BezierModel {
     }
 
     fn prepare(&self, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
-        let misfit = |Misfit { found, expected, .. }| NodeError::new(format!("{found}: {expected}"));
+        let misfit = |Misfit { item, found, expected }| BadData::new(found, expected, "").of_item(item);
         let mut patches = self.inline().map_err(misfit)?;
         if let Some(model) = &self.model {
             patches.extend(read_model(&named(prepare.frame, model)?)?);

@@ -104,9 +104,7 @@ impl Stage for Float {
         let poses: Option<Vec<Pose>> = self.bodies.iter().map(pose).collect();
         match poses {
             Some(poses) => Ok(Box::new(Standing::new(RigidBodies::new(model, poses)))),
-            None => Err(NodeError::new(
-                "\"sea\": found a model; expected water to float on: connect a GerstnerSea, RippleSea or ToonSea",
-            )),
+            None => Err(BadData::new("a model", "water to float on", "connect a sea").of_item(Self::SEA).into()),
         }
     }
 }

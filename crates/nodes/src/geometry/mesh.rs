@@ -22,7 +22,13 @@ use trochoid_scene::{DVec3, MAX_TRIANGLES, TriangleModel, Triangles};
 /// # Source
 /// Wavefront, Advanced Visualizer, Appendix B1 (OBJ); Khronos, glTF 2.0 Specification.
 #[derive(Clone, Node)]
-#[node(end = Front, revision = 1, output(surface: Kind::Surface = "The surface."))]
+#[node(
+    end = Front,
+    revision = 1,
+    reads("a mesh of triangles": "obj", "glb", "gltf"),
+    output(surface: Kind::Surface = "The surface.")
+)]
+#[also_called("Model", "ReadGeo", "Geometry", "OBJ", "Object", "GLTF", "FBX")]
 pub(crate) struct Mesh {
     /// The model: .obj, .glb or .gltf; #### or %04d stands for the frame, \# and \% for the signs.
     #[knob(path)]
@@ -45,7 +51,7 @@ enum Normals {
 impl Node for Mesh {
     fn check(&self, check: &mut Check<'_>) {
         self.stance.check(check);
-        check_ending(&self.file, &["obj", "glb", "gltf"], Self::FILE, check);
+        check_ending(&self.file, Self::DECLARATION, Self::FILE, check);
     }
 
     fn body(&self) -> Body<'_> {
@@ -65,13 +71,9 @@ impl Mesh {
             Normals::File => {}
             Normals::Smooth => mesh.normals = Vec::new(),
             Normals::Flat if 3 * mesh.triangles.len() > MAX_TRIANGLES => {
-                return Err(NodeError::new(format!(
-                    "{}: found {} triangles; expected at most {} with flat normals: reduce the mesh, or take smooth \
-                     ones",
-                    path.display(),
-                    mesh.triangles.len(),
-                    MAX_TRIANGLES / 3
-                )));
+                let found = format_args!("{} triangles", mesh.triangles.len());
+                let expected = format!("at most {} with flat normals", MAX_TRIANGLES / 3);
+                return Err(BadData::new(found, expected, "reduce the mesh, or take smooth ones").in_file(path).into());
             }
             Normals::Flat => mesh = mesh.faceted(),
         }
@@ -88,7 +90,8 @@ impl Stage for Mesh {
     }
 
     fn examine(&self, frame: &FrameContext, _wanted: &[Vec<bool>]) -> Result<(), NodeError> {
-        trochoid_io::open_file(named(frame, &self.file)?).map(drop).map_err(NodeError::new)
+        trochoid_io::open_file(named(frame, &self.file)?)?;
+        Ok(())
     }
 
     fn files(&self, frame: &FrameContext) -> Vec<PathBuf> {
@@ -101,7 +104,7 @@ impl Stage for Mesh {
 
     fn prepare(&self, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
         let mesh = self.triangles(prepare.frame)?;
-        let model = TriangleModel::new(mesh, self.stance.placement(), self.stance.flip).map_err(NodeError::new)?;
+        let model = TriangleModel::new(mesh, self.stance.placement(), self.stance.flip)?;
         Ok(Box::new(Standing::new(model)))
     }
 }

@@ -1,7 +1,9 @@
 //! Files of surfaces, read within limits; what is wrong with them is told with their paths.
 
-use std::fmt::Display;
-use std::path::Path;
+use std::error::Error;
+use std::fmt::{Debug, Display};
+use std::path::{Path, PathBuf};
+use thiserror::Error;
 use trochoid_graph::NodeError;
 use trochoid_scene::Triangles;
 use trochoid_scene::bezier::Patch;
@@ -29,9 +31,21 @@ pub(crate) fn read_model(path: &Path) -> Result<Vec<Patch>, NodeError> {
     read(path, MAX_FILE_BYTES, files::patches)
 }
 
-fn read<T, E: Display>(path: &Path, most: u64, decode: fn(&[u8]) -> Result<T, E>) -> Result<T, NodeError> {
-    let bytes = trochoid_io::read_bytes(path, most).map_err(NodeError::new)?;
-    decode(&bytes).map_err(|fault| NodeError::new(format!("{}: {fault}", path.display())))
+/// What is wrong with a file.
+#[derive(Debug, Error)]
+#[error("{}: {fault}", path.display())]
+struct OfFile<E: Debug + Display> {
+    path: PathBuf,
+    fault: E,
+}
+
+fn read<T, E: Error + Send + Sync + 'static>(
+    path: &Path,
+    most: u64,
+    decode: fn(&[u8]) -> Result<T, E>,
+) -> Result<T, NodeError> {
+    let bytes = trochoid_io::read_bytes(path, most)?;
+    Ok(decode(&bytes).map_err(|fault| OfFile { path: path.into(), fault })?)
 }
 
 #[cfg(test)]

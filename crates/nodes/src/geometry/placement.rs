@@ -2,7 +2,9 @@
 
 use crate::view::SurfaceHandle;
 use std::sync::Arc;
-use trochoid_graph::{Check, Choice, Handle, ItemName, Items, NodeError, Prepared, Reference, References};
+use trochoid_graph::{
+    Check, Choice, Declaration, Handle, ItemName, Items, NodeError, Prepared, Reference, References, one_of,
+};
 use trochoid_scene::bezier::Placement;
 use trochoid_scene::{DVec3, Surface};
 
@@ -65,21 +67,15 @@ impl Up {
     }
 }
 
-/// Refuses a file whose name says that another node reads it.
-pub(crate) fn check_ending(file: &str, endings: &[&str], item: ItemName, check: &mut Check<'_>) {
-    const READERS: [(&[&str], &str, &str); 3] = [
-        (&["obj", "glb", "gltf"], "a mesh of triangles", "Mesh"),
-        (&["json"], "a model of Bézier patches", "BezierModel"),
-        (&["exr", "png", "jpg", "jpeg", "tif", "tiff"], "a picture", "Texture"),
-    ];
-    let name = file.to_lowercase();
-    let is_one = |endings: &[&str]| endings.iter().any(|ending| name.ends_with(&format!(".{ending}")));
-    let reader = READERS.iter().find(|(known, ..)| is_one(known)).filter(|_| !is_one(endings));
-    if let Some((_, what, reader)) = reader {
-        let expected = format!("a file with the ending .{}", endings.join(", ."));
-        let remedy = format!("read it by the node {reader}, or choose another file");
-        check.error(item, format!("\"{file}\", {what}"), expected, remedy);
-    }
+/// Refuses a file that by its name another node reads, not the one declared here.
+pub(crate) fn check_ending(file: &str, own: &Declaration, item: ItemName, check: &mut Check<'_>) {
+    let Some(files) = own.reads.filter(|files| !files.include(file)) else { return };
+    let readers = check.types().filter(|ty| ty.reads.is_some_and(|files| files.include(file)));
+    let readers: Vec<&'static Declaration> = readers.collect();
+    let Some(known) = readers.first().and_then(|reader| reader.reads) else { return };
+    let expected = format!("a file with the ending .{}", files.endings.join(", ."));
+    let remedy = format!("read it by {}, or choose another file", one_of(readers.into_iter()));
+    check.error(item, format!("\"{file}\", {}", known.what), expected, remedy);
 }
 
 /// A surface at one frame.

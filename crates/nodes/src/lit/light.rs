@@ -17,6 +17,7 @@ use trochoid_scene as scene;
 /// Thesis 3.2.3.1 (spotlight) and 3.2.3.2 (light source P_L).
 #[derive(Clone, Node)]
 #[node(end = Front, revision = 1, role = Light, output(light: Kind::Light = "The light."))]
+#[also_called("DirectLight", "Sun", "PointLight", "SpotLight", "DistantLight")]
 pub(crate) struct Light {
     /// What sort of light.
     kind: Sort,

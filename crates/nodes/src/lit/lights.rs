@@ -1,7 +1,7 @@
 //! Light directions over a block, and how several lights combine.
 
 use crate::view::{Looking, POSITION, view_planes};
-use trochoid_graph::{Choice, Connected, Inputs, Many, NodeError, One, Prepare, port};
+use trochoid_graph::{BadData, Choice, Connected, Inputs, Many, NodeError, One, Prepare, port};
 use trochoid_image::Format;
 use trochoid_scene::{Camera, DVec3, Illumination, Light, Projector};
 
@@ -84,10 +84,8 @@ impl Lights {
                 intensity.fill(1.0);
             } else {
                 if inputs.view_if_any(view, POSITION[0]).is_none() {
-                    return Err(NodeError::new(
-                        "the view has no position pass, which a point or spot light needs: add the pass, or use a \
-                         directional light",
-                    ));
+                    let expected = "one, which a point or spot light needs";
+                    return Err(without_position(expected, "add the pass, or use a directional light"));
                 }
                 let positions = view_planes(inputs, view, POSITION);
                 let [x, y, z] = &mut directions;
@@ -142,8 +140,12 @@ pub(crate) fn eye(prepare: &Prepare<'_>, view: &impl Connected, format: Format) 
     });
     match camera {
         Some(camera) => Ok(camera.projector(format)),
-        None => Err(NodeError::new("the view has no camera: connect one to it")),
+        None => Err(BadData::new("a view without a camera", "one with a camera", "connect one to it").into()),
     }
+}
+
+fn without_position(expected: &str, remedy: &str) -> NodeError {
+    BadData::new("a view without a position pass", expected, remedy).into()
 }
 
 /// The vector from a point toward the eye, of any length, in f64.
@@ -168,10 +170,8 @@ pub(crate) fn view_directions(
         // Parallel rays need no positions.
         None if eye.orthographic => [&[][..]; 3],
         None => {
-            return Err(NodeError::new(
-                "the view has no position pass, which a perspective camera needs: add the pass, or connect an \
-                 orthographic camera",
-            ));
+            let expected = "one, which a perspective camera needs";
+            return Err(without_position(expected, "add the pass, or connect an orthographic camera"));
         }
     };
     trochoid_scene::shading::view_directions(positions, eye, [x, y, z]);

@@ -17,6 +17,7 @@ use trochoid_scene::shading::lambert;
 /// Thesis 3.2.3.2; power 2 is its C².
 #[derive(Clone, Node)]
 #[node(end = Front, revision = 1, role = Clay, output(mask: Kind::MASK = "How much light arrives."))]
+#[also_called("Diffuse", "Lambert", "Shading")]
 pub(crate) struct NonSpecular {
     /// What is lit.
     view: One<port::View>,

@@ -20,6 +20,7 @@ use trochoid_scene::shading::blinn;
 /// Thesis 3.2.3.1, R = I − 2N(N · I); Blinn, Models of Light Reflection, 1977.
 #[derive(Clone, Node)]
 #[node(end = Front, revision = 1, output(mask: Kind::MASK = "How much of the lights is mirrored."))]
+#[also_called("Phong", "Highlight", "Glossy", "BlinnPhong")]
 pub(crate) struct Specular {
     /// What mirrors.
     view: One<port::View>,

@@ -151,10 +151,10 @@ impl Stage for Bake {
         let surface: SurfaceHandle = prepare.handles::<SurfaceHandle>(&self.sea)?.swap_remove(0);
         let (grid, up) = (self.grid(prepare.frame), self.up);
         let points = grid.columns * grid.rows;
-        let sea = resting(&surface)?;
+        let sea = resting(&surface, Self::SEA)?;
         let mut fields = Fields::default();
         let stop = prepare.cancellation();
-        sea.on_grid(grid, sums(prepare.wanted), self.tolerance, &mut fields, stop).map_err(NodeError::new)?;
+        sea.on_grid(grid, sums(prepare.wanted), self.tolerance, &mut fields, stop)?;
         prepare.go_on()?;
         let sample = |point: usize| {
             let value = |values: &Vec<f32>| values.get(point).map_or(0.0, |value| f64::from(*value));
@@ -183,12 +183,10 @@ impl Stage for Bake {
 }
 
 /// The surface as one that lies over a plane.
-fn resting(surface: &SurfaceHandle) -> Result<&dyn Resting, NodeError> {
+fn resting(surface: &SurfaceHandle, sea: ItemName) -> Result<&dyn Resting, NodeError> {
     surface.resting().ok_or_else(|| {
-        NodeError::new(
-            "\"sea\": found a surface without a plane at rest, such as a model; expected a sea: connect a \
-             GerstnerSea or a ToonSea",
-        )
+        let found = "a surface without a plane at rest, such as a model";
+        BadData::new(found, "a sea", "connect one").of_item(sea).into()
     })
 }
 
@@ -222,7 +220,7 @@ impl Prepared for Baked {
     fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
         let Grid { origin, step, footprint, .. } = self.grid;
         let rest = [0, 1].map(|axis| origin[axis] + inputs.at[axis].floor() * step[axis]);
-        let values = channels(&resting(&self.surface)?.at(rest, footprint), self.up);
+        let values = channels(&resting(&self.surface, Bake::SEA)?.at(rest, footprint), self.up);
         Ok(Out::ALL.map(|output| Reference::Field(values[output.channels()].to_vec())).into())
     }
 

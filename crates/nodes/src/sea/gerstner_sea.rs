@@ -27,6 +27,7 @@ use trochoid_sea::{
 /// Thesis 3.2.1; Hinsinger, Neyret and Cani, Interactive Animation of Ocean Waves, 2002.
 #[derive(Clone, Node)]
 #[node(end = Front, revision = 1, role = Sea, offers(Rest, Waves), output(surface: Kind::Surface = "The sea at the frame's time."))]
+#[also_called("Sea", "Ocean", "Water", "Waves", "Gerstner", "OceanModifier")]
 pub(crate) struct GerstnerSea {
     /// Number of random waves.
     #[knob(default = 1000, range = 0..=MAX_WAVES as i64, scales)]
@@ -422,7 +423,7 @@ impl Stage for GerstnerSea {
     }
 
     fn prepare(&self, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
-        let sea = Sea::new(self.waves().map_err(NodeError::new)?);
+        let sea = Sea::new(self.waves()?);
         let surface = SeaSurface::new(&sea, prepare.frame.time, self.level);
         Ok(Box::new(Standing::new(surface.with_detail(self.detail))))
     }

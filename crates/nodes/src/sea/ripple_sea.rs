@@ -101,7 +101,7 @@ impl Stage for RippleSea {
     }
 
     fn prepare(&self, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
-        let sea = Sea::new(self.waves().map_err(NodeError::new)?);
+        let sea = Sea::new(self.waves()?);
         Ok(Box::new(Standing::new(SeaSurface::new(&sea, prepare.frame.time, self.level))))
     }
 }

@@ -6,7 +6,7 @@ use crate::view::SurfaceHandle;
 use std::sync::{Arc, OnceLock};
 use trochoid_graph::*;
 use trochoid_scene::Projector;
-use trochoid_scene::spray::{Brush, Dabs, Planes, Sprayed, Stamp};
+use trochoid_scene::spray::{Brush, Dabs, Planes, Sprayed, Stamp, TooMuchSpray};
 use trochoid_sea::spray::{self as model, Burst, MAX_DROPS, SprayError, SprayFigure, SprayRun, reference};
 
 /// Drops that breaking crests and directed bursts throw into the air, as stamps of a brush.
@@ -243,8 +243,9 @@ impl Node for Spray {
             check.warning(Self::SIZE, found, "a region of some size, or bursts", remedy);
         } else if !can_break(&self.sea, check) && (self.sea.is_none() || self.threshold <= 1.0) {
             let found = "a spray without bursts, on nothing that breaks: it throws nothing";
-            let remedy = "connect a GerstnerSea to \"sea\", or give \"bursts\"";
-            check.warning(Self::SEA, found, "the waves of a GerstnerSea, or bursts", remedy);
+            let seas = check.offering(Offer::Waves);
+            let remedy = format!("connect {seas} to \"sea\", or give \"bursts\"");
+            check.warning(Self::SEA, found, format!("the waves of {seas}, or bursts"), remedy);
         }
     }
 
@@ -284,21 +285,20 @@ impl Stage for Spray {
 
     fn prepare(&self, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
         let seas: Vec<SurfaceHandle> = prepare.handles(&self.sea)?;
-        let spray = self.spray().map_err(NodeError::new)?;
+        let spray = self.spray()?;
         let sea = seas.first().and_then(|surface| surface.as_sea()).map(|sea| (sea.frame().sea(), sea.level()));
         // Frames share the births that they have in common.
         let run = prepare.shared(&(&spray, &sea), || {
             let spray = spray.clone();
-            match sea.clone() {
+            Ok(match sea.clone() {
                 Some((sea, level)) => SprayRun::new(spray, sea, level),
                 None => SprayRun::bursts(spray),
-            }
-            .map_err(NodeError::new)
+            }?)
         })?;
         let (time, brush) = (prepare.frame.time, self.brush());
         let projector = eye(prepare, &self.view, prepare.frame.format)?;
-        let drops = run.at_unless(time, prepare.cancellation()).map_err(NodeError::new)?;
-        let dabs = Dabs::new(&projector, &drops, &brush).map_err(NodeError::new)?;
+        let drops = run.at_unless(time, prepare.cancellation())?;
+        let dabs = Dabs::new(&projector, &drops, &brush)?;
         let (view, drops, reference) = (self.view.clone(), drops.len(), OnceLock::new());
         Ok(Box::new(PreparedSpray { view, run, time, projector, brush, drops, dabs, reference }))
     }
@@ -315,18 +315,18 @@ struct PreparedSpray {
     drops: usize,
     dabs: Dabs,
     /// The stamps of the f64 births, made when a reference is first asked for.
-    reference: OnceLock<Option<Dabs>>,
+    reference: OnceLock<Result<Dabs, TooMuchSpray>>,
 }
 
 impl PreparedSpray {
     /// The stamps of the f64 births, where they are not too many.
-    fn truth(&self) -> Option<&Dabs> {
+    fn truth(&self) -> Result<&Dabs, TooMuchSpray> {
         let made = self.reference.get_or_init(|| {
             let run = &self.run;
             let drops = reference::drops(run.spray(), run.sea(), run.level(), self.time);
-            Dabs::new(&self.projector, &drops, &self.brush).ok()
+            Dabs::new(&self.projector, &drops, &self.brush)
         });
-        made.as_ref()
+        made.as_ref().map_err(|much| *much)
     }
 }
 
@@ -356,7 +356,7 @@ impl Prepared for PreparedSpray {
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
         // Whether a drop is born at all is drawn against waves, so that no drop's error follows from another figure's.
-        let Some(dabs) = self.truth() else { return Err(NoBound("the reference's drops cover too much")) };
+        let Ok(dabs) = self.truth() else { return Err(NoBound("the reference's drops cover too much")) };
         let count = bounding.block.window.area();
         let depths: Vec<Span> = (0..count).map(|sample| bounding.certain(&self.view, Channel::Depth, sample)).collect();
         // The deeper the surface, the more is seen of each drop.
@@ -403,7 +403,7 @@ impl Prepared for PreparedSpray {
     }
 
     fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
-        let Some(dabs) = self.truth() else { return Err(NodeError::new("the reference's drops cover too much")) };
+        let dabs = self.truth()?;
         let Sprayed { alpha, depth, age, .. } = dabs.at(inputs.at, inputs.view(&self.view, Channel::Depth));
         let output = |output| match output {
             Out::Alpha => Reference::Mask(alpha),

@@ -29,7 +29,13 @@ use trochoid_sea::toon::{
 /// # Source
 /// Dadfar and Welling, Japanese-Style Toon-Based Water Shader, 3.1 and 3.2; Jury's criterion for stability.
 #[derive(Clone, Node)]
-#[node(end = Front, revision = 1, role = Sea, offers(Rest, Trails), output(surface: Kind::Surface = "The sea at the frame's time."))]
+#[node(
+    end = Front,
+    revision = 1,
+    role = Sea,
+    offers(Rest, Trails, StabilityMap),
+    output(surface: Kind::Surface = "The sea at the frame's time.")
+)]
 pub(crate) struct ToonSea {
     /// Cells along x.
     #[knob(default = 256, range = 2..=2048, scales)]
@@ -406,7 +412,7 @@ impl Stage for ToonSea {
     }
 
     fn prepare(&self, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
-        let sea = self.sea().map_err(NodeError::new)?;
+        let sea = self.sea()?;
         let place = Place {
             columns: sea.basin().columns,
             spacing: sea.basin().spacing,

@@ -21,7 +21,8 @@ pub(crate) fn check_sea(sea: &One<port::Surface>, check: &mut Check<'_>) {
         && !connected.offers(Offer::Rest)
     {
         let found = format!("\"{}\", a {}, which has no {}", connected.name, connected.ty(), Offer::Rest);
-        check.error(sea.id().item(), found, "a sea", "connect a GerstnerSea, RippleSea or ToonSea");
+        let remedy = format!("connect {}", check.offering(Offer::Rest));
+        check.error(sea.id().item(), found, "a sea", remedy);
     }
 }
 
@@ -38,8 +39,9 @@ pub(crate) fn check_trails(view: &One<port::View>, check: &mut Check<'_>) {
     let has_trails = |source: &Source<Vec<f64>>| check.upstream(source).is_none_or(|sea| sea.offers(Offer::Trails));
     if !render.surfaces.iter().any(has_trails) {
         let found = format!("the view \"{name}\", in which no surface has {}: it is 0 everywhere", Offer::Trails);
-        let remedy = "add a ToonSea to its surfaces, or remove this node";
-        check.warning(view.id().item(), found, "the view of a ToonSea", remedy);
+        let seas = check.offering(Offer::Trails);
+        let remedy = format!("add {seas} to its surfaces, or remove this node");
+        check.warning(view.id().item(), found, format!("the view of {seas}"), remedy);
     }
 }
 

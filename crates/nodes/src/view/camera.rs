@@ -17,6 +17,7 @@ use trochoid_scene as scene;
 /// The field's convention: right-handed, Y up, the camera looks along its own −Z.
 #[derive(Clone, Node)]
 #[node(end = Front, revision = 1, role = Camera, output(camera: Kind::Camera = "The camera."))]
+#[also_called("Camera3D", "PerspectiveCamera", "Viewpoint")]
 pub(crate) struct Camera {
     /// Where the camera stands.
     #[knob(default = [0.0, 2.0, 10.0], unit = "m")]

@@ -168,7 +168,7 @@ impl Stage for Clouds {
         let cameras: Vec<Camera> = prepare.handles(&self.camera)?;
         let lights: Vec<Light> = prepare.handles(&self.light)?;
         let (Some(camera), Some(light)) = (cameras.first(), lights.first()) else {
-            return Err(NodeError::new("found no camera or no light; expected one of each: connect them"));
+            return Err(BadData::new("no camera or no light", "one of each", "connect them").into());
         };
         let (sin, cos) = libm::sincos(self.wind.to_radians());
         let layer = |layer: &CloudLayer| layer.at(prepare.frame.time, [cos, sin]);

@@ -41,8 +41,8 @@ use crate::lit::Vectors3;
 use std::path::PathBuf;
 use std::sync::Arc;
 use trochoid_graph::{
-    Channel, FrameContext, Handle, Inputs, NodeError, NodeType, One, Prepared, Reference, References, escape_remedy,
-    port,
+    BadData, Channel, FrameContext, Handle, Inputs, NodeError, NodeType, One, Prepared, Reference, References,
+    escape_remedy, port,
 };
 use trochoid_scene::{DVec3, Surface};
 
@@ -115,7 +115,7 @@ pub(crate) fn named(frame: &FrameContext, written: &str) -> Result<PathBuf, Node
     if !path.exists()
         && let Some(remedy) = escape_remedy(frame, written)
     {
-        return Err(NodeError::new(format!("{}: found no file of this name, expected one; {remedy}", path.display())));
+        return Err(BadData::new("no file of this name", "one", remedy).in_file(path).into());
     }
     Ok(path)
 }

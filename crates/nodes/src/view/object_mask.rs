@@ -71,7 +71,8 @@ impl Stage for ObjectMask {
         if !chosen.is_empty() {
             let handle = prepare.handle_of(&self.view);
             let Some(view) = handle.as_deref().and_then(|handle| handle.downcast_ref::<Looking>()) else {
-                return Err(NodeError::new("the view does not know its surfaces: use \"indices\", or view a Render"));
+                let remedy = "use \"indices\", or view a Render";
+                return Err(BadData::new("a view of passes", "one that knows its surfaces", remedy).into());
             };
             let held = view.surfaces.iter().enumerate();
             indices.extend(

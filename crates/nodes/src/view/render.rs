@@ -20,6 +20,7 @@ use trochoid_scene as scene;
 /// reference traces the continuous surfaces.
 #[derive(Clone, Node)]
 #[node(end = Front, revision = 2, role = Render, outputs = Out)]
+#[also_called("ScanlineRender", "Renderer", "Rasterize", "RenderLayers", "View")]
 pub(crate) struct Render {
     /// The point of view.
     pub(crate) camera: One<port::Camera>,

@@ -2,7 +2,7 @@
 
 use super::{Looking, SurfaceHandle};
 use std::sync::Arc;
-use trochoid_graph::{Items, NodeError, One, Prepare, port};
+use trochoid_graph::{BadData, Items, NodeError, One, Prepare, port};
 use trochoid_scene::{DVec3, Obstacles, Projector, Ray, Surface, first_reference, surroundings};
 
 /// How closely surfaces stand in the way of rays.
@@ -49,9 +49,8 @@ impl Surroundings {
     pub(crate) fn of(view: &One<port::View>, facets: &Facets, prepare: &Prepare<'_>) -> Result<Arc<Self>, NodeError> {
         let handle = prepare.handle_of(view);
         let Some(looking) = handle.as_deref().and_then(|handle| handle.downcast_ref::<Looking>()) else {
-            return Err(NodeError::new(
-                "found a view of passes; expected one of surfaces, in whose way rays can stand: connect a Render",
-            ));
+            let expected = "one of surfaces, which can stand in the way of rays";
+            return Err(BadData::new("a view of passes", expected, "connect a Render").into());
         };
         let eye = looking.camera.projector(prepare.frame.format);
         let projector = surroundings(&eye, facets.beyond, facets.detail);
