@@ -1,6 +1,5 @@
 //! LightPool: pools of sunlight that falls through gaps in the clouds.
 
-use crate::bounds::{Span, bound_by, certain, known, where_covered};
 use crate::view::{POSITION, is_covered, nothing, ramp, uncover, view_planes, view_vector};
 use trochoid_graph::*;
 use trochoid_scene::{DVec3, Light};
@@ -240,10 +239,10 @@ impl Prepared for PreparedPools {
     }
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
-        bound_by(bounding, outputs, (Only, 0), |sample| {
-            where_covered(bounding, &self.view, sample, || {
-                let point = POSITION.map(|channel| certain(bounding, &self.view, channel, sample));
-                self.pools.span(point, known(bounding, &self.noise, 0, sample).unwrap_or(Span::exactly(0.0)))
+        bounding.bound_by(outputs, (Only, 0), |sample| {
+            bounding.where_covered(&self.view, sample, || {
+                let point = POSITION.map(|channel| bounding.certain(&self.view, channel, sample));
+                self.pools.span(point, bounding.known(&self.noise, 0, sample).unwrap_or(Span::exactly(0.0)))
             })
         });
         Ok(())

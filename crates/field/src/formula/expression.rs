@@ -1,16 +1,19 @@
 //! The syntax tree of FieldMath's formulas, and their value at one sample.
 
-use super::program::Function;
+use super::Function;
 
-/// An expression with its number of components.
+/// What a formula says of its inputs, or a part of it does.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Expression {
-    pub(crate) node: Node,
-    pub(crate) width: usize,
+pub struct Expression {
+    /// What it is made of.
+    pub(super) tree: Tree,
+    /// How many components it has.
+    pub width: usize,
 }
 
+/// What an expression is made of.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Node {
+pub(super) enum Tree {
     Number(f64),
     /// An input, counted from 0.
     Input(usize),
@@ -26,11 +29,11 @@ pub(crate) enum Node {
 
 impl Expression {
     /// Returns the components of the value at one sample, from the components of the inputs.
-    pub(crate) fn value(&self, inputs: &[Vec<f64>; 4]) -> Vec<f64> {
-        match &self.node {
-            Node::Number(number) => vec![*number],
-            Node::Input(index) => inputs[*index].clone(),
-            Node::Each(function, arguments) => {
+    pub fn value(&self, inputs: &[Vec<f64>; 4]) -> Vec<f64> {
+        match &self.tree {
+            Tree::Number(number) => vec![*number],
+            Tree::Input(index) => inputs[*index].clone(),
+            Tree::Each(function, arguments) => {
                 let values: Vec<Vec<f64>> = arguments.iter().map(|argument| argument.value(inputs)).collect();
                 let component = |index: usize| {
                     let of_each: Vec<f64> = values.iter().map(|v| v[if v.len() == 1 { 0 } else { index }]).collect();
@@ -38,13 +41,13 @@ impl Expression {
                 };
                 (0..self.width).map(component).collect()
             }
-            Node::Dot(a, b) => vec![a.value(inputs).iter().zip(b.value(inputs)).map(|(a, b)| a * b).sum()],
-            Node::Length(a) => vec![a.value(inputs).iter().map(|a| a * a).sum::<f64>().sqrt()],
-            Node::Pick(a, picked) => {
+            Tree::Dot(a, b) => vec![a.value(inputs).iter().zip(b.value(inputs)).map(|(a, b)| a * b).sum()],
+            Tree::Length(a) => vec![a.value(inputs).iter().map(|a| a * a).sum::<f64>().sqrt()],
+            Tree::Pick(a, picked) => {
                 let value = a.value(inputs);
                 picked.iter().map(|index| value[*index]).collect()
             }
-            Node::Join(values) => values.iter().flat_map(|value| value.value(inputs)).collect(),
+            Tree::Join(values) => values.iter().flat_map(|value| value.value(inputs)).collect(),
         }
     }
 }

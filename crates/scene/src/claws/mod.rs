@@ -1,39 +1,55 @@
-//! Claws: ribbons with thumbs in the picture; finds the pixels inside them and computes what is drawn there.
+//! Claws: ribbons with thumbs in a picture, such as foam that grows on a surface; what their places are, and what is drawn there.
 
-use super::ribbon::{Ribbon, STEPS, Within};
+mod ribbon;
+
+pub use ribbon::{Ribbon, Shape, Within};
+
+use ribbon::STEPS;
 use trochoid_image::Window;
 
-/// A ribbon with its thumbs.
-pub(crate) struct Claw {
-    /// Ribbons, each with its random number. Where a point lies equally deep in two, the later one wins.
-    pub(crate) parts: Vec<(Ribbon, f64)>,
-    /// Depth of the root.
-    pub(crate) depth: f64,
-    /// Side to which the ribbon bends: 1 is right, −1 is left.
-    pub(crate) side: f64,
-    /// Number of its row, counted from 1.
-    pub(crate) row: f64,
-    pub(crate) tag: f64,
-    /// Widths of the ink along the outer and inner edges, in pixels.
-    pub(crate) line: [f64; 2],
-    /// Size of the shading crescent.
-    pub(crate) shade: f64,
+/// A ribbon and its thumbs.
+pub struct Claw {
+    /// Each with its random number; of two in which a place lies equally deep the later counts.
+    pub parts: Vec<(Ribbon, f64)>,
+    /// Depth of what it is rooted in.
+    pub depth: f64,
+    /// The side to which it bends: 1 right, −1 left.
+    pub side: f64,
+    /// Which row, the first is 1.
+    pub row: f64,
+    /// Handed on to what is drawn.
+    pub tag: f64,
+    /// Widths of the ink along the outer and the inner rim, in pixels.
+    pub line: [f64; 2],
+    /// Size of the crescent of shade.
+    pub shade: f64,
 }
 
 /// Values of all outputs at a point in a claw.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Drawn {
-    pub(crate) mask: f64,
-    pub(crate) along: f64,
-    pub(crate) across: f64,
-    pub(crate) half_width: f64,
-    pub(crate) side: f64,
-    pub(crate) random: f64,
-    pub(crate) row: f64,
-    pub(crate) inset: f64,
-    pub(crate) tag: f64,
-    pub(crate) ink: f64,
-    pub(crate) shade: f64,
+pub struct Drawn {
+    /// Share of the pixel that it covers.
+    pub mask: f64,
+    /// 0 at the root, 1 at the tip.
+    pub along: f64,
+    /// −1 to 1, from the left of the way to its right.
+    pub across: f64,
+    /// Half the width there, in pixels.
+    pub half_width: f64,
+    /// The side to which the claw bends.
+    pub side: f64,
+    /// The random number of the part.
+    pub random: f64,
+    /// The claw's row.
+    pub row: f64,
+    /// Distance to the rim, in pixels.
+    pub inset: f64,
+    /// The claw's tag.
+    pub tag: f64,
+    /// Share of ink along the rims.
+    pub ink: f64,
+    /// Share of shade on the inner side.
+    pub shade: f64,
 }
 
 /// Ranges along the ribbon over which the ink fades in, on the outer and inner edges.
@@ -50,7 +66,7 @@ const CRESCENT_LOSS: f64 = 0.8;
 
 impl Claw {
     /// Returns the bounding box: minimum and maximum of x, then of y.
-    pub(crate) fn bounds(&self) -> [[f64; 2]; 2] {
+    pub fn bounds(&self) -> [[f64; 2]; 2] {
         [0, 1].map(|axis: usize| {
             let ends = self.parts.iter().map(|(ribbon, _)| ribbon.bounds()[axis]);
             ends.fold([f64::INFINITY, f64::NEG_INFINITY], |all, [low, high]| [all[0].min(low), all[1].max(high)])
@@ -58,13 +74,13 @@ impl Claw {
     }
 
     /// Returns the position of a point within the claw, and the random number of the ribbon it lies in.
-    pub(crate) fn at(&self, place: [f64; 2]) -> Option<(Within, f64)> {
+    pub fn at(&self, place: [f64; 2]) -> Option<(Within, f64)> {
         let parts = self.parts.iter().map(|(ribbon, random)| ribbon.at(place).map(|within| (within, *random)));
         parts.fold(None, united)
     }
 
     /// Returns the outputs at a position within a ribbon of this claw that has the given random number.
-    pub(crate) fn drawn(&self, within: Within, random: f64) -> Drawn {
+    pub fn drawn(&self, within: Within, random: f64) -> Drawn {
         let Within { along, across, half_width } = within;
         // t = across·side: 1 at the inner edge, −1 at the outer one.
         let (inner, inset) = (across * self.side, within.inset());
@@ -98,7 +114,7 @@ fn united(all: Option<(Within, f64)>, part: Option<(Within, f64)>) -> Option<(Wi
 /// Positions of samples within a claw, each with the random number of its ribbon. Kept between calls to reuse the
 /// memory.
 #[derive(Default)]
-pub(crate) struct Places {
+pub struct Places {
     all: Vec<Option<(Within, f64)>>,
     part: Vec<Option<Within>>,
 }
@@ -106,7 +122,7 @@ pub(crate) struct Places {
 impl Places {
     /// Finds the samples of a window, at an offset within their pixels, row by row. The results are those of
     /// [`Claw::at`], but faster: each step of a spine visits only the pixels of its bounding box.
-    pub(crate) fn find(&mut self, claw: &Claw, window: Window, offset: [f64; 2]) -> &[Option<(Within, f64)>] {
+    pub fn find(&mut self, claw: &Claw, window: Window, offset: [f64; 2]) -> &[Option<(Within, f64)>] {
         self.all.clear();
         self.all.resize(window.area(), None);
         for (ribbon, random) in &claw.parts {
@@ -136,7 +152,7 @@ impl Places {
 }
 
 /// Returns the pixels of a window whose samples may lie within a bounding box.
-pub(crate) fn covered([[x0, x1], [y0, y1]]: [[f64; 2]; 2], window: Window) -> Window {
+pub fn covered([[x0, x1], [y0, y1]]: [[f64; 2]; 2], window: Window) -> Window {
     let [x0, y0] = [x0, y0].map(|low| low.floor() as i64);
     let [x1, y1] = [x1, y1].map(|high| high.floor() as i64 + 1);
     Window::new(x0, y0, x1.max(x0), y1.max(y0)).intersect(window)
@@ -144,7 +160,6 @@ pub(crate) fn covered([[x0, x1], [y0, y1]]: [[f64; 2]; 2], window: Window) -> Wi
 
 #[cfg(test)]
 mod tests {
-    use super::super::ribbon::Shape;
     use super::*;
 
     #[test]

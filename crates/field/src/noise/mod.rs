@@ -9,11 +9,6 @@ mod gradients;
 mod reference;
 mod span;
 
-#[cfg(feature = "scene")]
-pub(crate) use reference::edges as edges_reference;
-pub(crate) use reference::reference as noise_reference;
-pub(crate) use span::span as noise_span;
-
 use fearless_simd::{Level, Simd, dispatch};
 use features::{feature, nearest};
 use gradients::{AMPLITUDE, gradient, gradient_noises};
@@ -21,7 +16,7 @@ use trochoid_graph::Choice;
 
 /// Type of noise in the octaves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Choice)]
-pub(crate) enum NoiseKind {
+pub enum NoiseKind {
     /// Gradient noise, in [−1, 1].
     Fbm,
     /// Sharp ridges where gradient noise passes zero, in [0, 1].
@@ -35,12 +30,12 @@ pub(crate) enum NoiseKind {
 
 impl NoiseKind {
     /// Returns the range of the noise.
-    pub(crate) fn range(self) -> (f64, f64) {
+    pub fn range(self) -> (f64, f64) {
         if self == Self::Fbm { (-1.0, 1.0) } else { (0.0, 1.0) }
     }
 
     /// Returns the measured mean on lattices with this number of axes.
-    pub(crate) fn mean(self, axes: usize) -> f64 {
+    pub fn mean(self, axes: usize) -> f64 {
         let by_axes = match self {
             Self::Fbm => [0.0; 3],
             Self::Ridged => [0.65, 0.58, 0.51],
@@ -53,15 +48,15 @@ impl NoiseKind {
 
 /// One octave.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Octave {
+pub struct Octave {
     /// Cells per unit of the coordinates.
-    pub(crate) frequency: f64,
+    pub frequency: f64,
     /// Weight in the sum; the weights of all octaves sum to 1.
-    pub(crate) weight: f64,
+    pub weight: f64,
     /// Seed of its random numbers.
-    pub(crate) seed: u32,
+    pub seed: u32,
     /// Offset of its lattice, so that the cells of different octaves do not coincide at the origin.
-    pub(crate) shift: [f64; 4],
+    pub shift: [f64; 4],
 }
 
 /// Largest number of axes.
@@ -69,22 +64,28 @@ const MOST: usize = 4;
 
 /// A sum of octaves.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Noise {
-    pub(crate) kind: NoiseKind,
-    pub(crate) octaves: Vec<Octave>,
-    /// Coordinate along an additional last axis, in cells, the same in every octave; none if there is no such axis.
-    pub(crate) evolution: Option<f64>,
+pub struct Noise {
+    /// What the octaves are made of.
+    pub kind: NoiseKind,
+    /// Its octaves, the one of the largest cells first.
+    pub octaves: Vec<Octave>,
+    /// Place along the last axis in cells, the same in every octave, where the noise has one beside those of space.
+    pub evolution: Option<f64>,
 }
 
 /// Parameters of the octaves.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Axes {
+pub struct Axes {
     /// Size of a cell of the first octave, in the unit of the coordinates.
-    pub(crate) scale: f64,
-    pub(crate) octaves: usize,
-    pub(crate) lacunarity: f64,
-    pub(crate) gain: f64,
-    pub(crate) seed: u32,
+    pub scale: f64,
+    /// How many there are.
+    pub octaves: usize,
+    /// By what factor the cells of each are smaller than those of the one before.
+    pub lacunarity: f64,
+    /// By what factor each weighs less than the one before.
+    pub gain: f64,
+    /// Which noise of all that have these figures.
+    pub seed: u32,
 }
 
 /// Mixes the bits of a number: a bijection (Wellons, hash-prospector, "lowbias32").
@@ -107,7 +108,8 @@ pub(crate) fn extend(hash: u32, cell: i64) -> u32 {
 const GOLDEN: u32 = 0x9e37_79b9;
 
 impl Noise {
-    pub(crate) fn new(kind: NoiseKind, axes: Axes, evolution: Option<f64>) -> Self {
+    /// The octaves of these figures, whose weights sum to 1.
+    pub fn new(kind: NoiseKind, axes: Axes, evolution: Option<f64>) -> Self {
         let mut octaves = Vec::with_capacity(axes.octaves);
         let (mut frequency, mut weight) = (1.0 / axes.scale, 1.0);
         for index in 0..axes.octaves {
@@ -124,12 +126,7 @@ impl Noise {
 
     /// Fills `out` with the noise at points of `S` axes, 2 or 3. Octaves whose cells are smaller than a point's
     /// footprint (in the unit of the coordinates) are replaced by their mean there. No footprints mean footprints of 0.
-    pub(crate) fn fill<const S: usize>(
-        &self,
-        points: impl Iterator<Item = [f64; S]>,
-        footprints: &[f32],
-        out: &mut [f32],
-    ) {
+    pub fn fill<const S: usize>(&self, points: impl Iterator<Item = [f64; S]>, footprints: &[f32], out: &mut [f32]) {
         match (S, self.evolution) {
             (2, None) => self.sum::<S, 2>(points, footprints, out),
             (2, Some(_)) | (3, None) => self.sum::<S, 3>(points, footprints, out),
@@ -198,7 +195,7 @@ impl Noise {
 
     /// Fills `out` with noise of kind [`NoiseKind::Edges`] at points of the plane, without footprints and without
     /// evolution, and `slopes` with its derivatives along both axes, per unit of the coordinates.
-    pub(crate) fn fill_edges(&self, points: &[[f64; 2]], out: &mut [f32], slopes: &mut [[f32; 2]]) {
+    pub fn fill_edges(&self, points: &[[f64; 2]], out: &mut [f32], slopes: &mut [[f32; 2]]) {
         debug_assert!(self.kind == NoiseKind::Edges && self.evolution.is_none());
         let level = Level::new();
         let blocks = points.chunks(LANES).zip(out.chunks_mut(LANES)).zip(slopes.chunks_mut(LANES));
@@ -283,7 +280,6 @@ fn key(cell: i64) -> u32 {
 
 #[cfg(test)]
 mod tests {
-    use super::reference::{edges, reference};
     use super::*;
 
     const KINDS: [NoiseKind; 4] = [NoiseKind::Fbm, NoiseKind::Ridged, NoiseKind::Cellular, NoiseKind::Edges];
@@ -328,8 +324,8 @@ mod tests {
             assert!(plain.iter().zip(&out).all(|(plain, out)| plain.to_bits() == out.to_bits()));
             let (mut smooth, mut off) = (0, 0);
             for (point, slope) in points.iter().zip(&slopes) {
-                let (value, truth) = edges(&noise, *point);
-                assert_eq!(value, reference(&noise, point, 0.0));
+                let (value, truth) = noise.edges_reference(*point);
+                assert_eq!(value, noise.reference(point, 0.0));
                 // Of two points at nearly the same distance, rounding may pick the other one.
                 let distance = (0..2).map(|axis| (f64::from(slope[axis]) - truth[axis]).abs()).fold(0.0, f64::max);
                 off += usize::from(distance > 1e-3);
@@ -338,7 +334,7 @@ mod tests {
                     let beside = |step: f64| {
                         let mut beside = *point;
                         beside[axis] += step;
-                        (reference(&noise, &beside, 0.0) - value) / step
+                        (noise.reference(&beside, 0.0) - value) / step
                     };
                     let (before, after) = (beside(-1e-6), beside(1e-6));
                     if point[axis].abs() < 10.0 && (before - after).abs() < 1e-3 {
@@ -363,7 +359,7 @@ mod tests {
                 noise.fill(points().into_iter().map(|[x, y, _]| [x, y]), &[], &mut flat);
                 for ([x, y, z], (in_space, in_plane)) in points().into_iter().zip(out.into_iter().zip(flat)) {
                     for (found, truth) in
-                        [(in_space, reference(&noise, &[x, y, z], 0.0)), (in_plane, reference(&noise, &[x, y], 0.0))]
+                        [(in_space, noise.reference(&[x, y, z], 0.0)), (in_plane, noise.reference(&[x, y], 0.0))]
                     {
                         let error = (f64::from(found) - truth).abs();
                         assert!(error < 3e-6, "{kind:?} at {x}, {y}, {z}: {found}, expected {truth}");
@@ -384,7 +380,7 @@ mod tests {
                 for step in 0..20_000 {
                     let t = f64::from(step) * 0.003;
                     let point = [t, 0.37 * t - 20.0, -0.21 * t];
-                    let value = reference(&noise, &point[..dimensions], 0.0);
+                    let value = noise.reference(&point[..dimensions], 0.0);
                     if let Some(last) = last {
                         assert!((value - last).abs() < 0.02, "{kind:?}: a step of {} at {t}", (value - last).abs());
                     }
@@ -427,8 +423,8 @@ mod tests {
                 noise.fill(points.iter().map(|[x, y, _]| [*x, *y]), &prints, &mut flat);
                 for ((point, print), (found, flat)) in points.iter().zip(&prints).zip(out.iter().zip(&flat)) {
                     for (found, truth) in [
-                        (found, reference(&noise, point, f64::from(*print))),
-                        (flat, reference(&noise, &point[..2], f64::from(*print))),
+                        (found, noise.reference(point, f64::from(*print))),
+                        (flat, noise.reference(&point[..2], f64::from(*print))),
                     ] {
                         assert!(
                             (f64::from(*found) - truth).abs() < 3e-6,

@@ -1,12 +1,12 @@
 //! Spans of FieldMath's functions over spans of their arguments.
 
-use super::program::Function;
-use crate::bounds::{ROUNDING, Span};
+use super::Function;
+use trochoid_graph::Span;
 
 impl Function {
     /// Returns a span of all values that the function can have for arguments within the spans.
-    pub(crate) fn span(self, [a, b, c]: [Span; 3]) -> Span {
-        let (_, count) = self.arguments();
+    pub(super) fn span(self, [a, b, c]: [Span; 3]) -> Span {
+        let count = self.arguments();
         let arguments = &[a, b, c][..count];
         if arguments.iter().all(|argument| argument.is_exact()) {
             let numbers: Vec<f64> = arguments.iter().map(|argument| argument.low).collect();
@@ -69,7 +69,7 @@ impl Function {
                 let (middle, radius) = (a.low / 2.0 + a.high / 2.0, a.high / 2.0 - a.low / 2.0);
                 let at = self.of(&[middle]);
                 // The slope is at most 1. Include the rounding of the middle.
-                let reach = radius + middle.abs() * ROUNDING;
+                let reach = radius + middle.abs() * Span::ROUNDING;
                 let Span { low, high, .. } = Span::of(&[at - reach, at + reach]);
                 if at.is_nan() { Span::ANY } else { Span { low: low.max(-1.0), high: high.min(1.0), clear: true } }
             }
@@ -147,9 +147,9 @@ mod tests {
         ) {
             let spans: [Span; 3] = std::array::from_fn(|i| Span::around(middle[i], Bound::of(size[i])));
             let numbers: Vec<f64> = (0..3).map(|i| middle[i] + size[i] * at[i]).collect();
-            for function in Function::all() {
+            for function in Function::ALL {
                 let span = function.span(spans);
-                let (_, count) = function.arguments();
+                let count = function.arguments();
                 let value = function.of(&numbers[..count]);
                 let inside = span.is_any() || span.holds(value) || (span.is_exact() && value.to_bits() == span.low.to_bits());
                 prop_assert!(inside, "{function:?} of {numbers:?} is {value}, beyond {span:?} of {spans:?}");

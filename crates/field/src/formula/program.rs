@@ -1,132 +1,9 @@
-//! Expressions of FieldMath compiled for many samples at once: a list of steps, each over a run of samples.
+//! Expressions for many samples at once: a list of steps, each over a run of samples.
 
-use super::expression::{Expression, Node};
-use crate::bounds::Span;
+use super::{Expression, Function, Tree};
 use fearless_simd::{Level, Simd, dispatch};
 use std::collections::HashMap;
-
-macro_rules! functions {
-    ($($name:ident $text:literal ($least:literal) $of:expr;)*) => {
-        /// Functions and operators of numbers.
-        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-        pub(crate) enum Function { $($name,)* }
-
-        impl Function {
-            const ALL: &[Self] = &[$(Self::$name,)*];
-
-            fn text(self) -> &'static str {
-                match self { $(Self::$name => $text,)* }
-            }
-
-            /// Returns all functions.
-            #[cfg(test)]
-            pub(crate) fn all() -> &'static [Self] {
-                Self::ALL
-            }
-
-            /// Returns the smallest and largest number of arguments.
-            pub(crate) fn arguments(self) -> (usize, usize) {
-                match self { $(Self::$name => ($least, $least),)* }
-            }
-
-            /// Computes the function over a run of samples.
-            #[inline(always)]
-            fn fill(self, [a, b, c]: [&[f64]; 3], out: &mut [f64]) {
-                match self {
-                    $(Self::$name => {
-                        let of: fn(f64, f64, f64) -> f64 = $of;
-                        for (((out, a), b), c) in out.iter_mut().zip(a).zip(b).zip(c) {
-                            *out = of(*a, *b, *c);
-                        }
-                    })*
-                }
-            }
-
-            /// Computes the function at a single sample.
-            pub(crate) fn of(self, arguments: &[f64]) -> f64 {
-                let argument = |index: usize| arguments.get(index).copied().unwrap_or(0.0);
-                let of: fn(f64, f64, f64) -> f64 = match self { $(Self::$name => $of,)* };
-                of(argument(0), argument(1), argument(2))
-            }
-        }
-    };
-}
-
-fn truth(holds: bool) -> f64 {
-    if holds { 1.0 } else { 0.0 }
-}
-
-/// Returns `b` if `second`, otherwise `a`; NaN if either is NaN.
-fn either(a: f64, b: f64, second: bool) -> f64 {
-    if a.is_nan() || b.is_nan() {
-        f64::NAN
-    } else if second {
-        b
-    } else {
-        a
-    }
-}
-
-fn least(a: f64, b: f64) -> f64 {
-    either(a, b, b < a)
-}
-
-fn most(a: f64, b: f64) -> f64 {
-    either(a, b, b > a)
-}
-
-/// Returns t²(3 − 2t) with t = (x − a)/(b − a), limited to [0, 1].
-fn smoothstep(a: f64, b: f64, x: f64) -> f64 {
-    let t = least(most((x - a) / (b - a), 0.0), 1.0);
-    t * t * (3.0 - 2.0 * t)
-}
-
-// Names with letters are functions that formulas call; the others are operators.
-functions! {
-    Add "+" (2) |a, b, _| a + b;
-    Subtract "-" (2) |a, b, _| a - b;
-    Multiply "*" (2) |a, b, _| a * b;
-    Divide "/" (2) |a, b, _| a / b;
-    Power "^" (2) |a, b, _| libm::pow(a, b);
-    Negate "-" (1) |a, _, _| -a;
-    Less "<" (2) |a, b, _| truth(a < b);
-    LessOrEqual "<=" (2) |a, b, _| truth(a <= b);
-    Greater ">" (2) |a, b, _| truth(a > b);
-    GreaterOrEqual ">=" (2) |a, b, _| truth(a >= b);
-    Equal "==" (2) |a, b, _| truth(a == b);
-    Unequal "!=" (2) |a, b, _| truth(a != b);
-    Least "min" (2) |a, b, _| least(a, b);
-    Most "max" (2) |a, b, _| most(a, b);
-    Clamp "clamp" (3) |x, low, high| least(most(x, low), high);
-    Abs "abs" (1) |a, _, _| a.abs();
-    Sign "sign" (1) |a, _, _| if a.is_nan() { a } else { truth(a > 0.0) - truth(a < 0.0) };
-    Floor "floor" (1) |a, _, _| a.floor();
-    Ceil "ceil" (1) |a, _, _| a.ceil();
-    Fract "fract" (1) |a, _, _| a - a.floor();
-    Mod "mod" (2) |a, b, _| a - b * (a / b).floor();
-    Sqrt "sqrt" (1) |a, _, _| a.sqrt();
-    Exp "exp" (1) |a, _, _| libm::exp(a);
-    Log "log" (1) |a, _, _| libm::log(a);
-    Sin "sin" (1) |a, _, _| libm::sin(a);
-    Cos "cos" (1) |a, _, _| libm::cos(a);
-    Atan2 "atan2" (2) |y, x, _| libm::atan2(y, x);
-    Smoothstep "smoothstep" (3) |a, b, x| smoothstep(a, b, x);
-    Mix "mix" (3) |a, b, t| (1.0 - t) * a + t * b;
-    If "if" (3) |condition, a, b| if condition != 0.0 { a } else { b };
-}
-
-impl Function {
-    /// Returns the function with a name.
-    pub(crate) fn named(name: &str) -> Option<Self> {
-        Self::ALL.iter().copied().find(|function| function.text() == name)
-    }
-
-    /// Returns the names of all functions that formulas can call.
-    pub(crate) fn names() -> Vec<&'static str> {
-        let texts = Self::ALL.iter().map(|function| function.text());
-        texts.filter(|text| text.starts_with(|c: char| c.is_ascii_alphabetic())).collect()
-    }
-}
+use trochoid_graph::Span;
 
 /// One step; later steps refer to its result by its index.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -143,7 +20,7 @@ enum Step {
 
 /// An expression as a list of distinct steps.
 #[derive(Clone, Debug)]
-pub(crate) struct Program {
+pub struct Program {
     steps: Vec<Step>,
     /// Steps that compute the components of the result.
     results: Vec<usize>,
@@ -153,20 +30,21 @@ pub(crate) struct Program {
 const RUN: usize = 64;
 
 impl Program {
-    pub(crate) fn new(expression: &Expression) -> Self {
+    /// The steps of an expression.
+    pub fn new(expression: &Expression) -> Self {
         let mut building = Building::default();
         let results = building.components(expression);
         Self { steps: building.steps, results }
     }
 
     /// Returns the number of components of the result.
-    pub(crate) fn width(&self) -> usize {
+    pub fn width(&self) -> usize {
         self.results.len()
     }
 
     /// Computes `count` samples, run by run. `load(first, input, component, run)` loads a run of an input that starts
     /// at sample `first`; `store(first, component, run)` stores a run of the result.
-    pub(crate) fn run(
+    pub fn run(
         &self,
         count: usize,
         mut load: impl FnMut(usize, usize, usize, &mut [f64]),
@@ -211,7 +89,7 @@ impl Program {
     }
 
     /// Returns the spans of the result's components at one sample, from the spans of the inputs.
-    pub(crate) fn spans(&self, input: impl Fn(usize, usize) -> Span) -> Vec<Span> {
+    pub fn spans(&self, input: impl Fn(usize, usize) -> Span) -> Vec<Span> {
         let mut spans: Vec<Span> = Vec::with_capacity(self.steps.len());
         for step in &self.steps {
             spans.push(match step {
@@ -255,32 +133,32 @@ impl Building {
 
     /// Adds the steps of an expression and returns those of its components.
     fn components(&mut self, expression: &Expression) -> Vec<usize> {
-        match &expression.node {
-            Node::Number(number) => vec![self.step(Step::Constant(number.to_bits()))],
-            Node::Input(input) => {
+        match &expression.tree {
+            Tree::Number(number) => vec![self.step(Step::Constant(number.to_bits()))],
+            Tree::Input(input) => {
                 (0..expression.width).map(|component| self.step(Step::Input { input: *input, component })).collect()
             }
-            Node::Each(function, arguments) => {
+            Tree::Each(function, arguments) => {
                 let values: Vec<Vec<usize>> = arguments.iter().map(|argument| self.components(argument)).collect();
                 let of_each = |index: usize| -> Vec<usize> {
                     values.iter().map(|steps| steps[if steps.len() == 1 { 0 } else { index }]).collect()
                 };
                 (0..expression.width).map(|index| self.apply(*function, &of_each(index))).collect()
             }
-            Node::Dot(a, b) => {
+            Tree::Dot(a, b) => {
                 let (a, b) = (self.components(a), self.components(b));
                 vec![self.dot(&a, &b)]
             }
-            Node::Length(a) => {
+            Tree::Length(a) => {
                 let a = self.components(a);
                 let squared = self.dot(&a, &a);
                 vec![self.apply(Function::Sqrt, &[squared])]
             }
-            Node::Pick(a, picked) => {
+            Tree::Pick(a, picked) => {
                 let steps = self.components(a);
                 picked.iter().map(|index| steps[*index]).collect()
             }
-            Node::Join(values) => values.iter().flat_map(|value| self.components(value)).collect(),
+            Tree::Join(values) => values.iter().flat_map(|value| self.components(value)).collect(),
         }
     }
 }

@@ -2,25 +2,26 @@
 
 use super::reference::{distances, gradient_noise, kept, place};
 use super::{AMPLITUDE, Noise, NoiseKind, Octave};
-use crate::bounds::Span;
+use trochoid_graph::Span;
 
-/// Returns the span of the noise at a point of two or three coordinates, over spans of the coordinates and the
-/// footprint.
-pub(crate) fn span(noise: &Noise, point: &[Span], footprint: Span) -> Span {
-    let axes = point.len() + usize::from(noise.evolution.is_some());
-    let mean = noise.kind.mean(axes);
-    let clear = footprint.clear && point.iter().all(|along| along.clear);
-    let (mut low, mut high) = (0.0, 0.0);
-    for octave in &noise.octaves {
-        let kept = footprint.through(|footprint| kept(octave, footprint)).within(0.0, 1.0);
-        let value = if kept.high > 0.0 { octave_span(noise, octave, point) } else { Span::exactly(mean) };
-        let corners = [kept.low, kept.high].map(|kept| [value.low, value.high].map(|value| kept * (value - mean)));
-        let corners = corners.as_flattened();
-        low += octave.weight * (mean + corners.iter().copied().fold(f64::INFINITY, f64::min));
-        high += octave.weight * (mean + corners.iter().copied().fold(f64::NEG_INFINITY, f64::max));
+impl Noise {
+    /// What noise may be at a point of two or three coordinates, each somewhere in a span, for a footprint in one.
+    pub fn span(&self, point: &[Span], footprint: Span) -> Span {
+        let axes = point.len() + usize::from(self.evolution.is_some());
+        let mean = self.kind.mean(axes);
+        let clear = footprint.clear && point.iter().all(|along| along.clear);
+        let (mut low, mut high) = (0.0, 0.0);
+        for octave in &self.octaves {
+            let kept = footprint.through(|footprint| kept(octave, footprint)).within(0.0, 1.0);
+            let value = if kept.high > 0.0 { octave_span(self, octave, point) } else { Span::exactly(mean) };
+            let corners = [kept.low, kept.high].map(|kept| [value.low, value.high].map(|value| kept * (value - mean)));
+            let corners = corners.as_flattened();
+            low += octave.weight * (mean + corners.iter().copied().fold(f64::INFINITY, f64::min));
+            high += octave.weight * (mean + corners.iter().copied().fold(f64::NEG_INFINITY, f64::max));
+        }
+        let (least, most) = self.kind.range();
+        Span { low: low - LOST, high: high + LOST, clear }.within(least, most)
     }
-    let (least, most) = noise.kind.range();
-    Span { low: low - LOST, high: high + LOST, clear }.within(least, most)
 }
 
 /// Rounding error of the sum of octaves.
@@ -77,7 +78,7 @@ fn gradients(octave: &Octave, place: &[f64], reach: &[f64]) -> Span {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::field::{Axes, noise_reference};
+    use crate::Axes;
     use trochoid_graph::Bound;
 
     #[test]
@@ -102,11 +103,9 @@ mod tests {
                 let print = Span::around(footprint, Bound::of(size * footprint * (random() + 1.0) / 2.0));
                 let within = |span: &Span, at: f64| span.low + (span.high - span.low) * (at + 1.0) / 2.0;
                 let moved: Vec<f64> = spans.iter().map(|span| within(span, random())).collect();
-                let (here, there) = (
-                    noise_reference(&noise, &point, footprint),
-                    noise_reference(&noise, &moved, within(&print, random())),
-                );
-                let span = super::span(&noise, &spans, print);
+                let (here, there) =
+                    (noise.reference(&point, footprint), noise.reference(&moved, within(&print, random())));
+                let span = noise.span(&spans, print);
                 assert!(
                     span.holds(here) && span.holds(there),
                     "{kind:?}: {here} and {there} beyond {span:?} at {point:?}"

@@ -1,0 +1,159 @@
+//! What is wrong with a formula.
+
+use super::{Function, MAX_DEPTH, MAX_LENGTH, MAX_WIDTH};
+use std::fmt::{Display, Formatter, Result};
+
+/// What is wrong with a formula, and where.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Fault {
+    /// Its place, in characters from 1.
+    pub column: usize,
+    /// What stands there.
+    pub found: Found,
+    /// What should stand there.
+    pub expected: Expected,
+    /// What to do, where that is known.
+    pub remedy: Option<Remedy>,
+}
+
+/// What stands where something else was expected.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Found {
+    /// A formula of so many characters.
+    Length(usize),
+    /// A character that means nothing there.
+    Character(char),
+    /// The end of the formula.
+    End,
+    /// Brackets and signs nested deeper than [`MAX_DEPTH`].
+    TooDeep,
+    /// Letters that pick no components of a value of so many.
+    Letters(String, usize),
+    /// A number that f64 does not hold.
+    Number(String),
+    /// An input to which nothing is connected.
+    Unconnected(&'static str),
+    /// A name that means nothing, or that of no function.
+    Name(String),
+    /// A value of so many components.
+    Width(usize),
+    /// Values of so many components beside each other.
+    Widths(usize, usize),
+    /// So many arguments of a function.
+    Arguments(usize, String),
+}
+
+/// What should stand in place of what was found.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Expected {
+    /// At most [`MAX_LENGTH`] characters.
+    Length,
+    /// Something that goes on after a value, or nothing more.
+    Operator,
+    /// A value's beginning.
+    Value,
+    /// A sign.
+    Sign(&'static str),
+    /// A comma, or this closing bracket.
+    CommaOr(&'static str),
+    /// The arguments of this function.
+    ArgumentsOf(String),
+    /// Fewer levels of brackets.
+    FewerLevels,
+    /// Letters of a value of so many components.
+    Letters(usize),
+    /// A number that f64 holds.
+    FiniteNumber,
+    /// An input to which something is connected.
+    ConnectedInput,
+    /// A name that means something.
+    KnownName,
+    /// The name of a function.
+    FunctionName,
+    /// So many arguments.
+    Arguments(usize),
+    /// At most [`MAX_WIDTH`] components.
+    Width,
+    /// Values of equally many components, or a single number beside others.
+    EqualWidths,
+}
+
+/// What to do about a fault.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Remedy {
+    /// Connect this input, or do without it.
+    Connect(&'static str),
+    /// Connect what is meant to an input, and name that.
+    NameInput,
+    /// Write this name, which is nearly the one found.
+    Nearest(&'static str),
+}
+
+/// A count of components in words.
+struct Components(usize);
+
+impl Display for Components {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        if self.0 == 1 { f.write_str("a single number") } else { write!(f, "{} components", self.0) }
+    }
+}
+
+impl Display for Found {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        match self {
+            Self::Length(count) => write!(f, "{count} characters"),
+            Self::Character(character) => write!(f, "'{character}'"),
+            Self::End => f.write_str("the end"),
+            Self::TooDeep => write!(f, "more than {MAX_DEPTH} levels"),
+            Self::Letters(letters, of) => write!(f, "\".{letters}\" of {}", Components(*of)),
+            Self::Number(text) => write!(f, "'{text}'"),
+            Self::Unconnected(input) => write!(f, "input {input}, to which nothing is connected"),
+            Self::Name(name) => write!(f, "\"{name}\""),
+            Self::Width(width) => Components(*width).fmt(f),
+            Self::Widths(a, b) => write!(f, "{} beside {}", Components(*a), Components(*b)),
+            Self::Arguments(count, function) => write!(f, "{count} arguments of {function}"),
+        }
+    }
+}
+
+impl Display for Expected {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        match self {
+            Self::Length => write!(f, "at most {MAX_LENGTH} characters"),
+            Self::Operator => f.write_str("an operator or the end"),
+            Self::Value => f.write_str("a number, an input, a function or '('"),
+            Self::Sign(sign) => write!(f, "'{sign}'"),
+            Self::CommaOr(close) => write!(f, "',' or '{close}'"),
+            Self::ArgumentsOf(function) => write!(f, "'(' after {function}"),
+            Self::FewerLevels => f.write_str("fewer levels of brackets"),
+            Self::Letters(width) => write!(f, "1 to 4 of the letters {}", &"xyzw"[..(*width).min(MAX_WIDTH)]),
+            Self::FiniteNumber => f.write_str("a finite number, such as 0.5 or 2e3"),
+            Self::ConnectedInput => f.write_str("a connected input"),
+            Self::KnownName => f.write_str("an input a, b, c or d, pi, or a function"),
+            Self::FunctionName => write!(f, "a function: {}, dot or length", Function::names().join(", ")),
+            Self::Arguments(count) => write!(f, "{count}"),
+            Self::Width => write!(f, "at most {MAX_WIDTH} components"),
+            Self::EqualWidths => f.write_str("equally many, or a single number"),
+        }
+    }
+}
+
+impl Display for Remedy {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        match self {
+            Self::Connect(input) => write!(f, "connect \"{input}\", or leave it out of the expression"),
+            Self::NameInput => f.write_str("connect the Field to \"a\", \"b\", \"c\" or \"d\", and write that letter"),
+            Self::Nearest(name) => write!(f, "did you mean \"{name}\"?"),
+        }
+    }
+}
+
+impl Display for Fault {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        let Self { column, found, expected, remedy } = self;
+        write!(f, "found {found} at column {column}; expected {expected}")?;
+        remedy.iter().try_for_each(|remedy| write!(f, "; {remedy}"))
+    }
+}
+
+impl std::error::Error for Fault {}
