@@ -20,8 +20,8 @@ pub struct Ripple {
     /// Phase p at the origin at time 0, in radians.
     pub phase: f64,
     /// Keeps the printed phases p = k₁a + ωt, q = k₂b + ωt at positions a along and b across. Then one of the two
-    /// waves runs at twice the frequency, and the other stands still like a mold. The settled form is p = k₁a − ωt, q
-    /// = k₂b: both waves travel, and with them the pattern, unchanged.
+    /// waves runs at twice the frequency, and the other stands still like a mold. The settled form is p = k₁a − ωt,
+    /// q = k₂b: both waves travel, and with them the pattern, unchanged.
     pub literal: bool,
 }
 

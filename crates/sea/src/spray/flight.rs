@@ -22,8 +22,8 @@ fn decays(s: f64) -> (f64, f64) {
     }
 }
 
-/// Returns position and velocity after `time` seconds of flight under gravity, in a wind w with drag k in 1/s: v' =
-/// −g·ŷ + k(w − v).
+/// Returns position and velocity after `time` seconds of flight under gravity, in a wind w with drag k in 1/s:
+/// v' = −g·ŷ + k(w − v).
 ///
 /// x = x₀ + v₀·t·φ₁ + (k·w − g·ŷ)·t²·φ₂ and v = v₀ + (k(w − v₀) − g·ŷ)·t·φ₁, with φ₁ and φ₂ of k·t.
 pub(crate) fn fly(

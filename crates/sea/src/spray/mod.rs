@@ -20,8 +20,8 @@
 //!
 //! # The model
 //! With s = clamp((threshold − det J)/width, 0, 1) at a cell's middle, `density`·s·m drops are born per square meter
-//! and second, where m is the share that smooth noise leaves to the tuft. A drop of radius r then flies by v' = −g·ŷ
-//! + (drag·radius/r)(wind·gust − v), so that small drops are carried to leeward and large ones fall.
+//! and second, where m is the share that smooth noise leaves to the tuft. A drop of radius r then flies by
+//! v' = −g·ŷ + (drag·radius/r)(wind·gust − v), so that small drops are carried to leeward and large ones fall.
 //!
 //! # Results
 //! Whether a drop is born does not depend on how the sea is evaluated: if f32 leaves a doubt, the f64 sum decides.

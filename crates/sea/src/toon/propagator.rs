@@ -6,8 +6,8 @@ use super::modes::Modes;
 use super::splat::flushed;
 use super::{Basin, LITERAL_HZ, Mixing, Motion, Physics};
 
-/// Effect of an amount of time on the two numbers (a, b) of a mode under a constant force f: a' = m₀a + m₁b + m₄f, b'
-/// = m₂a + m₃b + m₅f.
+/// Effect of an amount of time on the two numbers (a, b) of a mode under a constant force f:
+/// a' = m₀a + m₁b + m₄f, b' = m₂a + m₃b + m₅f.
 pub(crate) type Transfer = [f64; 6];
 
 /// Returns the transfer of the mode with this 1 − λ over `seconds`, for a motion with modes.

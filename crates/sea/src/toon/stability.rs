@@ -100,8 +100,8 @@ impl Mixing {
         })
     }
 
-    /// Returns the wave equation whose step of 1/60 s is this mixing in the continuum: γ·dt = (1−c₁)/(1+c₁), c·dt/dx
-    /// = √(c₁/(1+c₁)), (ω₀·dt)² = 2(1−c₁−c₂)/(1+c₁); c₁ < 0 gives no waves and is replaced by 0.
+    /// Returns the wave equation whose step of 1/60 s is this mixing in the continuum: γ·dt = (1−c₁)/(1+c₁),
+    /// c·dt/dx = √(c₁/(1+c₁)), (ω₀·dt)² = 2(1−c₁−c₂)/(1+c₁). c₁ is clamped to [0, 1], since c₁ < 0 gives no waves.
     pub fn continuum(self, spacing: f64) -> Physics {
         let c1 = self.c1.clamp(0.0, 1.0);
         let over = 1.0 + c1;
@@ -120,9 +120,9 @@ const SLACK: f64 = 1e-15;
 const INSIDE: f64 = 1e-4;
 
 impl Instability {
-    /// Checks that every mode of the basin stays bounded: each obeys g² − b·g + c₁ = 0, b = 2c₁λ + c₂, so that |c₁| ≤
-    /// 1 and |b| ≤ 1 + c₁ must hold for each λ, without a double root on |g| = 1 (Jury's criterion). b is linear in
-    /// λ, so the two ends of the spectrum decide.
+    /// Checks that every mode of the basin stays bounded: each obeys g² − b·g + c₁ = 0, b = 2c₁λ + c₂, so that
+    /// |c₁| ≤ 1 and |b| ≤ 1 + c₁ must hold for each λ, without a double root on |g| = 1 (Jury's criterion). b is
+    /// linear in λ, so the two ends of the spectrum decide.
     ///
     /// # Errors
     /// The instability, with the nearest stable coefficients.
