@@ -32,7 +32,8 @@ impl std::fmt::Display for GridError {
         match self {
             Self::Size(columns, rows) => write!(
                 f,
-                "found a grid of {columns} × {rows} points; expected at most {MAX_SIDE} along a side, {MAX_POINTS} in all"
+                "found a grid of {columns} × {rows} points; expected at most {MAX_SIDE} along a side and \
+                 {MAX_POINTS} in all"
             ),
             Self::Meters(what, found) => {
                 write!(
