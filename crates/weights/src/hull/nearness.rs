@@ -4,14 +4,13 @@
 //! plane by almost nothing. [`Nearness`] bounds the distance for each plane by a factor, so that nearly all pixels
 //! that rounding has moved across a plane are judged without a search for the nearest point.
 //!
-//! *Proof* that the distance, as [`Hull::exit`](super::Hull::exit) finds it, is at most `factor`·e + `error`, where e
-//! > 0 is the largest excess and both numbers belong to its plane. Let w be that plane, and q the projection of the
-//! point p onto it. If q is inside of all planes, the distance found is e. Otherwise q is outside the hull, hence
-//! outside the polygon of facet w, and its nearest point c on that polygon lies on one of the edges that the search
-//! goes through; so the distance found is at most √(e² + t²), t = |q − c|. Let g be the other facet at that edge,
-//! with unit normals n_w and n_g. p violates g by at most e, so q violates it by at most e·(1 − n_g·n_w). From c,
-//! which lies in plane g, to q that excess grows by t·(n_g·u), where u is the direction from c to q, a unit vector in
-//! plane w:
+//! *Proof* that the distance, as [`Hull::exit`](super::Hull::exit) finds it, is at most `factor`·e + `error` for a
+//! largest excess e > 0, with both numbers of its plane. Let w be that plane, and q the projection of the point p
+//! onto it. If q is inside of all planes, the distance found is e. Otherwise q is outside the hull, hence outside the
+//! polygon of facet w, and its nearest point c on that polygon lies on one of the edges that the search goes through;
+//! so the distance found is at most √(e² + t²), t = |q − c|. Let g be the other facet at that edge, with unit normals
+//! n_w and n_g. p violates g by at most e, so q violates it by at most e·(1 − n_g·n_w). From c, which lies in plane
+//! g, to q that excess grows by t·(n_g·u), where u is the direction from c to q, a unit vector in plane w:
 //! - If c lies inside an edge, u is the edge's normal m within plane w, and n_g·u = n_g·m.
 //! - If c is a corner, u lies between the normals m of the two edges there, no further from one of them than half
 //!   their angle φ. With n_g = (n_g·m)·m + r + (a multiple of n_w), n_g·u ≥ (n_g·m)·cos(φ/2) − |r| for the edge with
