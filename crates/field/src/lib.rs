@@ -1,7 +1,8 @@
-//! Noise and formulas over fields, with their f64 reference and bounds, and random numbers that belong to a place.
+//! Noise and formulas over fields, with their f64 references and bounds, and hashes as random numbers.
 //!
-//! Noise and formulas are each there three times: fast, for many samples at once; in f64 at one sample, straight from the definition; and as
-//! a [`Span`](trochoid_graph::Span) of all that it may be where its arguments are only known within bounds.
+//! Noise and formulas have three evaluators each: a fast one for many samples at once; a reference in f64 at one sample,
+//! straight from the definition; and one over intervals, for arguments known only within bounds
+//! ([`Span`](trochoid_graph::Span)).
 //!
 //! ```
 //! use trochoid_field::{Axes, Noise, NoiseKind, Program, parse};

@@ -2,16 +2,16 @@
 
 use super::Function;
 
-/// What a formula says of its inputs, or a part of it does.
+/// Formula of the inputs, or a part of one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Expression {
-    /// What it is made of.
+    /// Root of its syntax tree.
     pub(super) tree: Tree,
-    /// How many components it has.
+    /// Number of components of its value.
     pub width: usize,
 }
 
-/// What an expression is made of.
+/// Node of the syntax tree.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Tree {
     Number(f64),

@@ -1,58 +1,58 @@
-//! What is wrong with a formula.
+//! Errors of formulas, as data and in words.
 
 use super::{Function, MAX_DEPTH, MAX_LENGTH, MAX_WIDTH};
 use std::fmt::{Display, Formatter, Result};
 
-/// What is wrong with a formula, and where.
+/// Error in a formula.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Fault {
-    /// Its place, in characters from 1.
+    /// Column in characters, from 1.
     pub column: usize,
-    /// What stands there.
+    /// What was found there.
     pub found: Found,
-    /// What should stand there.
+    /// What was expected there.
     pub expected: Expected,
-    /// What to do, where that is known.
+    /// What to do, if known.
     pub remedy: Option<Remedy>,
 }
 
-/// What stands where something else was expected.
+/// What was found instead of something expected.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Found {
-    /// A formula of so many characters.
+    /// A formula of this many characters.
     Length(usize),
-    /// A character that means nothing there.
+    /// A character that has no meaning there.
     Character(char),
     /// The end of the formula.
     End,
-    /// Brackets and signs nested deeper than [`MAX_DEPTH`].
+    /// Brackets and signs nested more deeply than [`MAX_DEPTH`].
     TooDeep,
-    /// Letters that pick no components of a value of so many.
+    /// Letters that do not pick components of a value with this many.
     Letters(String, usize),
-    /// A number that f64 does not hold.
+    /// A number beyond the range of f64.
     Number(String),
-    /// An input to which nothing is connected.
+    /// An unconnected input.
     Unconnected(&'static str),
-    /// A name that means nothing, or that of no function.
+    /// An unknown name, or a name that is not a function.
     Name(String),
-    /// A value of so many components.
+    /// A value of this many components.
     Width(usize),
-    /// Values of so many components beside each other.
+    /// Values of different numbers of components combined.
     Widths(usize, usize),
-    /// So many arguments of a function.
+    /// This many arguments of a function.
     Arguments(usize, String),
 }
 
-/// What should stand in place of what was found.
+/// What was expected instead.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Expected {
     /// At most [`MAX_LENGTH`] characters.
     Length,
-    /// Something that goes on after a value, or nothing more.
+    /// An operator after a value, or the end.
     Operator,
-    /// A value's beginning.
+    /// The start of a value.
     Value,
-    /// A sign.
+    /// This character.
     Sign(&'static str),
     /// A comma, or this closing bracket.
     CommaOr(&'static str),
@@ -60,36 +60,36 @@ pub enum Expected {
     ArgumentsOf(String),
     /// Fewer levels of brackets.
     FewerLevels,
-    /// Letters of a value of so many components.
+    /// Letters of a value of this many components.
     Letters(usize),
-    /// A number that f64 holds.
+    /// A number within the range of f64.
     FiniteNumber,
-    /// An input to which something is connected.
+    /// A connected input.
     ConnectedInput,
-    /// A name that means something.
+    /// A known name.
     KnownName,
     /// The name of a function.
     FunctionName,
-    /// So many arguments.
+    /// This many arguments.
     Arguments(usize),
     /// At most [`MAX_WIDTH`] components.
     Width,
-    /// Values of equally many components, or a single number beside others.
+    /// Values of equal numbers of components, or a single number combined with others.
     EqualWidths,
 }
 
 /// What to do about a fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Remedy {
-    /// Connect this input, or do without it.
+    /// Connect this input, or remove it from the formula.
     Connect(&'static str),
-    /// Connect what is meant to an input, and name that.
+    /// Connect the value to an input, and use the input's name.
     NameInput,
-    /// Write this name, which is nearly the one found.
+    /// Use this name, which is similar to the one found.
     Nearest(&'static str),
 }
 
-/// A count of components in words.
+/// Returns a count of components in words.
 struct Components(usize);
 
 impl Display for Components {

@@ -1,25 +1,25 @@
-//! Functions of formulas, of single numbers and of runs of them.
+//! Functions of formulas, on single numbers and on runs of them.
 
 macro_rules! functions {
     ($($name:ident $text:literal ($count:literal) $of:expr;)*) => {
-        /// What is computed of numbers.
+        /// Function or operator of numbers.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
         pub(crate) enum Function { $($name,)* }
 
         impl Function {
-            /// Every function.
+            /// All functions.
             pub(super) const ALL: &[Self] = &[$(Self::$name,)*];
 
             fn text(self) -> &'static str {
                 match self { $(Self::$name => $text,)* }
             }
 
-            /// How many arguments it takes.
+            /// Returns the number of arguments.
             pub(super) fn arguments(self) -> usize {
                 match self { $(Self::$name => $count,)* }
             }
 
-            /// The function over a run of samples.
+            /// Computes the function over a run of samples.
             #[inline(always)]
             pub(super) fn fill(self, [a, b, c]: [&[f64]; 3], out: &mut [f64]) {
                 match self {
@@ -32,7 +32,7 @@ macro_rules! functions {
                 }
             }
 
-            /// The function of one number each.
+            /// Computes the function of single numbers.
             pub(super) fn of(self, arguments: &[f64]) -> f64 {
                 let argument = |index: usize| arguments.get(index).copied().unwrap_or(0.0);
                 let of: fn(f64, f64, f64) -> f64 = match self { $(Self::$name => $of,)* };
@@ -46,7 +46,7 @@ fn truth(holds: bool) -> f64 {
     if holds { 1.0 } else { 0.0 }
 }
 
-/// The second of two numbers if so told, else the first; NaN where either is.
+/// Returns the second of two numbers if `second` says so, else the first; NaN if either is NaN.
 fn either(a: f64, b: f64, second: bool) -> f64 {
     if a.is_nan() || b.is_nan() {
         f64::NAN
@@ -65,7 +65,7 @@ fn most(a: f64, b: f64) -> f64 {
     either(a, b, b > a)
 }
 
-/// t²(3 − 2t) of how far x lies from a to b.
+/// Returns t²(3 − 2t), with t the position of x between a and b, clamped to [0, 1].
 fn smoothstep(a: f64, b: f64, x: f64) -> f64 {
     let t = least(most((x - a) / (b - a), 0.0), 1.0);
     t * t * (3.0 - 2.0 * t)
@@ -106,12 +106,12 @@ functions! {
 }
 
 impl Function {
-    /// The function of a name.
+    /// Looks up the function of a name.
     pub(super) fn named(name: &str) -> Option<Self> {
         Self::ALL.iter().copied().find(|function| function.text() == name)
     }
 
-    /// Every name that can be called.
+    /// Returns all names that can be called.
     pub(super) fn names() -> Vec<&'static str> {
         let texts = Self::ALL.iter().map(|function| function.text());
         texts.filter(|text| text.starts_with(|c: char| c.is_ascii_alphabetic())).collect()

@@ -1,4 +1,4 @@
-//! The language of formulas: its grammar.
+//! Grammar of formulas, and their parser.
 //!
 //! ```text
 //! comparison = sum [ ("<" | "<=" | ">" | ">=" | "==" | "!=") sum ]
@@ -8,20 +8,22 @@
 //! part       = atom { "." letters }
 //! atom       = number | name | name "(" list ")" | "[" list "]" | "(" comparison ")"
 //! ```
-//! No crate fits: those at hand compute with the machine's own functions, whose bits differ, or know no vectors.
+//! The parser is our own: other crates compute with the machine's functions, whose last bits differ between machines, or
+//! lack vectors.
 
 use super::typing::{each, join};
 use super::{Expected, Expression, Fault, Found, Function, MAX_WIDTH, Tree};
 
-/// Deeper than any formula that a person writes; beyond it the stack would be at risk.
+/// Maximum depth of nesting, far deeper than formulas written by hand. Deeper nesting could overflow the stack.
 pub const MAX_DEPTH: usize = 64;
-/// Longer than any formula that a person writes; it bounds how deep a row of operators nests.
+/// Maximum length in characters, far longer than formulas written by hand. It also bounds the depth to which a chain of
+/// operators nests.
 pub const MAX_LENGTH: usize = 1000;
 
-/// Reads an expression. `inputs` gives the number of components of each input that is connected: a, b, c and d.
+/// Parses a formula. `inputs` gives the numbers of components of the inputs a, b, c and d; `None` if unconnected.
 ///
 /// # Errors
-/// It is no expression, or computes with what does not fit together.
+/// The text is not a formula, or combines values whose numbers of components do not fit.
 pub fn parse(text: &str, inputs: [Option<usize>; 4]) -> Result<Expression, Fault> {
     let characters: Vec<char> = text.chars().collect();
     if characters.len() > MAX_LENGTH {
@@ -53,13 +55,13 @@ impl Parser {
         }
     }
 
-    /// What stands here is not what was expected.
+    /// Makes the error that the character here is not what was expected.
     pub(super) fn fault(&mut self, expected: Expected) -> Fault {
         self.space();
         fault_at(self.at, self.text.get(self.at).map_or(Found::End, |c| Found::Character(*c)), expected)
     }
 
-    /// Takes a sign where it stands here.
+    /// Consumes this character if it is next.
     fn take(&mut self, sign: &str) -> bool {
         self.space();
         let here = sign.chars().enumerate().all(|(i, c)| self.text.get(self.at + i) == Some(&c));
@@ -71,7 +73,7 @@ impl Parser {
         if self.take(sign) { Ok(()) } else { Err(self.fault(Expected::Sign(sign))) }
     }
 
-    /// Goes one level down, unless that is too deep.
+    /// Enters a level of nesting.
     fn nested(&mut self, rule: impl FnOnce(&mut Self) -> Parsed) -> Parsed {
         if self.depth == MAX_DEPTH {
             return Err(fault_at(self.at, Found::TooDeep, Expected::FewerLevels));
@@ -103,7 +105,7 @@ impl Parser {
         }
     }
 
-    /// Operators of one rank, from left to right.
+    /// Parses operators of equal precedence, left to right.
     fn row(&mut self, signs: [(&str, Function); 2], operand: fn(&mut Self) -> Parsed) -> Parsed {
         let mut left = operand(self)?;
         loop {
@@ -217,7 +219,7 @@ impl Parser {
         }
     }
 
-    /// Values up to a closing bracket.
+    /// Parses values up to a closing bracket.
     pub(super) fn list(&mut self, close: &'static str) -> Result<Vec<Expression>, Fault> {
         let mut values = vec![self.comparison()?];
         while self.take(",") {
@@ -227,7 +229,7 @@ impl Parser {
     }
 }
 
-/// A fault at a place, without a remedy.
+/// Makes an error without a remedy.
 pub(super) fn fault_at(at: usize, found: Found, expected: Expected) -> Fault {
     Fault { column: at + 1, found, expected, remedy: None }
 }

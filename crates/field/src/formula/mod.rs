@@ -1,4 +1,4 @@
-//! Formulas: what they say, what they give at one sample, and the same for many at once.
+//! Formulas: their grammar, their value at one sample, and fast evaluation of many samples.
 
 mod expression;
 mod fault;

@@ -30,7 +30,7 @@ pub struct Program {
 const RUN: usize = 64;
 
 impl Program {
-    /// The steps of an expression.
+    /// Compiles an expression.
     pub fn new(expression: &Expression) -> Self {
         let mut building = Building::default();
         let results = building.components(expression);

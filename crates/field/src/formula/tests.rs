@@ -1,10 +1,10 @@
-//! Formulas as they should be, and as they should not.
+//! Valid and invalid formulas.
 
 use super::{MAX_LENGTH, Program, parse};
 
 const INPUTS: [Vec<f64>; 4] = [Vec::new(), Vec::new(), Vec::new(), Vec::new()];
 
-/// The value by recursion, and by the program.
+/// Returns the value by recursion and by the program.
 fn values(text: &str, inputs: [Vec<f64>; 4]) -> Vec<f64> {
     let widths = inputs.each_ref().map(|input| (!input.is_empty()).then_some(input.len()));
     let expression = parse(text, widths).unwrap_or_else(|fault| panic!("{text}: {fault:?}"));

@@ -1,10 +1,10 @@
-//! What names of formulas mean, and what may be computed with what.
+//! Names in formulas, and checks of the numbers of components that are combined.
 
 use super::grammar::{Parsed, Parser, fault_at};
 use super::{Expected, Expression, Fault, Found, Function, Remedy, Tree};
 use trochoid_graph::nearest;
 
-/// The most components of a value.
+/// Maximum number of components of a value.
 pub const MAX_WIDTH: usize = 4;
 
 const INPUTS: [&str; 4] = ["a", "b", "c", "d"];
@@ -16,7 +16,7 @@ impl Fault {
 }
 
 impl Parser {
-    /// A name alone: a number or an input.
+    /// Resolves a name without arguments: a constant or an input.
     pub(super) fn name(&mut self, at: usize, name: &str) -> Parsed {
         if name == "pi" {
             return Ok(Expression { tree: Tree::Number(std::f64::consts::PI), width: 1 });
@@ -40,7 +40,7 @@ impl Parser {
         }
     }
 
-    /// A name with arguments.
+    /// Resolves a name with arguments.
     pub(super) fn call(&mut self, at: usize, name: &str) -> Parsed {
         let arguments = self.list(")")?;
         let function = Function::named(name);
@@ -81,7 +81,7 @@ impl Parser {
     }
 }
 
-/// Several values as one.
+/// Joins several values into one.
 pub(super) fn join(at: usize, values: Vec<Expression>) -> Parsed {
     let width = values.iter().map(|value| value.width).sum();
     if width > MAX_WIDTH {
@@ -90,7 +90,7 @@ pub(super) fn join(at: usize, values: Vec<Expression>) -> Parsed {
     Ok(Expression { tree: Tree::Join(values), width })
 }
 
-/// A function of each component.
+/// Applies a function component by component.
 pub(super) fn each(at: usize, function: Function, arguments: Vec<Expression>) -> Parsed {
     let width = arguments.iter().map(|argument| argument.width).max().unwrap_or(1);
     match arguments.iter().find(|argument| argument.width != 1 && argument.width != width) {

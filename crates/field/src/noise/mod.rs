@@ -65,11 +65,11 @@ const MOST: usize = 4;
 /// A sum of octaves.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Noise {
-    /// What the octaves are made of.
+    /// Type of noise in the octaves.
     pub kind: NoiseKind,
-    /// Its octaves, the one of the largest cells first.
+    /// Octaves, largest cells first.
     pub octaves: Vec<Octave>,
-    /// Place along the last axis in cells, the same in every octave, where the noise has one beside those of space.
+    /// Coordinate along an additional last axis, in cells, the same in every octave; `None` if there is no such axis.
     pub evolution: Option<f64>,
 }
 
@@ -78,13 +78,13 @@ pub struct Noise {
 pub struct Axes {
     /// Size of a cell of the first octave, in the unit of the coordinates.
     pub scale: f64,
-    /// How many there are.
+    /// Number of octaves.
     pub octaves: usize,
-    /// By what factor the cells of each are smaller than those of the one before.
+    /// Factor by which the cells of each octave are smaller than those of the one before.
     pub lacunarity: f64,
-    /// By what factor each weighs less than the one before.
+    /// Factor of each octave's weight relative to the one before.
     pub gain: f64,
-    /// Which noise of all that have these figures.
+    /// Random seed.
     pub seed: u32,
 }
 
@@ -108,7 +108,7 @@ pub(crate) fn extend(hash: u32, cell: i64) -> u32 {
 const GOLDEN: u32 = 0x9e37_79b9;
 
 impl Noise {
-    /// The octaves of these figures, whose weights sum to 1.
+    /// Makes the octaves for these parameters. Their weights sum to 1.
     pub fn new(kind: NoiseKind, axes: Axes, evolution: Option<f64>) -> Self {
         let mut octaves = Vec::with_capacity(axes.octaves);
         let (mut frequency, mut weight) = (1.0 / axes.scale, 1.0);

@@ -3,7 +3,7 @@
 use super::{AMPLITUDE, Noise, NoiseKind, Octave, extend, feature, gradient};
 
 impl Noise {
-    /// The noise at a point of two or three coordinates that stands for a footprint, in their unit.
+    /// Returns the noise at a point of two or three coordinates, for a footprint in the unit of the coordinates.
     pub fn reference(&self, point: &[f64], footprint: f64) -> f64 {
         let axes = point.len() + usize::from(self.evolution.is_some());
         let mean = self.kind.mean(axes);
@@ -28,8 +28,8 @@ impl Noise {
         self.octaves.iter().map(value).sum::<f64>().clamp(low, high)
     }
 
-    /// Noise of kind [`NoiseKind::Edges`] at a point of the plane, and how much it grows along each axis, for a unit of
-    /// the coordinates: the difference of the unit vectors that lead away from the two nearest feature points.
+    /// Returns noise of kind [`NoiseKind::Edges`] at a point of the plane, and its slope along each axis, per unit of the
+    /// coordinates: the difference of the unit vectors away from the two nearest feature points.
     pub fn edges_reference(&self, point: [f64; 2]) -> (f64, [f64; 2]) {
         let mut slope = [0.0; 2];
         for octave in &self.octaves {

@@ -5,7 +5,8 @@ use super::{AMPLITUDE, Noise, NoiseKind, Octave};
 use trochoid_graph::Span;
 
 impl Noise {
-    /// What noise may be at a point of two or three coordinates, each somewhere in a span, for a footprint in one.
+    /// Returns the span of the noise at a point of two or three coordinates, over spans of the coordinates and the
+    /// footprint.
     pub fn span(&self, point: &[Span], footprint: Span) -> Span {
         let axes = point.len() + usize::from(self.evolution.is_some());
         let mean = self.kind.mean(axes);

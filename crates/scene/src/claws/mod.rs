@@ -1,4 +1,5 @@
-//! Claws: ribbons with thumbs in a picture, such as foam that grows on a surface; what their places are, and what is drawn there.
+//! Claws: ribbons with thumbs in the picture, such as foam rooted in a surface; finds the pixels inside them and computes
+//! what is drawn there.
 
 mod ribbon;
 
@@ -7,48 +8,48 @@ pub use ribbon::{Ribbon, Shape, Within};
 use ribbon::STEPS;
 use trochoid_image::Window;
 
-/// A ribbon and its thumbs.
+/// A ribbon with its thumbs.
 pub struct Claw {
-    /// Each with its random number; of two in which a place lies equally deep the later counts.
+    /// Ribbons, each with its random number. Where a point lies equally deep in two, the later one wins.
     pub parts: Vec<(Ribbon, f64)>,
-    /// Depth of what it is rooted in.
+    /// Depth of the root.
     pub depth: f64,
-    /// The side to which it bends: 1 right, −1 left.
+    /// Side to which the ribbon bends: 1 is right, −1 is left.
     pub side: f64,
-    /// Which row, the first is 1.
+    /// Number of its row, counted from 1.
     pub row: f64,
-    /// Handed on to what is drawn.
+    /// Value passed on to the outputs.
     pub tag: f64,
-    /// Widths of the ink along the outer and the inner rim, in pixels.
+    /// Widths of the ink along the outer and inner edges, in pixels.
     pub line: [f64; 2],
-    /// Size of the crescent of shade.
+    /// Size of the shading crescent.
     pub shade: f64,
 }
 
 /// Values of all outputs at a point in a claw.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Drawn {
-    /// Share of the pixel that it covers.
+    /// Fraction of the pixel that the claw covers.
     pub mask: f64,
-    /// 0 at the root, 1 at the tip.
+    /// Position along the ribbon: 0 at the root, 1 at the tip.
     pub along: f64,
-    /// −1 to 1, from the left of the way to its right.
+    /// Position across the ribbon: −1 at the left edge, 1 at the right edge, seen from the root.
     pub across: f64,
-    /// Half the width there, in pixels.
+    /// Half the width of the ribbon, in pixels.
     pub half_width: f64,
-    /// The side to which the claw bends.
+    /// Side to which the claw bends.
     pub side: f64,
-    /// The random number of the part.
+    /// Random number of the ribbon.
     pub random: f64,
-    /// The claw's row.
+    /// Row of the claw.
     pub row: f64,
-    /// Distance to the rim, in pixels.
+    /// Distance to the edge, in pixels.
     pub inset: f64,
-    /// The claw's tag.
+    /// Tag of the claw.
     pub tag: f64,
-    /// Share of ink along the rims.
+    /// Strength of the ink along the edges, in [0, 1].
     pub ink: f64,
-    /// Share of shade on the inner side.
+    /// Strength of the shading on the inner side, in [0, 1].
     pub shade: f64,
 }
 

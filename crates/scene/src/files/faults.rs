@@ -1,4 +1,4 @@
-//! What is wrong with files of surfaces: the place, what was found, what was expected, and what to do.
+//! Errors of surface files, as data and in words: place, what was found, what was expected, and what to do.
 
 use super::obj::{MOST, explained};
 use super::patches::FARTHEST;
@@ -7,37 +7,37 @@ use crate::{MAX_TRIANGLES, TrianglesError};
 use gltf::accessor::{DataType, Dimensions};
 use thiserror::Error;
 
-/// Why bytes are no mesh.
+/// Error in the bytes of a mesh file.
 #[derive(Debug, Error)]
 pub enum MeshFault {
-    /// They are neither text nor a GLB.
+    /// The bytes are neither text nor a GLB.
     #[error("found a binary file that is no GLB; expected a mesh: .obj, .glb and .gltf are read")]
     Binary,
-    /// They are a Wavefront OBJ with a fault, or text of another kind.
+    /// Invalid Wavefront OBJ, or text of another kind.
     #[error(transparent)]
     Obj(#[from] ObjFault),
-    /// They are a glTF with a fault, or JSON of another kind.
+    /// Invalid glTF, or JSON of another kind.
     #[error(transparent)]
     Gltf(#[from] GltfFault),
-    /// So many triangles or vertices.
+    /// Too many triangles or vertices.
     #[error("found {0} triangles or vertices; expected at most {MAX_TRIANGLES}: reduce the mesh")]
     TooMany(usize),
-    /// A part, or all of them, whose arrays do not fit each other.
+    /// Arrays that do not fit each other, in a part or in the whole mesh.
     #[error(transparent)]
     Triangles(#[from] TrianglesError),
-    /// A mesh of nothing that is seen.
+    /// A mesh without triangles.
     #[error("found no triangle; expected a mesh, .obj, .glb or .gltf: export its faces too, or name another file")]
     Empty,
 }
 
-/// What indices of faces count in a Wavefront OBJ.
+/// Elements that the faces of a Wavefront OBJ refer to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Indexed {
-    /// Lines of v.
+    /// Positions, lines of `v`.
     Vertices,
-    /// Lines of vt.
+    /// Texture coordinates, lines of `vt`.
     TextureCoordinates,
-    /// Lines of vn.
+    /// Normals, lines of `vn`.
     Normals,
 }
 
@@ -51,126 +51,126 @@ impl std::fmt::Display for Indexed {
     }
 }
 
-/// Why bytes are no Wavefront OBJ.
+/// Error in a Wavefront OBJ.
 #[derive(Debug, Error)]
 pub enum ObjFault {
-    /// A line that cannot be read.
+    /// A line that cannot be parsed.
     #[error("line {line}: {}", explained(.fault))]
     Line {
-        /// The line, from 1.
+        /// Line, from 1.
         line: usize,
-        /// What is wrong with it.
+        /// Reason.
         fault: tobj::LoadError,
     },
-    /// An index that points nowhere.
+    /// An index of an element that does not exist.
     #[error(
         "line {line}: found the index {index} after {count} {of}; expected 1 to their number, or -1 to -{count} to count \
          back: correct it"
     )]
     Index {
-        /// The line, from 1.
+        /// Line, from 1.
         line: usize,
-        /// The index.
+        /// Index.
         index: i128,
-        /// What it counts.
+        /// Kind of element.
         of: Indexed,
-        /// How many of those come before.
+        /// Number of such elements up to there.
         count: i64,
     },
-    /// A coordinate that is not finite, or too far away.
+    /// A coordinate that is not finite, or too large.
     #[error(
         "object {object}: found the coordinate {found:?} of a vertex; expected finite numbers up to {MOST:e}: correct it, \
          or export the file again"
     )]
     Coordinate {
-        /// Its object's name.
+        /// Name of its object.
         object: String,
-        /// The coordinate.
+        /// Coordinate.
         found: f64,
     },
-    /// Corners of one object that have unlike parts.
+    /// Corners of one object that differ in whether they have texture coordinates or normals.
     #[error("object {object}: {fault}: give all corners of an object the same parts, such as 1/1/1")]
     Corners {
-        /// The object's name.
+        /// Name of the object.
         object: String,
-        /// What follows from that.
+        /// Mismatch between its arrays.
         fault: TrianglesError,
     },
 }
 
-/// Why bytes are no glTF 2.0 whose meshes can be taken.
+/// Error in a glTF 2.0 file.
 #[derive(Debug, Error)]
 pub enum GltfFault {
-    /// A GLB whose bytes are not those that it says it has.
+    /// A GLB whose length differs from the one in its header.
     #[error("found {found} bytes of a GLB that says it has {length}; expected the whole file: copy it again")]
     Length {
-        /// How many there are.
+        /// Actual number.
         found: usize,
-        /// How many it says.
+        /// Number in the header.
         length: usize,
     },
-    /// What cannot be read as glTF.
+    /// Bytes that cannot be parsed as glTF.
     #[error("found JSON or a GLB that is no glTF ({0}); expected glTF 2.0: export the mesh again, as .glb or .obj")]
     Unreadable(gltf::Error),
-    /// A glTF that breaks its own rules.
+    /// A violation of the glTF specification.
     #[error("found a glTF with a fault ({0}); expected a valid one: export the mesh again")]
     Invalid(gltf::Error),
-    /// Positions of which there is no accessor.
+    /// Positions whose accessor does not exist.
     #[error("mesh {mesh}: found accessor {accessor} for POSITION, but there are {count}")]
     Positions {
-        /// The mesh.
+        /// Mesh.
         mesh: usize,
-        /// The accessor that it names.
+        /// Accessor that the mesh names.
         accessor: usize,
-        /// How many there are.
+        /// Actual number.
         count: usize,
     },
     /// A glTF without a scene.
     #[error("found no scene; expected one, with nodes that show meshes: export the whole scene")]
     NoScene,
-    /// A node that is no node of a tree.
+    /// A node that is reached twice, so that the nodes are not a tree.
     #[error("node {0}: found it below two nodes, or below itself; expected a tree")]
     NoTree(usize),
-    /// A buffer without its bytes.
+    /// A buffer without bytes.
     #[error("buffer {buffer}: {fault}")]
     Buffer {
-        /// The buffer.
+        /// Buffer.
         buffer: usize,
-        /// Why it has none.
+        /// Reason.
         fault: BufferFault,
     },
-    /// A primitive that makes no triangles.
+    /// A primitive that cannot be read as triangles.
     #[error("node {node}, primitive {primitive}: {fault}")]
     Primitive {
-        /// The node that shows it.
+        /// Node that shows the mesh.
         node: usize,
-        /// The primitive within the node's mesh.
+        /// Primitive within the mesh.
         primitive: usize,
-        /// Why it makes none.
+        /// Reason.
         fault: PartFault,
     },
 }
 
-/// Why a buffer of a glTF has no bytes.
+/// Reason why a glTF buffer has no bytes.
 #[derive(Debug, Error)]
 pub enum BufferFault {
-    /// It is that of a GLB, in JSON alone.
+    /// The buffer is that of a GLB, but the file is only JSON.
     #[error("found no binary chunk")]
     NoChunk,
-    /// They lie elsewhere: where that begins.
+    /// The bytes are in another file; the start of its address.
     #[error(
         "found its bytes in another file, \"{0}\"; expected them in this one: export as .glb, or with buffers embedded"
     )]
     Elsewhere(String),
-    /// What is embedded is not encoded as it says.
+    /// Embedded bytes that are not valid base64.
     #[error("found no base64: {0}")]
     Encoding(base64::DecodeError),
 }
 
-/// Why a primitive of a glTF makes no triangles.
+/// Reason why a glTF primitive cannot be read as triangles.
 #[derive(Debug, Error)]
 pub enum PartFault {
-    /// So many vertices, with those of all primitives before.
+    /// Too many vertices, counting those of all primitives before.
     #[error("found {0} vertices; expected at most {MAX_TRIANGLES}: reduce the mesh")]
     TooMany(usize),
     /// An array that cannot be read.
@@ -178,7 +178,7 @@ pub enum PartFault {
     Array {
         /// Its semantic, or "indices".
         array: String,
-        /// Why it cannot.
+        /// Reason.
         fault: AccessorFault,
     },
     /// Arrays that do not fit each other.
@@ -186,121 +186,121 @@ pub enum PartFault {
     Triangles(#[from] TrianglesError),
 }
 
-/// Why an accessor of a glTF gives no numbers.
+/// Reason why a glTF accessor cannot be read.
 #[derive(Debug, Error)]
 pub enum AccessorFault {
-    /// It has not as many elements as there are positions.
+    /// A number of elements that differs from the number of positions.
     #[error("found {found} for {positions} positions; expected as many")]
     Count {
-        /// How many it has.
+        /// Actual number.
         found: usize,
-        /// How many positions there are.
+        /// Number of positions.
         positions: usize,
     },
-    /// More indices than are taken.
+    /// Too many indices.
     #[error("found {found}; expected at most {}: reduce the mesh", 3 * MAX_TRIANGLES)]
     TooMany {
-        /// How many it has.
+        /// Actual number.
         found: usize,
     },
-    /// Numbers of a type that is no coordinate's.
+    /// A component type not allowed for coordinates.
     #[error("found components of type {0:?}; expected floats, or normalized bytes or shorts")]
     Number(DataType),
-    /// Numbers of a type that is no index's.
+    /// A component type not allowed for indices.
     #[error("found components of type {0:?}; expected unsigned bytes, shorts or ints")]
     Index(DataType),
-    /// Vectors of another length.
+    /// Vectors of a wrong length.
     #[error("found {found:?}; expected {expected:?}")]
     Dimensions {
-        /// Which it has.
+        /// Actual length.
         found: Dimensions,
-        /// Which it should have.
+        /// Expected length.
         expected: Dimensions,
     },
-    /// Only what differs from something else.
+    /// A sparse accessor, which is not supported.
     #[error("found a sparse accessor; expected a plain one: export without sparse data")]
     Sparse,
-    /// No place where its bytes lie.
+    /// An accessor without a buffer view.
     #[error("found no bufferView; expected one with its bytes")]
     NoView,
-    /// More elements than there are bytes for.
+    /// More elements than its buffer has bytes for.
     #[error("found {count} elements that reach beyond bufferView {view} or buffer {buffer}")]
     Beyond {
-        /// How many.
+        /// Number of elements.
         count: usize,
-        /// Where their bytes should lie.
+        /// Range of bytes needed.
         view: usize,
-        /// Where those lie.
+        /// Range of bytes available.
         buffer: usize,
     },
 }
 
-/// Why bytes are no model of patches.
+/// Error in a model of patches.
 #[derive(Debug, Error)]
 pub enum PatchesFault {
-    /// They are no JSON.
+    /// Bytes that are not JSON.
     #[error(
         "found a file that is no JSON ({0}); expected a model of patches, JSON with \"trochoid_model\": 1: name one, or \
          correct it there"
     )]
     NoJson(serde_json::Error),
-    /// They are JSON of another kind.
+    /// JSON of another kind.
     #[error("found {0}; expected a model of patches: correct the file there")]
     NoModel(serde_json::Error),
-    /// They are of this version of the format.
+    /// An unknown version of the format.
     #[error("found \"trochoid_model\": {0}; expected 1")]
     Version(u32),
-    /// A point that is not finite, or too far away.
+    /// A point that is not finite, or too large.
     #[error("{at}: found {found:?}; expected coordinates within ±{FARTHEST:e}")]
     Point {
-        /// Where it is written.
+        /// Place of the point in the file.
         at: Place,
-        /// Its coordinates.
+        /// Coordinates.
         found: [f64; 3],
     },
-    /// A patch of a point that there is not.
+    /// A patch with a point that does not exist.
     #[error("patch {patch}: names point {point}, but there are {count}")]
     NoPoint {
-        /// The patch.
+        /// Patch.
         patch: usize,
-        /// The point that it names.
+        /// Number of the point.
         point: u32,
-        /// How many there are.
+        /// Actual number.
         count: usize,
     },
-    /// A patch of another number of points.
+    /// A patch with a wrong number of points.
     #[error("patch {patch}: found {found} points; expected 4 (bilinear) or 16 (bicubic)")]
     Points {
-        /// The patch.
+        /// Patch.
         patch: usize,
-        /// How many it has.
+        /// Actual number.
         found: usize,
     },
-    /// Rails through which no surface passes.
+    /// Rails that no surface can pass through.
     #[error("sheet {sheet}: {fault}")]
     Sheet {
-        /// The sheet that they are of.
+        /// Sheet of the rails.
         sheet: usize,
-        /// Why none does.
+        /// Reason.
         fault: RailsError,
     },
-    /// So many patches.
+    /// Too many patches.
     #[error("found {0} patches; expected 1 to {MAX_PATCHES}")]
     Count(usize),
 }
 
-/// Where a point of a model of patches is written.
+/// Place of a point in a model of patches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Place {
-    /// Among its points.
+    /// In the list of points, by number.
     Points(usize),
     /// On a rail of a sheet.
     Rail {
-        /// The sheet.
+        /// Sheet.
         sheet: usize,
-        /// The rail.
+        /// Rail.
         rail: usize,
-        /// The point of the rail.
+        /// Point of the rail.
         point: usize,
     },
 }

@@ -1,4 +1,4 @@
-//! glTF 2.0, whole in one file: `.glb`, or `.gltf` with its buffers within. Read by `gltf`.
+//! glTF 2.0 in a single file: `.glb`, or `.gltf` with embedded buffers. Parsed by the crate `gltf`.
 
 use super::{AccessorFault, BufferFault, GltfFault, PartFault};
 use crate::{DVec3, MAX_TRIANGLES, Triangles};
@@ -11,11 +11,11 @@ use gltf::mesh::Mode;
 use gltf::{Accessor, Document, Gltf, Node, Primitive, Semantic};
 use std::borrow::Cow;
 
-/// Length of a GLB header and of its first chunk's.
+/// Length of the headers of a GLB and of its first chunk.
 const GLB_HEADERS: usize = 20;
 
-/// The triangles of every mesh of the default scene, each where its node stands; points and lines are left out, and
-/// morphs, skins and animations stand as they are at rest.
+/// Reads the triangles of all meshes in the default scene, transformed by their nodes. Points and lines are left out;
+/// morph targets, skins and animations are ignored.
 pub(super) fn parts(bytes: &[u8]) -> Result<Vec<Triangles>, GltfFault> {
     if bytes.starts_with(b"glTF") {
         let length = bytes.get(8..12).and_then(|bytes| bytes.try_into().ok()).map_or(0, u32::from_le_bytes) as usize;
@@ -53,7 +53,7 @@ pub(super) fn parts(bytes: &[u8]) -> Result<Vec<Triangles>, GltfFault> {
     Ok(reader.parts)
 }
 
-/// Refuses accessors of positions that there are not: the library's validation takes that for granted.
+/// Refuses positions without an existing accessor: the library's validation panics on them.
 fn check_positions(json: &Root) -> Result<(), GltfFault> {
     let positions = Checked::Valid(Semantic::Positions);
     for (mesh, found) in json.meshes.iter().enumerate() {
@@ -66,7 +66,7 @@ fn check_positions(json: &Root) -> Result<(), GltfFault> {
     Ok(())
 }
 
-/// Columns of an affine map.
+/// Columns of an affine transformation.
 type Transform = [[f64; 4]; 4];
 
 const IDENTITY: Transform = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]];
@@ -75,7 +75,7 @@ fn times(a: &Transform, b: &Transform) -> Transform {
     b.map(|column| std::array::from_fn(|row| (0..4).map(|i| a[i][row] * column[i]).sum()))
 }
 
-/// The bytes of every buffer.
+/// Returns the bytes of every buffer.
 fn buffers<'b>(document: &Document, blob: Option<&'b [u8]>) -> Result<Vec<Cow<'b, [u8]>>, GltfFault> {
     let bytes = |buffer: gltf::Buffer<'_>| -> Result<Cow<'b, [u8]>, BufferFault> {
         let uri = match buffer.source() {
@@ -97,10 +97,10 @@ fn buffers<'b>(document: &Document, blob: Option<&'b [u8]>) -> Result<Vec<Cow<'b
 
 struct Reader<'b> {
     buffers: Vec<Cow<'b, [u8]>>,
-    /// Whether a node has been met.
+    /// Whether each node has been visited.
     seen: Vec<bool>,
     parts: Vec<Triangles>,
-    /// Vertices so far.
+    /// Number of vertices so far.
     vertices: usize,
 }
 
@@ -154,7 +154,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// An accessor's vectors of `width` components, one after the other.
+    /// Returns an accessor's vectors of `width` components, one after another.
     fn numbers(&self, accessor: &Accessor<'_>, width: usize) -> Result<Vec<f64>, AccessorFault> {
         let ty = accessor.data_type();
         let scale = match ty {
@@ -186,7 +186,7 @@ impl Reader<'_> {
         Ok(self.elements(accessor, 1)?.map(index).collect())
     }
 
-    /// The bytes of each of an accessor's elements, after a check that its buffer has them all.
+    /// Returns the bytes of each element of an accessor, after checking that its buffer has them all.
     fn elements<'r>(
         &'r self,
         accessor: &Accessor<'_>,
@@ -216,7 +216,8 @@ impl Reader<'_> {
     }
 }
 
-/// Corners by the mode of drawing; of a strip every other triangle is turned back, of a mirrored mesh all are.
+/// Returns the corners by drawing mode. Every other triangle of a strip is turned around, and every triangle of a
+/// mirrored mesh.
 fn triangles(mode: Mode, indices: &[u32], mirrored: bool) -> Vec<[u32; 3]> {
     let turned = |[a, b, c]: [u32; 3], turn: bool| if turn != mirrored { [a, c, b] } else { [a, b, c] };
     match mode {

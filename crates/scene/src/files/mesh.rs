@@ -3,10 +3,10 @@
 use super::{MeshFault, gltf, obj};
 use crate::{MAX_TRIANGLES, Triangles};
 
-/// The mesh in a file's bytes, in the file's own space. What the file is follows from how it begins.
+/// Reads a mesh from a file's bytes, in the file's own coordinates. The first bytes determine the format.
 ///
 /// # Errors
-/// It is no mesh: with the line, node or array at fault.
+/// The bytes are not a valid mesh. The error names the line, node or array.
 pub fn mesh(bytes: &[u8]) -> Result<Triangles, MeshFault> {
     // Text has no 0 byte; what has one is a picture, say.
     if !bytes.starts_with(b"glTF") && bytes.iter().take(1024).any(|byte| *byte == 0) {
@@ -23,7 +23,7 @@ pub fn mesh(bytes: &[u8]) -> Result<Triangles, MeshFault> {
     Ok(whole)
 }
 
-/// The parts as one mesh. Where some have normals the others get theirs from their triangles; where some have texture
+/// Joins parts into one mesh. If some have normals, the others get theirs from their triangles; if some have texture
 /// coordinates, those of the others are 0.
 pub(super) fn joined(parts: Vec<Triangles>) -> Result<Triangles, MeshFault> {
     let total = |of: fn(&Triangles) -> usize| parts.iter().map(of).sum::<usize>();

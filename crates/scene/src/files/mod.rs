@@ -1,4 +1,5 @@
-//! Surfaces in the bytes of files: meshes as Wavefront OBJ and glTF 2.0, and patches as models of Trochoid's own.
+//! Readers of surfaces from the bytes of files: meshes (Wavefront OBJ, glTF 2.0), and Bézier patches in Trochoid's own
+//! format.
 
 mod faults;
 mod gltf;

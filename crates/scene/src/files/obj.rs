@@ -1,4 +1,4 @@
-//! Wavefront OBJ, read by `tobj`.
+//! Wavefront OBJ, parsed by the crate `tobj`.
 
 use super::{Indexed, ObjFault};
 use crate::{DVec3, Triangles};
@@ -6,7 +6,7 @@ use std::cell::Cell;
 use std::io::{BufRead, Read};
 use tobj::{LoadError, LoadOptions};
 
-/// The objects and groups of a file; points, lines and materials are left out.
+/// Reads the objects and groups of a file. Points, lines and materials are left out.
 pub(super) fn parts(bytes: &[u8]) -> Result<Vec<Triangles>, ObjFault> {
     check_faces(bytes)?;
     let options = LoadOptions { single_index: true, triangulate: true, ignore_points: true, ignore_lines: true };
@@ -19,7 +19,7 @@ pub(super) fn parts(bytes: &[u8]) -> Result<Vec<Triangles>, ObjFault> {
     models.into_iter().map(|model| part(model.name, model.mesh)).collect()
 }
 
-/// Coordinates from which on a scene could not tell neighbors apart.
+/// Limit of coordinates: beyond it, a scene could not tell neighboring vertices apart.
 pub(super) const MOST: f64 = 1e15;
 
 fn part(object: String, mesh: tobj::Mesh) -> Result<Triangles, ObjFault> {
@@ -42,7 +42,7 @@ fn part(object: String, mesh: tobj::Mesh) -> Result<Triangles, ObjFault> {
     }
 }
 
-/// What the library found, with what it wants and what to do.
+/// Translates an error of the library: what was expected, and what to do.
 pub(super) fn explained(error: &LoadError) -> String {
     let (expected, remedy) = match error {
         LoadError::PositionParseError => ("v and three numbers", "correct the line"),
@@ -58,7 +58,7 @@ pub(super) fn explained(error: &LoadError) -> String {
     format!("found a {error}; expected {expected}: {remedy}")
 }
 
-/// Lines handed out, counted.
+/// Reader that counts the lines it returns.
 struct Lines<'a> {
     rest: &'a [u8],
     line: &'a Cell<usize>,
@@ -71,7 +71,7 @@ impl Read for Lines<'_> {
 }
 
 impl BufRead for Lines<'_> {
-    /// One line at a time, so that the last one handed out is the one being read.
+    /// Returns one line at a time, so that the last one returned is the one being parsed.
     fn fill_buf(&mut self) -> std::io::Result<&[u8]> {
         let end = self.rest.iter().position(|byte| *byte == b'\n').map_or(self.rest.len(), |at| at + 1);
         Ok(&self.rest[..end])
@@ -84,8 +84,8 @@ impl BufRead for Lines<'_> {
     }
 }
 
-/// Refuses indices that are 0, beyond u32, or farther back than there is anything: the library's arithmetic on them
-/// would overflow.
+/// Refuses indices that are 0, beyond u32, or negative beyond the first element: the library's arithmetic on them would
+/// overflow.
 fn check_faces(bytes: &[u8]) -> Result<(), ObjFault> {
     const KINDS: [(&str, Indexed); 3] =
         [("v", Indexed::Vertices), ("vt", Indexed::TextureCoordinates), ("vn", Indexed::Normals)];

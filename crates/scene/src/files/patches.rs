@@ -1,14 +1,14 @@
 //! Model files of Bézier patches.
 //!
-//! JSON: `points` by number, `patches` of 4 (bilinear) or 16 (bicubic) of them, row by row, and `sheets` of rails that
-//! a surface passes through.
+//! The JSON has `points`, `patches` that list 4 (bilinear) or 16 (bicubic) points by number, row by row, and `sheets`
+//! with rails that a surface passes through.
 
 use super::{PatchesFault, Place};
 use crate::DVec3;
 use crate::bezier::{MAX_PATCHES, Patch, Rails};
 use serde::Deserialize;
 
-/// Greatest coordinate.
+/// Largest allowed coordinate, in absolute value.
 pub(super) const FARTHEST: f64 = 1e9;
 
 #[derive(Deserialize)]
@@ -38,10 +38,10 @@ struct Sheet {
     rails: Vec<Vec<[f64; 3]>>,
 }
 
-/// The patches in the bytes of a model file.
+/// Reads the patches of a model file from its bytes.
 ///
 /// # Errors
-/// It is no model: with line and column, or the patch and number at fault.
+/// The bytes are not a valid model. The error names the line and column, or the patch and point.
 pub fn patches(bytes: &[u8]) -> Result<Vec<Patch>, PatchesFault> {
     let model: Model = serde_json::from_slice(bytes)
         .map_err(|error| if error.is_data() { PatchesFault::NoModel(error) } else { PatchesFault::NoJson(error) })?;

@@ -1,4 +1,4 @@
-//! Meshes as they should be, and as they should not.
+//! Valid and invalid meshes.
 
 use super::mesh::{joined, mesh};
 use super::samples::{buoy, glb, glb_of, obj_of};
@@ -9,7 +9,7 @@ fn samples(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../samples").join(name)
 }
 
-/// Corners of all triangles: position and texture coordinates.
+/// Returns position and texture coordinates of the corners of all triangles.
 fn corners(mesh: &Triangles) -> Vec<(DVec3, [f64; 2])> {
     let corners = mesh.triangles.iter().flatten().map(|vertex| *vertex as usize);
     corners.map(|vertex| (mesh.positions[vertex], mesh.uvs[vertex])).collect()
@@ -82,7 +82,7 @@ fn what_is_no_obj_is_refused_by_its_line() {
     assert_eq!(back.triangles, [[0, 1, 2]]);
 }
 
-/// A triangle as glTF, with changes to its JSON.
+/// Returns a triangle as glTF, after an edit of its JSON.
 fn triangle(change: &[(&str, &str)], cut: usize) -> Vec<u8> {
     let mut json = concat!(
         r#"{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"#,
