@@ -1,11 +1,10 @@
 //! Conversion of stored values to colors of the working space.
 
-use super::covered;
 use super::knobs::Encoded;
 use super::legal::{Rule, place};
 use std::path::PathBuf;
 use trochoid_graph::{BadData, NodeError};
-use trochoid_image::{Chromaticities, Plane, WorkingSpace, srgb_decode, srgb_encode};
+use trochoid_image::{Chromaticities, Plane, WorkingSpace, spread, srgb_decode, srgb_encode};
 use trochoid_io::{Encoding, SampleType};
 
 /// Alpha by which colors are divided, and the color used if no pixel is covered.
@@ -59,7 +58,7 @@ pub(crate) fn convert(
         }
     }
     if let Some(Premultiplied { alpha, uncovered }) = premultiplied
-        && !covered::spread(planes, alpha)
+        && !spread(planes, alpha)
     {
         let Some(color) = uncovered else {
             let expected = "at least one covered pixel to take colors from";

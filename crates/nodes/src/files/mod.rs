@@ -2,7 +2,6 @@
 
 mod color;
 mod cost;
-mod covered;
 mod kept;
 #[cfg(test)]
 mod kept_tests;

@@ -23,6 +23,7 @@ use trochoid_scene::{DVec3, MAX_TRIANGLES, TriangleModel, Triangles};
 /// Wavefront, Advanced Visualizer, Appendix B1 (OBJ); Khronos, glTF 2.0 Specification.
 #[derive(Clone, Node)]
 #[node(
+    stage,
     end = Front,
     revision = 1,
     reads("a mesh of triangles": "obj", "glb", "gltf"),
@@ -52,10 +53,6 @@ impl Node for Mesh {
     fn check(&self, check: &mut Check<'_>) {
         self.stance.check(check);
         check_ending(&self.file, Self::DECLARATION, Self::FILE, check);
-    }
-
-    fn body(&self) -> Body<'_> {
-        Body::Stage(self)
     }
 }
 

@@ -31,7 +31,7 @@ use trochoid_scene::{Anchor, DVec3, Projector};
 /// # Source
 /// The foam of Hokusai's Great Wave.
 #[derive(Clone, Node)]
-#[node(end = Front, revision = 2, outputs = Out)]
+#[node(stage, end = Front, revision = 2, outputs = Out)]
 pub(crate) struct Hooks {
     /// View of the surfaces, from a Render.
     view: One<port::View>,
@@ -181,10 +181,6 @@ impl Node for Hooks {
         let ribbons: f64 = self.rows.iter().map(row).sum();
         let remedy = "lower the \"count\" or \"thumbs\" of rows, or use fewer samples or pixels";
         Some(Work { seconds: PIXEL * length * f64::from(format.samples()) * ribbons, item: Self::ROWS, remedy })
-    }
-
-    fn body(&self) -> Body<'_> {
-        Body::Stage(self)
     }
 }
 

@@ -25,7 +25,7 @@ use trochoid_sea::spray::{self as model, Burst, MAX_DROPS, SprayError, SprayFigu
 /// # Source
 /// Thesis 3.2.4.5: particles, each with one of several modelled strokes. Peachey, Modeling Waves and Surf, 1986.
 #[derive(Clone, Node)]
-#[node(end = Front, revision = 1, outputs = Out)]
+#[node(stage, end = Front, revision = 1, outputs = Out)]
 pub(crate) struct Spray {
     /// View whose surfaces hide drops and whose camera sees them.
     view: One<port::View>,
@@ -248,10 +248,6 @@ impl Node for Spray {
             let remedy = format!("connect {seas} to \"sea\", or add \"bursts\"");
             check.warning(Self::SEA, found, format!("the waves of {seas}, or bursts"), remedy);
         }
-    }
-
-    fn body(&self) -> Body<'_> {
-        Body::Stage(self)
     }
 }
 

@@ -26,7 +26,7 @@ use trochoid_scene::{Camera, DVec3, Light, Projector, Ray};
 /// Kajiya and Von Herzen, Ray Tracing Volume Densities, 1984; Schneider, The Real-Time Volumetric Cloudscapes of
 /// Horizon Zero Dawn, 2015: density toward the light, silver lining.
 #[derive(Clone, Node)]
-#[node(end = Front, revision = 2, outputs = Out)]
+#[node(stage, end = Front, revision = 2, outputs = Out)]
 pub(crate) struct Clouds {
     /// Camera that sees the clouds.
     camera: One<port::Camera>,
@@ -151,10 +151,6 @@ impl Node for Clouds {
         let seconds = samples * steps * self.layers.iter().map(layer).sum::<f64>();
         let remedy = "lower \"steps\", or use fewer layers, octaves, samples or pixels";
         Some(Work { seconds, item: Self::STEPS, remedy })
-    }
-
-    fn body(&self) -> Body<'_> {
-        Body::Stage(self)
     }
 }
 

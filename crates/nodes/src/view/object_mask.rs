@@ -16,7 +16,7 @@ use trochoid_graph::*;
 /// # Source
 /// The standard object ID pass (cryptomattes of one level).
 #[derive(Clone, Node)]
-#[node(end = Front, revision = 1, output(mask: Kind::MASK = "1 where a chosen surface is seen."))]
+#[node(stage, end = Front, revision = 1, output(mask: Kind::MASK = "1 where a chosen surface is seen."))]
 pub(crate) struct ObjectMask {
     /// View of the surfaces.
     view: One<port::View>,
@@ -54,10 +54,6 @@ impl Node for ObjectMask {
             let remedy = format!("add it to the surfaces of \"{}\", or choose one of them", view.name);
             check.warning(Self::SURFACES, found, "surfaces of the view", remedy);
         }
-    }
-
-    fn body(&self) -> Body<'_> {
-        Body::Stage(self)
     }
 }
 
