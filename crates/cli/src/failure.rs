@@ -83,7 +83,7 @@ impl Failure {
 impl From<LoadError> for Failure {
     fn from(error: LoadError) -> Self {
         match error {
-            LoadError::Io { .. } => Self::new(FAILED, error),
+            LoadError::Io(_) => Self::new(FAILED, error),
             LoadError::Invalid(diagnostics) => {
                 Self { code: INVALID, messages: diagnostics.iter().map(Diagnostic::to_string).collect() }
             }
@@ -93,6 +93,12 @@ impl From<LoadError> for Failure {
 
 impl From<OutputError> for Failure {
     fn from(error: OutputError) -> Self {
+        Self::from(&error)
+    }
+}
+
+impl From<&OutputError> for Failure {
+    fn from(error: &OutputError) -> Self {
         match error {
             OutputError::Pattern(faults) => {
                 Self { code: INVALID, messages: faults.iter().map(|fault| format!("error: {fault}")).collect() }
@@ -107,7 +113,7 @@ impl From<OutputError> for Failure {
 impl From<PlanFileError> for Failure {
     fn from(error: PlanFileError) -> Self {
         match error {
-            PlanFileError::Read { .. } => Self::new(FAILED, error),
+            PlanFileError::Read(_) => Self::new(FAILED, error),
             PlanFileError::NoPlan { .. } => {
                 Self::usage(error, "make one: trochoid plan GRAPH --tolerance 1/64 --out FILE")
             }

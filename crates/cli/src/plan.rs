@@ -55,9 +55,14 @@ pub(crate) struct Args {
     json: bool,
 }
 
+/// A text is no tolerance.
+#[derive(Debug, thiserror::Error)]
+#[error("expected {}", Tolerance::EXPECTED)]
+pub(crate) struct NoTolerance;
+
 /// A tolerance on the command line.
-pub(crate) fn tolerance(text: &str) -> Result<Tolerance, String> {
-    Tolerance::parse(text).ok_or_else(|| format!("expected {}", Tolerance::EXPECTED))
+pub(crate) fn tolerance(text: &str) -> Result<Tolerance, NoTolerance> {
+    Tolerance::parse(text).ok_or(NoTolerance)
 }
 
 /// Plans.

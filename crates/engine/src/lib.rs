@@ -25,6 +25,7 @@ pub use planning::plan::{Plan, PlanError};
 pub use rules::interval::Interval;
 pub use running::buffers::Buffers;
 pub use running::certify::{Certified, Certifier, Distribution, Limiting};
+pub use running::foreign::ForeignError;
 pub use running::frame::{EvalError, Frame, Monitor, NodeReport, Phases, Picture, Silent, State};
 pub use running::inspect::{Blame, Inspected, Inspection};
 pub use running::memory::{MemoryAccount, Pictures, Taker};

@@ -94,7 +94,7 @@ pub use naming::{companion_files, output_files};
 #[cfg(feature = "io")]
 pub use output::write_output;
 #[cfg(feature = "io")]
-pub use output_file::{NameFault, OutputError, OutputFile};
+pub use output_file::{NameFault, NoDestination, OutputError, OutputFile};
 pub use report::{RunReport, RunStatus, frame_report};
 #[cfg(feature = "io")]
 pub use resume::Fingerprints;
@@ -103,9 +103,9 @@ pub use stability::{stability, stability_of};
 pub use stream::FileSink;
 pub use trochoid_engine::{
     Account, Audit, Blame, Buffers, Cache, Certified, Certifier, Channels, Distribution, EvalError, Evidence, Fate,
-    Frame, Hull, Inspected, Instructions, Interval, Judging, LeftOut, Limiting, MemoryAccount, Monitor, NodeReport,
-    Phases, Picture, Pictures, Plan, PlanError, Proved, ReferenceError, ReferenceFrame, ReferencePixel, Settings,
-    ShadingPlan, Silent, Sink, State, Switches, Taker,
+    ForeignError, Frame, Hull, Inspected, Instructions, Interval, Judging, LeftOut, Limiting, MemoryAccount, Monitor,
+    NodeReport, Phases, Picture, Pictures, Plan, PlanError, Proved, ReferenceError, ReferenceFrame, ReferencePixel,
+    Settings, ShadingPlan, Silent, Sink, State, Switches, Taker,
 };
 pub use trochoid_graph::{
     Accepts, Access, Animated, Arity, Channel, CheckedGraph, CheckedNode, Declaration, Default as KnobDefault,

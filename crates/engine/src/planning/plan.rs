@@ -133,7 +133,7 @@ pub struct Plan<'g> {
     pub(crate) keys: Vec<Key>,
     pub(crate) bound: Vec<bool>,
     /// The threads, once they are needed.
-    pub(crate) pool: OnceLock<Result<rayon::ThreadPool, String>>,
+    pub(crate) pool: OnceLock<Result<rayon::ThreadPool, Arc<rayon::ThreadPoolBuildError>>>,
     /// What samples share.
     pub(crate) shared: Shared,
     /// By node: `None` where it is evaluated.

@@ -1,5 +1,6 @@
 //! What an evaluation gives: pictures, what was counted on them, and where the time went.
 
+use super::foreign::ForeignError;
 use crate::LeftOut;
 use std::sync::Arc;
 use trochoid_graph::{CheckedGraph, Guarantee, Kind, NodeError, NodeId, in_bytes};
@@ -53,11 +54,11 @@ pub enum EvalError {
         bytes: usize,
     },
     /// The sink could not store what it was given.
-    #[error("{0}")]
-    Sink(String),
+    #[error(transparent)]
+    Sink(ForeignError),
     /// The threads could not be started.
     #[error("threads could not be started: {0}")]
-    Threads(String),
+    Threads(#[source] ForeignError),
     /// The monitor asked to stop.
     #[error("cancelled")]
     Cancelled,

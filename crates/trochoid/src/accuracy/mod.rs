@@ -13,7 +13,7 @@ mod pilot;
 
 pub use error::{Missed, TargetError};
 #[cfg(feature = "io")]
-pub use file::{PlanFile, PlanFileError};
+pub use file::{NoPlan, PlanFile, PlanFileError};
 pub use knobs::AccuracyKnob;
 pub use ladder::{Attempt, Errors, Ladder, LadderRequest, Limit, PassError, Rung, Saving, Scaling, climb};
 pub use pilot::predict;
