@@ -115,7 +115,7 @@ pub use trochoid_graph::{
     Tolerance, Verdict, Work, allow_options, escape_frame, expand_frame, expected, in_bytes, nearest, quoted,
     quoted_path, refusal, refusals, resolved, schema,
 };
-pub use trochoid_image::{Format, Plane, Rgb, Shading, Window, WorkingSpace, srgb_decode, srgb_encode};
+pub use trochoid_image::{Format, FormatError, Plane, Rgb, Shading, Window, WorkingSpace, srgb_decode, srgb_encode};
 #[cfg(feature = "io")]
 pub use trochoid_io as io;
 #[cfg(feature = "io")]

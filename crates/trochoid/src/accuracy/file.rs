@@ -69,7 +69,7 @@ pub enum PlanFileError {
 pub enum NoPlan {
     /// It is no text.
     #[error("found bytes that are no UTF-8; expected a plan")]
-    NotText(#[source] trochoid_io::Error),
+    NotText(#[source] Box<trochoid_io::Error>),
     /// It is no JSON.
     #[error("found no JSON ({0}); {EXPECTED}")]
     NotJson(#[source] serde_json::Error),
@@ -150,7 +150,7 @@ impl PlanFile {
     pub fn read(path: &Path) -> Result<Self, PlanFileError> {
         let none = |source: NoPlan| PlanFileError::NoPlan { path: path.into(), source };
         let text = trochoid_io::read_text(path, MAX_BYTES as u64).map_err(|error| match error {
-            error @ trochoid_io::Error::NotText { .. } => none(NoPlan::NotText(error)),
+            error @ trochoid_io::Error::NotText { .. } => none(NoPlan::NotText(error.into())),
             error => PlanFileError::Read(error),
         })?;
         Self::parse(&text).map_err(none)

@@ -53,7 +53,7 @@ pub enum CertificateError {
 pub enum NoCertificate {
     /// No text.
     #[error("bytes that are no UTF-8")]
-    NotText(#[source] trochoid_io::Error),
+    NotText(#[source] Box<trochoid_io::Error>),
     /// No JSON.
     #[error("no JSON ({0})")]
     NotJson(#[source] serde_json::Error),
@@ -120,7 +120,7 @@ impl Certificate {
     pub fn read(path: &Path) -> Result<Result<Self, [String; 2]>, CertificateError> {
         let none = |found: NoCertificate| CertificateError::NoCertificate { path: path.into(), found };
         let text = trochoid_io::read_text(path, MAX_BYTES).map_err(|error| match error {
-            error @ trochoid_io::Error::NotText { .. } => none(NoCertificate::NotText(error)),
+            error @ trochoid_io::Error::NotText { .. } => none(NoCertificate::NotText(error.into())),
             error => CertificateError::Read(error),
         })?;
         if let Err(error) = serde_json::from_str::<serde::de::IgnoredAny>(&text) {
