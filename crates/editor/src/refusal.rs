@@ -1,6 +1,7 @@
 //! Why a value that was given to a field does not count: said below the field, where it moves nothing. One at a time.
 
 use egui::{Area, Context, Id, Key, Order, Rect, Response, RichText, Ui, pos2, vec2};
+use std::fmt::Display;
 
 /// What is said, and of which field.
 #[derive(Clone)]
@@ -19,7 +20,8 @@ fn known(context: &Context) -> Option<Refusal> {
 }
 
 /// Says why a value does not count, in place of what was said before.
-pub(crate) fn refuse(context: &Context, field: Id, why: String) {
+pub(crate) fn refuse(context: &Context, field: Id, why: &dyn Display) {
+    let why = why.to_string();
     let pass = context.cumulative_pass_nr();
     context.data_mut(|data| data.insert_temp(Id::NULL, Refusal { field, why, pass }));
     context.request_repaint();

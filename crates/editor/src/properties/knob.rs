@@ -105,9 +105,14 @@ fn widget_ui(
     }
 }
 
+/// What is expected where a text is nothing that a knob takes.
+#[derive(Debug, thiserror::Error)]
+#[error("{}", expected(.0))]
+struct Unfit<'t>(&'t Takes);
+
 /// What was typed, as a value that a knob takes.
-fn read(text: &str, takes: &Takes) -> Result<Value, String> {
-    let wanted = || expected(takes);
+fn read<'t>(text: &str, takes: &'t Takes) -> Result<Value, Unfit<'t>> {
+    let wanted = || Unfit(takes);
     match takes {
         Takes::Text | Takes::Path | Takes::Choice(_) => Ok(text.into()),
         _ => {
