@@ -164,9 +164,7 @@ impl Target<'_> {
             Some(parts) => format!("ask for {} or more, or for \"reference\"", Tolerance::Error(0.5_f64.powi(parts))),
             None => "render with --error to see where it is so; ask for \"reference\"".into(),
         };
-        let mut failure = Failure::new(MISSED, format!("frame {}: {missed}", self.frame));
-        failure.messages[0].push_str(&format!("\n  remedy: {remedy}"));
-        failure
+        Failure { code: MISSED, ..Failure::usage(format!("frame {}: {missed}", self.frame), remedy) }
     }
 }
 

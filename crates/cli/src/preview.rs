@@ -301,7 +301,7 @@ mod tests {
             "nodes": { "picture": { "type": "Read", "as": "color", "file": "x.png" } }, "outputs": { "beauty": { "color": "picture" } } }"##;
         std::fs::write(&args.graph, reads).unwrap();
         let failure = run(&args).unwrap_err();
-        assert!(failure.messages[0].contains("is an input of the document"), "{:?}", failure.messages);
+        assert!(failure.messages[0].text().contains("is an input of the document"), "{:?}", failure.messages);
         assert_eq!(std::fs::read(&args.out).unwrap(), before);
     }
 
@@ -313,7 +313,7 @@ mod tests {
         let info = trochoid::io::info(&args.out, &trochoid::io::Limits::default()).unwrap();
         assert_eq!((info.parts[0].data.width(), info.parts[0].data.height()), (2, 1));
         let failure = run(&Args { frames: None, ..args }).unwrap_err();
-        assert!(failure.messages[0].contains("4 frames"), "{:?}", failure.messages);
+        assert!(failure.messages[0].text().contains("4 frames"), "{:?}", failure.messages);
     }
 
     #[test]

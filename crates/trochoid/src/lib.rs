@@ -102,17 +102,17 @@ pub use stability::{stability, stability_of};
 #[cfg(feature = "io")]
 pub use stream::FileSink;
 pub use trochoid_engine::{
-    Account, Audit, Blame, Buffers, Cache, Certified, Certifier, Channels, Distribution, EvalError, Evidence, Fate,
-    ForeignError, Frame, Hull, Inspected, Instructions, Interval, Judging, LeftOut, Limiting, MemoryAccount, Monitor,
-    NodeReport, Phases, Picture, Pictures, Plan, PlanError, Proved, ReferenceError, ReferenceFrame, ReferencePixel,
-    Settings, ShadingPlan, Silent, Sink, State, Switches, Taker,
+    Account, Audit, BindingFault, Blame, BufferFault, Buffers, Cache, Certified, Certifier, Channels, Distribution,
+    EvalError, Evidence, Fate, ForeignError, Frame, Hull, Inspected, Instructions, Interval, Judging, LeftOut,
+    Limiting, MemoryAccount, Monitor, NodeReport, Phases, Picture, Pictures, Plan, PlanError, Proved, ReferenceError,
+    ReferenceFrame, ReferencePixel, Settings, ShadingPlan, Silent, Sink, State, Switches, Taker,
 };
 pub use trochoid_graph::{
     Accepts, Access, Animated, Arity, Channel, CheckedGraph, CheckedNode, Declaration, Default as KnobDefault,
     Diagnostic, Dynamics, End, FORMAT_VERSION, Figure, Guarantee, Harmonic, Interpolation, Item, Key, Kind, Knob, List,
     MemoryUse, NodeId, NodeType, Omission, OutputSpec, Outside, Paths, Port, Precision, REFUSALS, Refusal, Refused,
     Registry, Relation, Right, Role, Severity, Source, Spectrum, Stability, StabilityMap, TERMS, Takes, Term,
-    Tolerance, Verdict, Work, allow_options, escape_frame, expand_frame, expected, in_bytes, nearest, quoted,
+    Tolerance, Verdict, Work, allow_options, counted, escape_frame, expand_frame, expected, in_bytes, nearest, quoted,
     quoted_path, refusal, refusals, resolved, schema,
 };
 pub use trochoid_image::{Format, FormatError, Plane, Rgb, Shading, Window, WorkingSpace, srgb_decode, srgb_encode};

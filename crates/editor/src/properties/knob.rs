@@ -48,13 +48,12 @@ pub(super) fn knob_ui(
 
 /// What is to be known of a knob: meaning, range, unit, default.
 fn help(knob: &Knob, default: &Value) -> String {
-    let unit = if knob.unit.is_empty() { String::new() } else { format!(", in {}", knob.unit) };
     let default = match knob.default {
         None => "required".into(),
         Some(trochoid::KnobDefault::Unset) => "unset by default".into(),
         Some(_) => format!("{} by default", crate::document::change::style(default)),
     };
-    format!("{}\n\n{}{unit}; {default}.", knob.help, expected(&knob.takes))
+    format!("{}\n\n{}; {default}.", knob.help, knob.takes_in_words())
 }
 
 fn menu_ui(ui: &mut Ui, knob: &'static Knob, place: &Place<'_>, shown: &Value, actions: &mut Vec<Action>) {

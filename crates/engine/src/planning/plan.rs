@@ -34,7 +34,7 @@ pub enum PlanError {
         /// The name as given.
         name: String,
         /// What is wrong with it.
-        reason: String,
+        reason: BindingFault,
     },
     /// Shading samples need every front-end node bound.
     #[error("shading samples cannot be evaluated from \"{name}\" (a {ty}): bind it to a buffer")]
@@ -44,6 +44,17 @@ pub enum PlanError {
         /// Its type.
         ty: String,
     },
+}
+
+/// Why a buffer cannot be bound.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum BindingFault {
+    /// There is no such node.
+    #[error("no node has that name")]
+    NoNode,
+    /// The node makes nothing that buffers hold.
+    #[error("only Colors, masks, Weights and Fields can be bound; bind the passes instead")]
+    NoImage,
 }
 
 /// A stage to fill in one pass: which planes, from what.
@@ -250,11 +261,11 @@ fn choose_outputs(graph: &CheckedGraph, names: &[&str]) -> Result<Vec<usize>, Pl
 fn bind(graph: &CheckedGraph, names: &[&str]) -> Result<Vec<bool>, PlanError> {
     let mut bound = vec![false; graph.nodes().len()];
     for name in names {
-        let fault = |reason: &str| PlanError::Binding { name: (*name).into(), reason: reason.into() };
-        let id = graph.find(name).ok_or_else(|| fault("no node has that name"))?;
+        let fault = |reason| PlanError::Binding { name: (*name).into(), reason };
+        let id = graph.find(name).ok_or_else(|| fault(BindingFault::NoNode))?;
         let kind = graph.node(id).kinds.first().copied();
         if !matches!(kind, Some(Kind::Color | Kind::Weights(_) | Kind::Field(_))) {
-            return Err(fault("only Colors, masks, Weights and Fields can be bound; bind the passes instead"));
+            return Err(fault(BindingFault::NoImage));
         }
         bound[id.0] = true;
     }

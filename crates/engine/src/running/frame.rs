@@ -1,5 +1,6 @@
 //! What an evaluation gives: pictures, what was counted on them, and where the time went.
 
+use super::buffers::BufferFault;
 use super::foreign::ForeignError;
 use crate::LeftOut;
 use std::sync::Arc;
@@ -8,7 +9,7 @@ use trochoid_image::{Plane, Rgb, Window};
 use trochoid_weights::{Audit, Hull};
 
 /// Why a plan could not be evaluated.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum EvalError {
     /// A node could not read its files, or its input data are illegal.
     #[error("{place}: node \"{node}\" ({ty}): {message}")]
@@ -28,7 +29,7 @@ pub enum EvalError {
         /// The node's name.
         node: String,
         /// What does not fit.
-        reason: String,
+        reason: BufferFault,
     },
     /// The frame takes more memory than allowed: as it was reckoned before anything was prepared, or as a node then held.
     #[error(

@@ -48,6 +48,15 @@ pub enum CertificateError {
     Reference(#[from] ReferenceError),
 }
 
+/// A digest that is not the one of the text around it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct OtherDigest {
+    /// The digest in the certificate.
+    pub found: String,
+    /// The digest of its text.
+    pub expected: String,
+}
+
 /// What a file is that is no certificate.
 #[derive(Debug, thiserror::Error)]
 pub enum NoCertificate {
@@ -117,7 +126,7 @@ impl Certificate {
     ///
     /// # Errors
     /// The file cannot be read, or is no certificate.
-    pub fn read(path: &Path) -> Result<Result<Self, [String; 2]>, CertificateError> {
+    pub fn read(path: &Path) -> Result<Result<Self, OtherDigest>, CertificateError> {
         let none = |found: NoCertificate| CertificateError::NoCertificate { path: path.into(), found };
         let text = trochoid_io::read_text(path, MAX_BYTES).map_err(|error| match error {
             error @ trochoid_io::Error::NotText { .. } => none(NoCertificate::NotText(error.into())),
@@ -132,7 +141,7 @@ impl Certificate {
         let (found, rest) = rest.split_at(DIGITS);
         let expected = digest_of(&[BEGINNING, &"0".repeat(DIGITS), rest].concat());
         if found != expected {
-            return Ok(Err([found.into(), expected]));
+            return Ok(Err(OtherDigest { found: found.into(), expected }));
         }
         let certificate: Self = serde_json::from_str(&text).map_err(|error| none(NoCertificate::Fields(error)))?;
         if certificate.version != VERSION {
