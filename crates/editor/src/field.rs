@@ -3,7 +3,7 @@
 
 use crate::actions::Action;
 use crate::document::Edit;
-use crate::refusal::{self, refusal_ui};
+use crate::refusal::{self, NoNumber, quoted, refusal_ui};
 use egui::{DragValue, Id, Key, Pos2, Response, Slider, TextEdit, Ui};
 use serde_json::Value;
 use std::cell::Cell;
@@ -128,28 +128,6 @@ fn in_powers(text: &str) -> String {
     match text.split_once('e') {
         Some((digits, power)) => format!("{}e{power}", digits.trim_end_matches('0').trim_end_matches('.')),
         None => text.into(),
-    }
-}
-
-/// A text that is no number, or none that is legal.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("found {}; expected {}", quoted(found), self.expected())]
-struct NoNumber {
-    found: String,
-    whole: bool,
-    /// The ends of the range, as numbers are shown.
-    range: [Option<String>; 2],
-}
-
-impl NoNumber {
-    fn expected(&self) -> String {
-        let what = if self.whole { "a whole number" } else { "a number" };
-        match &self.range {
-            [Some(least), Some(most)] => format!("{what} from {least} to {most}"),
-            [Some(least), None] => format!("{what} of at least {least}"),
-            [None, Some(most)] => format!("{what} of at most {most}"),
-            [None, None] => what.into(),
-        }
     }
 }
 
@@ -352,15 +330,6 @@ fn escaped(ui: &Ui, field: &Response) -> bool {
 /// Two fields of one value, as the one that is typed into: the other's focus says nothing of it.
 pub(crate) fn joined(a: Response, b: Response) -> Response {
     if b.has_focus() || b.lost_focus() { b | a } else { a | b }
-}
-
-/// A text as a message quotes it: not all of a long one.
-fn quoted(text: &str) -> String {
-    let text = text.trim();
-    match text.char_indices().nth(40) {
-        Some((end, _)) => format!("\"{} …\"", &text[..end]),
-        None => format!("\"{text}\""),
-    }
 }
 
 /// Without digits that come from dragging alone.
