@@ -76,7 +76,7 @@ pub fn output_files(
         let lower = template.to_lowercase();
         let is_png = lower.ends_with(".png");
         if !lower.ends_with(".exr") && !is_png {
-            let found = format!("\"{written}\" has an ending that cannot be written");
+            let found = format!("\"{written}\" has an extension that cannot be written");
             faults.add(&place, found, "let the name end with .exr or .png");
         }
         if is_png && !matches!(spec.kind, Kind::Color | Kind::Weights(2)) {
@@ -150,7 +150,8 @@ pub(crate) fn own_file(graph: &CheckedGraph, spec: &OutputSpec, frame: i64) -> O
 
 /// Names a further file for each file of a frame, such as its certificate.
 ///
-/// `pattern`, which `option` gives, is relative to the current folder and knows `{output}` (the names of a file's outputs, with
+/// `pattern`, which `option` gives, is relative to the current folder and knows `{output}` (the names of a file's
+/// outputs, with
 /// `+` between them) and `####` or `%04d`; `ending` is what the names must end with, such as ".json".
 ///
 /// # Errors
@@ -169,7 +170,7 @@ pub fn companion_files(
         faults.add(&place, found, "add {output} to it, or choose one output with --output");
     }
     if !pattern.to_lowercase().ends_with(ending) {
-        faults.add(&place, format!("\"{pattern}\" has another ending than {ending}"), "add it");
+        faults.add(&place, format!("\"{pattern}\" has another extension than {ending}"), "add it");
     }
     faults.of_pattern(&place, pattern, &pattern.replace("{output}", ""), several_frames);
     if !faults.0.is_empty() {
@@ -194,7 +195,8 @@ fn with_frame(written: &str) -> String {
     }
 }
 
-/// The path without `.` and without `folder/..`, so that two spellings of one file are one; as it is where the folder is a link,
+/// The path without `.` and without `folder/..`, so that two spellings of one file are one; as it is where the folder
+/// is a link,
 /// behind which `..` leads elsewhere.
 fn normalized(path: &Path) -> PathBuf {
     let short = shortened(path);

@@ -21,7 +21,7 @@ pub enum TargetError {
     Missed(Box<Missed>),
     /// Nothing is known of the errors of an output.
     #[error(
-        "output \"{output}\": found no sample whose error is certain, since {why}; expected a bound to hold against the \
+        "output \"{output}\": found no sample with a certified error, because {why}; expected a bound to compare with the \
          tolerance"
     )]
     Unknown {
@@ -31,7 +31,7 @@ pub enum TargetError {
         why: String,
     },
     /// No output has errors that a tolerance speaks of.
-    #[error("found no output of colors or weights; expected one: a tolerance speaks of what is displayed")]
+    #[error("found no output of colors or weights; expected one: tolerances apply to displayed values")]
     NothingDisplayed,
 }
 
@@ -57,11 +57,12 @@ impl fmt::Display for Missed {
         let Self { output, certified, pixel: [x, y], allowed, .. } = self;
         write!(
             f,
-            "output \"{output}\": found {certified:.1e} certified at pixel ({x}, {y}) by the most accurate methods, "
+            "output \"{output}\": found a certified error of {certified:.1e} at pixel ({x}, {y}) with the most accurate \
+             methods, "
         )?;
         match &self.pass {
             Some((name, ty)) => write!(f, "limited by the pass \"{name}\" ({ty})")?,
-            None => write!(f, "limited by the rounding of f32 in all passes together")?,
+            None => write!(f, "limited by f32 rounding in all passes together")?,
         }
         write!(f, "; expected at most {allowed:.1e}")
     }

@@ -219,10 +219,10 @@ impl Trial<'_> {
     fn unknown(&self, certified: &Certified) -> TargetError {
         let output = self.graph.outputs()[certified.output].name.clone();
         let why = unbounded(self.graph, std::slice::from_ref(certified)).map_or_else(
-            || "what is seen is certain nowhere".to_owned(),
+            || "visibility is not certain anywhere".to_owned(),
             |(id, why)| {
                 let node = self.graph.node(id);
-                format!("\"{}\" ({}) knows no bound: {why}", node.name, node.ty.declaration().name)
+                format!("\"{}\" ({}) has no error bound: {why}", node.name, node.ty.declaration().name)
             },
         );
         TargetError::Unknown { output, why }
