@@ -4,10 +4,9 @@
 //! In the JSON output, `explained` is a list of outputs, each with
 //! - `output`, `kind`, `frame`;
 //! - `nodes`, by name: `type`; `fate`, one of `evaluated`, `folded`, `hands_on`, `merged`, `left_out`; `why`, a
-//!   sentence,
-//!   null if the node is evaluated; `proof`, a list of `{node, type, low, high, evidence}`, from the proved weight or
-//!   value back to the known ones; `channels`, a list of `{output, wanted, unasked}`; `seconds` (null: left out),
-//!   `seconds_in_full` (null: not evaluated even with nothing left out), `spread` (difference between runs) and
+//!   sentence, null if the node is evaluated; `proof`, a list of `{node, type, low, high, evidence}`, from the proved
+//!   weight or value back to the known ones; `channels`, a list of `{output, wanted, unasked}`; `seconds` (null: left
+//!   out), `seconds_in_full` (null: not evaluated even with nothing left out), `spread` (difference between runs) and
 //!   `estimated`, all four null unless measured;
 //! - `omissions`: a list of `{node, of, what, left_out, of_all, why}`, the work that stages skip; `not_prepared` is the
 //!   reason if this work is unknown;

@@ -108,9 +108,8 @@ impl Files {
 }
 
 impl Over {
-    /// Returns why a file cannot be written to a path, as far as that can be checked in advance: the path is an
-    /// input, has a
-    /// foreign file, or cannot be created.
+    /// Returns why a file cannot be written to a path, as far as that can be checked in advance: the path is an input,
+    /// has a foreign file, or cannot be created.
     pub(crate) fn refusal(self, path: &Path, form: Form, inputs: &InputFiles) -> Option<Failure> {
         let cannot = || check_destination(path).err().map(Failure::from);
         input(path, inputs).or_else(|| self.foreign(path, form)).or_else(cannot)

@@ -11,8 +11,7 @@ const PATIENCE: Duration = Duration::from_secs(1);
 static ASKED: AtomicBool = AtomicBool::new(false);
 
 /// Installs a handler that records the first interrupt or termination signal instead of ending the process, so that
-/// work
-/// can stop in order. A second signal ends the process, and so does the end of [`PATIENCE`].
+/// work can stop in order. A second signal ends the process, and so does the end of [`PATIENCE`].
 ///
 /// # Errors
 /// The system does not accept the handler.

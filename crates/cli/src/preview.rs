@@ -189,8 +189,7 @@ fn render(
 }
 
 /// Returns when each frame begins and when the last one ends, in milliseconds from the start. A frame also stays for
-/// the
-/// frames that the list skips after it.
+/// the frames that the list skips after it.
 fn times(frames: &[i64], fps: f64) -> Vec<i32> {
     let mut gaps: Vec<f64> = frames.windows(2).map(|two| (two[1] - two[0]).abs().max(1) as f64).collect();
     gaps.push(gaps.last().copied().unwrap_or(1.0));

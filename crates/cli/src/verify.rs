@@ -1,8 +1,7 @@
 //! `trochoid verify`: checks a certificate and its image.
 //!
-//! The JSON output has `holds`; `certificate`, `image`, `frame`, `made_by`; `inputs` and `blocks`, the numbers
-//! compared with
-//! their hashes; `outputs`, a list of `{output, looked_at, pixels, ambiguous, hull, distance, distance_ambiguous,
+//! The JSON output has `holds`; `certificate`, `image`, `frame`, `made_by`; `inputs` and `blocks`, the numbers compared
+//! with their hashes; `outputs`, a list of `{output, looked_at, pixels, ambiguous, hull, distance, distance_ambiguous,
 //! weight_min, weight_sum_max_deviation}`, empty if nothing was evaluated; `failures`, a list of `{place, found,
 //! expected}`.
 

@@ -39,9 +39,8 @@ pub(crate) struct Args {
     /// requirement, that applies
     #[arg(long, value_name = "GUARANTEE", value_parser = ["hull", "box"])]
     pub(super) require: Option<String>,
-    /// Maximum error of every displayed value, such as 1/512, met by the cheapest settings that are certified to do
-    /// so; or
-    /// exact; or reference, to render with the f64 references themselves [default: the document's tolerance]
+    /// Maximum error of every displayed value, such as 1/512, met by the cheapest settings that are certified to do so;
+    /// or exact; or reference, to render with the f64 references themselves [default: the document's tolerance]
     #[arg(long, value_name = "ERROR", value_parser = crate::plan::tolerance, allow_hyphen_values = true)]
     pub(super) tolerance: Option<Tolerance>,
     /// Use the settings of this plan, written by `trochoid plan`; certifies nothing
@@ -53,9 +52,8 @@ pub(crate) struct Args {
     /// Write a report of the run as JSON, creating missing folders; - means stdout
     #[arg(long, value_name = "FILE")]
     pub(super) report: Option<PathBuf>,
-    /// Certify each image: write what it was made from, its error bounds against the f64 references, and its hashes
-    /// as JSON,
-    /// for `trochoid verify` to check
+    /// Certify each image: write what it was made from, its error bounds against the f64 references, and its hashes as
+    /// JSON, for `trochoid verify` to check
     #[arg(long, value_name = "FILE")]
     pub(super) certificate: Option<String>,
     /// Write the error bound of each pixel against the f64 references as EXR, with the share of its samples that are

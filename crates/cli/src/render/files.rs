@@ -22,8 +22,7 @@ pub(super) struct Wanted<'a> {
 
 impl Wanted<'_> {
     /// Checks that every file can be written, that none is an input or the document itself, that no two are the same,
-    /// and
-    /// that none replaces a foreign file or outputs that this run does not write. Returns the folders of the files.
+    /// and that none replaces a foreign file or outputs that this run does not write. Returns the folders of the files.
     pub(super) fn check(&self, faults: &mut Vec<Failure>) -> BTreeSet<PathBuf> {
         let Self { graph, args, .. } = *self;
         let (files, beside) = match self.named() {
@@ -80,8 +79,7 @@ impl Wanted<'_> {
     }
 
     /// Returns failures for files with outputs of the document that this run would not write again. Of consecutive
-    /// failures
-    /// with the same remedy, only the last has it.
+    /// failures with the same remedy, only the last has it.
     fn lost(&self, files: &[(i64, OutputFile)]) -> Vec<Failure> {
         if self.args.files.over.overwrite {
             return Vec::new();

@@ -18,8 +18,7 @@ use trochoid::{Diagnostic, Form, RunReport, RunStatus};
 ///
 /// # Errors
 /// All problems that can be found in advance, together, before anything is written; or the problem that stopped the
-/// run, or
-/// a missed guarantee.
+/// run, or a missed guarantee.
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     run_with(args, &|plan, sink, cache, monitor| match sink {
         Some(sink) => plan.evaluate_to(sink, &trochoid::Buffers::new(), cache, monitor),

@@ -144,8 +144,7 @@ pub(super) const STRIPS: &str = "Errors are certified and measured only on strip
 const AS_IT_IS: &str = "as it is";
 
 /// Returns short labels for lists of assignments. A label has the knobs with their values, without the names of nodes
-/// and
-/// without assignments that all rungs share. A label that is not unique is replaced by the full assignments.
+/// and without assignments that all rungs share. A label that is not unique is replaced by the full assignments.
 fn labels(sets: &[&[String]]) -> Vec<String> {
     let short: Vec<String> = sets
         .iter()

@@ -1,24 +1,18 @@
 //! `trochoid report`: error against run time, as data, as a table, and as a page of plots.
 //!
 //! `report.json` has `trochoid`, the version; `scene`, `output`, `frame`, `format`, `space`, `threads`; `whole`,
-//! whether the
-//! whole picture is certified; `summary`, sentences; `rungs`, a list of settings, each with the columns of
-//! `report.csv`,
-//! with `set`, and with `passes`, a list of `{node, type, drop}`; `attempts`, a list of `{tolerance, allowed, scope,
-//! met,
-//! set, certified_max, limited_by}`, where `limited_by` is a pass, `{node, type}`, with `why` if it has no error
-//! bound, or
-//! "rounding" or "what is seen"; `savings`, a list of `{node, type, why, seconds}`; `scalings`, a list of
-//! `{knob, points: [{value, seconds}]}`.
+//! whether the whole picture is certified; `summary`, sentences; `rungs`, a list of settings, each with the columns of
+//! `report.csv`, with `set`, and with `passes`, a list of `{node, type, drop}`; `attempts`, a list of `{tolerance,
+//! allowed, scope, met, set, certified_max, limited_by}`, where `limited_by` is a pass, `{node, type}`, with `why` if
+//! it has no error bound, or "rounding" or "what is seen"; `savings`, a list of `{node, type, why, seconds}`;
+//! `scalings`, a list of `{knob, points: [{value, seconds}]}`.
 //!
 //! Columns of a rung: `scene`, `output`, `frame`, `settings`, `is_method` (whether `plan` may choose them), `scope`
 //! ("whole" or "strips": the area in which errors are certified and measured, and tolerances met); `certified_max`,
 //! `certified_p999`, `certified_median`; `measured_max`, `measured_rms`, `measured_p999`, `measured_median`, over
 //! `measured_pixels`; `certified_over_measured`; `ambiguous` and `ambiguous_beyond_8_bit`, shares of samples;
-//! `hull_exits`,
-//! `nan_count`; `seconds`, `seconds_spread`, `seconds_predicted`, `predicted_over_taken`; `bytes`, `threads`,
-//! `pareto`. Errors
-//! are in units of the working space. Unknown values are null, in CSV empty fields.
+//! `hull_exits`, `nan_count`; `seconds`, `seconds_spread`, `seconds_predicted`, `predicted_over_taken`; `bytes`,
+//! `threads`, `pareto`. Errors are in units of the working space. Unknown values are null, in CSV empty fields.
 //!
 //! The picture and, with `--whole`, maps of its error bounds are in `report.html` only.
 

@@ -7,8 +7,7 @@ use std::process::{Command, Stdio};
 use tempfile::TempDir;
 
 /// Creates a folder with `trochoid` in it, next to the build so that a hard link suffices: a copy could still be open
-/// for
-/// writing in a process that another test starts, and could not be run then.
+/// for writing in a process that another test starts, and could not be run then.
 fn installed() -> (TempDir, PathBuf) {
     let folder = tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).unwrap();
     let bin = folder.path().join("bin");

@@ -20,8 +20,7 @@ const PATIENCE: Duration = Duration::from_secs(60);
 /// Runs a command, and checks its peak memory against a limit.
 ///
 /// The system's high-water mark is read while the command runs, because the figure that a parent process gets at the
-/// end
-/// includes the parent's own memory.
+/// end includes the parent's own memory.
 #[track_caller]
 fn within(most: u64, command: &mut Command) -> Run {
     let folder = tempfile::tempdir().unwrap();

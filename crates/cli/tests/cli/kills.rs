@@ -10,8 +10,7 @@ use std::time::{Duration, Instant};
 const KILLS: usize = 20;
 
 /// Documents of several frames: EXR and PNG of a pointwise graph, EXR and PNG of a graph with a slow stage, and EXR
-/// only,
-/// which is written while its rows are computed.
+/// only, which is written while its rows are computed.
 const DOCUMENTS: [&str; 3] = [
     r##"{ "trochoid": 1, "format": { "width": 320, "height": 180 }, "frames": { "first": 1, "last": 4 },
       "nodes": { "across": { "type": "ScreenX" }, "noise": { "type": "Noise", "scale": 0.3 },

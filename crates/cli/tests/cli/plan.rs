@@ -142,7 +142,7 @@ fn a_plan_is_written_over_nothing_that_the_document_reads_and_only_where_it_can_
         plan(input).fails(2, &[input, "is an input of the document and would be overwritten"]);
         assert_eq!(fs::read(scene.path(input)).unwrap(), before);
     }
-    plan("in.exr/p.json").fails(1, &["in.exr/p.json", "is no folder"]);
+    plan("in.exr/p.json").fails(1, &["in.exr/p.json", "is not a folder"]);
     plan(".").fails(1, &["is a folder; name a file"]);
     plan("plans/p.json").code(0);
     assert_eq!(scene.files(), ["in.exr", "plans/p.json"]);

@@ -12,18 +12,18 @@ use trochoid_image::Window;
 pub enum Limit {
     /// The pass with the largest share of the error at the worst pixel.
     Pass {
-        /// The node.
+        /// Name of the node.
         node: String,
-        /// Its type.
+        /// Type of the node.
         ty: &'static str,
     },
     /// f32 rounding in all passes together.
     Rounding,
     /// No sample has a certified error, because a pass has no error bound.
     Unbounded {
-        /// The node.
+        /// Name of the node.
         node: String,
-        /// Its type.
+        /// Type of the node.
         ty: &'static str,
         /// Reason that it has no error bound.
         why: &'static str,
