@@ -28,13 +28,13 @@ impl Judge {
         Audit { hull_exits, worst_exit, nan_count, judged: r.len() as u64, ..Audit::default() }
     }
 
-    /// Whether all pixels of these channels are in the box of the palette.
+    /// Returns whether all pixels of these channels are in the bounding box of the palette.
     pub(crate) fn is_boxed(&self, range: &Range) -> bool {
         [range.least, range.largest].iter().all(|corner| self.bounds.exit(corner, self.margin).is_none())
     }
 }
 
-/// Whether a row is judged pixel by pixel.
+/// Returns whether a row is judged pixel by pixel.
 pub(crate) fn is_judged(judging: Judging, y: i64) -> bool {
     judging == Judging::All || y.rem_euclid(SAMPLED) == SAMPLED - 1
 }

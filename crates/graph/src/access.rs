@@ -35,9 +35,9 @@ struct Root {
 /// A right to a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Right {
-    /// The right to read it.
+    /// The right to read the file.
     Read,
-    /// The right to write it.
+    /// The right to write the file.
     Write,
 }
 
@@ -124,7 +124,7 @@ impl Access {
     /// Allows the files beneath a document's folder and, if that lies beneath the current folder, beneath the current
     /// folder. This is the default for graphs.
     ///
-    /// The root of the file system does not count as a current folder: services run there.
+    /// The root of the file system does not count as a current folder, since it is the one of services.
     pub fn usual(folder: &Path) -> Self {
         let own = Root::new(folder, Right::BOTH);
         let current = Root::new(Path::new("."), Right::BOTH);

@@ -49,9 +49,9 @@ pub enum Role {
     Camera,
     /// The standard light.
     Light,
-    /// Renders surfaces through a camera.
+    /// A renderer of surfaces through a camera.
     Render,
-    /// Makes a view from passes that another renderer made.
+    /// A view of passes that another renderer made.
     Passes,
     /// A sea or other water.
     Sea,
@@ -59,7 +59,7 @@ pub enum Role {
     Threshold,
     /// The standard lighting pass: shows surfaces with lighting only.
     Clay,
-    /// Blends colors in rows and columns.
+    /// A blend of colors in rows and columns.
     Patch,
 }
 

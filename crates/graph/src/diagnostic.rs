@@ -27,11 +27,11 @@ pub struct Diagnostic {
     pub node: Option<String>,
     /// Port or knob that contains the fault, if any.
     pub port: Option<String>,
-    /// What was found.
+    /// Description of the value or situation that was found.
     pub found: String,
-    /// What was expected.
+    /// Description of what is legal.
     pub expected: String,
-    /// What to do.
+    /// Remedy: an instruction to the user.
     pub remedy: String,
 }
 

@@ -66,11 +66,11 @@ pub struct User {
 pub struct Fault {
     /// Port or knob.
     pub item: ItemName,
-    /// What was found.
+    /// Description of the value or situation that was found.
     pub found: String,
-    /// What was expected.
+    /// Description of what is legal.
     pub expected: String,
-    /// What to do.
+    /// Remedy: an instruction to the user.
     pub remedy: String,
     /// Whether this is only a warning.
     pub warning: bool,

@@ -119,7 +119,7 @@ pub mod port {
 
 /// A port of a node, with its connections.
 pub trait Connected {
-    /// What the port accepts.
+    /// Kinds of value that the port accepts.
     const ACCEPTS: Accepts;
 
     /// Returns the identifier of the port.

@@ -27,7 +27,7 @@ pub(crate) enum Json {
     Null,
     /// `true` or `false`.
     Bool(bool),
-    /// A number; infinite where it exceeds the range of f64.
+    /// A number; infinite if it exceeds the range of f64.
     Number(f64),
     /// A string.
     String(String),
@@ -99,7 +99,7 @@ pub(crate) struct SyntaxError {
 /// # Errors
 /// The text is not JSON, or exceeds the limits of depth or size.
 pub(crate) fn parse(text: &str) -> Result<Spanned, SyntaxError> {
-    // The values of a raw value are not built, so this takes no memory whatever the text holds.
+    // A raw value does not build the values inside of it, so this takes no memory for any text.
     let _: &RawValue = serde_json::from_str(text).map_err(|error| SyntaxError {
         offset: offset_of(text, error.line(), error.column()),
         message: format!("a syntax error ({})", strip_place(&error.to_string())),

@@ -53,7 +53,7 @@ pub struct Figure {
     pub measured: Option<f64>,
     /// Expected relation of the two values.
     pub relation: Relation,
-    /// What was measured, and how, in a few words.
+    /// Description of the quantity and of its measurement, in a few words.
     pub note: String,
 }
 

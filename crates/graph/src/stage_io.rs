@@ -1,8 +1,6 @@
 //! Inputs and outputs of stages: what the engine passes to them, and the planes that they fill.
 
-use crate::{
-    BadData, Bound, Channel, Connected, Found, FrameContext, Handle, Kind, LITERAL, NodeError, NodeId, Source,
-};
+use crate::{BadData, Channel, Connected, Found, FrameContext, Handle, Kind, NodeError, NodeId, Source};
 use std::any::{Any, TypeId};
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError, Weak};
@@ -287,33 +285,7 @@ impl<'a> Inputs<'a> {
     }
 }
 
-/// Arguments of [`Prepared::bound`](crate::Prepared::bound): a stage bounds the errors of the planes that it filled.
-pub struct Bounding<'a> {
-    /// The samples.
-    pub block: &'a Block<'a>,
-    /// Inputs from which the planes were filled.
-    pub inputs: &'a Inputs<'a>,
-    /// Bounds of every plane of the inputs ([`Bound`](crate::Bound), encoded).
-    pub bounds: &'a Inputs<'a>,
-    /// Planes that the stage filled, by output and channel; `None` for unwanted channels.
-    pub filled: &'a [Vec<Option<&'a [f32]>>],
-}
-
-impl Bounding<'_> {
-    /// Bounds a stage without inputs that computes in f64 like its reference, and rounds once.
-    pub fn rounded_once(&self, outputs: &mut Outputs<'_>) {
-        for (output, channels) in self.filled.iter().enumerate() {
-            for (channel, filled) in channels.iter().enumerate() {
-                let (Some(filled), Some(bounds)) = (filled, outputs.take(output, channel)) else { continue };
-                for (bound, value) in bounds.iter_mut().zip(*filled) {
-                    *bound = Bound::of(f64::from(value.abs()) * LITERAL + f64::from(f32::from_bits(1))).encode();
-                }
-            }
-        }
-    }
-}
-
-/// The planes that a stage fills over a block.
+/// The planes that a stage is to fill over a block.
 pub struct Outputs<'a> {
     planes: Vec<Vec<Option<&'a mut [f32]>>>,
 }

@@ -11,7 +11,6 @@
 
 #[cfg(all(test, feature = "io", feature = "sea"))]
 mod bound_tests;
-mod bounds;
 mod convex;
 mod field;
 #[cfg(feature = "io")]

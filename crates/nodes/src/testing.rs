@@ -44,7 +44,7 @@ impl Frame {
     }
 
     /// Returns the prepared stage of the node with this name.
-    #[cfg_attr(not(feature = "io"), allow(dead_code, reason = "only files say more than their planes"))]
+    #[cfg_attr(not(feature = "io"), allow(dead_code, reason = "only tests of files use it"))]
     pub(crate) fn node(&self, name: &str) -> &dyn Prepared {
         self.prepared[self.graph.find(name).unwrap().0].as_deref().unwrap()
     }
@@ -105,7 +105,7 @@ impl Frame {
     }
 
     /// Fills every plane of a stage over the whole picture, which forces files to be read and checked.
-    #[cfg_attr(not(feature = "io"), allow(dead_code, reason = "only files are judged"))]
+    #[cfg_attr(not(feature = "io"), allow(dead_code, reason = "only tests of files use it"))]
     pub(crate) fn fill_all(&self, name: &str) -> Result<(), NodeError> {
         let id = self.graph.find(name).unwrap();
         let block = Block::of(self.context.format.window(), [0.5; 2]);

@@ -16,8 +16,11 @@ mod camera;
 mod carried;
 mod certain;
 mod channel;
+pub mod claws;
 mod edges;
 mod extent;
+#[cfg(feature = "files")]
+pub mod files;
 mod first_point;
 mod float;
 mod followed;

@@ -100,7 +100,7 @@ fn note_reads(ops: &[(Op, NodeId)], order: &Order<'_>, at: u32, index: usize, la
     });
 }
 
-/// A reader of a weight reads its partition's rows.
+/// Marks a weight's partition as read too, since a weight is one of its rows.
 fn note_partition(ops: &[(Op, NodeId)], at: u32, index: usize, last: &mut [usize]) {
     if let Op::Weight(partition, _) = &ops[at as usize].0 {
         last[partition.0 as usize] = last[partition.0 as usize].max(index);

@@ -5,7 +5,7 @@ use super::run::{Frame, Given, Look};
 use fearless_simd::Level;
 use trochoid_memory::Target;
 
-/// Has no values, since there is no machine code.
+/// A type without values, since there is no machine code.
 #[derive(Clone, Debug)]
 pub(crate) enum Native {}
 

@@ -101,14 +101,14 @@ impl<'b> Buffers<'b> {
 /// Checks samples of a buffer against its kind. `start` is the index of the first of them in the buffer.
 fn check(node: &str, kind: Kind, channel: usize, samples: &[f32], start: usize) -> Result<(), EvalError> {
     let (legal, rule): (fn(&f32) -> bool, _) = match kind {
-        Kind::Color => (|v| v.is_finite() && *v >= 0.0, "finite and ≥ 0"),
-        Kind::Weights(_) => (|v| (0.0..=1.0).contains(v), "in [0, 1]"),
+        Kind::Color => (|v| v.is_finite() && *v >= 0.0, "finite numbers ≥ 0"),
+        Kind::Weights(_) => (|v| (0.0..=1.0).contains(v), "numbers in [0, 1]"),
         _ => (|v| !v.is_nan(), "no NaN"),
     };
     match samples.iter().position(|v| !legal(v)) {
         Some(at) => {
             let (found, at) = (samples[at], start + at);
-            let reason = format!("channel {channel} holds {found} at sample {at}; a {kind} is {rule}");
+            let reason = format!("found {found} at sample {at} of channel {channel}; expected {rule} in a {kind}");
             Err(EvalError::Buffer { node: node.into(), reason })
         }
         None => Ok(()),

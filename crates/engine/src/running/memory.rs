@@ -138,8 +138,8 @@ impl Plan<'_> {
         if pictures != Pictures::Rows {
             let size = [self.window.width(), self.window.height()];
             let bytes = samples(channels().sum(), size).saturating_mul(size_of::<f32>() as u64);
-            let remedy = "write EXR alone, whose rows are not kept, lower the format's \"width\" and \"height\", or \
-                          render fewer outputs at once";
+            let remedy = "write only EXR, whose rows are not kept in memory, lower the format's \"width\" and \
+                          \"height\", or render fewer outputs at once";
             takers.push((Taker::Pictures, bytes, remedy));
             if pictures == Pictures::Files {
                 let bytes = samples(channels().max().unwrap_or(0), size).saturating_mul(ENCODED);
@@ -157,7 +157,7 @@ impl Plan<'_> {
             Pictures::Whole | Pictures::Files => 0,
         };
         let tiles = tiles.saturating_add(band.saturating_mul(size_of::<f32>() as u64 + ENCODED_ROWS));
-        let remedy = "lower the format's \"width\", or let filters reach less far";
+        let remedy = "lower the format's \"width\", or reduce the reach of filters";
         account.workers = self.threads();
         account.takers.push((Taker::Tiles, tiles.saturating_mul(account.workers as u64), remedy));
         account.shrink_to(self.settings.memory_limit);

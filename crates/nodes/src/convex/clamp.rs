@@ -41,12 +41,7 @@ impl Node for Clamp {
     fn check(&self, check: &mut Check<'_>) {
         let (min, max) = (self.min, self.max);
         if max < min {
-            check.error(
-                Self::MAX,
-                format!("min {min} above max {max}"),
-                "min ≤ max",
-                "swap them, and Invert the mask",
-            );
+            check.error(Self::MAX, format!("min {min} above max {max}"), "min ≤ max", "swap them, and Invert the mask");
         }
     }
 

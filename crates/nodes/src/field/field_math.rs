@@ -1,10 +1,9 @@
 //! FieldMath: computes a field by a formula that the user writes.
 
-use crate::bounds::Span;
-use crate::field::{Expression, Program, parse};
 use crate::filter::numbers;
 use std::collections::HashMap;
 use std::sync::{Mutex, OnceLock, PoisonError};
+use trochoid_field::{Expression, Program, parse};
 use trochoid_graph::*;
 use trochoid_image::Window;
 
@@ -62,8 +61,8 @@ impl FieldMath {
     fn parsed(&self, widths: [Option<usize>; 4]) -> Result<Expression, BadData> {
         let expression = parse(&self.expression, widths).map_err(|fault| {
             let place = format!("column {} of the expression", fault.column);
-            let remedy = fault.remedy.unwrap_or_else(|| "write it as `trochoid nodes FieldMath` says".into());
-            BadData::new(format_args!("{} at {place}", fault.found), fault.expected, remedy)
+            let remedy = fault.remedy.map_or("write it as `trochoid nodes FieldMath` says".into(), |r| r.to_string());
+            BadData::new(format_args!("{} at {place}", fault.found), fault.expected.to_string(), remedy)
         })?;
         let components = self.components as usize;
         if expression.width == components {
@@ -246,7 +245,7 @@ mod tests {
         let faults = of(r#""out": { "type": "FieldMath", "expression": "[1, 2, 3]" }"#);
         assert!(faults.contains("set \\\"components\\\" to 3"), "{faults}");
         let faults = of(r#""out": { "type": "FieldMath", "expression": "a + b", "a": 1 }"#);
-        assert!(faults.contains("input b, to which nothing is connected"), "{faults}");
+        assert!(faults.contains("the unconnected input b"), "{faults}");
         of(r#""out": { "type": "FieldMath" }"#);
     }
 }

@@ -1,8 +1,8 @@
 //! Grain: the texture of the canvas or paper that a picture is painted on.
 
-use crate::bounds::bound_at;
-use crate::field::{Axes, Noise, NoiseKind, Screen, noise_reference};
+use crate::field::Screen;
 use std::f64::consts::PI;
+use trochoid_field::{Axes, Noise, NoiseKind};
 use trochoid_graph::*;
 
 /// Mask of the weave of canvas or the tooth of paper, fixed on the picture, with a mean of ½.
@@ -148,7 +148,7 @@ impl PreparedGrain {
     fn truth(&self, pixels: [f64; 2]) -> f64 {
         let place = self.place(pixels);
         let lookups = self.lookups(place);
-        self.mask(place, [0, 1].map(|axis: usize| noise_reference(&self.noises[axis], &lookups[axis], 0.0)))
+        self.mask(place, [0, 1].map(|axis: usize| self.noises[axis].reference(&lookups[axis], 0.0)))
     }
 }
 
@@ -171,7 +171,7 @@ impl Prepared for PreparedGrain {
     }
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
-        bound_at(bounding, outputs, (Only, 0), |at| self.truth(at));
+        bounding.bound_at(outputs, (Only, 0), |at| self.truth(at));
         Ok(())
     }
 

@@ -1,7 +1,7 @@
 //! Noise: procedural noise, fixed on the picture, in the world or on a surface at rest.
 
-use crate::bounds::{Span, bound_by, certain, where_covered};
-use crate::field::{Axes, Noise as Octaves, NoiseKind, Screen, noise_reference, noise_span};
+use crate::field::Screen;
+use trochoid_field::{Axes, Noise as Octaves, NoiseKind};
 use trochoid_graph::*;
 
 /// Makes procedural noise on the picture, in the world, or on the moving water.
@@ -16,7 +16,7 @@ use trochoid_graph::*;
 /// In world and rest space, 0 where no surface is seen. Screen coordinates run right and down from the upper left
 /// corner in picture heights, so the noise does not change with the picture's size. A view without a camera or depth
 /// has no footprints, so its noise is not filtered. Views store positions in 32 bits: far from the origin, cells finer
-/// than that precision are lost, but the noise itself stays exact. Random numbers are computed from integers, so they
+/// than that precision are lost, but the noise itself stays precise. Random numbers are computed from integers, so they
 /// are the same on every machine.
 ///
 /// # Source
@@ -258,7 +258,7 @@ impl Prepared for PreparedNoise {
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
         let (view, channels) = (&self.node.view, self.node.space.channels());
         let mut places = bounding.block.places();
-        bound_by(bounding, outputs, (Only, 0), |sample| {
+        bounding.bound_by(outputs, (Only, 0), |sample| {
             let at = places.next().unwrap_or_default();
             let moved = |(axis, along): (usize, Span)| {
                 let by = self.moved(axis);
@@ -267,13 +267,13 @@ impl Prepared for PreparedNoise {
             if channels.is_empty() {
                 let place: Vec<Span> =
                     self.screen.at(at).map(Span::exactly).into_iter().enumerate().map(moved).collect();
-                return noise_span(&self.octaves, &place, self.footprints.span(at, Span::exactly(0.0)));
+                return self.octaves.span(&place, self.footprints.span(at, Span::exactly(0.0)));
             }
-            where_covered(bounding, view, sample, || {
-                let along = channels.iter().map(|channel| certain(bounding, view, *channel, sample));
+            bounding.where_covered(view, sample, || {
+                let along = channels.iter().map(|channel| bounding.certain(view, *channel, sample));
                 let place: Vec<Span> = along.enumerate().map(moved).collect();
-                let depth = certain(bounding, view, Channel::Depth, sample);
-                noise_span(&self.octaves, &place, self.footprints.span(at, depth))
+                let depth = bounding.certain(view, Channel::Depth, sample);
+                self.octaves.span(&place, self.footprints.span(at, depth))
             })
         });
         Ok(())
@@ -292,7 +292,7 @@ impl Prepared for PreparedNoise {
         let depth = view.map_or(0.0, |view| inputs.view(view, Channel::Depth));
         let footprint = self.footprints.at(inputs.at, depth);
         place.iter_mut().enumerate().for_each(|(axis, along)| *along -= self.moved(axis));
-        Ok(vec![Reference::Field(vec![noise_reference(&self.octaves, &place, footprint)])])
+        Ok(vec![Reference::Field(vec![self.octaves.reference(&place, footprint)])])
     }
 }
 

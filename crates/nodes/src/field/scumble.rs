@@ -1,6 +1,5 @@
 //! Scumble: broken paint, as dragged by a dry brush over a grain.
 
-use crate::bounds::{Span, bound_by, known};
 use trochoid_graph::*;
 
 /// Turns a soft density into paint dragged over a grain: solid where it is dense, broken into flecks where it is thin.
@@ -121,8 +120,8 @@ impl Prepared for Scumble {
     }
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
-        bound_by(bounding, outputs, (Only, 0), |sample| {
-            let [density, noise] = [known(bounding, &self.density, 0, sample), known(bounding, &self.noise, 0, sample)]
+        bounding.bound_by(outputs, (Only, 0), |sample| {
+            let [density, noise] = [bounding.known(&self.density, 0, sample), bounding.known(&self.noise, 0, sample)]
                 .map(|span| span.unwrap_or(Span::exactly(0.0)));
             self.span(density.within(0.0, 1.0), noise)
         });

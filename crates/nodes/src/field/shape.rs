@@ -1,6 +1,5 @@
 //! Shape: a mask of discs, boxes and polygons on the picture.
 
-use crate::bounds::bound_at;
 use crate::field::Screen;
 use trochoid_graph::*;
 
@@ -300,7 +299,7 @@ impl Prepared for PreparedShape {
     }
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
-        bound_at(bounding, outputs, (Only, 0), |at| self.truth(at));
+        bounding.bound_at(outputs, (Only, 0), |at| self.truth(at));
         Ok(())
     }
 

@@ -1,6 +1,5 @@
 //! Read: a picture file as colors, weights or a field.
 
-use crate::bounds::{bound_at, bound_exact};
 use crate::files::knobs::{As, FitBy, Knobs, Named, Selected, Taken};
 use crate::files::{Fit, KEPT_COLORS, KEPT_WHOLE, Kept, Layer, Reading, Stream, controls, memory_of_picture, walked};
 use crate::filter;
@@ -213,9 +212,8 @@ impl Prepared for Decoded {
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
         for channel in 0..self.layers.len() {
-            bound_at(bounding, outputs, (Only, channel), |at| {
-                self.values(at).map_or(f64::NAN, |values| values[channel])
-            });
+            bounding
+                .bound_at(outputs, (Only, channel), |at| self.values(at).map_or(f64::NAN, |values| values[channel]));
         }
         Ok(())
     }
@@ -271,12 +269,12 @@ impl Prepared for Streamed {
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
         if self.stream.is_exact() {
-            bound_exact(bounding, outputs);
+            bounding.exact(outputs);
             return Ok(());
         }
         for (index, channel) in self.targets.iter().enumerate() {
             let truth = |at| self.stream.reference(at).map_or(f64::NAN, |values| values[index]);
-            bound_at(bounding, outputs, (Only, *channel), truth);
+            bounding.bound_at(outputs, (Only, *channel), truth);
         }
         Ok(())
     }

@@ -1,6 +1,5 @@
 //! Texture: a picture file looked up by texture coordinates.
 
-use crate::bounds::{Span, bound_by, known};
 use crate::files::knobs::{As, Knobs, Named, Selected, Taken};
 use crate::files::{Reading, controls, memory_of_picture};
 use crate::filter::{blended, fill, value, weights};
@@ -296,9 +295,9 @@ impl Prepared for PreparedTexture {
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
         for channel in 0..self.planes.len() {
-            bound_by(bounding, outputs, (Only, channel), |sample| {
+            bounding.bound_by(outputs, (Only, channel), |sample| {
                 let place = [&self.node.u, &self.node.v]
-                    .map(|port| known(bounding, port, 0, sample).unwrap_or(Span::exactly(0.0)));
+                    .map(|port| bounding.known(port, 0, sample).unwrap_or(Span::exactly(0.0)));
                 let span = self.span(channel, place);
                 if matches!(self.kind, Kind::Weights(_)) { span.within(0.0, 1.0) } else { span }
             });

@@ -1,6 +1,5 @@
 //! ViewFromPasses: a view from another renderer's passes.
 
-use crate::bounds::bound_exact;
 use crate::files::knobs::FitBy;
 use crate::files::{
     Fit, FoundPass, Opened, Recipe, Rows, Rule, SharedFile, Stored, Stream, find_pass, memory_of_passes,
@@ -429,7 +428,7 @@ impl Prepared for View {
         if !self.passes.iter().all(|pass| pass.stream.is_exact()) {
             return Err(NoBound("its passes are blended"));
         }
-        bound_exact(bounding, outputs);
+        bounding.exact(outputs);
         Ok(())
     }
 

@@ -1,8 +1,9 @@
 //! Blur: replaces each pixel by a weighted mean of its neighborhood.
 
-use crate::filter::{Bounded, Kernel, Shape, Summed, fill, filter, kind, mean, numbers, value};
+use crate::filter::{Bounded, Summed, fill, kind, mean, numbers, value};
 use trochoid_graph::*;
 use trochoid_image::{Format, Window};
+use trochoid_weights::kernel::{self, Kernel, filter};
 
 /// Blurs an image: colors, a mask, weights or a field.
 ///
@@ -31,8 +32,14 @@ pub(crate) struct Blur {
     /// Vertical amount of blur; by default the same as `size`.
     #[knob(range = 0.0..=MOST, drawn)]
     size_y: Option<f64>,
-    /// Shape of the kernel: gaussian, or box (every pixel under the kernel has the same weight).
+    /// Shape of the kernel: gaussian, or box (all pixels within the size weigh the same).
     filter: Shape,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Choice)]
+enum Shape {
+    Gaussian,
+    Box,
 }
 
 /// Largest size, in pixels: such a kernel blurs any picture to nothing.
@@ -43,6 +50,13 @@ impl Blur {
     fn sizes(&self) -> [f64; 2] {
         [self.size, self.size_y.unwrap_or(self.size)]
     }
+
+    fn shape(&self) -> kernel::Shape {
+        match self.filter {
+            Shape::Gaussian => kernel::Shape::Gaussian,
+            Shape::Box => kernel::Shape::Box,
+        }
+    }
 }
 
 impl Node for Blur {
@@ -51,7 +65,7 @@ impl Node for Blur {
         const WEIGHT: f64 = 2.4e-10;
         let sides = [format.width(), format.height()];
         let weights: f64 = (self.sizes().iter().zip(sides))
-            .map(|(size, side)| (2.0 * self.filter.radius(*size) as f64).min(2.0 * f64::from(side)))
+            .map(|(size, side)| (2.0 * self.shape().radius(*size) as f64).min(2.0 * f64::from(side)))
             .sum();
         let seconds = WEIGHT * weights * format.window().area() as f64 * f64::from(format.samples());
         Some(Work { seconds, item: Self::SIZE, remedy: "lower \"size\", or use fewer samples or pixels" })
@@ -64,7 +78,7 @@ impl Node for Blur {
 
 impl Stage for Blur {
     fn regions_of_interest(&self, _port: PortId, window: Window, _format: Format) -> Window {
-        let [across, down] = self.sizes().map(|size| self.filter.radius(size));
+        let [across, down] = self.sizes().map(|size| self.shape().radius(size));
         Window::new(window.x0 - across, window.y0 - down, window.x1 + across, window.y1 + down)
     }
 
@@ -76,7 +90,7 @@ impl Stage for Blur {
         Ok(Box::new(PreparedBlur {
             node: self.clone(),
             kind: kind(prepare),
-            kernels: self.sizes().map(|size| Kernel::new(self.filter, size)),
+            kernels: self.sizes().map(|size| Kernel::new(self.shape(), size)),
         }))
     }
 }
@@ -106,7 +120,7 @@ impl Prepared for PreparedBlur {
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
         let Window { x0, x1, y0, y1 } = bounding.block.window;
-        let [across, down] = self.node.sizes().map(|size| self.node.filter.reference(size));
+        let [across, down] = self.node.sizes().map(|size| self.node.shape().reference(size));
         let reach = down.last().map_or(0, |(dy, _)| *dy);
         for (image, filled, bounds) in Bounded::channels(bounding, &self.node.image, self.kind, outputs) {
             // Rows beyond the image repeat its first or last row.
@@ -128,7 +142,7 @@ impl Prepared for PreparedBlur {
 
     fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
         let image = &self.node.image;
-        let [across, down] = self.node.sizes().map(|size| self.node.filter.reference(size));
+        let [across, down] = self.node.sizes().map(|size| self.node.shape().reference(size));
         let row = |dy: i64| {
             let at = |dx: i64| numbers(&inputs.moved(dx as f64, dy as f64), image);
             mean(across.iter().map(|(dx, w)| (*w, at(*dx))), || at(0))

@@ -7,13 +7,11 @@
 mod bilinear;
 mod blur;
 mod bounded;
-mod kernel;
 mod values;
 mod warp;
 
 pub(crate) use bilinear::{blended, weights};
 pub(crate) use bounded::{Bounded, Summed};
-pub(crate) use kernel::{Kernel, Shape, filter};
 pub(crate) use values::{fill, kind, mean, numbers, value};
 
 use trochoid_graph::NodeType;

@@ -1,6 +1,5 @@
 //! Warp: looks up an image at displaced positions.
 
-use crate::bounds::{Span, known};
 use crate::filter::{Bounded, Summed, blended, fill, kind, mean, numbers, value, weights};
 use trochoid_graph::*;
 use trochoid_image::{Format, Window};
@@ -167,7 +166,7 @@ impl Prepared for PreparedWarp {
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
         let Warp { image, dx, dy, reach } = &self.node;
         let displaced =
-            |port, sample: usize| known(bounding, port, 0, sample).unwrap_or(Span::exactly(0.0)).within(-reach, *reach);
+            |port, sample: usize| bounding.known(port, 0, sample).unwrap_or(Span::exactly(0.0)).within(-reach, *reach);
         let pixels: Vec<[i64; 2]> = bounding.block.pixels().collect();
         for (image, filled, bounds) in Bounded::channels(bounding, image, self.kind, outputs) {
             for (sample, ((bound, filled), [x, y])) in bounds.iter_mut().zip(filled).zip(&pixels).enumerate() {

@@ -1,6 +1,6 @@
 //! BezierModel: a surface of Bézier patches.
 
-use super::{Stance, Standing, check_ending, memory, patch, read_model};
+use super::{Stance, Standing, check_ending, memory, read_model};
 use crate::view::named;
 use std::path::PathBuf;
 use trochoid_graph::*;
@@ -110,7 +110,7 @@ impl BezierModel {
                 found: format!("{found} points of patches[{index}]"),
                 expected: "4 or 16 points",
             };
-            patches.push(patch(&places(points)).map_err(misfit)?);
+            patches.push(Patch::of(&places(points)).map_err(misfit)?);
         }
         let rails: Vec<_> = self.rails.iter().map(|rail| places(&rail.points)).collect();
         if !rails.is_empty() {

@@ -4,12 +4,10 @@ mod bezier_model;
 mod float;
 pub(crate) mod memory;
 mod mesh;
-mod mesh_files;
-mod model;
+mod model_files;
 mod placement;
 
-use mesh_files::read_mesh;
-use model::{patch, read_model};
+use model_files::{read_mesh, read_model};
 use placement::{Stance, check_ending};
 pub(crate) use placement::{Standing, Up};
 

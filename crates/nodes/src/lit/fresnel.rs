@@ -1,7 +1,6 @@
 //! Fresnel: how much of the light a surface reflects, by the angle at which it is seen.
 
 use super::{Combine, Facing, Shades, Toward, Vectors3};
-use crate::bounds::Span;
 use trochoid_graph::*;
 use trochoid_scene::DVec3;
 use trochoid_scene::shading::fresnel;

@@ -1,6 +1,5 @@
 //! LightPool: pools of sunlight that falls through gaps in the clouds.
 
-use crate::bounds::{Span, bound_by, certain, known, where_covered};
 use crate::view::{POSITION, is_covered, nothing, ramp, uncover, view_planes, view_vector};
 use trochoid_graph::*;
 use trochoid_scene::{DVec3, Light};
@@ -54,7 +53,7 @@ struct Pool {
     /// Half the length of the pool: distance from its center at which 1/e of its light is left.
     #[knob(default = 10.0, range = 1e-3..=1e7, unit = "m")]
     length: f64,
-    /// Half the width of the pool, measured in the same way.
+    /// Half the width of the pool: distance across it at which 1/e of its light is left.
     #[knob(default = 10.0, range = 1e-3..=1e7, unit = "m")]
     width: f64,
     /// Direction of the pool's length: 0 is +X, 90 is +Z.
@@ -73,12 +72,7 @@ impl Node for LightPool {
         }
         if self.pools.is_empty() && self.noise.is_none() {
             let found = "no pools and no noise: the light is the same everywhere";
-            check.warning(
-                Self::POOLS,
-                found,
-                "pools, or a noise that has gaps",
-                "give \"pools\", or connect \"noise\"",
-            );
+            check.warning(Self::POOLS, found, "pools, or a noise that has gaps", "add \"pools\", or connect \"noise\"");
         }
     }
 
@@ -245,10 +239,10 @@ impl Prepared for PreparedPools {
     }
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
-        bound_by(bounding, outputs, (Only, 0), |sample| {
-            where_covered(bounding, &self.view, sample, || {
-                let point = POSITION.map(|channel| certain(bounding, &self.view, channel, sample));
-                self.pools.span(point, known(bounding, &self.noise, 0, sample).unwrap_or(Span::exactly(0.0)))
+        bounding.bound_by(outputs, (Only, 0), |sample| {
+            bounding.where_covered(&self.view, sample, || {
+                let point = POSITION.map(|channel| bounding.certain(&self.view, channel, sample));
+                self.pools.span(point, bounding.known(&self.noise, 0, sample).unwrap_or(Span::exactly(0.0)))
             })
         });
         Ok(())

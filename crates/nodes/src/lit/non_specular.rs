@@ -1,7 +1,6 @@
 //! NonSpecular: diffuse shading, that is everything but reflections.
 
 use super::{Combine, Facing, Shades, Toward, Vectors3};
-use crate::bounds::Span;
 use trochoid_graph::*;
 use trochoid_scene::DVec3;
 use trochoid_scene::shading::lambert;

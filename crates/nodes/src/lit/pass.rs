@@ -1,7 +1,6 @@
 //! The common part of nodes that shade each sample by its normal: inputs, coverage, several lights, error bounds.
 
 use super::{Combine, Lights, Near, Toward, Vectors3, eye, toward_eye, view_directions};
-use crate::bounds::{Span, bound_by, certain, where_covered};
 use crate::view::{NORMAL, POSITION, is_bare, is_covered, nothing, uncover, view_planes, view_vector};
 use trochoid_graph::*;
 use trochoid_scene::{DVec3, Projector};
@@ -134,13 +133,13 @@ impl<T: Shades> Prepared for PreparedPass<T> {
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
         let view = self.node.view();
-        bound_by(bounding, outputs, (Only, 0), |sample| {
-            where_covered(bounding, view, sample, || {
+        bounding.bound_by(outputs, (Only, 0), |sample| {
+            bounding.where_covered(view, sample, || {
                 let (point, normal) = (Near::point(bounding, view, sample), Toward::normal(bounding, view, sample));
                 let seen = Facing {
                     normal,
                     eye: self.eye.as_ref().map_or(normal, |eye| Toward::eye(eye, point)),
-                    variance: certain(bounding, view, Channel::SlopeVariance, sample),
+                    variance: bounding.certain(view, Channel::SlopeVariance, sample),
                 };
                 if self.node.is_lit() {
                     self.lights.may_give(point, |light| self.node.span(seen, light))

@@ -1,7 +1,6 @@
 //! Specular: highlights, where a surface mirrors lights toward the eye.
 
 use super::{Combine, Facing, Shades, Toward, Vectors3};
-use crate::bounds::Span;
 use crate::view::POSITION;
 use std::f64::consts::FRAC_PI_2;
 use trochoid_graph::*;

@@ -1,10 +1,9 @@
 //! Points and directions with error bounds, and the span of the lights' masks there.
 
 use super::lights::{Combine, Lights};
-use crate::bounds::{Span, certain};
 use crate::view::{NORMAL, POSITION};
 use std::f64::consts::PI;
-use trochoid_graph::{Bounding, Channel, One, port};
+use trochoid_graph::{Bounding, Channel, One, Span, port};
 use trochoid_scene::shading::unit_or_up;
 use trochoid_scene::{DVec3, Light, Projector};
 
@@ -19,7 +18,7 @@ pub(crate) struct Near {
 impl Near {
     /// Reads a vector from three channels of the view.
     pub(crate) fn of(bounding: &Bounding<'_>, view: &One<port::View>, channels: [Channel; 3], sample: usize) -> Self {
-        let spans = channels.map(|channel| certain(bounding, view, channel, sample));
+        let spans = channels.map(|channel| bounding.certain(view, channel, sample));
         Self {
             vector: DVec3::from(spans.map(Span::middle)),
             within: DVec3::from(spans.map(Span::half)).length(),

@@ -1,11 +1,12 @@
 //! Hooks: claws of foam rooted in a surface.
 
 use crate::lit::{eye, toward_eye};
-use crate::paint::{Claw, Drawn, Places, Ribbon, Shape, covered, draw, key};
 use crate::sea::{Roots, check_indices, check_roots, check_surfaces};
 use crate::view::Looking;
+use trochoid_field::random::{draw, key};
 use trochoid_graph::*;
 use trochoid_image::Format;
+use trochoid_scene::claws::{Claw, Drawn, Places, Ribbon, Shape, covered};
 use trochoid_scene::shading::unit_or_up;
 use trochoid_scene::{Anchor, DVec3, Projector};
 
@@ -40,7 +41,8 @@ pub(crate) struct Hooks {
     /// Index of the surface in the Render's list, counted from 0; all surfaces by default.
     #[knob(range = 0..=63)]
     surface: Option<i64>,
-    /// Value of |n · v| (surface normal and view direction) below which ribbons shrink as their root turns edge-on; 0 never shrinks them.
+    /// Value of |n · v| (surface normal and view direction) below which ribbons shrink as their root turns edge-on; 0
+    /// never shrinks them.
     #[knob(default = 0.3, range = 0.0..=1.0)]
     turned: f64,
     /// Smallest jump in depth that hides a ribbon, as a fraction of the depth.
@@ -404,7 +406,7 @@ impl Prepared for PreparedHooks {
                     if *output == Out::Mask {
                         plane[index] = (1.0 - left[index]) as f32;
                     } else if first {
-                        plane[index] = drawn.value(*output) as f32;
+                        plane[index] = output.of(&drawn) as f32;
                     }
                 }
             }
@@ -432,9 +434,9 @@ impl Prepared for PreparedHooks {
             drawn.mask = 1.0 - left;
         }
         let value = |output: Out| match output {
-            Out::Mask | Out::Ink | Out::Shade => Reference::Mask(drawn.value(output)),
+            Out::Mask | Out::Ink | Out::Shade => Reference::Mask(output.of(&drawn)),
             Out::Along | Out::Across | Out::HalfWidth | Out::Side | Out::Random | Out::Row | Out::Inset | Out::Tag => {
-                Reference::Field(vec![drawn.value(output)])
+                Reference::Field(vec![output.of(&drawn)])
             }
         };
         Ok(Out::ALL.map(value).into())
@@ -445,20 +447,21 @@ impl Prepared for PreparedHooks {
     }
 }
 
-impl Drawn {
-    fn value(&self, output: Out) -> f64 {
-        match output {
-            Out::Mask => self.mask,
-            Out::Along => self.along,
-            Out::Across => self.across,
-            Out::HalfWidth => self.half_width,
-            Out::Side => self.side,
-            Out::Random => self.random,
-            Out::Row => self.row,
-            Out::Inset => self.inset,
-            Out::Tag => self.tag,
-            Out::Ink => self.ink,
-            Out::Shade => self.shade,
+impl Out {
+    /// What a place has of it.
+    fn of(self, drawn: &Drawn) -> f64 {
+        match self {
+            Self::Mask => drawn.mask,
+            Self::Along => drawn.along,
+            Self::Across => drawn.across,
+            Self::HalfWidth => drawn.half_width,
+            Self::Side => drawn.side,
+            Self::Random => drawn.random,
+            Self::Row => drawn.row,
+            Self::Inset => drawn.inset,
+            Self::Tag => drawn.tag,
+            Self::Ink => drawn.ink,
+            Self::Shade => drawn.shade,
         }
     }
 }

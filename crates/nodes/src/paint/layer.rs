@@ -1,5 +1,6 @@
 //! Layers of strokes: their knobs, and the layers of a node in pixels of a format.
 
+use trochoid_field::random::key;
 use trochoid_graph::Items;
 use trochoid_image::Format;
 
@@ -71,7 +72,7 @@ pub(crate) const STRIDES: [i64; 2] = [1, 2];
 pub(crate) fn layers(knobs: &[LayerKnobs], height: Option<i64>, seed: i64, format: Format) -> Vec<Layer> {
     let meant = height.map_or(f64::from(format.height()), |height| height as f64);
     let scale = f64::from(format.height()) / meant;
-    let base = super::key(0x7374_726f_6b65, seed);
+    let base = key(0x7374_726f_6b65, seed);
     knobs
         .iter()
         .enumerate()
@@ -84,7 +85,7 @@ pub(crate) fn layers(knobs: &[LayerKnobs], height: Option<i64>, seed: i64, forma
             stray: layer.stray * scale,
             bristle: layer.bristle,
             is_last: index + 1 == knobs.len(),
-            key: super::key(base, index as i64),
+            key: key(base, index as i64),
         })
         .collect()
 }

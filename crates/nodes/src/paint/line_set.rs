@@ -1,8 +1,8 @@
 //! LineSet: parallel tapering lines, like those a carver cuts into a wood block.
 
 use crate::filter::numbers;
-use crate::paint::{draw, key};
 use crate::view::grown;
+use trochoid_field::random::{draw, key};
 use trochoid_graph::*;
 use trochoid_image::{Format, Window};
 

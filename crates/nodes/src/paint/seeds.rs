@@ -5,7 +5,7 @@
 //! and its seeds are the grid points that lie in it, taken from the two levels whose density in the picture is nearest
 //! to the requested one; one level fades out as the other fades in.
 
-use super::{draw, key};
+use trochoid_field::random::{draw, key};
 
 /// Surface point that one pixel sees.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,7 +1,8 @@
 //! A stroke: its position and shape, the source of its color, and its coverage.
 
-use super::{Layer, MARGIN, Seed, draw};
+use super::{Layer, MARGIN, Seed};
 use std::f64::consts::TAU;
+use trochoid_field::random::draw;
 use trochoid_image::Window;
 
 /// Surroundings of a stroke, by pixel. Beyond the picture, the values are those of the nearest pixel.

@@ -1,7 +1,6 @@
 //! DriftLines: lines that trail behind bursts.
 
 use super::check_trails;
-use crate::bounds::{Span, bound_by, certain, where_covered};
 use crate::view::{Around, grown, is_covered, nothing};
 use trochoid_graph::*;
 use trochoid_image::{Format, Window};
@@ -147,13 +146,13 @@ impl Prepared for PreparedLines {
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
         let (around, mut pixels) = (Around::of(bounding.inputs, &self.view), bounding.block.pixels());
-        bound_by(bounding, outputs, (Only, 0), |_| {
+        bounding.bound_by(outputs, (Only, 0), |_| {
             let [x, y] = pixels.next().unwrap_or_default();
             let here = around.index(x, y);
-            where_covered(bounding, &self.view, here, || {
+            bounding.where_covered(&self.view, here, || {
                 let mut clear = true;
                 let mut phase = |x: i64, y: i64| {
-                    let spans = self.phase.map(|channel| certain(bounding, &self.view, channel, around.index(x, y)));
+                    let spans = self.phase.map(|channel| bounding.certain(&self.view, channel, around.index(x, y)));
                     clear &= spans.iter().all(|span| span.clear);
                     let within = spans.map(Span::half);
                     NearPhase { phase: spans.map(Span::middle), within: libm::hypot(within[0], within[1]) }
@@ -162,7 +161,7 @@ impl Prepared for PreparedLines {
                 let beside = [[phase(x - 1, y), phase(x + 1, y)], [phase(x, y - 1), phase(x, y + 1)]];
                 let (density, told) = density_span(own, beside);
                 let [weight, height] =
-                    [Channel::DriftWeight, Channel::Height].map(|channel| certain(bounding, &self.view, channel, here));
+                    [Channel::DriftWeight, Channel::Height].map(|channel| bounding.certain(&self.view, channel, here));
                 let [weights, heights] = [weight, height].map(|span| [span.low, span.high]);
                 let ([low, high], smooth) =
                     self.lines.mask_span(&NearPlace { weight: weights, phase: own, height: heights, density });

@@ -1,7 +1,6 @@
 //! Spray: drops thrown into the air by breaking crests and bursts.
 
 use super::waters::can_break;
-use crate::bounds::{Span, bound_by, certain};
 use crate::lit::eye;
 use crate::view::SurfaceHandle;
 use std::sync::{Arc, OnceLock};
@@ -361,9 +360,8 @@ impl Prepared for PreparedSpray {
         // of other values.
         let Ok(dabs) = self.truth() else { return Err(NoBound("the reference's drops cover too much")) };
         let count = bounding.block.window.area();
-        let depths: Vec<Span> =
-            (0..count).map(|sample| certain(bounding, &self.view, Channel::Depth, sample)).collect();
-        // The deeper the surface, the more of each drop is visible.
+        let depths: Vec<Span> = (0..count).map(|sample| bounding.certain(&self.view, Channel::Depth, sample)).collect();
+        // The deeper the surface, the more is seen of each drop.
         let seen = |surface: Vec<f32>| {
             let mut planes = [(); 4].map(|()| vec![0.0; count]);
             let [alpha, depth, age, weight] = planes.each_mut().map(|plane| Some(&mut plane[..]));
@@ -379,15 +377,15 @@ impl Prepared for PreparedSpray {
             };
             Span { low: f64::from(low) - slack(low), high: f64::from(high) + slack(high), clear: true }
         };
-        bound_by(bounding, outputs, (Out::Alpha, 0), |sample| {
+        bounding.bound_by(outputs, (Out::Alpha, 0), |sample| {
             let alpha = rounded(near[0][sample], far[0][sample]).within(0.0, 1.0);
             alpha.with(depths[sample].clear && (self.brush.soft > 0.0 || near[0][sample] == far[0][sample]))
         });
-        bound_by(bounding, outputs, (Out::Depth, 0), |sample| {
+        bounding.bound_by(outputs, (Out::Depth, 0), |sample| {
             let [nearest, farthest] = [&far, &near].map(|planes| planes[1][sample]);
             rounded(nearest, farthest).with(nearest == farthest)
         });
-        bound_by(bounding, outputs, (Out::Age, 0), |sample| {
+        bounding.bound_by(outputs, (Out::Age, 0), |sample| {
             let is_bare = far[0][sample] == 0.0 && far[1][sample] == f32::INFINITY;
             if is_bare || depths[sample].low == depths[sample].high {
                 return rounded(near[2][sample], far[2][sample]).within(0.0, 1.0);

@@ -1,9 +1,9 @@
 //! SurfaceLines: the net of light lines that scrolls over cartoon water.
 
-use crate::field::{Axes, Noise, NoiseKind, edges_reference, noise_reference};
 use crate::lit::eye;
 use crate::view::{is_covered, view_planes, view_vector};
 use std::f64::consts::TAU;
+use trochoid_field::{Axes, Noise, NoiseKind};
 use trochoid_graph::*;
 use trochoid_scene::{DVec3, Projector, footprint_axes};
 
@@ -288,8 +288,8 @@ impl Prepared for PreparedNet {
         let rest = view_vector(inputs, &self.node.view, RESTS);
         let thickness = self.node.thickness.as_ref().map_or(1.0, |source| inputs.scalar(source));
         let place = self.place(rest, thickness);
-        let place = place.bent([0, 1].map(|axis| self.node.sway * noise_reference(&self.bends[axis], &place.at, 0.0)));
-        let (edges, slope) = edges_reference(&self.net, place.at);
+        let place = place.bent([0, 1].map(|axis| self.node.sway * self.bends[axis].reference(&place.at, 0.0)));
+        let (edges, slope) = self.net.edges_reference(place.at);
         let mask = place.mask(edges, slope, self.share(&place));
         Ok(references(mask, self.coordinates(rest)))
     }

@@ -1,7 +1,6 @@
 //! WaterlineFoam: foam where objects pierce the water or lie just below it.
 
 use super::check_same_camera;
-use crate::bounds::{Span, bound_by, known};
 use trochoid_graph::*;
 
 /// A mask of foam along waterlines: where an object is close behind or below the water's surface.
@@ -164,10 +163,10 @@ impl Prepared for PreparedFoam {
     }
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
-        bound_by(bounding, outputs, (Only, 0), |sample| {
+        bounding.bound_by(outputs, (Only, 0), |sample| {
             let of = |channel: Channel| {
                 let background = Span::exactly(f64::from(channel.background()));
-                let known = |view| known(bounding, view, channel as usize, sample).unwrap_or(background);
+                let known = |view| bounding.known(view, channel as usize, sample).unwrap_or(background);
                 self.node.views().map(known)
             };
             let depths = of(Channel::Depth);
@@ -178,7 +177,7 @@ impl Prepared for PreparedFoam {
                     above - below
                 }
             };
-            self.foam.span(depths, apart, known(bounding, &self.node.edge, 0, sample).unwrap_or(Span::exactly(0.0)))
+            self.foam.span(depths, apart, bounding.known(&self.node.edge, 0, sample).unwrap_or(Span::exactly(0.0)))
         });
         Ok(())
     }

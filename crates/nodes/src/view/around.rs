@@ -1,7 +1,6 @@
 //! Neighborhood access for filters of a view: a pixel and its neighbors.
 
-use crate::bounds::{Span, certain};
-use trochoid_graph::{Bounding, Channel, Connection, Inputs, One, References, port};
+use trochoid_graph::{Bounding, Channel, Connection, Inputs, One, References, Span, port};
 use trochoid_image::Window;
 
 /// Returns a window grown by a number of pixels on each side.
@@ -81,7 +80,7 @@ pub(crate) fn surface_of(inputs: &References<'_>, view: &One<port::View>) -> f64
 /// Returns the span of the surface indices that a sample may see, as in [`Around::surfaces`]; any index if uncertain.
 pub(crate) fn may_see(bounding: &Bounding<'_>, view: &One<port::View>, sample: usize) -> Span {
     let [coverage, surface] =
-        [Channel::Coverage, Channel::Surface].map(|channel| certain(bounding, view, channel, sample));
+        [Channel::Coverage, Channel::Surface].map(|channel| bounding.certain(view, channel, sample));
     if coverage.high <= 0.0 {
         Span::exactly(-1.0)
     } else if coverage.low > 0.0 && surface.low == surface.high {

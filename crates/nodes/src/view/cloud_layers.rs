@@ -1,7 +1,7 @@
 //! Cloud layers: their intersection with rays, and their density.
 
-use crate::field::{Noise, Octave};
 use crate::view::ramp;
+use trochoid_field::{Noise, Octave};
 use trochoid_scene::{DVec3, Ray};
 
 /// Maximum number of parts of a slanting ray, relative to a vertical one.
@@ -123,7 +123,7 @@ impl Cut {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::field::{Axes, NoiseKind};
+    use trochoid_field::{Axes, NoiseKind};
 
     /// Returns a layer without noise.
     fn layer(base: f64, thickness: f64) -> Layer {

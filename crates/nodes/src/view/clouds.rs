@@ -1,7 +1,7 @@
 //! Clouds: layers of procedural density, lit by a light.
 
 use super::cloud_layers::{BEND, Cut, Layer, MORE_STEPS};
-use crate::field::{Axes, Noise, NoiseKind, noise_reference};
+use trochoid_field::{Axes, Noise, NoiseKind};
 use trochoid_graph::*;
 use trochoid_image::Format;
 use trochoid_scene::{Camera, DVec3, Light, Projector, Ray};
@@ -350,7 +350,7 @@ impl PreparedClouds {
         let cut = layer.cut(span, self.node.steps as usize);
         let density = |point: DVec3, footprint: f64, spread: f64| {
             let height = self.height(point);
-            layer.density(noise_reference(&layer.noise, &layer.place(point, height), footprint), height, spread)
+            layer.density(layer.noise.reference(&layer.place(point, height), footprint), height, spread)
         };
         for (distance, length) in (0..).map_while(|step| cut.at(step)) {
             if gathered.left <= OPAQUE {

@@ -1,7 +1,6 @@
 //! Curvature: how sharply a surface bends.
 
 use super::{Around, NORMAL, POSITION, change, grown, may_see, surface_of, view_planes, view_vector};
-use crate::bounds::{Span, bound_by, certain};
 use trochoid_graph::*;
 use trochoid_image::{Format, Window};
 use trochoid_scene::DVec3;
@@ -135,10 +134,10 @@ impl Prepared for Curvature {
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
         let around = Around::of(bounding.inputs, &self.view);
         let point = |there: usize| {
-            [POSITION, NORMAL].map(|channels| channels.map(|channel| certain(bounding, &self.view, channel, there)))
+            [POSITION, NORMAL].map(|channels| channels.map(|channel| bounding.certain(&self.view, channel, there)))
         };
         let mut pixels = bounding.block.pixels();
-        bound_by(bounding, outputs, (Only, 0), |_| {
+        bounding.bound_by(outputs, (Only, 0), |_| {
             let [x, y] = pixels.next().unwrap_or_default();
             let here = around.index(x, y);
             let own = may_see(bounding, &self.view, here);

@@ -1,12 +1,13 @@
 //! FlowField: directions for brush strokes.
 
 use super::{NORMAL, POSITION, grown, ramp};
-use crate::field::{Axes, Noise, NoiseKind, Screen, noise_reference};
-use crate::filter::{Kernel, Shape, filter};
+use crate::field::Screen;
 use crate::lit::eye;
+use trochoid_field::{Axes, Noise, NoiseKind};
 use trochoid_graph::*;
 use trochoid_image::{Format, Window};
 use trochoid_scene::{DVec3, Projector};
+use trochoid_weights::kernel::{Kernel, Shape, filter};
 
 /// Directions in the picture: up the slope of a surface, along its crests, along or across the gradient of a Field, or
 /// constant.
@@ -327,7 +328,7 @@ impl PreparedFlow {
         } else {
             still
         };
-        self.wavering(line, noise_reference(&self.noise, &self.screen.at(there.at), 0.0))
+        self.wavering(line, self.noise.reference(&self.screen.at(there.at), 0.0))
     }
 }
 

@@ -1,6 +1,5 @@
 //! InFront: which of two views is nearer.
 
-use crate::bounds::{Span, bound_by, certain};
 use crate::sea::check_same_camera;
 use trochoid_graph::*;
 
@@ -76,8 +75,8 @@ impl Prepared for InFront {
     }
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
-        bound_by(bounding, outputs, (Only, 0), |sample| {
-            let [depth, other] = [&self.view, &self.other].map(|view| certain(bounding, view, Channel::Depth, sample));
+        bounding.bound_by(outputs, (Only, 0), |sample| {
+            let [depth, other] = [&self.view, &self.other].map(|view| bounding.certain(view, Channel::Depth, sample));
             // The mask falls with the view's depth and rises with the other's.
             let ends = [mask(depth.high, other.low, self.soft), mask(depth.low, other.high, self.soft)];
             if ends.iter().any(|end| end.is_nan()) {

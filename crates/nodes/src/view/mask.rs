@@ -1,7 +1,6 @@
 //! Masks computed from channels of a view, each sample by itself.
 
 use super::{is_covered, nothing};
-use crate::bounds::{Span, bound_by, certain, where_covered};
 use trochoid_graph::*;
 
 /// A node whose only output is a product of ramps over channels of its view, and 0 where nothing is seen.
@@ -122,19 +121,21 @@ impl Prepared for PreparedMask {
     }
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
-        bound_by(bounding, outputs, (Only, 0), |sample| {
-            where_covered(bounding, &self.view, sample, || {
-                let ramps = self.ramps.iter();
-                let ramps: Vec<Span> =
-                    ramps.map(|(channel, ramp)| ramp.span(certain(bounding, &self.view, *channel, sample))).collect();
-                // A ramp that is certainly 0 makes the others irrelevant.
-                if ramps.iter().any(|ramp| ramp.is_exact() && ramp.low == 0.0) {
-                    return Span::exactly(0.0);
-                }
-                let ends = [|ramp: &Span| ramp.low, |ramp: &Span| ramp.high];
-                Span::of(&ends.map(|end| ramps.iter().map(end).product())).with(ramps.iter().all(|ramp| ramp.clear))
-            })
-            .within(0.0, 1.0)
+        bounding.bound_by(outputs, (Only, 0), |sample| {
+            bounding
+                .where_covered(&self.view, sample, || {
+                    let ramps = self.ramps.iter();
+                    let ramps: Vec<Span> = ramps
+                        .map(|(channel, ramp)| ramp.span(bounding.certain(&self.view, *channel, sample)))
+                        .collect();
+                    // A ramp that is 0 for certain hides what is not clear of the others.
+                    if ramps.iter().any(|ramp| ramp.is_exact() && ramp.low == 0.0) {
+                        return Span::exactly(0.0);
+                    }
+                    let ends = [|ramp: &Span| ramp.low, |ramp: &Span| ramp.high];
+                    Span::of(&ends.map(|end| ramps.iter().map(end).product())).with(ramps.iter().all(|ramp| ramp.clear))
+                })
+                .within(0.0, 1.0)
         });
         Ok(())
     }

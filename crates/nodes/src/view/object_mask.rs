@@ -1,7 +1,6 @@
 //! ObjectMask: where chosen surfaces are seen.
 
 use super::{Looking, Render, SurfaceHandle};
-use crate::bounds::{Span, bound_by, certain};
 use crate::sea::check_indices;
 use std::sync::Arc;
 use trochoid_graph::*;
@@ -111,8 +110,8 @@ impl Prepared for PreparedChoice {
     }
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
-        bound_by(bounding, outputs, (Only, 0), |sample| {
-            let surface = certain(bounding, &self.view, Channel::Surface, sample);
+        bounding.bound_by(outputs, (Only, 0), |sample| {
+            let surface = bounding.certain(&self.view, Channel::Surface, sample);
             if surface.low == surface.high {
                 Span::exactly(f64::from(self.mask(surface.low as f32)))
             } else if self.indices.iter().any(|index| surface.holds(f64::from(*index))) {

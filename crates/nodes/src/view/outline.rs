@@ -1,7 +1,6 @@
 //! Outline: lines along edges of objects and jumps of depth.
 
 use super::{Around, grown, surface_of};
-use crate::bounds::{Span, bound_by, certain, known};
 use trochoid_graph::*;
 use trochoid_image::{Format, Window};
 
@@ -242,7 +241,7 @@ impl PreparedOutline {
     /// Returns what a sample may see.
     fn near(&self, bounding: &Bounding<'_>, sample: usize) -> NearSeen {
         let [coverage, surface, depth] = [Channel::Coverage, Channel::Surface, Channel::Depth]
-            .map(|channel| certain(bounding, &self.node.view, channel, sample));
+            .map(|channel| bounding.certain(&self.node.view, channel, sample));
         if coverage.high <= 0.0 {
             return NearSeen { surface: Some(-1.0), w: [0.0; 2] };
         }
@@ -367,9 +366,9 @@ impl Prepared for PreparedOutline {
             .map(|(x, y)| part(x, y))
             .collect();
         let mut pixels = bounding.block.pixels();
-        bound_by(bounding, outputs, (Only, 0), |sample| {
+        bounding.bound_by(outputs, (Only, 0), |sample| {
             let [px, py] = pixels.next().unwrap_or_default();
-            let thickness = known(bounding, &self.node.thickness, 0, sample).unwrap_or(Span::exactly(1.0));
+            let thickness = bounding.known(&self.node.thickness, 0, sample).unwrap_or(Span::exactly(1.0));
             let width = thickness.through(|thickness| self.node.width * thickness);
             // Coverage that is certain, and coverage that is possible.
             let (mut sure, mut most) = (0.0_f64, 0.0_f64);

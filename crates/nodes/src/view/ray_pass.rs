@@ -1,7 +1,6 @@
 //! Passes of quantities found by rays that start at the points of a view.
 
 use super::{Facets, Rays, Seen, Surroundings, asked};
-use crate::bounds::{Span, bound_by, where_covered};
 use crate::geometry::memory;
 use crate::sea::check_surfaces;
 use std::sync::Arc;
@@ -126,8 +125,8 @@ impl<T: Traces> Prepared for PreparedRays<T> {
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
         // The reference's rays hit the surfaces themselves, so facets may pass or block rays differently.
-        bound_by(bounding, outputs, (Only, 0), |sample| {
-            where_covered(bounding, self.node.view(), sample, || Span::unclear(0.0, self.node.most()))
+        bounding.bound_by(outputs, (Only, 0), |sample| {
+            bounding.where_covered(self.node.view(), sample, || Span::unclear(0.0, self.node.most()))
         });
         Ok(())
     }

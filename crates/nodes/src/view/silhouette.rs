@@ -1,7 +1,6 @@
 //! Silhouette: lines where a surface turns away from the eye.
 
 use super::{Around, NORMAL, POSITION, change, grown, is_covered, may_see, surface_of, view_planes, view_vector};
-use crate::bounds::{Span, bound_by, where_covered};
 use crate::lit::{Near, Toward, eye, toward_eye, view_directions};
 use trochoid_graph::*;
 use trochoid_image::{Format, Window};
@@ -169,9 +168,9 @@ impl Prepared for PreparedSilhouette {
             Toward::normal(bounding, view, there).cosine(toward).within(0.0, 1.0)
         };
         let pixels: Vec<usize> = bounding.block.pixels().map(|[x, y]| around.index(x, y)).collect();
-        bound_by(bounding, outputs, (Out::Edge, 0), |sample| {
+        bounding.bound_by(outputs, (Out::Edge, 0), |sample| {
             // Where nothing is seen, `edge` is 1.
-            let faced = where_covered(bounding, view, pixels[sample], || edge(pixels[sample]).through(|e| 1.0 - e));
+            let faced = bounding.where_covered(view, pixels[sample], || edge(pixels[sample]).through(|e| 1.0 - e));
             if faced.is_exact() {
                 Span::exactly(1.0 - faced.low)
             } else {
@@ -179,9 +178,9 @@ impl Prepared for PreparedSilhouette {
             }
         });
         let mut places = bounding.block.pixels();
-        bound_by(bounding, outputs, (Out::Mask, 0), |sample| {
+        bounding.bound_by(outputs, (Out::Mask, 0), |sample| {
             let [x, y] = places.next().unwrap_or_default();
-            where_covered(bounding, view, pixels[sample], || match self.node.width {
+            bounding.where_covered(view, pixels[sample], || match self.node.width {
                 None => {
                     let e = edge(pixels[sample]);
                     let ends = [self.cut(e.high), self.cut(e.low)];

@@ -1,7 +1,6 @@
 //! Sky: elevation of the view ray and of its reflection.
 
 use super::{NORMAL, is_covered, view_planes, view_vector};
-use crate::bounds::{bound_at, bound_by, where_covered};
 use crate::lit::{Toward, eye};
 use trochoid_graph::*;
 use trochoid_scene::shading::unit_or_up;
@@ -129,11 +128,11 @@ impl Prepared for PreparedSky {
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
         let ray = |[x, y]: [f64; 2]| self.eye.ray(x, y).direction;
-        bound_at(bounding, outputs, (Out::Sky, 0), |at| self.mask(ray(at)));
+        bounding.bound_at(outputs, (Out::Sky, 0), |at| self.mask(ray(at)));
         let mut places = bounding.block.places();
-        bound_by(bounding, outputs, (Out::Reflected, 0), |sample| {
+        bounding.bound_by(outputs, (Out::Reflected, 0), |sample| {
             let at = places.next().unwrap_or_default();
-            where_covered(bounding, &self.node.view, sample, || {
+            bounding.where_covered(&self.node.view, sample, || {
                 // When a normal rotates, its reflection rotates by twice the angle, and the elevation by no more than
                 // that.
                 let mirrored = Toward::normal(bounding, &self.node.view, sample).mirrored(Toward::exactly(-ray(at)));

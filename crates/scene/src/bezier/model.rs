@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 
-use super::Bicubic;
 use super::ball::Ball;
+use super::{Bicubic, Bilinear};
 
 /// Most patches of one model.
 pub const MAX_PATCHES: usize = 1 << 16;
@@ -23,6 +23,18 @@ impl Patch {
     /// Makes a patch whose texture coordinates are its u and v.
     pub fn new(shape: Bicubic) -> Self {
         Self { shape, uv: [[0.0; 2], [1.0; 2]] }
+    }
+
+    /// The patch of 4 control points, bilinear, or of 16.
+    ///
+    /// # Errors
+    /// There are so many instead.
+    pub fn of(points: &[DVec3]) -> Result<Self, usize> {
+        if let Ok(points) = points.try_into() {
+            return Ok(Self::new(Bilinear { points }.elevate()));
+        }
+        let points = points.try_into().map_err(|_| points.len())?;
+        Ok(Self::new(Bicubic { points }))
     }
 }
 

@@ -47,7 +47,7 @@ impl std::fmt::Display for TooMuchSpray {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(
             f,
-            "the stamps of all drops meet {} bins of {BIN} × {BIN} pixels: at most {MAX_ENTRIES}; make \"radius\", \
+            "the stamps of all drops touch {} bins of {BIN} × {BIN} pixels, more than {MAX_ENTRIES}: make \"radius\", \
              \"growth\", \"stretch\" or the number of drops smaller, or move the camera away",
             self.0
         )

@@ -1,30 +1,28 @@
-//! Wavefront OBJ, read by `tobj`.
+//! Wavefront OBJ, parsed by the crate `tobj`.
 
+use super::{Indexed, ObjFault};
+use crate::{DVec3, Triangles};
 use std::cell::Cell;
 use std::io::{BufRead, Read};
 use tobj::{LoadError, LoadOptions};
-use trochoid_scene::{DVec3, Triangles};
 
-/// The objects and groups of a file; points, lines and materials are left out.
-pub(super) fn parts(bytes: &[u8]) -> Result<Vec<Triangles>, String> {
+/// Reads the objects and groups of a file. Points, lines and materials are left out.
+pub(super) fn parts(bytes: &[u8]) -> Result<Vec<Triangles>, ObjFault> {
     check_faces(bytes)?;
     let options = LoadOptions { single_index: true, triangulate: true, ignore_points: true, ignore_lines: true };
     let line = Cell::new(0);
     let mut lines = Lines { rest: bytes, line: &line };
     // Colors are the document's, so no material file is opened.
     let models = tobj::load_obj_buf(&mut lines, &options, |_| Ok(Default::default()))
-        .map_err(|error| format!("line {}: {}", line.get(), explained(&error)))?
+        .map_err(|fault| ObjFault::Line { line: line.get(), fault })?
         .0;
-    models
-        .into_iter()
-        .map(|model| part(model.mesh).map_err(|error| format!("object {}: {error}", model.name)))
-        .collect()
+    models.into_iter().map(|model| part(model.name, model.mesh)).collect()
 }
 
-/// Coordinates from which on a scene could not tell neighbors apart.
-const MOST: f64 = 1e15;
+/// Limit of coordinates: beyond it, a scene could not tell neighboring vertices apart.
+pub(super) const MOST: f64 = 1e15;
 
-fn part(mesh: tobj::Mesh) -> Result<Triangles, String> {
+fn part(object: String, mesh: tobj::Mesh) -> Result<Triangles, ObjFault> {
     let vectors = |values: &[f64]| values.chunks_exact(3).map(DVec3::from_slice).collect();
     let (triangles, _) = mesh.indices.as_chunks();
     let part = Triangles {
@@ -35,19 +33,17 @@ fn part(mesh: tobj::Mesh) -> Result<Triangles, String> {
     };
     let wild = |v: &f64| !v.is_finite() || v.abs() > MOST;
     if let Some(at) = mesh.positions.iter().position(wild) {
-        return Err(format!(
-            "found the coordinate {:?} of a vertex; expected finite numbers up to {MOST:e}: correct it, or export the file \
-             again",
-            mesh.positions[at]
-        ));
+        return Err(ObjFault::Coordinate { object, found: mesh.positions[at] });
     }
     // The library drops what a corner lacks, which would shift what the others have.
-    part.check().map_err(|error| format!("{error}: give all corners of an object the same parts, such as 1/1/1"))?;
-    Ok(part)
+    match part.check() {
+        Ok(()) => Ok(part),
+        Err(fault) => Err(ObjFault::Corners { object, fault }),
+    }
 }
 
-/// What the library found, with what it wants and what to do.
-fn explained(error: &LoadError) -> String {
+/// Translates an error of the library: what was expected, and what to do.
+pub(super) fn explained(error: &LoadError) -> String {
     let (expected, remedy) = match error {
         LoadError::PositionParseError => ("v and three numbers", "correct the line"),
         LoadError::NormalParseError => ("vn and three numbers", "correct the line"),
@@ -62,7 +58,7 @@ fn explained(error: &LoadError) -> String {
     format!("found a {error}; expected {expected}: {remedy}")
 }
 
-/// Lines handed out, counted.
+/// Reader that counts the lines it returns.
 struct Lines<'a> {
     rest: &'a [u8],
     line: &'a Cell<usize>,
@@ -75,7 +71,7 @@ impl Read for Lines<'_> {
 }
 
 impl BufRead for Lines<'_> {
-    /// One line at a time, so that the last one handed out is the one being read.
+    /// Returns one line at a time, so that the last one returned is the one being parsed.
     fn fill_buf(&mut self) -> std::io::Result<&[u8]> {
         let end = self.rest.iter().position(|byte| *byte == b'\n').map_or(self.rest.len(), |at| at + 1);
         Ok(&self.rest[..end])
@@ -88,10 +84,11 @@ impl BufRead for Lines<'_> {
     }
 }
 
-/// Refuses indices that are 0, beyond u32, or farther back than there is anything: the library's arithmetic on them
-/// would overflow.
-fn check_faces(bytes: &[u8]) -> Result<(), String> {
-    const KINDS: [(&str, &str); 3] = [("v", "vertices"), ("vt", "texture coordinates"), ("vn", "normals")];
+/// Refuses indices that are 0, beyond u32, or negative beyond the first element: the library's arithmetic on them would
+/// overflow.
+fn check_faces(bytes: &[u8]) -> Result<(), ObjFault> {
+    const KINDS: [(&str, Indexed); 3] =
+        [("v", Indexed::Vertices), ("vt", Indexed::TextureCoordinates), ("vn", Indexed::Normals)];
     let mut counts = [0i64; 3];
     for (index, line) in bytes.split(|byte| *byte == b'\n').enumerate() {
         // What is not UTF-8 is refused by the library, with its line.
@@ -106,12 +103,8 @@ fn check_faces(bytes: &[u8]) -> Result<(), String> {
         for (kind, part) in words.flat_map(|word| word.split('/').take(3).enumerate()) {
             let Ok(number) = part.parse::<i128>() else { continue };
             if number == 0 || number < -i128::from(counts[kind]) || number > i128::from(u32::MAX) {
-                let (count, what) = (counts[kind], KINDS[kind].1);
-                return Err(format!(
-                    "line {}: found the index {number} after {count} {what}; expected 1 to their number, or -1 to \
-                     -{count} to count back: correct it",
-                    index + 1
-                ));
+                let (line, of, count) = (index + 1, KINDS[kind].1, counts[kind]);
+                return Err(ObjFault::Index { line, index: number, of, count });
             }
         }
     }

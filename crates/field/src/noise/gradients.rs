@@ -1,24 +1,25 @@
-//! Gradient noise: at each corner of the lattice a random slope, faded into each other.
+//! Gradient noise: random slopes at the corners of a lattice, blended into each other.
 
 use super::{GOLDEN, LANES, Lanes, MOST, key, mix};
 
-/// The component of a corner's gradient along an axis, in [−1, 1].
+/// Returns the component of a corner's gradient along an axis, in [−1, 1].
 #[inline(always)]
 pub(crate) fn gradient(hash: u32, axis: usize) -> f32 {
     (2 * ((hash >> (8 * axis)) & 255) as i32 - 255) as f32 / 255.0
 }
 
-/// What gradient noise is multiplied by: its standard deviation is then about 0.3 at a cell's center, whatever the
-/// number of axes, and fewer than one sample in a thousand is cut.
+/// Amplitude of gradient noise by the number of axes, chosen such that its standard deviation at a cell's center is
+/// about 0.3 and fewer than one sample in a thousand is clamped.
 pub(crate) const AMPLITUDE: [f32; MOST + 1] = [0.0, 0.0, 1.5, 1.7, 2.1];
 
-/// t³(6t² − 15t + 10).
+/// Returns t³(6t² − 15t + 10).
 #[inline(always)]
 fn fade(t: f32) -> f32 {
     t * t * t * (t * (t * 6.0 - 15.0) + 10.0)
 }
 
-/// Gradient noise of one octave at some points, in [−1, 1]. Corners share the hashes of the axes before.
+/// Returns gradient noise of one octave at a block of points, in [−1, 1]. Corners share the hashes of the preceding
+/// axes.
 #[inline(always)]
 pub(super) fn gradient_noises<const D: usize>(seed: u32, cells: &[[i64; LANES]; D], fractions: &[Lanes; D]) -> Lanes {
     let (mut hashes, mut weights) = ([[seed; LANES]; 1 << MOST], [[1.0f32; LANES]; 1 << MOST]);
@@ -55,7 +56,7 @@ mod tests {
     use super::super::tests::{in_lanes, points};
     use super::*;
 
-    /// Gradient noise point by point: what its lanes must be, bit by bit.
+    /// Gradient noise at a single point: the lanes must have the same bits.
     fn gradient_noise<const D: usize>(seed: u32, cell: [i64; D], fraction: [f32; D]) -> f32 {
         let (mut hashes, mut weights) = ([seed; 1 << MOST], [1.0f32; 1 << MOST]);
         for axis in 0..D {

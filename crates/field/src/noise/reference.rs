@@ -1,51 +1,70 @@
-//! Noise in f64 at one point, straight from the definition: every corner and every cell by itself.
+//! Noise at one point in f64, straight from the definition: corner by corner and cell by cell.
 
 use super::{AMPLITUDE, Noise, NoiseKind, Octave, extend, feature, gradient};
 
-/// The noise at a point of two or three coordinates that stands for a footprint, in their unit.
-pub(crate) fn reference(noise: &Noise, point: &[f64], footprint: f64) -> f64 {
-    let axes = point.len() + usize::from(noise.evolution.is_some());
-    let mean = noise.kind.mean(axes);
-    let value = |octave: &Octave| {
-        let kept = kept(octave, footprint);
-        let place = place(noise, octave, point.iter().copied());
-        let value = match noise.kind {
-            NoiseKind::Fbm => gradient_noise(octave.seed, &place).0,
-            NoiseKind::Ridged => {
-                let valley = 1.0 - gradient_noise(octave.seed, &place).0.abs();
-                valley * valley
-            }
-            NoiseKind::Cellular => distances(octave.seed, &place)[0],
-            NoiseKind::Edges => {
-                let distances = distances(octave.seed, &place);
-                distances[1] - distances[0]
-            }
+impl Noise {
+    /// Returns the noise at a point of two or three coordinates, for a footprint in the unit of the coordinates.
+    pub fn reference(&self, point: &[f64], footprint: f64) -> f64 {
+        let axes = point.len() + usize::from(self.evolution.is_some());
+        let mean = self.kind.mean(axes);
+        let value = |octave: &Octave| {
+            let kept = kept(octave, footprint);
+            let place = place(self, octave, point.iter().copied());
+            let value = match self.kind {
+                NoiseKind::Fbm => gradient_noise(octave.seed, &place).0,
+                NoiseKind::Ridged => {
+                    let valley = 1.0 - gradient_noise(octave.seed, &place).0.abs();
+                    valley * valley
+                }
+                NoiseKind::Cellular => distances(octave.seed, &place)[0],
+                NoiseKind::Edges => {
+                    let distances = distances(octave.seed, &place);
+                    distances[1] - distances[0]
+                }
+            };
+            octave.weight * (kept * value + (1.0 - kept) * mean)
         };
-        octave.weight * (kept * value + (1.0 - kept) * mean)
-    };
-    let (low, high) = noise.kind.range();
-    noise.octaves.iter().map(value).sum::<f64>().clamp(low, high)
+        let (low, high) = self.kind.range();
+        self.octaves.iter().map(value).sum::<f64>().clamp(low, high)
+    }
+
+    /// Returns noise of kind [`NoiseKind::Edges`] at a point of the plane, and its slope along each axis, per unit of the
+    /// coordinates: the difference of the unit vectors away from the two nearest feature points.
+    pub fn edges_reference(&self, point: [f64; 2]) -> (f64, [f64; 2]) {
+        let mut slope = [0.0; 2];
+        for octave in &self.octaves {
+            let along = |axis: usize| point[axis] * octave.frequency + octave.shift[axis];
+            let place = [0, 1].map(along).map(|along| if along.is_finite() { along } else { 0.0 });
+            let [first, second] = nearest(octave.seed, &place);
+            for axis in 0..2 {
+                let away =
+                    |(distance, way): &(f64, Vec<f64>)| if *distance > 0.0 { -way[axis] / distance } else { 0.0 };
+                slope[axis] += octave.weight * octave.frequency * (away(&second) - away(&first));
+            }
+        }
+        (self.reference(&point, 0.0), slope)
+    }
 }
 
-/// What a footprint leaves of an octave.
+/// Returns the fraction of an octave that a footprint leaves.
 pub(super) fn kept(octave: &Octave, footprint: f64) -> f64 {
     let t = (2.0 - 2.0 * footprint * octave.frequency).clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)
 }
 
-/// A point in cells of an octave.
+/// Converts a point to cells of an octave.
 pub(super) fn place(noise: &Noise, octave: &Octave, point: impl Iterator<Item = f64>) -> Vec<f64> {
     let along = point.map(|coordinate| coordinate * octave.frequency).chain(noise.evolution);
     let shifted = along.zip(octave.shift).map(|(along, shift)| along + shift);
     shifted.map(|along| if along.is_finite() { along } else { 0.0 }).collect()
 }
 
-/// The hash of a cell.
+/// Returns the hash of a cell.
 fn hash(seed: u32, cell: &[i64]) -> u32 {
     cell.iter().fold(seed, |hash, along| extend(hash, *along))
 }
 
-/// Σ over the corners of Π fade · gradient · offset, in [−1, 1], and how much it grows along each axis before it is cut.
+/// Returns Σ over the corners of Π fade · gradient · offset, in [−1, 1], and its slope along each axis before clamping.
 pub(super) fn gradient_noise(seed: u32, place: &[f64]) -> (f64, Vec<f64>) {
     let axes = place.len();
     let fractions: Vec<f64> = place.iter().map(|along| along - along.floor()).collect();
@@ -74,13 +93,13 @@ pub(super) fn gradient_noise(seed: u32, place: &[f64]) -> (f64, Vec<f64>) {
     ((amplitude * sum).clamp(-1.0, 1.0), slopes)
 }
 
-/// Distances to the two nearest feature points, nearest first, each at most 1.
+/// Returns the distances to the two nearest feature points, nearest first, each at most 1.
 pub(super) fn distances(seed: u32, place: &[f64]) -> [f64; 2] {
     nearest(seed, place).map(|(distance, _)| distance)
 }
 
-/// Distances to the two nearest feature points, nearest first, each at most 1, and the ways there: 0 where none is
-/// nearer than 1.
+/// Returns the distances to the two nearest feature points, nearest first, each at most 1, and the vectors to them: 0
+/// if none is nearer than 1.
 fn nearest(seed: u32, place: &[f64]) -> [(f64, Vec<f64>); 2] {
     let axes = place.len();
     let mut found = Vec::new();
@@ -99,20 +118,4 @@ fn nearest(seed: u32, place: &[f64]) -> [(f64, Vec<f64>); 2] {
     found.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut found = found.into_iter();
     [(); 2].map(|()| found.next().unwrap_or((1.0, vec![0.0; axes])))
-}
-
-/// Noise of kind [`NoiseKind::Edges`] at a point of the plane, and how much it grows along each axis, for a unit of
-/// the coordinates: the difference of the unit vectors that lead away from the two nearest feature points.
-pub(crate) fn edges(noise: &Noise, point: [f64; 2]) -> (f64, [f64; 2]) {
-    let mut slope = [0.0; 2];
-    for octave in &noise.octaves {
-        let along = |axis: usize| point[axis] * octave.frequency + octave.shift[axis];
-        let place = [0, 1].map(along).map(|along| if along.is_finite() { along } else { 0.0 });
-        let [first, second] = nearest(octave.seed, &place);
-        for axis in 0..2 {
-            let away = |(distance, way): &(f64, Vec<f64>)| if *distance > 0.0 { -way[axis] / distance } else { 0.0 };
-            slope[axis] += octave.weight * octave.frequency * (away(&second) - away(&first));
-        }
-    }
-    (reference(noise, &point, 0.0), slope)
 }

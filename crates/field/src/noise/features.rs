@@ -1,28 +1,29 @@
-//! Feature points, one in each cell, and how far the nearest two lie.
+//! Feature points, one per cell, and the distances to the nearest two.
 
 use super::{GOLDEN, LANES, Lanes, key, mix};
 
-/// Where a cell's feature point lies along an axis, from 0 to 1.
+/// Returns the position of a cell's feature point along an axis, from 0 to 1.
 #[inline(always)]
 pub(crate) fn feature(hash: u32, axis: usize) -> f32 {
     let bits = mix(hash.wrapping_add(1 + axis as u32 / 2)) >> (16 * (axis as u32 % 2));
     ((bits & 0xffff) as f32 + 0.5) / 65536.0
 }
 
-/// The feature points nearest to some points.
+/// Feature points nearest to a block of points.
 pub(super) struct Nearest<const D: usize> {
-    /// Distances to the nearest and, where asked for, the second nearest, each at most 1.
+    /// Distances to the nearest and, if requested, the second nearest, each at most 1.
     pub(super) distances: [Lanes; 2],
-    /// The ways there, where asked for; 0 where none is nearer than 1.
+    /// Vectors to them, if requested; 0 if none is nearer than 1.
     pub(super) ways: [[Lanes; D]; 2],
 }
 
-/// Cells along an axis in the order in which they are visited. The own cell comes first, since most points are found
-/// there.
+/// Cells along an axis in the order in which they are visited. The point's own cell comes first, because it most often
+/// has the nearest feature point.
 const STEPS: [i64; 3] = [0, -1, 1];
 
-/// Finds the feature points: those nearer than 1, so far the cells around hold every one. Cells share the hashes of
-/// the axes before, and one that lies farther from all points than what is found is passed over, which changes nothing.
+/// Finds the nearest feature points. The neighboring cells contain all of those nearer than 1. Cells share the hashes
+/// of the preceding axes. A cell farther from all points than what has been found is skipped, which does not change the
+/// result.
 #[inline(always)]
 pub(super) fn nearest<const D: usize, const SECOND: bool, const WAYS: bool>(
     seed: u32,
@@ -30,7 +31,7 @@ pub(super) fn nearest<const D: usize, const SECOND: bool, const WAYS: bool>(
     fractions: &[Lanes; D],
 ) -> Nearest<D> {
     let keys = cells.map(|along| STEPS.map(|step| along.map(|cell| key(cell.wrapping_add(step)))));
-    // How far each cell lies away along each axis, squared.
+    // Squared distance to each cell along each axis.
     let aways = fractions.map(|inside| [[0.0; LANES], inside.map(|f| f * f), inside.map(|f| (1.0 - f) * (1.0 - f))]);
     let mut hashes = [[seed; LANES]; 27];
     let mut count = 1;
@@ -102,14 +103,14 @@ pub(super) fn nearest<const D: usize, const SECOND: bool, const WAYS: bool>(
 }
 
 impl<const D: usize> Nearest<D> {
-    /// By how much the second nearest point is farther.
+    /// Returns the distance to the second nearest point minus that to the nearest.
     #[inline(always)]
     pub(super) fn edges(&self) -> Lanes {
         std::array::from_fn(|lane| self.distances[1][lane] - self.distances[0][lane])
     }
 
-    /// How much that grows along an axis, for a cell: unit vectors lead from both points, and what is cut at 1 or
-    /// lies in the point itself has no direction.
+    /// Returns the slope of [`Self::edges`] along an axis, per cell: the difference of the unit vectors from both
+    /// points. A distance that is 0 or limited to 1 has no slope.
     #[inline(always)]
     pub(super) fn slopes(&self, axis: usize) -> Lanes {
         let unit = |rank: usize, lane: usize| {
@@ -125,7 +126,8 @@ mod tests {
     use super::super::tests::{in_lanes, points};
     use super::*;
 
-    /// The same point by point, cell by cell, each hash from its beginning: what the lanes must be, bit by bit.
+    /// The same for a single point, cell by cell, with each hash computed from scratch: the lanes must have the same
+    /// bits.
     fn nearest_of_one<const D: usize>(seed: u32, cell: [i64; D], fraction: [f32; D]) -> [(f32, [f32; D]); 2] {
         let mut found = vec![(1.0, [0.0; D]); 2];
         for index in 0..3usize.pow(D as u32) {
@@ -137,7 +139,7 @@ mod tests {
             let way: [f32; D] = std::array::from_fn(|axis| steps[axis] as f32 + feature(hash, axis) - fraction[axis]);
             found.push((way.iter().fold(0.0, |sum, along| sum + along * along), way));
         }
-        // Stable: of points equally far the first counts, and none at 1 counts.
+        // A stable sort: the first of equally distant points counts, and points at distance 1 do not.
         found.sort_by(|a, b| a.0.total_cmp(&b.0));
         [found[0], found[1]].map(|(square, way)| (square.sqrt(), way))
     }

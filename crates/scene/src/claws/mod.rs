@@ -1,39 +1,56 @@
-//! Claws: ribbons with thumbs in the picture; finds the pixels inside them and computes what is drawn there.
+//! Claws: ribbons with thumbs in the picture, such as foam rooted in a surface; finds the pixels inside them and computes
+//! what is drawn there.
 
-use super::ribbon::{Ribbon, STEPS, Within};
+mod ribbon;
+
+pub use ribbon::{Ribbon, Shape, Within};
+
+use ribbon::STEPS;
 use trochoid_image::Window;
 
 /// A ribbon with its thumbs.
-pub(crate) struct Claw {
+pub struct Claw {
     /// Ribbons, each with its random number. Where a point lies equally deep in two, the later one wins.
-    pub(crate) parts: Vec<(Ribbon, f64)>,
+    pub parts: Vec<(Ribbon, f64)>,
     /// Depth of the root.
-    pub(crate) depth: f64,
+    pub depth: f64,
     /// Side to which the ribbon bends: 1 is right, −1 is left.
-    pub(crate) side: f64,
+    pub side: f64,
     /// Number of its row, counted from 1.
-    pub(crate) row: f64,
-    pub(crate) tag: f64,
+    pub row: f64,
+    /// Value passed on to the outputs.
+    pub tag: f64,
     /// Widths of the ink along the outer and inner edges, in pixels.
-    pub(crate) line: [f64; 2],
+    pub line: [f64; 2],
     /// Size of the shading crescent.
-    pub(crate) shade: f64,
+    pub shade: f64,
 }
 
 /// Values of all outputs at a point in a claw.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Drawn {
-    pub(crate) mask: f64,
-    pub(crate) along: f64,
-    pub(crate) across: f64,
-    pub(crate) half_width: f64,
-    pub(crate) side: f64,
-    pub(crate) random: f64,
-    pub(crate) row: f64,
-    pub(crate) inset: f64,
-    pub(crate) tag: f64,
-    pub(crate) ink: f64,
-    pub(crate) shade: f64,
+pub struct Drawn {
+    /// Fraction of the pixel that the claw covers.
+    pub mask: f64,
+    /// Position along the ribbon: 0 at the root, 1 at the tip.
+    pub along: f64,
+    /// Position across the ribbon: −1 at the left edge, 1 at the right edge, seen from the root.
+    pub across: f64,
+    /// Half the width of the ribbon, in pixels.
+    pub half_width: f64,
+    /// Side to which the claw bends.
+    pub side: f64,
+    /// Random number of the ribbon.
+    pub random: f64,
+    /// Row of the claw.
+    pub row: f64,
+    /// Distance to the edge, in pixels.
+    pub inset: f64,
+    /// Tag of the claw.
+    pub tag: f64,
+    /// Strength of the ink along the edges, in [0, 1].
+    pub ink: f64,
+    /// Strength of the shading on the inner side, in [0, 1].
+    pub shade: f64,
 }
 
 /// Ranges along the ribbon over which the ink fades in, on the outer and inner edges.
@@ -50,7 +67,7 @@ const CRESCENT_LOSS: f64 = 0.8;
 
 impl Claw {
     /// Returns the bounding box: minimum and maximum of x, then of y.
-    pub(crate) fn bounds(&self) -> [[f64; 2]; 2] {
+    pub fn bounds(&self) -> [[f64; 2]; 2] {
         [0, 1].map(|axis: usize| {
             let ends = self.parts.iter().map(|(ribbon, _)| ribbon.bounds()[axis]);
             ends.fold([f64::INFINITY, f64::NEG_INFINITY], |all, [low, high]| [all[0].min(low), all[1].max(high)])
@@ -58,13 +75,13 @@ impl Claw {
     }
 
     /// Returns the position of a point within the claw, and the random number of the ribbon it lies in.
-    pub(crate) fn at(&self, place: [f64; 2]) -> Option<(Within, f64)> {
+    pub fn at(&self, place: [f64; 2]) -> Option<(Within, f64)> {
         let parts = self.parts.iter().map(|(ribbon, random)| ribbon.at(place).map(|within| (within, *random)));
         parts.fold(None, united)
     }
 
     /// Returns the outputs at a position within a ribbon of this claw that has the given random number.
-    pub(crate) fn drawn(&self, within: Within, random: f64) -> Drawn {
+    pub fn drawn(&self, within: Within, random: f64) -> Drawn {
         let Within { along, across, half_width } = within;
         // t = across·side: 1 at the inner edge, −1 at the outer one.
         let (inner, inset) = (across * self.side, within.inset());
@@ -98,7 +115,7 @@ fn united(all: Option<(Within, f64)>, part: Option<(Within, f64)>) -> Option<(Wi
 /// Positions of samples within a claw, each with the random number of its ribbon. Kept between calls to reuse the
 /// memory.
 #[derive(Default)]
-pub(crate) struct Places {
+pub struct Places {
     all: Vec<Option<(Within, f64)>>,
     part: Vec<Option<Within>>,
 }
@@ -106,7 +123,7 @@ pub(crate) struct Places {
 impl Places {
     /// Finds the samples of a window, at an offset within their pixels, row by row. The results are those of
     /// [`Claw::at`], but faster: each step of a spine visits only the pixels of its bounding box.
-    pub(crate) fn find(&mut self, claw: &Claw, window: Window, offset: [f64; 2]) -> &[Option<(Within, f64)>] {
+    pub fn find(&mut self, claw: &Claw, window: Window, offset: [f64; 2]) -> &[Option<(Within, f64)>] {
         self.all.clear();
         self.all.resize(window.area(), None);
         for (ribbon, random) in &claw.parts {
@@ -136,7 +153,7 @@ impl Places {
 }
 
 /// Returns the pixels of a window whose samples may lie within a bounding box.
-pub(crate) fn covered([[x0, x1], [y0, y1]]: [[f64; 2]; 2], window: Window) -> Window {
+pub fn covered([[x0, x1], [y0, y1]]: [[f64; 2]; 2], window: Window) -> Window {
     let [x0, y0] = [x0, y0].map(|low| low.floor() as i64);
     let [x1, y1] = [x1, y1].map(|high| high.floor() as i64 + 1);
     Window::new(x0, y0, x1.max(x0), y1.max(y0)).intersect(window)
@@ -144,7 +161,6 @@ pub(crate) fn covered([[x0, x1], [y0, y1]]: [[f64; 2]; 2], window: Window) -> Wi
 
 #[cfg(test)]
 mod tests {
-    use super::super::ribbon::Shape;
     use super::*;
 
     #[test]

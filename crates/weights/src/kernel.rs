@@ -2,12 +2,11 @@
 
 use fearless_simd::{Level, Simd, dispatch};
 use rayon::prelude::*;
-use trochoid_graph::Choice;
 use trochoid_image::Window;
 
 /// Shape of a kernel.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Choice)]
-pub(crate) enum Shape {
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Shape {
     /// exp(−k²/2σ²), cut off at four σ.
     Gaussian,
     /// 1 up to the half width; the next pixel has the remaining fraction.
@@ -16,7 +15,7 @@ pub(crate) enum Shape {
 
 impl Shape {
     /// Returns the distance of the farthest pixel that a kernel of a size reaches.
-    pub(crate) fn radius(self, size: f64) -> i64 {
+    pub fn radius(self, size: f64) -> i64 {
         match self {
             Self::Gaussian => (REACH * size).ceil() as i64,
             Self::Box => size.ceil() as i64,
@@ -36,7 +35,7 @@ impl Shape {
     }
 
     /// Returns the offsets and normalized weights from the farthest pixel on one side to that on the other, in f64.
-    pub(crate) fn reference(self, size: f64) -> Vec<(i64, f64)> {
+    pub fn reference(self, size: f64) -> Vec<(i64, f64)> {
         let half: Vec<f64> = self.raw(size).collect();
         let total = 2.0 * half.iter().skip(1).sum::<f64>() + half[0];
         let radius = self.radius(size);
@@ -52,7 +51,7 @@ const ONE: f64 = 16_777_216.0;
 
 /// Weights of a symmetric kernel from one side to the other: multiples of 2⁻²⁴ that sum to exactly 1.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Kernel {
+pub struct Kernel {
     weights: Vec<f32>,
 }
 
@@ -62,7 +61,7 @@ impl Kernel {
     /// The running sums from the center outward are rounded, and each weight is the difference of two of them.
     /// Therefore no weight is negative, both sides are equal, the sum is exact for any number of weights, and what
     /// rounding takes from one pixel goes to the next.
-    pub(crate) fn new(shape: Shape, size: f64) -> Self {
+    pub fn new(shape: Shape, size: f64) -> Self {
         let half: Vec<f64> = shape.raw(size).collect();
         let total = 2.0 * half.iter().skip(1).sum::<f64>() + half[0];
         let mut side = Vec::with_capacity(half.len());
@@ -121,7 +120,7 @@ const BATCH: usize = 16;
 /// therefore do not depend on where a tile begins, and no result lies outside the values under the kernel
 /// ([`trochoid_weights::arithmetic::blend`]). When `stop` returns true, filtering ends early and the contents of `out`
 /// are unspecified.
-pub(crate) fn filter(
+pub fn filter(
     kernels: [&Kernel; 2],
     (from, samples): (Window, &[f32]),
     extent: Window,
@@ -344,7 +343,7 @@ mod tests {
         let image: Vec<f32> = (0..64).map(|i| if i % 16 < 8 { 0.0 } else { 1.0 }).collect();
         let mut out = vec![0.0; 64];
         filter([&kernel, &kernel], (window, &image), window, window, &|| false, &mut out);
-        let hull = trochoid_weights::Hull::new(&[[0.0; 3], [1.0; 3]]);
+        let hull = crate::Hull::new(&[[0.0; 3], [1.0; 3]]);
         let (exits, worst) = hull.exits(&out, &out, &out, hull.margin(2));
         assert!(exits > 0 && worst > 0.05, "{exits} pixels, by {worst}");
     }

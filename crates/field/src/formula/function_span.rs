@@ -1,12 +1,12 @@
-//! What functions of formulas give where their arguments are only known within bounds.
+//! Spans of FieldMath's functions over spans of their arguments.
 
-use super::program::Function;
-use crate::bounds::{ROUNDING, Span};
+use super::Function;
+use trochoid_graph::Span;
 
 impl Function {
-    /// All that the function can give of numbers within these spans.
-    pub(crate) fn span(self, [a, b, c]: [Span; 3]) -> Span {
-        let (_, count) = self.arguments();
+    /// Returns a span of all values that the function can have for arguments within the spans.
+    pub(super) fn span(self, [a, b, c]: [Span; 3]) -> Span {
+        let count = self.arguments();
         let arguments = &[a, b, c][..count];
         if arguments.iter().all(|argument| argument.is_exact()) {
             let numbers: Vec<f64> = arguments.iter().map(|argument| argument.low).collect();
@@ -68,8 +68,8 @@ impl Function {
             Self::Sin | Self::Cos => {
                 let (middle, radius) = (a.low / 2.0 + a.high / 2.0, a.high / 2.0 - a.low / 2.0);
                 let at = self.of(&[middle]);
-                // The slope is 1 at most. What the middle has been rounded by counts too.
-                let reach = radius + middle.abs() * ROUNDING;
+                // The slope is at most 1. Include the rounding of the middle.
+                let reach = radius + middle.abs() * Span::ROUNDING;
                 let Span { low, high, .. } = Span::of(&[at - reach, at + reach]);
                 if at.is_nan() { Span::ANY } else { Span { low: low.max(-1.0), high: high.min(1.0), clear: true } }
             }
@@ -80,7 +80,7 @@ impl Function {
                 }
                 let step = |t: f64| t * t * (3.0 - 2.0 * t);
                 if a.high < b.low {
-                    // How far along it lies rises with x and falls with both ends, as far as it counts.
+                    // t rises with x and falls as either end rises, after limiting it to [0, 1].
                     let along = |x: f64, a: f64, b: f64| ((x - a) / (b - a)).clamp(0.0, 1.0);
                     let ends = [along(c.low, a.high, b.high), along(c.high, a.low, b.low)];
                     return Span::of(&ends.map(step)).with(arguments.iter().all(|argument| argument.clear));
@@ -89,7 +89,7 @@ impl Function {
                 Span::of(&[along.low, along.high].map(|t| step(t.clamp(0.0, 1.0))))
             }
             Self::Mix => {
-                // Straight in each argument, so that the extremes lie in corners.
+                // Linear in each argument, so the extremes lie in the corners.
                 let mut all = Vec::with_capacity(8);
                 for x in [a.low, a.high] {
                     for y in [b.low, b.high] {
@@ -104,28 +104,28 @@ impl Function {
     }
 }
 
-/// aᵇ.
+/// Returns the span of aᵇ.
 fn power(a: Span, b: Span) -> Span {
     let is_whole = b.low == b.high && b.low == b.low.trunc() && b.low >= 0.0 && b.low < 1e9;
     if is_whole {
         let ends = [libm::pow(a.low, b.low), libm::pow(a.high, b.low)];
         return if b.low % 2.0 == 0.0 && a.holds(0.0) { Span::of(&[0.0, ends[0], ends[1]]) } else { Span::of(&ends) };
     }
-    // Monotone in each argument where the base is positive, so that the extremes lie in corners.
+    // Monotonic in each argument for a positive base, so the extremes lie in the corners.
     if a.low > 0.0 || (a.low == 0.0 && b.low > 0.0) { a.corners(b, libm::pow) } else { Span::ANY }
 }
 
-/// atan2(y, x).
+/// Returns the span of atan2(y, x).
 fn angle(y: Span, x: Span) -> Span {
     let pi = std::f64::consts::PI;
     if y.holds(0.0) && x.low <= 0.0 {
-        // Around the origin, or across the cut.
+        // The spans contain the origin, or cross the branch cut.
         return Span { low: -pi, high: pi, clear: false };
     }
     let middle = |span: Span| (span.low / 2.0 + span.high / 2.0, span.high / 2.0 - span.low / 2.0);
     let nearest = |span: Span| if span.holds(0.0) { 0.0 } else { span.low.abs().min(span.high.abs()) };
     let ((y0, dy), (x0, dx)) = (middle(y), middle(x));
-    // An arc turns by no more than its length over its distance from the origin.
+    // The angle changes by at most the distance moved divided by the distance from the origin.
     let reach = libm::hypot(dy, dx) / libm::hypot(nearest(y), nearest(x));
     let at = Function::Atan2.of(&[y0, x0]);
     Span::of(&[at - reach, at + reach])
@@ -147,9 +147,9 @@ mod tests {
         ) {
             let spans: [Span; 3] = std::array::from_fn(|i| Span::around(middle[i], Bound::of(size[i])));
             let numbers: Vec<f64> = (0..3).map(|i| middle[i] + size[i] * at[i]).collect();
-            for function in Function::all() {
+            for function in Function::ALL {
                 let span = function.span(spans);
-                let (_, count) = function.arguments();
+                let count = function.arguments();
                 let value = function.of(&numbers[..count]);
                 let inside = span.is_any() || span.holds(value) || (span.is_exact() && value.to_bits() == span.low.to_bits());
                 prop_assert!(inside, "{function:?} of {numbers:?} is {value}, beyond {span:?} of {spans:?}");

@@ -1,31 +1,41 @@
 //! Numbers that are only known within bounds: interval arithmetic.
 
+use crate::Bound;
 use std::ops::{Add, Div, Mul, Sub};
-use trochoid_graph::Bound;
 
 /// All numbers from `low` to `high`; where they are NaN, nothing is known.
+///
+/// ```
+/// use trochoid_graph::{Bound, Span};
+///
+/// let (a, b) = (Span::around(2.0, Bound::of(0.5)), Span::exactly(3.0));
+/// assert!((a * b).holds(4.5) && (a * b).holds(7.5) && !(a * b).holds(8.0));
+/// assert!((b / (a - b - Span::exactly(-1.0))).is_any(), "the divisor may be 0");
+/// assert!((a * b).bound(6.0).size >= 1.5);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Span {
-    pub(crate) low: f64,
-    pub(crate) high: f64,
+pub struct Span {
+    /// The least of them.
+    pub low: f64,
+    /// The greatest of them.
+    pub high: f64,
     /// Whether no jump of a function lies within.
-    pub(crate) clear: bool,
+    pub clear: bool,
 }
 
-/// Wider than any rounding of the functions, relative to their values.
-pub(crate) const ROUNDING: f64 = 1e-14;
-
 impl Span {
+    /// Wider than any rounding of the functions, relative to their values.
+    pub const ROUNDING: f64 = 1e-14;
     /// Anything, NaN included.
-    pub(crate) const ANY: Self = Self { low: f64::NAN, high: f64::NAN, clear: false };
+    pub const ANY: Self = Self { low: f64::NAN, high: f64::NAN, clear: false };
 
     /// One number.
-    pub(crate) fn exactly(number: f64) -> Self {
+    pub fn exactly(number: f64) -> Self {
         Self { low: number, high: number, clear: true }
     }
 
     /// What lies within a bound of a number.
-    pub(crate) fn around(number: f64, bound: Bound) -> Self {
+    pub fn around(number: f64, bound: Bound) -> Self {
         if bound.size == 0.0 {
             return Self::exactly(number).with(bound.clear);
         }
@@ -33,7 +43,7 @@ impl Span {
     }
 
     /// How far a number may lie from what is in it.
-    pub(crate) fn bound(self, number: f64) -> Bound {
+    pub fn bound(self, number: f64) -> Bound {
         if number.is_nan() && !self.is_exact() {
             return Bound::UNKNOWN;
         }
@@ -46,17 +56,19 @@ impl Span {
     }
 
     /// The same, clear only if all of these are.
-    pub(crate) fn with(self, clear: bool) -> Self {
+    #[must_use]
+    pub fn with(self, clear: bool) -> Self {
         Self { clear: self.clear && clear, ..self }
     }
 
     /// What lies between two numbers, where a side of a threshold is not certain.
-    pub(crate) fn unclear(low: f64, high: f64) -> Self {
+    pub fn unclear(low: f64, high: f64) -> Self {
         Self { low, high, clear: false }
     }
 
     /// What either may be.
-    pub(crate) fn or(self, other: Self) -> Self {
+    #[must_use]
+    pub fn or(self, other: Self) -> Self {
         if self.is_any() || other.is_any() {
             return Self::ANY;
         }
@@ -65,7 +77,8 @@ impl Span {
     }
 
     /// The same, as far as it lies between two numbers; all between them where nothing is known.
-    pub(crate) fn within(self, low: f64, high: f64) -> Self {
+    #[must_use]
+    pub fn within(self, low: f64, high: f64) -> Self {
         if self.low.is_nan() || self.high.is_nan() {
             return Self::unclear(low, high);
         }
@@ -73,53 +86,56 @@ impl Span {
     }
 
     /// So much more on both sides.
-    pub(crate) fn wider(self, by: f64) -> Self {
+    #[must_use]
+    pub fn wider(self, by: f64) -> Self {
         Self { low: self.low - by, high: self.high + by, ..self }
     }
 
     /// What a function that never turns gives of it, whichever way it goes.
-    pub(crate) fn through(self, monotone: impl Fn(f64) -> f64) -> Self {
+    #[must_use]
+    pub fn through(self, monotone: impl Fn(f64) -> f64) -> Self {
         Self::of(&[monotone(self.low), monotone(self.high)]).with(self.clear)
     }
 
     /// Its middle.
-    pub(crate) fn middle(self) -> f64 {
+    pub fn middle(self) -> f64 {
         if self.low == self.high { self.low } else { self.low / 2.0 + self.high / 2.0 }
     }
 
     /// Half its length; 0 where it is one number.
-    pub(crate) fn half(self) -> f64 {
+    pub fn half(self) -> f64 {
         if self.low == self.high { 0.0 } else { self.high / 2.0 - self.low / 2.0 }
     }
 
     /// Whether a number lies within, an end included.
-    pub(crate) fn holds(self, number: f64) -> bool {
+    pub fn holds(self, number: f64) -> bool {
         self.low <= number && number <= self.high
     }
 
     /// Whether nothing is known; of a NaN that is certain, that much is.
-    pub(crate) fn is_any(self) -> bool {
+    pub fn is_any(self) -> bool {
         (self.low.is_nan() || self.high.is_nan()) && !self.is_exact()
     }
 
     /// Whether it is one number for certain.
-    pub(crate) fn is_exact(self) -> bool {
+    pub fn is_exact(self) -> bool {
         self.clear && self.low.to_bits() == self.high.to_bits()
     }
 
     /// The span of some numbers, widened for rounding.
-    pub(crate) fn of(numbers: &[f64]) -> Self {
+    pub fn of(numbers: &[f64]) -> Self {
         if numbers.iter().any(|number| number.is_nan()) {
             return Self::ANY;
         }
         let low = numbers.iter().copied().fold(f64::INFINITY, f64::min);
         let high = numbers.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        let slack = |number: f64| if number.is_finite() { number.abs() * ROUNDING + f64::MIN_POSITIVE } else { 0.0 };
+        let slack =
+            |number: f64| if number.is_finite() { number.abs() * Self::ROUNDING + f64::MIN_POSITIVE } else { 0.0 };
         Self { low: low - slack(low), high: high + slack(high), clear: true }
     }
 
     /// 1 where something holds for certain, 0 where it certainly does not.
-    pub(crate) fn truth(holds: bool, fails: bool) -> Self {
+    pub fn truth(holds: bool, fails: bool) -> Self {
         match (holds, fails) {
             (true, _) => Self::exactly(1.0),
             (_, true) => Self::exactly(0.0),
@@ -128,7 +144,8 @@ impl Span {
     }
 
     /// Rounded down; clear where all of it is so to one number.
-    pub(crate) fn floor(self) -> Self {
+    #[must_use]
+    pub fn floor(self) -> Self {
         let [low, high] = [self.low.floor(), self.high.floor()];
         Self { low, high, clear: low == high }
     }
@@ -146,7 +163,8 @@ impl Span {
     }
 
     /// The span of a function that is monotone in each of two numbers: its extremes lie in corners.
-    pub(crate) fn corners(self, other: Self, of: fn(f64, f64) -> f64) -> Self {
+    #[must_use]
+    pub fn corners(self, other: Self, of: fn(f64, f64) -> f64) -> Self {
         let (a, b) = (self, other);
         Self::of(&[of(a.low, b.low), of(a.low, b.high), of(a.high, b.low), of(a.high, b.high)])
     }

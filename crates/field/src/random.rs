@@ -13,13 +13,13 @@ const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
 
 /// Derives a key from a key and a number.
 #[inline(always)]
-pub(crate) fn key(key: u64, number: i64) -> u64 {
+pub fn key(key: u64, number: i64) -> u64 {
     scrambled(key.wrapping_add(GOLDEN).wrapping_add((number as u64).wrapping_mul(0xd6e8_feb8_6659_fd93)))
 }
 
 /// Returns random number `which` of a key, in [0, 1).
 #[inline(always)]
-pub(crate) fn draw(key: u64, which: u64) -> f64 {
+pub fn draw(key: u64, which: u64) -> f64 {
     let bits = scrambled(key.wrapping_add(which.wrapping_mul(GOLDEN)));
     (bits >> 11) as f64 / (1u64 << 53) as f64
 }

@@ -2,37 +2,37 @@
 
 /// Shape of a ribbon, independent of its size.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Shape {
+pub struct Shape {
     /// Total bend from root to tip, in radians; positive values turn clockwise in a picture whose y points down.
-    pub(crate) curl: f64,
+    pub curl: f64,
     /// Exponent of the bend along the spine; larger values bend closer to the tip.
-    pub(crate) late: f64,
+    pub late: f64,
     /// Exponent of the narrowing toward the tip.
-    pub(crate) taper: f64,
+    pub taper: f64,
     /// Extra width in the middle, as a fraction.
-    pub(crate) bulge: f64,
+    pub bulge: f64,
 }
 
 /// Position of a point within a ribbon.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Within {
+pub struct Within {
     /// 0 at the root, 1 at the tip.
-    pub(crate) along: f64,
+    pub along: f64,
     /// −1 at the left edge, 1 at the right edge, seen from the root.
-    pub(crate) across: f64,
+    pub across: f64,
     /// Half the width of the ribbon at this point, in pixels.
-    pub(crate) half_width: f64,
+    pub half_width: f64,
 }
 
 /// Fraction of the spine over which the ribbon widens from its root, as a square root.
 const DRAWN_IN: f64 = 0.14;
 
 /// Segments of a spine.
-pub(crate) const STEPS: usize = 24;
+pub(super) const STEPS: usize = 24;
 
 /// A ribbon in the picture.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Ribbon {
+pub struct Ribbon {
     points: [[f64; 2]; STEPS + 1],
     /// Half widths at the points.
     widths: [f64; STEPS + 1],
@@ -45,7 +45,7 @@ pub(crate) struct Ribbon {
 impl Ribbon {
     /// Creates a ribbon from its root (in pixels), direction (in radians clockwise from the right), length and half
     /// width (in pixels).
-    pub(crate) fn new(shape: &Shape, root: [f64; 2], direction: f64, length: f64, half_width: f64) -> Self {
+    pub fn new(shape: &Shape, root: [f64; 2], direction: f64, length: f64, half_width: f64) -> Self {
         let way = |step: usize| step as f64 / STEPS as f64;
         // θ₀ + curl·s^late
         let angles: [f64; STEPS + 1] =
@@ -74,31 +74,31 @@ impl Ribbon {
     }
 
     /// Returns the bounding box: minimum and maximum of x, then of y.
-    pub(crate) fn bounds(&self) -> [[f64; 2]; 2] {
+    pub fn bounds(&self) -> [[f64; 2]; 2] {
         self.bounds
     }
 
     /// Returns the point of the spine at a position from 0 to 1, and the direction there.
-    pub(crate) fn spine(&self, along: f64) -> ([f64; 2], f64) {
+    pub fn spine(&self, along: f64) -> ([f64; 2], f64) {
         let step = ((along * STEPS as f64) as usize).min(STEPS);
         (self.points[step], self.angles[step])
     }
 
     /// Returns the position of a point within the ribbon, if it lies in it. The segment with the smallest distance in
     /// half widths decides, so ends and bends are round.
-    pub(crate) fn at(&self, place: [f64; 2]) -> Option<Within> {
+    pub fn at(&self, place: [f64; 2]) -> Option<Within> {
         (0..STEPS).fold(None, |found, step| Within::deeper(found, self.at_step(step, place)))
     }
 
     /// Returns the bounding box of one segment: minimum and maximum of x, then of y.
-    pub(crate) fn step_bounds(&self, step: usize) -> [[f64; 2]; 2] {
+    pub(super) fn step_bounds(&self, step: usize) -> [[f64; 2]; 2] {
         let (from, to, wide) = (self.points[step], self.points[step + 1], self.widths[step].max(self.widths[step + 1]));
         [0, 1].map(|axis| [from[axis].min(to[axis]) - wide, from[axis].max(to[axis]) + wide])
     }
 
     /// Returns the position of a point within one segment, if it lies in it.
     #[inline]
-    pub(crate) fn at_step(&self, step: usize, place: [f64; 2]) -> Option<Within> {
+    pub(super) fn at_step(&self, step: usize, place: [f64; 2]) -> Option<Within> {
         let ([ax, ay], [bx, by]) = (self.points[step], self.points[step + 1]);
         let (dx, dy) = (bx - ax, by - ay);
         let (px, py) = (place[0] - ax, place[1] - ay);
@@ -117,12 +117,12 @@ impl Ribbon {
 
 impl Within {
     /// Returns the distance to the edge, in pixels.
-    pub(crate) fn inset(&self) -> f64 {
+    pub fn inset(&self) -> f64 {
         (1.0 - self.across.abs()) * self.half_width
     }
 
     /// Returns whichever of two positions is nearer to the spine in half widths; the first if both are equal.
-    pub(crate) fn deeper(first: Option<Self>, second: Option<Self>) -> Option<Self> {
+    pub(super) fn deeper(first: Option<Self>, second: Option<Self>) -> Option<Self> {
         match (first, second) {
             (Some(a), Some(b)) if b.across.abs() < a.across.abs() => second,
             (None, _) => second,

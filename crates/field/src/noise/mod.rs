@@ -1,44 +1,41 @@
 //! Procedural noise on lattices of two to four dimensions: gradient noise and feature points.
 //!
-//! Everything random comes of integers, so that it is the same on every machine. A coordinate is split in f64 into its
-//! cell and a fraction; the fraction alone goes on in f32, so that noise far from the origin is as fine as near it.
+//! All random numbers are computed from integers, so they are the same on every machine. Coordinates are split in f64
+//! into a cell and a fraction, and only the fraction is rounded to f32. Noise is therefore as precise far from the
+//! origin as near it.
 
 mod features;
 mod gradients;
 mod reference;
 mod span;
 
-#[cfg(feature = "scene")]
-pub(crate) use reference::edges as edges_reference;
-pub(crate) use reference::reference as noise_reference;
-pub(crate) use span::span as noise_span;
-
 use fearless_simd::{Level, Simd, dispatch};
 use features::{feature, nearest};
 use gradients::{AMPLITUDE, gradient, gradient_noises};
 use trochoid_graph::Choice;
 
-/// What the octaves are made of.
+/// Type of noise in the octaves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Choice)]
-pub(crate) enum NoiseKind {
+pub enum NoiseKind {
     /// Gradient noise, in [−1, 1].
     Fbm,
     /// Sharp ridges where gradient noise passes zero, in [0, 1].
     Ridged,
     /// Distance to the nearest feature point in cells, at most 1.
     Cellular,
-    /// By how much the second nearest feature point is farther, in [0, 1]: 0 on the borders between cells.
+    /// Distance to the second nearest feature point minus that to the nearest, in [0, 1]: 0 on the borders between
+    /// cells.
     Edges,
 }
 
 impl NoiseKind {
-    /// Between which numbers it lies.
-    pub(crate) fn range(self) -> (f64, f64) {
+    /// Returns the range of the noise.
+    pub fn range(self) -> (f64, f64) {
         if self == Self::Fbm { (-1.0, 1.0) } else { (0.0, 1.0) }
     }
 
-    /// Its mean on lattices of so many axes, measured.
-    pub(crate) fn mean(self, axes: usize) -> f64 {
+    /// Returns the measured mean on lattices with this number of axes.
+    pub fn mean(self, axes: usize) -> f64 {
         let by_axes = match self {
             Self::Fbm => [0.0; 3],
             Self::Ridged => [0.65, 0.58, 0.51],
@@ -51,41 +48,47 @@ impl NoiseKind {
 
 /// One octave.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Octave {
-    /// Cells in a unit of the coordinates.
-    pub(crate) frequency: f64,
-    /// Its share of the sum; all of them sum to 1.
-    pub(crate) weight: f64,
-    /// What its random numbers are made of.
-    pub(crate) seed: u32,
-    /// Where its lattice lies, so that the octaves' cells do not begin at one point.
-    pub(crate) shift: [f64; 4],
+pub struct Octave {
+    /// Cells per unit of the coordinates.
+    pub frequency: f64,
+    /// Weight in the sum; the weights of all octaves sum to 1.
+    pub weight: f64,
+    /// Seed of its random numbers.
+    pub seed: u32,
+    /// Offset of its lattice, so that the cells of different octaves do not coincide at the origin.
+    pub shift: [f64; 4],
 }
 
-/// The most axes.
+/// Largest number of axes.
 const MOST: usize = 4;
 
 /// A sum of octaves.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Noise {
-    pub(crate) kind: NoiseKind,
-    pub(crate) octaves: Vec<Octave>,
-    /// Place along the last axis in cells, the same in every octave, where the noise has one beside those of space.
-    pub(crate) evolution: Option<f64>,
+pub struct Noise {
+    /// Type of noise in the octaves.
+    pub kind: NoiseKind,
+    /// Octaves, largest cells first.
+    pub octaves: Vec<Octave>,
+    /// Coordinate along an additional last axis, in cells, the same in every octave; `None` if there is no such axis.
+    pub evolution: Option<f64>,
 }
 
-/// Figures of the octaves.
+/// Parameters of the octaves.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Axes {
+pub struct Axes {
     /// Size of a cell of the first octave, in the unit of the coordinates.
-    pub(crate) scale: f64,
-    pub(crate) octaves: usize,
-    pub(crate) lacunarity: f64,
-    pub(crate) gain: f64,
-    pub(crate) seed: u32,
+    pub scale: f64,
+    /// Number of octaves.
+    pub octaves: usize,
+    /// Factor by which the cells of each octave are smaller than those of the one before.
+    pub lacunarity: f64,
+    /// Factor of each octave's weight relative to the one before.
+    pub gain: f64,
+    /// Random seed.
+    pub seed: u32,
 }
 
-/// Spreads the bits of a number over all of its bits: a bijection (Wellons, hash-prospector, "lowbias32").
+/// Mixes the bits of a number: a bijection (Wellons, hash-prospector, "lowbias32").
 #[inline(always)]
 pub(crate) fn mix(mut x: u32) -> u32 {
     x ^= x >> 16;
@@ -95,17 +98,18 @@ pub(crate) fn mix(mut x: u32) -> u32 {
     x ^ (x >> 16)
 }
 
-/// Takes one more number into a hash.
+/// Adds a number to a hash.
 #[inline]
 pub(crate) fn extend(hash: u32, cell: i64) -> u32 {
     mix((hash ^ key(cell)).wrapping_add(GOLDEN))
 }
 
-/// 2³² over the golden ratio.
+/// 2³² divided by the golden ratio.
 const GOLDEN: u32 = 0x9e37_79b9;
 
 impl Noise {
-    pub(crate) fn new(kind: NoiseKind, axes: Axes, evolution: Option<f64>) -> Self {
+    /// Makes the octaves for these parameters. Their weights sum to 1.
+    pub fn new(kind: NoiseKind, axes: Axes, evolution: Option<f64>) -> Self {
         let mut octaves = Vec::with_capacity(axes.octaves);
         let (mut frequency, mut weight) = (1.0 / axes.scale, 1.0);
         for index in 0..axes.octaves {
@@ -120,14 +124,9 @@ impl Noise {
         Self { kind, octaves, evolution }
     }
 
-    /// Fills `out` with the noise at points of `S` axes: 2 or 3. Octaves of cells smaller than a point's footprint, in
-    /// the unit of the coordinates, are their mean there; no footprints at all are footprints of 0.
-    pub(crate) fn fill<const S: usize>(
-        &self,
-        points: impl Iterator<Item = [f64; S]>,
-        footprints: &[f32],
-        out: &mut [f32],
-    ) {
+    /// Fills `out` with the noise at points of `S` axes, 2 or 3. Octaves whose cells are smaller than a point's
+    /// footprint (in the unit of the coordinates) are replaced by their mean there. No footprints mean footprints of 0.
+    pub fn fill<const S: usize>(&self, points: impl Iterator<Item = [f64; S]>, footprints: &[f32], out: &mut [f32]) {
         match (S, self.evolution) {
             (2, None) => self.sum::<S, 2>(points, footprints, out),
             (2, Some(_)) | (3, None) => self.sum::<S, 3>(points, footprints, out),
@@ -158,7 +157,8 @@ impl Noise {
         }
     }
 
-    /// The noise at some points at once: lane by lane the same operations in the same order, whatever the processor.
+    /// Returns the noise at a block of points. Every lane performs the same operations in the same order on every
+    /// processor.
     #[inline(always)]
     fn block<const S: usize, const D: usize>(&self, places: &[[f64; LANES]; D], prints: &Lanes) -> Lanes {
         let mut sums = [0.0; LANES];
@@ -193,9 +193,9 @@ impl Noise {
         }
     }
 
-    /// Fills `out` with noise of kind [`NoiseKind::Edges`] at points of the plane, without footprints and without an
-    /// axis of evolution, and `slopes` with how much it grows along each axis, for a unit of the coordinates.
-    pub(crate) fn fill_edges(&self, points: &[[f64; 2]], out: &mut [f32], slopes: &mut [[f32; 2]]) {
+    /// Fills `out` with noise of kind [`NoiseKind::Edges`] at points of the plane, without footprints and without
+    /// evolution, and `slopes` with its derivatives along both axes, per unit of the coordinates.
+    pub fn fill_edges(&self, points: &[[f64; 2]], out: &mut [f32], slopes: &mut [[f32; 2]]) {
         debug_assert!(self.kind == NoiseKind::Edges && self.evolution.is_none());
         let level = Level::new();
         let blocks = points.chunks(LANES).zip(out.chunks_mut(LANES)).zip(slopes.chunks_mut(LANES));
@@ -232,7 +232,7 @@ impl Noise {
 }
 
 impl Octave {
-    /// Cells of places, of which the first `S` axes are those of space, and how far into them the places lie.
+    /// Splits positions, whose first `S` axes are those of space, into cells and fractions within them.
     #[inline(always)]
     fn cells<const S: usize, const D: usize>(&self, places: &[[f64; LANES]; D]) -> ([[i64; LANES]; D], [Lanes; D]) {
         let (mut cells, mut fractions) = ([[0; LANES]; D], [[0.0; LANES]; D]);
@@ -247,18 +247,19 @@ impl Octave {
     }
 }
 
-/// Points that are computed at once, and a value of each.
+/// Number of points computed at once, and a value for each of them.
 const LANES: usize = 16;
 type Lanes = [f32; LANES];
 
-/// What a footprint of so many cells leaves of an octave: all up to half a cell, nothing from one on.
+/// Returns the fraction of an octave that a footprint of `cells` cells leaves: 1 up to half a cell, 0 from one cell on.
 #[inline(always)]
 fn kept(cells: f32) -> f32 {
     let t = (2.0 - 2.0 * cells).clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)
 }
 
-/// The cell of a coordinate, and how far into it the coordinate lies, in [0, 1]. What is not finite counts as 0.
+/// Splits a coordinate into its cell and the fraction within it, in [0, 1]. A coordinate that is not finite counts as
+/// 0.
 #[inline(always)]
 fn split(coordinate: f64) -> (i64, f32) {
     if coordinate.abs() < 4e18 {
@@ -266,12 +267,12 @@ fn split(coordinate: f64) -> (i64, f32) {
         let cell = toward_zero - i64::from(toward_zero as f64 > coordinate);
         (cell, (coordinate - cell as f64) as f32)
     } else {
-        // No number of this size has a fraction.
+        // Numbers of this size have no fraction.
         (if coordinate.is_finite() { coordinate as i64 } else { 0 }, 0.0)
     }
 }
 
-/// What a cell adds to a hash: all of its number in 32 bits.
+/// Returns the cell's number folded into 32 bits, for a hash.
 #[inline(always)]
 fn key(cell: i64) -> u32 {
     cell as u32 ^ ((cell as u64 >> 32) as u32).wrapping_mul(GOLDEN)
@@ -279,7 +280,6 @@ fn key(cell: i64) -> u32 {
 
 #[cfg(test)]
 mod tests {
-    use super::reference::{edges, reference};
     use super::*;
 
     const KINDS: [NoiseKind; 4] = [NoiseKind::Fbm, NoiseKind::Ridged, NoiseKind::Cellular, NoiseKind::Edges];
@@ -288,7 +288,7 @@ mod tests {
         Axes { scale: 0.7, octaves: 5, lacunarity: 2.17, gain: 0.6, seed }
     }
 
-    /// Points that are small, huge, on the lattice, negative and not finite.
+    /// Points that are small, huge, on the lattice, negative, or not finite.
     pub(super) fn points() -> Vec<[f64; 3]> {
         let mut points = vec![[0.0; 3], [f64::INFINITY, 1.0, -2.5], [1e300, -1e300, 3.0], [-0.7, 1.4, 0.7]];
         for index in 0..400u32 {
@@ -299,7 +299,7 @@ mod tests {
         points
     }
 
-    /// Hands points to `check`, as many at once as there are lanes, as vector code.
+    /// Passes points to `check` in blocks of `LANES`, as vector code.
     pub(super) fn in_lanes<const D: usize>(points: &[[f64; D]], check: impl Fn(&[[i64; LANES]; D], &[Lanes; D])) {
         for lanes in points.chunks_exact(LANES) {
             let (mut cells, mut fractions) = ([[0; LANES]; D], [[0.0; LANES]; D]);
@@ -324,17 +324,17 @@ mod tests {
             assert!(plain.iter().zip(&out).all(|(plain, out)| plain.to_bits() == out.to_bits()));
             let (mut smooth, mut off) = (0, 0);
             for (point, slope) in points.iter().zip(&slopes) {
-                let (value, truth) = edges(&noise, *point);
-                assert_eq!(value, reference(&noise, point, 0.0));
-                // A point that is nearly as far as another may be taken for it.
+                let (value, truth) = noise.edges_reference(*point);
+                assert_eq!(value, noise.reference(point, 0.0));
+                // Of two points at nearly the same distance, rounding may pick the other one.
                 let distance = (0..2).map(|axis| (f64::from(slope[axis]) - truth[axis]).abs()).fold(0.0, f64::max);
                 off += usize::from(distance > 1e-3);
-                // Where differences on both sides agree, they are the slope.
+                // Where the differences to both sides agree, they equal the slope.
                 for axis in 0..2 {
                     let beside = |step: f64| {
                         let mut beside = *point;
                         beside[axis] += step;
-                        (reference(&noise, &beside, 0.0) - value) / step
+                        (noise.reference(&beside, 0.0) - value) / step
                     };
                     let (before, after) = (beside(-1e-6), beside(1e-6));
                     if point[axis].abs() < 10.0 && (before - after).abs() < 1e-3 {
@@ -359,7 +359,7 @@ mod tests {
                 noise.fill(points().into_iter().map(|[x, y, _]| [x, y]), &[], &mut flat);
                 for ([x, y, z], (in_space, in_plane)) in points().into_iter().zip(out.into_iter().zip(flat)) {
                     for (found, truth) in
-                        [(in_space, reference(&noise, &[x, y, z], 0.0)), (in_plane, reference(&noise, &[x, y], 0.0))]
+                        [(in_space, noise.reference(&[x, y, z], 0.0)), (in_plane, noise.reference(&[x, y], 0.0))]
                     {
                         let error = (f64::from(found) - truth).abs();
                         assert!(error < 3e-6, "{kind:?} at {x}, {y}, {z}: {found}, expected {truth}");
@@ -380,7 +380,7 @@ mod tests {
                 for step in 0..20_000 {
                     let t = f64::from(step) * 0.003;
                     let point = [t, 0.37 * t - 20.0, -0.21 * t];
-                    let value = reference(&noise, &point[..dimensions], 0.0);
+                    let value = noise.reference(&point[..dimensions], 0.0);
                     if let Some(last) = last {
                         assert!((value - last).abs() < 0.02, "{kind:?}: a step of {} at {t}", (value - last).abs());
                     }
@@ -423,8 +423,8 @@ mod tests {
                 noise.fill(points.iter().map(|[x, y, _]| [*x, *y]), &prints, &mut flat);
                 for ((point, print), (found, flat)) in points.iter().zip(&prints).zip(out.iter().zip(&flat)) {
                     for (found, truth) in [
-                        (found, reference(&noise, point, f64::from(*print))),
-                        (flat, reference(&noise, &point[..2], f64::from(*print))),
+                        (found, noise.reference(point, f64::from(*print))),
+                        (flat, noise.reference(&point[..2], f64::from(*print))),
                     ] {
                         assert!(
                             (f64::from(*found) - truth).abs() < 3e-6,
@@ -441,7 +441,7 @@ mod tests {
         for kind in KINDS {
             for axes in 2..=4 {
                 let figures = Axes { octaves: 1, scale: 1.0, ..self::axes(5) };
-                // Slices through the last axis differ: some of them together.
+                // Slices through the last axis differ, so average over several of them.
                 let (slices, count) = (8, 5_000);
                 let mut sum = 0.0;
                 for slice in 0..slices {

@@ -1,7 +1,7 @@
-//! The buoy under `samples/`, as it is made.
+//! Generator of the buoy under `samples/`.
 
+use crate::{DVec3, Triangles};
 use std::fmt::Write as _;
-use trochoid_scene::{DVec3, Triangles};
 
 /// Radius and height in meters around the axis, from the keel up; the waterline is at 0.
 const PROFILE: [[f64; 2]; 15] = [
@@ -21,11 +21,11 @@ const PROFILE: [[f64; 2]; 15] = [
     [0.14, 2.98],
     [0.0, 3.02],
 ];
-/// Pieces around the axis.
+/// Segments around the axis.
 const SECTORS: usize = 32;
 
-/// A buoy: a body, a mast and a lamp, with texture coordinates around and up. Its vertices stand on a raster that both
-/// formats hold exactly enough.
+/// Makes a buoy: a body, a mast and a lamp, with texture coordinates around and up. Coordinates are rounded so that both
+/// formats store the same mesh.
 pub(super) fn buoy() -> Triangles {
     let [low, high] = [PROFILE[0][1], PROFILE[PROFILE.len() - 1][1]];
     let mut mesh = Triangles::default();
@@ -56,7 +56,7 @@ pub(super) fn buoy() -> Triangles {
     mesh
 }
 
-/// As Wavefront OBJ, without normals.
+/// Writes a mesh as Wavefront OBJ, without normals.
 pub(super) fn obj_of(mesh: &Triangles) -> String {
     let mut text = String::from("# A buoy: a body, a mast and a lamp. Meters, y up, waterline at 0.\no buoy\n");
     for point in &mesh.positions {
@@ -71,7 +71,7 @@ pub(super) fn obj_of(mesh: &Triangles) -> String {
     text
 }
 
-/// As binary glTF, with normals.
+/// Writes a mesh as binary glTF, with normals.
 pub(super) fn glb_of(mesh: &Triangles) -> Vec<u8> {
     let normals = mesh.mean_normals();
     let mut bytes: Vec<u8> = Vec::new();
@@ -117,7 +117,7 @@ pub(super) fn glb_of(mesh: &Triangles) -> Vec<u8> {
     glb(&json, &bytes)
 }
 
-/// A GLB of its two chunks.
+/// Joins two chunks into a GLB.
 pub(super) fn glb(json: &str, bytes: &[u8]) -> Vec<u8> {
     let mut json = json.as_bytes().to_vec();
     json.resize(json.len().next_multiple_of(4), b' ');

@@ -1,34 +1,37 @@
-//! What noise may be at points that are certain up to a bound.
+//! Spans of noise over uncertain points and footprints.
 
 use super::reference::{distances, gradient_noise, kept, place};
 use super::{AMPLITUDE, Noise, NoiseKind, Octave};
-use crate::bounds::Span;
+use trochoid_graph::Span;
 
-/// What noise may be at a point of two or three coordinates, each somewhere in a span, for a footprint in one.
-pub(crate) fn span(noise: &Noise, point: &[Span], footprint: Span) -> Span {
-    let axes = point.len() + usize::from(noise.evolution.is_some());
-    let mean = noise.kind.mean(axes);
-    let clear = footprint.clear && point.iter().all(|along| along.clear);
-    let (mut low, mut high) = (0.0, 0.0);
-    for octave in &noise.octaves {
-        let kept = footprint.through(|footprint| kept(octave, footprint)).within(0.0, 1.0);
-        let value = if kept.high > 0.0 { octave_span(noise, octave, point) } else { Span::exactly(mean) };
-        let corners = [kept.low, kept.high].map(|kept| [value.low, value.high].map(|value| kept * (value - mean)));
-        let corners = corners.as_flattened();
-        low += octave.weight * (mean + corners.iter().copied().fold(f64::INFINITY, f64::min));
-        high += octave.weight * (mean + corners.iter().copied().fold(f64::NEG_INFINITY, f64::max));
+impl Noise {
+    /// Returns the span of the noise at a point of two or three coordinates, over spans of the coordinates and the
+    /// footprint.
+    pub fn span(&self, point: &[Span], footprint: Span) -> Span {
+        let axes = point.len() + usize::from(self.evolution.is_some());
+        let mean = self.kind.mean(axes);
+        let clear = footprint.clear && point.iter().all(|along| along.clear);
+        let (mut low, mut high) = (0.0, 0.0);
+        for octave in &self.octaves {
+            let kept = footprint.through(|footprint| kept(octave, footprint)).within(0.0, 1.0);
+            let value = if kept.high > 0.0 { octave_span(self, octave, point) } else { Span::exactly(mean) };
+            let corners = [kept.low, kept.high].map(|kept| [value.low, value.high].map(|value| kept * (value - mean)));
+            let corners = corners.as_flattened();
+            low += octave.weight * (mean + corners.iter().copied().fold(f64::INFINITY, f64::min));
+            high += octave.weight * (mean + corners.iter().copied().fold(f64::NEG_INFINITY, f64::max));
+        }
+        let (least, most) = self.kind.range();
+        Span { low: low - LOST, high: high + LOST, clear }.within(least, most)
     }
-    let (least, most) = noise.kind.range();
-    Span { low: low - LOST, high: high + LOST, clear }.within(least, most)
 }
 
-/// What sums of octaves lose.
+/// Rounding error of the sum of octaves.
 const LOST: f64 = 1e-14;
 
-/// What one octave may be.
+/// Returns the span of one octave.
 fn octave_span(noise: &Noise, octave: &Octave, point: &[Span]) -> Span {
     let place = place(noise, octave, point.iter().map(|along| along.middle()));
-    // How far off it may be along each axis of space, in cells; other numbers are rounded otherwise.
+    // Uncertainty along each axis of space, in cells, including the rounding to cells.
     let reach = |(along, place): (&Span, &f64)| match along.half() {
         0.0 => 0.0,
         half => half * octave.frequency + 1e-15 * (1.0 + place.abs()),
@@ -49,7 +52,8 @@ fn octave_span(noise: &Noise, octave: &Octave, point: &[Span]) -> Span {
             let ends = [farthest, nearest].map(|height| (1.0 - height) * (1.0 - height));
             Span { low: ends[0], high: ends[1], clear: true }
         }
-        // A distance changes by no more than the way that is gone, and so does that to the second nearest point.
+        // Moving a point changes its distance to the nearest feature point, and to the second nearest, by at most the
+        // length of the move.
         NoiseKind::Cellular => around(distances(octave.seed, &place)[0], straight),
         NoiseKind::Edges => {
             let [first, second] = distances(octave.seed, &place);
@@ -58,12 +62,13 @@ fn octave_span(noise: &Noise, octave: &Octave, point: &[Span]) -> Span {
     }
 }
 
-/// What gradient noise may be so far around a place: its slopes there, and the most that they may change.
+/// Returns the span of gradient noise within `reach` of a place, from its slopes there and a bound of their change.
 fn gradients(octave: &Octave, place: &[f64], reach: &[f64]) -> Span {
     let (value, slopes) = gradient_noise(octave.seed, place);
     let straight: f64 = slopes.iter().zip(reach).map(|(slope, reach)| slope.abs() * reach).sum();
-    // No second derivative passes the amplitude times 225/16 · axes + 15/2: the fade's steepest slope is 15/8, its
-    // strongest bend 10/√3, and between corners slopes differ by 2 and what they rise to by 4 · axes at most.
+    // No second derivative exceeds the amplitude times 225/16 · axes + 15/2: the fade's slope is at most 15/8 and its
+    // second derivative at most 10/√3; between corners, gradients differ by at most 2 and the values they lead to by at
+    // most 4 · axes.
     let axes = place.len();
     let bend = f64::from(AMPLITUDE[axes]) * (225.0 / 16.0 * axes as f64 + 7.5);
     let all: f64 = reach.iter().sum();
@@ -74,7 +79,7 @@ fn gradients(octave: &Octave, place: &[f64], reach: &[f64]) -> Span {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::field::{Axes, noise_reference};
+    use crate::Axes;
     use trochoid_graph::Bound;
 
     #[test]
@@ -99,11 +104,9 @@ mod tests {
                 let print = Span::around(footprint, Bound::of(size * footprint * (random() + 1.0) / 2.0));
                 let within = |span: &Span, at: f64| span.low + (span.high - span.low) * (at + 1.0) / 2.0;
                 let moved: Vec<f64> = spans.iter().map(|span| within(span, random())).collect();
-                let (here, there) = (
-                    noise_reference(&noise, &point, footprint),
-                    noise_reference(&noise, &moved, within(&print, random())),
-                );
-                let span = super::span(&noise, &spans, print);
+                let (here, there) =
+                    (noise.reference(&point, footprint), noise.reference(&moved, within(&print, random())));
+                let span = noise.span(&spans, print);
                 assert!(
                     span.holds(here) && span.holds(there),
                     "{kind:?}: {here} and {there} beyond {span:?} at {point:?}"

@@ -1,15 +1,15 @@
-//! Meshes as they should be, and as they should not.
+//! Valid and invalid meshes.
 
+use super::mesh::{joined, mesh};
 use super::samples::{buoy, glb, glb_of, obj_of};
-use super::{joined, mesh, read_mesh};
+use crate::{DVec3, Triangles};
 use std::path::{Path, PathBuf};
-use trochoid_scene::{DVec3, Triangles};
 
 fn samples(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../samples").join(name)
 }
 
-/// Corners of all triangles: position and texture coordinates.
+/// Returns position and texture coordinates of the corners of all triangles.
 fn corners(mesh: &Triangles) -> Vec<(DVec3, [f64; 2])> {
     let corners = mesh.triangles.iter().flatten().map(|vertex| *vertex as usize);
     corners.map(|vertex| (mesh.positions[vertex], mesh.uvs[vertex])).collect()
@@ -32,7 +32,7 @@ fn write_the_samples() {
 fn both_formats_read_back_what_was_written() {
     let made = buoy();
     for name in ["buoy.obj", "buoy.glb"] {
-        let read = read_mesh(&samples(name), 1 << 30).unwrap();
+        let read = mesh(&std::fs::read(samples(name)).unwrap()).unwrap();
         assert_eq!(read.triangles.len(), made.triangles.len(), "{name}");
         for ((p, uv), (q, st)) in corners(&read).into_iter().zip(corners(&made)) {
             assert!(p.distance(q) < 1e-6 && (uv[0] - st[0]).abs() + (uv[1] - st[1]).abs() < 1e-6, "{name}: {p} {q}");
@@ -74,15 +74,15 @@ fn what_is_no_obj_is_refused_by_its_line() {
         ("[dependencies]\nlibm = 1\n", "found no triangle"),
         ("PNG\0\0\0\rIHDR", "found a binary file that is no GLB"),
     ] {
-        let error = mesh(text.as_bytes()).unwrap_err();
+        let error = mesh(text.as_bytes()).unwrap_err().to_string();
         assert!(error.contains(part), "{text:?}: {error}");
     }
-    assert!(mesh(b"v 0 0 0\n\xff\xfe\n").unwrap_err().contains("line 2"));
+    assert!(mesh(b"v 0 0 0\n\xff\xfe\n").unwrap_err().to_string().contains("line 2"));
     let back = mesh(format!("{corner}f -3 -2 -1\n").as_bytes()).unwrap();
     assert_eq!(back.triangles, [[0, 1, 2]]);
 }
 
-/// A triangle as glTF, with changes to its JSON.
+/// Returns a triangle as glTF, after an edit of its JSON.
 fn triangle(change: &[(&str, &str)], cut: usize) -> Vec<u8> {
     let mut json = concat!(
         r#"{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"#,
@@ -121,13 +121,13 @@ fn gltf_stands_where_its_nodes_do() {
 #[test]
 fn buffers_may_be_embedded_but_not_apart() {
     let whole = triangle(&[(r#""buffers":[{"#, r#""buffers":[{"uri":"other.bin","#)], 0);
-    assert!(mesh(&whole).unwrap_err().contains("another file, \"other.bin\""));
+    assert!(mesh(&whole).unwrap_err().to_string().contains("another file, \"other.bin\""));
     let data =
         "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAAAAAAAAAAAAIA/AAECAw==";
     let embedded = triangle(&[(r#""buffers":[{"#, &format!(r#""buffers":[{{"uri":"{data}","#))], 0);
     assert_eq!(mesh(&embedded).unwrap(), mesh(&triangle(&[], 0)).unwrap());
     let broken = triangle(&[(r#""buffers":[{"#, r#""buffers":[{"uri":"data:;base64,A*","#)], 0);
-    assert!(mesh(&broken).unwrap_err().contains("buffer 0: found no base64"));
+    assert!(mesh(&broken).unwrap_err().to_string().contains("buffer 0: found no base64"));
 }
 
 #[test]
@@ -150,17 +150,17 @@ fn what_is_no_gltf_is_refused_by_its_place() {
         (r#""POSITION":0"#, r#""POSITION":2"#, "mesh 0: found accessor 2 for POSITION, but there are 2"),
         (r#""asset":{"version":"2.0"},"#, "", "missing field `asset`"),
     ] {
-        let error = mesh(&triangle(&[(from, to)], 0)).err().unwrap_or_else(|| panic!("accepted: {to}"));
+        let error = mesh(&triangle(&[(from, to)], 0)).err().unwrap_or_else(|| panic!("accepted: {to}")).to_string();
         assert!(error.contains(part), "{to}: {error}");
     }
-    assert!(mesh(&triangle(&[], 4)).unwrap_err().contains("indices: found 4 elements that reach beyond"));
-    assert!(mesh(&triangle(&[], 52)).unwrap_err().contains("reach beyond bufferView"));
+    assert!(mesh(&triangle(&[], 4)).unwrap_err().to_string().contains("indices: found 4 elements that reach beyond"));
+    assert!(mesh(&triangle(&[], 52)).unwrap_err().to_string().contains("reach beyond bufferView"));
     let deep = "{\"a\":".repeat(100_000);
     assert!(mesh(deep.as_bytes()).is_err());
     for length in [0u32, 4, 12, 19, 21, u32::MAX] {
         let mut file = b"glTF\x02\0\0\0".to_vec();
         file.extend(length.to_le_bytes());
-        assert!(mesh(&file).unwrap_err().contains("12 bytes of a GLB"), "{length}");
+        assert!(mesh(&file).unwrap_err().to_string().contains("12 bytes of a GLB"), "{length}");
     }
 }
 
@@ -193,20 +193,12 @@ fn damaged_files_are_refused_or_read_but_never_break() {
                 read += 1;
             }
             Err(error) => {
-                assert!(!error.is_empty());
+                assert!(!error.to_string().is_empty());
                 refused += 1;
             }
         }
     }
     assert!(read > 100 && refused > 300, "{read} read, {refused} refused");
-}
-
-#[test]
-fn files_beyond_the_limit_are_not_taken() {
-    let length = std::fs::metadata(samples("buoy.obj")).unwrap().len();
-    assert!(read_mesh(&samples("buoy.obj"), 32 * length).is_ok());
-    let error = read_mesh(&samples("buoy.obj"), 32 * length - 1).unwrap_err().to_string();
-    assert!(error.contains("buoy.obj") && error.contains("at most"), "{error}");
 }
 
 #[test]
