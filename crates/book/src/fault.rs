@@ -1,12 +1,12 @@
-//! What can be wrong with the book.
+//! Faults of the book.
 
 use std::path::PathBuf;
 use trochoid::{Diagnostic, EvalError, LoadError, OutputError, PlanError};
 
-/// What is wrong with the book: each with its place.
+/// Faults of the book, each with its place.
 pub(crate) type Faults = Vec<Fault>;
 
-/// One thing that is wrong with the book.
+/// Fault of the book.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum Fault {
     #[error(transparent)]
@@ -53,7 +53,7 @@ pub(crate) enum Fault {
 }
 
 impl Fault {
-    /// The fault as it is printed: those of documents say themselves whether they are errors.
+    /// Returns the fault as printed. Faults of documents already begin with their severity.
     pub(crate) fn told(&self) -> String {
         match self {
             Self::Document(LoadError::Invalid(_)) | Self::Warning(_) => self.to_string(),
@@ -62,7 +62,7 @@ impl Fault {
     }
 }
 
-/// What a link leads to in vain.
+/// Missing target of a link.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum LinkFault {
     Page,

@@ -68,7 +68,7 @@ fn items(page: &mut String, items: &[Item]) {
                 Item::List(list) => list_rows(page, list, ""),
             }
         }
-        page.push_str("\nA default with ◆ may be keyed over frames.\n\n");
+        page.push_str("\nA knob with ◆ beside its default may be keyframed.\n\n");
     }
 }
 

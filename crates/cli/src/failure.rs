@@ -20,16 +20,16 @@ pub(crate) const INTERRUPTION: &str = "interrupted; finished files are complete,
 pub(crate) struct Failure {
     /// The exit code.
     pub(crate) code: u8,
-    /// What is told.
+    /// Messages.
     pub(crate) messages: Vec<Message>,
 }
 
-/// What is told of a failure, or beside one.
+/// Message of a failure, or a warning beside one.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Message {
-    /// The word that it begins with.
+    /// First word of the message.
     severity: Severity,
-    /// What comes behind it; a line `  remedy:` may follow.
+    /// Rest of the message, perhaps with a second line `  remedy: …`.
     text: String,
 }
 
@@ -38,7 +38,7 @@ impl Message {
         Self { severity: Severity::Error, text: text.to_string() }
     }
 
-    /// The message without its first word.
+    /// Returns the message without its first word.
     pub(crate) fn text(&self) -> &str {
         &self.text
     }

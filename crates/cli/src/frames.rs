@@ -9,18 +9,18 @@ const MOST: usize = 1_000_000;
 /// Largest magnitude of a frame number: frames are numbered from −10⁷ to 10⁷.
 const RANGE: i64 = 10_000_000;
 
-/// What is wrong with a list of frames.
+/// Error in a list of frames.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum FrameFault {
-    /// A piece names no frames.
+    /// A piece that names no frames.
     #[error("--frames: found \"{0}\"; expected {1}")]
     Piece(String, PieceFault),
-    /// There are too many up to a piece.
+    /// Too many frames up to this piece.
     #[error("--frames: found more than {MOST} frames up to \"{0}\"; expected at most {MOST}")]
     TooMany(String),
 }
 
-/// What a piece of a list is expected to be, and is not.
+/// Expected form of a piece of the list.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum PieceFault {
     #[error("a frame, a range first-last, or first-lastxstep")]

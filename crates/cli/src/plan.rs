@@ -55,12 +55,12 @@ pub(crate) struct Args {
     json: bool,
 }
 
-/// A text is no tolerance.
+/// Error in a tolerance.
 #[derive(Debug, thiserror::Error)]
 #[error("expected {}", Tolerance::EXPECTED)]
 pub(crate) struct NoTolerance;
 
-/// A tolerance on the command line.
+/// Parses a tolerance of the command line.
 pub(crate) fn tolerance(text: &str) -> Result<Tolerance, NoTolerance> {
     Tolerance::parse(text).ok_or(NoTolerance)
 }

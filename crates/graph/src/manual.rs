@@ -1,9 +1,9 @@
-//! Declarations in words, the same in every manual.
+//! Declarations in words, shared by all manuals.
 
 use crate::{Accepts, Arity, Default, Knob, Port, expected};
 use serde_json::{Value, json};
 
-/// How many, in words: "2", "1 to 4", "1 or more".
+/// Returns a range of counts in words: "2", "1 to 4", "1 or more".
 pub fn counted(min: usize, max: usize) -> String {
     match (min, max) {
         (min, max) if min == max => min.to_string(),
@@ -13,7 +13,7 @@ pub fn counted(min: usize, max: usize) -> String {
 }
 
 impl Port {
-    /// What it takes, in words, and whether it may be left open.
+    /// Describes the accepted values in words, and whether the port is optional.
     pub fn takes(&self) -> String {
         let literal = match self.accepts {
             Accepts::Color => ", or a literal color",
@@ -31,20 +31,20 @@ impl Port {
         }
     }
 
-    /// Whether it must be connected.
+    /// Returns whether the port must be connected.
     pub fn is_required(&self) -> bool {
         !matches!(self.arity, Arity::Optional | Arity::Many { min: 0, .. })
     }
 }
 
 impl Knob {
-    /// What it takes, in words, with its unit.
+    /// Describes the accepted values in words, with the unit.
     pub fn takes_in_words(&self) -> String {
         let unit = if self.unit.is_empty() { String::new() } else { format!(", in {}", self.unit) };
         format!("{}{unit}", expected(&self.takes))
     }
 
-    /// Its value where the document sets none, as a person would write it; null where it is unset or required.
+    /// Returns the default as a person would write it; null if the knob is required or unset by default.
     pub fn default_value(&self) -> Value {
         match self.default {
             Some(Default::Number(number)) if number.fract() == 0.0 && number.abs() < 1e15 => json!(number as i64),

@@ -3,14 +3,14 @@ use std::path::{Path, PathBuf};
 /// Action of opening a file for reading, for messages.
 pub(crate) const OPEN: &str = "open the file";
 
-/// What can be selected by name in a picture file.
+/// Kind of entry that can be selected by name in a picture file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Entry {
     /// A part of an EXR file.
     Part,
-    /// Channels whose names begin alike.
+    /// Channels whose names share a prefix.
     Layer,
-    /// One channel.
+    /// A single channel.
     Channel,
 }
 
@@ -135,7 +135,7 @@ pub enum Error {
     NotFound {
         /// Path of the file.
         path: PathBuf,
-        /// What the name is of.
+        /// Kind of entry.
         kind: Entry,
         /// The wanted name.
         name: String,

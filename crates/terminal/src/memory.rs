@@ -21,13 +21,13 @@ fn parse(text: &str) -> Result<u64, SizeError> {
     if size < LEAST { Err(SizeError::Small { found: size }) } else { Ok(size) }
 }
 
-/// Why a text is no size.
+/// Error in a memory size.
 #[derive(Debug, PartialEq, Eq, thiserror::Error)]
 enum SizeError {
-    /// It is no number with a unit.
+    /// Not a number with a unit.
     #[error("{EXPECTED}")]
     None,
-    /// It is of no use.
+    /// A size that is too small to be useful.
     #[error("found {}; {EXPECTED}, of {} or more", in_bytes(*found), in_bytes(LEAST))]
     Small {
         /// Bytes.
@@ -35,7 +35,7 @@ enum SizeError {
     },
 }
 
-/// What to write for `--memory` where a frame is reckoned to take so many bytes: a tenth more, since reckoning is not all.
+/// Returns the value of `--memory` to suggest for a frame estimated at this many bytes: a tenth more, since the estimate is not all.
 pub fn enough_memory(bytes: u64) -> String {
     let bytes = bytes.saturating_add(bytes / 10).max(LEAST);
     if bytes > 10_000_000_000 {

@@ -55,22 +55,22 @@ pub enum OutputError {
     },
 }
 
-/// Why no file can be written at a place.
+/// Reason that a file cannot be written to a path.
 #[derive(Debug, thiserror::Error)]
 pub enum NoDestination {
-    /// A folder stands there.
+    /// The path is a folder.
     #[error("is a folder; name a file")]
     Folder,
-    /// A link stands there, which leads to itself.
+    /// The path is a symbolic link to itself.
     #[error("is a link that leads to itself; remove it, or give another name")]
     Loop,
-    /// The system takes no such name.
+    /// The operating system does not allow the name.
     #[error("cannot be the name of a file there: {0}; give a shorter one")]
     Name(#[source] std::io::Error),
-    /// Something else stands where its folder should.
+    /// The parent is not a folder.
     #[error("{} is no folder", .0.display())]
     NoFolder(PathBuf),
-    /// The system lets no file into its folder.
+    /// The parent folder is not writable.
     #[error("the folder {} takes no files: {source}", folder.display())]
     Closed {
         /// The folder.
@@ -78,7 +78,7 @@ pub enum NoDestination {
         /// Why.
         source: std::io::Error,
     },
-    /// It could not be written.
+    /// Writing failed.
     #[error("cannot be written: {0}")]
     Write(#[source] std::io::Error),
 }

@@ -46,13 +46,13 @@ pub enum PlanError {
     },
 }
 
-/// Why a buffer cannot be bound.
+/// Reason that a buffer cannot be bound.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum BindingFault {
-    /// There is no such node.
+    /// No node has this name.
     #[error("no node has that name")]
     NoNode,
-    /// The node makes nothing that buffers hold.
+    /// Buffers cannot hold the node's output.
     #[error("only Colors, masks, Weights and Fields can be bound; bind the passes instead")]
     NoImage,
 }
@@ -123,7 +123,7 @@ pub(crate) struct PlannedOutput {
     pub(crate) constants: Vec<[f32; 3]>,
     /// Stages whose controls count as controls of this output.
     pub(crate) control_stages: Vec<NodeId>,
-    /// What the output is judged by, if all of its controls are colors in the document.
+    /// Judge of the output, if all of its controls are colors in the document.
     pub(crate) judge: OnceLock<Arc<Judge>>,
 }
 
@@ -147,7 +147,7 @@ pub struct Plan<'g> {
     pub(crate) pool: OnceLock<Result<rayon::ThreadPool, Arc<rayon::ThreadPoolBuildError>>>,
     /// Stages whose results samples share.
     pub(crate) shared: Shared,
-    /// Why each node is left out; `None` where it is evaluated.
+    /// Reason that each node is left out; `None` if it is evaluated.
     pub(crate) left_out: Vec<Option<LeftOut>>,
 }
 

@@ -14,58 +14,58 @@ pub struct Buffers<'b> {
     planes: HashMap<String, Vec<&'b [f32]>>,
 }
 
-/// Why a buffer does not fit.
+/// Reason that a buffer is refused.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum BufferFault {
-    /// The node is bound, and has none.
+    /// The node is bound but has no buffer.
     #[error("no buffer is given: add it with Buffers::with")]
     None,
-    /// It has too many channels, or too few.
+    /// Wrong number of channels.
     #[error("found {found} channels; a {kind} has {}", kind.channels())]
     Channels {
-        /// Those given.
+        /// Number given.
         found: usize,
-        /// What the node makes.
+        /// Kind of the node's output.
         kind: Kind,
     },
-    /// A channel is too long, or too short.
+    /// Wrong number of samples in a channel.
     #[error("channel {channel} has {found} samples; expected {expected}")]
     Length {
-        /// The channel.
+        /// Channel.
         channel: usize,
-        /// Its samples.
+        /// Number of its samples.
         found: usize,
-        /// Samples of the picture or batch.
+        /// Number of samples of the picture or batch.
         expected: usize,
     },
-    /// A sample is not legal for what the node makes.
+    /// A sample is illegal for the kind.
     #[error("found {found} at sample {sample} of channel {channel}; expected {} in a {kind}", rule(*kind).1)]
     Value {
-        /// The channel.
+        /// Channel.
         channel: usize,
-        /// The sample.
+        /// Sample.
         sample: usize,
-        /// What it holds.
+        /// Value of the sample.
         found: f32,
-        /// What the node makes.
+        /// Kind of the node's output.
         kind: Kind,
     },
     /// The weights of a sample do not sum to 1.
     #[error("the weights of sample {sample} sum to {sum}; expected 1")]
     Sum {
-        /// The sample.
+        /// Sample.
         sample: usize,
-        /// Their sum.
+        /// Sum of its weights.
         sum: f64,
     },
-    /// The slices to be filled are of another number or length.
+    /// The output slices have a wrong number or length.
     #[error("found {found} output slices; expected {expected} of {samples} samples")]
     Outputs {
-        /// Those given.
+        /// Number given.
         found: usize,
-        /// Channels of the output.
+        /// Number of channels of the output.
         expected: usize,
-        /// Samples of the batch.
+        /// Number of samples of the batch.
         samples: usize,
     },
 }

@@ -64,31 +64,31 @@ pub enum PlanFileError {
     },
 }
 
-/// Why a text is no plan.
+/// Error in a plan file.
 #[derive(Debug, thiserror::Error)]
 pub enum NoPlan {
-    /// It is no text.
+    /// Not text.
     #[error("found bytes that are no UTF-8; expected a plan")]
     NotText(#[source] Box<trochoid_io::Error>),
-    /// It is no JSON.
+    /// Not JSON.
     #[error("found no JSON ({0}); {EXPECTED}")]
     NotJson(#[source] serde_json::Error),
-    /// It is a document.
+    /// A document instead of a plan.
     #[error("found a document; {EXPECTED}")]
     Document,
-    /// It is other JSON.
+    /// JSON of another kind.
     #[error("found JSON without \"trochoid_plan\"; {EXPECTED}")]
     OtherJson,
-    /// It is a plan of another version.
+    /// A plan of an unknown version.
     #[error("found a plan of version {0}; expected version {VERSION}")]
     Version(Value),
-    /// It has other fields than a plan.
+    /// Missing or invalid fields.
     #[error("found a plan with faults ({0}); {EXPECTED}")]
     Fields(#[source] serde_json::Error),
-    /// Its tolerance is none.
+    /// An invalid tolerance.
     #[error("found the tolerance \"{found}\"; expected {}", Tolerance::EXPECTED)]
     Tolerance {
-        /// What it is.
+        /// Text of the tolerance.
         found: String,
     },
 }

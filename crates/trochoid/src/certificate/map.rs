@@ -4,19 +4,19 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use libdeflater::{CompressionLvl, Compressor, DecompressionError, Decompressor};
 
-/// Why a text is no map of a picture's pixels.
+/// Error in the map of ambiguous pixels.
 #[derive(Debug, PartialEq, thiserror::Error)]
 pub(super) enum MapError {
-    /// It is no base64.
+    /// Not base64.
     #[error(transparent)]
     Text(#[from] base64::DecodeError),
-    /// Its bytes are not deflated bits.
+    /// Bytes that cannot be inflated.
     #[error(transparent)]
     Packed(#[from] DecompressionError),
-    /// It has other bits than the picture has pixels.
+    /// A number of bits that differs from the number of pixels.
     #[error("{bytes} bytes of bits for {pixels} pixels")]
     Length { bytes: usize, pixels: usize },
-    /// It marks what is no pixel.
+    /// A bit set beyond the last pixel.
     #[error("bits beyond the last pixel")]
     Spare,
 }

@@ -17,7 +17,7 @@ pub enum CertificateError {
     NoCertificate {
         /// Path of the file.
         path: PathBuf,
-        /// What the file is instead.
+        /// Content of the file.
         found: NoCertificate,
     },
     /// A file cannot be read.
@@ -49,31 +49,31 @@ pub enum CertificateError {
     Reference(#[from] ReferenceError),
 }
 
-/// A digest that is not the one of the text around it.
+/// Mismatch between a certificate's digest and its text.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct OtherDigest {
-    /// The digest in the certificate.
+    /// Digest in the certificate.
     pub found: String,
-    /// The digest of its text.
+    /// Digest of the text.
     pub expected: String,
 }
 
-/// What a file is that is no certificate.
+/// Content of a file that is not a certificate.
 #[derive(Debug, thiserror::Error)]
 pub enum NoCertificate {
-    /// No text.
+    /// Not text.
     #[error("bytes that are no UTF-8")]
     NotText(#[source] Box<trochoid_io::Error>),
-    /// No JSON.
+    /// Not JSON.
     #[error("no JSON ({0})")]
     NotJson(#[source] serde_json::Error),
-    /// One whose document is no JSON.
+    /// A certificate whose document is not JSON.
     #[error("a document that is no JSON ({0})")]
     Document(#[source] serde_json::Error),
-    /// Other JSON.
+    /// JSON of another kind.
     #[error("JSON that does not begin with a digest")]
     NoDigest,
-    /// JSON with other fields than a certificate.
+    /// A certificate with missing or invalid fields.
     #[error("other fields ({0})")]
     Fields(#[source] serde_json::Error),
     /// A certificate of another version.
