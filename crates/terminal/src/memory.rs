@@ -35,7 +35,8 @@ enum SizeError {
     },
 }
 
-/// Returns the value of `--memory` to suggest for a frame estimated at this many bytes: a tenth more, since the estimate is not all.
+/// Returns the value of `--memory` to suggest for a frame estimated at this many bytes: a tenth more, since an estimate is
+/// not exact.
 pub fn enough_memory(bytes: u64) -> String {
     let bytes = bytes.saturating_add(bytes / 10).max(LEAST);
     if bytes > 10_000_000_000 {
