@@ -68,7 +68,7 @@ pub enum NoDestination {
     #[error("cannot be the name of a file there: {0}; give a shorter one")]
     Name(#[source] std::io::Error),
     /// The parent is not a folder.
-    #[error("{} is no folder", .0.display())]
+    #[error("{} is not a folder", .0.display())]
     NoFolder(PathBuf),
     /// The parent folder is not writable.
     #[error("the folder {} takes no files: {source}", folder.display())]

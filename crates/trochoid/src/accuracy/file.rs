@@ -68,7 +68,7 @@ pub enum PlanFileError {
 #[derive(Debug, thiserror::Error)]
 pub enum NoPlan {
     /// Not text.
-    #[error("found bytes that are no UTF-8; expected a plan")]
+    #[error("found bytes that are not UTF-8; expected a plan")]
     NotText(#[source] Box<trochoid_io::Error>),
     /// Not JSON.
     #[error("found no JSON ({0}); {EXPECTED}")]

@@ -62,13 +62,13 @@ pub struct OtherDigest {
 #[derive(Debug, thiserror::Error)]
 pub enum NoCertificate {
     /// Not text.
-    #[error("bytes that are no UTF-8")]
+    #[error("bytes that are not UTF-8")]
     NotText(#[source] Box<trochoid_io::Error>),
     /// Not JSON.
     #[error("no JSON ({0})")]
     NotJson(#[source] serde_json::Error),
     /// A certificate whose document is not JSON.
-    #[error("a document that is no JSON ({0})")]
+    #[error("a document that is not JSON ({0})")]
     Document(#[source] serde_json::Error),
     /// JSON of another kind.
     #[error("JSON that does not begin with a digest")]
