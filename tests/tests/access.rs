@@ -1,4 +1,4 @@
-//! No node opens a file that the document may not reach, whichever it is.
+//! No node opens a file that the document may not access.
 
 use crate::support::{folder, graph_in, root};
 use std::path::Path;
@@ -45,7 +45,7 @@ fn every_node_that_names_a_file_is_asked_before_it_prepares() {
         let output = &graph.outputs()[0].name;
         let reference = ReferenceFrame::new(&elsewhere, output, frame).map(drop);
         assert!(reference.is_err_and(|e| matches!(e, ReferenceError::Eval(e) if is_refusal(&e))), "{name}");
-        // What another graph prepared is not handed on.
+        // Prepared data of another graph are not reused.
         let mut cache = Cache::new();
         let run = |graph: &trochoid::CheckedGraph, cache: &mut Cache| {
             let plan = Plan::new(graph, &[], frame, &[], &Settings::default()).unwrap();

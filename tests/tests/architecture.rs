@@ -1,11 +1,11 @@
-//! The house: which crate may depend on which, and its one door for files.
+//! The architecture: allowed dependencies between crates, and the single place where files are opened.
 
 use crate::support::root;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::process::Command;
 
-/// What each package of the workspace may depend on, and nothing else of the workspace.
+/// Packages of the workspace that each package may depend on.
 const ALLOWED: &[(&str, &[&str])] = &[
     ("trochoid-memory", &[]),
     ("trochoid-key", &[]),
@@ -93,7 +93,7 @@ fn crates_depend_as_the_design_says() {
     }
 }
 
-/// What opens a file by name.
+/// Functions that open a file by name.
 const OPENINGS: &[&str] = &[
     "File::open",
     "File::options",
@@ -107,7 +107,7 @@ const OPENINGS: &[&str] = &[
     "from_file(",
 ];
 
-/// Where files are opened otherwise than by the door of `trochoid-io`, and why.
+/// Places that open files other than by `trochoid-io`, with the reasons.
 const OPENED: &[(&str, &str, &str)] = &[
     ("crates/io/src/open.rs", "OpenOptions", "the door itself"),
     ("crates/io/src/partial.rs", "OpenOptions", "a temporary file of ours, whose lock alone is asked"),
@@ -116,7 +116,7 @@ const OPENED: &[(&str, &str, &str)] = &[
     ("crates/trochoid/src/report.rs", "fs::read_to_string", "what the system says of this process"),
 ];
 
-/// The sources of a folder, without tests.
+/// Collects the sources of a folder, without tests.
 pub(crate) fn sources(folder: &Path, found: &mut Vec<(String, String)>) {
     for entry in std::fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();

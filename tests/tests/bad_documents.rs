@@ -1,4 +1,5 @@
-//! Bad documents in bulk; what single ones are told is stored in `tests/refusals`, and held by the binary `cases`.
+//! Bad documents in bulk. The messages of single documents are stored in `tests/refusals`, and tested by the binary
+//! `cases`.
 
 use std::path::Path;
 use trochoid::{Diagnostic, LoadError, Severity, load, parse};
@@ -6,7 +7,7 @@ use trochoid::{Diagnostic, LoadError, Severity, load, parse};
 const SOUND: &str = r##"{ "trochoid": 1, "format": { "width": 4, "height": 4 },
   "nodes": { "x": { "type": "Constant", "color": "#fff" } }, "outputs": { "beauty": { "color": "x" } } }"##;
 
-/// The errors of a document; warnings are beside the point.
+/// Returns the errors of a document, without warnings.
 fn errors(text: &str) -> Vec<Diagnostic> {
     match parse("bad.json", text, Path::new("."), &[]) {
         Ok(_) => Vec::new(),

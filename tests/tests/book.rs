@@ -1,10 +1,10 @@
-//! The book's documents: every node type has one that shows it, and no document of the book has a fault or a warning.
+//! Documents of the book: every node type has one, and none has a fault or a warning.
 
 use crate::support::root;
 use std::collections::BTreeSet;
 use trochoid::{Loaded, load, parse, registry};
 
-/// Names of the documents in `docs/nodes`, without their ending.
+/// Returns the names of the documents in `docs/nodes`, without extension.
 fn shown() -> BTreeSet<String> {
     let entries = std::fs::read_dir(root().join("docs/nodes")).unwrap();
     entries

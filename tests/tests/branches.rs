@@ -1,4 +1,4 @@
-//! A dear branch behind a mask is jumped over where the mask leaves it nothing: no bit may show it.
+//! Expensive branches behind a mask are skipped where the mask is 0 or 1; the pictures stay bit-identical.
 
 use crate::support::{bits, evaluate, graph, settings, under_all_settings};
 use trochoid::Buffers;

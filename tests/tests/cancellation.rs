@@ -1,17 +1,17 @@
-//! What takes long asks between its rows, steps or ribbons whether it should stop, not only the engine between tiles.
+//! Long work polls for cancellation between its rows, steps or ribbons, in addition to the engine between tiles.
 
 use crate::support::settings;
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use trochoid::{Buffers, Cache, EvalError, Monitor, Plan, parse};
 
-/// Says "stop" from the answer after so many on, and counts what the engine and the nodes ask.
+/// Monitor that cancels after a number of questions, and counts the questions of the engine and the nodes.
 struct Fires {
     after: usize,
     asked: AtomicUsize,
-    /// Stages that began to prepare.
+    /// Number of stages that began to prepare.
     stages: AtomicUsize,
-    /// Questions before the last one did.
+    /// Number of questions before the last stage began to prepare.
     before_last: AtomicUsize,
 }
 
@@ -41,7 +41,7 @@ impl Monitor for Fires {
     }
 }
 
-/// Nodes that others need; `out` is the node that is asked to stop.
+/// Nodes that others need; `out` is the node that is cancelled.
 const SCENE: &str = r##""camera": { "type": "Camera", "position": [0, 5, 12] }, "sun": { "type": "Light" },
     "up": { "type": "Camera", "position": [0, 5, 12], "target": [0, 20, -30] },
     "sea": { "type": "GerstnerSea", "count": 40, "sharpness": 2 },
@@ -82,7 +82,7 @@ fn nodes_that_take_long_stop_between_tiles_too() {
             let monitor = Fires::after(after);
             (plan.evaluate(&Buffers::new(), &mut Cache::new(), &monitor), monitor)
         };
-        // It gets through when nobody stops it.
+        // The node completes if it is not cancelled.
         let (through, counted) = run(usize::MAX);
         assert!(through.is_ok(), "{out}");
         assert!(counted.by_nodes() > 0, "{out}: only the engine asks");

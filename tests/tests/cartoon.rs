@@ -1,4 +1,4 @@
-//! Cartoon water: foam on hostile passes, lines that stay calm afar, and floating bodies at any frame.
+//! Cartoon water: foam on hostile passes, distant lines without flicker, and floating bodies at any frame.
 
 use crate::support::{all_bits, evaluate, graph_in, on_passes, sample, settings, under_all_settings, write_exr};
 use rand::{RngExt, SeedableRng};
@@ -43,7 +43,7 @@ fn waterline_foam_agrees_with_the_reference_on_hostile_passes() {
     }
 }
 
-/// A net of lines on a flat sea, to the horizon.
+/// A net of lines on a flat sea that extends to the horizon.
 fn lines(width: u32, time: u32) -> String {
     format!(
         r#"{{ "trochoid": 1, "format": {{ "width": {width}, "height": {}, "samples": 1 }},

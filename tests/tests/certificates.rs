@@ -1,10 +1,10 @@
-//! Certificates of every node: what is certified of its golden case holds, checked at every pixel.
+//! Certificates of every node's golden case hold at every pixel.
 
 use crate::support::{evaluate, folder, graph_in, root, settings};
 use trochoid::certificate::{self, Choice, Made, Request};
 use trochoid::{Buffers, Cache, Certifier, CheckedGraph, Kind, OutputFile, Silent, registry, write_output};
 
-/// What does not hold of the certificates of a graph's outputs, each in a file of its own.
+/// Returns the failures of the certificates of a graph's outputs, each of which has its own file.
 fn faults(graph: &CheckedGraph, frame: i64) -> Vec<String> {
     // Paths in a certificate lead back to the inputs.
     let folder = tempfile::tempdir().unwrap();

@@ -1,4 +1,4 @@
-//! What nobody needs is not computed, and the report says why.
+//! Unneeded nodes are not computed, and the report gives the reason.
 
 use crate::support::{all_bits, bits, evaluate, evaluate_some, graph, settings, state};
 use trochoid::{Buffers, Cache, LeftOut, NodeId, Plan, Silent, State, Switches};

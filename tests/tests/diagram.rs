@@ -1,9 +1,9 @@
-//! Graphs drawn as pictures.
+//! Drawings of graphs as SVG.
 
 use crate::support::root;
 use std::collections::HashSet;
 
-/// Every scene that ships, drawn.
+/// Draws all scenes that ship with Trochoid.
 fn drawings() -> Vec<(String, trochoid::Loaded, String)> {
     let mut paths: Vec<_> =
         std::fs::read_dir(root().join("graphs")).unwrap().map(|entry| entry.unwrap().path()).collect();

@@ -1,4 +1,4 @@
-//! What has the name of a file and is none: a pipe without a writer is an error wherever it is read, and never blocks.
+//! Paths that are not regular files: a pipe without a writer is an error wherever it is read, and never blocks.
 
 #![cfg(unix)]
 
@@ -11,14 +11,14 @@ use trochoid::accuracy::PlanFile;
 use trochoid::certificate::Certificate;
 use trochoid::{Buffers, Cache, Plan, Settings, Silent, load};
 
-/// What a thread says, which would say nothing where it blocks.
+/// Returns the result of a thread, which would be missing if the thread blocked.
 fn within(what: &str, ask: impl FnOnce() -> String + Send + 'static) -> String {
     let (send, receive) = channel();
     std::thread::spawn(move || send.send(ask()));
     receive.recv_timeout(Duration::from_secs(60)).unwrap_or_else(|_| panic!("{what}: blocks"))
 }
 
-/// Why a graph with this node as the view's surface, or as a picture, cannot be evaluated.
+/// Returns why a graph with this node as the view's surface or as a picture cannot be evaluated.
 fn refused(folder: &Path, nodes: &str, output: &str) -> String {
     let text = format!(
         r#"{{ "trochoid": 1, "format": {{ "width": 4, "height": 2 }}, "nodes": {{

@@ -1,5 +1,5 @@
-//! Toon seas and their trails over time: lines move, and nowhere jump; frames depend on no others; what has no weight
-//! costs nothing.
+//! Toon seas and their trails over time: lines move without jumps; frames are independent of each other; nodes without
+//! weight cost nothing.
 
 use crate::support::{all_bits, evaluate, graph, graph_in, root, sample, settings, state, under_all_settings};
 use serde_json::{Value, json};
@@ -60,8 +60,8 @@ fn change(fps: i64) -> Vec<[f64; 2]> {
 
 #[test]
 fn lines_change_by_half_in_half_the_time_everywhere() {
-    // A line that jumps changes a tile by as much however short the time; one that moves, by half. At these rates none moves
-    // by its width from frame to frame.
+    // A line that jumps changes a tile by as much however short the time; one that moves, by half. At these rates none
+    // moves by its width from frame to frame.
     let [slow, fast] = [48, 96].map(change);
     for ((mask, slow), fast) in MASKS.iter().zip(&slow).zip(&fast) {
         let [mean, most] = [fast[0] / slow[0], fast[1] / slow[1]];

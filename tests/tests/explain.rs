@@ -1,4 +1,4 @@
-//! What is left out is told with its proof, and the proof is right.
+//! Omitted nodes are reported with correct proofs.
 
 use crate::support::{graph, settings};
 use trochoid::{
@@ -160,7 +160,7 @@ fn channels_are_those_that_passes_ask_for() {
     assert!(of(&graph, &accounts, "sea").channels.iter().all(|output| output.wanted.is_empty()));
 }
 
-/// What the stages of a graph's only output spare themselves.
+/// Returns the work that the stages of a graph's only output skip.
 fn omissions(graph: &CheckedGraph) -> Vec<(String, Omission)> {
     let plan = Plan::new(graph, &["out"], 1, &[], &settings(|_| ())).unwrap();
     let found = plan.omissions(&mut Cache::new(), &Silent).unwrap();

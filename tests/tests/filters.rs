@@ -1,5 +1,5 @@
-//! Filters: what a pixel takes from other pixels depends on no tile, thread, region or switch, ends where the image
-//! does, and stays in the hull.
+//! Filters: their results do not depend on tiles, threads, regions or switches, respect the border of the image, and
+//! stay in the hull.
 
 use crate::support::{all_bits, evaluate, graph, graph_in, sample, settings, under_all_settings, write_exr};
 use std::path::Path;

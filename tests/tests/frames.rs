@@ -1,4 +1,4 @@
-//! A frame is a pure function of document and frame number, whatever was evaluated before.
+//! A frame is a pure function of document and frame number, independent of earlier evaluations.
 
 use crate::support::{all_bits, evaluate, folder, graph_in, settings, write_exr};
 use trochoid::{Buffers, Cache, CheckedGraph, Plan, Silent};

@@ -1,4 +1,4 @@
-//! What varies along one axis only is computed for that axis only, in every order of evaluation and for every tile.
+//! Values that vary along one axis are computed only for that axis, in every order of evaluation and for every tile.
 
 use crate::support::{graph, under_all_settings};
 use trochoid::{Buffers, Format};

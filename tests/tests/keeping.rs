@@ -1,5 +1,5 @@
-//! What stages filled is kept for the next evaluation: it changes no bit, an edit fills again only what depends on it, and
-//! no file or buffer that has changed is missed.
+//! Planes that stages filled are cached for the next evaluation: pictures stay bit-identical, an edit fills again only
+//! what depends on it, and changed files and buffers are noticed.
 
 use crate::support::{all_bits, evaluate, evaluate_again, graph, graph_in, settings, write_exr};
 use trochoid::{Buffers, Cache, CheckedGraph, Format, Frame, Settings, Window};
@@ -22,7 +22,7 @@ fn keeping() -> Settings {
     settings(|s| (s.keep, s.threads, s.tile) = (true, 2, Some((16, 4))))
 }
 
-/// Samples that a node computed.
+/// Returns the number of samples that a node computed.
 fn computed(frame: &Frame, node: &str) -> u64 {
     frame.nodes.iter().find(|report| report.name == node).unwrap().pixels
 }

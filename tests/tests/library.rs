@@ -1,4 +1,4 @@
-//! What other renderers rely on: batches of samples, regions, and being stopped.
+//! Features for other renderers: batches of samples, regions, and cancellation.
 
 use crate::support::{all_bits, evaluate, graph, settings};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -11,7 +11,7 @@ const WIDTH: usize = 61;
 const HEIGHT: usize = 9;
 const AREA: usize = WIDTH * HEIGHT;
 
-/// Everything that a renderer may bind: masks, a field, weights, colors.
+/// A document with everything that a renderer may bind: masks, a field, weights, colors.
 fn shaded() -> CheckedGraph {
     let nodes = r##"
         "camera": { "type": "Camera" }, "sea": { "type": "GerstnerSea", "count": 0 },
@@ -30,7 +30,7 @@ fn shaded() -> CheckedGraph {
     graph(&format!(r#""width": {WIDTH}, "height": {HEIGHT}"#), nodes, outputs)
 }
 
-/// Numbers that look random, −0 and the ends among them.
+/// Returns pseudorandom numbers, including −0 and both ends.
 fn noise(seed: u32, scale: f32) -> Vec<f32> {
     let mut state = seed.wrapping_mul(747_796_405).wrapping_add(1);
     (0..AREA)
@@ -145,7 +145,7 @@ fn a_region_is_the_crop_of_the_picture() {
     }
 }
 
-/// Stops after so many questions.
+/// Monitor that cancels after this many questions.
 struct Impatient {
     left: AtomicUsize,
 }
@@ -171,7 +171,7 @@ fn cancelled_evaluations_say_so() {
         let result = plan.evaluate(&Buffers::new(), &mut cache, &monitor);
         assert_eq!(result.err(), Some(EvalError::Cancelled), "after {left} questions");
     }
-    // What a cancelled run left in the cache does no harm.
+    // The cache entries of a cancelled run do no harm.
     let frame = plan.evaluate(&Buffers::new(), &mut cache, &Silent).unwrap();
     assert_eq!(all_bits(&frame), expected);
 }

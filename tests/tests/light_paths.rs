@@ -1,4 +1,4 @@
-//! Ways of light from what is seen: thickness, light shining through, and shadows, on mild and on hostile scenes.
+//! Light paths from visible points: thickness, transmitted light, and shadows, in mild and in hostile scenes.
 
 use crate::support::{all_bits, evaluate, graph, sample, settings, state, under_all_settings};
 use trochoid::{Buffers, CheckedGraph, ReferenceFrame, State};
@@ -6,7 +6,7 @@ use trochoid::{Buffers, CheckedGraph, ReferenceFrame, State};
 const OUTPUTS: &str = r#""thick": { "field": "thick" }, "behind": { "field": "behind" },
     "glow": { "weights": "glow" }, "shade": { "weights": "shade" }, "soft": { "weights": "soft" }"#;
 
-/// All passes of some surfaces, seen from a place, in the light from a direction.
+/// Returns all passes of some surfaces, seen from a point, in light from a direction.
 fn scene(size: [u32; 2], eye: &str, light: &str, surfaces: &[&str]) -> CheckedGraph {
     let names: Vec<String> = (0..surfaces.len()).map(|index| format!("s{index}")).collect();
     let nodes: Vec<String> = names.iter().zip(surfaces).map(|(name, node)| format!(r#""{name}": {node}"#)).collect();

@@ -1,5 +1,5 @@
-//! Filters of a view, on passes full of edges, holes and figures that no surface has: what they fill is what their
-//! reference says, at every pixel.
+//! Filters of a view, on passes full of edges, holes and values that no surface has: they agree with their references
+//! at every pixel.
 
 use crate::support::on_passes;
 use rand::{RngExt, SeedableRng};

@@ -1,5 +1,5 @@
-//! Tests across crates, one binary: architecture, scenes, random graphs, and the promises of the design, each held on
-//! real pixels. Cases that lie in files are the other binary, `cases`.
+//! Tests across crates: architecture, scenes, random graphs, and the guarantees of the design on real pixels. Cases in
+//! files are tested by the other binary, `cases`.
 
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 

@@ -1,11 +1,11 @@
-//! What a frame takes of memory: reckoned beforehand, as it is found, and refused where it is too much.
+//! Memory of frames: estimates agree with measurements, and frames that need too much are refused.
 
 use crate::support::{graph, root, settings};
 use trochoid::{Buffers, Cache, EvalError, Format, Pictures, Plan, Settings, Silent, Taker};
 
-/// What is reckoned may be so many times what is found, and the other way round.
+/// Maximum ratio between estimated and measured memory, in either direction.
 const NEAR: f64 = 6.0;
-/// What is no more than so many bytes is small in any case.
+/// Size in bytes up to which differences are ignored.
 const SMALL: u64 = 16_000_000;
 
 #[test]

@@ -1,4 +1,4 @@
-//! Equal nodes are computed once, but only where they are equal: not where a bound buffer tells them apart.
+//! Equal nodes are computed once, but not if a bound buffer distinguishes them.
 
 use crate::support::{graph, state, under_all_settings};
 use trochoid::{Buffers, LeftOut, State};
@@ -41,7 +41,7 @@ fn equal_renders_are_one() {
     let graph = graph(FORMAT, nodes, r#""out": { "color": "out" }"#);
     let frame = under_all_settings(&graph, 1, &Buffers::new(), "twins");
     for (a, b) in [("sea", "twin"), ("first", "second")] {
-        // Which of them computes is the engine's business.
+        // The engine may choose which of them computes.
         let (kept, same) = if *state(&frame, a) == State::Evaluated { (a, b) } else { (b, a) };
         assert_eq!(*state(&frame, same), State::LeftOut(LeftOut::SameAs(kept.into())));
         assert_eq!(*state(&frame, kept), State::Evaluated);

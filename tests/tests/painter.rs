@@ -1,5 +1,5 @@
-//! Strokes: the same bits in any tiles, weights that know no color, edges that are kept, and seeds that stay on the
-//! water.
+//! Strokes: bit-identical results for all tiles, weights that do not depend on colors, preserved edges, and seeds that
+//! stay on the water.
 
 use crate::support::{all_bits, evaluate, graph, sample, settings, under_all_settings};
 use trochoid::{Buffers, CheckedGraph, Format, Picture, ReferenceFrame, Window};

@@ -15,10 +15,10 @@ const FUNCTIONS: &[&str] = &[
     "tan", "tanh",
 ];
 
-/// Functions of `glam` that are made of those.
+/// Functions of `glam` that call those.
 const VECTORS: &[&str] = &["angle_between", "angle_to", "from_angle", "from_axis_angle", "from_rotation", "slerp"];
 
-/// Whether code calls the function: as a method, or by the path of its type.
+/// Returns whether code calls the function as a method or by the path of its type.
 fn calls(line: &str, function: &str) -> bool {
     let is_whole = |rest: &str| !rest.starts_with(|c: char| c.is_alphanumeric() || c == '_');
     let named = |before: &str| {

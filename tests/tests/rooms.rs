@@ -1,10 +1,10 @@
-//! The rooms within the engine: which may know which, by the paths that their files name.
+//! Rooms of the engine: allowed dependencies between them, checked by the paths in their files.
 
 use crate::architecture::sources;
 use crate::support::root;
 use std::collections::BTreeMap;
 
-/// The engine's rooms, and which others each may know; modules in no room are rooms of their own.
+/// Rooms of the engine, with the other rooms that each may use; other modules are rooms of their own.
 const ROOMS: &[(&str, &[&str])] = &[
     ("settings", &[]),
     ("rules", &[]),
@@ -14,7 +14,7 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("running", &["judge", "kernel", "planning", "rules", "settings"]),
 ];
 
-/// A text without its comments, and without what is written in it.
+/// Returns source text without comments and string contents.
 fn code(text: &str) -> String {
     let mut code = String::new();
     for line in text.lines() {
@@ -34,7 +34,8 @@ fn code(text: &str) -> String {
     code
 }
 
-/// The paths that the tree at the start of a text stands for, such as `a::b` and `a::c` of `a::{b, c}`; and what follows it.
+/// The paths that the tree at the start of a text stands for, such as `a::b` and `a::c` of `a::{b, c}`; and what
+/// follows it.
 fn tree(mut text: &str) -> (Vec<Vec<&str>>, &str) {
     let mut path = Vec::new();
     loop {
@@ -79,14 +80,14 @@ fn module(file: &str) -> Vec<&str> {
     path
 }
 
-/// Which room hands each name on through the crate's root.
+/// Returns the room of each name that the root of the crate re-exports.
 fn exported(root: &str) -> BTreeMap<String, String> {
     let code = code(root);
     let uses = code.match_indices("use ").flat_map(|(at, word)| tree(&code[at + word.len()..]).0);
     uses.map(|path| (path[path.len() - 1].to_owned(), path[0].to_owned())).collect()
 }
 
-/// What is known of another room against the table.
+/// Returns the uses of other rooms that the table does not allow.
 fn faults(files: &[(String, String)], exported: &BTreeMap<String, String>) -> Vec<String> {
     let rooms: BTreeMap<&str, &[&str]> = ROOMS.iter().copied().collect();
     let mut faults = Vec::new();

@@ -1,4 +1,4 @@
-//! The scenes that come with Trochoid: valid by the schema, inside their palette, and near the f64 truth.
+//! Scenes that ship with Trochoid: they are valid by the schema, inside their palette, and near the f64 references.
 
 use crate::support::{all_bits, evaluate, root, sample, settings, under_all_settings};
 use std::path::PathBuf;
@@ -128,12 +128,12 @@ fn samples_that_are_followed_have_the_same_bits_under_all_settings() {
     under_all_settings(&graph, 1, &Buffers::new(), "open_sea, followed");
 }
 
-/// How far a color may be from the truth: one step of 8 bits where surfaces are tessellated or baked, else rounding.
+/// Tolerances of colors against the references: one step of 8 bits if surfaces are tessellated or baked, else rounding.
 const TOLERANCE: [f64; 2] = [4e-3, 1e-6];
-/// The same where samples are followed to the surfaces themselves and are in no doubt, in f32 and in f64, and what is
-/// certified there.
+/// Tolerances for unambiguous samples that are followed to the surfaces themselves, in f32 and in f64, and their
+/// certified errors.
 const FOLLOWED: [(&str, f64, f64); 2] = [("surface", 1e-3, 1e-2), ("exact", 1e-5, 1e-3)];
-/// Share of pixels that may miss it, since what they see is not certain: edges of waves against waves and sky.
+/// Share of pixels that may miss the tolerance because of uncertain visibility: edges of waves against waves and sky.
 const AMBIGUOUS: f64 = 0.1;
 
 /// What makes a node's reference as cheap as a test can afford, without leaving out anything that it does: the f64
@@ -150,7 +150,7 @@ fn cheaper(node: &CheckedNode, graph: &CheckedGraph) -> Vec<String> {
     above.map(|(knob, most)| format!("{}.{knob}={most}", node.name)).collect()
 }
 
-/// A picture, and what is certified of it.
+/// Picture with its certified errors.
 struct Certain {
     picture: Picture,
     certified: Certified,

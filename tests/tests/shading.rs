@@ -1,4 +1,4 @@
-//! Shading by the pixel: what samples share, and what they must not.
+//! Shading per pixel: values that samples share, and values that they must not share.
 
 use crate::support::{bits, evaluate, graph, sample, settings, under_all_settings};
 use trochoid::{Buffers, CheckedGraph, ReferenceFrame};

@@ -1,4 +1,4 @@
-//! Spray costs nothing where it has no weight, and a frame of it depends on no other.
+//! Spray costs nothing without weight, and its frames are independent of each other.
 
 use crate::support::{all_bits, bits, evaluate, graph, settings, state, under_all_settings};
 use trochoid::{Buffers, Cache, CheckedGraph, LeftOut, Plan, Silent, State};

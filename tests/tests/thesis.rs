@@ -1,4 +1,4 @@
-//! The thesis' claim: whatever image a weight is, the picture keeps its style.
+//! The claim of the thesis: the picture keeps its style for any image as weight.
 
 use crate::support::{evaluate, root, settings};
 use trochoid::{Buffers, CheckedGraph, Format, Rgb, load};
@@ -11,7 +11,7 @@ fn storm() -> CheckedGraph {
     loaded.graph.with_format(Format::new(WIDTH as u32, HEIGHT as u32, 4).unwrap())
 }
 
-/// Images that were never made to be weights.
+/// Returns images that were not made to be weights.
 fn images() -> Vec<(&'static str, Vec<f32>)> {
     let make = |f: &dyn Fn(f32, f32) -> f32| -> Vec<f32> {
         let pixel = |i: usize| f((i % WIDTH) as f32 / (WIDTH - 1) as f32, (i / WIDTH) as f32 / (HEIGHT - 1) as f32);

@@ -1,4 +1,4 @@
-//! Any bytes as a certificate, of a small picture that is there.
+//! Any bytes as a certificate of an existing small picture.
 #![no_main]
 
 use libfuzzer_sys::{fuzz_mutator, fuzz_target};

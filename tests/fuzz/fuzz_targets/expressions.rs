@@ -1,4 +1,4 @@
-//! Any text as a formula of FieldMath: checked, and evaluated where it is accepted.
+//! Any text as a formula of FieldMath: checked, and evaluated if it is accepted.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

@@ -1,4 +1,4 @@
-//! Any bytes as a model: OBJ, glTF, GLB or patches, by their first byte; what is accepted is seen.
+//! Any bytes as a model: OBJ, glTF, GLB or patches, by the first byte; accepted models are rendered.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

@@ -1,11 +1,11 @@
-//! Documents changed as documents: bytes alone would nearly always break the JSON.
+//! Structural mutations of JSON documents, since mutations of bytes would nearly always break the JSON.
 
 use rand::seq::IndexedRandom;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use serde_json::{Map, Value, json};
 
-/// Numbers at the edges of what knobs take, and beyond.
+/// Numbers at the ends of the ranges of knobs, and beyond.
 const NUMBERS: &[f64] = &[
     0.0,
     -0.0,
@@ -34,7 +34,8 @@ const WORDS: &[&str] = &[
     "%04d",
 ];
 
-/// Changes a JSON text of `size` bytes within `data`, or bytes where it is none. Returns the new size, at most `max`.
+/// Mutates a JSON text of `size` bytes within `data`, or its bytes if it is not JSON. Returns the new size, at most
+/// `max`.
 pub fn mutate_json(data: &mut [u8], size: usize, max: usize, seed: u32) -> usize {
     let mut random = Pcg64Mcg::seed_from_u64(u64::from(seed));
     let parsed = serde_json::from_slice::<Value>(&data[..size]);

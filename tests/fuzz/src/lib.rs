@@ -1,4 +1,4 @@
-//! What fuzz targets share: files in a folder of their own, documents evaluated small, JSON changed as JSON.
+//! Shared code of fuzz targets: temporary files, evaluation of documents at a small size, mutation of JSON.
 
 mod json;
 
@@ -9,9 +9,9 @@ use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 use trochoid::{Buffers, Cache, CheckedGraph, EvalError, Format, Monitor, Plan, Settings};
 
-/// How long one evaluation may take: what is slow but stops when asked to is no finding.
+/// Time limit of one evaluation. Slow work that stops when cancelled is not a finding.
 const PATIENCE: Duration = Duration::from_millis(500);
-/// Most memory for one evaluation, bytes.
+/// Memory limit of one evaluation, in bytes.
 const MEMORY: u64 = 512 << 20;
 
 /// A folder of this process, in memory where the system has such a place.
@@ -22,14 +22,14 @@ pub fn folder() -> &'static Path {
     FOLDER.get_or_init(|| make().expect("a folder for files")).path()
 }
 
-/// Bytes as a file of that name.
+/// Writes bytes to a file with this name.
 pub fn file(name: &str, bytes: &[u8]) -> PathBuf {
     let path = folder().join(name);
     std::fs::write(&path, bytes).expect("the folder takes files");
     path
 }
 
-/// Asks to stop after a while.
+/// Monitor that cancels after a while.
 struct Patience(Instant);
 
 impl Monitor for Patience {
@@ -57,7 +57,8 @@ pub fn evaluate(graph: &CheckedGraph) {
     }
 }
 
-/// Reads a picture file in every way that there is: what it says of itself, its metadata, its pixels by `Read` and `Texture`.
+/// Reads a picture file in every way that there is: what it says of itself, its metadata, its pixels by `Read` and
+/// `Texture`.
 pub fn read(path: &Path) {
     let limits = trochoid::io::Limits { pixels: 1 << 22, bytes: 64 << 20 };
     let _ = trochoid::io::info(path, &limits).map_err(told);
@@ -78,7 +79,7 @@ pub fn read(path: &Path) {
     evaluate(&loaded.graph);
 }
 
-/// An error is of use to someone only where it says something.
+/// Asserts that an error has a message.
 fn told(error: trochoid::io::Error) {
     assert!(error.to_string().len() > 10, "an error without a text");
 }

@@ -1,4 +1,5 @@
-//! Writes what each target begins with into folders of its name: `trochoid-fuzz FOLDER`, from the project's root.
+//! Writes the initial corpus of each target to a folder of its name: `trochoid-fuzz FOLDER`, from the root of the
+//! project.
 
 use std::fs;
 use std::path::Path;

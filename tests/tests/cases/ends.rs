@@ -1,5 +1,5 @@
-//! Numbers at the ends of their declared ranges, one at a time, in the golden case of every front-end node, a test a node: each
-//! document is refused with a reason, or its masks are masks and nothing is NaN.
+//! Numbers at the ends of their declared ranges, one at a time, in the golden case of every front-end node, with one
+//! test per node: each document is refused with a reason, or its masks are masks and nothing is NaN.
 
 use crate::support::{folder, root, settings};
 use crate::trial;
@@ -9,7 +9,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 use trochoid::{Buffers, Cache, End, Item, Kind, Plan, Silent, Takes, parse, registry};
 
-/// Least and largest value of each number of these items, with the key it stands at.
+/// Returns the smallest and largest value of each number of these items, with its key.
 fn ends(items: &[Item]) -> Vec<(&'static str, [Value; 2])> {
     let numbers = items.iter().filter_map(|item| match item {
         Item::Knob(knob) => match knob.takes {
@@ -47,7 +47,7 @@ fn variants(document: &Value, node: &str, items: &[Item]) -> Vec<(String, Value)
     variants
 }
 
-/// Whether the document is refused, or what is wrong with its pictures.
+/// Returns whether the document is refused, or what is wrong with its pictures.
 fn judge(document: &Value, folder: &Path) -> Result<bool, String> {
     let Ok(loaded) = parse("test.json", &document.to_string(), folder, &[]) else { return Ok(true) };
     let (first, last) = loaded.graph.frames();

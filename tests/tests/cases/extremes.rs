@@ -6,8 +6,8 @@
 //! - `check`: "valid", "warns", "refused", or "any" where warnings do not matter; `evaluate`: false where that is all;
 //! - `files`: EXR files that it reads: `data` and `display` windows, and `channels` whose values may be "nan" or "inf";
 //! - `fails`: whether evaluation must end with an error;
-//! - `frame`, `tolerance` (of 1 or of the value, whichever is larger), and `unsure`: the share of pixels on silhouettes,
-//!   where the f32 picture and the reference may see another surface; `expect`: values worked out by hand;
+//! - `frame`, `tolerance` (of 1 or of the value, whichever is larger), and `unsure`: the share of pixels on
+//!   silhouettes, where the f32 picture and the reference may see another surface; `expect`: values worked out by hand;
 //! - `writes`: whether its outputs can be written.
 
 use crate::support::{all_bits, root, sample, settings};
@@ -22,7 +22,7 @@ use trochoid::{
     Window, output_files, parse, write_output,
 };
 
-/// Pixels of an output that are held against the reference, at most.
+/// Maximum number of an output's pixels that are compared with the reference.
 const PIXELS: i64 = 600;
 
 fn number(value: &Value) -> f64 {
@@ -95,7 +95,7 @@ fn evaluated(graph: &CheckedGraph, number: i64, switches: Option<Switches>) -> R
     plan.evaluate(&Buffers::new(), &mut Cache::new(), &Silent).map_err(|error| error.to_string())
 }
 
-/// What is wrong with the pictures of a frame by themselves.
+/// Returns the faults of a frame's pictures that need no reference.
 fn legal(graph: &CheckedGraph, frame: &Frame) -> Result<(), String> {
     for picture in &frame.pictures {
         let name = &graph.outputs()[picture.output].name;
@@ -114,7 +114,7 @@ fn legal(graph: &CheckedGraph, frame: &Frame) -> Result<(), String> {
     Ok(())
 }
 
-/// Holds every output against the reference.
+/// Compares every output with the reference.
 fn agrees(graph: &CheckedGraph, frame: &Frame, at: i64, expected: &Value) -> Result<(), String> {
     let tolerance = expected["tolerance"].as_f64().unwrap();
     let unsure = expected["unsure"].as_f64().unwrap_or(0.0);
@@ -154,7 +154,7 @@ fn agrees(graph: &CheckedGraph, frame: &Frame, at: i64, expected: &Value) -> Res
     Ok(())
 }
 
-/// Holds values worked out by hand.
+/// Compares values with those worked out by hand.
 fn meets(graph: &CheckedGraph, frame: &Frame, rows: &Value) -> Result<(), String> {
     for row in rows.as_array().map_or(&[][..], Vec::as_slice) {
         let (x, y) = (row["pixel"][0].as_i64().unwrap(), row["pixel"][1].as_i64().unwrap());
@@ -195,7 +195,7 @@ fn written(
     Ok(())
 }
 
-/// Judges a document, and adds what is said of it to `said`.
+/// Judges a document, and adds the messages about it to `said`.
 fn judge(text: &str, folder: &Path, expected: &Value, said: &mut Vec<String>) -> Result<(), String> {
     let Some(graph) = checked(text, folder, expected, said)? else { return Ok(()) };
     if expected["evaluate"] == false {

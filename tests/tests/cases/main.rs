@@ -1,7 +1,7 @@
 //! Cases that lie in files, each a test by the name of its file: `cargo test -p trochoid-tests -- nodes/Mix`.
 //!
-//! What is stored beside them and not written by hand is made by the same tests: with `TROCHOID_UPDATE=1` in the
-//! environment, sheets and messages are stored as they are found.
+//! The same tests write the files beside them that are not written by hand: with `TROCHOID_UPDATE=1` in the
+//! environment, sheets and messages are stored as found.
 
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
@@ -19,7 +19,7 @@ mod support;
 use libtest_mimic::{Arguments, Trial};
 use std::process::ExitCode;
 
-/// A test of a case: its name is the folder's and the file's.
+/// Returns the test of a case, named by its folder and file.
 fn trial(folder: &str, name: &str, holds: impl FnOnce() -> Result<(), String> + Send + 'static) -> Trial {
     Trial::test(format!("{folder}/{name}"), move || Ok(holds()?))
 }

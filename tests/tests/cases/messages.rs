@@ -1,9 +1,9 @@
-//! Documents that something is wrong with, each with the whole of what it is told: place, what was found, what was expected, and a remedy.
+//! Faulty documents with their whole messages: place, what was found, what was expected, and a remedy.
 //!
 //! `refusals/TOPIC/NAME.json` is the document, `NAME.txt` beside it the message, which is stored as it is found with
-//! `TROCHOID_UPDATE=1`. Where `NAME.set` lies there, the document itself is sound, and each of its lines is an assignment
-//! that is refused. Documents that are too large for a file are made here. Those in `warnings` are legal, and mean
-//! nothing, or less than their author thinks; beside them are some that are sound, of which nothing is said.
+//! `TROCHOID_UPDATE=1`. Where `NAME.set` lies there, the document itself is sound, and each of its lines is an
+//! assignment that is refused. Documents that are too large for a file are made here. Those in `warnings` are legal,
+//! and mean nothing, or less than their author thinks; beside them are some that are sound, of which nothing is said.
 
 use crate::support::{large, root};
 use crate::{stored, trial};
@@ -15,7 +15,7 @@ fn folder(kind: &str) -> PathBuf {
     root().join("tests").join(kind)
 }
 
-/// What is wrong with a fault by its form alone: each has a place and a remedy, and can be read.
+/// Returns what is wrong with the form of a message: each has a place and a remedy, and is readable.
 fn form(fault: &Diagnostic) -> Option<String> {
     let text = fault.to_string();
     let short = text.chars().count() <= 1000 && !text.chars().any(|c| c.is_control() && c != '\n');
@@ -25,7 +25,7 @@ fn form(fault: &Diagnostic) -> Option<String> {
     Some(format!("expected a place, a remedy, at most 1000 characters and no control characters in: {text}"))
 }
 
-/// The whole message of a document that must be refused.
+/// Returns the whole message of a document that must be refused.
 fn refusal(loaded: Result<Loaded, LoadError>) -> Result<String, String> {
     match loaded {
         Ok(_) => Err("found a valid document; expected one that is refused".into()),
@@ -36,7 +36,7 @@ fn refusal(loaded: Result<Loaded, LoadError>) -> Result<String, String> {
     }
 }
 
-/// All warnings of a document that must be valid.
+/// Returns all warnings of a document that must be valid.
 fn warnings(loaded: Result<Loaded, LoadError>) -> Result<String, String> {
     let warnings = loaded.map_err(|error| format!("expected a valid document: {error}"))?.warnings;
     Ok(warnings.iter().map(Diagnostic::to_string).collect::<Vec<_>>().join("\n"))
@@ -57,7 +57,7 @@ fn holds(kind: &str, document: &Path) -> Result<(), String> {
     stored::holds_said(&document.with_extension("txt"), &said, document.parent().unwrap())
 }
 
-/// What makes a document.
+/// Function that makes a document.
 type Made = fn() -> String;
 
 /// Documents that are too large for a file, by name.
@@ -83,7 +83,7 @@ fn holds_large(name: &str, text: &str) -> Result<(), String> {
     stored::holds_said(&folder.join(format!("{name}.txt")), &said, &folder)
 }
 
-/// Every file of a kind, with its topic.
+/// Returns all files of a kind, with their topics.
 fn files(kind: &str) -> Vec<(String, PathBuf)> {
     let mut files = Vec::new();
     for topic in std::fs::read_dir(folder(kind)).unwrap() {

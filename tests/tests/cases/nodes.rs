@@ -16,37 +16,38 @@ use trochoid::{
     Buffers, Cache, Certifier, CheckedGraph, Format, Frame, Picture, ReferenceFrame, Shading, Silent, registry,
 };
 
-/// Pixels that a person has worked out, at most: more are a table that nobody has.
+/// Maximum number of pixels that are worked out by hand: nobody checks more.
 const BY_HAND: usize = 5;
 
-/// What `Type.expect.json` says.
+/// Contents of `Type.expect.json`.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Expected {
-    /// What the case computes.
+    /// Formula that the case computes.
     formula: String,
-    /// The frame; the document's first where it is left out.
+    /// Number of the frame; the document's first if omitted.
     frame: Option<i64>,
-    /// How far the fast path may lie from the reference, of 1 or of the value, whichever is larger, with any samples.
+    /// Tolerance of the fast path against the reference, relative to 1 or to the value, whichever is larger, with any
+    /// number of samples.
     reference_tolerance: f64,
-    /// How far it may lie from the sheet, output by output. Where the sheet says 0, 1 or infinite, so must the picture.
+    /// Tolerance of the fast path against the sheet, by output. Values of 0, 1 or infinity in the sheet must be exact.
     sheet_tolerance: BTreeMap<String, f64>,
-    /// Outputs whose zeros and ones are rounded like all their values.
+    /// Outputs whose zeros and ones are rounded like their other values.
     #[serde(default)]
     inexact: Vec<String>,
-    /// Pixels that lie farther from the sheet.
+    /// Pixels with a larger tolerance against the sheet.
     #[serde(default)]
     farther: Vec<Farther>,
-    /// Whether every stage bounds its errors, and no pixel is in doubt.
+    /// Whether every stage bounds its errors, and no pixel is ambiguous.
     #[serde(default)]
     no_doubt: bool,
     by_hand: Vec<ByHand>,
-    /// Why nothing can be worked out by hand, where that is so.
+    /// Reason that nothing can be worked out by hand, if so.
     #[serde(default)]
     not_by_hand: String,
 }
 
-/// A pixel that lies farther from the sheet than the others of its output.
+/// Pixel with a larger tolerance against the sheet than the others of its output.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Farther {
@@ -56,7 +57,7 @@ struct Farther {
     why: String,
 }
 
-/// A pixel that is worked out by hand.
+/// Pixel that is worked out by hand.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct ByHand {
@@ -64,7 +65,7 @@ struct ByHand {
     pixel: [i64; 2],
     value: Channels,
     tolerance: f64,
-    /// The arithmetic.
+    /// Arithmetic of the value.
     why: String,
 }
 
@@ -120,12 +121,12 @@ fn picture<'f>(graph: &CheckedGraph, frame: &'f Frame, output: &str) -> Option<&
     frame.pictures.iter().find(|picture| graph.outputs()[picture.output].name == output)
 }
 
-/// Distance of a value from what is expected; equal infinities are no distance apart.
+/// Returns the distance of a value from the expected one, which is 0 for equal infinities.
 fn distance(found: f64, expected: f64) -> f64 {
     if found == expected { 0.0 } else { (found - expected).abs() }
 }
 
-/// What of the pixels that are worked out by hand is not so.
+/// Returns the differences from the pixels worked out by hand.
 fn by_hand(graph: &CheckedGraph, frame: &Frame, rows: &[ByHand]) -> Vec<String> {
     let mut faults = Vec::new();
     if rows.len() > BY_HAND {
@@ -165,7 +166,7 @@ fn by_hand(graph: &CheckedGraph, frame: &Frame, rows: &[ByHand]) -> Vec<String> 
 }
 
 impl Expected {
-    /// How far a value may lie from the sheet; none where the case does not say.
+    /// Returns the tolerance of a value against the sheet; `None` if the case has none.
     fn tolerance(&self, output: &str, pixel: [i64; 2], value: f64) -> Option<f64> {
         let farther = self.farther.iter().find(|one| one.output == output && one.pixel == pixel);
         let rounded = self.inexact.iter().any(|one| one == output);
@@ -174,7 +175,7 @@ impl Expected {
         tolerance.map(|tolerance| if exact { 0.0 } else { tolerance })
     }
 
-    /// What of the fast path is too far from the references, which the sheet holds.
+    /// Returns the values of the fast path that are too far from the references in the sheet.
     fn sheet(&self, graph: &CheckedGraph, frame: &Frame, truths: &[Truth]) -> Vec<String> {
         let mut faults = Vec::new();
         let named = self.sheet_tolerance.keys().chain(&self.inexact).chain(self.farther.iter().map(|one| &one.output));
@@ -210,7 +211,7 @@ impl Expected {
     }
 }
 
-/// Fast path against the f64 reference, and against itself under all settings.
+/// Compares the fast path with the f64 reference, and with itself under all settings.
 fn holds_itself(name: &str, graph: &CheckedGraph, number: i64, tolerance: f64) {
     let what =
         format!("{name}, {} samples, shaded by the {}", graph.format().samples(), graph.format().shading().name());
@@ -245,7 +246,7 @@ fn holds_itself(name: &str, graph: &CheckedGraph, number: i64, tolerance: f64) {
     }
 }
 
-/// Holds that every pixel is certain to a bound.
+/// Checks that every pixel has a certified bound.
 fn is_in_no_doubt(graph: &CheckedGraph, number: i64) {
     let certifier = Certifier::new(graph, &[], number, &[], &settings(|_| ())).unwrap();
     for output in certifier.certify(&Buffers::new(), &mut Cache::new(), &Silent).unwrap() {

@@ -1,18 +1,18 @@
-//! Sheets: all pixels of a case as the f64 references have them, in a text that is stored beside it.
+//! Sheets: all pixels of a case by the f64 references, in a text that is stored beside it.
 
 use std::fmt::Write as _;
 use trochoid::{CheckedGraph, ReferenceFrame};
 
-/// All values of an output, by its reference.
+/// Values of an output by its reference.
 pub(crate) struct Truth {
     pub(crate) output: String,
     size: [usize; 2],
-    /// Row by row, each pixel with all of its channels.
+    /// Values row by row, each pixel with all its channels.
     pixels: Vec<Vec<f64>>,
 }
 
 impl Truth {
-    /// Every output of a graph at a frame.
+    /// Evaluates all outputs of a graph at a frame.
     pub(crate) fn of(graph: &CheckedGraph, frame: i64) -> Result<Vec<Self>, String> {
         let size = [graph.format().width(), graph.format().height()];
         let all = graph.outputs().iter().map(|output| {
@@ -28,7 +28,7 @@ impl Truth {
         all.collect()
     }
 
-    /// Every value, with its pixel and channel.
+    /// Returns all values with their pixels and channels.
     pub(crate) fn values(&self) -> impl Iterator<Item = ([i64; 2], usize, f64)> {
         let width = self.size[0];
         self.pixels.iter().enumerate().flat_map(move |(at, pixel)| {
@@ -38,7 +38,7 @@ impl Truth {
     }
 }
 
-/// The text of a sheet: a line a row. Numbers have as many digits as it takes to read the same bits again.
+/// Formats a sheet with one line per row. Numbers have enough digits to read back the same bits.
 pub(crate) fn text(name: &str, truths: &[Truth]) -> String {
     let mut text = format!(
         "Every pixel as the f64 references have it; made by TROCHOID_UPDATE=1 cargo test -p trochoid-tests -- nodes/{name}\n"

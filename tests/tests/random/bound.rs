@@ -20,16 +20,16 @@ use super::pixels::Pixels;
 const U: f64 = 5.960_464_477_539_063e-8;
 const TINY: f64 = 1.401_298_464_324_817e-45;
 
-/// A number and how far the computed one may be off.
+/// Number with the error bound of its computed value.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Scalar {
     pub(crate) value: f64,
     pub(crate) error: f64,
-    /// The largest value that the number could have: the scale of its rounding.
+    /// Largest possible value of the number, which is the scale of its rounding.
     pub(crate) high: f64,
 }
 
-/// A color, how far off, and the box of the controls that it is made of.
+/// Color with its error bound, and the bounding box of its control colors.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Color {
     value: [f64; 3],
@@ -38,7 +38,7 @@ pub(crate) struct Color {
     pub(crate) high: [f32; 3],
 }
 
-/// A node's value at a pixel.
+/// Value of a node at a pixel.
 #[derive(Clone, Debug)]
 pub(crate) enum Value {
     Color(Color),
@@ -51,7 +51,7 @@ pub(crate) enum Value {
 }
 
 impl Value {
-    /// What an output of the node shows.
+    /// Returns the value of an output of the node.
     pub(crate) fn channels(&self) -> Vec<Scalar> {
         match self {
             Self::Color(color) => (0..3)

@@ -1,10 +1,10 @@
-//! Draws a document of back-end nodes.
+//! Generation of random documents of back-end nodes.
 
 use super::pixels::{COLORS, FIELDS, HEIGHT, INPUTS, WIDTH, pick};
 use rand::seq::IndexedRandom;
 use rand::{Rng, RngExt};
 
-/// What a node or a literal gives.
+/// Kind of value of a node or a literal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Kind {
     Color,
@@ -13,7 +13,7 @@ pub(crate) enum Kind {
     Weights(usize),
 }
 
-/// What stands at a port.
+/// Source of a port.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Arg {
     Node(usize),
@@ -67,7 +67,7 @@ pub(crate) enum Op {
     Screen(Vec<Arg>),
 }
 
-/// A drawn document.
+/// Generated document.
 pub(crate) struct Drawn {
     pub(crate) nodes: Vec<(Op, Kind)>,
     pub(crate) disabled: Vec<bool>,
@@ -82,7 +82,7 @@ struct Drawing<'r, R> {
     nodes: Vec<(Op, Kind)>,
     /// The colors that literals are taken from.
     palette: Vec<[f32; 3]>,
-    /// How often the latest node is taken, so that some graphs grow wide and some deep.
+    /// Probability of choosing the latest node, so that some graphs grow wide and some deep.
     latest: f64,
 }
 

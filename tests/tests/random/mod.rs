@@ -1,4 +1,4 @@
-//! Random valid graphs of back-end nodes over hostile pixels, each held against an evaluation of its own.
+//! Random valid graphs of back-end nodes over hostile pixels, each compared with an independent evaluation.
 //!
 //! For each graph: no pixel leaves the box of its own controls, exactly, nor the hull of all; the fast path errs by no
 //! more than the bound of [`bound`]; buffers and files give the same bits; and so do all settings.
@@ -18,10 +18,10 @@ use rand_pcg::Pcg64Mcg;
 use trochoid::{Buffers, Cache, Certifier, CheckedGraph, Frame, ReferenceFrame, Silent, State};
 
 const GRAPHS: u64 = 1000;
-/// The frame at which keyed knobs take the values drawn.
+/// Frame at which keyframed knobs have the generated values.
 const FRAME: i64 = 2;
 
-/// What was found on many graphs, so that a generator that draws nothing of interest is noticed.
+/// Statistics over many graphs, which reveal a generator that produces nothing of interest.
 #[derive(Default)]
 struct Tally {
     pixels: usize,
@@ -29,7 +29,7 @@ struct Tally {
     merged: usize,
     deepest: usize,
     loosest: f64,
-    /// Certified over found.
+    /// Ratios of certified to measured errors.
     ratios: Vec<f64>,
     clear: u64,
     doubtful: u64,
@@ -77,7 +77,7 @@ fn within(seed: u64, drawn: &Drawn, frame: &Frame, pixels: &Pixels, graph: &Chec
     }
 }
 
-/// What is certified of every sample holds, and is not much more than what is found.
+/// Checks that the certified error of every sample holds, and is not much larger than the measured one.
 fn certified(seed: u64, drawn: &Drawn, frame: &Frame, buffers: &Buffers<'_>, graph: &CheckedGraph, tally: &mut Tally) {
     let certifier = Certifier::new(graph, &[], FRAME, &buffers.names(), &settings(|_| ())).unwrap();
     let certified = certifier.certify(buffers, &mut Cache::new(), &Silent).unwrap();

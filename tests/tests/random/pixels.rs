@@ -1,4 +1,4 @@
-//! Hostile pixels: every value that a kind allows and that arithmetic dislikes.
+//! Hostile pixels: legal values that are difficult for arithmetic.
 
 use rand::seq::IndexedRandom;
 use rand::{Rng, RngExt};
@@ -8,7 +8,7 @@ pub(crate) const WIDTH: usize = 16;
 pub(crate) const HEIGHT: usize = 3;
 const AREA: usize = WIDTH * HEIGHT;
 
-/// What fields hold, and what thresholds stand at.
+/// Values of fields and thresholds.
 pub(crate) const FIELDS: [f32; 16] = [
     0.0,
     -0.0,

@@ -1,4 +1,4 @@
-//! A drawn graph as the text of a document.
+//! Text of a generated graph as a document.
 
 use super::draw::{Arg, Kind, Op};
 use super::pixels::INPUTS;

@@ -1,4 +1,4 @@
-//! Picture files that tests read.
+//! Image files that tests read.
 
 use std::path::Path;
 use trochoid::io::{ExrChannel, ExrImage, Samples};

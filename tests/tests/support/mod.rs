@@ -1,4 +1,4 @@
-//! What the tests share: loading, evaluating, comparing bits, and the settings that must not change one.
+//! Shared test code: loading, evaluating, comparing bits, and the settings that must not change a bit.
 
 mod files;
 pub(crate) mod large;
@@ -40,7 +40,7 @@ pub(crate) fn evaluate(graph: &CheckedGraph, frame: i64, buffers: &Buffers<'_>, 
     evaluate_some(graph, &[], frame, buffers, settings)
 }
 
-/// All outputs at a frame, with what a cache kept of earlier evaluations.
+/// Evaluates all outputs at a frame with a cache of earlier evaluations.
 pub(crate) fn evaluate_again(
     graph: &CheckedGraph,
     frame: i64,
@@ -82,8 +82,8 @@ pub(crate) fn settings(change: impl FnOnce(&mut Settings)) -> Settings {
     settings
 }
 
-/// Settings that must not change a bit: every switch alone on and alone off, none, tile sizes, threads, what is kept from
-/// one evaluation to the next.
+/// Settings that must not change a bit: every switch alone on and alone off, none, tile sizes, threads, what is kept
+/// from one evaluation to the next.
 pub(crate) fn variants() -> Vec<(String, Settings)> {
     let mut variants = vec![
         ("all switches off".into(), settings(|s| s.switches = Switches::NONE)),
@@ -181,12 +181,12 @@ pub(crate) fn on_passes(
     }
 }
 
-/// A sample of a picture.
+/// Returns a sample of a picture.
 pub(crate) fn sample(picture: &Picture, channel: usize, x: i64, y: i64) -> f32 {
     picture.planes[channel].row(y).unwrap()[(x - picture.planes[channel].window().x0) as usize]
 }
 
-/// What became of a node.
+/// Returns the state of a node.
 pub(crate) fn state<'f>(frame: &'f Frame, node: &str) -> &'f State {
     &frame.nodes.iter().find(|report| report.name == node).unwrap().state
 }

@@ -1,21 +1,21 @@
-//! Texts that are stored beside what makes them: sheets of values, messages. The command line's tests include this file too.
+//! Stored texts of tests: sheets of values and messages. The tests of the command line include this file, too.
 
 use std::path::Path;
 
-/// With this in the environment, what is found is stored in place of being held against what was.
+/// Environment variable with which found texts are stored instead of compared.
 const UPDATE: &str = "TROCHOID_UPDATE";
 
 fn updates() -> bool {
     std::env::var_os(UPDATE).is_some()
 }
 
-/// Lines of a text that is stored nowhere that are shown.
+/// Maximum number of lines that are shown of a text that is not stored.
 const SHOWN: usize = 10;
 
-/// Holds a text against the one stored at a path.
+/// Compares a text with the one stored at a path.
 ///
 /// # Errors
-/// What differs, or that nothing is stored, and the command that stores what was found.
+/// The texts differ, or none is stored; the error has the command that stores the found text.
 pub(crate) fn holds(path: &Path, found: &str) -> Result<(), String> {
     let stored = std::fs::read_to_string(path);
     if stored.as_ref().is_ok_and(|stored| stored == found) {
@@ -38,7 +38,7 @@ pub(crate) fn holds(path: &Path, found: &str) -> Result<(), String> {
     ))
 }
 
-/// Holds what was said against what is stored, without the folder in which it was said; nothing is stored of silence.
+/// Compares a message with the stored one, without the folder of the run. Empty messages are not stored.
 ///
 /// # Errors
 /// As [`holds`].
@@ -58,7 +58,7 @@ pub(crate) fn holds_said(path: &Path, said: &str, folder: &Path) -> Result<(), S
     holds(path, &said)
 }
 
-/// Where two texts part, with both lines.
+/// Returns the first difference of two texts, with both lines.
 fn difference(path: &Path, stored: &str, found: &str) -> String {
     let (mut expected, mut now) = (stored.lines(), found.lines());
     let mut line = 1;

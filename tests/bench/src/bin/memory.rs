@@ -1,8 +1,9 @@
-//! What documents take of memory: reckoned beforehand, and as it is found.
+//! Memory of documents: estimated in advance, and measured.
 //!
 //!     cargo run --release -p trochoid-bench --bin memory -- graphs/stormy_sea.json
 //!
-//! For each document: all outputs at its first frame, held whole. A line a node whose two figures are a megabyte or more.
+//! For each document, all outputs are held at its first frame. There is one line per node with figures of a megabyte or
+//! more.
 
 use std::collections::BTreeMap;
 use trochoid::{Buffers, Cache, Heap, Pictures, Plan, Settings, Silent, Taker, in_bytes};

@@ -1,15 +1,15 @@
-//! The C of a graph, as one would write it by hand: all nodes in one loop, in local variables.
+//! C code of a graph as written by hand: all nodes in one loop, in local variables.
 
 use crate::graph::{Graph, HEIGHT, Node, PASSES, Paint, WIDTH};
 use std::fmt::Write as _;
 
-/// What answers requests around the function.
+/// C code around the function, which answers requests.
 const MAIN: &str = include_str!("main.c");
 
-/// How often a value is computed.
+/// Rate at which a value is computed.
 #[derive(Clone, Copy, PartialEq, PartialOrd)]
 enum Rate {
-    /// It depends on x alone: once a column.
+    /// Once per column: the value depends only on x.
     Column,
     Pixel,
 }
@@ -35,13 +35,13 @@ impl Color {
     }
 }
 
-/// The C, and the number of mixes in it.
+/// C code, and the number of mixes in it.
 pub(crate) struct Code {
     pub(crate) text: String,
     pub(crate) mixes: usize,
 }
 
-/// A function under way.
+/// Function being written.
 #[derive(Default)]
 struct Writer {
     columns: Vec<String>,

@@ -1,4 +1,4 @@
-//! How far the engine is from C written for one graph: random graphs of about 60 nodes, each also as a single loop.
+//! Comparison of the engine with C code for single graphs: random graphs of about 60 nodes, each also as a single loop.
 //!
 //! `cargo run --release -p trochoid-bench --bin fused -- [--seeds 1-10] [--keep DIR]` makes a document for every seed,
 //! over four masks and a field that are bound as buffers, and the C of the same graph: all nodes in one loop over the
@@ -6,8 +6,8 @@
 //! table. It compares the results and times both in turn on one thread. The passes are noise, so that no mask is 0 or 1
 //! on a whole chunk and the engine cannot jump over branches; the C jumps over none.
 //!
-//! `--keep` writes the documents and the C. Two of them lie beside this file, to be read: `seed_3.json` with `seed_3.c`,
-//! and `seed_7.json` with `seed_7.c`. The C compiler is `CC`, or else `cc`.
+//! `--keep` writes the documents and the C. Two of them lie beside this file, to be read: `seed_3.json` with
+//! `seed_3.c`, and `seed_7.json` with `seed_7.c`. The C compiler is `CC`, or else `cc`.
 
 mod c;
 mod graph;
@@ -25,7 +25,7 @@ type Result<T> = std::result::Result<T, Box<dyn Error>>;
 
 /// How the C is compiled. What would change results beyond rounding (`-ffast-math`) is left out.
 const FLAGS: [&str; 5] = ["-O3", "-march=native", "-ffp-contract=fast", "-fno-math-errno", "-fno-trapping-math"];
-/// Blocks of each program, in turn.
+/// Number of blocks of each program, which run in turn.
 const BLOCKS: usize = 9;
 /// Runs in a block; the first is not counted, as it finds the other program's data in the cache.
 const RUNS: usize = 8;
@@ -87,7 +87,7 @@ fn run() -> Result<()> {
     Ok(())
 }
 
-/// The seeds, and the folder to keep files in.
+/// Parses the seeds, and the folder to keep files in.
 fn arguments() -> Result<(RangeInclusive<u64>, Option<PathBuf>)> {
     let usage = "usage: fused [--seeds 1-10] [--keep DIR]";
     let (mut seeds, mut keep) = (1..=10, None);

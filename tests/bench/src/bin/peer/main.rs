@@ -1,11 +1,12 @@
-//! Does the same work as other programs, so that they can be timed side by side.
+//! Work that other programs do as well, so that both can be timed side by side.
 //!
 //! `peer CASE` prepares itself, does the work once, prints one line of JSON with the error of its result (null where it
 //! only reads), and then, for each line `run N` on stdin, does the work N times and prints how long each took; `quit`
 //! ends it. Cases: `W1:uhd` and `W1:hd` evaluate a graph of nine mixes on five passes in memory; `io:uhd:half:zip` and
 //! the like read or write an EXR file; `W2` and `W2:1e-6` sum waves on a grid, to 5e-4 or what is named; `W3:100` and
 //! `W3:10000` take steps of a toon sea with so many bursts. Inputs lie in the folder `PEER_WORK`; `PEER_THREADS`
-//! (default: all cores), `PEER_INSTRUCTIONS` (`avx2`, `baseline`) and `PEER_MACHINE_CODE` (`never`) choose what is used.
+//! (default: all cores), `PEER_INSTRUCTIONS` (`avx2`, `baseline`) and `PEER_MACHINE_CODE` (`never`) choose what is
+//! used.
 
 use std::error::Error;
 use std::io::{BufRead, Read, Write};
@@ -19,7 +20,7 @@ mod w3;
 
 type Result<T> = std::result::Result<T, Box<dyn Error>>;
 
-/// The graph of W1, as anybody would write it.
+/// Graph of W1.
 const W1: &str = include_str!("w1.json");
 
 fn main() -> Result<()> {
