@@ -142,7 +142,7 @@ impl Explained<'_> {
 
     /// Appends the requested and unrequested channels of views and other stages with several channels.
     fn channels(&self, text: &mut String) {
-        let mut heading = "\n  Channels that nobody asks for\n";
+        let mut heading = "\n  Unrequested channels\n";
         for account in &self.accounts {
             let unasked: usize = account.channels.iter().map(|output| output.unasked.len()).sum();
             if unasked == 0 {
@@ -188,7 +188,7 @@ impl Explained<'_> {
         match &self.omissions {
             Err(reason) => {
                 text.push_str(
-                    "\n  What footprint and frame leave out is not known, because the frame cannot be prepared\n",
+                    "\n  Work left out by footprint and frame is unknown, because the frame cannot be prepared\n",
                 );
                 text.push_str(&wrap(&printable(&reason.to_string()), 6));
             }
@@ -321,7 +321,7 @@ fn why(fate: &Fate) -> Option<String> {
     Some(match fate {
         Fate::Evaluated => return None,
         Fate::Folded => "Folded: it depends on constants alone, and is one itself".into(),
-        Fate::HandsOn(from) => format!("Nothing to compute: it hands on \"{from}\""),
+        Fate::HandsOn(from) => format!("Nothing to compute: it passes \"{from}\" through unchanged"),
         Fate::Merged(with) => format!("Computed with \"{with}\": the operations are the same"),
         Fate::LeftOut(why) => format!("Left out: {why}"),
     })

@@ -15,10 +15,10 @@ use trochoid::{CheckedGraph, EvalError, Form, Monitor, Settings, Tolerance};
 /// Options of `trochoid plan`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
-Goes from the coarsest methods to more accurate ones until the f64 bounds of all passes certify that no sample in no doubt \
-is off by more: first on strips of the picture, then on all of it. `render --plan` uses what it writes.
+Tries methods from the coarsest to the most accurate until the f64 bounds of all passes certify that no unambiguous sample \
+exceeds the tolerance: first on strips of the picture, then on the whole picture. `render --plan` uses the plan.
 
-Exit code 3 says that the most accurate methods miss the tolerance, and which pass limits them.
+Exit code 3 means that the most accurate methods miss the tolerance; the message names the pass that limits them.
 
 Examples:
   trochoid plan storm.json --tolerance 1/64 --frame 36 --out storm.plan.json

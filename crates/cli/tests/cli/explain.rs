@@ -27,7 +27,7 @@ fn every_node_is_accounted_for_with_its_proof() {
         "· \"across\" lies in [0, 1]: a ScreenX never leaves that",
         "storm   GerstnerSea",
         "Left out: no requested output needs it",
-        "Nothing to compute: it hands on \"sky\"",
+        "Nothing to compute: it passes \"sky\" through unchanged",
     ]);
     assert!(!run.out.contains("height (Field)") && !run.out.contains("Measured"), "{}", run.out);
     assert!(run.out.lines().all(|line| line.chars().count() <= 100), "{}", run.out);

@@ -186,7 +186,7 @@ impl<'a> Checker<'a> {
             && !matches!(spec.kind, Kind::Color | Kind::Weights(2))
         {
             let found = format!("\"{}\", a PNG, for a {}", shorten(path), spec.kind);
-            self.error(file, found, "an EXR: PNG holds one color or one mask", "change the ending of the path to .exr");
+            self.error(file, found, "an EXR: PNG holds one color or one mask", "change the extension of the path to .exr");
         }
         if let (Kind::Field(_), Some(Precision::Half)) = (spec.kind, spec.precision) {
             self.report(
@@ -206,7 +206,7 @@ impl<'a> Checker<'a> {
         [line, column]
     }
 
-    /// Checks that the ending of the file is supported, and that its format has the precision.
+    /// Checks that the extension of the file is supported, and that its format has the precision.
     fn file(&mut self, spec: &mut OutputSpec, place: Place<'_>) {
         let Some(file) = &spec.file else { return };
         let lower = file.to_lowercase();

@@ -73,7 +73,7 @@ pub(crate) fn check_ending(file: &str, own: &Declaration, item: ItemName, check:
     let readers = check.types().filter(|ty| ty.reads.is_some_and(|files| files.include(file)));
     let readers: Vec<&'static Declaration> = readers.collect();
     let Some(known) = readers.first().and_then(|reader| reader.reads) else { return };
-    let expected = format!("a file with the ending .{}", files.endings.join(", ."));
+    let expected = format!("a file with the extension .{}", files.endings.join(", ."));
     let remedy = format!("read it with {}, or choose another file", one_of(readers.into_iter()));
     check.error(item, format!("\"{file}\", {}", known.what), expected, remedy);
 }
