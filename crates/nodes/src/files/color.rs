@@ -62,7 +62,7 @@ pub(crate) fn convert(
     {
         let Some(color) = uncovered else {
             let expected = "at least one covered pixel to take colors from";
-            let bad = BadData::new("alpha 0 everywhere", expected, "set \"outside\" to the color that is meant");
+            let bad = BadData::new("alpha 0 everywhere", expected, "set \"outside\" to the color to use");
             return Err(bad.in_file(&conversion.meaning.path).in_part(conversion.meaning.part).into());
         };
         planes.iter_mut().zip(color).for_each(|(plane, value)| plane.samples_mut().fill(*value));
@@ -223,7 +223,7 @@ fn other(meaning: &Meaning, to: &Chromaticities) -> Result<[[f64; 3]; 3], NodeEr
         let Chromaticities { red, green, blue, white } = found;
         BadData::new(
             format_args!("the primaries red {red:?}, green {green:?}, blue {blue:?}, white {white:?}"),
-            "three that span colors, with a white among them",
+            "three primaries that span colors, with the white point inside them",
             "correct the attribute \"chromaticities\", or remove it if they are those of Rec. 709",
         )
         .in_file(&meaning.path)

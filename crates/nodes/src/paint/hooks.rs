@@ -201,7 +201,7 @@ impl Stage for Hooks {
         let eye = eye(prepare, &self.view, prepare.frame.format)?;
         let handle = prepare.handle_of(&self.view);
         let Some(looking) = handle.as_deref().and_then(|handle| handle.downcast_ref::<Looking>()) else {
-            return Err(BadData::new("a view of passes", "one of surfaces", "connect a Render").into());
+            return Err(BadData::new("a view of passes", "a view of surfaces", "connect a Render").into());
         };
         let mut claws: Vec<Claw> = Vec::new();
         for root in self.roots() {

@@ -354,7 +354,7 @@ impl Prepared for PreparedSpray {
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
         // Whether a drop is born depends on a random draw against the waves, so that no drop's error follows from errors
         // of other values.
-        let Ok(dabs) = self.truth() else { return Err(NoBound("the reference's drops cover too much")) };
+        let Ok(dabs) = self.truth() else { return Err(NoBound("the reference's drops cover too many pixels")) };
         let count = bounding.block.window.area();
         let depths: Vec<Span> = (0..count).map(|sample| bounding.certain(&self.view, Channel::Depth, sample)).collect();
         // The deeper the surface, the more is seen of each drop.

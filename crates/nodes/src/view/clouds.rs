@@ -167,7 +167,7 @@ impl Stage for Clouds {
         let cameras: Vec<Camera> = prepare.handles(&self.camera)?;
         let lights: Vec<Light> = prepare.handles(&self.light)?;
         let (Some(camera), Some(light)) = (cameras.first(), lights.first()) else {
-            return Err(BadData::new("no camera or no light", "one of each", "connect them").into());
+            return Err(BadData::new("no camera or no light", "a camera and a light", "connect them").into());
         };
         let (sin, cos) = libm::sincos(self.wind.to_radians());
         let layer = |layer: &CloudLayer| layer.at(prepare.frame.time, [cos, sin]);

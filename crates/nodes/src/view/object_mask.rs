@@ -73,7 +73,7 @@ impl Stage for ObjectMask {
             let handle = prepare.handle_of(&self.view);
             let Some(view) = handle.as_deref().and_then(|handle| handle.downcast_ref::<Looking>()) else {
                 let remedy = "use \"indices\", or view a Render";
-                return Err(BadData::new("a view of passes", "one that knows its surfaces", remedy).into());
+                return Err(BadData::new("a view of passes", "a view of surfaces", remedy).into());
             };
             let held = view.surfaces.iter().enumerate();
             indices.extend(
