@@ -1,52 +1,90 @@
+//! Failures of commands: exit codes and messages, and their conversion from the errors of the library.
+
+use std::fmt;
 use trochoid::accuracy::PlanFileError;
 use trochoid::certificate::CertificateError;
 use trochoid::{Diagnostic, EvalError, LoadError, OutputError, ReferenceError, RunStatus, Severity, in_bytes};
 use trochoid_terminal::enough_memory;
 pub(crate) use trochoid_terminal::{FAILED, INVALID};
 
-/// A required guarantee or tolerance is not met, or a certificate does not hold.
+/// Exit code if a required guarantee or tolerance is not met, or a certificate does not hold.
 pub(crate) const MISSED: u8 = 3;
-/// The user stopped it.
+/// Exit code after an interruption by the user.
 pub(crate) const INTERRUPTED: u8 = 130;
 
-/// What is told where the user stopped it.
-pub(crate) const INTERRUPTION: &str = "interrupted; finished files are whole, others were not begun";
+/// Message after an interruption by the user.
+pub(crate) const INTERRUPTION: &str = "interrupted; finished files are complete, and no partial files remain";
 
-/// Why a command did not do what it was asked: an exit code, and what to print on stderr.
+/// Failure of a command: its exit code, and the messages for stderr.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Failure {
     /// The exit code.
     pub(crate) code: u8,
-    /// Each starts with `error:` or `warning:`; a line `  remedy:` may follow.
-    pub(crate) messages: Vec<String>,
+    /// Messages.
+    pub(crate) messages: Vec<Message>,
+}
+
+/// Message of a failure, or a warning beside one.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Message {
+    /// First word of the message.
+    severity: Severity,
+    /// Rest of the message, perhaps with a second line `  remedy: …`.
+    text: String,
+}
+
+impl Message {
+    pub(crate) fn error(text: impl ToString) -> Self {
+        Self { severity: Severity::Error, text: text.to_string() }
+    }
+
+    /// Returns the message without its first word.
+    pub(crate) fn text(&self) -> &str {
+        &self.text
+    }
+
+    fn with_remedy(mut self, remedy: &str) -> Self {
+        if !remedy.is_empty() {
+            self.text.push_str("\n  remedy: ");
+            self.text.push_str(remedy);
+        }
+        self
+    }
+}
+
+impl From<&Diagnostic> for Message {
+    fn from(diagnostic: &Diagnostic) -> Self {
+        Self { severity: diagnostic.severity, text: diagnostic.statement().to_string() }
+    }
+}
+
+impl fmt::Display for Message {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: {}", self.severity, self.text)
+    }
 }
 
 impl Failure {
     pub(crate) fn new(code: u8, message: impl ToString) -> Self {
-        Self { code, messages: vec![format!("error: {}", message.to_string())] }
+        Self { code, messages: vec![Message::error(message)] }
     }
 
-    /// A failure that has been told already.
+    /// Returns a failure whose messages have been printed already.
     pub(crate) fn silent(code: u8) -> Self {
         Self { code, messages: Vec::new() }
     }
 
-    /// The user stopped it.
+    /// Returns the failure after an interruption by the user.
     pub(crate) fn interrupted() -> Self {
         Self::new(INTERRUPTED, INTERRUPTION)
     }
 
-    /// Wrong usage: what was found and expected, and what to do.
+    /// Returns a usage failure: `message` says what was found and expected, `remedy` what to do.
     pub(crate) fn usage(message: impl ToString, remedy: impl ToString) -> Self {
-        let mut failure = Self::new(INVALID, message);
-        let remedy = remedy.to_string();
-        if !remedy.is_empty() {
-            failure.messages[0].push_str(&format!("\n  remedy: {remedy}"));
-        }
-        failure
+        Self { code: INVALID, messages: vec![Message::error(message).with_remedy(&remedy.to_string())] }
     }
 
-    /// What stopped an evaluation, behind what says where, such as "frame 3: ".
+    /// Returns the failure of an evaluation; `place` is a prefix such as "frame 3: ".
     pub(crate) fn evaluated(place: &str, error: &EvalError) -> Self {
         let EvalError::TooMuchMemory { place: at, found, total, limit, remedy } = error else {
             return Self::new(FAILED, format!("{place}{error}"));
@@ -57,20 +95,20 @@ impl Failure {
         Self { code: FAILED, ..Self::usage(text, remedy) }
     }
 
-    /// Adds another failure's messages; the higher code counts.
+    /// Adds another failure's messages, and keeps the higher exit code.
     pub(crate) fn join(&mut self, other: Self) {
         self.code = self.code.max(other.code);
         self.messages.extend(other.messages);
     }
 
-    /// Nothing, or all failures in one.
+    /// Joins all failures into one; returns `Ok` if there are none.
     pub(crate) fn all(failures: impl IntoIterator<Item = Self>) -> Result<(), Self> {
         let mut all = Self::default();
         failures.into_iter().for_each(|failure| all.join(failure));
         if all.code == 0 { Ok(()) } else { Err(all) }
     }
 
-    /// How a run with this failure ended.
+    /// Returns the status of a run that ended with this failure.
     pub(crate) fn status(&self) -> RunStatus {
         match self.code {
             INTERRUPTED => RunStatus::Interrupted,
@@ -83,9 +121,9 @@ impl Failure {
 impl From<LoadError> for Failure {
     fn from(error: LoadError) -> Self {
         match error {
-            LoadError::Io { .. } => Self::new(FAILED, error),
+            LoadError::Io(_) => Self::new(FAILED, error),
             LoadError::Invalid(diagnostics) => {
-                Self { code: INVALID, messages: diagnostics.iter().map(Diagnostic::to_string).collect() }
+                Self { code: INVALID, messages: diagnostics.iter().map(Message::from).collect() }
             }
         }
     }
@@ -93,9 +131,15 @@ impl From<LoadError> for Failure {
 
 impl From<OutputError> for Failure {
     fn from(error: OutputError) -> Self {
+        Self::from(&error)
+    }
+}
+
+impl From<&OutputError> for Failure {
+    fn from(error: &OutputError) -> Self {
         match error {
             OutputError::Pattern(faults) => {
-                Self { code: INVALID, messages: faults.iter().map(|fault| format!("error: {fault}")).collect() }
+                Self { code: INVALID, messages: faults.iter().map(Message::error).collect() }
             }
             OutputError::Refused(refused) => refused.diagnostic().into(),
             OutputError::Foreign { .. } => Self::new(INVALID, error),
@@ -107,7 +151,7 @@ impl From<OutputError> for Failure {
 impl From<PlanFileError> for Failure {
     fn from(error: PlanFileError) -> Self {
         match error {
-            PlanFileError::Read { .. } => Self::new(FAILED, error),
+            PlanFileError::Read(_) => Self::new(FAILED, error),
             PlanFileError::NoPlan { .. } => {
                 Self::usage(error, "make one: trochoid plan GRAPH --tolerance 1/64 --out FILE")
             }
@@ -128,7 +172,7 @@ impl From<CertificateError> for Failure {
     }
 }
 
-/// Faults of which a remedy that several share stands once, behind the last.
+/// Removes repeated remedies: of consecutive faults with the same remedy, only the last keeps it.
 pub(crate) fn once(mut faults: Vec<Diagnostic>) -> Vec<Diagnostic> {
     for index in 1..faults.len() {
         if faults[index - 1].remedy == faults[index].remedy {
@@ -138,7 +182,7 @@ pub(crate) fn once(mut faults: Vec<Diagnostic>) -> Vec<Diagnostic> {
     faults
 }
 
-/// "1 error", "2 warnings".
+/// Formats a number of diagnostics: "1 error", "2 warnings".
 pub(crate) fn count(severity: Severity, number: usize) -> String {
     format!("{number} {severity}{}", if number == 1 { "" } else { "s" })
 }
@@ -159,7 +203,7 @@ mod tests {
         let failure = Failure::evaluated("frame 3: ", &error);
         let expected = "error: frame 3: a.json:1:2: found a frame that takes about 2.5 GB: pictures 2.5 GB; expected at most \
                         1.0 GB\n  remedy: lower it; or allow more: --memory 2800MB";
-        assert_eq!((failure.code, failure.messages), (FAILED, vec![expected.to_string()]));
+        assert_eq!((failure.code, failure.messages[0].to_string()), (FAILED, expected.to_string()));
     }
 
     #[test]
@@ -167,6 +211,7 @@ mod tests {
         assert_eq!(Failure::all([]), Ok(()));
         let all = Failure::all([Failure::usage("a", "b"), Failure::new(FAILED, "c")]).unwrap_err();
         assert_eq!(all.code, INVALID);
-        assert_eq!(all.messages, ["error: a\n  remedy: b", "error: c"]);
+        let messages: Vec<String> = all.messages.iter().map(ToString::to_string).collect();
+        assert_eq!(messages, ["error: a\n  remedy: b", "error: c"]);
     }
 }

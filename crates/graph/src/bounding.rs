@@ -2,20 +2,20 @@
 
 use crate::{Block, Bound, Channel, Connected, Inputs, LITERAL, Outputs, REFERENCE, Span};
 
-/// What a stage is given to bound the errors of what it filled.
+/// Arguments of [`Prepared::bound`](crate::Prepared::bound): a stage bounds the errors of the planes that it filled.
 pub struct Bounding<'a> {
     /// The samples.
     pub block: &'a Block<'a>,
-    /// What it was given to fill them.
+    /// Inputs from which the planes were filled.
     pub inputs: &'a Inputs<'a>,
-    /// For every plane of that, its bounds ([`Bound`], encoded).
+    /// Bounds of every plane of the inputs ([`Bound`], encoded).
     pub bounds: &'a Inputs<'a>,
-    /// By output, by channel: what it filled, where wanted.
+    /// Planes that the stage filled, by output and channel; `None` for unwanted channels.
     pub filled: &'a [Vec<Option<&'a [f32]>>],
 }
 
 impl Bounding<'_> {
-    /// The bounds of a stage without inputs that computes in f64 as its reference does, and rounds once.
+    /// Bounds a stage without inputs that computes in f64 like its reference, and rounds once.
     pub fn rounded_once(&self, outputs: &mut Outputs<'_>) {
         for (output, channels) in self.filled.iter().enumerate() {
             for (channel, filled) in channels.iter().enumerate() {
@@ -27,7 +27,7 @@ impl Bounding<'_> {
         }
     }
 
-    /// What a channel of the first connection of a port may be in the reference, by its bound; `None` where there is none.
+    /// Returns the span of a channel of a port's first connection in the reference; `None` if there is no connection.
     pub fn known(&self, port: &impl Connected, channel: usize, sample: usize) -> Option<Span> {
         let of = |inputs: &Inputs<'_>| Some(inputs.all(port).first()?.planes.get(channel).copied()??[sample]);
         let (value, bound) = (of(self.inputs)?, of(self.bounds)?);
@@ -37,12 +37,12 @@ impl Bounding<'_> {
         Some(Span { low: end(low, f64::NEG_INFINITY), high: end(high, f64::INFINITY), clear })
     }
 
-    /// What a channel of the view may be at a sample; its background where the view does not supply it.
+    /// Returns the span of a channel of the view at a sample; its background if the view does not supply it.
     pub fn certain(&self, view: &impl Connected, channel: Channel, sample: usize) -> Span {
         self.known(view, channel as usize, sample).unwrap_or(Span::exactly(f64::from(channel.background())))
     }
 
-    /// What a mask may be that is 0 where nothing is seen, and this elsewhere.
+    /// Returns the span of a mask that is 0 where no surface is seen, and `mask` elsewhere.
     pub fn where_covered(&self, view: &impl Connected, sample: usize, mask: impl FnOnce() -> Span) -> Span {
         let coverage = self.certain(view, Channel::Coverage, sample);
         if coverage.high <= 0.0 {
@@ -54,7 +54,7 @@ impl Bounding<'_> {
         }
     }
 
-    /// Bounds a channel of an output by what the reference may give at each sample.
+    /// Bounds a channel of an output by the span of the reference at each sample.
     pub fn bound_by(
         &self,
         outputs: &mut Outputs<'_>,
@@ -70,7 +70,7 @@ impl Bounding<'_> {
         }
     }
 
-    /// Bounds a channel that depends on nothing but the sample's place, where the reference gives `truth`.
+    /// Bounds a channel that depends only on the sample's position. `truth` is the reference there.
     pub fn bound_at(
         &self,
         outputs: &mut Outputs<'_>,
@@ -88,7 +88,7 @@ impl Bounding<'_> {
         }
     }
 
-    /// Bounds every output of a stage that hands on what its reference does, bit for bit.
+    /// Bounds every output of a stage that equals its reference bit for bit.
     pub fn exact(&self, outputs: &mut Outputs<'_>) {
         for (output, channels) in self.filled.iter().enumerate() {
             for channel in 0..channels.len() {

@@ -93,14 +93,14 @@ impl std::fmt::Display for Offer {
 /// Files that a node type reads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Files {
-    /// What they hold, such as "a picture".
+    /// Description of their content, such as "a picture".
     pub what: &'static str,
-    /// Their endings, in lower case.
+    /// File extensions, in lower case.
     pub endings: &'static [&'static str],
 }
 
 impl Files {
-    /// Whether a file's name says that it is one of them.
+    /// Returns whether a file's name has one of the extensions.
     pub fn include(&self, name: &str) -> bool {
         let ending = name.rsplit_once('.').map(|(_, ending)| ending.to_lowercase());
         ending.is_some_and(|ending| self.endings.contains(&&*ending))

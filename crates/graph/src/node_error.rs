@@ -1,4 +1,4 @@
-//! Why a node could not evaluate: data up to the line that shows them, and the one place that makes words of them.
+//! Errors of nodes: data until they are shown, and the only place that puts them into words.
 
 use crate::ItemName;
 use std::error::Error;
@@ -6,9 +6,9 @@ use std::fmt::{self, Display};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Why a node could not evaluate.
+/// Reason that a node could not be evaluated.
 ///
-/// Any other error becomes one by `?`, and is kept as it is.
+/// The operator `?` turns any other error into [`NodeError::Failed`], which keeps it.
 ///
 /// ```
 /// use trochoid_graph::{BadData, NodeError};
@@ -29,40 +29,40 @@ use std::sync::Arc;
 /// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum NodeError {
-    /// Input data are not what the node works on.
+    /// The input data are invalid for the node.
     Data(Box<BadData>),
     /// A file cannot be read, or a model cannot run.
     Failed(Failure),
-    /// A file does not have what a knob names.
+    /// A file does not contain what a knob names.
     Missing {
-        /// What the file's reader says.
+        /// Error of the file's reader.
         error: Failure,
-        /// The knob that names it.
+        /// Knob that names it.
         knob: ItemName,
     },
-    /// The user asked to stop. Nobody sees this.
+    /// The user asked to stop. This error is never shown.
     Cancelled,
 }
 
-/// Input data that a node cannot work on.
+/// Invalid input data.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct BadData {
-    /// Where they are; empty where the node itself is the place.
+    /// Place of the data; empty if it is the node itself.
     pub place: Box<DataPlace>,
     /// What was found.
     pub found: String,
     /// What was expected.
     pub expected: String,
-    /// What to do; empty where that follows from what was expected.
+    /// What to do; empty if that is clear from what was expected.
     pub remedy: String,
 }
 
-/// Where in a node's inputs data are, from the port or file down to the pixel. Each step may be open.
+/// Place in the inputs of a node, from the port or file down to the pixel. Every field is optional.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct DataPlace {
-    /// The port or knob.
+    /// Port or knob.
     pub item: Option<ItemName>,
-    /// The file.
+    /// File.
     pub file: Option<PathBuf>,
     /// Part of the file, from 0.
     pub part: Option<usize>,
@@ -72,42 +72,42 @@ pub struct DataPlace {
     pub pixel: Option<(i64, i64)>,
 }
 
-/// Another library's error, shared.
+/// Error of another library, shared.
 #[derive(Clone)]
 pub struct Failure(Arc<dyn Error + Send + Sync>);
 
 impl BadData {
-    /// Data of the node itself.
+    /// Creates the error for data of the node itself.
     pub fn new(found: impl Display, expected: impl Into<String>, remedy: impl Into<String>) -> Self {
         let place = Box::default();
         Self { place, found: found.to_string(), expected: expected.into(), remedy: remedy.into() }
     }
 
-    /// The same, of a port or knob.
+    /// Adds the port or knob.
     pub fn of_item(mut self, item: ItemName) -> Self {
         self.place.item = Some(item);
         self
     }
 
-    /// The same, in a file.
+    /// Adds the file.
     pub fn in_file(mut self, path: impl AsRef<Path>) -> Self {
         self.place.file = Some(path.as_ref().into());
         self
     }
 
-    /// The same, in a part of the file.
+    /// Adds the part of the file.
     pub fn in_part(mut self, part: usize) -> Self {
         self.place.part = Some(part);
         self
     }
 
-    /// The same, in a channel.
+    /// Adds the channel.
     pub fn in_channel(mut self, channel: impl Into<String>) -> Self {
         self.place.channel = Some(channel.into());
         self
     }
 
-    /// The same, at a pixel.
+    /// Adds the pixel.
     pub fn at_pixel(mut self, pixel: (i64, i64)) -> Self {
         self.place.pixel = Some(pixel);
         self
@@ -115,19 +115,19 @@ impl BadData {
 }
 
 impl Failure {
-    /// The error itself.
+    /// Returns the error.
     pub fn get(&self) -> &(dyn Error + Send + Sync + 'static) {
         &*self.0
     }
 }
 
 impl NodeError {
-    /// The error of a file's reader that did not find what a knob names.
+    /// Creates the error of a file's reader that did not find what a knob names.
     pub fn missing(error: impl Error + Send + Sync + 'static, knob: ItemName) -> Self {
         Self::Missing { error: Failure(Arc::new(error)), knob }
     }
 
-    /// The other library's error that it comes from, if any.
+    /// Returns the error of another library that caused this one, if any.
     pub fn source(&self) -> Option<&(dyn Error + Send + Sync + 'static)> {
         match self {
             Self::Failed(error) | Self::Missing { error, .. } => Some(error.get()),
@@ -135,7 +135,7 @@ impl NodeError {
         }
     }
 
-    /// The error in words, for a node of this name.
+    /// Returns the error in words, for a node of this name.
     pub fn of_node<'a>(&'a self, node: &'a str) -> impl Display + 'a {
         fmt::from_fn(move |f| self.say(f, node))
     }
@@ -203,7 +203,7 @@ impl fmt::Debug for Failure {
     }
 }
 
-/// Two are equal if they are the same error: others cannot be told apart by their types.
+/// Only the same error is equal to itself, because errors of unknown types cannot be compared.
 impl PartialEq for Failure {
     fn eq(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.0, &other.0)

@@ -1,9 +1,9 @@
-//! Numbers that are only known within bounds: interval arithmetic.
+//! Interval arithmetic, for numbers known only within bounds.
 
 use crate::Bound;
 use std::ops::{Add, Div, Mul, Sub};
 
-/// All numbers from `low` to `high`; where they are NaN, nothing is known.
+/// Interval of all numbers from `low` to `high`. If they are NaN, nothing is known.
 ///
 /// ```
 /// use trochoid_graph::{Bound, Span};
@@ -15,26 +15,26 @@ use std::ops::{Add, Div, Mul, Sub};
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Span {
-    /// The least of them.
+    /// Smallest number.
     pub low: f64,
-    /// The greatest of them.
+    /// Largest number.
     pub high: f64,
-    /// Whether no jump of a function lies within.
+    /// Whether the interval contains no jump of a function.
     pub clear: bool,
 }
 
 impl Span {
-    /// Wider than any rounding of the functions, relative to their values.
+    /// Margin for rounding errors, relative to the values of functions.
     pub const ROUNDING: f64 = 1e-14;
-    /// Anything, NaN included.
+    /// Any number, or NaN.
     pub const ANY: Self = Self { low: f64::NAN, high: f64::NAN, clear: false };
 
-    /// One number.
+    /// Returns the interval of a single number.
     pub fn exactly(number: f64) -> Self {
         Self { low: number, high: number, clear: true }
     }
 
-    /// What lies within a bound of a number.
+    /// Returns the interval around a number within a bound.
     pub fn around(number: f64, bound: Bound) -> Self {
         if bound.size == 0.0 {
             return Self::exactly(number).with(bound.clear);
@@ -42,7 +42,7 @@ impl Span {
         Self { low: number - bound.size, high: number + bound.size, clear: bound.clear }
     }
 
-    /// How far a number may lie from what is in it.
+    /// Returns the largest distance of a number from those in the interval.
     pub fn bound(self, number: f64) -> Bound {
         if number.is_nan() && !self.is_exact() {
             return Bound::UNKNOWN;
@@ -55,18 +55,18 @@ impl Span {
         if self.is_any() { Bound::UNKNOWN } else { Bound::of(size).with(self.clear) }
     }
 
-    /// The same, clear only if all of these are.
+    /// Returns the interval, clear only if `clear` is true too.
     #[must_use]
     pub fn with(self, clear: bool) -> Self {
         Self { clear: self.clear && clear, ..self }
     }
 
-    /// What lies between two numbers, where a side of a threshold is not certain.
+    /// Returns the interval between two numbers, for a value whose side of a threshold is uncertain.
     pub fn unclear(low: f64, high: f64) -> Self {
         Self { low, high, clear: false }
     }
 
-    /// What either may be.
+    /// Returns the smallest interval that contains both.
     #[must_use]
     pub fn or(self, other: Self) -> Self {
         if self.is_any() || other.is_any() {
@@ -76,7 +76,7 @@ impl Span {
         Self { low: self.low.min(other.low), high: self.high.max(other.high), clear }
     }
 
-    /// The same, as far as it lies between two numbers; all between them where nothing is known.
+    /// Returns the interval clamped to two numbers, or all between them if nothing is known.
     #[must_use]
     pub fn within(self, low: f64, high: f64) -> Self {
         if self.low.is_nan() || self.high.is_nan() {
@@ -85,44 +85,44 @@ impl Span {
         Self { low: self.low.clamp(low, high), high: self.high.clamp(low, high), clear: self.clear }
     }
 
-    /// So much more on both sides.
+    /// Returns the interval widened on both sides.
     #[must_use]
     pub fn wider(self, by: f64) -> Self {
         Self { low: self.low - by, high: self.high + by, ..self }
     }
 
-    /// What a function that never turns gives of it, whichever way it goes.
+    /// Returns the interval of a monotonic function, rising or falling.
     #[must_use]
     pub fn through(self, monotone: impl Fn(f64) -> f64) -> Self {
         Self::of(&[monotone(self.low), monotone(self.high)]).with(self.clear)
     }
 
-    /// Its middle.
+    /// Returns the middle.
     pub fn middle(self) -> f64 {
         if self.low == self.high { self.low } else { self.low / 2.0 + self.high / 2.0 }
     }
 
-    /// Half its length; 0 where it is one number.
+    /// Returns half the length; 0 for a single number.
     pub fn half(self) -> f64 {
         if self.low == self.high { 0.0 } else { self.high / 2.0 - self.low / 2.0 }
     }
 
-    /// Whether a number lies within, an end included.
+    /// Returns whether the interval contains a number.
     pub fn holds(self, number: f64) -> bool {
         self.low <= number && number <= self.high
     }
 
-    /// Whether nothing is known; of a NaN that is certain, that much is.
+    /// Returns whether nothing is known. A NaN that is certain is known.
     pub fn is_any(self) -> bool {
         (self.low.is_nan() || self.high.is_nan()) && !self.is_exact()
     }
 
-    /// Whether it is one number for certain.
+    /// Returns whether it is a single number, and certain.
     pub fn is_exact(self) -> bool {
         self.clear && self.low.to_bits() == self.high.to_bits()
     }
 
-    /// The span of some numbers, widened for rounding.
+    /// Returns the smallest interval that contains some numbers, widened for rounding.
     pub fn of(numbers: &[f64]) -> Self {
         if numbers.iter().any(|number| number.is_nan()) {
             return Self::ANY;
@@ -134,7 +134,7 @@ impl Span {
         Self { low: low - slack(low), high: high + slack(high), clear: true }
     }
 
-    /// 1 where something holds for certain, 0 where it certainly does not.
+    /// Returns 1 if a condition certainly holds, 0 if it certainly fails, else the interval from 0 to 1.
     pub fn truth(holds: bool, fails: bool) -> Self {
         match (holds, fails) {
             (true, _) => Self::exactly(1.0),
@@ -143,14 +143,14 @@ impl Span {
         }
     }
 
-    /// Rounded down; clear where all of it is so to one number.
+    /// Returns the interval rounded down; clear if all of it rounds to one number.
     #[must_use]
     pub fn floor(self) -> Self {
         let [low, high] = [self.low.floor(), self.high.floor()];
         Self { low, high, clear: low == high }
     }
 
-    /// What a function of two numbers gives: the number where both are certain, else a span that holds its values.
+    /// Returns the interval of a function of two numbers: exact if both are certain, else from `span`.
     fn of_two(self, other: Self, of: fn(f64, f64) -> f64, span: impl FnOnce() -> Self) -> Self {
         if self.is_exact() && other.is_exact() {
             return Self::exactly(of(self.low, other.low));
@@ -162,7 +162,7 @@ impl Span {
         if span.is_any() { span } else { span.with(self.clear && other.clear) }
     }
 
-    /// The span of a function that is monotone in each of two numbers: its extremes lie in corners.
+    /// Returns the interval of a function that is monotonic in each of two numbers, from its values at the corners.
     #[must_use]
     pub fn corners(self, other: Self, of: fn(f64, f64) -> f64) -> Self {
         let (a, b) = (self, other);

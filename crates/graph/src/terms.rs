@@ -12,7 +12,7 @@ pub struct Alias {
     pub how: &'static str,
 }
 
-/// What does the job here that another program has a name for.
+/// Counterpart of another program's node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Term {
     /// A node.
@@ -43,7 +43,7 @@ impl Term {
         })
     }
 
-    /// What to do, as a sentence.
+    /// Returns the remedy as a sentence.
     pub fn remedy(&self) -> String {
         match self {
             Self::Output => "no node writes: name it under \"outputs\", with a \"file\"".into(),

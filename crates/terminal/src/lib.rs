@@ -16,7 +16,7 @@ pub const FAILED: u8 = 1;
 /// The exit code of wrong usage and of invalid documents.
 pub const INVALID: u8 = 2;
 
-/// What the editor is asked for, by `trochoid edit` and by the editor's own program.
+/// Arguments of the editor, shared by `trochoid edit` and the editor's own program.
 #[derive(Debug, clap::Args)]
 pub struct EditArgs {
     /// The document; a new one if none is named

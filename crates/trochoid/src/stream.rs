@@ -1,17 +1,17 @@
-//! Files written while their rows are made: memory does not grow with the picture.
+//! Files that are written while their rows are computed, so that memory does not grow with the picture.
 
 use crate::Form;
 use crate::exr_layer::{convert, file_channels, reserved};
 use crate::files::{folder_of_file, target};
 use crate::marks::with_mark;
 use crate::output_file::{OutputError, OutputFile};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 use trochoid_engine::{EvalError, Plan, Sink};
 use trochoid_graph::{CheckedGraph, Kind};
 use trochoid_image::{Window, WorkingSpace};
 use trochoid_io::{EncodeScratch, ExrHeader, ExrWriter};
 
-/// The EXR files of one frame, written band by band by [`Plan::evaluate_to`].
+/// Sink for the EXR files of one frame, which [`Plan::evaluate_to`] writes band by band.
 ///
 /// ```
 /// use trochoid::{Buffers, Cache, FileSink, OutputFile, Plan, Settings, Silent};
@@ -35,22 +35,24 @@ pub struct FileSink<'g> {
     graph: &'g CheckedGraph,
     files: Vec<Open>,
     spare: Mutex<Vec<EncodeScratch>>,
-    failure: Mutex<Option<OutputError>>,
+    /// Why the evaluation fails: what came first, for what follows is its consequence.
+    failure: Mutex<Option<Arc<OutputError>>>,
 }
 
-/// A file being written.
+/// File being written.
 struct Open {
     file: OutputFile,
     writer: ExrWriter,
-    /// Its outputs by their place in the plan, and whether their colors are to be decoded to linear light.
+    /// Outputs by their index in the plan, and whether their colors are decoded to linear light.
     outputs: Vec<(usize, bool)>,
 }
 
 impl<'g> FileSink<'g> {
-    /// Starts the files of a plan's outputs; `None` if one of them is no EXR, which only a whole frame can be written to.
+    /// Creates the files of a plan's outputs; `None` if one of them is not an EXR file, since other files need the
+    /// whole frame.
     ///
     /// # Errors
-    /// A file cannot be made.
+    /// A file cannot be created.
     pub fn create(graph: &'g CheckedGraph, plan: &Plan<'_>, files: &[OutputFile]) -> Result<Option<Self>, OutputError> {
         let is_exr = |file: &OutputFile| file.path.extension().is_some_and(|e| e.eq_ignore_ascii_case("exr"));
         if !files.iter().all(is_exr) {
@@ -81,11 +83,6 @@ impl<'g> FileSink<'g> {
             });
         }
         Ok(Some(Self { graph, files: open, spare: Mutex::new(Vec::new()), failure: Mutex::new(None) }))
-    }
-
-    /// Why the evaluation failed, if a file was the reason.
-    pub fn failure(&self) -> Option<OutputError> {
-        self.failure.lock().unwrap_or_else(PoisonError::into_inner).take()
     }
 
     /// Completes the files; `metadata` gives what goes into each one, or `None` where it is not to appear.
@@ -152,9 +149,8 @@ impl Sink for FileSink<'_> {
         let encoded = self.files.iter().try_for_each(|open| self.encode(open, band, rows, &mut scratch));
         spare().push(scratch);
         encoded.map_err(|error| {
-            let text = error.to_string();
-            self.failure.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error);
-            EvalError::Sink(text)
+            let mut failure = self.failure.lock().unwrap_or_else(PoisonError::into_inner);
+            EvalError::Sink(failure.get_or_insert_with(|| Arc::new(error)).clone().into())
         })
     }
 }

@@ -1,9 +1,9 @@
-//! What `check` says of input files: what `render` then fails with.
+//! `check` reports faults of input files with the messages with which `render` fails.
 
 use crate::scene::{READS, Run, Scene};
 use std::fs;
 
-/// The lines of errors.
+/// Returns the lines with errors.
 fn errors(run: &Run) -> Vec<String> {
     run.err.lines().filter(|line| line.starts_with("error: ")).map(str::to_owned).collect()
 }
@@ -50,7 +50,7 @@ fn headers_that_do_not_fit_are_told_as_rendering_tells_them() {
     }
     fs::write(scene.path("a.json"), wide.replace("\"as\"", "\"fit\": \"nearest\", \"as\"")).unwrap();
     scene.run(&["check", "a.json"]).code(0).says(&["valid"]);
-    // What is not there yet may be made.
+    // A missing file may be made before rendering.
     fs::write(scene.path("a.json"), wide.replace("in.exr", "later.exr")).unwrap();
     scene.run(&["check", "a.json"]).code(0).says(&["valid, 1 warning"]);
 }

@@ -14,6 +14,62 @@ pub struct Buffers<'b> {
     planes: HashMap<String, Vec<&'b [f32]>>,
 }
 
+/// Reason that a buffer is refused.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum BufferFault {
+    /// The node is bound but has no buffer.
+    #[error("no buffer is given: add it with Buffers::with")]
+    None,
+    /// Wrong number of channels.
+    #[error("found {found} channels; a {kind} has {}", kind.channels())]
+    Channels {
+        /// Number given.
+        found: usize,
+        /// Kind of the node's output.
+        kind: Kind,
+    },
+    /// Wrong number of samples in a channel.
+    #[error("channel {channel} has {found} samples; expected {expected}")]
+    Length {
+        /// Channel.
+        channel: usize,
+        /// Number of its samples.
+        found: usize,
+        /// Number of samples of the picture or batch.
+        expected: usize,
+    },
+    /// A sample is illegal for the kind.
+    #[error("found {found} at sample {sample} of channel {channel}; expected {} in a {kind}", rule(*kind).1)]
+    Value {
+        /// Channel.
+        channel: usize,
+        /// Sample.
+        sample: usize,
+        /// Value of the sample.
+        found: f32,
+        /// Kind of the node's output.
+        kind: Kind,
+    },
+    /// The weights of a sample do not sum to 1.
+    #[error("the weights of sample {sample} sum to {sum}; expected 1")]
+    Sum {
+        /// Sample.
+        sample: usize,
+        /// Sum of its weights.
+        sum: f64,
+    },
+    /// The output slices have a wrong number or length.
+    #[error("found {found} output slices; expected {expected} of {samples} samples")]
+    Outputs {
+        /// Number given.
+        found: usize,
+        /// Number of channels of the output.
+        expected: usize,
+        /// Number of samples of the batch.
+        samples: usize,
+    },
+}
+
 impl<'b> Buffers<'b> {
     /// Returns an empty set of buffers.
     pub fn new() -> Self {
@@ -41,14 +97,14 @@ impl<'b> Buffers<'b> {
 
     /// Checks the number and length of one node's buffers against its kind.
     pub(crate) fn validate(&self, node: &str, kind: Kind, length: usize) -> Result<(), EvalError> {
-        let fault = |reason: String| EvalError::Buffer { node: node.into(), reason };
-        let planes = self.get(node).ok_or_else(|| fault("no buffer is given: add it with Buffers::with".into()))?;
+        let fault = |reason: BufferFault| EvalError::Buffer { node: node.into(), reason };
+        let planes = self.get(node).ok_or_else(|| fault(BufferFault::None))?;
         if planes.len() != kind.channels() {
-            return Err(fault(format!("found {} channels; a {kind} has {}", planes.len(), kind.channels())));
+            return Err(fault(BufferFault::Channels { found: planes.len(), kind }));
         }
         for (channel, plane) in planes.iter().enumerate() {
             if plane.len() != length {
-                return Err(fault(format!("channel {channel} has {} samples; expected {length}", plane.len())));
+                return Err(fault(BufferFault::Length { channel, found: plane.len(), expected: length }));
             }
         }
         Ok(())
@@ -67,7 +123,7 @@ impl<'b> Buffers<'b> {
         {
             let sum = |at: usize| planes.iter().map(|plane| f64::from(plane[at])).sum::<f64>();
             if let Some(at) = (0..length).find(|&at| (sum(at) - 1.0).abs() > 1e-3) {
-                let reason = format!("the weights of sample {at} sum to {}; expected 1", sum(at));
+                let reason = BufferFault::Sum { sample: at, sum: sum(at) };
                 return Err(EvalError::Buffer { node: node.into(), reason });
             }
         }
@@ -98,17 +154,22 @@ impl<'b> Buffers<'b> {
     }
 }
 
-/// Checks samples of a buffer against its kind. `start` is the index of the first of them in the buffer.
-fn check(node: &str, kind: Kind, channel: usize, samples: &[f32], start: usize) -> Result<(), EvalError> {
-    let (legal, rule): (fn(&f32) -> bool, _) = match kind {
+/// Returns a test of the samples that a buffer of a kind may hold, and its description.
+fn rule(kind: Kind) -> (fn(&f32) -> bool, &'static str) {
+    match kind {
         Kind::Color => (|v| v.is_finite() && *v >= 0.0, "finite numbers ≥ 0"),
         Kind::Weights(_) => (|v| (0.0..=1.0).contains(v), "numbers in [0, 1]"),
         _ => (|v| !v.is_nan(), "no NaN"),
-    };
+    }
+}
+
+/// Checks samples of a buffer against its kind. `start` is the index of the first of them in the buffer.
+fn check(node: &str, kind: Kind, channel: usize, samples: &[f32], start: usize) -> Result<(), EvalError> {
+    let (legal, _) = rule(kind);
     match samples.iter().position(|v| !legal(v)) {
         Some(at) => {
             let (found, at) = (samples[at], start + at);
-            let reason = format!("found {found} at sample {at} of channel {channel}; expected {rule} in a {kind}");
+            let reason = BufferFault::Value { channel, sample: at, found, kind };
             Err(EvalError::Buffer { node: node.into(), reason })
         }
         None => Ok(()),

@@ -1,14 +1,14 @@
-//! Why a chunk cannot be decoded.
+//! Failures of decoding a chunk.
 
-/// Why a chunk cannot be decoded.
+/// Reason that a chunk cannot be decoded.
 #[derive(Debug)]
 pub(super) enum Failure {
     Invalid {
         found: String,
         expected: String,
     },
-    Unsupported(String),
-    /// So many bytes of memory are not available.
+    Unsupported(&'static str),
+    /// This many bytes of memory are not available.
     Memory(u64),
 }
 
@@ -18,14 +18,14 @@ impl Failure {
     }
 }
 
-/// What every chunk is expected to be.
+/// Expectation for every chunk, for messages.
 pub(super) const WHOLE: &str = "a chunk that decodes to its pixels";
 
 impl From<exr::error::Error> for Failure {
     fn from(error: exr::error::Error) -> Self {
         match error {
-            exr::error::Error::NotSupported(_) => Self::Unsupported("a chunk of a kind that is not known".into()),
-            // Not in the library's words, which say nothing of what to do.
+            exr::error::Error::NotSupported(_) => Self::Unsupported("a chunk of a kind that is not known"),
+            // The library's own message does not say what to do.
             _ => Self::invalid("bytes that do not decode", WHOLE),
         }
     }

@@ -70,7 +70,9 @@ impl Mesh {
             Normals::Flat if 3 * mesh.triangles.len() > MAX_TRIANGLES => {
                 let found = format_args!("{} triangles", mesh.triangles.len());
                 let expected = format!("at most {} with flat normals", MAX_TRIANGLES / 3);
-                return Err(BadData::new(found, expected, "reduce the mesh, or use smooth normals").in_file(path).into());
+                return Err(BadData::new(found, expected, "reduce the mesh, or use smooth normals")
+                    .in_file(path)
+                    .into());
             }
             Normals::Flat => mesh = mesh.faceted(),
         }

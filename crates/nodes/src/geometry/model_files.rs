@@ -1,4 +1,4 @@
-//! Files of surfaces, read within limits; what is wrong with them is told with their paths.
+//! Reads files of surfaces within limits, and adds their paths to errors.
 
 use std::error::Error;
 use std::fmt::{Debug, Display};
@@ -9,29 +9,31 @@ use trochoid_scene::Triangles;
 use trochoid_scene::bezier::Patch;
 use trochoid_scene::files;
 
-/// What a decoded mesh takes at most of each byte of its file: an index of two digits becomes three of 8 bytes, and a
-/// corner of a triangle.
+/// Maximum memory of a decoded mesh per byte of its file: an index of two digits becomes three of 8 bytes, and a corner
+/// of a triangle.
 const BYTES_PER_BYTE: u64 = 32;
-/// Most bytes of a model file.
+/// Maximum size of a model file in bytes.
 const MAX_FILE_BYTES: u64 = 8 << 20;
 
-/// The mesh of a file, in the file's own space. What the file is follows from how it begins.
+/// Reads the mesh of a file, in the file's own coordinates. The first bytes determine the format.
 ///
 /// # Errors
-/// The file cannot be read, is too large for `memory` bytes, or is no mesh: with the line, node or array at fault.
+/// The file cannot be read, is too large for `memory` bytes, or is not a valid mesh. The error names the line, node or
+/// array.
 pub(crate) fn read_mesh(path: &Path, memory: u64) -> Result<Triangles, NodeError> {
     read(path, memory / BYTES_PER_BYTE, files::mesh)
 }
 
-/// The patches of a model file.
+/// Reads the patches of a model file.
 ///
 /// # Errors
-/// The file cannot be read, is too large, or is no model: with line and column, or the patch and number at fault.
+/// The file cannot be read, is too large, or is not a valid model. The error names the line and column, or the patch and
+/// point.
 pub(crate) fn read_model(path: &Path) -> Result<Vec<Patch>, NodeError> {
     read(path, MAX_FILE_BYTES, files::patches)
 }
 
-/// What is wrong with a file.
+/// Error in a file.
 #[derive(Debug, Error)]
 #[error("{}: {fault}", path.display())]
 struct OfFile<E: Debug + Display> {

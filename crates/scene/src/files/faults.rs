@@ -11,7 +11,7 @@ use thiserror::Error;
 #[derive(Debug, Error)]
 pub enum MeshFault {
     /// The bytes are neither text nor a GLB.
-    #[error("found a binary file that is no GLB; expected a mesh: .obj, .glb and .gltf are read")]
+    #[error("found a binary file that is not a GLB; expected a mesh: .obj, .glb and .gltf are read")]
     Binary,
     /// Invalid Wavefront OBJ, or text of another kind.
     #[error(transparent)]

@@ -72,7 +72,7 @@ fn what_is_no_obj_is_refused_by_its_line() {
         ("v 0 0 0\nv 1e300 0 0\nv 0 1 0\nf 1 2 3\n", "found the coordinate 1e300 of"),
         (&format!("{corner}vt 0 0\nf 1/1 2 3\n"), "give all corners of an object the same parts"),
         ("[dependencies]\nlibm = 1\n", "found no triangle"),
-        ("PNG\0\0\0\rIHDR", "found a binary file that is no GLB"),
+        ("PNG\0\0\0\rIHDR", "found a binary file that is not a GLB"),
     ] {
         let error = mesh(text.as_bytes()).unwrap_err().to_string();
         assert!(error.contains(part), "{text:?}: {error}");

@@ -7,7 +7,7 @@ use super::{ToonError, ToonFigure};
 /// Most cells of a basin.
 const MAX_CELLS: f64 = (1 << 26) as f64;
 
-/// What lies beyond the edge of a basin.
+/// Behavior at the edges of a basin.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Boundary {
     /// The cells of the edge again: waves are reflected.
@@ -36,7 +36,7 @@ pub struct Basin {
     pub rows: usize,
     /// Distance between neighboring cells, in meters.
     pub spacing: f64,
-    /// What lies beyond the edge.
+    /// Behavior at the edges.
     pub boundary: Boundary,
 }
 

@@ -1,4 +1,4 @@
-//! Plans as files.
+//! Plan files: settings that meet a tolerance, as JSON.
 
 use super::Planned;
 use serde::{Deserialize, Serialize};
@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use trochoid_graph::{CheckedGraph, MAX_BYTES, Tolerance};
 
-/// Settings that meet a tolerance, to be used again: at other frames, on other machines.
+/// Settings that meet a tolerance, for use at other frames or on other machines.
 ///
 /// ```
 /// use trochoid::accuracy::PlanFile;
@@ -15,64 +15,89 @@ use trochoid_graph::{CheckedGraph, MAX_BYTES, Tolerance};
 /// let text = r#"{"trochoid_plan": 1, "document_hash": "", "frame": 1, "tolerance": "1/64", "set": {"view.points": "surface"},
 ///                "predicted_seconds": 2.5, "certified": {}}"#;
 /// assert_eq!(PlanFile::parse(text)?.assignments(), ["view.points=surface"]);
-/// # Ok::<(), String>(())
+/// # Ok::<(), trochoid::accuracy::NoPlan>(())
 /// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PlanFile {
-    /// The version of this form: 1.
+    /// Version of the format: 1.
     pub trochoid_plan: u32,
-    /// The document that it was made for, as its own settings have it.
+    /// Hash of the document that the plan was made for, without the plan's settings.
     pub document_hash: String,
-    /// The frame at which it was found.
+    /// Frame that the plan was made at.
     pub frame: i64,
-    /// What was asked for.
+    /// Requested tolerance.
     pub tolerance: String,
-    /// By `NODE.KNOB`, its value.
+    /// Values by `NODE.KNOB`.
     pub set: BTreeMap<String, String>,
-    /// Seconds that rendering the frame was to take on the machine where it was found.
+    /// Predicted seconds for rendering the frame on the machine that made the plan.
     pub predicted_seconds: f64,
-    /// By output, what is certain of it.
+    /// Certified errors by output.
     pub certified: BTreeMap<String, CertifiedText>,
 }
 
-/// What is certain of an output's errors, in units of the working space.
+/// Certified errors of an output, in units of the working space.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CertifiedText {
-    /// The largest bound of a sample in no doubt; `None` where nothing is known.
+    /// Largest bound of a sample that is not ambiguous; `None` if there is no bound.
     pub max: Option<f64>,
-    /// What 99.9 % of those bounds do not pass.
+    /// 99.9th percentile of those bounds; `None` if there is no bound.
     pub p999: Option<f64>,
-    /// The share of samples in doubt.
+    /// Share of ambiguous samples.
     pub ambiguous_share: f64,
 }
 
-/// Why there is no plan in a file.
+/// Reason that a plan cannot be read from a file.
 #[derive(Debug, thiserror::Error)]
 pub enum PlanFileError {
     /// The file cannot be read.
-    #[error("{}: {reason}", path.display())]
-    Read {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        reason: String,
-    },
+    #[error(transparent)]
+    Read(trochoid_io::Error),
     /// The file holds something else.
-    #[error("{}: {reason}", path.display())]
+    #[error("{}: {source}", path.display())]
     NoPlan {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
         /// What was found, and what was expected.
-        reason: String,
+        source: NoPlan,
+    },
+}
+
+/// Error in a plan file.
+#[derive(Debug, thiserror::Error)]
+pub enum NoPlan {
+    /// Not text.
+    #[error("found bytes that are not UTF-8; expected a plan")]
+    NotText(#[source] Box<trochoid_io::Error>),
+    /// Not JSON.
+    #[error("found no JSON ({0}); {EXPECTED}")]
+    NotJson(#[source] serde_json::Error),
+    /// A document instead of a plan.
+    #[error("found a document; {EXPECTED}")]
+    Document,
+    /// JSON of another kind.
+    #[error("found JSON without \"trochoid_plan\"; {EXPECTED}")]
+    OtherJson,
+    /// A plan of an unknown version.
+    #[error("found a plan of version {0}; expected version {VERSION}")]
+    Version(Value),
+    /// Missing or invalid fields.
+    #[error("found a plan with faults ({0}); {EXPECTED}")]
+    Fields(#[source] serde_json::Error),
+    /// An invalid tolerance.
+    #[error("found the tolerance \"{found}\"; expected {}", Tolerance::EXPECTED)]
+    Tolerance {
+        /// Text of the tolerance.
+        found: String,
     },
 }
 
 const VERSION: u32 = 1;
+const EXPECTED: &str = "expected a plan as `trochoid plan --out` writes it";
 
 impl PlanFile {
-    /// What was planned for a document.
+    /// Creates the plan file of a document.
     pub fn new(graph: &CheckedGraph, frame: i64, tolerance: Tolerance, planned: &Planned) -> Self {
         let finite = |value: f64| value.is_finite().then_some(value);
         let certified = planned.certified.iter().map(|certified| {
@@ -96,52 +121,47 @@ impl PlanFile {
         }
     }
 
-    /// From a text.
+    /// Parses a plan.
     ///
     /// # Errors
     /// It is no plan; what was found, and what was expected.
-    pub fn parse(text: &str) -> Result<Self, String> {
-        const EXPECTED: &str = "expected a plan as `trochoid plan --out` writes it";
-        let value: Value =
-            serde_json::from_str(text).map_err(|error| format!("found no JSON ({error}); {EXPECTED}"))?;
+    pub fn parse(text: &str) -> Result<Self, NoPlan> {
+        let value: Value = serde_json::from_str(text).map_err(NoPlan::NotJson)?;
         // What it is says more than which of a plan's fields it lacks.
         match value.get("trochoid_plan") {
             None if value.get("trochoid").is_some() && value.get("nodes").is_some() => {
-                return Err(format!("found a document; {EXPECTED}"));
+                return Err(NoPlan::Document);
             }
-            None => return Err(format!("found JSON without \"trochoid_plan\"; {EXPECTED}")),
-            Some(version) if version.as_u64() != Some(VERSION.into()) => {
-                return Err(format!("found a plan of version {version}; expected version {VERSION}"));
-            }
+            None => return Err(NoPlan::OtherJson),
+            Some(version) if version.as_u64() != Some(VERSION.into()) => return Err(NoPlan::Version(version.clone())),
             Some(_) => {}
         }
-        let plan: Self =
-            serde_json::from_str(text).map_err(|error| format!("found a plan with faults ({error}); {EXPECTED}"))?;
+        let plan: Self = serde_json::from_str(text).map_err(NoPlan::Fields)?;
         if Tolerance::parse(&plan.tolerance).is_none() {
-            return Err(format!("found the tolerance \"{}\"; expected {}", plan.tolerance, Tolerance::EXPECTED));
+            return Err(NoPlan::Tolerance { found: plan.tolerance });
         }
         Ok(plan)
     }
 
-    /// From a file.
+    /// Reads a plan from a file.
     ///
     /// # Errors
-    /// It cannot be read, or is no plan.
+    /// The file cannot be read, or is not a plan.
     pub fn read(path: &Path) -> Result<Self, PlanFileError> {
-        let none = |reason: String| PlanFileError::NoPlan { path: path.into(), reason };
+        let none = |source: NoPlan| PlanFileError::NoPlan { path: path.into(), source };
         let text = trochoid_io::read_text(path, MAX_BYTES as u64).map_err(|error| match error {
-            trochoid_io::Error::NotText { .. } => none("found bytes that are no UTF-8; expected a plan".into()),
-            error => PlanFileError::Read { path: path.into(), reason: error.reason() },
+            error @ trochoid_io::Error::NotText { .. } => none(NoPlan::NotText(error.into())),
+            error => PlanFileError::Read(error),
         })?;
         Self::parse(&text).map_err(none)
     }
 
-    /// As JSON.
+    /// Returns the plan as JSON.
     pub fn text(&self) -> String {
         serde_json::to_string_pretty(self).unwrap_or_default() + "\n"
     }
 
-    /// Assignments for [`load`](crate::load()), `NODE.KNOB=VALUE`.
+    /// Returns the assignments `NODE.KNOB=VALUE` for [`load`](crate::load()).
     pub fn assignments(&self) -> Vec<String> {
         self.set.iter().map(|(knob, value)| format!("{knob}={value}")).collect()
     }

@@ -1,10 +1,27 @@
-//! Which pixels are ambiguous: one bit each, deflated, in base64.
+//! Map of the ambiguous pixels: one bit per pixel, deflated, in base64.
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use libdeflater::{CompressionLvl, Compressor, Decompressor};
+use libdeflater::{CompressionLvl, Compressor, DecompressionError, Decompressor};
 
-/// Which pixels of a picture, row by row.
+/// Error in the map of ambiguous pixels.
+#[derive(Debug, PartialEq, thiserror::Error)]
+pub(super) enum MapError {
+    /// Not base64.
+    #[error(transparent)]
+    Text(#[from] base64::DecodeError),
+    /// Bytes that cannot be inflated.
+    #[error(transparent)]
+    Packed(#[from] DecompressionError),
+    /// A number of bits that differs from the number of pixels.
+    #[error("{bytes} bytes of bits for {pixels} pixels")]
+    Length { bytes: usize, pixels: usize },
+    /// A bit set beyond the last pixel.
+    #[error("bits beyond the last pixel")]
+    Spare,
+}
+
+/// Set of pixels of a picture, row by row.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct PixelMap {
     bits: Vec<u8>,
@@ -31,27 +48,27 @@ impl PixelMap {
     pub(super) fn encode(&self) -> String {
         let mut compressor = Compressor::new(CompressionLvl::best());
         let mut packed = vec![0; compressor.deflate_compress_bound(self.bits.len())];
-        // It cannot fail: there is room for the worst case.
+        // Compression cannot fail, because there is space for the worst case.
         let length = compressor.deflate_compress(&self.bits, &mut packed).unwrap_or(0);
         STANDARD.encode(&packed[..length])
     }
 
-    /// The map of so many pixels; or what is wrong with it.
-    pub(super) fn decode(text: &str, pixels: usize) -> Result<Self, String> {
-        let packed = STANDARD.decode(text).map_err(|error| error.to_string())?;
+    /// Decodes a map of this many pixels; the error says what is wrong with the text.
+    pub(super) fn decode(text: &str, pixels: usize) -> Result<Self, MapError> {
+        let packed = STANDARD.decode(text)?;
         let mut bits = vec![0; pixels.div_ceil(8)];
-        let length = Decompressor::new().deflate_decompress(&packed, &mut bits).map_err(|error| error.to_string())?;
+        let length = Decompressor::new().deflate_decompress(&packed, &mut bits)?;
         if length != bits.len() {
-            return Err(format!("{length} bytes of bits for {pixels} pixels"));
+            return Err(MapError::Length { bytes: length, pixels });
         }
         let spare = bits.len() * 8 - pixels;
         if spare > 0 && bits.last().is_some_and(|last| last >> (8 - spare) != 0) {
-            return Err("bits beyond the last pixel".into());
+            return Err(MapError::Spare);
         }
         Ok(Self { bits, pixels })
     }
 
-    /// Number of pixels in all.
+    /// Returns the number of all pixels.
     #[cfg(test)]
     fn len(&self) -> usize {
         self.pixels
