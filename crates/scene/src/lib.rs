@@ -14,6 +14,8 @@
 //! # Features
 //! With `files`, the module `files` reads meshes and models of patches from the bytes of files.
 
+#![cfg_attr(test, allow(clippy::unwrap_used, reason = "a test may panic"))]
+
 pub mod bezier;
 mod camera;
 mod carried;
