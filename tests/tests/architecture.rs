@@ -17,9 +17,18 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("trochoid-scene", &["trochoid-image", "trochoid-key", "trochoid-sea"]),
     ("trochoid-derive", &[]),
     ("trochoid-graph", &["trochoid-derive", "trochoid-image", "trochoid-key", "trochoid-weights"]),
+    ("trochoid-field", &["trochoid-graph"]),
     (
         "trochoid-nodes",
-        &["trochoid-graph", "trochoid-weights", "trochoid-image", "trochoid-scene", "trochoid-sea", "trochoid-io"],
+        &[
+            "trochoid-field",
+            "trochoid-graph",
+            "trochoid-weights",
+            "trochoid-image",
+            "trochoid-scene",
+            "trochoid-sea",
+            "trochoid-io",
+        ],
     ),
     (
         "trochoid-engine",

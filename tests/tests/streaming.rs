@@ -4,7 +4,7 @@
 use crate::support::{all_bits, evaluate, graph_in, settings, state, write_exr};
 use std::path::Path;
 use std::sync::Mutex;
-use trochoid::{Buffers, Cache, CheckedGraph, EvalError, Plan, Silent, Sink, State, Window};
+use trochoid::{Buffers, Cache, CheckedGraph, EvalError, NodeError, Plan, Silent, Sink, State, Window};
 
 const SIZE: (u32, u32) = (37, 83);
 
@@ -81,13 +81,14 @@ fn bad_rows_are_refused_where_they_are_needed() {
     let fault = |outputs: &[&str], region: Option<Window>| {
         let plan = Plan::new(&graph, outputs, 1, &[], &settings(|s| (s.region, s.threads) = (region, 3))).unwrap();
         match plan.evaluate(&Buffers::new(), &mut Cache::new(), &Silent) {
-            Err(EvalError::Node { node, message, .. }) => Some(format!("{node}: {message}")),
+            Err(EvalError::Node { node, error: NodeError::Data(bad), .. }) => Some((node, *bad)),
             Err(error) => panic!("{error}"),
             Ok(_) => None,
         }
     };
-    let text = fault(&["shares"], None).unwrap();
-    assert!(text.starts_with("shares: ") && text.contains("\"rest\", pixel (3, 50): found NaN"), "{text}");
+    let (node, bad) = fault(&["shares"], None).unwrap();
+    assert_eq!((&*node, &*bad.found), ("shares", "NaN"));
+    assert_eq!((bad.place.channel.as_deref(), bad.place.pixel), (Some("rest"), Some((3, 50))));
     assert_eq!(fault(&["depth"], None), None, "nobody needs it");
     assert_eq!(fault(&["shares"], Some(Window::new(0, 0, 37, 16))), None, "nobody needs it");
 }

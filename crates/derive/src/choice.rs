@@ -1,11 +1,11 @@
-//! Words of a knob.
+//! `#[derive(Choice)]`: the words of a knob.
 
 use crate::items::snake;
 use proc_macro2::TokenStream;
 use quote::quote;
 use syn::{Data, DeriveInput, Error, Fields, Ident, LitStr, Variant};
 
-/// The variants of an enum without data.
+/// Returns the variants of an enum, none of which may have data.
 pub(crate) fn variants(input: &DeriveInput) -> Result<Vec<&Variant>, Error> {
     let Data::Enum(data) = &input.data else { return Err(Error::new_spanned(input, "expected an enum")) };
     for variant in &data.variants {
@@ -45,7 +45,7 @@ pub(crate) fn derive(input: &DeriveInput) -> Result<TokenStream, Error> {
             fn read(setting: &::trochoid_graph::Setting<::std::vec::Vec<f64>>) -> Self {
                 match setting {
                     #(::trochoid_graph::Setting::Text(word) if word == #words => Self::#names,)*
-                    // A document with another word is refused.
+                    // Validation refuses other words.
                     _ => Self::#first,
                 }
             }

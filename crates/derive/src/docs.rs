@@ -1,9 +1,9 @@
-//! Texts for users, from documentation comments.
+//! Reads texts for users from documentation comments.
 
 use syn::spanned::Spanned;
 use syn::{Attribute, Error, Expr, ExprLit, Lit, Meta};
 
-/// The lines of a documentation comment.
+/// Returns the lines of a documentation comment.
 fn lines(attributes: &[Attribute]) -> Vec<String> {
     let docs = attributes.iter().filter(|attribute| attribute.path().is_ident("doc"));
     let texts = docs.filter_map(|attribute| match &attribute.meta {
@@ -16,19 +16,19 @@ fn lines(attributes: &[Attribute]) -> Vec<String> {
     texts.map(|line| line.trim().to_owned()).collect()
 }
 
-/// Lines as one text; an empty line begins a paragraph.
+/// Joins lines into one text; an empty line starts a paragraph.
 fn joined(lines: &[String]) -> String {
     let paragraphs = lines.split(|line| line.is_empty()).filter(|lines| !lines.is_empty());
     paragraphs.map(|lines| lines.join(" ")).collect::<Vec<_>>().join("\n\n")
 }
 
-/// The whole comment as one text.
+/// Returns the whole comment as one text.
 pub(crate) fn help(attributes: &[Attribute], what: &impl Spanned) -> Result<String, Error> {
     let text = joined(&lines(attributes));
-    if text.is_empty() { Err(Error::new(what.span(), "say in a comment, /// …, what it means")) } else { Ok(text) }
+    if text.is_empty() { Err(Error::new(what.span(), "describe it in a comment: /// …")) } else { Ok(text) }
 }
 
-/// A comment in sections.
+/// Documentation comment of a node, in sections.
 pub(crate) struct Sections {
     pub(crate) summary: String,
     pub(crate) formula: String,

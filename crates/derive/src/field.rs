@@ -1,4 +1,4 @@
-//! One field: a port, a knob, a list, or a group of them.
+//! Fields of a struct: each is a port, a knob, a list, or a group of them.
 
 use crate::docs::help;
 use proc_macro2::TokenStream;
@@ -7,14 +7,14 @@ use syn::ext::IdentExt as _;
 use syn::parse::{Parse, ParseStream};
 use syn::{Attribute, Error, Expr, ExprRange, Field, GenericArgument, Ident, LitStr, PathArguments, Token, Type};
 
-/// What a field declares, and how it is read.
+/// Code for one field: its declaration, and the expression that reads it.
 pub(crate) struct Part {
-    /// A slice of items.
+    /// Expression for a slice of items.
     pub(crate) items: TokenStream,
     pub(crate) read: TokenStream,
 }
 
-/// The last name of a type, and what stands in its angle brackets.
+/// Returns the last name of a type, and the first type in its angle brackets.
 fn named(ty: &Type) -> Option<(String, Option<&Type>)> {
     let Type::Path(path) = ty else { return None };
     let last = path.path.segments.last()?;
@@ -32,7 +32,7 @@ fn attribute<'f>(field: &'f Field, name: &str) -> Option<&'f Attribute> {
     field.attrs.iter().find(|attribute| attribute.path().is_ident(name))
 }
 
-/// Both ends of `a..=b`.
+/// Returns both ends of `a..=b`.
 fn ends(range: &ExprRange) -> Result<[&Expr; 2], Error> {
     match (&range.start, &range.end, &range.limits) {
         (Some(start), Some(end), syn::RangeLimits::Closed(_)) => Ok([start, end]),
@@ -59,7 +59,7 @@ pub(crate) fn part(field: &Field) -> Result<Part, Error> {
     }
 }
 
-/// `#[list(1..=8)] layers: Vec<Layer>`.
+/// Makes the code for a list of records: `#[list(1..=8)] layers: Vec<Layer>`.
 fn records(list: &Attribute, name: &str, ty: &Type, help: &str) -> Result<Part, Error> {
     let range: ExprRange = list.parse_args()?;
     let [min, max] = ends(&range)?;
@@ -78,7 +78,7 @@ fn records(list: &Attribute, name: &str, ty: &Type, help: &str) -> Result<Part, 
     })
 }
 
-/// What `#[port(…)]` says.
+/// Arguments of `#[port(…)]`.
 #[derive(Default)]
 struct PortSaid {
     many: Option<ExprRange>,
@@ -115,8 +115,8 @@ fn port(field: &Field, arity: &str, name: &str, help: &str) -> Result<Part, Erro
             let [min, max] = ends(range)?;
             quote! { ::trochoid_graph::Arity::Many { min: #min, max: #max } }
         }
-        ("Many", None) => return Err(Error::new_spanned(field, "say how many connections: #[port(1..=64)]")),
-        _ => return Err(Error::new_spanned(field, "a range is for Many<…> alone")),
+        ("Many", None) => return Err(Error::new_spanned(field, "expected a number of connections: #[port(1..=64)]")),
+        _ => return Err(Error::new_spanned(field, "only Many<…> takes a range")),
     };
     let (ty, wants) = (&field.ty, said.wants);
     Ok(Part {
@@ -133,7 +133,7 @@ fn port(field: &Field, arity: &str, name: &str, help: &str) -> Result<Part, Erro
     })
 }
 
-/// What `#[knob(…)]` says.
+/// Arguments of `#[knob(…)]`.
 #[derive(Default)]
 struct KnobSaid {
     default: Option<Expr>,
@@ -176,7 +176,7 @@ fn parse_knob(input: ParseStream<'_>) -> Result<KnobSaid, Error> {
     Ok(said)
 }
 
-/// Attributes without arguments, `#[knob]`, say nothing.
+/// Reads the arguments of `#[knob(…)]`; `#[knob]` has none.
 fn said_of(field: &Field) -> Result<KnobSaid, Error> {
     match attribute(field, "knob") {
         Some(knob) if matches!(knob.meta, syn::Meta::List(_)) => knob.parse_args_with(parse_knob),
@@ -184,7 +184,7 @@ fn said_of(field: &Field) -> Result<KnobSaid, Error> {
     }
 }
 
-/// What a knob of a type takes, its default, and whether it may be keyed.
+/// Returns the values that a knob of a type takes, its default, and whether it may be keyed.
 fn takes(field: &Field, ty: &Type, said: &KnobSaid) -> Result<(TokenStream, Option<TokenStream>, bool), Error> {
     let range = |of: &Option<ExprRange>, example: &str| match of {
         Some(range) => ends(range).map(|ends| ends.map(|end| quote!(#end))),
@@ -201,7 +201,7 @@ fn takes(field: &Field, ty: &Type, said: &KnobSaid) -> Result<(TokenStream, Opti
             }
         });
     }
-    let (name, argument) = named(ty).ok_or_else(|| Error::new_spanned(ty, "no type of a knob"))?;
+    let (name, argument) = named(ty).ok_or_else(|| Error::new_spanned(ty, "expected the type of a knob"))?;
     let inner = argument.and_then(named).map(|(name, _)| name);
     Ok(match (name.as_str(), inner.as_deref()) {
         ("f64", _) => {

@@ -1,4 +1,4 @@
-//! A struct of ports and knobs.
+//! `#[derive(Items)]`: a struct of ports and knobs.
 
 use crate::field::{Part, part};
 use proc_macro2::TokenStream;
@@ -6,7 +6,7 @@ use quote::{format_ident, quote};
 use syn::ext::IdentExt as _;
 use syn::{Data, DeriveInput, Error, Fields, Ident};
 
-/// A name of Rust's as documents write it.
+/// Converts a Rust name to snake case, as used in documents.
 pub(crate) fn snake(name: &Ident) -> String {
     let mut text = String::new();
     for (index, letter) in name.unraw().to_string().chars().enumerate() {
@@ -22,13 +22,13 @@ pub(crate) fn derive(input: &DeriveInput) -> Result<TokenStream, Error> {
     fields(input)
 }
 
-/// The items of a struct, what reads them, and their names as constants.
+/// Makes the code for a struct: its items, the function that reads them, and their names as constants.
 pub(crate) fn fields(input: &DeriveInput) -> Result<TokenStream, Error> {
     let Data::Struct(data) = &input.data else { return Err(Error::new_spanned(input, "expected a struct")) };
     let named = match &data.fields {
         Fields::Named(fields) => fields.named.iter().collect(),
         Fields::Unit => Vec::new(),
-        Fields::Unnamed(_) => return Err(Error::new_spanned(input, "expected a struct with names")),
+        Fields::Unnamed(_) => return Err(Error::new_spanned(input, "expected a struct with named fields")),
     };
     let (mut parts, mut reads, mut names) = (Vec::new(), Vec::new(), Vec::new());
     for field in named {

@@ -1,4 +1,4 @@
-//! A node: its items, and what is said about it beside them.
+//! `#[derive(Node)]`: the declaration of a node.
 
 use crate::docs::Sections;
 use crate::items::fields;
@@ -9,7 +9,7 @@ use syn::parse::{Parse, ParseStream};
 use syn::token::Paren;
 use syn::{DeriveInput, Error, Expr, Ident, LitInt, LitStr, Path, Token, parenthesized, parse_quote};
 
-/// What `#[node(…)]` says.
+/// Arguments of `#[node(…)]`.
 #[derive(Default)]
 struct Said {
     name: Option<String>,
@@ -18,9 +18,10 @@ struct Said {
     outputs: Option<TokenStream>,
     role: Option<Ident>,
     offers: Vec<Ident>,
+    reads: Option<TokenStream>,
 }
 
-/// `mask: Kind::MASK = "What it holds."`, with the names of its channels in files behind it.
+/// Parses a single output, `mask: Kind::MASK = "Help."`, optionally followed by the names of its channels in files.
 fn single(input: ParseStream<'_>) -> Result<TokenStream, Error> {
     let name: Ident = input.parse()?;
     input.parse::<Token![:]>()?;
@@ -59,6 +60,14 @@ fn parse(input: ParseStream<'_>) -> Result<Said, Error> {
                 parenthesized!(content in input);
                 said.offers = content.parse_terminated(Ident::parse, Token![,])?.into_iter().collect();
             }
+            "reads" => {
+                let content;
+                parenthesized!(content in input);
+                let what: LitStr = content.parse()?;
+                content.parse::<Token![:]>()?;
+                let endings = content.parse_terminated(<LitStr as Parse>::parse, Token![,])?.into_iter();
+                said.reads = Some(quote! { ::trochoid_graph::Files { what: #what, endings: &[#(#endings),*] } });
+            }
             other => {
                 input.parse::<Token![=]>()?;
                 match other {
@@ -71,7 +80,7 @@ fn parse(input: ParseStream<'_>) -> Result<Said, Error> {
                         said.outputs = Some(quote! { <#path as ::trochoid_graph::OutputSet>::OUTPUTS });
                     }
                     _ => {
-                        let known = "expected name, end, revision, outputs, output(…), role or offers(…)";
+                        let known = "expected name, end, revision, outputs, output(…), role, offers(…) or reads(…)";
                         return Err(Error::new_spanned(key, known));
                     }
                 }
@@ -84,9 +93,26 @@ fn parse(input: ParseStream<'_>) -> Result<Said, Error> {
     Ok(said)
 }
 
+/// `#[also_called("Crop", "Resize" => "its \"fit\"")]`: words, and how the node does their job.
+fn aliases(input: ParseStream<'_>) -> Result<Vec<TokenStream>, Error> {
+    let (mut words, mut how): (Vec<LitStr>, _) = (Vec::new(), String::new());
+    while !input.is_empty() {
+        words.push(input.parse()?);
+        if input.peek(Token![=>]) {
+            input.parse::<Token![=>]>()?;
+            how = input.parse::<LitStr>()?.value();
+            break;
+        }
+        if !input.is_empty() {
+            input.parse::<Token![,]>()?;
+        }
+    }
+    Ok(words.iter().map(|word| quote! { ::trochoid_graph::Alias { word: #word, how: #how } }).collect())
+}
+
 pub(crate) fn derive(input: &DeriveInput) -> Result<TokenStream, Error> {
     let attribute = input.attrs.iter().find(|attribute| attribute.path().is_ident("node"));
-    let example = "#[node(end = Back, revision = 1, output(mask: Kind::MASK = \"What it holds.\"))]";
+    let example = "#[node(end = Back, revision = 1, output(mask: Kind::MASK = \"Help.\"))]";
     let attribute = attribute.ok_or_else(|| Error::new_spanned(input, format!("expected {example}")))?;
     let said = attribute.parse_args_with(parse)?;
     let lacks = |what: &str| Error::new_spanned(attribute, format!("no {what}: expected {example}"));
@@ -100,7 +126,15 @@ pub(crate) fn derive(input: &DeriveInput) -> Result<TokenStream, Error> {
         Some(role) => quote! { ::std::option::Option::Some(::trochoid_graph::Role::#role) },
         None => quote! { ::std::option::Option::None },
     };
+    let reads = match said.reads {
+        Some(reads) => quote! { ::std::option::Option::Some(#reads) },
+        None => quote! { ::std::option::Option::None },
+    };
     let offers = said.offers;
+    let also = input.attrs.iter().filter(|attribute| attribute.path().is_ident("also_called"));
+    let also: Vec<Vec<TokenStream>> =
+        also.map(|attribute| attribute.parse_args_with(aliases)).collect::<Result<_, _>>()?;
+    let also = also.concat();
     let items = fields(input)?;
     Ok(quote! {
         #items
@@ -117,6 +151,8 @@ pub(crate) fn derive(input: &DeriveInput) -> Result<TokenStream, Error> {
                 outputs: #outputs,
                 role: #role,
                 offers: &[#(::trochoid_graph::Offer::#offers),*],
+                reads: #reads,
+                aliases: &[#(#also),*],
                 revision: #revision,
             };
         }

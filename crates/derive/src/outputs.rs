@@ -1,4 +1,4 @@
-//! Outputs of a node.
+//! `#[derive(Outputs)]`: the outputs of a node.
 
 use crate::choice::variants;
 use crate::docs::help;
@@ -8,7 +8,7 @@ use quote::quote;
 use syn::parse::ParseStream;
 use syn::{DeriveInput, Error, Expr, Ident, LitStr, Token};
 
-/// What `#[output(…)]` says.
+/// Arguments of `#[output(…)]`.
 struct Said {
     kind: Expr,
     name: Option<String>,
@@ -30,7 +30,7 @@ fn parse(input: ParseStream<'_>) -> Result<Said, Error> {
     Ok(said)
 }
 
-/// The expression of one output.
+/// Makes the expression for one output.
 pub(crate) fn output(name: &str, kind: &Expr, help: &str, stored: Option<&Expr>) -> TokenStream {
     let stored = stored.map_or(quote!(&[]), |stored| quote!(&#stored));
     quote! { ::trochoid_graph::Output { name: #name, kind: #kind, help: #help, stored: #stored } }
@@ -41,7 +41,8 @@ pub(crate) fn derive(input: &DeriveInput) -> Result<TokenStream, Error> {
     let mut names = Vec::new();
     for variant in variants(input)? {
         let attribute = variant.attrs.iter().find(|attribute| attribute.path().is_ident("output"));
-        let attribute = attribute.ok_or_else(|| Error::new_spanned(variant, "say its kind: #[output(Kind::MASK)]"))?;
+        let attribute =
+            attribute.ok_or_else(|| Error::new_spanned(variant, "expected its kind: #[output(Kind::MASK)]"))?;
         let said = attribute.parse_args_with(parse)?;
         let name = said.name.unwrap_or_else(|| snake(&variant.ident));
         outputs.push(output(&name, &said.kind, &help(&variant.attrs, variant)?, said.stored.as_ref()));

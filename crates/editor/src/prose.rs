@@ -35,8 +35,8 @@ pub(crate) fn explained(response: egui::Response, text: &str) -> egui::Response 
 
 /// Remedies of the command line, and what is done here instead; a `…` is whatever stands there.
 const REMEDIES: [(&str, &str); 6] = [
-    ("if you trust the document with it: --allow …", "allow it here if you trust the document"),
-    ("if you trust the document with them: --allow …", "allow them here if you trust the document"),
+    ("if you trust the document with this file: --allow …", "allow it here if you trust the document"),
+    ("if you trust the document with these files: --allow …", "allow them here if you trust the document"),
     ("or replace it with --overwrite", "or move the file away that is there"),
     ("or say --overwrite", "or move the file away that is there"),
     (", or to try it by --set …", ""),

@@ -1,4 +1,4 @@
-//! Holds finished pixels against the palette that they may not leave.
+//! Checks finished pixels against the convex hull of their palette.
 
 use crate::Judging;
 use crate::kernel::Range;
@@ -6,10 +6,10 @@ use std::sync::Arc;
 use trochoid_image::Rgb;
 use trochoid_weights::{Audit, BoxHull, Hull};
 
-/// Rows of which one is judged where judging is sampled.
+/// Sampled judging checks one row in this many.
 const SAMPLED: i64 = 64;
 
-/// What a color output is judged by.
+/// Hull, bounding box and tolerance against which a color output is judged.
 #[derive(Debug)]
 pub(crate) struct Judge {
     pub(crate) hull: Arc<Hull>,
@@ -20,21 +20,21 @@ pub(crate) struct Judge {
 }
 
 impl Judge {
-    /// Counts the pixels of a row that left the hull; and those that are not a number.
+    /// Counts the pixels of a row that left the hull, and the pixels with a NaN.
     pub(crate) fn row(&self, [r, g, b]: [&[f32]; 3]) -> Audit {
         let (hull_exits, worst_exit) = self.hull.exits(r, g, b, self.margin);
-        // Only what left the hull can be NaN.
+        // A NaN always counts as outside of the hull.
         let nan_count = if hull_exits > 0 { nan_count(&[r, g, b]) } else { 0 };
         Audit { hull_exits, worst_exit, nan_count, judged: r.len() as u64, ..Audit::default() }
     }
 
-    /// Whether all pixels of these channels are in the box of the palette.
+    /// Returns whether all pixels of these channels are in the bounding box of the palette.
     pub(crate) fn is_boxed(&self, range: &Range) -> bool {
         [range.least, range.largest].iter().all(|corner| self.bounds.exit(corner, self.margin).is_none())
     }
 }
 
-/// Whether a row is judged pixel by pixel.
+/// Returns whether a row is judged pixel by pixel.
 pub(crate) fn is_judged(judging: Judging, y: i64) -> bool {
     judging == Judging::All || y.rem_euclid(SAMPLED) == SAMPLED - 1
 }

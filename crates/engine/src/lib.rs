@@ -1,14 +1,14 @@
-//! Plans and evaluates checked graphs: demand, pruning, fusion, tiles on all cores, and the count of what
-//! left the hull.
+//! Plans and evaluates checked graphs: finds what is needed, prunes, fuses, fills tiles on all cores, and counts the
+//! pixels that left the hull.
 //!
-//! The engine knows no node. It sees the pointwise program to which back-end nodes lower, and stages that
-//! prepare once a frame and fill tiles. [`Plan::new`] decides what is needed, in which order, and why the
-//! rest is left out; [`Plan::evaluate`] gives a [`Frame`]. Output is bit-identical for every tile size, number
-//! of threads, and switch of [`Switches`]. [`ReferenceFrame`] is the slow f64 evaluator that all of this is
-//! held against.
+//! The engine knows no node. It sees the pointwise program to which back-end nodes lower, and stages that prepare
+//! once per frame and then fill tiles. [`Plan::new`] decides what is needed, in which order, and why the rest is left
+//! out; [`Plan::evaluate`] returns a [`Frame`]. The output is bit-identical for every tile size, number of threads,
+//! and switch of [`Switches`]. [`ReferenceFrame`] is the slow f64 evaluator against which everything is checked.
 //!
-//! Two rooms: `planning` makes plans, `running` does what they say, and data walks that way alone. Both stand on `kernel`, which
-//! compiles programs and runs them over chunks of samples, and on `rules`, what is known of each operation besides.
+//! Data flows one way: `planning` makes plans, `running` executes them. Both build on `kernel`, which compiles
+//! programs and runs them over chunks of samples, and on `rules`, which derive further facts about each operation
+//! (interval, error, blame and variance).
 
 mod judge;
 mod kernel;

@@ -3,17 +3,18 @@ use trochoid_image::Window;
 use trochoid_key::content_key;
 use trochoid_memory::{Heap, Instructions};
 
-/// Which pixels are held against the hull of their palette.
+/// Which pixels are checked against the hull of their palette.
 ///
-/// Whatever the choice, every weight is held against [0, 1], every partition against its sum, and every pixel against the
-/// box of its palette; where one of these fails, all pixels around it are judged. That a mix with weights in [0, 1] stays
-/// in the hull is a theorem; judging its pixels only guards against a kernel that breaks it.
+/// In either case every weight is checked against [0, 1], every partition against its sum, and every pixel against
+/// the bounding box of its palette; where one of these checks fails, all pixels around it are judged. It is a theorem
+/// that a mix with weights in [0, 1] stays in the hull; judging its pixels only guards against a kernel that breaks
+/// it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Judging {
     /// Every pixel.
     #[default]
     All,
-    /// Every 64th row, for about a hundredth of the time.
+    /// Every 64th row, which takes about a hundredth of the time.
     Sampled,
 }
 
@@ -24,20 +25,20 @@ content_key!(
     }
 );
 
-/// Which optimizations run; none changes a bit of the output.
+/// Which optimizations run. None of them changes a bit of the output.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Switches {
     /// Leave out nodes, ports and channels that no output needs.
     pub demand: bool,
     /// Leave out branches whose weight is proved constant 0 or 1 by interval.
     pub prune: bool,
-    /// Compute what depends on constants alone once.
+    /// Compute values that depend only on constants once, while planning.
     pub fold: bool,
     /// Compute equal operations, and equal nodes, once.
     pub merge: bool,
-    /// Compute per column, per row or per tile what varies no further.
+    /// Compute values that do not vary per pixel once per column, per row or per tile.
     pub hoist: bool,
-    /// Fold operations of the pointwise program into each other, and jump over branches without weight.
+    /// Fuse operations of the pointwise program, and jump over branches without weight.
     pub fuse: bool,
     /// Run the pointwise program as machine code, where the processor and the system allow it.
     pub compile: bool,
@@ -54,34 +55,36 @@ impl Switches {
         Self { demand: false, prune: false, fold: false, merge: false, hoist: false, fuse: false, compile: false };
 }
 
-/// How a plan is made and run; never what it computes.
+/// How a plan is made and run. Settings never change what it computes.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Settings {
     /// Which optimizations run.
     pub switches: Switches,
-    /// Threads; 0 takes all cores.
+    /// Number of threads; 0 takes all cores.
     pub threads: usize,
-    /// Largest width and height of a tile, pixels; chosen by the plan if `None`.
+    /// Largest width and height of a tile, in pixels; the plan chooses if `None`.
     pub tile: Option<(usize, usize)>,
     /// Instruction sets that kernels may use.
     pub instructions: Instructions,
-    /// Samples of a picture from which on compiling to machine code pays: it takes a few tenths of a millisecond.
+    /// Number of samples in a picture from which compiling to machine code pays: compiling takes a few tenths of a
+    /// millisecond.
     pub compile_from: usize,
-    /// Which pixels are held against the hull of their palette.
+    /// Which pixels are checked against the hull of their palette.
     pub judge: Judging,
-    /// Most memory that a frame may take, bytes: what nodes hold, tiles, and pictures that stay in memory
-    /// ([`Plan::memory`](crate::Plan::memory)). By default 16 GiB, or what the program's [`Heap`] is bounded to.
+    /// Most memory that a frame may take, in bytes: what nodes hold, tiles, and pictures that stay in memory
+    /// ([`Plan::memory`](crate::Plan::memory)). The default is the limit of the program's [`Heap`], or 16 GiB if the
+    /// heap has no limit.
     pub memory_limit: u64,
-    /// The part of the picture to evaluate; all of it if `None`.
+    /// Part of the picture to evaluate; the whole picture if `None`.
     pub region: Option<Window>,
-    /// Whether the cache keeps what stages fill, where the whole picture is evaluated with one sample a pixel and without
-    /// buffers of the caller, so that an edit fills again only what depends on it: for an editor's previews. Takes
-    /// 4 bytes a pixel of every channel that is filled, within the cache's limit.
+    /// Whether the cache keeps the planes that stages fill, so that an edit refills only what depends on it: for the
+    /// previews of an editor. Applies only where the whole picture is evaluated with one sample per pixel and without
+    /// buffers of the caller. Takes 4 bytes per pixel for every channel filled, within the limit of the cache.
     pub keep: bool,
-    /// Whether every plane has bounds on its errors beside it, as channels behind its own.
+    /// Whether every plane has bounds on its errors beside it, in channels that follow its own.
     pub(crate) bounds: bool,
-    /// A stage whose own errors count as none, to see what they make of the bounds.
+    /// Stage whose own errors are taken to be 0, which shows how much they contribute to the bounds.
     pub(crate) exact: Option<NodeId>,
 }
 

@@ -1,12 +1,12 @@
-//! Which files a document may make a program read and write.
+//! Access control: the files that a document may make a program read and write.
 
 use crate::{CheckedGraph, Diagnostic, FrameContext, Item, NodeId, OutputSpec, Severity, Takes, quoted_path};
 use std::path::{Component, Path, PathBuf};
 
-/// Which files a document may make a program read and write: folders with all beneath them, and single files.
+/// The files that a document may make a program read and write: whole folder trees, and single files.
 ///
-/// A document may come from anywhere, and every path in it is a wish of whoever wrote it. Engines ask before a stage
-/// prepares, and outputs before they are named, so a node cannot forget to.
+/// A document may come from an untrusted source, and its author chose every path in it. Engines check access before a
+/// stage prepares and before outputs are named, so a node cannot forget to.
 ///
 /// ```
 /// use std::path::Path;
@@ -19,25 +19,25 @@ use std::path::{Component, Path, PathBuf};
 /// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Access {
-    /// `None` is everything.
+    /// Allowed paths; `None` allows everything.
     roots: Option<Vec<Root>>,
     overwrites: bool,
 }
 
-/// A folder with all beneath it, or a file, and what may be done there.
+/// A folder tree or a file, and the rights on it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct Root {
-    /// Resolved.
+    /// Resolved path.
     path: PathBuf,
     rights: &'static [Right],
 }
 
-/// What a document may make a program do with a file.
+/// A right to a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Right {
-    /// Read it.
+    /// The right to read the file.
     Read,
-    /// Write it.
+    /// The right to write the file.
     Write,
 }
 
@@ -58,24 +58,24 @@ impl Root {
     }
 }
 
-/// A path that leads where a document may not reach.
+/// A path that leads outside of what a document may reach.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Outside {
-    /// Where it leads: absolute, with links followed.
+    /// Target of the path: absolute, with links followed.
     pub leads_to: PathBuf,
-    /// What is allowed.
+    /// Allowed folders and files.
     pub allowed: Vec<PathBuf>,
 }
 
 impl Outside {
-    /// The folder that has to be allowed.
+    /// Returns the folder that has to be allowed.
     pub fn folder(&self) -> &Path {
         self.leads_to.parent().unwrap_or(&self.leads_to)
     }
 
     fn expected(&self) -> String {
         let allowed: Vec<String> = self.allowed.iter().map(|root| root.display().to_string()).collect();
-        format!("one beneath what the document may reach: {}", allowed.join(", "))
+        format!("a file that the document may reach, beneath {}", allowed.join(", "))
     }
 
     fn remedy(&self) -> String {
@@ -85,18 +85,18 @@ impl Outside {
 
 fn remedy<'o>(paths: impl IntoIterator<Item = &'o Outside, IntoIter: ExactSizeIterator>) -> String {
     let paths = paths.into_iter();
-    let what = if paths.len() == 1 { "it" } else { "them" };
+    let what = if paths.len() == 1 { "this file" } else { "these files" };
     format!("if you trust the document with {what}: {}", allow_options(paths))
 }
 
-/// The faults of files that a document may not reach, each with the remedy for all.
+/// Returns the faults of files that a document may not reach; the remedy of each allows all of them.
 pub fn refusals(refused: &[Refused]) -> Vec<Diagnostic> {
     let remedy = remedy(refused.iter().map(|refused| &refused.outside));
     refused.iter().map(|refused| Diagnostic { remedy: remedy.clone(), ..refused.diagnostic() }).collect()
 }
 
-/// The options of the command line that allow all of some paths, as a shell takes them: a folder each, and none that lies
-/// beneath another.
+/// Returns the command-line options that allow some paths, quoted for a shell: one per folder, without folders
+/// beneath others.
 pub fn allow_options<'o>(paths: impl IntoIterator<Item = &'o Outside>) -> String {
     let folders: Vec<&Path> = paths.into_iter().map(Outside::folder).collect();
     let mut named: Vec<&Path> = Vec::new();
@@ -116,15 +116,15 @@ impl std::fmt::Display for Outside {
 }
 
 impl Access {
-    /// What lies beneath one folder: for servers, to which a document is a stranger's.
+    /// Allows the files beneath one folder: for servers, which cannot trust documents.
     pub fn beneath(folder: &Path) -> Self {
         Self { roots: Some(vec![Root::new(folder, Right::BOTH)]), overwrites: false }
     }
 
-    /// What lies beneath a document's folder and, where that lies beneath the current folder, beneath that one. What a
-    /// graph may reach unless it is told otherwise.
+    /// Allows the files beneath a document's folder and, if that lies beneath the current folder, beneath the current
+    /// folder. This is the default for graphs.
     ///
-    /// The root of the file system is the current folder of services: it counts as none.
+    /// The root of the file system does not count as a current folder, since it is the one of services.
     pub fn usual(folder: &Path) -> Self {
         let own = Root::new(folder, Right::BOTH);
         let current = Root::new(Path::new("."), Right::BOTH);
@@ -132,18 +132,18 @@ impl Access {
         Self { roots: Some([own].into_iter().chain(holds.then_some(current)).collect()), overwrites: false }
     }
 
-    /// Every file: for documents that are trusted as programs are.
+    /// Allows every file: for documents that are trusted like programs.
     pub fn everything() -> Self {
         Self { roots: None, overwrites: false }
     }
 
-    /// The same, and a file, or a folder with all beneath it.
+    /// Also allows reading and writing a file or a folder tree.
     #[must_use]
     pub fn allowing(self, path: &Path) -> Self {
         self.with(path, Right::BOTH)
     }
 
-    /// The same, and a file, or a folder with all beneath it, for one thing alone.
+    /// Also allows a file or a folder tree for one right only.
     #[must_use]
     pub fn granting(self, path: &Path, right: Right) -> Self {
         self.with(path, right.alone())
@@ -156,29 +156,29 @@ impl Access {
         self
     }
 
-    /// The same, where files may be replaced that Trochoid did not write.
+    /// Sets whether files that Trochoid did not write may be replaced.
     #[must_use]
     pub fn overwriting(self, overwrites: bool) -> Self {
         Self { overwrites, ..self }
     }
 
-    /// Whether files may be replaced that Trochoid did not write.
+    /// Whether files that Trochoid did not write may be replaced.
     pub fn overwrites(&self) -> bool {
         self.overwrites
     }
 
-    /// Whether a path may be read; it need not exist.
+    /// Checks whether a path, which need not exist, may be read.
     ///
     /// # Errors
-    /// It leads elsewhere.
+    /// The path leads outside.
     pub fn check(&self, path: &Path) -> Result<(), Outside> {
         self.check_for(path, Right::Read)
     }
 
-    /// Whether this may be done with a path; it need not exist.
+    /// Checks whether a path, which need not exist, may be used with a right.
     ///
     /// # Errors
-    /// It leads elsewhere.
+    /// The path leads outside.
     pub fn check_for(&self, path: &Path, right: Right) -> Result<(), Outside> {
         let Some(roots) = &self.roots else { return Ok(()) };
         let leads_to = resolved(path);
@@ -191,17 +191,17 @@ impl Access {
     }
 }
 
-/// Links followed one after another before a path counts as leading nowhere.
+/// Largest number of links that are followed in one path.
 const MOST_LINKS: usize = 40;
 
-/// Where a path leads: absolute, links followed as far as there are any, `..` applied to what stands before it. What does
-/// not exist yet counts as folders that will be made.
+/// Returns the target of a path: absolute, with links followed and each `..` applied to the components before it.
+/// Components that do not exist yet count as folders that will be made.
 pub fn resolved(path: &Path) -> PathBuf {
     let path = if path.as_os_str().is_empty() { Path::new(".") } else { path };
     if let Ok(whole) = path.canonicalize() {
         return whole;
     }
-    // What is still to be made in a folder that exists, which is most of what is asked: two looks are enough.
+    // The most frequent case is a new file in an existing folder, for which two system calls suffice.
     if let (Some(folder), Some(name)) = (path.parent(), path.file_name()) {
         let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
         if let Ok(folder) = folder.canonicalize()
@@ -215,7 +215,7 @@ pub fn resolved(path: &Path) -> PathBuf {
     follow(PathBuf::new(), &absolute, &mut links)
 }
 
-/// Walks a path from a folder that is resolved.
+/// Resolves a path from a resolved folder.
 fn follow(mut at: PathBuf, path: &Path, links: &mut usize) -> PathBuf {
     for part in path.components() {
         match part {
@@ -228,7 +228,7 @@ fn follow(mut at: PathBuf, path: &Path, links: &mut usize) -> PathBuf {
                 let next = at.join(name);
                 at = match next.canonicalize() {
                     Ok(whole) => whole,
-                    // A link to what does not exist: a file would be made there.
+                    // A dangling link: a file would be made at its target.
                     Err(_) => match next.read_link() {
                         Ok(target) if *links < MOST_LINKS => {
                             *links += 1;
@@ -243,25 +243,27 @@ fn follow(mut at: PathBuf, path: &Path, links: &mut usize) -> PathBuf {
     at
 }
 
-/// A file that a document names and may not reach.
+/// A file that a document names but may not reach.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Refused {
-    /// The document's name.
+    /// Name of the document.
     pub document: String,
-    /// The node that would read it; `None` for the file of an output.
+    /// Node that would read the file; `None` for the file of an output.
     pub node: Option<String>,
-    /// The knob that names it, or the output; `None` where a file names it that the node reads.
+    /// Knob or output that names the file; `None` if another file that the node reads names it.
     pub item: Option<String>,
     /// Line and column in the document.
     pub place: [usize; 2],
-    /// The path as it is written, with the frame filled in.
+    /// Path as written, with the frame filled in.
     pub path: PathBuf,
-    /// Where it leads, and what is allowed.
+    /// Target of the path, and the allowed paths.
     pub outside: Outside,
 }
 
+impl std::error::Error for Refused {}
+
 impl Refused {
-    /// The fault, with the place in the document and the remedy.
+    /// Returns the fault, with its place in the document and the remedy.
     pub fn diagnostic(&self) -> Diagnostic {
         let [line, column] = self.place;
         Diagnostic {
@@ -277,7 +279,7 @@ impl Refused {
         }
     }
 
-    /// What the document asks to do with it.
+    /// Returns the right that the document needs.
     pub fn right(&self) -> Right {
         if self.node.is_some() { Right::Read } else { Right::Write }
     }
@@ -285,11 +287,11 @@ impl Refused {
     fn found(&self) -> String {
         let (path, leads_to) = (self.path.display(), self.outside.leads_to.display());
         let same = self.path == self.outside.leads_to;
-        if same { format!("the file {path}") } else { format!("the file {path}, which is {leads_to}") }
+        if same { format!("the file {path}") } else { format!("the file {path}, which leads to {leads_to}") }
     }
 }
 
-/// What was found and expected, and what to do: as a node says it.
+/// Formats what was found, what was expected and what to do, like messages of nodes.
 impl std::fmt::Display for Refused {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "found {}; expected {}; {}", self.found(), self.outside.expected(), self.outside.remedy())
@@ -297,20 +299,21 @@ impl std::fmt::Display for Refused {
 }
 
 impl CheckedGraph {
-    /// Which files the document may reach.
+    /// Returns the files that the document may reach.
     pub fn access(&self) -> &Access {
         &self.access
     }
 
-    /// The same graph with another rule for the files that the document may reach: by default [`Access::usual`] of its
-    /// folder. What assignments beside the document name (`--set`) is allowed whatever the rule.
+    /// Sets the files that the document may reach; the default is [`Access::usual`] of its folder. Files that are
+    /// named by assignments outside of the document (`--set`) are always allowed.
     #[must_use]
     pub fn with_access(mut self, access: Access) -> Self {
         self.access = access;
         self
     }
 
-    /// The first file that a node would read at a frame and may not: engines ask before the node prepares.
+    /// Returns the first file that a node would read at a frame but may not; engines check this before the node
+    /// prepares.
     pub fn refused(&self, id: NodeId, context: &FrameContext) -> Option<Refused> {
         let node = self.node(id);
         let settled = self.settle(id, context.frame);
@@ -338,10 +341,10 @@ impl CheckedGraph {
         })
     }
 
-    /// What is wrong with writing an output where the document itself wants it.
+    /// Checks whether an output may be written to the path that the document itself names.
     ///
     /// # Errors
-    /// It leads where the document may not reach.
+    /// The path leads outside of what the document may reach.
     pub fn check_written(&self, output: &OutputSpec, path: &Path) -> Result<(), Box<Refused>> {
         self.access.check_for(path, Right::Write).map_err(|outside| {
             Box::new(Refused {
@@ -444,7 +447,7 @@ mod tests {
         for inside in ["a/within/x", "a/within/../x", "alias/x", "a/loop"] {
             assert!(access.check(&root.join(inside)).is_ok(), "{inside}");
         }
-        // A rule may itself be stated through a link.
+        // The allowed path may itself contain a link.
         assert!(Access::beneath(&root.join("alias")).check(&root.join("a/x")).is_ok());
     }
 }

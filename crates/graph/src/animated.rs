@@ -1,22 +1,22 @@
-//! Numbers that may change over frames.
+//! Numbers that may be animated over frames.
 
-/// How a keyed value passes from one key to the next.
+/// Interpolation of a value between its keys.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Interpolation {
-    /// Straight lines.
+    /// Linear interpolation.
     #[default]
     Linear,
     /// Each key holds until the next.
     Hold,
-    /// Monotone cubic: smooth, and never beyond the keys.
+    /// Monotone cubic: smooth, and never outside of the range of the two keys.
     Monotone,
 }
 
 impl Interpolation {
-    /// The words used in documents.
+    /// Words in documents.
     pub const NAMES: [&str; 3] = ["linear", "hold", "monotone"];
 
-    /// The interpolation of that name.
+    /// Returns the interpolation with a name.
     pub fn from_name(name: &str) -> Option<Self> {
         match name {
             "linear" => Some(Self::Linear),
@@ -30,40 +30,41 @@ impl Interpolation {
 /// One or more numbers, constant or keyed over frames.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Animated {
-    /// Frames ascend strictly; at least one key; all values of one length.
+    /// At least one key; frames in strictly ascending order; all values of one length.
     keys: Vec<(f64, Vec<f64>)>,
     interpolation: Interpolation,
 }
 
 impl Animated {
-    /// The same numbers at every frame.
+    /// Makes numbers that are constant over all frames.
     pub fn constant(values: Vec<f64>) -> Self {
         Self { keys: vec![(0.0, values)], interpolation: Interpolation::Hold }
     }
 
-    /// Numbers keyed over frames; `None` unless frames ascend strictly and all values have one length.
+    /// Makes numbers keyed over frames; `None` unless there are keys, in strictly ascending order, with values of one
+    /// length.
     pub fn keyed(keys: Vec<(f64, Vec<f64>)>, interpolation: Interpolation) -> Option<Self> {
         let ascending = keys.windows(2).all(|pair| pair[0].0 < pair[1].0 && pair[0].1.len() == pair[1].1.len());
         (!keys.is_empty() && ascending).then_some(Self { keys, interpolation })
     }
 
-    /// The same keys, each of which holds until the next; `None` where another interpolation was `chosen`.
+    /// Lets each key hold until the next; `None` if another interpolation was explicitly `chosen`.
     pub(crate) fn held(mut self, chosen: bool) -> Option<Self> {
         let interpolation = std::mem::replace(&mut self.interpolation, Interpolation::Hold);
         (!chosen || interpolation == Interpolation::Hold).then_some(self)
     }
 
-    /// The frames at which keys stand; empty for a constant.
+    /// Returns the frames of the keys; empty for a constant.
     pub fn frames(&self) -> impl Iterator<Item = f64> {
         self.keys.iter().map(|key| key.0).filter(|_| self.keys.len() > 1)
     }
 
-    /// Every keyed value.
+    /// Returns the value of every key.
     pub fn values(&self) -> impl Iterator<Item = &[f64]> {
         self.keys.iter().map(|key| key.1.as_slice())
     }
 
-    /// The same keys with each value replaced.
+    /// Replaces the value of each key.
     pub fn map(&self, f: impl Fn(&[f64]) -> Vec<f64>) -> Self {
         Self {
             keys: self.keys.iter().map(|(frame, value)| (*frame, f(value))).collect(),
@@ -71,7 +72,7 @@ impl Animated {
         }
     }
 
-    /// The numbers at a frame; before the first and after the last key they hold.
+    /// Returns the numbers at a frame; before the first and after the last key they hold.
     ///
     /// Monotone cubic after Fritsch and Carlson, *Monotone Piecewise Cubic Interpolation*, 1980, with the
     /// harmonic mean as slope, so that no value lies beyond its two keys.
@@ -101,7 +102,7 @@ impl Animated {
             .collect()
     }
 
-    /// Slope at a key for the monotone cubic: 0 at ends and turning points.
+    /// Returns the slope of the monotone cubic at a key: 0 at ends and turning points.
     fn slope(&self, key: usize, component: usize) -> f64 {
         if key == 0 || key + 1 == self.keys.len() {
             return 0.0;

@@ -1,9 +1,10 @@
-//! Bounds on errors: what is certain of how far a value may lie from its reference.
+//! Error bounds: guaranteed limits on the difference between a value and its reference.
 
-/// How far a computed value may lie from what the f64 reference gives at the same sample.
+/// Error bound: largest possible difference between a computed value and the f64 reference at the same sample.
 ///
-/// In planes a bound is one f32: its size, negative where it is not *clear*: where the reference may see another surface, or
-/// lie on another side of a threshold, so that no smaller error makes the bound smaller.
+/// In planes a bound is stored as one f32: its size, with a negative sign if it is not *clear*. A bound is not clear
+/// if the reference may see another surface, or lie on the other side of a threshold; then higher accuracy of the
+/// inputs does not make it smaller.
 ///
 /// ```
 /// use trochoid_graph::Bound;
@@ -14,33 +15,33 @@
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bound {
-    /// At least the distance, in the unit of the value; +∞ where nothing is known.
+    /// Upper limit of the difference, in the unit of the value; +∞ if nothing is known.
     pub size: f64,
-    /// Whether a side or a surface is in no doubt.
+    /// Whether the surface, and the side of every threshold, are certain.
     pub clear: bool,
 }
 
-/// What arithmetic on bounds themselves may have lost: far more than a few hundred roundings in f64.
+/// Factor that covers the rounding errors in the arithmetic on bounds: far more than a few hundred roundings in f64.
 const SLACK: f64 = 1.0 + 1e-9;
 
 impl Bound {
     /// No error.
     pub const EXACT: Self = Self { size: 0.0, clear: true };
-    /// Nothing is known.
+    /// No knowledge.
     pub const UNKNOWN: Self = Self { size: f64::INFINITY, clear: false };
 
-    /// A clear bound of a size; +∞ in place of NaN.
+    /// Makes a clear bound of a size; NaN becomes +∞.
     pub fn of(size: f64) -> Self {
         Self { size: if size.is_nan() { f64::INFINITY } else { size }, clear: true }
     }
 
-    /// The same size, clear only if all of these are.
+    /// Keeps the bound clear only if `clear` is true.
     #[must_use]
     pub fn with(self, clear: bool) -> Self {
         Self { clear: self.clear && clear, ..self }
     }
 
-    /// As it stands in planes: rounded up.
+    /// Encodes the bound for planes, rounded up.
     #[inline]
     pub fn encode(self) -> f32 {
         let size = self.size * SLACK;
@@ -49,19 +50,19 @@ impl Bound {
         if self.clear { above } else { -above }
     }
 
-    /// From a plane.
+    /// Decodes a bound from a plane.
     #[inline]
     pub fn decode(bound: f32) -> Self {
         Self { size: f64::from(bound.abs()), clear: bound.is_sign_positive() }
     }
 }
 
-/// What f64 arithmetic of the references themselves may lose, relative to the value.
+/// Rounding error of the f64 arithmetic in the references themselves, relative to the value.
 pub const REFERENCE: f64 = 1e-13;
 
 /// Relative error of a literal that was rounded to f32.
 pub const LITERAL: f64 = 1.0 / 16_777_216.0;
 
-/// That no bound is known, and why: a sentence without its end.
+/// Error: no bound is known. Holds the reason, a sentence without its period.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct NoBound(pub &'static str);

@@ -1,8 +1,10 @@
-//! How nodes append to the pointwise program: typed, so that what is written is a blend.
+//! The builder, with which nodes append operations to the pointwise program. Its types make sure that colors are only
+//! blended.
 //!
-//! A [`Mask`] or [`Weights`] cannot be made but by the builder's operations, each of which keeps weights ≥ 0
-//! with sum 1. Having one is the proof that no color of the program leaves the hull of its controls; that rounding keeps
-//! what the operations promise is proved where they are defined, in `trochoid_weights::arithmetic`. None of these compile:
+//! Only the builder's operations, which all keep weights ≥ 0 with sum 1, can make a [`Mask`] or [`Weights`]. Having
+//! one therefore proves that no color of the program leaves the convex hull of its controls. That rounding preserves
+//! this is proved with the definitions of the operations, in `trochoid_weights::arithmetic`. None of these programs
+//! compile:
 //!
 //! ```compile_fail
 //! # use trochoid_graph::{Mask, Scalar};
@@ -26,7 +28,7 @@
 use crate::program::{Color, Op, Partition, Program, Scalar, Slot};
 use crate::{Kind, NodeId};
 
-/// A scalar that is proved to lie in [0, 1]: a two-way partition of unity.
+/// A scalar that is proved to be in [0, 1]: a two-way partition of unity.
 ///
 /// ```compile_fail
 /// # use trochoid_graph::{Mask, Scalar};
@@ -58,7 +60,7 @@ use crate::{Kind, NodeId};
 pub struct Mask(Scalar);
 
 impl Mask {
-    /// Forgets that it is a mask. There is no way back but through a clamp.
+    /// Converts the mask to a field. Only a clamp converts it back.
     pub fn field(self) -> Scalar {
         self.0
     }
@@ -81,7 +83,7 @@ impl Mask {
 /// ```
 ///
 /// ```compile_fail
-/// // Numbers are weighed by the builder, which looks at them.
+/// // Only the builder makes weights from numbers, after checking them.
 /// # use trochoid_graph::Weights;
 /// let forged: Weights = [0.7, 0.7].into_iter().collect();
 /// ```
@@ -100,26 +102,27 @@ pub struct Weights(Form);
 enum Form {
     /// Weight 1 − t for the first control, t for the second.
     Mask(Mask),
-    /// n masks, first on top: n + 1 weights, the last is what all masks leave.
+    /// n masks, the first on top: n + 1 weights, the last for the remainder under all masks.
     Stack(Vec<Mask>),
-    /// n masks, last on top: n + 1 weights, the first is what all masks leave, each next is laid over it.
+    /// n masks, the last on top: n + 1 weights, the first for the remainder under all masks.
     Ladder(Vec<Mask>),
     /// An explicit partition.
     Partition(Partition, usize),
 }
 
 impl Weights {
-    /// A two-way partition: 1 − t, t.
+    /// Makes a two-way partition: 1 − t, t.
     pub fn mask(t: Mask) -> Self {
         Self(Form::Mask(t))
     }
 
-    /// n masks, last on top: weight 0 is what all masks leave, weight k + 1 belongs to mask k.
+    /// Makes n + 1 weights from n masks, the last on top: weight 0 is the remainder under all masks, weight k + 1
+    /// belongs to mask k.
     pub fn ladder(masks: Vec<Mask>) -> Self {
         Self(if let [only] = masks[..] { Form::Mask(only) } else { Form::Ladder(masks) })
     }
 
-    /// Number of controls.
+    /// Returns the number of controls.
     pub fn ways(&self) -> usize {
         match &self.0 {
             Form::Mask(_) => 2,
@@ -140,7 +143,7 @@ pub enum Value {
     Field(Vec<Scalar>),
 }
 
-/// Appends operations on behalf of one node.
+/// Appends operations for one node.
 #[derive(Debug)]
 pub struct Builder<'p> {
     program: &'p mut Program,
@@ -148,7 +151,7 @@ pub struct Builder<'p> {
 }
 
 impl<'p> Builder<'p> {
-    /// Appends to `program` in the name of node `origin`.
+    /// Makes a builder that appends to `program` for the node `origin`.
     pub fn new(program: &'p mut Program, origin: NodeId) -> Self {
         Self { program, origin }
     }
@@ -161,58 +164,59 @@ impl<'p> Builder<'p> {
         Mask(Scalar(self.push(op)))
     }
 
-    /// A number.
+    /// Appends a constant number.
     pub fn constant(&mut self, value: f32) -> Scalar {
         Scalar(self.push(Op::Constant(value)))
     }
 
-    /// The same weight everywhere; outside [0, 1] the nearest legal one.
+    /// Appends a constant mask; a value outside of [0, 1] is clamped.
     pub fn constant_mask(&mut self, t: f32) -> Mask {
         self.masking(Op::Constant(t.clamp(0.0, 1.0)))
     }
 
-    /// A control color; −0 counts as 0.
+    /// Appends a control color; −0 counts as 0.
     pub fn control(&mut self, color: [f32; 3]) -> Color {
         Color(self.push(Op::ConstantColor(color.map(|v| v + 0.0))))
     }
 
-    /// 0 below `min`, 1 from `max` on, straight between.
+    /// Clamps a field to a mask: 0 below `min`, 1 from `max` on, linear between.
     pub fn clamp(&mut self, x: Scalar, min: f32, max: f32) -> Mask {
         self.masking(Op::Clamp { x, min, max })
     }
 
-    /// 1 where x ≥ threshold, else 0.
+    /// Makes a hard mask: 1 where x ≥ threshold, else 0.
     pub fn step(&mut self, x: Scalar, threshold: f32) -> Mask {
         self.masking(Op::Step { x, threshold })
     }
 
-    /// t²(3 − 2t).
+    /// Smooths a mask: t²(3 − 2t).
     pub fn smooth(&mut self, t: Mask) -> Mask {
         self.masking(Op::Smooth(t.0))
     }
 
-    /// tᵖ, p ≥ 1; 1 leaves the mask as it is.
+    /// Raises a mask to a power: tᵖ, p ≥ 1; p = 1 does not change the mask.
     pub fn power(&mut self, t: Mask, p: f32) -> Mask {
         if p == 1.0 { t } else { self.masking(Op::Power { t: t.0, p: p.max(1.0) }) }
     }
 
-    /// 1 − t.
+    /// Inverts a mask: 1 − t.
     pub fn complement(&mut self, t: Mask) -> Mask {
         self.masking(Op::Complement(t.0))
     }
 
-    /// t·u.
+    /// Multiplies two masks: t·u.
     pub fn product(&mut self, t: Mask, u: Mask) -> Mask {
         self.masking(Op::Product(t.0, u.0))
     }
 
-    /// n masks, first on top: weight n is what all masks leave.
+    /// Makes n + 1 weights from n masks, the first on top: weight n is the remainder under all masks.
     pub fn stack(&mut self, masks: Vec<Mask>) -> Weights {
-        // A mask is written as the weight of its second control: what the only layer leaves.
+        // A mask stores the weight of the second control, here the remainder under the only layer.
         if let [only] = masks[..] { Weights::mask(self.complement(only)) } else { Weights(Form::Stack(masks)) }
     }
 
-    /// v/max(S, τ) over n fields, negative ones as 0; the remainder is weight n.
+    /// Normalizes n fields to n + 1 weights: v/max(S, τ), with negative values as 0, their sum S and `floor` = τ;
+    /// weight n is the remainder.
     pub fn normalize(&mut self, values: Vec<Scalar>, floor: f32) -> Weights {
         let ways = values.len() + 1;
         let partition = Partition(self.push(Op::Normalize { values, floor }));
@@ -222,24 +226,25 @@ impl<'p> Builder<'p> {
         Weights(Form::Partition(partition, ways))
     }
 
-    /// The same weights everywhere; `None` unless they are ≥ 0 and sum to 1 up to the rounding of decimal fractions.
+    /// Appends constant weights; `None` unless they are ≥ 0 and sum to 1 up to the rounding of decimal fractions.
     pub fn constant_weights(&mut self, numbers: &[f64]) -> Option<Weights> {
         let sound = numbers.iter().all(|w| *w >= 0.0) && (numbers.iter().sum::<f64>() - 1.0).abs() <= 1e-6;
         sound.then(|| self.literal_weights(numbers))
     }
 
-    /// Literal weights, which validation has found to be ≥ 0 with sum 1 up to decimal fractions.
+    /// Appends literal weights, which validation has checked: ≥ 0, with sum 1 up to the rounding of decimal fractions.
     pub(crate) fn literal_weights(&mut self, numbers: &[f64]) -> Weights {
         let raw = numbers.iter().map(|w| self.constant_mask(*w as f32).0).collect();
         Weights(Form::Partition(Partition(self.push(Op::Partition(raw))), numbers.len()))
     }
 
-    /// (1 − t)·a + t·b.
+    /// Mixes two colors: (1 − t)·a + t·b.
     pub fn mix(&mut self, a: Color, b: Color, t: Mask) -> Color {
         Color(self.push(Op::Mix { a, b, t: t.0 }))
     }
 
-    /// Σ wᵢ·cᵢ. A stack or ladder is laid from the bottom up, one Mix a mask: a mask of 0 then costs no bit.
+    /// Blends colors: Σ wᵢ·cᵢ. A stack or ladder is composited from the bottom up, with one Mix per mask, so that a
+    /// mask of 0 changes no bit.
     pub fn blend(&mut self, colors: &[Color], weights: &Weights) -> Color {
         match &weights.0 {
             Form::Mask(t) => self.mix(colors[0], colors[1], *t),
@@ -256,14 +261,14 @@ impl<'p> Builder<'p> {
         }
     }
 
-    /// Weight `index` of any weights, as a mask.
+    /// Returns weight `index` of any weights, as a mask.
     pub fn weight(&mut self, weights: &Weights, index: usize) -> Mask {
         match &weights.0 {
             Form::Mask(t) if index == 0 => self.complement(*t),
             Form::Mask(t) => *t,
             Form::Partition(partition, _) => self.masking(Op::Weight(*partition, index)),
             Form::Stack(masks) => self.left_by(&masks[..index.min(masks.len())], masks.get(index)),
-            // A ladder is a stack read from the other end: over mask k lie those after it.
+            // A ladder is a reversed stack: the masks after mask k are above it.
             Form::Ladder(masks) => {
                 let above: Vec<Mask> = masks[index..].iter().rev().copied().collect();
                 self.left_by(&above, index.checked_sub(1).and_then(|own| masks.get(own)))
@@ -271,7 +276,7 @@ impl<'p> Builder<'p> {
         }
     }
 
-    /// What the masks above leave of a mask, or of everything.
+    /// Returns the part of a mask, or of everything, that the masks above do not cover.
     fn left_by(&mut self, above: &[Mask], own: Option<&Mask>) -> Mask {
         let mut left: Option<Mask> = None;
         for mask in above {
@@ -290,8 +295,8 @@ impl<'p> Builder<'p> {
     }
 }
 
-/// The value of an output that something outside the program fills, whose kind is checked; `None` for kinds
-/// that are no images. For engines: nodes have no program to load into.
+/// Loads the value of an output, of a checked kind, that is filled outside of the program; `None` for kinds that are
+/// not images. For engines: nodes have no access to the program.
 pub fn load(program: &mut Program, node: NodeId, output: usize, kind: Kind) -> Option<Value> {
     let mut scalars = |n: usize| -> Vec<Scalar> {
         (0..n).map(|channel| Scalar(program.push(Op::Load(Slot { node, output, channel }), node))).collect()

@@ -1,5 +1,5 @@
-//! A validated graph: having one is the proof that only input and output, bad data, memory or cancellation
-//! can stop its evaluation.
+//! Validated graphs. Having one proves that only input and output, bad data, memory or cancellation can stop its
+//! evaluation.
 
 use crate::Tolerance;
 use crate::{Access, FrameContext, Item, Kind, NodeId, NodeType, Record, Setting, Settled, Takes, Work};
@@ -13,34 +13,34 @@ use trochoid_key::{ContentKey, Key, KeyHasher};
 pub struct CheckedNode {
     /// Name in the document.
     pub name: String,
-    /// Its type.
+    /// Node type.
     pub ty: &'static NodeType,
     /// Knobs and connections.
     pub record: Record,
     /// Kinds of its outputs.
     pub kinds: Vec<Kind>,
-    /// Whether the document disables it; nothing is connected to it then.
+    /// Whether the document disables the node; then nothing is connected to it.
     pub disabled: bool,
     /// Line and column in the document.
     pub place: [usize; 2],
-    /// Line and column of the value of each item that is written there.
+    /// Line and column of the value of each item that the document sets.
     pub places: Vec<(&'static str, [usize; 2])>,
 }
 
 impl CheckedNode {
-    /// Line and column of an item's value in the document; those of the node where it is not written.
+    /// Returns line and column of an item's value in the document; those of the node if the document does not set it.
     pub fn place_of(&self, item: &str) -> [usize; 2] {
         self.places.iter().find(|known| known.0 == item).map_or(self.place, |known| known.1)
     }
 
-    /// Whether an assignment beside the document, such as `--set`, sets an item.
+    /// Whether an assignment outside of the document, such as `--set`, sets an item.
     pub fn is_assigned(&self, item: &str) -> bool {
-        // It stands nowhere in the document then.
+        // Then the item has a value but no place in the document.
         !self.places.iter().any(|known| known.0 == item)
             && self.record.knobs.iter().any(|(name, value)| *name == item && *value != Setting::Unset)
     }
 
-    /// The knob that names a file, if it has one.
+    /// Returns the knob that names a file, if the node has one.
     pub fn file_item(&self) -> Option<&'static str> {
         self.ty.declaration().items.iter().find_map(|item| match item {
             Item::Knob(knob) if matches!(knob.takes, Takes::Path) => Some(knob.name),
@@ -55,17 +55,17 @@ impl std::fmt::Debug for CheckedNode {
     }
 }
 
-/// What cannot be left by an output's colors.
+/// A set that the colors of an output cannot leave.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Guarantee {
-    /// Each channel stays between its least and greatest control.
+    /// Each channel stays between its smallest and largest control.
     Box,
     /// Colors stay in the convex hull of the controls.
     Hull,
 }
 
 impl Guarantee {
-    /// The word in documents and reports.
+    /// Returns the word in documents and reports.
     pub fn name(self) -> &'static str {
         match self {
             Self::Box => "box",
@@ -73,13 +73,13 @@ impl Guarantee {
         }
     }
 
-    /// The guarantee of that name.
+    /// Returns the guarantee with a name.
     pub fn from_name(name: &str) -> Option<Self> {
         [Self::Box, Self::Hull].into_iter().find(|guarantee| guarantee.name() == name)
     }
 }
 
-/// How an output's samples are stored.
+/// Sample format of an output in its file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Precision {
     /// 16-bit float, EXR.
@@ -93,20 +93,20 @@ pub enum Precision {
 }
 
 impl Precision {
-    /// The words in documents.
+    /// Words in documents.
     pub const NAMES: [&str; 4] = ["half", "float", "uint8", "uint16"];
 
-    /// The word in documents.
+    /// Returns the word in documents.
     pub fn name(self) -> &'static str {
         Self::NAMES[self as usize]
     }
 
-    /// The precision of that name.
+    /// Returns the precision with a name.
     pub fn from_name(name: &str) -> Option<Self> {
         [Self::Half, Self::Float, Self::Uint8, Self::Uint16].into_iter().find(|precision| precision.name() == name)
     }
 
-    /// Whether it is one of PNG's.
+    /// Whether the precision is one of PNG, with integers.
     pub fn is_integer(self) -> bool {
         matches!(self, Self::Uint8 | Self::Uint16)
     }
@@ -115,30 +115,30 @@ impl Precision {
 /// One output of a document.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OutputSpec {
-    /// Its name.
+    /// Name of the output.
     pub name: String,
-    /// The node that it shows.
+    /// Node that the output shows.
     pub node: NodeId,
-    /// Index of that node's output.
+    /// Index among the outputs of that node.
     pub output: usize,
     /// Kind of the value.
     pub kind: Kind,
-    /// Where it is written, relative to the document.
+    /// Path of the file, relative to the document.
     pub file: Option<String>,
-    /// Name of its layer in the file.
+    /// Name of the layer in the file.
     pub layer: Option<String>,
-    /// How it is stored; by default half for EXR, 8 bits for PNG.
+    /// Sample format in the file; by default half for EXR (float for Fields), 8 bits for PNG.
     pub precision: Option<Precision>,
-    /// What must hold, or the command fails.
+    /// Guarantee without which the command fails.
     pub require: Option<Guarantee>,
-    /// Line and column of `file` in the document, or of the output where there is none.
+    /// Line and column of `file` in the document, or of the output if it has no file.
     pub place: [usize; 2],
 }
 
-/// A file by its path, its length and the time of its last change: one that has the same ones is the same.
+/// State of a file: path, length and time of the last change. Files with equal states count as equal.
 pub type FileState = (PathBuf, Option<(u64, Option<SystemTime>)>);
 
-/// The states of files, such as a node reads.
+/// Returns the states of files, for example of those that a node reads.
 pub fn file_states(files: &[PathBuf]) -> Vec<FileState> {
     let state = |path: &PathBuf| {
         let found = std::fs::metadata(path).ok();
@@ -147,13 +147,13 @@ pub fn file_states(files: &[PathBuf]) -> Vec<FileState> {
     files.iter().map(state).collect()
 }
 
-/// A validated graph. Made by [`crate::check()`] only.
+/// A validated graph. Only [`crate::check()`] makes one.
 #[derive(Clone, Debug)]
 pub struct CheckedGraph {
     pub(crate) name: String,
     pub(crate) folder: PathBuf,
     pub(crate) format: Format,
-    /// The document's own.
+    /// The document's own format, from which `format` differs in proxies and previews.
     pub(crate) whole: Format,
     pub(crate) format_place: [usize; 2],
     pub(crate) space: WorkingSpace,
@@ -169,96 +169,96 @@ pub struct CheckedGraph {
 }
 
 impl CheckedGraph {
-    /// The document's name.
+    /// Returns the name of the document.
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// The folder that paths are relative to.
+    /// Returns the folder that paths are relative to.
     pub fn folder(&self) -> &Path {
         &self.folder
     }
 
-    /// The pictures' format.
+    /// Returns the format of the pictures.
     pub fn format(&self) -> Format {
         self.format
     }
 
-    /// The same graph at another format, for proxies and previews.
+    /// Sets another format, for proxies and previews.
     pub fn with_format(mut self, format: Format) -> Self {
         self.format = format;
         self
     }
 
-    /// The space in which colors mix.
+    /// Returns the color space in which colors mix.
     pub fn space(&self) -> WorkingSpace {
         self.space
     }
 
-    /// First and last frame.
+    /// Returns the first and the last frame.
     pub fn frames(&self) -> (i64, i64) {
         (self.first, self.last)
     }
 
-    /// Frames per second.
+    /// Returns the frames per second.
     pub fn fps(&self) -> f64 {
         self.fps
     }
 
-    /// How accurate pictures are asked to be, where the document says so.
+    /// Returns the accuracy that the document requires of pictures, if any.
     pub fn tolerance(&self) -> Option<Tolerance> {
         self.tolerance
     }
 
-    /// All nodes; a [`NodeId`] is an index here.
+    /// Returns all nodes; a [`NodeId`] is an index into this slice.
     pub fn nodes(&self) -> &[CheckedNode] {
         &self.nodes
     }
 
-    /// A node.
+    /// Returns a node.
     pub fn node(&self, id: NodeId) -> &CheckedNode {
         &self.nodes[id.0]
     }
 
-    /// Where a node stands, or one of its items: document, line and column.
+    /// Returns the place of a node, or of one of its items: document, line and column.
     pub fn place_of(&self, id: NodeId, item: Option<&str>) -> String {
         let node = self.node(id);
         let [line, column] = item.map_or(node.place, |item| node.place_of(item));
         format!("{}:{line}:{column}", self.name)
     }
 
-    /// Where the document says how large pictures are: document, line and column.
+    /// Returns the place of the format: document, line and column.
     pub fn place_of_format(&self) -> String {
         let [line, column] = self.format_place;
         format!("{}:{line}:{column}", self.name)
     }
 
-    /// The node of that name.
+    /// Returns the node with a name.
     pub fn find(&self, name: &str) -> Option<NodeId> {
         self.nodes.iter().position(|node| node.name == name).map(NodeId)
     }
 
-    /// All outputs.
+    /// Returns all outputs.
     pub fn outputs(&self) -> &[OutputSpec] {
         &self.outputs
     }
 
-    /// All nodes, inputs before those that use them.
+    /// Returns all nodes in topological order: inputs before the nodes that use them.
     pub fn order(&self) -> &[NodeId] {
         &self.order
     }
 
-    /// The document's meaning as text, see [`Document::canonical`](crate::Document::canonical).
+    /// Returns the canonical text of the document, see [`Document::canonical`](crate::Document::canonical).
     pub fn canonical(&self) -> &str {
         &self.canonical
     }
 
-    /// A hash of everything in the document that evaluation depends on, 64 hexadecimal digits.
+    /// Returns a hash of everything in the document that evaluation depends on, as 64 hexadecimal digits.
     pub fn document_hash(&self) -> String {
         blake3::hash(self.canonical.as_bytes()).to_hex().to_string()
     }
 
-    /// What all nodes share at a frame.
+    /// Returns the data that all nodes share at a frame.
     pub fn frame_context(&self, frame: i64, memory_limit: u64) -> FrameContext {
         FrameContext {
             frame,
@@ -272,7 +272,7 @@ impl CheckedGraph {
         }
     }
 
-    /// What nodes take so long at a frame that it should be said, see [`Work::MOST`]: each with its name.
+    /// Returns the nodes, by name, that take longer than [`Work::MOST`] at a frame, with their work.
     pub fn heavy(&self, frame: i64) -> Vec<(&str, Work)> {
         let time = self.frame_context(frame, u64::MAX).time;
         let needed = self.reached(self.outputs.iter().map(|output| output.node), frame);
@@ -283,19 +283,19 @@ impl CheckedGraph {
         work.filter(|(_, work)| work.is_heavy()).collect()
     }
 
-    /// A node at a frame.
+    /// Returns a node at a frame.
     pub fn settle(&self, id: NodeId, frame: i64) -> Settled {
         let node = &self.nodes[id.0];
         node.ty.settle(node.record.settle(frame as f64))
     }
 
-    /// Everything that is connected to the roots, themselves included.
+    /// Marks the roots and all nodes upstream of them.
     pub fn upstream(&self, roots: impl IntoIterator<Item = NodeId>) -> Vec<bool> {
         self.walk(roots, |id, open| self.nodes[id.0].record.each_node(|node| open.push(node)))
     }
 
-    /// Everything that the roots depend on at a frame, themselves included: of a node that hands one of its inputs on,
-    /// only that input.
+    /// Marks the roots and all nodes that they depend on at a frame. A node that passes one of its inputs through
+    /// depends only on that input.
     pub fn reached(&self, roots: impl IntoIterator<Item = NodeId>, frame: i64) -> Vec<bool> {
         self.walk(roots, |id, open| {
             let settled = self.settle(id, frame);
@@ -318,7 +318,7 @@ impl CheckedGraph {
         seen
     }
 
-    /// Files that any node in `needed` reads at a frame.
+    /// Returns the files that the nodes marked in `needed` read at a frame, sorted and without duplicates.
     pub fn files(&self, needed: &[bool], context: &FrameContext) -> Vec<PathBuf> {
         let nodes = (0..self.nodes.len()).filter(|index| needed[*index]).map(NodeId);
         let mut files: Vec<PathBuf> = nodes.flat_map(|id| self.files_of(id, context)).collect();
@@ -327,16 +327,16 @@ impl CheckedGraph {
         files
     }
 
-    /// Files that a node reads at a frame.
+    /// Returns the files that a node reads at a frame.
     pub fn files_of(&self, id: NodeId, context: &FrameContext) -> Vec<PathBuf> {
         self.settle(id, context.frame).stage().map_or_else(Vec::new, |stage| stage.files(context))
     }
 
-    /// Content keys at a frame of all nodes that have their knobs in `settled`: equal keys mean equal results.
+    /// Returns the content keys at a frame of all nodes that are in `settled`: equal keys mean equal results.
     ///
-    /// A key covers type and its revision, knobs at the frame, the keys of everything connected, and, where
-    /// the node says that it depends on them, time and format. Files count by path, length and time of change. A
-    /// connected node without knobs in `settled` counts as nothing: its result must not matter.
+    /// A key covers the node's type and revision, the knobs at the frame, the keys of everything connected, and time
+    /// and format if the node depends on them. Files count by path, length and time of change. A connected node that
+    /// is not in `settled` counts as nothing: its result must not matter.
     pub fn keys(&self, settled: &[Option<Settled>], context: &FrameContext) -> Vec<Key> {
         let mut keys = vec![Key::default(); self.nodes.len()];
         for &id in &self.order {

@@ -1,76 +1,81 @@
-//! The one declaration of a node type: schema, manual, editor widgets, checks and keys derive from it.
+//! Declarations of node types, from which schema, manual, editor widgets, checks and content keys are derived.
 
-use crate::Accepts;
-use crate::Kind;
+use crate::{Accepts, Alias, Kind};
 
-/// Everything that is said about a node type, once.
+/// Declaration of a node type.
 #[derive(Clone, Copy, Debug)]
 pub struct Declaration {
     /// The `type` in documents, for example `Mix`.
     pub name: &'static str,
-    /// Which end of the graph it belongs to.
+    /// End of the graph to which the node belongs.
     pub end: End,
-    /// What it does, in one sentence.
+    /// Purpose of the node, in one sentence.
     pub summary: &'static str,
-    /// The formula, in the manual's plain notation.
+    /// Formula, in the manual's plain notation.
     pub formula: &'static str,
-    /// What happens at the edges of its domain.
+    /// Behavior at the edges of the domain.
     pub edge_cases: &'static str,
-    /// Where the definition comes from.
+    /// Source of the definition.
     pub source: &'static str,
-    /// Ports and knobs, in the order in which they are shown.
+    /// Ports and knobs, in display order.
     pub items: &'static [Item],
-    /// Outputs; the first is meant where a reference names the node alone.
+    /// Outputs; a reference that names only the node means the first.
     pub outputs: &'static [Output],
-    /// What it is to programs that look for one of its kind.
+    /// Role by which programs find the type.
     pub role: Option<Role>,
-    /// What its outputs have beside their kind.
+    /// Properties of its outputs beyond their kind.
     pub offers: &'static [Offer],
-    /// Raised when the node's results change, so that no cache returns the old ones.
+    /// Files that it reads, if their names tell.
+    pub reads: Option<Files>,
+    /// Names in other programs.
+    pub aliases: &'static [Alias],
+    /// Version of the results: raised when they change, so that no cache returns old ones.
     pub revision: u32,
 }
 
-/// Which end of the graph a node belongs to.
+/// End of the graph to which a node belongs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum End {
-    /// Any mathematics; makes Fields and masks.
+    /// Front end: any mathematics; makes Fields and masks.
     Front,
-    /// Convex operations only; makes Colors and Weights.
+    /// Back end: convex operations only; makes Colors and Weights.
     Back,
 }
 
-/// What a node type is to programs that look for one of its kind: editors, and checks of other nodes.
+/// Role by which editors, and checks of other nodes, find a node type.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Role {
-    /// The usual camera.
+    /// The standard camera.
     Camera,
-    /// The usual light.
+    /// The standard light.
     Light,
-    /// What looks at surfaces through a camera.
+    /// A renderer of surfaces through a camera.
     Render,
-    /// A view of passes that were rendered elsewhere.
+    /// A view of passes that another renderer made.
     Passes,
-    /// A sea, or other water.
+    /// A sea or other water.
     Sea,
-    /// The usual way from a field to a mask.
+    /// The standard conversion of a field to a mask.
     Threshold,
-    /// The usual pass of light: how surfaces look that are lit and nothing else.
+    /// The standard lighting pass: shows surfaces with lighting only.
     Clay,
-    /// Colors in rows and columns.
+    /// A blend of colors in rows and columns.
     Patch,
 }
 
-/// What an output has beside its kind, for what needs just that.
+/// Property of an output beyond its kind, for ports that need it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Offer {
-    /// A plane at rest, over which it stands: of every sea.
+    /// A plane at rest, above which heights are measured. Every sea has one.
     Rest,
-    /// Waves that crests break of, in closed form.
+    /// Waves in closed form whose crests can break.
     Waves,
-    /// What bursts leave behind.
+    /// Trails that bursts leave behind.
     Trails,
-    /// Folds, which some take for breaking crests.
+    /// Folds, which some nodes use as breaking crests.
     Folds,
+    /// Map of stability over knobs.
+    StabilityMap,
 }
 
 impl std::fmt::Display for Offer {
@@ -80,20 +85,38 @@ impl std::fmt::Display for Offer {
             Self::Waves => "waves",
             Self::Trails => "trails of bursts",
             Self::Folds => "folds",
+            Self::StabilityMap => "map of its stability",
         })
+    }
+}
+
+/// Files that a node type reads.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Files {
+    /// What they hold, such as "a picture".
+    pub what: &'static str,
+    /// Their endings, in lower case.
+    pub endings: &'static [&'static str],
+}
+
+impl Files {
+    /// Whether a file's name says that it is one of them.
+    pub fn include(&self, name: &str) -> bool {
+        let ending = name.rsplit_once('.').map(|(_, ending)| ending.to_lowercase());
+        ending.is_some_and(|ending| self.endings.contains(&&*ending))
     }
 }
 
 /// One output of a node type.
 #[derive(Clone, Copy, Debug)]
 pub struct Output {
-    /// Name after the dot in `"node.output"`.
+    /// Name, after the dot in `"node.output"`.
     pub name: &'static str,
-    /// Its kind, where the declaration alone determines it.
+    /// Kind, if the declaration alone determines it.
     pub kind: Kind,
-    /// What it holds, with its unit.
+    /// Help text: meaning and unit.
     pub help: &'static str,
-    /// Names of its channels in files, where others look for certain ones; none where those of its kind do.
+    /// Channel names in files that other programs expect; empty for the standard names of the kind.
     pub stored: &'static [&'static str],
 }
 
@@ -102,14 +125,14 @@ pub struct Output {
 pub enum Item {
     /// A connection.
     Port(Port),
-    /// A constant that the user sets.
+    /// A setting.
     Knob(Knob),
-    /// A list of records, for example a ramp's stops.
+    /// A list of records, for example the stops of a ramp.
     List(List),
 }
 
 impl Item {
-    /// The key in documents.
+    /// Returns the key in documents.
     pub fn name(&self) -> &'static str {
         match self {
             Self::Port(port) => port.name,
@@ -124,59 +147,59 @@ impl Item {
 pub struct Port {
     /// The key in documents.
     pub name: &'static str,
-    /// What it means.
+    /// Help text.
     pub help: &'static str,
-    /// What it takes.
+    /// Kinds of value that the port accepts.
     pub accepts: Accepts,
-    /// How many connections.
+    /// Number of connections.
     pub arity: Arity,
-    /// What it makes use of beside the kind.
+    /// Properties that the node uses beyond the kind.
     pub wants: &'static [Offer],
 }
 
-/// How many connections a port takes.
+/// Number of connections that a port takes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Arity {
     /// Exactly one.
     One,
-    /// One or none.
+    /// At most one.
     Optional,
-    /// A JSON array of this many.
+    /// A JSON array of connections.
     Many {
-        /// Fewest.
+        /// Smallest number.
         min: usize,
-        /// Most.
+        /// Largest number.
         max: usize,
     },
 }
 
-/// A constant that the user sets.
+/// A setting: a constant, or a value keyed over frames.
 #[derive(Clone, Copy, Debug)]
 pub struct Knob {
     /// The key in documents.
     pub name: &'static str,
-    /// What it means.
+    /// Help text.
     pub help: &'static str,
-    /// Its unit, empty if it has none: `m`, `s`, `degrees`, `frames`.
+    /// Unit: `m`, `s`, `degrees`, `frames`; empty for none.
     pub unit: &'static str,
-    /// What it takes.
+    /// Type and range of the value.
     pub takes: Takes,
-    /// The value where the document sets none; `None` makes the knob required.
+    /// Value if the document sets none; `None` makes the knob required.
     pub default: Option<Default>,
     /// Whether the value may be keyed over frames.
     pub animated: bool,
-    /// Whether each key holds until the next, since nothing lies between the values.
+    /// Whether each key holds until the next, for values without intermediate ones.
     pub held: bool,
-    /// Whether its values stand from the coarsest to the most accurate, and which is chosen changes how closely and how fast
-    /// the node meets its reference, but never the reference.
+    /// Whether the knob trades accuracy for speed. Its values are in order from the coarsest to the most accurate;
+    /// they change how closely the node matches its reference, but never the reference.
     pub accuracy: bool,
-    /// Whether the node's work grows with it.
+    /// Whether the node's work grows with the value.
     pub scales: bool,
-    /// Whether it is a length on the picture, in pixels, so that a smaller picture of the same thing takes it smaller.
+    /// Whether the value is a length in pixels, which is scaled with the size of the picture.
     pub drawn: bool,
 }
 
-/// What a knob takes.
+/// Type and range of a knob's value.
 #[derive(Clone, Copy, Debug)]
 pub enum Takes {
     /// A finite number in a closed range.
@@ -195,42 +218,42 @@ pub enum Takes {
     },
     /// `true` or `false`.
     Bool,
-    /// One of these words.
+    /// One of several words.
     Choice(&'static [&'static str]),
     /// A color: `"#rrggbb"` in sRGB, or `[r, g, b]` in the working space, finite and ≥ 0.
     Color,
-    /// This many finite numbers.
+    /// A fixed number of finite numbers.
     Vector(usize),
-    /// Any text.
+    /// A nonempty string.
     Text,
-    /// A path relative to the document's folder.
+    /// A path, relative to the document's folder.
     Path,
     /// A list of finite numbers.
     Numbers {
-        /// Fewest.
+        /// Smallest number.
         min: usize,
-        /// Most.
+        /// Largest number.
         max: usize,
     },
-    /// A list of texts.
+    /// A list of strings.
     Texts {
-        /// Most.
+        /// Largest number.
         max: usize,
     },
 }
 
-/// A knob's value where the document sets none.
+/// Value of a knob that the document does not set.
 #[derive(Clone, Copy, Debug)]
 pub enum Default {
     /// A number or whole number.
     Number(f64),
-    /// A truth value.
+    /// A Boolean value.
     Bool(bool),
-    /// A word or text.
+    /// A word or string.
     Text(&'static str),
     /// A color or vector.
     Vector(&'static [f64]),
-    /// Nothing: the node knows the knob as unset.
+    /// No value: the node sees the knob as unset.
     Unset,
 }
 
@@ -239,12 +262,12 @@ pub enum Default {
 pub struct List {
     /// The key in documents.
     pub name: &'static str,
-    /// What it means.
+    /// Help text.
     pub help: &'static str,
     /// Ports and knobs of one record.
     pub items: &'static [Item],
-    /// Fewest records.
+    /// Smallest number of records.
     pub min: usize,
-    /// Most records.
+    /// Largest number of records.
     pub max: usize,
 }

@@ -1,7 +1,7 @@
-//! What the derives refuse. Of each group of programs the first compiles, and the others, which differ from it in one place,
-//! do not.
+//! Tests of what the derive macros refuse. In each group of programs the first one compiles; the others, which differ
+//! from it in one place, do not.
 
-/// A program in which one hole is filled: a node, the types of its words and outputs, and what is done with it.
+/// A program with one part replaced: a node, the types of its words and outputs, and a function that uses it.
 macro_rules! program {
     ($how:literal, documentation $text:literal) => {
         program!($how, $text, attribute!(), fields!(), types!(), "")
@@ -72,7 +72,7 @@ macro_rules! groups {
     )*};
 }
 
-// Names that are misspelt, and words that are forgotten.
+// Misspelled names, and forgotten words.
 groups! {
     port: body "let _ = &node.color;" => ["let _ = &node.colour;"];
     knob: body "let _ = node.strength;" => ["let _ = node.strenght;"];
@@ -85,12 +85,12 @@ groups! {
     item: body "let _: ItemName = Tint::STRENGTH;" => ["let _: ItemName = Tint::STRENGHT;"];
 }
 
-// What a node says of itself.
+// Attributes and documentation of the node.
 groups! {
     documentation: documentation
         "/// Tints.\n/// # Formula\n/// C\n/// # Edge cases\n/// None.\n/// # Source\n/// None."
         => [
-            // No sentence, a heading that is missing, and headings in another order.
+            // No sentence, a missing heading, and headings in another order.
             "/// # Formula\n/// C\n/// # Edge cases\n/// None.\n/// # Source\n/// None.",
             "/// Tints.\n/// # Formula\n/// C\n/// # Edge cases\n/// None.",
             "/// Tints.\n/// # Edge cases\n/// None.\n/// # Formula\n/// C\n/// # Source\n/// None.",
@@ -108,7 +108,7 @@ groups! {
         ];
 }
 
-// What its fields say.
+// Attributes of the fields.
 groups! {
     one: fields
         "/// The color.\ncolor: One<port::Color>,"
@@ -148,7 +148,7 @@ groups! {
     word: fields "/// How.\nmanner: Manner," => ["/// How.\nmanner: Out,"];
 }
 
-// What its types say.
+// Types of words and outputs.
 groups! {
     types: types
         "#[derive(Clone, Choice)]\nenum Manner { Soft }\n#[derive(Clone, Copy, Outputs)]\n\

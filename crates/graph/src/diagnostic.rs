@@ -1,11 +1,12 @@
-//! What validation has to say: every fault, with its place, what was found, what was expected, and a remedy.
+//! Diagnostics of validation: faults and warnings, each with its place, what was found, what was expected, and a
+//! remedy.
 
 use std::fmt;
 
 /// Whether a diagnostic stops the document from being evaluated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Severity {
-    /// The document is valid, but something is probably not meant so.
+    /// The document is valid, but something is probably not intended.
     Warning,
     /// The document is invalid.
     Error,
@@ -16,26 +17,26 @@ pub enum Severity {
 pub struct Diagnostic {
     /// Error or warning.
     pub severity: Severity,
-    /// The document's name, or the command-line option that holds the fault.
+    /// Name of the document, or the command-line option that contains the fault.
     pub file: String,
-    /// Line, from 1; 0 where no place can be named.
+    /// Line, from 1; 0 if the place is unknown.
     pub line: usize,
-    /// Column in characters, from 1; 0 where no place can be named.
+    /// Column in characters, from 1; 0 if the place is unknown.
     pub column: usize,
-    /// The node, where the fault lies in one.
+    /// Node that contains the fault, if any.
     pub node: Option<String>,
-    /// The port or knob, where the fault lies in one.
+    /// Port or knob that contains the fault, if any.
     pub port: Option<String>,
-    /// What was found.
+    /// Description of the value or situation that was found.
     pub found: String,
-    /// What was expected.
+    /// Description of what is legal.
     pub expected: String,
-    /// What to do.
+    /// Remedy: an instruction to the user.
     pub remedy: String,
 }
 
 impl Diagnostic {
-    /// The diagnostic as a JSON object, one key per field.
+    /// Returns the diagnostic as a JSON object with one key per field.
     pub fn to_json(&self) -> serde_json::Value {
         serde_json::json!({
             "severity": self.severity.to_string(),
@@ -96,7 +97,7 @@ impl fmt::Display for Statement<'_> {
     }
 }
 
-/// The name nearest to `name`, where one is near enough to be a slip of the keyboard.
+/// Returns the candidate most similar to `name`, if it is similar enough that `name` may be a typing error.
 pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let lower = name.to_lowercase();
     candidates
@@ -109,7 +110,8 @@ pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) ->
         .map(|(_, candidate)| candidate)
 }
 
-/// Whether a few keys make the difference: of three letters one; or one is the beginning of the other.
+/// Whether two names differ by few edits, at most one in three letters (and at least one), or one, of three letters
+/// or more, is the beginning of the other.
 fn is_slip(name: &str, known: &str) -> bool {
     let (short, long) = if name.len() < known.len() { (name, known) } else { (known, name) };
     let slips = strsim::osa_distance(name, known);

@@ -1,12 +1,12 @@
-//! A document as typed: syntax only, every value with its place.
+//! Documents before validation: parsed JSON, in which every value has its place.
 
 use crate::spanned::{Entry, Json, Places, Spanned, line_and_column, parse, shorten};
 use crate::{Diagnostic, Severity};
 use std::sync::OnceLock;
 
-/// Largest document, bytes.
+/// Largest size of a document, in bytes.
 pub const MAX_BYTES: usize = 64 << 20;
-/// Most nodes of a document.
+/// Largest number of nodes in a document.
 pub const MAX_NODES: usize = 100_000;
 
 /// A parsed document.
@@ -14,21 +14,21 @@ pub const MAX_NODES: usize = 100_000;
 pub struct Document {
     name: String,
     text: String,
-    /// Made when the first fault is placed.
+    /// Made when the place of the first fault is needed.
     places: OnceLock<Places>,
     pub(crate) root: Spanned,
-    /// Texts of `--set`, in order; values from them carry places beyond the text.
+    /// Texts of `--set`, in order; their values have offsets from [`OVERRIDE`] on.
     overrides: Vec<String>,
 }
 
-/// Places from here on are indices into the overrides.
+/// First offset that means an override: offset − `OVERRIDE` is its index.
 const OVERRIDE: usize = usize::MAX / 2;
 
 impl Document {
-    /// Parses a JSON text; `name` stands for it in diagnostics.
+    /// Parses a JSON text; diagnostics call it `name`.
     ///
     /// # Errors
-    /// Not JSON, or larger or deeper than the limits.
+    /// The text is not JSON, or exceeds the limits of size or depth.
     pub fn parse(name: &str, text: &str) -> Result<Self, Box<Diagnostic>> {
         let fault = |line, column, found: String, expected: String, remedy: &str| {
             Box::new(Diagnostic {
@@ -57,7 +57,7 @@ impl Document {
         let root = parse(text).map_err(|error| {
             let (line, column) = line_and_column(text, error.offset);
             if text.trim().is_empty() {
-                let found = if text.is_empty() { "an empty file" } else { "white space alone" };
+                let found = if text.is_empty() { "an empty file" } else { "only white space" };
                 return fault(line, column, found.into(), "JSON".into(), "write a document, or name another file");
             }
             let near: String = text[floor(text, error.offset)..].chars().take(20).collect();
@@ -66,7 +66,7 @@ impl Document {
             } else if near.is_empty() || error.fault.is_end() {
                 "the text ends too early: close every bracket and quote"
             } else if error.fault.is_excess() {
-                "no document needs that: lists and objects are a few levels deep"
+                "no document needs that (lists and objects are a few levels deep): check what wrote it"
             } else {
                 "correct the syntax there; JSON has no comments and no trailing commas"
             };
@@ -75,16 +75,16 @@ impl Document {
         Ok(Self { name: name.into(), text: text.into(), places: OnceLock::new(), root, overrides: Vec::new() })
     }
 
-    /// The document's name.
+    /// Returns the name of the document.
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// Sets a knob or port of a node, as `--set NODE.KNOB=VALUE` does; `VALUE` is JSON, or a bare word that
-    /// stands for a string.
+    /// Sets a knob or port of a node, like `--set NODE.KNOB=VALUE`; `VALUE` is JSON, or a bare word that stands for a
+    /// string.
     ///
     /// # Errors
-    /// The assignment has another form, or names no node of the document.
+    /// The assignment has another form, or does not name a node of the document.
     pub fn set(&mut self, assignment: &str) -> Result<(), Box<Diagnostic>> {
         let mut fault = Diagnostic {
             severity: Severity::Error,
@@ -95,7 +95,7 @@ impl Document {
             port: None,
             found: format!("\"{}\"", shorten(assignment)),
             expected: "NODE.KNOB=VALUE, for example storm.height=3".into(),
-            remedy: "name a node of the document, a dot, one of its knobs, and a JSON value".into(),
+            remedy: "write a node of the document, a dot, one of its knobs, =, and a JSON value".into(),
         };
         let Some(((node, knob), value)) =
             assignment.split_once('=').and_then(|(path, value)| Some((path.split_once('.')?, value)))
@@ -104,12 +104,12 @@ impl Document {
         };
         if let Some((list, _)) = knob.split_once('.') {
             fault.node = Some(shorten(node));
-            fault.found = format!("\"{}\", which reaches into \"{}\"", shorten(knob), shorten(list));
+            fault.found = format!("\"{}\", a path into \"{}\"", shorten(knob), shorten(list));
             fault.expected = "a knob of the node itself".into();
-            // Such as of stops[1].color.
+            // For example "stops[1]" of "stops[1].color".
             let list = list.split('[').next().unwrap_or(list);
             fault.remedy = format!(
-                "set all of \"{}\", such as --set {}",
+                "set all of \"{}\", for example --set {}",
                 shorten(list),
                 crate::quoted(&format!("{node}.{list}=[{{ … }}]"))
             );
@@ -117,7 +117,7 @@ impl Document {
         }
         let mut value = match parse(value) {
             Ok(value) => value,
-            // A bare word or color; anything that looks like JSON must be JSON.
+            // A bare word or color. A text that looks like JSON must be JSON.
             Err(_) if !value.is_empty() && !value.starts_with(['{', '[', '"', '-']) => {
                 Spanned { offset: 0, json: Json::String(value.into()) }
             }
@@ -148,15 +148,15 @@ impl Document {
         fault.found = format!("node \"{}\"", shorten(node));
         fault.expected = "a node of the document".into();
         if at_top {
-            fault.found = format!("\"{}\", which is no node but stands beside them", shorten(node));
-            fault.remedy = format!("change \"{}\" in the document itself: --set reaches nodes alone", shorten(node));
+            fault.found = format!("\"{}\", which is not a node but a key beside \"nodes\"", shorten(node));
+            fault.remedy = format!("change \"{}\" in the document itself: --set changes only nodes", shorten(node));
         } else if let Some(near) = crate::nearest(node, names.iter().map(String::as_str)) {
             fault.remedy = format!("did you mean \"{near}\"?");
         }
         Err(Box::new(fault))
     }
 
-    /// File, line and column of a place.
+    /// Returns file, line and column of an offset.
     pub(crate) fn place(&self, offset: usize) -> (String, usize, usize) {
         match offset.checked_sub(OVERRIDE) {
             Some(index) => {
@@ -171,8 +171,8 @@ impl Document {
         }
     }
 
-    /// The document's meaning as text: keys sorted, `ui` and notes left out, `--set` applied. Two documents
-    /// with the same canonical text evaluate alike.
+    /// Returns the document as canonical text: keys sorted, `ui` and notes left out, `--set` applied. Documents with
+    /// the same canonical text have the same results.
     pub fn canonical(&self) -> String {
         let mut text = String::with_capacity(self.text.len());
         canonical(&self.root.json, true, &mut text);
@@ -228,7 +228,7 @@ fn canonical(json: &Json, top: bool, out: &mut String) {
     }
 }
 
-/// A string as JSON writes it.
+/// Appends a string in JSON syntax.
 fn quoted(text: &str, out: &mut String) {
     if text.bytes().any(|byte| byte < b' ' || byte == b'"' || byte == b'\\') {
         out.push_str(&serde_json::Value::from(text).to_string());
@@ -239,7 +239,7 @@ fn quoted(text: &str, out: &mut String) {
     }
 }
 
-/// The nearest character boundary at or before a byte offset.
+/// Returns the nearest character boundary at or before a byte offset.
 fn floor(text: &str, offset: usize) -> usize {
     let mut offset = offset.min(text.len());
     while !text.is_char_boundary(offset) {

@@ -1,11 +1,11 @@
-//! The same picture with fewer pixels.
+//! Graphs at another size, with lengths in pixels scaled.
 
 use crate::{CheckedGraph, Item, Record, Setting, Takes};
 use trochoid_image::Format;
 
 impl CheckedGraph {
-    /// The same picture at another format, for proxies and previews: what is measured in pixels, such as the width of a
-    /// line, keeps its share of the picture's width.
+    /// Sets another format, for proxies and previews, and scales knobs in pixels, such as the width of a line, with
+    /// the width of the picture.
     pub fn drawn_at(mut self, format: Format) -> Self {
         let scale = f64::from(format.width()) / f64::from(self.format.width());
         for node in &mut self.nodes {

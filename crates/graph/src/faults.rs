@@ -1,85 +1,108 @@
-//! What a node's own checks find.
+//! Faults and warnings from the nodes' own checks, and the view of the graph that those checks have.
 
-use crate::{ItemName, Kind, Offer, Settled, Source};
+use crate::{Declaration, ItemName, Kind, Offer, Registry, Settled, Source};
 
-/// Collects what [`Node::check`](crate::Node::check) finds.
+/// Collects the faults and warnings that [`Node::check`](crate::Node::check) reports.
 pub struct Check<'a> {
     around: &'a dyn Around,
     faults: Vec<Fault>,
 }
 
-/// The graph around a node that is checked.
+/// The graph around the node that is being checked.
 pub trait Around {
-    /// The kind of a connection or literal, where known.
+    /// Returns the kind of a connection or literal, if known.
     fn kind(&self, source: &Source<Vec<f64>>) -> Option<Kind>;
 
-    /// The node that a connection comes from, as it is at the frame, where it has no faults.
+    /// Returns the node that a connection comes from, at the current frame; `None` if it has faults.
     fn upstream(&self, source: &Source<Vec<f64>>) -> Option<Upstream>;
 
-    /// What takes the node's outputs.
+    /// Returns the ports that the node's outputs are connected to.
     fn users(&self) -> Vec<User>;
+
+    /// Returns all node types.
+    fn registry(&self) -> &Registry;
 }
 
-/// A node that another one takes something from.
+/// Returns names of node types in words, such as "a Mesh, Render or Sky"; "another node" if there is none.
+pub fn one_of(types: impl Iterator<Item = &'static Declaration>) -> String {
+    let names: Vec<&str> = types.map(|declaration| declaration.name).collect();
+    match names.as_slice() {
+        [] => "another node".into(),
+        [name] => format!("a {name}"),
+        [names @ .., last] => format!("a {} or {last}", names.join(", ")),
+    }
+}
+
+/// A node at the start of a connection.
 #[derive(Clone)]
 pub struct Upstream {
-    /// Its name in the document.
+    /// Name in the document.
     pub name: String,
-    /// Its ports and knobs.
+    /// Ports and knobs.
     pub node: Settled,
 }
 
 impl Upstream {
-    /// The name of its type.
+    /// Returns the name of the node type.
     pub fn ty(&self) -> &'static str {
         self.node.ty().declaration().name
     }
 
-    /// Whether what it hands on has something beside its kind.
+    /// Whether the outputs have a property beyond their kind.
     pub fn offers(&self, what: Offer) -> bool {
         self.node.ty().declaration().offers.contains(&what)
     }
 }
 
-/// A port that takes an output, or a view of it.
+/// A port that takes an output, or a view of that output.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct User {
-    /// What the port makes use of beside the kind.
+    /// Properties that the port uses beyond the kind.
     pub wants: &'static [Offer],
 }
 
 /// A fault or warning within one node.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Fault {
-    /// The port or knob.
+    /// Port or knob.
     pub item: ItemName,
-    /// What was found.
+    /// Description of the value or situation that was found.
     pub found: String,
-    /// What was expected.
+    /// Description of what is legal.
     pub expected: String,
-    /// What to do.
+    /// Remedy: an instruction to the user.
     pub remedy: String,
-    /// Whether it is only a warning.
+    /// Whether this is only a warning.
     pub warning: bool,
 }
 
 impl<'a> Check<'a> {
-    /// Made by validation.
+    /// Makes an empty collection; called by validation.
     pub fn new(around: &'a dyn Around) -> Self {
         Self { around, faults: Vec::new() }
     }
 
-    /// The kind of a connection or literal, where known.
+    /// Returns the kind of a connection or literal, if known.
     pub fn kind(&self, source: &Source<Vec<f64>>) -> Option<Kind> {
         self.around.kind(source)
     }
 
-    /// The node that a connection comes from, where it has no faults of its own.
+    /// Returns all node types.
+    pub fn types(&self) -> impl Iterator<Item = &'static Declaration> {
+        self.around.registry().iter().map(|ty| ty.declaration())
+    }
+
+    /// Returns the names of the node types that offer something, as in "a Mesh, Render or Sky".
+    pub fn offering(&self, what: Offer) -> String {
+        one_of(self.types().filter(|declaration| declaration.offers.contains(&what)))
+    }
+
+    /// Returns the node that a connection comes from; `None` if it has faults of its own.
     pub fn upstream(&self, source: &Source<Vec<f64>>) -> Option<Upstream> {
         self.around.upstream(source)
     }
 
-    /// What takes the node's outputs, and what takes the views of them.
+    /// Returns the ports that the node's outputs, and the views of those outputs, are connected to.
     pub fn users(&self) -> Vec<User> {
         self.around.users()
     }
@@ -96,7 +119,7 @@ impl<'a> Check<'a> {
         self.faults.push(Fault { item, found, expected, remedy, warning: true });
     }
 
-    /// Everything reported.
+    /// Returns everything reported.
     pub fn into_faults(self) -> Vec<Fault> {
         self.faults
     }

@@ -1,36 +1,37 @@
-//! Fields of nodes: what `#[derive(Node)]` reads ports and knobs into.
+//! Fields of nodes: the types into which `#[derive(Node)]` reads ports and knobs.
 
 use crate::{Accepts, Item, Output, Setting, Source, Values};
 use std::marker::PhantomData;
 use std::ops::Deref;
 
-/// Ports and knobs that are declared together: those of a node, of a record of a list, or what several nodes share.
+/// Ports and knobs that are declared together: those of a node, of a record of a list, or a group that several nodes
+/// share.
 ///
 /// Made by `#[derive(Items)]`, and by `#[derive(Node)]`.
 pub trait Items: Clone + Send + Sync + 'static {
-    /// What they are, in the order in which they are shown.
+    /// Declarations of the items, in display order.
     const ITEMS: &'static [Item];
 
-    /// Their values, in that order.
+    /// Reads the values of the items, in the order of [`Items::ITEMS`].
     fn read(reader: &mut Reader<'_>) -> Self;
 }
 
 /// A knob that takes one of several words. Made by `#[derive(Choice)]`.
 pub trait Choice: Read + 'static {
-    /// The words in documents; the first is the default.
+    /// Words in documents; the first is the default.
     const WORDS: &'static [&'static str];
 
-    /// The word of a value.
+    /// Returns the word of the value.
     fn word(&self) -> &'static str;
 }
 
 /// The outputs of a node. Made by `#[derive(Outputs)]`.
 pub trait OutputSet {
-    /// What they are; the first is meant where a reference names the node alone.
+    /// Declarations of the outputs; a reference that names only the node means the first.
     const OUTPUTS: &'static [Output];
 }
 
-/// The output of a node that has one: `outputs.take(Only, 0)`.
+/// The only output of a node with one output: `outputs.take(Only, 0)`.
 #[derive(Clone, Copy, Debug)]
 pub struct Only;
 
@@ -40,18 +41,18 @@ impl From<Only> for usize {
     }
 }
 
-/// The name of a declared port, knob or list: `Mix::WEIGHT`, one a field of the struct that declares it.
+/// Name of a declared port, knob or list, such as `Mix::WEIGHT`: one constant per field of the declaring struct.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct ItemName(&'static str);
 
 impl ItemName {
-    /// For derived code, which alone knows what is declared.
+    /// Makes a name in derived code, where all names are declared.
     #[doc(hidden)]
     pub const fn declared(name: &'static str) -> Self {
         Self(name)
     }
 
-    /// The key in documents.
+    /// Returns the key in documents.
     pub fn as_str(self) -> &'static str {
         self.0
     }
@@ -63,43 +64,43 @@ impl std::fmt::Display for ItemName {
     }
 }
 
-/// One of a node's ports: those within lists have none.
+/// Identifies one of a node's ports; ports within lists have no identifier.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct PortId {
-    /// Its place among the node's ports.
+    /// Index among the node's ports.
     index: usize,
     name: &'static str,
 }
 
 impl PortId {
-    /// The port of that name, which stands at a place among its node's ports.
+    /// Makes the identifier of a port from its index among the node's ports and its name.
     pub fn new(index: usize, name: &'static str) -> Self {
         Self { index, name }
     }
 
-    /// Its place among the node's ports.
+    /// Returns the index among the node's ports.
     pub fn index(self) -> usize {
         self.index
     }
 
-    /// The key in documents.
+    /// Returns the key in documents.
     pub fn name(self) -> &'static str {
         self.name
     }
 
-    /// The same, as faults name it.
+    /// Returns the name as an [`ItemName`], for faults.
     pub fn item(self) -> ItemName {
         ItemName(self.name)
     }
 }
 
-/// What a port takes, as a type: `One<port::Mask>`.
+/// A type that says what a port accepts: `One<port::Mask>`.
 pub trait Accepted: Send + Sync + 'static {
-    /// The same as a value.
+    /// The kind of connection as a value.
     const ACCEPTS: Accepts;
 }
 
-/// What ports take, as types.
+/// Types that say what ports accept.
 pub mod port {
     macro_rules! kinds {
         ($($name:ident)*) => {$(
@@ -116,15 +117,15 @@ pub mod port {
     kinds! { Color Mask Weights Scalar Field Direction Image Surface Camera Light View }
 }
 
-/// A port of a node.
+/// A port of a node, with its connections.
 pub trait Connected {
-    /// What it takes.
+    /// Kinds of value that the port accepts.
     const ACCEPTS: Accepts;
 
-    /// Which of the node's ports it is.
+    /// Returns the identifier of the port.
     fn id(&self) -> PortId;
 
-    /// What is connected to it, or written in its place.
+    /// Returns the connections of the port, and the literals written instead of connections.
     fn sources(&self) -> &[Source<Vec<f64>>];
 }
 
@@ -169,13 +170,13 @@ macro_rules! ports {
 ports! {
     /// A port with one connection.
     One holds Source<Vec<f64>>;
-    /// A port with one connection, or none.
+    /// A port with at most one connection.
     Optional holds Option<Source<Vec<f64>>>;
     /// A port with several connections.
     Many holds Vec<Source<Vec<f64>>>;
 }
 
-/// How a port holds what is connected to it.
+/// Storage for the connections of a port.
 trait Held {
     fn held(sources: &[Source<Vec<f64>>]) -> Self;
     fn all(&self) -> &[Source<Vec<f64>>];
@@ -183,7 +184,7 @@ trait Held {
 
 impl Held for Source<Vec<f64>> {
     fn held(sources: &[Source<Vec<f64>>]) -> Self {
-        // A port that is open though it must not be is a fault of its document, which is told elsewhere.
+        // Validation reports required ports that are open.
         sources.first().cloned().unwrap_or(Source::Number(vec![0.0]))
     }
 
@@ -212,17 +213,17 @@ impl Held for Vec<Source<Vec<f64>>> {
     }
 }
 
-/// A port as a [`Reader`] reads it.
+/// A port that a [`Reader`] can read.
 pub trait ReadPort {
-    /// The port, of what is connected to it.
+    /// Makes the port from its connections.
     fn read(id: PortId, sources: &[Source<Vec<f64>>]) -> Self;
 }
 
-/// A knob's value as a [`Reader`] reads it.
+/// A knob's value that a [`Reader`] can read.
 ///
-/// Any setting is read: of one that the knob does not take, which is a fault of its document, something legal.
+/// Reading never fails: a setting that the knob does not take, which validation reports, gives some legal value.
 pub trait Read: Clone + Send + Sync {
-    /// The value of a setting.
+    /// Reads the value of a setting.
     fn read(setting: &Setting<Vec<f64>>) -> Self;
 }
 
@@ -233,7 +234,7 @@ impl Read for f64 {
 }
 
 impl Read for i64 {
-    /// A keyed one is rounded to the nearest.
+    /// Rounds an interpolated value to the nearest whole number.
     fn read(setting: &Setting<Vec<f64>>) -> Self {
         f64::read(setting).round() as Self
     }
@@ -276,7 +277,7 @@ impl<T: Read> Read for Option<T> {
     }
 }
 
-/// Hands the values of a record on, one after the other, in the order in which they are declared.
+/// Reads the values of a record one after another, in declaration order.
 pub struct Reader<'r> {
     values: &'r Values,
     knobs: usize,
@@ -284,24 +285,24 @@ pub struct Reader<'r> {
     lists: usize,
 }
 
-/// Takes the next of several.
+/// Takes the next element of a slice.
 fn next<'r, T>(of: &'r [T], at: &mut usize) -> Option<&'r T> {
     *at += 1;
     of.get(*at - 1)
 }
 
 impl<'r> Reader<'r> {
-    /// All items of a record.
+    /// Starts at the first item of a record.
     pub fn new(values: &'r Values) -> Self {
         Self { values, knobs: 0, ports: 0, lists: 0 }
     }
 
-    /// The next knob.
+    /// Reads the next knob.
     pub fn knob<T: Read>(&mut self) -> T {
         T::read(next(&self.values.knobs, &mut self.knobs).map_or(&Setting::Unset, |(_, setting)| setting))
     }
 
-    /// The next port.
+    /// Reads the next port.
     pub fn port<T: ReadPort>(&mut self) -> T {
         let index = self.ports;
         match next(&self.values.ports, &mut self.ports) {
@@ -310,14 +311,14 @@ impl<'r> Reader<'r> {
         }
     }
 
-    /// The next list.
+    /// Reads the next list.
     pub fn list<T: Items>(&mut self) -> Vec<T> {
         let records = next(&self.values.lists, &mut self.lists).map_or(&[][..], |(_, records)| records);
         records.iter().map(|record| T::read(&mut Reader::new(record))).collect()
     }
 }
 
-/// How many items several groups have together.
+/// Returns the total number of items in several groups.
 #[doc(hidden)]
 pub const fn count_items(groups: &[&[Item]]) -> usize {
     let (mut count, mut group) = (0, 0);
@@ -328,7 +329,7 @@ pub const fn count_items(groups: &[&[Item]]) -> usize {
     count
 }
 
-/// All items of several groups, in order.
+/// Joins the items of several groups, in order.
 #[doc(hidden)]
 pub const fn join_items<const COUNT: usize>(groups: &[&[Item]]) -> [Item; COUNT] {
     const UNSET: Item = Item::List(crate::List { name: "", help: "", items: &[], min: 0, max: 0 });

@@ -1,40 +1,40 @@
-//! What all nodes of one frame share, and how paths name frames.
+//! Data that all nodes share at a frame, and frame numbers in paths.
 
 use crate::{Access, quoted};
 use std::path::PathBuf;
 use trochoid_image::{Format, WorkingSpace};
 
-/// What all nodes of one frame share.
+/// Data that all nodes share at a frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FrameContext {
-    /// The frame's number.
+    /// Frame number.
     pub frame: i64,
     /// Seconds since the first frame.
     pub time: f64,
-    /// The format that pictures are drawn at.
+    /// Format of the pictures that are made.
     pub format: Format,
-    /// The document's own, where that is another: what it is compared with that comes from files.
+    /// The document's own format, from which [`format`](Self::format) may differ. Sizes of files are compared with it.
     pub whole: Format,
-    /// The document's working space.
+    /// Working space of the document.
     pub space: WorkingSpace,
-    /// Folder that paths in the document are relative to.
+    /// Folder to which paths in the document are relative.
     pub folder: PathBuf,
-    /// Most memory that decoding one file may take, bytes.
+    /// Largest memory that decoding one file may take, in bytes.
     pub memory_limit: u64,
-    /// Which files the document may reach.
+    /// Files that the document may reach.
     pub access: Access,
 }
 
 impl FrameContext {
-    /// A path of the document, with `####` and `%04d` replaced by the frame, see [`expand_frame`].
+    /// Returns a path of the document, with `####` or `%04d` replaced by the frame, see [`expand_frame`].
     pub fn path(&self, text: &str) -> PathBuf {
         let expanded = PathBuf::from(expand_frame(text, self.frame));
         if expanded.is_absolute() { expanded } else { self.folder.join(expanded) }
     }
 }
 
-/// Replaces the first run of `#`, or where there is none the first `%0Nd`, by the frame's number, padded with zeros. A `\#` is a
-/// `#` of the name itself, and `\%` a `%`.
+/// Replaces the first run of `#`, or, if there is none, the first `%0Nd`, with the frame number, padded with zeros.
+/// `\#` and `\%` stand for the signs `#` and `%` in the name itself.
 ///
 /// ```
 /// use trochoid_graph::expand_frame;
@@ -51,7 +51,7 @@ pub fn expand_frame(pattern: &str, frame: i64) -> String {
     format!("{}{sign}{:0width$}{}", plain(&pattern[..start]), frame.unsigned_abs(), plain(&pattern[end..]))
 }
 
-/// A name as [`expand_frame`] takes it, so that the same name comes out at every frame.
+/// Escapes a name, so that [`expand_frame`] returns the name unchanged at every frame.
 ///
 /// ```
 /// use trochoid_graph::{escape_frame, expand_frame};
@@ -62,13 +62,13 @@ pub fn escape_frame(name: &str) -> String {
     name.replace('#', r"\#").replace('%', r"\%")
 }
 
-/// Where a pattern has the frame, and how many digits at least.
+/// Finds the frame in a pattern: start, end and minimum number of digits.
 fn placeholder(pattern: &str) -> Option<(usize, usize, usize)> {
     let first = |sign: char| placeholders(pattern).find(|(start, ..)| pattern[*start..].starts_with(sign));
     first('#').or_else(|| first('%'))
 }
 
-/// Every run of `#` and every `%0Nd` that is not escaped: where, and how many digits at least.
+/// Finds every run of `#` and every `%0Nd` that is not escaped: start, end and minimum number of digits.
 fn placeholders(pattern: &str) -> impl Iterator<Item = (usize, usize, usize)> {
     let mut behind = 0;
     pattern.match_indices(['#', '%']).filter_map(move |(start, sign)| {
@@ -87,8 +87,8 @@ fn placeholders(pattern: &str) -> impl Iterator<Item = (usize, usize, usize)> {
     })
 }
 
-/// A pattern of which only the last of several runs of `#` and `%0Nd` stands for the frame, and the others for themselves;
-/// nothing where there is one at most.
+/// Escapes all runs of `#` and `%0Nd` but the last, so that only that one stands for the frame; `None` if there is at
+/// most one run.
 ///
 /// ```
 /// use trochoid_graph::one_frame_pattern;
@@ -105,13 +105,13 @@ pub fn one_frame_pattern(pattern: &str) -> Option<String> {
     Some(one)
 }
 
-/// What to write where there is no file of an expanded path, but one whose folders or name have a `#` or `%` of their own;
-/// nothing otherwise.
+/// Returns the remedy for a missing file if a file exists whose folders or name contain `#` or `%` themselves; `None`
+/// otherwise.
 ///
-/// `text` is the path as a document of the frame writes it.
+/// `text` is the path as written in the document.
 pub fn escape_remedy(frame: &FrameContext, text: &str) -> Option<String> {
     let mut written = text.to_owned();
-    // The first signs count as the frame, so they are the first to be of the name.
+    // The first signs are read as the frame, so they are escaped first.
     while let Some((start, end, _)) = placeholder(&written) {
         let signs = escape_frame(&written[start..end]);
         written.replace_range(start..end, &signs);
@@ -119,7 +119,7 @@ pub fn escape_remedy(frame: &FrameContext, text: &str) -> Option<String> {
         if path.exists() {
             let (json, word) = (serde_json::Value::from(written.as_str()), quoted(&written));
             return Some(format!(
-                "there is {}: a # or % of a name itself has a backslash before it: {json} in a document, {word} in a shell",
+                "{} exists: write a backslash before a # or % that is part of a name: {json} in a document, {word} in a shell",
                 path.display()
             ));
         }

@@ -1,38 +1,38 @@
-//! The closed set of kinds of value that travel along edges.
+//! The closed set of kinds of value on connections.
 
 use std::fmt;
 use trochoid_image::Channel;
 
-/// What an output hands on and a port takes.
+/// Kind of value that an output has and a port takes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Kind {
     /// RGB image in the working space; finite, ≥ 0.
     Color,
-    /// Partition of unity over `n` controls. `Weights(2)` is a *mask*, held as one number t in [0, 1].
+    /// Partition of unity over `n` controls. `Weights(2)` is a *mask*, stored as one number t in [0, 1].
     Weights(usize),
     /// Unbounded image of 1 to 4 components, never NaN.
     Field(usize),
     /// Geometry that a camera can see. Front end only.
     Surface,
-    /// A point of view. Front end only.
+    /// Camera. Front end only.
     Camera,
-    /// A source of light. Front end only.
+    /// Light source. Front end only.
     Light,
-    /// What a camera sees of surfaces: coverage, and whatever fields are asked of it. Front end only.
+    /// Surfaces as a camera sees them: coverage, and the fields that nodes request. Front end only.
     View,
 }
 
 impl Kind {
-    /// A two-way partition of unity, written as one number.
+    /// Two-way partition of unity, written as one number.
     pub const MASK: Self = Self::Weights(2);
 
-    /// In a declaration: a partition of as many ways as knobs and connections say.
+    /// In a declaration: a partition whose number of weights depends on knobs and connections.
     pub const ANY_WEIGHTS: Self = Self::Weights(0);
 
     /// In a declaration: the kind of the node's first connection.
     pub const ANY: Self = Self::Field(0);
 
-    /// Number of planes that the value occupies in a tile; 0 for values that are not images.
+    /// Returns the number of planes of the value in a tile; 0 for values that are not images.
     pub fn channels(self) -> usize {
         match self {
             Self::Color => 3,
@@ -62,16 +62,16 @@ impl fmt::Display for Kind {
     }
 }
 
-/// What a port takes.
+/// Kinds of value and literals that a port takes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Accepts {
     /// A Color, or a literal color.
     Color,
     /// A mask, or a literal number in [0, 1].
     Mask,
-    /// A partition of any number of controls.
+    /// A partition over any number of controls.
     Weights,
-    /// A Field of one component, a mask (which is forgotten to be one), or a literal number.
+    /// A Field of one component, a mask (read as a Field), or a literal number.
     Scalar,
     /// A Field of any number of components, or a mask.
     Field,
@@ -90,7 +90,7 @@ pub enum Accepts {
 }
 
 impl Accepts {
-    /// Whether a value of `kind` may be connected: like to like, and mask → Field.
+    /// Whether a value of `kind` may be connected: one of the same kind, or a mask as a Field.
     pub fn takes(self, kind: Kind) -> bool {
         matches!(
             (self, kind),
@@ -118,37 +118,35 @@ impl Accepts {
         matches!(self, Self::Color | Self::Image)
     }
 
-    /// The node that makes a legal value of a refused one, as a sentence, for diagnostics.
+    /// Returns a remedy for diagnostics: how to turn a refused value into a legal one.
     pub fn remedy(self, found: Kind) -> String {
         match (self, found) {
             (Self::Mask | Self::Weights, Kind::Field(1)) => {
-                "put a Clamp between: it maps the field to weights in [0, 1]".into()
+                "insert a Clamp: it maps the field to weights in [0, 1]".into()
             }
             (Self::Mask | Self::Weights, Kind::Field(_)) => {
-                "take one component with a FieldMath (\"expression\": \"a.x\"), then Clamp it".into()
+                "extract one component with a FieldMath (\"expression\": \"a.x\"), then Clamp it".into()
             }
             (Self::Direction, Kind::Weights(_) | Kind::Field(_)) => {
                 "connect a FlowField, or make two components with FieldMath".into()
             }
-            (Self::Scalar, Kind::Field(_)) => "take one component with a FieldMath: \"expression\": \"a.x\"".into(),
+            (Self::Scalar, Kind::Field(_)) => "extract one component with a FieldMath: \"expression\": \"a.x\"".into(),
             (Self::Mask, Kind::Weights(n)) => {
-                format!("give the {n} weights to a Blend with {n} colors; a mask has two ways only")
+                format!("connect the {n} weights to a Blend with {n} colors; a mask has only two weights")
             }
             (Self::Mask | Self::Weights | Self::Scalar | Self::Field | Self::Direction, Kind::Color) => {
-                "colors never become weights, or the picture would not stay linear in its palette; \
+                "a color cannot become a weight: the picture would no longer be linear in its palette; \
                  read the picture as a field (Read with \"as\": \"field\") and Clamp it"
                     .into()
             }
             (Self::Color, Kind::Weights(_) | Kind::Field(_)) => {
-                "give it to a Mix, Blend, Ramp or Patch as its weight; control colors make the color".into()
+                "connect it as the weight of a Mix, Blend, Ramp or Patch; the colors come from control colors".into()
             }
-            (Self::View, Kind::Surface | Kind::Camera) => {
-                "put a Render between: it looks at surfaces through a camera".into()
-            }
+            (Self::View, Kind::Surface | Kind::Camera) => "insert a Render: it shows surfaces through a camera".into(),
             (Self::Surface, Kind::View) => {
-                "name the surfaces themselves, such as a GerstnerSea; a View is what a camera sees of them".into()
+                "connect the surfaces themselves, such as a GerstnerSea; a View is what a camera sees of them".into()
             }
-            (_, Kind::View) => "put a pass between, for example NonSpecular or Depth".into(),
+            (_, Kind::View) => "insert a pass, for example NonSpecular or Depth".into(),
             _ => format!("connect a {self}"),
         }
     }

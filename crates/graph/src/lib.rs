@@ -1,13 +1,13 @@
-//! What a graph means: kinds of value, the contract of nodes, documents and their validation.
+//! The meaning of graphs: kinds of value, the contract of nodes, documents and their validation.
 //!
 //! A *document* is JSON: nodes by name, each with a type, knobs and connections, and outputs. Checking it
 //! against a [`Registry`] of node types gives a [`CheckedGraph`], or every fault as a [`Diagnostic`].
 //!
-//! A graph is evaluated frame by frame. At a frame every knob has one value. A node's output is a value of one
+//! A graph is evaluated frame by frame. At a frame every knob has one value. The output of a node is a value of one
 //! of a closed set of [`Kind`]s. Front-end nodes make Fields and masks by any mathematics; back-end nodes make
-//! Colors by convex operations only, which they express as a [`Program`] of a closed set of operations. There
-//! is no way to make a weight from a color, and no way to combine colors but by weights that are ≥ 0 and sum
-//! to 1. So every color of an output lies in the convex hull of the control colors, whatever the passes hold.
+//! Colors by convex operations only, which they express as a [`Program`] of a closed set of operations. No operation
+//! makes a weight from a color, and colors are combined only by weights that are ≥ 0 and sum to 1. So every color of
+//! an output lies in the convex hull of the control colors, whatever the passes contain.
 
 // Derived code names this crate by its name.
 extern crate self as trochoid_graph;
@@ -15,6 +15,7 @@ extern crate self as trochoid_graph;
 mod access;
 mod animated;
 mod bound;
+mod bounding;
 mod build;
 mod check;
 mod checked;
@@ -32,6 +33,7 @@ mod lowering;
 mod manual;
 mod memory;
 mod node;
+mod node_error;
 mod program;
 mod record;
 mod reference;
@@ -40,6 +42,7 @@ mod registry;
 mod schema;
 mod settled;
 mod shell;
+mod span;
 mod spanned;
 mod spectrum;
 mod stability;
@@ -51,13 +54,14 @@ mod work;
 pub use access::{Access, Outside, Refused, Right, allow_options, refusals, resolved};
 pub use animated::{Animated, Interpolation};
 pub use bound::{Bound, LITERAL, NoBound, REFERENCE};
+pub use bounding::Bounding;
 pub use build::{Builder, Mask, Value, Weights, load};
 pub use check::{FORMAT_VERSION, check, expected};
 pub use checked::{CheckedGraph, CheckedNode, FileState, Guarantee, OutputSpec, Precision, file_states};
-pub use declare::{Arity, Declaration, Default, End, Item, Knob, List, Offer, Output, Port, Role, Takes};
+pub use declare::{Arity, Declaration, Default, End, Files, Item, Knob, List, Offer, Output, Port, Role, Takes};
 pub use diagnostic::{Diagnostic, Severity, Statement, nearest};
 pub use document::{Document, MAX_BYTES, MAX_NODES};
-pub use faults::{Around, Check, Fault, Upstream, User};
+pub use faults::{Around, Check, Fault, Upstream, User, one_of};
 pub use fields::{
     Accepted, Choice, Connected, ItemName, Items, Many, One, Only, Optional, OutputSet, PortId, Read, ReadPort, Reader,
     port,
@@ -70,9 +74,9 @@ pub use lowering::Lowering;
 pub use manual::counted;
 pub use memory::{MemoryUse, Reckoning, in_bytes};
 pub use node::{
-    Body, Declare, Dynamics, Found, Handle, Node, NodeError, NodeType, Omission, Paths, Pointwise, Prepared, Rate,
-    Stage, Variance,
+    Body, Declare, Dynamics, Found, Handle, Node, NodeType, Omission, Paths, Pointwise, Prepared, Rate, Stage, Variance,
 };
+pub use node_error::{BadData, DataPlace, Failure, NodeError};
 pub use program::{Color, Op, Partition, Program, Scalar, Slot, Type};
 pub use record::{NodeId, Record, Setting, Source, Values};
 pub use reference::{Reference, References};
@@ -81,11 +85,12 @@ pub use registry::Registry;
 pub use schema::schema;
 pub use settled::Settled;
 pub use shell::{quoted, quoted_path};
+pub use span::Span;
 pub use spanned::{MAX_DEPTH, MAX_VALUES};
 pub use spectrum::{Harmonic, Spectrum};
 pub use stability::{Figure, Relation, Stability, StabilityMap, Verdict};
-pub use stage_io::{Block, Bounding, Connection, Inputs, Outputs, Pool, Prepare};
-pub use terms::{TERMS, Term};
+pub use stage_io::{Block, Connection, Inputs, Outputs, Pool, Prepare};
+pub use terms::{Alias, OUTPUT_WORDS, Term};
 pub use tolerance::Tolerance;
 pub use trochoid_derive::{Choice, Items, Node, Outputs};
 pub use trochoid_image::{Channel, ChannelSet};

@@ -1,21 +1,21 @@
-//! What pointwise nodes are given when they lower.
+//! Lowering: access of pointwise nodes to their inputs and to the builder.
 
 use crate::{Builder, Source, Value};
 
-/// What [`Pointwise::lower`](crate::Pointwise::lower) is given.
+/// Arguments of [`Pointwise::lower`](crate::Pointwise::lower).
 pub struct Lowering<'a> {
-    /// Appends operations.
+    /// Builder that appends operations.
     pub build: Builder<'a>,
     inputs: &'a dyn Fn(&Source<Vec<f64>>) -> Value,
 }
 
 impl<'a> Lowering<'a> {
-    /// Made by the engine. `inputs` gives the values of everything that the node is connected to.
+    /// Makes the arguments; called by the engine. `inputs` returns the values of everything connected to the node.
     pub fn new(build: Builder<'a>, inputs: &'a dyn Fn(&Source<Vec<f64>>) -> Value) -> Self {
         Self { build, inputs }
     }
 
-    /// A connected or literal value of any kind; a literal number counts as a mask.
+    /// Returns a connected or literal value of any kind; a literal number counts as a mask.
     pub fn value(&mut self, source: &Source<Vec<f64>>) -> Value {
         match source {
             Source::Output { .. } => (self.inputs)(source),
@@ -25,7 +25,7 @@ impl<'a> Lowering<'a> {
         }
     }
 
-    /// A connected or literal color.
+    /// Returns a connected or literal color.
     pub fn color(&mut self, source: &Source<Vec<f64>>) -> crate::Color {
         if let Some([r, g, b]) = source.color() {
             return self.build.control([r as f32, g as f32, b as f32]);
@@ -36,7 +36,7 @@ impl<'a> Lowering<'a> {
         }
     }
 
-    /// A connected or literal mask.
+    /// Returns a connected or literal mask.
     pub fn mask(&mut self, source: &Source<Vec<f64>>) -> crate::Mask {
         if let Some(number) = source.number() {
             return self.build.constant_mask(number as f32);
@@ -47,7 +47,7 @@ impl<'a> Lowering<'a> {
         }
     }
 
-    /// A connected or literal field of one component; a mask is forgotten to be one.
+    /// Returns a connected or literal field of one component; a mask is converted to a field.
     pub fn scalar(&mut self, source: &Source<Vec<f64>>) -> crate::Scalar {
         if let Some(number) = source.number() {
             return self.build.constant(number as f32);
@@ -59,7 +59,7 @@ impl<'a> Lowering<'a> {
         }
     }
 
-    /// Connected or literal weights.
+    /// Returns connected or literal weights.
     pub fn weights(&mut self, source: &Source<Vec<f64>>) -> crate::Weights {
         if let Source::Numbers(numbers) = source {
             return self.build.literal_weights(numbers);

@@ -1,75 +1,75 @@
-//! Memory that nodes take at a frame, reckoned before any of it is taken.
+//! Estimates of the memory that nodes take at a frame, made before any of it is allocated.
 
 use crate::{Connected, FrameContext, NodeId, Source};
 
-/// About how much memory a node takes at a frame, bytes, and what to do where that is too much.
+/// Estimate of the memory that a node takes at a frame, in bytes, and the remedy if it is too much.
 ///
-/// It is reckoned from knobs, the picture's format and the headers of files, where any of these can make it large. What is small
-/// whatever they say counts as none.
+/// The estimate follows from knobs, the picture's format and the headers of files, if any of them can make it large.
+/// Memory that is always small counts as none.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct MemoryUse {
-    /// What the node holds as long as the frame is made.
+    /// Memory that the node holds while the frame is made.
     pub held: u64,
-    /// What it needs beside that while it prepares.
+    /// Additional memory while the node prepares.
     pub working: u64,
-    /// Of a surface, or of a view: what each view of the surfaces holds.
+    /// For a surface or a view: memory that each view of the surfaces holds.
     pub seen: u64,
-    /// What each thread that works on tiles holds for it: bytes a pixel of the tile, and at most. Nodes share the room, so that
-    /// the most of them counts.
+    /// Memory that each thread working on tiles holds for the node: bytes per pixel of the tile, and the maximum in
+    /// bytes. Nodes share this memory, so only the largest counts.
     pub thread: [u64; 2],
-    /// Nodes with the same key hold it together.
+    /// Key of shared memory: nodes with the same key hold it together.
     pub shared: Option<[u64; 3]>,
-    /// What to make smaller.
+    /// Remedy: what to make smaller.
     pub remedy: &'static str,
 }
 
 impl MemoryUse {
-    /// What is held as long as the frame is made.
+    /// Makes an estimate of the memory held while the frame is made.
     pub fn held(bytes: u64, remedy: &'static str) -> Self {
         Self { held: bytes, remedy, ..Self::default() }
     }
 
-    /// The same with what is needed beside it while the node prepares.
+    /// Sets the additional memory while the node prepares.
     #[must_use]
     pub fn working(self, bytes: u64) -> Self {
         Self { working: bytes, ..self }
     }
 
-    /// The same where nodes with this key hold it together.
+    /// Sets the key of the nodes that hold the memory together.
     #[must_use]
     pub fn shared(self, key: [u64; 3]) -> Self {
         Self { shared: Some(key), ..self }
     }
 
-    /// The same where each thread that works on tiles holds so many bytes a pixel for it, and at most so many.
+    /// Sets the memory that each thread working on tiles holds: bytes per pixel, and the maximum in bytes.
     #[must_use]
     pub fn thread(self, pixel: u64, most: u64) -> Self {
         Self { thread: [pixel, most], ..self }
     }
 
-    /// The same of a surface, of which each view holds so many bytes.
+    /// Sets the memory that each view of the surface holds.
     #[must_use]
     pub fn seen(self, bytes: u64) -> Self {
         Self { seen: bytes, ..self }
     }
 }
 
-/// What a node is given to reckon its memory.
+/// Arguments of [`Stage::memory`](crate::Stage::memory).
 pub struct Reckoning<'a> {
-    /// The frame.
+    /// Data that all nodes of the frame share.
     pub frame: &'a FrameContext,
-    /// For each output, which of its channels are wanted.
+    /// Whether each channel is wanted, by output.
     pub wanted: &'a [Vec<bool>],
     of: &'a dyn Fn(NodeId) -> MemoryUse,
 }
 
 impl<'a> Reckoning<'a> {
-    /// Made by the engine, with what the nodes before it take.
+    /// Makes the arguments, with the estimates of the nodes upstream; called by the engine.
     pub fn new(frame: &'a FrameContext, wanted: &'a [Vec<bool>], of: &'a dyn Fn(NodeId) -> MemoryUse) -> Self {
         Self { frame, wanted, of }
     }
 
-    /// What all that is connected to a port takes.
+    /// Returns the estimates of everything connected to a port.
     pub fn all<'s>(&'s self, port: &'s impl Connected) -> impl Iterator<Item = MemoryUse> + 's {
         port.sources().iter().filter_map(|source| match source {
             Source::Output { node, .. } => Some((self.of)(*node)),
@@ -77,13 +77,13 @@ impl<'a> Reckoning<'a> {
         })
     }
 
-    /// Pixels of the document's picture.
+    /// Returns the number of pixels of the picture.
     pub fn pixels(&self) -> u64 {
         self.frame.format.window().area() as u64
     }
 }
 
-/// Bytes as a person reads them.
+/// Formats a number of bytes for people.
 ///
 /// ```
 /// assert_eq!(trochoid_graph::in_bytes(3_760_000_000), "3.8 GB");

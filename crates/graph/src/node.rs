@@ -1,41 +1,42 @@
 //! The contract between nodes and engine.
 //!
-//! A node type is a struct whose fields are its ports and knobs: `#[derive(Node)]` makes its [`Declaration`] of it. A value of it
-//! is a node at one frame. It implements [`Node`]: the checks that one knob's range cannot express, and its body. A body is either
-//! [`Pointwise`] (it lowers to the closed program) or a [`Stage`] (it prepares once a frame, then fills tiles).
+//! A node type is a struct whose fields are its ports and knobs; `#[derive(Node)]` makes its [`Declaration`] from
+//! them. A value of the struct is a node at one frame. The struct implements [`Node`]: the checks that the range of a
+//! single knob cannot express, and the body. A body is either [`Pointwise`] (it lowers to the closed program) or a
+//! [`Stage`] (it prepares once per frame, then fills tiles).
 //!
-//! An implementor **must** be deterministic, give the same value at a sample whatever the tile, and fill
-//! exactly the planes asked for. It **may** keep what `prepare` made, and read on from files that `prepare` opened. It
-//! **must not** read clocks, global state, or open files outside `prepare`.
+//! An implementation **must** be deterministic, give the same value at a sample in every tile, and fill exactly the
+//! planes that are requested. It **may** keep the results of `prepare`, and continue reading files that `prepare`
+//! opened. It **must not** read clocks or global state, or open files outside of `prepare`.
 
 use crate::{
     Block, Bounding, ChannelSet, Check, Declaration, FrameContext, Inputs, ItemName, Items, Kind, Lowering, MemoryUse,
-    NoBound, Outputs, PortId, Prepare, Reader, Reckoning, Reference, References, Settled, Source, Spectrum, Stability,
-    Value, Values, Work,
+    NoBound, NodeError, Outputs, PortId, Prepare, Reader, Reckoning, Reference, References, Settled, Source, Spectrum,
+    Stability, Value, Values, Work,
 };
 use std::any::Any;
 use std::path::PathBuf;
 use std::sync::Arc;
 use trochoid_image::{Format, Rgb, Window};
 
-/// A type of node: its declaration, and how its nodes are read.
+/// A node type: its declaration, and the function that reads its nodes.
 pub struct NodeType {
     declaration: &'static Declaration,
     read: fn(&Values) -> Arc<dyn Node>,
 }
 
 impl NodeType {
-    /// The type that a struct declares.
+    /// Returns the type that a struct declares.
     pub const fn of<T: Declare + Node>() -> Self {
         Self { declaration: T::DECLARATION, read: |values| Arc::new(T::read(&mut Reader::new(values))) }
     }
 
-    /// Knobs, ports, outputs and documentation.
+    /// Returns the declaration: knobs, ports, outputs and documentation.
     pub fn declaration(&self) -> &'static Declaration {
         self.declaration
     }
 
-    /// A node of this type at one frame.
+    /// Makes a node of this type at one frame.
     pub fn settle(&'static self, values: Values) -> Settled {
         Settled::new(self, values)
     }
@@ -47,88 +48,89 @@ impl NodeType {
 
 /// A struct whose fields are the ports and knobs of a node. Made by `#[derive(Node)]`.
 pub trait Declare: Items {
-    /// Everything that is said about the type, once.
+    /// Declaration of the type.
     const DECLARATION: &'static Declaration;
 }
 
 /// A node at one frame.
 pub trait Node: Any + Send + Sync {
-    /// Kinds of the outputs, where knobs or the number of connections decide them; else as declared. Of a node
-    /// with an output of [`Kind::ANY`], that output has the kind of the node's first connection.
+    /// Returns the kinds of the outputs if knobs or the number of connections decide them; `None` if they are as
+    /// declared. An output of [`Kind::ANY`] has the kind of the node's first connection.
     fn kinds(&self) -> Option<Vec<Kind>> {
         None
     }
 
-    /// The connection that a pointwise node hands on unchanged.
+    /// Returns the connection that a pointwise node passes through unchanged.
     ///
-    /// Nothing else that is connected is then planned, evaluated or read from disk, whatever the switches of an engine
-    /// say, and [`Pointwise::lower`] and [`Pointwise::reference`] may ask for nothing else. Called before `check`, so
-    /// knobs may be out of range and ports empty.
+    /// The engine then plans, evaluates and reads none of the other connections, whatever its switches, and
+    /// [`Pointwise::lower`] and [`Pointwise::reference`] may use no other. Called before `check`, so knobs may be out
+    /// of range and ports empty.
     fn identity(&self) -> Option<&Source<Vec<f64>>> {
         None
     }
 
-    /// Reports what ranges of single knobs cannot express. Called at every key frame.
+    /// Reports faults that the ranges of single knobs cannot express. Called at the first and last frame and at every
+    /// keyframe.
     fn check(&self, check: &mut Check<'_>) {
         let _ = check;
     }
 
-    /// About how long the node itself takes for a frame of a format, where legal knobs can make that very long:
-    /// validation warns of it, see [`Work::MOST`]. `time` is that of the frame, in seconds since the first one, for
-    /// what has to be stepped up to there.
+    /// Estimates the time that the node itself takes for a frame of a format, if legal knobs can make it very long;
+    /// validation warns beyond [`Work::MOST`]. `time` is in seconds since the first frame, for simulations that step
+    /// up to the frame.
     fn work(&self, format: Format, time: f64) -> Option<Work> {
         let _ = (format, time);
         None
     }
 
-    /// What a user may want to know of the node, in sentences: shown by `trochoid check`.
+    /// Returns remarks about the node for users, in sentences, which `trochoid check` shows.
     fn notes(&self) -> Vec<String> {
         Vec::new()
     }
 
-    /// Of a node that time moves, how its numbers behave.
+    /// Returns the numerical behavior over time, for nodes that have any.
     fn dynamics(&self) -> Option<&dyn Dynamics> {
         None
     }
 
-    /// How the node computes.
+    /// Returns the node's body.
     fn body(&self) -> Body<'_>;
 }
 
-/// How the numbers of a node behave that time moves.
+/// Numerical behavior of a node that changes over time.
 pub trait Dynamics {
-    /// How they behave in the long run: theory beside measurements, which may take some seconds. Shown by `trochoid stability`.
+    /// Compares predicted with measured stability, which may take some seconds. Shown by `trochoid stability`.
     fn stability(&self) -> Option<Stability> {
         None
     }
 
-    /// Of a sea, the waves that it is made of.
+    /// Returns the waves of a sea.
     fn spectrum(&self) -> Option<Spectrum> {
         None
     }
 
-    /// Of a sea, where the paths lie that its lists have.
+    /// Returns the paths in the lists of a sea.
     fn paths(&self) -> Option<Paths> {
         None
     }
 }
 
-/// Where paths lie that records of lists have: points x, z, x, z, … from an origin on, in meters.
+/// Paths in the records of lists: points x, z, x, z, … relative to an origin, in meters.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Paths {
-    /// x, y and z of the point from which they are measured.
+    /// Origin of the paths: x, y and z in meters.
     pub origin: [f64; 3],
-    /// The knob of a record that has one.
+    /// Knob of a record that holds its path.
     pub knob: ItemName,
-    /// The lists.
+    /// Lists whose records have the knob.
     pub lists: Vec<ItemName>,
 }
 
-/// How a node computes.
+/// Body of a node: how it computes.
 pub enum Body<'a> {
-    /// Each output sample depends on the input samples at the same place, by operations of the closed program.
+    /// Each output sample depends only on the input samples at the same place, by operations of the closed program.
     Pointwise(&'a dyn Pointwise),
-    /// Anything else.
+    /// Any other computation.
     Stage(&'a dyn Stage),
 }
 
@@ -137,67 +139,68 @@ pub trait Pointwise {
     /// Appends the node's operations and returns its output.
     fn lower(&self, lowering: &mut Lowering<'_>) -> Value;
 
-    /// The same in f64 at one sample, straight from the formula.
+    /// Evaluates the node in f64 at one sample, straight from the formula.
     fn reference(&self, inputs: &References<'_>) -> Reference;
 }
 
-/// A front-end node, or a filter: prepares once a frame, then fills tiles.
+/// A front-end node or a filter: prepares once per frame, then fills tiles.
 pub trait Stage {
-    /// Channels that the node asks of its view, where the given outputs are wanted.
+    /// Returns the channels of its view that the node requires for the wanted outputs.
     fn asks(&self, wanted: &[bool]) -> ChannelSet {
         let _ = wanted;
         ChannelSet::EMPTY
     }
 
-    /// Channels that the node uses where its view supplies them, and does without elsewhere.
+    /// Returns the channels that the node uses if its view supplies them, but does not require.
     fn prefers(&self, wanted: &[bool]) -> ChannelSet {
         let _ = wanted;
         ChannelSet::EMPTY
     }
 
-    /// Channels that a node with a View as output can supply.
+    /// Returns the channels that a node with a View as output can supply.
     fn supplies(&self) -> ChannelSet {
         ChannelSet::ALL
     }
 
-    /// Channels that no setting could make a node with a View as output supply.
+    /// Returns the channels that a node with a View as output can supply with no setting at all.
     fn lacks(&self) -> ChannelSet {
         ChannelSet::EMPTY
     }
 
-    /// Certain bounds of an output channel, known before anything is prepared.
+    /// Returns guaranteed bounds of an output channel that are known before anything is prepared.
     fn interval(&self, output: usize, channel: usize) -> Option<(f64, f64)> {
         let _ = (output, channel);
         None
     }
 
-    /// How an output varies over the picture.
+    /// Returns how an output varies over the picture.
     fn variance(&self, output: usize) -> Variance {
         let _ = output;
         Variance::Pixel
     }
 
-    /// Which samples of a pixel may share a result, where the document shades by the pixel.
+    /// Returns which samples of a pixel may share a result if the document shades per pixel.
     fn rate(&self) -> Rate {
         Rate::Sample
     }
 
-    /// What of the images connected to a port is needed to fill `window`: of a filter, more than the window itself.
+    /// Returns the region of interest: the part of the images at a port that is needed to fill `window`. For a filter
+    /// it is larger than the window itself.
     ///
-    /// A larger window must not need less, and it must grow by as much wherever it lies. May reach beyond the picture:
-    /// engines clamp it to where the image lies, see [`Prepared::data_window`].
+    /// A larger window must not need less, and the margin must not depend on the window's position. The region may
+    /// extend beyond the picture: engines clamp it to the image's data window, see [`Prepared::data_window`].
     fn regions_of_interest(&self, port: PortId, window: Window, format: Format) -> Window {
         let _ = (port, format);
         window
     }
 
-    /// The same for samples after a pixel's first one, where [`Prepared::find`] has found what lies beyond: no more than
-    /// that.
+    /// Returns the region of interest for the samples after a pixel's first one, if [`Prepared::find`] has already
+    /// used the rest. Never larger than [`regions_of_interest`](Self::regions_of_interest).
     fn regions_once_found(&self, port: PortId, window: Window, format: Format) -> Window {
         self.regions_of_interest(port, window, format)
     }
 
-    /// Whether the result depends on the frame's time even where no knob is keyed.
+    /// Whether the result depends on the frame's time even if no knob is keyed.
     fn timed(&self) -> bool {
         false
     }
@@ -207,68 +210,71 @@ pub trait Stage {
         true
     }
 
-    /// Files that the node reads at a frame, for keys and `--resume`.
+    /// Returns the files that the node reads at a frame, for content keys and `--resume`.
     fn files(&self, frame: &FrameContext) -> Vec<PathBuf> {
         let _ = frame;
         Vec::new()
     }
 
-    /// About how much memory the node takes at a frame, where knobs, the format or files can make that much: plans add it up,
-    /// and refuse what is too much before anything is prepared. May read headers of files; one that cannot be read counts as
-    /// nothing, since [`prepare`](Self::prepare) says what is wrong with it.
+    /// Estimates the memory that the node takes at a frame, if knobs, the format or files can make it large. Plans
+    /// add the estimates up, and refuse a frame that takes too much before anything is prepared. May read headers of
+    /// files; a file that cannot be read counts as nothing, since [`prepare`](Self::prepare) reports it.
     fn memory(&self, reckoning: &Reckoning<'_>) -> MemoryUse {
         let _ = reckoning;
         MemoryUse::default()
     }
 
-    /// Looks at the headers of the node's files at a frame, and at nothing else of them.
+    /// Checks the headers, and nothing else, of the node's files at a frame.
     ///
     /// # Errors
-    /// What [`prepare`](Self::prepare) would say of them. Files that do not exist are not asked for.
+    /// The errors that [`prepare`](Self::prepare) would report for the headers. Never called for files that do not
+    /// exist.
     fn examine(&self, frame: &FrameContext, wanted: &[Vec<bool>]) -> Result<(), NodeError> {
         let _ = (frame, wanted);
         Ok(())
     }
 
-    /// Does once a frame what does not depend on the tile: simulate, build, decode.
+    /// Does the work that is independent of tiles once per frame: simulates, builds, decodes.
     ///
     /// # Errors
-    /// Files cannot be read, or their data break the contract of the kind: here, or in [`Prepared::fill`] where they are
-    /// only read there.
+    /// Files cannot be read, or their data break the contract of the kind. Files that are read on demand fail in
+    /// [`Prepared::fill`] instead.
     fn prepare(&self, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError>;
 }
 
-/// What a stage prepared for one frame.
+/// A stage prepared for one frame.
 pub trait Prepared: Send + Sync {
-    /// The surface, camera or light that other nodes take.
+    /// Returns the surface, camera or light that other nodes take.
     fn handle(&self) -> Option<Handle> {
         None
     }
 
-    /// Every color that this node adds to the palette.
+    /// Returns the control colors that this node adds to the palette.
     fn controls(&self) -> Vec<Rgb> {
         Vec::new()
     }
 
-    /// Where the node's images have pixels of their own, in the document's pixels; engines add the picture to it.
+    /// Returns the data window of the node's images, in the document's pixels; engines enlarge it to include the
+    /// picture.
     ///
-    /// Nothing is ever filled beyond it: what lies there repeats the nearest pixel within. By default that is the
-    /// picture. Only what has pixels beyond says more: a file with overscan, and a filter of one. `inputs` gives the
-    /// same for all that is connected to a port; any pointwise node between ends its image at the picture, so that an
-    /// operand without weight, which may be left out, cannot matter.
+    /// Nothing is filled outside of the data window: there, the nearest pixel inside repeats. By default it is the
+    /// picture. Only nodes with overscan return more: a file with overscan, or a filter of one. `inputs` returns the
+    /// data window of everything connected to a port. A pointwise node in between cuts its image off at the picture,
+    /// so that an operand without weight, which may be left out, has no influence.
     fn data_window(&self, picture: Window, inputs: &dyn Fn(PortId) -> Window) -> Window {
         let _ = inputs;
         picture
     }
 
-    /// Rows that are best asked for together, over the full width, where the node reads them from a file in blocks;
+    /// Returns the number of full-width rows that are best requested together, for nodes that read a file in blocks;
     /// `None` for no preference.
     fn rows_per_band(&self) -> Option<usize> {
         None
     }
 
-    /// What can be found once for all samples of the pixels of a block, where the document shades by the pixel: asked with
-    /// what their first sample is given, and handed to [`Prepared::fill`] at each of them ([`Inputs::found`]).
+    /// Computes results that all samples of the block's pixels share, if the document shades per pixel. Called with
+    /// the inputs of the pixels' first sample; [`Prepared::fill`] gets the result at each of the samples
+    /// ([`Inputs::found`]).
     ///
     /// # Errors
     /// As [`Prepared::fill`].
@@ -277,102 +283,103 @@ pub trait Prepared: Send + Sync {
         Ok(None)
     }
 
-    /// Fills the planes asked for over one block of samples.
+    /// Fills the requested planes over one block of samples.
     ///
-    /// A filter sees each sample of the pixel apart: the samples of all pixels at one offset are an image to it.
+    /// A filter treats each sample offset separately: the samples of all pixels at one offset form an image.
     ///
     /// # Errors
-    /// Inputs break the contract of their kind at some pixel, or a file does that is read on demand.
+    /// Inputs, or a file that is read on demand, break the contract of their kind at some pixel.
     fn fill(&self, block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let _ = (block, inputs, outputs);
         Ok(())
     }
 
-    /// Bounds how far each plane that [`fill`](Self::fill) filled may lie from [`reference`](Self::reference), at every sample
-    /// of a block: fills the same planes with [`Bound`](crate::Bound)s, encoded. A reference is asked with inputs that lie
-    /// within their own bounds.
+    /// Bounds the difference between each plane that [`fill`](Self::fill) filled and [`reference`](Self::reference),
+    /// at every sample of a block: fills the same planes with encoded [`Bound`](crate::Bound)s. The inputs of the
+    /// reference lie within their own bounds.
     ///
     /// # Errors
-    /// No honest bound is known.
+    /// No valid bound is known.
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
         let _ = (bounding, outputs);
         Err(NoBound("its method has none"))
     }
 
-    /// All outputs in f64 at one sample, straight from the formula.
+    /// Evaluates all outputs in f64 at one sample, straight from the formula.
     ///
     /// # Errors
     /// As [`Prepared::fill`].
     fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError>;
 
-    /// Values set to the nearest legal one because the document says `repair`; of a file that is read on demand, among
-    /// the rows that were needed. Each counts once, however often it is read.
+    /// Returns the number of values that were set to the nearest legal one because of the `repair` knob. A file that
+    /// is read on demand counts only the rows that were needed. Each value counts once, however often it is read.
     fn repaired(&self) -> u64 {
         0
     }
 
-    /// What of the node's work is not done because it makes no difference at this frame: waves that no pixel resolves,
-    /// drops beside the picture. May take a while; asked only where someone wants to know.
+    /// Returns the work that the node skips because it makes no difference at this frame: waves that no pixel resolves,
+    /// drops outside of the picture. May take a while; called only on request.
     fn left_out(&self) -> Vec<Omission> {
         Vec::new()
     }
 
-    /// Memory held, bytes.
+    /// Returns the memory held, in bytes.
     fn bytes(&self) -> usize {
         0
     }
 }
 
-/// Work that a stage spares itself at a frame, see [`Prepared::left_out`].
+/// Work that a stage skips at a frame, see [`Prepared::left_out`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Omission {
-    /// The port, and the connection within it, whose work it is; `None` where it is the node's own.
+    /// Port, and index of the connection within it, whose work is skipped; `None` for the node's own work.
     pub port: Option<(PortId, usize)>,
-    /// What is left out, in the plural, such as "waves".
+    /// Name of the skipped items, in the plural, such as "waves".
     pub what: &'static str,
-    /// How many are left out: a count, or the mean of counts.
+    /// Number of skipped items: a count, or the mean of counts.
     pub count: f64,
-    /// Of how many.
+    /// Total number of items.
     pub of: f64,
-    /// Why they make no difference: what follows "because".
+    /// Reason why they make no difference: the words after "because".
     pub why: &'static str,
 }
 
-/// What a stage found once for several samples of a block's pixels.
+/// Result of [`Prepared::find`], shared by several samples of a block's pixels.
 pub type Found = Arc<dyn Any + Send + Sync>;
 
-/// What a front-end node makes and another takes: a surface, a camera or a light.
+/// A surface, camera or light that one front-end node makes and another takes.
 pub type Handle = Arc<dyn Any + Send + Sync>;
 
-/// Which samples of a pixel may share a stage's result, where the document shades by the pixel
+/// Samples of a pixel that may share a stage's result if the document shades per pixel
 /// ([`Shading`](trochoid_image::Shading)).
 ///
-/// Whatever is not of [`Rate::Sample`] may be asked for single pixels, and takes places from [`Block::pixels`].
+/// Stages of any rate but [`Rate::Sample`] may be called for single pixels, and take positions from [`Block::pixels`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rate {
-    /// None: it has edges of its own, or looks around.
+    /// None: the result has edges of its own, or depends on neighboring pixels.
     Sample,
-    /// Those that see the same surface: it varies smoothly over each, and takes its inputs where it stands.
+    /// Samples that see the same surface: the result varies smoothly over each surface and depends only on inputs at
+    /// the same place.
     Surface,
-    /// All: it varies smoothly over the whole picture.
+    /// All: the result varies smoothly over the whole picture.
     Pixel,
 }
 
 /// How a value varies over the picture; ordered from least to most.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Variance {
-    /// The same everywhere.
+    /// Constant over the picture.
     Constant,
-    /// Depends on x alone.
+    /// Depends on x only.
     Column,
-    /// Depends on y alone.
+    /// Depends on y only.
     Row,
-    /// Depends on both.
+    /// Depends on x and y.
     Pixel,
 }
 
 impl Variance {
-    /// How something varies that depends on both.
+    /// Returns the variance of a value that depends on values of both variances.
     pub fn join(self, other: Self) -> Self {
         match (self, other) {
             (Self::Constant, other) => other,
@@ -380,26 +387,5 @@ impl Variance {
             (this, other) if this == other => this,
             _ => Self::Pixel,
         }
-    }
-}
-
-/// Why a node could not evaluate.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum NodeError {
-    /// Bad input data, or input and output: place, what was found, what was expected, and what to do.
-    #[error("{0}")]
-    Data(String),
-    /// It was asked to stop; nobody sees it.
-    #[error("cancelled")]
-    Cancelled,
-}
-
-impl NodeError {
-    /// Stands for the node's name in messages of nodes, which do not know it.
-    pub const NODE: &'static str = "{node}";
-
-    /// An error from anything that can be shown.
-    pub fn new(message: impl ToString) -> Self {
-        Self::Data(message.to_string())
     }
 }

@@ -1,28 +1,27 @@
 //! The closed pointwise program to which back-end nodes lower.
 //!
-//! A program is a list of operations in single assignment: each names its operands by earlier positions.
-//! There are three types of value: a *scalar* (a mask or one component of a field), a *color* (three channels
-//! that always share their weights), and a *partition* (n weights that sum to exactly 1). No operation takes
-//! a color to a scalar or a partition, so weights never depend on control colors; no operation adds colors
-//! but with the weights of one partition. What a program can express is therefore convex, and its output
-//! linear in its control colors.
+//! A program is a list of operations in single-assignment form: each refers to its operands by their positions before
+//! it. There are three types of value: a *scalar* (a mask or one component of a field), a *color* (three channels
+//! that always share their weights), and a *partition* (n weights that sum to exactly 1). No operation takes a color
+//! to a scalar or a partition, so weights never depend on control colors; colors are only added with the weights of
+//! one partition. Every program is therefore convex, and its output is linear in its control colors.
 //!
-//! The engine owns, for each operation, its kernel, interval, error, blame and variance. A node that lowers
-//! gets all of them for nothing.
+//! The engine has the kernel of each operation and the rules for its interval, error, blame and variance. Nodes that
+//! lower need none of their own.
 
 use crate::NodeId;
 
-/// A scalar's position in the program.
+/// Position of a scalar in the program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Scalar(pub u32);
-/// A color's position in the program.
+/// Position of a color in the program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Color(pub u32);
-/// A partition's position in the program.
+/// Position of a partition in the program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Partition(pub u32);
 
-/// A plane that something outside the program fills: one channel of one output of a node.
+/// A plane that is filled outside of the program: one channel of one output of a node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Slot {
     /// The node.
@@ -33,10 +32,10 @@ pub struct Slot {
     pub channel: usize,
 }
 
-/// One operation. Numbers are f32 because that is what kernels see.
+/// One operation. Its numbers are f32, the type that kernels work with.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Op {
-    /// A scalar from outside.
+    /// A scalar from outside of the program.
     Load(Slot),
     /// A scalar constant.
     Constant(f32),
@@ -44,9 +43,9 @@ pub enum Op {
     Clamp {
         /// Any field.
         x: Scalar,
-        /// Where 0 ends.
+        /// Lower limit: below it the mask is 0.
         min: f32,
-        /// Where 1 begins; `max = min` is a step.
+        /// Upper limit: from it on the mask is 1; `max = min` is a step.
         max: f32,
     },
     /// t²(3 − 2t). A mask.
@@ -62,16 +61,16 @@ pub enum Op {
     Step {
         /// Any field.
         x: Scalar,
-        /// The side of 1 includes it.
+        /// Smallest value where the mask is 1.
         threshold: f32,
     },
     /// 1 − t. A mask.
     Complement(Scalar),
     /// t·u. A mask.
     Product(Scalar, Scalar),
-    /// Weights that sum to 1 up to rounding, made to sum to exactly 1.
+    /// Weights that sum to 1 up to rounding, corrected to sum to exactly 1.
     Partition(Vec<Scalar>),
-    /// v/max(S, τ) over n fields (negative counts as 0), the remainder as weight n + 1.
+    /// v/max(S, τ) over n fields with the sum S (negative values count as 0), and the remainder as weight n + 1.
     Normalize {
         /// Finite fields.
         values: Vec<Scalar>,
@@ -80,41 +79,41 @@ pub enum Op {
     },
     /// One weight of a partition, as a mask.
     Weight(Partition, usize),
-    /// A color from outside: channels 0 to 2 of the slot's output, `channel` being 0.
+    /// A color from outside of the program: channels 0 to 2 of the slot's output; the slot's `channel` is 0.
     LoadColor(Slot),
     /// A control color.
     ConstantColor([f32; 3]),
-    /// (1 − t)·a + t·b in the form that never leaves the operands' box.
+    /// (1 − t)·a + t·b, computed so that it never leaves the bounding box of the operands.
     Mix {
-        /// Where t = 0.
+        /// Result at t = 0.
         a: Color,
-        /// Where t = 1.
+        /// Result at t = 1.
         b: Color,
         /// A mask.
         t: Scalar,
     },
     /// Σ wᵢ·cᵢ.
     Blend {
-        /// As many as the partition has weights.
+        /// Colors, one per weight of the partition.
         colors: Vec<Color>,
         /// The weights.
         weights: Partition,
     },
 }
 
-/// The type of an operation's result.
+/// Type of an operation's result.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Type {
     /// One row.
     Scalar,
     /// Three rows.
     Color,
-    /// As many rows as weights.
+    /// One row per weight.
     Partition(usize),
 }
 
 impl Op {
-    /// The type of the result.
+    /// Returns the type of the result.
     pub fn ty(&self) -> Type {
         match self {
             Self::LoadColor(_) | Self::ConstantColor(_) | Self::Mix { .. } | Self::Blend { .. } => Type::Color,
@@ -142,7 +141,7 @@ impl Op {
         }
     }
 
-    /// The same operation with every operand's position replaced.
+    /// Replaces the position of every operand.
     pub fn renumbered(&self, new: impl Fn(u32) -> u32) -> Self {
         let s = |scalar: Scalar| Scalar(new(scalar.0));
         let c = |color: Color| Color(new(color.0));
@@ -168,14 +167,14 @@ impl Op {
     }
 }
 
-/// Operations in order, each with the node that it came from.
+/// Operations in order, each with the node that it comes from.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Program {
     ops: Vec<(Op, NodeId)>,
 }
 
 impl Program {
-    /// The operations, each with the node that it came from.
+    /// Returns the operations, each with the node that it comes from.
     pub fn ops(&self) -> &[(Op, NodeId)] {
         &self.ops
     }

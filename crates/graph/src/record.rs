@@ -1,4 +1,4 @@
-//! A node's knobs and connections: as checked, and as they stand at one frame.
+//! Knobs and connections of a node: over all frames, and at one frame.
 
 use crate::Animated;
 use trochoid_key::{ContentKey, Key, KeyHasher};
@@ -7,7 +7,7 @@ use trochoid_key::{ContentKey, Key, KeyHasher};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct NodeId(pub usize);
 
-/// Where a port's value comes from.
+/// Source of a port's value.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Source<N = Animated> {
     /// An output of another node.
@@ -25,24 +25,24 @@ pub enum Source<N = Animated> {
     Numbers(Vec<f64>),
 }
 
-/// A knob's value; numbers are `N`: keyed in a checked graph, plain at one frame.
+/// Value of a knob. Numbers have type `N`: animated in a checked graph, plain at one frame.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Setting<N = Animated> {
     /// Number, whole number, color or vector.
     Numeric(N),
-    /// Truth value.
+    /// Boolean value.
     Bool(bool),
-    /// Word, text or path.
+    /// Word, string or path.
     Text(String),
     /// List of numbers.
     Numbers(Vec<f64>),
-    /// List of texts.
+    /// List of strings.
     Texts(Vec<String>),
-    /// Not set, and without a default.
+    /// No value: not set, and without a default.
     Unset,
 }
 
-/// The knobs, ports and lists of a node or of one record of a list, in declaration order.
+/// Knobs, ports and lists of a node, or of one record of a list, in declaration order.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Record<N = Animated> {
     pub(crate) knobs: Vec<(&'static str, Setting<N>)>,
@@ -60,19 +60,19 @@ impl<N> Default for Record<N> {
 pub type Values = Record<Vec<f64>>;
 
 impl<N> Record<N> {
-    /// The ports and what is connected to them; not those within lists.
+    /// Returns the ports and their connections, without the ports within lists.
     pub fn ports(&self) -> impl Iterator<Item = (&'static str, &[Source<N>])> {
         self.ports.iter().map(|(name, sources)| (*name, sources.as_slice()))
     }
 
-    /// Every connection, those within lists included, in declaration order.
+    /// Returns every connection, including those within lists, in declaration order.
     pub fn sources(&self) -> Vec<&Source<N>> {
         let mut sources = Vec::new();
         self.each_source(&mut |source| sources.push(source));
         sources
     }
 
-    /// Calls `f` with every connection, those within lists included, in declaration order.
+    /// Calls `f` with every connection, including those within lists, in declaration order.
     pub fn each_source<'r>(&'r self, f: &mut impl FnMut(&'r Source<N>)) {
         self.ports.iter().flat_map(|(_, sources)| sources).for_each(&mut *f);
         for record in self.lists.iter().flat_map(|(_, records)| records) {
@@ -80,7 +80,7 @@ impl<N> Record<N> {
         }
     }
 
-    /// Calls `f` with every node connected, as often as it is.
+    /// Calls `f` with every connected node, once per connection.
     pub fn each_node(&self, mut f: impl FnMut(NodeId)) {
         self.each_source(&mut |source| {
             if let Source::Output { node, .. } = source {
@@ -89,7 +89,7 @@ impl<N> Record<N> {
         });
     }
 
-    /// The connections of a port: none where an optional port is open.
+    /// Returns the connections of a port: none if an optional port is open.
     ///
     /// # Panics
     /// The node type declares no such port.
@@ -97,7 +97,7 @@ impl<N> Record<N> {
         find::<Vec<_>>(&self.ports, port)
     }
 
-    /// The records of a list.
+    /// Returns the records of a list.
     ///
     /// # Panics
     /// The node type declares no such list.
@@ -114,29 +114,29 @@ impl<N> Record<N> {
         !matches!(self.setting(knob), Setting::Unset)
     }
 
-    /// A truth value; `false` where unset.
+    /// Returns a Boolean value; `false` if unset.
     pub fn bool(&self, knob: &str) -> bool {
         matches!(self.setting(knob), Setting::Bool(true))
     }
 
-    /// A word, text or path; empty where unset.
+    /// Returns a word, string or path; empty if unset.
     pub fn text(&self, knob: &str) -> &str {
         if let Setting::Text(text) = self.setting(knob) { text } else { "" }
     }
 
-    /// A list of numbers; empty where unset.
+    /// Returns a list of numbers; empty if unset.
     pub fn numbers(&self, knob: &str) -> &[f64] {
         if let Setting::Numbers(numbers) = self.setting(knob) { numbers } else { &[] }
     }
 
-    /// A list of texts; empty where unset.
+    /// Returns a list of strings; empty if unset.
     pub fn texts(&self, knob: &str) -> &[String] {
         if let Setting::Texts(texts) = self.setting(knob) { texts } else { &[] }
     }
 }
 
-/// Looks a declared name up. Checking fills in every declared item, so a miss is a node asking for what it
-/// does not declare: a bug in that node, caught by its first test.
+/// Looks up a declared name. Validation fills in every declared item, so a missing one means that a node asks for an
+/// item that it does not declare: a bug in the node, which its first test finds.
 fn find<'a, T>(items: &'a [(&'static str, T)], name: &str) -> &'a T {
     match items.iter().find(|item| item.0 == name) {
         Some((_, value)) => value,
@@ -145,7 +145,7 @@ fn find<'a, T>(items: &'a [(&'static str, T)], name: &str) -> &'a T {
 }
 
 impl Record {
-    /// Evaluates every key at a frame.
+    /// Evaluates every animated value at a frame.
     pub fn settle(&self, frame: f64) -> Values {
         Record {
             knobs: self.knobs.iter().map(|(name, setting)| (*name, setting.settle(frame))).collect(),
@@ -162,7 +162,7 @@ impl Record {
         }
     }
 
-    /// Every frame at which a key of this record stands.
+    /// Returns every frame that has a key in this record.
     pub(crate) fn key_frames(&self) -> Vec<f64> {
         let knobs = self.knobs.iter().filter_map(|(_, setting)| match setting {
             Setting::Numeric(animated) => Some(animated),
@@ -179,7 +179,7 @@ impl Record {
 }
 
 impl Values {
-    /// Leads every connection to the node that `to` names in its stead.
+    /// Redirects every connection to the node that `to` returns for its node.
     pub fn redirect(&mut self, to: &dyn Fn(NodeId) -> NodeId) {
         for source in self.ports.iter_mut().flat_map(|(_, sources)| sources) {
             if let Source::Output { node, .. } = source {
@@ -193,26 +193,26 @@ impl Values {
         if let Setting::Numeric(values) = self.setting(knob) { values } else { &[] }
     }
 
-    /// A number; 0 where unset.
+    /// Returns a number; 0 if unset.
     pub fn number(&self, knob: &str) -> f64 {
         self.numeric(knob).first().copied().unwrap_or(0.0)
     }
 
-    /// A whole number; a keyed one is rounded to the nearest.
+    /// Returns a whole number: an interpolated value is rounded to the nearest.
     pub fn integer(&self, knob: &str) -> i64 {
         self.number(knob).round() as i64
     }
 
-    /// A color in the working space, or a vector of three; 0 where unset.
+    /// Returns a color in the working space, or a vector of three numbers; 0 if unset.
     pub fn vector3(&self, knob: &str) -> [f64; 3] {
         let values = self.numeric(knob);
         [0, 1, 2].map(|i| values.get(i).copied().unwrap_or(0.0))
     }
 
-    /// Feeds what two records share only if they mean the same, given the keys of the nodes that they are connected to.
+    /// Feeds the record to a hash, with the keys of the connected nodes: equal hashes mean equal records.
     pub(crate) fn feed(&self, keys: &[Key], hasher: &mut KeyHasher) {
         let Self { knobs, ports, lists } = self;
-        // Every item is named, and every list has its length before it, so that none runs into the next.
+        // Every item is fed with its name, and every list after its length, so that none runs into the next.
         knobs.feed(hasher);
         ports.len().feed(hasher);
         for (name, sources) in ports {
@@ -265,12 +265,12 @@ impl Source {
 }
 
 impl Source<Vec<f64>> {
-    /// The literal number, where the source is one.
+    /// Returns the number if the source is a literal number.
     pub fn number(&self) -> Option<f64> {
         if let Self::Number(values) = self { values.first().copied() } else { None }
     }
 
-    /// The literal color, where the source is one.
+    /// Returns the color if the source is a literal color.
     pub fn color(&self) -> Option<[f64; 3]> {
         if let Self::Color(values) = self { Some([values[0], values[1], values[2]]) } else { None }
     }

@@ -1,4 +1,4 @@
-//! Values of the slow f64 evaluation, one sample at a time.
+//! Values of the reference: the slow evaluation in f64, one sample at a time.
 
 use crate::{Channel, FrameContext, Handle, Source};
 
@@ -7,59 +7,60 @@ use crate::{Channel, FrameContext, Handle, Source};
 pub enum Reference {
     /// Color.
     Color([f64; 3]),
-    /// Mask: t.
+    /// Mask: the number t.
     Mask(f64),
     /// Weights of n ≠ 2 controls.
     Weights(Vec<f64>),
     /// Field.
     Field(Vec<f64>),
-    /// View: a value per channel.
+    /// View: one value per channel.
     View(Vec<f64>),
     /// Surface, camera or light.
     Handle(Handle),
 }
 
-/// What a reference evaluation is given at one sample.
+/// Inputs of a reference evaluation at one sample.
 #[derive(Clone, Copy)]
 pub struct References<'a> {
-    /// The frame.
+    /// Data that all nodes of the frame share.
     pub frame: &'a FrameContext,
-    /// The sample's place in the picture, in pixels.
+    /// Position of the sample in the picture, in pixels.
     pub at: [f64; 2],
-    /// That of the pixel's first sample, where the document shades by the pixel; else its own.
+    /// Position of the pixel's first sample if the document shades per pixel; otherwise equal to `at`.
     first: [f64; 2],
     inputs: &'a Upstream<'a>,
 }
 
-/// Gives the value of a connection at a place in the picture.
+/// Returns the value of a connection at a position in the picture.
 type Upstream<'a> = dyn Fn(&Source<Vec<f64>>, [f64; 2]) -> Reference + 'a;
 
 impl<'a> References<'a> {
-    /// Made by the engine. `inputs` gives the values of everything that the node is connected to, at any place; beyond
-    /// the extent of an image that of the nearest pixel within, at the same place in its pixel.
+    /// Makes the inputs of the sample at `at`; called by the engine. `inputs` returns the value of everything
+    /// connected to the node at any position; outside of the extent of an image, the value in the nearest pixel
+    /// inside, at the same offset.
     pub fn new(frame: &'a FrameContext, at: [f64; 2], inputs: &'a Upstream<'a>) -> Self {
         Self { frame, at, first: at, inputs }
     }
 
-    /// The same of a pixel whose first sample stands there.
+    /// Sets the position of the pixel's first sample.
     #[must_use]
     pub fn with_first(self, first: [f64; 2]) -> Self {
         Self { first, ..self }
     }
 
-    /// What the pixel's first sample is given, where the document shades by the pixel; else the same: what a stage finds
-    /// once for all samples, it finds there.
+    /// Returns the inputs at the pixel's first sample if the document shades per pixel, otherwise the same inputs. A
+    /// stage evaluates shared results ([`Prepared::find`](crate::Prepared::find)) there.
     pub fn first(&self) -> Self {
         Self { at: self.first, ..*self }
     }
 
-    /// The same as the sample so many pixels away sees it: what a filter takes its inputs from.
+    /// Returns the inputs of the sample that is (dx, dy) pixels away, from which a filter reads.
     pub fn moved(&self, dx: f64, dy: f64) -> Self {
         let moved = |at: [f64; 2]| [at[0] + dx, at[1] + dy];
         Self { at: moved(self.at), first: moved(self.first), ..*self }
     }
 
-    /// A connected or literal value, whatever its kind; a literal number counts as a mask.
+    /// Returns a connected or literal value of any kind; a literal number counts as a mask.
     pub fn value(&self, source: &Source<Vec<f64>>) -> Reference {
         match source {
             Source::Output { .. } => (self.inputs)(source, self.at),
@@ -69,7 +70,7 @@ impl<'a> References<'a> {
         }
     }
 
-    /// A connected or literal color.
+    /// Returns a connected or literal color.
     pub fn color(&self, source: &Source<Vec<f64>>) -> [f64; 3] {
         match self.value(source) {
             Reference::Color(color) => color,
@@ -77,7 +78,7 @@ impl<'a> References<'a> {
         }
     }
 
-    /// A connected or literal mask, or a field of one component.
+    /// Returns a connected or literal mask, or a field of one component.
     pub fn scalar(&self, source: &Source<Vec<f64>>) -> f64 {
         match self.value(source) {
             Reference::Mask(t) => t,
@@ -86,7 +87,7 @@ impl<'a> References<'a> {
         }
     }
 
-    /// Connected or literal weights, one number a control.
+    /// Returns connected or literal weights, one per control.
     pub fn weights(&self, source: &Source<Vec<f64>>) -> Vec<f64> {
         match self.value(source) {
             Reference::Mask(t) => vec![1.0 - t, t],
@@ -95,7 +96,7 @@ impl<'a> References<'a> {
         }
     }
 
-    /// A channel of a connected view.
+    /// Returns a channel of a connected view.
     pub fn view(&self, source: &Source<Vec<f64>>, channel: Channel) -> f64 {
         match self.value(source) {
             Reference::View(channels) => channels[channel as usize],

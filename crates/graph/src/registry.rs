@@ -3,34 +3,34 @@
 use crate::{Item, NodeType, Role};
 use std::collections::BTreeMap;
 
-/// Node types by name. The facade makes one and hands it to everything that needs it.
+/// Node types by name. The facade makes one registry and passes it to everything that needs it.
 #[derive(Clone, Default)]
 pub struct Registry {
     types: BTreeMap<&'static str, &'static NodeType>,
 }
 
 impl Registry {
-    /// A registry of these types; of two with one name, the later counts.
+    /// Makes a registry of node types; of two types with the same name, the later one counts.
     pub fn new(types: impl IntoIterator<Item = &'static NodeType>) -> Self {
         Self { types: types.into_iter().map(|ty| (ty.declaration().name, ty)).collect() }
     }
 
-    /// The type of that name.
+    /// Returns the type with a name.
     pub fn get(&self, name: &str) -> Option<&'static NodeType> {
         self.types.get(name).copied()
     }
 
-    /// The type that has a role.
+    /// Returns the type with a role.
     pub fn of_role(&self, role: Role) -> Option<&'static NodeType> {
         self.iter().find(|ty| ty.declaration().role == Some(role))
     }
 
-    /// All types, by name.
+    /// Returns all types, sorted by name.
     pub fn iter(&self) -> impl Iterator<Item = &'static NodeType> {
         self.types.values().copied()
     }
 
-    /// All names.
+    /// Returns all names, sorted.
     pub fn names(&self) -> impl Iterator<Item = &'static str> {
         self.types.keys().copied()
     }
@@ -42,7 +42,7 @@ impl std::fmt::Debug for Registry {
     }
 }
 
-/// The items of a declaration that hold ports, in order, with the list they stand in.
+/// Returns the names of the items of a declaration, in order.
 pub(crate) fn item_names(items: &'static [Item]) -> impl Iterator<Item = &'static str> {
     items.iter().map(Item::name)
 }

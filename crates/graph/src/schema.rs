@@ -4,7 +4,7 @@ use crate::{Accepts, Arity, Default, Item, Knob, Precision, Registry, Takes};
 use serde_json::{Map, Value, json};
 use trochoid_image::{MAX_SIDE, Shading, WorkingSpace};
 
-/// The JSON Schema (draft 2020-12) of documents that use the node types of a registry.
+/// Returns the JSON Schema (draft 2020-12) of documents that use the node types of a registry.
 pub fn schema(registry: &Registry) -> Value {
     let types: Vec<Value> = registry
         .iter()
@@ -32,7 +32,7 @@ pub fn schema(registry: &Registry) -> Value {
             "trochoid": { "const": 1, "description": "Version of the document format." },
             "format": {
                 "type": "object",
-                "description": "Size of the pictures in pixels, and samples averaged a pixel.",
+                "description": "Size of the pictures in pixels, and number of samples averaged per pixel.",
                 "required": ["width", "height"],
                 "additionalProperties": false,
                 "properties": {
@@ -42,19 +42,19 @@ pub fn schema(registry: &Registry) -> Value {
                     "shading": {
                         "enum": Shading::ALL.map(Shading::name),
                         "default": Shading::default().name(),
-                        "description": "Where the samples of a pixel take passes that vary smoothly over a surface: each \
-                                        at its own place, or, some four times as fast, those that see the same surface \
-                                        at the place of the pixel's first one."
+                        "description": "Where passes that vary smoothly over a surface are evaluated: \"sample\" at every \
+                                        sample; \"pixel\", about four times as fast, at the pixel's first sample for \
+                                        all samples that see the same surface."
                     }
                 }
             },
             "working_space": {
                 "enum": WorkingSpace::ALL.map(WorkingSpace::name),
                 "default": "linear-srgb",
-                "description": "Where colors mix and the guarantee holds; srgb is display-encoded, as swatches are sampled."
+                "description": "Color space in which colors mix and the guarantee holds; srgb is display-encoded, like sampled swatches."
             },
             "tolerance": {
-                "description": "How accurate pictures are to be: settings that give it are chosen when they are rendered.",
+                "description": "Required accuracy of pictures; settings that reach it are chosen at rendering.",
                 "anyOf": [
                     { "type": "number", "exclusiveMinimum": 0, "maximum": 1 },
                     { "enum": ["exact", "reference"] },
@@ -82,11 +82,11 @@ pub fn schema(registry: &Registry) -> Value {
                 "propertyNames": { "pattern": "^[A-Za-z0-9_-]+$" },
                 "additionalProperties": { "$ref": "#/$defs/output" }
             },
-            "ui": { "description": "For editors; evaluation ignores it." },
-            "notes": { "description": "For people; evaluation ignores it." }
+            "ui": { "description": "Data of editors; evaluation ignores it." },
+            "notes": { "description": "Comments for people; evaluation ignores them." }
         },
         "$defs": {
-            "reference": { "description": "\"node\" for its first output, or \"node.output\".", "type": "string", "pattern": "^[A-Za-z_][A-Za-z0-9_]*(\\.[A-Za-z0-9_]+)?$" },
+            "reference": { "description": "\"node\" for the first output of a node, or \"node.output\".", "type": "string", "pattern": "^[A-Za-z_][A-Za-z0-9_]*(\\.[A-Za-z0-9_]+)?$" },
             "color": {
                 "oneOf": [
                     { "type": "string", "pattern": "^#([0-9A-Fa-f]{3}|[0-9A-Fa-f]{6})$" },
@@ -101,12 +101,12 @@ pub fn schema(registry: &Registry) -> Value {
                     "color": { "$ref": "#/$defs/reference" },
                     "weights": { "$ref": "#/$defs/reference" },
                     "field": { "$ref": "#/$defs/reference" },
-                    "file": { "type": "string", "description": "Path ending .exr or .png, relative to the document; #### or %04d is the frame, \\# and \\% the signs themselves, {output} the output's name." },
-                    "layer": { "type": "string", "description": "Layer within the EXR; \"\" is the main layer. Outputs that name one file share it; by default each under its own name." },
+                    "file": { "type": "string", "description": "Path that ends in .exr or .png, relative to the document; #### or %04d stands for the frame, \\# and \\% for the signs themselves, {output} for the name of the output." },
+                    "layer": { "type": "string", "description": "Layer within the EXR; \"\" is the main layer. Outputs with the same file share it; by default each has a layer with its own name." },
                     "precision": { "enum": Precision::NAMES, "description": "half (default) or float (default of fields) in EXR, uint8 (default) or uint16 in PNG." },
                     "require": {
                         "type": "object",
-                        "description": "What must hold, or the file is not written: hull, the convex hull of the control colors, or box, each channel between its least and greatest control.",
+                        "description": "Guarantee without which the file is not written: hull, the convex hull of the control colors, or box, each channel between its smallest and largest control.",
                         "additionalProperties": false,
                         "properties": { "guarantee": { "enum": ["hull", "box"] } }
                     },
@@ -233,7 +233,7 @@ fn knob_schema(knob: &Knob) -> Value {
 }
 
 fn range(mut schema: Value, min: f64, max: f64) -> Value {
-    // Bounds that only say "finite in f32" would be noise.
+    // Limits that only mean "finite in f32" would be noise.
     if min > -1e30 {
         schema["minimum"] = json!(min);
     }

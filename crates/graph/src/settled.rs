@@ -1,11 +1,11 @@
-//! A node at one frame.
+//! Nodes at one frame.
 
 use crate::{Body, Kind, Node, NodeId, NodeType, Pointwise, Source, Stage, Values};
 use std::any::Any;
 use std::ops::Deref;
 use std::sync::Arc;
 
-/// A node at one frame: what its document says there, and what its type reads in it.
+/// A node at one frame: the values of its items, and the node that its type reads from them.
 #[derive(Clone)]
 pub struct Settled {
     ty: &'static NodeType,
@@ -19,38 +19,38 @@ impl Settled {
         Self { ty, values, node }
     }
 
-    /// Its type.
+    /// Returns the node type.
     pub fn ty(&self) -> &'static NodeType {
         self.ty
     }
 
-    /// What its type says of it.
+    /// Returns the node.
     pub fn node(&self) -> &dyn Node {
         &*self.node
     }
 
-    /// The same with its fields, where it is a node of that type.
+    /// Returns the node as the struct `T`, if it is of that type.
     pub fn get<T: Node>(&self) -> Option<&T> {
         (&*self.node as &dyn Any).downcast_ref()
     }
 
-    /// Kinds of its outputs.
+    /// Returns the kinds of the outputs.
     pub fn kinds(&self) -> Vec<Kind> {
         let declared = || self.ty.declaration().outputs.iter().map(|output| output.kind).collect();
         self.node.kinds().unwrap_or_else(declared)
     }
 
-    /// Its body, where it is a stage.
+    /// Returns the body if the node is a stage.
     pub fn stage(&self) -> Option<&dyn Stage> {
         if let Body::Stage(stage) = self.node.body() { Some(stage) } else { None }
     }
 
-    /// Its body, where it is pointwise.
+    /// Returns the body if the node is pointwise.
     pub fn pointwise(&self) -> Option<&dyn Pointwise> {
         if let Body::Pointwise(pointwise) = self.node.body() { Some(pointwise) } else { None }
     }
 
-    /// Calls `f` with every node that it takes its result from.
+    /// Calls `f` with every node that the result depends on.
     pub fn each_needed(&self, mut f: impl FnMut(NodeId)) {
         match self.node.identity() {
             Some(Source::Output { node, .. }) => f(*node),
@@ -59,7 +59,7 @@ impl Settled {
         }
     }
 
-    /// Leads every connection to the node that `to` names in its stead.
+    /// Redirects every connection to the node that `to` returns for its node.
     pub fn redirect(&mut self, to: &dyn Fn(NodeId) -> NodeId) {
         let before = self.values.clone();
         self.values.redirect(to);

@@ -1,8 +1,8 @@
-//! Texts as a shell takes them, for remedies that are to be typed.
+//! Quoting for a shell, for remedies that users can copy.
 
 use std::path::Path;
 
-/// A text as one word of a POSIX shell: as it stands, or in quotes where it needs them.
+/// Formats a text as one word of a POSIX shell, with quotes if it needs them.
 ///
 /// ```
 /// use trochoid_graph::quoted;
@@ -13,7 +13,7 @@ pub fn quoted(text: &str) -> String {
     shlex::Quoter::new().allow_nul(true).quote(text).map_or_else(|_| text.into(), Into::into)
 }
 
-/// The same of a path.
+/// Formats a path as one word of a POSIX shell.
 pub fn quoted_path(path: &Path) -> String {
     quoted(&path.display().to_string())
 }

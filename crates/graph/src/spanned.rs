@@ -1,14 +1,14 @@
-//! JSON with the place of every value.
+//! JSON values with their places in the text.
 //!
-//! `serde_json` says whether a text is JSON, and what is wrong if it is not; a walk over the text then keeps the place of
-//! every value. Objects keep duplicate keys, so that validation can refuse them.
+//! `serde_json` checks the syntax and reports its faults; a second walk over the text then records the place of every
+//! value. Objects keep duplicate keys, so that validation can report them.
 
 use serde_json::value::RawValue;
 use std::borrow::Cow;
 
-/// Deepest nesting of a document; no legal document comes near.
+/// Deepest nesting of a document; legal documents stay far below.
 pub const MAX_DEPTH: usize = 32;
-/// Most values in a document, so that a small file cannot take much memory.
+/// Largest number of values in a document, so that a small file cannot take much memory.
 pub const MAX_VALUES: usize = 4_000_000;
 
 /// A value and the byte offset at which it starts.
@@ -20,14 +20,14 @@ pub(crate) struct Spanned {
     pub json: Json,
 }
 
-/// JSON, with numbers and objects kept as written.
+/// JSON value, with the entries of objects in the order of the text.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Json {
     /// `null`.
     Null,
     /// `true` or `false`.
     Bool(bool),
-    /// A number; infinite where it exceeds the range of f64.
+    /// A number; infinite if it exceeds the range of f64.
     Number(f64),
     /// A string.
     String(String),
@@ -42,14 +42,14 @@ pub(crate) enum Json {
 pub(crate) struct Entry {
     /// The key.
     pub key: String,
-    /// Byte offset of the key (of its value, where the key holds escapes).
+    /// Byte offset of the key, or of its value if the key contains escapes.
     pub offset: usize,
     /// The value.
     pub value: Spanned,
 }
 
 impl Spanned {
-    /// The value in a few words, for "found …".
+    /// Describes the value in a few words, for "found …".
     pub(crate) fn brief(&self) -> String {
         match &self.json {
             Json::Null => "null".into(),
@@ -62,8 +62,8 @@ impl Spanned {
     }
 }
 
-/// At most 60 characters of a text, so that no message grows with its input; control characters escaped, so that none
-/// of them breaks its lines or steers a terminal.
+/// Shortens a text to at most 60 characters, so that messages do not grow with their input, and escapes control
+/// characters, so that none of them breaks lines or controls a terminal.
 pub(crate) fn shorten(text: &str) -> String {
     let length = if text.chars().nth(60).is_some() { 57 } else { 60 };
     let mut short = String::new();
@@ -76,7 +76,7 @@ pub(crate) fn shorten(text: &str) -> String {
     short
 }
 
-/// A number for messages, with an exponent where digits would be many.
+/// Formats a number for messages, with an exponent if it would have many digits.
 pub(crate) fn number_text(number: f64) -> String {
     if !number.is_finite() {
         return "a number beyond the range of f64".into();
@@ -85,12 +85,12 @@ pub(crate) fn number_text(number: f64) -> String {
     if plain { number.to_string() } else { format!("{number:e}") }
 }
 
-/// Why a text is not JSON within the limits.
+/// Reason why a text is not JSON within the limits.
 #[derive(Debug)]
 pub(crate) struct SyntaxError {
     /// Byte offset of the fault.
     pub offset: usize,
-    /// What is wrong there.
+    /// Description of the fault.
     pub fault: SyntaxFault,
 }
 
@@ -104,13 +104,13 @@ pub(crate) enum SyntaxFault {
     #[error("{}", without_place(.0))]
     Escape(#[source] serde_json::Error),
     /// A number is none that a computer holds.
-    #[error("\"{0}\" is not a number")]
+    #[error("\"{0}\", which is not a number")]
     NoNumber(String),
     /// Lists and objects are nested too deeply.
-    #[error("values are nested deeper than {MAX_DEPTH} levels")]
+    #[error("values nested deeper than {MAX_DEPTH} levels")]
     TooDeep,
     /// It holds too many values.
-    #[error("the document holds more than {MAX_VALUES} values")]
+    #[error("more than {MAX_VALUES} values")]
     TooMany,
 }
 
@@ -129,9 +129,9 @@ impl SyntaxFault {
 /// Reads a JSON text.
 ///
 /// # Errors
-/// Not JSON, or nested deeper or larger than the limits.
+/// The text is not JSON, or exceeds the limits of depth or size.
 pub(crate) fn parse(text: &str) -> Result<Spanned, SyntaxError> {
-    // The values of a raw value are not built, so this takes no memory whatever the text holds.
+    // A raw value does not build the values inside of it, so this takes no memory for any text.
     let _: &RawValue = serde_json::from_str(text).map_err(|error| SyntaxError {
         offset: offset_of(text, error.line(), error.column()),
         fault: SyntaxFault::NoJson(error),
@@ -139,7 +139,7 @@ pub(crate) fn parse(text: &str) -> Result<Spanned, SyntaxError> {
     Reader { text, at: 0, left: MAX_VALUES }.value(0)
 }
 
-/// Walks a text that is known to be JSON, so that only limits and the meaning of escapes can fail.
+/// Walks a text that is known to be JSON, so that only limits and escapes can cause errors.
 struct Reader<'t> {
     text: &'t str,
     at: usize,
@@ -157,7 +157,7 @@ impl<'t> Reader<'t> {
         }
     }
 
-    /// To the next byte that is neither space nor punctuation between values.
+    /// Skips white space and the punctuation between values.
     fn separators(&mut self) {
         self.skip(|byte| matches!(byte, b' ' | b'\t' | b'\n' | b'\r' | b',' | b':'));
     }
@@ -214,7 +214,7 @@ impl<'t> Reader<'t> {
         Ok(Spanned { offset, json })
     }
 
-    /// A string, borrowed from the text where it holds no escapes.
+    /// Reads a string, borrowed from the text if it contains no escapes.
     fn string(&mut self) -> Result<Cow<'t, str>, SyntaxError> {
         let opening = self.at;
         let mut escaped = false;
@@ -237,7 +237,7 @@ impl<'t> Reader<'t> {
     }
 }
 
-/// The byte offset of a line and column (bytes, both from 1) as `serde_json` counts them.
+/// Returns the byte offset of a line and column (in bytes, both from 1), as `serde_json` counts them.
 fn offset_of(text: &str, line: usize, column: usize) -> usize {
     let start: usize = text.split_inclusive('\n').take(line.saturating_sub(1)).map(str::len).sum();
     (start + column.saturating_sub(1)).min(text.len())
@@ -249,21 +249,21 @@ fn without_place(error: &serde_json::Error) -> String {
     message.strip_suffix(&place).map_or(message.clone(), String::from)
 }
 
-/// Line and column (in characters, both from 1) of a byte offset.
+/// Returns line and column (in characters, both from 1) of a byte offset.
 pub(crate) fn line_and_column(text: &str, offset: usize) -> (usize, usize) {
     let before = &text.as_bytes()[..offset.min(text.len())];
     let line_start = before.iter().rposition(|&b| b == b'\n').map_or(0, |at| at + 1);
     let line = before.iter().filter(|&&b| b == b'\n').count() + 1;
-    // Count the bytes that start a character; the offset may lie within one.
+    // Count the bytes that start a character; the offset may be inside of one.
     let column = before[line_start..].iter().filter(|&&b| b & 0xC0 != 0x80).count() + 1;
     (line, column)
 }
 
-/// Bytes from one known place to the next.
+/// Bytes between two known places.
 const STRIDE: usize = 1024;
 
-/// Line and column at regular offsets of a text, so that any place is found by a short walk: a thousand warnings about
-/// a long document must not each read all of it.
+/// Line and column at regular offsets of a text, so that any place is found by a short walk: otherwise each of a
+/// thousand warnings about a long document would read all of it.
 #[derive(Clone, Debug)]
 pub(crate) struct Places(Vec<(usize, usize)>);
 
@@ -279,7 +279,7 @@ impl Places {
         Self(known)
     }
 
-    /// Line and column (in characters, both from 1) of a byte offset of that text.
+    /// Returns line and column (in characters, both from 1) of a byte offset of the same text.
     pub(crate) fn find(&self, text: &str, offset: usize) -> (usize, usize) {
         let offset = offset.min(text.len());
         let start = offset / STRIDE;
@@ -287,7 +287,7 @@ impl Places {
     }
 }
 
-/// Line and column after some bytes.
+/// Returns line and column after some bytes.
 fn walk(from: (usize, usize), bytes: &[u8]) -> (usize, usize) {
     bytes.iter().fold(from, |(line, column), &byte| match byte {
         b'\n' => (line + 1, 1),

@@ -1,23 +1,24 @@
-//! What a sea is made of, for plots.
+//! Wave spectra of seas, for plots.
 
 /// A wave of a sea.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Harmonic {
-    /// Crest to crest, m.
+    /// Wavelength from crest to crest, m.
     pub wavelength: f64,
     /// Vertical amplitude, m.
     pub amplitude: f64,
-    /// Where it travels, degrees: 0 is +X, 90 is +Z.
+    /// Direction of travel, degrees: 0 is +X, 90 is +Z.
     pub direction: f64,
-    /// Share of the cusp that it takes alone: 1 is the sharpest crest that does not fold.
+    /// Sharpness of the crest of this wave alone: 1 is the sharpest crest that does not fold.
     pub sharpness: f64,
 }
 
-/// What a node answers to [`Dynamics::spectrum`](crate::Dynamics::spectrum).
+/// Result of [`Dynamics::spectrum`](crate::Dynamics::spectrum).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spectrum {
-    /// Its waves, in no order.
+    /// Waves, in no particular order.
     pub waves: Vec<Harmonic>,
-    /// By how much all sharpness may be multiplied until crests fold over: below 1 some do; infinite where none ever will.
+    /// Largest factor on all sharpnesses without crests that fold over: below 1, some crests fold; infinite if none
+    /// ever do.
     pub unfolded: f64,
 }

@@ -1,33 +1,33 @@
-//! What can be said of a node's numerics over time: what is predicted beside what is measured.
+//! Numerical stability of nodes over time: predictions next to measurements.
 
-/// What a node answers to [`Dynamics::stability`](crate::Dynamics::stability).
+/// Result of [`Dynamics::stability`](crate::Dynamics::stability).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Stability {
-    /// The verdict.
+    /// Verdict.
     pub verdict: Verdict,
-    /// What is stable, by how much, and what would break it, in sentences.
+    /// Explanation in sentences: what is stable, with which margin, and what would make it unstable.
     pub says: Vec<String>,
-    /// Numbers, the most telling first.
+    /// Numbers, the most important first.
     pub figures: Vec<Figure>,
-    /// Where its coefficients lie in their plane.
+    /// Map of the plane of the node's coefficients.
     pub map: Option<StabilityMap>,
 }
 
-/// What becomes of a node's state in the long run.
+/// Long-term behavior of a node's state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
-    /// Everything dies away.
+    /// Everything decays.
     Stable,
-    /// Nothing grows, and something stays for ever.
+    /// Nothing grows, but something never decays.
     Bounded,
     /// Something grows without bound.
     Unstable,
-    /// There is no state: every frame is a function of its time.
+    /// No state: every frame is a function of its time.
     ClosedForm,
 }
 
 impl Verdict {
-    /// One word or two.
+    /// Returns the name in reports.
     pub fn name(self) -> &'static str {
         match self {
             Self::Stable => "stable",
@@ -41,39 +41,39 @@ impl Verdict {
 /// A number that is predicted, measured, or both.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Figure {
-    /// Its name in JSON, such as `spectral_radius`.
+    /// Name in JSON, such as `spectral_radius`.
     pub key: &'static str,
-    /// Its name.
+    /// Name in reports.
     pub name: &'static str,
-    /// Its unit; none for pure numbers.
+    /// Unit; empty for dimensionless numbers.
     pub unit: &'static str,
-    /// By theory.
+    /// Value by theory.
     pub predicted: Option<f64>,
-    /// By running the code.
+    /// Value measured by running the code.
     pub measured: Option<f64>,
-    /// How the two are related.
+    /// Expected relation of the two values.
     pub relation: Relation,
-    /// Of what and how it was measured, in a few words.
+    /// Description of the quantity and of its measurement, in a few words.
     pub note: String,
 }
 
-/// What holds between what is measured and what is predicted, if all is well.
+/// Expected relation between the measured and the predicted value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Relation {
-    /// They are equal up to this.
+    /// Equal up to this difference.
     Equal(f64),
-    /// They are equal up to this share of what is predicted.
+    /// Equal up to this fraction of the predicted value.
     Near(f64),
-    /// The measured one is no greater: the prediction is a bound.
+    /// The measured value is at most the predicted one, which is an upper bound.
     AtMost,
-    /// The measured one is no less.
+    /// The measured value is at least the predicted one.
     AtLeast,
-    /// One of them is not known, or they are two things.
+    /// One of the values is unknown, or they measure different things.
     Unrelated,
 }
 
 impl Figure {
-    /// Whether the measurement bears out the prediction, where there are both.
+    /// Whether the measurement confirms the prediction; `None` unless both are known and related.
     pub fn holds(&self) -> Option<bool> {
         let (predicted, measured) = (self.predicted?, self.measured?);
         let off = if predicted == measured { 0.0 } else { (predicted - measured).abs() };
@@ -87,24 +87,25 @@ impl Figure {
     }
 }
 
-/// How fast states grow over the plane of two knobs.
+/// Growth rate of states over the plane of two knobs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StabilityMap {
-    /// Names of the knobs, across and up.
+    /// Names of the knobs on the horizontal and vertical axis.
     pub axes: [&'static str; 2],
-    /// What the map spans of each.
+    /// Range of the map along each axis.
     pub ranges: [[f64; 2]; 2],
     /// Points along each axis.
     pub size: [usize; 2],
-    /// Greatest growth in a step at the middle of each field of the map, row by row from the least of the second knob on.
+    /// Largest growth per step at the center of each cell of the map, row by row from the smallest value of the
+    /// second knob.
     pub growth: Vec<f64>,
-    /// Corners of the stable region, around it.
+    /// Corners of the stable region, in order around it.
     pub region: Vec<[f64; 2]>,
-    /// What the node has.
+    /// The node's own values of the knobs.
     pub point: [f64; 2],
-    /// Points at which the growth was measured, to be held against the map.
+    /// Points at which the growth was measured, for comparison with the map.
     pub measured: Vec<([f64; 2], f64)>,
-    /// Of what it is the map.
+    /// Description of the map.
     pub note: String,
 }
 

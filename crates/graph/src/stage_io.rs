@@ -1,36 +1,36 @@
-//! What stages are given, and what they fill.
+//! Inputs and outputs of stages: what the engine passes to them, and the planes that they fill.
 
-use crate::{Bound, Channel, Connected, Found, FrameContext, Handle, Kind, LITERAL, NodeError, NodeId, Source};
+use crate::{BadData, Channel, Connected, Found, FrameContext, Handle, Kind, NodeError, NodeId, Source};
 use std::any::{Any, TypeId};
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError, Weak};
 use trochoid_image::Window;
 use trochoid_key::{ContentKey, Key};
 
-/// What stages share beside their connections, such as a file that several of them read.
+/// Values that stages share apart from their connections, such as a file that several of them read.
 ///
-/// Nothing is kept that nobody holds, so an engine may use one pool for as long as it likes.
+/// The pool keeps a value only as long as someone holds it, so an engine may use one pool for any length of time.
 #[derive(Default)]
 pub struct Pool {
     made: Mutex<HashMap<(TypeId, Key), Weak<dyn Any + Send + Sync>>>,
 }
 
 impl Pool {
-    /// An empty pool.
+    /// Makes an empty pool.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// The `T` that someone holds of what has the same content, else what `make` makes.
+    /// Returns the shared `T` for a content key if someone still holds it, else the one that `make` makes.
     ///
     /// # Errors
-    /// Those of `make`.
+    /// The errors of `make`.
     pub fn get<T: Any + Send + Sync>(
         &self,
         of: &impl ContentKey,
         make: impl FnOnce() -> Result<T, NodeError>,
     ) -> Result<Arc<T>, NodeError> {
-        // Whole steps alone are done under the lock, so what a panic left is whole too.
+        // The map is consistent between any two steps under the lock, so it may be used after a panic.
         let mut made = self.made.lock().unwrap_or_else(PoisonError::into_inner);
         let key = (TypeId::of::<T>(), of.key());
         let held = made.get(&key).and_then(Weak::upgrade);
@@ -51,13 +51,13 @@ impl std::fmt::Debug for Pool {
     }
 }
 
-/// What [`Stage::prepare`](crate::Stage::prepare) is given.
+/// Arguments of [`Stage::prepare`](crate::Stage::prepare).
 pub struct Prepare<'a> {
-    /// The frame.
+    /// Data that all nodes of the frame share.
     pub frame: &'a FrameContext,
-    /// The kind of each output.
+    /// Kind of each output.
     pub kinds: &'a [Kind],
-    /// For each output, which of its channels are wanted.
+    /// Whether each channel is wanted, by output.
     pub wanted: &'a [Vec<bool>],
     handles: &'a dyn Fn(NodeId) -> Option<Handle>,
     cancelled: &'a (dyn Fn() -> bool + Sync),
@@ -66,7 +66,7 @@ pub struct Prepare<'a> {
 }
 
 impl<'a> Prepare<'a> {
-    /// Made by the engine.
+    /// Makes the arguments; called by the engine.
     pub fn new(
         frame: &'a FrameContext,
         kinds: &'a [Kind],
@@ -78,21 +78,21 @@ impl<'a> Prepare<'a> {
         Self { frame, kinds, wanted, handles, cancelled, pool, bounded: false }
     }
 
-    /// The same where [`Prepared::bound`](crate::Prepared::bound) will be asked.
+    /// Sets whether [`Prepared::bound`](crate::Prepared::bound) will be called.
     #[must_use]
     pub fn with_bounds(self, bounded: bool) -> Self {
         Self { bounded, ..self }
     }
 
-    /// Whether [`Prepared::bound`](crate::Prepared::bound) will be asked, for what it alone needs.
+    /// Whether [`Prepared::bound`](crate::Prepared::bound) will be called, so that data for it alone must be prepared.
     pub fn bounded(&self) -> bool {
         self.bounded
     }
 
-    /// What all nodes share that ask for a `T` of what has the same content.
+    /// Returns the `T` that all nodes share that request it for the same content key.
     ///
     /// # Errors
-    /// Those of `make`, which is called where no node holds one yet.
+    /// The errors of `make`, which is called if no node holds the value yet.
     pub fn shared<T: Any + Send + Sync>(
         &self,
         of: &impl ContentKey,
@@ -101,24 +101,26 @@ impl<'a> Prepare<'a> {
         self.pool.get(of, make)
     }
 
-    /// The handles of everything connected to a port, as `T`.
+    /// Returns the handles of everything connected to a port, as `T`.
     ///
     /// # Errors
-    /// The connected node hands on something else: a bug of that node, reported rather than hidden.
+    /// The handle of a connected node has another type: a bug in that node, reported rather than hidden.
     pub fn handles<T: Clone + 'static>(&self, port: &impl Connected) -> Result<Vec<T>, NodeError> {
-        let name = port.id().name();
+        let item = port.id().item();
         port.sources()
             .iter()
             .filter_map(|source| if let Source::Output { node, .. } = source { Some(*node) } else { None })
             .map(|id| {
                 (self.handles)(id).and_then(|handle| handle.downcast_ref::<T>().cloned()).ok_or_else(|| {
-                    NodeError::new(format!("\"{name}\" is connected to a node that hands on nothing usable"))
+                    BadData::new("an incompatible output", "one of the port's kind", "connect another node")
+                        .of_item(item)
+                        .into()
                 })
             })
             .collect()
     }
 
-    /// The handle of the first node connected to a port, whatever it holds; `None` where the port is open.
+    /// Returns the handle of the first node connected to a port, whatever its type; `None` if the port is open.
     pub fn handle_of(&self, port: &impl Connected) -> Option<Handle> {
         match port.sources().first() {
             Some(Source::Output { node, .. }) => (self.handles)(*node),
@@ -126,62 +128,62 @@ impl<'a> Prepare<'a> {
         }
     }
 
-    /// Whether the user has asked to stop.
+    /// Whether the user has cancelled the evaluation.
     pub fn cancelled(&self) -> bool {
         (self.cancelled)()
     }
 
-    /// Whether a stage may go on, for `?` in all that may take long.
+    /// Fails if the evaluation is cancelled: for `?` in everything that may take long.
     ///
     /// # Errors
-    /// The user has asked to stop.
+    /// The user has cancelled the evaluation.
     pub fn go_on(&self) -> Result<(), NodeError> {
         if self.cancelled() { Err(NodeError::Cancelled) } else { Ok(()) }
     }
 
-    /// The same for threads that a stage starts.
+    /// Returns the test for cancellation, for threads that a stage starts.
     pub fn cancellation(&self) -> &'a (dyn Fn() -> bool + Sync) {
         self.cancelled
     }
 }
 
-/// A block of samples: one sample of each pixel of a window, or of single pixels.
+/// A block of samples: one sample in each pixel of a window, or in each of several single pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Block<'a> {
-    /// The pixels. Of single pixels, which only stages are given that are not of [`Rate::Sample`](crate::Rate), a row
-    /// of as many somewhere: see [`Block::pixels`].
+    /// Window of the pixels. For single pixels, which only stages of another rate than [`Rate::Sample`](crate::Rate)
+    /// get, a row of the same number of pixels at an arbitrary position; [`Block::pixels`] has the real ones.
     pub window: Window,
-    /// Where in its pixel the sample lies, from the upper left corner, in pixels.
+    /// Position of the sample in its pixel, from the upper left corner, in pixels.
     pub offset: [f64; 2],
-    /// The pixels where they are single ones.
+    /// Positions of single pixels; `None` for a window.
     pub scattered: Option<&'a [[i64; 2]]>,
 }
 
 impl<'a> Block<'a> {
-    /// One sample of each pixel of a window.
+    /// Makes a block of one sample in each pixel of a window.
     pub fn of(window: Window, offset: [f64; 2]) -> Self {
         Self { window, offset, scattered: None }
     }
 
-    /// One sample of each of these pixels.
+    /// Makes a block of one sample in each of several single pixels.
     pub fn scattered(pixels: &'a [[i64; 2]], offset: [f64; 2]) -> Self {
         Self { window: Window::new(0, 0, pixels.len() as i64, 1), offset, scattered: Some(pixels) }
     }
 
-    /// The pixels, in the order of the planes.
+    /// Returns the pixels, in the order of the planes.
     pub fn pixels(&self) -> impl Iterator<Item = [i64; 2]> + use<'a> {
         let window = if self.scattered.is_some() { Window::default() } else { self.window };
         let row = move |y: i64| (window.x0..window.x1).map(move |x| [x, y]);
         (window.y0..window.y1).flat_map(row).chain(self.scattered.unwrap_or_default().iter().copied())
     }
 
-    /// The places of the samples in the picture, in pixels.
+    /// Returns the positions of the samples in the picture, in pixels.
     pub fn places(&self) -> impl Iterator<Item = [f64; 2]> + use<'a> {
         let [right, down] = self.offset;
         self.pixels().map(move |[x, y]| [x as f64 + right, y as f64 + down])
     }
 
-    /// A pixel by its index in the planes, where there is one.
+    /// Returns the pixel at an index in the planes, if there is one.
     pub fn pixel(&self, index: usize) -> Option<[i64; 2]> {
         if let Some(pixels) = self.scattered {
             return pixels.get(index).copied();
@@ -192,18 +194,18 @@ impl<'a> Block<'a> {
     }
 }
 
-/// One connection of a stage over a block.
+/// The planes of one connection of a stage over a block.
 #[derive(Clone, Debug, Default)]
 pub struct Connection<'a> {
-    /// The channels, each where asked for: the samples of `window`, row by row.
+    /// The requested channels, `None` for others: the samples of `window`, row by row.
     pub planes: Vec<Option<&'a [f32]>>,
-    /// The pixels of the planes: the block's, or the region of interest as far as the image reaches.
+    /// Pixels of the planes: those of the block, or the region of interest clipped to the image.
     pub window: Window,
-    /// How far the whole image reaches. Beyond it, and so beyond `window`, the nearest pixel repeats.
+    /// Extent of the whole image. Outside of it the nearest pixel repeats.
     pub extent: Window,
 }
 
-/// The planes connected to a stage's ports over a block.
+/// The planes connected to the ports of a stage over a block.
 pub struct Inputs<'a> {
     ports: &'a [Vec<Connection<'a>>],
     cancelled: &'a (dyn Fn() -> bool + Sync),
@@ -211,52 +213,53 @@ pub struct Inputs<'a> {
 }
 
 impl<'a> Inputs<'a> {
-    /// Made by the engine: for each port its connections.
+    /// Makes the inputs from the connections of each port; called by the engine.
     pub fn new(ports: &'a [Vec<Connection<'a>>]) -> Self {
         Self { ports, cancelled: &|| false, found: None }
     }
 
-    /// The same with what was found once for several samples.
+    /// Sets the result of [`Prepared::find`](crate::Prepared::find).
     #[must_use]
     pub fn with_found(self, found: Option<&'a Found>) -> Self {
         Self { found, ..self }
     }
 
-    /// What the stage found once for several samples, where the document shades by the pixel.
+    /// Returns the result of [`Prepared::find`](crate::Prepared::find) that several samples share, if the document
+    /// shades per pixel.
     pub fn found<T: Any>(&self) -> Option<&'a T> {
         self.found?.downcast_ref()
     }
 
-    /// The same with what tells whether the user has asked to stop.
+    /// Sets the test for cancellation.
     #[must_use]
     pub fn with_cancellation(self, cancelled: &'a (dyn Fn() -> bool + Sync)) -> Self {
         Self { cancelled, ..self }
     }
 
-    /// Whether the user has asked to stop: then a stage that takes long may return an error, which nobody sees.
+    /// Whether the user has cancelled the evaluation: then a slow stage may return an error, which is not shown.
     pub fn cancelled(&self) -> bool {
         (self.cancelled)()
     }
 
-    /// Whether a stage may go on, for `?` in all that may take long.
+    /// Fails if the evaluation is cancelled: for `?` in everything that may take long.
     ///
     /// # Errors
-    /// The user has asked to stop.
+    /// The user has cancelled the evaluation.
     pub fn go_on(&self) -> Result<(), NodeError> {
         if self.cancelled() { Err(NodeError::Cancelled) } else { Ok(()) }
     }
 
-    /// The same for threads that a stage starts.
+    /// Returns the test for cancellation, for threads that a stage starts.
     pub fn cancellation(&self) -> &'a (dyn Fn() -> bool + Sync) {
         self.cancelled
     }
 
-    /// The connections of a port: none where an optional port is open.
+    /// Returns the connections of a port: none if an optional port is open.
     pub fn all(&self, port: &impl Connected) -> &'a [Connection<'a>] {
         self.ports.get(port.id().index()).map_or(&[], Vec::as_slice)
     }
 
-    /// The channels of connection `index` of a port.
+    /// Returns the channels of connection `index` of a port.
     ///
     /// # Panics
     /// The port has no such connection.
@@ -264,45 +267,20 @@ impl<'a> Inputs<'a> {
         &self.all(port)[index].planes
     }
 
-    /// A channel of the view connected to a port that the node prefers, where the view supplies it.
+    /// Returns a channel, which the node [prefers](crate::Stage::prefers), of the view connected to a port; `None` if
+    /// the view does not supply it.
     pub fn view_if_any(&self, port: &impl Connected, channel: Channel) -> Option<&'a [f32]> {
         self.planes(port, 0)[channel as usize]
     }
 
-    /// A channel of the view connected to a port.
+    /// Returns a channel of the view connected to a port.
     ///
     /// # Panics
-    /// The node did not ask for it: a bug of that node, caught by its first test.
+    /// The node did not [ask](crate::Stage::asks) for the channel: a bug in the node, which its first test finds.
     pub fn view(&self, port: &impl Connected, channel: Channel) -> &'a [f32] {
         match self.planes(port, 0)[channel as usize] {
             Some(plane) => plane,
             None => unreachable!("the node did not ask for {channel:?}"),
-        }
-    }
-}
-
-/// What a stage is given to bound the errors of what it filled.
-pub struct Bounding<'a> {
-    /// The samples.
-    pub block: &'a Block<'a>,
-    /// What it was given to fill them.
-    pub inputs: &'a Inputs<'a>,
-    /// For every plane of that, its bounds ([`Bound`](crate::Bound), encoded).
-    pub bounds: &'a Inputs<'a>,
-    /// By output, by channel: what it filled, where wanted.
-    pub filled: &'a [Vec<Option<&'a [f32]>>],
-}
-
-impl Bounding<'_> {
-    /// The bounds of a stage without inputs that computes in f64 as its reference does, and rounds once.
-    pub fn rounded_once(&self, outputs: &mut Outputs<'_>) {
-        for (output, channels) in self.filled.iter().enumerate() {
-            for (channel, filled) in channels.iter().enumerate() {
-                let (Some(filled), Some(bounds)) = (filled, outputs.take(output, channel)) else { continue };
-                for (bound, value) in bounds.iter_mut().zip(*filled) {
-                    *bound = Bound::of(f64::from(value.abs()) * LITERAL + f64::from(f32::from_bits(1))).encode();
-                }
-            }
         }
     }
 }
@@ -313,17 +291,17 @@ pub struct Outputs<'a> {
 }
 
 impl<'a> Outputs<'a> {
-    /// Made by the engine: for each output, for each channel, its plane where wanted.
+    /// Makes the outputs from planes by output and channel, `None` for unwanted channels; called by the engine.
     pub fn new(planes: Vec<Vec<Option<&'a mut [f32]>>>) -> Self {
         Self { planes }
     }
 
-    /// Takes the plane of a channel of a node with one output, or `None` where nobody wants it.
+    /// Takes the plane of a channel of a node with one output; `None` if the channel is unwanted.
     pub fn only(&mut self, channel: usize) -> Option<&'a mut [f32]> {
         self.take(0_usize, channel)
     }
 
-    /// Takes the plane of an output's channel, or `None` where nobody wants it.
+    /// Takes the plane of a channel of an output; `None` if the channel is unwanted.
     pub fn take(&mut self, output: impl Into<usize>, channel: usize) -> Option<&'a mut [f32]> {
         self.planes.get_mut(output.into())?.get_mut(channel)?.take()
     }

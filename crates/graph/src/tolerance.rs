@@ -1,28 +1,28 @@
-//! How accurate a picture is asked to be.
+//! Required accuracy of pictures.
 
 use std::fmt;
 
-/// The accuracy that is asked for, in place of settings that give it.
+/// Required accuracy of a picture, from which settings are chosen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Tolerance {
-    /// The largest error in any channel of any sample that is in no doubt, of the display-encoded output before it is stored:
-    /// above 0, at most 1.
+    /// Largest error in any channel of any sample whose bound is clear ([`Bound::clear`](crate::Bound::clear)), in the
+    /// display-encoded output before it is stored: above 0, at most 1.
     Error(f64),
-    /// The most accurate of the fast methods everywhere.
+    /// The most accurate fast method of every node.
     Exact,
     /// The f64 references themselves, pixel by pixel.
     Reference,
 }
 
 impl Tolerance {
-    /// Smaller errors take very long to certify, and none of them is seen.
+    /// Error below which validation warns: smaller ones take very long to certify, and are invisible.
     pub(crate) const FINE: f64 = 1.0 / 4096.0;
 
-    /// What [`Tolerance::parse`] takes.
+    /// Description of the texts that [`Tolerance::parse`] accepts, for messages.
     pub const EXPECTED: &'static str =
         "an error above 0 and at most 1, such as 0.002 or 1/512, or \"exact\" or \"reference\"";
 
-    /// From a number, a fraction, or a name.
+    /// Parses a number, a fraction or a name.
     ///
     /// ```
     /// use trochoid_graph::Tolerance;
@@ -43,13 +43,13 @@ impl Tolerance {
         }
     }
 
-    /// An error, if it is one to ask for.
+    /// Makes a tolerance of an error; `None` unless it is above 0 and at most 1.
     pub fn error(error: f64) -> Option<Self> {
         (error > 0.0 && error <= 1.0).then_some(Self::Error(error))
     }
 }
 
-/// Whether a normal number ≥ 0 is a power of two: nothing stands in its fraction.
+/// Whether a number ≥ 0 is normal and a power of two: its fraction bits are all 0.
 fn is_power_of_two(number: f64) -> bool {
     number.is_normal() && number.to_bits() << 12 == 0
 }
@@ -60,7 +60,7 @@ impl fmt::Display for Tolerance {
             Self::Error(error) => {
                 let parts = 1.0 / error;
                 let whole = parts.round();
-                // As it was asked for, most often: parts of a whole. Halves of halves are such parts however small they are.
+                // Errors are mostly given as 1/n, and shown like that. Powers of two are exact at any size.
                 let is_part = (parts - whole).abs() < 1e-9 * whole && whole < 1e5;
                 if is_part || is_power_of_two(parts) {
                     if whole == 1.0 { write!(f, "1") } else { write!(f, "1/{whole}") }

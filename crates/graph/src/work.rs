@@ -1,39 +1,40 @@
-//! How long nodes take for a frame, reckoned from their knobs before anything runs.
+//! Estimates of the time that nodes take for a frame, made from their knobs before anything runs.
 
 use crate::ItemName;
 
-/// About how long a node takes for one frame, and what makes it take long.
+/// Estimate of the time that a node takes for one frame, and the item that makes it long.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Work {
-    /// Seconds of one core, by what each step takes on a machine of today: the same on every machine.
+    /// Seconds on one core, from typical times of each step on a current machine; the estimate is the same on every
+    /// machine.
     pub seconds: f64,
-    /// The knob, list or port to change first.
+    /// Knob, list or port to change first.
     pub item: ItemName,
-    /// What to make smaller or larger.
+    /// Remedy: what to make smaller or larger.
     pub remedy: &'static str,
 }
 
 impl Work {
-    /// The most that validation takes for meant, in seconds of one core.
+    /// Time above which validation warns, in seconds on one core.
     pub const MOST: f64 = 30.0;
 
-    /// Whether somebody should be told beforehand.
+    /// Whether the user should be warned.
     pub fn is_heavy(&self) -> bool {
         self.seconds > Self::MOST
     }
 
-    /// What was found, for messages.
+    /// Returns what was found, for messages.
     pub fn found(&self) -> String {
-        format!("work for about {} of one core at each frame", duration(self.seconds))
+        format!("about {} of work per frame on one core", duration(self.seconds))
     }
 
-    /// What was expected, for messages.
+    /// Returns what was expected, for messages.
     pub fn expected() -> String {
         format!("at most {}", duration(Self::MOST))
     }
 }
 
-/// A duration in the unit that a person would choose.
+/// Formats a duration in a suitable unit.
 fn duration(seconds: f64) -> String {
     let (value, unit) = match seconds {
         s if s < 100.0 => (s, "seconds"),

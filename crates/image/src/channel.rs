@@ -1,8 +1,8 @@
-//! What a view can answer for each of its samples.
+//! The channels of a view.
 
 macro_rules! channels {
     ($($(#[$doc:meta])* $name:ident $text:literal $background:expr,)*) => {
-        /// One scalar that a view can answer for each sample, and so one of its planes.
+        /// One scalar that a view can supply for each sample, and so one of its planes.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
         #[repr(u8)]
         pub enum Channel { $($(#[$doc])* $name,)* }
@@ -13,12 +13,12 @@ macro_rules! channels {
             /// Number of channels.
             pub const COUNT: usize = [$(Self::$name,)*].len();
 
-            /// Name for messages.
+            /// Returns the name for messages.
             pub fn name(self) -> &'static str {
                 match self { $(Self::$name => $text,)* }
             }
 
-            /// What the channel holds where nothing is seen.
+            /// Returns the value of the channel where nothing is seen.
             pub const fn background(self) -> f32 {
                 match self { $(Self::$name => $background,)* }
             }
@@ -37,39 +37,41 @@ channels! {
     PositionY "position" 0.0,
     /// World z, m.
     PositionZ "position" 0.0,
-    /// Unit normal x. It stands on the outer side, a sea's in the air: toward a camera outside, away from one inside.
-    /// Where a sea folds over itself the side that is seen counts, not the one that was up at rest.
+    /// Unit surface normal x. The normal points to the outer side, for a sea into the air: toward a camera outside,
+    /// away from one inside. Where a sea folds over itself, the visible side counts, not the one that was up at rest.
     NormalX "normal" 0.0,
-    /// Unit normal y; a degenerate normal and the background point up.
+    /// Unit surface normal y; degenerate normals and the background point up.
     NormalY "normal" 1.0,
-    /// Unit normal z.
+    /// Unit surface normal z.
     NormalZ "normal" 0.0,
-    /// World x of the seen particle's rest point, m. A sea's rest point lies on its rest level, a model's in the model's
-    /// own space, so that textures stay on it.
+    /// X of the rest point of the visible surface point, m: for a sea in world space on its rest level, for a model
+    /// in object space, so that textures stay on it.
     RestX "rest point" 0.0,
-    /// World y of the rest point, m.
+    /// Y of the rest point, m.
     RestY "rest point" 0.0,
-    /// World z of the rest point, m.
+    /// Z of the rest point, m.
     RestZ "rest point" 0.0,
     /// Height above the surface's rest level, m.
     Height "height" 0.0,
     /// Distance from the rest point, m.
     RestDistance "distance from rest" 0.0,
-    /// Slope variance that the pixel's footprint filtered out: roughness to add.
+    /// Variance of the slopes within the pixel's footprint that were filtered out: roughness to add.
     SlopeVariance "slope variance" 0.0,
-    /// Area ratio of displaced and resting surface, det J: below 1 where crests gather, negative in folds.
+    /// Jacobian determinant: area of the displaced surface relative to the resting one; below 1 at crests, negative
+    /// in folds.
     Jacobian "Jacobian" 1.0,
-    /// Index of the seen surface among those that are looked at; −1 where nothing is seen.
+    /// Index of the visible surface among those of the view; −1 where nothing is seen.
     Surface "surface" -1.0,
     /// Texture coordinate u; the rest point's x on surfaces without texture coordinates.
     U "texture coordinates" 0.0,
     /// Texture coordinate v; the rest point's z on surfaces without texture coordinates.
     V "texture coordinates" 0.0,
-    /// Foam that bursts left behind on a toon sea; 0 on other surfaces, as all that follow.
+    /// Foam that bursts left behind on a toon sea; 0 on other surfaces, like all channels below.
     Rift "rift" 0.0,
-    /// How lately and closely bursts have passed, w: 1 in their middle, 0 where none was.
+    /// Weight w of the drift, by how recently and closely bursts have passed: 1 in their middle, 0 where there were
+    /// none.
     DriftWeight "drift" 0.0,
-    /// w·cos of the angle that counts drift lines along the paths of bursts, a full turn for every 16.
+    /// w·cos of the angle that counts drift lines along the paths of bursts, one full turn for 16 lines.
     AlongCos "drift" 0.0,
     /// w·sin of that angle.
     AlongSin "drift" 0.0,
@@ -80,7 +82,7 @@ channels! {
 }
 
 impl Channel {
-    /// What bursts leave behind: the rift, then the drift.
+    /// Channels of the trails of bursts: the rift, then the drift.
     pub const TRAILS: [Self; 6] =
         [Self::Rift, Self::DriftWeight, Self::AlongCos, Self::AlongSin, Self::AcrossCos, Self::AcrossSin];
 }
@@ -107,7 +109,7 @@ impl ChannelSet {
     /// Every channel.
     pub const ALL: Self = Self::of(&Channel::ALL);
 
-    /// Exactly these channels.
+    /// Makes the set of exactly these channels.
     pub const fn of(channels: &[Channel]) -> Self {
         let (mut bits, mut index) = (0, 0);
         while index < channels.len() {
@@ -132,17 +134,17 @@ impl ChannelSet {
         self.0 & other.0 != 0
     }
 
-    /// The channels in either set.
+    /// Returns the channels in either set.
     pub const fn union(self, other: Self) -> Self {
         Self(self.0 | other.0)
     }
 
-    /// The channels in both sets.
+    /// Returns the channels in both sets.
     pub const fn intersect(self, other: Self) -> Self {
         Self(self.0 & other.0)
     }
 
-    /// The channels in this set but not in the other.
+    /// Returns the channels in this set but not in the other.
     pub const fn minus(self, other: Self) -> Self {
         Self(self.0 & !other.0)
     }
@@ -152,7 +154,7 @@ impl ChannelSet {
         self.0 == 0
     }
 
-    /// The channels in the set, in order.
+    /// Returns the channels in the set, in order.
     pub fn iter(self) -> impl Iterator<Item = Channel> {
         Channel::ALL.into_iter().filter(move |&channel| self.contains(channel))
     }
@@ -170,5 +172,5 @@ impl FromIterator<Channel> for ChannelSet {
     }
 }
 
-// One bit each.
+// Each channel has one bit.
 const _: () = assert!(Channel::COUNT <= 32);

@@ -1,4 +1,6 @@
-/// Why a string is not a hexadecimal color.
+//! Hexadecimal colors.
+
+/// Error: a string is not a hexadecimal color.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("\"{0}\" is not a color: write #rrggbb or #rgb with hexadecimal digits")]
 pub struct HexError(String);

@@ -1,3 +1,5 @@
+//! The format of pictures: size, samples per pixel and shading.
+
 use crate::Window;
 use trochoid_key::content_key;
 
@@ -6,7 +8,8 @@ pub const MAX_SIDE: u32 = 1 << 20;
 /// Largest number of pixels of a picture.
 pub const MAX_PIXELS: u64 = 1 << 31;
 
-/// The size of a document's pictures, how many samples each pixel averages, and how often they are shaded.
+/// Format of a document's pictures: their size, the number of samples averaged per pixel, and how often they are
+/// shaded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Format {
     width: u32,
@@ -17,15 +20,15 @@ pub struct Format {
 
 content_key!(Format { width, height, samples, shading });
 
-/// Where the samples of a pixel take passes that vary smoothly over a surface. What is visible, and every back-end
-/// operation, is evaluated at each sample.
+/// Samples at which passes that vary smoothly over a surface are evaluated. Visibility and back-end operations are
+/// evaluated at every sample.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Shading {
-    /// Each at its own place.
+    /// Every sample.
     #[default]
     Sample,
-    /// At the place of the pixel's first sample, where both see the same surface at nearly the same depth, see
-    /// [`Shading::SAME_DEPTH`]: the multisampling of graphics processors.
+    /// The pixel's first sample, for all samples that see the same surface at nearly the same depth
+    /// ([`Shading::SAME_DEPTH`]), like the multisampling of graphics processors.
     Pixel,
 }
 
@@ -40,11 +43,11 @@ impl Shading {
     /// Every shading.
     pub const ALL: [Self; 2] = [Self::Sample, Self::Pixel];
 
-    /// Samples of a pixel share their shading where their depths differ by at most so much of the first one's. On
-    /// surfaces that are seen under less than about three degrees they do not.
+    /// Largest difference in depth, relative to the first sample, of samples that share their shading. On surfaces
+    /// seen at an angle of less than about three degrees, samples do not share it.
     pub const SAME_DEPTH: f64 = 1.0 / 64.0;
 
-    /// As documents name it.
+    /// Returns the name in documents.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Sample => "sample",
@@ -52,13 +55,13 @@ impl Shading {
         }
     }
 
-    /// The shading of that name.
+    /// Returns the shading with a name.
     pub fn from_name(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|shading| shading.name() == name)
     }
 
-    /// Whether a sample that sees a surface at a depth takes its shading from the first one of its pixel. Nothing is
-    /// seen at depth +∞.
+    /// Whether a sample, given by its surface and depth, takes its shading from the first sample of the pixel. Depth
+    /// +∞ means that nothing is seen.
     #[inline]
     pub fn is_shared(first: (f64, f64), (surface, depth): (f64, f64)) -> bool {
         let near = (depth - first.1).abs() <= Self::SAME_DEPTH * first.1.abs();
@@ -66,27 +69,27 @@ impl Shading {
     }
 }
 
-/// Why a picture's format is refused.
+/// Error: a format of pictures is refused.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum FormatError {
     /// A side is 0 or too large.
-    #[error("a picture of {width} × {height} pixels is refused: each side is 1 to {MAX_SIDE} pixels")]
+    #[error("a picture of {width} × {height} pixels is refused: each side must have 1 to {MAX_SIDE} pixels")]
     Side {
         /// Width found.
         width: u32,
         /// Height found.
         height: u32,
     },
-    /// Too many pixels in all.
-    #[error("a picture of {width} × {height} pixels is refused: at most {MAX_PIXELS} pixels in all")]
+    /// The picture has too many pixels in total.
+    #[error("a picture of {width} × {height} pixels is refused: at most {MAX_PIXELS} pixels in total")]
     Area {
         /// Width found.
         width: u32,
         /// Height found.
         height: u32,
     },
-    /// Not a number of samples that has a pattern.
-    #[error("{samples} samples a pixel are refused: 1, 4 or 16")]
+    /// No sample pattern exists for the number of samples.
+    #[error("{samples} samples per pixel are refused: use 1, 4 or 16")]
     Samples {
         /// Number found.
         samples: u32,
@@ -94,10 +97,10 @@ pub enum FormatError {
 }
 
 impl Format {
-    /// A format of `width` × `height` pixels with 1, 4 or 16 samples a pixel.
+    /// Makes a format of `width` × `height` pixels with 1, 4 or 16 samples per pixel.
     ///
     /// # Errors
-    /// A side or the area is outside the limits, or the number of samples has no pattern.
+    /// A side or the area is outside of the limits, or no sample pattern exists for the number of samples.
     pub fn new(width: u32, height: u32, samples: u32) -> Result<Self, FormatError> {
         if width == 0 || height == 0 || width > MAX_SIDE || height > MAX_SIDE {
             return Err(FormatError::Side { width, height });
@@ -111,42 +114,42 @@ impl Format {
         Ok(Self { width, height, samples, shading: Shading::Sample })
     }
 
-    /// The same, shaded so often.
+    /// Sets how often pixels are shaded.
     #[must_use]
     pub fn with_shading(self, shading: Shading) -> Self {
         Self { shading, ..self }
     }
 
-    /// How often pixels are shaded.
+    /// Returns how often pixels are shaded.
     pub fn shading(self) -> Shading {
         self.shading
     }
 
-    /// Width in pixels.
+    /// Returns the width in pixels.
     pub fn width(self) -> u32 {
         self.width
     }
 
-    /// Height in pixels.
+    /// Returns the height in pixels.
     pub fn height(self) -> u32 {
         self.height
     }
 
-    /// Samples a pixel.
+    /// Returns the number of samples per pixel.
     pub fn samples(self) -> u32 {
         self.samples
     }
 
-    /// The display window, at the origin.
+    /// Returns the display window, at the origin.
     pub fn window(self) -> Window {
         Window::sized(self.width, self.height)
     }
 
-    /// Offset of sample `index` from its pixel's upper left corner, in pixels.
+    /// Returns the offset of sample `index` from its pixel's upper left corner, in pixels.
     ///
-    /// One sample stands at the center. 4 and 16 samples form a rotated grid: every row and every column of
-    /// the pixel's finer raster holds exactly one, so that edges near the axes come out in as many steps
-    /// as there are samples.
+    /// A single sample is at the center. 4 and 16 samples form a rotated grid: every row and every column of the
+    /// pixel's finer raster contains exactly one, so that antialiased edges near the axes have as many steps as there
+    /// are samples.
     pub fn sample_offset(self, index: u32) -> [f64; 2] {
         match self.samples {
             1 => [0.5, 0.5],

@@ -1,6 +1,6 @@
-//! Windows, planes, tiles, formats and working spaces: what the rest of Trochoid agrees on about pixels.
+//! Windows, planes, tiles, formats, channels and working spaces: the definitions of pixels that all of Trochoid shares.
 //!
-//! Conventions: y points down, windows are half-open, the center of pixel `x` lies at `x + ½`.
+//! Conventions: y points down, windows are half-open, the center of pixel `x` is at `x + ½`.
 
 mod channel;
 mod color;

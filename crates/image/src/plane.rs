@@ -1,3 +1,5 @@
+//! Planes: single channels of images.
+
 use crate::Window;
 use trochoid_memory::Buffer;
 
@@ -8,7 +10,7 @@ pub struct Plane {
     samples: Buffer,
 }
 
-/// The samples of a plane do not fill its window.
+/// Error: the samples of a plane do not fill its window.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("a plane over {window} needs {} samples, found {found}: pass width × height of them", window.area())]
 pub struct PlaneError {
@@ -29,36 +31,36 @@ impl Plane {
         }
     }
 
-    /// A plane that holds one value everywhere.
+    /// Makes a plane with one value everywhere.
     pub fn filled(window: Window, value: f32) -> Self {
         Self { window, samples: vec![value; window.area()].into() }
     }
 
-    /// A plane of zeros for something large: on cache lines, and on large pages where the system has them. `index` is its
-    /// place among the planes that are used together.
+    /// Makes a large plane of zeros, aligned to cache lines, on large pages if the system has them. `index` is the
+    /// number of the plane among those that are used together.
     ///
     /// # Errors
-    /// The memory cannot be had.
+    /// The memory cannot be allocated.
     pub fn zeroed(window: Window, index: usize) -> Result<Self, std::collections::TryReserveError> {
         Ok(Self { window, samples: Buffer::zeroed(window.area(), index)? })
     }
 
-    /// Where samples are stored.
+    /// Returns the window that the samples fill.
     pub fn window(&self) -> Window {
         self.window
     }
 
-    /// All samples, row by row.
+    /// Returns all samples, row by row.
     pub fn samples(&self) -> &[f32] {
         &self.samples
     }
 
-    /// All samples, for writing.
+    /// Returns all samples, for writing.
     pub fn samples_mut(&mut self) -> &mut [f32] {
         &mut self.samples
     }
 
-    /// The samples of row `y`, or `None` outside the window.
+    /// Returns the samples of row `y`, or `None` outside of the window.
     pub fn row(&self, y: i64) -> Option<&[f32]> {
         if y < self.window.y0 || y >= self.window.y1 {
             return None;
@@ -68,7 +70,7 @@ impl Plane {
         self.samples.get(start..start + width)
     }
 
-    /// The sample at (x, y); outside the window the nearest one; 0 if the plane is empty.
+    /// Returns the sample at (x, y), or the nearest one outside of the window; 0 if the plane is empty.
     pub fn nearest(&self, x: i64, y: i64) -> f32 {
         if self.window.is_empty() {
             return 0.0;

@@ -1,6 +1,8 @@
+//! Working spaces, their primaries, and conversions between them.
+
 use trochoid_key::content_key;
 
-/// The space in which a document's colors mix; the guarantee holds there.
+/// Color space in which a document's colors mix, and in which the guarantee holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
 pub enum WorkingSpace {
     /// Rec. 709 primaries, D65, linear light.
@@ -8,7 +10,7 @@ pub enum WorkingSpace {
     LinearSrgb,
     /// ACEScg: AP1 primaries, ACES white, linear light.
     AcesCg,
-    /// sRGB as encoded for display, the way paint swatches are sampled.
+    /// sRGB as encoded for display, like sampled paint swatches.
     Srgb,
 }
 
@@ -34,11 +36,11 @@ pub struct Chromaticities {
 }
 
 impl Chromaticities {
-    /// The matrix from linear light of these primaries to that of others, in f64; none where the primaries of either lie on a
-    /// line, or their white is made by less than all three of them.
+    /// Returns the matrix from linear light of these primaries to that of others, in f64; `None` if the primaries of
+    /// either lie on a line, or if white does not need all three of them.
     ///
-    /// White becomes white: where the white points differ, colors are adapted by Bradford's matrix, as OpenEXR does for ACES
-    /// files. The tristimulus values XYZ themselves, given as primaries, are taken as they are: they have no white.
+    /// White becomes white: if the white points differ, colors are adapted with Bradford's matrix, like in OpenEXR
+    /// for ACES files. Primaries that are the tristimulus values XYZ themselves are not adapted: they have no white.
     ///
     /// ```
     /// use trochoid_image::{Chromaticities, WorkingSpace};
@@ -63,9 +65,9 @@ impl Chromaticities {
         [self.red, self.green, self.blue] == [[1.0, 0.0], [0.0, 1.0], [0.0, 0.0]]
     }
 
-    /// The matrix to XYZ, where white has Y = 1.
+    /// Returns the matrix to XYZ, in which white has Y = 1.
     fn to_xyz(self) -> Option<[[f64; 3]; 3]> {
-        // Areas smaller than that are rounding, or far from any primaries that there are.
+        // Smaller areas are rounding errors, or far from all primaries in use.
         const LEAST: f64 = 1e-4;
         let numbers = [self.red, self.green, self.blue, self.white];
         if !numbers.as_flattened().iter().all(|v| v.abs() <= 10.0) || f64::from(self.white[1]) < LEAST {
@@ -85,7 +87,8 @@ impl Chromaticities {
     }
 }
 
-/// XYZ to responses of cones, in which whites are adapted (Lam, *Metamerism and Colour Constancy*, Bradford, 1985).
+/// Matrix from XYZ to cone responses, in which white points are adapted (Lam, *Metamerism and Colour Constancy*,
+/// Bradford, 1985).
 const BRADFORD: [[f64; 3]; 3] = [[0.8951, 0.2664, -0.1614], [-0.7502, 1.7135, 0.0367], [0.0389, -0.0685, 1.0296]];
 
 fn white_xyz([x, y]: [f32; 2]) -> [f64; 3] {
@@ -104,7 +107,7 @@ impl WorkingSpace {
     /// Every working space.
     pub const ALL: [Self; 3] = [Self::LinearSrgb, Self::AcesCg, Self::Srgb];
 
-    /// The name used in documents and metadata.
+    /// Returns the name in documents and metadata.
     pub fn name(self) -> &'static str {
         match self {
             Self::LinearSrgb => "linear-srgb",
@@ -113,12 +116,12 @@ impl WorkingSpace {
         }
     }
 
-    /// The space of that name.
+    /// Returns the space with a name.
     pub fn from_name(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|space| space.name() == name)
     }
 
-    /// The primaries and white point in which its values are stated.
+    /// Returns the primaries and the white point.
     pub fn chromaticities(self) -> Chromaticities {
         match self {
             Self::LinearSrgb | Self::Srgb => {
@@ -151,7 +154,7 @@ impl WorkingSpace {
         }
     }
 
-    /// Encodes a color of this space for an sRGB display; 0 to 1 is what it shows.
+    /// Encodes a color of this space for an sRGB display, which shows channels from 0 to 1.
     pub fn to_display(self, color: [f64; 3]) -> [f64; 3] {
         match self {
             Self::Srgb => color,
@@ -166,7 +169,7 @@ impl std::fmt::Display for WorkingSpace {
     }
 }
 
-/// Encodes linear light for display (IEC 61966-2-1), odd about 0 and not limited to 1.
+/// Encodes linear light for display (IEC 61966-2-1). The function is odd, and not limited to 1.
 pub fn srgb_encode(linear: f64) -> f64 {
     let v = linear.abs();
     let encoded = if v <= 0.003_130_8 { 12.92 * v } else { 1.055 * libm::pow(v, 1.0 / 2.4) - 0.055 };
@@ -188,7 +191,7 @@ fn product(a: &[[f64; 3]; 3], b: &[[f64; 3]; 3]) -> [[f64; 3]; 3] {
     a.map(|row| [0, 1, 2].map(|j| (0..3).map(|i| row[i] * b[i][j]).sum()))
 }
 
-/// The signed minor of a 3 × 3 matrix: cyclic indices give its sign directly.
+/// Returns a cofactor of a 3 × 3 matrix: cyclic indices give its sign directly.
 fn minor(m: &[[f64; 3]; 3], i: usize, j: usize) -> f64 {
     let (a, b, c, d) = ((i + 1) % 3, (i + 2) % 3, (j + 1) % 3, (j + 2) % 3);
     m[a][c] * m[b][d] - m[a][d] * m[b][c]
@@ -198,7 +201,7 @@ fn determinant(m: &[[f64; 3]; 3]) -> f64 {
     (0..3).map(|j| m[0][j] * minor(m, 0, j)).sum()
 }
 
-/// The inverse of a regular 3 × 3 matrix by its adjugate.
+/// Returns the inverse of a regular 3 × 3 matrix, from its adjugate.
 fn inverse(m: &[[f64; 3]; 3]) -> [[f64; 3]; 3] {
     let determinant = determinant(m);
     [0, 1, 2].map(|i| [0, 1, 2].map(|j| minor(m, j, i) / determinant))

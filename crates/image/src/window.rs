@@ -1,8 +1,10 @@
+//! Windows: rectangles of pixels, and their tiles.
+
 use trochoid_key::content_key;
 
 /// A half-open rectangle of pixels: `x0 <= x < x1`, `y0 <= y < y1`.
 ///
-/// Edges are 64-bit, so that width, height and area of any window of a file cannot overflow.
+/// Edges are 64-bit, so that width, height and area of the windows in files cannot overflow.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
 pub struct Window {
     /// First column.
@@ -18,47 +20,47 @@ pub struct Window {
 content_key!(Window { x0, y0, x1, y1 });
 
 impl Window {
-    /// The window between two corners.
+    /// Makes the window between two corners.
     pub const fn new(x0: i64, y0: i64, x1: i64, y1: i64) -> Self {
         Self { x0, y0, x1, y1 }
     }
 
-    /// The window of `width` × `height` pixels at the origin.
+    /// Makes the window of `width` × `height` pixels at the origin.
     pub const fn sized(width: u32, height: u32) -> Self {
         Self::new(0, 0, width as i64, height as i64)
     }
 
-    /// Number of columns; 0 when empty.
+    /// Returns the number of columns; 0 if the window is empty.
     pub const fn width(self) -> usize {
         if self.x1 > self.x0 { (self.x1 - self.x0) as usize } else { 0 }
     }
 
-    /// Number of rows; 0 when empty.
+    /// Returns the number of rows; 0 if the window is empty.
     pub const fn height(self) -> usize {
         if self.y1 > self.y0 { (self.y1 - self.y0) as usize } else { 0 }
     }
 
-    /// Number of pixels.
+    /// Returns the number of pixels.
     pub const fn area(self) -> usize {
         self.width().saturating_mul(self.height())
     }
 
-    /// Whether no pixel lies inside.
+    /// Whether the window contains no pixel.
     pub const fn is_empty(self) -> bool {
         self.width() == 0 || self.height() == 0
     }
 
-    /// Whether pixel (x, y) lies inside.
+    /// Whether the window contains pixel (x, y).
     pub const fn contains(self, x: i64, y: i64) -> bool {
         x >= self.x0 && x < self.x1 && y >= self.y0 && y < self.y1
     }
 
-    /// The pixels in both windows.
+    /// Returns the intersection of both windows.
     pub fn intersect(self, other: Self) -> Self {
         Self::new(self.x0.max(other.x0), self.y0.max(other.y0), self.x1.min(other.x1), self.y1.min(other.y1))
     }
 
-    /// The smallest window around both; an empty window adds nothing.
+    /// Returns the bounding box of both windows; an empty window adds nothing.
     pub fn union(self, other: Self) -> Self {
         if self.is_empty() {
             return other;
@@ -90,7 +92,7 @@ impl std::fmt::Display for Window {
     }
 }
 
-/// The tiles of a window, row by row. Made by [`Window::tiles`].
+/// Iterator over the tiles of a window, row by row. Made by [`Window::tiles`].
 #[derive(Clone, Debug)]
 pub struct Tiles {
     window: Window,

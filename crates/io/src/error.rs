@@ -3,6 +3,27 @@ use std::path::{Path, PathBuf};
 /// What is attempted first with a file that is to be read.
 pub(crate) const OPEN: &str = "open the file";
 
+/// What can be selected by name in a picture file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Entry {
+    /// A part of an EXR file.
+    Part,
+    /// Channels whose names begin alike.
+    Layer,
+    /// One channel.
+    Channel,
+}
+
+impl std::fmt::Display for Entry {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Part => "part",
+            Self::Layer => "layer",
+            Self::Channel => "channel",
+        })
+    }
+}
+
 /// Why a file was not read or not written. Every message names the place, what was found, and what to do.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -114,8 +135,8 @@ pub enum Error {
     NotFound {
         /// The file.
         path: PathBuf,
-        /// "part", "layer" or "channel".
-        kind: &'static str,
+        /// What the name is of.
+        kind: Entry,
         /// The wanted name.
         name: String,
         /// Where it was sought; empty for the whole file.
@@ -223,7 +244,7 @@ fn within(place: &str) -> String {
 }
 
 /// What to do about a name that the file does not have.
-fn choose(kind: &str, existing: &[String]) -> String {
+fn choose(kind: &Entry, existing: &[String]) -> String {
     match existing {
         [] => format!(": name another file, or no {kind}"),
         [nearest, ..] => format!(": name one of these, such as \"{nearest}\""),
@@ -263,7 +284,7 @@ mod tests {
     fn messages_name_place_and_remedy() {
         let error = Error::NotFound {
             path: "a.exr".into(),
-            kind: "layer",
+            kind: Entry::Layer,
             name: "dept".into(),
             place: String::new(),
             existing: vec!["depth".into(), "".into()],

@@ -81,7 +81,7 @@ pub use atomic::{Target, write_bytes};
 #[cfg(feature = "pictures")]
 pub use cost::{Cost, cost};
 pub use describe::describe;
-pub use error::Error;
+pub use error::{Entry, Error};
 #[cfg(feature = "pictures")]
 pub use exr_file::{
     BandBuffer, EncodeScratch, EncodedBand, ExrChannel, ExrHeader, ExrImage, ExrReader, ExrWriter, write_exr,

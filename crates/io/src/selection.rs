@@ -1,7 +1,7 @@
 use std::path::Path;
 
 use crate::error::printable;
-use crate::{ChannelInfo, Error, PartInfo, names};
+use crate::{ChannelInfo, Entry, Error, PartInfo, names};
 
 /// A part of a file, by its number from 0 or by its name.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -121,7 +121,7 @@ impl Selection {
                     _ => index.unwrap_or_default().to_string(),
                 };
                 let known = parts.iter().enumerate().map(|(i, p)| p.name.clone().unwrap_or_else(|| i.to_string()));
-                Err(not_found(path, "part", &wanted, String::new(), known.collect()))
+                Err(not_found(path, Entry::Part, &wanted, String::new(), known.collect()))
             }
         }
     }
@@ -155,7 +155,7 @@ impl<'a> Resolver<'a> {
         }
         let known = self.layers().map(|(_, layer)| layer.to_string()).filter(|layer| !layer.is_empty());
         let parts = self.allowed.clone().filter_map(|part| self.parts[part].name.clone());
-        Err(not_found(self.path, "layer", wanted, self.place(), known.chain(parts).collect()))
+        Err(not_found(self.path, Entry::Layer, wanted, self.place(), known.chain(parts).collect()))
     }
 
     /// The layer that fits best; names are compared after `fold`.
@@ -271,7 +271,7 @@ impl<'a> Resolver<'a> {
                 (self.place(), all.collect())
             }
         };
-        Err(not_found(self.path, "channel", wanted, place, known))
+        Err(not_found(self.path, Entry::Channel, wanted, place, known))
     }
 
     fn layers(&self) -> impl Iterator<Item = (usize, &'a str)> {
@@ -293,7 +293,7 @@ impl<'a> Resolver<'a> {
     }
 }
 
-fn not_found(path: &Path, kind: &'static str, wanted: &str, place: String, known: Vec<String>) -> Error {
+fn not_found(path: &Path, kind: Entry, wanted: &str, place: String, known: Vec<String>) -> Error {
     let existing = names::nearest(wanted, known).iter().map(|name| printable(name)).collect();
     Error::NotFound { path: path.into(), kind, name: printable(wanted), place, existing }
 }

@@ -1,4 +1,4 @@
-//! Instructions by what they do, for both widths of vector.
+//! Emits instructions by their purpose, for both vector widths.
 
 use crate::operations::{Compare, Two, instruction};
 use iced_x86::IcedError;
@@ -7,7 +7,8 @@ use std::collections::HashMap;
 
 pub(crate) type Result<T = ()> = std::result::Result<T, IcedError>;
 
-/// A register of vectors, by number, or of masks: wide code has such registers, in narrow code masks are vectors.
+/// Number of a vector register or of a mask: wide code has mask registers, in narrow code masks are in vector
+/// registers.
 pub(crate) type Reg = u8;
 
 const ZMM: [AsmRegisterZmm; 32] = [
@@ -22,41 +23,41 @@ const XMM: [AsmRegisterXmm; 16] =
     [xmm0, xmm1, xmm2, xmm3, xmm4, xmm5, xmm6, xmm7, xmm8, xmm9, xmm10, xmm11, xmm12, xmm13, xmm14, xmm15];
 const MASKS: [AsmRegisterK; 8] = [k0, k1, k2, k3, k4, k5, k6, k7];
 
-/// The mask register that nothing keeps, and one more that nothing writes by.
+/// Mask register for short-lived masks, and another one, which cannot serve as a write mask.
 pub(crate) const SCRATCH_MASK: Reg = 7;
 pub(crate) const OTHER_MASK: Reg = 0;
 
-/// Registers for pointers to rows; further ones are fetched when they are needed.
+/// Registers for pointers to rows; further pointers are loaded when they are needed.
 const POINTERS: [AsmRegister64; 8] = [r10, r11, rbx, rbp, r12, r13, r14, r15];
-/// Those of them that belong to the caller.
+/// Registers that must be saved for the caller.
 const SAVED: [AsmRegister64; 6] = [rbx, rbp, r12, r13, r14, r15];
-/// Bytes by which rows are fetched ahead, as the interpreter does.
+/// Distance of prefetches in bytes, the same as in the interpreter.
 const AHEAD: i32 = 1024;
 
 /// A vector in memory.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Place {
-    /// The samples at hand of a row: its number in the table, and which of the vectors worked on side by side.
+    /// Current samples of a row: its number in the table, and the index among the vectors processed side by side.
     Row(usize, u32),
     State(u32),
     Slot(u32),
 }
 
-/// Writes the loop. `rdi` holds the table of rows, `rsi` the constants, `rdx` the state, `rcx` the slots, `r8` the bytes
-/// of a row, `r9` how far the loop is.
+/// Emits the loop. `rdi` has the table of rows, `rsi` the constants, `rdx` the state, `rcx` the slots, `r8` the bytes
+/// per row, `r9` the position of the loop.
 pub(crate) struct Assembler {
     a: CodeAssembler,
-    /// Sixteen lanes, or eight.
+    /// Whether vectors have sixteen lanes rather than eight.
     pub(crate) wide: bool,
     pool: Vec<u32>,
     known: HashMap<Vec<u32>, i32>,
     rows: usize,
-    /// Vectors worked on side by side.
+    /// Number of vectors processed side by side.
     parts: u32,
     top: CodeLabel,
 }
 
-/// One instruction for both widths.
+/// Emits one instruction for either width.
 macro_rules! both {
     ($self:ident.$method:ident($($operand:expr),*)) => {
         if $self.wide {
@@ -68,7 +69,7 @@ macro_rules! both {
 }
 
 impl Assembler {
-    /// Begins a loop over so many rows that works on `parts` vectors side by side.
+    /// Starts a loop over a number of rows that processes `parts` vectors side by side.
     pub(crate) fn new(wide: bool, parts: u32, rows: usize) -> Result<Self> {
         let mut a = CodeAssembler::new(64)?;
         for register in SAVED {
@@ -82,29 +83,29 @@ impl Assembler {
         Ok(Self { a, wide, pool: Vec::new(), known: HashMap::new(), rows, parts, top })
     }
 
-    /// Begins what is repeated.
+    /// Starts the loop body.
     pub(crate) fn begin(&mut self) -> Result {
         self.a.set_label(&mut self.top)
     }
 
-    /// Ends what is repeated.
+    /// Ends the loop body.
     pub(crate) fn repeat(&mut self) -> Result {
         self.a.add(r9, self.bytes() * self.parts as i32)?;
         self.a.cmp(r9, r8)?;
         self.a.jb(self.top)
     }
 
-    /// Where to compare into for a while: narrow code needs a vector for it.
+    /// Returns a register for a short-lived mask: in narrow code the given vector register.
     pub(crate) fn scratch(&self, vector: Reg) -> Reg {
         if self.wide { SCRATCH_MASK } else { vector }
     }
 
-    /// Bytes of a vector.
+    /// Returns the bytes per vector.
     fn bytes(&self) -> i32 {
         if self.wide { 64 } else { 32 }
     }
 
-    /// Returns to the caller.
+    /// Emits the return to the caller.
     pub(crate) fn leave(&mut self) -> Result {
         self.a.vzeroupper()?;
         for register in SAVED.into_iter().rev() {
@@ -113,16 +114,17 @@ impl Assembler {
         self.a.ret()
     }
 
-    /// The code, and its constants.
+    /// Returns the code and its constants.
     pub(crate) fn finish(mut self) -> Result<(Vec<u8>, Vec<u32>)> {
         Ok((self.a.assemble(0)?, self.pool))
     }
 
-    /// Where a constant lies: once, which wide code spreads over all lanes, or in all lanes of a narrow vector.
+    /// Returns the offset of a constant: stored once for wide code, which broadcasts it, or in all lanes for narrow
+    /// code.
     fn constant(&mut self, bits: &[u32]) -> i32 {
         let (pool, copies) = (&mut self.pool, if self.wide { 1 } else { 8 / bits.len() });
         *self.known.entry(bits.to_vec()).or_insert_with(|| {
-            // Doubles start at even places.
+            // Doubles start at even indices.
             if pool.len() % bits.len() == 1 {
                 pool.push(0);
             }
@@ -132,20 +134,20 @@ impl Assembler {
         })
     }
 
-    /// A constant in memory, as an operand.
+    /// Returns an f32 constant in memory as an operand.
     fn single(&mut self, value: f32) -> AsmMemoryOperand {
         let at = rsi + self.constant(&[value.to_bits()]);
         if self.wide { dword_bcst(at) } else { ymmword_ptr(at) }
     }
 
-    /// The same in f64.
+    /// Returns an f64 constant in memory as an operand.
     fn double(&mut self, value: f64) -> AsmMemoryOperand {
         let bits = value.to_bits();
         let at = rsi + self.constant(&[bits as u32, (bits >> 32) as u32]);
         if self.wide { qword_bcst(at) } else { ymmword_ptr(at) }
     }
 
-    /// The register that holds a row's address.
+    /// Returns a register with the address of a row.
     fn row(&mut self, row: usize) -> Result<AsmRegister64> {
         debug_assert!(row < self.rows);
         Ok(match POINTERS.get(row) {
@@ -179,13 +181,13 @@ impl Assembler {
         if self.wide { self.a.vmovups(to, ZMM[from as usize]) } else { self.a.vmovups(to, YMM[from as usize]) }
     }
 
-    /// Stores around the cache.
+    /// Emits a store around the cache.
     pub(crate) fn stream(&mut self, place: Place, from: Reg) -> Result {
         let to = self.address(place)?;
         if self.wide { self.a.vmovntps(to, ZMM[from as usize]) } else { self.a.vmovntps(to, YMM[from as usize]) }
     }
 
-    /// Asks for a row's samples ahead.
+    /// Prefetches samples of a row.
     pub(crate) fn fetch(&mut self, row: usize, part: u32) -> Result {
         let pointer = self.row(row)?;
         self.a.prefetcht0(byte_ptr(pointer + r9 + AHEAD + self.bytes() * part as i32))
@@ -205,7 +207,7 @@ impl Assembler {
         }
     }
 
-    /// The one number of a line, in all lanes.
+    /// Loads the single number of a line into all lanes.
     pub(crate) fn line(&mut self, to: Reg, row: usize) -> Result {
         let from = dword_ptr(self.row(row)? + 0);
         if self.wide {
@@ -215,7 +217,7 @@ impl Assembler {
         }
     }
 
-    /// A constant in all lanes.
+    /// Loads a constant into all lanes.
     pub(crate) fn fill(&mut self, to: Reg, value: f32) -> Result {
         let at = rsi + self.constant(&[value.to_bits()]);
         if self.wide {
@@ -235,8 +237,8 @@ impl Assembler {
         }
     }
 
-    /// A constant in the lanes of a mask, another in the others. Narrow code does it by bits: to select takes the units that
-    /// multiply.
+    /// Loads one constant into the lanes of a mask and another into the other lanes. Narrow code uses bit operations,
+    /// since a select would occupy the multipliers.
     pub(crate) fn choose(&mut self, to: Reg, mask: Reg, others: f32, lanes: f32) -> Result {
         if self.wide {
             if others.to_bits() != 0 {
@@ -255,7 +257,7 @@ impl Assembler {
         Ok(())
     }
 
-    /// b in the lanes of a mask, else a.
+    /// Selects b in the lanes of a mask, else a.
     pub(crate) fn select(&mut self, to: Reg, mask: Reg, a: Reg, b: Reg) -> Result {
         if self.wide {
             self.a.vblendmps(masked(to, mask), ZMM[a as usize], ZMM[b as usize])
@@ -264,7 +266,7 @@ impl Assembler {
         }
     }
 
-    /// A constant in the lanes of a mask, else a.
+    /// Selects a constant in the lanes of a mask, else a.
     pub(crate) fn select_constant(&mut self, to: Reg, mask: Reg, a: Reg, value: f32) -> Result {
         let from = self.single(value);
         if self.wide {
@@ -274,7 +276,7 @@ impl Assembler {
         }
     }
 
-    /// Narrow only.
+    /// Emits a bitwise and. Narrow code only.
     pub(crate) fn and(&mut self, to: Reg, a: Reg, b: Reg) -> Result {
         self.a.vandps(YMM[to as usize], YMM[a as usize], YMM[b as usize])
     }
@@ -288,7 +290,7 @@ impl Assembler {
         }
     }
 
-    /// With memory as the second operand.
+    /// Emits an operation with a memory operand as the second operand.
     fn two_address(&mut self, op: Two, to: Reg, a: Reg, b: AsmMemoryOperand) -> Result {
         let (to, a) = (to as usize, a as usize);
         if self.wide {
@@ -298,37 +300,37 @@ impl Assembler {
         }
     }
 
-    /// With a constant as the second operand.
+    /// Emits an operation with an f32 constant as the second operand.
     pub(crate) fn two_constant(&mut self, op: Two, to: Reg, a: Reg, value: f32) -> Result {
         debug_assert!(!op.is_double());
         let from = self.single(value);
         self.two_address(op, to, a, from)
     }
 
-    /// The same in f64.
+    /// Emits an operation with an f64 constant as the second operand.
     pub(crate) fn two_double(&mut self, op: Two, to: Reg, a: Reg, value: f64) -> Result {
         debug_assert!(op.is_double());
         let from = self.double(value);
         self.two_address(op, to, a, from)
     }
 
-    /// a − b in the lanes of a mask; the others stay. Wide only.
+    /// Emits a − b in the lanes of a mask; other lanes do not change. Wide code only.
     pub(crate) fn sub_where(&mut self, to: Reg, mask: Reg, a: Reg, b: Reg) -> Result {
         self.a.vsubps(masked(to, mask), ZMM[a as usize], ZMM[b as usize])
     }
 
-    /// d + a·b in the lanes of a mask, in f64. Wide only.
+    /// Emits d + a·b in the lanes of a mask, in f64. Wide code only.
     pub(crate) fn fma_double_where(&mut self, to: Reg, mask: Reg, a: Reg, b: Reg) -> Result {
         self.a.vfmadd231pd(masked(to, mask), ZMM[a as usize], ZMM[b as usize])
     }
 
-    /// With a vector in memory as the second operand.
+    /// Emits an operation with a vector in memory as the second operand.
     pub(crate) fn two_memory(&mut self, op: Two, to: Reg, a: Reg, place: Place) -> Result {
         let from = self.address(place)?;
         self.two_address(op, to, a, from)
     }
 
-    /// All lanes shifted left by one bit.
+    /// Shifts all lanes left by one bit.
     pub(crate) fn shift(&mut self, to: Reg, from: Reg) -> Result {
         if self.wide {
             self.a.vpslld(ZMM[to as usize], ZMM[from as usize], 1)
@@ -337,7 +339,7 @@ impl Assembler {
         }
     }
 
-    /// |x| in f64.
+    /// Computes |x| in f64.
     pub(crate) fn magnitude(&mut self, of: Reg) -> Result {
         let from = self.double(f64::from_bits(u64::MAX >> 1));
         if self.wide {
@@ -356,7 +358,7 @@ impl Assembler {
         }
     }
 
-    /// Compares with a constant into a mask.
+    /// Compares a vector with a constant into a mask.
     pub(crate) fn compare_constant(&mut self, mask: Reg, how: Compare, a: Reg, value: f32) -> Result {
         let from = self.single(value);
         if self.wide {
@@ -366,7 +368,7 @@ impl Assembler {
         }
     }
 
-    /// Compares f64 with 0 into a mask.
+    /// Compares f64 lanes with 0 into a mask.
     pub(crate) fn compare_double_zero(&mut self, mask: Reg, how: Compare, a: Reg) -> Result {
         let from = self.double(0.0);
         if self.wide {
@@ -376,7 +378,7 @@ impl Assembler {
         }
     }
 
-    /// Which lanes have the bits of a constant.
+    /// Compares the bits of all lanes with those of a constant into a mask.
     pub(crate) fn equals(&mut self, mask: Reg, a: Reg, value: f32) -> Result {
         let from = self.single(value);
         if self.wide {
@@ -386,7 +388,7 @@ impl Assembler {
         }
     }
 
-    /// Keeps in a mask only the lanes that are in another one as well.
+    /// Intersects a mask with another mask.
     pub(crate) fn both(&mut self, mask: Reg, other: Reg) -> Result {
         if self.wide {
             self.a.kandw(MASKS[mask as usize], MASKS[mask as usize], MASKS[other as usize])
@@ -401,7 +403,7 @@ impl Assembler {
 
     pub(crate) fn place(&mut self, label: &mut CodeLabel) -> Result {
         self.a.set_label(label)?;
-        // Two labels may stand at one place, which one instruction cannot.
+        // One instruction cannot have two labels.
         self.a.nop()
     }
 
@@ -409,7 +411,7 @@ impl Assembler {
         self.a.jmp(to)
     }
 
-    /// Jumps if a mask has all lanes.
+    /// Jumps if a mask includes all lanes.
     pub(crate) fn jump_if_all(&mut self, found: Reg, to: CodeLabel) -> Result {
         if self.wide {
             self.a.kortestw(MASKS[found as usize], MASKS[found as usize])?;
@@ -420,7 +422,7 @@ impl Assembler {
         self.a.je(to)
     }
 
-    /// The lower and the upper half of the lanes, as f64. `high` must not be `from`.
+    /// Converts the lower and the upper half of the lanes to f64. `high` must not be `from`.
     pub(crate) fn widen(&mut self, low: Reg, high: Reg, from: Reg) -> Result {
         if self.wide {
             self.a.vextractf64x4(YMM[high as usize], ZMM[from as usize], 1)?;
@@ -433,7 +435,7 @@ impl Assembler {
         }
     }
 
-    /// Both halves rounded to f32 and put together; `low` and `high` are lost.
+    /// Rounds two halves to f32 and joins them; overwrites `low` and `high`.
     pub(crate) fn narrow(&mut self, to: Reg, low: Reg, high: Reg) -> Result {
         if self.wide {
             self.a.vcvtpd2ps(YMM[low as usize], ZMM[low as usize])?;
@@ -447,7 +449,7 @@ impl Assembler {
     }
 }
 
-/// A register of which an instruction writes the lanes of a mask.
+/// Returns a register as a destination with a write mask.
 fn masked(register: Reg, mask: Reg) -> AsmRegisterZmm {
     let register = ZMM[register as usize];
     match mask {

@@ -1,4 +1,4 @@
-//! Branches that are jumped over where nothing comes of them.
+//! Branches, which are jumped over when their results are not needed.
 
 use crate::assembler::{OTHER_MASK, Place, Reg, Result, SCRATCH_MASK};
 use crate::program::Item;
@@ -6,7 +6,7 @@ use crate::registers::{Holder, Move};
 use crate::translate::Translator;
 use iced_x86::code_asm::CodeLabel;
 
-/// A way around a branch.
+/// Code path around a branch.
 pub(crate) struct Skip {
     skipped: CodeLabel,
     moves: Vec<Move>,
@@ -14,7 +14,7 @@ pub(crate) struct Skip {
 }
 
 impl Translator<'_> {
-    /// Jumps over a branch where it is closed in all vectors side by side.
+    /// Jumps over a branch if it is closed in all vectors side by side.
     pub(crate) fn gate(&mut self, parts: &[Item], closed: f32) -> Result {
         let vectors: [Reg; 2] = self.take_all()?;
         let [found, other] = if self.asm.wide { [SCRATCH_MASK, OTHER_MASK] } else { vectors };
@@ -35,7 +35,7 @@ impl Translator<'_> {
         Ok(())
     }
 
-    /// Ends a branch. Nothing moves on the way through it: who jumped over it moves.
+    /// Ends a branch. The path through the branch needs no moves: the path around it moves values to the same places.
     pub(crate) fn join(&mut self, parts: &[Item]) -> Result {
         let Some((snapshot, skipped)) = self.gates.pop() else { unreachable!("every join has its gate") };
         let mut results = Vec::new();
@@ -61,7 +61,7 @@ impl Translator<'_> {
         Ok(())
     }
 
-    /// The ways around branches, apart from the loop.
+    /// Emits the paths around branches, outside of the loop.
     pub(crate) fn around(&mut self) -> Result {
         for Skip { mut skipped, moves, end } in std::mem::take(&mut self.skips) {
             self.asm.place(&mut skipped)?;

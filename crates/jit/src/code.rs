@@ -1,4 +1,4 @@
-//! Machine code in memory, and how it is called.
+//! Machine code in memory, and calls to it.
 
 use crate::program::Program;
 use crate::translate::translate;
@@ -6,15 +6,15 @@ use crate::{Lanes, Run, STEP, Set, Stores};
 use memmap2::{Mmap, MmapMut};
 use trochoid_memory::Target;
 
-/// Items from which on a program is not worth compiling, or too large for the distances that jumps and slots reach.
+/// Largest number of items: larger programs are not worth compiling, or exceed the range of jumps and slots.
 const MOST_ITEMS: usize = 50_000;
 
 /// A compiled program.
 #[derive(Debug)]
 pub struct Code {
-    /// Written, then made executable and never written again.
+    /// The code: written, then made executable and never written again.
     map: Mmap,
-    /// On cache lines.
+    /// Constants, aligned to cache lines.
     constants: Vec<Lanes>,
     slots: usize,
     inputs: usize,
@@ -24,15 +24,16 @@ pub struct Code {
     stores: Stores,
 }
 
-/// What the code is called with: the table of rows, the constants, the state, the slots, and the bytes of a row.
+/// Entry point of the code. Its arguments are the table of rows, the constants, the state, the slots, and the bytes
+/// per row.
 type Entry = unsafe extern "sysv64" fn(*const *const f32, *const Lanes, *mut Lanes, *mut Lanes, usize);
 
 impl Code {
-    /// Compiles a program; `None` where the processor lacks the instructions, the system refuses executable memory, or
-    /// the program is too long.
+    /// Compiles a program; `None` if the processor lacks the instructions, the system refuses executable memory, or the
+    /// program is too long.
     ///
     /// # Panics
-    /// A gate is open.
+    /// The program has an open gate.
     pub fn compile(program: &Program, set: Set, stores: Stores) -> Option<Self> {
         assert!(program.is_closed(), "every gate is joined");
         let is_there = match set {
@@ -59,12 +60,12 @@ impl Code {
         })
     }
 
-    /// Runs over some samples, and writes to every target from sample `start` on. `scratch` is for what does not fit into
-    /// registers.
+    /// Runs over some samples, and writes to every target from sample `start` on. `scratch` stores values that do not
+    /// fit into registers.
     ///
     /// # Panics
-    /// The numbers of rows are not those of the program, a row is too short, the count is no multiple of [`STEP`], or
-    /// targets are no whole cache lines though that is what the code was compiled for.
+    /// The number of rows does not match the program, a row is too short, the count is not a multiple of [`STEP`], or
+    /// the code was compiled for targets of whole cache lines and a target is not one.
     pub fn run(&self, run: &Run<'_>, out: &mut [Target<'_>], state: &mut [Lanes], scratch: &mut Vec<Lanes>) {
         let &Run { inputs, lines, start, count } = run;
         assert_eq!(inputs.len(), self.inputs, "inputs");
@@ -89,16 +90,17 @@ impl Code {
         // SAFETY: the map holds the code of `translate`, whole and executable, and lives as long as `self`.
         #[allow(unsafe_code)]
         let entry = unsafe { std::mem::transmute::<*const u8, Entry>(self.map.as_ptr()) };
-        // SAFETY: the code follows the System V convention (it saves what it must, calls nothing, leaves the upper halves
-        // of vectors clear) and uses only instructions that `compile` found to be there. `rows` of the table, state, slots
-        // and constants are all that it names, each by an index that `Program` or `translate` counted, and
-        // - it reads inputs and writes outputs at 0 to 4·count bytes: all of them were just held against `count`, which
-        //   is a whole number of vectors; outputs are borrowed for writing, so nothing else overlaps them;
-        // - it reads 4 bytes of each line, which holds one number;
-        // - it reads and writes whole `Lanes` of state, whose length was just checked, and of `scratch`, which is as long
-        //   as it counted;
+        // SAFETY: the code follows the System V convention (it saves the registers that it must, calls nothing,
+        // leaves the upper halves of vectors clear) and uses only instructions that `compile` found to be available.
+        // It accesses only the rows of the table, state, slots and constants, each by an index that `Program` or
+        // `translate` counted, and
+        // - it reads inputs and writes outputs at 0 to 4·count bytes: all lengths were just checked against `count`,
+        //   which is a whole number of vectors; outputs are borrowed for writing, so nothing else overlaps them;
+        // - it reads 4 bytes of each line, which has at least one number;
+        // - it reads and writes whole `Lanes` of state, whose length was just checked, and of `scratch`, which is as
+        //   long as it counted;
         // - it reads the constants that came with it;
-        // - it stores around the cache only where targets are whole lines; who lent those orders the stores.
+        // - it stores around the cache only if targets are whole lines; the code that lent them orders the stores.
         #[allow(unsafe_code)]
         unsafe {
             entry(table.as_ptr(), self.constants.as_ptr(), state.as_mut_ptr(), scratch.as_mut_ptr(), 4 * count);

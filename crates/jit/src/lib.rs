@@ -1,8 +1,8 @@
 //! Machine code for straight-line programs over rows of samples, made while a program runs.
 //!
-//! A [`Program`] says what happens to one sample; [`Code::compile`] turns it into a loop that does so for as many at a
-//! time as the processor's vectors hold, with all values in registers. The bits are those of
-//! `trochoid_weights::arithmetic`, which defines the operations. Knows no graphs.
+//! A [`Program`] describes the computation of one sample; [`Code::compile`] makes a loop that processes as many
+//! samples at a time as the processor's vectors have lanes, with values in registers. The results equal those of
+//! `trochoid_weights::arithmetic`, which defines the operations, bit for bit. The crate does not depend on graphs.
 //!
 //! ```
 //! use trochoid_jit::{Code, Op, Program, Run, Set, Stores};
@@ -12,7 +12,7 @@
 //! let (t, u) = (program.compute(Op::Input(0)), program.compute(Op::Input(1)));
 //! let product = program.compute(Op::Product(t, u));
 //! program.output(product, 0);
-//! // `None` on processors, or in processes, where no such code can run.
+//! // `None` on processors, or in processes, that cannot run such code.
 //! if let Some(code) = Code::compile(&program, Set::Avx2, Stores::Cached) {
 //!     let (a, b, mut c) = ([0.5; 32], [0.25; 32], [0.0; 32]);
 //!     let run = Run { inputs: &[&a, &b], lines: &[], start: 0, count: 32 };
@@ -52,40 +52,40 @@ mod tests;
 pub use code::Code;
 pub use program::{Op, Program, Value};
 
-/// Samples that [`Code`] takes at a time: the count of a run is a multiple of it.
+/// Number of samples that [`Code`] processes at a time: the count of a run is a multiple of it.
 pub const STEP: usize = 32;
 
-/// What is carried from one run to the next: a vector of bits.
+/// A vector of bits: state that is carried from one run to the next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(align(64))]
 pub struct Lanes(pub [u32; 16]);
 
-/// The instruction set to compile for.
+/// Instruction set to compile for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Set {
-    /// Sixteen samples at a time.
+    /// AVX-512: sixteen samples per vector.
     Avx512,
-    /// Eight, with fused multiply–add.
+    /// AVX2 with fused multiply–add: eight samples per vector.
     Avx2,
 }
 
-/// How outputs are written.
+/// Stores for outputs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stores {
     /// Through the cache.
     Cached,
-    /// Around it: targets must be whole cache lines, lent by `write_around`.
+    /// Around the cache: targets must be whole cache lines, lent by `write_around`.
     Around,
 }
 
-/// What a run reads, and how far.
+/// Inputs and range of a run.
 #[derive(Clone, Copy, Debug)]
 pub struct Run<'a> {
-    /// Rows of at least `count` samples.
+    /// Inputs: rows of at least `count` samples.
     pub inputs: &'a [&'a [f32]],
-    /// At least one number each.
+    /// Lines: at least one number each.
     pub lines: &'a [&'a [f32]],
-    /// Where in the targets the first sample belongs.
+    /// Position of the first sample in the targets.
     pub start: usize,
     /// Number of samples, a multiple of [`STEP`].
     pub count: usize,

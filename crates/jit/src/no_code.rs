@@ -1,14 +1,14 @@
-//! Where no machine code can be made.
+//! Replacement for platforms without machine code.
 
 use crate::{Lanes, Program, Run, Set, Stores};
 use trochoid_memory::Target;
 
-/// Never.
+/// Type without values: no code can be made.
 #[derive(Debug)]
 pub enum Code {}
 
 impl Code {
-    /// `None`.
+    /// Returns `None`.
     pub fn compile(_program: &Program, _set: Set, _stores: Stores) -> Option<Self> {
         None
     }

@@ -1,6 +1,6 @@
-//! Operations of two operands, by what they do.
+//! Operations with two operands, and their instructions.
 
-/// Comparisons, by the processor's number.
+/// Comparisons, with the numbers that the processor uses.
 #[derive(Clone, Copy)]
 pub(crate) enum Compare {
     Less = 0x11,
@@ -10,7 +10,7 @@ pub(crate) enum Compare {
     NotEqual = 0x04,
 }
 
-/// Operations of two operands on f32, on bits, and on f64.
+/// Operations with two operands, on f32, on bits, and on f64.
 #[derive(Clone, Copy, PartialEq)]
 pub(crate) enum Two {
     Add,
@@ -44,7 +44,7 @@ impl Two {
     }
 }
 
-/// The instruction of an operation, for registers of either width and for memory.
+/// Returns the instruction of an operation, for registers of either width and for memory operands.
 macro_rules! instruction {
     ($assembler:expr, $op:expr, $to:expr, $a:expr, $b:expr) => {
         match $op {

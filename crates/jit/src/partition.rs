@@ -1,4 +1,4 @@
-//! Weights that sum to 1, and what is blended by them, in f64.
+//! Translation of weights that sum to 1, and of blends by them, which are computed in f64.
 
 use crate::assembler::{Place, Reg, Result, SCRATCH_MASK};
 use crate::operations::{Compare, Two};
@@ -6,7 +6,7 @@ use crate::program::Value;
 use crate::translate::Translator;
 
 impl Translator<'_> {
-    /// Σ wᵢ·cᵢ of three channels, in f64.
+    /// Blends three channels: Σ wᵢ·cᵢ, in f64.
     pub(crate) fn blend(&mut self, colors: &[[Value; 3]], weights: &[Value], to: [Value; 3]) -> Result {
         let sums: [Reg; 6] = self.take_all()?;
         for sum in sums {
@@ -20,7 +20,7 @@ impl Translator<'_> {
             for (channel, value) in color.iter().enumerate() {
                 let (sum_low, sum_high) = (sums[2 * channel], sums[2 * channel + 1]);
                 if let Some(constant) = self.constant(*value).filter(|constant| constant.is_finite()) {
-                    // 0 times what is finite adds nothing.
+                    // A finite number times 0 adds nothing.
                     self.asm.two_double(Two::FmaDouble, sum_low, low, constant.into())?;
                     self.asm.two_double(Two::FmaDouble, sum_high, high, constant.into())?;
                     continue;
@@ -52,9 +52,9 @@ impl Translator<'_> {
         Ok(())
     }
 
-    /// Rounds weights to multiples of 2⁻²⁴; what is missing goes to the first of the largest.
+    /// Rounds weights to multiples of 2⁻²⁴; the residual goes to the first of the largest.
     pub(crate) fn partition(&mut self, weights: &[Value], to: &[Value]) -> Result {
-        // Numbers of weights are bits of f32, to be compared as integers.
+        // Indices of weights are stored as the bits of f32, and compared as integers.
         let number = |index: usize| f32::from_bits(index as u32);
         let [best, owner, big, sum_low, sum_high] = self.take_all()?;
         self.asm.fill(best, f32::NEG_INFINITY)?;
@@ -93,7 +93,7 @@ impl Translator<'_> {
             let mask = self.asm.scratch(low);
             self.asm.equals(mask, owner, number(index))?;
             self.asm.select(d, mask, d, big)?;
-            // Its slot is its home from now on, should it have to give way.
+            // From now on the weight has its slot if its register is needed.
             self.asm.store(Place::Slot(slot), d)?;
             self.registers.set_slot(*value, slot);
             self.define(*value, d);
@@ -102,7 +102,7 @@ impl Translator<'_> {
         Ok(())
     }
 
-    /// `round_weight`: from ½ up nothing, below by way of adding ½.
+    /// Computes `round_weight`: no change from ½ up, below ½ by adding and subtracting ½.
     fn round(&mut self, to: Reg, x: Reg, spare: Reg) -> Result {
         self.asm.two_constant(Two::Add, to, x, 0.5)?;
         self.asm.two_constant(Two::Sub, to, to, 0.5)?;
@@ -126,7 +126,7 @@ impl Translator<'_> {
             self.asm.two_double(Two::SubDouble, sum, sum, 1.0)?;
             self.asm.magnitude(sum)?;
             self.asm.load(high, Place::State(state))?;
-            // NaN is taken, as the second.
+            // If either operand is NaN, the instruction returns the second one, here `sum`.
             self.asm.two(Two::MaxDouble, high, high, sum)?;
             self.asm.store(Place::State(state), high)?;
         }

@@ -1,32 +1,32 @@
-//! What is compiled: operations on one sample, each value computed once.
+//! Programs to compile: operations on one sample, in single-assignment form.
 
-/// A number for every sample, made by a program.
+/// A value of a program: one number per sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Value(pub(crate) u32);
 
-/// How a value is made. The bits are those of `trochoid_weights::arithmetic`.
+/// Operation that makes a value, with the same bits as in `trochoid_weights::arithmetic`.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Op {
     /// A sample of an input.
     Input(u32),
-    /// The one number of a line.
+    /// The single number of a line.
     Line(u32),
-    /// The same for all.
+    /// A constant.
     Constant(f32),
-    /// `clamp`, where `min` < `min` + `width` and both are far from overflow: what `clamp` calls LARGE.
+    /// `clamp`, with `min` < `min` + `width`, and bounds below `LARGE` of `clamp`, so that nothing overflows.
     Clamp {
         /// The field.
         x: Value,
-        /// Where the mask begins to be above 0.
+        /// Lower limit: above it the mask is above 0.
         min: f32,
-        /// From there to where it is 1, rounded.
+        /// Distance to the upper limit, from which on the mask is 1; rounded.
         width: f32,
     },
     /// `step`.
     Step {
         /// The field.
         x: Value,
-        /// From where on the mask is 1.
+        /// Smallest value where the mask is 1.
         threshold: f32,
     },
     /// `smooth`.
@@ -44,9 +44,9 @@ pub enum Op {
     Product(Value, Value),
     /// `mix`.
     Mix {
-        /// At `t` = 0.
+        /// Result at `t` = 0.
         a: Value,
-        /// At `t` = 1.
+        /// Result at `t` = 1.
         b: Value,
         /// The mask.
         t: Value,
@@ -70,19 +70,19 @@ pub(crate) enum Item {
         to: Vec<Value>,
     },
     Fetch(u32),
-    /// A clamp's field, from its `min` in units of its `width`: the half that takes long.
+    /// First, slow half of a clamp: the difference of the field and `min`, divided by `width`.
     Over {
         x: Value,
         min: f32,
         width: f32,
         to: Value,
     },
-    /// The other half of a clamp.
+    /// Second half of a clamp: the limits.
     Within {
         x: Value,
         to: Value,
     },
-    /// From here on mixes by a mask can begin at once; changes nothing else.
+    /// Prepares a mask, so that mixes by it can start at once.
     Ready(Value),
     See {
         value: Value,
@@ -110,7 +110,7 @@ pub(crate) enum Item {
     },
 }
 
-/// Straight-line code over samples, with branches that can be jumped over.
+/// Straight-line code for samples, with branches that can be jumped over.
 #[derive(Clone, Debug)]
 pub struct Program {
     pub(crate) items: Vec<Item>,
@@ -119,32 +119,33 @@ pub struct Program {
     pub(crate) outputs: usize,
     pub(crate) state: usize,
     pub(crate) values: u32,
-    /// Open gates, by item.
+    /// Indices of the items that open gates.
     gates: Vec<usize>,
 }
 
 impl Program {
-    /// A program over so many inputs, lines (inputs of one number for all samples), outputs and vectors of state.
+    /// Makes an empty program with numbers of inputs, lines (inputs with one number for all samples), outputs and
+    /// vectors of state.
     pub fn new(inputs: usize, lines: usize, outputs: usize, state: usize) -> Self {
         Self { items: Vec::new(), inputs, lines, outputs, state, values: 0, gates: Vec::new() }
     }
 
-    /// Number of outputs.
+    /// Returns the number of outputs.
     pub fn outputs(&self) -> usize {
         self.outputs
     }
 
-    /// Number of vectors of state.
+    /// Returns the number of vectors of state.
     pub fn state(&self) -> usize {
         self.state
     }
 
-    /// Number of items, which is what compiling takes time for.
+    /// Returns the number of items, which determines the time to compile.
     pub fn len(&self) -> usize {
         self.items.len()
     }
 
-    /// Whether nothing happens.
+    /// Whether the program has no items.
     pub fn is_empty(&self) -> bool {
         self.items.is_empty()
     }
@@ -158,10 +159,10 @@ impl Program {
         assert!(values.iter().all(|value| value.0 < self.values), "values of another program");
     }
 
-    /// Makes a value.
+    /// Appends an operation and returns its value.
     ///
     /// # Panics
-    /// It takes a value, an input or a line that there is not, or an exponent beyond 1 to 16.
+    /// A value, input or line of the operation does not exist, or an exponent is outside of 1 to 16.
     pub fn compute(&mut self, op: Op) -> Value {
         match op {
             Op::Input(index) => assert!((index as usize) < self.inputs, "input {index} of {}", self.inputs),
@@ -175,10 +176,10 @@ impl Program {
         to
     }
 
-    /// `blend` of colors, channel by channel.
+    /// Appends a `blend` of colors, channel by channel.
     ///
     /// # Panics
-    /// There are not as many weights as colors.
+    /// The numbers of weights and colors differ.
     pub fn blend(&mut self, colors: Vec<[Value; 3]>, weights: Vec<Value>) -> [Value; 3] {
         assert_eq!(colors.len(), weights.len(), "a weight for every color");
         self.own(colors.as_flattened());
@@ -188,7 +189,7 @@ impl Program {
         to
     }
 
-    /// `round_partition`.
+    /// Appends a `round_partition`.
     pub fn partition(&mut self, weights: Vec<Value>) -> Vec<Value> {
         self.own(&weights);
         let to: Vec<Value> = weights.iter().map(|_| self.make()).collect();
@@ -196,54 +197,56 @@ impl Program {
         to
     }
 
-    /// Asks for what an input holds ahead.
+    /// Appends a prefetch of an input.
     ///
     /// # Panics
-    /// There is no such input.
+    /// The input does not exist.
     pub fn fetch(&mut self, input: u32) {
         assert!((input as usize) < self.inputs, "input {input} of {}", self.inputs);
         self.items.push(Item::Fetch(input));
     }
 
-    /// Keeps the least and the largest bits of a value in two vectors of state, lane by lane; `shifted` drops the sign.
+    /// Updates the smallest and the largest bits of a value in two vectors of state, lane by lane; `shifted` drops
+    /// the sign.
     ///
     /// # Panics
-    /// There is no such state.
+    /// The state does not exist.
     pub fn see(&mut self, value: Value, least: Option<u32>, largest: u32, shifted: bool) {
         self.own(&[value]);
         assert!(largest.max(least.unwrap_or(0)) < self.state as u32, "state {largest} of {}", self.state);
         self.items.push(Item::See { value, least, largest, shifted });
     }
 
-    /// Keeps the largest |Σ weights − 1| in two vectors of state, as f64.
+    /// Updates the largest |Σ weights − 1| in two vectors of state, in f64.
     ///
     /// # Panics
-    /// There is no such state.
+    /// The state does not exist.
     pub fn see_sum(&mut self, weights: Vec<Value>, state: u32) {
         self.own(&weights);
         assert!(state as usize + 1 < self.state, "state {state} of {}", self.state);
         self.items.push(Item::SeeSum { weights, state });
     }
 
-    /// Writes a value.
+    /// Appends a store of a value to an output.
     ///
     /// # Panics
-    /// There is no such output.
+    /// The output does not exist.
     pub fn output(&mut self, value: Value, to: u32) {
         self.own(&[value]);
         assert!((to as usize) < self.outputs, "output {to} of {}", self.outputs);
         self.items.push(Item::Output { value, to });
     }
 
-    /// What follows up to the matching [`join`](Self::join) may be jumped over where all of `t` is `closed`, bit for bit.
+    /// Opens a branch: the items up to the matching [`join`](Self::join) may be jumped over if all lanes of `t` equal
+    /// `closed`, bit for bit.
     pub fn gate(&mut self, t: Value, closed: f32) {
         self.own(&[t]);
         self.gates.push(self.items.len());
         self.items.push(Item::Gate { t, closed, join: usize::MAX });
     }
 
-    /// Ends what the last open gate guards: `inside`, or `otherwise` where it was jumped over. What was made inside must
-    /// not be used after.
+    /// Ends the branch of the last open gate, and returns `inside`, or `otherwise` if the branch was jumped over.
+    /// Values made inside of the branch must not be used after it.
     ///
     /// # Panics
     /// No gate is open.
@@ -267,14 +270,14 @@ impl Program {
 }
 
 impl Value {
-    /// The value in one of several vectors that are worked on side by side.
+    /// Returns the value in one of several vectors that are processed side by side.
     pub(crate) fn of(self, part: u32, parts: u32) -> Self {
         Self(self.0 * parts + part)
     }
 }
 
 impl Op {
-    /// The same of other values.
+    /// Replaces every operand.
     fn map(&self, f: impl Fn(Value) -> Value) -> Self {
         match *self {
             Self::Input(_) | Self::Line(_) | Self::Constant(_) => self.clone(),
@@ -288,7 +291,7 @@ impl Op {
         }
     }
 
-    /// Calls `f` with every value that it takes.
+    /// Calls `f` with every operand.
     pub(crate) fn operands(&self, mut f: impl FnMut(Value)) {
         match self {
             Self::Input(_) | Self::Line(_) | Self::Constant(_) => {}
@@ -304,7 +307,7 @@ impl Op {
 }
 
 impl Item {
-    /// Calls `f` with every value that it makes.
+    /// Calls `f` with every result.
     pub(crate) fn results(&self, mut f: impl FnMut(Value)) {
         match self {
             Self::Compute { to, .. } | Self::Over { to, .. } | Self::Within { to, .. } => f(*to),
@@ -319,7 +322,7 @@ impl Item {
         }
     }
 
-    /// The same of other values.
+    /// Replaces every operand and result.
     pub(crate) fn map(&self, f: impl Fn(Value) -> Value) -> Self {
         let all = |values: &[Value]| -> Vec<Value> { values.iter().map(|value| f(*value)).collect() };
         match self {
@@ -346,7 +349,7 @@ impl Item {
         }
     }
 
-    /// Calls `f` with every value that it takes.
+    /// Calls `f` with every operand.
     pub(crate) fn operands(&self, mut f: impl FnMut(Value)) {
         match self {
             Self::Compute { op, .. } => op.operands(f),

@@ -1,25 +1,25 @@
-//! What each vector register holds: values stay in registers as long as there are enough, and the one that is needed
-//! again last gives way.
+//! Register allocation: values stay in vector registers as long as there are enough; otherwise the value with the
+//! latest next use is stored.
 
 use crate::assembler::Reg;
 use crate::program::{Item, Op, Program, Value};
 
-/// What a register holds.
+/// Content of a register.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Holder {
     Nothing,
-    /// What the instruction at hand works with.
+    /// Temporary value of the current item.
     Temporary,
-    /// State, throughout.
+    /// State, for the whole loop.
     Pinned,
     Value(Value),
-    /// How far a mask is from its nearer end.
+    /// Signed distance of a mask from its nearer end.
     By(Value),
-    /// Which end that is. Narrow vectors only; wide ones have mask registers.
+    /// Selects the nearer end of a mask. Narrow code only; wide code uses mask registers.
     Near(Value),
 }
 
-/// Where a value can be had besides in a register.
+/// Source of a value other than a register.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Source {
     Row(usize, u32),
@@ -27,17 +27,17 @@ pub(crate) enum Source {
     Constant(f32),
 }
 
-/// A value.
+/// Places and uses of a value.
 #[derive(Clone, Debug, Default)]
 struct Home {
     register: Option<Reg>,
     slot: Option<u32>,
     source: Option<Source>,
-    /// The items that take it.
+    /// Items that use the value.
     uses: Vec<u32>,
-    /// The mixes that it weighs.
+    /// Mixes with the value as the weight.
     mixes: Vec<u32>,
-    /// How many of them have a constant at its 0 only, less those that have one at its 1 only.
+    /// Number of these mixes with a constant only at t = 0, minus those with a constant only at t = 1.
     from_constants: i32,
 }
 
@@ -48,27 +48,27 @@ pub(crate) enum End {
     B,
 }
 
-/// A mask made ready for mixing.
+/// A mask that is prepared for mixing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct By {
     pub(crate) of: Value,
     pub(crate) by: Reg,
-    /// Where one of the ends is nearer: a mask register, or a vector register in narrow code.
+    /// Lanes in which the end `near` is nearer: a mask register, or a vector register in narrow code.
     pub(crate) mask: Reg,
-    /// Which one.
+    /// End that is nearer in the lanes of `mask`.
     pub(crate) near: End,
 }
 
-/// Where everything is at a gate.
+/// Places of all values at a gate.
 #[derive(Clone, Debug)]
 pub(crate) struct Snapshot {
     holders: Vec<Holder>,
     by: Vec<By>,
-    /// By value.
+    /// Slots, by value.
     slots: Vec<Option<u32>>,
 }
 
-/// What brings a value from where it is to where it must be.
+/// Instruction that moves a value to the place where it is needed.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Move {
     Store(Reg, u32),
@@ -76,10 +76,10 @@ pub(crate) enum Move {
     Source(Reg, Source),
 }
 
-/// What has to give way.
+/// Register that is freed for a new value.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Victim {
-    /// Nothing is lost.
+    /// The register can be overwritten.
     Free(Reg),
     /// The value has to be stored to the slot first.
     Store(Reg, u32),
@@ -88,7 +88,7 @@ pub(crate) enum Victim {
 #[derive(Debug)]
 pub(crate) struct Registers {
     holders: Vec<Holder>,
-    /// Registers of the item at hand.
+    /// Registers of the current item, as bits.
     locked: u32,
     homes: Vec<Home>,
     pub(crate) by: Vec<By>,
@@ -97,17 +97,19 @@ pub(crate) struct Registers {
     slots: u32,
 }
 
-/// When an item runs for one of the vectors side by side: one after the other, but where branches begin and end.
+/// Returns the position of an item for one of the vectors side by side: consecutive, except where branches begin and
+/// end.
 pub(crate) fn position(item: &Item, at: usize, part: u32, parts: u32) -> u32 {
     let part = if matches!(item, Item::Gate { .. } | Item::Join { .. }) { parts - 1 } else { part };
     at as u32 * parts + part
 }
 
-/// Never.
+/// Position of a use that does not exist.
 const NEVER: u32 = u32::MAX;
 
 impl Registers {
-    /// For a program that works on `parts` vectors side by side; the last `pinned` registers are taken.
+    /// Makes the allocation for a program that processes `parts` vectors side by side; the last `pinned` registers
+    /// are reserved.
     pub(crate) fn new(program: &Program, wide: bool, parts: u32, pinned: usize) -> Self {
         let count = if wide { 32 } else { 16 };
         let mut holders = vec![Holder::Nothing; count];
@@ -137,7 +139,7 @@ impl Registers {
         Self { holders, locked: 0, homes, by: Vec::new(), wide, free_slots: Vec::new(), slots: 0 }
     }
 
-    /// Number of slots that the code needs.
+    /// Returns the number of slots that the code needs.
     pub(crate) fn slots(&self) -> usize {
         self.slots as usize
     }
@@ -150,37 +152,37 @@ impl Registers {
         self.homes[value.0 as usize].slot
     }
 
-    /// The register of a value, kept until the end of the item.
+    /// Returns the register of a value, and locks it until the end of the item.
     pub(crate) fn find(&mut self, value: Value) -> Option<Reg> {
         let register = self.homes[value.0 as usize].register?;
         self.locked |= 1 << register;
         Some(register)
     }
 
-    /// Whether an item takes a value last.
+    /// Whether an item is the last to use a value.
     pub(crate) fn is_last(&self, value: Value, at: u32) -> bool {
         self.homes[value.0 as usize].uses.last().is_none_or(|last| *last <= at)
     }
 
-    /// Whether the item at hand may overwrite a value: it is in a register, and taken last.
+    /// Whether the current item may overwrite a value: it is in a register, and this is its last use.
     pub(crate) fn may_reuse(&self, value: Value, at: u32) -> bool {
         self.homes[value.0 as usize].register.is_some() && self.is_last(value, at)
     }
 
-    /// Gives up a value for what the item at hand makes in its register.
+    /// Drops a value, so that the current item can use its register for a result.
     pub(crate) fn reuse(&mut self, value: Value) {
         if let Some(register) = self.homes[value.0 as usize].register.take() {
             self.lock(register as usize);
         }
     }
 
-    /// The end of a mask that most mixes want in a mask register: a vector and a constant are selected from at once if
-    /// the constant is where the mask is set.
+    /// Returns the end of a mask that most mixes need in the mask register: one instruction selects between a vector
+    /// and a constant if the constant is for the set lanes.
     pub(crate) fn near(&self, t: Value) -> End {
         if self.homes[t.0 as usize].from_constants > 0 { End::A } else { End::B }
     }
 
-    /// A register for the item at hand, and what has to happen to what it held.
+    /// Takes a register for the current item; its old value may have to be stored first.
     pub(crate) fn take(&mut self, at: u32) -> Victim {
         let open = |register: &usize| self.locked >> register & 1 == 0 && self.holders[*register] != Holder::Pinned;
         let free = (0..self.holders.len()).filter(open).find(|r| self.holders[*r] == Holder::Nothing);
@@ -190,7 +192,7 @@ impl Registers {
         let victim = (0..self.holders.len()).filter(open).max_by_key(|register| match self.holders[*register] {
             Holder::Value(value) => {
                 let home = &self.homes[value.0 as usize];
-                // Of what is needed equally late, what costs nothing to give up.
+                // Among values with the same next use, prefer one that needs no store.
                 (next(&home.uses, at), u8::from(home.slot.is_some() || home.source.is_some()) * 2)
             }
             Holder::By(value) | Holder::Near(value) => (next(&self.homes[value.0 as usize].mixes, at), 1),
@@ -224,7 +226,7 @@ impl Registers {
         register as Reg
     }
 
-    /// Keeps the registers of a ready mask until the end of the item.
+    /// Locks the registers of a prepared mask until the end of the item.
     pub(crate) fn lock_by(&mut self, by: By) {
         self.locked |= 1 << by.by;
         if !self.wide {
@@ -232,7 +234,7 @@ impl Registers {
         }
     }
 
-    /// Gives back what the item at hand needs no longer.
+    /// Frees a temporary register of the current item.
     pub(crate) fn give_back(&mut self, register: Reg) {
         if self.holders[register as usize] == Holder::Temporary {
             self.holders[register as usize] = Holder::Nothing;
@@ -240,7 +242,7 @@ impl Registers {
         self.locked &= !(1 << register);
     }
 
-    /// A mask register for a new ready mask. Wide only.
+    /// Returns a mask register for a new prepared mask. Wide code only.
     pub(crate) fn mask(&mut self, at: u32) -> u8 {
         let used = |mask: u8| self.by.iter().any(|by| by.mask == mask);
         if let Some(free) = (1..crate::assembler::SCRATCH_MASK).find(|mask| !used(*mask)) {
@@ -254,7 +256,7 @@ impl Registers {
         victim.mask
     }
 
-    /// Forgets a ready mask.
+    /// Drops a prepared mask.
     fn drop_by(&mut self, of: Value) {
         self.by.retain(|by| by.of != of);
         for holder in &mut self.holders {
@@ -264,7 +266,7 @@ impl Registers {
         }
     }
 
-    /// Notes what a register holds from now on.
+    /// Sets the content of a register.
     pub(crate) fn hold(&mut self, register: Reg, holder: Holder) {
         self.holders[register as usize] = holder;
         if let Holder::Value(value) = holder {
@@ -279,12 +281,12 @@ impl Registers {
         })
     }
 
-    /// Notes that a slot holds a value.
+    /// Sets the slot of a value.
     pub(crate) fn set_slot(&mut self, value: Value, slot: u32) {
         self.homes[value.0 as usize].slot = Some(slot);
     }
 
-    /// After an item that made some values: frees what nobody needs any more.
+    /// Ends an item that made some values: frees all values that are no longer needed.
     pub(crate) fn end(&mut self, mut done: Vec<Value>, item: &Item, at: u32) {
         self.locked = 0;
         for holder in &mut self.holders {
@@ -312,22 +314,23 @@ impl Registers {
         Snapshot { holders: self.holders.clone(), by: self.by.clone(), slots }
     }
 
-    /// Gives a value's register to another value that is the same.
+    /// Gives the register of a value to another value that is equal.
     pub(crate) fn rename(&mut self, from: Value, to: Value) {
         if let Some(register) = self.homes[from.0 as usize].register.take() {
             self.hold(register, Holder::Value(to));
         }
     }
 
-    /// What has to happen where the branch from a gate to item `join` is jumped over, so that everything is where it is
-    /// after the branch; `results` are the values that the join makes, and what they are then.
+    /// Returns the moves for the path around the branch from a gate to item `join`, which bring all values to their
+    /// places after the branch. `results` are the values that the join makes, and the values that they equal on this
+    /// path.
     pub(crate) fn resolve(&mut self, gate: &Snapshot, join: u32, results: &[(Value, Value)]) -> Vec<Move> {
-        // Masks made ready on one of the two ways only are lost.
+        // Masks that only one of the two paths has prepared are dropped.
         let lost: Vec<By> = self.by.iter().filter(|by| !gate.by.contains(by)).copied().collect();
         lost.iter().for_each(|by| self.drop_by(by.of));
         let register_then = |value: Value| gate.holders.iter().position(|holder| *holder == Holder::Value(value));
         let (mut stores, mut loads, mut spare) = (Vec::new(), Vec::new(), Vec::new());
-        // Slots that were given inside.
+        // Slots that were assigned inside of the branch.
         for at in 0..self.homes.len() {
             let (value, home) = (Value(at as u32), &self.homes[at]);
             let is_needed = home.uses.last().is_some_and(|last| *last >= join);
@@ -340,7 +343,7 @@ impl Registers {
         for register in 0..self.holders.len() {
             let Holder::Value(value) = self.holders[register] else { continue };
             let result = results.iter().find(|(to, _)| *to == value);
-            // What the register must hold.
+            // The value that the register must have.
             let then = result.map_or(value, |(_, otherwise)| *otherwise);
             let home = &self.homes[then.0 as usize];
             let is_needed = home.uses.last().is_some_and(|last| *last >= join);
@@ -362,13 +365,13 @@ impl Registers {
             }
         }
         self.free_slots.extend(spare);
-        // Every store before every load: no load takes the place of what is still to be stored.
+        // All stores come before all loads, so that no load overwrites a register that is still to be stored.
         stores.extend(loads);
         stores
     }
 }
 
-/// The first of some items from `at` on.
+/// Returns the first use from `at` on.
 fn next(uses: &[u32], at: u32) -> u32 {
     uses.get(uses.partition_point(|item| *item < at)).copied().unwrap_or(NEVER)
 }

@@ -1,17 +1,17 @@
-//! In which order items become instructions. Processors look ahead only so far for what they can begin at once, so what
-//! waits for one another must not stand side by side. No bit depends on the order.
+//! Order of the items. Processors look ahead only a limited distance for instructions that can start, so dependent
+//! items should not follow each other directly. No bit of the result depends on the order.
 
 use crate::program::{Item, Op, Program, Value};
 use std::collections::{BTreeSet, VecDeque};
 use std::ops::Range;
 
-/// Items that are looked at for the next one, wide and narrow. More of them keep more values alive at once, for which narrow
-/// code has few registers.
+/// Number of items that are considered for the next position, in wide and narrow code. A larger window keeps more
+/// values alive at once, for which narrow code has too few registers.
 const WINDOW: [usize; 2] = [48, 2];
-/// When what is not there yet is there.
+/// Time of values that are not scheduled yet.
 const LATER: u64 = u64::MAX;
 
-/// The program in an order in which more of it runs at once, for so many vectors side by side.
+/// Reorders a program for more parallelism, for a number of vectors processed side by side.
 pub(crate) fn scheduled(program: &Program, wide: bool, parts: u32) -> Program {
     let mut program = program.clone();
     split(&mut program);
@@ -30,9 +30,9 @@ pub(crate) fn scheduled(program: &Program, wide: bool, parts: u32) -> Program {
     program
 }
 
-/// Splits what takes long into what can begin early, and the rest.
+/// Splits slow items into a part that can start early, and the rest.
 fn split(program: &mut Program) {
-    // Masks that are ready, by open branch: which of it and what is around it comes first is not known yet.
+    // Prepared masks, by open branch: the order of a branch and the items around it is not known yet.
     let mut ready = vec![BTreeSet::new()];
     for item in std::mem::take(&mut program.items) {
         match &item {
@@ -57,7 +57,7 @@ fn split(program: &mut Program) {
 /// One item, or a branch from its gate to its join.
 struct Unit {
     items: Range<usize>,
-    /// What it takes from elsewhere.
+    /// Values from outside of the unit.
     needs: Vec<Value>,
 }
 
@@ -65,11 +65,11 @@ struct Scheduler<'p> {
     items: &'p [Item],
     window: usize,
     parts: u64,
-    /// In quarters of a cycle, as all times.
+    /// Current time, like all times in quarters of a cycle.
     now: u64,
-    /// When each value is there.
+    /// Time at which each value is available.
     values: Vec<u64>,
-    /// When each mask is ready for mixing.
+    /// Time at which each mask is prepared for mixing.
     masks: Vec<u64>,
     ordered: Vec<Item>,
 }
@@ -78,7 +78,7 @@ impl Scheduler<'_> {
     fn order(&mut self, range: Range<usize>) {
         let mut waiting = self.units(range);
         while !waiting.is_empty() {
-            // The first that waits for nothing, or else for the shortest time.
+            // Choose the first unit that can start now, or else the one that can start first.
             let mut best = (LATER, 0);
             for (place, unit) in waiting.iter().enumerate().take(self.window) {
                 let from = self.from(unit);
@@ -122,7 +122,7 @@ impl Scheduler<'_> {
         units
     }
 
-    /// Where the unit ends that begins with an item.
+    /// Returns the end of the unit that starts with an item.
     fn end(&self, start: usize) -> usize {
         let mut depth = 0;
         for (at, item) in self.items.iter().enumerate().skip(start) {
@@ -138,11 +138,11 @@ impl Scheduler<'_> {
         unreachable!("gates are joined")
     }
 
-    /// From when on a unit can run.
+    /// Returns the time from which on a unit can start.
     fn from(&self, unit: &Unit) -> u64 {
         let known = unit.needs.iter().map(|value| self.values[value.0 as usize]).fold(0, u64::max);
         match &self.items[unit.items.start] {
-            // What a branch takes besides is needed inside of it.
+            // The other values are only needed inside of the branch.
             Item::Gate { t, .. } if known != LATER => self.values[t.0 as usize],
             Item::Compute { op: Op::Mix { t, .. }, .. } => known.max(self.masks[t.0 as usize]),
             _ => known,
@@ -175,7 +175,8 @@ impl Scheduler<'_> {
     }
 }
 
-/// Quarters of a cycle that an item takes, and until what it makes is there; measured on one processor (Zen 5), rounded.
+/// Returns the throughput time and the latency of an item, in quarters of a cycle; measured on one processor (Zen 5),
+/// rounded.
 fn weight(item: &Item) -> (u64, u64) {
     match item {
         Item::Compute { op, .. } => match op {

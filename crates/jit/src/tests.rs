@@ -1,16 +1,16 @@
-//! Compiled programs against the definitions, sample by sample, bit by bit.
+//! Tests that compare compiled programs with the definitions, sample by sample and bit by bit.
 
 use crate::program::Item;
 use crate::{Code, Lanes, Op, Program, Run, STEP, Set, Stores, Value};
 use trochoid_memory::{Buffer, Target, write_around};
 use trochoid_weights::arithmetic as a;
 
-/// A small generator of random numbers.
+/// A small random number generator.
 struct Draw(u64);
 
 impl Draw {
     fn next(&mut self) -> u64 {
-        // Knuth's MMIX generator; the upper bits are the random ones.
+        // Knuth's MMIX generator, of which only the upper bits are random enough.
         self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         self.0 >> 33
     }
@@ -49,10 +49,10 @@ const MASKS: usize = 6;
 const FIELDS: usize = 4;
 const LINES: usize = 2;
 const OUTPUTS: usize = 12;
-/// Of masks, of fields (shifted), and two for sums.
+/// Number of vectors of state: two for masks, one for fields (shifted), and two for sums.
 const STATE: usize = 5;
 
-/// What a random program can still use.
+/// Values that a random program can use.
 #[derive(Clone)]
 struct Pool {
     masks: Vec<Value>,
@@ -76,7 +76,7 @@ fn step(draw: &mut Draw, program: &mut Program, pool: &mut Pool, depth: usize) {
             program.see(x, None, 2, true);
         }
         7 => {
-            // Weights that sum to 1 but for rounding.
+            // Weights that sum to 1 up to rounding.
             let mut rest = program.compute(Op::Constant(1.0));
             let mut weights = Vec::new();
             for _ in 0..1 + draw.below(5) {
@@ -127,7 +127,7 @@ fn random(draw: &mut Draw) -> Program {
     let constant = |program: &mut Program, value: f32| program.compute(Op::Constant(value));
     let mut colors: Vec<[Value; 3]> =
         (0..4).map(|i| [0, 1, 2].map(|c| constant(&mut program, 0.1 + 0.3 * i as f32 + 0.05 * c as f32))).collect();
-    // Behind a gate, −0 would not come out as it does from a mix: there are zeros of both signs or gates.
+    // A gate would not reproduce the −0 of a mix, so programs have either zeros of both signs or gates.
     let depth = 3 * draw.below(2);
     if depth > 0 {
         colors
@@ -146,7 +146,7 @@ fn random(draw: &mut Draw) -> Program {
     program
 }
 
-/// Evaluates a program at one sample: outputs, and what of state has a meaning whatever the order of samples.
+/// Evaluates a program at one sample: returns the outputs, and the state that does not depend on the order of samples.
 fn reference(program: &Program, inputs: &[f32], lines: &[f32]) -> (Vec<f32>, [u32; 3], f64) {
     let mut values = vec![0.0f32; program.values as usize];
     let mut out = vec![0.0; program.outputs];
@@ -238,7 +238,7 @@ fn sets() -> Vec<Set> {
 
 fn rows(draw: &mut Draw, count: usize) -> Vec<Vec<f32>> {
     let masks = (0..MASKS).map(|index| {
-        // Whole steps of 0 or 1 in two of them, so that gates close.
+        // Two inputs have runs of 0 or 1, so that gates close.
         let mut run = 0.0;
         (0..count)
             .map(|at| {
@@ -297,7 +297,8 @@ fn compiled_programs_have_the_bits_of_the_definitions() {
             assert!(untouched.into_iter().all(|v| *v == -7.0), "{round} {set:?} wrote beyond its targets");
             let fold = |index: usize, f: fn(u32, u32) -> u32| state[index].0.into_iter().reduce(f).unwrap();
             let seen = [fold(0, u32::min), fold(1, u32::max), fold(2, u32::max)];
-            // A gate closes for a whole vector, so what is seen behind one can be more than each sample needs.
+            // A gate closes only for a whole vector, so state behind one may include more values than each sample
+            // needs.
             if !program.items.iter().any(|item| matches!(item, Item::Gate { .. })) {
                 let all = expected.iter().fold([u32::MAX, 0, 0], |all, (_, seen, _)| {
                     [all[0].min(seen[0]), all[1].max(seen[1]), all[2].max(seen[2])]
@@ -346,7 +347,7 @@ fn results_go_around_the_cache_into_whole_lines_only() {
     }
 }
 
-/// Every way in which a caller could have the code reach beyond what it was lent.
+/// Tests every way in which a caller could make the code access memory beyond its slices.
 #[test]
 fn what_does_not_fit_is_refused() {
     let mut program = Program::new(1, 1, 1, 1);
@@ -377,7 +378,7 @@ fn what_does_not_fit_is_refused() {
     }
 }
 
-/// More pointers than there are registers for them, and more values than fit beside each other.
+/// Tests more pointers, and more values at once, than there are registers for.
 #[test]
 fn many_rows_and_many_values_live_at_once() {
     let count = 70;

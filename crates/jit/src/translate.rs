@@ -1,4 +1,4 @@
-//! From a program to machine code, item by item.
+//! Translates a program to machine code, item by item.
 
 use crate::assembler::{Assembler, Place, Reg, Result};
 use crate::branches::Skip;
@@ -10,15 +10,16 @@ use crate::{Set, Stores};
 use iced_x86::code_asm::CodeLabel;
 use std::collections::BTreeMap;
 
-/// Vectors of state kept in registers, of 32 and of 16.
+/// Number of vectors of state in registers: of 32 in wide, of 16 in narrow code.
 const PINNED: [usize; 2] = [6, 3];
-/// Registers of wide code that hold 0.5 and 1.0 throughout.
+/// Registers of wide code that contain 0.5 and 1.0 for the whole loop.
 const HALF: Reg = 31;
 const ONE: Reg = 30;
-/// Vectors worked on side by side, wide and narrow: what one waits for, the other uses.
+/// Number of vectors processed side by side, in wide and narrow code: while one waits, the processor works on the
+/// other.
 const PARTS: [u32; 2] = [2, 1];
 
-/// Machine code and what it needs.
+/// Machine code, its constants and its number of slots.
 #[derive(Debug)]
 pub(crate) struct Translated {
     pub(crate) code: Vec<u8>,
@@ -26,7 +27,7 @@ pub(crate) struct Translated {
     pub(crate) slots: usize,
 }
 
-/// Translates a program whose gates are all joined.
+/// Translates a program without open gates.
 pub(crate) fn translate(program: &Program, set: Set, stores: Stores) -> Result<Translated> {
     let wide = set == Set::Avx512;
     let count = if wide { 32 } else { 16 };
@@ -53,7 +54,7 @@ pub(crate) fn translate(program: &Program, set: Set, stores: Stores) -> Result<T
     Ok(Translated { code, constants, slots })
 }
 
-/// The vectors of state that are seen most often.
+/// Returns the vectors of state that are used most often.
 fn pinned(program: &Program, most: usize) -> Vec<u32> {
     let mut seen: BTreeMap<u32, usize> = BTreeMap::new();
     for item in &program.items {
@@ -69,15 +70,15 @@ fn pinned(program: &Program, most: usize) -> Vec<u32> {
 pub(crate) struct Translator<'p> {
     pub(crate) asm: Assembler,
     pub(crate) registers: Registers,
-    /// Registers by the state that they hold.
+    /// Registers of pinned state, by the index of the state.
     pub(crate) pinned: BTreeMap<u32, Reg>,
     pub(crate) program: &'p Program,
     pub(crate) stores: Stores,
-    /// Open gates: what is where, and where to jump.
+    /// Open gates: the places of all values, and the target of the jump.
     pub(crate) gates: Vec<(Snapshot, CodeLabel)>,
-    /// Ways around branches that are done.
+    /// Paths around finished branches.
     pub(crate) skips: Vec<Skip>,
-    /// What the item at hand made.
+    /// Values that the current item made.
     pub(crate) made: Vec<Value>,
     pub(crate) parts: u32,
     pub(crate) part: u32,
@@ -117,7 +118,7 @@ impl Translator<'_> {
         self.around()
     }
 
-    /// A register for the item at hand.
+    /// Takes a register for the current item.
     pub(crate) fn take(&mut self) -> Result<Reg> {
         match self.registers.take(self.at) {
             Victim::Free(register) => Ok(register),
@@ -140,7 +141,7 @@ impl Translator<'_> {
         registers.iter().for_each(|register| self.registers.give_back(*register));
     }
 
-    /// The register that a value is in, from now on.
+    /// Returns the register of a value, which is loaded if necessary.
     pub(crate) fn value(&mut self, value: Value) -> Result<Reg> {
         if let Some(register) = self.registers.find(value) {
             return Ok(register);
@@ -170,7 +171,7 @@ impl Translator<'_> {
         }
     }
 
-    /// Notes that a register holds a value that was just made.
+    /// Records that a register has a value that was just made.
     pub(crate) fn define(&mut self, value: Value, register: Reg) {
         self.registers.hold(register, Holder::Value(value));
         self.made.push(value);
@@ -192,7 +193,7 @@ impl Translator<'_> {
             Item::Within { x, to } => {
                 let x_in = self.value(*x)?;
                 let d = self.over(*x, x_in, &[])?;
-                // Where both are equal, or one is NaN, the second is taken.
+                // If both operands are equal or one is NaN, the instruction returns the second.
                 self.asm.two_constant(Two::Max, d, x_in, 0.0)?;
                 if self.asm.wide {
                     self.asm.two(Two::Min, d, d, ONE)?
@@ -220,7 +221,7 @@ impl Translator<'_> {
 
     fn compute(&mut self, op: &Op, to: Value) -> Result {
         match *op {
-            // Loaded where they are used.
+            // Loaded when they are used.
             Op::Input(_) | Op::Line(_) | Op::Constant(_) => Ok(()),
             Op::Mix { a, b, t } => self.mix(a, b, t, to),
             Op::Clamp { .. } => unreachable!("clamps are split"),
@@ -257,7 +258,7 @@ impl Translator<'_> {
                 let [low, high, factor] = self.take_all()?;
                 self.asm.widen(low, high, t)?;
                 for half in [low, high] {
-                    // 2·t is exact, so this is 3 − 2·t rounded once.
+                    // 2·t is exact, so 3 − 2·t is rounded only once.
                     self.asm.fill_double(factor, 3.0)?;
                     self.asm.two_double(Two::FnmaDouble, factor, half, 2.0)?;
                     self.asm.two(Two::MulDouble, half, half, half)?;
@@ -297,7 +298,7 @@ impl Translator<'_> {
         }
     }
 
-    /// A mask made ready: which end is nearer, and how far it is from there.
+    /// Prepares a mask: finds the nearer end, and the distance from it.
     fn by(&mut self, t: Value) -> Result<By> {
         if let Some(by) = self.registers.by.iter().find(|by| by.of == t).copied() {
             self.registers.lock_by(by);
@@ -314,7 +315,7 @@ impl Translator<'_> {
                 self.asm.two(Two::Sub, by, x, ONE)?;
                 self.asm.select(by, mask, by, x)?;
             } else {
-                // Copies cost nothing.
+                // The processor eliminates register copies.
                 self.asm.copy(by, x)?;
                 self.asm.sub_where(by, mask, x, ONE)?;
             }
@@ -341,7 +342,7 @@ impl Translator<'_> {
                 self.asm.two_constant(Two::Fma, d, by, until - from)?;
                 d
             }
-            // Of −0 and 0 the other sign would come out.
+            // For −0 and 0, the result would have the other sign.
             (None, Some(until)) if near == End::B && until != 0.0 => {
                 let a_in = self.value(a)?;
                 let difference = self.take()?;
@@ -378,7 +379,7 @@ impl Translator<'_> {
         Ok(())
     }
 
-    /// The register of a value that nothing needs any more, unless it is one of some others; else a new one.
+    /// Returns the register of a value after its last use, unless the value is among `others`; else a new register.
     fn over(&mut self, value: Value, register: Reg, others: &[Value]) -> Result<Reg> {
         if !others.contains(&value) && self.registers.may_reuse(value, self.at) {
             self.registers.reuse(value);
@@ -387,7 +388,7 @@ impl Translator<'_> {
         self.take()
     }
 
-    /// b where it is nearer, else a.
+    /// Selects b where it is nearer, else a.
     fn select(&mut self, to: Reg, near: End, mask: Reg, a: Reg, b: Reg) -> Result {
         match near {
             End::A => self.asm.select(to, mask, b, a),

@@ -1,3 +1,5 @@
+//! Content keys of numbers, texts, paths, times and containers.
+
 use crate::{ContentKey, Key, KeyHasher};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -131,7 +133,7 @@ mod tests {
     use std::path::Path;
     use std::time::{Duration, UNIX_EPOCH};
 
-    /// A number that prints as any other does.
+    /// A number that prints only three decimals.
     struct Silent(f64);
 
     impl std::fmt::Debug for Silent {

@@ -1,43 +1,43 @@
-//! Content keys: values become hashes by what they are made of, never by how they print.
+//! Content keys: hashes of values, made from their content rather than from their printed form.
 //!
-//! Numbers count by their bits, lists and texts have their length before them, and [`content_key!`] names every field of a
-//! type, so that one that is added and forgotten does not compile.
+//! Numbers are hashed by their bits, lists and texts after their length, and [`content_key!`] must name every field
+//! of a type: code that forgets a new field does not compile.
 
 mod feed;
 
-/// The hash of a value's content. Values of one type have equal keys only if they are made of the same bits.
+/// Hash of a value's content. Values of one type have equal keys only if they consist of the same bits.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Key([u8; 32]);
 
 impl Key {
-    /// The hash as 64 hexadecimal digits.
+    /// Returns the hash as 64 hexadecimal digits.
     pub fn to_hex(self) -> String {
         blake3::Hash::from(self.0).to_hex().to_string()
     }
 }
 
-/// What a value's content is fed to.
+/// Hasher to which the content of values is fed.
 #[derive(Clone, Debug, Default)]
 pub struct KeyHasher(blake3::Hasher);
 
 impl KeyHasher {
-    /// Nothing fed yet.
+    /// Makes a hasher without any content.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Bytes as they are. Where their number may differ, feed it before them.
+    /// Feeds bytes without their number. If it can vary, feed it before them.
     pub fn bytes(&mut self, bytes: &[u8]) {
         self.0.update(bytes);
     }
 
-    /// The key of all that was fed.
+    /// Returns the key of everything fed so far.
     pub fn finish(&self) -> Key {
         Key(self.0.finalize().into())
     }
 }
 
-/// A value that can be told by its content from any other of its type.
+/// A value whose content distinguishes it from all other values of its type.
 ///
 /// ```
 /// use trochoid_key::ContentKey;
@@ -47,11 +47,11 @@ impl KeyHasher {
 /// assert_ne!(["ab", "c"].key(), ["a", "bc"].key());
 /// ```
 pub trait ContentKey {
-    /// Feeds all that the value is made of, so that no two values of the type feed the same bytes, nor one the beginning of
-    /// what another feeds.
+    /// Feeds the whole content of the value: the bytes of two different values must differ, and must not be the
+    /// beginning of each other.
     fn feed(&self, hasher: &mut KeyHasher);
 
-    /// The key of the value alone.
+    /// Returns the key of the value alone.
     fn key(&self) -> Key {
         let mut hasher = KeyHasher::new();
         self.feed(&mut hasher);
@@ -59,8 +59,8 @@ pub trait ContentKey {
     }
 }
 
-/// Implements [`ContentKey`] for a structure by its fields, or for an enumeration of plain names. All of them have to be
-/// named.
+/// Implements [`ContentKey`] for a struct by its fields, or for an enum without data by its variants. All of them
+/// must be named.
 ///
 /// ```
 /// use trochoid_key::{ContentKey, content_key};
@@ -74,14 +74,14 @@ pub trait ContentKey {
 /// assert_ne!(Edge::Open.key(), Edge::Closed.key());
 /// ```
 ///
-/// A field that is left out does not compile:
+/// Without one of the fields it does not compile:
 ///
 /// ```compile_fail,E0027
 /// struct Burst { height: f64, fade: Option<f64> }
 /// trochoid_key::content_key!(Burst { height });
 /// ```
 ///
-/// Neither does a name:
+/// Nor without one of the variants:
 ///
 /// ```compile_fail,E0004
 /// enum Edge { Open, Closed }

@@ -1,32 +1,34 @@
+//! Sample buffers, aligned to cache lines.
+
 use std::ops::{Deref, DerefMut};
 
 /// Samples in a cache line.
 const LINE: usize = 16;
-/// Bytes from which on large pages are worth asking for: that of one of them.
+/// Size from which on a buffer asks for large pages: the size of one large page, in bytes.
 const LARGE: usize = 2 << 20;
-/// Buffers of a picture begin at different offsets within a page, so that their rows do not compete for the same few
-/// places of the cache: the next one's offset, in lines.
+/// Difference between the offsets of consecutive buffers within a page, in lines: buffers of a picture start at
+/// different offsets, so that their rows do not compete for the same cache sets.
 const STAGGER: usize = 5;
-/// Lines in a small page.
+/// Lines per small page.
 const PAGE_LINES: usize = 64;
 
-/// Samples that begin on a cache line, and on large pages where the system has them.
+/// Samples that start on a cache line, on large pages if the system has them.
 ///
-/// Equal to another buffer if the samples are.
+/// Buffers are equal if their samples are.
 #[derive(Debug, Default)]
 pub struct Buffer {
     samples: Vec<f32>,
-    /// Samples before the first line.
+    /// Number of samples before the first aligned line.
     start: usize,
     length: usize,
 }
 
 impl Buffer {
-    /// `length` zeros. `index` is the buffer's place among those that are used together, such as the channels of a
-    /// picture.
+    /// Makes a buffer of `length` zeros. `index` is the number of the buffer among those that are used together, such
+    /// as the channels of a picture.
     ///
     /// # Errors
-    /// The memory cannot be had.
+    /// The memory cannot be allocated.
     ///
     /// ```
     /// let buffer = trochoid_memory::Buffer::zeroed(1000, 1).unwrap();
@@ -45,7 +47,7 @@ impl Buffer {
 }
 
 impl From<Vec<f32>> for Buffer {
-    /// Takes samples as they lie.
+    /// Takes the samples without moving or aligning them.
     fn from(samples: Vec<f32>) -> Self {
         let length = samples.len();
         Self { samples, start: 0, length }
@@ -78,7 +80,7 @@ impl DerefMut for Buffer {
     }
 }
 
-/// Asks for large pages under the memory that a vector has reserved. Only ever a hint: what it holds does not change.
+/// Asks the system for large pages for the memory that a vector has reserved: a hint that does not change its content.
 #[cfg(target_os = "linux")]
 #[allow(unsafe_code)]
 fn advise(samples: &Vec<f32>) {
@@ -89,7 +91,7 @@ fn advise(samples: &Vec<f32>) {
         return;
     }
     let from = samples.as_ptr() as usize;
-    // Whole pages inside the reservation; `madvise` takes nothing else.
+    // `madvise` takes only whole pages; these are inside of the reservation.
     let (first, last) = (from.next_multiple_of(page), (from + bytes) & !(page - 1));
     if first < last {
         // SAFETY: first..last lies within one allocation of this process, which is mapped for as long as it is

@@ -1,29 +1,31 @@
+//! Selection of the instruction set at run time.
+
 use crate::Stream;
 use fearless_simd::Level;
 
-/// Code that is compiled once for each instruction set and run on the one at hand.
+/// Code that is compiled for each instruction set and runs on the one of the processor.
 pub trait Kernel {
-    /// What it gives.
+    /// Result of the kernel.
     type Output;
 
-    /// Runs with the instructions that `simd` proves to be there. To be marked `#[inline(always)]`.
+    /// Runs with the instructions that `simd` proves to be available. Mark implementations `#[inline(always)]`.
     fn run<S: Stream>(self, simd: S) -> Self::Output;
 }
 
-/// Which instruction sets may be used.
+/// Instruction sets that may be used.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Instructions {
-    /// The best that the processor has.
+    /// The best one of the processor.
     #[default]
     Best,
-    /// At most AVX2, where AVX-512 would be there.
+    /// At most AVX2, even if the processor has AVX-512.
     Avx2,
-    /// Only what every processor of the architecture has.
+    /// Only the instructions that every processor of the architecture has.
     Baseline,
 }
 
 impl Instructions {
-    /// The instruction set to use on this processor.
+    /// Returns the instruction set to use on this processor.
     pub fn level(self) -> Level {
         let best = Level::new();
         match self {
@@ -56,7 +58,7 @@ pub fn dispatch<K: Kernel>(level: Level, kernel: K) -> K::Output {
         Level::Avx512(simd) => with!(simd),
         #[cfg(target_arch = "x86_64")]
         Level::Avx2(simd) => with!(simd),
-        // Without fused multiply–add nothing later than SSE2 helps.
+        // Without fused multiply–add, nothing beyond SSE2 makes kernels faster.
         #[cfg(target_arch = "x86_64")]
         Level::Sse4_2(simd) => match fearless_simd::Simd::level(simd).as_sse2() {
             Some(simd) => with!(simd),

@@ -1,18 +1,18 @@
-//! The memory of a whole program: counted, bounded, and never the cause of an abort.
+//! The memory of a whole program: counted, bounded, and, when exhausted, reported instead of causing an abort.
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
-/// Blocks of so many bytes and more are counted. Smaller ones are many, and all threads count in one place.
+/// Size from which on blocks are counted, in bytes. Smaller blocks are too frequent: all threads share one counter.
 const COUNTED: usize = 16 << 10;
 
 /// A program's memory, for `#[global_allocator]`.
 ///
-/// Blocks of 16 KiB and more are counted and held against a bound ([`Heap::bound`]). Where memory cannot be had, for the bound or
-/// for the system, the standard library aborts; a program with [`Heap::on_exhaustion`] ends in order instead. Whoever can do
-/// without the memory asks for it within [`fallible`], and is refused.
+/// Blocks of 16 KiB and more are counted and compared with a bound ([`Heap::bound`]). If the bound or the system
+/// refuses memory, the standard library aborts; a program with [`Heap::on_exhaustion`] ends in an orderly way
+/// instead. Code that can do without the memory requests it within [`fallible`], and gets an error.
 ///
 /// ```
 /// use trochoid_memory::{Heap, fallible};
@@ -30,14 +30,14 @@ const COUNTED: usize = 16 << 10;
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Heap;
 
-/// Memory that could not be had.
+/// A request for memory that was refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Exhausted {
-    /// Bytes asked for.
+    /// Bytes requested.
     pub asked: usize,
-    /// Bytes taken, as far as they are counted.
+    /// Bytes in counted blocks at that time.
     pub taken: usize,
-    /// The bound, where that is what refused them, and not the system.
+    /// The bound, if it caused the refusal; `None` if the system did.
     pub bound: Option<usize>,
 }
 
@@ -45,19 +45,20 @@ static TAKEN: AtomicUsize = AtomicUsize::new(0);
 static PEAK: AtomicUsize = AtomicUsize::new(0);
 static BOUND: AtomicUsize = AtomicUsize::new(usize::MAX);
 static ON_EXHAUSTION: OnceLock<fn(Exhausted) -> !> = OnceLock::new();
-/// Whether a thread ends the program already.
+/// Whether some thread is already ending the program.
 static ENDING: AtomicBool = AtomicBool::new(false);
 
 thread_local! {
-    /// Whether the thread can do without what it asks for.
+    /// Whether the thread can do without the memory that it requests.
     static FALLIBLE: Cell<bool> = const { Cell::new(false) };
-    /// Whether it is this thread that ends the program.
+    /// Whether this thread is ending the program.
     static ENDS: Cell<bool> = const { Cell::new(false) };
 }
 
-/// Runs what can do without memory that it asks for, such as `try_reserve`: it is refused the memory, and goes on.
+/// Runs code that can do without the memory that it requests, for example by `try_reserve`: a refused request returns
+/// an error instead of ending the program.
 pub fn fallible<R>(ask: impl FnOnce() -> R) -> R {
-    /// Also where `ask` panics.
+    /// Restores the state, also if `ask` panics.
     struct Before(bool);
     impl Drop for Before {
         fn drop(&mut self) {
@@ -69,45 +70,45 @@ pub fn fallible<R>(ask: impl FnOnce() -> R) -> R {
 }
 
 impl Heap {
-    /// Bounds what is taken from now on, bytes; what is taken already stays.
+    /// Bounds the memory that may be taken, in bytes. Blocks that are already taken stay.
     pub fn bound(bytes: usize) {
         BOUND.store(bytes, Ordering::Relaxed);
     }
 
-    /// What [`Heap::bound`] said last, bytes; without end where it said nothing.
+    /// Returns the bound that [`Heap::bound`] set last, in bytes; `usize::MAX` if it was never set.
     pub fn allowed() -> usize {
         BOUND.load(Ordering::Relaxed)
     }
 
-    /// Bytes taken in counted blocks. 0 where the program has another allocator.
+    /// Returns the bytes in counted blocks; 0 if the program has another allocator.
     pub fn taken() -> usize {
         TAKEN.load(Ordering::Relaxed)
     }
 
-    /// The most bytes that were taken at once since the start, or since [`Heap::forget_peak`].
+    /// Returns the largest number of bytes in counted blocks since the start, or since [`Heap::forget_peak`].
     pub fn peak() -> usize {
         PEAK.load(Ordering::Relaxed)
     }
 
-    /// Measures the peak anew.
+    /// Restarts the measurement of the peak.
     pub fn forget_peak() {
         PEAK.store(Self::taken(), Ordering::Relaxed);
     }
 
-    /// What ends the program where memory cannot be had. The first call counts.
+    /// Sets the function that ends the program when memory is exhausted. Only the first call counts.
     ///
-    /// It may allocate: where even that fails, the process says so on stderr and exits at once with code 1.
+    /// The function may allocate: if even that fails, the process reports it on stderr and exits at once with code 1.
     pub fn on_exhaustion(end: fn(Exhausted) -> !) {
         let _ = ON_EXHAUSTION.set(end);
     }
 }
 
-/// What counts of a block.
+/// Returns the counted bytes of a block.
 fn counted(bytes: usize) -> usize {
     if bytes < COUNTED { 0 } else { bytes }
 }
 
-/// Counts so many bytes, unless that goes beyond the bound.
+/// Counts some bytes; returns `false`, and counts nothing, if that would exceed the bound.
 fn take(bytes: usize) -> bool {
     if bytes == 0 {
         return true;
@@ -118,7 +119,7 @@ fn take(bytes: usize) -> bool {
         TAKEN.fetch_sub(bytes, Ordering::Relaxed);
         return false;
     }
-    // Nearly always it is no peak, which reading alone tells.
+    // A new peak is rare, so a read comes first, which is cheaper than `fetch_max`.
     if now > PEAK.load(Ordering::Relaxed) {
         PEAK.fetch_max(now, Ordering::Relaxed);
     }
@@ -131,7 +132,7 @@ fn give_back(bytes: usize) {
     }
 }
 
-/// A block of so many bytes, of which `more` come to those that are counted, unless the bound or the system refuses it.
+/// Returns a block of some bytes, `more` of which are newly counted, unless the bound or the system refuses it.
 fn granted(bytes: usize, more: usize, ask: impl FnOnce() -> *mut u8) -> *mut u8 {
     if !take(more) {
         return refuse(bytes, true);
@@ -144,7 +145,7 @@ fn granted(bytes: usize, more: usize, ask: impl FnOnce() -> *mut u8) -> *mut u8 
     block
 }
 
-/// What becomes of a block that cannot be had: null for whoever can do without, else the end of the program.
+/// Handles a refused block: returns null to code that can do without it, otherwise ends the program.
 #[cold]
 fn refuse(asked: usize, by_bound: bool) -> *mut u8 {
     if FALLIBLE.get() {
@@ -152,13 +153,11 @@ fn refuse(asked: usize, by_bound: bool) -> *mut u8 {
     }
     let Some(end) = ON_EXHAUSTION.get() else { return std::ptr::null_mut() };
     if ENDS.get() {
-        tell(
-            "error: out of memory, even of what it takes to say so\n  remedy: allow more memory, or lower the format\n",
-        );
+        tell("error: out of memory, even for the error message\n  remedy: allow more memory, or lower the format\n");
         exit_at_once(1);
     }
     if ENDING.swap(true, Ordering::Relaxed) {
-        // Another thread ends the program, and is not to be kept from it.
+        // Another thread is ending the program, and must not be disturbed.
         loop {
             std::thread::sleep(std::time::Duration::MAX);
         }
@@ -167,21 +166,21 @@ fn refuse(asked: usize, by_bound: bool) -> *mut u8 {
     end(Exhausted { asked, taken: Heap::taken(), bound: by_bound.then(|| BOUND.load(Ordering::Relaxed)) })
 }
 
-/// Says something on stderr, without memory and without locks.
+/// Writes a text to stderr without allocating and without locks.
 #[cfg(unix)]
 #[allow(unsafe_code)]
 fn tell(text: &str) {
-    // SAFETY: the pointer is to as many bytes as are named, which live through the call. What cannot be written is lost.
+    // SAFETY: the pointer is to `text.len()` bytes, which live through the call. A text that cannot be written is lost.
     unsafe { libc::write(libc::STDERR_FILENO, text.as_ptr().cast(), text.len()) };
 }
 
-/// Says something on stderr, which has no buffer of its own.
+/// Writes a text to stderr, which has no buffer of its own.
 #[cfg(not(unix))]
 fn tell(text: &str) {
     let _ = std::io::Write::write_all(&mut std::io::stderr(), text.as_bytes());
 }
 
-/// Ends the process at once, without anything that libraries do at an end: that could ask for memory, or for locks that
+/// Ends the process at once, without the exit handlers of libraries, which could request memory, or locks that
 /// another thread holds.
 #[cfg(unix)]
 #[allow(unsafe_code)]
@@ -196,32 +195,32 @@ pub fn exit_at_once(code: u8) -> ! {
     std::process::exit(i32::from(code))
 }
 
-// SAFETY: every block comes from `System` and goes back to it with the layout that it came with. Counting changes atomics and
-// thread-locals that are constant at the start and have no destructor, so it neither allocates nor unwinds. `refuse` returns
-// null, which means "no memory" to all callers, or does not return.
+// SAFETY: every block comes from `System` and returns to it with its original layout. Counting changes only atomics,
+// and thread-locals with constant initializers and without destructors, so it neither allocates nor unwinds. `refuse`
+// returns null, which means "no memory" to all callers, or does not return.
 #[allow(unsafe_code)]
 unsafe impl GlobalAlloc for Heap {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        // SAFETY: the caller's promise for `layout` is what `System` asks for.
+        // SAFETY: the caller's guarantee for `layout` is the one that `System` requires.
         granted(layout.size(), counted(layout.size()), || unsafe { System.alloc(layout) })
     }
 
     unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
-        // SAFETY: the caller's promise for `layout` is what `System` asks for.
+        // SAFETY: the caller's guarantee for `layout` is the one that `System` requires.
         granted(layout.size(), counted(layout.size()), || unsafe { System.alloc_zeroed(layout) })
     }
 
     unsafe fn dealloc(&self, block: *mut u8, layout: Layout) {
-        // SAFETY: `block` came from `System` with this layout, by the caller's promise.
+        // SAFETY: `block` came from `System` with this layout, by the caller's guarantee.
         unsafe { System.dealloc(block, layout) };
         give_back(counted(layout.size()));
     }
 
     unsafe fn realloc(&self, block: *mut u8, layout: Layout, size: usize) -> *mut u8 {
         let (old, new) = (counted(layout.size()), counted(size));
-        // The system moves pages of large blocks, so the old block and the new one are not there at once.
-        // SAFETY: `block` came from `System` with this layout, and `size` is not 0 and does not overflow, by the caller's
-        // promise.
+        // The system moves the pages of large blocks, so the old and the new block do not exist at the same time.
+        // SAFETY: `block` came from `System` with this layout, and `size` is not 0 and does not overflow, by the
+        // caller's guarantee.
         let moved = granted(size, new.saturating_sub(old), || unsafe { System.realloc(block, layout, size) });
         if !moved.is_null() {
             give_back(old.saturating_sub(new));

@@ -1,7 +1,7 @@
-//! Where pixels lie in memory, and how they get there: aligned buffers on large pages, prefetch, streaming stores. And how
-//! much of it a program takes ([`Heap`]).
+//! Memory of pixels: aligned buffers on large pages, prefetch, streaming stores; and an allocator that counts and
+//! bounds the memory of a program ([`Heap`]).
 //!
-//! The only crate with `unsafe` code; all of it is behind interfaces that cannot be misused.
+//! With `trochoid-jit` the only crate with `unsafe` code; all of it is behind interfaces that cannot be misused.
 
 #![cfg_attr(test, allow(clippy::unwrap_used, reason = "a test may panic"))]
 

@@ -1,4 +1,6 @@
-/// Asks for the cache line of sample `index` of a slice, which may lie beyond its end. A hint: nothing is read.
+//! Prefetching.
+
+/// Prefetches the cache line of sample `index` of a slice; `index` may be beyond its end. A hint: nothing is read.
 #[inline(always)]
 #[allow(unsafe_code)]
 pub fn prefetch(samples: &[f32], index: usize) {

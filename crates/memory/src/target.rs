@@ -1,6 +1,8 @@
+//! Targets: rows that are written through or around the cache.
+
 use fearless_simd::{Simd, SimdBase, f32x16};
 
-/// Rows to be written and not read: around the cache, where that was asked for.
+/// A row that is written but not read, around the cache if requested.
 #[derive(Debug)]
 pub struct Target<'a> {
     samples: &'a mut [f32],
@@ -8,27 +10,27 @@ pub struct Target<'a> {
 }
 
 impl<'a> Target<'a> {
-    /// A target in the ordinary way, through the cache.
+    /// Makes a target that is written through the cache.
     pub fn new(samples: &'a mut [f32]) -> Self {
         Self { samples, around: false }
     }
 
-    /// Number of samples.
+    /// Returns the number of samples.
     #[inline(always)]
     pub fn len(&self) -> usize {
         self.samples.len()
     }
 
-    /// Whether there are none.
+    /// Whether the target has no samples.
     #[inline(always)]
     pub fn is_empty(&self) -> bool {
         self.samples.is_empty()
     }
 
-    /// The part from `start` on.
+    /// Returns the part of `length` samples from `start` on.
     ///
     /// # Panics
-    /// It lies beyond the end.
+    /// The part extends beyond the end.
     #[inline(always)]
     pub fn part(&mut self, start: usize, length: usize) -> Target<'_> {
         Target { samples: &mut self.samples[start..start + length], around: self.around }
@@ -37,31 +39,32 @@ impl<'a> Target<'a> {
     /// Writes 16 samples at `index`.
     ///
     /// # Panics
-    /// They do not fit.
+    /// The samples do not fit.
     #[inline(always)]
     pub fn store<S: Simd>(&mut self, index: usize, value: f32x16<S>) {
         let Some(to) = self.samples[index..].first_chunk_mut::<16>() else { panic!("16 samples at {index}") };
         value.store_slice(to);
     }
 
-    /// Where some of its samples lie, for machine code that writes them. Around the cache only if [`Target::is_lines`].
+    /// Returns the address of some of the samples, for machine code that writes them. It may write around the cache
+    /// only if [`Target::is_lines`].
     ///
     /// # Panics
-    /// They do not fit.
+    /// The samples do not fit.
     pub fn pointer(&mut self, start: usize, length: usize) -> *mut f32 {
         self.samples[start..start + length].as_mut_ptr()
     }
 
-    /// Whether some of its samples are to be written around the cache and are nothing but whole lines.
+    /// Whether some of the samples are to be written around the cache and consist of whole cache lines.
     ///
     /// # Panics
-    /// They do not fit.
+    /// The samples do not fit.
     pub fn is_lines(&self, start: usize, length: usize) -> bool {
         let samples = &self.samples[start..start + length];
         self.around && length.is_multiple_of(16) && samples.as_ptr().addr().is_multiple_of(64)
     }
 
-    /// All of it as cache lines, if it is to be written around the cache and is nothing but whole lines.
+    /// Returns the target as cache lines if it is to be written around the cache and consists of whole lines.
     #[inline(always)]
     pub fn lines(&mut self) -> Option<Lines<'_>> {
         let whole = self.is_lines(0, self.len());
@@ -71,16 +74,16 @@ impl<'a> Target<'a> {
     /// Writes samples at `index`.
     ///
     /// # Panics
-    /// They do not fit.
+    /// The samples do not fit.
     pub fn copy(&mut self, index: usize, values: &[f32]) {
         self.samples[index..index + values.len()].copy_from_slice(values);
     }
 }
 
-/// Lends slices as targets that are written around the cache: for results larger than the cache, which would only push
-/// out what is still needed.
+/// Lends slices as targets that are written around the cache: for results larger than the cache, which would only
+/// evict data that is still needed.
 ///
-/// Within `write` nobody can read the slices; after it, any thread can read all of them.
+/// During `write` no code can read the slices; afterwards any thread can read all of them.
 ///
 /// ```
 /// let mut row = vec![0.0; 64];
@@ -96,13 +99,13 @@ impl<'a> Target<'a> {
 /// trochoid_memory::write_around(vec![&mut row[..]], |targets| kept = targets.iter_mut().next());
 /// ```
 pub fn write_around<'a, R>(slices: Vec<&'a mut [f32]>, write: impl for<'t> FnOnce(&mut [Target<'t>]) -> R) -> R {
-    // Also where `write` panics.
+    // Dropped even if `write` panics.
     let _fence = Fence;
     let mut targets: Vec<Target<'_>> = slices.into_iter().map(|samples| Target { samples, around: true }).collect();
     write(&mut targets)
 }
 
-/// Orders all streaming stores of this thread before what follows, when dropped.
+/// Orders all streaming stores of this thread before later accesses, when dropped.
 struct Fence;
 
 impl Drop for Fence {
@@ -116,7 +119,7 @@ impl Drop for Fence {
     }
 }
 
-/// Cache lines to be written around the cache, within a call of [`write_around`]. Only targets make them.
+/// Cache lines that are written around the cache, within a call of [`write_around`]. Only targets make them.
 #[derive(Debug)]
 pub struct Lines<'a>(&'a mut [[f32; 16]]);
 
@@ -124,23 +127,23 @@ impl Lines<'_> {
     /// Writes line `index`.
     ///
     /// # Panics
-    /// There is no such line.
+    /// The line does not exist.
     #[inline(always)]
     pub fn store<S: Stream>(&mut self, index: usize, value: f32x16<S>) {
         S::stream(value, Line(&mut self.0[index]));
     }
 }
 
-/// 16 samples that begin on a cache line. Only [`Lines`] make them.
+/// 16 samples that start on a cache line. Only [`Lines`] make them.
 #[derive(Debug)]
 pub struct Line<'a>(&'a mut [f32; 16]);
 
-/// An instruction set's store around the cache.
+/// Store around the cache of an instruction set.
 pub trait Stream: Simd {
-    /// Whether it has a fused multiply–add, without which mixing is slow however it is done.
+    /// Whether the instruction set has a fused multiply–add, without which mixing is slow in any form.
     const FUSED: bool = false;
 
-    /// Writes a whole line; through the cache where there is no such store.
+    /// Writes a whole line; through the cache if the instruction set has no such store.
     #[inline(always)]
     fn stream(value: f32x16<Self>, line: Line<'_>) {
         value.store_slice(line.0);
@@ -174,7 +177,7 @@ mod x86 {
             let (low, high): (__m256, __m256) = (low.into(), high.into());
             let to = line.0.as_mut_ptr();
             // SAFETY: the value holds the proof of AVX2; a line is 16 samples, aligned to 64 bytes, borrowed for
-            // writing; `write_around` fences before anybody can read them.
+            // writing; `write_around` fences before any code can read them.
             unsafe {
                 _mm256_stream_ps(to, low);
                 _mm256_stream_ps(to.add(8), high);
@@ -190,7 +193,7 @@ mod x86 {
         fn stream(value: f32x16<Self>, line: Line<'_>) {
             let value: __m512 = value.into();
             // SAFETY: the value holds the proof of AVX-512; a line is 16 samples, aligned to 64 bytes, borrowed for
-            // writing; `write_around` fences before anybody can read them.
+            // writing; `write_around` fences before any code can read them.
             unsafe { _mm512_stream_ps(line.0.as_mut_ptr(), value) }
         }
     }
@@ -218,7 +221,7 @@ mod tests {
         }
     }
 
-    /// Every alignment, every instruction set: exactly the samples meant are written.
+    /// Writes exactly the intended samples, at every alignment and with every instruction set.
     #[test]
     fn stores_land_where_they_should_at_any_alignment() {
         for instructions in [Instructions::Best, Instructions::Avx2, Instructions::Baseline] {

@@ -1,4 +1,4 @@
-//! A program's memory as a whole. One test at a time changes the bound, so they are one test after the other.
+//! Tests of the memory of a whole program. The bound is global, so a single test makes all checks one after another.
 
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
@@ -10,7 +10,7 @@ static HEAP: Heap = Heap;
 
 const MB: usize = 1 << 20;
 
-/// What a child process of this test is to do, and how far it got.
+/// Environment variable that names the task of a child process of this test.
 const TASK: &str = "TROCHOID_TEST_HEAP";
 
 fn end(exhausted: Exhausted) -> ! {
@@ -19,12 +19,12 @@ fn end(exhausted: Exhausted) -> ! {
 }
 
 fn end_without_memory(_: Exhausted) -> ! {
-    // The bound no longer counts for who ends the program, but what the system lacks is still lacking.
+    // The bound no longer applies to the thread that ends the program, but the limit of the system does.
     let all = vec![1_u8; isize::MAX as usize - 4096];
     std::process::exit(i32::from(all[0]) + 7)
 }
 
-/// Does a task in a process of its own: what it printed, and its exit code.
+/// Runs a task in a separate process; returns its output and its exit code.
 fn child(task: &str) -> (String, Option<i32>) {
     let this = std::env::current_exe().unwrap();
     let output =

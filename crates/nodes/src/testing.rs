@@ -1,11 +1,11 @@
-//! Evaluates small documents at one sample, by the reference and by the lowered program, for tests of nodes.
+//! Test support for nodes: evaluates small documents at one sample, by the reference and by the lowered program.
 
 use std::path::Path;
 use trochoid_graph::*;
 use trochoid_image::Window;
 use trochoid_weights::arithmetic;
 
-/// Checks a document of these nodes with the output `"out"` of kind `key`; its messages, where it has errors.
+/// Checks a document with these nodes and the output `"out"` of kind `key`. If it has errors, returns their messages.
 pub(crate) fn graph(key: &str, nodes: &str, folder: &Path) -> Result<CheckedGraph, String> {
     let text = format!(
         r#"{{ "trochoid": 1, "format": {{ "width": 4, "height": 3 }}, "nodes": {{ {nodes} }},
@@ -18,7 +18,7 @@ pub(crate) fn graph(key: &str, nodes: &str, folder: &Path) -> Result<CheckedGrap
     graph.ok_or_else(|| text.join("\n"))
 }
 
-/// Everything prepared of a graph's first frame.
+/// The first frame of a graph, with all stages prepared.
 pub(crate) struct Frame {
     pub(crate) graph: CheckedGraph,
     pub(crate) context: FrameContext,
@@ -26,7 +26,7 @@ pub(crate) struct Frame {
 }
 
 impl Frame {
-    /// Prepares every stage, with every channel wanted.
+    /// Prepares every stage, with all channels requested.
     pub(crate) fn new(graph: CheckedGraph) -> Result<Self, NodeError> {
         let context = graph.frame_context(graph.frames().0, 1 << 30);
         let mut prepared: Vec<Option<Box<dyn Prepared>>> = graph.nodes().iter().map(|_| None).collect();
@@ -43,13 +43,13 @@ impl Frame {
         Ok(Self { graph, context, prepared })
     }
 
-    /// The node of that name.
-    #[cfg_attr(not(feature = "io"), allow(dead_code, reason = "only files say more than their planes"))]
+    /// Returns the prepared stage of the node with this name.
+    #[cfg_attr(not(feature = "io"), allow(dead_code, reason = "only tests of files use it"))]
     pub(crate) fn node(&self, name: &str) -> &dyn Prepared {
         self.prepared[self.graph.find(name).unwrap().0].as_deref().unwrap()
     }
 
-    /// An output of a node in f64.
+    /// Returns the reference value of a node's output, in f64.
     pub(crate) fn reference(&self, id: NodeId, output: usize, at: [f64; 2]) -> Reference {
         let inputs = |source: &Source<Vec<f64>>, at: [f64; 2]| match source {
             Source::Output { node, output } => self.reference(*node, *output, at),
@@ -63,7 +63,8 @@ impl Frame {
         }
     }
 
-    /// The reference of the node "out" as numbers: a color, weights one a control, or components.
+    /// Returns the reference value of the node "out" as numbers: the channels of a color, one weight per control, or
+    /// the components of a field.
     pub(crate) fn truth(&self, at: [f64; 2]) -> Vec<f64> {
         match self.reference(self.graph.find("out").unwrap(), 0, at) {
             Reference::Color(color) => color.to_vec(),
@@ -73,7 +74,7 @@ impl Frame {
         }
     }
 
-    /// The same by the lowered program in f32.
+    /// Returns the value of the node "out" by the lowered program, in f32.
     pub(crate) fn lowered(&self, at: [f64; 2]) -> Vec<f32> {
         let mut program = Program::default();
         let mut values: Vec<Option<Value>> = vec![None; self.graph.nodes().len()];
@@ -103,8 +104,8 @@ impl Frame {
         rows.into_iter().flat_map(|row| results[row as usize].clone()).collect()
     }
 
-    /// Fills every plane of a stage over the picture: what is read on demand is read, and judged.
-    #[cfg_attr(not(feature = "io"), allow(dead_code, reason = "only files are judged"))]
+    /// Fills every plane of a stage over the whole picture, which forces files to be read and checked.
+    #[cfg_attr(not(feature = "io"), allow(dead_code, reason = "only tests of files use it"))]
     pub(crate) fn fill_all(&self, name: &str) -> Result<(), NodeError> {
         let id = self.graph.find(name).unwrap();
         let block = Block::of(self.context.format.window(), [0.5; 2]);
@@ -116,7 +117,7 @@ impl Frame {
         self.node(name).fill(&block, &Inputs::new(&[]), &mut Outputs::new(planes.collect()))
     }
 
-    /// One channel of a stage at one sample, by its fill.
+    /// Fills one channel of a stage at one sample.
     pub(crate) fn filled(&self, id: NodeId, output: usize, channel: usize, at: [f64; 2]) -> f32 {
         let (x, y) = (at[0].floor() as i64, at[1].floor() as i64);
         let block = Block::of(Window::new(x, y, x + 1, y + 1), [at[0].fract(), at[1].fract()]);
@@ -176,12 +177,12 @@ impl Frame {
     }
 }
 
-/// Prepares a document of back-end nodes and screen masks.
+/// Checks and prepares a document with these nodes, which must be valid.
 pub(crate) fn frame(key: &str, nodes: &str) -> Frame {
     Frame::new(graph(key, nodes, Path::new(".")).unwrap()).unwrap()
 }
 
-/// Holds the lowered program against the reference over the picture, sub-pixel samples included.
+/// Asserts that the lowered program agrees with the reference all over the picture, including subpixel samples.
 pub(crate) fn agrees(key: &str, nodes: &str) {
     let frame = frame(key, nodes);
     for y in 0..12 {
@@ -200,7 +201,7 @@ pub(crate) fn agrees(key: &str, nodes: &str) {
     }
 }
 
-/// The faults of a document that must be refused.
+/// Returns the errors of a document, which must have some.
 pub(crate) fn refused(key: &str, nodes: &str) -> String {
     match graph(key, nodes, Path::new(".")) {
         Err(faults) => faults,

@@ -5,44 +5,45 @@ use trochoid_key::{ContentKey, KeyHasher};
 /// How a camera maps the world to its picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Projection {
-    /// Rays through one point; `fov` is the horizontal angle of view in radians, more than 0 and less than π.
+    /// Rays through one point; `fov` is more than 0 and less than π.
     Perspective {
-        /// Horizontal angle of view.
+        /// Horizontal angle of view, in radians.
         fov: f64,
     },
-    /// Parallel rays; `height` is that of the picture in meters, more than 0.
+    /// Parallel rays; `height` is more than 0.
     Orthographic {
-        /// Height of the picture.
+        /// Height of the picture, in meters.
         height: f64,
     },
 }
 
 /// A camera that looks from `position` to `target`.
 ///
-/// Where both coincide it looks along −Z; where it looks straight up or down, −Z or +Z is up in the picture.
+/// If both coincide, it looks along −Z; if it looks straight up or down, −Z or +Z is up in the picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
-    /// Where it stands.
+    /// Position of the camera.
     pub position: DVec3,
-    /// What stands at the center of its picture.
+    /// Point at the center of the picture.
     pub target: DVec3,
-    /// Turn about the view axis in radians: positive turns the camera clockwise, and the picture the other way.
+    /// Rotation about the view axis, in radians: positive values turn the camera clockwise, and the picture
+    /// counterclockwise.
     pub roll: f64,
-    /// Its projection.
+    /// Projection.
     pub projection: Projection,
 }
 
 /// A half-line in the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray {
-    /// Where it begins.
+    /// Starting point.
     pub origin: DVec3,
     /// Unit direction.
     pub direction: DVec3,
 }
 
 impl Ray {
-    /// The point at a distance in meters.
+    /// Returns the point at a distance in meters.
     pub fn at(&self, distance: f64) -> DVec3 {
         self.origin + self.direction * distance
     }
@@ -51,7 +52,7 @@ impl Ray {
 /// A camera fitted to a format: turns pixel positions into rays and points into pixel positions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Projector {
-    /// Where the camera stands.
+    /// Position of the camera.
     pub position: DVec3,
     /// Unit vector to the right of the picture.
     pub right: DVec3,
@@ -61,11 +62,11 @@ pub struct Projector {
     pub forward: DVec3,
     /// Whether rays are parallel.
     pub orthographic: bool,
-    /// Pixels for a tangent of 1 (perspective), or for one meter (orthographic).
+    /// Pixels per tangent of 1 (perspective), or per meter (orthographic).
     pub scale: f64,
-    /// Width and height in pixels.
+    /// Width and height, in pixels.
     pub size: [f64; 2],
-    /// How many times as close vertices of meshes stand as pixels ask for, 1 by default.
+    /// Factor by which vertices of meshes are closer together than pixels require; 1 by default.
     pub fineness: f64,
 }
 
@@ -78,12 +79,12 @@ impl ContentKey for Projector {
 }
 
 impl Camera {
-    /// This camera for pictures of one format; pixels are square.
+    /// Returns the projector of this camera for pictures of one format; pixels are square.
     pub fn projector(&self, format: Format) -> Projector {
         let view = self.target - self.position;
         let forward = view.try_normalize().unwrap_or(DVec3::NEG_Z);
         let level_right = forward.cross(DVec3::Y);
-        // Within 1e-6 of the vertical the horizon gives no direction: look along −Z turned up or down instead.
+        // Within 1e-6 of the vertical the horizon gives no direction, so use −Z turned up or down instead.
         let right = if level_right.length() > 1e-6 { level_right.normalize() } else { DVec3::X };
         let up = right.cross(forward);
         let (sin, cos) = libm::sincos(self.roll);
@@ -106,9 +107,9 @@ impl Camera {
 }
 
 impl Projector {
-    /// The ray through a position in pixels, measured from the upper left corner of the picture.
+    /// Returns the ray through a position in pixels, measured from the upper left corner of the picture.
     ///
-    /// Orthographic rays begin in the plane through the camera.
+    /// Orthographic rays start in the plane through the camera.
     pub fn ray(&self, x: f64, y: f64) -> Ray {
         let (across, upward) = self.plane(x, y);
         if self.orthographic {
@@ -118,7 +119,8 @@ impl Projector {
         }
     }
 
-    /// Offsets across and upward of a pixel position, for a depth of 1 (perspective) or in meters (orthographic).
+    /// Returns the offsets across and upward of a pixel position, for a depth of 1 (perspective) or in meters
+    /// (orthographic).
     #[inline]
     pub(crate) fn plane(&self, x: f64, y: f64) -> (DVec3, DVec3) {
         let across = (x - self.size[0] / 2.0) / self.scale;
@@ -126,7 +128,8 @@ impl Projector {
         (self.right * across, self.up * upward)
     }
 
-    /// Pixel position and planar depth of a world point; a perspective point at depth 0 or less has no position.
+    /// Returns the pixel position and planar depth of a world point; a perspective point at depth 0 or less has no
+    /// position.
     pub fn project(&self, point: DVec3) -> Option<([f64; 2], f64)> {
         let offset = point - self.position;
         let depth = offset.dot(self.forward);
@@ -142,20 +145,20 @@ impl Projector {
         Some(([x, y], depth))
     }
 
-    /// Width in meters of what a pixel at the picture's center covers, face on, at a distance in meters.
+    /// Returns the width in meters that a pixel at the picture's center covers, face on, at a distance in meters.
     pub fn pixel_size(&self, distance: f64) -> f64 {
         if self.orthographic { 1.0 / self.scale } else { distance / self.scale }
     }
 
-    /// Horizontal unit vector, x and z, in which the camera looks; its picture's upper edge where it looks straight down
-    /// or up.
+    /// Returns the horizontal unit vector, x and z, in which the camera looks; if it looks straight down or up, that
+    /// of the picture's upper edge.
     pub(crate) fn heading(&self) -> [f64; 2] {
         let ahead = if self.forward.y.abs() < 0.999 { self.forward } else { self.up };
         let length = libm::sqrt(ahead.x * ahead.x + ahead.z * ahead.z).max(1e-300);
         [ahead.x / length, ahead.z / length]
     }
 
-    /// Directions of the rays along the picture's border, clockwise, as (origin, direction of any length).
+    /// Returns the rays along the picture's border, clockwise; their directions have any length.
     pub(crate) fn border(&self) -> Vec<Ray> {
         const STEPS: u32 = 64;
         let [w, h] = self.size;

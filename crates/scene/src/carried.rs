@@ -1,19 +1,21 @@
-//! Points of a sea as the picture of a camera has them: each under the footprint of the pixel that sees its rest point.
+//! Points of a sea as they appear in a camera's picture: each is filtered by the footprint of the pixel that sees its
+//! rest point.
 
 use crate::{Projector, SeaSurface};
 use glam::DVec3;
 use trochoid_sea::{Precise, PreciseSea};
 
-/// The point that a sea carries a rest point to.
+/// The point to which a sea carries a rest point.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Carried {
-    /// In the world.
+    /// Position in the world.
     pub(crate) point: DVec3,
-    /// Its derivatives by the rest point's x and z: also by way of the footprint, which changes ahead of the camera alone.
+    /// Derivatives by the rest point's x and z. They include the effect of the footprint, which changes only along
+    /// the camera's heading.
     pub(crate) by: [DVec3; 2],
     pub(crate) precise: Precise,
     pub(crate) footprint: f64,
-    /// How much the footprint grows with each meter ahead of the camera.
+    /// Growth of the footprint per meter ahead of the camera.
     pub(crate) growth: f64,
 }
 
@@ -23,7 +25,7 @@ impl SeaSurface {
         self.carried_as(projector, rest, footprint, self.precise().evaluate(rest, footprint))
     }
 
-    /// The same, where the sea is known already.
+    /// Does the same if the sea at the rest point is already known.
     pub(crate) fn carried_as(
         &self,
         projector: &Projector,
@@ -44,7 +46,7 @@ impl SeaSurface {
         }
     }
 
-    /// How much the footprint grows at a rest point with each meter ahead of the camera.
+    /// Returns the growth of the footprint at a rest point per meter ahead of the camera.
     pub(crate) fn growth(&self, projector: &Projector, rest: [f64; 2]) -> f64 {
         let heading = projector.heading();
         let place = |by: f64| DVec3::new(rest[0] + by * heading[0], self.level, rest[1] + by * heading[1]);
@@ -53,15 +55,15 @@ impl SeaSurface {
     }
 }
 
-/// Footprints of the table: so many to the doubling, from so many meters on.
+/// Footprints of the table: entries per octave, first footprint in meters, and number of octaves.
 const PER_OCTAVE: f64 = 32.0;
 const FIRST: f64 = 1e-3;
 const OCTAVES: f64 = 36.0;
 
-/// What the derivatives of a sea's displacement cannot pass, by the footprint: [`PreciseSea::most`] as a table.
+/// Limits of the derivatives of a sea's displacement by footprint: a table of [`PreciseSea::most`].
 #[derive(Clone, Debug)]
 pub(crate) struct Limits {
-    /// At no footprint, and at those of the table.
+    /// Row for no footprint, then one row for each footprint of the table.
     rows: Vec<[f64; 6]>,
 }
 
@@ -72,7 +74,7 @@ impl Limits {
         Self { rows: std::iter::once(0.0).chain(footprints).map(|footprint| precise.most(footprint)).collect() }
     }
 
-    /// By the order of the derivative: those of the next smaller footprint, where waves are larger.
+    /// Returns the limits by order of the derivative; those of the next smaller footprint, where waves are larger.
     pub(crate) fn at(&self, footprint: f64) -> [f64; 6] {
         let index = if footprint < FIRST { 0 } else { 1 + (libm::log2(footprint / FIRST) * PER_OCTAVE) as usize };
         self.rows[index.min(self.rows.len() - 1)]

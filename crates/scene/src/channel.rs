@@ -2,16 +2,16 @@ use trochoid_image::{Channel, ChannelSet, Window};
 
 use crate::Hit;
 
-/// What a mesh's normals are needed for.
+/// Channels for which a mesh needs normals.
 pub(crate) const NORMALS: ChannelSet = ChannelSet::NORMAL.union(ChannelSet::of(&[Channel::Jacobian]));
-/// What a mesh's rest points are needed for.
+/// Channels for which a mesh needs rest points.
 pub(crate) const RESTS: ChannelSet = ChannelSet::REST.union(ChannelSet::of(&[Channel::RestDistance]));
-/// What fine meshes have: contours are known by normals, surfaces are found from rest points on.
+/// Channels of fine meshes: contours are found from normals, and surfaces from rest points.
 pub(crate) const FINE: ChannelSet = RESTS.union(ChannelSet::NORMAL);
-/// What bursts leave behind.
+/// Channels of the traces that bursts leave behind.
 pub(crate) const TRAILS: ChannelSet = ChannelSet::of(&Channel::TRAILS);
 
-/// What a channel holds where this is seen, or nothing.
+/// Returns the value of a channel at a hit, or its background if there is none.
 pub fn channel_of(hit: Option<&Hit>, channel: Channel) -> f64 {
     let Some(hit) = hit else { return f64::from(channel.background()) };
     match channel {
@@ -42,7 +42,7 @@ pub fn channel_of(hit: Option<&Hit>, channel: Channel) -> f64 {
     }
 }
 
-/// The answers for one sample of each pixel of a window: a plane for each channel that was asked for.
+/// Results for one sample of each pixel of a window: a plane for each requested channel.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Samples {
     window: Window,
@@ -50,22 +50,22 @@ pub struct Samples {
 }
 
 impl Samples {
-    /// No answers yet; a buffer that `fill` reuses.
+    /// Returns an empty buffer, which `fill` reuses.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// The pixels answered for.
+    /// Returns the window of pixels.
     pub fn window(&self) -> Window {
         self.window
     }
 
-    /// One channel row by row; empty where it was not asked for.
+    /// Returns one channel row by row; empty if it was not requested.
     pub fn channel(&self, channel: Channel) -> &[f32] {
         &self.planes[channel as usize]
     }
 
-    /// Room for a window in the wanted channels only; what they hold there is yet to be written.
+    /// Makes room for a window, only in the wanted channels; the contents still have to be written.
     pub(crate) fn shape(&mut self, window: Window, wanted: ChannelSet) {
         self.window = window;
         for channel in Channel::ALL {
@@ -73,7 +73,7 @@ impl Samples {
         }
     }
 
-    /// The samples of a channel from `first` on; none where it was not asked for.
+    /// Returns the samples of a channel from `first` on; empty if it was not requested.
     #[inline]
     pub(crate) fn from(&mut self, channel: Channel, first: usize) -> &mut [f32] {
         self.planes[channel as usize].get_mut(first..).unwrap_or_default()

@@ -1,14 +1,14 @@
-//! The edge functions of a triangle in the picture, in whole numbers.
+//! Edge functions of a triangle in the picture, in integers.
 
 use std::ops::{Add, BitAnd, BitOr, Mul, Sub};
 
 use crate::project::ScreenVertex;
 
-/// Whole numbers in which edge functions are exact.
+/// Integer type in which edge functions are exact.
 pub(crate) trait Whole:
     Copy + Ord + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + BitAnd<Output = Self> + BitOr<Output = Self>
 {
-    /// The number, which must fit.
+    /// Converts a number, which must fit.
     fn of(number: i64) -> Self;
     fn float(self) -> f64;
 }
@@ -25,8 +25,8 @@ impl Whole for i64 {
     }
 }
 
-/// For triangles of less than 2¹³ each way and pixels of at most 2¹²: a function is then below 2²⁹ at a sample of any
-/// pixel that one of their points lies in.
+/// For triangles smaller than 2¹³ in each direction and pixels of at most 2¹²: a function is then below 2²⁹ at a
+/// sample of any pixel that one of the triangle's points lies in.
 impl Whole for i32 {
     #[inline(always)]
     fn of(number: i64) -> Self {
@@ -43,19 +43,19 @@ impl Whole for i32 {
 pub(crate) struct Edges<I> {
     a: [I; 3],
     b: [I; 3],
-    /// Their values at the place where they begin.
+    /// Values at the starting position.
     pub(crate) first: [I; 3],
-    /// What was taken from each: 0 where the edge itself belongs to the triangle, else 1.
+    /// Bias that was subtracted from each function: 0 if the edge itself belongs to the triangle, else 1.
     least: [I; 3],
-    /// Keys of the corner across from each edge, over twice the area.
+    /// Keys of the corner opposite each edge, divided by twice the area.
     keys: [f64; 3],
 }
 
 impl<I: Whole> Edges<I> {
-    /// The functions from a place on; `None` for a triangle without area.
+    /// Computes the functions from a starting position; `None` for a triangle without area.
     ///
-    /// Both orientations are seen: where a sea folds over, its triangles turn over. A sample exactly on an edge
-    /// belongs to the triangle for which the edge is a top or a left one, so that exactly one of two neighbors
+    /// Both orientations are visible: where a sea folds over, its triangles are turned over. A sample exactly on an
+    /// edge belongs to the triangle for which the edge is a top or a left one, so that exactly one of two neighbors
     /// takes it.
     #[inline(always)]
     pub(crate) fn new(mut corners: [ScreenVertex; 3], from: [i64; 2]) -> Option<Self> {
@@ -86,20 +86,20 @@ impl<I: Whole> Edges<I> {
         Some(Self { a, b, first, least, keys: [key(0), key(1), key(2)] })
     }
 
-    /// How much the functions change over some way.
+    /// Returns how much the functions change over a displacement.
     #[inline(always)]
     pub(crate) fn change(&self, x: I, y: I) -> [I; 3] {
         let of = |edge: usize| self.a[edge] * x + self.b[edge] * y;
         [of(0), of(1), of(2)]
     }
 
-    /// At least 0 where places with these values belong to the triangle.
+    /// Returns a number that is at least 0 if a position with these values belongs to the triangle.
     #[inline(always)]
     pub(crate) fn inside(at: [I; 3]) -> I {
         at[0] | at[1] | at[2]
     }
 
-    /// Key at a place with these values.
+    /// Returns the key at a position with these values.
     #[inline(always)]
     pub(crate) fn key(&self, at: [I; 3]) -> f64 {
         let weight = |edge: usize| (at[edge] + self.least[edge]).float() * self.keys[edge];
@@ -120,7 +120,7 @@ mod tests {
         };
         let pixel = 1 << 12;
         for case in 0..20_000 {
-            // As far from one another as they may be, and from where the functions begin: a pixel to the right or less.
+            // As far apart as allowed from one another, and from the starting position: a pixel to the right or less.
             let side = if case % 2 == 0 { 1 << 13 } else { 9 };
             let origin = [random(1 << 27), random(1 << 27)];
             let corners = [(); 3].map(|()| ScreenVertex {

@@ -1,4 +1,4 @@
-//! Which part of the resting sea a camera may see.
+//! Part of the resting sea that a camera may see.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
@@ -6,10 +6,10 @@ use glam::DVec3;
 
 use crate::{Projector, Ray};
 
-/// Where the sea ends, in meters: its edge lies within 1e-5 pixel of the horizon of any picture.
+/// Distance at which the sea ends, in meters: its edge lies within 1e-5 pixel of the horizon of any picture.
 pub(crate) const HORIZON_M: f64 = 1e7;
 
-/// Bounds of the displacement: how far a point rises or falls, and how far it moves sideways, in meters.
+/// Bounds of the displacement, in meters: how far a point rises or falls, and how far it moves sideways.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Bounds {
     pub(crate) rise: f64,
@@ -20,9 +20,9 @@ pub(crate) struct Bounds {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Sector {
     pub(crate) apex: [f64; 2],
-    /// The direction in which the wedge opens.
+    /// Direction in which the wedge opens.
     pub(crate) heading: [f64; 2],
-    /// Angle of the wedge in radians; a whole turn of a disc.
+    /// Angle of the wedge, in radians; a full turn for a disc.
     pub(crate) width: f64,
     /// Distance of the apex behind the camera's foot.
     pub(crate) setback: f64,
@@ -39,8 +39,8 @@ pub(crate) struct Strip {
     pub(crate) v: [f64; 2],
 }
 
-/// Horizontal distances, or any other measure along a ray, at which height `start` + `slope`·s stays within ±`rise`;
-/// `None` where it never does for s ≥ 0.
+/// Returns the range of horizontal distances s ≥ 0, or of any other measure along a ray, over which the height
+/// `start` + `slope`·s stays within ±`rise`; `None` if it never does.
 fn slab(start: f64, slope: f64, rise: f64) -> Option<[f64; 2]> {
     if slope == 0.0 {
         return (start.abs() <= rise).then_some([0.0, f64::INFINITY]);
@@ -50,7 +50,7 @@ fn slab(start: f64, slope: f64, rise: f64) -> Option<[f64; 2]> {
     (far >= 0.0).then_some([near, far])
 }
 
-/// Whether the picture of a perspective camera holds a direction.
+/// Returns whether a direction is in the picture of a perspective camera.
 fn sees(projector: &Projector, direction: DVec3) -> bool {
     projector.project(projector.position + direction).is_some_and(|([x, y], _)| {
         x >= -1.0 && y >= -1.0 && x <= projector.size[0] + 1.0 && y <= projector.size[1] + 1.0
@@ -58,11 +58,12 @@ fn sees(projector: &Projector, direction: DVec3) -> bool {
 }
 
 impl Sector {
-    /// The sector whose displaced points may fall into a perspective camera's picture; `None` if it sees only sky.
+    /// Returns the sector whose displaced points may fall into a perspective camera's picture; `None` if it sees only
+    /// sky.
     ///
-    /// The points that are seen lie in a wedge of azimuths around the camera's foot, and come from rest points at
-    /// most `reach` from it. A wedge of the same angle whose apex stands back by reach/sin(width/2) holds all of
-    /// these: its sides run parallel to the first one's at just that distance.
+    /// The visible points lie in a wedge of azimuths around the camera's foot, and come from rest points that are at
+    /// most `reach` away from it. A wedge of the same angle whose apex is set back by reach/sin(width/2) contains all
+    /// of these: its sides are parallel to those of the first wedge at exactly that distance.
     pub(crate) fn new(projector: &Projector, level: f64, bounds: Bounds) -> Option<Self> {
         let eye = projector.position;
         let height = eye.y - level;
@@ -81,7 +82,7 @@ impl Sector {
                 far = far.max(seen[1] * 1.02);
                 widen(&mut left, &mut right, turn(direction, center));
             }
-            // Where the border crosses the horizon, or nearly touches it, the sea is seen to its end.
+            // If the border crosses the horizon, or nearly touches it, the sea is visible to its end.
             let crosses = (direction.y <= 0.0) != (next.y <= 0.0);
             if crosses || slope.abs() < 2e-3 {
                 // A sum with positive weights lies between the two rays; these weights make its y vanish.
@@ -95,12 +96,12 @@ impl Sector {
             return None;
         }
         if vertical {
-            // The nearest point stands right below or above.
+            // The nearest point is right below or above.
             near = 0.0;
         }
         let far = (far + bounds.reach).min(HORIZON_M);
         let foot = [eye.x, eye.z];
-        // Even on both sides, and a little more than the border rays, between which the true border runs.
+        // The same on both sides, and a little wider than the border rays, since the true border curves between them.
         let width = 2.0 * left.abs().max(right.abs()) * 1.02 + 1e-4;
         if vertical || width > FRAC_PI_2 * 1.6 {
             let first = (near - bounds.reach).max(0.0);
@@ -108,7 +109,8 @@ impl Sector {
         }
         let setback = bounds.reach / libm::sin(width / 2.0);
         let apex = [foot[0] - setback * heading[0], foot[1] - setback * heading[1]];
-        // A point at distance `near` from the foot and at the wedge's side is this far from the apex: law of cosines.
+        // Distance from the apex to a point at distance `near` from the foot and on the wedge's side, by the law of
+        // cosines.
         let first = libm::sqrt(setback * setback + near * near + 2.0 * setback * near * libm::cos(width / 2.0));
         Some(Self {
             apex,
@@ -119,7 +121,7 @@ impl Sector {
         })
     }
 
-    /// Whether the last column is the first one again.
+    /// Returns whether the last column coincides with the first.
     pub(crate) fn closed(&self) -> bool {
         self.width >= TAU
     }
@@ -129,7 +131,7 @@ fn horizontal(direction: DVec3) -> f64 {
     libm::sqrt(direction.x * direction.x + direction.z * direction.z)
 }
 
-/// Azimuth relative to `center`, −π to π.
+/// Returns the azimuth relative to `center`, −π to π.
 fn turn(direction: DVec3, center: f64) -> f64 {
     let angle = libm::atan2(direction.z, direction.x) - center;
     angle - TAU * (angle / TAU).round()
@@ -141,8 +143,8 @@ fn widen(left: &mut f64, right: &mut f64, value: f64) {
 }
 
 impl Strip {
-    /// The rectangle whose displaced points may fall into an orthographic camera's picture, at most `depth` meters
-    /// deep; `None` if it sees none.
+    /// Returns the rectangle whose displaced points may fall into an orthographic camera's picture, at most `depth`
+    /// meters deep; `None` if it sees none.
     pub(crate) fn new(projector: &Projector, level: f64, bounds: Bounds, depth: f64) -> Option<Self> {
         let along = projector.heading();
         let across = [-along[1], along[0]];
@@ -150,7 +152,7 @@ impl Strip {
         for Ray { origin, direction } in projector.border() {
             let Some(seen) = slab(origin.y - level, direction.y, bounds.rise) else { continue };
             for distance in seen {
-                // A horizontal ray stays in the slab for good: its end is cut below.
+                // A horizontal ray never leaves the slab; its end is limited below.
                 let point = origin + direction * distance.min(HORIZON_M);
                 let ([u_low, u_high], [v_low, v_high]) = (&mut u, &mut v);
                 widen(u_low, u_high, point.x * across[0] + point.z * across[1]);
@@ -184,7 +186,7 @@ mod tests {
         let up = projector(DVec3::new(0.0, 6.0, 0.0), DVec3::new(0.0, 26.0, -20.0));
         let bounds = Bounds { rise: 2.0, reach: 2.0 };
         assert_eq!(Sector::new(&up, 0.0, bounds), None);
-        // From within the waves, the same view may hold a crest that towers nearby.
+        // From within the waves, the same view may contain a crest that towers nearby.
         let inside = projector(DVec3::new(0.0, 1.0, 0.0), DVec3::new(0.0, 21.0, -20.0));
         assert!(Sector::new(&inside, 0.0, bounds).is_some());
     }

@@ -1,7 +1,8 @@
-//! The first point of a sea on a ray, in f64, folds and all.
+//! Finds the first point of a sea on a ray, in f64, including folds.
 //!
-//! Rectangles of rest points are cut in two, the nearest first, until bounds on the derivatives of the sea's points prove
-//! that none of a rectangle's lies on the ray, or that one may at most, which Newton's steps then find or not.
+//! Rectangles of rest points are bisected, the nearest first, until bounds on the derivatives of the sea's points
+//! prove either that no point of a rectangle lies on the ray, or that at most one does, which Newton's method then
+//! finds or not.
 
 use crate::carried::Carried;
 use crate::{Projector, Ray, SeaSurface};
@@ -9,57 +10,58 @@ use glam::DVec3;
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
-/// Newton's steps, and how near to the ray they lead, over 1 m + distance.
+/// Number of Newton steps, and their tolerance, relative to 1 m + distance.
 const STEPS: usize = 24;
 const CLOSE: f64 = 1e-13;
-/// Half diagonal over 1 m + distance at which a rectangle whose points all but touch the ray is not cut any further.
+/// Half diagonal, relative to 1 m + distance, at which a rectangle whose points nearly touch the ray is not cut any
+/// further.
 const LEAST: f64 = 1e-9;
-/// Rounding of coordinates, over their size.
+/// Rounding error of coordinates, relative to their size.
 const ROUNDING: f64 = 2e-15;
-/// e^(−x²/8)·x/4 is below this share of e^(−x²/16), with which a wave is left under a footprint 1/√2 as large.
+/// e^(−x²/8)·x/4 is below this share of e^(−x²/16), the filter factor of a wave under a footprint 1/√2 as large.
 const FADING: f64 = 0.43;
 
-/// A ray, and a frame to measure how far points lie off it.
+/// A ray, and a frame to measure the distance of points from it.
 struct Search<'a> {
     sea: &'a SeaSurface,
     projector: &'a Projector,
     ray: &'a Ray,
-    /// Unit vectors at right angles to the ray, the first of them horizontal.
+    /// Unit vectors at right angles to the ray; the first one is horizontal.
     aside: [DVec3; 2],
     /// Horizontal unit vectors: along the ray, and across it.
     axes: [DVec3; 2],
     end: f64,
 }
 
-/// Rest points: offsets in meters from the ray's origin along the axes.
+/// Rectangle of rest points: offsets in meters from the ray's origin along the axes.
 #[derive(Clone, Copy, Debug)]
 struct Rectangle {
     middle: [f64; 2],
     half: [f64; 2],
-    /// No point of it lies on the ray nearer than this.
+    /// No point of the rectangle lies on the ray nearer than this.
     nearest: f64,
 }
 
 enum Look {
     /// No point lies on the ray.
     Empty,
-    /// This is the only one that may; its distance and rest point.
+    /// At most one point lies on the ray: its distance and rest point.
     Point(f64, [f64; 2]),
-    /// Some may, from this distance on.
+    /// Some points may lie on the ray, from this distance on.
     From(f64),
 }
 
-/// The distance and the rest point of the first point of a sea that a ray meets between two distances.
+/// Returns the distance and the rest point of the first point of a sea that a ray meets between two distances.
 ///
-/// Bounds count rounding, and everything else but how the footprint bends: between two looks at how it grows it is taken to
-/// grow by something in between.
+/// The bounds account for rounding, and for everything except the curvature of the footprint: between two positions
+/// where its growth is computed, it is assumed to grow at a rate in between.
 pub(crate) fn first_point(
     sea: &SeaSurface,
     projector: &Projector,
     ray: &Ray,
     [start, end]: [f64; 2],
 ) -> Option<(f64, [f64; 2])> {
-    // A flat sea leaves nothing but one distance, and rounding.
+    // A flat sea leaves only one distance, and rounding.
     let (start, end) = (start * (1.0 - LEAST), end * (1.0 + LEAST));
     let horizontal = libm::hypot(ray.direction.x, ray.direction.z);
     let along = if horizontal > 0.0 {
@@ -70,7 +72,7 @@ pub(crate) fn first_point(
     let across = DVec3::new(-along.z, 0.0, along.x);
     let aside = [across, across.cross(ray.direction).normalize()];
     let search = Search { sea, projector, ray, aside, axes: [along, across], end };
-    // What waves carry onto the ray rests within their reach of it.
+    // Points that waves carry onto the ray rest within the waves' reach of it.
     let half = (end - start) * horizontal / 2.0 + sea.drift;
     let whole =
         Rectangle { middle: [start * horizontal + half - sea.drift, 0.0], half: [half, sea.drift], nearest: 0.0 };
@@ -95,7 +97,7 @@ pub(crate) fn first_point(
 }
 
 impl Rectangle {
-    /// Its halves, along the longer side.
+    /// Returns the two halves, cut across the longer side.
     fn cut(&self) -> [Self; 2] {
         let axis = usize::from(self.half[1] > self.half[0]);
         let mut half = self.half;
@@ -123,12 +125,12 @@ impl Search<'_> {
         let limits = self.sea.limits();
         let [size, steepness, bend, ..] = limits.at(grown.least);
         let fading = FADING * limits.at(grown.least * std::f64::consts::FRAC_1_SQRT_2)[1];
-        // What the footprint adds to second derivatives, for waves that are not much shorter than it.
+        // Contribution of the footprint to second derivatives, for waves that are not much shorter than it.
         let bend = bend * (1.0 + 2.0 * grown.most) * (1.0 + 2.0 * grown.most);
         let uneven = fading * grown.uneven;
         let offset = middle.point - self.ray.origin;
         let rounding = self.rounding(middle.point);
-        // How far points lie from the middle one at most, in a direction.
+        // Returns how far points lie from the middle one at most, in a direction.
         let spread = |way: DVec3| {
             let resting = (0..2).map(|axis| self.axes[axis].dot(way).abs() * part.half[axis]).sum::<f64>();
             let turning = (0..2).map(|axis| by[axis].dot(way).abs() * part.half[axis]).sum::<f64>();
@@ -143,8 +145,9 @@ impl Search<'_> {
         {
             return Look::Empty;
         }
-        // Within twice the radius derivatives differ from these by so much at most: if that is a quarter of their least
-        // effect, no two points are carried to one place, and each Newton's step divides the error by three at least.
+        // Bound on the change of the derivatives within twice the radius. If it is at most a quarter of their least
+        // effect, no two points are carried to the same position, and each Newton step divides the error by at least
+        // three.
         let least = least_stretch(self.across(by));
         let is_least = radius <= LEAST * (1.0 + distance.abs());
         if is_least || 4.0 * (2.0 * bend * radius + 2.0 * uneven) <= least {
@@ -164,17 +167,17 @@ impl Search<'_> {
         Look::From(distance - deep)
     }
 
-    /// Derivatives of a point's offset from the ray, row by row.
+    /// Returns the derivatives of a point's offset across the ray, row by row.
     fn across(&self, by: [DVec3; 2]) -> [[f64; 2]; 2] {
         self.aside.map(|way| by.map(|by| by.dot(way)))
     }
 
-    /// What rounding may add to a point's offset from the ray's origin, in meters.
+    /// Returns the rounding error of a point's offset from the ray's origin, in meters.
     fn rounding(&self, point: DVec3) -> f64 {
         ROUNDING * (point.abs() + self.ray.origin.abs()).max_element()
     }
 
-    /// Newton's steps onto the ray.
+    /// Applies Newton's method to find a point on the ray.
     fn newton(&self, mut rest: [f64; 2]) -> Option<(f64, [f64; 2])> {
         for _ in 0..STEPS {
             let here = self.sea.carried(self.projector, rest);
@@ -194,10 +197,10 @@ impl Search<'_> {
         None
     }
 
-    /// What footprints a rectangle has, and how they grow.
+    /// Returns the footprints of a rectangle, and how they grow.
     fn growth(&self, part: &Rectangle, middle: &Carried) -> Grown {
         let [x, z] = self.projector.heading();
-        // Footprints change along the camera's heading alone.
+        // Footprints change only along the camera's heading.
         let reach: f64 =
             (0..2).map(|axis| (self.axes[axis].x * x + self.axes[axis].z * z).abs() * part.half[axis]).sum();
         let center = self.rest(part.middle);
@@ -206,7 +209,7 @@ impl Search<'_> {
         let at = |ahead: f64| [eye.x + ahead * x, eye.z + ahead * z];
         let ends = [ahead - reach, ahead + reach];
         let least = self.sea.least_footprint(self.projector, ends).min(middle.footprint);
-        // They grow to both sides of where they are least.
+        // They grow to both sides of their minimum.
         let most = ends.map(|end| {
             let [x, z] = at(end);
             self.sea.footprint(self.projector, DVec3::new(x, self.sea.level, z))
@@ -222,18 +225,18 @@ impl Search<'_> {
     }
 }
 
-/// The footprints of a rectangle.
+/// Footprints of a rectangle.
 struct Grown {
-    /// The least of them, in meters.
+    /// Least footprint, in meters.
     least: f64,
-    /// How far they differ from that of its middle at most, in meters.
+    /// Largest difference from the footprint at its middle, in meters.
     range: f64,
-    /// How fast they change at most, in meters for each meter, and how much that differs from the middle.
+    /// Largest rate of change, in meters per meter, and its largest difference from the rate at the middle.
     most: f64,
     uneven: f64,
 }
 
-/// The lesser singular value of a matrix [[a, b], [c, d]].
+/// Returns the smaller singular value of a matrix [[a, b], [c, d]].
 fn least_stretch([[a, b], [c, d]]: [[f64; 2]; 2]) -> f64 {
     let (sum, area) = (a * a + b * b + c * c + d * d, (a * d - b * c).abs());
     let most = libm::sqrt((sum + libm::sqrt((sum * sum - 4.0 * area * area).max(0.0))) / 2.0);
@@ -251,7 +254,7 @@ impl PartialOrd for Rectangle {
         Some(self.cmp(other))
     }
 }
-/// The nearest is the greatest, which a heap gives first.
+/// The nearest rectangle is the greatest, so that a heap returns it first.
 impl Ord for Rectangle {
     fn cmp(&self, other: &Self) -> Ordering {
         other.nearest.total_cmp(&self.nearest)
@@ -266,7 +269,7 @@ mod tests {
     use trochoid_image::Format;
     use trochoid_sea::{ExplicitWave, Sea, Wave};
 
-    /// Points of a curve, in the plane of a ray, and where the ray first cuts the line through them.
+    /// Returns where the ray first crosses the line through points of a curve, in the plane of the ray.
     fn first_of_line(points: impl Iterator<Item = [f64; 2]>, origin: [f64; 2], direction: [f64; 2]) -> Option<f64> {
         let side = |[x, y]: [f64; 2]| (x - origin[0]) * direction[1] - (y - origin[1]) * direction[0];
         let along = |[x, y]: [f64; 2]| (x - origin[0]) * direction[0] + (y - origin[1]) * direction[1];
@@ -303,7 +306,7 @@ mod tests {
             position: DVec3::new(0.0, 0.0, 1.0),
             target: DVec3::ZERO,
             roll: 0.0,
-            // So fine that no footprint takes anything.
+            // So fine that the footprint filters nothing.
             projection: Projection::Orthographic { height: 1e-3 },
         };
         let projector = camera.projector(Format::new(64, 64, 1).expect("valid"));

@@ -1,42 +1,42 @@
-//! How bodies ride on water.
+//! How bodies float on water.
 
 use glam::DVec3;
 
 use crate::rigid::Pose;
 use crate::surface::Surface;
 
-/// Points under a hull at which the water is looked at, along it and across it.
+/// Points under a hull at which the water is sampled, along it and across it.
 const POINTS: [usize; 2] = [9, 5];
 
-/// A body that floats at a place, whatever the water does.
+/// A body that floats at a fixed horizontal position, whatever the water does.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Floating {
-    /// World x and z of its middle in meters.
+    /// World x and z of its middle, in meters.
     pub place: [f64; 2],
     /// Azimuth of its bow, the body's +x, in radians: 0 is +X, growing toward +Z.
     pub heading: f64,
-    /// Length and width of the hull in meters, more than 0. Waves that are shorter hardly move it.
+    /// Length and width of the hull, in meters, more than 0. Shorter waves hardly move it.
     pub hull: [f64; 2],
-    /// How far the body's origin stands above the water's mean height under the hull, in meters.
+    /// Height of the body's origin above the water's mean height under the hull, in meters.
     pub lift: f64,
-    /// Share of the water's slope that it takes: 0 stays upright.
+    /// Share of the water's slope that the body follows: 0 keeps it upright.
     pub tilt: f64,
 }
 
-/// The plane through the water under a hull, by least squares.
+/// Plane fitted to the water under a hull by least squares.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plane {
-    /// World y in the middle, in meters.
+    /// World y at the middle, in meters.
     pub height: f64,
-    /// Slopes toward the bow and to starboard, the body's +z.
+    /// Slopes toward the bow and to starboard (the body's +z).
     pub slopes: [f64; 2],
 }
 
 impl Floating {
-    /// The water under the hull; `None` where `sea` is none.
+    /// Fits a plane to the water under the hull; `None` if `sea` is not a sea.
     ///
-    /// The points are those of a regular grid that is symmetric about the middle, so that the normal equations of the
-    /// fit fall apart: height Σy/n, slopes Σuy/Σu² and Σvy/Σv². Waves between the points are smoothed away.
+    /// The points form a regular grid that is symmetric about the middle, so that the normal equations of the fit
+    /// decouple: height Σy/n, slopes Σuy/Σu² and Σvy/Σv². Waves between the points are smoothed away.
     pub fn water(&self, sea: &dyn Surface) -> Option<Plane> {
         let (sin, cos) = libm::sincos(self.heading);
         let steps: [f64; 2] = std::array::from_fn(|axis| self.hull[axis] / POINTS[axis] as f64);
@@ -57,11 +57,11 @@ impl Floating {
         Some(Plane { height: sum / (POINTS[0] * POINTS[1]) as f64, slopes })
     }
 
-    /// How the body stands; `None` where `sea` is none.
+    /// Returns the body's pose; `None` if `sea` is not a sea.
     pub fn pose(&self, sea: &dyn Surface) -> Option<Pose> {
         let Plane { height, slopes } = self.water(sea)?;
         let (sin, cos) = libm::sincos(self.heading);
-        // Tangents of the plane toward the bow and to starboard; up stands on both.
+        // Tangents of the plane toward the bow and to starboard; up is perpendicular to both.
         let bow = DVec3::new(cos, self.tilt * slopes[0], sin);
         let starboard = DVec3::new(-sin, self.tilt * slopes[1], cos);
         let x = bow.normalize();

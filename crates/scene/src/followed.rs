@@ -1,4 +1,4 @@
-//! Points of a sea next to those of its mesh, by sums in f32 at many points side by side.
+//! Finds points of a sea near those of its mesh, by sums in f32 over many points side by side.
 
 use crate::certain::meet_sea;
 use crate::points::Near;
@@ -9,16 +9,17 @@ use glam::{DMat3, DVec3};
 use std::cell::RefCell;
 use trochoid_sea::{Fields, Points, Sample, Wanted};
 
-/// Points that go on together; none changes what another finds.
+/// Number of points that are processed together; no point affects the result of another.
 const TOGETHER: usize = 64;
 
-/// Newton's steps, and how far from the ray a point may lie after which one more is enough, in footprints of its pixel.
+/// Number of Newton steps, and the distance from the ray, in footprints of the pixel, after which a single further
+/// step is enough.
 const STEPS: usize = 4;
 const CLOSE: f64 = 1e-3;
 
-/// A point on its way to a ray.
+/// A point that is being moved to a ray.
 struct Walk {
-    /// Which of the rays.
+    /// Index of the ray.
     index: usize,
     rest: [f64; 2],
     distance: f64,
@@ -37,7 +38,7 @@ thread_local! {
     static SCRATCH: RefCell<Scratch> = RefCell::default();
 }
 
-/// As [`meet_sea`], within what the rounding of f32 makes of it; by that itself for points which this does not find.
+/// Does the same as [`meet_sea`] up to f32 rounding; falls back to it for points that are not found.
 pub(crate) fn follow_sea(sea: &SeaSurface, projector: &Projector, nears: &[(Ray, Near)]) -> Vec<Option<Hit>> {
     let mut found = vec![None; nears.len()];
     for first in (0..nears.len()).step_by(TOGETHER) {
@@ -75,7 +76,7 @@ pub(crate) fn follow_sea(sea: &SeaSurface, projector: &Projector, nears: &[(Ray,
 }
 
 impl Scratch {
-    /// What the sea is at the rest points of these.
+    /// Evaluates the sea at the rest points of the walks.
     fn look(&mut self, sea: &SeaSurface, projector: &Projector, walks: &[Walk]) {
         let Self { x, z, footprint, fields } = self;
         [&mut *x, &mut *z, &mut *footprint].into_iter().for_each(Vec::clear);
@@ -102,13 +103,13 @@ impl Scratch {
 }
 
 impl Walk {
-    /// Goes on by one of Newton's steps, given the sea here, and tells how far from the ray it was; `None` where there is no
-    /// such step.
+    /// Takes one Newton step, given the sea here, and returns how far from the ray the point was; `None` if there is
+    /// no such step.
     fn step(&mut self, sea: &SeaSurface, ray: &Ray, sample: &Sample) -> Option<f64> {
         let ([xx, xz, zz], [yx, yz]) = (sample.strain, sample.slope);
         let point = DVec3::new(self.rest[0], sea.level, self.rest[1]) + DVec3::from(sample.displacement);
         let error = point - ray.at(self.distance);
-        // That the footprint changes along the way is left out: it changes slowly, and steps follow.
+        // The change of the footprint along the way is neglected: it is slow, and more steps follow.
         let ways = DMat3::from_cols(DVec3::new(1.0 + xx, yx, xz), DVec3::new(xz, yz, 1.0 + zz), -ray.direction);
         let step = ways.inverse() * error;
         if !step.is_finite() {

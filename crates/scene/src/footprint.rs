@@ -4,32 +4,33 @@ use crate::Projector;
 
 /// Height over planar depth below which a pixel's patch on the sea is not stretched any further.
 ///
-/// At grazing angles the rest plane is no measure of what a pixel sees: it sees the faces of waves, which
-/// stand steeper than this.
+/// At grazing angles the rest plane does not measure what a pixel sees: the pixel sees the faces of waves, which are
+/// steeper than this.
 pub const GRAZING: f64 = 0.02;
 
-/// Least planar depth over the distance ahead and down: what lies further aside or behind is hardly seen.
+/// Least planar depth relative to the distance ahead and down: points further aside or behind are hardly visible.
 const LEAST_DEPTH: f64 = 0.25;
 
-/// Footprint in meters of a pixel that sees a rest point: the side of the square with the area of the pixel's patch
-/// on the rest plane, d·s / √max(h/d, [`GRAZING`]) for planar depth d, height h of the camera over the plane, and the
-/// size s of a pixel at depth 1.
+/// Returns the footprint in meters of a pixel that sees a rest point: the side of the square with the area of the
+/// pixel's patch on the rest plane, d·s / √max(h/d, [`GRAZING`]) for planar depth d, height h of the camera over the
+/// plane, and the size s of a pixel at depth 1.
 ///
-/// That is exact: a patch of solid angle s²·cos³ψ at distance d/cos ψ, seen under a sine of h·cos ψ/d, has the area
-/// s²·d³/h. It is the same all along a line across the view.
+/// This is exact: a patch of solid angle s²·cos³ψ at distance d/cos ψ, seen under a sine of h·cos ψ/d, has the area
+/// s²·d³/h. It is constant along any line across the view.
 pub fn footprint(projector: &Projector, rest: DVec3) -> f64 {
     let (width, slant) = patch(projector, rest);
     width / libm::sqrt(slant)
 }
 
-/// What no [`footprint`] is less than, in meters, of the rest points at world y `level` that lie so far ahead of the camera, in
-/// meters.
+/// Returns a lower bound of every [`footprint`], in meters, of the rest points at world y `level` in a range of
+/// distances ahead of the camera, in meters.
 pub(crate) fn least_footprint(projector: &Projector, level: f64, [from, to]: [f64; 2]) -> f64 {
     let (offset, forward) = (level - projector.position.y, projector.forward);
     if projector.orthographic {
         return projector.pixel_size(1.0) / libm::sqrt(forward.y.abs().max(GRAZING));
     }
-    // Of the two depths of `patch` one changes evenly ahead, and one grows to both sides of the camera. Footprints grow with both.
+    // Of the two depths in `patch`, one changes linearly ahead, and one grows to both sides of the camera. Footprints
+    // grow with both.
     let [x, z] = projector.heading();
     let slope = forward.x * x + forward.z * z;
     let even = (from * slope).min(to * slope) + offset * forward.y;
@@ -37,7 +38,8 @@ pub(crate) fn least_footprint(projector: &Projector, level: f64, [from, to]: [f6
     if depth == 0.0 { 0.0 } else { projector.pixel_size(depth) / libm::sqrt((offset.abs() / depth).max(GRAZING)) }
 }
 
-/// The patch itself: vectors x, z in meters to what the next pixel across the view sees, and the next one upward.
+/// Returns the patch itself: vectors x, z in meters to the points that the next pixel across the view sees, and the
+/// next one upward.
 ///
 /// [`footprint`] is the square root of its area.
 pub fn footprint_axes(projector: &Projector, rest: DVec3) -> [[f64; 2]; 2] {
@@ -46,7 +48,7 @@ pub fn footprint_axes(projector: &Projector, rest: DVec3) -> [[f64; 2]; 2] {
     [[-z * width, x * width], [x * width / slant, z * width / slant]]
 }
 
-/// Width of the patch in meters, and the sine under which it is seen.
+/// Returns the width of the patch in meters, and the sine of the angle under which it is seen.
 fn patch(projector: &Projector, rest: DVec3) -> (f64, f64) {
     let offset = rest - projector.position;
     let (height, forward) = (offset.y.abs(), projector.forward);

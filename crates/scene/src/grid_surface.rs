@@ -10,22 +10,23 @@ use crate::shading::unit_or_up;
 use crate::surface::{Anchor, Hit, Mesh, Surface, Topology};
 use crate::{Channel, ChannelSet, Projector, Ray, Resting};
 
-/// Chord error in pixels that a cell may make at its nearest, at a crest three times as sharp as the root mean square.
+/// Largest chord error of a cell, in pixels, at its nearest point and at a crest three times as sharp as the root
+/// mean square.
 const CHORD_PX: f64 = 0.2;
 const CREST: f64 = 3.0;
-/// Most vertices that cuts may make, for each pixel of the picture and at least.
+/// Most vertices that cuts may make, per pixel of the picture, and the least value of this limit.
 const VERTICES_PER_PIXEL: f64 = 1.5;
 const LEAST_LIMIT: f64 = 1e6;
 /// Most parts of a cell's side.
 const MAX_PARTS: f64 = 8.0;
-/// Steps of the reference for each cell, and halvings of the step in which it meets the surface.
+/// Number of steps of the reference per cell, and of bisections of the step in which it meets the surface.
 const STEPS_PER_CELL: f64 = 16.0;
 const HALVINGS: usize = 60;
 
 /// A finite height field on a regular grid, smooth between its cells.
 ///
-/// Heights between cells are bicubic Catmull–Rom interpolations, with the cells of the edge repeated beyond it; slopes
-/// are those of the interpolation. Outside the grid there is no surface.
+/// Heights between cells are bicubic Catmull–Rom interpolations, with the cells of the edge repeated beyond it;
+/// slopes are those of the interpolation. There is no surface outside of the grid.
 #[derive(Clone, Debug)]
 pub struct GridSurface {
     heights: Vec<f32>,
@@ -41,10 +42,10 @@ pub struct GridSurface {
     trails: Trails,
 }
 
-/// A value that is worked out when it is first asked for.
+/// A value that is computed when it is first needed.
 type Lazy<T> = Arc<LazyLock<T, Box<dyn FnOnce() -> T + Send>>>;
 
-/// What bursts left behind, cell by cell; each may be empty: the rift, and the other five.
+/// Traces that bursts left behind, cell by cell: the rift, and the other five. Each may be empty.
 #[derive(Clone, Debug)]
 struct Trails {
     rift: Lazy<Vec<f32>>,
@@ -59,26 +60,26 @@ impl Trails {
         Self { rift: Arc::new(LazyLock::new(Box::new(rift))), drift: Arc::new(LazyLock::new(Box::new(drift))) }
     }
 
-    /// The values of [`Channel::TRAILS`]`[index]`.
+    /// Returns the values of [`Channel::TRAILS`]`[index]`.
     fn values(&self, index: usize) -> &[f32] {
         if let Some(index) = index.checked_sub(1) { &self.drift[index] } else { &self.rift }
     }
 }
 
 impl GridSurface {
-    /// Heights in meters over world y = `level`, row by row: cell (i, j) stands at x = `origin[0]` + i·`spacing`,
-    /// z = `origin[1]` + j·`spacing`.
+    /// Makes a surface of heights in meters over world y = `level`, row by row: cell (i, j) is at x = `origin[0]` +
+    /// i·`spacing`, z = `origin[1]` + j·`spacing`.
     ///
     /// # Panics
-    /// There are fewer than 2 × 2 heights, or not `columns` in every row.
+    /// There are fewer than 2 × 2 heights, or a row does not have `columns` heights.
     pub fn new(heights: Vec<f32>, columns: usize, spacing: f64, origin: [f64; 2], level: f64) -> Self {
         let rows = heights.len().checked_div(columns).unwrap_or(0);
         assert!(columns >= 2 && rows >= 2 && rows * columns == heights.len(), "a grid of 2 × 2 cells or more");
         let (low, high) = heights
             .iter()
             .fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), &height| (low.min(height), high.max(height)));
-        // Catmull–Rom weights sum to 1 with at most ⅛ below 0 along each axis: 9/16 of the range at most beyond it.
-        // A flat field needs some room for a ray to pass through.
+        // Catmull–Rom weights sum to 1 with at most ⅛ below 0 along each axis, so heights exceed their range by at
+        // most 9/16 of it. A flat field needs some room for a ray to pass through.
         let beyond = 0.5625 * f64::from(high - low) + 1e-3 * spacing;
         let mut squares = 0.0;
         for row in heights.chunks_exact(columns) {
@@ -102,8 +103,8 @@ impl GridSurface {
         }
     }
 
-    /// The same with [`Channel::TRAILS`](crate::Channel::TRAILS), the rift and the other five, each worked out when it
-    /// is first asked for: a value for every cell, or empty: then it is 0.
+    /// Adds [`Channel::TRAILS`](crate::Channel::TRAILS): the rift and the other five, each computed when first
+    /// needed, with one value per cell. An empty vector counts as 0.
     #[must_use]
     pub fn with_trails(
         self,
@@ -126,7 +127,7 @@ impl GridSurface {
         Self { trails: Trails::new(rift, drift), ..self }
     }
 
-    /// What bursts left behind at a place on the grid.
+    /// Returns the traces of bursts at a position on the grid.
     fn trails(&self, x: f64, z: f64) -> [f64; 6] {
         let (u, v) = ((x - self.origin[0]) / self.spacing, (z - self.origin[1]) / self.spacing);
         let (i, j) = ((u as usize).min(self.columns - 2), (v as usize).min(self.rows - 2));
@@ -144,12 +145,13 @@ impl GridSurface {
         })
     }
 
-    /// World y of the rest level in meters.
+    /// Returns world y of the rest level, in meters.
     pub fn level(&self) -> f64 {
         self.level
     }
 
-    /// Height over the level and its slopes along x and z at a world place; `None` outside the grid.
+    /// Returns the height over the level and its slopes along x and z at a world position; `None` outside of the
+    /// grid.
     pub fn height(&self, x: f64, z: f64) -> Option<[f64; 3]> {
         let (u, v) = ((x - self.origin[0]) / self.spacing, (z - self.origin[1]) / self.spacing);
         let inside = |place: f64, count: usize| place >= 0.0 && place <= (count - 1) as f64;
@@ -159,13 +161,13 @@ impl GridSurface {
         Some(self.within(u, v))
     }
 
-    /// The same at a place in cells within the grid.
+    /// Does the same at a position in cells within the grid.
     fn within(&self, u: f64, v: f64) -> [f64; 3] {
         let (i, j) = ((u as usize).min(self.columns - 2), (v as usize).min(self.rows - 2));
         self.blend([i, j], weights(u - i as f64), weights(v - j as f64))
     }
 
-    /// The interpolation in a cell, and its slopes.
+    /// Returns the interpolation in a cell, and its slopes.
     fn blend(&self, [i, j]: [usize; 2], (wx, dx): Weights, (wz, dz): Weights) -> [f64; 3] {
         let mut sums = [0.0; 3];
         for (n, (wz, dz)) in wz.into_iter().zip(dz).enumerate() {
@@ -183,7 +185,7 @@ impl GridSurface {
         [sums[0], sums[1] / self.spacing, sums[2] / self.spacing]
     }
 
-    /// A field along z, blended of the four columns around a cell; the edges repeated twice.
+    /// Blends a field from the four columns around a cell into a profile along z; the edges are repeated twice.
     fn profile(&self, field: &[f32], cell: usize, weights: [f64; 4], out: &mut Vec<f64>) {
         let columns: [usize; 4] = std::array::from_fn(|m| (cell + m).saturating_sub(1).min(self.columns - 1));
         let blend = |row: &[f32]| {
@@ -200,13 +202,14 @@ impl GridSurface {
         out.push(out[self.rows]);
     }
 
-    /// The nearest place x, z of the grid.
+    /// Returns the nearest position x, z on the grid.
     pub(crate) fn within_reach(&self, place: [f64; 2]) -> [f64; 2] {
         let end = self.end();
         [0, 1].map(|axis| place[axis].clamp(self.origin[axis], end[axis]))
     }
 
-    /// Height and slopes at a place x, z of the grid, and the derivative of the first slope along z, in 1/m.
+    /// Returns height and slopes at a position x, z on the grid, and the derivative of the first slope along z, in
+    /// 1/m.
     pub(crate) fn twisted(&self, [x, z]: [f64; 2]) -> ([f64; 3], f64) {
         let (u, v) = ((x - self.origin[0]) / self.spacing, (z - self.origin[1]) / self.spacing);
         let (i, j) = ((u as usize).min(self.columns - 2), (v as usize).min(self.rows - 2));
@@ -215,19 +218,19 @@ impl GridSurface {
         (self.blend([i, j], wx, (wz, dz)), twist / self.spacing)
     }
 
-    /// World x and z of the far corner.
+    /// Returns world x and z of the far corner.
     fn end(&self) -> [f64; 2] {
         let reach = |count: usize| (count - 1) as f64 * self.spacing;
         [self.origin[0] + reach(self.columns), self.origin[1] + reach(self.rows)]
     }
 
-    /// Whether a camera stands under water; beside the grid, below its level.
+    /// Returns whether a camera is under water; outside of the grid, whether it is below its level.
     fn submerged(&self, eye: DVec3) -> bool {
         eye.y - self.level < self.height(eye.x, eye.z).map_or(0.0, |[height, ..]| height)
     }
 
-    /// Places along an axis at which vertices stand: each cell is cut into equal parts, as many as its nearest point
-    /// asks for, divided by `coarseness`.
+    /// Returns the positions of vertices along an axis: each cell is cut into equal parts, as many as its nearest
+    /// point requires, divided by `coarseness`.
     fn lines(&self, projector: &Projector, axis: usize, coarseness: f64) -> Vec<Line> {
         let cells = [self.columns, self.rows][axis] - 1;
         let eye = projector.position.to_array();
@@ -257,11 +260,11 @@ impl GridSurface {
 
 /// A line of vertices.
 struct Line {
-    /// The cell that it stands in.
+    /// Cell that contains it.
     cell: usize,
     /// Weights of the cell's neighbors.
     weights: Weights,
-    /// Its world coordinate.
+    /// World coordinate.
     place: f64,
 }
 
@@ -274,7 +277,7 @@ impl Line {
     }
 }
 
-/// Catmull–Rom weights of four neighbors at t in 0…1 of the inner two, and their derivatives.
+/// Catmull–Rom weights of four neighbors at t in 0…1 between the inner two, and their derivatives.
 type Weights = ([f64; 4], [f64; 4]);
 
 fn weights(t: f64) -> Weights {
@@ -289,7 +292,7 @@ fn square(value: f32) -> f64 {
 }
 
 impl Surface for GridSurface {
-    /// Rows of vertices along z, one behind the other along x.
+    /// Rows of vertices run along z, one behind the other along x.
     fn tessellate(&self, projector: &Projector, wanted: ChannelSet) -> Mesh {
         let fineness = projector.fineness;
         let limit = (VERTICES_PER_PIXEL * projector.size[0] * projector.size[1]).max(LEAST_LIMIT) * fineness * fineness;
@@ -387,7 +390,7 @@ impl Surface for GridSurface {
         if end < start {
             return None;
         }
-        // Rounding may put the ends of the stretch a little outside.
+        // Rounding may put the ends of the segment slightly outside.
         let clamp =
             |point: DVec3| [point.x.clamp(self.origin[0], self.end()[0]), point.z.clamp(self.origin[1], self.end()[1])];
         let gap = |distance: f64| {
@@ -413,7 +416,7 @@ impl Surface for GridSurface {
         None
     }
 
-    /// Beyond the grid the heights of its edge go on. A grid holds nothing that is finer than its cells.
+    /// Beyond the grid, the heights of its edge continue. A grid holds no detail finer than its cells.
     fn height_at(&self, place: [f64; 2], _footprint: f64) -> Option<f64> {
         let counts = [self.columns, self.rows];
         let [u, v] =

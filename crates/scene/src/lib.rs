@@ -6,18 +6,21 @@
 //! view axis. Angles are in radians.
 //!
 //! # Visibility
-//! [`Visible::prepare`] tessellates every surface for one camera, once per frame and only for the channels that
-//! will be asked for; [`Visible::fill`] answers for the samples of any window of pixels. Its results depend neither
-//! on how the picture is cut into windows nor on the number of threads. [`reference::trace`] answers the same
-//! questions in f64 from the continuous surfaces, without any tessellation.
+//! [`Visible::prepare`] tessellates every surface for one camera, once per frame and only for the requested channels;
+//! [`Visible::fill`] computes the samples of any window of pixels. Its results depend neither on how the picture is
+//! divided into windows nor on the number of threads. [`reference::trace`] computes the same in f64 from the
+//! continuous surfaces, without any tessellation.
 
 pub mod bezier;
 mod camera;
 mod carried;
 mod certain;
 mod channel;
+pub mod claws;
 mod edges;
 mod extent;
+#[cfg(feature = "files")]
+pub mod files;
 mod first_point;
 mod float;
 mod followed;

@@ -1,4 +1,4 @@
-//! What stands in the way of rays that do not begin at the camera: surfaces as triangles under a tree of boxes.
+//! Obstacles for rays that do not start at the camera: surfaces as triangles in a bounding volume hierarchy.
 
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
@@ -6,19 +6,20 @@ use rayon::prelude::*;
 use crate::surface::{Mesh, Topology};
 use crate::{ChannelSet, Projector, Ray, Surface};
 
-/// Triangles in a leaf, and children of a box.
+/// Number of triangles in a leaf, and of children of a box.
 const LEAF: usize = 8;
 const CHILDREN: usize = 4;
-/// Most boxes that wait to be looked at: of each level of a tree of 2³² leaves all children but one.
+/// Most boxes on the stack: on each level of a tree of 2³² leaves, all children but one.
 const STACK: usize = 3 * 17 + 1;
-/// By how much a ray may miss a triangle's edge, in parts of the triangle, so that no ray slips through between two.
+/// Distance by which a ray may miss a triangle's edge, relative to the triangle, so that no ray slips through between
+/// two triangles.
 const EDGE: f32 = 1e-5;
-/// By how much rounding may move the end of the stretch of a ray within a box, relative to it.
+/// Relative rounding error of the end of a ray's segment within a box.
 const SLACK: f32 = 1e-6;
 
-/// Surfaces as they are tessellated for a camera, ready to be met by rays from anywhere.
+/// Surfaces as tessellated for a camera, ready for intersection with rays from anywhere.
 ///
-/// Rays meet what the camera may see: what lies outside its picture is in no ray's way. Widen the picture
+/// Rays only meet what the camera may see; nothing outside of its picture blocks a ray. Widen the picture
 /// ([`surroundings`]) to take more into account.
 ///
 /// ```
@@ -42,24 +43,24 @@ const SLACK: f32 = 1e-6;
 /// ```
 #[derive(Debug)]
 pub struct Obstacles {
-    /// What positions are relative to.
+    /// Origin of the positions.
     origin: DVec3,
     positions: Vec<Vec3>,
-    /// Triangles that lie near each other stand near each other.
+    /// Triangles, sorted so that neighbors in space are neighbors in the list.
     triangles: Vec<[u32; 3]>,
-    /// Boxes of leaves, then of each level above, up to the one box of all; where each level begins.
+    /// Boxes of leaves, then of each level above, up to the root, and the start of each level.
     boxes: Vec<[Vec3; 2]>,
     levels: Vec<usize>,
 }
 
-/// A camera's projector for a picture that is wider and higher by `beyond` of itself on each side, and has pixels of
-/// `detail` pixels.
+/// Returns a camera's projector for a picture that is enlarged on each side by the share `beyond` of its size, with
+/// pixels as large as `detail` of the original pixels.
 pub fn surroundings(projector: &Projector, beyond: f64, detail: f64) -> Projector {
     let size = projector.size.map(|side| side * (1.0 + 2.0 * beyond) / detail);
     Projector { scale: projector.scale / detail, size, ..*projector }
 }
 
-/// Distance to the first point of the continuous surfaces along a ray within `limit`, in f64.
+/// Returns the distance to the first point of the continuous surfaces along a ray within `limit`, in f64.
 pub fn first_reference(projector: &Projector, surfaces: &[&dyn Surface], ray: &Ray, limit: f64) -> Option<f64> {
     let hits = surfaces.iter().filter_map(|surface| surface.trace(projector, ray));
     hits.map(|hit| hit.distance).filter(|distance| *distance <= limit).min_by(f64::total_cmp)
@@ -69,7 +70,7 @@ impl Obstacles {
     /// Tessellates surfaces for a camera.
     ///
     /// # Panics
-    /// The surfaces have 2³² vertices or more together.
+    /// The surfaces have 2³² vertices or more in total.
     pub fn new(projector: &Projector, surfaces: &[&dyn Surface]) -> Self {
         let (mut positions, mut triangles) = (Vec::new(), Vec::new());
         for surface in surfaces {
@@ -84,17 +85,17 @@ impl Obstacles {
         Self { origin: projector.position, positions, triangles, boxes, levels }
     }
 
-    /// Distance to the first point along a ray, within `limit`.
+    /// Returns the distance to the first point along a ray, within `limit`.
     pub fn first(&self, ray: &Ray, limit: f64) -> Option<f64> {
         self.meet::<false>(ray, limit)
     }
 
-    /// Whether there is any point along a ray within `limit`.
+    /// Returns whether there is any point along a ray within `limit`.
     pub fn blocks(&self, ray: &Ray, limit: f64) -> bool {
         self.meet::<true>(ray, limit).is_some()
     }
 
-    /// Bytes held.
+    /// Returns the number of bytes held.
     pub fn bytes(&self) -> usize {
         self.positions.len() * 12 + self.triangles.len() * 12 + self.boxes.len() * 24
     }
@@ -105,7 +106,7 @@ impl Obstacles {
         }
         let origin = (ray.origin - self.origin).as_vec3();
         let direction = ray.direction.as_vec3();
-        // A component of 0 would make 0·∞ of a box that begins where the ray does.
+        // A component of 0 would compute 0·∞ for a box that starts at the ray's origin.
         let inverse = direction.map(|part| if part.abs() < 1e-18 { 1e18 } else { 1.0 / part });
         let mut nearest = limit as f32;
         let mut found = None;
@@ -141,7 +142,7 @@ impl Obstacles {
             let base = waiting;
             for child in first..last {
                 let Some(near) = within(&self.boxes[start + child], origin, inverse, nearest) else { continue };
-                // The nearest is looked at first: it is popped last in, first out.
+                // The nearest box is visited first: it is pushed last, so it is popped first.
                 let mut place = waiting;
                 while place > base && stack[place - 1].0 < near {
                     stack[place] = stack[place - 1];
@@ -155,7 +156,7 @@ impl Obstacles {
     }
 }
 
-/// Where a ray enters a box, if it does within `limit`.
+/// Returns where a ray enters a box, if it does so within `limit`.
 #[inline]
 fn within(bounds: &[Vec3; 2], origin: Vec3, inverse: Vec3, limit: f32) -> Option<f32> {
     let (a, b) = ((bounds[0] - origin) * inverse, (bounds[1] - origin) * inverse);
@@ -165,7 +166,7 @@ fn within(bounds: &[Vec3; 2], origin: Vec3, inverse: Vec3, limit: f32) -> Option
     (near - slack <= far + slack && near <= limit).then_some(near - slack)
 }
 
-/// Distance along a ray to a triangle.
+/// Returns the distance along a ray to a triangle.
 ///
 /// After Möller and Trumbore, *Fast, Minimum Storage Ray/Triangle Intersection*, 1997.
 #[inline]
@@ -184,7 +185,7 @@ fn pierce([p, q, r]: [Vec3; 3], origin: Vec3, direction: Vec3) -> Option<f32> {
     (u >= -EDGE && v >= -EDGE && u + v <= 1.0 + EDGE && distance >= 0.0 && distance.is_finite()).then_some(distance)
 }
 
-/// The triangles of a mesh, neighbors near each other.
+/// Returns the triangles of a mesh, with neighbors close to each other.
 fn in_order(mesh: &Mesh) -> Vec<[u32; 3]> {
     match &mesh.topology {
         Topology::Grid { columns, rows } => {
@@ -230,7 +231,7 @@ fn quarters(at: [usize; 2], side: usize, size: [usize; 2], visit: &mut impl FnMu
     }
 }
 
-/// The bits of three numbers below 2¹⁰ in turn (Morton order).
+/// Interleaves the bits of three numbers below 2¹⁰ (Morton order).
 fn interleaved(place: [u32; 3]) -> u32 {
     (0..10)
         .flat_map(|bit| (0..3).map(move |axis| (bit, axis)))
@@ -242,7 +243,7 @@ fn bounds(points: impl Iterator<Item = Vec3>) -> (Vec3, Vec3) {
     points.fold(nothing, |(low, high), point| (low.min(point), high.max(point)))
 }
 
-/// Boxes of leaves, and of the boxes of each level; where each level begins, and the end.
+/// Returns the boxes of leaves and of each level above, and the start of each level.
 fn boxes(positions: &[Vec3], triangles: &[[u32; 3]]) -> (Vec<[Vec3; 2]>, Vec<usize>) {
     let mut boxes: Vec<[Vec3; 2]> = triangles
         .par_chunks(LEAF)
@@ -286,7 +287,7 @@ mod tests {
         camera.projector(Format::new(320, 180, 1).expect("valid"))
     }
 
-    /// Numbers in [0, 1) that look random.
+    /// Returns pseudorandom numbers in [0, 1).
     fn random(count: usize) -> impl FnMut() -> f64 {
         let mut state = count as u64;
         move || {
@@ -295,7 +296,7 @@ mod tests {
         }
     }
 
-    /// Triangles at random, some of them without area, some many times as large as others.
+    /// Returns random triangles, some of them without area, some many times as large as others.
     fn soup(count: usize) -> TriangleModel {
         let mut random = random(count);
         let mut mesh = Triangles::default();
@@ -324,7 +325,7 @@ mod tests {
             for index in 0..500 {
                 let origin = DVec3::new(random(), random(), random()) * 30.0 - 15.0;
                 let direction = (DVec3::new(random(), random(), random()) - 0.5).normalize();
-                // Along the axes too.
+                // Directions include the axes.
                 let direction = [direction, DVec3::X, DVec3::NEG_Y, DVec3::Z][index % 4];
                 let (ray, limit) = (Ray { origin, direction }, 20.0 * random());
                 let (found, truth) =
@@ -345,7 +346,7 @@ mod tests {
         }
     }
 
-    /// Whether slightly other rays disagree too about what lies at a distance: the point is on an edge.
+    /// Returns whether slightly shifted rays also disagree about a distance: the point is then on an edge.
     fn model_is_near(model: &TriangleModel, projector: &Projector, ray: &Ray, distance: f64) -> bool {
         let steps = [DVec3::X, DVec3::Y, DVec3::Z, DVec3::NEG_X, DVec3::NEG_Y, DVec3::NEG_Z];
         let answers: Vec<bool> = steps

@@ -1,4 +1,4 @@
-//! The points of surfaces themselves next to what their meshes show.
+//! Finds the points of surfaces themselves, near those of their meshes.
 
 use crate::project::Layer;
 use crate::sheets::Sheet;
@@ -7,20 +7,20 @@ use crate::{Projector, Ray, Visible};
 use glam::DVec3;
 use trochoid_image::Window;
 
-/// What a mesh shows of a surface along a ray: where to look for the surface itself.
+/// A point of a surface's mesh along a ray: where to look for the surface itself.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Near {
-    /// Distance along the ray in meters.
+    /// Distance along the ray, in meters.
     pub distance: f64,
     /// The point's rest point, in the world.
     pub rest: DVec3,
-    /// The triangle of the mesh, unless the picture's edge or the camera has cut it.
+    /// Triangle of the mesh; `None` if it was clipped by the picture's edge or the camera.
     pub triangle: Option<usize>,
-    /// Whether the camera stands on the surface's inner side.
+    /// Whether the camera is on the surface's inner side.
     pub inside: bool,
 }
 
-/// How sums of waves are made at points of surfaces.
+/// Precision in which sums of waves are computed at points of surfaces.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Sums {
     /// In f32, sixteen points side by side.
@@ -30,16 +30,16 @@ pub enum Sums {
     Double,
 }
 
-/// How much further a surface may lie along a ray than its mesh, as a share of the depth, and what is found still be it.
+/// How much further along a ray than its mesh a surface may lie, as a share of the depth, and still count as found.
 pub(crate) const APART: f64 = 0.02;
 
 impl Visible {
-    /// What the sample of each of these pixels sees of the surfaces themselves that stands at `offset` from its pixel's upper
-    /// left corner: where its ray meets the surface next to where it meets the nearest mesh. `None` where there is no mesh,
-    /// or no such point.
+    /// Returns what a sample of each of these pixels sees of the surfaces themselves, at `offset` from the pixel's
+    /// upper left corner: the point where its ray meets the surface near where it meets the nearest mesh. `None` if
+    /// there is no mesh, or no such point.
     ///
     /// # Panics
-    /// The view was prepared without rest points, or of other surfaces.
+    /// The view was prepared without rest points, or for other surfaces.
     ///
     /// ```
     /// use trochoid_image::Format;
@@ -98,18 +98,18 @@ impl Visible {
         found
     }
 
-    /// Where the sample stands that the raster looks at.
+    /// Returns the offset to which the raster rounds a sample's offset.
     pub(crate) fn on_raster(&self, offset: [f64; 2]) -> [f64; 2] {
         offset.map(|part| self.raster.fix(part) as f64 * self.raster.step())
     }
 
-    /// The point of the surface itself next to a sheet of its mesh.
+    /// Returns the point of the surface itself near a sheet of its mesh.
     pub(crate) fn meet(&self, surfaces: &[&dyn Surface], ray: &Ray, sheet: &Sheet) -> Option<Hit> {
         let (surface, near) = self.near(ray, sheet);
         surfaces[surface].meet_near(&self.projector, ray, &near).map(|hit| Hit { surface, ..hit })
     }
 
-    /// Where a ray meets a sheet, and of which surface.
+    /// Returns where a ray meets a sheet, and the index of the sheet's surface.
     fn near(&self, ray: &Ray, sheet: &Sheet) -> (usize, Near) {
         let projector = &self.projector;
         let index = self.layer(sheet.primitive());
@@ -128,12 +128,13 @@ impl Visible {
     }
 }
 
-/// The window of all these pixels.
+/// Returns the bounding window of these pixels.
 pub(crate) fn around(pixels: &[[i64; 2]]) -> Window {
     pixels.iter().fold(Window::default(), |all, &[x, y]| all.union(Window::new(x, y, x + 1, y + 1)))
 }
 
-/// The rest point of a triangle's point, by the weights of its corners; the point itself where the triangle was cut.
+/// Interpolates the rest point of a triangle's point by the weights of its corners; returns the point itself if the
+/// triangle was clipped.
 fn rest_at(layer: &Layer, triangle: [u32; 3], projector: &Projector, point: DVec3) -> DVec3 {
     let (flat, heights) = (&layer.mesh.rests, &layer.mesh.rest_heights);
     let vertices = triangle.map(|vertex| vertex as usize);

@@ -1,4 +1,4 @@
-//! From meshes to triangles on the picture: projection in fixed point, clipping, bins.
+//! Turns meshes into triangles on the picture: fixed-point projection, clipping and binning.
 
 use rayon::prelude::*;
 
@@ -7,20 +7,20 @@ use crate::surface::{Mesh, Topology};
 
 /// Nearest depth that a perspective camera sees, in meters.
 const NEAR_M: f64 = 1e-4;
-/// Size of a bin in pixels: wide and low, as the far sea is.
+/// Size of a bin, in pixels: wide and low, like the far sea.
 pub(crate) const BIN: [i64; 2] = [64, 16];
-/// Primitives that one task projects.
+/// Number of primitives that one task projects.
 const TASK: usize = 1 << 14;
 
 /// The fixed-point raster of a picture.
 ///
-/// Coordinates are whole multiples of 2^−`bits` pixels below 2^29 in size, so that edge functions are exact in i64:
+/// Coordinates are integer multiples of 2^−`bits` pixels below 2^29 in size, so that edge functions are exact in i64:
 /// differences below 2^30, products below 2^60. Exact edge functions leave no cracks between triangles and count no
 /// sample twice.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Raster {
     pub(crate) bits: u32,
-    /// Greatest coordinate in pixels.
+    /// Largest coordinate, in pixels.
     limit: f64,
 }
 
@@ -33,12 +33,12 @@ impl Raster {
         Self { bits, limit: f64::from(1_u32 << (28 - bits)) }
     }
 
-    /// The least difference of coordinates in pixels.
+    /// Returns the smallest difference of coordinates, in pixels.
     pub(crate) fn step(self) -> f64 {
         1.0 / f64::from(1_u32 << self.bits)
     }
 
-    /// Pixels to fixed point, to nearest.
+    /// Converts pixels to fixed point, rounding to nearest.
     pub(crate) fn fix(self, pixels: f64) -> i64 {
         (pixels * f64::from(1_u32 << self.bits)).round_ties_even() as i64
     }
@@ -53,14 +53,14 @@ pub(crate) struct ScreenVertex {
     pub(crate) key: f32,
 }
 
-/// Sides of the view volume that a point lies beyond.
+/// Sides of the view volume beyond which a point lies.
 mod outside {
     pub(crate) const LEFT: u8 = 1;
     pub(crate) const RIGHT: u8 = 2;
     pub(crate) const TOP: u8 = 4;
     pub(crate) const BOTTOM: u8 = 8;
     pub(crate) const NEAR: u8 = 16;
-    /// Not representable in fixed point: such triangles are clipped.
+    /// Not representable in fixed point; such triangles are clipped.
     pub(crate) const LIMIT: u8 = 32;
 }
 
@@ -69,23 +69,23 @@ mod outside {
 pub(crate) struct Layer {
     pub(crate) mesh: Mesh,
     pub(crate) screen: Vec<ScreenVertex>,
-    /// Triangles that clipping made, after the mesh's own primitives.
+    /// Triangles made by clipping, which follow the mesh's own primitives.
     pub(crate) clipped: Vec<[u32; 3]>,
     /// Number of the mesh's own primitives.
     pub(crate) primitives: usize,
 }
 
-/// A primitive in a bin.
+/// Bin and number of a primitive.
 type Binned = (u32, u32);
 
-/// What clips and projects.
+/// Clips and projects meshes.
 struct Stage<'a> {
     projector: &'a Projector,
     raster: Raster,
     bins: [i64; 2],
 }
 
-/// A vertex of a clipped polygon: weights of the triangle's three corners, and its place in view space.
+/// A vertex of a clipped polygon: weights of the triangle's three corners, and its position in view space.
 #[derive(Clone, Copy)]
 struct Corner {
     position: [f64; 3],
@@ -93,8 +93,8 @@ struct Corner {
 }
 
 impl Layer {
-    /// Projects a mesh and sorts its primitives into bins. `first` numbers its first primitive; bins get pairs of
-    /// bin and number.
+    /// Projects a mesh and sorts its primitives into bins. `first` is the number of its first primitive; `out`
+    /// receives pairs of bin and number.
     pub(crate) fn new(mesh: Mesh, projector: &Projector, bins: [i64; 2], first: u32, out: &mut Vec<Binned>) -> Self {
         let stage = Stage { projector, raster: Raster::new(projector), bins };
         let (screen, codes): (Vec<ScreenVertex>, Vec<u8>) =
@@ -134,7 +134,7 @@ impl Layer {
         layer
     }
 
-    /// The triangles of a primitive.
+    /// Returns the triangles of a primitive.
     #[inline]
     pub(crate) fn triangles(&self, primitive: usize) -> Triangles {
         if primitive >= self.primitives {
@@ -223,14 +223,14 @@ impl<'a> IntoIterator for &'a Triangles {
     }
 }
 
-/// What is left of a triangle inside the view volume.
+/// The part of a triangle inside of the view volume.
 struct Clipped {
     triangle: [u32; 3],
     corners: Vec<Corner>,
 }
 
 impl Stage<'_> {
-    /// A point relative to the camera in view space: right, up, depth.
+    /// Converts a point relative to the camera to view space: right, up, depth.
     #[inline]
     fn view(&self, position: [f32; 3]) -> [f64; 3] {
         let offset = glam::Vec3::from(position).as_dvec3();
@@ -238,8 +238,8 @@ impl Stage<'_> {
         [offset.dot(p.right), offset.dot(p.up), offset.dot(p.forward)]
     }
 
-    /// Signed distances, up to positive factors, to the planes of the view volume at `margin` pixels from the
-    /// picture.
+    /// Returns signed distances, up to positive factors, to the planes of the view volume, which lie at `reach`
+    /// pixels from the picture's center.
     #[inline]
     fn planes(&self, [x, y, depth]: [f64; 3], reach: [f64; 2]) -> [f64; 5] {
         let (scale, near, depth_or_1) = if self.projector.orthographic {
@@ -252,7 +252,7 @@ impl Stage<'_> {
         [near, x + right, right - x, top - y, y + top]
     }
 
-    /// Reach of the clipping planes from the picture's center, in pixels.
+    /// Returns the distance of the clipping planes from the picture's center, in pixels.
     fn clip_reach(&self) -> [f64; 2] {
         [0, 1].map(|axis| self.raster.limit - self.projector.size[axis] / 2.0 - 1.0)
     }
@@ -285,10 +285,10 @@ impl Stage<'_> {
         (ScreenVertex { x: self.raster.fix(x) as i32, y: self.raster.fix(y) as i32, key: key as f32 }, code)
     }
 
-    /// Sutherland–Hodgman against the near plane, then against what fixed point can hold.
+    /// Clips by Sutherland–Hodgman against the near plane, then against the limits of fixed point.
     ///
-    /// Where an edge meets a plane is worked out from its ends in an order that depends on the ends alone, so both
-    /// triangles at an edge get the same point.
+    /// The intersection of an edge with a plane is computed from its ends in an order that depends only on the ends,
+    /// so both triangles at an edge get the same point.
     fn clip(&self, mesh: &Mesh, triangle: [u32; 3], out: &mut Vec<Clipped>) {
         let reach = self.clip_reach();
         let mut polygon: Vec<Corner> = (0..3)
@@ -345,7 +345,7 @@ fn precedes(a: &Corner, b: &Corner) -> bool {
     order.fold(std::cmp::Ordering::Equal, std::cmp::Ordering::then).is_lt()
 }
 
-/// The point between a and b where the distance to a plane is 0.
+/// Returns the point between a and b where the distance to a plane is 0.
 fn cross(a: &Corner, b: &Corner, at_a: f64, at_b: f64) -> Corner {
     let t = at_a / (at_a - at_b);
     let mix = |a: [f64; 3], b: [f64; 3]| std::array::from_fn(|index| a[index] + (b[index] - a[index]) * t);

@@ -1,4 +1,4 @@
-//! Which triangle each sample sees.
+//! Finds the triangle that each sample sees.
 
 #![allow(clippy::needless_range_loop, reason = "loops over lanes of several arrays")]
 
@@ -13,11 +13,11 @@ use crate::edges::{Edges, Whole};
 use crate::project::{BIN, Layer, ScreenVertex};
 use crate::surface::Topology;
 
-/// The triangles that one sample of each pixel of a window sees.
+/// Triangles that one sample of each pixel of a window sees.
 #[derive(Clone, Copy)]
 pub(crate) struct Seen<'a> {
     window: Window,
-    /// By pixel, by sample: primitive and which of its triangles, packed; [`NOTHING`] where there is none.
+    /// By pixel and sample: the primitive and the index of its triangle, packed; [`NOTHING`] if there is none.
     triangles: &'a [u64],
     samples: usize,
     sample: usize,
@@ -25,24 +25,24 @@ pub(crate) struct Seen<'a> {
 
 pub(crate) const NOTHING: u64 = u64::MAX;
 
-/// What samples see that lie side by side, or scattered.
+/// Triangles seen by samples that are adjacent or scattered.
 pub(crate) struct Row<'a> {
-    /// Their places in the planes to be filled.
+    /// Index of the first sample in the planes to be filled.
     pub(crate) first: usize,
     pub(crate) y: i64,
-    /// The first one's pixel, of samples side by side; else that of each.
+    /// First pixel of adjacent samples; otherwise the pixel of each sample.
     x: Result<i64, &'a [[i64; 2]]>,
     pub(crate) triangles: Vec<u64>,
 }
 
 impl<'a> Seen<'a> {
-    /// What a pixel sees.
+    /// Returns the triangle that a pixel sees.
     pub(crate) fn triangle(self, x: i64, y: i64) -> u64 {
         let pixel = (y - self.window.y0) as usize * self.window.width() + (x - self.window.x0) as usize;
         self.triangles[pixel * self.samples + self.sample]
     }
 
-    /// The rows of a window within this one.
+    /// Returns the rows of a window within this one.
     pub(crate) fn within(self, window: Window) -> impl Iterator<Item = Row<'a>> {
         (window.y0..window.y1).enumerate().map(move |(row, y)| {
             let triangles = (window.x0..window.x1).map(|x| self.triangle(x, y)).collect();
@@ -50,7 +50,7 @@ impl<'a> Seen<'a> {
         })
     }
 
-    /// Pixels of this window, by runs in one row.
+    /// Returns pixels of this window, as runs in one row.
     pub(crate) fn at(self, pixels: &'a [[i64; 2]]) -> impl Iterator<Item = Row<'a>> {
         let mut first = 0;
         pixels.chunk_by(|a, b| a[1] == b[1]).map(move |pixels| {
@@ -63,7 +63,7 @@ impl<'a> Seen<'a> {
 }
 
 impl Row<'_> {
-    /// The pixel of a sample.
+    /// Returns the pixel column of a sample.
     #[inline]
     pub(crate) fn x(&self, column: usize) -> i64 {
         match self.x {
@@ -73,16 +73,16 @@ impl Row<'_> {
     }
 }
 
-/// Pixels times samples that are looked at together at most: 16 MiB.
+/// Most pixels times samples that are processed together: 16 MiB.
 const TOGETHER: usize = 1 << 21;
-/// Windows that a thread remembers: some views may be asked in turn for each sample.
+/// Number of windows that a thread remembers: several views may be evaluated in turn for each sample.
 const REMEMBERED: usize = 4;
 
 #[derive(Default)]
 struct Memory {
-    /// What was seen through the last windows, the latest one first.
+    /// Results of the last windows, the latest first.
     windows: Vec<Remembered>,
-    /// Room for the keys of what is seen while it is looked for.
+    /// Scratch space for the keys of visible triangles during rasterization.
     keys: Vec<f64>,
 }
 
@@ -90,7 +90,7 @@ thread_local! {
     static MEMORY: RefCell<Memory> = RefCell::default();
 }
 
-/// What a view saw through a window, for some samples of its pixels.
+/// Triangles that a view saw through a window, for some samples of its pixels.
 struct Remembered {
     view: u64,
     window: Window,
@@ -98,9 +98,9 @@ struct Remembered {
 }
 
 impl Visible {
-    /// What a thread holds of a sample that it looks at, bytes: for all views together.
+    /// Bytes that a thread holds per sample, for all views together.
     pub const BYTES_OF_SAMPLE: u64 = (REMEMBERED * size_of::<u64>() + size_of::<f64>()) as u64;
-    /// Samples that a thread looks at together, at most.
+    /// Most samples that a thread processes together.
     pub const MOST_SAMPLES: u64 = TOGETHER as u64;
 
     #[inline]
@@ -111,10 +111,10 @@ impl Visible {
         }
     }
 
-    /// Hands `take` what is seen through a window by the sample at `offset`.
+    /// Hands `take` the triangles that the sample at `offset` sees through a window.
     ///
-    /// Windows are asked for once for each sample of their pixels. Most of the work on a triangle is the same for all
-    /// samples, so the first of them does it for the others too, and the thread remembers.
+    /// Windows are requested once for each sample of their pixels. Most of the work on a triangle is the same for all
+    /// samples, so the first request does it for the others too, and the thread remembers the result.
     pub(crate) fn look(&self, window: Window, offset: [f64; 2], take: impl FnOnce(Seen<'_>)) {
         let sample = self.offsets.iter().position(|known| *known == offset);
         let sample = sample.filter(|_| window.area().saturating_mul(self.offsets.len()) <= TOGETHER);
@@ -128,7 +128,7 @@ impl Visible {
             let known = match memory.windows.iter().position(known) {
                 Some(known) => memory.windows.remove(known),
                 None => {
-                    // The oldest window's room is the new one's.
+                    // The memory of the oldest window is reused for the new one.
                     let oldest = if memory.windows.len() == REMEMBERED { memory.windows.pop() } else { None };
                     let mut triangles = oldest.map(|oldest| oldest.triangles).unwrap_or_default();
                     self.rasterize(window, &self.offsets, &mut triangles, &mut memory.keys);
@@ -141,10 +141,11 @@ impl Visible {
         });
     }
 
-    /// The nearest triangle at each sample, by pixel and offset; of two equally near ones that with the lower number.
+    /// Finds the nearest triangle at each sample, by pixel and offset; of two equally near ones, the one with the
+    /// lower number.
     fn rasterize(&self, window: Window, offsets: &[[f64; 2]], triangles: &mut Vec<u64>, keys: &mut Vec<f64>) {
         let count = window.area() * offsets.len();
-        // Windows differ by a little in size: room for twice as much would stay empty.
+        // Windows differ a little in size; room for twice as much would stay unused.
         triangles.clear();
         triangles.reserve_exact(count);
         triangles.resize(count, NOTHING);
@@ -210,18 +211,19 @@ impl Visible {
     }
 }
 
-/// Goes through primitives that mostly follow one another.
+/// Steps through primitives that mostly follow one another.
 struct Cursor<'a> {
     layers: &'a [Layer],
     firsts: &'a [u32],
-    /// The layer, and of a grid the row and its cells, that the last primitive was of.
+    /// Layer of the last primitive, and for a grid its row and the row's cells.
     layer: usize,
     row: u32,
     cells: Range<u32>,
 }
 
 impl<'a> Cursor<'a> {
-    /// The layer of a primitive, and its corners: four of a cell, as [`Layer::triangles`] has them, or three.
+    /// Returns the layer of a primitive and its corners: four for a cell, in the order of [`Layer::triangles`], or
+    /// three.
     #[inline(always)]
     fn corners(&mut self, primitive: u32) -> (&'a Layer, Result<[u32; 4], [u32; 3]>) {
         let is_within = |layer: usize| {
@@ -252,17 +254,17 @@ impl<'a> Cursor<'a> {
     }
 }
 
-/// The samples of each pixel of a window.
+/// Samples of each pixel of a window.
 struct Samples<'a, const N: usize> {
     window: Window,
-    /// Where they stand in their pixel, in fixed point.
+    /// Positions within their pixel, in fixed point.
     shifts: [[i32; 2]; N],
-    /// The least and the greatest of these, across and down.
+    /// Least and greatest of these, horizontally and vertically.
     outer: [[i32; 2]; 2],
-    /// How far apart samples stand along an axis, as a power of two.
+    /// Distance between samples along an axis, as a power of two.
     apart: u32,
     triangles: &'a mut [[u64; N]],
-    /// Keys of what is seen.
+    /// Keys of the visible triangles.
     keys: &'a mut [[f64; N]],
 }
 
@@ -280,21 +282,22 @@ impl<'a, const N: usize> Samples<'a, N> {
             along
         };
         let outer = [0, 1].map(|axis| [along(axis)[0], along(axis)[N - 1]]);
-        // Every one of as many rows and columns of a pixel holds a sample, as formats have it; else they may be anywhere.
+        // With the samples of a format, every row and column of an even subdivision of the pixel holds a sample;
+        // other samples may be anywhere.
         let rows = bits.saturating_sub(N.ilog2());
         let even = |axis: usize| along(axis).windows(2).all(|pair| pair[1] - pair[0] == 1 << rows);
         let apart = if bits >= N.ilog2() && even(0) && even(1) { rows } else { 0 };
         Self { window, shifts, outer, apart, triangles, keys }
     }
 
-    /// Whether no sample stands from one place to another along an axis.
+    /// Returns whether no sample lies between two positions along an axis.
     #[inline(always)]
     fn misses(&self, axis: usize, least: i32, most: i32) -> bool {
         let row = |at: i32| (at - self.outer[axis][0]) >> self.apart;
         row(most) == row(least - 1)
     }
 
-    /// Gives every sample of `part` that the triangle covers, and that sees nothing nearer, its number.
+    /// Assigns the triangle's number to every sample of `part` that it covers and that sees nothing nearer.
     #[inline(always)]
     fn cover(&mut self, corners: [ScreenVertex; 3], number: u64, part: Window, bits: u32) {
         // First and last pixel of which some sample may lie within the triangle's bounds.
@@ -319,7 +322,7 @@ impl<'a, const N: usize> Samples<'a, N> {
             return;
         }
         let pixels = Window::new(x0, y0, x1 + 1, y1 + 1);
-        // Of small triangles the edge functions fit in half the width.
+        // For small triangles the edge functions fit in half the width.
         if width.max(height) < 1 << 13 && bits <= 12 {
             self.cover_by(Edges::<i32>::new(corners, [x0, y0].map(|at| at << bits)), number, pixels, bits);
         } else {
@@ -330,8 +333,8 @@ impl<'a, const N: usize> Samples<'a, N> {
     #[inline(always)]
     fn cover_by<I: Whole>(&mut self, edges: Option<Edges<I>>, number: u64, pixels: Window, bits: u32) {
         let Some(edges) = edges else { return };
-        // By edge and sample, what the functions are there beyond what they are at the pixel's corner. Loops in place of
-        // closures, which are not always inlined into code for an instruction set.
+        // By edge and sample, the difference of the functions from their value at the pixel's corner. Loops instead
+        // of closures, which are not always inlined into code for an instruction set.
         let mut beyond = [[I::of(0); N]; 3];
         for sample in 0..N {
             let [x, y] = self.shifts[sample];

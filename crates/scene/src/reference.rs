@@ -10,7 +10,7 @@ use crate::shading::unit_or_up;
 use crate::surface::{Hit, Surface};
 use crate::{Camera, Projector, Ray, SeaSurface};
 
-/// What a camera sees at (`x`, `y`) pixels from the upper left corner: the nearest hit of all surfaces.
+/// Returns what a camera sees at (`x`, `y`) pixels from the upper left corner: the nearest hit of all surfaces.
 pub fn trace(camera: &Camera, surfaces: &[&dyn Surface], format: Format, x: f64, y: f64) -> Option<Hit> {
     let projector = camera.projector(format);
     let ray = projector.ray(x, y);
@@ -21,14 +21,14 @@ pub fn trace(camera: &Camera, surfaces: &[&dyn Surface], format: Format, x: f64,
     hits.min_by(|a, b| a.distance.total_cmp(&b.distance))
 }
 
-/// Newton steps that invert the horizontal displacement at one point.
+/// Number of Newton steps that invert the horizontal displacement at one point.
 const INVERSIONS: usize = 24;
 
-/// The first point where a ray passes through the displaced sea, of all sheets where it folds.
+/// Returns the first point where a ray passes through the displaced sea, considering all sheets where it folds.
 pub(crate) fn trace_sea(sea: &SeaSurface, projector: &Projector, ray: &Ray) -> Option<Hit> {
     let (rise, height) = (sea.summit, ray.origin.y - sea.level);
     let slope = ray.direction.y;
-    // Nothing happens outside the slab of heights that waves reach.
+    // There is no surface outside of the slab of heights that waves reach.
     let (start, end) = if slope == 0.0 {
         if height.abs() > rise || rise == 0.0 {
             return None;
@@ -47,7 +47,7 @@ pub(crate) fn trace_sea(sea: &SeaSurface, projector: &Projector, ray: &Ray) -> O
     Some(hit(sea, projector, ray, distance, rest, submerged(sea, projector)))
 }
 
-/// Whether a camera stands under water: below the point of the sea that is carried above or below it.
+/// Returns whether a camera is under water: below the point of the sea that is carried above or below it.
 pub(crate) fn submerged(sea: &SeaSurface, projector: &Projector) -> bool {
     let eye = projector.position;
     if (eye.y - sea.level).abs() > sea.summit {
@@ -58,7 +58,7 @@ pub(crate) fn submerged(sea: &SeaSurface, projector: &Projector) -> bool {
     eye.y - sea.level < sea.frame.evaluate(rest, print).displacement[1]
 }
 
-/// The rest point that is carried above or below `point`: Newton's method on p₀ + D(p₀) = p, from a guess.
+/// Returns the rest point that is carried above or below `point`, by Newton's method on p₀ + D(p₀) = p from a guess.
 fn rest_below(sea: &SeaSurface, projector: &Projector, point: DVec3, guess: [f64; 2]) -> [f64; 2] {
     let mut rest = guess;
     for _ in 0..INVERSIONS {
@@ -68,7 +68,7 @@ fn rest_below(sea: &SeaSurface, projector: &Projector, point: DVec3, guess: [f64
         if libm::hypot(error[0], error[1]) <= 1e-11 * (1.0 + libm::hypot(point.x, point.z)) {
             break;
         }
-        // Steps of the inverse Jacobian, which near a fold would grow without bound: there, plain steps.
+        // Steps with the inverse Jacobian would grow without bound near a fold; plain steps are used there.
         let [xx, xz, zz] = sample.strain;
         let jacobian = sample.jacobian();
         let step = if jacobian > 0.1 {
@@ -86,7 +86,7 @@ fn hit(sea: &SeaSurface, projector: &Projector, ray: &Ray, distance: f64, rest: 
     hit_of_sea(sea, projector, ray, distance, (rest, &sea.frame.evaluate(rest, print)), inside)
 }
 
-/// The point of a sea with this rest point, which lies at a distance along a ray.
+/// Returns the hit of a sea's point with this rest point at a distance along a ray.
 pub(crate) fn hit_of_sea(
     sea: &SeaSurface,
     projector: &Projector,
@@ -98,7 +98,7 @@ pub(crate) fn hit_of_sea(
     let normal = DVec3::from(sample.normal());
     let jacobian = normal.y;
     let normal = unit_or_up(normal);
-    // The side in the air: toward a ray that comes from there, along one that comes from the water.
+    // The normal points to the air: toward a ray that comes from there, along a ray that comes from the water.
     let normal = if (normal.dot(ray.direction) > 0.0) == inside { normal } else { -normal };
     let (position, rest_point) = (ray.at(distance), DVec3::new(rest[0], sea.level, rest[1]));
     Hit {

@@ -1,4 +1,4 @@
-//! What the triangles that samples see carry there.
+//! Interpolates the attributes of visible triangles at the samples that see them.
 
 #![allow(clippy::needless_range_loop, reason = "loops over lanes of several arrays")]
 
@@ -11,15 +11,15 @@ use crate::shading::unit_or_up;
 use crate::surface::Mesh;
 use crate::{Channel, ChannelSet, Projector, Samples, Visible};
 
-/// Hits that are answered side by side, in vectors.
+/// Number of hits that are processed side by side, in vectors.
 const BLOCK: usize = 32;
 
-/// A value at each of them; what stands beyond the last one is never read.
+/// A value at each hit of a block; values beyond the last hit are never read.
 type Lanes = [f64; BLOCK];
 
 /// A sample that sees a triangle.
 struct Hit {
-    /// Which of its row it is.
+    /// Index of the sample within its row.
     column: usize,
     surface: usize,
     triangle: [u32; 3],
@@ -29,14 +29,14 @@ struct Hit {
 struct Block<'a> {
     hits: &'a [Hit],
     mesh: &'a Mesh,
-    /// Number of the row's first sample, and places within the picture.
+    /// Index of the row's first sample, and positions within the picture.
     start: usize,
     x: Lanes,
     y: f64,
 }
 
 impl Visible {
-    /// Interpolates what the seen triangles carry; background where there is none.
+    /// Interpolates the attributes of the visible triangles; writes the background where there is none.
     pub(crate) fn resolve<'s>(
         &self,
         rows: impl Iterator<Item = Row<'s>>,
@@ -44,7 +44,7 @@ impl Visible {
         wanted: ChannelSet,
         out: &mut Samples,
     ) {
-        // The offset that the raster rounded to, so that the ray meets the triangle that was found.
+        // Use the offset to which the raster rounded, so that the ray meets the triangle that was found.
         let unit = f64::from(1_u32 << self.raster.bits);
         let offset = offset.map(|part| self.raster.fix(part) as f64 / unit);
         dispatch!(Level::new(), simd => simd.vectorize(
@@ -167,7 +167,7 @@ impl Visible {
         } else {
             block.put_all(Channel::Jacobian, 1.0, out);
         }
-        // Of a side seen from the wrong side, as in a fold, the other normal counts.
+        // The normal is flipped on a side that faces away, as in a fold.
         let own = if mesh.inside { 1.0 } else { -1.0 };
         for lane in 0..BLOCK {
             let normal = unit_or_up(DVec3::new(x[lane], y[lane], z[lane])) * (own * sides[lane]);
@@ -188,10 +188,10 @@ impl Visible {
         out: &mut Samples,
     ) {
         let (mesh, eye) = (block.mesh, self.projector.position);
-        // A surface without rest points rests where it is.
+        // A surface without rest points rests at its position.
         let [rest_x, rest_z] =
             if mesh.rests.is_empty() { [offset[0], offset[2]] } else { blend(&block.gather(&mesh.rests), weights) };
-        // The level, or how much higher the model's own rest point stands.
+        // Height of the rest point above the level, for models.
         let mut risen = [0.0; BLOCK];
         if !mesh.rest_heights.is_empty() {
             let [heights] = blend(&block.gather(mesh.rest_heights.as_chunks::<1>().0), weights);
@@ -218,7 +218,7 @@ impl Visible {
 }
 
 impl Block<'_> {
-    /// What the corners of each triangle carry, by corner and component.
+    /// Gathers the attributes of the corners of each triangle, by corner and component.
     #[inline(always)]
     fn gather<const N: usize>(&self, values: &[[f32; N]]) -> [[Lanes; N]; 3] {
         let mut gathered = [[[0.0; BLOCK]; N]; 3];
@@ -233,12 +233,12 @@ impl Block<'_> {
         gathered
     }
 
-    /// Barycentric weights of the points of triangles that the pixels' rays meet, from the exact positions: the
-    /// fixed-point ones only decided that it is these triangles.
+    /// Returns the barycentric weights of the points where the pixels' rays meet triangles, from the exact positions:
+    /// the fixed-point positions only decided which triangles these are.
     ///
     /// For a ray from the origin along r, the point Σ wᵢPᵢ is on it if w₀ : w₁ : w₂ = r·(P₁×P₂) : r·(P₂×P₀) :
-    /// r·(P₀×P₁). Beside them stands −1 where a triangle's outer side is seen, else 1. Rounding may have put the ray
-    /// just beside the triangle: negative weights count as 0.
+    /// r·(P₀×P₁). Also returns −1 if a triangle's outer side is seen, else 1. Rounding may have put the ray slightly
+    /// outside of the triangle: negative weights count as 0.
     #[inline(always)]
     fn weights(&self, positions: &[[Lanes; 3]; 3], projector: &Projector) -> ([Lanes; 3], Lanes) {
         let (mut weights, mut sides) = ([[0.0; BLOCK]; 3], [0.0; BLOCK]);
@@ -252,7 +252,7 @@ impl Block<'_> {
             let (p, q, r) = (corner(0), corner(1), corner(2));
             let ray = if projector.orthographic { projector.forward } else { projector.forward + across + upward };
             let (a, b, c) = (ray.dot(q.cross(r)), ray.dot(r.cross(p)), ray.dot(p.cross(q)));
-            // The sum is r·((P₁−P₀)×(P₂−P₀)): negative where the outer side is seen.
+            // The sum is r·((P₁−P₀)×(P₂−P₀)): negative if the outer side is seen.
             let side = if a + b + c < 0.0 { -1.0 } else { 1.0 };
             let kept = |weight: f64| if weight * side > 0.0 { weight * side } else { 0.0 };
             let (a, b, c) = (kept(a), kept(b), kept(c));
@@ -265,7 +265,7 @@ impl Block<'_> {
         (weights, sides)
     }
 
-    /// Writes the value of each hit where the channel was asked for.
+    /// Writes the value of each hit if the channel was requested.
     #[inline(always)]
     fn put(&self, channel: Channel, values: &Lanes, out: &mut Samples) {
         let samples = out.from(channel, self.start);
@@ -296,7 +296,7 @@ impl Block<'_> {
     }
 }
 
-/// Σ wᵢvᵢ over the corners, by component.
+/// Returns Σ wᵢvᵢ over the corners, by component.
 #[inline(always)]
 fn blend<const N: usize>(values: &[[Lanes; N]; 3], weights: &[Lanes; 3]) -> [Lanes; N] {
     let mut blended = [[0.0; BLOCK]; N];

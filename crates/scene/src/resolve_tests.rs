@@ -4,7 +4,7 @@ use super::*;
 use crate::surface::{Hit, Topology};
 use crate::{Camera, Projection, Ray, Surface};
 
-/// What one triangle carries at a pixel, hit by itself and straight from the formulas.
+/// Computes the attributes of one triangle at a pixel by itself, straight from the formulas.
 fn plain(visible: &Visible, number: u64, pixel: [f64; 2]) -> [f32; Channel::ALL.len()] {
     let mut answers = Channel::ALL.map(Channel::background);
     if number == NOTHING {
@@ -110,7 +110,7 @@ impl Random {
         (0..count).map(|_| std::array::from_fn(|_| value())).collect()
     }
 
-    /// Triangles before a camera that looks along −Z, some of them large, many without area.
+    /// Triangles in front of a camera that looks along −Z, some of them large, many without area.
     fn mesh(&mut self, case: u32) -> Mesh {
         let count = 3 * 80;
         let has = |bit: u32| case & bit != 0;
@@ -162,7 +162,8 @@ fn hits_side_by_side_have_the_bits_of_each_by_itself() {
         let offset = format.sample_offset(case % 4);
         let mut samples = Samples::new();
         visible.fill(window, offset, ChannelSet::ALL, &mut samples);
-        // What is seen by all samples together, and by this one alone, as an offset that is no sample's is asked.
+        // Compares all samples together with this one alone, which is requested by an offset that belongs to no
+        // sample.
         let all = || (0..window.area() as i64).map(|index| [window.x0 + index % 90, window.y0 + index / 90]);
         let look = |visible: &Visible| {
             let mut numbers = Vec::new();

@@ -1,20 +1,20 @@
-//! Surfaces over a resting plane, asked by rest point and not through a camera.
+//! Surfaces over a resting plane, evaluated by rest point instead of through a camera.
 
 use rayon::prelude::*;
 use trochoid_sea::{Fields, Grid, GridError, GridPlan, Sample, Wanted};
 
 use crate::{GridSurface, SeaSurface};
 
-/// A surface whose points rest on a plane: what is known of each by its rest point.
+/// A surface whose points rest on a plane, with the properties of each point by its rest point.
 ///
-/// `on_grid` and `at` describe one and the same surface: the first fast, on a grid and in f32, the second in f64.
+/// `on_grid` and `at` describe the same surface: the first is fast, on a grid and in f32, the second is in f64.
 pub trait Resting {
-    /// What is wanted at every point of a grid, row by row, with an error of at most `tolerance` of each quantity's
-    /// root mean square, or as exact as can be. Must not depend on the number of threads. Told to stop, it ends as soon
-    /// as it can, and what is out is of no use.
+    /// Returns the wanted quantities at every point of a grid, row by row, with an error of at most `tolerance` times
+    /// each quantity's root mean square, or as exact as possible. Must not depend on the number of threads. When told
+    /// to stop, it ends as soon as it can, and its result is useless.
     ///
     /// # Errors
-    /// The grid has too many points, or a figure that is not finite.
+    /// The grid has too many points, or a number is not finite.
     fn on_grid(
         &self,
         grid: Grid,
@@ -24,7 +24,7 @@ pub trait Resting {
         stop: &(dyn Fn() -> bool + Sync),
     ) -> Result<(), GridError>;
 
-    /// The displaced surface at a rest point (x₀, z₀) under a footprint in meters, in f64.
+    /// Returns the displaced surface at a rest point (x₀, z₀) under a footprint in meters, in f64.
     fn at(&self, rest: [f64; 2], footprint: f64) -> Sample;
 }
 
@@ -46,7 +46,7 @@ impl Resting for SeaSurface {
     }
 }
 
-/// Points move up and down alone, whatever the footprint; where the surface ends, they rest.
+/// Points only move up and down, whatever the footprint; outside of the surface they stay at rest.
 impl Resting for GridSurface {
     fn on_grid(
         &self,

@@ -1,4 +1,4 @@
-//! Rigid bodies: one surface, standing at many places.
+//! Rigid bodies: one surface at many poses.
 
 use std::sync::Arc;
 
@@ -9,33 +9,33 @@ use crate::points::Near;
 use crate::surface::{Anchor, Hit, Mesh, Surface, Topology};
 use crate::{ChannelSet, Projector, Ray};
 
-/// Where a rigid body stands.
+/// Position and orientation of a rigid body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose {
     /// Unit vectors along the body's x, y and z, at right angles, right-handed.
     pub axes: [DVec3; 3],
-    /// Where the body's origin stands, in meters.
+    /// Position of the body's origin, in meters.
     pub origin: DVec3,
 }
 
 impl Pose {
-    /// A direction of the body in the world.
+    /// Converts a direction of the body to the world.
     pub fn turn(&self, direction: DVec3) -> DVec3 {
         let [x, y, z] = self.axes;
         x * direction.x + y * direction.y + z * direction.z
     }
 
-    /// A point of the body in the world.
+    /// Converts a point of the body to the world.
     pub fn apply(&self, point: DVec3) -> DVec3 {
         self.origin + self.turn(point)
     }
 
-    /// A direction of the world as the body sees it.
+    /// Converts a direction of the world to the body's space.
     fn turn_back(&self, direction: DVec3) -> DVec3 {
         DVec3::from(self.axes.map(|axis| axis.dot(direction)))
     }
 
-    /// The camera as the body sees it.
+    /// Converts a camera to the body's space.
     fn projector(&self, projector: &Projector) -> Projector {
         Projector {
             position: self.turn_back(projector.position - self.origin),
@@ -47,7 +47,7 @@ impl Pose {
     }
 }
 
-/// A surface at several places. Its rest points and texture coordinates are those of the surface itself.
+/// A surface at several poses. Its rest points and texture coordinates are those of the surface itself.
 #[derive(Clone)]
 pub struct RigidBodies {
     model: Arc<dyn Surface>,
@@ -55,17 +55,17 @@ pub struct RigidBodies {
 }
 
 impl RigidBodies {
-    /// The model at each of the places.
+    /// Makes bodies of a model, one per pose.
     pub fn new(model: Arc<dyn Surface>, poses: Vec<Pose>) -> Self {
         Self { model, poses }
     }
 
-    /// The places.
+    /// Returns the poses.
     pub fn poses(&self) -> &[Pose] {
         &self.poses
     }
 
-    /// The mesh of one body, of which `tessellate` makes what its own camera sees.
+    /// Returns the mesh of one body; `tessellate` makes it as the body's own camera sees it.
     fn body(
         &self,
         pose: &Pose,
@@ -74,13 +74,13 @@ impl RigidBodies {
     ) -> Option<Mesh> {
         let own = pose.projector(projector);
         let mut mesh = tessellate(&own)?;
-        // What is relative to the camera only turns.
+        // Vectors relative to the camera are only rotated.
         let turn = |vector: &mut [f32; 3]| {
             *vector = pose.turn(DVec3::from(vector.map(f64::from))).as_vec3().to_array();
         };
         mesh.positions.iter_mut().for_each(turn);
         mesh.normals.iter_mut().for_each(turn);
-        // Rest points stay those of the model, but are relative to the camera where it stands in the world.
+        // Rest points stay those of the model, but are relative to the camera's position in the world.
         let moved = own.position - projector.position;
         let shift = |value: &mut f32, by: f64| *value = (f64::from(*value) + by) as f32;
         for [x, z] in &mut mesh.rests {
@@ -91,7 +91,7 @@ impl RigidBodies {
         Some(mesh)
     }
 
-    /// The mesh of all bodies.
+    /// Returns the mesh of all bodies.
     fn bodies(&self, projector: &Projector, tessellate: impl Fn(&Projector) -> Option<Mesh>) -> Option<Mesh> {
         let mut all = Mesh { tolerance: Some(0.0), ..Mesh::empty(0.0) };
         let mut joined = Vec::new();
@@ -99,9 +99,10 @@ impl RigidBodies {
             let mesh = self.body(pose, projector, &tessellate)?;
             all.level = mesh.level;
             all.tolerance = all.tolerance.zip(mesh.tolerance).map(|(a, b)| a.max(b));
-            // A body out of sight has no vertices; those of all others hold the same.
+            // A body out of sight has no vertices; the attributes of all others match.
             let own = triangles(&mesh.topology, all.positions.len() as u32);
-            // Each body has its own inner side: seen from there, turned triangles say the same.
+            // Each body has its own inner side: if it is seen from there, turning its triangles over has the same
+            // effect.
             joined.extend(own.into_iter().map(|[a, b, c]| if mesh.inside { [a, c, b] } else { [a, b, c] }));
             all.positions.extend(mesh.positions);
             all.normals.extend(mesh.normals);
@@ -115,7 +116,7 @@ impl RigidBodies {
     }
 }
 
-/// The triangles of a mesh, its vertices counted from `first` on.
+/// Returns the triangles of a mesh, with vertices numbered from `first` on.
 fn triangles(topology: &Topology, first: u32) -> Vec<[u32; 3]> {
     match topology {
         Topology::Triangles(triangles) => {
@@ -170,7 +171,7 @@ impl Surface for RigidBodies {
 }
 
 impl RigidBodies {
-    /// What `meet` finds of the model as each body sees camera and ray, in the world.
+    /// Returns the hits of the model, in the world, that `meet` finds with camera and ray in each body's space.
     fn hits(
         &self,
         projector: &Projector,

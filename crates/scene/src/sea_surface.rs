@@ -19,41 +19,41 @@ pub struct SeaSurface {
     pub(crate) frame: SeaFrame,
     pub(crate) level: f64,
     pub(crate) bounds: Bounds,
-    /// Height in meters that no phases can pass: Σ|a|.
+    /// Height in meters that no phases can exceed: Σ|a|.
     pub(crate) summit: f64,
-    /// Horizontal displacement in meters that no phases can pass: Σ|h|.
+    /// Horizontal displacement in meters that no phases can exceed: Σ|h|.
     pub(crate) drift: f64,
     spacing: Spacing,
-    /// Pixels' sides over that of what waves are filtered by.
+    /// Side of a pixel divided by that of the footprint by which waves are filtered.
     pub(crate) detail: f64,
-    /// The waves for sums in f64, once they are asked for.
+    /// The waves for sums in f64, made when first needed.
     precise: Arc<OnceLock<PreciseSea>>,
     limits: Arc<OnceLock<Limits>>,
 }
 
-/// How many waves the pixels of a picture resolve: the others are so short that less than 1e-6 of them would be left.
+/// Number of waves that the pixels of a picture resolve; of all others, less than 1e-6 is left after filtering.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Resolved {
-    /// At the vertices that resolve the most.
+    /// Number at the vertices that resolve the most.
     pub most: usize,
-    /// The mean over all vertices.
+    /// Mean over all vertices.
     pub mean: f64,
-    /// All waves.
+    /// Number of all waves.
     pub of: usize,
 }
 
-/// Standard deviations of the displacement that the search for visible points allows for: of a normal distribution,
-/// 4 points in 100 million lie beyond.
+/// Standard deviations of the displacement that the search for visible points allows for: in a normal distribution, 4
+/// points in 100 million lie beyond.
 const DEVIATIONS: f64 = 5.5;
 
-/// Most steps that invert the horizontal displacement, the error over 1 m + distance at which they end, and the least
-/// eigenvalue that they go by.
+/// Most steps that invert the horizontal displacement, the error relative to 1 m + distance at which they end, and
+/// the least eigenvalue that they use.
 const STEPS: usize = 64;
 const CLOSE: f64 = 1e-12;
 const LEAST: f64 = 0.5;
 
 impl SeaSurface {
-    /// The sea at a time in seconds, at rest at world y = `level`.
+    /// Returns the sea at a time in seconds, with its rest level at world y = `level`.
     pub fn new(sea: &Sea, time: f64, level: f64) -> Self {
         let bounds = Bounds {
             rise: sea.height_bound().min(DEVIATIONS * sea.height_rms()),
@@ -72,34 +72,35 @@ impl SeaSurface {
         }
     }
 
-    /// The sea for sums in f64.
+    /// Returns the sea for sums in f64.
     pub(crate) fn precise(&self) -> &PreciseSea {
         self.precise.get_or_init(|| PreciseSea::new(&self.frame))
     }
 
-    /// What derivatives of the displacement cannot pass.
+    /// Returns the limits of the derivatives of the displacement.
     pub(crate) fn limits(&self) -> &Limits {
         self.limits.get_or_init(|| Limits::new(self.precise()))
     }
 
-    /// The same, drawn as for pixels so many times as fine: by half of that it has a quarter of the vertices, and waves
+    /// Draws the sea as for pixels `detail` times as fine: half the detail has a quarter of the vertices, and waves
     /// that two pixels cannot resolve become roughness.
     #[must_use]
     pub fn with_detail(self, detail: f64) -> Self {
         Self { detail, ..self }
     }
 
-    /// The footprint in meters by which waves are filtered that a camera sees at a rest point.
+    /// Returns the footprint in meters by which waves are filtered where a camera sees a rest point.
     pub(crate) fn footprint(&self, projector: &Projector, rest: DVec3) -> f64 {
         crate::footprint(projector, rest) / self.detail
     }
 
-    /// What no footprint is less than of the rest points that lie so far ahead of the camera, in meters.
+    /// Returns a lower bound of the footprints, in meters, of the rest points in a range of distances ahead of the
+    /// camera.
     pub(crate) fn least_footprint(&self, projector: &Projector, ahead: [f64; 2]) -> f64 {
         least_footprint(projector, self.level, ahead) / self.detail
     }
 
-    /// How many of the waves a tessellation for this camera adds up; `None` where the sea is not in the picture.
+    /// Returns how many waves a tessellation for this camera sums; `None` if the sea is not in the picture.
     pub fn resolved(&self, projector: &Projector) -> Option<Resolved> {
         let rows = if projector.orthographic {
             vec![self.frame.resolved(self.footprint(projector, DVec3::new(0.0, self.level, 0.0)))]
@@ -111,29 +112,30 @@ impl SeaSurface {
         Some(Resolved { most: rows.into_iter().max()?, mean, of: self.frame.len() })
     }
 
-    /// World y of the rest level in meters.
+    /// Returns world y of the rest level, in meters.
     pub fn level(&self) -> f64 {
         self.level
     }
 
-    /// The sea at its time.
+    /// Returns the sea at its time.
     pub fn frame(&self) -> &SeaFrame {
         &self.frame
     }
 
-    /// The point of the surface that rests at (x, z), its normal (not normalized) and lost slope variance, in f64.
+    /// Returns the point of the surface that rests at (x, z), its normal (not normalized) and lost slope variance, in
+    /// f64.
     pub fn point(&self, rest: [f64; 2], footprint: f64) -> (DVec3, DVec3, f64) {
         let sample = self.frame.evaluate(rest, footprint);
         let position = DVec3::new(rest[0], self.level, rest[1]) + DVec3::from(sample.displacement);
         (position, DVec3::from(sample.normal()), sample.slope_variance)
     }
 
-    /// The rest point that is carried to a place x, z, under a footprint in meters.
+    /// Returns the rest point that is carried to a position x, z, under a footprint in meters.
     ///
-    /// The fixed point of p₀ = p − D(p₀), by Newton's steps from p itself: with H = I + ∂D, p₀ grows by H⁻¹(p − p₀ − D).
-    /// Eigenvalues of H count as ½ at least, so that near folds and within them steps stay finite; they never lead
-    /// beyond the reach of D, and depend on p and time alone and continuously so. Where the sea does not fold they
-    /// converge; in a fold they settle near one of its sheets.
+    /// This is the fixed point of p₀ = p − D(p₀), found by Newton's method from p itself: with H = I + ∂D, p₀ changes
+    /// by H⁻¹(p − p₀ − D). Eigenvalues of H are raised to at least ½, so that steps stay finite near and within
+    /// folds; they never lead beyond the reach of D, and depend only on p and time, continuously. Where the sea does
+    /// not fold they converge; in a fold they settle near one of its sheets.
     pub(crate) fn rest_above(&self, place: [f64; 2], footprint: f64) -> [f64; 2] {
         let mut moved = [0.0; 2];
         for _ in 0..STEPS {
@@ -154,9 +156,10 @@ impl SeaSurface {
     }
 }
 
-/// H⁻¹ of a vector, H = I + the strains, with eigenvalues of [`LEAST`] or more.
+/// Applies H⁻¹ to a vector, with H = I + the strains and its eigenvalues raised to at least [`LEAST`].
 ///
-/// A function f of a symmetric matrix with eigenvalues low and high is αI + βH with β = (f(high) − f(low))/(high − low).
+/// A function f of a symmetric matrix with eigenvalues low and high is αI + βH with β = (f(high) − f(low))/(high −
+/// low).
 fn inverse([xx, xz, zz]: [f64; 3], [x, z]: [f64; 2]) -> [f64; 2] {
     let (middle, radius) = (1.0 + (xx + zz) / 2.0, libm::hypot((xx - zz) / 2.0, xz));
     let f = |eigenvalue: f64| 1.0 / eigenvalue.max(LEAST);

@@ -1,4 +1,4 @@
-//! The nearest triangles at each sample, one after the other: the raster's own definition.
+//! Finds the several nearest triangles at each sample, by the raster's own rules.
 
 use crate::edges::Edges;
 use crate::project::BIN;
@@ -8,12 +8,12 @@ use trochoid_image::Window;
 /// A triangle that a sample's ray meets.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Sheet {
-    /// Primitive and which of its triangles, packed.
+    /// Primitive and index of its triangle, packed.
     number: u64,
     key: f64,
 }
 
-/// The nearest ones, the nearest first.
+/// The nearest sheets, sorted from near to far.
 pub(crate) type Sheets = [Option<Sheet>; 3];
 
 impl Sheet {
@@ -21,30 +21,30 @@ impl Sheet {
         (self.number / 2) as u32
     }
 
-    /// Which of the primitive's triangles.
+    /// Returns which of the primitive's triangles it is.
     pub(crate) fn part(&self) -> usize {
         (self.number % 2) as usize
     }
 
-    /// Planar depth in meters.
+    /// Returns the planar depth, in meters.
     pub(crate) fn depth(&self, projector: &Projector) -> f64 {
         if projector.orthographic { -self.key } else { 1.0 / self.key }
     }
 
-    /// Whether it is seen before another: where both are as near, by its number.
+    /// Returns whether it is seen before another sheet; sheets at equal depth are ordered by number.
     fn precedes(&self, other: &Self) -> bool {
         self.key > other.key || (self.key == other.key && self.number < other.number)
     }
 }
 
-/// The sheets at one sample of each pixel of a window.
+/// Sheets at one sample of each pixel of a window.
 pub(crate) struct Field {
     window: Window,
     sheets: Vec<Sheets>,
 }
 
 impl Field {
-    /// Planar depth of the nearest one at each sample, +∞ where there is none.
+    /// Returns the planar depth of the nearest sheet at each sample, +∞ if there is none.
     pub(crate) fn depths(&self, projector: &Projector) -> impl Iterator<Item = f64> {
         self.sheets.iter().map(|sheets| sheets[0].map_or(f64::INFINITY, |sheet| sheet.depth(projector)))
     }
@@ -56,7 +56,7 @@ impl Field {
 }
 
 impl Visible {
-    /// The nearest triangles at the samples of a window that stand at `offset` in their pixels.
+    /// Finds the nearest triangles at the samples of a window, at `offset` in their pixels.
     pub(crate) fn nearest_sheets(&self, window: Window, offset: [f64; 2]) -> Field {
         let mut field = Field { window, sheets: vec![[None; 3]; window.area()] };
         let inside = window.intersect(Window::sized(self.projector.size[0] as u32, self.projector.size[1] as u32));

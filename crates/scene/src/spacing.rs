@@ -1,33 +1,33 @@
-//! How far apart the vertices of a sea may stand.
+//! Largest distance between the vertices of a sea.
 
 use trochoid_sea::Sea;
 
-/// Chord error in pixels that the tessellation may make at a root-mean-square crest times [`CREST`].
+/// Largest chord error of the tessellation, in pixels, at a root-mean-square crest times [`CREST`].
 const CHORD_PX: f64 = 0.2;
-/// Error in radians that interpolated normals may have there.
+/// Largest error of interpolated normals at such a crest, in radians.
 const NORMAL_RAD: f64 = 0.01;
 /// Sharpest curvature that matters, in multiples of its root mean square.
 const CREST: f64 = 3.0;
 /// Spacing over footprint: with σ = footprint/2 the Gaussian leaves exp(−(π/1.2)²/2) = 3 % of a wave at the sampling
-/// limit of two vertices a wave, and less of anything that could alias.
+/// limit of two vertices per wave, and less of anything that could alias.
 const PER_FOOTPRINT: f64 = 0.6;
 
 /// Spacing of vertices as a function of footprint and pixel size.
 ///
-/// A chord of length h misses a curve of curvature κ by κh²/8, and the miss should stay below a fifth of a pixel. A
-/// normal that is interpolated over h misses by h²/8 times the curvature's own slope, which should stay below
-/// [`NORMAL_RAD`]. Lastly, a surface smoothed by a Gaussian of σ = footprint/2 holds nothing finer than about that:
-/// vertices that the first two would set nearer would be wasted.
+/// A chord of length h misses a curve of curvature κ by κh²/8, and this error should stay below a fifth of a pixel. A
+/// normal that is interpolated over h has an error of h²/8 times the derivative of the curvature, which should stay
+/// below [`NORMAL_RAD`]. Finally, a surface smoothed by a Gaussian of σ = footprint/2 has no detail finer than about
+/// that: vertices that the first two rules would set closer would be wasted.
 #[derive(Clone, Debug)]
 pub(crate) struct Spacing {
-    /// Curvature in 1/m and its slope in 1/m², at logarithmically spaced footprints from `first` on.
+    /// Curvature in 1/m and its derivative in 1/m², at logarithmically spaced footprints from `first` on.
     bends: Vec<[f64; 2]>,
     first: f64,
-    /// Factor on all spacings: above 1 where vertices must be saved.
+    /// Factor on all spacings: above 1 if vertices must be saved.
     pub(crate) coarseness: f64,
 }
 
-/// Entries for a doubling of the footprint.
+/// Entries per octave of the footprint.
 const PER_OCTAVE: f64 = 4.0;
 
 impl Spacing {
@@ -38,7 +38,7 @@ impl Spacing {
         if longest == 0.0 {
             return Self { bends: vec![[0.0; 2]], first: 1.0, coarseness: 1.0 };
         }
-        // A footprint below a twentieth of a wave leaves it; one of two waves takes it.
+        // A footprint below a twentieth of a wavelength keeps the wave; one of two wavelengths removes it.
         let first = shortest / 20.0;
         let octaves = libm::log2(longest * 2.0 / first);
         // Crests are sharper than the sum of sinusoids by 1/(1 − compression).
@@ -54,10 +54,10 @@ impl Spacing {
         Self { bends, first, coarseness: 1.0 }
     }
 
-    /// Spacing in meters where the footprint and the size of a pixel are these, in meters; infinite on a flat sea.
+    /// Returns the spacing in meters for a footprint and the size of a pixel, both in meters; infinite on a flat sea.
     pub(crate) fn at(&self, footprint: f64, pixel: f64) -> f64 {
         let octave = libm::log2((footprint / self.first).max(1.0)) * PER_OCTAVE;
-        // The entry before: its curvature is the larger one.
+        // The previous entry has the larger curvature.
         let [curvature, slope] = self.bends[(octave as usize).min(self.bends.len() - 1)];
         if curvature == 0.0 {
             return f64::INFINITY;

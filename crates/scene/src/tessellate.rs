@@ -12,29 +12,30 @@ use crate::spacing::Spacing;
 use crate::surface::{Mesh, Topology};
 use crate::{Channel, ChannelSet, Projector, SeaSurface, reference};
 
-/// Most vertices of one sea for each pixel of the picture; beyond it vertices move apart.
+/// Most vertices of one sea per pixel of the picture; beyond this limit the spacing is increased.
 ///
-/// Near crests the spacing that errors ask for is finer than a picture can show: with 1.5 vertices a pixel the mean
-/// difference to a mesh without this limit is 0.16 of an 8-bit step in a stormy sea at 1920 × 1080, at half the time.
+/// Near crests the spacing that the error limits require is finer than a picture can show: with 1.5 vertices per
+/// pixel the mean difference from a mesh without this limit is 0.16 of an 8-bit step in a stormy sea at 1920 × 1080,
+/// in half the time.
 const VERTICES_PER_PIXEL: f64 = 1.5;
-/// The limit is never below and never above these, 48 bytes a vertex.
+/// Bounds of the limit, at 48 bytes per vertex.
 const LEAST_LIMIT: f64 = 1e6;
 const GREATEST_LIMIT: f64 = 8e6;
 
-/// Most vertices of a sea in a picture.
+/// Returns the most vertices of a sea in a picture.
 fn limit(sea: &SeaSurface, projector: &Projector) -> f64 {
     let pixels = projector.size[0] * projector.size[1] * sea.detail * sea.detail;
     let finer = projector.fineness * projector.fineness;
     (VERTICES_PER_PIXEL * pixels * finer).clamp(LEAST_LIMIT * finer.min(1.0), GREATEST_LIMIT)
 }
 
-/// How far apart vertices stand at a distance in meters, under this footprint in meters.
+/// Returns the distance between vertices at a distance in meters, under this footprint in meters.
 fn spaced(spacing: &Spacing, projector: &Projector, footprint: f64, distance: f64) -> f64 {
     spacing.at(footprint, projector.pixel_size(distance)) / projector.fineness
 }
 /// Fewest cells across a view: a flat sea needs no more.
 const MIN_COLUMNS: f64 = 8.0;
-/// Greatest step of radius, relative to the distance from the camera.
+/// Largest step of radius, relative to the distance from the camera.
 const GROWTH: f64 = 0.25;
 /// Most rows of an orthographic view.
 const MAX_ROWS: f64 = 8192.0;
@@ -48,16 +49,16 @@ struct Rows<'a, L> {
     layout: L,
 }
 
-/// Where the vertices of a row rest, and what the sea does there.
+/// Rest positions of the vertices of a row, and the state of the sea there.
 trait Layout: Sync {
-    /// Whether the last column is the first one again, bit by bit.
+    /// Whether the last column repeats the first one, bit by bit.
     const CLOSED: bool;
 
-    /// Fills in the rest points of a row, and what is wanted there.
+    /// Computes the rest points of a row, and the wanted quantities there.
     fn row(&self, row: usize, wanted: Wanted, scratch: &mut Scratch);
 }
 
-/// A grid over the sector, to the horizon; `None` soon after `stop` says so.
+/// Returns a grid over the sector, to the horizon; `None` soon after `stop` says so.
 pub(crate) fn sector(
     sea: &SeaSurface,
     spacing: &Spacing,
@@ -90,7 +91,7 @@ pub(crate) fn sector(
     }
 }
 
-/// [`rings`], moved apart where vertices would be too many.
+/// Returns the [`rings`], with a larger spacing if there would be too many vertices.
 fn limited_rings(sea: &SeaSurface, spacing: &Spacing, projector: &Projector, sector: &Sector) -> (Vec<f64>, usize) {
     let (radii, columns) = rings(sea, spacing, projector, sector);
     let vertices = radii.len() as f64 * columns as f64;
@@ -102,8 +103,8 @@ fn limited_rings(sea: &SeaSurface, spacing: &Spacing, projector: &Projector, sec
     rings(sea, &spacing, projector, sector)
 }
 
-/// How many waves the footprint leaves at the vertices of a sector's grid: one number for each straight row, or each
-/// vertex of a disc.
+/// Returns how many waves the footprint leaves at the vertices of a sector's grid: one number for each straight row,
+/// or for each vertex of a disc.
 pub(crate) fn resolved(sea: &SeaSurface, spacing: &Spacing, projector: &Projector, sector: &Sector) -> Vec<usize> {
     let (radii, columns) = limited_rings(sea, spacing, projector, sector);
     if !sector.closed() {
@@ -119,17 +120,17 @@ pub(crate) fn resolved(sea: &SeaSurface, spacing: &Spacing, projector: &Projecto
     radii.iter().flat_map(ring).collect()
 }
 
-/// Footprint on the line across the view so far ahead of the camera's foot.
+/// Returns the footprint on the line across the view at a distance ahead of the camera's foot.
 fn ahead(sea: &SeaSurface, projector: &Projector, along: f64) -> f64 {
     let [x, z] = projector.heading();
     let eye = projector.position;
     sea.footprint(projector, DVec3::new(eye.x + x * along, sea.level, eye.z + z * along))
 }
 
-/// Distances of the rows from the apex, and the number of cells in each row.
+/// Returns the distances of the rows from the apex, and the number of cells in each row.
 fn rings(sea: &SeaSurface, spacing: &Spacing, projector: &Projector, sector: &Sector) -> (Vec<f64>, usize) {
     let height = (projector.position.y - sea.level).abs();
-    // The surface may be nearer than its rest level: below a camera among the crests it is the wave that counts.
+    // The surface may be nearer than its rest level: for a camera below the crests, the distance to the waves counts.
     let clearance = (height - sea.bounds.rise).max(0.25 * height).max(0.02 * sea.bounds.rise).max(1e-3);
     let [first, last] = sector.radii;
     // A straight row meets the first ring with its ends.
@@ -144,7 +145,7 @@ fn rings(sea: &SeaSurface, spacing: &Spacing, projector: &Projector, sector: &Se
     while radius < last {
         let away = radius - sector.setback;
         let distance = libm::sqrt(away * away + clearance * clearance);
-        // Of a disc, the direction in which the camera looks is the one that it sees the most of.
+        // A disc is measured in the direction in which the camera looks, where it sees most of it.
         let print = ahead(sea, projector, away);
         let step = spaced(spacing, projector, print, distance);
         cell = cell.min(step / radius.max(sector.setback).max(clearance));
@@ -154,13 +155,13 @@ fn rings(sea: &SeaSurface, spacing: &Spacing, projector: &Projector, sector: &Se
     (radii, (breadth / cell).ceil() as usize)
 }
 
-/// How deep an orthographic view reaches at most, in meters.
+/// Returns the largest depth of an orthographic view, in meters.
 pub(crate) fn strip_depth(sea: &SeaSurface, spacing: &Spacing, projector: &Projector) -> f64 {
     let print = sea.footprint(projector, DVec3::new(0.0, sea.level, 0.0));
     MAX_ROWS * spacing.at(print, projector.pixel_size(1.0)).min(1e6)
 }
 
-/// A regular grid under an orthographic camera; `None` soon after `stop` says so.
+/// Returns a regular grid under an orthographic camera; `None` soon after `stop` says so.
 pub(crate) fn strip(
     sea: &SeaSurface,
     spacing: &Spacing,
@@ -191,7 +192,7 @@ pub(crate) fn strip(
     Rows { sea, projector, columns, rows: rows as usize + 1, layout }.mesh(wanted, stop)
 }
 
-/// Buffers of one thread.
+/// Scratch buffers of one thread.
 #[derive(Default)]
 struct Scratch {
     x: Vec<f64>,
@@ -268,7 +269,7 @@ impl<L: Layout> Rows<'_, L> {
             tolerance: None,
             topology: Topology::Grid { columns: self.columns, rows: self.rows },
         };
-        // One row for each task; channels that nobody wants have empty rows.
+        // One row per task; channels that are not wanted have empty rows.
         let mut rows: Vec<Row<'_>> = Vec::with_capacity(self.rows);
         let mut normals = mesh.normals.chunks_mut(self.columns);
         let mut rests = mesh.rests.chunks_mut(self.columns);
@@ -328,7 +329,7 @@ impl<L: Layout> Rows<'_, L> {
     }
 }
 
-/// Repeats the first vertex as the last: rounding may differ between the two evaluations of the same point.
+/// Copies the first vertex to the last: rounding may differ between the two evaluations of the same point.
 fn close<T: Copy>(row: &mut [T]) {
     if let [first, .., last] = row {
         *last = *first;

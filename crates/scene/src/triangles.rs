@@ -1,4 +1,4 @@
-//! Triangle meshes as surfaces, such as files hold.
+//! Triangle meshes as surfaces, such as those read from files.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -19,32 +19,32 @@ pub const MAX_TRIANGLES: usize = 1 << 24;
 pub struct Triangles {
     /// Vertices.
     pub positions: Vec<DVec3>,
-    /// A normal of any length for each vertex, or none at all: then each gets the [mean](Self::mean_normals) of those
-    /// around.
+    /// Normals of any length, one per vertex. If empty, each vertex gets the [mean](Self::mean_normals) of the
+    /// normals around it.
     pub normals: Vec<DVec3>,
-    /// Texture coordinates for each vertex, or none at all.
+    /// Texture coordinates, one per vertex, or empty.
     pub uvs: Vec<[f64; 2]>,
-    /// Three vertices for each triangle, counterclockwise seen from the outer side.
+    /// Three vertices per triangle, counterclockwise seen from the outer side.
     pub triangles: Vec<[u32; 3]>,
 }
 
-/// Why arrays make no mesh.
+/// Why arrays do not form a mesh.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum TrianglesError {
     /// Triangle `triangle` names vertex `vertex` of `vertices`.
     Vertex {
         /// Index of the triangle.
         triangle: usize,
-        /// The vertex that it names.
+        /// Vertex that it names.
         vertex: u32,
         /// Number of vertices.
         vertices: usize,
     },
-    /// So many normals or texture coordinates for so many vertices.
+    /// The number of normals or texture coordinates does not match the number of vertices.
     Counts {
-        /// Which array.
+        /// Name of the array.
         what: &'static str,
-        /// Its length.
+        /// Length of the array.
         found: usize,
         /// Number of vertices.
         vertices: usize,
@@ -53,10 +53,10 @@ pub enum TrianglesError {
     NotFinite {
         /// Index of the vertex.
         vertex: usize,
-        /// Which array.
+        /// Name of the array.
         what: &'static str,
     },
-    /// So many triangles or vertices, more than [`MAX_TRIANGLES`].
+    /// There are more triangles or vertices than [`MAX_TRIANGLES`].
     TooMany(usize),
 }
 
@@ -72,7 +72,7 @@ impl std::fmt::Display for TrianglesError {
             Self::NotFinite { vertex, what } => {
                 write!(f, "the {what} of vertex {vertex} holds a number that is not finite or beyond 1e15")
             }
-            Self::TooMany(found) => write!(f, "{found} triangles or vertices; at most {MAX_TRIANGLES} are taken"),
+            Self::TooMany(found) => write!(f, "{found} triangles or vertices; at most {MAX_TRIANGLES} are allowed"),
         }
     }
 }
@@ -80,10 +80,10 @@ impl std::fmt::Display for TrianglesError {
 impl std::error::Error for TrianglesError {}
 
 impl Triangles {
-    /// Whether the arrays fit each other.
+    /// Checks that the arrays fit each other.
     ///
     /// # Errors
-    /// They do not: which, and where.
+    /// They do not fit; the error says which one, and where.
     pub fn check(&self) -> Result<(), TrianglesError> {
         let vertices = self.positions.len();
         let most = vertices.max(self.triangles.len());
@@ -111,19 +111,21 @@ impl Triangles {
         at.map_or(Ok(()), |vertex| Err(TrianglesError::NotFinite { vertex, what: "texture coordinate" }))
     }
 
-    /// For each vertex the mean of the normals of the triangles around its place, weighted by their areas, of unit
-    /// length or 0. Vertices at one place have one normal, so that no seam of texture coordinates shows.
+    /// Returns for each vertex the mean of the normals of the triangles around its position, weighted by their areas,
+    /// of unit length or 0. Vertices at the same position have the same normal, so that no seam of texture
+    /// coordinates shows.
     ///
     /// # Panics
-    /// A triangle names a vertex that there is not; see [`check`](Self::check).
+    /// A triangle names a vertex that does not exist; see [`check`](Self::check).
     pub fn mean_normals(&self) -> Vec<DVec3> {
         mean_normals(&self.positions, &self.triangles)
     }
 
-    /// The same triangles with the normal of each at its three corners, of which none are shared any more.
+    /// Returns the same triangles with three corners each that carry the triangle's normal; no vertex is shared any
+    /// more.
     ///
     /// # Panics
-    /// A triangle names a vertex that there is not; see [`check`](Self::check).
+    /// A triangle names a vertex that does not exist; see [`check`](Self::check).
     pub fn faceted(&self) -> Self {
         let corners = || self.triangles.iter().flatten().map(|vertex| *vertex as usize);
         let positions: Vec<DVec3> = corners().map(|vertex| self.positions[vertex]).collect();
@@ -137,19 +139,19 @@ impl Triangles {
     }
 }
 
-/// A mesh placed in the world; seen from both sides.
+/// A mesh placed in the world; visible from both sides.
 #[derive(Clone, Debug)]
 pub struct TriangleModel {
     mesh: Triangles,
     /// Vertices and normals in the world.
     positions: Vec<DVec3>,
     normals: Vec<DVec3>,
-    /// Corners with the outer side as placed.
+    /// Corners, with the outer side as placed.
     triangles: Vec<[u32; 3]>,
 }
 
 impl TriangleModel {
-    /// Places a mesh; with `flip` the other side is the outer one. Heights are measured from world y = 0.
+    /// Places a mesh; with `flip` the outer side is swapped. Heights are measured from world y = 0.
     ///
     /// # Errors
     /// The arrays do not fit each other.
@@ -162,7 +164,7 @@ impl TriangleModel {
         let normals = if mesh.normals.is_empty() {
             mean_normals(&positions, &triangles)
         } else {
-            // Normals go by the inverse transpose: the factors invert, the turns stay.
+            // Normals transform by the inverse transpose: scale factors are inverted, rotations stay.
             let cofactor = DVec3::new(
                 placement.scale.y * placement.scale.z,
                 placement.scale.z * placement.scale.x,
@@ -175,29 +177,29 @@ impl TriangleModel {
         Ok(Self { mesh, positions, normals, triangles })
     }
 
-    /// Number of triangles.
+    /// Returns the number of triangles.
     pub fn len(&self) -> usize {
         self.triangles.len()
     }
 
-    /// Whether there is nothing to see.
+    /// Returns whether there are no triangles.
     pub fn is_empty(&self) -> bool {
         self.triangles.is_empty()
     }
 }
 
-/// Unit length, or 0 for what has no direction.
+/// Returns the vector at unit length, or 0 if it has no direction.
 fn unit(vector: DVec3) -> DVec3 {
     vector.try_normalize().unwrap_or(DVec3::ZERO)
 }
 
 fn mean_normals(positions: &[DVec3], triangles: &[[u32; 3]]) -> Vec<DVec3> {
-    // Of the vertices at a place, the first takes the sum.
+    // Among the vertices at one position, the first one accumulates the sum.
     let mut places = HashMap::with_capacity(positions.len());
     let first: Vec<usize> = positions
         .iter()
         .enumerate()
-        // Adding 0 makes 0 of −0.
+        // Adding 0 turns −0 into 0.
         .map(|(index, point)| *places.entry(point.to_array().map(|v| (v + 0.0).to_bits())).or_insert(index))
         .collect();
     let mut normals = vec![DVec3::ZERO; positions.len()];
@@ -210,7 +212,7 @@ fn mean_normals(positions: &[DVec3], triangles: &[[u32; 3]]) -> Vec<DVec3> {
 }
 
 impl Surface for TriangleModel {
-    /// Of every triangle within which they lie.
+    /// Returns the anchors in all triangles that contain the texture coordinates.
     fn anchors(&self, uv: [f64; 2]) -> Vec<Anchor> {
         let uvs = &self.mesh.uvs;
         let anchor = |triangle: &[u32; 3]| {
@@ -219,7 +221,7 @@ impl Surface for TriangleModel {
             let ([p, q], r) = ([b, c].map(|to| [to[0] - a[0], to[1] - a[1]]), [uv[0] - a[0], uv[1] - a[1]]);
             let area = p[0] * q[1] - p[1] * q[0];
             let [s, t] = [(r[0] * q[1] - r[1] * q[0]) / area, (p[0] * r[1] - p[1] * r[0]) / area];
-            // Fails where the triangle has no area, or no coordinates.
+            // Fails if the triangle has no area, or no coordinates.
             (s >= 0.0 && t >= 0.0 && s + t < 1.0).then(|| {
                 let [a, b, c] = corners.map(|corner| self.positions[corner]);
                 let (b, c) = (b - a, c - a);
@@ -258,7 +260,7 @@ impl Surface for TriangleModel {
         contours_of_facets(mesh, search, false)
     }
 
-    /// That of the triangle itself, unless rounding has moved the ray beside it.
+    /// Returns the hit of the triangle itself, unless rounding has moved the ray beside it.
     fn meet_near(&self, projector: &Projector, ray: &Ray, near: &Near) -> Option<Hit> {
         // There may be several bodies of this model.
         let triangle = near.triangle.map(|triangle| self.triangles[triangle % self.triangles.len()]);
@@ -275,14 +277,14 @@ impl Surface for TriangleModel {
 }
 
 impl TriangleModel {
-    /// The point of a triangle by the weights of its corners.
+    /// Interpolates the point of a triangle by the weights of its corners.
     fn hit(&self, projector: &Projector, ray: &Ray, (distance, weights): (f64, [f64; 3]), triangle: [u32; 3]) -> Hit {
         let corners = triangle.map(|vertex| vertex as usize);
         let blend = |vectors: &[DVec3]| (0..3).map(|i| weights[i] * vectors[corners[i]]).sum::<DVec3>();
         let position = blend(&self.positions);
         let [p, q, r] = corners.map(|corner| self.positions[corner]);
         let normal = blend(&self.normals).try_normalize().unwrap_or(DVec3::Y);
-        // Seen from the inner side, the other normal counts.
+        // The normal is flipped if the inner side is seen.
         let normal = if (q - p).cross(r - p).dot(ray.direction) > 0.0 { -normal } else { normal };
         let rest = blend(&self.mesh.positions);
         let uv = if self.mesh.uvs.is_empty() {
@@ -307,7 +309,7 @@ impl TriangleModel {
     }
 }
 
-/// Distance along a ray to a triangle, and the weights of its corners there.
+/// Returns the distance along a ray to a triangle, and the weights of its corners there.
 ///
 /// After Möller and Trumbore, *Fast, Minimum Storage Ray/Triangle Intersection*, 1997.
 fn meet(positions: &[DVec3], triangle: [u32; 3], ray: &Ray) -> Option<(f64, [f64; 3])> {

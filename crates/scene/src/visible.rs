@@ -6,7 +6,7 @@ use crate::project::{BIN, Layer, Raster};
 use crate::surface::Mesh;
 use crate::{Camera, ChannelSet, Projector, Samples, Surface};
 
-/// What a camera sees of some surfaces: made once per frame, then asked for any pixels from any thread.
+/// What a camera sees of some surfaces: made once per frame, then evaluated at any pixels from any thread.
 ///
 /// ```
 /// use trochoid_image::Format;
@@ -38,45 +38,45 @@ pub struct Visible {
     pub(crate) firsts: Vec<u32>,
     /// Columns and rows of bins.
     pub(crate) bins: [i64; 2],
-    /// Where each bin's primitives begin; one more entry than there are bins.
+    /// Start of each bin's primitives; one more entry than there are bins.
     pub(crate) starts: Vec<u32>,
     pub(crate) binned: Vec<u32>,
-    /// Where the samples of each pixel stand.
+    /// Positions of the samples within each pixel.
     pub(crate) offsets: Vec<[f64; 2]>,
-    /// No other view of this process has it.
+    /// Unique number of this view within the process.
     pub(crate) number: u64,
     wanted: ChannelSet,
 }
 
-/// How many views there were.
+/// Number of views made so far.
 static VIEWS: AtomicU64 = AtomicU64::new(0);
 
-/// What a preparation cost.
+/// Cost of a preparation.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Stats {
-    /// Vertices of all meshes.
+    /// Number of vertices of all meshes.
     pub vertices: usize,
-    /// Cells and triangles that may be seen.
+    /// Number of cells and triangles that may be visible.
     pub primitives: usize,
     /// Bytes held.
     pub bytes: usize,
 }
 
 impl Visible {
-    /// Tessellates the surfaces for a camera and a format, for the channels that any `fill` will ask for.
+    /// Tessellates the surfaces for a camera and a format, for all channels that any `fill` will request.
     ///
     /// # Panics
-    /// The surfaces have 2³² vertices or cells together.
+    /// The surfaces have 2³² vertices or cells in total.
     pub fn prepare(camera: &Camera, surfaces: &[&dyn Surface], format: Format, wanted: ChannelSet) -> Self {
         let whole = Self::prepare_unless(camera, surfaces, format, 1.0, wanted, &|| false);
         whole.expect("nothing stops it")
     }
 
-    /// The same with vertices so many times as close as pixels ask for, or `None` soon after `stop` has first said that
-    /// nobody waits for it any longer.
+    /// Does the same with vertices `fineness` times as close as pixels require, or returns `None` soon after `stop`
+    /// first says that the result is no longer needed.
     ///
     /// # Panics
-    /// As [`Visible::prepare`].
+    /// Same as [`Visible::prepare`].
     pub fn prepare_unless(
         camera: &Camera,
         surfaces: &[&dyn Surface],
@@ -91,7 +91,7 @@ impl Visible {
         })
     }
 
-    /// The same of meshes made otherwise, `None` where one is.
+    /// Does the same from meshes made by the caller; `None` if one of them is `None`.
     pub(crate) fn of_meshes(
         projector: Projector,
         surfaces: &[&dyn Surface],
@@ -119,12 +119,12 @@ impl Visible {
         Some(Self { projector, raster, layers, firsts, bins, starts, binned, offsets, number, wanted })
     }
 
-    /// The camera's projection.
+    /// Returns the camera's projection.
     pub fn projector(&self) -> &Projector {
         &self.projector
     }
 
-    /// What this view holds.
+    /// Returns the size of this view.
     pub fn stats(&self) -> Stats {
         let bytes = |layer: &Layer| {
             let mesh = &layer.mesh;
@@ -144,13 +144,13 @@ impl Visible {
         }
     }
 
-    /// Answers for one sample of each pixel of a window, which stands at `offset` from the pixel's upper left
-    /// corner, each part 0 to 1 and rounded to the raster: exactly the channels of `wanted`.
+    /// Computes exactly the channels of `wanted` at one sample of each pixel of a window. The sample is at `offset`
+    /// from the pixel's upper left corner; each part is from 0 to 1 and rounded to the raster.
     ///
-    /// Windows of 16 rows or more are fastest; any give the same bits.
+    /// Windows of 16 rows or more are fastest; all windows give the same bits.
     ///
     /// # Panics
-    /// A channel is wanted that was not prepared.
+    /// A wanted channel was not prepared.
     pub fn fill(&self, window: Window, offset: [f64; 2], wanted: ChannelSet, out: &mut Samples) {
         assert!(self.wanted.includes(wanted), "a view is asked only for the channels it was prepared for");
         out.shape(window, wanted);
@@ -160,12 +160,12 @@ impl Visible {
         self.look(window, offset, |seen| self.resolve(seen.within(window), offset, wanted, out));
     }
 
-    /// The same for single pixels, in place of the row of a window of as many, whose bits they have in any window.
+    /// Does the same for single pixels, written as one row; each has the same bits as in any window.
     ///
-    /// Pixels of a window that the thread has just asked for are fastest, row by row.
+    /// Pixels of a window that the thread has just computed are fastest, row by row.
     ///
     /// # Panics
-    /// A channel is wanted that was not prepared.
+    /// A wanted channel was not prepared.
     pub fn fill_pixels(&self, pixels: &[[i64; 2]], offset: [f64; 2], wanted: ChannelSet, out: &mut Samples) {
         assert!(self.wanted.includes(wanted), "a view is asked only for the channels it was prepared for");
         out.shape(Window::new(0, 0, pixels.len() as i64, 1), wanted);
@@ -177,7 +177,7 @@ impl Visible {
     }
 }
 
-/// Counting sort of (bin, primitive): where each bin begins, and the primitives bin by bin.
+/// Sorts pairs of (bin, primitive) by counting: returns the start of each bin, and the primitives bin by bin.
 fn sort(bins: usize, pairs: &[(u32, u32)]) -> (Vec<u32>, Vec<u32>) {
     let mut starts = vec![0_u32; bins + 1];
     for &(bin, _) in pairs {

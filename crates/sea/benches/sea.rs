@@ -1,4 +1,4 @@
-//! Sums of waves on grids and on lines, by every method, and steps of a toon sea.
+//! Benchmarks sums of waves on grids and on lines, by every method, and steps of a toon sea.
 
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
@@ -29,7 +29,7 @@ fn grid(bencher: Bencher<'_, '_>, (method, waves): (Method, usize)) {
     });
 }
 
-/// The same at the points of a straight row.
+/// Displacement and derivatives at the points of a straight row.
 #[divan::bench(args = [10, 100, 1000, 10_000])]
 fn line(bencher: Bencher<'_, '_>, waves: usize) {
     let frame = sea(waves);
@@ -42,7 +42,7 @@ fn line(bencher: Bencher<'_, '_>, waves: usize) {
     });
 }
 
-/// One step of a toon sea whose bursts travel over it.
+/// One step of a toon sea with bursts that travel over it.
 #[divan::bench(args = [0, 100, 10_000])]
 fn toon_step(bencher: Bencher<'_, '_>, bursts: usize) {
     let basin = Basin { columns: 512, rows: 512, spacing: 0.15, boundary: Boundary::Replicate };

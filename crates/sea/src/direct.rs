@@ -4,32 +4,32 @@ use crate::fields::{Fields, Points, SUMS, Wanted};
 use crate::frame::{SeaFrame, Term};
 use crate::kernel::{LANES, exp_neg, sincos_turns};
 
-/// Turns that the f32 offsets of a block may span to each side: phases stay within 1e-6 rad of their f64 values. Waves
-/// of which a block spans more take their offsets in f64, point by point.
+/// Most turns that the f32 offsets of a block may span to each side: phases then stay within 1e-6 rad of their f64
+/// values. For waves of which a block spans more turns, offsets are reduced in f64, point by point.
 const MAX_TURNS: f64 = 8.0;
 
-/// Waves summed before their sum goes into the total, so that rounding grows with the root of the longer of two
-/// short sums instead of one long one.
+/// Number of waves that are summed before their sum is added to the total, so that rounding grows with the root of
+/// the longer of two short sums instead of one long one.
 const RUN: usize = 64;
 
-/// 1.5·2⁵²: adding and subtracting it rounds |v| < 2⁵¹ to the nearest whole number, ties to even, exactly.
+/// 1.5·2⁵²: adding and subtracting it rounds |v| < 2⁵¹ to the nearest integer, ties to even, exactly.
 const ROUNDER: f64 = 6_755_399_441_055_744.0;
 
 /// Points that share one f64 origin.
 struct Block {
     x: [f32; LANES],
     z: [f32; LANES],
-    /// Footprints squared: that of the origin, those of all points, and what these have more than the origin.
+    /// Squared footprints: that of the origin, those of all points, and their excess over the origin's.
     base2: f32,
     footprint2: [f32; LANES],
     excess2: [f32; LANES],
     sharing: Sharing,
     origin: [f64; 2],
-    /// Number of leading waves that the footprint leaves.
+    /// Number of leading waves that the footprint does not filter out.
     waves: usize,
-    /// Number of these whose phase survives f32 offsets.
+    /// Number of these whose phases are accurate enough with f32 offsets.
     near: usize,
-    /// The offsets in f64, for the waves after those.
+    /// Offsets in f64, for the remaining waves.
     x_exact: [f64; LANES],
     z_exact: [f64; LANES],
 }
@@ -37,25 +37,25 @@ struct Block {
 /// How the attenuation exp(−f·footprint²) varies over a block, f = k²/8.
 #[derive(Clone, Copy, PartialEq)]
 enum Sharing {
-    /// Not at all: one number for each wave.
+    /// Constant: one number for each wave.
     Equal,
     /// By exp(−u), u = f·excess, |u| ≤ [`NEAR`]: a cubic in u.
     Near,
-    /// By more: an exponential for each point and wave.
+    /// By more: one exponential for each point and wave.
     Any,
 }
 
-/// Largest |u| for which 1 − u + u²/2 − u³/6 is exp(−u) to u⁴/24 < 3e-7.
+/// Largest |u| for which 1 − u + u²/2 − u³/6 equals exp(−u) to u⁴/24 < 3e-7.
 const NEAR: f32 = 0.05;
 
-/// Buffers of one evaluation.
+/// Scratch buffers of one evaluation.
 struct Scratch {
     phases: Vec<f32>,
     shares: Vec<f32>,
 }
 
 impl Block {
-    /// Turns from the origin to each point, reduced in f64 to −½…½.
+    /// Returns the turns from the origin to each point, reduced in f64 to −½…½.
     #[inline(always)]
     fn exact_turns<S: Simd>(&self, simd: S, [turns_x, turns_z]: [f64; 2]) -> f32x16<S> {
         let mut reduced = [0.0; LANES];
@@ -66,7 +66,7 @@ impl Block {
         f32x16::from_slice(simd, &reduced)
     }
 
-    /// What the footprints of the block's points leave of a wave, given what the origin's leaves.
+    /// Returns the share of a wave that the footprints of the block's points leave, given the share at the origin.
     #[inline(always)]
     fn share<S: Simd>(&self, simd: S, filter: f32, at_origin: f32) -> f32x16<S> {
         match self.sharing {
@@ -84,12 +84,12 @@ impl Block {
 type Sums = [[f32; LANES]; SUMS];
 
 impl SeaFrame {
-    /// Displacements, derivatives and lost variance at any rest points, in f32.
+    /// Computes displacements, derivatives and lost variance at any rest points, in f32.
     ///
     /// Sixteen neighbors in the slices share an origin at which phases are reduced in f64; offsets from it are f32.
     /// Results agree with [`evaluate`](Self::evaluate) to about 2e-6 of each quantity's root mean square, however
-    /// far the points and the time are; from 1e9 turns on f64 itself loses that accuracy. Sixteen points that lie
-    /// many wavelengths apart are evaluated one by one, which is as exact and slower.
+    /// distant the points and the time are; beyond 1e9 turns f64 itself loses that accuracy. If sixteen points lie
+    /// many wavelengths apart, they are evaluated one by one, which is equally exact but slower.
     ///
     /// # Panics
     /// The slices of `points` differ in length.
@@ -114,12 +114,12 @@ impl SeaFrame {
     fn block(&self, points: Points<'_>) -> Block {
         let len = points.x.len();
         let origin = [points.x[len / 2], points.z[len / 2]];
-        // Lanes past the last point repeat the origin: their results are not stored.
+        // Lanes past the last point repeat the origin; their results are not stored.
         let lane = |index: usize, values: &[f64], otherwise: f64| values.get(index).copied().unwrap_or(otherwise);
         let footprint = points.footprint[len / 2];
         let footprint2: [f32; LANES] = std::array::from_fn(|index| {
             let value = lane(index, points.footprint, footprint) as f32;
-            // Finite squares only: whatever is wider than 1e15 m leaves no wave either.
+            // Keep squares finite: no wave remains for footprints above 1e15 m either.
             value.min(1e15) * value.min(1e15)
         });
         let least = footprint2.iter().copied().fold(f32::INFINITY, f32::min);
@@ -137,7 +137,7 @@ impl SeaFrame {
         let offset =
             |index: usize| [lane(index, points.x, origin[0]) - origin[0], lane(index, points.z, origin[1]) - origin[1]];
         let reach = (0..LANES).map(offset).map(|[x, z]| libm::sqrt(x * x + z * z)).fold(0.0, |a: f64, b| a.max(b));
-        // Waves are sorted from the longest on.
+        // Waves are sorted by falling wavelength.
         let near = self.phases.leading(waves, |[x, z]| reach * libm::sqrt(x * x + z * z) <= MAX_TURNS);
         Block {
             x: std::array::from_fn(|index| offset(index)[0] as f32),
@@ -193,7 +193,7 @@ impl SeaFrame {
         }
     }
 
-    /// Phases and shares at the block's origin.
+    /// Computes phases and shares at the block's origin.
     #[inline(always)]
     fn prepare<S: Simd>(&self, simd: S, block: &Block, scratch: &mut Scratch) {
         self.phases.at(block.origin[0], block.origin[1], &mut scratch.phases[..block.waves]);
@@ -209,7 +209,7 @@ impl SeaFrame {
         }
     }
 
-    /// Adds all waves of the block, to the sums of these kinds.
+    /// Adds all waves of the block to the sums of these kinds.
     #[inline(always)]
     fn sum<S: Simd, const KINDS: u8>(&self, simd: S, block: &Block, scratch: &Scratch, sums: &mut Sums) {
         let x = f32x16::from_slice(simd, &block.x);
@@ -239,7 +239,7 @@ impl SeaFrame {
         }
     }
 
-    /// ½(a·k)²(1 − share²) over all waves; what is cut counts as lost whole.
+    /// Computes ½(a·k)²(1 − share²) over all waves; waves that are cut count as lost completely.
     #[inline(always)]
     fn lost_variance<S: Simd>(&self, simd: S, block: &Block, scratch: &Scratch, out: &mut [f32; LANES]) {
         let cut = self.variance_from[block.waves];
@@ -266,14 +266,14 @@ impl SeaFrame {
     }
 }
 
-/// Displacements.
+/// Bit for displacements.
 const D: u8 = 1;
-/// Derivatives.
+/// Bit for derivatives.
 const J: u8 = 2;
-/// Velocities.
+/// Bit for velocities.
 const V: u8 = 4;
 
-/// The kinds of sums that are wanted, as bits.
+/// Returns the kinds of sums that are wanted, as bits.
 pub(crate) fn kinds(wanted: Wanted) -> u8 {
     D * u8::from(wanted.displacement) + J * u8::from(wanted.derivatives) + V * u8::from(wanted.velocity)
 }

@@ -1,6 +1,6 @@
-//! Names of what models are told, for errors.
+//! Names of model parameters, for error messages.
 
-/// An enum of figures, each printed by its name.
+/// Defines an enum of parameters, each printed by its name.
 macro_rules! figures {
     ($(#[$doc:meta])* $name:ident { $($figure:ident = $text:literal,)* }) => {
         $(#[$doc])*

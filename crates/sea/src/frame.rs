@@ -4,7 +4,7 @@ use trochoid_key::content_key;
 use crate::fields::{SUMS, Sample};
 use crate::wave::{Wave, attenuation};
 
-/// A sea: the sum of its waves. No wave at all is a flat sea.
+/// A sea: the sum of its waves. A sea without waves is flat.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Sea {
     waves: Vec<Wave>,
@@ -13,28 +13,29 @@ pub struct Sea {
 content_key!(Sea { waves });
 
 impl Sea {
-    /// The sum of these waves.
+    /// Makes a sea that is the sum of these waves.
     pub fn new(waves: Vec<Wave>) -> Self {
         Self { waves }
     }
 
-    /// The waves, in the order in which the reference adds them.
+    /// Returns the waves, in the order in which the reference adds them.
     pub fn waves(&self) -> &[Wave] {
         &self.waves
     }
 
-    /// Root mean square of the surface height in meters, over independent phases.
+    /// Returns the root mean square of the surface height in meters, over independent phases.
     pub fn height_rms(&self) -> f64 {
         libm::sqrt(self.waves.iter().map(|wave| wave.amplitude * wave.amplitude / 2.0).sum())
     }
 
-    /// Root mean square of the horizontal displacement in meters, over independent phases.
+    /// Returns the root mean square of the horizontal displacement in meters, over independent phases.
     pub fn horizontal_rms(&self) -> f64 {
         libm::sqrt(self.waves.iter().map(|wave| wave.horizontal * wave.horizontal / 2.0).sum())
     }
 
-    /// Root mean square of the nth derivative of the height, along the waves and by the rest point, under this
-    /// footprint in meters and over independent phases: n = 0 is the height, 1 the slope, 2 the curvature in 1/m.
+    /// Returns the root mean square of the nth derivative of the height, along the waves and by the rest point, under
+    /// this footprint in meters and over independent phases: n = 0 is the height, 1 the slope, 2 the curvature in
+    /// 1/m.
     pub fn derivative_rms(&self, n: i32, footprint: f64) -> f64 {
         let square = |wave: &Wave| {
             let k = wave.wave_number();
@@ -44,17 +45,17 @@ impl Sea {
         libm::sqrt(self.waves.iter().map(square).sum())
     }
 
-    /// Greatest height over the rest level that any phases could give: Σ|a| in meters.
+    /// Returns the greatest height over the rest level that any phases could give: Σ|a| in meters.
     pub fn height_bound(&self) -> f64 {
         self.waves.iter().map(|wave| wave.amplitude.abs()).sum()
     }
 
-    /// Greatest horizontal displacement that any phases could give: Σ|h| in meters.
+    /// Returns the greatest horizontal displacement that any phases could give: Σ|h| in meters.
     pub fn horizontal_bound(&self) -> f64 {
         self.waves.iter().map(|wave| wave.horizontal.abs()).sum()
     }
 
-    /// The sea at one time in seconds: what does not depend on the place is worked out once.
+    /// Returns the sea at one time in seconds; everything that does not depend on the position is computed once.
     pub fn at(&self, time: f64) -> SeaFrame {
         SeaFrame::new(&self.waves, time)
     }
@@ -63,9 +64,9 @@ impl Sea {
 /// A sea at one time, ready for evaluation anywhere.
 #[derive(Clone, Debug)]
 pub struct SeaFrame {
-    /// In the order of the sea, for the reference: each wave and the phase of its origin in turns.
+    /// Each wave with its phase at the origin, in turns, in the order of the sea; for the reference.
     reference: Vec<(Wave, Phase)>,
-    /// In the order of falling wavelength, so that the waves that a footprint leaves are a prefix.
+    /// Phases by falling wavelength, so that the waves that a footprint leaves are a prefix.
     pub(crate) phases: Phases,
     pub(crate) terms: Vec<Term>,
     /// The waves themselves, in the same order.
@@ -76,10 +77,10 @@ pub struct SeaFrame {
     pub(crate) variance_from: Vec<f64>,
 }
 
-/// Exponent from which on a wave is not added: 1e-6 of it is left.
+/// Exponent from which a wave is not added: 1e-6 of it is left.
 pub(crate) const CUT: f64 = 13.8;
 
-/// 1.5·2⁵²: adding and subtracting it rounds |v| < 2⁵¹ to the nearest whole number, ties to even, exactly.
+/// 1.5·2⁵²: adding and subtracting it rounds |v| < 2⁵¹ to the nearest integer, ties to even, exactly.
 const ROUNDER: f64 = 6_755_399_441_055_744.0;
 
 /// Phase of a wave in turns: `x`·x₀ + `z`·z₀ + `origin`.
@@ -91,10 +92,10 @@ struct Phase {
 }
 
 impl Phase {
-    /// Phase at a rest point, reduced to −½…½ turn.
+    /// Returns the phase at a rest point, reduced to −½…½ turn.
     ///
-    /// The reduction stands in f64: at x = t = 1e5 the phase of a wave of 1 m is 1e5 turns, which f32 knows to
-    /// 1/128 turn only.
+    /// The reduction is done in f64: at x = t = 1e5 the phase of a wave of 1 m is 1e5 turns, which f32 represents
+    /// only to 1/128 turn.
     #[inline(always)]
     fn at(&self, x: f64, z: f64) -> f64 {
         let turns = self.x * x + self.z * z + self.origin;
@@ -102,7 +103,7 @@ impl Phase {
     }
 }
 
-/// Phases of all waves, one array for each factor.
+/// Phases of all waves, one array per factor.
 #[derive(Clone, Debug)]
 pub(crate) struct Phases {
     x: Vec<f64>,
@@ -111,7 +112,7 @@ pub(crate) struct Phases {
 }
 
 impl Phases {
-    /// The phases of the first waves at a rest point, reduced in f64 to −½…½ turn: as many as `out` holds.
+    /// Computes the phases of the first waves at a rest point, reduced in f64 to −½…½ turn: as many as `out` holds.
     #[inline(always)]
     pub(crate) fn at(&self, x: f64, z: f64, out: &mut [f32]) {
         let factors = self.x.iter().zip(&self.z).zip(&self.origin);
@@ -120,7 +121,7 @@ impl Phases {
         }
     }
 
-    /// How many of the first `count` waves, sorted so that `holds` does for leading ones only, it holds for.
+    /// Returns how many of the first `count` waves satisfy `holds`; they must be sorted so that these come first.
     pub(crate) fn leading(&self, count: usize, holds: impl Fn([f64; 2]) -> bool) -> usize {
         let (mut low, mut high) = (0, count);
         while low < high {
@@ -130,23 +131,23 @@ impl Phases {
         low
     }
 
-    /// The phase of one wave at a rest point, reduced to −½…½ turn.
+    /// Returns the phase of one wave at a rest point, reduced to −½…½ turn.
     pub(crate) fn of(&self, wave: usize, [x, z]: [f64; 2]) -> f64 {
         Phase { x: self.x[wave], z: self.z[wave], origin: self.origin[wave] }.at(x, z)
     }
 
-    /// The phase of one wave at the origin, in turns.
+    /// Returns the phase of one wave at the origin, in turns.
     pub(crate) fn origin(&self, wave: usize) -> f64 {
         self.origin[wave]
     }
 
-    /// Turns per meter of one wave.
+    /// Returns the turns per meter of one wave.
     pub(crate) fn turns(&self, wave: usize) -> [f64; 2] {
         [self.x[wave], self.z[wave]]
     }
 }
 
-/// What the f32 kernels read of a wave.
+/// Numbers of a wave that the f32 kernels read.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Term {
     /// Turns per meter along x and z.
@@ -159,7 +160,7 @@ pub(crate) struct Term {
     pub(crate) variance: f32,
 }
 
-/// What a wave adds to a sum.
+/// Contribution of a wave to a sum.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Factor {
     /// This times sin θ.
@@ -176,7 +177,7 @@ impl Factor {
     }
 }
 
-/// What a wave adds to each sum, in the order of the kernel's outputs.
+/// Returns the contribution of a wave to each sum, in the order of the kernel's outputs.
 pub(crate) fn factors(wave: &Wave) -> [Factor; SUMS] {
     use Factor::{Cosine, Sine};
     let (k, speed) = (wave.wave_number(), wave.angular_frequency);
@@ -238,7 +239,8 @@ impl SeaFrame {
         }
     }
 
-    /// The surface at a rest point (x₀, z₀) under a footprint in meters: the plain f64 sum, straight from the model.
+    /// Returns the surface at a rest point (x₀, z₀) under a footprint in meters: the plain f64 sum, straight from the
+    /// model.
     ///
     /// Source: thesis §3.2.1 with the signs of the crate's model; Hinsinger, Neyret and Cani 2002, eq. 1.
     pub fn evaluate(&self, rest: [f64; 2], footprint: f64) -> Sample {
@@ -264,28 +266,28 @@ impl SeaFrame {
         sample
     }
 
-    /// The sea of which this is one time.
+    /// Returns the sea that this is one time of.
     pub fn sea(&self) -> Sea {
         Sea::new(self.reference.iter().map(|(wave, _)| *wave).collect())
     }
 
-    /// Number of waves.
+    /// Returns the number of waves.
     pub fn len(&self) -> usize {
         self.reference.len()
     }
 
-    /// Whether no wave moves this sea.
+    /// Returns whether the sea has no waves.
     pub fn is_empty(&self) -> bool {
         self.reference.is_empty()
     }
 
-    /// How many waves a footprint in meters leaves: of each of the others less than 1e-6.
+    /// Returns how many waves a footprint in meters leaves; less than 1e-6 is left of each of the others.
     pub fn resolved(&self, footprint: f64) -> usize {
         let print = (footprint as f32).min(1e15);
         self.left(print * print)
     }
 
-    /// How many of the leading waves a footprint leaves, given its square in m².
+    /// Returns how many of the leading waves a footprint leaves, given its square in m².
     pub(crate) fn left(&self, footprint2: f32) -> usize {
         self.filters.partition_point(|filter| filter * footprint2 <= CUT as f32)
     }

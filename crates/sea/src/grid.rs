@@ -3,13 +3,13 @@
 pub struct Grid {
     /// First rest point, x and z in meters.
     pub origin: [f64; 2],
-    /// Distance of neighbors along x and z in meters.
+    /// Distance between neighbors along x and z, in meters.
     pub step: [f64; 2],
     /// Number of points along x.
     pub columns: usize,
     /// Number of points along z.
     pub rows: usize,
-    /// Footprint of all points in meters.
+    /// Footprint of all points, in meters.
     pub footprint: f64,
 }
 
@@ -18,10 +18,10 @@ pub const MAX_SIDE: usize = 1 << 20;
 /// Most points of a grid.
 pub const MAX_POINTS: usize = 1 << 31;
 
-/// Why a grid is refused.
+/// Why a grid is rejected.
 #[derive(Clone, Debug, PartialEq)]
 pub enum GridError {
-    /// More points than [`MAX_SIDE`] along a side, or than [`MAX_POINTS`] in all.
+    /// It has more points than [`MAX_SIDE`] along a side, or than [`MAX_POINTS`] in all.
     Size(usize, usize),
     /// The origin, the step or the footprint is not a finite number of meters, or the footprint is negative.
     Meters(&'static str, f64),
@@ -32,10 +32,14 @@ impl std::fmt::Display for GridError {
         match self {
             Self::Size(columns, rows) => write!(
                 f,
-                "a grid of {columns} × {rows} points is refused: at most {MAX_SIDE} along a side, {MAX_POINTS} in all"
+                "found a grid of {columns} × {rows} points; expected at most {MAX_SIDE} along a side and \
+                 {MAX_POINTS} in all"
             ),
             Self::Meters(what, found) => {
-                write!(f, "a grid whose {what} is {found} is refused: use a finite number of meters")
+                write!(
+                    f,
+                    "found a grid whose {what} is {found}; expected a finite number of meters, ≥ 0 for the footprint"
+                )
             }
         }
     }
@@ -44,10 +48,10 @@ impl std::fmt::Display for GridError {
 impl std::error::Error for GridError {}
 
 impl Grid {
-    /// Whether the grid can be evaluated.
+    /// Checks that the grid can be evaluated.
     ///
     /// # Errors
-    /// It has too many points, or a figure that is not finite.
+    /// It has too many points, or a number that is not finite.
     pub fn validate(&self) -> Result<(), GridError> {
         let sides = self.columns <= MAX_SIDE && self.rows <= MAX_SIDE;
         if !sides || self.columns * self.rows > MAX_POINTS {

@@ -5,12 +5,12 @@ use crate::method::Method;
 use crate::nufft::Nufft;
 use rayon::prelude::*;
 
-/// The evaluation of seas on one grid: what does not depend on the sea or the time is worked out once, and buffers
-/// are kept.
+/// Evaluation of seas on one grid: everything that does not depend on the sea or the time is computed once, and
+/// buffers are kept.
 ///
 /// Points, wave numbers and times may be as large as f64 resolves: phases are reduced to one turn in f64. Waves that
-/// are shorter than two steps are exact at every point; it is the grid's footprint that attenuates them, as the
-/// crate's filter says. Results do not depend on the number of threads.
+/// are shorter than two steps are exact at every point; the grid's footprint attenuates them, according to the
+/// crate's filter. Results do not depend on the number of threads.
 ///
 /// ```
 /// use trochoid_sea::{Fields, GerstnerSpectrum, Grid, GridPlan, Sea, Wanted};
@@ -33,7 +33,7 @@ pub struct GridPlan {
     transform: Transform,
 }
 
-/// What a method keeps.
+/// State that a method keeps.
 enum Transform {
     None,
     Single(Box<Nufft<f32>>),
@@ -41,20 +41,20 @@ enum Transform {
 }
 
 impl GridPlan {
-    /// A plan that evaluates seas of about `waves` waves by the cheapest method whose [error](Method::error) is at
-    /// most `tolerance`, or by the most exact one if none's is.
+    /// Makes a plan that evaluates seas of about `waves` waves by the cheapest method whose [error](Method::error) is
+    /// at most `tolerance`, or by the most exact one if there is none.
     ///
     /// # Errors
-    /// The grid has too many points, or a figure that is not finite.
+    /// The grid has too many points, or a number that is not finite.
     pub fn new(grid: Grid, wanted: Wanted, waves: usize, tolerance: f64) -> Result<Self, GridError> {
         grid.validate()?;
         Ok(Self::build(grid, wanted, Method::cheapest([grid.columns, grid.rows], wanted, waves, tolerance)))
     }
 
-    /// A plan that evaluates by this method.
+    /// Makes a plan that evaluates by this method.
     ///
     /// # Errors
-    /// The grid has too many points, or a figure that is not finite.
+    /// The grid has too many points, or a number that is not finite.
     pub fn by(method: Method, grid: Grid, wanted: Wanted) -> Result<Self, GridError> {
         grid.validate()?;
         Ok(Self::build(grid, wanted, method))
@@ -70,17 +70,17 @@ impl GridPlan {
         Self { grid, wanted, method, transform }
     }
 
-    /// The method in use.
+    /// Returns the method in use.
     pub fn method(&self) -> Method {
         self.method
     }
 
-    /// What is wanted at every point of the grid, row by row.
+    /// Computes the wanted quantities at every point of the grid, row by row.
     pub fn evaluate(&mut self, frame: &SeaFrame, out: &mut Fields) {
         self.evaluate_unless(frame, out, &|| false);
     }
 
-    /// The same unless told to stop, which it asks at each row or so: then what is out is of no use.
+    /// Does the same, but asks about once per row whether to stop; if so, the result is useless.
     pub fn evaluate_unless(&mut self, frame: &SeaFrame, out: &mut Fields, stop: &(dyn Fn() -> bool + Sync)) {
         let (grid, wanted) = (self.grid, self.wanted);
         out.reset(wanted, grid.columns * grid.rows);
@@ -110,7 +110,7 @@ impl GridPlan {
     }
 }
 
-/// Row by row, by the sum for any points.
+/// Evaluates row by row, by the sum for any points.
 fn direct(frame: &SeaFrame, grid: Grid, wanted: Wanted, out: &mut Fields, stop: &(dyn Fn() -> bool + Sync)) {
     let wanted = Wanted { slope_variance: false, ..wanted };
     let x: Vec<f64> = (0..grid.columns).map(|column| grid.origin[0] + column as f64 * grid.step[0]).collect();
@@ -125,7 +125,7 @@ fn direct(frame: &SeaFrame, grid: Grid, wanted: Wanted, out: &mut Fields, stop: 
         Some(fields)
     };
     let rows: Vec<usize> = (0..grid.rows).collect();
-    // A few rows at a time, so that they take little beside the result.
+    // A few rows at a time, so that they take little memory beside the result.
     for rows in rows.chunks(64) {
         let results: Option<Vec<Fields>> = rows.par_iter().map(|&index| row(index)).collect();
         let Some(results) = results else { return };

@@ -8,44 +8,45 @@ use crate::wave::{GRAVITY, LENGTHS_M, Wave, WaveError, WaveFigure, within};
 /// Most waves of one group.
 pub const MAX_GROUP: usize = 10_000;
 
-/// How far the wave numbers of a group reach, in their standard deviations, and how far chance moves each.
+/// Range of the wave numbers of a group, in their standard deviations, and their random variation.
 const REACH: f64 = 1.8;
 const JITTER: f64 = 0.12;
 
-/// One crest that is placed by hand: a packet of plain waves, all of whose crests meet at one place and time.
+/// One crest that is placed by hand: a packet of plain waves, all of whose crests meet at one position and time.
 ///
 /// Wave vectors lie on a grid around that of the middle wave, k = d(k₀ + p/σ₁) + e·q/σ₂ with d the direction of
-/// travel, e across it and p, q from −1.8 to 1.8, each moved a little by chance, so that the packet does not return;
-/// amplitudes go by exp(−(p² + q²)/2) and sum to `height`. So the height at the focus is `height`, and around it
-/// that of a wave under a bell of standard deviation σ₁ along and σ₂ across the travel.
+/// travel, e across it and p, q from −1.8 to 1.8. Each is moved slightly at random, so that the packet does not
+/// recur. Amplitudes are proportional to exp(−(p² + q²)/2) and sum to `height`. The height at the focus is therefore
+/// `height`, and around it the surface is a wave under a bell curve of standard deviation σ₁ along and σ₂ across the
+/// travel.
 ///
 /// Source: the wave packet of linear wave theory, e.g. Whitham, *Linear and Nonlinear Waves*, 1974, §11.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WaveGroup {
-    /// Length of the middle wave in meters, > 0.
+    /// Length of the middle wave, in meters, > 0.
     pub wavelength: f64,
-    /// Height of the crest above the resting sea, at the focus, in meters.
+    /// Height of the crest above the resting sea at the focus, in meters.
     pub height: f64,
-    /// Azimuth of travel in radians: 0 is +X, growing toward +Z.
+    /// Azimuth of travel, in radians: 0 is +X, growing toward +Z.
     pub direction: f64,
-    /// Standard deviation σ₁ of the packet along its travel in meters, at least 0.31 wavelengths: a shorter one would
-    /// need waves that run the other way.
+    /// Standard deviation σ₁ of the packet along its travel, in meters, at least 0.31 wavelengths: a shorter one
+    /// would need waves that travel the other way.
     pub along: f64,
-    /// Standard deviation σ₂ across the travel in meters, > 0: half the length of the crest.
+    /// Standard deviation σ₂ across the travel, in meters, > 0: half the length of the crest.
     pub across: f64,
-    /// World x and z in meters where the crests meet.
+    /// World x and z where the crests meet, in meters.
     pub focus: [f64; 2],
-    /// Time in seconds when they do.
+    /// Time when the crests meet, in seconds.
     pub time: f64,
-    /// Compression along the travel at the focus as a share of the cusp: 0 is a sum of sinusoids, at 1 the crest is a
-    /// cusp, beyond it folds. ≥ 0.
+    /// Compression along the travel at the focus, as a share of the cusp: 0 gives a sum of sinusoids, 1 a cusp, more
+    /// a fold. ≥ 0.
     pub sharpness: f64,
-    /// Pace in m/s at which the crest travels unchanged; deep water decides for each wave where it is left out, and
-    /// the packet comes and goes.
+    /// Speed in m/s at which the crest travels unchanged. If `None`, deep water sets the speed of each wave, and the
+    /// packet forms and disperses.
     pub speed: Option<f64>,
-    /// Waves along and across the travel, ≥ 1; few let the crest return nearby.
+    /// Number of waves along and across the travel, ≥ 1; with few waves the crest recurs nearby.
     pub waves: [usize; 2],
-    /// Which of all groups that have these figures.
+    /// Random seed.
     pub seed: u64,
 }
 
@@ -68,13 +69,13 @@ impl Default for WaveGroup {
 }
 
 impl WaveGroup {
-    /// The least [`along`](Self::along), in wavelengths.
+    /// Least value of [`along`](Self::along), in wavelengths.
     pub const LEAST_ALONG: f64 = 0.31;
 
-    /// The waves of this group.
+    /// Returns the waves of this group.
     ///
     /// # Errors
-    /// A figure is outside its range.
+    /// A number is outside of its range.
     pub fn waves(&self) -> Result<Vec<Wave>, WaveError> {
         self.validate()?;
         let [d, e] = [0.0, TAU / 4.0].map(|turn| self.direction + turn).map(|a| [libm::cos(a), libm::sin(a)]);
@@ -83,7 +84,7 @@ impl WaveGroup {
         let mut unit = || ((random.next_u64() >> 11) as f64 + 0.5) / (1u64 << 53) as f64;
         let mut place = |index: usize, count: usize| {
             let moved = JITTER * (2.0 * unit() - 1.0);
-            // A single wave stands in the middle.
+            // A single wave is in the middle.
             if count > 1 { REACH * (2.0 * index as f64 / (count - 1) as f64 - 1.0) + moved } else { 0.0 }
         };
         let [along, across] = self.waves;
@@ -97,7 +98,8 @@ impl WaveGroup {
             }
         }
         let total: f64 = packet.iter().map(|(_, _, weight)| weight).sum();
-        // What the crest compresses along its travel for a ratio of 1 of horizontal to vertical amplitude: Σ w·k(d̂·d)².
+        // Compression of the crest along its travel for a ratio of 1 of horizontal to vertical amplitude: Σ
+        // w·k(d̂·d)².
         let compression: f64 = packet
             .iter()
             .map(|([x, z], forward, weight)| weight / total * forward * forward / libm::sqrt(x * x + z * z))

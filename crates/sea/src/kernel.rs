@@ -1,19 +1,19 @@
-//! Vector arithmetic that gives the same bits on every processor: plain products, sums and exact roundings.
+//! Vector arithmetic with the same bits on every processor: plain products, sums and exact roundings.
 
 use fearless_simd::{Simd, f32x16, i32x16, prelude::*};
 
-/// Points that a kernel handles at once.
+/// Number of points that a kernel processes at once.
 pub(crate) const LANES: usize = 16;
 
-/// 1.5·2²³: adding and subtracting it rounds |v| < 2²² to the nearest whole number, ties to even, exactly.
+/// 1.5·2²³: adding and subtracting it rounds |v| < 2²² to the nearest integer, ties to even, exactly.
 const ROUNDER: f32 = 12_582_912.0;
 
-/// Coefficients of sin(2πy)/y in y², then of cos(2πy): (2π)ⁿ/n! with alternating signs.
-/// On |y| ≤ ¼ what is left out is below 6e-8 and 7e-9.
+/// Coefficients of sin(2πy)/y in y², then of cos(2πy): (2π)ⁿ/n! with alternating signs. On |y| ≤ ¼ the truncation
+/// errors are below 6e-8 and 7e-9.
 const SIN: [f32; 6] = [6.283_185_5, -41.341_7, 81.605_25, -76.705_86, 42.058_693, -15.094_643];
 const COS: [f32; 7] = [1.0, -19.739_209, 64.939_39, -85.456_82, 60.244_64, -26.426_256, 7.903_536];
 
-/// sin and cos of an angle in turns, |t| < 2²².
+/// Returns sin and cos of an angle in turns, |t| < 2²².
 #[inline(always)]
 pub(crate) fn sincos_turns<S: Simd>(t: f32x16<S>) -> (f32x16<S>, f32x16<S>) {
     let r = t - ((t + ROUNDER) - ROUNDER);
@@ -36,7 +36,7 @@ pub(crate) fn sincos_turns<S: Simd>(t: f32x16<S>) -> (f32x16<S>, f32x16<S>) {
     (s * (y * sign), c * sign)
 }
 
-/// Coefficients of 2^f: (ln 2)ⁿ/n!. On |f| ≤ ½ what is left out is below 6e-9.
+/// Coefficients of 2^f: (ln 2)ⁿ/n!. On |f| ≤ ½ the truncation error is below 6e-9.
 const EXP2: [f32; 8] = [
     1.0,
     std::f32::consts::LN_2,
@@ -48,7 +48,7 @@ const EXP2: [f32; 8] = [
     0.000_015_252_734,
 ];
 
-/// exp(−e) for e ≥ 0; below 2⁻¹²⁰ it stays there.
+/// Returns exp(−e) for e ≥ 0, but not less than 2⁻¹²⁰.
 #[inline(always)]
 pub(crate) fn exp_neg<S: Simd>(simd: S, e: f32x16<S>) -> f32x16<S> {
     let power = (e * -std::f32::consts::LOG2_E).max(f32x16::splat(simd, -120.0));

@@ -1,19 +1,19 @@
-//! Short vectors as numbers, so that one transform of a library runs for several lines at once, and with the same
-//! bits on every processor.
+//! Short vectors used as numbers, so that one library transform runs for several lines at once, with the same bits on
+//! every processor.
 
 use rustfft::FftNum;
 use rustfft::num_complex::Complex;
 use rustfft::num_traits::{FromPrimitive, Num, One, Signed, Zero};
 use std::ops::{Add, Div, Mul, Neg, Rem, Sub};
 
-/// Numbers in a [`Lanes`].
+/// Number of values in a [`Lanes`].
 pub(crate) const WIDTH: usize = 4;
 
-/// Precision of the transforms.
+/// Floating-point type of the transforms.
 pub(crate) trait Real: FftNum {
-    /// Nearest number.
+    /// Converts to the nearest number of this type.
     fn of(value: f64) -> Self;
-    /// Nearest f32.
+    /// Converts to the nearest f32.
     fn single(self) -> f32;
 }
 
@@ -41,14 +41,14 @@ impl Real for f64 {
     }
 }
 
-/// Four numbers that are added and multiplied alike: `rustfft` transforms them as if they were one.
+/// Four numbers that are added and multiplied together: `rustfft` transforms them as if they were one number.
 ///
-/// Its plain code is used, never that for one processor: sums and products in one order, none of them fused.
+/// Only its plain code is used, never the code for one processor: sums and products in one order, none of them fused.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(align(16))]
 pub(crate) struct Lanes<T>(pub(crate) [T; WIDTH]);
 
-/// The complex numbers of the transforms.
+/// Complex numbers of the transforms.
 pub(crate) type Line<T> = Complex<Lanes<T>>;
 
 impl<T: Real> Lanes<T> {
@@ -58,7 +58,7 @@ impl<T: Real> Lanes<T> {
     }
 }
 
-/// Four times the same complex number.
+/// Returns four copies of a complex number.
 #[inline(always)]
 pub(crate) fn splat<T: Real>(value: Complex<T>) -> Line<T> {
     Complex::new(Lanes::splat(value.re), Lanes::splat(value.im))
@@ -145,8 +145,8 @@ impl<T: Real> FromPrimitive for Lanes<T> {
         T::from_u64(value).map(Self::splat)
     }
 
-    /// How `rustfft` makes its sines, which come from the system's library: the last bits, in which such libraries
-    /// differ, are rounded off.
+    /// Called by `rustfft` for its sines, which come from the system's library: the last bits, in which such
+    /// libraries differ, are rounded off.
     fn from_f64(value: f64) -> Option<Self> {
         const KEPT: f64 = (1_u64 << 44) as f64;
         Some(Self::splat(T::of(libm::rint(value * KEPT) / KEPT)))

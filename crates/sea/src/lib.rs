@@ -9,25 +9,25 @@
 //! z = z₀ − Σ hᵢ dᵢ.z sin θᵢ
 //! ```
 //!
-//! with amplitude aᵢ, horizontal amplitude hᵢ, unit direction of travel dᵢ and k = 2π/L. Crests are sharp and
-//! troughs flat where h > 0. A wave alone reaches its cusp at q = h·k = 1 (Gerstner 1802; Hinsinger, Neyret and
-//! Cani, *Interactive Animation of Ocean Waves*, 2002).
+//! with amplitude aᵢ, horizontal amplitude hᵢ, unit direction of travel dᵢ and k = 2π/L. Crests are sharp and troughs
+//! flat if h > 0. A single wave reaches its cusp at q = h·k = 1 (Gerstner 1802; Hinsinger, Neyret and Cani,
+//! *Interactive Animation of Ocean Waves*, 2002).
 //!
 //! # Conventions
 //! Meters, seconds, radians. Y is up. A direction is an azimuth of travel: 0 is +X, and it grows toward +Z.
 //!
 //! # The footprint filter
-//! Waves that a pixel cannot resolve are attenuated by exp(−(k·σ)²/2), σ = footprint/2, and the slope variance
-//! that they lose is reported, so that shading can widen its highlights instead. The filter belongs to the sea's
-//! definition: the f64 reference has it too.
+//! Waves that a pixel cannot resolve are attenuated by exp(−(k·σ)²/2), σ = footprint/2, and the slope variance that
+//! they lose is reported, so that shading can widen its highlights instead. The filter is part of the sea's
+//! definition: the f64 reference includes it too.
 //!
 //! # Evaluation
-//! [`SeaFrame::evaluate`] is the plain f64 sum. [`SeaFrame::direct`] does the same in f32 at any points, and
-//! [`SeaFrame::scattered`] at points of which none may change a bit of another. [`GridPlan`]
-//! evaluates on a regular grid, by the cheapest [`Method`] for its size: from some fifty waves on by a non-uniform
-//! Fourier transform, whose cost hardly depends on their number. All reduce every phase to one turn in f64 first.
-//! Results do not depend on the processor or the number of threads: additions, multiplications and exact roundings
-//! are made in a fixed order and never fused.
+//! [`SeaFrame::evaluate`] is the plain f64 sum. [`SeaFrame::direct`] computes the same in f32 at any points, and
+//! [`SeaFrame::scattered`] at points that do not affect a bit of one another. [`GridPlan`] evaluates on a regular
+//! grid, by the cheapest [`Method`] for its size: from about fifty waves on, that is a non-uniform Fourier transform,
+//! whose cost hardly depends on their number. All methods reduce every phase to one turn in f64 first. Results do not
+//! depend on the processor or the number of threads: additions, multiplications and exact roundings are done in a
+//! fixed order and never fused.
 
 #[macro_use]
 mod figures;

@@ -6,11 +6,11 @@ use crate::spread::Kernel;
 pub enum Method {
     /// [`SeaFrame::direct`](crate::SeaFrame::direct) at every point.
     Direct,
-    /// exp(iθ) as a factor of the column times one of the row.
+    /// exp(iθ) as a factor per column times a factor per row.
     Separable,
-    /// Non-uniform Fourier transform in f32: eight lines to a wave, oversampling 1.5.
+    /// Non-uniform Fourier transform in f32: eight lines per wave, oversampling 1.5.
     Single,
-    /// Non-uniform Fourier transform in f64: fourteen lines to a wave, oversampling 1.25.
+    /// Non-uniform Fourier transform in f64: fourteen lines per wave, oversampling 1.25.
     Double,
 }
 
@@ -18,11 +18,11 @@ impl Method {
     /// All methods.
     pub const ALL: [Self; 4] = [Self::Direct, Self::Separable, Self::Single, Self::Double];
 
-    /// Largest error at any point of a grid, over the root mean square that the quantity has for independent phases,
-    /// beside the rounding of the result itself to f32.
+    /// Returns the largest error at any point of a grid, relative to the root mean square that the quantity has for
+    /// independent phases, not including the rounding of the result itself to f32.
     ///
-    /// It holds where f64 itself tells the phases: up to 1e9 turns from the origin of place and time. Measured are
-    /// 4e-6, 9e-6, 1.5e-4 (of 100,000 waves; 2e-5 of 1000) and 2e-7.
+    /// It holds as long as f64 resolves the phases: up to 1e9 turns from the origin of space and time. The measured
+    /// errors are 4e-6, 9e-6, 1.5e-4 (for 100,000 waves; 2e-5 for 1000) and 2e-7.
     pub fn error(self) -> f64 {
         match self {
             Self::Direct | Self::Separable => 2e-5,
@@ -34,14 +34,14 @@ impl Method {
     pub(crate) fn kernel(self) -> Option<Kernel> {
         match self {
             Self::Direct | Self::Separable => None,
-            // f32 rounds to the center of the grid: at its corners, which the kernel damps most, errors grow by that
-            // damping squared, 50 at 1.5 and 5e5 at 1.25.
+            // f32 rounds relative to the center of the grid: at its corners, which the kernel attenuates most, errors
+            // grow by the square of that attenuation: 50 at 1.5 and 5e5 at 1.25.
             Self::Single => Some(Kernel::new(8, 1.5)),
             Self::Double => Some(Kernel::new(14, 1.25)),
         }
     }
 
-    /// Cost of a grid in nanoseconds of one core, from a table that is the same on every machine.
+    /// Returns the cost of a grid in nanoseconds of one core, from a table that is the same on every machine.
     fn cost(self, [columns, rows]: [usize; 2], sums: usize, waves: usize) -> f64 {
         let (points, sums, waves) = (columns as f64 * rows as f64, sums as f64, waves as f64);
         // Sixteen neighbors of a row are evaluated at once.
@@ -54,7 +54,7 @@ impl Method {
         }
     }
 
-    /// The cheapest method whose error is at most `tolerance`, or the most exact one.
+    /// Returns the cheapest method whose error is at most `tolerance`, or the most exact one.
     pub(crate) fn cheapest(sides: [usize; 2], wanted: Wanted, waves: usize, tolerance: f64) -> Self {
         let sums = wanted.sums().into_iter().filter(|&wanted| wanted).count();
         let cost = |method: &Self| method.cost(sides, sums, waves);

@@ -1,4 +1,4 @@
-//! Sums of waves on a grid by a non-uniform Fourier transform of type 1: from any wave numbers to a regular grid.
+//! Sums waves on a grid by a non-uniform Fourier transform of type 1: from arbitrary wave numbers to a regular grid.
 
 use rayon::prelude::*;
 use rustfft::num_complex::Complex;
@@ -13,13 +13,13 @@ use crate::grid::Grid;
 use crate::lanes::{Lanes, Line, Real, WIDTH, splat};
 use crate::spread::{Kernel, Source};
 
-/// Lines along z that one thread fills with waves at a time.
+/// Number of lines along z that one thread fills with waves at a time.
 const BAND: usize = 16;
 
 /// One side of the grid.
 ///
-/// A transform of length 4Q is made as four of length Q side by side, which give the outputs of each residue modulo
-/// 4: the first step of the transform is then made by hand, and lines without waves cost nothing.
+/// A transform of length 4Q is computed as four of length Q side by side, which give the outputs of each residue
+/// modulo 4: the first step of the transform is done explicitly, and lines without waves cost nothing.
 struct Axis<T: Real> {
     count: usize,
     /// Output at which phases are 0.
@@ -27,12 +27,12 @@ struct Axis<T: Real> {
     length: usize,
     /// e^{2πij/length}.
     roots: Vec<Complex<T>>,
-    /// One over the kernel's transform at each output.
+    /// Inverse of the kernel's transform at each output.
     correction: Vec<T>,
     transform: Arc<dyn Fft<Lanes<T>>>,
 }
 
-/// Least number ≥ `least` without a prime factor beyond 5.
+/// Returns the least number ≥ `least` without a prime factor greater than 5.
 fn smooth(least: usize) -> usize {
     let without = |mut value: usize, factor: usize| {
         while value.is_multiple_of(factor) {
@@ -67,13 +67,13 @@ impl<T: Real> Axis<T> {
         self.length / WIDTH
     }
 
-    /// What a line gives to the outputs of a residue, before the transforms.
+    /// Returns the factor of a line in the outputs of a residue, before the transforms.
     fn root(&self, residue: usize, line: i64) -> Complex<T> {
         let index = (residue as i64 - self.center as i64) * line;
         self.roots[index.rem_euclid(self.length as i64) as usize]
     }
 
-    /// Place of a line in the transforms.
+    /// Returns the position of a line in the transforms.
     fn place(&self, line: i64) -> usize {
         line.rem_euclid(self.size() as i64) as usize
     }
@@ -83,13 +83,13 @@ impl<T: Real> Axis<T> {
     }
 }
 
-/// Lines between which all waves lie.
+/// Range of lines that contains all waves.
 #[derive(Clone, Copy)]
 struct Extent {
     first: [i64; 2],
-    /// Blocks of four lines along x.
+    /// Number of blocks of four lines along x.
     blocks: usize,
-    /// Lines along z.
+    /// Number of lines along z.
     lines: usize,
 }
 
@@ -98,7 +98,7 @@ pub(crate) struct Nufft<T: Real> {
     kernel: Kernel,
     axes: [Axis<T>; 2],
     sources: Vec<Source>,
-    /// The kernel's values for each source: `width` along x, then along z.
+    /// Kernel values for each source: `width` along x, then along z.
     weights: Vec<T>,
     amplitudes: Vec<Complex<T>>,
     /// Waves on lines of wave numbers: along z, and within it along x.
@@ -120,8 +120,8 @@ impl<T: Real> Nufft<T> {
         }
     }
 
-    /// Adds the first waves of the frame, each attenuated by its share, to those sums that have room in `out`; told to
-    /// stop, it ends within a few lines.
+    /// Adds the first waves of the frame, each attenuated by its share, to the sums that have room in `out`. Ends
+    /// within a few lines when told to stop.
     pub(crate) fn evaluate(
         &mut self,
         frame: &SeaFrame,
@@ -143,8 +143,9 @@ impl<T: Real> Nufft<T> {
 
     /// Finds the lines of every wave.
     ///
-    /// Turns from one point of the grid to the next count modulo 1, so that waves shorter than two steps are as exact
-    /// as others. A wave that goes to −x is the conjugate of one that goes to +x: half of the lines have no waves.
+    /// Turns from one point of the grid to the next are reduced modulo 1, so that waves shorter than two steps are as
+    /// exact as others. A wave that travels to −x is the conjugate of one that travels to +x, so half of the lines
+    /// have no waves.
     fn place(&mut self, frame: &SeaFrame, grid: Grid, shares: &[f32]) -> Option<Extent> {
         let [x, z] = &self.axes;
         let lengths = [x.length as f64, z.length as f64];
@@ -164,7 +165,7 @@ impl<T: Real> Nufft<T> {
             let first = at.map(|at| libm::ceil(at - half) as i64);
             Source { wave, turned, at, first, phase: [cos, sin].map(|part| part * f64::from(share)) }
         }));
-        // By the lines that they reach, so that bands of lines find their waves.
+        // Sorted by the lines that they reach, so that bands of lines find their waves.
         self.sources.sort_by_key(|source| source.first[1]);
         let width = self.kernel.width;
         self.weights.resize(self.sources.len() * 2 * width, T::zero());
@@ -182,7 +183,7 @@ impl<T: Real> Nufft<T> {
         Some(Extent { first: [x0, z0], blocks: ((x1 - x0) as usize).div_ceil(WIDTH), lines: (z1 - z0) as usize })
     }
 
-    /// The complex amplitude of every source in one sum: the sum is the real part of Σ amplitude·e^{iθ}.
+    /// Computes the complex amplitude of every source in one sum: the sum is the real part of Σ amplitude·e^{iθ}.
     fn amplify(&mut self, frame: &SeaFrame, sum: usize) {
         self.amplitudes.clear();
         self.amplitudes.extend(self.sources.iter().map(|source| {
@@ -196,8 +197,8 @@ impl<T: Real> Nufft<T> {
         }));
     }
 
-    /// Puts every source on the lines around it. Each band of lines takes its sources in the same order, whoever
-    /// fills it.
+    /// Spreads every source over the lines around it. Each band of lines adds its sources in the same order,
+    /// whichever thread fills it.
     fn spread(&mut self, extent: Extent, stop: &(dyn Fn() -> bool + Sync)) {
         let width = self.kernel.width;
         self.spectrum.resize(extent.blocks * extent.lines, Zero::zero());
@@ -231,7 +232,7 @@ impl<T: Real> Nufft<T> {
         });
     }
 
-    /// From wave numbers to rows along z, for four lines along x at once.
+    /// Transforms wave numbers to rows along z, for four lines along x at once.
     fn transform_columns(&mut self, extent: Extent, stop: &(dyn Fn() -> bool + Sync)) {
         let axis = &self.axes[1];
         let roots: Vec<[Complex<T>; WIDTH]> = (0..extent.lines)
@@ -263,7 +264,7 @@ impl<T: Real> Nufft<T> {
         );
     }
 
-    /// From lines along x to points, two rows at once: one is the real, the other the imaginary part.
+    /// Transforms lines along x to points, two rows at once: one is the real part, the other the imaginary part.
     fn transform_rows(&self, extent: Extent, out: &mut [f32], stop: &(dyn Fn() -> bool + Sync)) {
         let ([axis, rows], columns) = (&self.axes, &self.columns);
         let lines = || (0..extent.blocks * WIDTH).map(|line| extent.first[0] + line as i64);

@@ -1,13 +1,13 @@
-//! Phases in twice the precision of f64, to measure how far the phases are off that pictures are made of.
+//! Phases in twice the precision of f64, to measure the phase errors of pictures.
 
 use std::f64::consts::TAU;
 
 use crate::{Sea, Wave};
 
-/// What 2π lacks in f64.
+/// Rounding error of 2π in f64.
 const TAU_LOW: f64 = 2.449_293_598_294_706_4e-16;
 
-/// The sum of two numbers, of which the second is below the last place of the first (Dekker 1971).
+/// A sum of two numbers, the second of which is below the last digit of the first (Dekker 1971).
 #[derive(Clone, Copy, Debug)]
 struct Twofold(f64, f64);
 
@@ -34,7 +34,7 @@ impl Twofold {
         Self::sum(quotient, rest / divisor.0)
     }
 
-    /// What is left of whole numbers, −½…½.
+    /// Returns the fractional part, −½…½.
     fn fraction(self) -> f64 {
         let near = self.0 - self.0.round_ties_even();
         let fraction = near + self.1;
@@ -43,8 +43,8 @@ impl Twofold {
 }
 
 impl Wave {
-    /// By how many turns the f64 sum takes this wave's phase wrong at a rest point and time: measured, against the same
-    /// in twice the precision.
+    /// Returns the error of this wave's phase in the f64 sum at a rest point and time, in turns, measured against
+    /// twice the precision.
     ///
     /// ```
     /// use trochoid_sea::{ExplicitWave, Wave};
@@ -62,7 +62,7 @@ impl Wave {
         let elapsed = Twofold(-self.angular_frequency, 0.0).times(time).over(whole);
         let start = Twofold(self.phase, 0.0).over(whole);
         let exact = along(self.direction[0], x).plus(along(self.direction[1], z)).plus(elapsed).plus(start).fraction();
-        // The sum of this wave alone shows its phase: y = cos θ, and slopes −k·d·sin θ.
+        // The sum of this wave alone reveals its phase: y = cos θ, and slopes −k·d·sin θ.
         let alone = Self { amplitude: 1.0, horizontal: 0.0, ..*self };
         let sample = Sea::new(vec![alone]).at(time).evaluate([x, z], 0.0);
         let [dx, dz] = self.direction;
@@ -71,14 +71,15 @@ impl Wave {
         (off - off.round_ties_even()).abs()
     }
 
-    /// The most by which the phase can be wrong, in turns: each of its three products is rounded twice and added once.
+    /// Returns the largest possible phase error, in turns: each of its three products is rounded twice and added
+    /// once.
     pub fn phase_error_bound(&self, [x, z]: [f64; 2], time: f64) -> f64 {
         let [dx, dz] = self.direction;
         let turns = (x * dx).abs() / self.wavelength
             + (z * dz).abs() / self.wavelength
             + (self.angular_frequency * time).abs() / TAU
             + self.phase.abs() / TAU
-            // Reading the phase back from sine and cosine.
+            // Recovering the phase from sine and cosine.
             + 4.0;
         4.0 * f64::EPSILON / 2.0 * turns
     }

@@ -1,27 +1,27 @@
-//! The f64 sum of [`SeaFrame::evaluate`] in vectors over the waves, for those who ask at millions of points.
+//! The f64 sum of [`SeaFrame::evaluate`], vectorized over the waves, for evaluation at millions of points.
 
 use crate::fields::Sample;
 use crate::frame::SeaFrame;
 use fearless_simd::{Level, Simd, dispatch};
 use std::f64::consts::{LN_2, LOG2_E, TAU};
 
-/// Waves that are summed side by side.
+/// Number of waves that are summed side by side.
 const LANES: usize = 8;
 
-/// 1.5·2⁵²: adding and subtracting it rounds |v| < 2⁵¹ to the nearest whole number, ties to even, exactly.
+/// 1.5·2⁵²: adding and subtracting it rounds |v| < 2⁵¹ to the nearest integer, ties to even, exactly.
 const ROUNDER: f64 = 6_755_399_441_055_744.0;
 
-/// Exponent from which on a wave is not added: 1e-17 of it is left.
+/// Exponent from which a wave is not added: 1e-17 of it is left.
 const CUT: f64 = 40.0;
 
-/// Exponent up to which e⁻ˣ is worked out.
+/// Largest exponent for which e⁻ˣ is computed.
 const MOST: f64 = 700.0;
 
-/// ln 2 in two parts, of which the first has so few bits that its multiples by whole numbers below 2²⁰ are exact.
+/// ln 2 in two parts; the first has so few bits that its multiples by integers below 2²⁰ are exact.
 const LN_2_HIGH: f64 = f64::from_bits(LN_2.to_bits() & !0x3_ffff_ffff);
 const LN_2_LOW: f64 = 1.428_606_820_309_417_2e-6 - (LN_2_HIGH - 0.693_145_751_953_125);
 
-/// One array for each factor, in the order of falling wavelength and filled up with waves of height 0.
+/// One array per factor, in the order of falling wavelength, padded with waves of height 0.
 #[derive(Clone, Debug)]
 struct Waves {
     turns: [Vec<f64>; 2],
@@ -32,7 +32,7 @@ struct Waves {
     number: Vec<f64>,
 }
 
-/// A sea at one time, as [`SeaFrame`], for fast evaluation in f64.
+/// A sea at one time, like [`SeaFrame`], for fast evaluation in f64.
 ///
 /// ```
 /// use trochoid_sea::{GerstnerSpectrum, PreciseSea, Sea};
@@ -49,16 +49,16 @@ pub struct PreciseSea {
     level: Level,
 }
 
-/// What a sea is at a point.
+/// The sea at a point.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Precise {
-    /// As [`SeaFrame::evaluate`] has it, without velocities.
+    /// Same as in [`SeaFrame::evaluate`], without velocities.
     pub sample: Sample,
-    /// Change of the displacement with the footprint, in meters for each meter.
+    /// Derivative of the displacement by the footprint, in meters per meter.
     pub by_footprint: [f64; 3],
 }
 
-/// How a sea bends at a point: second derivatives of the displacement by the rest point x, z and the footprint f, in 1/m.
+/// Second derivatives of the displacement at a point, by the rest point x, z and the footprint f, in 1/m.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Bends {
     /// ∂²/∂x², ∂²/∂x∂z and ∂²/∂z².
@@ -67,12 +67,12 @@ pub struct Bends {
     pub by_footprint: [[f64; 3]; 2],
 }
 
-/// Sums of [`Precise`], and with those of [`Bends`].
+/// Number of sums of [`Precise`], and of these together with [`Bends`].
 const SUMS: usize = 12;
 const ALL_SUMS: usize = SUMS + 15;
 
 impl PreciseSea {
-    /// The waves of a sea at its time.
+    /// Prepares the waves of a sea at its time.
     pub fn new(frame: &SeaFrame) -> Self {
         let count = frame.sorted.len().next_multiple_of(LANES);
         let column =
@@ -88,15 +88,15 @@ impl PreciseSea {
         Self { waves, level: Level::new() }
     }
 
-    /// The surface at a rest point (x₀, z₀) in meters under a footprint in meters.
+    /// Returns the surface at a rest point (x₀, z₀) in meters under a footprint in meters.
     ///
-    /// Within 1e-14 of the sum of the waves' own sizes from [`SeaFrame::evaluate`].
+    /// It is within 1e-14 of the sum of the waves' own sizes from [`SeaFrame::evaluate`].
     pub fn evaluate(&self, rest: [f64; 2], footprint: f64) -> Precise {
         let (sums, left) = self.sums::<SUMS>(rest, footprint);
         self.precise(sums, footprint, left)
     }
 
-    /// The same, and how the surface bends there.
+    /// Returns the same with the second derivatives.
     pub fn bent(&self, rest: [f64; 2], footprint: f64) -> (Precise, Bends) {
         let (sums, left) = self.sums::<ALL_SUMS>(rest, footprint);
         let mut bends = Bends::default();
@@ -108,7 +108,7 @@ impl PreciseSea {
         (self.precise(sums, footprint, left), bends)
     }
 
-    /// All sums, and how many waves the footprint left.
+    /// Returns all sums, and how many waves the footprint leaves.
     fn sums<const N: usize>(&self, rest: [f64; 2], footprint: f64) -> ([f64; N], usize) {
         let filter = footprint * footprint / 8.0;
         let numbers = &self.waves.number;
@@ -135,8 +135,8 @@ impl PreciseSea {
         Precise { sample, by_footprint: [9, 10, 11].map(|sum| -footprint / 4.0 * sums[sum]) }
     }
 
-    /// What the displacement and its first to fifth derivatives by the rest point, in any direction, cannot pass under a
-    /// footprint in meters, whatever the phases: Σ max(a, |h|)·kⁿ·exp(−k²f²/8), in m to 1/m⁴.
+    /// Returns limits of the displacement and its first to fifth derivatives by the rest point, in any direction,
+    /// under a footprint in meters and for all phases: Σ max(a, |h|)·kⁿ·exp(−k²f²/8), in m to 1/m⁴.
     pub fn most(&self, footprint: f64) -> [f64; 6] {
         let Waves { amplitude, horizontal, number, .. } = &self.waves;
         let mut most = [0.0; 6];
@@ -164,7 +164,7 @@ impl Waves {
             for i in 0..LANES {
                 let turns = tx[i] * x0 + tz[i] * z0 + origin[i];
                 let (sin, cos) = sincos(turns - ((turns + ROUNDER) - ROUNDER));
-                // Next to a wave that is left, one in the same vector may be far too short to be.
+                // In the same vector as a wave that is left there may be one that is far too short.
                 let share = exp_neg((number[i] * number[i] * filter).min(MOST));
                 let (a, h) = (amplitude[i] * share, horizontal[i] * share);
                 let (hk, ak) = (h * number[i], a * number[i]);
@@ -181,7 +181,8 @@ impl Waves {
                 total[7][i] -= hk * dz[i] * dz[i] * cos;
                 total[8][i] += whole * whole / 2.0 * (1.0 - share * share);
                 if N == ALL_SUMS {
-                    // Two derivatives multiply by −k²; one, of what is turned by a quarter, by k.
+                    // Two derivatives multiply by −k²; one derivative of the wave turned by a quarter multiplies by
+                    // k.
                     let (kx, kz) = (number[i] * dx[i], number[i] * dz[i]);
                     let turned = [-h * dx[i] * cos, -a * sin, -h * dz[i] * cos];
                     let share = number[i] * number[i];
@@ -199,7 +200,7 @@ impl Waves {
     }
 }
 
-/// sin and cos of −½…½ turn, to 1e-16: their series on an eighth of a turn to each side, in its quadrant.
+/// Returns sin and cos of −½…½ turn, to 1e-16: their series over an eighth of a turn to each side, in its quadrant.
 #[inline(always)]
 fn sincos(turns: f64) -> (f64, f64) {
     let quadrant = (4.0 * turns + ROUNDER) - ROUNDER;
@@ -233,7 +234,7 @@ const COSINE: [f64; 8] = [
     1.0,
 ];
 
-/// e⁻ˣ for 0 ≤ x ≤ [`MOST`], to 1e-15 of itself.
+/// Returns e⁻ˣ for 0 ≤ x ≤ [`MOST`], with a relative error of 1e-15.
 #[inline(always)]
 fn exp_neg(x: f64) -> f64 {
     let halvings = (x * LOG2_E + ROUNDER) - ROUNDER;
@@ -242,7 +243,7 @@ fn exp_neg(x: f64) -> f64 {
     for factor in EXPONENTIAL {
         power = power * rest + factor;
     }
-    // 2 to the power of −halvings: its exponent's bits are the lowest of the rounded sum.
+    // 2 to the power of −halvings: the bits of its exponent are the lowest bits of the rounded sum.
     power * f64::from_bits((1023.0 - halvings + ROUNDER).to_bits() << 52)
 }
 

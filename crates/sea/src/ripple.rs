@@ -2,40 +2,41 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 
 use crate::wave::{GRAVITY, LENGTHS_M, Wave, WaveError, WaveFigure, within};
 
-/// The crossed ripples of cartoon water, y = A·sin(p)·cos(q): a chessboard of bumps and hollows.
+/// The crossed ripples of cartoon water, y = A·sin(p)·cos(q): a checkerboard of bumps and hollows.
 ///
-/// A product of two waves is a sum of two others, A/2·sin(p + q) + A/2·sin(p − q): plain waves of one length that cross,
-/// so that everything that sums waves makes ripples too. After *Creation of a cartoon shader of water for the web*.
+/// A product of two waves is a sum of two others, A/2·sin(p + q) + A/2·sin(p − q): plain waves of equal length that
+/// cross, so that everything that sums waves can make ripples too. After *Creation of a cartoon shader of water for
+/// the web*.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ripple {
-    /// Height A of the bumps in meters.
+    /// Height A of the bumps, in meters.
     pub height: f64,
-    /// Bump to bump along the direction and across it, in meters.
+    /// Distance from bump to bump along the direction and across it, in meters.
     pub lengths: [f64; 2],
-    /// Azimuth of travel in radians: 0 is +X, growing toward +Z.
+    /// Azimuth of travel, in radians: 0 is +X, growing toward +Z.
     pub direction: f64,
-    /// Angular frequency ω in rad/s; deep water decides where it is left out, but 1 as printed.
+    /// Angular frequency ω in rad/s. If `None`, deep water sets it, or 1 as printed if `literal`.
     pub frequency: Option<f64>,
-    /// Phase p at the origin at time 0 in radians.
+    /// Phase p at the origin at time 0, in radians.
     pub phase: f64,
-    /// Keeps the printed phases p = k₁a + ωt, q = k₂b + ωt of places a along and b across. Then one of the two waves
-    /// runs at twice the frequency, and the other stands still like a mold. Settled is p = k₁a − ωt, q = k₂b: both
-    /// waves travel, and with them the pattern, unchanged.
+    /// Keeps the printed phases p = k₁a + ωt, q = k₂b + ωt at positions a along and b across. Then one of the two
+    /// waves runs at twice the frequency, and the other stands still like a mold. The settled form is p = k₁a − ωt,
+    /// q = k₂b: both waves travel, and with them the pattern, unchanged.
     pub literal: bool,
 }
 
 impl Default for Ripple {
-    /// The printed figures: 5 rad/m both ways, 0.1 m.
+    /// Returns the printed parameters: 5 rad/m both ways, 0.1 m.
     fn default() -> Self {
         Self { height: 0.1, lengths: [TAU / 5.0; 2], direction: 0.0, frequency: None, phase: 0.0, literal: false }
     }
 }
 
 impl Ripple {
-    /// The two waves.
+    /// Returns the two waves.
     ///
     /// # Errors
-    /// A quantity is not finite, or a length outside 2e-6 to 1e9 meters.
+    /// A number is not finite, or a length is outside of 2e-6 to 1e9 meters.
     pub fn waves(&self) -> Result<[Wave; 2], WaveError> {
         let any = (f64::MIN, f64::MAX);
         for length in self.lengths {
@@ -48,7 +49,7 @@ impl Ripple {
         let [along, across] = self.lengths.map(|length| TAU / length);
         let k = libm::hypot(along, across);
         let (sin, cos) = libm::sincos(self.direction);
-        // A wave a·cos(k·place − ωt + φ) of these wave numbers along and across.
+        // Makes a wave a·cos(k·position − ωt + φ) of these wave numbers along and across.
         let wave = |along: f64, across: f64, angular_frequency: f64, phase: f64| Wave {
             wavelength: TAU / k,
             direction: [(along * cos - across * sin) / k, (along * sin + across * cos) / k],

@@ -6,32 +6,32 @@ use crate::frame::{CUT, SeaFrame};
 use crate::kernel::{LANES, exp_neg, sincos_turns};
 use fearless_simd::{Level, Simd, dispatch, f32x16, prelude::*};
 
-/// Waves summed before their sum goes into the total, as in [`SeaFrame::direct`].
+/// Number of waves that are summed before their sum is added to the total, as in [`SeaFrame::direct`].
 const RUN: usize = 64;
 
-/// 1.5·2⁵²: adding and subtracting it rounds |v| < 2⁵¹ to the nearest whole number, ties to even, exactly.
+/// 1.5·2⁵²: adding and subtracting it rounds |v| < 2⁵¹ to the nearest integer, ties to even, exactly.
 const ROUNDER: f64 = 6_755_399_441_055_744.0;
 
 /// Kinds of sums: displacements and derivatives, and these with velocities.
 const STILL: u8 = 3;
 const WHOLE: u8 = 7;
 
-/// Points side by side; those past the last one repeat it.
+/// Points side by side; lanes past the last point repeat it.
 struct Lanes {
     x: [f64; LANES],
     z: [f64; LANES],
-    /// Footprints squared.
+    /// Squared footprints.
     footprint2: [f32; LANES],
     /// Number of leading waves that the least footprint leaves.
     waves: usize,
 }
 
 impl SeaFrame {
-    /// Displacements, derivatives, lost variance and velocities at any rest points, in f32.
+    /// Computes displacements, derivatives, lost variance and velocities at any rest points, in f32.
     ///
-    /// Agrees with [`evaluate`](Self::evaluate) as [`direct`](Self::direct) does. What a point gives depends on that point
-    /// alone, for which every phase is reduced in f64 at every point: that takes twice as long as `direct`, whose neighbors
-    /// share an origin, and half as long where they lie many wavelengths apart.
+    /// Agrees with [`evaluate`](Self::evaluate) like [`direct`](Self::direct). The result at a point depends only on
+    /// that point, since every phase is reduced in f64 at every point. This takes twice as long as `direct`, whose
+    /// neighbors share an origin, and half as long if the points lie many wavelengths apart.
     ///
     /// # Panics
     /// The slices of `points` differ in length.
@@ -43,7 +43,7 @@ impl SeaFrame {
         for start in (0..len).step_by(LANES) {
             let count = LANES.min(len - start);
             let lane = |values: &[f64]| std::array::from_fn(|lane| values[start + lane.min(count - 1)]);
-            // Finite squares only: whatever is wider than 1e15 m leaves no wave either.
+            // Keep squares finite: no wave remains for footprints above 1e15 m either.
             let footprint2 =
                 lane(points.footprint).map(|print: f64| (print as f32).min(1e15) * (print as f32).min(1e15));
             let waves = self.left(footprint2.iter().copied().fold(f32::INFINITY, f32::min));
@@ -69,7 +69,7 @@ impl SeaFrame {
         }
     }
 
-    /// The sums of these kinds, and the slope variance that footprints have left.
+    /// Returns the sums of these kinds, and the slope variance that footprints leave.
     #[inline(always)]
     fn sum_lanes<S: Simd, const KINDS: u8>(
         &self,
@@ -87,7 +87,7 @@ impl SeaFrame {
                 let term = &self.terms[wave];
                 let (sin, cos) = sincos_turns(self.turns(simd, lanes, wave));
                 let exponent = footprint2 * self.filters[wave];
-                // A wave that another point resolves counts for nothing here: adding 0 changes no bit.
+                // A wave that only another point resolves counts for nothing here: adding 0 changes no bit.
                 let is_left = exponent.simd_le(f32x16::splat(simd, CUT as f32));
                 let share = is_left.select(exp_neg(simd, exponent), zero);
                 part_kept += share * share * term.variance;
@@ -104,7 +104,7 @@ impl SeaFrame {
         total_kept.store_slice(kept);
     }
 
-    /// Phases of a wave, reduced in f64 to −½…½ turn.
+    /// Returns the phases of a wave, reduced in f64 to −½…½ turn.
     #[inline(always)]
     fn turns<S: Simd>(&self, simd: S, lanes: &Lanes, wave: usize) -> f32x16<S> {
         let ([by_x, by_z], origin) = (self.phases.turns(wave), self.phases.origin(wave));

@@ -1,4 +1,4 @@
-//! The same sums on a grid, from factors of its columns and of its rows.
+//! The same sums on a grid, from factors of its columns and rows.
 
 use fearless_simd::{Level, Simd, dispatch, f32x16, prelude::*};
 use rayon::prelude::*;
@@ -10,11 +10,11 @@ use crate::grid::Grid;
 use crate::kernel::{LANES, sincos_turns};
 
 impl SeaFrame {
-    /// Adds the first waves, each attenuated by its share, to those sums that have room in `out`.
+    /// Adds the first waves, each attenuated by its share, to the sums that have room in `out`.
     ///
-    /// exp(iθ) is a factor of the column times one of the row, so that a sine and cosine for each column and wave,
-    /// and one for each row and wave, replace those of every point: a point and wave costs one complex product. The
-    /// column factors take 128 bytes for sixteen columns and a wave.
+    /// exp(iθ) is a factor per column times a factor per row, so that a sine and cosine for each column and wave, and
+    /// for each row and wave, replace those of every point: each point and wave costs one complex product. The column
+    /// factors take 128 bytes per sixteen columns and wave.
     pub(crate) fn separable(
         &self,
         grid: Grid,
@@ -85,7 +85,7 @@ impl SeaFrame {
         (0..chunks * waves).into_par_iter().map(factor).collect()
     }
 
-    /// Sixteen columns of one row: (cos + i sin)(column) × (cos + i sin)(row), times the share.
+    /// Computes sixteen columns of one row: (cos + i sin)(column) × (cos + i sin)(row), times the share.
     #[inline(always)]
     fn row<S: Simd, const KINDS: u8>(
         &self,
@@ -97,7 +97,7 @@ impl SeaFrame {
     ) {
         let zero = f32x16::splat(simd, 0.0);
         let mut total = [zero; SUMS];
-        // Sixteen waves at once for the row's own factors, which are scalars to the points.
+        // Sixteen waves at once for the row's own factors, which are scalars for the points.
         for (run, origins) in origins.chunks(LANES).enumerate() {
             let first = run * LANES;
             let mut lanes = [0.0; LANES];

@@ -8,19 +8,19 @@ use crate::wave::{GRAVITY, LENGTHS_M, Wave, WaveError, WaveFigure, within};
 /// Most waves of one spectrum.
 pub const MAX_WAVES: usize = 100_000;
 
-/// Crests that count as the sharpest of many waves, in multiples of the root mean square of their compression: of a
-/// normal distribution 0.6 % lie beyond.
+/// Crests that count as the sharpest of many waves, in multiples of the root mean square of their compression: 0.6 %
+/// of a normal distribution lie beyond.
 const CREST: f64 = 2.5;
 
 /// How the angular frequency follows from the wavelength.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub enum Dispersion {
-    /// Deep water, ω = √(g·k): long waves run faster.
+    /// Deep water, ω = √(g·k): long waves are faster.
     #[default]
     Deep,
     /// All crests travel at this speed v in m/s: ω = 2πv/L.
     Speed(f64),
-    /// All waves share this period in s, > 0: ω = 2π/v, as printed in the thesis.
+    /// All waves share this period v in s, > 0: ω = 2π/v, as printed in the thesis.
     Period(f64),
 }
 
@@ -30,23 +30,23 @@ pub enum Convention {
     /// x −= h·d·sin θ, y += a·cos θ; `height` is the significant wave height of the sum.
     #[default]
     Settled,
-    /// The thesis as printed: D₀ = s·a·sin θ along +d, D₁ = s·a·cos θ, weights ωᵢ = 1/count.
+    /// As printed in the thesis: D₀ = s·a·sin θ along +d, D₁ = s·a·cos θ, weights ωᵢ = 1/count.
     Thesis,
 }
 
 /// A sea of random waves with log-normal lengths around one direction.
 ///
 /// **Settled.** Amplitudes are proportional to wavelengths (thesis §3.2.1) and scaled so that four times the root
-/// mean square of the surface height equals `height`, whatever the count. All waves share one ratio of horizontal
-/// to vertical amplitude, so that qᵢ = hᵢkᵢ is the same for all. Sharpness is the compression Σ qᵢ cos θᵢ of the
-/// sharpest crests as a share of the cusp: 0 is a sum of sinusoids, and 1 brings them to the cusp. One wave's
-/// crests have √2 times the root mean square of its compression, n waves' can reach √(2n) times, and of many waves
-/// 2.5 times counts as the sharpest that matter: qᵢ = `sharpness`·√(2/n) / min(√(2n), 2.5). Up to 3 waves never
-/// fold below sharpness 1; of many, at 1, fewer than one rest point in a hundred folds over, far fewer where
+/// mean square of the surface height equals `height` for every count. All waves share one ratio of horizontal to
+/// vertical amplitude, so that qᵢ = hᵢkᵢ is the same for all. Sharpness is the compression Σ qᵢ cos θᵢ of the
+/// sharpest crests as a share of the cusp: 0 is a sum of sinusoids, and 1 brings them to the cusp. A single wave's
+/// crests have √2 times the root mean square of its compression, n waves can reach √(2n) times, and for many waves
+/// 2.5 times counts as the sharpest that matter: qᵢ = `sharpness`·√(2/n) / min(√(2n), 2.5). Up to 3 waves never fold
+/// below sharpness 1; with many waves at 1, fewer than one rest point in a hundred folds over, and far fewer if
 /// directions spread. [`Sea::folding`](crate::Sea::folding) tells how much for any sea.
 ///
 /// **Thesis.** Weights ωᵢ = 1/count, amplitude aᵢ = (height/2)·(Lᵢ/wavelength), both displacements times sharpness.
-/// The sum flattens as 1/√count, and as sharpness goes to 0; crests are flat and troughs sharp.
+/// The sum flattens as 1/√count, and as sharpness approaches 0; crests are flat and troughs sharp.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GerstnerSpectrum {
     /// Number of waves, 0 (a flat sea) to [`MAX_WAVES`].
@@ -63,11 +63,11 @@ pub struct GerstnerSpectrum {
     pub direction_spread: f64,
     /// Sharpness of the crests, ≥ 0: 0 is a sum of sinusoids.
     pub sharpness: f64,
-    /// Frequencies.
+    /// How frequencies follow from wavelengths.
     pub dispersion: Dispersion,
     /// Signs and weights.
     pub convention: Convention,
-    /// Which sea of all that have these figures.
+    /// Random seed.
     pub seed: u64,
 }
 
@@ -88,19 +88,19 @@ impl Default for GerstnerSpectrum {
     }
 }
 
-/// Why a spectrum is refused.
+/// Why a spectrum is rejected.
 #[derive(Clone, Debug, PartialEq)]
 pub enum SpectrumError {
-    /// More than [`MAX_WAVES`].
+    /// There are more waves than [`MAX_WAVES`].
     Count(usize),
-    /// A knob is outside its range.
+    /// A knob is outside of its range.
     Knob(WaveError),
 }
 
 impl std::fmt::Display for SpectrumError {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            Self::Count(found) => write!(f, "{found} waves are refused: at most {MAX_WAVES}"),
+            Self::Count(found) => write!(f, "{found} waves; expected at most {MAX_WAVES}"),
             Self::Knob(error) => error.fmt(f),
         }
     }
@@ -114,7 +114,7 @@ impl From<WaveError> for SpectrumError {
     }
 }
 
-/// What chance decides of one wave.
+/// Random numbers of one wave.
 struct Draw {
     wavelength: f64,
     azimuth: f64,
@@ -122,13 +122,13 @@ struct Draw {
 }
 
 impl GerstnerSpectrum {
-    /// The waves of this spectrum, in the order of their index.
+    /// Returns the waves of this spectrum, in the order of their index.
     ///
-    /// Wave `i` has the same length, direction and phase whatever `count` is: more waves never reshuffle the
-    /// earlier ones.
+    /// Wave `i` has the same length, direction and phase for every `count`: more waves never reshuffle the earlier
+    /// ones.
     ///
     /// # Errors
-    /// A knob is outside its range.
+    /// A knob is outside of its range.
     pub fn waves(&self) -> Result<Vec<Wave>, SpectrumError> {
         self.validate()?;
         let draws: Vec<Draw> = (0..self.count).map(|index| self.draw(index as u64)).collect();
@@ -171,7 +171,7 @@ impl GerstnerSpectrum {
     }
 
     fn draw(&self, index: u64) -> Draw {
-        // A generator of its own for every index; the multiplier only spreads neighboring indices over the state.
+        // Each index has its own generator; the multiplier only spreads neighboring indices over the state.
         let state = (u128::from(self.seed) << 64) | u128::from(index.wrapping_mul(0x9e37_79b9_7f4a_7c15));
         let mut random = Pcg64::new(state, u128::from(index));
         let mut unit = || ((random.next_u64() >> 11) as f64 + 0.5) / (1u64 << 53) as f64;

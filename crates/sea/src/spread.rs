@@ -1,4 +1,4 @@
-//! The kernel of the non-uniform transform, and where it puts waves.
+//! The kernel of the non-uniform transform, and the lines over which it spreads waves.
 
 use crate::lanes::Real;
 use std::f64::consts::PI;
@@ -9,33 +9,33 @@ use std::f64::consts::PI;
 /// "exponential of semicircle" kernel*, 2019.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Kernel {
-    /// Lines that it covers.
+    /// Number of lines that it covers.
     pub(crate) width: usize,
-    /// How many times as long as the output a transform is at least.
+    /// Least ratio of a transform's length to that of the output.
     pub(crate) oversampling: f64,
     beta: f64,
 }
 
 impl Kernel {
-    /// β by the bandwidth that oversampling leaves, 2 % below it, which is where errors are least: 2.31 w at 2.
+    /// Sets β from the bandwidth that oversampling leaves, 2 % below it, where errors are smallest: 2.31 w at 2.
     pub(crate) fn new(width: usize, oversampling: f64) -> Self {
         Self { width, oversampling, beta: 0.98 * PI * width as f64 * (1.0 - 0.5 / oversampling) }
     }
 
-    /// Its value so many lines away from the center; beyond its edge that there.
+    /// Returns its value at a distance in lines from the center; beyond its edge, the value at the edge.
     pub(crate) fn value(&self, offset: f64) -> f64 {
         let v = offset / (self.width as f64 / 2.0);
         libm::exp(self.beta * (libm::sqrt((1.0 - v * v).max(0.0)) - 1.0))
     }
 
-    /// Its values on the lines from `first` on, around `at`.
+    /// Computes its values on the lines from `first` on, around `at`.
     pub(crate) fn weights<T: Real>(&self, first: i64, at: f64, out: &mut [T]) {
         for (line, out) in (first..).zip(out) {
             *out = T::of(self.value(line as f64 - at));
         }
     }
 
-    /// Fourier transform of the kernel at the distance `offset` from the center of the outputs.
+    /// Returns the Fourier transform of the kernel at the distance `offset` from the center of the outputs.
     ///
     /// v = sin α makes (w/2)∫φ(v) cos(πwv·offset/length) dv smooth up to its ends, where it is e^(−β), so that the
     /// midpoint rule converges faster than any power.
@@ -53,17 +53,17 @@ impl Kernel {
     }
 }
 
-/// A wave as seen from the lines of the transform.
+/// A wave in terms of the lines of the transform.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Source {
-    /// Its index in the frame.
+    /// Index in the frame.
     pub(crate) wave: usize,
-    /// Whether the wave was turned round, so that it travels toward +x; its amplitude is then the conjugate.
+    /// Whether the wave was reversed, so that it travels toward +x; its amplitude is then the conjugate.
     pub(crate) turned: bool,
-    /// Where it lies among the lines, along x (≥ 0) and z.
+    /// Position among the lines, along x (≥ 0) and z.
     pub(crate) at: [f64; 2],
     /// First line of its kernel.
     pub(crate) first: [i64; 2],
-    /// e^{iθ} at the center of the grid, times what the footprint leaves.
+    /// e^{iθ} at the center of the grid, times the share that the footprint leaves.
     pub(crate) phase: [f64; 2],
 }

@@ -7,42 +7,42 @@ pub const GRAVITY: f64 = 9.81;
 /// One trochoidal wave of a sea, ready for summation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wave {
-    /// Crest-to-crest length L in meters, > 0.
+    /// Crest-to-crest length L, in meters, > 0.
     pub wavelength: f64,
     /// Unit direction of travel in the plane of the resting sea: x, z.
     pub direction: [f64; 2],
-    /// Vertical amplitude a in meters.
+    /// Vertical amplitude a, in meters.
     pub amplitude: f64,
-    /// Horizontal amplitude h in meters; negative where the printed thesis' signs are kept.
+    /// Horizontal amplitude h, in meters; negative for the signs printed in the thesis.
     pub horizontal: f64,
     /// Angular frequency ω in rad/s.
     pub angular_frequency: f64,
-    /// Phase φ in radians: a crest stands at the origin at t = 0 where it is 0.
+    /// Phase φ in radians: at 0, a crest is at the origin at t = 0.
     pub phase: f64,
 }
 
 content_key!(Wave { wavelength, direction, amplitude, horizontal, angular_frequency, phase });
 
 impl Wave {
-    /// Wave number k = 2π/L in rad/m.
+    /// Returns the wave number k = 2π/L in rad/m.
     pub fn wave_number(&self) -> f64 {
         TAU / self.wavelength
     }
 
-    /// Horizontal compression q = h·k at a crest: 1 is the cusp of a wave that stands alone.
+    /// Returns the horizontal compression q = h·k at a crest: 1 is the cusp of a single wave.
     pub fn compression(&self) -> f64 {
         self.horizontal * self.wave_number()
     }
 
-    /// Greatest steepness a·k.
+    /// Returns the largest steepness a·k.
     pub fn steepness(&self) -> f64 {
         self.amplitude * self.wave_number()
     }
 }
 
-/// Share of a wave that a footprint leaves: exp(−(k·σ)²/2) with σ = `footprint`/2, both in meters.
+/// Returns the share of a wave that a footprint leaves: exp(−(k·σ)²/2) with σ = `footprint`/2, both in meters.
 ///
-/// A Gaussian of standard deviation σ over the resting sea, applied to a plane wave, multiplies it by just that.
+/// A Gaussian of standard deviation σ over the resting sea multiplies a plane wave by exactly this factor.
 pub fn attenuation(wave_number: f64, footprint: f64) -> f64 {
     libm::exp(-(wave_number * footprint) * (wave_number * footprint) / 8.0)
 }
@@ -56,16 +56,16 @@ pub struct ExplicitWave {
     pub amplitude: f64,
     /// Azimuth of travel in radians: 0 is +X, growing toward +Z.
     pub direction: f64,
-    /// Share of the cusp that this wave alone takes, q = h·k: 0 is a sinusoid, 1 a cusp, more folds.
+    /// Compression q = h·k of this wave alone, as a share of the cusp: 0 is a sinusoid, 1 a cusp, more folds.
     pub sharpness: f64,
     /// Phase in radians.
     pub phase: f64,
-    /// Speed of the crests in m/s; deep water decides where it is left out.
+    /// Speed of the crests in m/s; `None` for that of deep water.
     pub speed: Option<f64>,
 }
 
 figures! {
-    /// A figure of waves, or of spectra, groups and ripples.
+    /// A parameter of waves, spectra, groups or ripples.
     WaveFigure {
         Wavelength = "wavelength",
         Spread = "spread",
@@ -87,14 +87,14 @@ figures! {
     }
 }
 
-/// Why a wave is refused.
+/// Why a wave is rejected.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WaveError {
-    /// Which figure.
+    /// Name of the parameter.
     pub figure: WaveFigure,
     /// Its value.
     pub found: f64,
-    /// What is accepted instead.
+    /// Accepted values.
     pub expected: &'static str,
 }
 
@@ -106,7 +106,7 @@ impl std::fmt::Display for WaveError {
 
 impl std::error::Error for WaveError {}
 
-/// Finite values within closed bounds pass; anything else, NaN too, is refused by name.
+/// Accepts finite values within closed bounds; rejects anything else, including NaN, by name.
 pub(crate) fn within(
     figure: WaveFigure,
     found: f64,
@@ -116,7 +116,7 @@ pub(crate) fn within(
     if found.is_finite() && found >= low && found <= high { Ok(()) } else { Err(WaveError { figure, found, expected }) }
 }
 
-/// Shortest and longest wave in meters: phases stay exact in f64, and squares of wave numbers finite in f32.
+/// Shortest and longest wave, in meters: phases stay exact in f64, and squares of wave numbers finite in f32.
 pub(crate) const LENGTHS_M: (f64, f64) = (1e-6, 1e9);
 
 impl TryFrom<ExplicitWave> for Wave {

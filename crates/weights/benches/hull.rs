@@ -1,15 +1,15 @@
-//! Judging a picture against the hull of its palette: pixels that are mixes of few and of many colors, neighbors alike
-//! and not.
+//! Times the judgment of a picture against the hull of its palette, for pixels that are mixes of few or many colors,
+//! with similar or different neighbors.
 
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
 use trochoid_weights::arithmetic::mix;
 use trochoid_weights::{BoxHull, Hull};
 
-/// Few enough to stay in the cache, as a band does that has just been computed.
+/// Number of pixels: few enough to stay in the cache, like a band that has just been computed.
 const PIXELS: usize = 1 << 15;
 
-/// Mixes nested in each pixel.
+/// Number of nested mixes in each pixel.
 const LEVELS: usize = 6;
 
 const PALETTE: [[f32; 3]; 12] = [
@@ -27,7 +27,7 @@ const PALETTE: [[f32; 3]; 12] = [
     [0.98, 0.99, 1.00],
 ];
 
-/// What pixels are mixes of.
+/// Colors of which pixels are mixes.
 #[derive(Clone, Copy, Debug)]
 enum Colors {
     Palette,
@@ -65,7 +65,7 @@ impl Random {
         (self.bits() >> 7) as f32 / 16_777_216.0
     }
 
-    /// 0 or 1 half of the time.
+    /// Returns a random weight that is 0 or 1 half of the time.
     fn weight(&mut self) -> f32 {
         match self.bits() >> 16 & 3 {
             0 => 0.0,
@@ -95,7 +95,7 @@ impl Colors {
         }
     }
 
-    /// Nested mixes of random colors; neighbors share colors in runs, with weights that go on slowly.
+    /// Makes pixels of nested mixes of random colors; runs of neighbors share colors, with slowly changing weights.
     fn picture(self, run: usize) -> (Hull, [Vec<f32>; 3]) {
         let colors = self.make();
         let mut random = Random(1);
@@ -129,13 +129,13 @@ fn judge(bencher: Bencher<'_, '_>, colors: Colors, run: usize) {
     bencher.counter(ItemsCount::new(PIXELS)).bench_local(|| hull.exits(black_box(&r), &g, &b, margin));
 }
 
-/// Every pixel on its own.
+/// Pixels without relation to their neighbors.
 #[divan::bench(args = COLORS, sample_count = 40)]
 fn noise(bencher: Bencher<'_, '_>, colors: Colors) {
     judge(bencher, colors, 1);
 }
 
-/// As pictures mostly are.
+/// Pixels similar to their neighbors, like in most pictures.
 #[divan::bench(args = COLORS, sample_count = 40)]
 fn smooth(bencher: Bencher<'_, '_>, colors: Colors) {
     judge(bencher, colors, 200);

@@ -1,24 +1,24 @@
-//! What was counted while pixels were judged.
+//! Audits: counts of judged pixels.
 
-/// The tally of judged pixels: plain data, made per tile and merged in any order.
+/// Counts of judged pixels: plain data, made per tile and merged in any order.
 ///
-/// [`Default`] is the tally of no pixel, the neutral element of [`merge`](Audit::merge).
+/// [`Default`] is the audit of no pixels, the neutral element of [`merge`](Audit::merge).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Audit {
-    /// Pixels made.
+    /// Number of pixels made.
     pub pixels: u64,
-    /// Pixels judged one by one; the others were only seen to lie in the box of their controls.
+    /// Number of pixels judged one by one; the others were only checked to be in the bounding box of their controls.
     pub judged: u64,
-    /// Pixels outside the hull (or box) of their controls by more than the margin; NaN counts.
+    /// Number of pixels outside of the hull (or box) of their controls by more than the margin, including NaN.
     pub hull_exits: u64,
-    /// The largest distance of such a pixel from the hull, in units of the working space; 0 where there is none, +∞
-    /// for a pixel that is not finite.
+    /// Largest distance of these pixels from the hull, in units of the working space; 0 if there are none, +∞ for a
+    /// pixel that is not finite.
     pub worst_exit: f64,
-    /// The largest |Σω − 1| seen.
+    /// Largest |Σω − 1| found.
     pub weight_sum_max_deviation: f64,
-    /// The smallest weight seen; +∞ where no weight was seen.
+    /// Smallest weight found; +∞ if there were no weights.
     pub weight_min: f64,
-    /// Pixels with a NaN in any channel or weight.
+    /// Number of pixels with a NaN in any channel or weight.
     pub nan_count: u64,
 }
 
@@ -37,7 +37,7 @@ impl Default for Audit {
 }
 
 impl Audit {
-    /// The tally of both sets of pixels.
+    /// Merges the audits of two sets of pixels.
     ///
     /// Counts are added and extremes compared, so the result does not depend on the order or grouping of merges.
     #[must_use]

@@ -1,14 +1,15 @@
-//! Partitions of unity and the arithmetic that keeps a blend inside the hull of its operands.
+//! Partitions of unity, and arithmetic that keeps a blend inside the convex hull of its operands.
 //!
-//! The back end of Trochoid has one operation, `C = Σ ωᵢ Cᵢ` with `ωᵢ ≥ 0` and `Σ ωᵢ = 1`. This crate is the
-//! audited part of that promise:
+//! The back end of Trochoid has one operation on colors, the convex combination `C = Σ ωᵢ Cᵢ` with `ωᵢ ≥ 0` and
+//! `Σ ωᵢ = 1`. This crate guarantees that it stays convex, and checks results:
 //!
-//! - [`arithmetic`] holds the scalar f32 definitions that every kernel inlines, each with the proof that rounding
-//!   cannot leave the operands' range; [`reference`](mod@reference) says the same in plain f64, independently.
-//! - [`Hull`] and [`BoxHull`] judge finished pixels against the control colors, without trusting any of the above.
-//! - [`Audit`] is the count that comes of it.
+//! - [`arithmetic`] has the scalar f32 definitions that every kernel inlines, each with the proof that rounding
+//!   cannot leave the range of the operands; [`reference`](mod@reference) has independent definitions in plain f64.
+//! - [`Hull`] and [`BoxHull`] judge finished pixels against the control colors, independently of the arithmetic.
+//! - [`Audit`] counts the results.
 
 pub mod arithmetic;
+pub mod kernel;
 pub mod reference;
 
 mod audit;

@@ -1,11 +1,11 @@
-//! The scalar operations: never outside their range, and near the f64 reference.
+//! Tests of the scalar operations: results stay in range, and close to the f64 reference.
 
 use proptest::prelude::*;
 use trochoid_weights::{arithmetic as fast, reference};
 
 const ULP: f64 = f32::EPSILON as f64;
 
-/// Finite values ≥ 0 of every magnitude, with the hostile ones often.
+/// Finite values ≥ 0 of every magnitude, with frequent difficult ones.
 fn color() -> impl Strategy<Value = f32> {
     prop_oneof![
         0.0_f32..=1.0,
@@ -52,7 +52,7 @@ fn mask() -> impl Strategy<Value = f32> {
     ]
 }
 
-/// Any value of a field, NaN and infinities included.
+/// Any value of a field, including NaN and infinities.
 fn field() -> impl Strategy<Value = f32> {
     prop_oneof![any::<f32>(), -10.0_f32..10.0, color(), Just(f32::NAN), Just(f32::INFINITY), Just(f32::NEG_INFINITY)]
 }

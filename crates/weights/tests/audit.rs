@@ -1,4 +1,4 @@
-//! Merging tallies does not depend on order or grouping.
+//! Tests that merging audits does not depend on order or grouping.
 
 use proptest::prelude::*;
 use trochoid_weights::Audit;

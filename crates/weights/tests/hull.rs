@@ -1,4 +1,4 @@
-//! The hull against brute force, on random, degenerate and lattice input.
+//! Tests of the hull against brute force, on random, degenerate and lattice points.
 
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
@@ -24,7 +24,8 @@ fn dot(a: Lattice, b: Lattice) -> i64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// Whether p is a convex combination of some of the points, in integers: by Carathéodory, of at most four of them.
+/// Whether p is a convex combination of some of the points, in integers. By Carathéodory's theorem, four points are
+/// enough.
 fn contains(points: &[Lattice], p: Lattice) -> bool {
     let on_segment = |a: Lattice, b: Lattice| cross(sub(b, a), sub(p, a)) == [0; 3] && dot(sub(p, a), sub(p, b)) <= 0;
     let in_triangle = |a: Lattice, b: Lattice, c: Lattice| {
@@ -51,7 +52,8 @@ fn contains(points: &[Lattice], p: Lattice) -> bool {
     })
 }
 
-/// Points of a coarse lattice, so that duplicates, collinear runs and coplanar faces abound; often without volume.
+/// Points of a coarse lattice, so that duplicates, collinear points and coplanar faces are frequent; often without
+/// volume.
 fn cloud() -> impl Strategy<Value = Vec<Lattice>> {
     let solid = |side: i64, count: usize| prop::collection::vec([0..side, 0..side, 0..side], 0..count);
     let plane = prop::collection::vec([0_i64..6, 0_i64..6], 1..14).prop_flat_map(|coordinates| {
@@ -88,7 +90,7 @@ proptest! {
             prop_assert_eq!(distance <= hull.margin(0), exit.is_none());
             if let Some(witness) = exit.and_then(|_| hull.witness(color(probe).map(f64::from))) {
                 prop_assert!((witness.distance - distance).abs() < 1e-12);
-                // Beside an edge the normal comes from a difference that rounds.
+                // Near an edge the normal comes from a rounded difference.
                 let rounding = 1e-12_f64.max(1e-15 / distance);
                 for v in hull.vertices() {
                     let reach: f64 = (0..3).map(|i| witness.normal[i] * f64::from(v[i])).sum();
@@ -137,7 +139,7 @@ proptest! {
         prop_assert_eq!(around.exits(&r, &g, &b, margin), (single.len() as u64, single.iter().copied().fold(0.0, f64::max)));
     }
 
-    /// Pixels near faces, edges and corners, off by a part of the margin or some times as much, and hostile ones.
+    /// Tests pixels near faces, edges and corners, at fractions and multiples of the margin, and difficult ones.
     #[test]
     fn rows_agree_with_pixels_at_the_boundary(
         points in prop::collection::vec([0.0_f32..1.0, 0.0_f32..1.0, 0.0_f32..1.0], 1..150),

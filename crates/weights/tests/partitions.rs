@@ -1,4 +1,4 @@
-//! Weights sum to exactly 1, blends stay in the box, and rows agree with pixels.
+//! Tests of partitions: weights sum to exactly 1, blends stay in the bounding box, and rows agree with pixels.
 
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
@@ -31,7 +31,7 @@ fn raw_weights(count: std::ops::Range<usize>) -> impl Strategy<Value = Vec<f64>>
     })
 }
 
-/// The sum in units of 2⁻²⁴, after a check that each weight is a whole number of them.
+/// Returns the sum in units of 2⁻²⁴, after a check that each weight is a whole number of units.
 fn units(weights: &[f32]) -> u64 {
     weights
         .iter()
@@ -61,7 +61,7 @@ fn stacked(masks: &[f32]) -> Vec<f32> {
     weights
 }
 
-/// A color of three channels, each blended by the same weights.
+/// Blends the three channels of colors with the same weights.
 fn blended(weights: &[f32], colors: &[[f32; 3]]) -> [f32; 3] {
     [0, 1, 2].map(|channel| fast::blend(&colors.iter().map(|color| color[channel]).collect::<Vec<_>>(), weights))
 }
@@ -107,7 +107,7 @@ proptest! {
         }
         let same = vec![colors[0]; colors.len()];
         prop_assert_eq!(blended(&weights, &same), colors[0]);
-        // A control of weight 0 may hold anything.
+        // A control of weight 0 may have any value.
         let poisoned: Vec<_> = colors.iter().zip(&weights)
             .map(|(&c, &w)| if w == 0.0 { [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] } else { c }).collect();
         prop_assert_eq!(blended(&weights, &poisoned), blend);
@@ -210,7 +210,8 @@ proptest! {
     }
 }
 
-/// Half a unit from each other weight, the largest's own, and a unit for what the sum of narrowed weights is off.
+/// Error bound of the largest weight: half a unit from each other weight, one from the weight itself, and one from the
+/// error in the sum of the f32 weights.
 fn raw_bound(count: usize) -> f64 {
     0.5 * UNIT * (count + 3) as f64
 }

@@ -8,7 +8,7 @@ use crate::files::{self, Over};
 use crate::shell;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
-use trochoid::{CheckedGraph, Diagnostic, Figure, Form, InputFiles, Loaded, NodeId, Stability, quoted_path};
+use trochoid::{CheckedGraph, Diagnostic, Figure, Form, InputFiles, Loaded, NodeId, Offer, Stability, quoted_path};
 
 /// Options of `trochoid stability`.
 #[derive(Debug, clap::Args)]
@@ -105,14 +105,11 @@ fn named(out: &Path, graph: &CheckedGraph) -> Vec<PathBuf> {
     if is_png(out) {
         return vec![out.into()];
     }
-    let mapped = graph.nodes().iter().filter(|node| node.ty.declaration().name == MAPPED);
+    let mapped = graph.nodes().iter().filter(|node| node.ty.declaration().offers.contains(&Offer::StabilityMap));
     let names: Vec<PathBuf> = mapped.map(|node| out.join(format!("{}.png", node.name))).collect();
     // What there is to say of the folder itself is said where nothing has a map too.
     if names.is_empty() { vec![out.join("map.png")] } else { names }
 }
-
-/// The type of node that has a map.
-const MAPPED: &str = "ToonSea";
 
 fn is_png(path: &Path) -> bool {
     path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("png"))

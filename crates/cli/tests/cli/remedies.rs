@@ -32,8 +32,8 @@ fn signs_of_folders_and_names_are_escaped_as_told() {
         scene.write_picture(&format!("{folder}/{}", name.replace("####", "0001")), 0.5);
         let run = scene.run(&["render", "a.json"]).code(1);
         let checked = scene.run(&["check", "a.json"]).code(0);
-        assert!(checked.err.contains("has a backslash before it: "), "{}", checked.err);
-        let (_, told) = run.err.split_once("has a backslash before it: ").unwrap_or_else(|| panic!("{}", run.err));
+        assert!(checked.err.contains("that is part of a name: "), "{}", checked.err);
+        let (_, told) = run.err.split_once("that is part of a name: ").unwrap_or_else(|| panic!("{}", run.err));
         let (json, word) = told.trim_end().split_once(" in a document, ").unwrap();
         let word = word.strip_suffix(" in a shell").unwrap();
         in_shell(&scene, "", &format!("render a.json --set in.file={word}")).code(0);
@@ -63,7 +63,7 @@ fn one_remedy_allows_all_that_is_refused() {
         let run = Run::of(scene.command(&[command, "a.json"]).current_dir(scene.path("shot"))).code(2);
         assert_eq!(run.err.matches("error: ").count(), 3, "{}", run.err);
         assert_eq!(run.err.matches("  remedy: ").count(), 1, "{}", run.err);
-        let options = remedy(&run).strip_prefix("if you trust the document with them: ").unwrap();
+        let options = remedy(&run).strip_prefix("if you trust the document with these files: ").unwrap();
         in_shell(&scene, "shot", &format!("{command} a.json {options}")).code(0);
     }
     assert!(scene.path("new $HOME/more.exr").exists());

@@ -15,7 +15,7 @@ fn the_default_sea_is_stable_and_drawn() {
     let run = scene.run(&arguments(&["-o", "maps/sea.png"])).code(0).says(&[
         "sea (ToonSea): stable",
         "the slowest loses half in 9.02",
-        "What would break it: c1 outside",
+        "It becomes unstable with c1 outside",
         "predicted    measured",
         "0.92604     0.92604 = 2³⁰ steps in f64, 8 × 8 cells",
         "map: maps/sea.png",
@@ -37,7 +37,7 @@ fn the_default_sea_is_stable_and_drawn() {
 fn an_unstable_sea_is_refused_with_what_would_be_stable() {
     let scene = Scene::new(SCENE);
     let run = arguments(&["--set", "sea.mode=literal", "--set", "sea.c1=0.9", "--set", "sea.c2=-0.5"]);
-    scene.run(&run).fails(2, &["grows by 1.77", "set \"c1\" ", "the nearest that are stable", "\"mode\" \"physical\""]);
+    scene.run(&run).fails(2, &["grows by 1.77", "set \"c1\" ", "the nearest stable values", "\"mode\" \"physical\""]);
 }
 
 #[test]

@@ -292,7 +292,7 @@ fn what_only_the_document_can_refuse_is_refused_in_words_and_changes_nothing() {
         ("marks", "size", "-5", "found a negative size of shapes[1]; expected width and height ≥ 0"),
         ("marks", "size", "1e99", "found 1e99; expected a"),
         ("range", "min", "0.9", "found min 0.9 above max 0.75; expected min ≤ max"),
-        ("sky", "at", "0.25", "found a stop at 0.25 after one at 0.5; expected stops that ascend"),
+        ("sky", "at", "0.25", "found a stop at 0.25 after one at 0.5; expected stops in ascending order"),
     ] {
         let mut window = open(LISTS, node);
         let before = fields(&window, knob);

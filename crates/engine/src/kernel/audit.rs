@@ -1,6 +1,6 @@
-//! What is seen of weights and planes in passing.
+//! Records the extremes of weights and planes while programs run.
 
-/// The extremes of weights seen while running.
+/// Extremes of weights seen while running.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct WeightAudit {
     pub(crate) min: f32,
@@ -22,7 +22,7 @@ impl WeightAudit {
 /// Bits of 1.
 pub(super) const ONE: u32 = 0x3f80_0000;
 
-/// What the samples of a plane must be, as a bound on their bits.
+/// Rule for the samples of a plane, as a bound on their bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Legal {
     /// In [0, 1].
@@ -34,19 +34,19 @@ pub(crate) enum Legal {
 }
 
 impl Legal {
-    /// Whether all samples are legal, and none −0, whose largest bits (shifted for a field) are these.
+    /// Returns whether samples with these largest bits (shifted for a field) are all legal, and none is −0.
     pub(super) fn allows(self, largest: u32) -> bool {
         largest
             <= match self {
                 Self::Mask => ONE,
                 Self::Color => f32::MAX.to_bits(),
-                // The sign is shifted out: an infinity is the largest.
+                // The sign is shifted out; an infinity is the largest.
                 Self::Field => f32::INFINITY.to_bits() << 1,
             }
     }
 }
 
-/// The least and largest bits seen, lane by lane.
+/// Least and largest bits seen, by lane.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Bits {
     pub(super) least: [u32; 16],
@@ -60,21 +60,21 @@ impl Default for Bits {
 }
 
 impl Bits {
-    /// Both over all lanes; `None` if nothing was seen.
+    /// Returns both over all lanes; `None` if nothing was seen.
     pub(super) fn range(&self) -> Option<(u32, u32)> {
         let least = self.least.iter().copied().min()?;
         let largest = self.largest.iter().copied().max()?;
         (least <= largest).then_some((least, largest))
     }
 
-    /// The largest over all lanes; 0 if nothing was seen.
+    /// Returns the largest over all lanes; 0 if nothing was seen.
     pub(super) fn largest(&self) -> u32 {
         self.largest.iter().copied().fold(0, u32::max)
     }
 
-    /// The smaller of the least t and the least 1 − t; −∞ for NaN, which only a negative number can hide.
+    /// Returns the smaller of the least t and the least 1 − t; −∞ for NaN, unless a negative number hides it.
     ///
-    /// Negative numbers have larger bits than all others, the larger the further below 0.
+    /// Negative numbers have larger bits than all others, and larger ones the further they lie below 0.
     pub(super) fn least_weight(&self) -> f32 {
         let Some((least, largest)) = self.range() else { return f32::INFINITY };
         let (low, high) = (f32::from_bits(least), f32::from_bits(largest));

@@ -1,14 +1,14 @@
-//! What programs are compiled to.
+//! Instructions to which programs are compiled.
 
 use super::audit::Legal;
 use super::native::Native;
 use trochoid_graph::{NodeId, Program, Slot};
 use trochoid_memory::Instructions;
 
-/// Samples in a chunk.
+/// Number of samples in a chunk.
 pub(crate) const CHUNK: usize = 128;
 
-/// A chunk of samples, on cache lines.
+/// A chunk of samples, aligned to cache lines.
 #[derive(Clone, Debug)]
 #[repr(align(64))]
 pub(crate) struct Chunk(pub(crate) [f32; CHUNK]);
@@ -17,27 +17,27 @@ impl Chunk {
     pub(crate) const ZERO: Self = Self([0.0; CHUNK]);
 }
 
-/// Where a chunk comes from.
+/// Source of a chunk.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Row {
-    /// One of the machine's.
+    /// One of the machine's chunks.
     Own(u32),
-    /// A plane from outside.
+    /// Plane from outside.
     Plane(u32),
-    /// What was computed once for the tile, and varies along x.
+    /// Value that was computed once for the tile, and varies along x.
     Column(u32),
-    /// What was computed once for the row of pixels.
+    /// Value that was computed once for the row of pixels.
     Line(u32),
 }
 
-/// Where a color comes from.
+/// Source of a color.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Source {
     /// The accumulator.
     Last,
     Rows([Row; 3]),
     Constant([f32; 3]),
-    /// The mix of two constants, never stored.
+    /// Mix of two constants, which is never stored.
     Pair {
         from: [f32; 3],
         to: [f32; 3],
@@ -45,7 +45,7 @@ pub(crate) enum Source {
     },
 }
 
-/// One instruction. Colors are left in the accumulator.
+/// One instruction. Instructions that make a color leave it in the accumulator.
 #[derive(Clone, Debug)]
 pub(crate) enum Work {
     Clamp {
@@ -92,7 +92,7 @@ pub(crate) enum Work {
         a: Source,
         b: Source,
         t: Row,
-        /// The root that this color is, if it is nothing else: written straight where it belongs.
+        /// Root that this color belongs to, if the color has no other use; it is written straight to its destination.
         out: Option<u32>,
     },
     /// The mix by y of two pairs mixed by x.
@@ -105,18 +105,18 @@ pub(crate) enum Work {
         colors: Vec<Source>,
         weights: Vec<Row>,
     },
-    /// Keeps the accumulator, which nobody reads after that.
+    /// Saves the accumulator, which nothing reads after that.
     Keep([u32; 3]),
-    /// Holds weights against [0, 1].
+    /// Checks weights against [0, 1].
     AuditMask(Row),
-    /// Holds weights against [0, 1] and their sum against 1.
+    /// Checks weights against [0, 1] and their sum against 1.
     AuditPartition(Vec<Row>),
-    /// Holds a plane of the caller against what its kind allows.
+    /// Checks a plane of the caller against the rule of its kind.
     Check {
         plane: u32,
         index: u32,
     },
-    /// Where all of `t` is `closed`, takes `otherwise` and jumps over `skip` instructions.
+    /// If all of `t` is `closed`, loads `otherwise` and jumps over `skip` instructions.
     Gate {
         t: Row,
         closed: f32,
@@ -136,37 +136,37 @@ pub(crate) enum Work {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Code {
     pub(crate) list: Vec<Work>,
-    /// Number of chunks of its own.
+    /// Number of its own chunks.
     pub(crate) own: usize,
-    /// Own chunks that hold a constant throughout.
+    /// Its own chunks that hold a constant throughout.
     pub(crate) constants: Vec<(u32, f32)>,
-    /// By root, its first output channel and how many it has.
+    /// First output channel and number of channels, by root.
     pub(crate) roots: Vec<(usize, usize)>,
-    /// By root, whether it is a color.
+    /// Whether a root is a color, by root.
     pub(crate) colors: Vec<bool>,
-    /// The planes held against what their kind allows: by index, the plane and the rule.
+    /// Planes that are checked against the rule of their kind: the plane and the rule, by index.
     pub(crate) checks: Vec<(u32, Legal)>,
 }
 
 impl Code {
-    /// Number of output channels.
+    /// Returns the number of output channels.
     pub(crate) fn channels(&self) -> usize {
         self.roots.iter().map(|(_, count)| count).sum()
     }
 
-    /// Whether a root is a color.
+    /// Returns whether a root is a color.
     #[cfg(feature = "jit")]
     pub(crate) fn is_color(&self, root: usize) -> bool {
         self.colors[root]
     }
 
-    /// Number of chunks that it needs to run: its own, and the accumulator.
+    /// Returns the number of chunks that the code needs to run: its own, and the accumulator.
     pub(crate) fn chunks(&self) -> usize {
         self.own + 3
     }
 }
 
-/// What a compiled program was made from.
+/// Program and roots from which a compiled program was made.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Origin {
     pub(crate) program: Program,
@@ -178,29 +178,29 @@ pub(crate) struct Origin {
 pub(crate) struct Compiled {
     /// Planes read, in the order in which the machine expects them.
     pub(crate) planes: Vec<Slot>,
-    /// Run once a tile, over its columns.
+    /// Runs once per tile, over its columns.
     pub(crate) column: Code,
-    /// Run once a row, over one chunk.
+    /// Runs once per row, over one chunk.
     pub(crate) row: Code,
-    /// Run over everything.
+    /// Runs over every pixel.
     pub(crate) main: Code,
-    /// The nodes that operations came from, and each one's relative cost a pixel, for reports.
+    /// Nodes that the operations came from, and the relative cost of each operation per pixel, for reports.
     pub(crate) costs: Vec<(NodeId, f64)>,
     /// The main code as machine code.
     pub(crate) native: Option<Native>,
-    /// By root, its number of channels.
+    /// Number of channels, by root.
     pub(crate) roots: Vec<usize>,
-    /// What the machine may use.
+    /// Instruction sets that the machine may use.
     pub(crate) instructions: Instructions,
-    /// What it was compiled from, where bounds on errors are asked for.
+    /// What it was compiled from, if bounds on errors are requested.
     pub(crate) origin: Origin,
-    /// What the kernels do wrong, so that tests see whether anybody notices.
+    /// Fault built into the kernels, so that tests see whether it is noticed.
     #[cfg(test)]
     pub(crate) fault: Fault,
 }
 
 impl Compiled {
-    /// Number of chunks that a machine needs to run it.
+    /// Returns the number of chunks that a machine needs to run it.
     pub(crate) fn chunks(&self) -> usize {
         [&self.column, &self.row, &self.main].map(Code::chunks).into_iter().sum()
     }
@@ -212,28 +212,28 @@ impl Compiled {
 pub(crate) enum Fault {
     #[default]
     None,
-    /// Mix goes beyond its second color.
+    /// Mix overshoots its second color.
     MixOvershoots,
     /// Partitions sum to a little less than 1.
     PartitionLeaks,
     /// Clamp lets a mask reach beyond 1.
     ClampLeaks,
-    /// Mix gives NaN at one pixel of a chunk.
+    /// Mix returns NaN at one pixel of a chunk.
     MixLosesOne,
 }
 
-/// A plane over a tile, wherever its rows lie.
+/// A plane over a tile, wherever its rows are in memory.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Plane<'a> {
     pub(crate) samples: &'a [f32],
-    /// The tile's first sample.
+    /// Index of the tile's first sample.
     pub(crate) start: usize,
-    /// From one row to the next; 0 where one row stands for all.
+    /// Distance from one row to the next; 0 if one row serves for all.
     pub(crate) stride: usize,
 }
 
 impl<'a> Plane<'a> {
-    /// The first `width` samples of row y.
+    /// Returns the first `width` samples of row y.
     #[inline(always)]
     pub(crate) fn row(&self, y: usize, width: usize) -> &'a [f32] {
         let start = self.start + y * self.stride;

@@ -1,12 +1,12 @@
-//! Mixing colors over a chunk, each source of a color compiled into the loop.
+//! Mixes colors over a chunk; each source of a color is compiled into the loop.
 
 use super::audit::Bits;
 use super::code::{CHUNK, Chunk};
 use fearless_simd::{Bytes, Simd, SimdBase, f32x16, mask32x16, u32x16};
 use trochoid_memory::{Stream, Target};
 
-/// An array of what an expression is for channels 0, 1 and 2. [`array::map`] is not always inlined, and what is not
-/// inlined is compiled without the instruction set at hand.
+/// Makes an array of an expression's values for channels 0, 1 and 2. [`array::map`] is not always inlined, and a
+/// function that is not inlined is compiled without the current instruction set.
 macro_rules! rgb {
     ($c:ident => $value:expr) => {{
         let $c = 0usize;
@@ -35,7 +35,7 @@ pub(super) fn splat<S: Simd>(simd: S, color: &[f32; 3]) -> [Lanes<S>; 3] {
     rgb!(c => simd.splat_f32x16(color[c]))
 }
 
-/// A mask, made ready: which end of a mix is nearer, and how far from it.
+/// A mask prepared for mixing: which end of the mix is nearer, and the distance from it.
 #[derive(Clone, Copy)]
 pub(super) struct By<S: Simd> {
     near_a: mask32x16<S>,
@@ -49,23 +49,23 @@ pub(super) fn by<S: Simd>(simd: S, t: Lanes<S>) -> By<S> {
     By { near_a, by }
 }
 
-/// [`mix`](trochoid_weights::arithmetic::mix), lane by lane: the same operations in the same order.
+/// Does [`mix`](trochoid_weights::arithmetic::mix) lane by lane: the same operations in the same order.
 #[inline(always)]
 pub(super) fn mix<S: Simd>(simd: S, a: Lanes<S>, b: Lanes<S>, t: By<S>) -> Lanes<S> {
     mix_by(simd, a, b, simd.sub_f32x16(b, a), t)
 }
 
-/// The same with the difference known.
+/// Does the same with the difference known.
 #[inline(always)]
 pub(super) fn mix_by<S: Simd>(simd: S, a: Lanes<S>, b: Lanes<S>, difference: Lanes<S>, t: By<S>) -> Lanes<S> {
     simd.mul_add_precise_f32x16(t.by, difference, simd.select_f32x16(t.near_a, a, b))
 }
 
-/// Where a color of a mix comes from.
+/// Source of a color in a mix.
 pub(super) trait Operand<S: Simd>: Copy {
-    /// What all three channels share.
+    /// Values that all three channels share.
     type Shared: Copy;
-    /// Whether the accumulator is read.
+    /// Whether it reads the accumulator.
     const READS_LAST: bool = false;
 
     fn share(&self, simd: S, i: usize) -> Self::Shared;
@@ -168,7 +168,7 @@ pub(super) fn mix_rows<S: Simd>(
     }
 }
 
-/// Mixes straight into the three targets of a root, from their sample `start` on; its bits are seen in passing.
+/// Mixes straight into the three targets of a root, from their sample `start` on, and records the bits of the result.
 #[inline(always)]
 #[allow(clippy::too_many_arguments, reason = "one call site; all of it is the loop's")]
 pub(super) fn mix_out<S: Stream>(
@@ -194,7 +194,7 @@ pub(super) fn mix_out<S: Stream>(
     );
 }
 
-/// Writes a chunk of colors, 16 pixels at a time, around the cache where that is asked for.
+/// Writes a chunk of colors, 16 pixels at a time, around the cache if requested.
 #[inline(always)]
 fn put<S: Stream>(
     simd: S,
@@ -244,7 +244,7 @@ fn mix_vector<S: Simd, A: Operand<S>, B: Operand<S>>(
     })
 }
 
-/// The mix by y of two pairs mixed by x, into the accumulator.
+/// Mixes by y two pairs mixed by x, into the accumulator.
 #[inline(always)]
 pub(super) fn patch_rows<S: Simd>(
     simd: S,
@@ -289,7 +289,7 @@ pub(super) fn write_out<S: Stream>(
     );
 }
 
-/// Bits seen of three channels, in registers.
+/// Extremes of the bits of three channels, in registers.
 struct Seen<S: Simd> {
     least: [u32x16<S>; 3],
     largest: [u32x16<S>; 3],
@@ -322,7 +322,7 @@ impl<S: Simd> Seen<S> {
     }
 }
 
-/// Sees the bits of a row of weights or of a channel.
+/// Records the extremes of the bits of a row of weights or of a channel.
 #[inline(always)]
 pub(super) fn see_row<S: Simd>(simd: S, row: &[f32; CHUNK], bits: &mut Bits) {
     let mut least = u32x16::from_slice(simd, &bits.least);
@@ -336,7 +336,7 @@ pub(super) fn see_row<S: Simd>(simd: S, row: &[f32; CHUNK], bits: &mut Bits) {
     largest.store_slice(&mut bits.largest);
 }
 
-/// Sees the largest bits of a row of any numbers, shifted by the sign.
+/// Records the largest bits of a row of any numbers, with the sign shifted out.
 #[inline(always)]
 pub(super) fn see_field<S: Simd>(simd: S, row: &[f32; CHUNK], bits: &mut Bits) {
     let mut largest = u32x16::from_slice(simd, &bits.largest);
@@ -347,8 +347,8 @@ pub(super) fn see_field<S: Simd>(simd: S, row: &[f32; CHUNK], bits: &mut Bits) {
     largest.store_slice(&mut bits.largest);
 }
 
-/// [`clamp`](trochoid_weights::arithmetic::clamp) for 0 < max − min with bounds below 2¹²⁶: there the quotient alone tells
-/// on which side of the bounds x lies, so its cases fall together.
+/// Does [`clamp`](trochoid_weights::arithmetic::clamp) for 0 < max − min and bounds below 2¹²⁶: the quotient alone
+/// then tells on which side of the bounds x lies, so all cases share one formula.
 #[inline(always)]
 pub(super) fn clamp_rows<S: Simd>(simd: S, to: &mut [f32; CHUNK], x: &[f32; CHUNK], min: f32, max: f32) {
     let (low, width) = (simd.splat_f32x16(min), simd.splat_f32x16(max - min));
@@ -362,7 +362,7 @@ pub(super) fn clamp_rows<S: Simd>(simd: S, to: &mut [f32; CHUNK], x: &[f32; CHUN
     }
 }
 
-/// Whether a mask is the same, 0 or 1, on the whole chunk.
+/// Returns whether all of a mask equals `value` (0 or 1) on a chunk.
 #[inline(always)]
 pub(super) fn is_all<S: Simd>(simd: S, row: &[f32; CHUNK], value: f32) -> bool {
     let mut differs = simd.splat_u32x16(0);

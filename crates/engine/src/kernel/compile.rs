@@ -1,4 +1,4 @@
-//! From a program to code: what runs once a tile, once a row, and for every pixel.
+//! Compiles a program to code that runs once per tile, once per row, and for every pixel.
 
 use super::audit::Legal;
 use super::code::{Compiled, Row, Source};
@@ -13,17 +13,17 @@ use trochoid_memory::Instructions;
 /// How a program is compiled; never what it computes.
 #[derive(Clone, Copy)]
 pub(crate) struct Options<'a> {
-    /// Compute once a tile or once a row what varies no further.
+    /// Compute values that do not vary per pixel once per tile or once per row.
     pub(crate) hoist: bool,
-    /// Fold operations into each other, chain colors, jump over branches without weight.
+    /// Fuse operations, chain colors, and jump over branches without weight.
     pub(crate) fuse: bool,
-    /// Run also what no root needs.
+    /// Also run what no root needs.
     pub(crate) everything: bool,
     pub(crate) instructions: Instructions,
-    /// Run as machine code, where there is any.
+    /// Run as machine code, if possible.
     pub(crate) native: bool,
     pub(crate) variance: &'a dyn Fn(&Slot) -> Variance,
-    /// Planes of the caller, and what they must hold.
+    /// Planes of the caller, and the values that are legal in them.
     pub(crate) legal: &'a dyn Fn(&Slot) -> Option<Legal>,
 }
 
@@ -90,14 +90,14 @@ pub(crate) fn compile(program: &Program, roots: &[u32], options: &Options<'_>) -
         out.native = Native::new(&out.main, planes, columns, lines, options.instructions.level());
     }
     out.roots = out.main.roots.iter().map(|(_, count)| *count).collect();
-    // Planes are their stages' work.
+    // Filling planes is counted as their stages' work.
     let is_load = |op: &Op| matches!(op, Op::Load(_) | Op::LoadColor(_));
     let run = ops.iter().enumerate().filter(|(at, (op, _))| needed[*at] && !is_load(op));
     out.costs = run.map(|(_, (op, origin))| (*origin, cost(op))).collect();
     out
 }
 
-/// What the roots depend on, themselves included.
+/// Returns what the roots depend on, including the roots.
 fn needed(ops: &[(Op, NodeId)], roots: &[u32]) -> Vec<bool> {
     let mut needed = vec![false; ops.len()];
     for &root in roots {
@@ -111,7 +111,7 @@ fn needed(ops: &[(Op, NodeId)], roots: &[u32]) -> Vec<bool> {
     needed
 }
 
-/// How often every operation has to run.
+/// Returns how often every operation has to run.
 fn rates(ops: &[(Op, NodeId)], roots: &[u32], needed: &[bool], options: &Options<'_>) -> Vec<Rate> {
     let mut variances = Vec::with_capacity(ops.len());
     for (op, _) in ops {
@@ -130,7 +130,7 @@ fn rates(ops: &[(Op, NodeId)], roots: &[u32], needed: &[bool], options: &Options
             _ => Rate::Pixel,
         })
         .collect();
-    // Three mixes of constants cost what reading three rows costs, and can be folded: those run where they are read.
+    // A mix of constants costs as much per channel as reading a row, and can be folded, so it runs where it is read.
     let is_constant = |at: u32| matches!(ops[at as usize].0, Op::ConstantColor(_));
     let mut read_by_pixels = vec![false; ops.len()];
     roots.iter().for_each(|&root| read_by_pixels[root as usize] = true);
@@ -150,7 +150,7 @@ fn rates(ops: &[(Op, NodeId)], roots: &[u32], needed: &[bool], options: &Options
     rates
 }
 
-/// The operations of a rate that others, or the roots, read.
+/// Returns the operations of a rate that other operations, or the roots, read.
 fn hoisted(ops: &[(Op, NodeId)], roots: &[u32], needed: &[bool], rates: &[Rate], rate: Rate) -> Vec<u32> {
     let mut read = vec![false; ops.len()];
     roots.iter().for_each(|&root| read[root as usize] = true);
@@ -160,7 +160,7 @@ fn hoisted(ops: &[(Op, NodeId)], roots: &[u32], needed: &[bool], rates: &[Rate],
     (0..ops.len()).filter(|&at| needed[at] && read[at] && rates[at] == rate).map(|at| at as u32).collect()
 }
 
-/// The planes that a program reads, each once.
+/// Planes that a program reads, each once.
 struct Planes {
     slots: Vec<Slot>,
     known: HashMap<Slot, u32>,

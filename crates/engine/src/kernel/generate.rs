@@ -1,5 +1,5 @@
-//! From steps to instructions: chunks assigned, colors chained through the accumulator, mixes of constants folded into
-//! the instructions that read them.
+//! Generates instructions from steps: assigns chunks, chains colors through the accumulator, and folds mixes of
+//! constants into the instructions that read them.
 
 use super::audit::Legal;
 use super::code::{Code, Row, Source, Work};
@@ -7,7 +7,7 @@ use super::order::{Order, Step};
 use std::collections::{BTreeMap, HashMap, HashSet};
 use trochoid_graph::{NodeId, Op, Type};
 
-/// Where an operation's result lies.
+/// Location of an operation's result.
 #[derive(Clone, Debug)]
 pub(super) enum Value {
     Scalar(Row),
@@ -15,17 +15,17 @@ pub(super) enum Value {
     Partition(Vec<Row>),
 }
 
-/// What code is generated from.
+/// Input of code generation.
 pub(super) struct Input<'a> {
     pub(super) ops: &'a [(Op, NodeId)],
     pub(super) roots: &'a [u32],
-    /// Values that are there already: planes, and what was computed before.
+    /// Values that are already computed: planes, and results of earlier code.
     pub(super) given: HashMap<u32, Value>,
-    /// Fold operations into each other; otherwise one instruction each.
+    /// Whether to fold operations into each other; otherwise each one is an instruction.
     pub(super) fuse: bool,
-    /// Run also what no root needs.
+    /// Whether to run also what no root needs.
     pub(super) everything: bool,
-    /// Planes to hold against what their kind allows.
+    /// Planes to check against the rules of their kinds.
     pub(super) checks: Vec<(u32, Legal)>,
 }
 
@@ -85,7 +85,8 @@ pub(super) fn generate(input: Input<'_>) -> Code {
     generator.code
 }
 
-/// Marks every operation whose rows step `index` reads, through what is folded into it and through weights.
+/// Marks every operation whose rows step `index` reads, directly, through operations folded into it, and through
+/// weights.
 fn note_reads(ops: &[(Op, NodeId)], order: &Order<'_>, at: u32, index: usize, last: &mut [usize]) {
     ops[at as usize].0.operands(|operand| {
         last[operand as usize] = last[operand as usize].max(index);
@@ -99,7 +100,7 @@ fn note_reads(ops: &[(Op, NodeId)], order: &Order<'_>, at: u32, index: usize, la
     });
 }
 
-/// Whoever reads a weight reads its partition's rows.
+/// Marks a weight's partition as read too, since a weight is one of its rows.
 fn note_partition(ops: &[(Op, NodeId)], at: u32, index: usize, last: &mut [usize]) {
     if let Op::Weight(partition, _) = &ops[at as usize].0 {
         last[partition.0 as usize] = last[partition.0 as usize].max(index);
@@ -116,13 +117,13 @@ struct Generator<'a> {
     free: Vec<u32>,
     /// Own rows that hold a constant, by its bits.
     constants: HashMap<u32, u32>,
-    /// The operation whose color the accumulator holds and nothing else does.
+    /// Operation whose color is only in the accumulator.
     accumulated: Option<u32>,
-    /// Masks and partitions that were audited, by position: wherever the code runs, and within each open gate.
+    /// Masks and partitions that were audited, by position: in code that always runs, and within each open gate.
     audited: Vec<HashSet<u32>>,
-    /// Planes that are still to be held against what their kind allows, and the index of each check.
+    /// Planes that still have to be checked against the rule of their kind, with the index of each check.
     unchecked: BTreeMap<u32, u32>,
-    /// Open gates: the mix, and the gate's instruction.
+    /// Open gates: the mix, and the position of the gate's instruction.
     gates: Vec<(u32, usize)>,
 }
 
@@ -167,7 +168,7 @@ impl Generator<'_> {
         self.free.extend(rows.into_iter().filter_map(|row| if let Row::Own(row) = row { Some(row) } else { None }));
     }
 
-    /// The row of a scalar; a constant gets one of its own for good.
+    /// Returns the row of a scalar; a constant gets its own row permanently.
     fn scalar(&mut self, at: u32) -> Row {
         if let Some(&Value::Scalar(row)) = self.values.get(&at) {
             self.check(row);
@@ -177,7 +178,7 @@ impl Generator<'_> {
             Op::Constant(value) => {
                 let known = self.constants.get(&value.to_bits()).copied();
                 Row::Own(known.unwrap_or_else(|| {
-                    // Never one that was something else before: it is filled once and for all.
+                    // Never a row that was used before, since it is filled only once.
                     let row = self.code.own as u32;
                     self.code.own += 1;
                     self.code.constants.push((row, value));
@@ -189,7 +190,7 @@ impl Generator<'_> {
         }
     }
 
-    /// Has a plane checked right before it is first read, so that it comes from memory while others are computed with.
+    /// Checks a plane right before it is first read, so that its loads overlap with other computations.
     fn check(&mut self, row: Row) {
         if let Row::Plane(plane) = row
             && let Some(index) = self.unchecked.remove(&plane)
@@ -198,7 +199,7 @@ impl Generator<'_> {
         }
     }
 
-    /// Has all planes checked that are not yet.
+    /// Checks all planes that are not yet checked.
     fn check_rest(&mut self) {
         let rest = std::mem::take(&mut self.unchecked);
         self.code.list.extend(rest.into_iter().map(|(plane, index)| Work::Check { plane, index }));
@@ -238,11 +239,11 @@ impl Generator<'_> {
         }
     }
 
-    /// Opens a gate: what follows is jumped over where the mask is all `closed`.
+    /// Opens a gate: the instructions that follow are jumped over where the mask is all `closed`.
     fn open(&mut self, mix: u32, closed: f32) {
         let Op::Mix { a, b, t } = *self.op(mix) else { unreachable!("gates are at mixes") };
         self.audit_mask(t.0);
-        // What is jumped over is checked all the same.
+        // Planes that are only read behind the gate are checked all the same.
         self.check_rest();
         let otherwise = self.color(if closed == 0.0 { a.0 } else { b.0 });
         let t = self.scalar(t.0);
@@ -251,7 +252,7 @@ impl Generator<'_> {
         self.code.list.push(Work::Gate { t, closed, otherwise, skip: 0 });
     }
 
-    /// Whether a mask or a partition is still to be audited here; afterwards it counts as done.
+    /// Returns whether a mask or a partition still has to be audited here; afterwards it counts as audited.
     fn is_unaudited(&mut self, at: u32) -> bool {
         let is_new = !self.audited.iter().any(|done| done.contains(&at));
         if is_new && let Some(innermost) = self.audited.last_mut() {
@@ -260,7 +261,7 @@ impl Generator<'_> {
         is_new
     }
 
-    /// Notes a mask for the audit, once.
+    /// Audits a mask, once.
     fn audit_mask(&mut self, at: u32) {
         if !self.is_unaudited(at) {
             return;
@@ -379,8 +380,8 @@ impl Generator<'_> {
         }
     }
 
-    /// A color has just been left in the accumulator: writes it where it is a root, and keeps it unless the next color
-    /// is made of it and nothing else is.
+    /// Handles a color that was just left in the accumulator: writes it if it is a root, and saves it unless its only
+    /// reader is the next color.
     fn after_color(&mut self, index: usize, at: u32) {
         for root in self.roots_of.remove(&at).unwrap_or_default() {
             self.code.list.push(Work::OutColor(root));
@@ -398,7 +399,7 @@ impl Generator<'_> {
         self.code.list.push(Work::Keep(to));
     }
 
-    /// Whether the next color to be made is a mix of this one.
+    /// Returns whether the next color to be made is a mix of this one.
     fn is_next_mixed(&self, index: usize, at: u32) -> bool {
         for step in &self.steps[index + 1..] {
             let Step::Run(next) = *step else { return false };
@@ -411,7 +412,7 @@ impl Generator<'_> {
         false
     }
 
-    /// Roots that nothing computes: constants, planes, what was there before.
+    /// Writes roots that no instruction computes: constants, planes, and values that were already computed.
     fn finish_roots(&mut self) {
         let mut open: Vec<(u32, u32)> =
             self.roots_of.drain().flat_map(|(at, roots)| roots.into_iter().map(move |root| (root, at))).collect();

@@ -1,4 +1,4 @@
-//! Runs code as machine code: each instruction is translated once, and rows are run over without choosing any.
+//! Runs code as machine code: each instruction is translated once, so that no dispatch is needed over rows.
 
 use super::audit::{Bits, Legal};
 use super::code::{Chunk, Code, Row, Source, Work};
@@ -9,10 +9,10 @@ use std::sync::{Arc, OnceLock};
 use trochoid_jit::{Lanes, Op, Program, Run, STEP, Set, Stores, Value};
 use trochoid_memory::Target;
 
-/// Samples of a row that is looked at, at a time: they stay in L1.
+/// Number of samples of a row shown to the look callback at a time: they stay in L1.
 const BLOCK: usize = 512;
 
-/// Vectors of state, before those of the roots.
+/// Indices of the state vectors that come before those of the roots.
 const FIELDS: usize = 0;
 const MASKS: usize = 1;
 const COLORS: usize = 3;
@@ -20,7 +20,7 @@ const WEIGHTS: usize = 4;
 const SUMS: usize = 6;
 const ROOTS: usize = 8;
 
-/// A translated program. The machine code is made when it is first needed.
+/// A translated program. The machine code is compiled when first needed.
 #[derive(Clone, Debug)]
 pub(crate) struct Native {
     program: Program,
@@ -30,21 +30,21 @@ pub(crate) struct Native {
     around: OnceLock<Option<Arc<trochoid_jit::Code>>>,
 }
 
-/// What a machine needs to run it.
+/// Scratch space that a machine needs to run it.
 #[derive(Debug, Default)]
 pub(super) struct Space {
     state: Vec<Lanes>,
     slots: Vec<Lanes>,
-    /// The end of rows, filled up to whole steps, and what comes of it.
+    /// The end of rows, padded to whole steps, and its results.
     padded: Vec<Chunk>,
     rest: Vec<Chunk>,
-    /// Results that are looked at before they go where they belong.
+    /// Results that are shown before they go to their destination.
     block: Vec<Vec<f32>>,
 }
 
 impl Native {
-    /// Translates code that reads so many planes, columns and lines; `None` where the processor, or an instruction, has
-    /// no machine code.
+    /// Translates code that reads the given numbers of planes, columns and lines; `None` if the processor or one of
+    /// the instructions has no machine code.
     pub(super) fn new(code: &Code, planes: usize, columns: usize, lines: usize, level: Level) -> Option<Self> {
         #[cfg(target_arch = "x86_64")]
         let set = match level {
@@ -69,7 +69,8 @@ impl Native {
         code.get_or_init(|| trochoid_jit::Code::compile(&self.program, self.set, stores).map(Arc::new)).as_deref()
     }
 
-    /// Runs over the first `width` pixels of a row, as `sweep` does. False if there is no machine code after all.
+    /// Runs over the first `width` pixels of a row, like `sweep`. Returns false if there is no machine code after
+    /// all.
     #[allow(clippy::too_many_arguments, reason = "the machine's parts, borrowed one by one")]
     pub(super) fn row(
         &self,
@@ -132,7 +133,7 @@ impl Native {
         true
     }
 
-    /// The end of a row, filled up with its last sample, so that what is added to any audit is there already.
+    /// Runs over the end of a row, padded with its last sample, so that the padding adds nothing new to any audit.
     #[allow(clippy::too_many_arguments, reason = "the machine's parts, borrowed one by one")]
     fn tail(
         &self,
@@ -157,19 +158,21 @@ impl Native {
     }
 }
 
-/// Shows every color root.
+/// Shows every color root to the look callback.
 fn show<'r>(code: &Code, look: Look<'_>, row: impl Fn(usize) -> &'r [f32]) {
     for (root, &(first, _)) in code.roots.iter().enumerate().filter(|(root, _)| code.is_color(*root)) {
         look(root, [row(first), row(first + 1), row(first + 2)]);
     }
 }
 
-/// The checks of a kind: they are only ever asked for together, so the first of them keeps what all see.
+/// Returns the first check of a rule. Checks are only ever evaluated together, so the first one records for all of
+/// them.
 fn check(code: &Code, legal: Legal) -> Option<usize> {
     code.checks.iter().position(|(_, kind)| *kind == legal)
 }
 
-/// Calls `f` with every first vector of state, whether a least stands before the largest, and the bits they stand for.
+/// Calls `f` with the first state vector of every record, whether a least value precedes the largest, and the bits to
+/// which it belongs.
 fn each(frame: &mut Frame<'_>, mut f: impl FnMut(usize, bool, &mut Bits)) {
     let code = frame.code;
     for (legal, state) in [(Legal::Field, FIELDS), (Legal::Mask, MASKS), (Legal::Color, COLORS)] {
@@ -192,7 +195,7 @@ fn each(frame: &mut Frame<'_>, mut f: impl FnMut(usize, bool, &mut Bits)) {
     }
 }
 
-/// Takes what was seen before.
+/// Loads what was recorded before.
 fn resume(frame: &mut Frame<'_>, state: &mut Vec<Lanes>, count: usize) {
     state.clear();
     state.resize(count, Lanes([0; 16]));
@@ -206,7 +209,7 @@ fn resume(frame: &mut Frame<'_>, state: &mut Vec<Lanes>, count: usize) {
     });
 }
 
-/// Leaves what was seen.
+/// Stores what was recorded.
 fn rest(frame: &mut Frame<'_>, state: &mut [Lanes]) {
     each(frame, |at, has_least, bits| {
         if has_least {
@@ -224,7 +227,7 @@ fn rest(frame: &mut Frame<'_>, state: &mut [Lanes]) {
     }
 }
 
-/// From instructions over chunks to a program over samples.
+/// Translates instructions over chunks to a program over samples.
 struct Translation<'c> {
     code: &'c Code,
     program: Program,
@@ -233,9 +236,9 @@ struct Translation<'c> {
     lines: Vec<Value>,
     own: Vec<Option<Value>>,
     last: Option<[Value; 3]>,
-    /// Open gates: the instruction after, and the color if closed.
+    /// Open gates: the instruction after the gate, and the color if it is closed.
     gates: Vec<(usize, [Value; 3])>,
-    /// By root, its first vector of state.
+    /// First state vector, by root.
     states: Vec<u32>,
 }
 
@@ -305,7 +308,7 @@ impl<'c> Translation<'c> {
         })
     }
 
-    /// A scalar operation's result.
+    /// Sets the result of a scalar operation.
     fn set(&mut self, to: u32, op: Op) {
         self.own[to as usize] = Some(self.program.compute(op));
     }
@@ -374,7 +377,7 @@ impl<'c> Translation<'c> {
                 let rounded = self.program.partition(weights);
                 to.iter().zip(rounded).for_each(|(to, value)| self.own[*to as usize] = Some(value));
             }
-            // Divisions in f64, and `pow`: there is nothing to be gained.
+            // Its divisions in f64 gain nothing from machine code.
             Work::Normalize { .. } => return None,
             Work::AuditMask(row) => {
                 let value = self.row(*row)?;
@@ -383,7 +386,7 @@ impl<'c> Translation<'c> {
             Work::AuditPartition(rows) => {
                 let values = self.rows(rows)?;
                 for value in &values {
-                    // 1 − w is no less than any other weight, so looking at it as well changes nothing.
+                    // 1 − w is no less than any other weight, so recording it as well changes nothing.
                     self.program.see(*value, Some(WEIGHTS as u32), WEIGHTS as u32 + 1, false);
                 }
                 self.program.see_sum(values, SUMS as u32);

@@ -1,11 +1,11 @@
-//! Where machine code is not compiled in.
+//! Stands in for `native.rs` if machine code is not compiled in.
 
 use super::code::Code;
 use super::run::{Frame, Given, Look};
 use fearless_simd::Level;
 use trochoid_memory::Target;
 
-/// Never.
+/// A type without values, since there is no machine code.
 #[derive(Clone, Debug)]
 pub(crate) enum Native {}
 

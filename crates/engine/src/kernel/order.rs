@@ -1,43 +1,43 @@
-//! In which order operations run: depth first, so that a color is mixed right after it was made, and dear branches
-//! behind a mask last, so that they can be jumped over.
+//! Order in which operations run: depth first, so that a color is mixed right after it was made, and expensive
+//! branches behind a mask last, so that they can be jumped over.
 
 use trochoid_graph::{NodeId, Op};
 
-/// Cost, in the units of [`cost`], from which on a branch is worth a look at its mask: twenty mixes.
+/// Cost, in the units of [`cost`], from which a branch is worth a test of its mask: twenty mixes.
 const DEAR: f64 = 60.0;
-/// Gates within gates; bounds the work of finding what a branch shares with others.
+/// Deepest nesting of gates; bounds the work of finding what a branch shares with others.
 const NESTED: usize = 4;
-/// No operation: what everything leads to.
+/// Marker for no operation: the end of every path.
 const END: u32 = u32::MAX;
 
 /// One step of the order.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Step {
     Run(u32),
-    /// What follows up to the matching `Run` of the Mix at `mix` is only needed where its mask is not all `closed`.
+    /// The steps up to the matching `Run` of the Mix at `mix` are only needed if its mask is not all `closed`.
     Open {
         mix: u32,
         closed: f32,
     },
 }
 
-/// What the order is made for.
+/// Program to order, with its uses and branches.
 pub(super) struct Order<'a> {
     ops: &'a [(Op, NodeId)],
-    /// Values that are there already.
+    /// Whether a value is already computed.
     given: &'a dyn Fn(u32) -> bool,
     /// Mixes of two constants, computed where they are used.
     pub(super) inline: Vec<bool>,
-    /// Operand slots that name each operation.
+    /// Number of operand slots that refer to each operation.
     pub(super) uses: Vec<u32>,
-    /// The operation that all ways from each one to the roots pass next.
+    /// Operation that all paths from each one to the roots pass next.
     next: Vec<u32>,
-    /// The cost of everything that passes through each operation, itself included.
+    /// Cost of everything that passes through each operation, including the operation itself.
     costs: Vec<f64>,
     branches: Branches,
 }
 
-/// The operations that pass through each operation next, as lists.
+/// For each operation, the list of operations that pass through it next.
 struct Branches {
     first: Vec<u32>,
     sibling: Vec<u32>,
@@ -51,7 +51,7 @@ enum Task {
 }
 
 impl<'a> Order<'a> {
-    /// Looks at what `roots` need of a program.
+    /// Analyzes what `roots` need from a program.
     pub(super) fn new(ops: &'a [(Op, NodeId)], roots: &[u32], given: &'a dyn Fn(u32) -> bool, fuse: bool) -> Self {
         let count = ops.len();
         let mut needed = vec![false; count];
@@ -94,7 +94,8 @@ impl<'a> Order<'a> {
         order
     }
 
-    /// The tree of what everything passes on its way to the roots (immediate postdominators), and its costs.
+    /// Builds the tree of operations that everything passes on its way to the roots (immediate postdominators), and
+    /// its costs.
     fn find_branches(&mut self, roots: &[u32], needed: &[bool]) {
         let count = self.ops.len();
         let mut next: Vec<Option<u32>> = vec![None; count];
@@ -129,7 +130,7 @@ impl<'a> Order<'a> {
         self.next = next.into_iter().map(|next| next.unwrap_or(END)).collect();
     }
 
-    /// The steps that compute `roots`.
+    /// Returns the steps that compute `roots`.
     pub(super) fn steps(&self, roots: &[u32]) -> Vec<Step> {
         let mut steps = Vec::new();
         let mut done = vec![false; self.ops.len()];
@@ -154,7 +155,7 @@ impl<'a> Order<'a> {
         steps
     }
 
-    /// Plans one operation: what it needs, then itself. Tasks are taken from the end.
+    /// Plans one operation: its operands, then itself. Tasks are taken from the end.
     fn visit(&self, at: u32, may_gate: bool, done: &[bool], tasks: &mut Vec<Task>) {
         let Op::Mix { a, b, t } = &self.ops[at as usize].0 else {
             tasks.push(Task::Run(at));
@@ -180,7 +181,8 @@ impl<'a> Order<'a> {
         tasks.extend([Task::Run(at), Task::Visit(last), Task::Visit(t.0), Task::Visit(first)]);
     }
 
-    /// The dearer branch of a mix that nothing else needs, if it is dear; the other one; and the mask that closes it.
+    /// Returns the more expensive branch of a mix that nothing else needs, if it is expensive enough; the other
+    /// branch; and the mask value that closes it.
     fn gate(&self, at: u32, a: u32, b: u32) -> Option<(u32, u32, f32)> {
         let own = |branch: u32| {
             let at_once = self.next.get(branch as usize) == Some(&at) && self.uses[branch as usize] == 1;
@@ -218,7 +220,7 @@ impl<'a> Order<'a> {
     }
 }
 
-/// Where two ways to the roots meet: up from the deeper one until they are the same.
+/// Returns where two paths to the roots meet: goes up from the deeper one until they are the same.
 fn meet(next: &[Option<u32>], depth: &[u32], mut a: u32, mut b: u32) -> u32 {
     let deep = |at: u32| if at == END { 0 } else { depth[at as usize] };
     while a != b {
@@ -230,8 +232,8 @@ fn meet(next: &[Option<u32>], depth: &[u32], mut a: u32, mut b: u32) -> u32 {
     a
 }
 
-/// Relative cost of an operation a pixel, to share a program's time among its nodes and to find dear branches;
-/// measured, rounded.
+/// Returns the relative cost of an operation per pixel, to divide a program's time among its nodes and to find
+/// expensive branches; measured and rounded.
 pub(super) fn cost(op: &Op) -> f64 {
     match op {
         Op::Power { .. } => 20.0,

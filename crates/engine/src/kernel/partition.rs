@@ -4,14 +4,14 @@ use super::audit::WeightAudit;
 use super::code::CHUNK;
 use trochoid_weights::arithmetic as a;
 
-/// What a Blend takes of one channel of one color.
+/// One channel of one color, as a Blend reads it.
 #[derive(Clone, Copy)]
 pub(super) enum Channel<'a> {
     Row(&'a [f32; CHUNK]),
     Constant(f32),
 }
 
-/// Σ wᵢ·cᵢ of one channel, in f64, rounded once.
+/// Computes Σ wᵢ·cᵢ of one channel, in f64, rounded once.
 #[inline(always)]
 pub(super) fn blend<'a>(to: &mut [f32; CHUNK], terms: impl Iterator<Item = (&'a [f32; CHUNK], Channel<'a>)>) {
     let mut sums = [0.0f64; CHUNK];
@@ -34,7 +34,7 @@ pub(super) fn blend<'a>(to: &mut [f32; CHUNK], terms: impl Iterator<Item = (&'a 
     }
 }
 
-/// The largest deviation of the sum of weights from 1.
+/// Returns the smallest weight, and the largest deviation of the sum of weights from 1.
 #[inline(always)]
 pub(super) fn audit<'a>(weights: impl Iterator<Item = &'a [f32; CHUNK]>) -> WeightAudit {
     let mut sums = [0.0f64; CHUNK];
@@ -47,7 +47,7 @@ pub(super) fn audit<'a>(weights: impl Iterator<Item = &'a [f32; CHUNK]>) -> Weig
     }
     let mut deviation = 0.0f64;
     for sum in sums {
-        // NaN must count: a maximum would drop it.
+        // NaN must count; a maximum would drop it.
         let off = (sum - 1.0).abs();
         deviation = if off <= deviation { deviation } else { off };
     }

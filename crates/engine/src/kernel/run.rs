@@ -7,30 +7,30 @@ use super::sweep::{is_faulty, sweep};
 use fearless_simd::Level;
 use trochoid_memory::Target;
 
-/// The least and the largest value of each channel of a color root, over some rows.
+/// Least and largest value of each channel of a color root, over some rows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Range {
     pub(crate) least: [f32; 3],
     pub(crate) largest: [f32; 3],
 }
 
-/// What is done besides with a chunk of a color root: (root, samples by channel).
+/// Callback that sees each chunk of a color root: (root, samples by channel).
 pub(crate) type Look<'l> = &'l mut dyn FnMut(usize, [&[f32]; 3]);
 
-/// Takes rows as (root, channel, y within the tile, samples).
+/// Callback that takes rows as (root, channel, y within the tile, samples).
 pub(crate) type TakeRow<'s> = &'s mut dyn FnMut(usize, usize, usize, &[f32]);
 
-/// The chunks of one thread's machines, side by side: scattered, they would compete for the same places of the cache.
+/// Chunks of one thread's machines, in one allocation: scattered chunks would compete for the same cache sets.
 #[derive(Debug)]
 pub(crate) struct Chunks(Vec<Chunk>);
 
 impl Chunks {
-    /// As many as programs need.
+    /// Allocates as many chunks as the programs need.
     pub(crate) fn of<'c>(programs: impl IntoIterator<Item = &'c Compiled>) -> Self {
         Self(vec![Chunk::ZERO; programs.into_iter().map(Compiled::chunks).sum()])
     }
 
-    /// All of them, to be dealt out to machines.
+    /// Returns all chunks, to be handed out to machines.
     pub(crate) fn all(&mut self) -> &mut [Chunk] {
         &mut self.0
     }
@@ -44,37 +44,37 @@ pub(crate) struct Machine<'p> {
     column: Frame<'p>,
     row: Frame<'p>,
     main: Frame<'p>,
-    /// What varies along x alone: rows as wide as the tile, rounded up to whole chunks.
+    /// Values that vary only along x: rows as wide as the tile, rounded up to whole chunks.
     columns: Vec<Vec<f32>>,
-    /// What varies along y alone.
+    /// Values that vary only along y.
     lines: Vec<Chunk>,
-    /// The last chunk of planes whose end is no whole chunk, filled up.
+    /// Last chunk of planes whose end is not a whole chunk, padded.
     padded: Vec<Chunk>,
     /// Results of such a chunk.
     rest: Vec<Chunk>,
-    /// What machine code needs.
+    /// Scratch space for machine code.
     space: Space,
 }
 
-/// The state of some code.
+/// State of some code.
 #[derive(Debug)]
 pub(super) struct Frame<'p> {
     pub(super) code: &'p Code,
-    /// Each in its place but while it is written.
+    /// Own chunks; each is `None` only while it is being written.
     pub(super) own: Vec<Option<&'p mut Chunk>>,
     pub(super) last: [&'p mut Chunk; 3],
     pub(super) weights: Bits,
     pub(super) partitions: WeightAudit,
     pub(super) checks: Vec<Bits>,
-    /// By root.
+    /// Bits of colors, by root.
     pub(super) colors: Vec<[Bits; 3]>,
-    /// Shifted by the sign.
+    /// Bits of scalars, by root, with the sign shifted out.
     pub(super) scalars: Vec<Bits>,
     #[cfg(test)]
     pub(super) fault: super::code::Fault,
 }
 
-/// The planes of a tile, and where the current row begins in each.
+/// Planes of a tile, with the start of the current row in each.
 #[derive(Debug)]
 pub(crate) struct Views<'a> {
     pub(super) planes: Vec<View<'a>>,
@@ -84,12 +84,12 @@ pub(crate) struct Views<'a> {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct View<'a> {
     pub(super) plane: Plane<'a>,
-    /// The current row's first sample.
+    /// Index of the current row's first sample.
     pub(super) at: usize,
 }
 
 impl<'a> View<'a> {
-    /// A chunk that stands for the samples from column `x` on.
+    /// Returns a view of a chunk as the samples from column `x` on.
     pub(super) fn padded(chunk: &'a Chunk, x: usize) -> Self {
         // Column x is sample 0: at + x wraps around to it.
         Self { plane: Plane { samples: &chunk.0, start: 0, stride: 0 }, at: x.wrapping_neg() }
@@ -102,7 +102,7 @@ impl<'a> Views<'a> {
     }
 }
 
-/// What code reads that others made.
+/// Inputs that code reads.
 #[derive(Clone, Copy)]
 pub(super) struct Given<'a> {
     pub(super) planes: &'a [View<'a>],
@@ -111,7 +111,7 @@ pub(super) struct Given<'a> {
 }
 
 impl<'p> Machine<'p> {
-    /// Takes the chunks that it needs from `chunks`.
+    /// Makes a machine; takes the chunks that it needs from `chunks`.
     pub(crate) fn new(compiled: &'p Compiled, chunks: &mut &'p mut [Chunk]) -> Self {
         Self {
             compiled,
@@ -127,7 +127,7 @@ impl<'p> Machine<'p> {
         }
     }
 
-    /// The extremes of weights over everything that ran.
+    /// Returns the extremes of weights over everything that ran.
     pub(crate) fn audit(&self) -> WeightAudit {
         let planes = self.main.code.checks.iter().zip(&self.main.checks);
         let masks = planes.filter(|((_, legal), _)| *legal == Legal::Mask).map(|(_, bits)| bits.least_weight());
@@ -140,19 +140,20 @@ impl<'p> Machine<'p> {
         )
     }
 
-    /// Whether a plane of the caller held something illegal, or −0.
+    /// Returns whether a plane of the caller held an illegal value, or −0.
     pub(crate) fn is_suspect(&self) -> bool {
         let mut checks = self.main.code.checks.iter().zip(&self.main.checks);
         checks.any(|((_, legal), bits)| !legal.allows(bits.largest()))
     }
 
-    /// Forgets what planes held, after that was dealt with.
+    /// Resets the checks of planes, after the suspicious values were dealt with.
     pub(crate) fn acquit(&mut self) {
         self.main.partitions = self.audit();
         self.main.checks.fill(Bits::default());
     }
 
-    /// The range of a color root since the last call; `None` where a sample is negative (−0 too), infinite or NaN.
+    /// Returns the range of a color root since the last call; `None` if a sample was negative (including −0),
+    /// infinite or NaN.
     pub(crate) fn color_range(&mut self, root: usize) -> Option<Range> {
         let bits = std::mem::take(&mut self.main.colors[root]);
         let mut range = Range { least: [0.0; 3], largest: [0.0; 3] };
@@ -166,13 +167,13 @@ impl<'p> Machine<'p> {
         Some(range)
     }
 
-    /// Whether a root of scalars held a NaN since the last call.
+    /// Returns whether a root of scalars held a NaN since the last call.
     pub(crate) fn saw_nan(&mut self, root: usize) -> bool {
         let bits = std::mem::take(&mut self.main.scalars[root]);
         !Legal::Field.allows(bits.largest())
     }
 
-    /// Begins a tile of `width` pixels: computes what does not vary from row to row.
+    /// Begins a tile of `width` pixels: computes the values that do not vary from row to row.
     pub(crate) fn begin<'a>(&mut self, planes: &[Plane<'a>], width: usize) -> Views<'a> {
         let views = Views::new(planes, width);
         if !self.compiled.column.list.is_empty() {
@@ -180,7 +181,7 @@ impl<'p> Machine<'p> {
             let given = Given { planes: &views.planes, columns: &[], lines: &[] };
             let mut out: Vec<Target<'_>> = self.columns.iter_mut().map(|row| Target::new(row)).collect();
             sweep(self.level, &mut self.column, given, width, &mut out, 0, (&mut self.padded, &mut Vec::new()), None);
-            // As the end of planes is filled up.
+            // Padded like the end of planes.
             for row in &mut self.columns {
                 let last = row[width - 1];
                 row[width..].fill(last);
@@ -189,8 +190,8 @@ impl<'p> Machine<'p> {
         views
     }
 
-    /// Runs over row y of the tile and writes every channel of every root to its target, from sample `start` on. `look`
-    /// sees every chunk of every color root.
+    /// Runs over row y of the tile and writes every channel of every root to its target, from sample `start` on.
+    /// `look` sees every chunk of every color root.
     pub(crate) fn row(
         &mut self,
         views: &mut Views<'_>,
@@ -209,7 +210,7 @@ impl<'p> Machine<'p> {
             let count = width.min(CHUNK);
             sweep(self.level, &mut self.row, given, count, &mut out, 0, (&mut self.padded, &mut self.rest), None);
             for chunk in &mut self.lines {
-                // One value throughout.
+                // A single value throughout.
                 let value = chunk.0[0];
                 chunk.0[count..].fill(value);
             }
@@ -267,8 +268,8 @@ impl<'p> Frame<'p> {
     }
 }
 
-/// A chunk whose first samples are these and whose others repeat the last of them, so that what they would add to any
-/// audit is there already.
+/// Returns a chunk that begins with `samples` and repeats the last of them, so that the padding adds nothing new to
+/// any audit.
 pub(super) fn filled(samples: &[f32]) -> Chunk {
     let mut chunk = Chunk::ZERO;
     let (first, rest) = chunk.0.split_at_mut(samples.len());

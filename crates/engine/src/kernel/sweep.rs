@@ -1,4 +1,4 @@
-//! Runs code over rows, one chunk after the other.
+//! Runs code over rows, chunk by chunk.
 
 use super::audit::Legal;
 use super::code::{CHUNK, Chunk, Row, Source, Work};
@@ -12,11 +12,11 @@ use fearless_simd::Level;
 use trochoid_memory::{Kernel, Stream, Target, dispatch, prefetch};
 use trochoid_weights::arithmetic as a;
 
-/// Samples by which planes of the caller are fetched ahead: 1 KiB, measured.
+/// Number of samples by which planes of the caller are prefetched: 1 KiB, measured.
 const AHEAD: usize = 256;
 
-/// Runs code over the first `width` pixels of a row, chunk by chunk, and writes what it makes from sample `start` of
-/// its targets on.
+/// Runs code over the first `width` pixels of a row, chunk by chunk, and writes the results to its targets from
+/// sample `start` on.
 #[allow(clippy::too_many_arguments, reason = "the machine's parts, borrowed one by one")]
 pub(super) fn sweep(
     level: Level,
@@ -54,13 +54,13 @@ pub(super) fn sweep(
 struct Sweep<'s, 'p, 't, 'l> {
     frame: &'s mut Frame<'p>,
     given: Given<'s>,
-    /// Columns, whole chunks.
+    /// Range of columns, in whole chunks.
     from: usize,
     to: usize,
-    /// Samples of a chunk that are not padding.
+    /// Number of samples of a chunk that are not padding.
     valid: usize,
     out: &'s mut [Target<'t>],
-    /// Where in the targets column `from` belongs.
+    /// Position of column `from` in the targets.
     start: usize,
     look: Option<Look<'l>>,
 }
@@ -78,7 +78,7 @@ impl Kernel for Sweep<'_, '_, '_, '_> {
     }
 }
 
-/// The chunk of a row.
+/// Returns the chunk of a row at column `x`.
 #[inline(always)]
 fn chunk<'a>(own: &'a [Option<&mut Chunk>], given: Given<'a>, x: usize, row: Row) -> &'a [f32; CHUNK] {
     let found = match row {
@@ -124,7 +124,7 @@ impl Sweep<'_, '_, '_, '_> {
                     chunk(&frame.own, given, x, $row)
                 };
             }
-            // Taken out, so that others can be read meanwhile.
+            // Taken out, so that other chunks can be read meanwhile.
             macro_rules! write {
                 ($to:expr, |$chunk:ident| $body:expr) => {{
                     let mut taken = frame.own[$to as usize].take();
@@ -191,7 +191,7 @@ impl Sweep<'_, '_, '_, '_> {
                     patch_rows(simd, &mut frame.last, corners, row!(*u), row!(*v));
                 }
                 Work::Mix { a, b, t, out } => {
-                    // Whoever looks needs the color in the accumulator.
+                    // The look callback needs the color in the accumulator.
                     let straight = out.filter(|_| self.look.is_none() && !is_faulty(frame));
                     let to = self.start + x - self.from;
                     mix(simd, frame, given, x, [a, b], *t, straight.map(|root| (root, &mut *self.out, to)));
@@ -269,7 +269,7 @@ fn partition(
     }
 }
 
-/// Takes a color into the accumulator.
+/// Loads a color into the accumulator.
 #[inline(always)]
 fn take(frame: &mut Frame<'_>, given: Given<'_>, x: usize, source: &Source) {
     for c in 0..3 {
@@ -287,8 +287,8 @@ fn take(frame: &mut Frame<'_>, given: Given<'_>, x: usize, source: &Source) {
     }
 }
 
-/// Mixes two colors. Frequent pairs of sources are compiled into loops of their own; of others, the first color is taken
-/// into the accumulator before.
+/// Mixes two colors. Frequent pairs of sources have their own compiled loops; for other pairs, the first color is
+/// loaded into the accumulator beforehand.
 #[inline(always)]
 fn mix<S: Stream>(
     simd: S,
@@ -310,7 +310,7 @@ fn mix<S: Stream>(
     }
     let own = &frame.own;
     let t = chunk(own, given, x, t);
-    // Closures might not be inlined, and then lack the instruction set.
+    // Closures might not be inlined, and would then be compiled without the instruction set.
     macro_rules! rows {
         ($rows:expr) => {
             FromRows(rgb!(c => chunk(own, given, x, $rows[c])))
@@ -352,12 +352,12 @@ fn mix<S: Stream>(
     }
 }
 
-/// Whether bounds are those that [`clamp_rows`] takes.
+/// Returns whether [`clamp_rows`] supports these bounds.
 pub(super) fn is_simple(min: f32, max: f32) -> bool {
     max > min && min.abs() < a::LARGE && max.abs() < a::LARGE
 }
 
-/// Whether the kernels are broken on purpose.
+/// Returns whether the kernels are broken on purpose.
 #[inline(always)]
 pub(super) fn is_faulty(frame: &Frame<'_>) -> bool {
     #[cfg(test)]
@@ -369,7 +369,7 @@ pub(super) fn is_faulty(frame: &Frame<'_>) -> bool {
     }
 }
 
-/// Spoils what an instruction wrote, as the program's fault says.
+/// Corrupts what an instruction wrote, as the program's fault requests.
 #[cfg(test)]
 fn sabotage(work: &Work, frame: &mut Frame<'_>) {
     use super::code::Fault;

@@ -1,12 +1,12 @@
-//! Channels of bounds beside those of values, in plans that certify.
+//! Adds channels of error bounds beside those of values, in plans that certify.
 
 use super::plan::{Feed, Pass};
 use trochoid_graph::{Bound, CheckedGraph, LITERAL, NodeId};
 
-/// Channels of bounds stand this far behind those of values, among what a program hands to a stage.
+/// Offset from channels of values to those of bounds, among the roots that a program hands to a stage.
 pub(crate) const BOUNDS: usize = 3;
 
-/// Gives every plane of a pass another for its bounds, as a channel behind those of its output.
+/// Gives every plane of a pass a second plane for its bounds, as a channel that follows those of its output.
 pub(crate) fn with_bounds(pass: &mut Pass, graph: &CheckedGraph) {
     let channels = |node: NodeId, output: usize| graph.node(node).kinds[output].channels();
     for fill in &mut pass.fills {

@@ -1,4 +1,5 @@
-//! What an output's colors are judged by: its controls, and how many roundings lie between them and it.
+//! Finds the controls against which an output's colors are judged, and the number of roundings between the controls
+//! and the output.
 
 use super::lower::Lowered;
 use super::optimize::cone;
@@ -8,7 +9,7 @@ use std::collections::HashMap;
 use std::sync::OnceLock;
 use trochoid_graph::{Kind, NodeId, Op, Program, Source};
 
-/// Finds the controls of outputs: through the program, and through filters to what they take.
+/// Finds the controls of outputs, through the program and through the inputs of filters.
 pub(crate) struct Controls<'p> {
     pub(crate) planner: &'p Planner<'p, 'p>,
     pub(crate) lowered: &'p Lowered,
@@ -17,7 +18,7 @@ pub(crate) struct Controls<'p> {
 }
 
 impl Controls<'_> {
-    /// Output `index` of the graph, whose channels stand at `roots` of the program.
+    /// Plans output `index` of the graph, whose channels are at `roots` of the program.
     pub(crate) fn output(&self, index: usize, roots: &[u32]) -> PlannedOutput {
         let kind = self.planner.graph.outputs()[index].kind;
         let mut output = PlannedOutput {
@@ -48,13 +49,14 @@ struct Walk<'w, 'p> {
     of: &'w Controls<'p>,
     /// Operations whose constant color is listed already.
     counted: Vec<bool>,
-    /// Of the color stages that are done.
+    /// Mix levels of the color stages that are done.
     levels: HashMap<NodeId, usize>,
     output: &'w mut PlannedOutput,
 }
 
 impl Walk<'_, '_> {
-    /// Lists the controls of some roots, and gives the most operations on a path from one of them.
+    /// Lists the controls of some roots, and returns the largest number of mixing operations on a path from a control
+    /// to a root.
     fn program(&mut self, roots: &[u32]) -> usize {
         let ops = self.of.program.ops();
         let needed = cone(self.of.program, roots.iter().copied());
@@ -74,7 +76,8 @@ impl Walk<'_, '_> {
         roots.iter().map(|root| levels[*root as usize]).max().unwrap_or(0)
     }
 
-    /// The same for a stage that makes colors: a filter has the controls of what it takes, and rounds like one Mix.
+    /// Does the same for a stage that makes colors: a filter has the controls of its inputs, and counts as one more
+    /// Mix.
     fn stage(&mut self, id: NodeId) -> usize {
         if let Some(&levels) = self.levels.get(&id) {
             return levels;

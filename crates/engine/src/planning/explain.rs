@@ -1,4 +1,4 @@
-//! What becomes of each node in a plan, with the proof of what is left out.
+//! Says what happens to each node in a plan, and proves what is left out.
 
 use super::left_out::Reasons;
 use super::optimize::Cut;
@@ -6,86 +6,88 @@ use crate::LeftOut;
 use crate::rules::interval::Interval;
 use trochoid_graph::{Channel, ChannelSet, Kind, NodeId, Op, Slot, Source};
 
-/// What becomes of a node in a plan.
+/// What happens to a node in a plan.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Account {
     /// The node.
     pub node: NodeId,
-    /// What becomes of it.
+    /// What happens to it.
     pub fate: Fate,
-    /// Why a weight or a value is certain, if that is why the node is left out: from there back to what is known.
+    /// Why a weight or a value is certain, if that is why the node is left out: from the deciding value back to known
+    /// facts.
     pub proof: Vec<Proved>,
-    /// Of a stage that is prepared: what it is asked for, output by output.
+    /// Channels requested from the node, by output, if it is a stage that is prepared.
     pub channels: Vec<Channels>,
 }
 
-/// What becomes of a node in a plan.
+/// What happens to a node in a plan.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Fate {
-    /// It is evaluated.
+    /// The node is evaluated.
     Evaluated,
-    /// Its result is a constant, worked out while planning.
+    /// Its result is a constant, computed while planning.
     Folded,
-    /// It gives what the node of this name gives, unchanged; of a literal, what is written at itself.
+    /// It hands on the value of the node of this name unchanged. The name is the node's own if the value is a literal
+    /// at one of its ports.
     HandsOn(String),
-    /// The operations of the node of this name are the same, and compute its result too.
+    /// The node of this name has the same operations, and computes the result for both.
     Merged(String),
-    /// It is left out.
+    /// The node is left out.
     LeftOut(LeftOut),
 }
 
-/// A node's value that is certain to lie in an interval.
+/// An interval that certainly contains a node's value.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Proved {
     /// The node's name.
     pub node: String,
-    /// Its type.
+    /// The node's type.
     pub ty: &'static str,
-    /// Where its value lies, at every sample of the frame.
+    /// Interval that contains its value at every sample of the frame.
     pub interval: Interval,
-    /// How that is known.
+    /// How the interval is known.
     pub evidence: Evidence,
 }
 
-/// How a [`Proved`] is known.
+/// How the interval of a [`Proved`] is known.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Evidence {
-    /// Its numbers stand in the document; keyed ones hold for this frame alone.
+    /// Its numbers are in the document; keyframed numbers hold only at this frame.
     Written {
-        /// Whether some are keyed.
+        /// Whether some numbers have keyframes.
         keyed: bool,
     },
-    /// The node's type states it of that output before anything is prepared.
+    /// The node's type states the interval of that output before anything is prepared.
     Stated,
-    /// Every value of the kind lies there.
+    /// All values of this kind lie in the interval.
     Kind(Kind),
-    /// The node's formula, from the bounds of these nodes, which follow.
+    /// Computed by the node's formula from the intervals of these nodes, which follow in the proof.
     Computed(Vec<String>),
 }
 
-/// What a stage is asked for of one of its outputs.
+/// Channels of one output that are requested from a stage.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Channels {
     /// The output's name.
     pub output: &'static str,
     /// Channels that are computed.
     pub wanted: Vec<String>,
-    /// Channels that could be had, but nobody asks for.
+    /// Channels that the stage could supply but that nothing requests.
     pub unasked: Vec<String>,
 }
 
-/// What explains a plan.
+/// Explains a plan.
 pub(crate) struct Explainer<'e, 'p> {
     pub(crate) reasons: &'e Reasons<'p>,
     pub(crate) left_out: &'e [Option<LeftOut>],
     /// Stages that are prepared, with the channels wanted of each.
     pub(crate) prepares: &'e [(NodeId, Vec<Vec<bool>>)],
-    /// What a view can supply.
+    /// Returns the channels that a view can supply.
     pub(crate) supplies: &'e dyn Fn(NodeId) -> ChannelSet,
 }
 
 impl Explainer<'_, '_> {
-    /// One account a node, in the graph's order.
+    /// Returns one account per node, in the graph's order.
     pub(crate) fn accounts(&self) -> Vec<Account> {
         let cuts = self.reasons.cut_at();
         let mut channels: Vec<Vec<Channels>> = vec![Vec::new(); self.left_out.len()];
@@ -108,7 +110,7 @@ impl Explainer<'_, '_> {
         self.reasons.planner.graph.node(id).name.clone()
     }
 
-    /// What becomes of a node that is not left out.
+    /// Returns what happens to a node that is not left out.
     fn fate(&self, id: NodeId) -> Fate {
         let lowered = self.reasons.lowered;
         let handed_on = lowered.settled[id.0].as_ref().and_then(|settled| settled.node().identity());
@@ -141,7 +143,7 @@ impl Explainer<'_, '_> {
         }
     }
 
-    /// What a prepared stage is asked for.
+    /// Lists the channels that are requested from a prepared stage.
     fn channels(&self, id: NodeId, wanted: &[Vec<bool>]) -> Vec<Channels> {
         let node = self.reasons.planner.graph.node(id);
         let outputs = node.ty.declaration().outputs;
@@ -164,20 +166,20 @@ impl Explainer<'_, '_> {
         all
     }
 
-    /// From what decides a cut back to what is known.
+    /// Proves a cut: from the value that decides it back to known facts.
     fn proof(&self, cut: &Cut) -> Vec<Proved> {
         let mut bounds = Vec::new();
         self.prove(cut.proof.0, cut.proof.1, &mut bounds);
         bounds
     }
 
-    /// Where an operation of the original program lies.
+    /// Returns the interval of an operation of the original program.
     fn interval(&self, position: u32, row: usize) -> Interval {
         let optimized = self.reasons.optimized;
         optimized.bounds[optimized.map[position as usize] as usize][row]
     }
 
-    /// Adds the bound of the node at a position, and of what it is computed from.
+    /// Adds the interval of the node at a position, and those of the nodes from which it is computed.
     fn prove(&self, position: u32, row: usize, bounds: &mut Vec<Proved>) {
         let planner = self.reasons.planner;
         let ops = self.reasons.lowered.program.ops();
@@ -186,7 +188,7 @@ impl Explainer<'_, '_> {
         if bounds.iter().any(|bound| bound.node == node.name) {
             return;
         }
-        // The node's own operations, up to what comes from others.
+        // Walk the node's own operations, down to those of other nodes.
         let mut open = vec![position];
         let mut inputs: Vec<(u32, usize)> = Vec::new();
         let mut loaded: Option<Slot> = None;
@@ -197,12 +199,12 @@ impl Explainer<'_, '_> {
             }
             let mut operands = Vec::new();
             op.operands(|operand| operands.push(operand));
-            // One factor of 0 is enough.
+            // A product with one factor of 0 needs no other.
             let is_zero = |operand: &u32| self.interval(*operand, 0).constant() == Some(0.0);
             if let (Op::Product(..), Some(zero)) = (op, operands.iter().copied().find(is_zero)) {
                 operands = vec![zero];
             }
-            // Of a partition, the weight that is taken.
+            // For a partition, only the weight that is used.
             let row = if let Op::Weight(_, way) = op { *way } else { 0 };
             for operand in operands {
                 if ops[operand as usize].1 == id { open.push(operand) } else { inputs.push((operand, row)) }
@@ -226,7 +228,7 @@ impl Explainer<'_, '_> {
         }
     }
 
-    /// Why a plane that is filled from outside the program lies where it does.
+    /// Says how the interval of a plane that is filled from outside the program is known.
     fn known(&self, slot: &Slot) -> Evidence {
         let planner = self.reasons.planner;
         let stage = planner.stage(self.reasons.lowered, slot.node);
@@ -236,7 +238,7 @@ impl Explainer<'_, '_> {
         Evidence::Kind(planner.graph.node(slot.node).kinds[slot.output])
     }
 
-    /// Whether a number or color that stands at a port of a node is keyed.
+    /// Returns whether a number or color at a port of a node has keyframes.
     fn is_keyed(&self, id: NodeId) -> bool {
         let mut keyed = false;
         self.reasons.planner.graph.node(id).record.each_source(&mut |source| {
@@ -248,7 +250,7 @@ impl Explainer<'_, '_> {
     }
 }
 
-/// A channel's name within an output.
+/// Returns a channel's name within an output.
 fn channel_name(kind: Kind, output: &str, channel: usize) -> String {
     match kind {
         Kind::View => format!("{:?}", Channel::ALL[channel]),

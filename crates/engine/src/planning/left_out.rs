@@ -1,4 +1,4 @@
-//! Why nodes are left out.
+//! Why nodes are left out of a plan.
 
 use super::lower::Lowered;
 use super::optimize::{Cut, Optimized};
@@ -13,17 +13,17 @@ pub enum LeftOut {
     Disabled,
     /// No requested output is connected to it.
     Unreachable,
-    /// A buffer of the caller stands in for it or for everything that it feeds.
+    /// A buffer of the caller replaces it, or everything that it feeds.
     Bound,
-    /// The node of this name hands on another of its inputs at this frame.
+    /// The switching node of this name hands on another of its inputs at this frame.
     Switched(String),
-    /// Its weight is proved 0 everywhere, at the mixing node of this name.
+    /// Its weight is proved to be 0 everywhere, at the mixing node of this name.
     Weight(String),
-    /// The node of this name is proved to give the same whatever this one gives.
+    /// The node of this name is proved not to depend on it.
     Constant(String),
     /// Another node computes the same.
     SameAs(String),
-    /// What it feeds needs nothing of it: constants, channels that nobody reads.
+    /// Nothing that is evaluated reads it: its value was constant, or its channels are not requested.
     Unneeded,
 }
 
@@ -35,29 +35,29 @@ impl std::fmt::Display for LeftOut {
             Self::Bound => f.write_str("a bound buffer stands in for it"),
             Self::Switched(at) => write!(f, "not chosen by \"{at}\""),
             Self::Weight(at) => write!(f, "its weight at \"{at}\" is proved 0 everywhere"),
-            Self::Constant(at) => write!(f, "\"{at}\" is proved to be the same whatever it is"),
+            Self::Constant(at) => write!(f, "\"{at}\" is proved not to depend on it"),
             Self::SameAs(name) => write!(f, "the same as \"{name}\""),
             Self::Unneeded => f.write_str("nothing that is evaluated reads it"),
         }
     }
 }
 
-/// What explains why nodes are left out.
+/// Finds why nodes are left out.
 pub(crate) struct Reasons<'p> {
     pub(crate) planner: &'p Planner<'p, 'p>,
-    /// What the outputs depend on, up to bound nodes.
+    /// Nodes that the outputs depend on, up to bound nodes.
     pub(crate) needed: &'p [bool],
     pub(crate) roots: &'p [NodeId],
     pub(crate) lowered: &'p Lowered,
     pub(crate) optimized: &'p Optimized,
-    /// The operations of the optimized program that something reads.
+    /// Operations of the optimized program that something reads.
     pub(crate) alive: &'p [bool],
-    /// The nodes that are evaluated.
+    /// Nodes that are evaluated.
     pub(crate) used: &'p [bool],
 }
 
 impl Reasons<'_> {
-    /// By node: why it is left out; `None` where it is evaluated.
+    /// Returns, by node, why it is left out; `None` where it is evaluated.
     pub(crate) fn list(&self) -> Vec<Option<LeftOut>> {
         let graph = self.planner.graph;
         let connected = graph.upstream(self.roots.iter().copied());
@@ -95,7 +95,8 @@ impl Reasons<'_> {
             .collect()
     }
 
-    /// Nodes that some node could hand on but does not, with the one nearest to the outputs.
+    /// Finds nodes that a switching node could hand on but does not, each with the switching node nearest to the
+    /// outputs.
     fn switched_at(&self) -> Vec<Option<NodeId>> {
         let graph = self.planner.graph;
         let mut at = vec![None; graph.nodes().len()];
@@ -107,7 +108,7 @@ impl Reasons<'_> {
         if passing.is_empty() {
             return at;
         }
-        // Behind bound nodes as well: what they would have needed is not what is not chosen.
+        // Look past bound nodes too: a node behind a bound one was not rejected by a switch.
         let reached = graph.reached(self.roots.iter().copied(), self.planner.frame);
         for id in passing {
             let mut open = vec![id];
@@ -123,8 +124,8 @@ impl Reasons<'_> {
         at
     }
 
-    /// Nodes with operations that outputs, or stages which are evaluated, depend on past all cuts: what they give is in
-    /// the picture, be it folded into a constant.
+    /// Finds nodes with operations that outputs or evaluated stages depend on past all cuts: their values reach the
+    /// picture, even if folded into a constant.
     fn reached(&self) -> Vec<bool> {
         let (graph, ops) = (self.planner.graph, self.lowered.program.ops());
         let mut nodes = vec![false; graph.nodes().len()];
@@ -147,12 +148,12 @@ impl Reasons<'_> {
         found
     }
 
-    /// Nodes that a cut operand came from, with the first cut that explains it.
+    /// Finds nodes that a cut operand came from, each with the first cut that explains it.
     pub(crate) fn cut_at(&self) -> Vec<Option<Cut>> {
         let graph = self.planner.graph;
         let ops = self.lowered.program.ops();
         let mut cut_at = vec![None; graph.nodes().len()];
-        // What an earlier cut has explained need not be walked again, so all cuts together take one walk.
+        // Operations that an earlier cut has explained need no second walk, so all cuts together take one walk.
         let mut explained = vec![false; ops.len()];
         let mut passed = vec![u32::MAX; ops.len()];
         for (index, cut) in self.optimized.cuts.iter().enumerate() {
@@ -164,7 +165,7 @@ impl Reasons<'_> {
                 if explained[position as usize] || std::mem::replace(own, index as u32) == index as u32 {
                     continue;
                 }
-                // A literal operand bears the name of the mixing node itself, which is not cut off.
+                // A literal operand carries the name of the mixing node itself, which is not cut off.
                 if *origin != cut.at {
                     explained[position as usize] = true;
                     nodes.push(*origin);
@@ -181,7 +182,7 @@ impl Reasons<'_> {
         cut_at
     }
 
-    /// Nodes of which something is read, was folded into a constant, or was nothing but constants.
+    /// Finds nodes whose values are read, were folded into a constant, or were constants to begin with.
     fn is_read(&self) -> Vec<bool> {
         let is_constant = |op: &Op| matches!(op, Op::Constant(_) | Op::ConstantColor(_));
         let count = self.planner.graph.nodes().len();

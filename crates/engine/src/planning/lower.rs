@@ -1,22 +1,22 @@
-//! From checked nodes to one pointwise program and the stages around it.
+//! Lowers checked nodes to one pointwise program and the stages around it.
 
 use trochoid_graph::{Builder, CheckedGraph, Key, Lowering, NodeId, Program, Settled, Source, Value, load};
 
-/// All pointwise nodes as one program, and the value of every node output.
+/// All pointwise nodes as one program, with the value of every node output.
 pub(crate) struct Lowered {
     pub(crate) program: Program,
-    /// By node, by output; `None` for handles, views, and nodes that are not needed.
+    /// Values by node and output; `None` for handles, views, and nodes that are not needed.
     pub(crate) values: Vec<Vec<Option<Value>>>,
     /// Knobs at the frame; `None` for nodes that are not needed.
     pub(crate) settled: Vec<Option<Settled>>,
-    /// The node that computes in a node's stead: the first with the same content key, or itself.
+    /// Node that computes in a node's place: the first with the same content key, or the node itself.
     pub(crate) stands_in: Vec<NodeId>,
 }
 
-/// Lowers the nodes that have their knobs in `settled`; a node in `bound` is filled from outside and asks for nothing.
+/// Lowers the nodes that have their knobs in `settled`. A node in `bound` is filled from outside and needs no inputs.
 ///
-/// `keys` are content keys: nodes with equal keys are computed once. Empty to compute each. They do not know what is
-/// bound, so nodes that depend on a bound one are left apart.
+/// `keys` are content keys: nodes with equal keys are computed once; an empty slice computes every node. Content keys
+/// do not include what is bound, so nodes that depend on a bound node are never merged.
 pub(crate) fn lower(graph: &CheckedGraph, mut settled: Vec<Option<Settled>>, bound: &[bool], keys: &[Key]) -> Lowered {
     let count = graph.nodes().len();
     let mut lowered = Lowered {
@@ -64,8 +64,8 @@ pub(crate) fn lower(graph: &CheckedGraph, mut settled: Vec<Option<Settled>>, bou
     Lowered { settled, ..lowered }
 }
 
-/// The program positions that hold a value's channels, in the order of its kind's planes. Appends what is
-/// needed to make weights explicit.
+/// Returns the program positions that hold a value's channels, in the order of its kind's planes. Appends the
+/// operations that make weights explicit.
 pub(crate) fn positions(program: &mut Program, origin: NodeId, value: &Value) -> Vec<u32> {
     match value {
         Value::Color(color) => vec![color.0],

@@ -1,8 +1,8 @@
-//! From a checked graph to a [`Plan`](crate::Plan): what is needed, in which order, and why the rest is left out.
+//! Turns a checked graph into a [`Plan`](crate::Plan): what is needed, in which order, and why the rest is left out.
 //!
-//! Nodes are lowered to one program (`lower`), which is optimized (`optimize`) and turned into passes over the samples
-//! (`schedule`); `left_out` and `explain` say what became of the rest. Nothing here reads a file or fills a plane, and nothing
-//! here knows of the room that does, `running`.
+//! Nodes are lowered to one program (`lower`), which is optimized (`optimize`) and turned into passes over the
+//! samples (`schedule`); `left_out` and `explain` say what happened to the other nodes. Nothing here reads a file or
+//! fills a plane, and nothing here depends on `running`, which executes plans.
 
 pub(crate) mod bounds;
 mod controls;

@@ -10,32 +10,32 @@ use trochoid_weights::arithmetic as a;
 #[derive(Debug, Default)]
 pub(crate) struct Optimized {
     pub(crate) program: Program,
-    /// Where each operation of the original went.
+    /// New position of each operation of the original program.
     pub(crate) map: Vec<u32>,
     /// Certain bounds of each operation of the rewritten program.
     pub(crate) bounds: Vec<Bounds>,
-    /// The branches that were cut.
+    /// Branches that were cut.
     pub(crate) cuts: Vec<Cut>,
 }
 
-/// An operand that makes no difference.
+/// An operand that does not affect the result of its operation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Cut {
-    /// The operation, as a position in the original program.
+    /// Position of the operation in the original program.
     pub(crate) op: u32,
-    /// The operand, as a position in the original program.
+    /// Position of the operand in the original program.
     pub(crate) operand: u32,
-    /// The node whose operation it is.
+    /// Node to which the operation belongs.
     pub(crate) at: NodeId,
-    /// What proves it: a position in the original program, and a row there.
+    /// Value that proves it: a position in the original program, and a row there.
     pub(crate) proof: (u32, usize),
-    /// Whether its weight is 0; else the operation gives the same whatever it is.
+    /// Whether the operand's weight is 0; otherwise the result is the same for every value of the operand.
     pub(crate) by_weight: bool,
 }
 
 /// Folds constants, cuts branches of constant weight, and merges equal operations, in one walk.
 ///
-/// Every rewrite keeps the bits: folding calls the functions that kernels inline; Mix is exact at t = 0, 1 and
+/// Every rewrite keeps the bits: folding calls the functions that kernels inline; Mix is exact at t = 0, at t = 1 and
 /// for equal operands; a zero weight adds nothing to a Blend; products with 0 and 1 are exact.
 pub(crate) fn optimize(source: &Program, switches: Switches, slot: &dyn Fn(&Slot, usize) -> Interval) -> Optimized {
     let mut walk = Walk { out: Optimized::default(), seen: HashMap::default(), switches, slot };
@@ -59,7 +59,8 @@ impl Walk<'_> {
         &self.out.program.ops()[position as usize].0
     }
 
-    /// `original` is the same operation with the operands of the original program.
+    /// Appends an operation, or returns the position of one that replaces it. `original` is the same operation with
+    /// the operands of the original program.
     fn rewrite(&mut self, op: Op, original: &Op, origin: NodeId) -> u32 {
         let op = match self.shorter(&op, original, origin) {
             Some(Shorter::Existing(position)) => return position,
@@ -134,7 +135,7 @@ impl Walk<'_> {
                 if used.iter().all(|&used| used) {
                     return None;
                 }
-                // Positions of the weights stay; colors of weight 0 give way to one that is used anyway.
+                // Positions of the weights stay; a color of weight 0 is replaced by one that is used anyway.
                 let kept = colors.iter().zip(&used).find(|(_, used)| **used).map(|(color, _)| *color)?;
                 for (way, operand) in originals.iter().enumerate() {
                     let elsewhere = colors.iter().zip(&used).any(|(color, used)| *used && *color == colors[way]);
@@ -150,7 +151,7 @@ impl Walk<'_> {
                 }
                 Some(Shorter::New(Op::Blend { colors: replaced, weights: *weights }))
             }
-            // Proved constant by interval although made from fields.
+            // Operations that are proved constant by interval although they are computed from fields.
             (Op::Clamp { .. } | Op::Step { .. } | Op::Weight(..), _) => {
                 let bounds = interval(op, &|position| self.out.bounds[position as usize].clone(), self.slot);
                 let value = bounds[0].constant()?;
@@ -163,7 +164,7 @@ impl Walk<'_> {
         }
     }
 
-    /// The operation's value, where every operand is a constant.
+    /// Returns the operation's value if every operand is a constant.
     fn folded(&self, op: &Op) -> Option<Op> {
         let scalar = |s: &Scalar| if let Op::Constant(value) = self.op(s.0) { Some(*value) } else { None };
         let color = |c: &Color| if let Op::ConstantColor(value) = self.op(c.0) { Some(*value) } else { None };
@@ -218,7 +219,7 @@ enum Shorter {
     New(Op),
 }
 
-/// Numbers that two operations share exactly if they compute the same.
+/// Returns numbers that two operations share exactly if they compute the same value.
 fn key(op: &Op) -> Vec<u32> {
     let slot = |tag: u32, s: &Slot| vec![tag, s.node.0 as u32, s.output as u32, s.channel as u32];
     match op {
@@ -241,7 +242,7 @@ fn key(op: &Op) -> Vec<u32> {
     }
 }
 
-/// The positions that `roots` depend on, themselves included.
+/// Returns the positions that `roots` depend on, including the roots.
 pub(crate) fn cone(program: &Program, roots: impl IntoIterator<Item = u32>) -> Vec<bool> {
     let mut needed = vec![false; program.ops().len()];
     for root in roots {
@@ -255,7 +256,7 @@ pub(crate) fn cone(program: &Program, roots: impl IntoIterator<Item = u32>) -> V
     needed
 }
 
-/// The program of exactly the `kept` positions, and where each went.
+/// Returns the program of exactly the `kept` positions, and the new position of each.
 pub(crate) fn extract(program: &Program, kept: &[bool]) -> (Program, Vec<u32>) {
     let mut out = Program::default();
     let mut map = vec![u32::MAX; kept.len()];

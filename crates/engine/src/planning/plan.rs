@@ -1,4 +1,4 @@
-//! What is needed for some outputs at one frame, in which order, and why the rest is not.
+//! The plan: what some outputs need at one frame, in which order, and why the rest is left out.
 
 use super::planner::Planner;
 use super::shading::Shared;
@@ -12,31 +12,31 @@ use trochoid_image::Window;
 /// Why a plan cannot be made.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum PlanError {
-    /// An output's name is none of the document's.
+    /// The document has no output of this name.
     #[error("found the output \"{found}\"; expected one of: {known}")]
     UnknownOutput {
-        /// The name asked for.
+        /// Requested name.
         found: String,
         /// The document's outputs.
         known: String,
     },
-    /// The region lies outside the picture.
+    /// The region lies outside of the picture.
     #[error("the region {region} has no pixel in common with the picture {picture}: choose one within it")]
     Region {
-        /// The region asked for.
+        /// Requested region.
         region: Window,
         /// The picture's display window.
         picture: Window,
     },
-    /// A buffer is bound to something that takes none.
+    /// A buffer is bound to a node that takes none.
     #[error("cannot bind \"{name}\": {reason}")]
     Binding {
-        /// The name as given.
+        /// Name as given.
         name: String,
-        /// What is wrong with it.
+        /// Reason why it cannot be bound.
         reason: BindingFault,
     },
-    /// Shading samples need every front-end node bound.
+    /// A front-end node is not bound; shading samples need all of them bound.
     #[error("shading samples cannot be evaluated from \"{name}\" (a {ty}): bind it to a buffer")]
     Unbound {
         /// The node.
@@ -57,42 +57,42 @@ pub enum BindingFault {
     NoImage,
 }
 
-/// A stage to fill in one pass: which planes, from what.
+/// Stage to fill in one pass: which planes, and from which inputs.
 #[derive(Clone, Debug)]
 pub(crate) struct Fill {
     pub(crate) node: NodeId,
-    /// By output, by channel.
+    /// Channels to fill, by output and channel.
     pub(crate) wanted: Vec<Vec<bool>>,
     pub(crate) variance: Variance,
-    /// The inputs: port, and for each connection the planes of its channels.
+    /// Inputs: the port, and for each connection the sources of its channels.
     pub(crate) inputs: Vec<(PortId, Vec<Vec<Feed>>)>,
-    /// The pointwise values that it takes, computed before it.
+    /// Program of the pointwise values that the stage takes, run before it.
     pub(crate) taps: Option<Compiled>,
-    /// Whether the pass' own program reads it, so that it is needed over the whole tile.
+    /// Whether the pass's own program reads the stage, so that it is needed over the whole tile.
     pub(crate) read: bool,
-    /// The views that must see the same surface for a sample to take the result at the pixel's first one; `None` where it
-    /// never does.
+    /// Views that must see the same surface for a sample to reuse the result of the pixel's first sample; `None` if
+    /// samples never reuse it.
     pub(crate) shared: Option<Vec<NodeId>>,
 }
 
 impl Fill {
-    /// Whether it fills a plane.
+    /// Returns whether it fills the plane of `slot`.
     pub(crate) fn fills(&self, slot: &Slot) -> bool {
         self.node == slot.node
             && self.wanted.get(slot.output).and_then(|channels| channels.get(slot.channel)) == Some(&true)
     }
 }
 
-/// Where a plane of a stage's input comes from.
+/// Source of a plane of a stage's input.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Feed {
-    /// Not asked for.
+    /// Not requested.
     Nothing,
-    /// A plane that another stage filled.
+    /// Plane that another stage filled.
     Slot(Slot),
-    /// A value of the program before it: root and channel.
+    /// Value of the program before the stage: root and channel.
     Tap(usize, usize),
-    /// A literal.
+    /// Literal number.
     Constant(f32),
 }
 
@@ -101,13 +101,13 @@ pub(crate) enum Feed {
 pub(crate) struct Pass {
     pub(crate) offsets: Vec<[f64; 2]>,
     pub(crate) fills: Vec<Fill>,
-    /// How far beyond a tile, across and down, its stages reach: the sum along the longest chain of filters. Tiles that
-    /// are small against it compute most samples several times.
+    /// How far the stages reach beyond a tile, horizontally and vertically: the sum along the longest chain of
+    /// filters. Tiles that are small compared with the halo compute most samples several times.
     pub(crate) halo: (usize, usize),
-    /// Whether samples of a pixel share.
+    /// Whether samples of a pixel share results.
     pub(crate) sharing: bool,
     pub(crate) program: Compiled,
-    /// The outputs that the program's roots belong to: output of the plan, first channel.
+    /// Owners of the program's roots: index of the plan's output, and channel.
     pub(crate) roots: Vec<(usize, usize)>,
 }
 
@@ -117,17 +117,17 @@ pub(crate) struct PlannedOutput {
     /// Index in the graph.
     pub(crate) index: usize,
     pub(crate) kind: Kind,
-    /// Most Mix operations on a path from a control to the output, for the margin of rounding.
+    /// Largest number of Mix operations on a path from a control to the output, for the rounding margin.
     pub(crate) mix_levels: usize,
     /// Constant control colors.
     pub(crate) constants: Vec<[f32; 3]>,
-    /// Stages whose controls count.
+    /// Stages whose controls count as controls of this output.
     pub(crate) control_stages: Vec<NodeId>,
-    /// What it is judged by, where the document's own colors are all of its controls.
+    /// What the output is judged by, if all of its controls are colors in the document.
     pub(crate) judge: OnceLock<Arc<Judge>>,
 }
 
-/// A plan: having one is the proof that its graph is checked. That its frame fits in memory, [`Plan::check_memory`] tells.
+/// A plan. It can only be made from a checked graph. [`Plan::check_memory`] tells whether its frame fits in memory.
 #[derive(Debug)]
 pub struct Plan<'g> {
     pub(crate) graph: &'g CheckedGraph,
@@ -136,26 +136,26 @@ pub struct Plan<'g> {
     pub(crate) window: Window,
     pub(crate) outputs: Vec<PlannedOutput>,
     pub(crate) passes: Vec<Pass>,
-    /// What nodes say before anything is optimized, and by output where its channels stand in it.
+    /// Program of the nodes before optimization, and the positions of each output's channels in it.
     pub(crate) source: (Program, Vec<Vec<u32>>),
-    /// Stages to prepare, in order, with the channels wanted by any pass.
+    /// Stages to prepare, in order, with the channels that any pass wants.
     pub(crate) prepares: Vec<(NodeId, Vec<Vec<bool>>)>,
     pub(crate) settled: Vec<Option<Settled>>,
     pub(crate) keys: Vec<Key>,
     pub(crate) bound: Vec<bool>,
-    /// The threads, once they are needed.
+    /// Thread pool, made when first needed.
     pub(crate) pool: OnceLock<Result<rayon::ThreadPool, Arc<rayon::ThreadPoolBuildError>>>,
-    /// What samples share.
+    /// Stages whose results samples share.
     pub(crate) shared: Shared,
-    /// By node: `None` where it is evaluated.
+    /// Why each node is left out; `None` where it is evaluated.
     pub(crate) left_out: Vec<Option<LeftOut>>,
 }
 
 impl<'g> Plan<'g> {
     /// Plans some outputs of a graph at a frame.
     ///
-    /// `bound` names nodes whose first output the caller will supply as buffers when the plan runs; what only
-    /// they needed is left out.
+    /// `bound` names nodes whose first output the caller will supply as buffers when the plan runs; nodes that only
+    /// they need are left out.
     ///
     /// # Errors
     /// Unknown outputs or bindings, or a region outside the picture.
@@ -169,10 +169,11 @@ impl<'g> Plan<'g> {
         Self::made(graph, outputs, frame, bound, settings, None)
     }
 
-    /// The same plan, and what becomes of each node of the graph in it, in the graph's order, with the proofs.
+    /// Makes the same plan as [`Plan::new`], and says what happens to each node of the graph, in the graph's order,
+    /// with proofs.
     ///
     /// # Errors
-    /// As [`Plan::new`].
+    /// Same as [`Plan::new`].
     pub fn explained(
         graph: &'g CheckedGraph,
         outputs: &[&str],
@@ -204,32 +205,33 @@ impl<'g> Plan<'g> {
         Ok(Planner { graph, settings, bound, frame }.plan(&chosen, context, window, accounts))
     }
 
-    /// The frame.
+    /// Returns the frame.
     pub fn frame(&self) -> i64 {
         self.context.frame
     }
 
-    /// The pixels that the plan evaluates.
+    /// Returns the pixels that the plan evaluates.
     pub fn window(&self) -> Window {
         self.window
     }
 
-    /// The outputs, as indices in the graph.
+    /// Returns the outputs, as indices in the graph.
     pub fn outputs(&self) -> Vec<usize> {
         self.outputs.iter().map(|output| output.index).collect()
     }
 
-    /// How far beyond a tile, across and down, any pass reaches: the sum along the longest chain of filters.
+    /// Returns how far any pass reaches beyond a tile, horizontally and vertically: the sum along the longest chain
+    /// of filters.
     pub fn halo(&self) -> (usize, usize) {
         self.passes.iter().fold((0, 0), |halo, pass| (halo.0.max(pass.halo.0), halo.1.max(pass.halo.1)))
     }
 
-    /// Why each node of the graph is left out; `None` where it is evaluated.
+    /// Returns why each node of the graph is left out; `None` where it is evaluated.
     pub fn left_out(&self) -> &[Option<LeftOut>] {
         &self.left_out
     }
 
-    /// What the nodes that are evaluated have to say, in sentences.
+    /// Returns the notes of the nodes that are evaluated, as sentences.
     pub fn notes(&self) -> Vec<(NodeId, Vec<String>)> {
         let evaluated = self.left_out.iter().zip(&self.settled).enumerate().filter(|(_, (why, _))| why.is_none());
         evaluated

@@ -1,4 +1,4 @@
-//! Makes plans: lower, optimize, schedule, and explain what is left out.
+//! Makes plans: lowers, optimizes, schedules, and explains what is left out.
 
 use super::bounds::with_bounds;
 use super::controls::Controls;
@@ -24,7 +24,7 @@ pub(crate) struct Planner<'g, 's> {
 }
 
 impl<'g> Planner<'g, '_> {
-    /// The plan; what becomes of each node goes into `accounts`, where there are any.
+    /// Makes the plan. Appends what happens to each node to `accounts`, if given.
     pub(crate) fn plan(
         self,
         chosen: &[usize],
@@ -41,7 +41,7 @@ impl<'g> Planner<'g, '_> {
         let merge_keys: &[Key] = if switches.merge { &keys } else { &[] };
         let mut lowered = lower(graph, settled, &self.bound, merge_keys);
 
-        // Positions of every output's channels, and of everything pointwise that a stage takes.
+        // Positions of every output's channels, and of every pointwise value that a stage takes.
         let mut output_roots = Vec::new();
         for &index in chosen {
             let spec = &graph.outputs()[index];
@@ -132,7 +132,7 @@ impl<'g> Planner<'g, '_> {
         }
     }
 
-    /// The knobs at the frame of every node that the roots depend on, not looking past bound ones.
+    /// Returns the knobs at the frame of every node that the roots depend on, without looking past bound nodes.
     fn reachable(&self, roots: &[NodeId]) -> Vec<Option<Settled>> {
         let mut settled: Vec<Option<Settled>> = vec![None; self.graph.nodes().len()];
         let mut open = roots.to_vec();
@@ -148,7 +148,7 @@ impl<'g> Planner<'g, '_> {
         settled
     }
 
-    /// A node's stage, where it is needed and not filled from outside.
+    /// Returns a node's stage, if it is needed and not filled from outside.
     pub(crate) fn stage<'l>(&self, lowered: &'l Lowered, id: NodeId) -> Option<&'l dyn Stage> {
         lowered.settled[id.0].as_ref().filter(|_| !self.bound[id.0])?.stage()
     }
@@ -175,7 +175,7 @@ impl<'g> Planner<'g, '_> {
         self.stage(lowered, slot.node).map_or(Variance::Pixel, |stage| stage.variance(slot.output))
     }
 
-    /// The nodes that are evaluated.
+    /// Finds the nodes that are evaluated.
     fn used(&self, passes: &[Pass], prepares: &[(NodeId, Vec<Vec<bool>>)]) -> Vec<bool> {
         let mut used = vec![false; self.graph.nodes().len()];
         for (id, _) in prepares {

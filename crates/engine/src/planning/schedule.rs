@@ -1,4 +1,4 @@
-//! Which stages fill which channels, from the outputs upstream.
+//! Decides which stages fill which channels, walking upstream from the outputs.
 
 use super::lower::Lowered;
 use super::optimize::{cone, extract};
@@ -13,12 +13,12 @@ use trochoid_graph::{
 };
 use trochoid_image::Shading;
 
-/// What stages are to fill.
+/// Channels that stages have to fill.
 #[derive(Default)]
 struct Wanted {
-    /// By node, by output, by channel.
+    /// Channels by node, output and channel.
     channels: HashMap<NodeId, Vec<Vec<bool>>>,
-    /// What is read at every sample, and not only where samples do not share.
+    /// Slots that are read at every sample, not only at samples that share no result.
     apart: HashSet<Slot>,
 }
 
@@ -36,7 +36,7 @@ impl Scheduler<'_, '_, '_> {
         self.planner.settings.switches
     }
 
-    /// One walk over the samples for some outputs: demand flows from them upstream.
+    /// Plans one walk over the samples for some outputs: demand flows upstream from them.
     pub(crate) fn pass(&self, members: &[usize], offsets: Vec<[f64; 2]>, output_roots: &[Vec<u32>]) -> Pass {
         let graph = self.planner.graph;
         let roots: Vec<u32> = members.iter().flat_map(|&member| output_roots[member].iter().copied()).collect();
@@ -94,7 +94,7 @@ impl Scheduler<'_, '_, '_> {
         Pass { offsets, fills, halo, sharing, program, roots: owners }
     }
 
-    /// Marks what `needed` operations load.
+    /// Marks the slots that the `needed` operations load.
     fn want_loads(&self, needed: &[bool], apart: bool, wanted: &mut Wanted) {
         for (op, _) in self.program.ops().iter().zip(needed).filter(|(_, needed)| **needed).map(|(op, _)| op) {
             match op {
@@ -113,7 +113,7 @@ impl Scheduler<'_, '_, '_> {
         }
     }
 
-    /// What a view can supply.
+    /// Returns the channels that a view can supply.
     pub(crate) fn supplies(&self, id: NodeId) -> ChannelSet {
         self.stage(id).map_or(ChannelSet::EMPTY, Stage::supplies)
     }
@@ -130,7 +130,7 @@ impl Scheduler<'_, '_, '_> {
         kinds.iter().map(|kind| (0..kind.channels()).map(|index| channel(kind, index)).collect()).collect()
     }
 
-    /// Plans one stage's inputs and marks what it wants of others.
+    /// Plans one stage's inputs and marks what it wants from other stages.
     fn fill(
         &self,
         id: NodeId,
@@ -210,8 +210,8 @@ impl Scheduler<'_, '_, '_> {
         }
     }
 
-    /// The stage that a source comes to where all between only hand it on, so that a file read through a Switch keeps
-    /// its overscan; else the source.
+    /// Follows a source through nodes that only hand it on to the stage behind them, so that a file read through a
+    /// Switch keeps its overscan. Returns the source itself if a node in between computes something.
     fn handed_on<'a>(&'a self, source: &'a Source<Vec<f64>>) -> &'a Source<Vec<f64>> {
         let mut at = source;
         while let Source::Output { node, .. } = at {
@@ -227,7 +227,7 @@ impl Scheduler<'_, '_, '_> {
         source
     }
 
-    /// How far the stages of a pass reach beyond what is asked of it, across and down.
+    /// Returns how far the stages of a pass reach beyond what is requested of the pass, horizontally and vertically.
     fn halo(&self, fills: &[Fill]) -> (usize, usize) {
         let format = self.planner.graph.format();
         let picture = format.window();
@@ -265,8 +265,9 @@ impl Scheduler<'_, '_, '_> {
         largest
     }
 
-    /// Compiles what `roots` need, or everything. Before a stage it must not be everything: that reads the stage itself.
-    /// Without `hoist` it may run over single pixels in place of rows.
+    /// Compiles what `roots` need, or everything. A program that runs before a stage must not be compiled with
+    /// everything, since that would read the stage itself. Without `hoist`, the program may run over single pixels
+    /// instead of rows.
     fn compile(&self, roots: &[u32], everything: bool, hoist: bool) -> Compiled {
         let mut kept = cone(self.program, roots.iter().copied());
         if everything {
@@ -301,7 +302,7 @@ impl Scheduler<'_, '_, '_> {
         compiled
     }
 
-    /// Every stage that some pass fills, or whose handle another stage takes, inputs first.
+    /// Lists every stage that some pass fills, or whose handle another stage takes, inputs first.
     pub(crate) fn prepares(&self, passes: &[Pass]) -> Vec<(NodeId, Vec<Vec<bool>>)> {
         let graph = self.planner.graph;
         let mut wanted: HashMap<NodeId, Vec<Vec<bool>>> = HashMap::new();
@@ -328,7 +329,8 @@ impl Scheduler<'_, '_, '_> {
     }
 }
 
-/// Leaves a view what every sample needs, and gives the rest: channels that samples share which see the same surface.
+/// Keeps in `view` the channels that every sample needs, and returns a fill of the others, which samples that see the
+/// same surface share.
 fn split(view: &mut Fill, apart: &HashSet<Slot>) -> Option<Fill> {
     let mut rest = view.clone();
     let tells = TELLING.map(|channel| Slot { node: view.node, output: 0, channel: channel as usize });
@@ -343,7 +345,7 @@ fn split(view: &mut Fill, apart: &HashSet<Slot>) -> Option<Fill> {
     if !rest.wanted.iter().flatten().any(|wanted| *wanted) {
         return None;
     }
-    // What is shared is told by what every sample has.
+    // Whether samples share is decided by channels that every sample has.
     tells.iter().for_each(|slot| view.wanted[slot.output][slot.channel] = true);
     rest.shared = Some(vec![view.node]);
     Some(rest)

@@ -1,17 +1,17 @@
-//! Which stages are evaluated once for several samples of a pixel.
+//! Decides which stages are evaluated once for several samples of a pixel.
 
 use super::lower::Lowered;
 use super::planner::Planner;
 use trochoid_graph::{Channel, Kind, NodeId, Rate, Source, Variance};
 use trochoid_image::Shading;
 
-/// What a view must tell, by [`Shading::is_shared`].
+/// Channels that a view must supply for [`Shading::is_shared`] to decide whether samples share.
 pub(crate) const TELLING: [Channel; 2] = [Channel::Surface, Channel::Depth];
 
-/// By node: `None` where every sample has a result of its own, else the views that must see the same surface there as at
-/// the pixel's first sample for its result to be taken.
+/// By node: the views that must see the same surface at a sample as at the pixel's first sample for the node's result
+/// to be reused; `None` if every sample has its own result.
 ///
-/// That follows from the graph alone, never from switches or from what else is asked for.
+/// It follows from the graph alone, never from switches or from the other requested outputs.
 pub(crate) type Shared = Vec<Option<Vec<NodeId>>>;
 
 impl Planner<'_, '_> {
@@ -30,7 +30,8 @@ impl Planner<'_, '_> {
         shared
     }
 
-    /// Over which views' surfaces a node varies smoothly, and the same where samples share its result.
+    /// Returns the views over whose surfaces a node varies smoothly, and the views on which sharing its result
+    /// depends.
     fn rate(&self, id: NodeId, lowered: &Lowered, smooth: &Shared) -> (Option<Vec<NodeId>>, Option<Vec<NodeId>>) {
         const EVERYWHERE: Option<Vec<NodeId>> = Some(Vec::new());
         if self.bound[id.0] {
@@ -60,7 +61,7 @@ impl Planner<'_, '_> {
         if outputs.peek().is_none() {
             return (EVERYWHERE, None);
         }
-        // Evaluated for a row or a column at a time, which costs nothing.
+        // Evaluated once per row or column, which costs almost nothing.
         if outputs.all(|output| stage.variance(output) < Variance::Pixel) {
             return (EVERYWHERE, None);
         }

@@ -1,12 +1,12 @@
-//! Which control colors made a pixel: blame flows from the output to the controls by the weights.
+//! Finds which control colors made a pixel: blame flows from the output to the controls by the weights.
 
 use super::evaluate::Values;
 use trochoid_graph::Op;
 
-/// Passes an operation's blame on to its operands; `value` gives computed values, `give` receives shares.
+/// Passes an operation's blame on to its operands; `value` returns computed values, `give` receives shares.
 ///
-/// The shares given add up to `share`, so the controls of a pixel have weights that sum to 1. Operations that
-/// are no colors take no blame.
+/// The shares add up to `share`, so the weights of a pixel's controls sum to 1. Operations that do not make colors
+/// take no blame.
 pub(crate) fn blame(op: &Op, share: f64, value: &dyn Fn(u32) -> Values, give: &mut dyn FnMut(u32, f64)) {
     match op {
         Op::Mix { a, b, t } => {

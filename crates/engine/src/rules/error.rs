@@ -1,25 +1,27 @@
-//! How errors pass through every operation: the bounds of non-expansion.
+//! How errors pass through every operation: bounds from non-expansion.
 //!
-//! Each rule bounds what errors of the operands do to the exact operation. What the operation itself rounds is added from
-//! what it computed: the distance of its result from that of the exact operation on the same operands.
+//! Each rule bounds the effect of the operands' errors on the exact operation. The rounding error of the operation
+//! itself is added, measured as the distance of its computed result from that of the exact operation on the same
+//! operands.
 
 use trochoid_graph::{Bound, LITERAL, Op, REFERENCE};
 use trochoid_weights::reference as r;
 
-/// The operands of an operation at one sample: what was computed, and how far that may be off, by position and row.
+/// Operands of an operation at one sample: computed values and bounds on their errors, by position and row.
 pub(crate) trait Operands {
     fn value(&self, position: u32, row: usize) -> f64;
     fn bound(&self, position: u32, row: usize) -> Bound;
 }
 
-/// How far the results of an operation may lie from the truth at one sample, where it computed `computed`: one bound a row.
+/// Bounds how far the results of an operation may lie from the reference at one sample where it computed `computed`:
+/// one bound per row.
 ///
-/// `Load`s have none of their own.
+/// `Load`s are skipped; their bounds come from outside.
 pub(crate) fn error(op: &Op, of: &impl Operands, computed: &[f64], out: &mut [Bound]) {
     let scalar = |s: trochoid_graph::Scalar| (of.value(s.0, 0), of.bound(s.0, 0));
     match op {
         Op::Load(_) | Op::LoadColor(_) => {}
-        // The reference takes literals as they are written.
+        // The reference takes literals as they are written, in f64.
         Op::Constant(_) | Op::ConstantColor(_) => {
             for (out, value) in out.iter_mut().zip(computed) {
                 *out = Bound::of(value.abs() * LITERAL);
@@ -53,7 +55,7 @@ pub(crate) fn error(op: &Op, of: &impl Operands, computed: &[f64], out: &mut [Bo
         Op::Product(t, u) => {
             let ((t, dt), (u, du)) = (scalar(*t), scalar(*u));
             let size = times(t, du.size) + times(u, dt.size) + times(dt.size, du.size);
-            // A factor that is 0 for certain hides what is not clear of the other.
+            // A factor that is certainly 0 hides doubt about the other factor.
             let hidden = |value: f64, bound: Bound| value == 0.0 && bound.size == 0.0;
             let clear = (dt.clear || hidden(u, du)) && (du.clear || hidden(t, dt));
             out[0] = mask(size, rounded(computed[0], t * u), clear);
@@ -104,17 +106,17 @@ pub(crate) fn error(op: &Op, of: &impl Operands, computed: &[f64], out: &mut [Bo
     }
 }
 
-/// A product in which 0 stays 0: what has no share does not matter, however little is known of it.
+/// Multiplies so that 0 times anything is 0: a term without weight does not matter, however little is known about it.
 fn times(a: f64, b: f64) -> f64 {
     if a == 0.0 || b == 0.0 { 0.0 } else { a * b }
 }
 
-/// How far what was computed lies from what is exact for the same operands.
+/// Returns how far a computed result lies from the exact result for the same operands.
 fn rounded(computed: f64, exact: f64) -> f64 {
     (computed - exact).abs() + exact.abs() * REFERENCE
 }
 
-/// Masks differ by 1 at most.
+/// Returns the bound of a mask; masks differ by at most 1.
 fn mask(size: f64, rounded: f64, clear: bool) -> Bound {
     Bound::of((size + rounded).min(1.0)).with(clear)
 }
@@ -123,10 +125,10 @@ fn color(size: f64, rounded: f64, clear: bool) -> Bound {
     Bound::of(size + rounded).with(clear)
 }
 
-/// Also of steps, where `max` is `min`.
+/// Bounds the error of a clamp, or of a step if `max` is `min`.
 fn clamp((x, dx): (f64, Bound), min: f64, max: f64, computed: f64) -> Bound {
     let [slack_min, slack_max] = [min, max].map(|bound| bound.abs() * LITERAL);
-    // Saturated for every value within the error: no error passes. (∞ ± ∞ is no certainty.)
+    // Saturated for every value within the error, so no error passes. (∞ ± ∞ is never certain.)
     if x - dx.size >= max + slack_max || x + dx.size < min - slack_min {
         return Bound::EXACT;
     }

@@ -1,12 +1,13 @@
-//! The obvious meaning of every operation in f64 at one sample: what error and blame are measured against.
+//! Evaluates every operation by its plain definition in f64 at one sample, against which error and blame are
+//! measured.
 
 use trochoid_graph::{Op, Slot};
 use trochoid_weights::reference as r;
 
-/// An operation's rows at one sample: one number for a scalar, three for a color, n for a partition.
+/// Rows of an operation at one sample: one number for a scalar, three for a color, n for a partition.
 pub(crate) type Values = Vec<f64>;
 
-/// The value of an operation from those of its operands.
+/// Returns the value of an operation from those of its operands.
 pub(crate) fn evaluate(op: &Op, of: &dyn Fn(u32) -> Values, slot: &dyn Fn(&Slot, usize) -> f64) -> Values {
     let scalar = |s: trochoid_graph::Scalar| of(s.0)[0];
     match op {

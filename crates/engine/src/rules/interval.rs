@@ -1,4 +1,4 @@
-//! Certain bounds of every operation's result.
+//! Certain bounds on every operation's result.
 
 use trochoid_graph::Op;
 
@@ -12,19 +12,19 @@ pub struct Interval {
 }
 
 impl Interval {
-    /// What every mask lies in.
+    /// Contains every mask.
     pub const MASK: Self = Self { low: 0.0, high: 1.0 };
-    /// Nothing is known.
+    /// Contains every number.
     pub const ALL: Self = Self { low: f64::NEG_INFINITY, high: f64::INFINITY };
-    /// What every color channel lies in.
+    /// Contains every color channel.
     pub const COLOR: Self = Self { low: 0.0, high: f64::INFINITY };
 
-    /// Exactly one value.
+    /// Returns the interval of exactly one value.
     pub fn exactly(value: f32) -> Self {
         Self { low: f64::from(value), high: f64::from(value) }
     }
 
-    /// The value, where it is the only one.
+    /// Returns the value, if there is only one.
     pub fn constant(self) -> Option<f64> {
         (self.low == self.high).then_some(self.low)
     }
@@ -38,10 +38,10 @@ impl Interval {
     }
 }
 
-/// Bounds of one operation's rows: one for a scalar, three for a color, n for a partition.
+/// Intervals of one operation's rows: one for a scalar, three for a color, n for a partition.
 pub(crate) type Bounds = Vec<Interval>;
 
-/// Bounds of an operation's result from those of its operands; `slot` bounds what comes from outside.
+/// Bounds an operation's result from the intervals of its operands; `slot` bounds planes from outside.
 pub(crate) fn interval(
     op: &Op,
     of: &dyn Fn(u32) -> Bounds,
@@ -72,7 +72,7 @@ pub(crate) fn interval(
         }
         Op::Partition(weights) => {
             let raw: Bounds = weights.iter().map(|w| scalar(*w)).collect();
-            // Constants round as they will; anything else may gain or lose the residual.
+            // Constants round exactly as in the kernel; any other weight may gain or lose the residual.
             if let Some(values) = raw.iter().map(|w| w.constant()).collect::<Option<Vec<f64>>>() {
                 let mut values: Vec<f32> = values.into_iter().map(|v| v as f32).collect();
                 a::round_partition(&mut values);

@@ -1,6 +1,6 @@
-//! What the engine knows of each operation of the pointwise program besides how to compute it.
+//! Rules for each operation of the pointwise program besides how to compute it.
 //!
-//! Each rule is one exhaustive match, so an operation cannot be added without all of them.
+//! Each rule is one exhaustive match, so an operation cannot be added without all of its rules.
 
 pub(crate) mod blame;
 pub(crate) mod error;

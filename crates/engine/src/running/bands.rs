@@ -1,4 +1,4 @@
-//! Where finished rows go: into planes in memory, or band by band to a sink.
+//! Destinations of finished rows: planes in memory, or a sink that takes them band by band.
 
 use crate::{EvalError, Sink};
 use std::sync::Mutex;
@@ -17,7 +17,7 @@ pub(crate) struct Bands<'a> {
 }
 
 enum Place<'a> {
-    /// Each band's rows, until somebody takes them.
+    /// Each band's rows, until a worker takes them.
     Planes(Vec<Mutex<Option<Rows<'a>>>>),
     Sink {
         sink: &'a dyn Sink,
@@ -29,7 +29,7 @@ enum Place<'a> {
 }
 
 impl<'a> Bands<'a> {
-    /// Bands of planes, `height` rows each.
+    /// Makes bands of planes, `height` rows each.
     pub(crate) fn of_planes(pictures: Vec<&'a mut Vec<Plane>>, window: Window, height: usize) -> Self {
         let width = window.width();
         let windows: Vec<Window> = window.tiles(width, height).collect();
@@ -45,7 +45,7 @@ impl<'a> Bands<'a> {
         Self { windows, next: AtomicUsize::new(0), place }
     }
 
-    /// Bands for a sink, `height` rows each.
+    /// Makes bands for a sink, `height` rows each.
     pub(crate) fn of_sink(sink: &'a dyn Sink, channels: Vec<usize>, window: Window, height: usize) -> Self {
         let windows = window.tiles(window.width(), height).collect();
         let place = Place::Sink { sink, channels, spare: Mutex::new(Vec::new()) };
@@ -56,7 +56,7 @@ impl<'a> Bands<'a> {
         self.windows.len()
     }
 
-    /// Runs `work` over the next band and hands on what it made; `false` if there is none.
+    /// Runs `work` over the next band and hands on its result; returns `false` if no band is left.
     pub(crate) fn work(
         &self,
         work: &mut dyn FnMut(Window, &mut Rows<'_>) -> Result<(), EvalError>,

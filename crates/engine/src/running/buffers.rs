@@ -1,4 +1,4 @@
-//! Buffers of the caller that stand in for nodes.
+//! Buffers of the caller that replace nodes.
 
 use crate::kernel::Plane;
 use crate::{EvalError, Plan};
@@ -6,9 +6,9 @@ use std::collections::HashMap;
 use trochoid_graph::{Kind, Slot};
 use trochoid_image::Window;
 
-/// The caller's f32 buffers by node name: for each, one slice a channel.
+/// The caller's f32 buffers by node name, one slice per channel.
 ///
-/// A picture's buffers cover its display window row by row; a batch's hold one number a sample.
+/// A picture's buffers cover its display window row by row; a batch's buffers hold one number per sample.
 #[derive(Clone, Debug, Default)]
 pub struct Buffers<'b> {
     planes: HashMap<String, Vec<&'b [f32]>>,
@@ -39,7 +39,7 @@ pub enum BufferFault {
         expected: usize,
     },
     /// A sample is not legal for what the node makes.
-    #[error("channel {channel} holds {found} at sample {sample}; a {kind} is {}", rule(*kind).1)]
+    #[error("found {found} at sample {sample} of channel {channel}; expected {} in a {kind}", rule(*kind).1)]
     Value {
         /// The channel.
         channel: usize,
@@ -71,20 +71,20 @@ pub enum BufferFault {
 }
 
 impl<'b> Buffers<'b> {
-    /// No buffers.
+    /// Returns an empty set of buffers.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Adds the channels that stand in for a node's first output: three for a Color, one for a mask, n for
-    /// Weights(n) and for a Field of n components.
+    /// Adds the channels that replace a node's first output: three for a Color, one for a mask, n for Weights(n) and
+    /// for a Field of n components.
     #[must_use]
     pub fn with(mut self, node: &str, channels: &[&'b [f32]]) -> Self {
         self.planes.insert(node.into(), channels.to_vec());
         self
     }
 
-    /// The names bound.
+    /// Returns the names of the bound nodes.
     pub fn names(&self) -> Vec<&str> {
         let mut names: Vec<&str> = self.planes.keys().map(String::as_str).collect();
         names.sort_unstable();
@@ -95,7 +95,7 @@ impl<'b> Buffers<'b> {
         self.planes.get(node).map(Vec::as_slice)
     }
 
-    /// Checks one node's buffers against its kind: number and length.
+    /// Checks the number and length of one node's buffers against its kind.
     pub(crate) fn validate(&self, node: &str, kind: Kind, length: usize) -> Result<(), EvalError> {
         let fault = |reason: BufferFault| EvalError::Buffer { node: node.into(), reason };
         let planes = self.get(node).ok_or_else(|| fault(BufferFault::None))?;
@@ -110,7 +110,8 @@ impl<'b> Buffers<'b> {
         Ok(())
     }
 
-    /// Checks every value of one node's buffers: what programs check in passing, and sums of weights.
+    /// Checks every value of one node's buffers: the values that programs otherwise check while they run, and the
+    /// sums of weights.
     pub(crate) fn validate_values(&self, node: &str, kind: Kind) -> Result<(), EvalError> {
         let planes = self.get(node).unwrap_or_default();
         for (channel, plane) in planes.iter().enumerate() {
@@ -129,7 +130,8 @@ impl<'b> Buffers<'b> {
         Ok(())
     }
 
-    /// Copies of the caller's planes over a tile with −0 turned into 0, by index among `slots`; or what is illegal there.
+    /// Returns copies of the caller's planes over a tile with −0 turned into 0, by index among `slots`, or the first
+    /// illegal value as an error.
     pub(crate) fn normalized(
         &self,
         plan: &Plan<'_>,
@@ -155,13 +157,13 @@ impl<'b> Buffers<'b> {
 /// Which samples a buffer of a kind may hold, and that in words.
 fn rule(kind: Kind) -> (fn(&f32) -> bool, &'static str) {
     match kind {
-        Kind::Color => (|v| v.is_finite() && *v >= 0.0, "finite and ≥ 0"),
-        Kind::Weights(_) => (|v| (0.0..=1.0).contains(v), "in [0, 1]"),
+        Kind::Color => (|v| v.is_finite() && *v >= 0.0, "finite numbers ≥ 0"),
+        Kind::Weights(_) => (|v| (0.0..=1.0).contains(v), "numbers in [0, 1]"),
         _ => (|v| !v.is_nan(), "no NaN"),
     }
 }
 
-/// Holds samples of a buffer against its kind; the first of them is sample `start` of the buffer.
+/// Checks samples of a buffer against its kind. `start` is the index of the first of them in the buffer.
 fn check(node: &str, kind: Kind, channel: usize, samples: &[f32], start: usize) -> Result<(), EvalError> {
     let (legal, _) = rule(kind);
     match samples.iter().position(|v| !legal(v)) {

@@ -1,12 +1,12 @@
-//! What can be told of input files before anything is prepared.
+//! Finds faults of input files before anything is prepared.
 
 use crate::{EvalError, Plan};
 
 impl Plan<'_> {
-    /// What is wrong with the files that the plan reads, as far as their headers tell: what an evaluation would fail with, of
-    /// every node at once. Decodes no pixel.
+    /// Returns what is wrong with the files that the plan reads, as far as their headers show: the errors with which
+    /// an evaluation would fail, for all nodes at once. Decodes no pixels.
     ///
-    /// Files that do not exist may be made yet, and those that the document may not reach are not opened: neither is told here.
+    /// Skips files that do not exist, since they may still be made, and files that the document may not reach.
     pub fn examine(&self) -> Vec<EvalError> {
         let fault = |(id, wanted): &(_, Vec<Vec<bool>>)| {
             let stage = self.stage(*id)?;

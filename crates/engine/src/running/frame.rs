@@ -1,4 +1,4 @@
-//! What an evaluation gives: pictures, what was counted on them, and where the time went.
+//! Results of an evaluation: pictures, what was counted on them, and where the time went.
 
 use super::buffers::BufferFault;
 use super::foreign::ForeignError;
@@ -12,34 +12,34 @@ use trochoid_weights::{Audit, Hull};
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum EvalError {
     /// A node could not read its files, or its input data are illegal.
-    #[error("{place}: node \"{node}\" ({ty}): {message}")]
+    #[error("{place}: node \"{node}\" ({ty}): {}", error.of_node(node))]
     Node {
-        /// Document, line and column: of the file's name where the node reads one.
+        /// Document, line and column: those of the file's name if the node reads a file.
         place: String,
         /// The node's name.
         node: String,
-        /// Its type.
+        /// The node's type.
         ty: String,
-        /// What it says.
-        message: String,
+        /// The node's message.
+        error: NodeError,
     },
-    /// A bound buffer does not fit.
+    /// A bound buffer does not fit its node.
     #[error("buffer bound to \"{node}\": {reason}")]
     Buffer {
         /// The node's name.
         node: String,
-        /// What does not fit.
+        /// Reason why it does not fit.
         reason: BufferFault,
     },
-    /// The frame takes more memory than allowed: as it was reckoned before anything was prepared, or as a node then held.
+    /// The frame takes more memory than allowed, according to the estimate or to what a node then really held.
     #[error(
         "{place}: found a frame that takes about {}: {found}; expected at most {}: {remedy}; or allow more memory (--memory, or Settings::memory_limit)",
         in_bytes(*total), in_bytes(*limit)
     )]
     TooMuchMemory {
-        /// Where the document has what takes most: document, line and column.
+        /// Document, line and column of the largest taker.
         place: String,
-        /// The largest takers, in words.
+        /// Largest takers, in words.
         found: String,
         /// Bytes needed.
         total: u64,
@@ -48,13 +48,13 @@ pub enum EvalError {
         /// What to make smaller.
         remedy: &'static str,
     },
-    /// Memory for the pictures could not be had.
+    /// Memory for the pictures could not be allocated.
     #[error("out of memory for {bytes} bytes of pictures: evaluate a smaller region")]
     Memory {
-        /// Bytes asked for.
+        /// Bytes requested.
         bytes: usize,
     },
-    /// The sink could not store what it was given.
+    /// The sink could not store the rows.
     #[error(transparent)]
     Sink(ForeignError),
     /// The threads could not be started.
@@ -66,14 +66,14 @@ pub enum EvalError {
 }
 
 impl EvalError {
-    /// What a node says, with its place.
+    /// Makes an error of a node's message, with its place in the document.
     pub(crate) fn of(graph: &CheckedGraph, id: NodeId, error: NodeError) -> Self {
         let node = graph.node(id);
         Self::Node {
             place: graph.place_of(id, node.file_item()),
             node: node.name.clone(),
             ty: node.ty.declaration().name.into(),
-            message: error.to_string().replace(NodeError::NODE, &node.name),
+            error,
         }
     }
 }
@@ -85,18 +85,18 @@ pub trait Monitor: Sync {
         let _ = node;
     }
 
-    /// So many of all tiles are done.
+    /// `done` of `total` tiles are done.
     fn progress(&self, done: usize, total: usize) {
         let _ = (done, total);
     }
 
-    /// Whether the evaluation should stop as soon as it can.
+    /// Returns whether the evaluation should stop as soon as it can.
     fn cancelled(&self) -> bool {
         false
     }
 }
 
-/// A monitor that observes nothing.
+/// Monitor that observes nothing.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Silent;
 
@@ -105,24 +105,24 @@ impl Monitor for Silent {}
 /// An evaluated frame.
 #[derive(Clone, Debug, Default)]
 pub struct Frame {
-    /// The frame's number.
+    /// Frame number.
     pub number: i64,
-    /// The pixels evaluated.
+    /// Pixels that were evaluated.
     pub window: Window,
-    /// One picture an output.
+    /// One picture per output.
     pub pictures: Vec<Picture>,
-    /// What each node of the graph did.
+    /// Report on each node of the graph.
     pub nodes: Vec<NodeReport>,
     /// Seconds by phase.
     pub seconds: Phases,
-    /// Threads used.
+    /// Number of threads used.
     pub threads: usize,
 }
 
 /// Seconds by phase.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Phases {
-    /// Preparing stages: simulate, build, decode.
+    /// Preparing stages: simulating, building, decoding.
     pub prepare: f64,
     /// Building the convex hulls of the control colors.
     pub hull: f64,
@@ -135,58 +135,59 @@ pub struct Phases {
 pub struct Picture {
     /// The output's index in the graph.
     pub output: usize,
-    /// Its kind.
+    /// The output's kind.
     pub kind: Kind,
-    /// One plane a channel, in the working space for colors.
+    /// One plane per channel; colors are in the working space.
     pub planes: Vec<Plane>,
-    /// What cannot be left; `None` for pictures that are no colors.
+    /// Region that the colors cannot leave; `None` for other kinds.
     pub guarantee: Option<Guarantee>,
-    /// What was counted on the f32 pixels, before any rounding or encoding.
+    /// Counts on the f32 pixels, before any rounding or encoding.
     pub audit: Audit,
-    /// Number of distinct control colors: vertices of the hull where an image is among them.
+    /// Number of distinct control colors; an image counts with the vertices of its hull, a bound buffer with its
+    /// pixels.
     pub control_count: usize,
-    /// Up to 64 of them.
+    /// Up to 64 of the control colors.
     pub control_colors: Vec<Rgb>,
-    /// The hull of all of them, which pixels were held against; `None` for pictures that are no colors.
+    /// Convex hull of all control colors, against which pixels were checked; `None` for other kinds.
     pub hull: Option<Arc<Hull>>,
-    /// The printed margin of rounding within which a pixel counts as inside.
+    /// Rounding margin within which a pixel counts as inside of the hull.
     pub margin: f64,
 }
 
-/// What a node did.
+/// Report on a node.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NodeReport {
-    /// Its name.
+    /// The node's name.
     pub name: String,
-    /// Its type.
+    /// The node's type.
     pub ty: &'static str,
-    /// What became of it.
+    /// What happened to it.
     pub state: State,
-    /// Seconds on all threads together.
+    /// Seconds, summed over all threads.
     pub seconds: f64,
-    /// Whether the seconds are shared out within the fused program rather than measured.
+    /// Whether the seconds are an estimated share of the fused program's time instead of a measurement.
     pub estimated: bool,
-    /// Samples that it computed.
+    /// Number of samples that it computed.
     pub pixels: u64,
-    /// Memory that it holds, bytes.
+    /// Memory that it holds, in bytes.
     pub bytes: usize,
-    /// Illegal input values set to the nearest legal one.
+    /// Number of illegal input values that were replaced by the nearest legal value.
     pub repaired: u64,
 }
 
-/// What became of a node.
+/// What happened to a node.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum State {
     /// It was evaluated.
     Evaluated,
-    /// Its result of an earlier frame was used.
+    /// Its result from an earlier frame was used.
     Cached,
     /// It was left out.
     LeftOut(LeftOut),
 }
 
 impl State {
-    /// The word in reports.
+    /// Returns the word for it in reports.
     pub fn name(&self) -> &'static str {
         match self {
             Self::Evaluated => "evaluated",

@@ -1,4 +1,4 @@
-//! One pixel in detail: which controls made it, and how errors of its passes reach it.
+//! Inspects one pixel in detail: which controls it is mixed from, and how errors of its passes reach it.
 
 use super::fill::Fills;
 use super::memory::Pictures;
@@ -13,35 +13,35 @@ use std::collections::HashMap;
 use trochoid_graph::{Bound, NodeId, Op, Program, Slot};
 use trochoid_image::Window;
 
-/// A pixel and what made it.
+/// A pixel and the controls that it is mixed from.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Inspected {
-    /// Its value by channel, in the working space for colors, averaged as the picture's is. Computed in f64, so it may
-    /// differ from the picture's in the last digits.
+    /// Value by channel, averaged like the picture's; colors are in the working space. It is computed in f64, so it
+    /// may differ from the picture's value in the last digits.
     pub value: Vec<f64>,
-    /// The control colors of a Color, each node's every color once, the greatest share first; empty for anything else.
+    /// Control colors of a Color, each color of a node once, the largest share first; empty for other kinds.
     pub blame: Vec<Blame>,
 }
 
 /// A control color's share of a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Blame {
-    /// The node that holds the control color.
+    /// Node that holds the control color.
     pub node: NodeId,
-    /// The color.
+    /// Control color, in the working space.
     pub color: [f64; 3],
-    /// Its weight; the weights of a pixel sum to 1.
+    /// Weight of the color; the weights of a pixel sum to 1.
     pub weight: f64,
 }
 
 impl Plan<'_> {
-    /// The value of an output at a pixel, and the control colors that it is mixed of; `None` if the plan has no such output
-    /// or the picture no such pixel.
+    /// Returns the value of an output at a pixel, and the control colors that it is mixed from; `None` if the plan
+    /// has no such output or the picture no such pixel.
     ///
-    /// `output` counts among the outputs of the graph. The mix is that of the document, before optimizations fold any of
-    /// it. A color that a stage makes, such as one read from a file or filtered, counts as a control of that stage's node;
-    /// of nodes that say the same, the first counts for all. Costs as much as a tile of one pixel: stages that the cache
-    /// holds are not prepared again.
+    /// `output` is an index among the outputs of the graph. The mix is that of the document, before optimizations
+    /// fold any of it. A color that a stage makes, such as one read from a file or filtered, counts as a control of
+    /// that stage's node; if several nodes compute the same, the first counts for all of them. The call costs as much
+    /// as a tile of one pixel: stages that the cache holds are not prepared again.
     ///
     /// ```
     /// # use trochoid_engine::{Buffers, Cache, Plan, Settings, Silent};
@@ -57,7 +57,7 @@ impl Plan<'_> {
     /// ```
     ///
     /// # Errors
-    /// As [`Plan::evaluate`].
+    /// Same as [`Plan::evaluate`].
     pub fn inspect(
         &self,
         output: usize,
@@ -73,7 +73,8 @@ impl Plan<'_> {
         else {
             return Ok(None);
         };
-        // The same outputs, so that stages are asked for the same channels and the cache knows what they prepared.
+        // Plan the same outputs, so that stages are asked for the same channels and the cache recognizes what they
+        // prepared.
         let names: Vec<&str> = self.outputs.iter().map(|own| graph.outputs()[own.index].name.as_str()).collect();
         let bound = self.bound.iter().enumerate().filter(|(_, bound)| **bound);
         let bound: Vec<&str> = bound.map(|(id, _)| graph.node(NodeId(id)).name.as_str()).collect();
@@ -92,7 +93,7 @@ impl Plan<'_> {
         self.in_pool(|| plan.pixel(own, buffers, cache, monitor)).map(Some)
     }
 
-    /// What the only pixel of the plan is made of.
+    /// Inspects the only pixel of the plan.
     fn pixel(
         &self,
         output: usize,
@@ -118,7 +119,7 @@ impl Plan<'_> {
                 let slots = pass.program.planes.iter().zip(&planes);
                 let values: HashMap<&Slot, f64> =
                     slots.map(|(slot, plane)| (slot, f64::from(plane.row(0, 1)[0]))).collect();
-                // What no pixel depends on is not filled, and any value does.
+                // Planes that no pixel depends on are not filled; any value will do for them.
                 let inspection =
                     Inspection::new(program, &|slot| (values.get(slot).copied().unwrap_or_default(), Bound::EXACT));
                 found.add(&inspection, roots, share);
@@ -131,7 +132,7 @@ impl Plan<'_> {
 }
 
 impl Inspected {
-    /// Adds a sample's share.
+    /// Adds the share of one sample.
     fn add(&mut self, inspection: &Inspection, roots: &[u32], share: f64) {
         let values: Vec<f64> = roots.iter().flat_map(|root| inspection.value(*root).iter().copied()).collect();
         self.value.resize(values.len(), 0.0);
@@ -146,7 +147,7 @@ impl Inspected {
     }
 }
 
-/// A program evaluated in f64 at one sample, with bounds on errors.
+/// A program evaluated in f64 at one sample, with bounds on its errors.
 #[derive(Clone, Debug)]
 pub struct Inspection {
     program: Program,
@@ -154,7 +155,7 @@ pub struct Inspection {
     bounds: Vec<Vec<Bound>>,
 }
 
-/// Results so far.
+/// Results computed so far.
 struct Known<'a> {
     values: &'a [Values],
     bounds: &'a [Vec<Bound>],
@@ -171,7 +172,7 @@ impl Operands for Known<'_> {
 }
 
 impl Inspection {
-    /// Evaluates a program at a sample; `input` gives the value of each plane loaded, and a bound on its error.
+    /// Evaluates a program at a sample; `input` returns the value of each plane loaded, and a bound on its error.
     pub fn new(program: &Program, input: &dyn Fn(&Slot) -> (f64, Bound)) -> Self {
         let mut values: Vec<Values> = Vec::with_capacity(program.ops().len());
         let mut bounds: Vec<Vec<Bound>> = Vec::with_capacity(program.ops().len());
@@ -190,17 +191,17 @@ impl Inspection {
         Self { program: program.clone(), values, bounds }
     }
 
-    /// The value at a position of the program.
+    /// Returns the value at a position of the program.
     pub fn value(&self, position: u32) -> &[f64] {
         &self.values[position as usize]
     }
 
-    /// Bounds on its error: of f64 arithmetic.
+    /// Returns the bounds on the error of f64 arithmetic at a position of the program.
     pub fn bound(&self, position: u32) -> &[Bound] {
         &self.bounds[position as usize]
     }
 
-    /// The control colors of a color and their weights, which sum to 1; controls of weight 0 are left out.
+    /// Returns the control colors of a color and their weights, which sum to 1; controls of weight 0 are left out.
     pub fn blame(&self, position: u32) -> Vec<Blame> {
         let mut shares = vec![0.0; self.program.ops().len()];
         shares[position as usize] = 1.0;

@@ -1,4 +1,4 @@
-//! What stages filled, kept for the next evaluation: an edit fills again only what depends on it.
+//! Planes that stages filled, kept for the next evaluation: an edit refills only what depends on it.
 
 use super::prepare::{Cache, Ready, key_of_filled};
 use crate::Plan;
@@ -8,7 +8,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use trochoid_graph::{Key, NodeId, Variance};
 use trochoid_image::Window;
 
-/// A stage's planes over the whole picture, by output, by channel; empty where not wanted.
+/// A stage's planes over the whole picture, by output and channel; empty where not wanted.
 #[derive(Debug)]
 pub(crate) struct Filled {
     pub(crate) planes: Vec<Vec<Vec<f32>>>,
@@ -20,23 +20,24 @@ impl Filled {
     }
 }
 
-/// The stages of a plan whose planes are kept, and those whose planes are to be.
+/// Stages of a plan whose planes are known, and stages whose planes will be kept.
 #[derive(Debug, Default)]
 pub(crate) struct Keeping {
-    /// What is known of earlier evaluations.
+    /// Planes of earlier evaluations.
     pub(crate) known: HashMap<NodeId, Arc<Filled>>,
-    /// What is being filled now, tile by tile, and its key.
+    /// Planes that are being filled now, tile by tile, with their keys.
     new: HashMap<NodeId, (Key, Mutex<Filled>)>,
 }
 
 impl Keeping {
-    /// Looks up what a plan's stages filled before.
+    /// Looks up the planes that a plan's stages filled before.
     pub(crate) fn new(plan: &Plan<'_>, ready: &HashMap<NodeId, Ready>, cache: &mut Cache) -> Self {
         let mut keeping = Self::default();
         let Some(pass) = plan.kept_pass() else { return keeping };
         let picture = plan.graph.format().window();
         let extents = super::fill::extents(plan, ready, &pass.fills);
-        // What lies beyond the picture would be missing, and what varies along one axis costs nothing.
+        // Planes kept hold no pixels beyond the picture, and what varies along one axis costs almost nothing to
+        // refill.
         let is_kept = |fill: &&Fill| fill.variance == Variance::Pixel && extents.get(&fill.node) == Some(&picture);
         let mut room = cache.limit();
         for fill in pass.fills.iter().filter(is_kept) {
@@ -55,12 +56,12 @@ impl Keeping {
         keeping
     }
 
-    /// Whether a stage's planes are kept from now on.
+    /// Returns whether a stage's planes are being kept.
     pub(crate) fn wants(&self, node: NodeId) -> bool {
         self.new.contains_key(&node)
     }
 
-    /// Takes a tile of planes that cover a window around it.
+    /// Copies a tile from planes that cover a window around it.
     pub(crate) fn take(&self, node: NodeId, (tile, window): (Window, Window), picture: Window, from: &[Vec<Vec<f32>>]) {
         let Some((_, filled)) = self.new.get(&node) else { return };
         let mut filled = filled.lock().unwrap_or_else(PoisonError::into_inner);
@@ -76,7 +77,7 @@ impl Keeping {
         }
     }
 
-    /// Hands what was filled to the cache, once every tile is done.
+    /// Hands the filled planes to the cache, once every tile is done.
     pub(crate) fn finish(self, cache: &mut Cache) {
         for (key, filled) in self.new.into_values() {
             let filled = filled.into_inner().unwrap_or_else(PoisonError::into_inner);
@@ -86,8 +87,8 @@ impl Keeping {
 }
 
 impl Plan<'_> {
-    /// The only pass, if what its stages fill can be kept: one sample a pixel of the whole picture, made of the document
-    /// alone and without bounds.
+    /// Returns the only pass, if the planes of its stages can be kept: one sample per pixel, the whole picture, from
+    /// the document alone, and without bounds.
     fn kept_pass(&self) -> Option<&Pass> {
         let whole = self.window == self.graph.format().window() && !self.settings.bounds;
         match &self.passes[..] {

@@ -1,4 +1,4 @@
-//! How much memory a plan takes, reckoned before any of it is taken.
+//! Estimates how much memory a plan takes before any of it is allocated.
 
 use super::tile::channel_count;
 use crate::planning::plan::{Feed, Fill, Pass};
@@ -8,71 +8,72 @@ use std::fmt::Write as _;
 use trochoid_graph::{MemoryUse, NodeId, Reckoning, Stage, Variance, in_bytes};
 use trochoid_image::Window;
 
-/// Takers that a message names, at most.
+/// Most takers that a message names.
 const NAMED: usize = 4;
 
-/// What takes memory.
+/// Something that takes memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Taker {
-    /// What a node prepared.
+    /// Data that a node prepared.
     Node(NodeId),
-    /// The pictures of the outputs, where they are not handed on row by row.
+    /// Pictures of the outputs, if they are not handed on row by row.
     Pictures,
-    /// What one of them needs while it is written to its file.
+    /// Buffers needed while one picture is written to its file.
     Writing,
     /// Tiles that threads work on.
     Tiles,
-    /// What one node needs while it prepares, at most.
+    /// Most memory that one node needs while it prepares.
     Preparing(NodeId),
 }
 
-/// Where the pictures of the outputs go.
+/// Destination of the pictures of the outputs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Pictures {
-    /// Into memory, as by [`Plan::evaluate`].
+    /// Kept in memory, as by [`Plan::evaluate`].
     Whole,
-    /// Into memory, and from there into files, one after the other.
+    /// Kept in memory, and then written to files one after the other.
     Files,
-    /// On, row by row, as by [`Plan::evaluate_to`].
+    /// Handed on row by row, as by [`Plan::evaluate_to`].
     Rows,
 }
 
-/// Bytes that a sample takes beside itself while its picture is converted, encoded and compressed, whole or by rows.
+/// Additional bytes per sample while its picture is converted, encoded and compressed, as a whole or by rows.
 const ENCODED: u64 = 9;
 const ENCODED_ROWS: u64 = 5;
 
-/// Rows that files take at once, at most.
+/// Most rows that files take at once.
 const ROWS: usize = 32;
 
-/// About how much memory a plan takes at its frame.
+/// Estimate of the memory that a plan takes at its frame.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct MemoryAccount {
-    /// Everything that takes some, the largest first: who, bytes, and what to do where that is too much.
+    /// Everything that takes memory, the largest first: the taker, its bytes, and what to do if that is too much.
     pub takers: Vec<(Taker, u64, &'static str)>,
-    /// Nodes whose share another one counts.
+    /// Nodes whose memory is shared, and counted by another node.
     shared: Vec<NodeId>,
-    /// Threads that work on tiles at once.
+    /// Number of threads that work on tiles at once.
     workers: usize,
 }
 
 impl MemoryAccount {
-    /// All together, bytes.
+    /// Returns the sum of all takers, in bytes.
     pub fn total(&self) -> u64 {
         self.takers.iter().fold(0, |sum, (_, bytes, _)| sum.saturating_add(*bytes))
     }
 
-    /// Threads that work on tiles at once: as many as the settings say, or as have room.
+    /// Returns the number of threads that work on tiles at once: the number in the settings, or fewer if memory is
+    /// short.
     pub fn workers(&self) -> usize {
         self.workers
     }
 
-    /// What nodes hold, bytes.
+    /// Returns the bytes that nodes hold.
     pub(crate) fn held(&self) -> u64 {
         let nodes = self.takers.iter().filter(|(taker, ..)| matches!(taker, Taker::Node(_)));
         nodes.fold(0, |sum, (_, bytes, _)| sum.saturating_add(*bytes))
     }
 
-    /// What a node holds in truth, where that is more.
+    /// Raises a node's share to the bytes that it really holds, if that is more.
     pub(crate) fn found(&mut self, id: NodeId, bytes: u64) {
         if self.shared.contains(&id) {
             return;
@@ -83,8 +84,8 @@ impl MemoryAccount {
         }
     }
 
-    /// Lets fewer threads work on tiles at once where all of them go beyond a limit: that is slower, and the picture is the
-    /// same.
+    /// Lets fewer threads work on tiles at once if all of them together exceed a limit: this is slower, but does not
+    /// change the picture.
     pub(crate) fn shrink_to(&mut self, limit: u64) {
         let total = self.total();
         if let Some((_, tiles, _)) = self.takers.iter_mut().find(|(taker, ..)| *taker == Taker::Tiles) {
@@ -99,13 +100,13 @@ impl MemoryAccount {
 }
 
 impl Plan<'_> {
-    /// About how much memory the plan takes: what its nodes hold, the most that one needs while it prepares, tiles, and the
-    /// pictures, where they stay in memory. Reads headers of files, and nothing else.
+    /// Estimates how much memory the plan takes: the data that its nodes hold, the most that one of them needs while
+    /// it prepares, tiles, and the pictures, if they stay in memory. Reads only headers of files.
     pub fn memory(&self, pictures: Pictures) -> MemoryAccount {
         self.account(pictures, &HashMap::new())
     }
 
-    /// What [`Plan::memory`] gives, where some nodes are prepared and hold so many bytes.
+    /// Does the same as [`Plan::memory`], given the bytes of nodes that are already prepared.
     pub(crate) fn account(&self, pictures: Pictures, known: &HashMap<NodeId, u64>) -> MemoryAccount {
         let mut uses: HashMap<NodeId, MemoryUse> = HashMap::new();
         let mut account = MemoryAccount { takers: Vec::new(), shared: Vec::new(), workers: 1 };
@@ -137,8 +138,8 @@ impl Plan<'_> {
         if pictures != Pictures::Rows {
             let size = [self.window.width(), self.window.height()];
             let bytes = samples(channels().sum(), size).saturating_mul(size_of::<f32>() as u64);
-            let remedy = "write EXR alone, whose rows are not kept, lower the format's \"width\" and \"height\", or \
-                          render fewer outputs at once";
+            let remedy = "write only EXR, whose rows are not kept in memory, lower the format's \"width\" and \
+                          \"height\", or render fewer outputs at once";
             takers.push((Taker::Pictures, bytes, remedy));
             if pictures == Pictures::Files {
                 let bytes = samples(channels().max().unwrap_or(0), size).saturating_mul(ENCODED);
@@ -146,7 +147,7 @@ impl Plan<'_> {
             }
         }
         let tiles = self.passes.iter().map(|pass| self.scratch(pass, &uses)).fold(0, u64::saturating_add);
-        // A band that is handed on has the picture's width.
+        // A band that is handed on is as wide as the picture.
         let band = match pictures {
             Pictures::Rows => {
                 let rows = self.passes.iter().map(|pass| self.tile_before(pass)[1]).max().unwrap_or(0);
@@ -156,14 +157,15 @@ impl Plan<'_> {
             Pictures::Whole | Pictures::Files => 0,
         };
         let tiles = tiles.saturating_add(band.saturating_mul(size_of::<f32>() as u64 + ENCODED_ROWS));
-        let remedy = "lower the format's \"width\", or let filters reach less far";
+        let remedy = "lower the format's \"width\", or reduce the reach of filters";
         account.workers = self.threads();
         account.takers.push((Taker::Tiles, tiles.saturating_mul(account.workers as u64), remedy));
         account.shrink_to(self.settings.memory_limit);
         account
     }
 
-    /// Refuses a frame that takes more memory than the settings allow, as an evaluation does before it prepares anything.
+    /// Refuses a frame that takes more memory than the settings allow; an evaluation does this before it prepares
+    /// anything.
     ///
     /// # Errors
     /// [`EvalError::TooMuchMemory`], with the largest takers.
@@ -184,7 +186,7 @@ impl Plan<'_> {
         })
     }
 
-    /// The largest takers, in words.
+    /// Names the largest takers, for a message.
     fn named(&self, account: &MemoryAccount) -> String {
         let mut text = String::new();
         for (taker, bytes, _) in account.takers.iter().take(NAMED) {
@@ -211,13 +213,14 @@ impl Plan<'_> {
         text
     }
 
-    /// Threads that the settings ask for.
+    /// Returns the number of threads that the settings request.
     pub(crate) fn threads(&self) -> usize {
         if self.settings.threads == 0 { rayon::current_num_threads() } else { self.settings.threads }
     }
 
-    /// What one thread needs for a tile of a pass: every stage's planes over what its readers need, sums of samples, what is
-    /// kept of the first sample's views, what comes and goes with the stage that needs most, and what nodes hold by thread.
+    /// Returns the bytes that one thread needs for a tile of a pass: every stage's planes over the window that its
+    /// readers need, sums of samples, the first sample's surface and depth for each view, the temporary data of the
+    /// stage that needs most, and the data that nodes hold per thread.
     fn scratch(&self, pass: &Pass, uses: &HashMap<NodeId, MemoryUse>) -> u64 {
         let tile = self.tile_before(pass);
         let (sizes, passing) = self.sizes(pass, tile);
@@ -238,16 +241,16 @@ impl Plan<'_> {
         held.saturating_mul(size_of::<f32>() as u64).saturating_add(sums)
     }
 
-    /// How large tiles will be at most, as far as can be told before files are open.
+    /// Returns the largest size of a tile, as far as it is known before files are open.
     fn tile_before(&self, pass: &Pass) -> [usize; 2] {
         let reads = |fill: &Fill| self.stage(fill.node).is_some_and(|stage| !stage.files(&self.context).is_empty());
         let (width, height) = self.tile_for(pass.fills.iter().any(reads).then_some(1));
         [width.min(self.window.width()), height.min(self.window.height())]
     }
 
-    /// Width and height of what each stage of a pass fills for a tile, but for what lies beyond the picture; and the most
-    /// samples that come and go with one stage: its inputs, of which it gets copies and makes about as much again, and the
-    /// values of the program before it.
+    /// Returns the width and height that each stage of a pass fills for a tile, without what lies beyond the picture,
+    /// and the largest number of temporary samples of any stage: its inputs, of which it gets copies and makes about
+    /// as much again, and the values of the program before it.
     fn sizes(&self, pass: &Pass, tile: [usize; 2]) -> (Vec<[usize; 2]>, u64) {
         let mut sizes: Vec<[usize; 2]> = pass.fills.iter().map(|fill| if fill.read { tile } else { [0, 0] }).collect();
         let mut most = 0;
@@ -282,18 +285,18 @@ impl Plan<'_> {
         (sizes, most)
     }
 
-    /// A node's stage, where it is needed and not filled from outside.
+    /// Returns a node's stage, if it is needed and not filled from outside.
     pub(crate) fn stage(&self, id: NodeId) -> Option<&dyn Stage> {
         self.settled[id.0].as_ref().filter(|_| !self.bound[id.0])?.stage()
     }
 }
 
-/// The larger of two sizes, along each axis.
+/// Returns the larger of two sizes, along each axis.
 fn larger(a: [usize; 2], b: [usize; 2]) -> [usize; 2] {
     [a[0].max(b[0]), a[1].max(b[1])]
 }
 
-/// Samples of so many planes.
+/// Returns the number of samples in some planes.
 fn samples(planes: usize, [width, height]: [usize; 2]) -> u64 {
     (planes as u64).saturating_mul(width as u64).saturating_mul(height as u64)
 }

@@ -1,10 +1,10 @@
-//! What is done with a [`Plan`](crate::Plan): stages prepared, tiles filled, programs run over them, pixels judged and
-//! handed on.
+//! Executes a [`Plan`](crate::Plan): prepares stages, fills tiles, runs programs over them, judges pixels and hands
+//! them on.
 //!
-//! `run` evaluates a frame: `prepare` readies its stages within what `memory` reckons, `fill` fills their planes for a `tile`,
-//! and `bands` take the rows that are finished. The others give something else than a picture: `certify` bounds on its errors,
-//! `inspect` one pixel in detail, `points` batches of a renderer's samples, `reference` the slow f64 result, `examine` what is
-//! wrong with input files.
+//! `run` evaluates a frame: `prepare` prepares its stages within the limit that `memory` checks, `fill` fills their
+//! planes for a `tile`, and `bands` receive the finished rows. The other modules produce something other than a
+//! picture: `certify` bounds on its errors, `inspect` one pixel in detail, `points` batches of a renderer's samples,
+//! `reference` the slow f64 result, `examine` faults of input files.
 
 pub(crate) mod bands;
 pub(crate) mod buffers;

@@ -1,4 +1,4 @@
-//! Batches of shading samples, for renderers that shade points and not images.
+//! Evaluates batches of shading samples, for renderers that shade points instead of images.
 
 use super::buffers::BufferFault;
 use crate::kernel::{Chunks, Machine, Plane};
@@ -11,14 +11,14 @@ pub struct ShadingPlan<'g> {
     plan: Plan<'g>,
 }
 
-/// Samples that run through the program at once.
+/// Number of samples that run through the program at once.
 const BATCH: usize = 256;
 
 impl<'g> ShadingPlan<'g> {
     /// Plans an output whose front-end inputs the caller supplies: `bound` names the nodes.
     ///
     /// # Errors
-    /// As [`Plan::new`], and where the output needs a node that is neither pointwise nor bound.
+    /// Same as [`Plan::new`]; also if the output needs a node that is neither pointwise nor bound.
     pub fn new(
         graph: &'g CheckedGraph,
         output: &str,
@@ -35,17 +35,17 @@ impl<'g> ShadingPlan<'g> {
         Ok(Self { plan })
     }
 
-    /// Number of channels of the output: 3 for a Color.
+    /// Returns the number of channels of the output: 3 for a Color.
     pub fn channels(&self) -> usize {
         self.plan.outputs[0].kind.channels()
     }
 
-    /// Evaluates `count` samples, structure of arrays in and out: one slice a channel.
+    /// Evaluates `count` samples, as a structure of arrays in and out: one slice per channel.
     ///
     /// Single-threaded and reentrant: call it from as many threads as there are batches.
     ///
     /// # Errors
-    /// A buffer does not fit its node's kind, or an output slice is not `count` long.
+    /// A buffer does not fit its node's kind, or an output slice does not have `count` samples.
     pub fn evaluate(&self, buffers: &Buffers<'_>, count: usize, outputs: &mut [&mut [f32]]) -> Result<(), EvalError> {
         let graph = self.plan.graph;
         let name = &graph.outputs()[self.plan.outputs[0].index].name;
@@ -73,7 +73,7 @@ impl<'g> ShadingPlan<'g> {
             let length = BATCH.min(count - start);
             for (batch, source) in batch.iter_mut().zip(&sources) {
                 for (to, from) in batch.iter_mut().zip(&source[start..start + length]) {
-                    // As for pictures: −0 becomes 0, so that no bit depends on pruning.
+                    // As for pictures, −0 becomes 0, so that no bit depends on pruning.
                     *to = from + 0.0;
                 }
             }

@@ -1,4 +1,4 @@
-//! Prepares stages once a frame, and keeps what the next frame can use.
+//! Prepares stages once per frame, and keeps what the next frame can use.
 
 use super::keep::Filled;
 use super::memory::{MemoryAccount, Pictures};
@@ -12,19 +12,19 @@ use trochoid_graph::{
 };
 use trochoid_memory::Heap;
 
-/// What stages prepared, by content key, so that what does not change from frame to frame is not done again; with
-/// [`Settings::keep`](crate::Settings::keep) also what they filled.
+/// Prepared stages by content key, so that what does not change from frame to frame is not prepared again; with
+/// [`Settings::keep`](crate::Settings::keep) also the planes that stages filled.
 ///
-/// Holds at most so many bytes as that and [`Prepared::bytes`] tell, and drops what was not used for the longest time: when an
-/// evaluation prepares, and again when it is done, since files keep blocks decoded meanwhile. What a running evaluation
-/// uses lives on until then, whatever the cache keeps.
+/// The cache is limited in bytes, as counted by the planes and by [`Prepared::bytes`]. It drops the entries that were
+/// not used for the longest time, both when an evaluation prepares and when it is done, since files keep blocks
+/// decoded in the meantime. Whatever a running evaluation uses stays alive until then, even if the cache drops it.
 pub struct Cache {
     kept: HashMap<Key, Entry>,
     limit: usize,
-    /// What the present frame leaves of the limit.
+    /// Share of the limit that the current frame leaves free.
     room: usize,
     clock: u64,
-    /// The clock at the last call of `forget_unused`.
+    /// Value of the clock at the last call of `forget_unused`.
     mark: u64,
     pool: Pool,
 }
@@ -49,10 +49,10 @@ impl Held {
     }
 }
 
-/// Bytes that a cache holds unless it is told otherwise.
+/// Default limit of a cache, in bytes.
 const LIMIT: usize = 1 << 30;
 
-/// Prepared stages that a cache holds: few of them count by their bytes, but one may keep a file open.
+/// Most prepared stages that a cache holds: few of them are limited by their bytes, but each may keep a file open.
 const ENTRIES: usize = 256;
 
 impl Default for Cache {
@@ -62,23 +62,23 @@ impl Default for Cache {
 }
 
 impl Cache {
-    /// An empty cache of 1 GiB, or of a quarter of what the program's [`Heap`] is bounded to.
+    /// Returns an empty cache of 1 GiB, or of a quarter of the limit of the program's [`Heap`] if that is less.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// An empty cache of at most so many bytes.
+    /// Returns an empty cache of at most `bytes` bytes.
     pub fn with_limit(bytes: usize) -> Self {
         Self { kept: HashMap::new(), limit: bytes, room: bytes, clock: 0, mark: 0, pool: Pool::new() }
     }
 
-    /// Memory held, bytes.
+    /// Returns the memory held, in bytes.
     pub fn bytes(&self) -> usize {
         self.kept.values().map(|entry| entry.held.bytes()).sum()
     }
 
-    /// Drops what nothing has used since the last call of this: between the frames of a sequence, what only the frame before
-    /// needed.
+    /// Drops everything that was not used since the last call: between the frames of a sequence, whatever only the
+    /// previous frame needed.
     pub fn forget_unused(&mut self) {
         let mark = std::mem::replace(&mut self.mark, self.clock);
         self.kept.retain(|_, entry| entry.used > mark);
@@ -88,12 +88,12 @@ impl Cache {
         self.limit
     }
 
-    /// Holds no more than so many bytes while a frame needs the rest.
+    /// Limits the cache to `bytes`, while a frame needs the rest.
     fn make_room(&mut self, bytes: u64) {
         self.room = self.limit.min(usize::try_from(bytes).unwrap_or(usize::MAX));
     }
 
-    /// What is kept under a key, which counts as used.
+    /// Returns the entry of a key, which then counts as used.
     fn touch(&mut self, key: &Key) -> Option<Held> {
         self.clock += 1;
         let entry = self.kept.get_mut(key)?;
@@ -120,7 +120,7 @@ impl Cache {
         self.trim();
     }
 
-    /// Keeps what a stage filled; [`trim`](Self::trim) comes after the last.
+    /// Keeps the planes that a stage filled; call [`trim`](Self::trim) after the last one.
     pub(crate) fn keep_filled(&mut self, key: Key, filled: Arc<Filled>) {
         self.insert(key, Held::Filled(filled));
     }
@@ -130,7 +130,7 @@ impl Cache {
         self.kept.insert(key, Entry { held, used: self.clock });
     }
 
-    /// Drops what is too large by itself, then the oldest until the rest is within the limits.
+    /// Drops entries that are too large by themselves, then the oldest entries until the rest is within the limits.
     pub(crate) fn trim(&mut self) {
         let limit = self.room;
         self.kept.retain(|_, entry| entry.held.bytes() <= limit);
@@ -157,17 +157,17 @@ impl std::fmt::Debug for Cache {
     }
 }
 
-/// A prepared stage and how it came to be.
+/// A prepared stage, with the time that it took.
 pub(crate) struct Ready {
     pub(crate) prepared: Arc<dyn Prepared>,
     pub(crate) seconds: f64,
     pub(crate) cached: bool,
-    /// The key of the files that it depends on.
+    /// Key of the files that it depends on.
     files: Key,
 }
 
-/// Prepares every stage of a plan, inputs first, unless that takes more memory than allowed. Gives the account of
-/// its memory too.
+/// Prepares every stage of a plan, inputs first, unless that takes more memory than allowed. Returns the memory
+/// account too.
 pub(crate) fn prepare(
     plan: &Plan<'_>,
     cache: &mut Cache,
@@ -176,7 +176,7 @@ pub(crate) fn prepare(
 ) -> Result<(HashMap<NodeId, Ready>, MemoryAccount), EvalError> {
     let mut ready: HashMap<NodeId, Ready> = HashMap::new();
     let keys = keys(plan);
-    // All that this frame uses is used before anything is dropped.
+    // Look up everything that this frame uses before anything is dropped.
     let mut known: Vec<Option<Arc<dyn Prepared>>> = keys.iter().map(|(key, _)| cache.prepared(key)).collect();
     let there = plan.prepares.iter().zip(&known);
     let there = there.filter_map(|((id, _), known)| Some((*id, known.as_ref()?.bytes() as u64))).collect();
@@ -184,10 +184,10 @@ pub(crate) fn prepare(
     plan.check_memory(&account)?;
     cache.make_room((plan.settings.memory_limit - account.total()).saturating_add(account.held()));
     cache.trim();
-    // Of what is kept too: another graph may have been allowed to read it.
+    // Cached stages are checked too: another graph may have been allowed to read the file.
     for (id, _) in &plan.prepares {
         if let Some(refused) = plan.graph.refused(*id, &plan.context) {
-            return Err(EvalError::of(plan.graph, *id, NodeError::new(refused)));
+            return Err(EvalError::of(plan.graph, *id, refused.into()));
         }
     }
     for (((id, wanted), (key, files)), known) in plan.prepares.iter().zip(keys).zip(&mut known) {
@@ -207,7 +207,7 @@ pub(crate) fn prepare(
                     .with_bounds(plan.settings.bounds);
                 let prepared = stage.prepare(&prepare).map_err(|error| node_error(plan, *id, error, monitor))?;
                 let prepared: Arc<dyn Prepared> = prepared.into();
-                // What was reckoned too low counts as it is.
+                // If the estimate was too low, count the real size.
                 account.found(*id, prepared.bytes() as u64);
                 account.shrink_to(plan.settings.memory_limit);
                 plan.check_memory(&account)?;
@@ -220,13 +220,14 @@ pub(crate) fn prepare(
     Ok((ready, account))
 }
 
-/// The key of what a stage fills over the picture: what it is made of, which channels, and the picture's format.
+/// Returns the key of the planes that a stage fills over the picture: its content key, its channels, and the
+/// picture's format.
 pub(crate) fn key_of_filled(plan: &Plan<'_>, fill: &Fill, ready: &Ready) -> Key {
     ("filled", plan.keys[fill.node.0], &fill.wanted, plan.context.format, (plan.settings.bounds, ready.files)).key()
 }
 
-/// The keys of all that a plan prepares, each with that of the files that it depends on. Files are looked at again, since a
-/// plan may be evaluated long after it was made.
+/// Returns the keys of all stages that a plan prepares, each with the key of the files that it depends on. Files are
+/// looked at again, since a plan may be evaluated long after it was made.
 fn keys(plan: &Plan<'_>) -> Vec<(Key, Key)> {
     let mut files: HashMap<NodeId, Key> = HashMap::new();
     let mut keys = Vec::new();
@@ -240,13 +241,13 @@ fn keys(plan: &Plan<'_>) -> Vec<(Key, Key)> {
         }
         let read = read.key();
         files.insert(*id, read);
-        // What bounds need is held beside the rest.
+        // Stages prepared for bounds are cached separately.
         keys.push((("prepared", plan.keys[id.0], wanted, (plan.settings.bounds, read)).key(), read));
     }
     keys
 }
 
-/// A node's error with its name; a node that stopped because it was asked to has no error of its own.
+/// Adds the node's name to its error; a node that stopped on cancellation has no error of its own.
 pub(crate) fn node_error(plan: &Plan<'_>, id: NodeId, error: NodeError, monitor: &dyn Monitor) -> EvalError {
     if monitor.cancelled() {
         return EvalError::Cancelled;

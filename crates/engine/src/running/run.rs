@@ -1,4 +1,4 @@
-//! Evaluates a plan: prepare, then tiles on all cores, judged as they are made.
+//! Evaluates a plan: prepares, then computes tiles on all cores and judges them as they are made.
 
 use super::bands::{Bands, Rows};
 use super::frame::{Frame, NodeReport, Phases, Picture, State};
@@ -18,21 +18,22 @@ use trochoid_graph::{Guarantee, Kind, NodeId, Omission, Variance};
 use trochoid_image::{Plane, Window};
 use trochoid_weights::{Audit, BoxHull, HullBuilder};
 
-/// Takes finished rows instead of planes in memory.
+/// Takes finished rows, instead of planes in memory.
 ///
-/// Bands come from many threads at once and begin in order from the top of the picture, though they may end in any.
+/// Bands come from many threads at once. They start in order from the top of the picture, but may finish in any
+/// order.
 pub trait Sink: Sync {
-    /// Bands are whole multiples of so many rows, but for the last one.
+    /// Returns the number of rows of which bands are whole multiples, except for the last one.
     fn rows(&self) -> usize;
 
-    /// Takes a band of full rows: by output of the plan, by channel, its samples row by row.
+    /// Takes a band of full rows: the samples by output of the plan and by channel, row by row.
     ///
     /// # Errors
     /// The rows cannot be stored; the evaluation stops.
     fn take(&self, band: Window, rows: &[Vec<&[f32]>]) -> Result<(), EvalError>;
 }
 
-/// Tiles that keep the planes of a few stages in L2.
+/// Size of tiles, which keeps the planes of a few stages in L2.
 const TILE: (usize, usize) = (256, 16);
 
 /// What the workers report when they are done.
@@ -59,11 +60,12 @@ impl Tally {
     }
 }
 
-/// For how much of a band a thread idles at the end of a picture, on average.
+/// Average share of a band for which a thread idles at the end of a picture.
 const IDLE: f64 = 0.3;
 
-/// Into how many bands to divide a picture, at least so many, for threads that share them: few, since each computes
-/// `halo` more rows at both ends; many, since bands differ, and at the end of the picture threads idle.
+/// Returns the number of bands, at least `least`, into which to divide a picture for threads that share them. Few
+/// bands are better since each one computes `halo` additional rows at both ends; many are better since bands differ,
+/// and threads idle at the end of the picture.
 fn divided(height: usize, least: usize, halo: usize, threads: usize) -> usize {
     let least = least.max(1);
     let rows = |bands: usize| {
@@ -75,7 +77,7 @@ fn divided(height: usize, least: usize, halo: usize, threads: usize) -> usize {
 }
 
 impl Plan<'_> {
-    /// Evaluates the plan. `buffers` supplies what was bound; `cache` keeps what the next frame can use.
+    /// Evaluates the plan. `buffers` supplies the bound nodes; `cache` keeps what the next frame can use.
     ///
     /// # Errors
     /// Input and output, illegal input data, memory, or cancellation.
@@ -90,11 +92,11 @@ impl Plan<'_> {
         Ok(frame)
     }
 
-    /// As [`Plan::evaluate`], into the memory of a frame that is no longer needed, such as the one before. After an error
-    /// the frame holds nothing of use.
+    /// Does the same as [`Plan::evaluate`], but reuses the memory of a frame that is no longer needed, such as the
+    /// previous one. After an error the frame holds nothing useful.
     ///
     /// # Errors
-    /// As [`Plan::evaluate`].
+    /// Same as [`Plan::evaluate`].
     pub fn evaluate_into(
         &self,
         frame: &mut Frame,
@@ -115,11 +117,11 @@ impl Plan<'_> {
         Ok(())
     }
 
-    /// As [`Plan::evaluate`], with the rows handed to a sink as soon as they are finished: memory does not grow with the
-    /// picture. The frame's pictures have no planes.
+    /// Does the same as [`Plan::evaluate`], but hands rows to a sink as soon as they are finished, so that memory
+    /// does not grow with the picture. The frame's pictures have no planes.
     ///
     /// # Errors
-    /// As [`Plan::evaluate`], and what the sink reports.
+    /// Same as [`Plan::evaluate`], and errors that the sink reports.
     pub fn evaluate_to(
         &self,
         sink: &dyn Sink,
@@ -134,11 +136,11 @@ impl Plan<'_> {
         })
     }
 
-    /// What the stages of the plan leave out of their own work at this frame, by node. Prepares all of them, but fills
-    /// nothing.
+    /// Returns what the stages of the plan leave out of their own work at this frame, by node. Prepares all of them,
+    /// but fills nothing.
     ///
     /// # Errors
-    /// As [`Plan::evaluate`].
+    /// Same as [`Plan::evaluate`].
     pub fn omissions(
         &self,
         cache: &mut Cache,
@@ -178,7 +180,7 @@ impl Plan<'_> {
             if tally.is_ok() {
                 keeping.finish(cache);
             }
-            // What was decoded on demand counts as well.
+            // Data decoded on demand counts too.
             cache.trim();
             let tally = tally?;
             let seconds = Phases { prepare: prepared, hull: judged, tiles: started.elapsed().as_secs_f64() };
@@ -186,13 +188,13 @@ impl Plan<'_> {
         })
     }
 
-    /// Runs on as many threads as the settings say.
+    /// Runs on as many threads as the settings request.
     pub(crate) fn in_pool<R: Send>(&self, run: impl FnOnce() -> Result<R, EvalError> + Send) -> Result<R, EvalError> {
         let threads = self.settings.threads;
         if threads == 0 {
             return run();
         }
-        // Made once: starting threads costs as much as a small picture.
+        // Made once, since starting threads costs as much as a small picture.
         let pool =
             self.pool.get_or_init(|| rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(Arc::new));
         match pool {
@@ -201,7 +203,7 @@ impl Plan<'_> {
         }
     }
 
-    /// Checks the buffers of bound nodes. Values that only programs read are checked in passing.
+    /// Checks the buffers of bound nodes. Values that only programs read are checked while the programs run.
     pub(crate) fn validate(&self, buffers: &Buffers<'_>) -> Result<(), EvalError> {
         let picture_area = self.graph.format().window().area();
         for (id, _) in self.bound.iter().enumerate().filter(|(_, bound)| **bound) {
@@ -213,7 +215,7 @@ impl Plan<'_> {
                 feeds.into_iter().any(|feed| matches!(feed, Feed::Slot(slot) if slot.node.0 == id))
                     || fill.taps.iter().flat_map(|taps| &taps.planes).any(|slot| slot.node.0 == id)
             });
-            // The palette is made of a color's values before they are mixed.
+            // The palette is computed from a color's values before they are mixed.
             if feeds_stage || kind == Kind::Color || matches!(kind, Kind::Weights(n) if n > 2) {
                 buffers.validate_values(&node.name, kind)?;
             }
@@ -228,13 +230,13 @@ impl Plan<'_> {
         bound.into_iter().try_for_each(|(node, _)| buffers.validate_values(&node.name, node.kinds[0]))
     }
 
-    /// Width and height of tiles.
+    /// Returns the width and height of tiles.
     fn tile(&self, ready: &HashMap<NodeId, Ready>) -> (usize, usize) {
         let fills = self.passes.iter().flat_map(|pass| &pass.fills);
         self.tile_for(fills.filter_map(|fill| ready.get(&fill.node)?.prepared.rows_per_band()).max())
     }
 
-    /// Width and height of tiles where files are read so many rows at a time, if any are.
+    /// Returns the width and height of tiles, given how many rows of files are read at a time, if any files are read.
     pub(crate) fn tile_for(&self, bands: Option<usize>) -> (usize, usize) {
         if let Some((width, height)) = self.settings.tile {
             return (width.max(1), height.max(1));
@@ -243,7 +245,7 @@ impl Plan<'_> {
         let in_place = fills().all(|fill| self.bound[fill.node.0] || fill.variance <= Variance::Column);
         let (across, down) = self.halo();
         let (width, height) = (self.window.width(), self.window.height());
-        // How high bands are that reach beyond themselves, for at least so many rows of their own.
+        // Height of bands that reach beyond their own rows, of which they have at least `least`.
         let band = |least: usize| height.div_ceil(divided(height, height / TILE.1.max(least), down, self.threads()));
         match bands {
             // Whole rows, so that every block of a file is decoded once.
@@ -252,7 +254,8 @@ impl Plan<'_> {
                 (width, height.next_multiple_of(rows.max(1)))
             }
             None if in_place && across + down == 0 => (self.window.width(), TILE.1),
-            // Tiles that are large against what they share with their neighbors, and wide: threads share the bands.
+            // Tiles that are large compared with the overlap with their neighbors, and wide, since threads share the
+            // bands.
             None => {
                 let columns = (width / TILE.0.max(12 * across)).max(1);
                 (width.div_ceil(columns), band(6 * down))
@@ -260,7 +263,7 @@ impl Plan<'_> {
         }
     }
 
-    /// The hull of every control color that an output depends on.
+    /// Returns what a color output is judged by, or `None` for other kinds; kept if all controls are in the document.
     pub(crate) fn judge(
         &self,
         output: &PlannedOutput,
@@ -269,13 +272,14 @@ impl Plan<'_> {
     ) -> Option<Arc<Judge>> {
         let judge = || Arc::new(self.palette(output, ready, buffers));
         (output.kind == Kind::Color).then(|| match output.control_stages[..] {
-            // The document's colors alone: the same at every evaluation.
+            // Only colors in the document: the same at every evaluation.
             [] => output.judge.get_or_init(judge).clone(),
             _ => judge(),
         })
     }
 
-    /// What a color output is judged by: the controls that it depends on, of which bound nodes have theirs in buffers.
+    /// Builds the palette of a color output from the controls that it depends on; those of bound nodes are in
+    /// buffers.
     pub(crate) fn palette(
         &self,
         output: &PlannedOutput,
@@ -304,17 +308,17 @@ impl Plan<'_> {
         }
         colors.sort_by(|a, b| a.iter().zip(b).fold(std::cmp::Ordering::Equal, |o, (a, b)| o.then(a.total_cmp(b))));
         colors.dedup();
-        // Each once, as far as they are known one by one.
+        // Distinct colors are counted, as far as all are listed.
         let count = if all_listed { colors.len() } else { count + output.constants.len() };
         colors.truncate(64);
         let hull = builder.finish();
-        // One level more for averaging the samples.
+        // One level more, for averaging the samples.
         let margin = hull.margin(output.mix_levels + 1);
         let bounds = BoxHull::new(hull.vertices());
         Judge { hull: Arc::new(hull), bounds, margin, count, colors }
     }
 
-    /// Planes for every output, where possible those that are given.
+    /// Allocates planes for every output, reusing the given ones if possible.
     pub(crate) fn allocate(&self, old: Vec<Picture>) -> Result<Vec<Vec<Plane>>, EvalError> {
         let mut old: Vec<Plane> = old.into_iter().flat_map(|picture| picture.planes).collect();
         old.retain(|plane| plane.window() == self.window);
@@ -328,7 +332,7 @@ impl Plan<'_> {
         self.outputs.iter().map(|output| (0..output.kind.channels()).map(|_| plane()).collect()).collect()
     }
 
-    /// Evaluates every band, on so many threads.
+    /// Evaluates every band, on `workers` threads.
     fn tiles(
         &self,
         (bands, workers): (&Bands<'_>, usize),
@@ -403,7 +407,7 @@ impl Plan<'_> {
                     output: output.index,
                     kind: output.kind,
                     planes: Vec::new(),
-                    // Every color operation has scalar weights, so the hull is what holds.
+                    // Every color operation has scalar weights, so the hull is what is guaranteed.
                     guarantee: (output.kind == Kind::Color).then_some(Guarantee::Hull),
                     audit,
                     control_count: count,
@@ -423,9 +427,9 @@ impl Plan<'_> {
         }
     }
 
-    /// Of nodes in `known`, what an earlier evaluation filled was used.
+    /// Reports on all nodes. Nodes in `known` used planes from an earlier evaluation.
     fn node_reports(&self, tally: &Tally, (ready, known): (&HashMap<NodeId, Ready>, &[NodeId])) -> Vec<NodeReport> {
-        // The programs' time is shared out by the cost of each node's operations.
+        // The programs' time is divided by the cost of each node's operations.
         let mut costs = vec![0.0; self.graph.nodes().len()];
         let mut samples = vec![0u64; costs.len()];
         for pass in &self.passes {
@@ -467,7 +471,7 @@ impl Plan<'_> {
     }
 }
 
-/// Every program that a pass runs.
+/// Lists every program that a pass runs.
 pub(crate) fn programs(pass: &Pass) -> impl Iterator<Item = &Compiled> {
     pass.fills.iter().filter_map(|fill| fill.taps.as_ref()).chain([&pass.program])
 }

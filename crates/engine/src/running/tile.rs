@@ -1,4 +1,4 @@
-//! One thread's work on one tile: fill the stages, run the program, average the samples, judge the result.
+//! One thread's work on one tile: fills the stages, runs the program, averages the samples, and judges the result.
 
 use super::bands::Rows;
 use super::fill::Fills;
@@ -16,20 +16,20 @@ use trochoid_image::Window;
 use trochoid_memory::{Target, write_around};
 use trochoid_weights::Audit;
 
-/// Where a frame moves more than this, results are written around the cache, bytes: that of large processors. They
-/// would be gone from it before anybody reads them, and push out what is still to be read.
+/// If a frame moves more bytes than this, the size of the cache of large processors, results are written around the
+/// cache. They would be evicted before anything reads them, and would evict data that is still to be read.
 const CACHE: usize = 32 << 20;
 
-/// What a thread needs to evaluate tiles, reused from one to the next.
+/// State that a thread needs to evaluate tiles, reused from one tile to the next.
 pub(crate) struct Worker<'p> {
     plan: &'p Plan<'p>,
     buffers: &'p Buffers<'p>,
     judges: &'p [Option<Arc<Judge>>],
     passes: Vec<PassState<'p>>,
-    /// Seconds by node, and of all programs together.
+    /// Seconds by node.
     pub(crate) fill_seconds: Vec<f64>,
     pub(crate) program_seconds: f64,
-    /// By output.
+    /// Audits by output.
     pub(crate) audits: Vec<Audit>,
 }
 
@@ -37,7 +37,7 @@ struct PassState<'p> {
     pass: &'p Pass,
     machine: Machine<'p>,
     fills: Fills<'p>,
-    /// Sums of the samples, by channel, and one row of each.
+    /// Sums of the samples by channel, and one row of each channel.
     sums: Vec<Vec<f64>>,
     rows: Vec<Vec<f32>>,
 }
@@ -46,13 +46,13 @@ struct PassState<'p> {
 #[derive(Clone, Copy)]
 struct Place {
     tile: Window,
-    /// Columns of the band before the tile, and all of them.
+    /// Columns of the band before the tile, and width of the band.
     x: usize,
     stride: usize,
 }
 
 impl<'p> Worker<'p> {
-    /// Takes the chunks that its machines need from `chunks`.
+    /// Makes a worker; its machines take the chunks that they need from `chunks`.
     pub(crate) fn new(
         plan: &'p Plan<'p>,
         ready: &'p HashMap<NodeId, Ready>,
@@ -104,7 +104,7 @@ impl<'p> Worker<'p> {
         Ok(())
     }
 
-    /// One sample a pixel: the program writes straight into the band.
+    /// Evaluates one sample per pixel: the program writes straight into the band.
     fn single(&mut self, index: usize, place: Place, rows: &mut Rows<'_>) -> Result<Vec<Audit>, EvalError> {
         let (plan, judges) = (self.plan, self.judges);
         let state = &mut self.passes[index];
@@ -116,7 +116,8 @@ impl<'p> Worker<'p> {
         let machine = &mut state.machine;
         let mut seen = run_rows(plan, pass, judges, machine, &planes, place, rows);
         if machine.is_suspect() {
-            // Something illegal, or −0: that must not be told from 0, so that no bit depends on what is pruned.
+            // The caller's planes hold an illegal value or −0. −0 must be treated like 0, so that no bit depends on
+            // pruning.
             machine.acquit();
             let normalized = self.buffers.normalized(plan, &pass.program.planes, &planes, place.tile)?;
             let planes = with_normalized(&planes, &normalized, width);
@@ -136,7 +137,7 @@ impl<'p> Worker<'p> {
         Ok(seen)
     }
 
-    /// Several samples a pixel: their average, with equal weights.
+    /// Averages several samples per pixel, with equal weights.
     fn averaged(&mut self, index: usize, place: Place, rows: &mut Rows<'_>) -> Result<Vec<Audit>, EvalError> {
         let plan = self.plan;
         let state = &mut self.passes[index];
@@ -152,7 +153,7 @@ impl<'p> Worker<'p> {
             state.fills.fill(place.tile, sample, &mut self.fill_seconds)?;
             let started = Instant::now();
             let planes = state.fills.planes(&pass.program);
-            // What the caller gave is the same for every sample.
+            // The caller's buffers are the same for every sample.
             let normalized = match &mut normalized {
                 Some(known) => known,
                 none => none.insert(self.buffers.normalized(plan, &pass.program.planes, &planes, place.tile)?),
@@ -170,8 +171,8 @@ impl<'p> Worker<'p> {
             }
             self.program_seconds += started.elapsed().as_secs_f64();
         }
-        // Equal weights that sum to 1: partial sums of n values ≤ m are at most n·m, which f64 holds exactly for every
-        // f32 m, so the average stays in the samples' box.
+        // The weights are equal and sum to 1. Partial sums of n values ≤ m are at most n·m, which f64 holds exactly
+        // for every f32 m, so the average stays in the bounding box of the samples.
         let scale = 1.0 / pass.offsets.len() as f64;
         for (slice, sums) in slices(pass, rows).into_iter().zip(&state.sums) {
             for (y, sums) in sums.chunks_exact(width).enumerate() {
@@ -182,21 +183,21 @@ impl<'p> Worker<'p> {
             }
         }
         let mut seen = vec![Audit::default(); self.judges.len()];
-        // The channels of weights are roots of their own, looked at together.
+        // The channels of weights are separate roots, and are audited together.
         for &(output, _) in pass.roots.iter().filter(|(_, first)| *first == 0) {
             seen[output] = audit_tile(self.judges[output].as_deref(), &rows[output], place);
         }
         Ok(seen)
     }
 
-    /// The extremes of weights over everything that this worker ran.
+    /// Returns the extremes of weights over everything that this worker ran.
     pub(crate) fn audit(&self) -> WeightAudit {
         let audits = self.passes.iter().map(|state| state.fills.audit().merge(state.machine.audit()));
         audits.fold(WeightAudit::default(), WeightAudit::merge)
     }
 }
 
-/// Runs a pass' program over a tile, straight into the band.
+/// Runs a pass's program over a tile, straight into the band.
 fn run_rows(
     plan: &Plan<'_>,
     pass: &Pass,
@@ -232,7 +233,7 @@ fn run_rows(
     seen
 }
 
-/// The planes of a tile, some of them replaced.
+/// Returns the planes of a tile with some of them replaced.
 fn with_normalized<'a>(planes: &[Plane<'a>], normalized: &'a [(usize, Vec<f32>)], width: usize) -> Vec<Plane<'a>> {
     let mut planes = planes.to_vec();
     for (plane, samples) in normalized {
@@ -241,19 +242,19 @@ fn with_normalized<'a>(planes: &[Plane<'a>], normalized: &'a [(usize, Vec<f32>)]
     planes
 }
 
-/// Number of channels over all roots of a pass.
+/// Returns the number of channels over all roots of a pass.
 pub(crate) fn channel_count(pass: &Pass) -> usize {
     pass.program.roots.iter().sum()
 }
 
-/// The rows of a band that a pass makes, channel by channel in the order of its roots.
+/// Returns the rows of a band that a pass writes, channel by channel in the order of its roots.
 fn slices<'r>(pass: &Pass, rows: &'r mut Rows<'_>) -> Vec<&'r mut [f32]> {
     let made = |output: usize| pass.roots.iter().any(|(owner, _)| *owner == output);
     let mine = rows.iter_mut().enumerate().filter(|(output, _)| made(*output));
     mine.flat_map(|(_, channels)| channels.iter_mut().map(|channel| &mut **channel)).collect()
 }
 
-/// Looks at every pixel of a tile of a finished band.
+/// Audits every pixel of a tile of a finished band.
 fn audit_tile(judge: Option<&Judge>, channels: &[&mut [f32]], place: Place) -> Audit {
     let mut audit = Audit::default();
     for y in 0..place.tile.height() {

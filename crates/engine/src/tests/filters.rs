@@ -1,4 +1,4 @@
-//! Filters as the engine sees them: halos, controls, and a broken kernel that must be noticed.
+//! Tests of filters in the engine: halos, controls, and a broken kernel that must be noticed.
 
 use super::nodes;
 use crate::{Buffers, Cache, Frame, Plan, ReferenceFrame, Settings, Silent, Switches};
@@ -6,7 +6,7 @@ use std::path::Path;
 use trochoid_graph::*;
 use trochoid_image::{Format, Window};
 
-/// A blend of each pixel with those two to the left and to the right of it: a quarter, a half, a quarter.
+/// A blend of each pixel with the two to its left and right: a quarter, a half, a quarter.
 ///
 /// # Formula
 /// # Edge cases
@@ -14,11 +14,11 @@ use trochoid_image::{Format, Window};
 #[derive(Clone, Node)]
 #[node(end = Back, revision = 1, output(image: Kind::Color = ""))]
 pub(super) struct Smear {
-    /// What is blended.
+    /// Color to blend.
     image: One<port::Color>,
 }
 
-/// The same with a negative lobe, which no filter may have.
+/// A blend with a negative lobe, which no filter may have.
 ///
 /// # Formula
 /// # Edge cases
@@ -26,7 +26,7 @@ pub(super) struct Smear {
 #[derive(Clone, Node)]
 #[node(end = Back, revision = 1, output(image: Kind::Color = ""))]
 struct Sharpen {
-    /// What is sharpened.
+    /// Color to sharpen.
     image: One<port::Color>,
 }
 

@@ -1,4 +1,4 @@
-//! A pixel's blame: shares that sum to 1 and mix to what the picture shows.
+//! Tests of a pixel's blame: shares sum to 1 and mix to the color that the picture shows.
 
 use super::{filters, nodes as types};
 use crate::{Blame, Buffers, Cache, Inspected, Monitor, Plan, Settings, Silent};
@@ -10,7 +10,7 @@ use trochoid_image::Window;
 
 const COLORS: [[f64; 3]; 4] = [[0.0, 0.5, 1.0], [1.0, 0.25, 0.0], [0.125, 0.75, 0.5], [0.5, 0.5, 0.5]];
 
-/// A graph of 31 by 5 pixels with these nodes beside a slope and its mask, and an output of the last.
+/// Makes a graph of 31 by 5 pixels with these nodes beside a slope and its mask, and an output of the last node.
 fn graph(samples: u32, nodes: &[(String, String)]) -> CheckedGraph {
     let body: Vec<String> = nodes.iter().map(|(name, body)| format!("\"{name}\": {body}")).collect();
     let text = format!(
@@ -26,7 +26,7 @@ fn graph(samples: u32, nodes: &[(String, String)]) -> CheckedGraph {
     graph.unwrap_or_else(|| panic!("{diagnostics:?}"))
 }
 
-/// Nodes by dice: of mixes, blends of three and filters, each of colors and of nodes before it.
+/// Makes nodes from random numbers: mixes, blends of three and filters, each of colors and of earlier nodes.
 fn nodes(dice: &[(u8, usize, usize)]) -> Vec<(String, String)> {
     let mut nodes: Vec<(String, String)> = Vec::new();
     for (index, &(kind, a, b)) in dice.iter().enumerate() {
@@ -37,7 +37,7 @@ fn nodes(dice: &[(u8, usize, usize)]) -> Vec<(String, String)> {
         let (a, b) = (source(a), source(b));
         let body = match kind % 5 {
             0 | 1 => format!(r#"{{ "type": "Mix", "a": {a}, "b": {b}, "weight": "gate" }}"#),
-            // What is constant is folded, and what has no weight is left out.
+            // Constants are folded, and inputs without weight are left out.
             2 => format!(r#"{{ "type": "Mix", "a": {a}, "b": {b}, "weight": {} }}"#, f64::from(kind % 3) / 2.0),
             3 => format!(r#"{{ "type": "Thirds", "colors": [{a}, {b}, [0.25, 0, 0.125]], "weight": "gate" }}"#),
             _ => format!(r#"{{ "type": "Smear", "image": {a} }}"#),
@@ -102,7 +102,7 @@ fn shares_name_nodes_and_colors_once() {
     let plan = Plan::new(&graph, &["last"], 1, &[], &Settings::default()).unwrap();
     let found = inspect(&plan, 0, [3, 3]);
     let named: Vec<_> = found.blame.iter().map(|b| (graph.node(b.node).name.as_str(), b.color[0], b.weight)).collect();
-    // Optimizations make one constant of all this; the document has three controls.
+    // Optimizations fold all of this into one constant; the document has three controls.
     assert_eq!(named, [("first", 0.0, 0.5625), ("again", 1.0, 0.25), ("first", 1.0, 0.1875)]);
 }
 

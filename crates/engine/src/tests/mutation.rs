@@ -1,4 +1,4 @@
-//! Broken kernels must be noticed: a report of zeros proves nothing unless it can be anything else.
+//! Broken kernels must be noticed: a report of zeros proves nothing unless other reports are possible.
 
 use super::nodes::registry;
 use crate::kernel::Fault;

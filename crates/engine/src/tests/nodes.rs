@@ -1,4 +1,4 @@
-//! The fewest node types that make a graph, so that the engine is tested without knowing the real ones.
+//! A minimal set of node types that make a graph, so that the engine is tested without the real ones.
 
 use trochoid_graph::*;
 
@@ -11,7 +11,7 @@ use trochoid_graph::*;
 #[node(end = Front, revision = 1, output(field: Kind::Field(1) = ""))]
 pub(super) struct Slope;
 
-/// Clamp to [0, 1].
+/// Clamps a field to [0, 1].
 ///
 /// # Formula
 /// # Edge cases
@@ -19,11 +19,11 @@ pub(super) struct Slope;
 #[derive(Clone, Node)]
 #[node(end = Back, revision = 1, output(mask: Kind::MASK = ""))]
 pub(super) struct Gate {
-    /// What is clamped.
+    /// Field to clamp.
     field: One<port::Scalar>,
 }
 
-/// Mix.
+/// Mixes two colors.
 ///
 /// # Formula
 /// # Edge cases
@@ -31,11 +31,11 @@ pub(super) struct Gate {
 #[derive(Clone, Node)]
 #[node(end = Back, revision = 1, output(color: Kind::Color = ""))]
 pub(super) struct Mix {
-    /// Where the weight is 0.
+    /// Color where the weight is 0.
     a: One<port::Color>,
-    /// Where it is 1.
+    /// Color where the weight is 1.
     b: One<port::Color>,
-    /// How much of `b`.
+    /// Share of `b`.
     weight: One<port::Mask>,
 }
 
@@ -47,18 +47,18 @@ pub(super) struct Mix {
 #[derive(Clone, Node)]
 #[node(end = Back, revision = 1, output(color: Kind::Color = ""))]
 pub(super) struct Thirds {
-    /// The colors.
+    /// Three colors to blend.
     #[port(3..=3)]
     colors: Many<port::Color>,
-    /// t.
+    /// Weight t of the first and the second color.
     weight: One<port::Mask>,
 }
 
-/// The types, to register them beside others.
+/// Node types, to register them beside others.
 pub(super) static TYPES: [NodeType; 4] =
     [NodeType::of::<Slope>(), NodeType::of::<Gate>(), NodeType::of::<Mix>(), NodeType::of::<Thirds>()];
 
-/// A registry of all of them.
+/// Returns a registry of all of them.
 pub(super) fn registry() -> Registry {
     Registry::new(&TYPES)
 }

@@ -1,4 +1,4 @@
-//! The rules of every operation, held against what the operation does.
+//! Tests the rules of every operation against what the operation computes.
 
 use crate::rules::interval::{Bounds, Interval, interval};
 use crate::running::inspect::Inspection;
@@ -7,7 +7,7 @@ use trochoid_graph::{Bound, Color, NodeId, Op, Partition, Program, Scalar, Slot}
 
 const NODE: NodeId = NodeId(0);
 
-/// A program of every operation on two fields and constants; `v` gives thresholds and the like.
+/// Makes a program of every operation on two fields and constants; `v` holds thresholds and the like.
 fn program(v: &[f32]) -> Program {
     let mut program = Program::default();
     let mut push = |op: Op| program.push(op, NODE);

@@ -1,4 +1,4 @@
-//! A node's ports and knobs, read as its declaration says.
+//! Reads the ports and knobs of a node according to its declaration.
 
 use super::values::{count, expected};
 use super::{Checker, Draft, Place};
@@ -11,7 +11,7 @@ use crate::{
 };
 use std::collections::HashMap;
 
-/// An item of a record of a list, such as `waves[0].wavelength`; the record where there is none.
+/// Returns the name of an item in a record of a list, such as `waves[0].wavelength`, or that of the record for no item.
 fn within(list: &str, index: usize, item: Option<String>) -> String {
     match item.filter(|item| item != list) {
         Some(item) => format!("{list}[{index}].{item}"),
@@ -19,7 +19,7 @@ fn within(list: &str, index: usize, item: Option<String>) -> String {
     }
 }
 
-/// What a reference may name: nodes, each with its position and declaration.
+/// Nodes that a reference may name, with their indices and declarations.
 pub(super) type Names<'m> = HashMap<&'m str, (usize, Option<&'static Declaration>)>;
 
 /// Keys that every node may carry.
@@ -47,12 +47,12 @@ impl<'a> Checker<'a> {
             }
         }
         let before = self.diagnostics.len();
-        // Names that other compositors give to operations on colors.
+        // Names of operands in other compositors.
         let operands: Vec<&Entry> =
             own.iter().copied().filter(|entry| matches!(entry.key.as_str(), "a" | "b" | "A" | "B")).collect();
         if let (Some(refusal), Some(first)) = (refusal(ty.declaration().name), operands.first()) {
             if operands.iter().all(|entry| is_mask(&entry.value, names)) {
-                // Nothing is wrong with the operation, only with how it is written.
+                // The operation is legal, but written in another way.
                 let listed: Vec<String> = operands.iter().map(|entry| entry.value.brief()).collect();
                 let keys: Vec<String> = operands.iter().map(|entry| format!("\"{}\"", entry.key)).collect();
                 let remedy = format!("write \"weights\": [{}]", listed.join(", "));
@@ -62,7 +62,7 @@ impl<'a> Checker<'a> {
                 let offset = entries_type(&entry.value).unwrap_or(entry.offset);
                 self.refused(Place { offset, port: Some("type"), ..place }, ty.declaration().name, refusal);
             }
-            // It counts as a type that there is not: its record has none of the items of its namesake.
+            // The node counts as one of unknown type: its record has none of the declared items.
             (draft.ty, draft.faulty) = (None, true);
             return;
         }
@@ -117,7 +117,8 @@ impl<'a> Checker<'a> {
                     let entries = self.object(item, place, "an object")?;
                     let before = self.diagnostics.len();
                     let record = self.record(list.items, &entries, place.at(item.offset), names);
-                    // What `--set` sets has no line and column, and an item may be named as one of the node is.
+                    // Values from `--set` have no line and column, so only the name tells an item of the record from
+                    // one of the node.
                     let news = self.diagnostics[before..].iter_mut().filter(|found| found.line == 0);
                     news.for_each(|found| found.port = Some(within(list.name, index, found.port.take())));
                     Some(record)
@@ -160,8 +161,10 @@ impl<'a> Checker<'a> {
         match &value.json {
             Json::String(text) if !accepts.takes_color() && text.starts_with('#') => {
                 let remedy = match accepts {
-                    Accepts::Mask => "write a number from 0 to 1, or the name of a mask; a color is no weight",
-                    Accepts::Weights => "write the name of a node, or numbers that sum to 1; a color is no weight",
+                    Accepts::Mask => "write a number from 0 to 1, or the name of a mask; a color cannot be a weight",
+                    Accepts::Weights => {
+                        "write the name of a node, or numbers that sum to 1; a color cannot be a weight"
+                    }
                     Accepts::Scalar | Accepts::Field => "write a number, or the name of a node",
                     _ => "write the name of a node",
                 };
@@ -196,7 +199,7 @@ impl<'a> Checker<'a> {
             Json::String(_) | Json::Array(_) | Json::Object(_) if accepts == Accepts::Color => {
                 self.animated(value, place, Self::color).map(Source::Color)
             }
-            // What is keyed there, a color or a mask, nobody could tell.
+            // Keyed values are not accepted: they could be colors or masks.
             Json::String(_) | Json::Array(_) if accepts == Accepts::Image => {
                 self.color(value, place).map(|color| Source::Color(Animated::constant(color)))
             }
@@ -216,7 +219,7 @@ impl<'a> Checker<'a> {
         }
     }
 
-    /// The node and output that a text names; where a literal color could stand there too, says how to write one.
+    /// Resolves the node and output that a text names. With `or_color`, the remedy also explains literal colors.
     pub(super) fn reference(
         &mut self,
         text: &str,
@@ -234,7 +237,7 @@ impl<'a> Checker<'a> {
             };
             self.error(
                 place,
-                format!("a reference to \"{}\", which is no node", shorten(name)),
+                format!("a reference to \"{}\", which is not a node", shorten(name)),
                 "the name of a node",
                 remedy,
             );
@@ -278,12 +281,7 @@ impl<'a> Checker<'a> {
             };
         };
         if !knob.animated && matches!(value.json, Json::Object(_)) {
-            self.error(
-                place,
-                "a keyed value",
-                expected(&knob.takes),
-                "this knob cannot be keyed over frames: write one value",
-            );
+            self.error(place, "a keyed value", expected(&knob.takes), "this knob cannot be animated: write one value");
             return Setting::Unset;
         }
         let setting = match knob.takes {
@@ -314,7 +312,7 @@ impl<'a> Checker<'a> {
                 Json::String(text) => {
                     let remedy = match nearest(text, words.iter().copied()) {
                         Some(near) => format!("did you mean \"{near}\"?"),
-                        None => format!("choose one of them: {}", knob.help),
+                        None => format!("choose one of these: {}", knob.help),
                     };
                     self.error(place, value.brief(), expected(&knob.takes), remedy);
                     None
@@ -359,14 +357,14 @@ impl<'a> Checker<'a> {
     }
 }
 
-/// The first keys of a list's records.
+/// Returns the first keys of the records of a list.
 fn keys_of(list: &List) -> String {
     let keys: Vec<String> = item_names(list.items).map(|name| format!("\"{name}\"")).collect();
     let (most, more) = (keys.len().min(4), if keys.len() > 4 { ", …" } else { "" });
     format!("{}{more}", keys[..most].join(", "))
 }
 
-/// What may stand for a value, as JSON.
+/// Returns an example of a value, as JSON.
 fn example(takes: &Takes) -> String {
     match takes {
         Takes::Number { min, max } => number_text(0.0_f64.clamp(*min, *max)),
@@ -380,19 +378,19 @@ fn example(takes: &Takes) -> String {
             }
         }
         Takes::Color => "\"#rrggbb\"".into(),
-        Takes::Vector(_) | Takes::Numbers { .. } => "[ … ], with numbers".into(),
-        Takes::Text => "a text in quotes".into(),
+        Takes::Vector(_) | Takes::Numbers { .. } => "[ … ], a list of numbers".into(),
+        Takes::Text => "a string in quotes".into(),
         Takes::Path => "the path of a file in quotes, relative to the document".into(),
-        Takes::Texts { .. } => "[ … ], with texts in quotes".into(),
+        Takes::Texts { .. } => "[ … ], a list of strings in quotes".into(),
     }
 }
 
-/// What to write for a list.
+/// Returns the remedy for a missing or wrong list.
 fn how_to_write(list: &List) -> String {
-    format!("give \"{}\": [{{ … }}, …], records with {}: {}", list.name, keys_of(list), list.help)
+    format!("write \"{}\": [{{ … }}, …], a list of records with {}: {}", list.name, keys_of(list), list.help)
 }
 
-/// Whether a value is a mask for certain: a number from 0 to 1, or a node whose type makes masks alone.
+/// Whether a value is certainly a mask: a number from 0 to 1, or an output that is declared as a mask.
 fn is_mask(value: &Spanned, names: &Names<'_>) -> bool {
     match &value.json {
         Json::Number(number) => (0.0..=1.0).contains(number),
@@ -411,13 +409,13 @@ fn is_mask(value: &Spanned, names: &Names<'_>) -> bool {
     }
 }
 
-/// Where an object names its type.
+/// Returns the place of the type in an object.
 fn entries_type(value: &Spanned) -> Option<usize> {
     let Json::Object(entries) = &value.json else { return None };
     entries.iter().find(|entry| entry.key == "type").map(|entry| entry.value.offset)
 }
 
-/// Whether an object says so.
+/// Whether an object has a key.
 fn is_said(value: &Spanned, key: &str) -> bool {
     if let Json::Object(entries) = &value.json { entries.iter().any(|entry| entry.key == key) } else { false }
 }

@@ -1,5 +1,5 @@
-//! From a document to a checked graph: every fault at once, and no evaluation can fail afterwards but by
-//! input and output, bad input data, memory or cancellation.
+//! Validation: turns a document into a checked graph, or reports all of its faults at once. Afterwards only input and
+//! output, bad input data, memory or cancellation can make an evaluation fail.
 
 mod items;
 mod outputs;
@@ -21,8 +21,8 @@ pub use values::expected;
 
 /// Checks a document against the node types of a registry.
 ///
-/// `folder` is what paths in the document are relative to. The result holds the graph, if no diagnostic is an
-/// error, and all diagnostics in the order of the text.
+/// `folder` is the folder to which paths in the document are relative. The result contains the graph if no diagnostic
+/// is an error, and all diagnostics in the order of the text.
 pub fn check(document: &Document, registry: &Registry, folder: &Path) -> (Option<CheckedGraph>, Vec<Diagnostic>) {
     let mut checker = Checker { document, registry, diagnostics: Vec::new(), space: Default::default() };
     let graph = checker.graph(folder);
@@ -41,7 +41,7 @@ struct Checker<'a> {
     space: trochoid_image::WorkingSpace,
 }
 
-/// Where a fault lies: byte offset, node, port or knob.
+/// Place of a fault: byte offset, node, port or knob.
 #[derive(Clone, Copy)]
 struct Place<'a> {
     offset: usize,
@@ -63,21 +63,21 @@ impl<'a> Place<'a> {
 struct Draft<'a> {
     name: &'a str,
     offset: usize,
-    /// `None` where the type is unknown: references to the node are then not held against it.
+    /// `None` if the type is unknown; then references to the node are not checked against it.
     ty: Option<&'static NodeType>,
     disabled: bool,
     record: Record,
-    /// The record at the first frame, once it is read; connections count as they are now.
+    /// The record at the first frame, with the connections of the last call of [`name_kinds`].
     settled: Option<Settled>,
-    /// Where each item stands in the text.
+    /// Place of each item in the text.
     offsets: Vec<(&'static str, usize)>,
-    /// Items within are faulty, so that checks across knobs would only repeat it.
+    /// Whether items of the node are faulty; then checks across knobs are skipped, which would only repeat the faults.
     faulty: bool,
     kinds: Vec<Kind>,
 }
 
 impl Draft<'_> {
-    /// Whether a choice without a default is not made, or not one of those that there are.
+    /// Whether a choice without a default is missing or not one of the legal words.
     fn lacks_a_choice(&self) -> bool {
         let items = self.ty.map_or(&[][..], |ty| ty.declaration().items);
         self.faulty
@@ -89,7 +89,7 @@ impl Draft<'_> {
             })
     }
 
-    /// Where an item stands in the text, or the node where the item is not written.
+    /// Returns the place of an item in the text, or that of the node if the document does not set the item.
     fn offset_of(&self, item: &str) -> usize {
         self.offsets.iter().find(|known| known.0 == item).map_or(self.offset, |known| known.1)
     }
@@ -97,7 +97,7 @@ impl Draft<'_> {
 
 impl<'a> Checker<'a> {
     fn report(&mut self, severity: Severity, place: Place<'_>, found: String, expected: String, remedy: String) {
-        // A document full of faults is not worth listing to the end.
+        // Nobody reads a longer list of faults.
         if self.is_full() {
             return;
         }
@@ -115,7 +115,7 @@ impl<'a> Checker<'a> {
         });
     }
 
-    /// Whether no more diagnostics are taken, so that nothing dear need be done for one.
+    /// Whether no more diagnostics are accepted, so that expensive work for them can be skipped.
     fn is_full(&self) -> bool {
         self.diagnostics.len() >= 1000
     }
@@ -124,7 +124,7 @@ impl<'a> Checker<'a> {
         self.report(Severity::Error, place, found.to_string(), expected.to_string(), remedy.to_string());
     }
 
-    /// The entries of an object by key; reports anything else, and duplicate keys.
+    /// Returns the entries of an object; reports other values and duplicate keys.
     fn object(&mut self, value: &'a Spanned, place: Place<'_>, expected: &str) -> Option<Vec<&'a Entry>> {
         let Json::Object(entries) = &value.json else {
             self.error(place.at(value.offset), value.brief(), expected, "write a JSON object: { … }");
@@ -133,7 +133,7 @@ impl<'a> Checker<'a> {
         let mut seen = HashMap::new();
         let mut kept: Vec<&Entry> = Vec::with_capacity(entries.len());
         for entry in entries {
-            // Most objects have few keys: looking through them is quicker than hashing.
+            // Most objects have few keys, for which a linear search is faster than hashing.
             let first = if entries.len() <= 16 {
                 kept.iter().find(|known| known.key == entry.key).map(|known| known.offset)
             } else {
@@ -143,8 +143,8 @@ impl<'a> Checker<'a> {
                 let (_, line, column) = self.document.place(first);
                 self.error(
                     place.at(entry.offset),
-                    format!("\"{}\" a second time", shorten(&entry.key)),
-                    format!("each name once; the first stands at {line}:{column}"),
+                    format!("a second \"{}\"", shorten(&entry.key)),
+                    format!("each name once; the first is at {line}:{column}"),
                     "rename or remove one of them",
                 );
             } else {
@@ -154,7 +154,7 @@ impl<'a> Checker<'a> {
         Some(kept)
     }
 
-    /// Reports a key that is none of `known`.
+    /// Reports a key that is not in `known`.
     fn unknown_key(&mut self, place: Place<'_>, key: &str, known: &[&str]) {
         let remedy = match nearest(key, known.iter().copied()) {
             Some(near) => format!("did you mean \"{near}\"?"),
@@ -205,7 +205,7 @@ impl<'a> Checker<'a> {
         name_kinds(&mut drafts, top.first);
         if drafts.iter().any(|draft| draft.disabled) {
             self.bypass_disabled(&mut drafts);
-            // Where a disabled node left a list of connections shorter, the number of weights changes with it.
+            // If a disabled node made a list of connections shorter, the number of weights may have changed.
             name_kinds(&mut drafts, top.first);
         }
         self.connections(&drafts);
@@ -238,7 +238,7 @@ impl<'a> Checker<'a> {
                     [line, column]
                 };
                 let places = offsets.into_iter().map(|(item, offset)| (item, place(offset)));
-                // What `--set` sets stands nowhere in the document.
+                // Values from `--set` have no place in the document.
                 let places = places.filter(|(_, [line, _])| *line > 0).collect();
                 Some(CheckedNode { name: name.into(), ty, record, kinds, disabled, place: place(offset), places })
             })
@@ -289,7 +289,12 @@ impl<'a> Checker<'a> {
         };
         match items.iter().find(|item| item.key == "type") {
             None => {
-                self.error(place, "no \"type\"", "the type of the node", "add \"type\"; `trochoid nodes` lists them");
+                self.error(
+                    place,
+                    "no \"type\"",
+                    "the type of the node",
+                    "add \"type\"; `trochoid nodes` lists the types",
+                );
             }
             Some(Entry { value: Spanned { json: Json::String(ty), offset }, .. }) => {
                 draft.ty = self.registry.get(ty);
@@ -299,7 +304,7 @@ impl<'a> Checker<'a> {
             }
             Some(item) => {
                 let place = Place { offset: item.value.offset, node: Some(name), port: Some("type") };
-                self.error(place, item.value.brief(), "the name of a node type", "`trochoid nodes` lists them");
+                self.error(place, item.value.brief(), "the name of a node type", "`trochoid nodes` lists the types");
             }
         }
         draft
@@ -317,9 +322,9 @@ impl<'a> Checker<'a> {
             return self.refused(place, ty, refusal);
         }
         let near = nearest(ty, self.registry.names());
-        let term = Term::of(ty).filter(|term| term.node.is_none_or(|node| self.registry.get(node).is_some()));
+        let term = Term::of(ty, self.registry);
         let remedy = match (term, near) {
-            (Some(term), Some(near)) if term.node != Some(near) => {
+            (Some(term), Some(near)) if term.node() != Some(near) => {
                 format!("{}; or did you mean \"{near}\"?", term.remedy())
             }
             (Some(term), _) => term.remedy(),
@@ -329,7 +334,7 @@ impl<'a> Checker<'a> {
         self.error(place, format!("unknown node type \"{}\"", shorten(ty)), "a node type", remedy);
     }
 
-    /// Runs each node's own checks at the first and last frame and at every key.
+    /// Runs each node's own checks: at the first and last frame and at every key, or only once if nothing is keyed.
     fn node_rules(&mut self, drafts: &[Draft<'_>], top: &Top) {
         let (first, last) = (top.first, top.last);
         let users = direct_users(drafts);
@@ -337,12 +342,12 @@ impl<'a> Checker<'a> {
             let (Some(ty), Some(settled)) = (draft.ty, &draft.settled) else { continue };
             let (mut faults, mut work): (Vec<Fault>, Option<Work>) = (Vec::new(), None);
             let mut rules = |frame: f64, settled: &Settled| {
-                let around = Surroundings { drafts, users: &users, node: index, frame };
+                let around = Surroundings { registry: self.registry, drafts, users: &users, node: index, frame };
                 let mut check = Check::new(&around);
                 settled.node().check(&mut check);
                 faults.extend(check.into_faults());
                 let at = |time: f64| top.format.and_then(|format| settled.node().work(format, time));
-                // Of what is stepped, a frame after another takes the steps between.
+                // A simulation takes only the steps since the frame before.
                 let next = if last > first { at(1.0 / top.fps) } else { None };
                 let here = at(0.0);
                 let between = next.zip(here).map(|(next, here)| Work { seconds: next.seconds - here.seconds, ..next });
@@ -359,7 +364,7 @@ impl<'a> Checker<'a> {
                 frames.into_iter().for_each(|frame| rules(frame, &ty.settle(draft.record.settle(frame))));
             }
             faults.dedup();
-            // What is wrong may be what makes it long.
+            // A faulty value may be the reason for the long time.
             if let Some(work) = work.filter(|work| work.is_heavy() && faults.iter().all(|fault| fault.warning)) {
                 let (item, found, expected, remedy) = (work.item, work.found(), Work::expected(), work.remedy.into());
                 faults.push(Fault { item, found, expected, remedy, warning: true });
@@ -374,14 +379,15 @@ impl<'a> Checker<'a> {
     }
 }
 
-/// Line and column of the format.
+/// Returns line and column of the format.
 fn format_place(document: &Document, root: &[&Entry]) -> [usize; 2] {
     let format = root.iter().find(|entry| entry.key == "format");
     let (_, line, column) = document.place(format.map_or(0, |entry| entry.value.offset));
     [line, column]
 }
 
-/// What takes each node's outputs: the node, and the port. Where it is disabled, or nobody knows what it is, nothing.
+/// Returns, for each node, the nodes and ports that its outputs are connected to, without disabled nodes and nodes of
+/// unknown type.
 fn direct_users(drafts: &[Draft<'_>]) -> Vec<Vec<(usize, User)>> {
     let mut users = vec![Vec::new(); drafts.len()];
     for (index, draft) in drafts.iter().enumerate().filter(|(_, draft)| !draft.disabled) {
@@ -399,6 +405,7 @@ fn direct_users(drafts: &[Draft<'_>]) -> Vec<Vec<(usize, User)>> {
 
 /// The graph around a node at a frame.
 struct Surroundings<'d, 'a> {
+    registry: &'d Registry,
     drafts: &'d [Draft<'a>],
     users: &'d [Vec<(usize, User)>],
     node: usize,
@@ -416,6 +423,10 @@ impl Around for Surroundings<'_, '_> {
         Some(Upstream { name: draft.name.into(), node: draft.ty?.settle(draft.record.settle(self.frame)) })
     }
 
+    fn registry(&self) -> &Registry {
+        self.registry
+    }
+
     fn users(&self) -> Vec<User> {
         let direct = &self.users[self.node];
         let views = direct.iter().filter(|(node, _)| self.drafts[*node].kinds.contains(&Kind::View));
@@ -424,12 +435,12 @@ impl Around for Surroundings<'_, '_> {
     }
 }
 
-/// Asks each node of known type for the kinds of its outputs.
+/// Sets the kinds of the outputs of each node of known type.
 fn name_kinds(drafts: &mut [Draft<'_>], first: i64) {
     for draft in drafts.iter_mut() {
         if let Some(ty) = draft.ty {
             let settled = ty.settle(draft.record.settle(first as f64));
-            // Where a choice that must be made is wrong, it may be the one that decides.
+            // A wrong choice may be the one that decides the kinds.
             draft.kinds = if draft.lacks_a_choice() { Vec::new() } else { settled.kinds() };
             draft.settled = Some(settled);
         }
@@ -437,15 +448,15 @@ fn name_kinds(drafts: &mut [Draft<'_>], first: i64) {
     name_passed_kinds(drafts);
 }
 
-/// Gives each node that hands on what it is given the kind of its first connection; no kind where that is unknown.
+/// Gives each output of [`Kind::ANY`] the kind of the node's first connection; no kind if that is unknown.
 fn name_passed_kinds(drafts: &mut [Draft<'_>]) {
     let mut visited = vec![false; drafts.len()];
     for start in 0..drafts.len() {
-        // Along first connections up to a node whose kind is known.
+        // Follows first connections up to a node of known kind.
         let mut path = Vec::new();
         let mut at = start;
         let kind = loop {
-            // Visited, but its kind not known: a loop, which is reported elsewhere.
+            // A visited node of unknown kind means a loop, which is reported elsewhere.
             if !drafts[at].kinds.contains(&Kind::ANY) || std::mem::replace(&mut visited[at], true) {
                 break None;
             }
@@ -466,7 +477,7 @@ fn name_passed_kinds(drafts: &mut [Draft<'_>]) {
     }
 }
 
-/// The kind of a source, where its node has a known type.
+/// Returns the kind of a source, if its node has a known type.
 fn kind_of<N>(source: &Source<N>, drafts: &[Draft<'_>]) -> Option<Kind> {
     match source {
         Source::Output { node, output } => drafts.get(node.0)?.kinds.get(*output).copied(),

@@ -1,4 +1,4 @@
-//! The `outputs` of a document: what is rendered, into which files, under which requirements.
+//! Reads the `outputs` of a document: what is rendered, into which files, with which guarantees.
 
 use super::items::Names;
 use super::{Checker, Draft, Place, kind_of};
@@ -12,7 +12,7 @@ impl<'a> Checker<'a> {
         let place = Place::top(value.offset, "outputs");
         let Some(entries) = self.object(value, place, "an object of outputs by name") else { return Vec::new() };
         if entries.is_empty() {
-            let remedy = "add for example \"beauty\": { \"color\": \"node\" }";
+            let remedy = "add one, for example \"beauty\": { \"color\": \"node\" }";
             self.error(place, "a document without outputs, which has nothing to render", "at least one output", remedy);
         }
         if entries.len() > 1024 {
@@ -52,8 +52,8 @@ impl<'a> Checker<'a> {
                         self.error(
                             place,
                             "a second thing to render",
-                            "one of \"color\", \"weights\" and \"field\"",
-                            "make it an output of its own",
+                            "only one of \"color\", \"weights\" and \"field\"",
+                            "make it a separate output",
                         );
                     }
                     source = Some((item, self.reference(text, place, names, false)));
@@ -83,7 +83,7 @@ impl<'a> Checker<'a> {
                 }
                 ("notes", _) => {}
                 ("file", _) => {
-                    self.error(place, item.value.brief(), "a path with the ending .exr or .png", "write a path");
+                    self.error(place, item.value.brief(), "a path that ends in .exr or .png", "write a path");
                 }
                 ("layer", _) => {
                     self.error(
@@ -102,7 +102,7 @@ impl<'a> Checker<'a> {
         }
         self.file(&mut spec, place);
         let Some((item, resolved)) = source else {
-            let remedy = "add for example \"color\": \"node\"";
+            let remedy = "add one, for example \"color\": \"node\"";
             self.error(place, "an output that renders nothing", "one of \"color\", \"weights\" and \"field\"", remedy);
             return None;
         };
@@ -130,14 +130,14 @@ impl<'a> Checker<'a> {
                 _ => "connect a pass of it, for example Depth",
             };
             let found = format!("\"{}\", a {}", drafts[node.0].name, spec.kind);
-            self.error(place, found, format!("a {}", item.key), remedy);
+            self.error(place, found, format!("a value for \"{}\"", item.key), remedy);
         } else {
             self.stored(&spec, file_at, precision_at);
         }
         Some(spec)
     }
 
-    /// An output of a disabled node shows what that node hands on.
+    /// Resolves an output of a disabled node, which shows the first input of that node if it has the same kind.
     fn bypassed(
         &mut self,
         mut spec: OutputSpec,
@@ -145,7 +145,7 @@ impl<'a> Checker<'a> {
         place: Place<'_>,
         drafts: &[Draft<'a>],
     ) -> Option<OutputSpec> {
-        // Edges have been led past disabled nodes already, so the first source is enabled.
+        // Connections already bypass disabled nodes, so the first source is enabled.
         let first = draft.record.sources().into_iter().next();
         match first {
             Some(source @ Source::Output { node, output })
@@ -156,8 +156,8 @@ impl<'a> Checker<'a> {
                 Some(spec)
             }
             _ => {
-                let found = format!("the disabled node \"{}\", which hands on nothing", draft.name);
-                self.error(place, found, "an enabled node", "enable it, or render another");
+                let found = format!("the disabled node \"{}\", which passes nothing through", draft.name);
+                self.error(place, found, "an enabled node", "enable it, or render another node");
                 None
             }
         }
@@ -179,22 +179,24 @@ impl<'a> Checker<'a> {
         guarantee
     }
 
-    /// The file must be able to hold what is rendered, and should not round it coarsely.
+    /// Checks that the file can store the output, and warns if it rounds coarsely.
     fn stored(&mut self, spec: &OutputSpec, file: Place<'_>, precision: Place<'_>) {
         if let Some(path) = &spec.file
             && path.to_lowercase().ends_with(".png")
             && !matches!(spec.kind, Kind::Color | Kind::Weights(2))
         {
             let found = format!("\"{}\", a PNG, for a {}", shorten(path), spec.kind);
-            self.error(file, found, "an EXR: PNG holds one color or one mask", "give the path the ending .exr");
+            self.error(file, found, "an EXR: PNG holds one color or one mask", "change the ending of the path to .exr");
         }
         if let (Kind::Field(_), Some(Precision::Half)) = (spec.kind, spec.precision) {
             self.report(
                 Severity::Warning,
                 precision,
-                "precision half for a Field, which keeps 3 digits: 1000 m to half a meter".into(),
-                "float, in which measures keep 7".into(),
-                "remove it: float is the default of Fields".into(),
+                "precision half for a Field: half keeps 3 digits, so that 1000 m is stored in steps of half a \
+                 meter"
+                    .into(),
+                "float, which keeps 7 digits".into(),
+                "remove \"precision\": float is the default for Fields".into(),
             );
         }
     }
@@ -204,19 +206,14 @@ impl<'a> Checker<'a> {
         [line, column]
     }
 
-    /// The file's ending must be one that can be written, and its precision one that the format has.
+    /// Checks that the ending of the file is supported, and that its format has the precision.
     fn file(&mut self, spec: &mut OutputSpec, place: Place<'_>) {
         let Some(file) = &spec.file else { return };
         let lower = file.to_lowercase();
         let (png, exr) = (lower.ends_with(".png"), lower.ends_with(".exr"));
         if !png && !exr {
             let found = format!("the file \"{}\"", shorten(file));
-            self.error(
-                place,
-                found,
-                "a path with the ending .exr or .png",
-                "EXR keeps every value; PNG is for looking",
-            );
+            self.error(place, found, "a path that ends in .exr or .png", "EXR keeps every value; PNG is for viewing");
         }
         if let Some(precision) = spec.precision
             && (png != precision.is_integer())

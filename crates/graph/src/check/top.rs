@@ -1,11 +1,11 @@
-//! Everything outside `nodes` and `outputs`: version, format, working space, frames.
+//! Reads everything outside of `nodes` and `outputs`: version, format, working space, frames, tolerance.
 
 use super::{Checker, Place};
 use crate::spanned::{Entry, Json, Spanned};
 use crate::{Severity, Tolerance};
 use trochoid_image::{Format, FormatError, MAX_PIXELS, MAX_SIDE, Shading, WorkingSpace};
 
-/// What the top of a document says.
+/// Settings at the top of a document.
 pub(super) struct Top {
     pub(super) format: Option<Format>,
     pub(super) first: i64,
@@ -14,12 +14,12 @@ pub(super) struct Top {
     pub(super) tolerance: Option<Tolerance>,
 }
 
-/// The version of the document format; there is no other yet.
+/// Version of the document format; the only one so far.
 pub const FORMAT_VERSION: u32 = 1;
 
 const KEYS: [&str; 9] =
     ["trochoid", "format", "working_space", "frames", "tolerance", "nodes", "outputs", "ui", "notes"];
-/// Frames are numbered within this range, so that times stay exact.
+/// Largest absolute frame number, so that times stay exact.
 const MAX_FRAME: f64 = 1e7;
 
 impl<'a> Checker<'a> {
@@ -55,7 +55,7 @@ impl<'a> Checker<'a> {
     fn version(&mut self, value: &'a Spanned, place: Place<'a>) {
         match value.json {
             Json::Number(version) if version == f64::from(FORMAT_VERSION) => {}
-            // Its author means something that is not known here: to write another number would not help.
+            // The document uses a format that is unknown here; another number would not help.
             Json::Number(version) if version > f64::from(FORMAT_VERSION) => {
                 let found = format!("{}, a newer version of the document format", value.brief());
                 let expected = format!("{FORMAT_VERSION}, the newest version that this Trochoid reads");
@@ -88,7 +88,7 @@ impl<'a> Checker<'a> {
                 }
             };
             *slot = match entry.value.json {
-                // The format checks its own limits; here numbers only have to fit.
+                // `Format` checks its own limits; here numbers only have to fit.
                 Json::Number(n) if n.fract() == 0.0 && (0.0..=f64::from(u32::MAX)).contains(&n) => Some(n as u32),
                 _ => {
                     let place = Place::top(entry.value.offset, &entry.key);
@@ -117,11 +117,11 @@ impl<'a> Checker<'a> {
                     ),
                     FormatError::Area { .. } => (
                         format!("{width} × {height} = {} pixels", u64::from(width) * u64::from(height)),
-                        format!("at most {MAX_PIXELS} pixels in all"),
+                        format!("at most {MAX_PIXELS} pixels in total"),
                         "choose a size within the limits",
                     ),
                     FormatError::Samples { .. } => {
-                        (format!("{samples} samples a pixel"), "1, 4 or 16".into(), "choose one of them")
+                        (format!("{samples} samples per pixel"), "1, 4 or 16".into(), "choose one of them")
                     }
                 };
                 self.error(place, found, expected, remedy);
@@ -136,7 +136,8 @@ impl<'a> Checker<'a> {
         };
         if found.is_none() {
             let place = Place::top(entry.value.offset, &entry.key);
-            let remedy = "\"pixel\" shades once what varies smoothly over a surface; \"sample\" at each sample";
+            let remedy = "\"pixel\" evaluates smoothly varying passes once per pixel and surface; \"sample\" at each \
+                          sample";
             let names = Shading::ALL.map(Shading::name);
             self.error(place, entry.value.brief(), format!("one of {}", names.join(", ")), remedy);
         }
@@ -164,11 +165,12 @@ impl<'a> Checker<'a> {
         };
         if tolerance.is_none() {
             let place = Place::top(value.offset, "tolerance");
-            self.error(place, value.brief(), Tolerance::EXPECTED, "say how far pixels may be off");
+            self.error(place, value.brief(), Tolerance::EXPECTED, "write the largest error that a pixel may have");
         }
         if matches!(tolerance, Some(Tolerance::Error(error)) if error < Tolerance::FINE) {
             let place = Place::top(value.offset, "tolerance");
-            let remedy = "ask for 1/512, which no display of 8 bits shows, unless something computes with the picture";
+            let remedy = "ask for 1/512, which is invisible on an 8-bit display, unless the picture is processed \
+                          further";
             let expected = "an error of 1/4096 or more: smaller ones take very long to certify";
             self.report(Severity::Warning, place, value.brief(), expected.into(), remedy.into());
         }
@@ -194,7 +196,7 @@ impl<'a> Checker<'a> {
                         place,
                         entry.value.brief(),
                         "frames per second, above 0 and at most 1e6",
-                        "write for example 24",
+                        "write, for example, 24",
                     );
                 }
                 (key, _) => {
@@ -205,7 +207,7 @@ impl<'a> Checker<'a> {
         top.last = last.unwrap_or(top.first);
         if top.last < top.first {
             let found = format!("first {} after last {}", top.first, top.last);
-            self.error(place, found, "first ≤ last", "exchange them");
+            self.error(place, found, "first ≤ last", "swap them");
             top.last = top.first;
         }
     }

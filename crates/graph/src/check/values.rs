@@ -1,4 +1,4 @@
-//! Values as typed: numbers, lists, colors, literal weights, and what is keyed over frames.
+//! Reads values: numbers, lists, colors, literal weights, and values keyed over frames.
 
 use super::{Checker, Place};
 use crate::declare::Takes;
@@ -7,7 +7,7 @@ use crate::{Animated, Interpolation, Severity, Source};
 use trochoid_image::{WorkingSpace, parse_hex, srgb_decode};
 
 impl<'a> Checker<'a> {
-    /// Numbers as weights: ≥ 0, with sum 1 up to the rounding of decimal fractions.
+    /// Reads numbers as weights, which must be ≥ 0 with sum 1 up to the rounding of decimal fractions.
     pub(super) fn literal_weights(&mut self, items: &'a [Spanned], place: Place<'_>) -> Option<Source> {
         let mut numbers = Vec::with_capacity(items.len());
         for item in items {
@@ -37,7 +37,7 @@ impl<'a> Checker<'a> {
 
     pub(super) fn number(&mut self, value: &Spanned, min: f64, max: f64, place: Place<'_>) -> Option<f64> {
         match value.json {
-            // Adding 0 turns −0 into 0, so that no bit of a picture depends on what is pruned.
+            // Adding 0 turns −0 into 0, so that pruning changes no bit of a picture.
             Json::Number(n) if (min..=max).contains(&n) => Some(n + 0.0),
             Json::Number(n) if !n.is_finite() => {
                 self.error(place, value.brief(), "a finite number", "write a smaller number");
@@ -47,7 +47,7 @@ impl<'a> Checker<'a> {
                 let limit = n.clamp(min, max);
                 let takes = Takes::Number { min, max };
                 let (expected, remedy) = match limit.abs() >= WIDE {
-                    // Nobody's wish, and within it in few digits.
+                    // The limit is that of f32 rather than of the knob; its two digits, 3.4e38, are within it.
                     true => (
                         "a number that f32 can hold".into(),
                         format!("write at {} {limit:.1e}", if n > max { "most" } else { "least" }),
@@ -67,7 +67,7 @@ impl<'a> Checker<'a> {
     pub(super) fn vector(&mut self, value: &Spanned, min: usize, max: usize, place: Place<'_>) -> Option<Vec<f64>> {
         match &value.json {
             Json::Array(items) if (min..=max).contains(&items.len()) => {
-                // The largest f32 bounds every number that reaches a kernel.
+                // Kernels work in f32, so its largest value is the limit.
                 let limit = f64::from(f32::MAX);
                 items.iter().map(|item| self.number(item, -limit, limit, place.at(item.offset))).collect()
             }
@@ -79,7 +79,7 @@ impl<'a> Checker<'a> {
         }
     }
 
-    /// A color as `"#rrggbb"` in sRGB or `[r, g, b]` in the working space, in the working space.
+    /// Reads a color, `"#rrggbb"` in sRGB or `[r, g, b]` in the working space, and returns it in the working space.
     pub(super) fn color(&mut self, value: &Spanned, place: Place<'_>) -> Option<Vec<f64>> {
         match &value.json {
             Json::String(text) => match parse_hex(text) {
@@ -120,7 +120,7 @@ impl<'a> Checker<'a> {
         }
     }
 
-    /// A value, or `{"keys": [[frame, value], …], "interpolation": …}`.
+    /// Reads a constant, or a keyed value `{"keys": [[frame, value], …], "interpolation": …}`.
     pub(super) fn animated(
         &mut self,
         value: &'a Spanned,
@@ -132,7 +132,7 @@ impl<'a> Checker<'a> {
             && items.iter().all(|item| matches!(&item.json, Json::Array(pair) if pair.len() == 2))
         {
             let remedy = format!("write {{ \"keys\": [{}, …] }}: each key is [frame, value]", pair_text(first));
-            self.error(place, "a list of pairs", "one value, or a keyed one", remedy);
+            self.error(place, "a list of pairs", "one value or a keyed value", remedy);
             return None;
         }
         if !matches!(value.json, Json::Object(_)) {
@@ -182,42 +182,53 @@ impl<'a> Checker<'a> {
         };
         if let Some([before, after]) = keys.windows(2).map(|pair| [pair[0].0, pair[1].0]).find(|[a, b]| a >= b) {
             let found = format!("keys out of order: frame {after} after frame {before}");
-            self.error(place, found, "frames that ascend, each once", "sort the keys by frame; each is [frame, value]");
+            self.error(
+                place,
+                found,
+                "frames in ascending order, each once",
+                "sort the keys by frame; each is [frame, value]",
+            );
             return None;
         }
         let animated = Animated::keyed(keys, interpolation);
         if animated.is_none() {
-            self.error(place, "keys of different sizes", "values alike", "give each key the same number of values");
+            self.error(
+                place,
+                "keys of different sizes",
+                "values of one size",
+                "give each key the same number of values",
+            );
         }
         animated
     }
 }
 
-/// Whether an item is no channel of a color, but a color or a list itself.
+/// Whether an item is a color or a list rather than a channel of a color.
 fn is_color_or_list(item: &Spanned) -> bool {
     matches!(item.json, Json::String(_) | Json::Array(_))
 }
 
-/// The largest channel that is surely meant: what is encoded for display ends at 1, while light may be brighter.
+/// Largest channel without a warning: 1 in the display-encoded space, more in linear ones, where light may be
+/// brighter than white.
 fn brightest(space: WorkingSpace) -> f64 {
     if space == WorkingSpace::Srgb { 1.0 } else { 16.0 }
 }
 
-/// A list of numbers as it was written.
+/// Formats a list of numbers as it was written.
 fn value_text(items: &[Spanned]) -> String {
     let texts: Vec<String> = items.iter().map(Spanned::brief).collect();
     format!("[{}]", texts.join(", "))
 }
 
-/// A pair as it was written.
+/// Formats a pair as it was written.
 fn pair_text(value: &Spanned) -> String {
     if let Json::Array(items) = &value.json { value_text(items) } else { value.brief() }
 }
 
-/// From here on a limit is that of f32.
+/// From this size on, a limit means that of f32.
 const WIDE: f64 = 1e30;
 
-/// What a knob takes, in words.
+/// Describes the values that a knob takes.
 pub fn expected(takes: &Takes) -> String {
     match takes {
         Takes::Number { min, max } => match (*min > -WIDE, *max < WIDE) {
@@ -231,10 +242,10 @@ pub fn expected(takes: &Takes) -> String {
         Takes::Choice(words) => format!("one of {}", words.join(", ")),
         Takes::Color => "a color: \"#rrggbb\" in sRGB, or [r, g, b] in the working space".into(),
         Takes::Vector(n) => format!("a list of {n} numbers"),
-        Takes::Text => "a text".into(),
+        Takes::Text => "a string".into(),
         Takes::Path => "a path relative to the document".into(),
         Takes::Numbers { min, max } => format!("a list of {}", count(*min, *max, "number")),
-        Takes::Texts { max } => format!("a list of {}", count(1, *max, "text")),
+        Takes::Texts { max } => format!("a list of {}", count(1, *max, "string")),
     }
 }
 

@@ -1,4 +1,4 @@
-//! Edges: disabled nodes, kinds, views, cycles, and what no output needs.
+//! Checks connections: disabled nodes, kinds, views, loops, and nodes that no output needs.
 
 use super::{Checker, Draft, Place, kind_of};
 use crate::{
@@ -9,13 +9,13 @@ use petgraph::graph::{DiGraph, NodeIndex};
 use std::collections::BTreeSet;
 
 impl<'a> Checker<'a> {
-    /// Leads every edge from a disabled node to what it hands on, or removes the edge.
+    /// Bypasses disabled nodes: connects their users to what they pass through, or removes the connection.
     pub(super) fn bypass_disabled(&mut self, drafts: &mut [Draft<'a>]) {
         let resolved = handed_on(drafts);
         for draft in drafts.iter_mut() {
             bypass(&mut draft.record, &resolved);
         }
-        // What a disabled node left open must be reported where it is missing.
+        // Ports that a disabled node left open are reported at the port.
         for draft in drafts.iter().filter(|draft| !draft.disabled) {
             let Some(ty) = draft.ty.filter(|_| !draft.faulty) else { continue };
             self.open_ports(ty.declaration().items, &draft.record, draft);
@@ -34,7 +34,7 @@ impl<'a> Checker<'a> {
                 Item::Port(port) if is_short(port, record) => {
                     let offset = draft.offset_of(port.name);
                     let place = Place { offset, node: Some(draft.name), port: Some(port.name) };
-                    let found = "a disabled node that hands on nothing";
+                    let found = "a disabled node that passes nothing through";
                     self.error(place, found, format!("a {}", port.accepts), "enable the node, or connect another");
                 }
                 Item::List(list) => {
@@ -47,7 +47,7 @@ impl<'a> Checker<'a> {
         }
     }
 
-    /// Checks the kind of every connection, and what is asked of views.
+    /// Checks the kind of every connection, and the channels that nodes require of views.
     pub(super) fn connections(&mut self, drafts: &[Draft<'a>]) {
         for draft in drafts.iter().filter(|draft| !draft.disabled) {
             let Some(ty) = draft.ty else { continue };
@@ -74,7 +74,7 @@ impl<'a> Checker<'a> {
         }
     }
 
-    /// Reports channels that a view has not; `never` says that no setting of it could change that.
+    /// Reports channels that a view lacks; `never` means that no setting of the view could supply them.
     fn missing_channels(
         &mut self,
         missing: ChannelSet,
@@ -95,9 +95,9 @@ impl<'a> Checker<'a> {
         let remedy = if never {
             expected.push_str(": the view of a Render");
             let ty = view.ty.map_or("node", |ty| ty.declaration().name);
-            format!("connect a Render, which sees the surfaces themselves; no pass of a {ty} holds that")
+            format!("connect a Render, which sees the surfaces themselves; no pass of a {ty} holds this")
         } else {
-            format!("give \"{}\" the pass that holds it, or use another pass here", view.name)
+            format!("add the pass that holds it to \"{}\", or use another pass here", view.name)
         };
         self.error(place, found, expected, remedy);
     }
@@ -141,7 +141,7 @@ impl<'a> Checker<'a> {
         }
     }
 
-    /// The nodes, inputs before outputs; reports every loop.
+    /// Sorts the nodes, inputs before the nodes that use them; reports every loop.
     pub(super) fn order(&mut self, drafts: &[Draft<'_>]) -> Option<Vec<NodeId>> {
         let mut graph: DiGraph<(), ()> = DiGraph::with_capacity(drafts.len(), drafts.len());
         for _ in drafts {
@@ -175,9 +175,9 @@ impl<'a> Checker<'a> {
         None
     }
 
-    /// Warns of nodes that no output needs.
+    /// Warns about nodes that no output needs.
     pub(super) fn unused(&mut self, drafts: &[Draft<'_>], outputs: &[OutputSpec]) {
-        // What an error cuts off is no news of its own.
+        // A node may be unused because of an error, which is reported already.
         if outputs.is_empty() || self.diagnostics.iter().any(|diagnostic| diagnostic.severity == Severity::Error) {
             return;
         }
@@ -206,7 +206,7 @@ impl<'a> Checker<'a> {
             if !is_end[end] || !is_loose(end) || seen[end] {
                 continue;
             }
-            // All that hangs together is one branch, whatever the number of its ends.
+            // Connected nodes form one branch, which may have several ends.
             let (mut branch, mut open) = (BTreeSet::new(), vec![end]);
             while let Some(node) = open.pop() {
                 if branch.insert(node) {
@@ -223,22 +223,22 @@ impl<'a> Checker<'a> {
             let draft = &drafts[end];
             let mut found = "a node that no output needs".to_string();
             if !ends.is_empty() {
-                found += &format!(", nor {}", names(&ends));
+                found += &format!(", like {}", names(&ends));
             }
             if !others.is_empty() {
                 let whose = if ends.is_empty() { "it needs" } else { "they need" };
-                found += &format!(", and what only {whose}: {}", names(&others));
+                found += &format!(", with the nodes that only {whose}: {}", names(&others));
             }
             let remedy = match (ends.len(), ends.len() + others.len() + 1) {
-                (0, 1) => "it is not evaluated; connect it to what an output needs, or remove it".to_string(),
+                (0, 1) => "it is not evaluated; connect it to a node that an output needs, or remove it".to_string(),
                 (0, all) => {
                     format!(
-                        "none of the {all} is evaluated; connect {} to what an output needs, or remove all",
+                        "none of the {all} is evaluated; connect {} to a node that an output needs, or remove all",
                         draft.name
                     )
                 }
                 (_, all) => format!(
-                    "none of the {all} is evaluated; connect {}, {} to what an output needs, or remove all",
+                    "none of the {all} is evaluated; connect {}, {} to a node that an output needs, or remove all",
                     draft.name,
                     names(&ends)
                 ),
@@ -249,7 +249,8 @@ impl<'a> Checker<'a> {
     }
 }
 
-/// What each node hands on: itself, or, where it is disabled, what its first connection does if that is of its kind.
+/// Returns the output that stands for each node: its own, or, if the node is disabled, the one that its first
+/// connection leads to if it has the same kind.
 fn handed_on(drafts: &[Draft<'_>]) -> Vec<Option<(NodeId, usize)>> {
     let mut resolved: Vec<Option<(NodeId, usize)>> = vec![None; drafts.len()];
     let mut visited = vec![false; drafts.len()];
@@ -261,7 +262,8 @@ fn handed_on(drafts: &[Draft<'_>]) -> Vec<Option<(NodeId, usize)>> {
             if !draft.disabled {
                 break Some(at);
             }
-            // Known from a path before, or a loop of disabled nodes, which hands on nothing and is reported elsewhere.
+            // Either known from an earlier path, or a loop of disabled nodes, which passes nothing through and is
+            // reported elsewhere.
             if std::mem::replace(&mut visited[at.0.0], true) {
                 break resolved[at.0.0];
             }
@@ -318,9 +320,9 @@ fn complete(items: &'static [Item], record: &Record) -> bool {
     })
 }
 
-/// A loop through `start` within a strongly connected component, back to `start`.
+/// Finds a loop from `start` back to `start` within a strongly connected component.
 fn walk_loop(start: usize, drafts: &[Draft<'_>], inside: &dyn Fn(NodeId) -> bool) -> Vec<usize> {
-    // Breadth first against the edges: the shortest way from `start` upstream to itself.
+    // A breadth-first search upstream finds the shortest loop.
     let mut from = vec![usize::MAX; drafts.len()];
     let mut queue = std::collections::VecDeque::from([start]);
     while let Some(node) = queue.pop_front() {

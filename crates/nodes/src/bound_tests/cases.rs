@@ -1,15 +1,15 @@
-//! The nodes that are held.
+//! Cases of the bound tests: nodes with inputs, and how tight their bounds have to be.
 
-/// A node "out" to be held.
+/// A node "out" to test.
 pub(super) struct Case {
-    /// Of the document's output.
+    /// Key of the document's output.
     pub(super) key: &'static str,
     pub(super) nodes: &'static str,
-    /// What the median of bounds over errors may be on smooth inputs; `None` where all is in doubt.
+    /// Largest allowed median of bound divided by error on smooth inputs; `None` if no bound is clear.
     pub(super) tight: Option<f64>,
 }
 
-/// The scene of all cases.
+/// Nodes that all cases connect to.
 pub(super) const SCENE: &str = r#""c": { "type": "Camera", "position": [0, 5, 10], "target": [0, 0, 0] },
     "s": { "type": "GerstnerSea", "count": 0 }, "s2": { "type": "GerstnerSea", "count": 0, "level": -1 },
     "v": { "type": "Render", "camera": "c", "surfaces": ["s", "s2"] },

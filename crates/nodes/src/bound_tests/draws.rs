@@ -1,9 +1,9 @@
-//! Inputs that are drawn: what stages are given, within what, and what their references are given.
+//! Random inputs: values for stages, bounds on their errors, and the true values for the references.
 
 use trochoid_graph::*;
 use trochoid_image::Window;
 
-/// Numbers of a generator: Marsaglia's xorshift.
+/// Random number generator: Marsaglia's xorshift.
 pub(super) struct Draws(pub(super) u64);
 
 impl Draws {
@@ -14,12 +14,12 @@ impl Draws {
         self.0
     }
 
-    /// From 0 to 1.
+    /// Draws a number from 0 to 1.
     pub(super) fn unit(&mut self) -> f64 {
         (self.next() >> 11) as f64 / (1u64 << 53) as f64
     }
 
-    /// From −1 to 1.
+    /// Draws a number from −1 to 1.
     fn signed(&mut self) -> f64 {
         2.0 * self.unit() - 1.0
     }
@@ -39,7 +39,7 @@ impl Draws {
     }
 }
 
-/// What one channel is at one sample: what the stage is given, within what, and what the reference is given.
+/// A channel at one sample: the value given to the stage, and the bound of its error.
 #[derive(Clone, Copy)]
 pub(super) struct Drawn {
     pub(super) value: f32,
@@ -51,10 +51,10 @@ impl Drawn {
         Self { value: value as f32, bound: Bound::EXACT }
     }
 
-    /// Anything within the bound; where that has no end, something else of the same kind.
+    /// Draws a true value within the bound; if the bound is infinite, returns `other`.
     fn truth(self, draws: &mut Draws, other: f64) -> f64 {
         let value = f64::from(self.value);
-        // As it stands in planes.
+        // The bound as stored in planes.
         let size = Bound::decode(self.bound.encode()).size;
         match size {
             0.0 => value,
@@ -67,16 +67,16 @@ impl Drawn {
     }
 }
 
-/// One connection over its window.
+/// A connection over its window.
 pub(super) struct Given {
     kind: Kind,
     window: Window,
-    /// By channel.
+    /// Values and bounds, by channel.
     drawn: Vec<Vec<Drawn>>,
     truths: Vec<Vec<f64>>,
 }
 
-/// Ranges within which the truth lies whatever the bound.
+/// Returns the range of true values, which holds regardless of the bound.
 fn legal(kind: Kind, channel: usize) -> (f64, f64) {
     match (kind, Channel::ALL.get(channel)) {
         (Kind::Weights(_), _) => (0.0, 1.0),
@@ -87,7 +87,7 @@ fn legal(kind: Kind, channel: usize) -> (f64, f64) {
     }
 }
 
-/// How inputs are drawn.
+/// Ways to draw inputs.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum How {
     Hostile,
@@ -111,7 +111,7 @@ impl Given {
         given
     }
 
-    /// Draws other truths.
+    /// Draws other true values within the same bounds.
     pub(super) fn redraw(&mut self, draws: &mut Draws) {
         self.truths = vec![vec![0.0; self.window.area()]; self.drawn.len()];
         for sample in 0..self.window.area() {
@@ -130,7 +130,7 @@ impl Given {
         self.drawn.iter().map(|plane| plane.iter().map(&of).collect()).collect()
     }
 
-    /// What the reference is given at a place.
+    /// Returns the true value at a position, as given to the reference.
     pub(super) fn reference(&self, at: [f64; 2]) -> Reference {
         let x = (at[0].floor() as i64).clamp(self.window.x0, self.window.x1 - 1) - self.window.x0;
         let y = (at[1].floor() as i64).clamp(self.window.y0, self.window.y1 - 1) - self.window.y0;
@@ -146,7 +146,7 @@ impl Given {
     }
 }
 
-/// A sample of a connection of which everything varies slowly but at edges, within small bounds.
+/// Draws a sample that varies slowly except at edges, with small bounds.
 fn smooth(draws: &mut Draws, kind: Kind, [x, y]: [f64; 2], slope: &[[f64; 3]], size: f64) -> Vec<Drawn> {
     let ripple = |channel: usize| {
         let [a, b, c] = slope[channel];
@@ -167,7 +167,7 @@ fn smooth(draws: &mut Draws, kind: Kind, [x, y]: [f64; 2], slope: &[[f64; 3]], s
     }
     let normal = [0.3 * ripple(5), 1.0, 0.3 * ripple(7)];
     let length = normal.iter().map(|v| v * v).sum::<f64>().sqrt();
-    // Sky above, and one surface beside another that is farther off.
+    // Sky at the top, and a surface next to one that is farther away.
     let (is_sky, is_far) = (y < 1.0, x > 12.0);
     let channel = |(index, channel): (usize, &Channel)| {
         let value = match channel {
@@ -183,7 +183,7 @@ fn smooth(draws: &mut Draws, kind: Kind, [x, y]: [f64; 2], slope: &[[f64; 3]], s
             Channel::SlopeVariance => 0.002 * (1.5 + spot(index)),
             Channel::Jacobian => 0.4 + 0.3 * spot(index),
             Channel::DriftWeight => 0.6 + 0.1 * spot(index),
-            // A line every few pixels, in good agreement.
+            // A line every few pixels, with directions that agree well.
             Channel::AlongCos | Channel::AcrossCos => 0.59 * libm::cos(0.05 * x + ripple(20)),
             Channel::AlongSin | Channel::AcrossSin => 0.59 * libm::sin(0.05 * x + ripple(20)),
             _ => spot(index),
@@ -193,7 +193,7 @@ fn smooth(draws: &mut Draws, kind: Kind, [x, y]: [f64; 2], slope: &[[f64; 3]], s
     Channel::ALL.iter().enumerate().map(channel).collect()
 }
 
-/// A sample of a connection as bad as its kind allows.
+/// Draws a sample as extreme as its kind allows.
 fn hostile(draws: &mut Draws, kind: Kind) -> Vec<Drawn> {
     let scale = draws.one_of(&[0.0, 1e-9, 1e-6, 1e-4, 1e-2, 0.3]);
     let doubt = draws.chance(0.15);

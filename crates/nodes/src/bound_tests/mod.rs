@@ -1,5 +1,5 @@
-//! Every stage's bounds, held against its reference: inputs are drawn, hostile ones and smooth ones, and so are bounds on
-//! them; the reference is asked with what lies anywhere within.
+//! Tests the error bounds of every stage against its reference. Inputs and bounds on them are drawn at random, both
+//! extreme and smooth ones; the reference gets any values within the bounds.
 
 mod cases;
 mod draws;
@@ -12,16 +12,16 @@ use trochoid_graph::*;
 use trochoid_image::{Format, Window};
 use trochoid_io::{ExrChannel, ExrImage, Samples, write_exr};
 
-/// What holding a case has found.
+/// Results of testing a case.
 #[derive(Default)]
 struct Found {
     /// Errors beyond their bounds.
     faults: Vec<String>,
-    /// Bounds over errors, where there is an error and no doubt.
+    /// Bound divided by error, where there is an error and the bound is clear.
     ratios: Vec<f64>,
-    /// Clear bounds.
+    /// Number of clear bounds.
     clear: usize,
-    /// Bounds without end.
+    /// Number of infinite bounds.
     endless: usize,
     all: usize,
 }
@@ -33,7 +33,7 @@ impl Found {
     }
 }
 
-/// Holds a node on inputs drawn from a seed; bounds are made `tighter` before.
+/// Tests a node on inputs drawn from a seed, with bounds divided by `tighter`.
 fn hold(frame: &Frame, how: How, seed: u64, tighter: f64) -> Found {
     let mut draws = Draws(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1);
     let id = frame.graph.find("out").unwrap();
@@ -129,7 +129,7 @@ fn hold(frame: &Frame, how: How, seed: u64, tighter: f64) -> Found {
         found.all += 1;
         found.clear += usize::from(bound.clear);
         found.endless += usize::from(bound.size.is_infinite());
-        // What is smooth jumps nowhere, so what is certain up to little is off by little.
+        // Smooth inputs have no jumps, so small errors of the inputs must give small bounds.
         if how == How::Smooth && bound.clear && bound.size > 0.2 {
             found
                 .faults
@@ -142,7 +142,7 @@ fn hold(frame: &Frame, how: How, seed: u64, tighter: f64) -> Found {
     found
 }
 
-/// A case's frame; its document lies beside a picture, `a.exr`.
+/// Prepares the frame of a case, with an image file `a.exr` next to its document.
 fn frame(case: &Case) -> Frame {
     let folder = tempfile::tempdir().unwrap();
     let mut draws = Draws(5);

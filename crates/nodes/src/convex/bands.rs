@@ -1,33 +1,35 @@
-//! Bands: a field cut at thresholds.
+//! Bands: cuts a field into weights at thresholds.
 
 use trochoid_graph::*;
 
-/// Cuts a field at thresholds into bands, the lowest band first.
+/// Cuts a field into bands at thresholds and gives one weight per band.
 ///
 /// # Formula
-/// cₖ = Clamp(x, θₖ − width/2, θₖ + width/2); band k ≥ 1 has the weight cₖ·Πⱼ₍ⱼ>ₖ₎(1 − cⱼ), band 0 what is left: Π(1 −
-/// cⱼ).
+/// cₖ = Clamp(x, θₖ − width/2, θₖ + width/2). Band k ≥ 1 has the weight cₖ·Πⱼ₍ⱼ>ₖ₎(1 − cⱼ); band 0 has the remainder,
+/// Π(1 − cⱼ).
 ///
 /// # Edge cases
-/// Width 0 is hard, with the upper band at the threshold itself. Where ramps overlap, since thresholds stand closer
-/// than `width`, the upper band goes first. +∞ belongs to the uppermost band, −∞ to the lowest.
+/// Width 0 gives hard edges; the threshold itself belongs to the upper band. If thresholds lie closer together than
+/// `width`, their soft edges overlap and the upper band takes precedence. +∞ belongs to the highest band, −∞ to the
+/// lowest.
 ///
 /// # Source
-/// A stack of Clamps (thesis 3.2.4.2) from the highest threshold down.
+/// A Stack of Clamps (thesis 3.2.4.2), the highest threshold on top.
 #[derive(Clone, Node)]
-#[node(end = Back, revision = 1, output(weights: Kind::ANY_WEIGHTS = "One weight a band, the lowest first."))]
+#[node(end = Back, revision = 1, output(weights: Kind::ANY_WEIGHTS = "One weight per band, lowest band first."))]
+#[also_called("Posterize", "Threshold", "Quantize", "Step", "Toon", "CelShade")]
 pub(crate) struct Bands {
-    /// What is cut into bands.
+    /// Field to cut into bands.
     field: One<port::Scalar>,
-    /// Where each band but the lowest begins, ascending, in the field's unit.
+    /// Lower limits of all bands except the lowest, in ascending order, in the field's unit.
     #[knob(len = 1..=255)]
     thresholds: Vec<f64>,
-    /// Width of the soft edge, in the field's unit.
+    /// Width of the soft edges, in the field's unit; 0 gives hard edges.
     #[knob(default = 0.0, range = 0.0..=HIGHEST)]
     width: f64,
 }
 
-/// Bounds beyond every f32 would reach kernels as infinities.
+/// Largest finite f32. Larger thresholds would become infinities in the kernels, which compute in f32.
 const HIGHEST: f64 = f32::MAX as f64;
 
 impl Node for Bands {
@@ -43,13 +45,23 @@ impl Node for Bands {
                 return;
             }
             if pair[1] == pair[0] && self.width == 0.0 {
-                let expected = format!("band {} to have room", band + 1);
-                check.warning(Self::THRESHOLDS, found(), expected, "it never shows: remove one, and the band's color");
+                let expected = format!("thresholds that leave room for band {}", band + 1);
+                check.warning(
+                    Self::THRESHOLDS,
+                    found(),
+                    expected,
+                    "the band never shows: remove one of the two thresholds, and the band's color",
+                );
             }
         }
         let half = self.width / 2.0;
         if self.thresholds.iter().any(|at| at.abs() + half > HIGHEST) {
-            check.error(Self::WIDTH, "a soft edge that ends beyond every f32", "smaller numbers", "reduce the width");
+            check.error(
+                Self::WIDTH,
+                "a soft edge that extends beyond the range of f32",
+                "smaller numbers",
+                "reduce the width",
+            );
         }
     }
 
@@ -127,6 +139,6 @@ mod tests {
     #[test]
     fn thresholds_ascend() {
         assert!(refused("weights", &bands("0.5, 0.2", 0.0)).contains("0.2 after 0.5"));
-        assert!(refused("weights", &bands("3e38", 3e38)).contains("beyond every f32"));
+        assert!(refused("weights", &bands("3e38", 3e38)).contains("beyond the range of f32"));
     }
 }

@@ -1,4 +1,4 @@
-//! Blend: the barycentric operation on any number of colors.
+//! Blend: the barycentric combination of any number of colors.
 
 use trochoid_graph::*;
 
@@ -8,18 +8,19 @@ use trochoid_graph::*;
 /// Σ ωᵢ·Cᵢ with ωᵢ ≥ 0, Σ ωᵢ = 1
 ///
 /// # Edge cases
-/// A weight of 0 leaves its color out, exactly. Equal colors give themselves. Weights written as numbers are rounded to
-/// multiples of 2⁻²⁴ that sum to exactly 1.
+/// A color of weight 0 contributes exactly nothing. Blending equal colors gives that color. Weights written as numbers
+/// are rounded to multiples of 2⁻²⁴ that sum to exactly 1.
 ///
 /// # Source
 /// Akleman, Liu, House, Barycentric Shaders, 2016, equation 1.
 #[derive(Clone, Node)]
 #[node(end = Back, revision = 1, output(color: Kind::Color = "The blended color."))]
+#[also_called("Average", "WeightedSum", "Combine")]
 pub(crate) struct Blend {
-    /// The colors, in the order of the weights.
+    /// Colors to blend, in the order of the weights.
     #[port(2..=4096)]
     colors: Many<port::Color>,
-    /// As many weights as colors: a node, or numbers that sum to 1.
+    /// One weight per color: a node that gives weights, or numbers that sum to 1.
     weights: One<port::Weights>,
 }
 
@@ -30,7 +31,8 @@ impl Node for Blend {
         if colors == ways {
             return;
         }
-        // Without weight 1 among the colors that are there, a grey of 0.6 would come out darker than the palette.
+        // Weights without a color would be lost: the remaining ones sum to less than 1, so the result would be darker
+        // than every color of the palette. The message shows this for a gray of 0.6.
         let found = if colors < ways {
             let kept = colors as f64 / ways as f64;
             format!(
@@ -41,7 +43,12 @@ impl Node for Blend {
         } else {
             format!("{colors} colors for {ways} weights: the last {} would have no weight", colors - ways)
         };
-        check.error(Self::COLORS, found, format!("{ways} colors"), format!("list exactly {ways} colors, one a weight"));
+        check.error(
+            Self::COLORS,
+            found,
+            format!("{ways} colors"),
+            format!("list exactly {ways} colors, one per weight"),
+        );
     }
 
     fn body(&self) -> Body<'_> {

@@ -1,37 +1,39 @@
-//! Clamp: the gate from Fields to weights.
+//! Clamp: maps a field to a mask. Colors depend on fields only through weights, and this is the most direct way there.
 
 use trochoid_graph::*;
 
-/// Maps a field to a mask: 0 below `min`, 1 above `max`, straight between.
+/// Maps a field to a mask that rises linearly from 0 at `min` to 1 at `max`.
 ///
 /// # Formula
-/// 1 where max ≤ x; (x − min)/(max − min) where min ≤ x; else 0. Then t²(3 − 2t) if `smooth`, then tᵖ with p = `power`.
+/// t = 0 for x < min, (x − min)/(max − min) for min ≤ x < max, 1 for x ≥ max. Then t²(3 − 2t) if `smooth`, then tᵖ with
+/// p = `power`.
 ///
 /// # Edge cases
-/// min = max is a step that includes its threshold. +∞ (the sky's depth) gives 1, −∞ gives 0.
+/// min = max gives a hard step; at the threshold itself the mask is 1. +∞ (the depth of the sky) gives 1, −∞ gives 0.
 ///
 /// # Source
 /// Thesis 3.2.4.2, Clamp(t, max, min); `power` is the C² of 3.2.3.2.
 #[derive(Clone, Node)]
 #[node(end = Back, revision = 1, role = Threshold, output(mask: Kind::MASK = "The mask."))]
+#[also_called("MapRange", "Remap", "Fit", "SmoothStep", "Levels")]
 pub(crate) struct Clamp {
-    /// What is measured against the range.
+    /// Field to map to a mask.
     field: One<port::Scalar>,
-    /// Where the mask begins to rise, in the field's unit.
+    /// Value at which the mask begins to rise, in the field's unit.
     #[knob(default = 0.0, range = LOWEST..=HIGHEST)]
     min: f64,
-    /// Where the mask reaches 1, in the field's unit.
+    /// Value at which the mask reaches 1, in the field's unit.
     #[knob(default = 1.0, range = LOWEST..=HIGHEST)]
     max: f64,
-    /// Ease in and out, t²(3 − 2t).
+    /// Eases the ramp in and out: t²(3 − 2t).
     #[knob(default = false)]
     smooth: bool,
-    /// Contrast: the mask is raised to this power.
+    /// Exponent applied to the mask; 1 leaves it unchanged, larger values darken its mid-tones.
     #[knob(default = 1.0, range = 1.0..=1000.0)]
     power: f64,
 }
 
-/// Bounds beyond every f32 would reach kernels as infinities.
+/// Range of the finite f32. Larger bounds would become infinities in the kernels, which compute in f32.
 const LOWEST: f64 = -HIGHEST;
 const HIGHEST: f64 = f32::MAX as f64;
 
@@ -39,12 +41,7 @@ impl Node for Clamp {
     fn check(&self, check: &mut Check<'_>) {
         let (min, max) = (self.min, self.max);
         if max < min {
-            check.error(
-                Self::MAX,
-                format!("min {min} above max {max}"),
-                "min ≤ max",
-                "exchange them, and Invert the mask",
-            );
+            check.error(Self::MAX, format!("min {min} above max {max}"), "min ≤ max", "swap them, and Invert the mask");
         }
     }
 

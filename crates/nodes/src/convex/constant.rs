@@ -1,21 +1,22 @@
-//! Constant: one control color.
+//! Constant: a single control color.
 
 use trochoid_graph::*;
 
-/// Gives one control color everywhere.
+/// Fills the picture with one control color.
 ///
 /// # Formula
 /// C
 ///
 /// # Edge cases
-/// A keyed color is one control color at each frame.
+/// A keyframed color is a single control color at every frame.
 ///
 /// # Source
-/// A vertex of the hull: Akleman, Liu, House, Barycentric Shaders, 2016.
+/// A vertex of the convex hull: Akleman, Liu, House, Barycentric Shaders, 2016.
 #[derive(Clone, Node)]
 #[node(end = Back, revision = 1, output(color: Kind::Color = "The color."))]
+#[also_called("Color", "Colour", "Solid", "SolidColor", "Fill", "Background", "RGB")]
 pub(crate) struct Constant {
-    /// The control color.
+    /// Control color: a color of the palette.
     #[knob(color)]
     color: [f64; 3],
 }

@@ -1,22 +1,22 @@
-//! Invert: the other side of a mask.
+//! Invert: the complement of a mask.
 
 use trochoid_graph::*;
 
-/// Gives the complement of a mask.
+/// Inverts a mask: 0 becomes 1 and 1 becomes 0.
 ///
 /// # Formula
 /// 1 − t
 ///
 /// # Edge cases
-/// Exact at 0, ½ and 1. Twice inverted, a mask below 2⁻²⁴ loses its last digits; a Mix with `a` and `b` exchanged loses
-/// none.
+/// Exact at 0, ½ and 1. Inverting a mask below 2⁻²⁴ twice loses its last digits; swapping `a` and `b` of a Mix instead
+/// loses none.
 ///
 /// # Source
-/// The second weight of a partition of unity in two.
+/// The second weight of a partition of unity with two weights.
 #[derive(Clone, Node)]
-#[node(end = Back, revision = 1, output(mask: Kind::MASK = "The complement."))]
+#[node(end = Back, revision = 1, output(mask: Kind::MASK = "The inverted mask."))]
 pub(crate) struct Invert {
-    /// The mask.
+    /// Mask to invert.
     weight: One<port::Mask>,
 }
 

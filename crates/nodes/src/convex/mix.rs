@@ -1,4 +1,4 @@
-//! Mix: the barycentric operation on two colors.
+//! Mix: the barycentric combination of two colors.
 
 use trochoid_graph::*;
 
@@ -8,18 +8,19 @@ use trochoid_graph::*;
 /// (1 − t)·a + t·b
 ///
 /// # Edge cases
-/// Exactly `a` at t = 0, `b` at t = 1, and their common value where they are equal.
+/// Exactly `a` at t = 0 and exactly `b` at t = 1. Where both are equal, the result is that color for every t.
 ///
 /// # Source
 /// Thesis 3.2.4.2, Mix(C₀, C₁, t).
 #[derive(Clone, Node)]
 #[node(end = Back, revision = 1, output(color: Kind::Color = "The mixed color."))]
+#[also_called("Lerp", "Dissolve", "Crossfade", "CrossDissolve", "MixRGB", "MixColor", "Keymix")]
 pub(crate) struct Mix {
-    /// The color where the weight is 0.
+    /// Color where the weight is 0.
     a: One<port::Color>,
-    /// The color where the weight is 1.
+    /// Color where the weight is 1.
     b: One<port::Color>,
-    /// How much of `b`.
+    /// Weight of `b`: 0 shows only `a`, 1 shows only `b`.
     weight: One<port::Mask>,
 }
 

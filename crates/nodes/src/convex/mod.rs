@@ -1,4 +1,4 @@
-//! Convex operations on colors and weights, sample by sample.
+//! Nodes that combine colors and weights sample by sample, and make weights from fields.
 
 mod bands;
 mod blend;

@@ -1,21 +1,21 @@
-//! Multiply: all masks at once.
+//! Multiply: the intersection of masks.
 
 use trochoid_graph::*;
 
-/// Gives the mask of where all masks are.
+/// Multiplies masks; the result is 1 only where every mask is 1.
 ///
 /// # Formula
 /// Π tᵢ
 ///
 /// # Edge cases
-/// 0 where any mask is 0, exactly; masks of 1 change nothing.
+/// Exactly 0 where any mask is 0. A mask of 1 changes nothing.
 ///
 /// # Source
-/// Product of the second weights of partitions in two.
+/// The product of the second weights of partitions of unity with two weights each.
 #[derive(Clone, Node)]
 #[node(end = Back, revision = 1, output(mask: Kind::MASK = "The product."))]
 pub(crate) struct Multiply {
-    /// The masks, in any order.
+    /// Masks to multiply; their order does not matter.
     #[port(2..=64)]
     weights: Many<port::Mask>,
 }

@@ -1,25 +1,25 @@
-//! Normalize: from fields to a partition of unity.
+//! Normalize: turns fields into weights that sum to 1.
 
 use trochoid_graph::*;
 
-/// Divides fields by their sum; what is missing from 1 goes to one more weight, the last.
+/// Divides fields by their sum to get weights that sum to 1; one more weight, the last, takes the remainder.
 ///
 /// # Formula
 /// wᵢ = vᵢ/max(S, τ) with vᵢ = max(fieldᵢ, 0), S = Σ vᵢ, τ = `floor`; the last weight is 1 − S/max(S, τ).
 ///
 /// # Edge cases
-/// Negative values count as 0. Where all fields are 0 the last weight is 1; where their sum is at least `floor` it is 0.
-/// Infinity, which fields here should not hold, counts as the largest finite f32.
+/// Negative values count as 0. The last weight is 1 where all fields are 0, and 0 where their sum is at least `floor`.
+/// Fields should be finite; +∞ counts as the largest finite f32.
 ///
 /// # Source
-/// Shepard's weights with a floor, so that no quotient has a slope beyond 2/τ.
+/// Shepard's weights with a floor, which limits the slope of every quotient to 2/τ.
 #[derive(Clone, Node)]
-#[node(end = Back, revision = 1, output(weights: Kind::ANY_WEIGHTS = "One weight a field, and the remainder."))]
+#[node(end = Back, revision = 1, output(weights: Kind::ANY_WEIGHTS = "One weight per field, then the remainder."))]
 pub(crate) struct Normalize {
-    /// Finite fields, one a weight.
+    /// Finite fields, one per weight.
     #[port(1..=255)]
     fields: Many<port::Scalar>,
-    /// Sum below which weight is handed to the last.
+    /// Sum of the fields below which the last weight begins to rise, in the fields' unit.
     #[knob(default = 0.001, range = 1e-30..=f32::MAX as f64)]
     floor: f64,
 }

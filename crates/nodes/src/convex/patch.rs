@@ -1,30 +1,31 @@
-//! Patch: colors over two masks.
+//! Patch: a Bézier patch of colors over two masks.
 
 use trochoid_graph::*;
 
-/// Spans 4 colors (bilinear) or 16 (bicubic) over two masks.
+/// Blends a grid of 4 colors (bilinear) or 16 colors (bicubic Bézier) by two masks.
 ///
 /// # Formula
-/// Σ Bᵢ(u)·Bⱼ(v)·Cⱼᵢ with Bernstein polynomials of degree 1 or 3; colors row by row, u fastest.
+/// Σ Bᵢ(u)·Bⱼ(v)·Cⱼᵢ with Bernstein polynomials of degree 1 or 3. Colors are listed row by row; u runs along a row.
 ///
 /// # Edge cases
-/// The corner colors are met exactly at the corners; the other 12 of 16 pull without being met.
+/// The corner colors appear exactly at the corners. The other 12 of 16 colors pull the result toward themselves but are
+/// never reached exactly.
 ///
 /// # Source
-/// Bézier patch by de Casteljau's algorithm, u first, then v; thesis 3.2.4.3.
+/// Bézier patch, evaluated by de Casteljau's algorithm, first in u, then in v; thesis 3.2.4.3.
 #[derive(Clone, Node)]
 #[node(end = Back, revision = 1, role = Patch, output(color: Kind::Color = "The color."))]
 pub(crate) struct Patch {
-    /// Along a row of colors.
+    /// Position along a row of colors.
     u: One<port::Mask>,
-    /// From row to row.
+    /// Position from the first row to the last.
     v: One<port::Mask>,
-    /// 4 or 16 colors, row by row, u fastest.
+    /// 4 or 16 colors, listed row by row.
     #[port(4..=16)]
     colors: Many<port::Color>,
 }
 
-/// One Bézier curve at `t`: neighbors are mixed until one color is left.
+/// Evaluates a Bézier curve at `t`: mixes neighbors until one color is left.
 fn casteljau(build: &mut Builder<'_>, mut points: Vec<Color>, t: Mask) -> Color {
     while points.len() > 1 {
         points = points.windows(2).map(|pair| build.mix(pair[0], pair[1], t)).collect();
@@ -32,14 +33,14 @@ fn casteljau(build: &mut Builder<'_>, mut points: Vec<Color>, t: Mask) -> Color 
     points[0]
 }
 
-/// Bernstein polynomials of degree 1 or 3.
+/// Returns the Bernstein polynomials at `t`, of degree 1 or 3.
 fn bernstein(side: usize, t: f64) -> Vec<f64> {
     let s = 1.0 - t;
     if side == 2 { vec![s, t] } else { vec![s * s * s, 3.0 * s * s * t, 3.0 * s * t * t, t * t * t] }
 }
 
 impl Patch {
-    /// Colors in a row: 2 for 4 colors, 4 for 16.
+    /// Returns the number of colors in a row: 2 of 4 colors, 4 of 16.
     fn side(&self) -> usize {
         if self.colors.len() < 16 { 2 } else { 4 }
     }
@@ -49,7 +50,8 @@ impl Node for Patch {
     fn check(&self, check: &mut Check<'_>) {
         let count = self.colors.len();
         if count != 4 && count != 16 {
-            let remedy = "list 2 rows of 2 or 4 rows of 4; a single row is a Ramp, other weights are a Blend's";
+            let remedy =
+                "list 2 rows of 2 or 4 rows of 4 colors; use a Ramp for a single row, a Blend for other weights";
             check.error(Self::COLORS, format!("{count} colors"), "4 or 16 colors", remedy);
         }
     }

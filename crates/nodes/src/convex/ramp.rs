@@ -1,42 +1,43 @@
-//! Ramp: colors along a mask.
+//! Ramp: a color gradient along a mask.
 
 use trochoid_graph::*;
 
-/// Leads through colors along a mask.
+/// Maps a mask through a gradient of colors.
 ///
 /// # Formula
-/// Σ hᵢ(t)·Cᵢ, the hat functions hᵢ over the stops: u = (t − atᵢ)/(atᵢ₊₁ − atᵢ) of the way from Cᵢ to Cᵢ₊₁; `smooth`
-/// eases u²(3 − 2u); `step` keeps Cᵢ until the next stop.
+/// Σ hᵢ(t)·Cᵢ with hat functions hᵢ over the stops: from Cᵢ to Cᵢ₊₁ by the fraction u = (t − atᵢ)/(atᵢ₊₁ − atᵢ).
+/// `smooth` eases it, u²(3 − 2u); `step` keeps Cᵢ until the next stop.
 ///
 /// # Edge cases
-/// At a stop exactly its color, before the first and after the last theirs. Two stops at one place are a hard edge,
-/// with the later color at the place itself.
+/// At a stop, exactly the color of that stop. Before the first stop and after the last, their colors. Two stops at the
+/// same position give a hard edge; the position itself has the later color.
 ///
 /// # Source
-/// Piecewise linear interpolation as a partition of unity; smooth: thesis 3.2.4.2.
+/// Piecewise linear interpolation as a partition of unity; `smooth`: thesis 3.2.4.2.
 #[derive(Clone, Node)]
 #[node(end = Back, revision = 1, output(color: Kind::Color = "The color."))]
+#[also_called("ColorRamp", "Gradient", "GradientMap", "Curves", "ColorCurve", "Lookup", "LUT", "Colorize")]
 pub(crate) struct Ramp {
-    /// Where along the ramp.
+    /// Position along the gradient.
     weight: One<port::Mask>,
-    /// Colors and their places, ascending.
+    /// Colors and their positions, in ascending order.
     #[list(1..=256)]
     stops: Vec<Stop>,
-    /// How to get from stop to stop.
+    /// Transition from one stop to the next: linear, smooth (eased in and out), or step (no transition).
     interpolation: Interpolation,
 }
 
-/// A color at a place.
+/// Color at a position of the gradient.
 #[derive(Clone, Items)]
 pub(crate) struct Stop {
-    /// Place of the color, 0 to 1.
+    /// Position of the color along the gradient, from 0 to 1.
     #[knob(range = 0.0..=1.0, required)]
     at: f64,
-    /// The color there.
+    /// Color at this position.
     color: One<port::Color>,
 }
 
-/// What lies between two stops.
+/// Transition between two stops.
 #[derive(Clone, Copy, Debug, PartialEq, Choice)]
 pub(crate) enum Interpolation {
     Linear,
@@ -45,7 +46,8 @@ pub(crate) enum Interpolation {
 }
 
 impl Ramp {
-    /// The places of the stops. Keyed places that ascend at their keys might cross in between: the later one then waits.
+    /// Returns the positions of the stops, made ascending. Keyframed positions that ascend at every keyframe may still
+    /// cross in between; then the later stop stays at the position of the earlier one.
     fn places(&self) -> Vec<f64> {
         let reached = |last: &mut f64, stop: &Stop| {
             *last = last.max(stop.at);
@@ -60,12 +62,12 @@ impl Node for Ramp {
         let at: Vec<f64> = self.stops.iter().map(|stop| stop.at).collect();
         if let Some(pair) = at.windows(2).find(|pair| pair[1] < pair[0]) {
             let found = format!("a stop at {} after one at {}", pair[1], pair[0]);
-            check.error(Self::STOPS, found, "stops that ascend", "sort the stops by \"at\"");
+            check.error(Self::STOPS, found, "stops in ascending order", "sort the stops by \"at\"");
         }
         if let Some(three) = at.windows(3).find(|three| three[0] == three[1] && three[1] == three[2]) {
             let found = format!("three stops at {}", three[0]);
             let remedy = "the middle color never shows: remove or move it";
-            check.warning(Self::STOPS, found, "at most two stops at one place: a hard edge", remedy);
+            check.warning(Self::STOPS, found, "at most two stops at the same position, for a hard edge", remedy);
         }
     }
 
@@ -79,7 +81,7 @@ impl Pointwise for Ramp {
         let (stops, places) = (&self.stops, self.places());
         let x = lowering.scalar(&self.weight);
         let mut color = lowering.color(&stops[0].color);
-        // A mask that has reached 1 shows its color alone, so each Mix needs only the one before.
+        // Where t = 1, a mix shows only its own color, so chaining the mixes gives the sum of hat functions.
         for (stop, at) in stops[1..].iter().zip(places.windows(2)) {
             let next = lowering.color(&stop.color);
             let (min, max) = (at[0] as f32, at[1] as f32);

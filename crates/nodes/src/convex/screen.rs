@@ -1,21 +1,21 @@
-//! Screen: any of several masks.
+//! Screen: the union of masks.
 
 use trochoid_graph::*;
 
-/// Gives the mask of where any mask is.
+/// Combines masks like a screen blend; the result is 1 where any mask is 1.
 ///
 /// # Formula
 /// 1 − Π(1 − tᵢ)
 ///
 /// # Edge cases
-/// 1 where any mask is 1, 0 where all are 0, exactly. Masks below 2⁻²⁴ may vanish.
+/// Exactly 1 where any mask is 1, and exactly 0 where all are 0. Masks below 2⁻²⁴ may be rounded to 0.
 ///
 /// # Source
-/// Complement of the product of complements (De Morgan).
+/// The complement of the product of complements (De Morgan).
 #[derive(Clone, Node)]
-#[node(end = Back, revision = 1, output(mask: Kind::MASK = "The union."))]
+#[node(end = Back, revision = 1, output(mask: Kind::MASK = "The combined mask."))]
 pub(crate) struct Screen {
-    /// The masks, in any order.
+    /// Masks to combine; their order does not matter.
     #[port(2..=64)]
     weights: Many<port::Mask>,
 }
@@ -39,7 +39,7 @@ impl Pointwise for Screen {
     }
 
     fn reference(&self, inputs: &References<'_>) -> Reference {
-        // t + u − t·u keeps the digits of small masks.
+        // 1 − (1 − t)(1 − u), but without losing the digits of small masks.
         let either = |t: f64, u: f64| t + u - t * u;
         Reference::Mask(self.weights.iter().map(|source| inputs.scalar(source)).fold(0.0, either))
     }

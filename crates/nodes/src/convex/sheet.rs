@@ -2,43 +2,45 @@
 
 use trochoid_graph::*;
 
-/// Spans a grid of colors over two masks, and meets every one of them.
+/// Blends a grid of colors by two masks; every color of the grid is reached exactly.
 ///
 /// # Formula
-/// Σ hᵢ(u)·hⱼ(v)·Cⱼᵢ, the hat functions h over the places of the columns and rows: between two places t = (u −
-/// atᵢ)/(atᵢ₊₁ − atᵢ) of the way to the next; `smooth` eases t²(3 − 2t). Colors row by row, u fastest.
+/// Σ hᵢ(u)·hⱼ(v)·Cⱼᵢ with hat functions h over the positions of the columns and rows: from one to the next by the
+/// fraction t = (u − atᵢ)/(atᵢ₊₁ − atᵢ). `smooth` eases it, t²(3 − 2t). Colors are listed row by row; u runs along a
+/// row.
 ///
 /// # Edge cases
-/// At a crossing exactly its color; before the first and after the last column or row theirs. Two columns or rows at
-/// one place are a hard edge, with the later one at the place itself.
+/// Where a column and a row cross, exactly the color listed for them. Before the first column or row and after the
+/// last, their colors. Two columns or rows at the same position give a hard edge; the position itself has the later
+/// one.
 ///
 /// # Source
-/// Piecewise bilinear interpolation as a partition of unity: products of hat functions. Unlike a Patch, whose inner
-/// colors pull without being met.
+/// Piecewise bilinear interpolation as a partition of unity: products of hat functions. A Patch, in contrast, does not
+/// reach its inner colors.
 #[derive(Clone, Node)]
 #[node(end = Back, revision = 1, output(color: Kind::Color = "The color."))]
 pub(crate) struct Sheet {
-    /// Along a row of colors.
+    /// Position along a row of colors.
     u: One<port::Mask>,
-    /// From row to row.
+    /// Position from the first row to the last.
     v: One<port::Mask>,
-    /// The colors, row by row, u fastest.
+    /// Colors of the grid, listed row by row.
     #[port(1..=1024)]
     colors: Many<port::Color>,
-    /// Colors in a row.
+    /// Number of columns: colors in each row.
     #[knob(range = 1..=1024, required)]
     columns: i64,
-    /// Places of the columns, 0 to 1, ascending; by default evenly from 0 to 1.
+    /// Positions of the columns, from 0 to 1, in ascending order; evenly spaced by default.
     #[knob(len = 1..=1024)]
     columns_at: Option<Vec<f64>>,
-    /// Places of the rows, 0 to 1, ascending; by default evenly from 0 to 1.
+    /// Positions of the rows, from 0 to 1, in ascending order; evenly spaced by default.
     #[knob(len = 1..=1024)]
     rows_at: Option<Vec<f64>>,
-    /// How to get from color to color.
+    /// Transition from one color to the next: linear, or smooth (eased in and out).
     interpolation: Interpolation,
 }
 
-/// What lies between two colors.
+/// Transition between two colors.
 #[derive(Clone, Copy, Debug, PartialEq, Choice)]
 pub(crate) enum Interpolation {
     Linear,
@@ -46,7 +48,7 @@ pub(crate) enum Interpolation {
 }
 
 impl Interpolation {
-    /// A part of the way as it is gone.
+    /// Applies the easing to a fraction of the way.
     fn eased(self, build: &mut Builder<'_>, t: Mask) -> Mask {
         match self {
             Self::Linear => t,
@@ -54,7 +56,7 @@ impl Interpolation {
         }
     }
 
-    /// The same in f64.
+    /// Applies the easing in f64.
     fn eased_reference(self, t: f64) -> f64 {
         match self {
             Self::Linear => t,
@@ -64,12 +66,13 @@ impl Interpolation {
 }
 
 impl Sheet {
-    /// Colors in a row; a keyed number of columns that the colors do not fill is that of one row.
+    /// Returns the number of colors in a row. A keyframed number of columns larger than the number of colors means a
+    /// single row.
     fn in_a_row(&self) -> usize {
         (self.columns.max(1) as usize).min(self.colors.len())
     }
 
-    /// Places of the columns, and of the rows.
+    /// Returns the positions of the columns and of the rows.
     fn places(&self) -> [Vec<f64>; 2] {
         let columns = self.in_a_row();
         let evenly = |count: usize| {
@@ -97,15 +100,15 @@ impl Node for Sheet {
         for (knob, at, expected) in axes {
             let Some(at) = at else { continue };
             if at.len() != expected {
-                let found = format!("{} places", at.len());
-                check.error(knob, found, format!("{expected}, one each"), "list as many places, or none");
+                let found = format!("{} positions", at.len());
+                check.error(knob, found, format!("{expected}, one each"), "list as many positions, or none");
             }
             if let Some(pair) = at.windows(2).find(|pair| pair[1] < pair[0]) {
-                let remedy = "sort the places, and their colors with them";
-                check.error(knob, format!("{} after {}", pair[1], pair[0]), "places that ascend", remedy);
+                let remedy = "sort the positions, and their colors with them";
+                check.error(knob, format!("{} after {}", pair[1], pair[0]), "positions in ascending order", remedy);
             }
             if let Some(at) = at.iter().find(|at| !(0.0..=1.0).contains(*at)) {
-                check.error(knob, format!("a place at {at}"), "places from 0 to 1", "divide them by the largest");
+                check.error(knob, format!("a position of {at}"), "positions from 0 to 1", "divide them by the largest");
             }
         }
     }
@@ -115,7 +118,7 @@ impl Node for Sheet {
     }
 }
 
-/// How far each color after the first is laid over those before it. Where a mask has reached 1, it covers them.
+/// Returns a mask for each color after the first: how far it covers the colors before it.
 fn covers(build: &mut Builder<'_>, x: Scalar, places: &[f64], between: Interpolation) -> Vec<Mask> {
     let pairs = places.windows(2).map(|at| (at[0] as f32, at[1] as f32));
     let cover = |(min, max): (f32, f32)| {
@@ -128,12 +131,12 @@ fn covers(build: &mut Builder<'_>, x: Scalar, places: &[f64], between: Interpola
     pairs.map(cover).collect()
 }
 
-/// The colors laid over each other.
+/// Mixes each color over those before it.
 fn laid(build: &mut Builder<'_>, colors: &[Color], covers: &[Mask]) -> Color {
     colors[1..].iter().zip(covers).fold(colors[0], |below, (color, cover)| build.mix(below, *color, *cover))
 }
 
-/// The hat functions of places.
+/// Returns the hat functions of the positions at `t`.
 fn hats(places: &[f64], t: f64, between: Interpolation) -> Vec<f64> {
     let mut hats = vec![0.0; places.len()];
     let reached = places.partition_point(|at| *at <= t);
@@ -211,7 +214,7 @@ mod tests {
                 assert_eq!(frame.lowered(at(x, y))[0], (y * 4 + x) as f32 / 32.0, "{x}, {y}");
             }
         }
-        // Of two columns at one place the later.
+        // At a position shared by two columns, the later column shows.
         let frame = frame("color", &sheet(4, 1, r#""columns_at": [0, 0.5, 0.5, 1], "#));
         assert_eq!(frame.lowered([2.0, 1.5])[0], 2.0 / 32.0);
     }
@@ -219,7 +222,7 @@ mod tests {
     #[test]
     fn grids_without_whole_rows_or_places_are_refused() {
         assert!(refused("color", &sheet(3, 2, "").replace("\"columns\": 3", "\"columns\": 4")).contains("6 colors"));
-        assert!(refused("color", &sheet(3, 2, r#""rows_at": [0, 0.5, 1], "#)).contains("3 places"));
+        assert!(refused("color", &sheet(3, 2, r#""rows_at": [0, 0.5, 1], "#)).contains("3 positions"));
         assert!(refused("color", &sheet(3, 2, r#""rows_at": [0.5, 0.25], "#)).contains("0.25 after 0.5"));
         assert!(refused("color", &sheet(3, 2, r#""rows_at": [0.5, 1.25], "#)).contains("1.25"));
     }

@@ -1,22 +1,23 @@
-//! Stack: masks laid over each other.
+//! Stack: weights of layers, from masks on top of each other.
 
 use trochoid_graph::*;
 
-/// Lays masks over each other, the first on top; one more weight takes what they leave.
+/// Turns masks into the weights of layers, the first on top; one more weight, the last, takes the remainder.
 ///
 /// # Formula
 /// wᵢ = tᵢ·Πⱼ₍ⱼ<ᵢ₎(1 − tⱼ); the last weight is Π(1 − tⱼ).
 ///
 /// # Edge cases
-/// A mask of 1 leaves exactly nothing to those below. A mask of 0 changes nothing. With one mask, the first weight is t
-/// and the second 1 − t.
+/// Where a mask is 1, the layers below it have exactly the weight 0. A mask of 0 changes nothing. With a single mask t,
+/// the weights are t and 1 − t.
 ///
 /// # Source
-/// Porter, Duff, Compositing Digital Images, 1984: over, written with straight colors.
+/// Porter, Duff, Compositing Digital Images, 1984: the over operator, on colors that are not premultiplied.
 #[derive(Clone, Node)]
-#[node(end = Back, revision = 1, output(weights: Kind::ANY_WEIGHTS = "One weight a mask, and the remainder."))]
+#[node(end = Back, revision = 1, output(weights: Kind::ANY_WEIGHTS = "One weight per mask, then the remainder."))]
+#[also_called("Layer", "Layers", "Composite", "Comp", "AlphaOver", "LayerStack")]
 pub(crate) struct Stack {
-    /// The masks, the uppermost first.
+    /// Masks of the layers, top layer first.
     #[port(1..=255)]
     weights: Many<port::Mask>,
 }

@@ -1,39 +1,40 @@
-//! Switch: one of several inputs.
+//! Switch: passes on one of several inputs.
 
 use trochoid_graph::*;
 
-/// Hands on one of its inputs, the others of which are not evaluated.
+/// Passes on one of its inputs; the others are not evaluated.
 ///
 /// # Formula
 /// inputs[which]
 ///
 /// # Edge cases
-/// Only the chosen input is planned, evaluated and read from disk. Each key of `which` holds until the next. A disabled
-/// input that hands on nothing leaves the list, and those after it move up.
+/// Only the chosen input is planned, evaluated and read from disk. Each keyframe of `which` holds until the next. A
+/// bypassed input without a value drops out of the list, and those after it move up.
 ///
 /// # Source
-/// A choice among colors stays in their palette.
+/// Choosing one of several colors adds none to the palette.
 #[derive(Clone, Node)]
 #[node(end = Back, revision = 1, output(output: Kind::ANY = "The chosen input."))]
+#[also_called("Choose", "Select", "Selector")]
 pub(crate) struct Switch {
-    /// What to choose from, all of one kind.
+    /// Inputs to choose from, all of the same kind.
     #[port(1..=MOST)]
     inputs: Many<port::Image>,
-    /// The input that is chosen, counted from 0.
+    /// Index of the chosen input, counted from 0.
     #[knob(default = 0, range = 0..=MOST as i64 - 1, held)]
     which: i64,
 }
 
-/// Most inputs.
+/// Largest number of inputs.
 const MOST: usize = 256;
 
 impl Switch {
-    /// The chosen input, where there is one.
+    /// Returns the chosen input; none if `which` is out of range.
     fn chosen(&self) -> Option<&Source<Vec<f64>>> {
         self.inputs.get(usize::try_from(self.which).ok()?)
     }
 
-    /// The same once the node is checked.
+    /// Returns the chosen input of a checked node.
     fn input(&self) -> &Source<Vec<f64>> {
         match self.chosen() {
             Some(input) => input,
@@ -58,7 +59,7 @@ impl Node for Switch {
         for (index, input) in inputs.iter().enumerate() {
             if let Some(kind) = check.kind(input).filter(|kind| *kind != first) {
                 let found = format!("a {first} as inputs[0] and a {kind} as inputs[{index}]");
-                let remedy = "what the output is must not depend on the choice: switch between values of one kind";
+                let remedy = "the kind of the output must not depend on the choice: connect inputs of one kind";
                 check.error(Self::INPUTS, found, "inputs of one kind", remedy);
                 return;
             }

@@ -1,45 +1,48 @@
-//! FieldMath: any arithmetic on fields.
+//! FieldMath: computes a field by a formula that the user writes.
 
-use crate::bounds::Span;
-use crate::field::{Expression, Program, parse};
 use crate::filter::numbers;
 use std::collections::HashMap;
 use std::sync::{Mutex, OnceLock, PoisonError};
+use trochoid_field::{Expression, Program, parse};
 use trochoid_graph::*;
 use trochoid_image::Window;
 
-/// Computes a field from fields by a formula.
+/// Computes a field from other fields by a formula.
 ///
 /// # Formula
-/// `expression`, of a, b, c and d: + − * / ^; < <= > >= == != (1 where it holds, else 0); min max clamp abs sign floor
-/// ceil fract mod sqrt exp log sin cos atan2 (radians) smoothstep(from, to, x) mix(a, b, t) if(condition, a, b) dot
-/// length; pi; a.x, a.zyx (x y z w are the components); [a, b.x] joins components.
+/// `expression`, a formula of the inputs a, b, c and d. Operators: + − * / ^ and < <= > >= == != (1 if true, 0 if
+/// false). Functions: min max clamp abs sign floor ceil fract mod sqrt exp log sin cos atan2 (angles in radians)
+/// smoothstep(from, to, x) mix(a, b, t) if(condition, a, b) dot length. Constant: pi. Components are x, y, z and w: a.x
+/// or a.zyx picks some, [a, b.x] joins them.
 ///
 /// # Edge cases
-/// All is computed in f64. A single number goes with each component of the other operand. Where a result is NaN, as 0/0
-/// or the root of a negative number is, it becomes `nan` and counts as repaired; ±∞ is kept. ^ binds tighter than a
-/// sign before it and from the right: −2^2 is −4. 0 and NaN are false.
+/// Computes in f64. An operand of one component is combined with each component of the other operand. A result that is
+/// NaN, like 0/0 or the root of a negative number, is replaced by `nan` and counted as repaired; ±∞ is kept. ^ is
+/// right-associative and binds more tightly than a leading sign: −2^2 is −4. As conditions, 0 and NaN are false.
 ///
 /// # Source
-/// The front end computes freely; a Clamp makes a mask of the result.
+/// Fields are not colors, so any arithmetic is allowed on them; a Clamp turns the result into a mask.
 #[derive(Clone, Node)]
 #[node(end = Front, revision = 1, output(field: Kind::ANY = "The result."))]
+#[also_called(
+    "Math", "Expression", "Formula", "Checkerboard", "Checker", "Stripes", "Grid", "MergeExpression", "VectorMath" => "a formula"
+)]
 pub(crate) struct FieldMath {
-    /// The formula, such as "a*sin(6*b.x) + 1".
+    /// Formula to compute, for example "a*sin(6*b.x) + 1".
     #[knob(required)]
     expression: String,
-    /// How many components the result has.
+    /// Number of components of the result.
     #[knob(default = 1, range = 1..=4, held)]
     components: i64,
-    /// Input a.
+    /// Field a of the formula.
     a: Optional<port::Field>,
-    /// Input b.
+    /// Field b of the formula.
     b: Optional<port::Field>,
-    /// Input c.
+    /// Field c of the formula.
     c: Optional<port::Field>,
-    /// Input d.
+    /// Field d of the formula.
     d: Optional<port::Field>,
-    /// What stands where the formula has no value.
+    /// Value that replaces NaN, where the formula has no result.
     #[knob(default = 0.0, range = LOWEST..=HIGHEST)]
     nan: f64,
 }
@@ -48,24 +51,25 @@ const LOWEST: f64 = -HIGHEST;
 const HIGHEST: f64 = f32::MAX as f64;
 
 impl FieldMath {
-    /// The inputs, in order.
+    /// Returns the inputs in order.
     fn inputs(&self) -> [&Optional<port::Field>; 4] {
         [&self.a, &self.b, &self.c, &self.d]
     }
 
-    /// The formula, where the inputs have these components; else what is wrong: found, expected, remedy.
-    fn parsed(&self, widths: [Option<usize>; 4]) -> Result<Expression, [String; 3]> {
+    /// Parses the formula for inputs with these numbers of components. An error is made of what was found, what was
+    /// expected, and the remedy.
+    fn parsed(&self, widths: [Option<usize>; 4]) -> Result<Expression, BadData> {
         let expression = parse(&self.expression, widths).map_err(|fault| {
             let place = format!("column {} of the expression", fault.column);
-            let remedy = fault.remedy.unwrap_or_else(|| "write it as `trochoid nodes FieldMath` says".into());
-            [format!("{} at {place}", fault.found), fault.expected, remedy]
+            let remedy = fault.remedy.map_or("write it as `trochoid nodes FieldMath` says".into(), |r| r.to_string());
+            BadData::new(format_args!("{} at {place}", fault.found), fault.expected.to_string(), remedy)
         })?;
         let components = self.components as usize;
         if expression.width == components {
             return Ok(expression);
         }
         let remedy = format!("set \"components\" to {}, or pick some, as in (…).x", expression.width);
-        Err([format!("a result of {} components", expression.width), format!("{components}"), remedy])
+        Err(BadData::new(format_args!("a result of {} components", expression.width), components.to_string(), remedy))
     }
 }
 
@@ -78,12 +82,12 @@ impl Node for FieldMath {
         let mut widths = [None; 4];
         for (width, port) in widths.iter_mut().zip(self.inputs()) {
             if let Some(source) = port.as_ref() {
-                // Of a source that is itself faulty nothing can be said.
+                // The kind of a faulty source is unknown; its own error suffices.
                 let Some(kind) = check.kind(source) else { return };
                 *width = Some(kind.channels());
             }
         }
-        if let Err([found, expected, remedy]) = self.parsed(widths) {
+        if let Err(BadData { found, expected, remedy, .. }) = self.parsed(widths) {
             check.error(Self::EXPRESSION, found, expected, remedy);
         }
     }
@@ -112,26 +116,25 @@ impl Stage for FieldMath {
     }
 }
 
-/// Which values were NaN: by component and place in the pixel, a bit for each pixel.
+/// Values that were NaN: one bit per pixel, by component and sample position within the pixel.
 type Repaired = HashMap<(usize, [u64; 2]), Vec<u64>>;
 
 struct PreparedFieldMath {
     node: FieldMath,
     picture: Window,
-    /// The formula, once the inputs are known.
+    /// The compiled formula, once the inputs are known.
     program: OnceLock<Result<Program, NodeError>>,
     repaired: Mutex<Repaired>,
 }
 
 impl PreparedFieldMath {
-    /// The formula, where the inputs have these components.
+    /// Parses the formula for inputs with these numbers of components.
     fn expression(&self, widths: [Option<usize>; 4]) -> Result<Expression, NodeError> {
-        self.node.parsed(widths).map_err(|[found, expected, remedy]| {
-            NodeError::new(format!("found {found}; expected {expected}; {remedy}"))
-        })
+        Ok(self.node.parsed(widths)?)
     }
 
-    /// Sets NaN to its substitute, and keeps where that was: tiles may compute a pixel more than once.
+    /// Replaces NaN and records where. A pixel is recorded rather than counted, because overlapping tiles may compute
+    /// it more than once.
     fn repair(&self, block: &Block<'_>, component: usize, plane: &mut [f32]) {
         if !plane.iter().any(|value| value.is_nan()) {
             return;
@@ -242,7 +245,7 @@ mod tests {
         let faults = of(r#""out": { "type": "FieldMath", "expression": "[1, 2, 3]" }"#);
         assert!(faults.contains("set \\\"components\\\" to 3"), "{faults}");
         let faults = of(r#""out": { "type": "FieldMath", "expression": "a + b", "a": 1 }"#);
-        assert!(faults.contains("input b, to which nothing is connected"), "{faults}");
+        assert!(faults.contains("the unconnected input b"), "{faults}");
         of(r#""out": { "type": "FieldMath" }"#);
     }
 }

@@ -1,46 +1,46 @@
-//! Grain: the canvas or paper that a picture is painted on.
+//! Grain: the texture of the canvas or paper that a picture is painted on.
 
-use crate::bounds::bound_at;
-use crate::field::{Axes, Noise, NoiseKind, Screen, noise_reference};
+use crate::field::Screen;
 use std::f64::consts::PI;
+use trochoid_field::{Axes, Noise, NoiseKind};
 use trochoid_graph::*;
 
-/// A mask of the weave of canvas, or of the tooth of paper, that lies still on the picture: ½ in the mean.
+/// Mask of the weave of canvas or the tooth of paper, fixed on the picture, with a mean of ½.
 ///
 /// # Formula
-/// ½ + relief·(h − mean)/2, limited to [0, 1]. canvas: threads cross, one over, one under; h = sin(πs)·(0.55 + 0.45·sin(πr))
-/// of the thread on top, s across and r along it from crossing to crossing, times 1 + slub·n, n noise drawn out along
-/// the thread. paper: h = 0.7·fbm + 0.3·(2·ridged − 1), its fibers drawn out.
+/// ½ + relief·(h − mean)/2, limited to [0, 1]. canvas: threads cross alternately over and under; h = sin(πs)·(0.55 +
+/// 0.45·sin(πr))·(1 + slub·n) of the thread on top, with s across it, r along it from crossing to crossing, and noise n
+/// stretched along the thread. paper: h = 0.7·fbm + 0.3·(2·ridged − 1), with the ridged noise stretched into fibers.
 ///
 /// # Edge cases
-/// As threads get finer than two pixels the weave fades to its mean, with those of less than one pixel nothing is left.
-/// Threads are counted in picture heights, so that the grain does not change with the picture's size.
+/// As threads get narrower than 2 pixels, the grain fades to ½; at 1 pixel and below, it is ½ everywhere. Threads are
+/// counted per picture height, so the grain does not change with the picture's size.
 ///
 /// # Source
-/// Plain weave; Curtis et al., Computer-Generated Watercolor, 1997, for paper as a height field.
+/// Plain weave; paper as a height field: Curtis et al., Computer-Generated Watercolor, 1997.
 #[derive(Clone, Node)]
-#[node(end = Front, revision = 1, output(mask: Kind::MASK = "The height: 1 on top."))]
+#[node(end = Front, revision = 1, output(mask: Kind::MASK = "Height of the grain: 1 is highest."))]
 pub(crate) struct Grain {
-    /// What is painted on.
+    /// Type of ground: canvas or paper.
     kind: Ground,
-    /// Threads in a picture height; of paper, bumps.
+    /// Number of threads per picture height; for paper, number of bumps.
     #[knob(default = 220.0, range = 1.0..=1e4)]
     threads: f64,
-    /// How uneven threads are.
+    /// Unevenness of the threads; 0 makes them uniform. Canvas only.
     #[knob(default = 0.5, range = 0.0..=1.0)]
     slub: f64,
-    /// Turns the grain, clockwise.
+    /// Rotation of the grain, clockwise.
     #[knob(default = 0.0, range = -360.0..=360.0, unit = "degrees")]
     turn: f64,
-    /// How deep it is.
+    /// Depth of the grain; 0 gives ½ everywhere.
     #[knob(default = 1.0, range = 0.0..=8.0)]
     relief: f64,
-    /// Which piece of all there are.
+    /// Random seed.
     #[knob(default = 0, range = 0..=1_000_000_000)]
     seed: i64,
 }
 
-/// What a picture is painted on.
+/// Ground that a picture is painted on.
 #[derive(Clone, Copy, Debug, PartialEq, Choice)]
 pub(crate) enum Ground {
     Canvas,
@@ -53,16 +53,16 @@ impl Node for Grain {
     }
 }
 
-/// How far noise is drawn out along threads and fibers.
+/// Stretch of the noise along threads and fibers.
 const DRAWN_OUT: f64 = 9.0;
-/// Where between two crossings a thread's noise is looked up.
+/// Position across a thread at which its noise is looked up.
 const BETWEEN: f64 = 0.37;
-/// Height of a thread where it goes under, and how much higher it is where it lies on top.
+/// Height of a thread where it goes under, and the height it gains where it lies on top.
 const LOW: f64 = 0.55;
 const BOW: f64 = 0.45;
 /// Mean of sin(πs)·(0.55 + 0.45·sin(πr)).
 const MEAN: f64 = (2.0 / PI) * (LOW + BOW * 2.0 / PI);
-/// Shares of bumps and fibers in the height of paper.
+/// Weights of bumps and fibers in the height of paper.
 const BUMPS: f64 = 0.7;
 const FIBERS: f64 = 0.3;
 
@@ -85,7 +85,7 @@ impl Stage for Grain {
             Ground::Canvas => [noise(NoiseKind::Fbm, 2, 0x53), noise(NoiseKind::Fbm, 2, 0x54)],
             Ground::Paper => [noise(NoiseKind::Fbm, 4, 0x51), noise(NoiseKind::Ridged, 2, 0x52)],
         };
-        // Threads in a pixel.
+        // Threads per pixel.
         let density = self.threads / f64::from(prepare.frame.format.height());
         let t = (2.0 - 2.0 * density).clamp(0.0, 1.0);
         Ok(Box::new(PreparedGrain {
@@ -100,42 +100,42 @@ impl Stage for Grain {
 
 struct PreparedGrain {
     node: Grain,
-    /// Sine and cosine of the way back.
+    /// Sine and cosine of the rotation from the picture back to the grain.
     turn: (f64, f64),
-    /// What the pixel's size leaves of the threads.
+    /// Fraction of the relief that remains at this size of threads in pixels.
     kept: f64,
     screen: Screen,
-    /// Of canvas: of threads that run across, and down. Of paper: bumps, fibers.
+    /// Noises of canvas: threads that run across, threads that run down. Noises of paper: bumps, fibers.
     noises: [Noise; 2],
 }
 
 impl PreparedGrain {
-    /// A place in threads.
+    /// Converts a position in pixels to one in threads.
     fn place(&self, pixels: [f64; 2]) -> [f64; 2] {
         let [x, y] = self.screen.at(pixels);
         let (sin, cos) = self.turn;
         [(x * cos - y * sin) * self.node.threads, (x * sin + y * cos) * self.node.threads]
     }
 
-    /// Where both noises are looked up.
+    /// Returns the positions at which the two noises are looked up.
     fn lookups(&self, [x, y]: [f64; 2]) -> [[f64; 2]; 2] {
         match self.node.kind {
-            // A thread has noise of its own: along it drawn out, beside it another's.
+            // Each thread has noise of its own, stretched along it.
             Ground::Canvas => [[x / DRAWN_OUT, libm::floor(y) + BETWEEN], [libm::floor(x) + BETWEEN, y / DRAWN_OUT]],
             Ground::Paper => [[x / 2.0, y / 2.0], [x / 2.0 / DRAWN_OUT, y / 2.0]],
         }
     }
 
-    /// The mask at a place in threads, of both noises there.
+    /// Returns the mask at a position in threads, from the values of the two noises.
     fn mask(&self, [x, y]: [f64; 2], noises: [f64; 2]) -> f64 {
         let height = match self.node.kind {
             Ground::Canvas => {
                 let (i, j) = (libm::floor(x), libm::floor(y));
                 let [u, v] = [libm::sin(PI * (x - i)), libm::sin(PI * (y - j))];
-                // The one that runs across is on top in every second square of a row, and in the others of the next.
+                // Checkerboard: the thread that runs across is on top in every second square.
                 let across = (i + j) - 2.0 * libm::floor((i + j) / 2.0) == 0.0;
                 let (bulge, bow, noise) = if across { (v, u, noises[0]) } else { (u, v, noises[1]) };
-                // h = sin(πs)·(0.55 + 0.45·sin(πr))·(1 + slub·n), less its mean.
+                // h = sin(πs)·(0.55 + 0.45·sin(πr))·(1 + slub·n), minus its mean.
                 bulge * (LOW + BOW * bow) * (1.0 + self.node.slub * noise) - MEAN
             }
             // h = 0.7·fbm + 0.3·(2·ridged − 1).
@@ -144,11 +144,11 @@ impl PreparedGrain {
         (0.5 + 0.5 * self.node.relief * self.kept * height).clamp(0.0, 1.0)
     }
 
-    /// The mask in f64 at a place in pixels.
+    /// Returns the mask at a position in pixels, in f64.
     fn truth(&self, pixels: [f64; 2]) -> f64 {
         let place = self.place(pixels);
         let lookups = self.lookups(place);
-        self.mask(place, [0, 1].map(|axis: usize| noise_reference(&self.noises[axis], &lookups[axis], 0.0)))
+        self.mask(place, [0, 1].map(|axis: usize| self.noises[axis].reference(&lookups[axis], 0.0)))
     }
 }
 
@@ -171,7 +171,7 @@ impl Prepared for PreparedGrain {
     }
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
-        bound_at(bounding, outputs, (Only, 0), |at| self.truth(at));
+        bounding.bound_at(outputs, (Only, 0), |at| self.truth(at));
         Ok(())
     }
 
@@ -185,7 +185,7 @@ mod tests {
     use crate::testing::{Frame, graph};
     use std::path::Path;
 
-    /// All masks of a picture of 4 × 3 pixels, at many places within its pixels.
+    /// All masks of a picture of 4 × 3 pixels, at many positions within its pixels.
     fn masks(knobs: &str) -> Vec<(f32, f64)> {
         let nodes = format!(r#""out": {{ "type": "Grain", {knobs} }}"#);
         let frame = Frame::new(graph("weights", &nodes, Path::new(".")).unwrap()).unwrap();

@@ -1,62 +1,67 @@
-//! Noise: procedural variation that stays where it is put.
+//! Noise: procedural noise, fixed on the picture, in the world or on a surface at rest.
 
-use crate::bounds::{Span, bound_by, certain, where_covered};
-use crate::field::{Axes, Noise as Octaves, NoiseKind, Screen, noise_reference, noise_span};
+use crate::field::Screen;
+use trochoid_field::{Axes, Noise as Octaves, NoiseKind};
 use trochoid_graph::*;
 
-/// Makes procedural noise: on the picture, in the world, or on the water as it moves.
+/// Makes procedural noise on the picture, in the world, or on the moving water.
 ///
 /// # Formula
-/// Σ gⁱ·nᵢ / Σ gⁱ over `octaves`, g = `gain`, where `filter` is on each nᵢ drawn to its mean as the pixel's footprint
-/// grows from half a cell to one; cells of octave i measure scale/lacunarityⁱ. fbm: nᵢ is gradient noise n in [−1, 1];
-/// ridged: (1 − |n|)², in [0, 1]; cellular: min(F₁, 1), edges: min(F₂, 1) − min(F₁, 1), both in [0, 1], with the
-/// distances F₁ ≤ F₂ in cells to the nearest feature points.
+/// Σ gⁱ·nᵢ / Σ gⁱ over `octaves`, g = `gain`; the cells of octave i have the size scale/lacunarityⁱ. With `filter`,
+/// each nᵢ fades to its mean as the pixel's footprint grows from half a cell to one cell. fbm: nᵢ is gradient noise n
+/// in [−1, 1]. ridged: (1 − |n|)², in [0, 1]. cellular: min(F₁, 1), and edges: min(F₂, 1) − min(F₁, 1), both in [0, 1],
+/// where F₁ ≤ F₂ are the distances to the two nearest feature points in cells.
 ///
 /// # Edge cases
-/// In world and rest space 0 where nothing is seen. Screen coordinates run right and down from the upper left corner in
-/// picture heights, so that noise does not change with the picture's size. A view without camera or depth has no
-/// footprints, and is not filtered. Positions come in 32 bits: far from the origin cells finer than that are lost, but
-/// the noise itself is not. Random numbers come of integers, alike on every machine.
+/// In world and rest space, 0 where no surface is seen. Screen coordinates run right and down from the upper left
+/// corner in picture heights, so the noise does not change with the picture's size. A view without a camera or depth
+/// has no footprints, so its noise is not filtered. Views store positions in 32 bits: far from the origin, cells finer
+/// than that precision are lost, but the noise itself stays precise. Random numbers are computed from integers, so they
+/// are the same on every machine.
 ///
 /// # Source
 /// Perlin, Improving Noise, 2002; Musgrave, Kolb and Mace, The Synthesis and Rendering of Eroded Fractal Terrains,
 /// 1989; Worley, A Cellular Texture Basis Function, 1996.
 #[derive(Clone, Node)]
-#[node(end = Front, revision = 2, output(noise: Kind::Field(1) = "fbm in [−1, 1], all else in [0, 1]."))]
+#[node(end = Front, revision = 2, output(noise: Kind::Field(1) = "fbm in [−1, 1], other kinds in [0, 1]."))]
+#[also_called("Perlin", "Fractal", "Turbulence", "Voronoi", "Worley", "Cellular", "Fbm")]
 pub(crate) struct Noise {
-    /// What the noise lies on; for `space` world and rest.
+    /// View of the surfaces that the noise lies on; used if `space` is world or rest.
     view: Optional<port::View>,
-    /// Clouds, ridges, cells, or borders of cells.
+    /// Type of noise: fbm (clouds), ridged (ridges), cellular (cells) or edges (borders between cells).
     kind: NoiseKind,
-    /// Where it stays: on the picture, at the point in the world, or at the water's point at rest, with which it moves.
+    /// Space in which the noise is fixed: screen (the picture), world (points in world space), or rest (points of the
+    /// water at rest, so the noise moves with the water).
     space: Space,
-    /// Size of the largest cells: in meters, in screen space in picture heights.
+    /// Size of the largest cells, in meters (in screen space: picture heights).
     #[knob(default = 1.0, range = 1e-3..=1e7)]
     scale: f64,
-    /// Moves the noise, in the unit of `scale`; in screen space right and down, in rest space along x and z.
+    /// Offset of the noise along x, y and z, in the unit of `scale`. In screen space, x and y are right and down; in
+    /// rest space, y has no effect.
     #[knob(default = [0.0, 0.0, 0.0])]
     offset: [f64; 3],
-    /// How many sizes of cells.
+    /// Number of octaves: layers of noise with ever smaller cells.
     #[knob(default = 4, range = 1..=16)]
     octaves: i64,
-    /// By what factor the cells of an octave are smaller.
+    /// Factor by which cells shrink from one octave to the next.
     #[knob(default = 2.0, range = 1.0..=8.0)]
     lacunarity: f64,
-    /// By what factor an octave is weaker.
+    /// Strength of each octave relative to the previous one.
     #[knob(default = 0.5, range = 0.0..=1.0)]
     gain: f64,
-    /// Place along one more axis, in cells. Key it, and the noise changes where it stands; 1 cell changes it entirely.
+    /// Coordinate along an additional noise axis, in cells. Keyframe it to make the noise change in place; a change by
+    /// 1 gives an entirely different noise.
     #[knob(range = -1e9..=1e9)]
     evolution: Option<f64>,
-    /// Takes out cells that are smaller than what a pixel covers, which would flicker.
+    /// Fades out cells smaller than a pixel's footprint, which would flicker.
     #[knob(default = true)]
     filter: bool,
-    /// Which noise of all that have these figures.
+    /// Random seed.
     #[knob(default = 0, range = 0..=1_000_000_000)]
     seed: i64,
 }
 
-/// Where noise stays.
+/// Space in which noise is fixed.
 #[derive(Clone, Copy, Debug, PartialEq, Choice)]
 pub(crate) enum Space {
     Screen,
@@ -68,7 +73,7 @@ const REST: [Channel; 2] = [Channel::RestX, Channel::RestZ];
 const WORLD: [Channel; 3] = [Channel::PositionX, Channel::PositionY, Channel::PositionZ];
 
 impl Space {
-    /// The channels that give the place in it; none for the screen.
+    /// Returns the channels of the view that give a point's position in this space; none for the screen.
     fn channels(self) -> &'static [Channel] {
         match self {
             Self::Screen => &[],
@@ -100,7 +105,7 @@ impl Stage for Noise {
     }
 
     fn prefers(&self, _wanted: &[bool]) -> ChannelSet {
-        // With the ray, the depth says where the point stands, in rest space too.
+        // The depth along the ray gives the point in the world, and thus its footprint, in rest space too.
         if self.filter && self.space != Space::Screen { Channel::Depth.into() } else { ChannelSet::EMPTY }
     }
 
@@ -136,13 +141,13 @@ struct PreparedNoise {
     footprints: Footprints,
 }
 
-/// What a sample stands for, in the unit of its place.
+/// Footprints of samples, in the unit of their positions.
 enum Footprints {
-    /// Nothing is filtered.
+    /// No filtering.
     None,
-    /// Everywhere the same: a pixel.
+    /// The same footprint everywhere: a pixel.
     Even(f64),
-    /// What a pixel covers of the surface.
+    /// The part of the surface that a pixel covers.
     #[cfg(feature = "scene")]
     Seen(trochoid_scene::Projector),
 }
@@ -162,7 +167,7 @@ impl Footprints {
         Self::None
     }
 
-    /// Of the sample at a place in pixels that sees something at a depth.
+    /// Returns the footprint of the sample at a position in pixels that sees a surface at a depth.
     #[cfg_attr(not(feature = "scene"), allow(unused_variables, reason = "only views have depths"))]
     fn at(&self, pixels: [f64; 2], depth: f64) -> f64 {
         match self {
@@ -179,14 +184,14 @@ impl Footprints {
         }
     }
 
-    /// What it may be where the depth is only known to lie in a span.
+    /// Returns the span of the footprint over a span of depths.
     fn span(&self, pixels: [f64; 2], depth: Span) -> Span {
         match self {
             #[cfg(feature = "scene")]
             Self::Seen(_) if depth.low < depth.high && depth.high.is_infinite() => Span::unclear(0.0, f64::INFINITY),
             #[cfg(feature = "scene")]
             Self::Seen(eye) if depth.low < depth.high => {
-                // Along a ray it grows with the depth, as far as the point's coordinates tell depths apart.
+                // Along a ray, the footprint grows with the depth, up to the rounding of the point's coordinates.
                 let [near, far] = [depth.low, depth.high].map(|depth| depth.max(0.0));
                 let slack = (1e-12 * (1.0 + eye.position.length() / near)).min(1.0);
                 let (low, high) = (self.at(pixels, near) * (1.0 - slack), self.at(pixels, far) * (1.0 + slack));
@@ -196,7 +201,7 @@ impl Footprints {
         }
     }
 
-    /// Of a block of samples; empty where all are 0.
+    /// Returns the footprints of a block of samples; empty if all are 0.
     #[cfg_attr(not(feature = "scene"), allow(unused_variables, reason = "only views have depths"))]
     fn over(&self, block: &Block<'_>, depths: Option<&[f32]>) -> Vec<f32> {
         match (self, depths) {
@@ -213,7 +218,7 @@ impl Footprints {
 }
 
 impl PreparedNoise {
-    /// Fills the noise at the places that some channels of the view give.
+    /// Fills the noise at the positions in the given channels of the view.
     fn on<const S: usize>(&self, block: &Block<'_>, inputs: &Inputs<'_>, channels: [Channel; S], out: &mut [f32]) {
         let footprints = self.footprints.over(block, inputs.view_if_any(&self.node.view, Channel::Depth));
         let planes = channels.map(|channel| inputs.view(&self.node.view, channel));
@@ -226,7 +231,7 @@ impl PreparedNoise {
         }
     }
 
-    /// How far the noise is moved along an axis: at rest the second one is z.
+    /// Returns the offset along an axis of the space. In rest space, the second axis is z.
     fn moved(&self, axis: usize) -> f64 {
         let is_z = self.node.space == Space::Rest && axis == 1;
         self.node.offset[if is_z { 2 } else { axis }]
@@ -253,7 +258,7 @@ impl Prepared for PreparedNoise {
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
         let (view, channels) = (&self.node.view, self.node.space.channels());
         let mut places = bounding.block.places();
-        bound_by(bounding, outputs, (Only, 0), |sample| {
+        bounding.bound_by(outputs, (Only, 0), |sample| {
             let at = places.next().unwrap_or_default();
             let moved = |(axis, along): (usize, Span)| {
                 let by = self.moved(axis);
@@ -262,13 +267,13 @@ impl Prepared for PreparedNoise {
             if channels.is_empty() {
                 let place: Vec<Span> =
                     self.screen.at(at).map(Span::exactly).into_iter().enumerate().map(moved).collect();
-                return noise_span(&self.octaves, &place, self.footprints.span(at, Span::exactly(0.0)));
+                return self.octaves.span(&place, self.footprints.span(at, Span::exactly(0.0)));
             }
-            where_covered(bounding, view, sample, || {
-                let along = channels.iter().map(|channel| certain(bounding, view, *channel, sample));
+            bounding.where_covered(view, sample, || {
+                let along = channels.iter().map(|channel| bounding.certain(view, *channel, sample));
                 let place: Vec<Span> = along.enumerate().map(moved).collect();
-                let depth = certain(bounding, view, Channel::Depth, sample);
-                noise_span(&self.octaves, &place, self.footprints.span(at, depth))
+                let depth = bounding.certain(view, Channel::Depth, sample);
+                self.octaves.span(&place, self.footprints.span(at, depth))
             })
         });
         Ok(())
@@ -287,7 +292,7 @@ impl Prepared for PreparedNoise {
         let depth = view.map_or(0.0, |view| inputs.view(view, Channel::Depth));
         let footprint = self.footprints.at(inputs.at, depth);
         place.iter_mut().enumerate().for_each(|(axis, along)| *along -= self.moved(axis));
-        Ok(vec![Reference::Field(vec![noise_reference(&self.octaves, &place, footprint)])])
+        Ok(vec![Reference::Field(vec![self.octaves.reference(&place, footprint)])])
     }
 }
 

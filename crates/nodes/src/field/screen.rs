@@ -3,10 +3,10 @@
 use trochoid_image::Format;
 
 /// Screen coordinates of a format: x to the right and y down from the upper left corner, in picture heights, so that
-/// nothing measured in them changes with the number of pixels.
+/// they do not depend on the number of pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Screen {
-    /// Pixels in a picture height.
+    /// Picture height, in pixels.
     pub(crate) height: f64,
 }
 
@@ -15,7 +15,7 @@ impl Screen {
         Self { height: f64::from(format.height()) }
     }
 
-    /// The coordinates of a place in pixels.
+    /// Converts a position in pixels to screen coordinates.
     pub(crate) fn at(self, pixels: [f64; 2]) -> [f64; 2] {
         pixels.map(|coordinate| coordinate / self.height)
     }

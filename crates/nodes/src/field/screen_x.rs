@@ -1,14 +1,14 @@
-//! ScreenX: across the picture.
+//! ScreenX: a horizontal ramp across the picture.
 
 use trochoid_graph::*;
 
-/// Rises from the left edge of the picture to the right.
+/// Mask that rises from 0 at the left edge of the picture to 1 at the right.
 ///
 /// # Formula
-/// (x − ½)/(width − 1), limited to [0, 1]; x in pixels from the left edge.
+/// (x − ½)/(width − 1), limited to [0, 1], with x in pixels from the left edge.
 ///
 /// # Edge cases
-/// 0 at the first pixel's center, 1 at the last's; ½ in a picture one pixel wide.
+/// 0 at the center of the first pixel, 1 at the center of the last; ½ in a picture one pixel wide.
 ///
 /// # Source
 /// Conventions of the document format.
@@ -36,7 +36,7 @@ impl Stage for ScreenX {
     }
 }
 
-/// The picture's width, in pixels.
+/// Width of the picture, in pixels.
 struct PreparedScreenX {
     width: u32,
 }

@@ -1,14 +1,14 @@
-//! ScreenY: down the picture.
+//! ScreenY: a vertical ramp down the picture.
 
 use trochoid_graph::*;
 
-/// Rises from the top of the picture to the bottom.
+/// Mask that rises from 0 at the top of the picture to 1 at the bottom.
 ///
 /// # Formula
-/// (y − ½)/(height − 1), limited to [0, 1]; y in pixels from the upper edge.
+/// (y − ½)/(height − 1), limited to [0, 1], with y in pixels from the upper edge.
 ///
 /// # Edge cases
-/// 0 at the first pixel's center, 1 at the last's; ½ in a picture one pixel high.
+/// 0 at the center of the first pixel, 1 at the center of the last; ½ in a picture one pixel high.
 ///
 /// # Source
 /// Conventions of the document format.
@@ -36,7 +36,7 @@ impl Stage for ScreenY {
     }
 }
 
-/// The picture's height, in pixels.
+/// Height of the picture, in pixels.
 struct PreparedScreenY {
     height: u32,
 }

@@ -1,42 +1,42 @@
-//! Scumble: paint that a dry brush breaks.
+//! Scumble: broken paint, as dragged by a dry brush over a grain.
 
-use crate::bounds::{Span, bound_by, known};
 use trochoid_graph::*;
 
-/// Breaks a soft density into paint dragged over a grain: closed where it is dense, in flecks where it is thin.
+/// Turns a soft density into paint dragged over a grain: solid where it is dense, broken into flecks where it is thin.
 ///
 /// # Formula
-/// s = body·density + dry·(noise − level); t = (s − from)/(to − from) limited to [0, 1]; t²(3 − 2t) · min(density/thin, 1).
+/// t²(3 − 2t) · min(density/thin, 1) with t = (s − from)/(to − from) limited to [0, 1] and s = body·density +
+/// dry·(noise − level).
 ///
 /// # Edge cases
-/// 0 where the density is 0, whatever the noise. `dry` 0 leaves a curve of the density. `from` = `to` makes hard
-/// flecks.
+/// 0 where the density is 0, whatever the noise. With `dry` 0, the grain has no effect. `from` = `to` gives flecks with
+/// hard edges.
 ///
 /// # Source
-/// Scumbling: opaque paint, nearly dry, dragged over what lies below.
+/// Scumbling: nearly dry, opaque paint dragged over the layer below.
 #[derive(Clone, Node)]
 #[node(end = Front, revision = 1, output(mask: Kind::MASK = "The paint."))]
 pub(crate) struct Scumble {
-    /// How much paint: the alpha of a Spray, foam, mist.
+    /// Amount of paint, for example foam, mist or the alpha of a Spray.
     density: One<port::Mask>,
-    /// The grain: a ridged Noise, or a Grain.
+    /// Grain that breaks the paint, for example a ridged Noise or a Grain.
     noise: One<port::Scalar>,
-    /// How fast the paint closes as it gets denser.
+    /// Factor of the density: how quickly the paint becomes solid as it gets denser.
     #[knob(default = 1.15, range = 0.0..=1e3)]
     body: f64,
-    /// How much the grain breaks it.
+    /// Factor of the grain: how strongly it breaks the paint.
     #[knob(default = 1.35, range = 0.0..=1e3)]
     dry: f64,
-    /// The grain's middle: at which it neither takes nor gives.
+    /// Value of the grain that neither adds nor removes paint.
     #[knob(default = 0.58, range = -1e3..=1e3)]
     level: f64,
-    /// Where paint begins to stick.
+    /// Value of s (see the formula) at which paint begins to show.
     #[knob(default = 0.16, range = -1e3..=1e3)]
     from: f64,
-    /// Where it covers.
+    /// Value of s at which paint covers fully.
     #[knob(default = 1.0, range = -1e3..=1e3)]
     to: f64,
-    /// Density below which flecks get fainter.
+    /// Density below which the flecks get fainter.
     #[knob(default = 0.4, range = 1e-6..=1.0)]
     thin: f64,
 }
@@ -44,8 +44,8 @@ pub(crate) struct Scumble {
 impl Node for Scumble {
     fn check(&self, check: &mut Check<'_>) {
         if self.to < self.from {
-            let found = format!("{} below from, {}", self.to, self.from);
-            check.error(Self::TO, found, "at least as much", "swap them");
+            let found = format!("{} below from {}", self.to, self.from);
+            check.error(Self::TO, found, "to ≥ from", "swap them");
         }
     }
 
@@ -73,7 +73,7 @@ impl Stage for Scumble {
 }
 
 impl Scumble {
-    /// The formula.
+    /// Computes the formula.
     fn mask(&self, density: f64, noise: f64) -> f64 {
         let s = self.body * density + self.dry * (noise - self.level);
         let t = if s >= self.to {
@@ -86,12 +86,12 @@ impl Scumble {
         t * t * (3.0 - 2.0 * t) * (density / self.thin).min(1.0)
     }
 
-    /// What paint may be: more density never takes from it, and neither does more noise.
+    /// Returns the span of the mask, which grows with both density and noise.
     fn span(&self, density: Span, noise: Span) -> Span {
         if density.high <= 0.0 {
             return Span::exactly(0.0);
         }
-        // Of noise without end none is left that counts nothing.
+        // With `dry` 0 the noise has no effect, unless it is infinite: 0·∞ is NaN, which makes the mask 0.
         let endless =
             self.dry == 0.0 && noise.low < noise.high && (noise.low.is_infinite() || noise.high.is_infinite());
         let noise = if endless { Span { low: self.level, high: self.level, ..noise } } else { noise };
@@ -105,7 +105,7 @@ impl Scumble {
     }
 }
 
-/// What rounding may take off the rising of paint.
+/// Rounding error of the mask, relative to 1/thin.
 const LOST: f64 = 1e-15;
 
 impl Prepared for Scumble {
@@ -120,8 +120,8 @@ impl Prepared for Scumble {
     }
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
-        bound_by(bounding, outputs, (Only, 0), |sample| {
-            let [density, noise] = [known(bounding, &self.density, 0, sample), known(bounding, &self.noise, 0, sample)]
+        bounding.bound_by(outputs, (Only, 0), |sample| {
+            let [density, noise] = [bounding.known(&self.density, 0, sample), bounding.known(&self.noise, 0, sample)]
                 .map(|span| span.unwrap_or(Span::exactly(0.0)));
             self.span(density.within(0.0, 1.0), noise)
         });

@@ -1,33 +1,33 @@
-//! Shape: discs, boxes and polygons drawn on the picture.
+//! Shape: a mask of discs, boxes and polygons on the picture.
 
-use crate::bounds::bound_at;
 use crate::field::Screen;
 use trochoid_graph::*;
 
-/// A mask of discs, boxes and polygons, united.
+/// Mask of discs, boxes and polygons; 1 inside any of them.
 ///
 /// # Formula
-/// ½ − d/edge, limited to [0, 1], with the least signed distance d to a shape, in pixels, negative inside.
+/// ½ − d/edge, limited to [0, 1], where d is the smallest signed distance to a shape, in pixels, negative inside.
 ///
 /// # Edge cases
-/// Places run right and down from the upper left corner in picture heights: (0, 0) to (width/height, 1). Edge 0 is a
-/// step that includes the outline. Polygons close themselves; where they cross themselves, what is enclosed twice is
-/// outside. Round corners shrink no box.
+/// Coordinates run right and down from the upper left corner in picture heights, from (0, 0) to (width/height, 1).
+/// `edge` 0 gives a hard edge that includes the outline. Polygons are closed automatically; where a polygon crosses
+/// itself, areas enclosed twice are outside. Round corners do not change the size of a box.
 ///
 /// # Source
-/// Signed distance fields; polygons by the even-odd rule.
+/// Signed distance fields; the even-odd rule for polygons.
 #[derive(Clone, Node)]
-#[node(end = Front, revision = 1, output(mask: Kind::MASK = "1 inside any of the shapes."))]
+#[node(end = Front, revision = 1, output(mask: Kind::MASK = "The mask: 1 inside any of the shapes."))]
+#[also_called("Roto", "RotoPaint", "Ellipse", "Circle", "Rectangle", "Box", "Radial", "Polygon")]
 pub(crate) struct Shape {
-    /// What is drawn.
+    /// Shapes to draw.
     #[list(1..=1000)]
     shapes: Vec<Figure>,
-    /// Width of the soft edge; 1 smooths a single sample.
+    /// Width of the soft edge; 1 antialiases even with one sample per pixel, 0 gives hard edges.
     #[knob(default = 1.0, range = 0.0..=1e4, drawn)]
     edge: f64,
 }
 
-/// The forms of shapes.
+/// Types of shapes.
 #[derive(Clone, Copy, Debug, PartialEq, Choice)]
 pub(crate) enum Form {
     Disc,
@@ -35,33 +35,33 @@ pub(crate) enum Form {
     Polygon,
 }
 
-/// One of the shapes.
+/// A disc, box or polygon.
 #[derive(Clone, Items)]
 pub(crate) struct Figure {
-    /// What it is.
+    /// Type of shape: disc, box or polygon.
     form: Form,
-    /// Where it is: the middle, or where a polygon has its (0, 0).
+    /// Position of the shape: the center of a disc or box, the origin of a polygon's `points`.
     #[knob(default = [0.0, 0.0], unit = "picture heights")]
     center: [f64; 2],
-    /// The disc's radius.
+    /// Radius of the disc.
     #[knob(default = 0.1, range = 0.0..=1e3, unit = "picture heights")]
     radius: f64,
     /// Width and height of the box.
     #[knob(default = [0.2, 0.1], unit = "picture heights")]
     size: [f64; 2],
-    /// Radius of the box's corners, at most half its shorter side.
+    /// Radius of the box's rounded corners; at most half its shorter side.
     #[knob(default = 0.0, range = 0.0..=1e3, unit = "picture heights")]
     corner: f64,
-    /// The polygon's corners x₀, y₀, x₁, y₁, …, from its center.
+    /// Corners of the polygon as x₀, y₀, x₁, y₁, …, relative to `center`.
     #[knob(len = 6..=4000, unit = "picture heights")]
     points: Option<Vec<f64>>,
-    /// Turns it about its center, clockwise.
+    /// Rotation about `center`, clockwise.
     #[knob(default = 0.0, range = -3600.0..=3600.0, unit = "degrees")]
     angle: f64,
 }
 
 impl Figure {
-    /// The polygon's corners, as numbers; none where there are none.
+    /// Returns the coordinates of the polygon's corners; empty if unset.
     fn points(&self) -> &[f64] {
         self.points.as_deref().unwrap_or_default()
     }
@@ -99,34 +99,34 @@ impl Stage for Shape {
     }
 }
 
-/// A shape, in pixels.
+/// A shape in pixels.
 struct Drawn {
     center: [f64; 2],
-    /// Sine and cosine of the angle by which it is turned.
+    /// Sine and cosine of its rotation.
     turn: (f64, f64),
     outline: Outline,
-    /// The least and greatest x and y of it on the picture.
+    /// Bounding box on the picture: minimum x and y, maximum x and y.
     bounds: [[f64; 2]; 2],
 }
 
 enum Outline {
     Disc(f64),
-    /// Half the size without the rounding, and the rounding.
+    /// Half the size without the rounded corners, and the radius of the corners.
     Box([f64; 2], f64),
     Polygon(Polygon),
 }
 
-/// Corners, the first again at the end.
+/// Corners of a polygon; the first is repeated at the end.
 struct Polygon {
-    /// From the center, before it is turned.
+    /// Corners relative to the center, before the rotation.
     corners: Vec<[f64; 2]>,
-    /// On the picture.
+    /// Corners on the picture.
     seen: Vec<[f64; 2]>,
 }
 
 impl Drawn {
     fn new(shape: &Figure, screen: Screen) -> Self {
-        // Farther off than any picture all is alike, and nothing overflows.
+        // Limit coordinates to values far beyond any picture, so that nothing overflows.
         let pixels = |heights: f64| (heights * screen.height).clamp(-1e12, 1e12);
         let [x, y] = shape.center.map(pixels);
         let turn = libm::sincos(shape.angle.to_radians());
@@ -158,14 +158,14 @@ impl Drawn {
         Self { center: [x, y], turn, outline, bounds }
     }
 
-    /// A place on the picture as the shape has it before it is turned and moved.
+    /// Transforms a point of the picture into the shape's own coordinates, before its rotation and translation.
     fn place(&self, at: [f64; 2]) -> [f64; 2] {
         let [x, y] = [at[0] - self.center[0], at[1] - self.center[1]];
         let (sin, cos) = self.turn;
         [x * cos + y * sin, y * cos - x * sin]
     }
 
-    /// Signed distance in pixels, negative inside.
+    /// Returns the signed distance in pixels, negative inside.
     fn distance(&self, at: [f64; 2]) -> f64 {
         let place = self.place(at);
         match &self.outline {
@@ -181,7 +181,7 @@ impl Drawn {
 }
 
 impl Polygon {
-    /// Signed distance to the nearest of some sides, negative inside all of them.
+    /// Returns the signed distance to the nearest of the given sides, negative inside the polygon.
     fn signed(&self, place: [f64; 2], sides: impl IntoIterator<Item = usize>) -> f64 {
         let of = |side: usize| (self.corners[side], self.corners[side + 1]);
         let nearest = sides.into_iter().map(of).map(|(a, b)| away(place, a, b)).fold(f64::INFINITY, f64::min);
@@ -189,7 +189,7 @@ impl Polygon {
         if inside { -nearest } else { nearest }
     }
 
-    /// The sides that come within `reach` of a row of the picture, and where along it they do.
+    /// Returns the sides that come within `reach` of a row of the picture, with the range of columns where they do.
     fn near(&self, row: f64, reach: f64) -> Vec<(std::ops::RangeInclusive<f64>, usize)> {
         let mut near = Vec::new();
         for (index, side) in self.seen.windows(2).enumerate() {
@@ -197,7 +197,7 @@ impl Polygon {
             if ay.max(by) < row - reach || ay.min(by) > row + reach {
                 continue;
             }
-            // The part of the side within the band; all of it where it lies along the row.
+            // The part of the side within the band; the whole side if it runs along the row.
             let at = |y: f64| if ay == by { ax } else { ax + ((y - ay) / (by - ay)).clamp(0.0, 1.0) * (bx - ax) };
             let ends = if (ay - by).abs() <= reach { [ax, bx] } else { [at(row - reach), at(row + reach)] };
             near.push((ends[0].min(ends[1]) - reach..=ends[0].max(ends[1]) + reach, index));
@@ -211,7 +211,7 @@ fn length([x, y]: [f64; 2]) -> f64 {
     (x * x + y * y).sqrt()
 }
 
-/// Distance from a place to a side.
+/// Returns the distance from a point to a side.
 fn away(place: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
     let (side, from) = ([b[0] - a[0], b[1] - a[1]], [place[0] - a[0], place[1] - a[1]]);
     let squared = side[0] * side[0] + side[1] * side[1];
@@ -219,7 +219,7 @@ fn away(place: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
     length([from[0] - part * side[0], from[1] - part * side[1]])
 }
 
-/// Whether the half-line to the right of a place crosses a side.
+/// Returns whether the ray to the right of a point crosses a side.
 fn crosses(place: [f64; 2], a: [f64; 2], b: [f64; 2]) -> bool {
     (a[1] > place[1]) != (b[1] > place[1]) && place[0] < a[0] + (place[1] - a[1]) / (b[1] - a[1]) * (b[0] - a[0])
 }
@@ -230,7 +230,7 @@ struct PreparedShape {
 }
 
 impl PreparedShape {
-    /// The mask in f64 at a place in pixels.
+    /// Returns the mask at a position in pixels, in f64.
     fn truth(&self, at: [f64; 2]) -> f64 {
         self.mask(self.drawn.iter().map(|shape| shape.distance(at)).fold(f64::INFINITY, f64::min))
     }
@@ -252,7 +252,7 @@ impl Prepared for PreparedShape {
         mask.fill(0.0);
         let window = block.window;
         for shape in &self.drawn {
-            // Pixels beyond the shape and its edge, and a pixel more for rounding, stay as they are.
+            // Skip pixels beyond the shape and its edge, with one more pixel for rounding.
             let reach = self.edge / 2.0 + 1.0;
             let [low, high] = shape.bounds;
             let within = |axis: usize, first: i64, end: i64| {
@@ -284,7 +284,8 @@ impl Prepared for PreparedShape {
                         x += 1;
                         continue;
                     }
-                    // Up to the next side all lies inside, or all outside, too far away for the edge.
+                    // Up to the next side, all pixels are inside or all are outside, and too far away for the soft
+                    // edge.
                     let next = near.get(begun).map_or(f64::INFINITY, |(span, _)| *span.start() - block.offset[0]);
                     let end = (next.ceil().min(columns.end as f64) as i64).max(x + 1);
                     if polygon.signed(place(x), []) < 0.0 {
@@ -298,7 +299,7 @@ impl Prepared for PreparedShape {
     }
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
-        bound_at(bounding, outputs, (Only, 0), |at| self.truth(at));
+        bounding.bound_at(outputs, (Only, 0), |at| self.truth(at));
         Ok(())
     }
 

@@ -1,25 +1,25 @@
-//! From stored values to colors of the working space.
+//! Conversion of stored values to colors of the working space.
 
 use super::covered;
 use super::knobs::Encoded;
 use super::legal::{Rule, place};
 use std::path::PathBuf;
-use trochoid_graph::NodeError;
+use trochoid_graph::{BadData, NodeError};
 use trochoid_image::{Chromaticities, Plane, WorkingSpace, srgb_decode, srgb_encode};
 use trochoid_io::{Encoding, SampleType};
 
-/// Alpha that colors are to be divided by, and the color where nothing is covered.
+/// Alpha by which colors are divided, and the color used if no pixel is covered.
 pub(crate) struct Premultiplied {
     pub(crate) alpha: Plane,
     pub(crate) uncovered: Option<[f32; 3]>,
 }
 
-/// What colors of a file mean, and what is done about those that are outside the working space.
+/// Interpretation of a file's colors, and the treatment of colors outside the working space.
 #[derive(Clone)]
 pub(crate) struct Meaning {
     pub(crate) path: PathBuf,
     pub(crate) part: usize,
-    /// How the file says that it is encoded.
+    /// Encoding stated by the file.
     pub(crate) encoding: Encoding,
     pub(crate) chromaticities: Option<Chromaticities>,
     pub(crate) stored: SampleType,
@@ -27,19 +27,21 @@ pub(crate) struct Meaning {
     pub(crate) repair: bool,
 }
 
-/// Converts colors in place: divided by alpha, decoded, brought to the working space, in f64 and rounded once.
+/// Converts colors in place: divides them by alpha, decodes them and converts them to the working space, in f64,
+/// rounding once.
 ///
-/// `planes` hold legal stored values. Returns how many values were set to the nearest legal one, as `repair` allows.
+/// `planes` hold legal stored values. Returns the number of values set to the nearest legal one, if `repair` allows
+/// that.
 ///
 /// # Errors
-/// A color outside the working space, or no covered pixel.
+/// A color is outside the working space, or no pixel is covered.
 pub(crate) fn convert(
     conversion: &mut Conversion,
     planes: &mut [Plane; 3],
     premultiplied: Option<&Premultiplied>,
 ) -> Result<u64, NodeError> {
     if conversion.identity && premultiplied.is_none() {
-        // −0 is legal, but no color.
+        // −0 is a legal stored value, but not a color.
         planes.iter_mut().flat_map(|plane| plane.samples_mut()).for_each(|sample| *sample += 0.0);
         return Ok(0);
     }
@@ -60,19 +62,16 @@ pub(crate) fn convert(
         && !covered::spread(planes, alpha)
     {
         let Some(color) = uncovered else {
-            return Err(NodeError::new(format!(
-                "{}: part {}: alpha is 0 everywhere, expected at least one covered pixel to take colors from; \
-                 set \"outside\" to the color that is meant",
-                conversion.meaning.path.display(),
-                conversion.meaning.part
-            )));
+            let expected = "at least one covered pixel to take colors from";
+            let bad = BadData::new("alpha 0 everywhere", expected, "set \"outside\" to the color that is meant");
+            return Err(bad.in_file(&conversion.meaning.path).in_part(conversion.meaning.part).into());
         };
         planes.iter_mut().zip(color).for_each(|(plane, value)| plane.samples_mut().fill(*value));
     }
     Ok(repaired)
 }
 
-/// The value that a sample stands for: of integers the exact fraction, which f32 rounds.
+/// Returns the exact value of a sample: for integers the exact fraction, which f32 rounds.
 fn exact(stored: SampleType, value: f32) -> f64 {
     let value = f64::from(value);
     match stored {
@@ -82,24 +81,24 @@ fn exact(stored: SampleType, value: f32) -> f64 {
     }
 }
 
-/// From stored values to a working space.
+/// A conversion from stored values to a working space.
 #[derive(Clone)]
 pub(crate) struct Conversion {
     meaning: Meaning,
     pub(crate) identity: bool,
     decode: Option<Memo>,
-    /// Linear primaries of the file to those of the space; `None` where they are the same.
+    /// Matrix from the file's linear primaries to those of the space; `None` if they are the same.
     matrix: Option<[[f64; 3]; 3]>,
     encode: Option<Memo>,
-    /// All of it, where a channel has few values and does not depend on the others.
+    /// The whole conversion as a table, if each channel has few values and does not depend on the others.
     table: Option<Table>,
 }
 
 impl Conversion {
-    /// The conversion that a file and the knob `encoding` ask for.
+    /// Returns the conversion for a file and the knob `encoding`.
     ///
     /// # Errors
-    /// Primaries that span no colors.
+    /// The primaries span no colors.
     pub(crate) fn new(meaning: Meaning, encoding: Encoded) -> Result<Self, NodeError> {
         let encoded = match encoding {
             Encoded::Linear => false,
@@ -122,7 +121,7 @@ impl Conversion {
             }
             None => Some(other(&meaning, &to.chromaticities())?),
         };
-        // Display encoding in and out cancel, if nothing happens to the light between.
+        // Decoding and encoding for display cancel if nothing changes the light between them.
         let encode = space == WorkingSpace::Srgb;
         let identity = matrix.is_none() && encoded == encode;
         let mut conversion = Self {
@@ -134,14 +133,14 @@ impl Conversion {
             table: None,
         };
         if conversion.meaning.stored == SampleType::U8 && conversion.matrix.is_none() && !identity {
-            // No value of one byte leaves 0 to 1, so none is illegal.
+            // No byte value is outside 0 to 1, so none is illegal.
             let value = |byte: usize| conversion.color([byte as f64 / 255.0; 3])[0] as f32 + 0.0;
             conversion.table = Some(Table(Box::new(std::array::from_fn(value))));
         }
         Ok(conversion)
     }
 
-    /// Converts the pixels from `at` on in place, as [`convert`] does.
+    /// Converts the pixels from `at` on in place, as in [`convert`].
     pub(crate) fn row(&mut self, [x, y]: [i64; 2], [r, g, b]: [&mut [f32]; 3]) -> Result<u64, NodeError> {
         if let Some(table) = &self.table {
             [r, g, b].into_iter().for_each(|samples| table.apply(samples));
@@ -168,16 +167,12 @@ impl Conversion {
         let wrong = color.iter().zip(&legal).filter(|(found, legal)| found != legal).count();
         let Meaning { path, part, space, repair, .. } = &self.meaning;
         if wrong > 0 && !repair {
-            let (x, y) = place();
-            return Err(NodeError::new(format!(
-                "{}: part {part}, pixel ({x}, {y}): the color ({r}, {g}, {b}) of the file is ({}, {}, {}) in {space}, \
-                 expected finite numbers, at least 0; choose a wider \"working_space\" (acescg), or set \
-                 \"repair\": true to take the nearest legal value",
-                path.display(),
-                color[0],
-                color[1],
-                color[2]
-            )));
+            let [red, green, blue] = color;
+            let found = format_args!("the color ({r}, {g}, {b}), which is ({red}, {green}, {blue}) in {space}");
+            let remedy =
+                "choose a wider \"working_space\" (acescg), or set \"repair\": true to take the nearest legal value";
+            let bad = BadData::new(found, "finite numbers, at least 0", remedy);
+            return Err(bad.in_file(path).in_part(*part).at_pixel(place()).into());
         }
         [*r, *g, *b] = legal;
         Ok(wrong as u64)
@@ -198,19 +193,19 @@ impl Conversion {
     }
 }
 
-/// What each value of one byte becomes.
+/// Table of the converted value for each byte value.
 #[derive(Clone)]
 struct Table(Box<[f32; 256]>);
 
 impl Table {
     fn apply(&self, samples: &mut [f32]) {
-        // The nearest byte: samples are a byte's fraction of 255, rounded.
+        // Find the byte: a sample is a rounded fraction of 255.
         samples.iter_mut().for_each(|sample| *sample = self.0[usize::from((*sample * 255.0 + 0.5) as u8)]);
     }
 }
 
-/// The linear space whose primaries the file states, if it is one that is known here; Rec. 709, as the EXR specification says,
-/// where it states none.
+/// Returns the known linear space with the primaries stated by the file; Rec. 709, as the EXR specification says, if
+/// the file states none.
 fn known(meaning: &Meaning) -> Option<WorkingSpace> {
     let Some(found) = meaning.chromaticities else { return Some(WorkingSpace::LinearSrgb) };
     let listed = |c: Chromaticities| [c.red, c.green, c.blue, c.white];
@@ -222,31 +217,30 @@ fn known(meaning: &Meaning) -> Option<WorkingSpace> {
     [WorkingSpace::LinearSrgb, WorkingSpace::AcesCg].into_iter().find(near)
 }
 
-/// The matrix from any other primaries.
+/// Returns the matrix from any other primaries.
 fn other(meaning: &Meaning, to: &Chromaticities) -> Result<[[f64; 3]; 3], NodeError> {
     let found = meaning.chromaticities.unwrap_or(*to);
     found.matrix_to(to).ok_or_else(|| {
-        NodeError::new(format!(
-            "{}: part {}: found the primaries red {:?}, green {:?}, blue {:?}, white {:?}, expected three that span colors, \
-             with a white among them; correct the attribute \"chromaticities\", or remove it if they are those of Rec. 709",
-            meaning.path.display(),
-            meaning.part,
-            found.red,
-            found.green,
-            found.blue,
-            found.white
-        ))
+        let Chromaticities { red, green, blue, white } = found;
+        BadData::new(
+            format_args!("the primaries red {red:?}, green {green:?}, blue {blue:?}, white {white:?}"),
+            "three that span colors, with a white among them",
+            "correct the attribute \"chromaticities\", or remove it if they are those of Rec. 709",
+        )
+        .in_file(&meaning.path)
+        .in_part(meaning.part)
+        .into()
     })
 }
 
-/// A function that remembers its latest values: pictures hold few different ones, and powers are dear.
+/// A function that caches its latest values: pictures contain few distinct values, and powers are expensive.
 #[derive(Clone)]
 struct Memo {
     function: fn(f64) -> f64,
     known: Vec<(u64, f64)>,
 }
 
-/// Values remembered; a power of 2.
+/// Number of cached values; a power of 2.
 const REMEMBERED: usize = 1 << 16;
 
 impl Memo {

@@ -1,4 +1,4 @@
-//! What nodes that read pictures will hold, told by the files' headers.
+//! Memory estimates for nodes that read pictures, from the files' headers.
 
 use super::kept::Grid;
 use super::knobs::{FitBy, Knobs};
@@ -9,12 +9,12 @@ use trochoid_graph::{Choice, FrameContext, Kind, MemoryUse, NodeError, Reckoning
 use trochoid_image::Window;
 use trochoid_io::{Cost, RowReader, Selection};
 
-/// What to do about files that take too much.
-const REMEDY: &str = "crop or scale the picture, or keep it as EXR, which is read in rows on demand";
+/// Remedy for files that take too much memory.
+const REMEDY: &str = "crop or scale the picture, or save it as EXR, which is read row by row on demand";
 
-/// What a Read holds, `laid` over the document's pixels, or a Texture, which is looked up anywhere.
+/// Returns the memory of a picture that is `laid` over the document's pixels (Read) or looked up anywhere (Texture).
 ///
-/// Headers alone are read, and no pixel is decoded. A file that cannot be read counts as nothing.
+/// Reads only headers and decodes no pixels. A file that cannot be read counts as nothing.
 pub(crate) fn memory_of_picture(knobs: Knobs<'_>, reckoning: &Reckoning<'_>, laid: bool) -> MemoryUse {
     let path = reckoning.frame.path(&knobs.named.file);
     let wanted = reckoning.wanted.first().map(Vec::as_slice).unwrap_or_default();
@@ -24,7 +24,7 @@ pub(crate) fn memory_of_picture(knobs: Knobs<'_>, reckoning: &Reckoning<'_>, lai
     in_use(Reading { knobs, frame: reckoning.frame, path: &path, outside: None }.cost(wanted, laid))
 }
 
-/// What a view of passes holds of its file.
+/// Returns the memory of a view of passes for its file.
 pub(crate) fn memory_of_passes(file: &str, reckoning: &Reckoning<'_>) -> MemoryUse {
     in_use(cost_of_passes(reckoning.frame, &reckoning.frame.path(file)))
 }
@@ -35,12 +35,12 @@ fn in_use(cost: Result<Cost, NodeError>) -> MemoryUse {
 }
 
 impl Reading<'_> {
-    /// Of a value by the knobs that Read and Texture share; a Read keeps only what the document's samples fall on.
+    /// Returns the cost of a value, from the knobs shared by Read and Texture; a Read keeps only the pixels that the
+    /// document's samples need.
     fn cost(&self, wanted: &[bool], laid: bool) -> Result<Cost, NodeError> {
-        let io = |error: trochoid_io::Error| NodeError::new(error);
         let kind = self.knobs.kind();
         let selection = self.selection(self.wanted_channels(kind, wanted));
-        let cost = trochoid_io::cost(self.path, &selection, None, &limits(self.frame)).map_err(io)?;
+        let cost = trochoid_io::cost(self.path, &selection, None, &limits(self.frame))?;
         let planes = match kind {
             // A gray picture has three planes of color; alpha is held while colors are divided by it.
             Kind::Color => 3 + u64::from(self.knobs.taken.premultiplied),
@@ -55,21 +55,20 @@ impl Reading<'_> {
             Held::Grid(count) if whole > super::KEPT_WHOLE && 2 * count <= pixels => 4 * planes * count,
             _ => whole,
         };
-        // While a whole picture is decoded, its channels are there too.
+        // While a whole picture is decoded, its channels are in memory too.
         let besides = if held == whole { cost.held.saturating_sub(whole) } else { 0 };
         Ok(Cost { held, decoding: cost.decoding + besides })
     }
 
-    /// Pixels of the picture, and how a Read holds it.
+    /// Returns the number of pixels in the picture, and how a Read holds them.
     fn pixels(&self, selection: &Selection, kind: Kind, laid: bool) -> Result<(u64, Held), NodeError> {
-        let io = |error: trochoid_io::Error| NodeError::new(error);
         let premultiplied = kind == Kind::Color && self.knobs.taken.premultiplied;
-        if trochoid_io::kind(self.path).map_err(io)?.is_exr() {
-            let reader = trochoid_io::ExrReader::open(self.path, selection, &limits(self.frame)).map_err(io)?;
+        if trochoid_io::kind(self.path)?.is_exr() {
+            let reader = trochoid_io::ExrReader::open(self.path, selection, &limits(self.frame))?;
             let held = if premultiplied { Held::Whole } else { Held::Stream };
             return Ok((reader.info().data.area() as u64, held));
         }
-        let reader = RowReader::open(self.path, selection, &limits(self.frame)).map_err(io)?;
+        let reader = RowReader::open(self.path, selection, &limits(self.frame))?;
         let (display, data): (Window, Window) = (reader.info().display, reader.info().data);
         let pixels = data.area() as u64;
         if premultiplied || !laid {
@@ -81,21 +80,20 @@ impl Reading<'_> {
 }
 
 fn cost_of_passes(frame: &FrameContext, path: &Path) -> Result<Cost, NodeError> {
-    let io = |error: trochoid_io::Error| NodeError::new(error);
-    if trochoid_io::kind(path).map_err(io)?.is_exr() {
-        // Rows on demand, of no more than all channels of the file.
-        let info = trochoid_io::info(path, &limits(frame)).map_err(io)?;
+    if trochoid_io::kind(path)?.is_exr() {
+        // Rows are read on demand and take no more than all channels of the file.
+        let info = trochoid_io::info(path, &limits(frame))?;
         let whole = info.parts.iter().map(|part| 4 * part.data.area() as u64 * part.channels.len() as u64);
         return Ok(Cost { held: whole.sum::<u64>().min(KEPT as u64), decoding: 0 });
     }
-    trochoid_io::cost(path, &Selection::default(), None, &limits(frame)).map_err(io)
+    Ok(trochoid_io::cost(path, &Selection::default(), None, &limits(frame))?)
 }
 
-/// How the pixels of a file are held.
+/// Storage of a file's pixels.
 enum Held {
     Whole,
-    /// Rows on demand.
+    /// Rows read on demand.
     Stream,
-    /// So many pixels of a grid.
+    /// Pixels of a grid, with their number.
     Grid(u64),
 }

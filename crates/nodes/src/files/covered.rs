@@ -1,15 +1,16 @@
-//! Pixels without coverage have no color of their own: they take the nearest covered pixel's.
+//! Colors for uncovered pixels, which have none of their own: they take the nearest covered pixel's color.
 
 use trochoid_image::Plane;
 
 /// Marks a column without a covered pixel.
 const NONE: u32 = u32::MAX;
 
-/// Gives every pixel whose alpha is 0 the values of the nearest pixel whose alpha is not; `false` if there is none.
+/// Gives every pixel with alpha 0 the values of the nearest pixel with nonzero alpha; returns `false` if there is
+/// none.
 ///
-/// Nearest by exact Euclidean distance between centers, in two passes (Meijster, Roerdink, Hesselink, *A General
-/// Algorithm for Computing Distance Transforms in Linear Time*, 2000): first the nearest covered row g of each column,
-/// then along each row y the lower envelope of the parabolas (x − i)² + (y − gᵢ)².
+/// The nearest pixel has the least exact Euclidean distance between centers. Found in two passes (Meijster, Roerdink,
+/// Hesselink, *A General Algorithm for Computing Distance Transforms in Linear Time*, 2000): first the nearest covered
+/// row g of each column, then, along each row y, the lower envelope of the parabolas (x − i)² + (y − gᵢ)².
 pub(crate) fn spread(planes: &mut [Plane; 3], alpha: &Plane) -> bool {
     let width = alpha.window().width();
     let covered = |index: usize| alpha.samples()[index] != 0.0;
@@ -41,7 +42,7 @@ pub(crate) fn spread(planes: &mut [Plane; 3], alpha: &Plane) -> bool {
     true
 }
 
-/// For each pixel the nearest row, above on ties, that is covered in its column.
+/// Returns for each pixel the nearest row, the upper one on ties, that is covered in its column.
 fn nearest_rows(alpha: &Plane) -> Vec<u32> {
     let width = alpha.window().width().max(1);
     let mut rows = vec![NONE; alpha.samples().len()];
@@ -68,7 +69,7 @@ fn nearest_rows(alpha: &Plane) -> Vec<u32> {
     rows
 }
 
-/// The columns whose parabola is lowest somewhere on row `y`, each with the first x where it is.
+/// Returns the columns whose parabola is lowest somewhere on row `y`, each with the first x where it is.
 fn envelope(rows: &[u32], y: usize, stack: &mut Vec<(usize, i64)>) {
     let height = |column: usize| (y as i64 - i64::from(rows[column])).pow(2);
     let distance = |x: i64, column: usize| (x - column as i64).pow(2) + height(column);

@@ -1,4 +1,4 @@
-//! Of a large picture that is read row by row, only the pixels that the document's samples fall on.
+//! Partial storage of large pictures that are read row by row: only the pixels that the document's samples need.
 
 use super::knobs::FitBy;
 use super::layer::Fit;
@@ -12,7 +12,8 @@ use trochoid_graph::{Choice, Kind, NodeError, Prepare};
 use trochoid_image::{Format, Rgb, Window};
 use trochoid_io::RowReader;
 
-/// Pixels around the document's picture that are kept for filters; who asks for more gets the whole picture.
+/// Margin around the document's picture that is kept for filters, in pixels; nodes that need more cause the whole
+/// picture to be read.
 const MARGIN: i64 = 256;
 
 /// Marks a column or a row that is not kept.
@@ -21,11 +22,11 @@ const NONE: u32 = u32::MAX;
 /// The columns or the rows of a picture that are kept.
 #[derive(Debug)]
 struct Axis {
-    /// The first one of the picture.
+    /// First column or row of the picture.
     first: i64,
-    /// For each of the picture its place among those kept.
+    /// Index among the kept ones, for each column or row of the picture; `NONE` if not kept.
     places: Vec<u32>,
-    /// Those kept, counted from the first.
+    /// The kept columns or rows, counted from the first.
     kept: Vec<usize>,
 }
 
@@ -34,7 +35,7 @@ impl Axis {
         let side = i64::from(if axis == 0 { format.width() } else { format.height() });
         let mut places = vec![NONE; count];
         let mut offsets: Vec<f64> = (0..format.samples()).map(|sample| format.sample_offset(sample)[axis]).collect();
-        // Fields are taken at the center.
+        // Fields are sampled at the pixel center.
         offsets.push(0.5);
         for at in -MARGIN..side + MARGIN {
             for offset in &offsets {
@@ -48,7 +49,7 @@ impl Axis {
         Self { first, places, kept }
     }
 
-    /// The place of the nearest one within the picture; none where it is not kept.
+    /// Returns the index of the column or row nearest to `at` within the picture; `None` if not kept.
     fn place(&self, at: i64) -> Option<usize> {
         let place = self.places[(at - self.first).clamp(0, self.places.len() as i64 - 1) as usize];
         (place != NONE).then_some(place as usize)
@@ -70,17 +71,17 @@ impl Grid {
         Self { across, down, data }
     }
 
-    /// Pixels kept.
+    /// Returns the number of kept pixels.
     pub(super) fn count(&self) -> usize {
         self.across.kept.len() * self.down.kept.len()
     }
 
-    /// Where the picture has pixels.
+    /// Returns the picture's data window.
     pub(crate) fn data(&self) -> Window {
         self.data
     }
 
-    /// The place of the pixel nearest to one, row by row; none where it is not kept.
+    /// Returns the index, row by row, of the picture's pixel nearest to (x, y); `None` if not kept.
     pub(crate) fn place(&self, x: i64, y: i64) -> Option<usize> {
         Some(self.down.place(y)? * self.across.kept.len() + self.across.place(x)?)
     }
@@ -94,20 +95,21 @@ impl Grid {
     }
 }
 
-/// What is kept of a picture.
+/// The kept part of a picture.
 pub(crate) struct Kept {
     pub(crate) grid: Arc<Grid>,
     pub(crate) fit: Fit,
-    /// The output's channels that are wanted, and their samples on the grid.
+    /// The output's wanted channels, with their samples on the grid.
     pub(crate) planes: Vec<(usize, Vec<f32>)>,
-    /// Every color of the picture, or their hull.
+    /// All colors of the picture, or the vertices of their hull.
     pub(crate) controls: Vec<Rgb>,
     pub(crate) repaired: u64,
 }
 
 impl Reading<'_> {
-    /// What the document's samples fall on, of a picture that is not EXR; `None` where that is most of it, or the whole takes
-    /// no more than `budget` bytes. Every pixel is judged all the same, and every color is a control color.
+    /// Returns the pixels of a picture other than EXR that the document's samples need; `None` if they are most of the
+    /// picture, or if the whole takes no more than `budget` bytes. Every pixel is still validated, and every color is
+    /// a control color.
     ///
     /// # Errors
     /// The file cannot be read, or its values are not legal.

@@ -1,4 +1,4 @@
-//! Large pictures of which only some pixels are held: the same values and colors as of the whole.
+//! Large pictures of which only some pixels are held have the same values and colors as the whole pictures.
 
 use crate::testing::{Frame, graph};
 use std::collections::BTreeSet;
@@ -9,12 +9,12 @@ use trochoid_io::{PngImage, Samples, write_png8};
 const WIDTH: usize = 1300;
 const HEIGHT: usize = 40;
 
-/// The bytes of a pixel.
+/// Returns the bytes of a pixel.
 fn pixel(x: usize, y: usize) -> [u8; 3] {
     [(x * 7 + y * 13) % 251, x % 256, y * 5].map(|v| v as u8)
 }
 
-/// A frame of a document of 4 × 3 pixels.
+/// Returns a frame of a document of 4 × 3 pixels.
 fn frame(folder: &Path, key: &str, knobs: &str) -> Frame {
     let pixels: Vec<[f32; 3]> =
         (0..WIDTH * HEIGHT).map(|at| pixel(at % WIDTH, at / WIDTH).map(|v| f32::from(v) / 255.0)).collect();
@@ -24,7 +24,7 @@ fn frame(folder: &Path, key: &str, knobs: &str) -> Frame {
     Frame::new(graph(key, &node, folder).unwrap()).unwrap()
 }
 
-/// By reference and by fill, which must agree.
+/// Returns the value by reference and by fill, which must agree.
 fn value(frame: &Frame, x: i64, y: i64) -> f64 {
     let at = [x as f64 + 0.5, y as f64 + 0.5];
     let (truth, found) = (frame.truth(at)[0], frame.lowered(at)[0]);
@@ -91,7 +91,7 @@ fn every_color_is_a_control_color() {
 #[test]
 fn what_is_repaired_counts_in_equal_rows_too() {
     let folder = tempfile::tempdir().unwrap();
-    // Half of the rows sum to 0.7, whether they follow each other or not.
+    // Half of the rows sum to 0.7, in consecutive or in alternate rows.
     for is_off in [|y: usize| y < HEIGHT / 2, |y: usize| y.is_multiple_of(2)] {
         let rows = (0..HEIGHT).flat_map(|y| [if is_off(y) { [0.2, 0.5, 0.0] } else { [0.6, 0.4, 0.0] }; WIDTH]);
         let pixels: Vec<[f32; 3]> = rows.collect();

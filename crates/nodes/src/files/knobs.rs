@@ -1,19 +1,19 @@
-//! The knobs of nodes that read a file as an image, and what they mean together.
+//! Knobs of nodes that read a file as an image, and their combined meaning.
 
 use trochoid_graph::{Check, Choice, ItemName, Items, Kind};
 
-/// Which file, and as what.
+/// File, and the kind of its values.
 #[derive(Clone, Items)]
 pub(crate) struct Named {
-    /// The picture; #### or %04d stands for the frame, \# and \% for the signs.
+    /// Picture file. #### or %04d stands for the frame number; write \# and \% for literal signs.
     #[knob(path)]
     pub(crate) file: String,
-    /// What the values mean: a mask is weights of one channel.
+    /// Meaning of the values: colors, weights or a field. Weights of one channel are a mask.
     #[knob(required)]
     pub(crate) r#as: As,
 }
 
-/// What values mean.
+/// Meaning of a file's values.
 #[derive(Clone, Copy, Debug, PartialEq, Choice)]
 pub(crate) enum As {
     Color,
@@ -21,33 +21,33 @@ pub(crate) enum As {
     Field,
 }
 
-/// What of the file.
+/// Selection of data in the file.
 #[derive(Clone, Items)]
 pub(crate) struct Selected {
     /// Part of a multi-part EXR, by name or number.
     pub(crate) part: Option<String>,
-    /// Layer of an EXR; by default the main one.
+    /// Layer of an EXR; if unset, the main one.
     pub(crate) layer: Option<String>,
-    /// Channels in order: 1 or 3 of a color, one a weight (one alone is a mask), up to 4 of a field. By default RGB of a color, the
-    /// only one of others.
+    /// Channels, in order: 1 or 3 for a color, one per weight (a single one is a mask), up to 4 for a field. If empty,
+    /// RGB for a color, otherwise the only channel.
     #[knob(len = 0..=4096)]
     pub(crate) channels: Vec<String>,
 }
 
-/// How its values are taken.
+/// Interpretation of the values.
 #[derive(Clone, Items)]
 pub(crate) struct Taken {
-    /// Set illegal values to the nearest legal one, and count them.
+    /// Sets illegal values to the nearest legal one, and counts them.
     #[knob(default = false)]
     pub(crate) repair: bool,
-    /// Divide by alpha; where it is 0, take the nearest covered pixel.
+    /// Divides colors by alpha; pixels with alpha 0 take the color of the nearest covered pixel.
     #[knob(default = false)]
     pub(crate) premultiplied: bool,
-    /// How color is stored; auto: EXR and floats linear, others encoded for display.
+    /// Encoding of stored colors; "auto" takes EXR and floating-point files as linear, others as encoded for display.
     pub(crate) encoding: Encoded,
 }
 
-/// How color is stored.
+/// Encoding of stored colors.
 #[derive(Clone, Copy, Debug, PartialEq, Choice)]
 pub(crate) enum Encoded {
     Auto,
@@ -55,7 +55,7 @@ pub(crate) enum Encoded {
     Srgb,
 }
 
-/// How a picture of another size is laid over the document's.
+/// Fit of a picture whose size differs from the document's.
 #[derive(Clone, Copy, Debug, PartialEq, Choice)]
 pub(crate) enum FitBy {
     Nearest,
@@ -63,7 +63,7 @@ pub(crate) enum FitBy {
     Crop,
 }
 
-/// All of them, of one node.
+/// All of these knobs, of one node.
 #[derive(Clone, Copy)]
 pub(crate) struct Knobs<'n> {
     pub(crate) named: &'n Named,
@@ -73,7 +73,7 @@ pub(crate) struct Knobs<'n> {
 }
 
 impl Knobs<'_> {
-    /// The kind that `as` and `channels` make.
+    /// Returns the kind determined by `as` and `channels`.
     pub(crate) fn kind(self) -> Kind {
         let channels = self.selected.channels.len().max(1);
         match self.named.r#as {
@@ -84,14 +84,14 @@ impl Knobs<'_> {
         }
     }
 
-    /// Reports channels that do not make a value of the kind, and knobs that mean colors only. `ty` is the node's type, with
-    /// its article; `color` is a further item that only colors have, where it is set.
+    /// Reports channels that do not fit the kind, and knobs that apply only to colors. `ty` is the node's type with
+    /// its article; `color` is another item that applies only to colors, if set.
     pub(crate) fn check(self, ty: &str, color: Option<ItemName>, check: &mut Check<'_>) {
         let (meaning, channels) = (self.named.r#as, self.selected.channels.len());
         let found = format!("{channels} channels");
         match meaning {
             As::Color if !matches!(channels, 0 | 1 | 3) => {
-                let expected = "1 channel (gray) or 3 of a color";
+                let expected = "1 channel (gray) or 3 channels of a color";
                 check.error(Selected::CHANNELS, found, expected, "list red, green and blue");
             }
             As::Field if channels > 4 => {
@@ -109,7 +109,7 @@ impl Knobs<'_> {
             check.error(item, &found, "\"as\": \"color\"", format!("remove \"{item}\""));
         }
         if self.taken.encoding == Encoded::Srgb {
-            let remedy = "remove \"encoding\": weights and fields are taken as stored";
+            let remedy = "remove \"encoding\": weights and fields are used as stored";
             check.error(Taken::ENCODING, found, "\"as\": \"color\"", remedy);
         }
     }

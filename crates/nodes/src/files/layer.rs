@@ -1,34 +1,34 @@
-//! One plane of a file, laid over the document's picture.
+//! Layer: one plane of a file, laid over the document's picture.
 
 use super::kept::Grid;
 use super::knobs::FitBy;
 use crate::filter;
 use std::path::Path;
 use std::sync::Arc;
-use trochoid_graph::{Block, Choice, NodeError};
+use trochoid_graph::{BadData, Block, Choice, NodeError};
 use trochoid_image::{Format, Plane, Window};
 
-/// How pixels of the document find their place in a picture.
+/// Mapping of the document's pixels to the pixels of a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Fit {
     way: Way,
     /// Corner of the picture's display window.
     origin: [i64; 2],
-    /// Pixels of the picture for each of the document, across and down.
+    /// Picture pixels per document pixel, across and down.
     scale: [f64; 2],
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Way {
-    /// Pixel by pixel, corner on corner.
+    /// Pixel by pixel, with the upper left corners aligned.
     Pixel,
-    /// Scaled; the pixel that the sample falls into.
+    /// Scaled; takes the pixel that contains the sample.
     Nearest,
-    /// Scaled; a blend of the four pixels around the sample.
+    /// Scaled; blends the four pixels around the sample.
     Bilinear,
 }
 
-/// The two neighbors of a sample along an axis, and how far it lies toward the second.
+/// The two neighbors of a sample along an axis, and its position between them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Tap {
     low: i64,
@@ -36,11 +36,11 @@ struct Tap {
 }
 
 impl Fit {
-    /// Lays a picture with this display window over a document's as the knob says: drawn at a format, and whole. What is
-    /// drawn smaller shows the same part of the picture.
+    /// Fits a picture with this display window to a document's formats, the one being rendered and the whole one. A
+    /// picture rendered at a smaller size shows the same part of the file.
     ///
     /// # Errors
-    /// Their sizes differ, and the knob is unset.
+    /// The sizes differ, and the knob is unset.
     pub(crate) fn new(
         by: Option<FitBy>,
         words: &[&str],
@@ -65,20 +65,19 @@ impl Fit {
             Some(FitBy::Bilinear) => Way::Bilinear,
             Some(FitBy::Crop) | None => {
                 let scale = words.iter().filter(|word| **word != FitBy::Crop.word()).map(|fit| format!("\"{fit}\""));
-                return Err(NodeError::new(format!(
-                    "{}: the picture has {width} × {height} pixels, the document {} × {}: say how to \"fit\" it: {} to \
-                     scale it, or \"crop\" to lay the upper left corners on each other",
-                    path.display(),
-                    whole.width(),
-                    whole.height(),
+                let found = format_args!("a picture of {width} × {height} pixels");
+                let expected = format!("{} × {}, as the document has", whole.width(), whole.height());
+                let remedy = format!(
+                    "say how to \"fit\" it: {} to scale it, or \"crop\" to lay the upper left corners on each other",
                     scale.collect::<Vec<_>>().join(" or ")
-                )));
+                );
+                return Err(BadData::new(found, expected, remedy).in_file(path).into());
             }
         };
         Ok(Self { way, origin: [display.x0, display.y0], scale })
     }
 
-    /// Where a sample falls, given its position in the document along an axis, in pixels.
+    /// Returns the neighbors of a sample, given its position in the document along an axis, in pixels.
     fn tap(&self, axis: usize, at: f64) -> Tap {
         let origin = self.origin[axis];
         match self.way {
@@ -91,23 +90,23 @@ impl Fit {
         }
     }
 
-    /// The pixels that a sample at a position along an axis may be made of.
+    /// Returns the pixels that can contribute to a sample at a position along an axis.
     pub(crate) fn neighbors(&self, axis: usize, at: f64) -> std::ops::RangeInclusive<i64> {
         let low = self.tap(axis, at).low;
         low..=if self.way == Way::Bilinear { low + 1 } else { low }
     }
 
-    /// Whether each pixel of the document is one of the picture.
+    /// Whether each document pixel corresponds to one picture pixel.
     pub(crate) fn is_pixel(&self) -> bool {
         self.way == Way::Pixel
     }
 
-    /// Whether every sample is some pixel of the picture, as it is.
+    /// Whether every sample is an unblended pixel of the picture.
     pub(crate) fn is_exact(&self) -> bool {
         self.way != Way::Bilinear
     }
 
-    /// Lays rows of a picture over a block. `line` gives the pixels from (x, y) on, one row for each channel.
+    /// Lays rows of a picture over a block. `line` supplies the pixels from (x, y) on, one row for each channel.
     pub(crate) fn lay(
         &self,
         block: &Block<'_>,
@@ -123,7 +122,7 @@ impl Fit {
             Way::Pixel => Vec::new(),
             _ => (window.x0..window.x1).map(|x| self.tap(0, x as f64 + offset[0])).collect(),
         };
-        // Taps do not go back, so the first and the last are the outermost.
+        // Taps never decrease, so the first and the last are the outermost.
         let left = self.tap(0, window.x0 as f64 + offset[0]).low;
         let length = columns.last().map_or(0, |last| (last.low + 2 - left) as usize);
         let none = |out: &Option<&mut [f32]>| out.as_ref().map(|_| vec![0.0; length]);
@@ -158,7 +157,7 @@ impl Fit {
         Ok(())
     }
 
-    /// The values at a place of the document, in pixels, in f64, of a picture with these pixels.
+    /// Returns the values at a position in the document, in pixels, in f64, from a picture with these pixels.
     pub(crate) fn blend<E>(
         &self,
         at: [f64; 2],
@@ -178,7 +177,7 @@ impl Fit {
         Ok(sums.into_iter().zip(nearest).map(|(sum, nearest)| if sum.is_nan() { nearest } else { sum }).collect())
     }
 
-    /// Where a picture with this data window has pixels, in the document's.
+    /// Returns the data window of a picture in the document's pixels.
     pub(crate) fn window(&self, data: Window) -> Window {
         let axis = |axis: usize, first: i64, end: i64| {
             let (first, end) = (first - self.origin[axis], end - self.origin[axis]);
@@ -199,7 +198,7 @@ impl Fit {
 #[derive(Clone, Debug)]
 enum Pixels {
     Whole(Plane),
-    /// Only those on a grid.
+    /// Only the samples on a grid.
     Kept(Arc<Grid>, Vec<f32>),
 }
 
@@ -208,7 +207,7 @@ enum Pixels {
 pub(crate) struct Layer {
     pixels: Pixels,
     fit: Fit,
-    /// The value outside the plane's window; without it the nearest pixel repeats.
+    /// Value outside the plane's window; if `None`, the nearest pixel repeats.
     outside: Option<f32>,
 }
 
@@ -217,12 +216,12 @@ impl Layer {
         Self { pixels: Pixels::Whole(plane), fit, outside }
     }
 
-    /// Of a picture of which only some pixels are kept.
+    /// Returns a layer of a picture of which only some pixels are kept.
     pub(crate) fn kept(grid: Arc<Grid>, samples: Vec<f32>, fit: Fit, outside: Option<f32>) -> Self {
         Self { pixels: Pixels::Kept(grid, samples), fit, outside }
     }
 
-    /// Whether all pixels are kept that a block is made of.
+    /// Whether all pixels that a block needs are kept.
     pub(crate) fn covers(&self, block: &Block<'_>) -> bool {
         let Pixels::Kept(grid, _) = &self.pixels else { return true };
         let (window, [across, down]) = (block.window, block.offset);
@@ -231,13 +230,13 @@ impl Layer {
             && (window.y0..window.y1).all(|y| near(1, y, down).all(|y| grid.has_row(y)))
     }
 
-    /// The same of the value at a place.
+    /// Whether all pixels that the value at a position needs are kept.
     pub(crate) fn covers_place(&self, [x, y]: [f64; 2]) -> bool {
         let Pixels::Kept(grid, _) = &self.pixels else { return true };
         self.fit.neighbors(0, x).all(|x| grid.has_column(x)) && self.fit.neighbors(1, y).all(|y| grid.has_row(y))
     }
 
-    /// The plane's window.
+    /// Returns the plane's window.
     fn data(&self) -> Window {
         match &self.pixels {
             Pixels::Whole(plane) => plane.window(),
@@ -245,7 +244,7 @@ impl Layer {
         }
     }
 
-    /// The samples of a block, row by row.
+    /// Fills a block with samples, row by row.
     pub(crate) fn fill(&self, block: &Block<'_>, out: &mut [f32]) {
         let window = block.window;
         if window.is_empty() {
@@ -267,7 +266,7 @@ impl Layer {
         }
     }
 
-    /// The pixels from (`left`, `y`) on: what lies within the plane in one piece.
+    /// Copies the pixels from (`left`, `y`) on; those within the plane are copied at once.
     fn copy(&self, plane: &Plane, left: i64, y: i64, out: &mut [f32]) {
         let data = plane.window();
         let stored = match self.outside {
@@ -282,12 +281,12 @@ impl Layer {
             out[..first].fill(self.texel(data.x0 - 1, y));
             out[last..].fill(self.texel(data.x1, y));
         } else {
-            // Above, below, or on one side of the plane: one value, but for rows that repeat.
+            // Outside the plane there is one value, unless rows repeat above and below it.
             out.iter_mut().zip(left..).for_each(|(out, x)| *out = self.texel(x, y));
         }
     }
 
-    /// Lies between the four pixels, or is the one that the sample falls on.
+    /// Returns the blend of four pixels, or the pixel that contains the sample.
     fn sample(&self, across: Tap, down: Tap) -> f32 {
         let nearest = self.texel(across.low, down.low);
         if across.t == 0.0 && down.t == 0.0 {
@@ -302,7 +301,7 @@ impl Layer {
         filter::blended(values, &filter::weights(across.t, down.t))
     }
 
-    /// The value at a place of the document, in pixels, in f64.
+    /// Returns the value at a position in the document, in pixels, in f64.
     pub(crate) fn reference(&self, at: [f64; 2]) -> f64 {
         let mut texel = |x: i64, y: i64| Ok::<_, std::convert::Infallible>(vec![f64::from(self.texel(x, y))]);
         match self.fit.blend(at, &mut texel) {
@@ -315,17 +314,17 @@ impl Layer {
         match (self.outside, &self.pixels) {
             (Some(outside), _) if !self.data().contains(x, y) => outside,
             (_, Pixels::Whole(plane)) => plane.nearest(x, y),
-            // What is not kept was asked about before.
+            // `covers` was checked before: the pixel is kept.
             (_, Pixels::Kept(grid, samples)) => grid.place(x, y).map_or(f32::NAN, |place| samples[place]),
         }
     }
 
-    /// Where the file holds pixels, in the document's.
+    /// Returns the file's data window in the document's pixels.
     pub(crate) fn window(&self) -> Window {
         self.fit.window(self.data())
     }
 
-    /// All samples that are kept.
+    /// Returns all kept samples.
     pub(crate) fn samples(&self) -> &[f32] {
         match &self.pixels {
             Pixels::Whole(plane) => plane.samples(),
@@ -373,7 +372,7 @@ mod tests {
         let large = Window::sized(12, 8);
         assert_eq!(fit(Some(FitBy::Crop), large).unwrap().window(large), Window::sized(6, 4));
         assert_eq!(fit(Some(FitBy::Nearest), large).unwrap().window(large), Window::sized(4, 2));
-        // Of the size of the drawing, it is none of the document.
+        // The rendered size equals the picture's, but the document's does not.
         let error = fit(None, Window::sized(4, 2)).unwrap_err().to_string();
         assert!(error.contains("4 × 2 pixels, the document 8 × 4"), "{error}");
     }
@@ -384,7 +383,7 @@ mod tests {
         assert_eq!(of(None, [2, 2]), Window::sized(2, 2));
         assert_eq!(of(Some(FitBy::Crop), [9, 1]), Window::sized(2, 2));
         assert_eq!(of(Some(FitBy::Bilinear), [4, 1]), Window::sized(4, 1));
-        // A pixel more than is shown, to the right and below.
+        // The data window extends one pixel beyond the display window, to the right and below.
         let (display, data) = (Window::new(-1, 0, 1, 2), Window::new(-1, 0, 2, 3));
         let fit = |by: Option<FitBy>, width: u32| {
             Fit::new(by, FitBy::WORDS, display, [Format::new(width, 2, 1).unwrap(); 2], Path::new("a.exr")).unwrap()

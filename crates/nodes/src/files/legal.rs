@@ -1,11 +1,11 @@
-//! Bad data: what each kind of value refuses, and the nearest legal value.
+//! Validation of file data: the values refused for each kind, and the nearest legal value.
 
 use std::path::Path;
-use trochoid_graph::NodeError;
+use trochoid_graph::{BadData, NodeError};
 use trochoid_image::{Plane, Window};
 use trochoid_io::Picture;
 
-/// What the samples of a channel must be.
+/// Requirement on the samples of a channel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Rule {
     /// Finite and ≥ 0.
@@ -17,7 +17,7 @@ pub(crate) enum Rule {
 }
 
 impl Rule {
-    /// The nearest legal value; of NaN 0.
+    /// Returns the nearest legal value; 0 for NaN.
     pub(crate) fn nearest(self, value: f32) -> f32 {
         match self {
             _ if value.is_nan() => 0.0,
@@ -36,10 +36,10 @@ impl Rule {
     }
 }
 
-/// Holds samples against a rule: the position of the first illegal one or, with `repair`, each is set to the nearest legal
-/// value, and how many were.
+/// Checks samples against a rule. Returns the position of the first illegal one as an error or, with `repair`, sets
+/// each to the nearest legal value and returns their number.
 pub(crate) fn legalize(samples: &mut [f32], rule: Rule, repair: bool) -> Result<u64, usize> {
-    // Without a branch, since nearly all are legal.
+    // Without branches, because nearly all samples are legal.
     let fine = match rule {
         Rule::Color => samples.iter().fold(true, |fine, v| fine & (*v >= 0.0) & (*v <= f32::MAX)),
         Rule::Mask => samples.iter().fold(true, |fine, v| fine & (*v >= 0.0) & (*v <= 1.0)),
@@ -49,7 +49,7 @@ pub(crate) fn legalize(samples: &mut [f32], rule: Rule, repair: bool) -> Result<
     if !fine {
         for (index, sample) in samples.iter_mut().enumerate() {
             let legal = rule.nearest(*sample);
-            // NaN differs from every number, itself included.
+            // NaN differs from every number, including itself.
             if *sample != legal {
                 if !repair {
                     return Err(index);
@@ -64,25 +64,15 @@ pub(crate) fn legalize(samples: &mut [f32], rule: Rule, repair: bool) -> Result<
     Ok(repaired)
 }
 
-/// What is said of an illegal sample.
-pub(crate) fn illegal(
-    path: &Path,
-    part: usize,
-    channel: &str,
-    (x, y): (i64, i64),
-    found: f32,
-    rule: Rule,
-) -> NodeError {
-    NodeError::new(format!(
-        "{}: part {part}, channel \"{channel}\", pixel ({x}, {y}): found {found}, expected {}; \
-         correct the file, or set \"repair\": true to take the nearest legal value",
-        path.display(),
-        rule.expected()
-    ))
+/// Returns the error for an illegal sample.
+pub(crate) fn illegal(path: &Path, part: usize, channel: &str, pixel: (i64, i64), found: f32, rule: Rule) -> NodeError {
+    let remedy = "correct the file, or set \"repair\": true to take the nearest legal value";
+    let bad = BadData::new(found, rule.expected(), remedy);
+    bad.in_file(path).in_part(part).in_channel(channel).at_pixel(pixel).into()
 }
 
-/// Takes the plane of channel `at` out of a picture, with every sample held against a rule: the first illegal one is
-/// refused or, with `repair`, each is set to the nearest legal value. Returns how many were.
+/// Takes the plane of channel `at` out of a picture and checks every sample against a rule: the first illegal one is
+/// refused or, with `repair`, each is set to the nearest legal value. Returns their number.
 pub(crate) fn take(
     path: &Path,
     picture: &mut Picture,
@@ -100,7 +90,7 @@ pub(crate) fn take(
     Ok((std::mem::replace(&mut channel.plane, empty), repaired))
 }
 
-/// The pixel of sample `index` of a plane.
+/// Returns the pixel of sample `index` of a plane.
 pub(crate) fn place(window: Window, index: usize) -> (i64, i64) {
     let width = window.width().max(1);
     (window.x0 + (index % width) as i64, window.y0 + (index / width) as i64)

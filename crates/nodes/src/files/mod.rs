@@ -1,4 +1,4 @@
-//! Nodes that read files, and what they share: decoding a selection, bad data, fitting, and color conversion.
+//! Nodes that read files, and their shared code: decoding a selection, validation, fitting, and color conversion.
 
 mod color;
 mod cost;
@@ -35,18 +35,19 @@ pub(crate) use shared::SharedFile;
 pub(crate) use stream::{Rows, Stored, Stream};
 
 use std::path::Path;
-use trochoid_graph::{FrameContext, NodeError, NodeType};
+use trochoid_graph::{BadData, FrameContext, NodeError, NodeType};
 use trochoid_image::{MAX_PIXELS, Window};
 use trochoid_io::{ExrReader, Limits, Picture, PictureInfo, RowReader, Selection};
 
-/// Colors of at most so many bytes are kept decoded: their file is read for the control colors, so that reading it on demand
-/// would decode it twice.
+/// Colors up to this many bytes are kept decoded: their file is read for the control colors anyway, so reading it on
+/// demand would decode it twice.
 pub(crate) const KEPT_COLORS: u64 = 256 << 20;
 
-/// Pictures other than EXR of at most so many bytes are kept whole; of larger ones only what the document's samples fall on.
+/// Pictures other than EXR up to this many bytes are kept whole; of larger ones, only the pixels that the document's
+/// samples need.
 pub(crate) const KEPT_WHOLE: u64 = if cfg!(test) { 1 << 10 } else { 64 << 20 };
 
-/// Decodes a selection within the frame's limit of memory.
+/// Decodes a selection within the frame's memory limit.
 pub(crate) fn decode(frame: &FrameContext, path: &Path, selection: &Selection) -> Result<Picture, NodeError> {
     let picture = trochoid_io::read(path, selection, &limits(frame)).map_err(|error| reading::selected(error, None))?;
     filled(path, picture.part, picture.data)?;
@@ -57,7 +58,7 @@ fn limits(frame: &FrameContext) -> Limits {
     Limits { pixels: MAX_PIXELS, bytes: frame.memory_limit }
 }
 
-/// What a file says of a selection, by its header alone.
+/// Returns the file's information about a selection, from its header alone.
 pub(crate) fn header(
     frame: &FrameContext,
     path: &Path,
@@ -69,11 +70,11 @@ pub(crate) fn header(
     Ok(RowReader::open(path, selection, &limits(frame))?.info().clone())
 }
 
-/// Refuses a picture without a pixel: there is none to repeat outside its data window.
+/// Refuses a picture without pixels: there is nothing to repeat outside its data window.
 fn filled(path: &Path, part: usize, data: Window) -> Result<(), NodeError> {
     if data.is_empty() {
-        let path = path.display();
-        return Err(NodeError::new(format!("{path}: part {part}: found the data window {data}, expected a pixel")));
+        let found = format_args!("the data window {data}");
+        return Err(BadData::new(found, "a pixel", "").in_file(path).in_part(part).into());
     }
     Ok(())
 }

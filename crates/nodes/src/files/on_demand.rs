@@ -1,4 +1,4 @@
-//! Finding channels, in a file that is only opened as in a picture that is decoded.
+//! Lookup of channels by name, both in a file that is only opened and in a decoded picture.
 
 use super::reading::selected;
 use super::{decode, filled, header, shared};
@@ -32,12 +32,12 @@ impl Names<'_> {
         self.list.len()
     }
 
-    /// The full names of all, for messages.
+    /// Returns the full names of all channels, for messages.
     pub(crate) fn all(&self) -> String {
         self.some(&(0..self.list.len()).collect::<Vec<_>>())
     }
 
-    /// The same of some.
+    /// Returns the full names of some channels, for messages.
     pub(crate) fn some(&self, at: &[usize]) -> String {
         const SHOWN: usize = 12;
         let mut names: Vec<String> = at.iter().take(SHOWN).map(|&at| format!("\"{}\"", self.list[at].1)).collect();
@@ -47,17 +47,17 @@ impl Names<'_> {
         names.join(", ")
     }
 
-    /// Full names of some.
+    /// Returns the full names of some channels.
     pub(crate) fn full(&self, at: &[usize]) -> Vec<String> {
         at.iter().map(|&index| self.list[index].1.to_owned()).collect()
     }
 
-    /// Positions of the channels called `bases`, in any case; `None` unless all are there.
+    /// Returns the positions of the channels named `bases`, ignoring case; `None` unless all are present.
     pub(crate) fn positions<const N: usize>(&self, bases: [&str; N]) -> Option<[usize; N]> {
         self.among(&(0..self.list.len()).collect::<Vec<_>>(), bases)
     }
 
-    /// The same among some.
+    /// Returns the positions of the channels named `bases` among some channels.
     pub(crate) fn among<const N: usize>(&self, some: &[usize], bases: [&str; N]) -> Option<[usize; N]> {
         let mut found = [0; N];
         for (at, base) in found.iter_mut().zip(bases) {
@@ -66,7 +66,7 @@ impl Names<'_> {
         Some(found)
     }
 
-    /// R, G and B, or the one channel besides alpha.
+    /// Returns the positions of R, G and B, or of the one channel besides alpha.
     pub(crate) fn color(&self) -> Option<[usize; 3]> {
         self.positions(["R", "G", "B"]).or_else(|| {
             let is_alpha = |index: &usize| self.list[*index].0.eq_ignore_ascii_case("A");
@@ -80,7 +80,7 @@ impl Names<'_> {
     }
 }
 
-/// A picture whose rows are read on demand where its format allows that, and its size.
+/// A picture that is read on demand row by row, if its format allows that, or decoded.
 pub(crate) enum Opened {
     /// Read on demand.
     Exr(Box<ExrReader>),
@@ -89,21 +89,19 @@ pub(crate) enum Opened {
 }
 
 impl Opened {
-    /// Opens what was found.
+    /// Opens the picture that contains a pass.
     pub(crate) fn new(prepare: &Prepare<'_>, path: &Path, found: &FoundPass) -> Result<Self, NodeError> {
         if found.is_exr {
-            return shared::open(prepare, path, &found.selection)
-                .map(|reader| Self::Exr(reader.into()))
-                .map_err(NodeError::new);
+            return Ok(Self::Exr(shared::open(prepare, path, &found.selection)?.into()));
         }
         decode(prepare.frame, path, &found.selection).map(Self::Picture)
     }
 }
 
-/// A layer or part, or the one channel, that a knob names.
+/// A layer, a part or a single channel named by a knob.
 pub(crate) struct FoundPass {
     pub(crate) info: PictureInfo,
-    /// Which of the selected channels are meant.
+    /// Positions of the pass's channels among the selected ones.
     pub(crate) channels: Vec<usize>,
     selection: Selection,
     is_exr: bool,
@@ -115,15 +113,15 @@ impl FoundPass {
     }
 }
 
-/// What the channels R, G and B of a file's main layer, which has no name, are called as a pass.
+/// Pass name of the channels R, G and B in a file's main layer, which has no name.
 const MAIN: &str = "RGB";
 
-/// Finds a layer or part, or the one channel, that a knob names, such as `Combined.A`, by the file's header.
+/// Finds a layer, a part or a single channel named by a knob, such as `Combined.A`, in the file's header.
 ///
 /// # Errors
-/// The file cannot be read, or has none of that name.
+/// The file cannot be read, or contains nothing with that name.
 pub(crate) fn find_pass(frame: &FrameContext, path: &Path, knob: ItemName, name: &str) -> Result<FoundPass, NodeError> {
-    let is_exr = trochoid_io::kind(path).map_err(NodeError::new)?.is_exr();
+    let is_exr = trochoid_io::kind(path)?.is_exr();
     let find = |selection: Selection| {
         let info = header(frame, path, &selection)?;
         Ok(FoundPass { channels: (0..info.channels.len()).collect(), info, selection, is_exr })
@@ -131,7 +129,7 @@ pub(crate) fn find_pass(frame: &FrameContext, path: &Path, knob: ItemName, name:
     let mut found = find(Selection::layer(name));
     if let Err(missing @ Error::NotFound { .. }) = found {
         found = find(Selection::channels([name]));
-        // Not the channel's full name: perhaps that of its layer was cut short.
+        // Not a full channel name: its layer name may be abbreviated.
         if name == MAIN && matches!(found, Err(Error::NotFound { .. })) {
             found = find(Selection::channels(["R", "G", "B"]));
         }
@@ -141,7 +139,7 @@ pub(crate) fn find_pass(frame: &FrameContext, path: &Path, knob: ItemName, name:
                 FoundPass { channels, ..pass }
             });
         }
-        // Of several misses the layer's says most: it lists what the file has.
+        // If all lookups fail, report the layer's error: it lists the file's contents.
         if matches!(&found, Ok(pass) if pass.channels.is_empty()) || matches!(found, Err(Error::NotFound { .. })) {
             found = Err(missing);
         }

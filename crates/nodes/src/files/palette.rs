@@ -7,10 +7,10 @@ use trochoid_graph::NodeError;
 use trochoid_image::Rgb;
 use trochoid_weights::HullBuilder;
 
-/// Control colors that are handed over one by one; of more only the vertices of their hull.
+/// Maximum number of control colors listed individually; beyond it, only the vertices of their hull are.
 pub(crate) const MANY_COLORS: usize = 1 << 16;
 
-/// The control colors of three planes.
+/// Returns the control colors of three planes.
 pub(crate) fn controls([r, g, b]: [&[f32]; 3]) -> Vec<Rgb> {
     distinct(r, g, b).unwrap_or_else(|| {
         let mut hull = HullBuilder::new();
@@ -19,14 +19,14 @@ pub(crate) fn controls([r, g, b]: [&[f32]; 3]) -> Vec<Rgb> {
     })
 }
 
-/// Every different color, in the order of its first pixel; `None` if there are too many to list.
+/// Returns every distinct color, in the order of its first pixel; `None` if there are too many to list.
 pub(crate) fn distinct(r: &[f32], g: &[f32], b: &[f32]) -> Option<Vec<Rgb>> {
     let mut seen = HashSet::new();
     let mut colors = Vec::new();
     let mut last = None;
     for ((r, g), b) in r.iter().zip(g).zip(b) {
         let bits = [r.to_bits(), g.to_bits(), b.to_bits()];
-        // Flat areas are long.
+        // Repeated colors are common: skip them before hashing.
         if last.replace(bits) != Some(bits) && seen.insert(bits) {
             if colors.len() == MANY_COLORS {
                 return None;
@@ -37,10 +37,11 @@ pub(crate) fn distinct(r: &[f32], g: &[f32], b: &[f32]) -> Option<Vec<Rgb>> {
     Some(colors)
 }
 
-/// The control colors of a picture that is read on demand, which is all read for that: the same as [`controls`] of it.
+/// Returns the control colors of a picture that is read on demand, by reading all of it: the same as [`controls`] of
+/// the decoded picture.
 pub(crate) fn walked(stream: &Stream, cancelled: &(dyn Fn() -> bool + Sync)) -> Result<Vec<Rgb>, NodeError> {
     let height = stream.stored.data.height();
-    // Whole blocks, so that none is decoded by two threads.
+    // Whole blocks, so that no block is decoded by two threads.
     let step = stream.rows_per_block();
     let rows = height.div_ceil(step).div_ceil(rayon::current_num_threads()) * step;
     let parts: Vec<_> = (0..height).step_by(rows).map(|first| first..height.min(first + rows)).collect();
@@ -58,7 +59,7 @@ pub(crate) fn walked(stream: &Stream, cancelled: &(dyn Fn() -> bool + Sync)) -> 
     Ok(parts.into_iter().fold(Gathered::default(), Gathered::merge).finish())
 }
 
-/// Colors in the order of their first pixel or, of many, their hull.
+/// Colors in the order of their first pixel or, if there are many, their hull.
 #[derive(Default)]
 pub(super) struct Gathered {
     seen: HashSet<[u32; 3]>,
@@ -72,7 +73,7 @@ impl Gathered {
             let mut last = None;
             for ((r, g), b) in r.iter().zip(g).zip(b) {
                 let color = [*r, *g, *b];
-                // Flat areas are long.
+                // Repeated colors are common: skip them before hashing.
                 if last.replace(color.map(f32::to_bits)) != Some(color.map(f32::to_bits)) {
                     self.add(color);
                 }

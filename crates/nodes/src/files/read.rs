@@ -1,6 +1,5 @@
 //! Read: a picture file as colors, weights or a field.
 
-use crate::bounds::{bound_at, bound_exact};
 use crate::files::knobs::{As, FitBy, Knobs, Named, Selected, Taken};
 use crate::files::{Fit, KEPT_COLORS, KEPT_WHOLE, Kept, Layer, Reading, Stream, controls, memory_of_picture, walked};
 use crate::filter;
@@ -13,15 +12,16 @@ use trochoid_image::{Plane, Rgb, Window};
 /// Reads a picture file: EXR, PNG, JPEG or TIFF.
 ///
 /// # Formula
-/// As color: stored value, divided by alpha if `premultiplied`, decoded, converted to the working space. As weights: wᵢ/Σw. As
-/// field: the stored value.
+/// As color: the stored value, divided by alpha if `premultiplied`, decoded, and converted to the working space. As
+/// weights: wᵢ/Σw. As field: the stored value.
 ///
 /// # Edge cases
-/// Colors must be finite and ≥ 0, weights in [0, 1] with sum 1 within 0.001, fields not NaN; anything else is refused with its
-/// place or, with `repair`, set to the nearest legal value (NaN to 0, weights divided by their sum) and counted. Of weights and
-/// fields in an EXR only rows that are needed are read, and of other large pictures only what samples fall on is held. Outside its
-/// data window a picture repeats its nearest pixel. An EXR without chromaticities has those of Rec. 709; of any others white
-/// becomes white (Bradford). Floats of a TIFF are linear light. Every color of the file is a control color.
+/// Colors must be finite and ≥ 0, weights in [0, 1] with sum 1 within 0.001, and fields not NaN. Any other value is
+/// refused with its location or, with `repair`, set to the nearest legal value (NaN to 0, weights divided by their
+/// sum) and counted. For weights and fields in an EXR, only the rows needed are read; of other large pictures, only
+/// the pixels needed for samples are kept. Outside its data window, a picture repeats its nearest pixel. An EXR
+/// without chromaticities uses those of Rec. 709; with any others, white is mapped to white (Bradford). Floating-point
+/// TIFFs are linear light. Every color of the file is a control color.
 ///
 /// # Source
 /// OpenEXR, Technical Introduction; IEC 61966-2-1.
@@ -29,16 +29,19 @@ use trochoid_image::{Plane, Rgb, Window};
 #[node(
     end = Back,
     revision = 1,
-    output(image: Kind::Color = "The picture: Color, mask, Weights or Field, by `as` and channels.")
+    reads("a picture": "exr", "png", "jpg", "jpeg", "tif", "tiff"),
+    output(image: Kind::Color = "The picture: a Color, mask, Weights or Field, depending on `as` and `channels`.")
 )]
+#[also_called("Image", "ImageRead", "ReadImage", "Load", "LoadImage", "Loader", "Input", "File", "Footage")]
+#[also_called("Crop", "Reformat", "Resize", "Resample" => "its \"fit\"")]
 pub(crate) struct Read {
     #[items]
     named: Named,
     #[items]
     selected: Selected,
-    /// How a picture of another size is laid over the document's.
+    /// Fit of a picture whose size differs from the document's.
     pub(super) fit: Option<FitBy>,
-    /// Color outside the data window; by default the nearest pixel repeats.
+    /// Color outside the data window; if unset, the nearest pixel repeats.
     #[knob(color)]
     pub(super) outside: Option<[f64; 3]>,
     #[items]
@@ -119,7 +122,7 @@ impl Stage for Read {
     }
 }
 
-/// The planes of a whole file, and how many values were repaired.
+/// Reads the planes of a whole file, and returns them with the number of repaired values.
 fn whole(reading: &Reading<'_>, kind: Kind, wanted: &[bool]) -> Result<(Layers, u64), NodeError> {
     let Reading { knobs, frame, path, outside } = *reading;
     let mut fit = None;
@@ -132,10 +135,10 @@ fn whole(reading: &Reading<'_>, kind: Kind, wanted: &[bool]) -> Result<(Layers, 
     Ok((planes.into_iter().enumerate().map(layer).collect(), repaired))
 }
 
-/// The channels of an output, `None` where nobody wants them.
+/// The channels of an output; `None` for unwanted ones.
 type Layers = Vec<Option<Layer>>;
 
-/// What it takes to read the whole of a file of which little is kept, where someone asks for more than that.
+/// Reads the whole file, of which only a part was kept, when more is needed.
 struct Again {
     node: Read,
     frame: FrameContext,
@@ -165,7 +168,7 @@ struct Decoded {
 }
 
 impl Decoded {
-    /// The layers, of which all have what is `covered`.
+    /// Returns layers that all satisfy `covered`, reading the whole file if necessary.
     fn layers(&self, covered: impl Fn(&Layer) -> bool) -> Result<&Layers, NodeError> {
         match &self.again {
             Some(again) if !self.layers.iter().flatten().all(covered) => again.layers(self.kind),
@@ -173,7 +176,7 @@ impl Decoded {
         }
     }
 
-    /// The channels at a place, in f64.
+    /// Returns the channels at a position, in f64.
     fn values(&self, at: [f64; 2]) -> Result<Vec<f64>, NodeError> {
         let layers = self.layers(|layer| layer.covers_place(at))?;
         Ok(layers.iter().map(|layer| layer.as_ref().map_or(0.0, |layer| layer.reference(at))).collect())
@@ -209,9 +212,8 @@ impl Prepared for Decoded {
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
         for channel in 0..self.layers.len() {
-            bound_at(bounding, outputs, (Only, channel), |at| {
-                self.values(at).map_or(f64::NAN, |values| values[channel])
-            });
+            bounding
+                .bound_at(outputs, (Only, channel), |at| self.values(at).map_or(f64::NAN, |values| values[channel]));
         }
         Ok(())
     }
@@ -235,7 +237,7 @@ impl Prepared for Decoded {
 struct Streamed {
     kind: Kind,
     stream: Stream,
-    /// The output's channels that the stream has.
+    /// The output's channels that the stream supplies.
     targets: Vec<usize>,
     controls: Vec<Rgb>,
 }
@@ -267,12 +269,12 @@ impl Prepared for Streamed {
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
         if self.stream.is_exact() {
-            bound_exact(bounding, outputs);
+            bounding.exact(outputs);
             return Ok(());
         }
         for (index, channel) in self.targets.iter().enumerate() {
             let truth = |at| self.stream.reference(at).map_or(f64::NAN, |values| values[index]);
-            bound_at(bounding, outputs, (Only, *channel), truth);
+            bounding.bound_at(outputs, (Only, *channel), truth);
         }
         Ok(())
     }

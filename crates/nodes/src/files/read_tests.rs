@@ -1,4 +1,4 @@
-//! Read, on files written for the occasion.
+//! Tests of Read on generated files.
 
 use crate::testing::{Frame, graph, refused};
 use std::path::Path;
@@ -6,7 +6,7 @@ use trochoid_graph::{Kind, NodeError};
 use trochoid_image::{Chromaticities, Plane, Window, WorkingSpace, srgb_decode};
 use trochoid_io::{ExrChannel, ExrImage, PngImage, Samples, write_exr, write_png8};
 
-/// Writes 4 × 3 pixels of named channels, each by its samples.
+/// Writes 4 × 3 pixels of named channels with the given samples.
 fn exr(folder: &Path, channels: &[(&str, [f32; 12])], chromaticities: Option<Chromaticities>) {
     let window = Window::sized(4, 3);
     let channels =
@@ -17,7 +17,7 @@ fn exr(folder: &Path, channels: &[(&str, [f32; 12])], chromaticities: Option<Chr
 fn read(folder: &Path, key: &str, knobs: &str) -> Result<Frame, NodeError> {
     let node = format!(r#""out": {{ "type": "Read", "file": "a.exr", {knobs} }}"#);
     let frame = Frame::new(graph(key, &node, folder).unwrap())?;
-    // Bad data may be found only where they are needed.
+    // Bad data may be found only where it is needed.
     frame.fill_all("out")?;
     Ok(frame)
 }
@@ -26,7 +26,7 @@ fn message(result: Result<Frame, NodeError>) -> String {
     result.err().expect("an error").to_string()
 }
 
-/// By reference and by fill, which must agree.
+/// Returns the value by reference and by fill, which must agree.
 fn value(frame: &Frame, x: usize, y: usize) -> Vec<f32> {
     let at = [x as f64 + 0.5, y as f64 + 0.5];
     let (truth, found) = (frame.truth(at), frame.lowered(at));
@@ -150,7 +150,7 @@ fn stated_primaries_are_converted() {
     );
     let text = message(read(folder.path(), "color", r#""as": "color""#));
     assert!(text.contains("pixel (0, 0)") && text.contains("linear-srgb") && text.contains("acescg"), "{text}");
-    // Any others too: of P3 to Rec. 709 as published, 6 digits.
+    // Other primaries work too: from P3 to Rec. 709 with the published 6 digits.
     let p3 = Chromaticities { red: [0.68, 0.32], green: [0.265, 0.69], blue: [0.15, 0.06], white: [0.3127, 0.329] };
     exr(folder.path(), &[("R", [0.5; 12]), ("G", [0.5; 12]), ("B", [0.25; 12])], Some(p3));
     let frame = read(folder.path(), "color", r#""as": "color""#).unwrap();

@@ -1,4 +1,4 @@
-//! A file as the planes of a Color, of weights or of a field.
+//! Reading a file as the planes of a Color, of weights or of a field.
 
 use super::color::{Conversion, Meaning, Premultiplied, convert};
 use super::knobs::{FitBy, Knobs, Selected};
@@ -8,41 +8,42 @@ use super::recipe::{Colors, Normalized};
 use super::stream::MOST_ROWS;
 use super::{Fit, Recipe, Rows, Rule, SharedFile, Stored, Stream, decode, filled, header, shared};
 use std::path::{Path, PathBuf};
-use trochoid_graph::{Choice, FrameContext, ItemName, Kind, NodeError, Prepare};
+use trochoid_graph::{BadData, Choice, FrameContext, ItemName, Kind, NodeError, Prepare};
 use trochoid_image::{Plane, Rgb};
+use trochoid_io::Entry;
 use trochoid_io::{FileKind, Picture, PictureInfo, Selection};
 
-/// Largest difference from 1 of a sum of weights: what storing them in half can cost.
+/// Largest allowed difference of a sum of weights from 1: the error of storing them in half precision.
 const SUM_TOLERANCE: f64 = 1e-3;
 
-/// One reading of a node with its knobs.
+/// One reading of a file with a node's knobs.
 pub(crate) struct Reading<'a> {
     pub(crate) knobs: Knobs<'a>,
     pub(crate) frame: &'a FrameContext,
     pub(crate) path: &'a Path,
-    /// The color where nothing is covered, if one is set.
+    /// Color outside the data window, also used if no pixel is covered.
     pub(crate) outside: Option<Rgb>,
 }
 
-/// How the output's channels are made of stored ones.
+/// Construction of the output's channels from stored ones.
 pub(super) struct Made {
     pub(super) rule: Rule,
-    /// The stored channels, by their positions in what was selected.
+    /// Positions of the stored channels in the selection.
     pub(super) at: Vec<usize>,
-    /// What makes the output's channels of them; none where they are the same.
+    /// Conversion of the stored channels to the output's; `None` if they are the same.
     pub(super) recipe: Option<Box<dyn Recipe>>,
     /// The output's channels.
     pub(super) targets: Vec<usize>,
 }
 
-/// The planes of the output, `None` where nobody wants them, and the number of repaired values.
+/// The planes of the output, `None` for unwanted ones, and the number of repaired values.
 pub(crate) type Planes = (Vec<Option<Plane>>, u64);
 
-/// Sees a picture before its values are judged, and may refuse it.
+/// Callback that inspects a picture before its values are validated, and may refuse it.
 type Accept<'a> = dyn FnMut(&Picture) -> Result<(), NodeError> + 'a;
 
 impl Reading<'_> {
-    /// The planes of a value of `kind`, as far as they are wanted.
+    /// Reads the wanted planes of a value of `kind`.
     ///
     /// # Errors
     /// The file cannot be read, `accept` refuses it, or its values are not legal.
@@ -55,10 +56,11 @@ impl Reading<'_> {
         }
     }
 
-    /// Looks at the header for what reading would fail with; `laid` over the document's pixels or looked up anywhere.
+    /// Checks the header for errors that reading would encounter, with the picture `laid` over the document's pixels
+    /// or looked up anywhere.
     ///
     /// # Errors
-    /// The file cannot be read, has another size and nobody says how to fit it, or lacks what is selected.
+    /// The file cannot be read, has another size and no fit is set, or lacks a selected item.
     pub(crate) fn examine(&self, wanted: &[bool], laid: bool) -> Result<(), NodeError> {
         let kind = self.knobs.kind();
         if !wanted.contains(&true) {
@@ -88,15 +90,15 @@ impl Reading<'_> {
     }
 
     pub(super) fn fault(&self, part: usize, found: String, expected: &str) -> NodeError {
-        NodeError::new(format!("{}: part {part}: found {found}, expected {expected}", self.path.display()))
+        BadData::new(found, expected, "").in_file(self.path).in_part(part).into()
     }
 
-    /// The output's channels as a stream that reads rows on demand, and which they are; `None` where the whole picture must
-    /// be decoded first, or, of colors, is no larger than `budget` bytes: their control colors are needed before anything
-    /// else, so the file would be decoded twice.
+    /// Returns the output's channels as a stream that reads rows on demand, and their indices. Returns `None` if the
+    /// whole picture must be decoded first, or for colors of at most `budget` bytes: their control colors are needed
+    /// first, so the file would be decoded twice.
     ///
     /// # Errors
-    /// The file cannot be opened, or lacks what is selected.
+    /// The file cannot be opened, or lacks a selected item.
     pub(crate) fn on_demand(
         &self,
         prepare: &Prepare<'_>,
@@ -135,7 +137,7 @@ impl Reading<'_> {
         Ok(Some((stream, targets)))
     }
 
-    /// The channels to select for a value of `kind`: of fields only those that anyone wants.
+    /// Returns the channels to select for a value of `kind`; for fields, only the wanted ones.
     pub(super) fn wanted_channels(&self, kind: Kind, wanted: &[bool]) -> Vec<String> {
         match kind {
             Kind::Field(_) => self.wanted_names(wanted),
@@ -143,7 +145,7 @@ impl Reading<'_> {
         }
     }
 
-    /// How the output's channels are made of those that a file has.
+    /// Returns how the output's channels are made from the file's.
     pub(super) fn made(
         &self,
         kind: Kind,
@@ -197,13 +199,13 @@ impl Reading<'_> {
         Conversion::new(meaning, self.knobs.taken.encoding)
     }
 
-    /// Of the named channels those that anyone wants.
+    /// Returns the wanted ones of the named channels.
     fn wanted_names(&self, wanted: &[bool]) -> Vec<String> {
         let names = self.knobs.selected.channels.iter().zip(wanted);
         names.filter(|(_, wanted)| **wanted).map(|(name, _)| name.clone()).collect()
     }
 
-    /// Takes the planes at these positions of a picture, each held against a rule.
+    /// Takes the planes at these positions out of a picture, checking each against a rule.
     fn take(&self, picture: &mut Picture, at: &[usize], rule: Rule) -> Result<(Vec<Plane>, u64), NodeError> {
         let mut repaired = 0;
         let mut planes = Vec::with_capacity(at.len());
@@ -255,18 +257,18 @@ impl Reading<'_> {
         Ok((planes.into_iter().map(Some).collect(), repaired))
     }
 
-    /// The channels to select for a color: those that are named, and alpha where colors are divided by it.
+    /// Returns the channels to select for a color: the named ones, and alpha if colors are divided by it.
     fn color_channels(&self) -> Vec<String> {
         let mut channels = self.knobs.selected.channels.clone();
         if let Some(first) = channels.first().filter(|_| self.knobs.taken.premultiplied) {
-            // Alpha of the layer that the channels are of.
+            // Alpha is in the same layer as the named channels.
             let layer = first.rfind('.').map_or("", |dot| &first[..=dot]);
             channels.push(format!("{layer}A"));
         }
         channels
     }
 
-    /// Where the alpha stands that colors are divided by, if they are.
+    /// Returns the position of the alpha by which colors are divided, if they are.
     fn alpha(&self, names: &Names<'_>, named: usize) -> Result<Option<usize>, NodeError> {
         match (self.knobs.taken.premultiplied, named) {
             (false, _) => Ok(None),
@@ -278,7 +280,8 @@ impl Reading<'_> {
         }
     }
 
-    /// The channels of a color: as named, else R, G and B, or the one channel besides alpha.
+    /// Returns the positions of a color's channels: the named ones, otherwise R, G and B, or the one channel besides
+    /// alpha.
     fn find_color(&self, names: &Names<'_>, named: usize) -> Result<[usize; 3], NodeError> {
         match named {
             0 => names.color().ok_or_else(|| {
@@ -290,7 +293,7 @@ impl Reading<'_> {
         }
     }
 
-    /// The named channels, or the only one.
+    /// Decodes the named channels, or the only one.
     fn scalars(&self, channels: Vec<String>) -> Result<Picture, NodeError> {
         let named = channels.len();
         let picture = decode(self.frame, self.path, &self.selection(channels))?;
@@ -298,7 +301,7 @@ impl Reading<'_> {
         Ok(picture)
     }
 
-    /// Refuses several channels where none is named.
+    /// Refuses several channels if none is named.
     fn only(&self, names: &Names<'_>, named: usize) -> Result<(), NodeError> {
         if named > 0 || names.count() == 1 {
             return Ok(());
@@ -339,16 +342,18 @@ impl Reading<'_> {
     }
 }
 
-/// A file's error, with the knob that names what the file does not have: `knob` or, by default, the one for it.
+/// Adds to a file's error the knob that names the missing item: `knob`, or by default the one for its kind.
 pub(super) fn selected(error: trochoid_io::Error, knob: Option<ItemName>) -> NodeError {
     match &error {
         trochoid_io::Error::NotFound { kind, existing, .. } if !existing.is_empty() => {
-            let own = if *kind == "channel" { Selected::CHANNELS.as_str() } else { kind };
-            let knob = knob.map_or(own, ItemName::as_str);
-            let node = NodeError::NODE;
-            NodeError::new(format!("{error}, in the node's \"{knob}\", or to try it by --set {node}.{knob}=…"))
+            let own = match kind {
+                Entry::Part => Selected::PART,
+                Entry::Layer => Selected::LAYER,
+                Entry::Channel => Selected::CHANNELS,
+            };
+            NodeError::missing(error, knob.unwrap_or(own))
         }
-        _ => NodeError::new(error),
+        _ => error.into(),
     }
 }
 
@@ -356,14 +361,14 @@ pub(super) fn selected(error: trochoid_io::Error, knob: Option<ItemName>) -> Nod
 pub(crate) struct Sums {
     path: PathBuf,
     part: usize,
-    /// The channels, for messages.
+    /// Names of the channels, for messages.
     names: String,
     repair: bool,
 }
 
 impl Sums {
-    /// Divides the pixels from (`x`, `y`) on, a line for each channel. Returns the number of pixels where that repaired
-    /// them.
+    /// Divides the pixels from (`x`, `y`) on by their sum, one line for each channel. Returns the number of repaired
+    /// pixels.
     pub(crate) fn normalize(&self, [x, y]: [i64; 2], lines: &mut [&mut [f32]]) -> Result<u64, NodeError> {
         let mut sums = vec![0.0_f64; lines.first().map_or(0, |line| line.len())];
         for line in lines.iter() {
@@ -374,13 +379,10 @@ impl Sums {
         if off > 0 && !self.repair {
             let at = sums.iter().position(is_off).unwrap_or_default();
             let (sum, x) = (sums[at], x + at as i64);
-            return Err(NodeError::new(format!(
-                "{}: part {}: found weights in {} that sum to {sum} at pixel ({x}, {y}), expected the sum 1 within \
-                 0.001; set \"repair\": true to divide them by their sum",
-                self.path.display(),
-                self.part,
-                self.names
-            )));
+            let found = format_args!("weights in {} that sum to {sum}", self.names);
+            let remedy = "set \"repair\": true to divide them by their sum";
+            let bad = BadData::new(found, "the sum 1 within 0.001", remedy);
+            return Err(bad.in_file(&self.path).in_part(self.part).at_pixel((x, y)).into());
         }
         let equal = 1.0 / lines.len() as f64;
         for line in lines.iter_mut() {

@@ -1,21 +1,21 @@
-//! What makes the channels of an output of stored samples, a piece of a row at a time.
+//! Recipes: conversions of stored samples to the channels of an output, one piece of a row at a time.
 
 use super::color::Conversion;
 use super::reading::Sums;
 use std::sync::{Mutex, PoisonError};
 use trochoid_graph::NodeError;
 
-/// From legal stored samples to the values of an output.
+/// Conversion from legal stored samples to the values of an output.
 pub(crate) trait Recipe: Send + Sync {
-    /// Converts the pixels from `at` on in place: first a line for each stored channel, afterward one for each of the
-    /// output. Returns how many values were repaired.
+    /// Converts the pixels from `at` on in place: one line for each stored channel before, one for each channel of the
+    /// output afterward. Returns the number of repaired values.
     ///
     /// # Errors
-    /// Values that mean nothing together.
+    /// Values are inconsistent with each other.
     fn apply(&self, at: [i64; 2], lines: &mut [&mut [f32]]) -> Result<u64, NodeError>;
 }
 
-/// Weights divided by their sum.
+/// Divides weights by their sum.
 pub(crate) struct Normalized(pub(crate) Sums);
 
 impl Recipe for Normalized {
@@ -29,10 +29,10 @@ impl Recipe for Normalized {
     }
 }
 
-/// Colors of the working space; of one stored channel a gray.
+/// Converts to colors of the working space; a single stored channel gives gray.
 pub(crate) struct Colors {
     pub(crate) gray: bool,
-    /// Conversions that no thread uses at the moment; never without the first.
+    /// Conversions not in use by any thread; the first one is never taken.
     conversions: Mutex<Vec<Conversion>>,
 }
 

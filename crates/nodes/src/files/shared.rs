@@ -1,4 +1,4 @@
-//! An EXR file that several nodes read on demand: opened once, and each block of rows decoded once.
+//! An EXR file that several nodes read on demand: it is opened once, and each block of rows is decoded once.
 
 use super::limits;
 use std::collections::HashMap;
@@ -8,24 +8,24 @@ use trochoid_graph::{NodeError, Prepare, file_states};
 use trochoid_image::Window;
 use trochoid_io::{BandBuffer, ExrReader, Selection};
 
-/// Decoded blocks that are kept of one file, bytes.
+/// Maximum size of the decoded blocks kept per file, in bytes.
 pub(super) const KEPT: usize = 64 << 20;
 
-/// Least rows of a block: files of single rows are read faster several at a time.
+/// Minimum number of rows in a block: bands of single rows are read faster several at a time.
 const ROWS: usize = 16;
 
-/// One part of an open file, with all channels that any node wants of it.
+/// One part of an open file, with all channels that any node wants from it.
 pub(crate) struct SharedFile {
     state: Mutex<State>,
-    /// Buffers for decoding, one for each thread that decodes.
+    /// Decoding buffers, one for each decoding thread.
     scratch: Mutex<Vec<BandBuffer>>,
     data: Window,
     bands: usize,
     rows_per_band: usize,
-    /// Bands of a block.
+    /// Number of bands in a block.
     group: usize,
     threads: usize,
-    /// Blocks decoded so far.
+    /// Number of blocks decoded so far.
     #[cfg(test)]
     pub(crate) decoded: std::sync::atomic::AtomicUsize,
 }
@@ -34,7 +34,7 @@ struct State {
     reader: Arc<ExrReader>,
     kept: HashMap<usize, Kept>,
     clock: u64,
-    /// Memory of blocks that are no longer kept.
+    /// Buffers of blocks that are no longer kept, for reuse.
     spare: Vec<Vec<BandBuffer>>,
 }
 
@@ -43,7 +43,7 @@ struct Kept {
     used: u64,
 }
 
-/// A block that someone decodes, or has.
+/// A block that is being decoded, or has been.
 #[derive(Default)]
 pub(crate) struct Slot {
     decoded: OnceLock<Result<Decoded, NodeError>>,
@@ -57,14 +57,14 @@ pub(crate) struct Decoded {
 }
 
 impl Decoded {
-    /// Samples of row `y` from column `x0` on.
+    /// Copies the samples of row `y` from column `x0` on.
     pub(crate) fn row(&self, channel: usize, y: i64, x0: i64, out: &mut [f32]) {
         self.bands[(y - self.y0) as usize / self.rows_per_band].row_f32(channel, y, x0, out);
     }
 }
 
 impl Slot {
-    /// The rows, or why they cannot be decoded.
+    /// Returns the rows, or the error that prevented their decoding.
     pub(crate) fn rows(&self) -> Result<&Decoded, NodeError> {
         match self.decoded.get() {
             Some(Ok(decoded)) => Ok(decoded),
@@ -74,14 +74,14 @@ impl Slot {
     }
 }
 
-/// Opens an EXR as a selection says.
+/// Opens an EXR with a selection.
 pub(crate) fn open(prepare: &Prepare<'_>, path: &Path, selection: &Selection) -> Result<ExrReader, trochoid_io::Error> {
     ExrReader::open(path, selection, &limits(prepare.frame))
 }
 
 impl SharedFile {
-    /// The file that `reader` reads, shared with all nodes that read the same part of it, and where it has some of the
-    /// reader's channels.
+    /// Returns the file that `reader` reads, shared with all nodes that read the same part of it, and the positions of
+    /// the given channels of the reader in it.
     pub(crate) fn of(
         prepare: &Prepare<'_>,
         path: &Path,
@@ -95,12 +95,8 @@ impl SharedFile {
     }
 
     fn new(reader: &ExrReader) -> Result<Self, NodeError> {
-        let state = State {
-            reader: Arc::new(reader.narrowed(&[]).map_err(NodeError::new)?),
-            kept: HashMap::new(),
-            clock: 0,
-            spare: Vec::new(),
-        };
+        let state =
+            State { reader: Arc::new(reader.narrowed(&[])?), kept: HashMap::new(), clock: 0, spare: Vec::new() };
         Ok(Self {
             state: Mutex::new(state),
             scratch: Mutex::default(),
@@ -114,10 +110,10 @@ impl SharedFile {
         })
     }
 
-    /// Wants more channels. What is decoded without them is dropped.
+    /// Adds channels. If any are new, blocks decoded without them are dropped.
     fn add(&self, reader: &ExrReader, channels: &[usize]) -> Result<Vec<usize>, NodeError> {
         let mut state = lock(&self.state);
-        let (joined, places) = state.reader.joined(reader, channels).map_err(NodeError::new)?;
+        let (joined, places) = state.reader.joined(reader, channels)?;
         if joined.info().channels.len() > state.reader.info().channels.len() {
             state.reader = Arc::new(joined);
             state.kept.clear();
@@ -125,17 +121,17 @@ impl SharedFile {
         Ok(places)
     }
 
-    /// Rows of a block; the last one may have fewer.
+    /// Returns the number of rows in a block; the last block may have fewer.
     pub(crate) fn rows_per_block(&self) -> usize {
         self.group * self.rows_per_band
     }
 
-    /// The block that holds a row of the data window.
+    /// Returns the block that contains a row of the data window.
     pub(crate) fn block_at(&self, y: i64) -> usize {
         (y - self.data.y0) as usize / self.rows_per_block()
     }
 
-    /// A block of rows: decoded here, or by whoever asked first.
+    /// Returns a block of rows, decoded here or by the thread that requested it first.
     pub(crate) fn block(&self, index: usize) -> Arc<Slot> {
         let (slot, reader, spare) = {
             let mut state = lock(&self.state);
@@ -167,16 +163,16 @@ impl SharedFile {
         spare.resize_with(count, BandBuffer::new);
         let mut scratch = lock(&self.scratch).pop().unwrap_or_default();
         for (band, buffer) in (first..).zip(&mut spare) {
-            // The old samples' memory takes the new ones.
+            // Reuse the buffer of old samples for the new ones.
             scratch.exchange(buffer);
-            reader.decode(band, &mut scratch).map_err(NodeError::new)?;
+            reader.decode(band, &mut scratch)?;
             scratch.exchange(buffer);
         }
         lock(&self.scratch).push(scratch);
         Ok(Decoded { bands: spare, y0: reader.band_window(first).y0, rows_per_band: self.rows_per_band })
     }
 
-    /// Memory held, bytes.
+    /// Returns the memory held, in bytes.
     pub(crate) fn bytes(&self) -> usize {
         let bytes = |bands: &[BandBuffer]| bands.iter().map(BandBuffer::bytes).sum::<usize>();
         let state = lock(&self.state);
@@ -191,7 +187,7 @@ impl State {
     fn drop_oldest(&mut self) {
         let oldest = self.kept.iter().min_by_key(|(_, kept)| kept.used).map(|(index, _)| *index);
         let kept = oldest.and_then(|index| self.kept.remove(&index));
-        // Who still reads it drops it; else its memory is used again.
+        // If a thread still reads the block, that thread frees it; otherwise its memory is reused.
         let slot = kept.and_then(|kept| Arc::into_inner(kept.slot));
         if let Some(Ok(decoded)) = slot.and_then(|slot| slot.decoded.into_inner())
             && self.spare.is_empty()
@@ -201,7 +197,7 @@ impl State {
     }
 }
 
-/// The guarded value, also after a panic elsewhere: what is guarded here changes in whole steps.
+/// Returns the guarded value, even after a panic elsewhere: everything guarded here changes in whole steps.
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

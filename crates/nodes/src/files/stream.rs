@@ -1,4 +1,4 @@
-//! Rows of a picture on demand: decoded, judged and converted where a block of samples asks for them.
+//! Rows of a picture on demand: decoded, validated and converted when a block of samples needs them.
 
 use super::layer::Fit;
 use super::legal::{Rule, illegal, legalize};
@@ -10,21 +10,21 @@ use std::sync::{Arc, OnceLock};
 use trochoid_graph::{Block, NodeError};
 use trochoid_image::{Plane, Rgb, Window};
 
-/// Columns that are converted together: their samples stay in cache.
+/// Number of columns converted together, so that their samples stay in cache.
 const PIECE: usize = 1024;
 
-/// Rows of a picture that may be read on demand, so that what is noted of each takes little memory.
+/// Maximum number of rows for reading on demand; limits the memory for bookkeeping per row.
 pub(crate) const MOST_ROWS: usize = 1 << 24;
 
-/// Where stored samples come from.
+/// Source of stored samples.
 pub(crate) enum Rows {
-    /// A file, decoded on demand, and where it has the channels.
+    /// A file decoded on demand, and the positions of the channels in it.
     File(Arc<SharedFile>, Vec<usize>),
-    /// Memory.
+    /// Planes in memory.
     Memory(Vec<Plane>),
 }
 
-/// What messages and judgment need to know of the stored samples.
+/// Data about the stored samples, needed for validation and messages.
 pub(crate) struct Stored {
     pub(crate) path: PathBuf,
     pub(crate) part: usize,
@@ -35,25 +35,25 @@ pub(crate) struct Stored {
     pub(crate) repair: bool,
 }
 
-/// Some channels of a picture, laid over the document's, of which no row is converted before someone asks for it.
+/// Channels of a picture, laid over the document's; rows are converted only when requested.
 pub(crate) struct Stream {
     pub(crate) stored: Stored,
     pub(crate) rows: Rows,
-    /// What makes the output's channels of the stored ones; none where they are the same.
+    /// Conversion of the stored channels to the output's; `None` if they are the same.
     pub(crate) recipe: Option<Box<dyn Recipe>>,
-    /// Channels of the output.
+    /// Number of the output's channels.
     pub(crate) outputs: usize,
     pub(crate) fit: Fit,
-    /// The color outside the data window; without it the nearest pixel repeats.
+    /// Color outside the data window; if `None`, the nearest pixel repeats.
     pub(crate) outside: Option<Rgb>,
     judged: Vec<AtomicU64>,
     fault: OnceLock<NodeError>,
 }
 
-/// A row of each channel, where it is wanted.
+/// A row for each channel; `None` for unwanted ones.
 pub(crate) type Targets<'t, 'a> = &'t mut [Option<&'a mut [f32]>];
 
-/// What one thread uses from row to row.
+/// Buffers that one thread reuses from row to row.
 #[derive(Default)]
 struct Scratch {
     held: Option<(usize, Arc<Slot>)>,
@@ -66,7 +66,7 @@ impl Stream {
         Self { stored, rows, recipe, outputs, fit, outside: None, judged, fault: OnceLock::new() }
     }
 
-    /// The samples of a block, row by row, of every channel that is wanted.
+    /// Fills a block with the samples of every wanted channel, row by row.
     pub(crate) fn fill(&self, block: &Block<'_>, outs: Targets<'_, '_>) -> Result<(), NodeError> {
         if outs.iter().all(Option::is_none) {
             return Ok(());
@@ -76,7 +76,7 @@ impl Stream {
         filled.map_err(|error| self.first_fault(error))
     }
 
-    /// The channels at a place of the document, in pixels, in f64.
+    /// Returns the channels at a position in the document, in pixels, in f64.
     pub(crate) fn reference(&self, at: [f64; 2]) -> Result<Vec<f64>, NodeError> {
         let mut scratch = Scratch::default();
         let mut texel = |x: i64, y: i64| {
@@ -88,17 +88,17 @@ impl Stream {
         self.fit.blend(at, &mut texel)
     }
 
-    /// Whether every sample is some pixel of the file, as it is.
+    /// Whether every sample is an unblended pixel of the file.
     pub(crate) fn is_exact(&self) -> bool {
         self.fit.is_exact()
     }
 
-    /// Values that were repaired in the rows that anyone asked for.
+    /// Returns the number of values repaired in the rows requested so far.
     pub(crate) fn repaired(&self) -> u64 {
         self.judged.iter().map(|judged| judged.load(Ordering::Relaxed).saturating_sub(1)).sum()
     }
 
-    /// Rows that are best asked for together.
+    /// Returns the number of rows that are best requested together.
     pub(crate) fn rows_per_band(&self) -> Option<usize> {
         match &self.rows {
             Rows::File(file, _) if self.fit.is_pixel() => Some(file.rows_per_block()),
@@ -106,7 +106,7 @@ impl Stream {
         }
     }
 
-    /// Rows that are decoded together.
+    /// Returns the number of rows that are decoded together.
     pub(crate) fn rows_per_block(&self) -> usize {
         match &self.rows {
             Rows::File(file, _) => file.rows_per_block(),
@@ -114,7 +114,7 @@ impl Stream {
         }
     }
 
-    /// Memory held, bytes; of a shared file, this one's share.
+    /// Returns the memory held, in bytes; for a shared file, this stream's share.
     pub(crate) fn bytes(&self) -> usize {
         let samples = match &self.rows {
             Rows::File(file, _) => file.bytes() / Arc::strong_count(file),
@@ -123,12 +123,12 @@ impl Stream {
         samples + size_of_val(&self.judged[..])
     }
 
-    /// Where the file holds pixels, in the document's.
+    /// Returns the file's data window in the document's pixels.
     pub(crate) fn window(&self) -> Window {
         self.fit.window(self.stored.data)
     }
 
-    /// All rows of a range, whole, from the top down: as an output has them.
+    /// Passes each full row in a range to `f`, from the top down, with the channels of the output.
     pub(crate) fn each_row(
         &self,
         rows: std::ops::Range<usize>,
@@ -145,7 +145,7 @@ impl Stream {
         Ok(())
     }
 
-    /// The pixels from (`left`, `y`) on, within the data window or not.
+    /// Reads the pixels from (`left`, `y`) on, inside or outside the data window.
     fn line(&self, scratch: &mut Scratch, left: i64, y: i64, outs: Targets<'_, '_>) -> Result<(), NodeError> {
         let Some(length) = outs.iter().flatten().map(|out| out.len()).next() else { return Ok(()) };
         let data = self.stored.data;
@@ -159,7 +159,7 @@ impl Stream {
             return Ok(());
         }
         if first == last {
-            // Beside the picture: its last pixel on that side.
+            // To the left or right of the picture: its last pixel on that side.
             let x = left.clamp(data.x0, data.x1 - 1);
             let mut texel = vec![[0.0_f32]; outs.len()];
             let mut targets: Vec<Option<&mut [f32]>> = texel.iter_mut().map(|value| Some(&mut value[..])).collect();
@@ -180,7 +180,7 @@ impl Stream {
         Ok(())
     }
 
-    /// Pixels of the data window.
+    /// Reads pixels of the data window.
     fn texels(&self, scratch: &mut Scratch, x0: i64, y: i64, outs: Targets<'_, '_>) -> Result<(), NodeError> {
         let data = self.stored.data;
         let length = outs.iter().flatten().map(|out| out.len()).next().unwrap_or_default();
@@ -189,7 +189,7 @@ impl Stream {
         let known = judged.load(Ordering::Relaxed) > 0;
         let mut nothing: Vec<Option<&mut [f32]>> = outs.iter().map(|_| None).collect();
         if !known && !whole {
-            // A row is judged as a whole, so that it does not matter who asks for how much of it.
+            // A row is validated as a whole, so that results do not depend on which part of it is requested.
             let repaired = self.convert(scratch, data.x0, y, data.width(), true, &mut nothing)?;
             judged.store(1 + repaired, Ordering::Relaxed);
         }
@@ -200,7 +200,7 @@ impl Stream {
         Ok(())
     }
 
-    /// Reads, judges and converts a row of pixels, piece by piece; `all` channels or just the wanted ones.
+    /// Reads, validates and converts a row of pixels, piece by piece; reads `all` channels or only the wanted ones.
     fn convert(
         &self,
         scratch: &mut Scratch,
@@ -236,7 +236,7 @@ impl Stream {
         Ok(repaired)
     }
 
-    /// Reads and judges samples of one channel.
+    /// Reads and validates samples of one channel.
     fn read(
         &self,
         held: &mut Option<(usize, Arc<Slot>)>,
@@ -266,8 +266,8 @@ impl Stream {
         })
     }
 
-    /// The first fault of the whole picture, so that it does not depend on threads and tiles which one is reported:
-    /// rows that cannot be decoded, then the first illegal sample of each channel, then what they cannot be converted to.
+    /// Returns the first error in the whole picture, so that the reported error does not depend on threads and tiles:
+    /// undecodable rows come first, then the first illegal sample of each channel, then failed conversions.
     fn first_fault(&self, found: NodeError) -> NodeError {
         self.fault.get_or_init(|| self.scan().err().unwrap_or(found)).clone()
     }
@@ -299,7 +299,7 @@ impl Stream {
     }
 }
 
-/// Does something with every row that is wanted.
+/// Applies a function to every wanted row.
 fn fill(outs: Targets<'_, '_>, mut f: impl FnMut(usize, &mut [f32])) {
     for (channel, out) in outs.iter_mut().enumerate() {
         if let Some(out) = out {

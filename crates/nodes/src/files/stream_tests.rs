@@ -1,4 +1,4 @@
-//! Rows read on demand are the decoded picture's, bit for bit, and their faults are the picture's.
+//! Rows read on demand equal those of the decoded picture, bit for bit, and so do their errors.
 
 use super::knobs::FitBy;
 use super::read::Read;
@@ -32,7 +32,7 @@ fn write(path: &Path, data: Window, display: (usize, usize), way: (Method, Block
     image.write().to_file(path).unwrap();
 }
 
-/// What a Read of some knobs is given.
+/// Input of a Read with given knobs.
 struct Case {
     node: Read,
     context: FrameContext,
@@ -67,7 +67,7 @@ impl Case {
         found.unwrap().expect("it can be streamed").0
     }
 
-    /// Decoded: the layers, and how many values were repaired.
+    /// Decodes the picture, and returns its layers and the number of repaired values.
     fn layers(&self) -> Result<(Vec<Layer>, u64), NodeError> {
         let mut fit = None;
         let (planes, repaired) = self.reading(|reading| {
@@ -104,7 +104,7 @@ fn bits(samples: &[f32]) -> Vec<u32> {
     samples.iter().map(|v| v.to_bits()).collect()
 }
 
-/// Holds a stream against the decoded picture, over windows of all sizes, by several threads.
+/// Compares a stream with the decoded picture, over windows of all sizes, on several threads.
 fn same(case: &Case, what: &str) {
     let (layers, repaired) = case.layers().unwrap();
     let stream = case.stream(&Pool::new());
@@ -129,7 +129,7 @@ fn same(case: &Case, what: &str) {
         let truth: Vec<f64> = layers.iter().map(|layer| layer.reference(at)).collect();
         assert_eq!(stream.reference(at).unwrap(), truth, "{what}: at {at:?}");
     });
-    // The windows need not have needed every row.
+    // The windows need not have included every row.
     stream.each_row(0..stream.stored.data.height(), |_| Ok(())).unwrap();
     assert_eq!(stream.repaired(), repaired, "{what}");
     if case.kind == trochoid_graph::Kind::Color {
@@ -163,7 +163,7 @@ fn a_stream_is_the_decoded_picture() {
     for (number, (way, data)) in ways.iter().flat_map(|way| windows.map(|data| (way, data))).enumerate() {
         let area = data.area();
         let mut channels = vec![("R", noise(area, 1)), ("G", noise(area, 2)), ("B", noise(area, 3))];
-        // Illegal as weights and as colors, and a zero that is none.
+        // Illegal values for weights and colors, and a negative zero.
         (channels[1].1[area / 2], channels[1].1[3], channels[2].1[area - 1]) = (-0.5, -0.0, f32::INFINITY);
         channels.push(("one", vec![1.0; area]));
         channels.push(("rest", channels[0].1.iter().map(|v| 1.0 - v).collect()));

@@ -1,6 +1,5 @@
-//! Texture: a picture file looked up by coordinates.
+//! Texture: a picture file looked up by texture coordinates.
 
-use crate::bounds::{Span, bound_by, known};
 use crate::files::knobs::{As, Knobs, Named, Selected, Taken};
 use crate::files::{Reading, controls, memory_of_picture};
 use crate::filter::{blended, fill, value, weights};
@@ -10,19 +9,20 @@ use std::sync::OnceLock;
 use trochoid_graph::*;
 use trochoid_image::{Plane, Rgb, Window};
 
-/// Looks a picture file up at u and v: on a surface, or wherever fields say.
+/// Looks up a picture file at u and v: on a surface, or wherever fields specify.
 ///
 /// # Formula
-/// The picture's value at x = u·width − ½, y = (1 − v)·height − ½ in its pixels: u from 0 at the left edge to 1 at the right, v
-/// from 0 at the lower edge to 1 at the upper. bilinear: a blend of the four pixels around; nearest: the pixel that the place falls
-/// into.
+/// The picture's value at x = u·width − ½, y = (1 − v)·height − ½ in its pixels: u from 0 at the left edge to 1 at the
+/// right, v from 0 at the lower edge to 1 at the upper. bilinear: a blend of the four nearest pixels; nearest: the
+/// pixel that contains the position.
 ///
 /// # Edge cases
-/// Beyond [0, 1] the picture repeats, is mirrored at its edges, or ends with its last pixel, by `wrap`. A coordinate that is no
-/// finite number counts as 0, but ±∞ as the edge where `wrap` is clamp. Outside its data window a picture repeats its nearest
-/// pixel. A picture seen smaller than it is stored is not averaged: raise the format's `samples`. To lay a picture over the screen,
-/// Read it with `fit`: ScreenX is 0 and 1 at the centers of the outer pixels and ScreenY falls from above, but u and v are 0 and 1
-/// at the picture's edges, and v rises. Bad data as Read. Every color of the file is a control color.
+/// Beyond [0, 1] the picture repeats, is mirrored at its edges, or continues with its border pixels, by `wrap`. A
+/// coordinate of NaN or ±∞ counts as 0; with `wrap` clamp, ±∞ counts as the edge. Outside its data window, a picture
+/// repeats its nearest pixel. A picture displayed smaller than stored is not averaged: raise the format's `samples`.
+/// To fill the screen with a picture, use Read with `fit`: ScreenX is 0 and 1 at the centers of the outermost pixels,
+/// and ScreenY increases downward, but u and v are 0 and 1 at the picture's edges, and v increases upward. Bad data is
+/// handled as in Read. Every color of the file is a control color.
 ///
 /// # Source
 /// v rises from the lower edge as in OBJ, RenderMan and Blender; OpenEXR, Technical Introduction.
@@ -30,18 +30,20 @@ use trochoid_image::{Plane, Rgb, Window};
 #[node(
     end = Back,
     revision = 1,
-    output(image: Kind::Color = "The picture: Color, mask, Weights or Field, by `as` and channels.")
+    reads("a picture": "exr", "png", "jpg", "jpeg", "tif", "tiff"),
+    output(image: Kind::Color = "The picture: a Color, mask, Weights or Field, depending on `as` and `channels`.")
 )]
+#[also_called("ImageTexture", "TexImage", "STMap", "UVMap", "Tile")]
 pub(crate) struct Texture {
     #[items]
     named: Named,
-    /// Where across the picture, 0 to 1 from left to right.
+    /// Texture coordinate across the picture: 0 to 1 from left to right.
     u: One<port::Scalar>,
-    /// Where along its height, 0 to 1 from bottom to top.
+    /// Texture coordinate along the picture's height: 0 to 1 from bottom to top.
     v: One<port::Scalar>,
-    /// What lies beyond 0 and 1.
+    /// Behavior outside 0 to 1.
     wrap: Wrap,
-    /// What lies between pixels.
+    /// Interpolation between pixels.
     filter: Filter,
     #[items]
     selected: Selected,
@@ -121,7 +123,7 @@ impl Stage for Texture {
 }
 
 impl Wrap {
-    /// A coordinate brought to [0, 1].
+    /// Returns a coordinate wrapped to [0, 1].
     fn unit(self, at: f64) -> f64 {
         let within = match self {
             Self::Repeat => at - at.floor(),
@@ -134,11 +136,11 @@ impl Wrap {
         if within.is_finite() { within } else { 0.0 }
     }
 
-    /// A neighbor of a pixel that lies in a row of `count`.
+    /// Returns the index of a neighbor in a row of `count` pixels, wrapped.
     fn pixel(self, at: i64, count: i64) -> i64 {
         match self {
             Self::Repeat => at.rem_euclid(count),
-            // A mirror repeats the pixel at the edge.
+            // At a mirror, the edge pixel repeats.
             Self::Clamp | Self::Mirror => at.clamp(0, count - 1),
         }
     }
@@ -149,14 +151,14 @@ struct PreparedTexture {
     node: Texture,
     kind: Kind,
     planes: Vec<Option<Plane>>,
-    /// What u and v run over.
+    /// Display window: the range of u and v.
     display: Window,
     repaired: u64,
-    /// The least and the greatest sample of each plane, once someone asks.
+    /// Least and greatest sample of each plane, computed on request.
     ranges: Vec<OnceLock<(f64, f64)>>,
 }
 
-/// Two neighbors along an axis, and how far a place lies toward the second.
+/// The two neighbors along an axis, and the position between them.
 type Tap = ([i64; 2], f64);
 
 impl PreparedTexture {
@@ -164,7 +166,7 @@ impl PreparedTexture {
         self.node.filter == Filter::Bilinear
     }
 
-    /// The neighbors of a place along an axis of `count` pixels.
+    /// Returns the neighbors of a position along an axis of `count` pixels.
     fn tap(&self, at: f64, count: usize) -> Tap {
         let (place, count) = (at * count as f64, count as i64);
         if !self.is_bilinear() {
@@ -175,7 +177,7 @@ impl PreparedTexture {
         ([low, low + 1].map(|pixel| self.node.wrap.pixel(pixel, count)), center - center.floor())
     }
 
-    /// The pixels around u and v, and how far the place lies toward the right and the lower ones.
+    /// Returns the pixels around u and v, and the position between them, toward the right and lower ones.
     fn taps(&self, u: f64, v: f64) -> ([[i64; 2]; 4], [f64; 2]) {
         let (xs, across) = self.tap(self.node.wrap.unit(u), self.display.width());
         let (ys, down) = self.tap(1.0 - self.node.wrap.unit(v), self.display.height());
@@ -183,7 +185,7 @@ impl PreparedTexture {
         ([at(0, 0), at(1, 0), at(0, 1), at(1, 1)], [across, down])
     }
 
-    /// A plane at u and v in f64.
+    /// Returns the value of a plane at u and v, in f64.
     fn truth(&self, plane: &Plane, u: f64, v: f64) -> f64 {
         let (pixels, [across, down]) = self.taps(u, v);
         let weights = [(1.0 - across) * (1.0 - down), across * (1.0 - down), (1.0 - across) * down, across * down];
@@ -193,14 +195,14 @@ impl PreparedTexture {
         if sum.is_nan() { texel(pixels[0]) } else { sum }
     }
 
-    /// What a channel may be where u and v may lie anywhere in spans.
+    /// Returns the span of a channel for u and v in spans.
     fn span(&self, channel: usize, [u, v]: [Span; 2]) -> Span {
         let Some(plane) = &self.planes[channel] else { return Span::exactly(0.0) };
         if u.low == u.high && v.low == v.high {
             let truth = self.truth(plane, u.low, v.low);
             return Span::of(&[truth, truth]).with(u.clear && v.clear);
         }
-        // Pixels that may count, as they follow one another beyond the picture's edges.
+        // Range of pixels that may contribute, before wrapping.
         let sides = [self.display.width() as f64, self.display.height() as f64];
         let (center, more) = if self.is_bilinear() { (0.5, 1.0) } else { (0.0, 0.0) };
         let [across, down] = [(u, sides[0]), (v, sides[1])].map(|(span, side)| {
@@ -212,7 +214,7 @@ impl PreparedTexture {
         let texels = if few { self.texels(plane, across, down) } else { Vec::new() };
         let (least, most) = extremes(texels.iter().flatten().copied());
         if texels.is_empty() || !(most - least).is_finite() {
-            // It is a blend of some pixels.
+            // The value is a blend of some pixels.
             let all = || extremes(plane.samples().iter().map(|sample| f64::from(*sample)));
             let (least, most) = *self.ranges[channel].get_or_init(all);
             return Span::unclear(least, most);
@@ -237,7 +239,7 @@ impl PreparedTexture {
         Span { low: middle - off, high: middle + off, clear }.wider(lost)
     }
 
-    /// Rows of pixels from one to another, those beyond the edges as they are wrapped.
+    /// Returns the rows of pixels in a range, with those beyond the edges wrapped.
     fn texels(&self, plane: &Plane, across: [f64; 2], down: [f64; 2]) -> Vec<Vec<f64>> {
         let pixels = |[first, last]: [f64; 2], side: usize, is_up: bool| -> Vec<i64> {
             let side = side as f64;
@@ -254,12 +256,12 @@ impl PreparedTexture {
     }
 }
 
-/// The least and the greatest of some numbers.
+/// Returns the least and the greatest of some numbers.
 fn extremes(numbers: impl Iterator<Item = f64>) -> (f64, f64) {
     numbers.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), number| (least.min(number), most.max(number)))
 }
 
-/// Most pixels that are looked at where a place is not certain.
+/// Maximum number of pixels examined where a position is uncertain.
 const MOST: f64 = 4096.0;
 
 impl Prepared for PreparedTexture {
@@ -274,7 +276,7 @@ impl Prepared for PreparedTexture {
         let coordinate =
             |port: &One<port::Scalar>| inputs.planes(port, 0).first().copied().flatten().unwrap_or_default();
         let places = coordinate(&self.node.u).iter().zip(coordinate(&self.node.v));
-        // Where each sample looks, once for all channels.
+        // Compute each sample's pixels once for all channels.
         let taps: Vec<_> = places
             .map(|(u, v)| {
                 let (pixels, [across, down]) = self.taps(f64::from(*u), f64::from(*v));
@@ -293,9 +295,9 @@ impl Prepared for PreparedTexture {
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
         for channel in 0..self.planes.len() {
-            bound_by(bounding, outputs, (Only, channel), |sample| {
+            bounding.bound_by(outputs, (Only, channel), |sample| {
                 let place = [&self.node.u, &self.node.v]
-                    .map(|port| known(bounding, port, 0, sample).unwrap_or(Span::exactly(0.0)));
+                    .map(|port| bounding.known(port, 0, sample).unwrap_or(Span::exactly(0.0)));
                 let span = self.span(channel, place);
                 if matches!(self.kind, Kind::Weights(_)) { span.within(0.0, 1.0) } else { span }
             });

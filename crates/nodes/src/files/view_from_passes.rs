@@ -1,6 +1,5 @@
-//! ViewFromPasses: what another renderer saw.
+//! ViewFromPasses: a view from another renderer's passes.
 
-use crate::bounds::bound_exact;
 use crate::files::knobs::FitBy;
 use crate::files::{
     Fit, FoundPass, Opened, Recipe, Rows, Rule, SharedFile, Stored, Stream, find_pass, memory_of_passes,
@@ -12,34 +11,37 @@ use trochoid_graph::*;
 use trochoid_image::Window;
 use trochoid_scene::{Camera, DVec3, Projection};
 
-/// Makes a view of another renderer's passes, or of a painted normal map.
+/// A view made from another renderer's passes, or from a painted normal map.
 ///
 /// # Formula
-/// Depth d, or +∞ where d ≥ `far`. Position p and normal n/|n|, with (x, y, z) → (x, z, −y) where `up` is z; packed normals are 2v
-/// − 1. Height is p.y − `level`. Coverage as stored; without that pass 1 where d < `far`, else 0.
+/// Depth d, or +∞ where d ≥ `far`. Position p and normal n/|n|, with (x, y, z) → (x, z, −y) if `up` is z; packed
+/// normals are 2v − 1. Height is p.y − `level`. Coverage as stored; without a coverage pass, 1 where d < `far`,
+/// otherwise 0.
 ///
 /// # Edge cases
-/// A degenerate normal points up. Without coverage and depth everything is covered. Each channel depends on its own pass alone, so
-/// uncovered pixels keep the position that the file has there. NaN, and a coverage outside [0, 1], are refused with their place, or
-/// repaired and counted.
+/// A degenerate normal points up. Without coverage and depth, everything is covered. Each channel depends only on its
+/// own pass, so uncovered pixels keep the position stored in the file. NaN, and coverage outside [0, 1], are refused
+/// with their location, or repaired and counted.
 ///
 /// # Source
 /// Blender writes 10¹⁰ (65504 in half) as the depth of the sky, and has z upward.
 #[derive(Clone, Node)]
 #[node(end = Front, revision = 1, outputs = Out, role = Passes)]
+#[also_called("Passes", "AOV", "AOVs", "RenderPasses", "Cryptomatte", "ReadPasses")]
 pub(crate) struct ViewFromPasses {
-    /// The EXR; #### or %04d stands for the frame, \# and \% for the signs. A normal map may be a PNG.
+    /// EXR file; a normal map may be a PNG. #### or %04d stands for the frame number; write \# and \% for literal
+    /// signs.
     #[knob(path)]
     file: String,
-    /// Layer, part or channel that holds the planar depth in meters.
+    /// Layer, part or channel with the planar depth in meters.
     depth: Option<String>,
-    /// Layer or part that holds the world position in meters.
+    /// Layer or part with the world-space position in meters.
     position: Option<String>,
-    /// Layer or part that holds the world normal; RGB is the main layer, as a painted map's.
+    /// Layer or part with the world-space normal; RGB selects the main layer, as in a painted normal map.
     normal: Option<String>,
-    /// Layer, part or channel that holds the coverage, such as Combined.A.
+    /// Layer, part or channel with the coverage, for example Combined.A.
     coverage: Option<String>,
-    /// The axis that points up in the file; z in Blender.
+    /// Axis that points up in the file; z for Blender.
     up: Up,
     /// Normals are stored as (n + 1)/2, as in painted normal maps.
     #[knob(default = false)]
@@ -47,19 +49,19 @@ pub(crate) struct ViewFromPasses {
     /// World y from which heights are measured.
     #[knob(default = 0.0, range = -1e9..=1e9, unit = "m")]
     level: f64,
-    /// Depth from which on it is the sky's.
+    /// Depth at and above which a pixel belongs to the sky.
     #[knob(default = 1e4, range = 0.0..=f32::MAX as f64, unit = "m")]
     far: f64,
-    /// How passes of another size are laid over the picture.
+    /// Fit of passes whose size differs from the picture's.
     fit: Option<PassFit>,
-    /// Set illegal values to the nearest legal one, and count them.
+    /// Sets illegal values to the nearest legal one, and counts them.
     #[knob(default = false)]
     repair: bool,
-    /// The camera of the passes; without it, parallel rays along −Z.
+    /// Camera of the passes; if not connected, parallel rays along −Z.
     camera: Optional<port::Camera>,
 }
 
-/// Passes are not blended: between two objects lies neither.
+/// Passes are not blended: a value between two objects belongs to neither.
 #[derive(Clone, Copy, Debug, PartialEq, Choice)]
 enum PassFit {
     Nearest,
@@ -80,7 +82,7 @@ enum Out {
     /// The view.
     #[output(Kind::View)]
     View,
-    /// Where something is seen.
+    /// 1 where something is seen, otherwise 0.
     #[output(Kind::MASK)]
     Coverage,
 }
@@ -99,11 +101,11 @@ const POSITION: ChannelSet =
 const NORMAL: ChannelSet = ChannelSet::of(&[Channel::NormalX, Channel::NormalY, Channel::NormalZ]);
 const COVERAGE: ChannelSet = ChannelSet::of(&[Channel::Coverage]);
 
-/// Below this length a normal is no direction but rounding.
+/// Length below which a normal is only rounding error.
 const DEGENERATE: f64 = 1e-6;
 
 impl ViewFromPasses {
-    /// Depth, position, normal and coverage.
+    /// Returns depth, position, normal and coverage.
     fn passes(&self) -> [PassKnob<'_>; 4] {
         [
             (Self::DEPTH, &self.depth, DEPTH),
@@ -114,7 +116,7 @@ impl ViewFromPasses {
         .map(|(item, name, channels)| PassKnob { item, name: name.as_deref(), channels })
     }
 
-    /// Which of the passes are read for what is wanted of the outputs.
+    /// Whether each pass must be read for the wanted outputs.
     fn is_read(&self, wanted: &[Vec<bool>]) -> [bool; 4] {
         let wanted = |output: Out, channel: usize| {
             wanted.get(usize::from(output)).and_then(|channels| channels.get(channel)).is_some_and(|wanted| *wanted)
@@ -122,7 +124,7 @@ impl ViewFromPasses {
         let any = |set: ChannelSet| set.iter().any(|channel| wanted(Out::View, channel as usize));
         let [depth, position, normal, _] = self.passes().map(|pass| pass.name.is_some() && any(pass.channels));
         let coverage_wanted = any(COVERAGE) || wanted(Out::Coverage, 0);
-        // Without a pass of its own, coverage is what depth says.
+        // Without a coverage pass, coverage follows from depth.
         let instead = self.depth.is_some() && self.coverage.is_none() && coverage_wanted;
         [depth || instead, position, normal, self.coverage.is_some() && coverage_wanted]
     }
@@ -219,18 +221,18 @@ impl Stage for ViewFromPasses {
 }
 
 impl PassKnob<'_> {
-    /// Whether it has three components.
+    /// Whether the pass has three components.
     fn is_vector(self) -> bool {
         self.item == ViewFromPasses::POSITION || self.item == ViewFromPasses::NORMAL
     }
 
-    /// The name that the knob gives; none is asked for where it is unset.
+    /// Returns the name given by the knob; empty if unset, but then it is not needed.
     fn name(&self) -> &str {
         self.name.unwrap_or_default()
     }
 }
 
-/// The camera of a picture that was drawn and not rendered: parallel rays along −Z.
+/// Returns the camera of a picture that was painted rather than rendered: parallel rays along −Z.
 fn level_camera() -> Option<Handle> {
     Some(std::sync::Arc::new(Camera {
         position: DVec3::ZERO,
@@ -240,13 +242,13 @@ fn level_camera() -> Option<Handle> {
     }))
 }
 
-/// n/|n|; up where there is no direction.
+/// Returns n/|n|, or up if n is degenerate.
 fn unit(n: [f64; 3]) -> [f64; 3] {
     let length = n.iter().map(|v| v * v).sum::<f64>().sqrt();
     if length > DEGENERATE && length.is_finite() { n.map(|v| v / length) } else { [0.0, 1.0, 0.0] }
 }
 
-/// Depth with the sky at infinity, and what that says about coverage.
+/// Recipe for depth with the sky at infinity, and for the coverage that follows from it.
 struct Sky {
     far: f64,
 }
@@ -268,7 +270,8 @@ impl Recipe for Sky {
     }
 }
 
-/// Three components, each unpacked, then turned so that y is up, then finished; and the height above a level.
+/// Recipe for three components: unpacks them, rotates them so that y is up, and finishes them; also computes the
+/// height above a level.
 struct Turned {
     up: Up,
     unpack: fn(f64) -> f64,
@@ -282,7 +285,7 @@ impl Recipe for Turned {
         for ((x, y), z) in x.iter_mut().zip(&mut **y).zip(&mut **z) {
             let [a, b, c] = [*x, *y, *z].map(|v| (self.unpack)(f64::from(v)));
             let turned = self.up.to_y_up([a, b, c]);
-            // Adding 0 keeps −0 out.
+            // Adding 0 turns −0 into 0.
             [*x, *y, *z] = (self.finish)(turned).map(|v| v as f32 + 0.0);
         }
         if let ([height], Some(level)) = (height, self.level) {
@@ -292,7 +295,7 @@ impl Recipe for Turned {
     }
 }
 
-/// The passes of one frame.
+/// Reads the passes of one frame.
 struct Reading<'a> {
     node: &'a ViewFromPasses,
     frame: &'a FrameContext,
@@ -315,16 +318,12 @@ impl Reading<'_> {
     }
 
     fn fault(&self, pass: PassKnob<'_>, found: &FoundPass, expected: &str) -> NodeError {
-        NodeError::new(format!(
-            "{}: the pass \"{}\" is {}: found the channels {}, expected {expected}",
-            self.path.display(),
-            pass.item,
-            pass.name(),
-            found.names().some(&found.channels)
-        ))
+        let (name, channels) = (pass.name(), found.names().some(&found.channels));
+        let found = format_args!("{name} with the channels {channels}");
+        BadData::new(found, expected, "").of_item(pass.item).in_file(self.path).into()
     }
 
-    /// A pass of these stored channels.
+    /// Returns the pass of these stored channels.
     fn pass(
         &self,
         prepare: &Prepare<'_>,
@@ -355,7 +354,7 @@ impl Reading<'_> {
         Ok(Pass { stream: Stream::new(stored, rows, recipe, channels.len(), fit), channels })
     }
 
-    /// A pass of one channel.
+    /// Finds a pass of one channel.
     fn scalar(&self, knob: PassKnob<'_>) -> Result<FoundPass, NodeError> {
         let found = self.find(knob)?;
         if found.channels.len() != 1 {
@@ -365,7 +364,7 @@ impl Reading<'_> {
         Ok(found)
     }
 
-    /// A pass of three channels, and where they stand.
+    /// Finds a pass of three channels, and their positions.
     fn vector(&self, knob: PassKnob<'_>) -> Result<(FoundPass, Vec<usize>), NodeError> {
         let found = self.find(knob)?;
         let (names, all) = (found.names(), &found.channels);
@@ -379,7 +378,7 @@ impl Reading<'_> {
     }
 }
 
-/// Some channels of a view, read on demand.
+/// Channels of a view, read on demand.
 struct Pass {
     stream: Stream,
     channels: Vec<Channel>,
@@ -414,7 +413,7 @@ impl Prepared for View {
                 copy.copy_from_slice(coverage);
             }
         }
-        // What no pass has filled.
+        // Fill the channels that no pass supplies.
         for channel in Channel::ALL {
             for plane in
                 [outputs.take(Out::View, channel as usize), coverage_output(channel, outputs)].into_iter().flatten()
@@ -429,7 +428,7 @@ impl Prepared for View {
         if !self.passes.iter().all(|pass| pass.stream.is_exact()) {
             return Err(NoBound("its passes are blended"));
         }
-        bound_exact(bounding, outputs);
+        bounding.exact(outputs);
         Ok(())
     }
 
@@ -457,12 +456,12 @@ impl Prepared for View {
     }
 }
 
-/// The plane of the output `coverage`, at that channel.
+/// Returns the plane of the output `coverage`, for that channel.
 fn coverage_output<'a>(channel: Channel, outputs: &mut Outputs<'a>) -> Option<&'a mut [f32]> {
     if channel == Channel::Coverage { outputs.take(Out::Coverage, 0) } else { None }
 }
 
-/// The value of a channel without a pass: everything is covered, and the rest is background.
+/// Returns the value of a channel without a pass: full coverage, otherwise the background.
 fn absent(channel: Channel) -> f32 {
     if channel == Channel::Coverage { 1.0 } else { channel.background() }
 }

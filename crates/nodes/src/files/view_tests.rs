@@ -1,4 +1,4 @@
-//! ViewFromPasses, on files written for the occasion.
+//! Tests of ViewFromPasses on generated files.
 
 use crate::testing::Frame;
 use std::path::Path;
@@ -12,7 +12,7 @@ fn exr(folder: &Path, channels: &[(&str, [f32; 2])]) {
     write_exr(folder.join("a.exr"), &ExrImage { channels, ..ExrImage::new(Window::sized(2, 1)) }).unwrap();
 }
 
-/// The view's coverage is the output, since a view itself is none.
+/// Returns a frame whose output is the view's coverage, because a view itself cannot be an output.
 fn view(folder: &Path, knobs: &str) -> Result<Frame, NodeError> {
     let text = format!(
         r#"{{ "trochoid": 1, "format": {{ "width": 2, "height": 1 }}, "nodes": {{
@@ -22,12 +22,12 @@ fn view(folder: &Path, knobs: &str) -> Result<Frame, NodeError> {
     let document = Document::parse("test.json", &text).unwrap();
     let (graph, faults) = check(&document, &Registry::new(crate::all()), folder);
     let frame = Frame::new(graph.unwrap_or_else(|| panic!("{faults:?}")))?;
-    // Bad data are found only where they are needed.
+    // Bad data is found only where it is needed.
     frame.fill_all("view")?;
     Ok(frame)
 }
 
-/// All channels at a pixel, by reference and by fill, which must agree.
+/// Returns all channels at a pixel, by reference and by fill, which must agree.
 fn channels(frame: &Frame, x: usize) -> Vec<f32> {
     let id = frame.graph.find("view").unwrap();
     let at = [x as f64 + 0.5, 0.5];

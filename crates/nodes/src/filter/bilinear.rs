@@ -1,9 +1,9 @@
-//! Blends of the four pixels around a place.
+//! Bilinear weights, whose rounded sum is exactly 1, and blends of four pixels by them.
 
 use trochoid_weights::arithmetic;
 
-/// The weights of the upper left, upper right, lower left and lower right pixel, at fractions of the way across and
-/// down: multiples of 2⁻²⁴ that sum to exactly 1.
+/// Returns the weights of the upper left, upper right, lower left and lower right pixel for a point at the given
+/// fractions across and down: multiples of 2⁻²⁴ that sum to exactly 1.
 #[inline]
 pub(crate) fn weights(across: f64, down: f64) -> [f32; 4] {
     let (u, v) = (across, down);
@@ -12,8 +12,8 @@ pub(crate) fn weights(across: f64, down: f64) -> [f32; 4] {
     weights
 }
 
-/// The blend of the four, which lies between those of weight above 0. Between +∞ and −∞ there is no mean: then the
-/// upper left.
+/// Returns the blend of four pixels, which lies between the values whose weight is above 0. +∞ and −∞ have no mean;
+/// then the upper left pixel is returned.
 #[inline]
 pub(crate) fn blended(values: [f32; 4], weights: &[f32; 4]) -> f32 {
     let blended = arithmetic::blend(&values, weights);

@@ -1,8 +1,9 @@
-//! Blur: the mean of the pixels around.
+//! Blur: replaces each pixel by a weighted mean of its neighborhood.
 
-use crate::filter::{Bounded, Kernel, Shape, Summed, fill, filter, kind, mean, numbers, value};
+use crate::filter::{Bounded, Summed, fill, kind, mean, numbers, value};
 use trochoid_graph::*;
 use trochoid_image::{Format, Window};
+use trochoid_weights::kernel::{self, Kernel, filter};
 
 /// Blurs an image: colors, a mask, weights or a field.
 ///
@@ -11,49 +12,63 @@ use trochoid_image::{Format, Window};
 /// ⌈s⌉; s = `size`; Σ wₖ = 1.
 ///
 /// # Edge cases
-/// Size 0 hands the image on. Beyond its border an image repeats its nearest pixel; a file with pixels beyond the
-/// picture, read straight into the Blur or through other filters, uses them. No result lies beyond the values under the
-/// kernel, and weights still sum to 1. In a field ±∞ spreads as far as the kernel; where +∞ and −∞ meet, the pixel in
-/// the middle is kept. Each sample of a pixel is filtered apart. No color is added to the palette. Time grows with the
-/// size.
+/// Size 0 leaves the image unchanged. Beyond its border, an image repeats the nearest pixel; a file with overscan uses
+/// those pixels instead if it is connected directly or through other filters. Every result lies between the values
+/// under the kernel, and blurred weights still sum to 1. In a field, ±∞ spreads as far as the kernel; where +∞ and −∞
+/// meet, the center pixel is kept. Each sample of a pixel is filtered separately. No color is added to the palette.
+/// Render time grows with the size.
 ///
 /// # Source
-/// Kernels without negative lobes, which alone stay in the palette.
+/// Kernels without negative lobes; only those stay in the palette.
 #[derive(Clone, Node)]
 #[node(end = Back, revision = 1, output(image: Kind::ANY = "The blurred image, of the same kind."))]
+#[also_called("GaussianBlur", "Defocus", "Soften", "BoxBlur")]
 pub(crate) struct Blur {
-    /// What is blurred.
+    /// Image to blur.
     image: One<port::Image>,
-    /// Standard deviation of the Gaussian; the box is 2·size + 1 wide.
+    /// Amount of blur: standard deviation of the Gaussian; a box is 2·size + 1 wide.
     #[knob(default = 1.0, range = 0.0..=MOST, drawn)]
     size: f64,
-    /// The size down; by default that across.
+    /// Vertical amount of blur; by default the same as `size`.
     #[knob(range = 0.0..=MOST, drawn)]
     size_y: Option<f64>,
-    /// The kernel's shape.
+    /// Shape of the kernel: gaussian, or box (all pixels within the size weigh the same).
     filter: Shape,
 }
 
-/// The largest size: a kernel that any picture disappears in.
+#[derive(Clone, Copy, Debug, PartialEq, Choice)]
+enum Shape {
+    Gaussian,
+    Box,
+}
+
+/// Largest size, in pixels: such a kernel blurs any picture to nothing.
 const MOST: f64 = 10_000.0;
 
 impl Blur {
-    /// Sizes across and down.
+    /// Returns the sizes across and down.
     fn sizes(&self) -> [f64; 2] {
         [self.size, self.size_y.unwrap_or(self.size)]
+    }
+
+    fn shape(&self) -> kernel::Shape {
+        match self.filter {
+            Shape::Gaussian => kernel::Shape::Gaussian,
+            Shape::Box => kernel::Shape::Box,
+        }
     }
 }
 
 impl Node for Blur {
     fn work(&self, format: Format, _time: f64) -> Option<Work> {
-        // A weight times a sample of a color.
+        // Seconds to multiply one sample of a color by one weight.
         const WEIGHT: f64 = 2.4e-10;
         let sides = [format.width(), format.height()];
         let weights: f64 = (self.sizes().iter().zip(sides))
-            .map(|(size, side)| (2.0 * self.filter.radius(*size) as f64).min(2.0 * f64::from(side)))
+            .map(|(size, side)| (2.0 * self.shape().radius(*size) as f64).min(2.0 * f64::from(side)))
             .sum();
         let seconds = WEIGHT * weights * format.window().area() as f64 * f64::from(format.samples());
-        Some(Work { seconds, item: Self::SIZE, remedy: "lower \"size\", or have fewer samples or pixels" })
+        Some(Work { seconds, item: Self::SIZE, remedy: "lower \"size\", or use fewer samples or pixels" })
     }
 
     fn body(&self) -> Body<'_> {
@@ -63,7 +78,7 @@ impl Node for Blur {
 
 impl Stage for Blur {
     fn regions_of_interest(&self, _port: PortId, window: Window, _format: Format) -> Window {
-        let [across, down] = self.sizes().map(|size| self.filter.radius(size));
+        let [across, down] = self.sizes().map(|size| self.shape().radius(size));
         Window::new(window.x0 - across, window.y0 - down, window.x1 + across, window.y1 + down)
     }
 
@@ -75,7 +90,7 @@ impl Stage for Blur {
         Ok(Box::new(PreparedBlur {
             node: self.clone(),
             kind: kind(prepare),
-            kernels: self.sizes().map(|size| Kernel::new(self.filter, size)),
+            kernels: self.sizes().map(|size| Kernel::new(self.shape(), size)),
         }))
     }
 }
@@ -83,7 +98,7 @@ impl Stage for Blur {
 struct PreparedBlur {
     node: Blur,
     kind: Kind,
-    /// Across and down.
+    /// Kernels across and down.
     kernels: [Kernel; 2],
 }
 
@@ -105,10 +120,10 @@ impl Prepared for PreparedBlur {
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
         let Window { x0, x1, y0, y1 } = bounding.block.window;
-        let [across, down] = self.node.sizes().map(|size| self.node.filter.reference(size));
+        let [across, down] = self.node.sizes().map(|size| self.node.shape().reference(size));
         let reach = down.last().map_or(0, |(dy, _)| *dy);
         for (image, filled, bounds) in Bounded::channels(bounding, &self.node.image, self.kind, outputs) {
-            // Beyond the image its last row repeats.
+            // Rows beyond the image repeat its first or last row.
             let Window { y0: first, y1: end, .. } = image.window();
             let (top, bottom) = ((y0 - reach).clamp(first, end - 1), (y1 - 1 + reach).clamp(first, end - 1));
             let sum = |weights: &[(i64, f64)], at: &dyn Fn(i64) -> Summed| {
@@ -127,7 +142,7 @@ impl Prepared for PreparedBlur {
 
     fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
         let image = &self.node.image;
-        let [across, down] = self.node.sizes().map(|size| self.node.filter.reference(size));
+        let [across, down] = self.node.sizes().map(|size| self.node.shape().reference(size));
         let row = |dy: i64| {
             let at = |dx: i64| numbers(&inputs.moved(dx as f64, dy as f64), image);
             mean(across.iter().map(|(dx, w)| (*w, at(*dx))), || at(0))

@@ -1,37 +1,37 @@
-//! Images whose samples are certain up to bounds.
+//! Inputs of filters with an error bound for every sample, and weighted sums that carry the bounds along.
 
 use trochoid_graph::{Bound, Bounding, Kind, One, Outputs, REFERENCE, port};
 use trochoid_image::Window;
 
-/// One channel of the image of a filter, with its bounds.
+/// One channel of a filter's input image with its error bounds.
 #[derive(Clone, Copy)]
 pub(crate) struct Bounded<'a> {
     window: Window,
     values: &'a [f32],
     bounds: &'a [f32],
-    /// How far anything may be off at most.
+    /// Largest possible error of a sample of this kind.
     most: f64,
 }
 
-/// A sum of what samples hold and of how far they may be off.
+/// A weighted sum of samples with its error bound.
 #[derive(Clone, Copy)]
 pub(crate) struct Summed {
-    /// In f64, of what the stage was given.
+    /// Sum of the samples as given to the stage, in f64.
     pub(crate) value: f64,
     pub(crate) bound: Bound,
-    /// Of sizes, which rounding is relative to.
+    /// Sum of the magnitudes; rounding errors are relative to it.
     size: f64,
 }
 
 impl Summed {
     pub(crate) const NOTHING: Self = Self { value: 0.0, bound: Bound::EXACT, size: 0.0 };
 
-    /// The same value within another bound.
+    /// Returns the same value with another bound.
     pub(crate) fn within(self, bound: Bound) -> Self {
         Self { bound, ..self }
     }
 
-    /// With so much more of another.
+    /// Adds another sum times a weight.
     pub(crate) fn plus(self, weight: f64, other: Self) -> Self {
         if weight == 0.0 {
             return self;
@@ -43,8 +43,8 @@ impl Summed {
         }
     }
 
-    /// How far a result may lie from what the reference sums, where it may be off by so much more; of nothing but NaN
-    /// nothing is known.
+    /// Returns how far a filled result may lie from the reference's sum, given a further error of up to `off`. If the
+    /// sum is NaN, the bound is infinite.
     pub(crate) fn of(self, filled: f32, off: f64) -> Bound {
         let filled = f64::from(filled);
         if self.bound.size == 0.0 && off == 0.0 && filled == self.value {
@@ -55,7 +55,7 @@ impl Summed {
 }
 
 impl<'a> Bounded<'a> {
-    /// A channel of an image of a kind: weights differ by 1 at most.
+    /// Returns a channel of an image of a kind. The error of a weight is at most 1.
     fn of(bounding: &Bounding<'a>, image: &One<port::Image>, (kind, channel): (Kind, usize)) -> Option<Self> {
         let from = &bounding.inputs.all(image)[0];
         let values = from.planes.get(channel).copied()??;
@@ -64,8 +64,8 @@ impl<'a> Bounded<'a> {
         Some(Self { window: from.window, values, bounds, most })
     }
 
-    /// Every channel that a filter of an image of a kind has filled and is asked for, with what was filled, and where its
-    /// bounds belong.
+    /// Iterates over the channels for which a filter is asked for bounds: the input channel, the values that the filter
+    /// filled, and the plane that takes the bounds.
     pub(crate) fn channels<'o>(
         bounding: &Bounding<'a>,
         port: &One<port::Image>,
@@ -78,12 +78,12 @@ impl<'a> Bounded<'a> {
         })
     }
 
-    /// The pixels that it has.
+    /// Returns the pixels that the channel covers.
     pub(crate) fn window(&self) -> Window {
         self.window
     }
 
-    /// A pixel; beyond the edge the nearest one.
+    /// Returns a pixel; beyond the edge, the nearest one.
     pub(crate) fn at(&self, x: i64, y: i64) -> Summed {
         let Window { x0, x1, y0, y1 } = self.window;
         let index = (y.clamp(y0, y1 - 1) - y0) as usize * self.window.width() + (x.clamp(x0, x1 - 1) - x0) as usize;

@@ -1,15 +1,15 @@
-//! Images of any kind: as planes to fill, and as numbers of the reference.
+//! Access to images of any kind: as planes to fill, and as numbers of the reference.
 
 use trochoid_graph::{Kind, Outputs, Prepare, Reference, References, Source};
 use trochoid_weights::arithmetic;
 
-/// The kind of a node's only output.
+/// Returns the kind of a node's only output.
 pub(crate) fn kind(prepare: &Prepare<'_>) -> Kind {
     prepare.kinds.first().copied().unwrap_or(Kind::Color)
 }
 
-/// Fills the wanted planes of the first output, of `area` samples each, channel by channel. Weights that were filtered
-/// one by one are rounded to sum to exactly 1 again.
+/// Fills the requested planes of the first output, of `area` samples each, channel by channel. Weights, which are
+/// filtered one by one, are rounded so that they sum to exactly 1 again.
 pub(crate) fn fill(kind: Kind, area: usize, outputs: &mut Outputs<'_>, mut channel: impl FnMut(usize, &mut [f32])) {
     let count = kind.channels();
     let mut wanted: Vec<Option<&mut [f32]>> = (0..count).map(|index| outputs.only(index)).collect();
@@ -21,7 +21,7 @@ pub(crate) fn fill(kind: Kind, area: usize, outputs: &mut Outputs<'_>, mut chann
         }
         return;
     }
-    // Every weight counts for the sum, wanted or not.
+    // The sum needs every weight, including those that are not requested.
     let mut spare: Vec<Vec<f32>> =
         wanted.iter().map(|plane| if plane.is_some() { Vec::new() } else { vec![0.0; area] }).collect();
     let mut planes: Vec<&mut [f32]> =
@@ -32,7 +32,7 @@ pub(crate) fn fill(kind: Kind, area: usize, outputs: &mut Outputs<'_>, mut chann
     arithmetic::round_partition_rows(&mut planes);
 }
 
-/// A value of the reference as the numbers of its planes.
+/// Returns a value of the reference as one number per plane.
 pub(crate) fn numbers(inputs: &References<'_>, source: &Source<Vec<f64>>) -> Vec<f64> {
     match inputs.value(source) {
         Reference::Color(color) => color.to_vec(),
@@ -42,7 +42,7 @@ pub(crate) fn numbers(inputs: &References<'_>, source: &Source<Vec<f64>>) -> Vec
     }
 }
 
-/// The value of a kind that has these numbers.
+/// Returns the value of a kind with one number per plane.
 pub(crate) fn value(kind: Kind, numbers: Vec<f64>) -> Reference {
     match (kind, &numbers[..]) {
         (Kind::Color, &[r, g, b]) => Reference::Color([r, g, b]),
@@ -52,8 +52,8 @@ pub(crate) fn value(kind: Kind, numbers: Vec<f64>) -> Reference {
     }
 }
 
-/// Σ wᵢ·vᵢ over the terms of weight above 0, number by number; where that is none, as between +∞ and −∞, the number of
-/// `otherwise`.
+/// Returns Σ wᵢ·vᵢ over the terms whose weight is above 0, number by number. Where the sum is NaN, as for +∞ and −∞,
+/// the number of `otherwise` is taken.
 pub(crate) fn mean(terms: impl Iterator<Item = (f64, Vec<f64>)>, otherwise: impl FnOnce() -> Vec<f64>) -> Vec<f64> {
     let mut sum: Vec<f64> = Vec::new();
     for (weight, values) in terms.filter(|(weight, _)| *weight > 0.0) {

@@ -1,33 +1,37 @@
-//! Warp: an image looked up at displaced places.
+//! Warp: looks up an image at displaced positions.
 
-use crate::bounds::{Span, known};
 use crate::filter::{Bounded, Summed, blended, fill, kind, mean, numbers, value, weights};
 use trochoid_graph::*;
 use trochoid_image::{Format, Window};
 
-/// Displaces an image: colors, a mask, weights or a field.
+/// Displaces the pixels of an image: colors, a mask, weights or a field.
 ///
 /// # Formula
-/// image(x + dx, y + dy), y down, between pixels a blend of the four around; dx and dy are limited to [−reach, reach].
+/// image(x + dx, y + dy), y down. Between pixels, the four nearest are blended. dx and dy are clamped to [−reach,
+/// reach].
 ///
 /// # Edge cases
-/// A displacement by whole pixels keeps every bit. Beyond its border an image repeats its nearest pixel; a file with
-/// pixels beyond the picture, read straight into the Warp or through other filters, uses them. No result lies beyond
-/// the four pixels, and weights still sum to 1. Where +∞ and −∞ of a field meet, the upper left of the four is taken.
-/// Each sample of a pixel is displaced apart. No color is added to the palette.
+/// A displacement by whole pixels copies pixels exactly. Beyond its border, an image repeats the nearest pixel; a file
+/// with overscan uses those pixels instead if it is connected directly or through other filters. Every result lies
+/// between the four pixels, and weights still sum to 1. Where +∞ and −∞ of a field meet, the upper left of the four is
+/// taken. Each sample of a pixel is displaced separately. No color is added to the palette.
 ///
 /// # Source
-/// Bilinear resampling, whose weights are ≥ 0 and sum to 1.
+/// Bilinear resampling: its weights are ≥ 0 and sum to 1.
 #[derive(Clone, Node)]
 #[node(end = Back, revision = 1, output(image: Kind::ANY = "The displaced image, of the same kind."))]
+#[also_called(
+    "Transform", "Move", "Translate", "Scale", "Rotate", "Displace", "IDistort", "Distort", "CornerPin" => "by \"dx\" and \"dy\""
+)]
 pub(crate) struct Warp {
-    /// What is displaced.
+    /// Image to displace.
     image: One<port::Image>,
-    /// How far to the right the image is looked up, in pixels; by default 0.
+    /// Horizontal offset of the lookup, in pixels; positive values look to the right, which moves the image left. 0 by
+    /// default.
     dx: Optional<port::Scalar>,
-    /// How far down, in pixels; by default 0.
+    /// Vertical offset of the lookup, in pixels; positive values look down, which moves the image up. 0 by default.
     dy: Optional<port::Scalar>,
-    /// The largest displacement along an axis; more is cut to it.
+    /// Largest displacement along each axis; larger values are clamped to it.
     #[knob(default = 32.0, range = 0.0..=4096.0, unit = "pixels")]
     reach: f64,
 }
@@ -59,13 +63,13 @@ struct PreparedWarp {
 }
 
 impl PreparedWarp {
-    /// Whole pixels of a displacement, and the fraction beyond.
+    /// Splits a displacement into whole pixels and a fraction.
     fn split(&self, displacement: f64) -> (i64, f64) {
         let limited = if displacement.is_nan() { 0.0 } else { displacement.clamp(-self.node.reach, self.node.reach) };
         (limited.floor() as i64, limited - limited.floor())
     }
 
-    /// How far a sample may be off that looks at a place within spans of displacements.
+    /// Returns the error bound of a sample whose displacements lie within spans.
     fn moved(&self, image: Bounded<'_>, [x, y]: [i64; 2], spans: [Span; 2], filled: f32) -> Bound {
         let [(dx, u), (dy, v)] = spans.map(|span| self.split(span.middle()));
         let shares =
@@ -76,7 +80,8 @@ impl PreparedWarp {
         if spans.iter().all(|span| span.low == span.high) {
             return middle.of(filled, 0.0).with(spans.iter().all(|span| span.clear));
         }
-        // Between four pixels the image changes by no more than they do; others are reached where the place may lie there.
+        // Between four pixels, the image changes by no more than they differ. Take the steepest change among all pixels
+        // that the lookup may reach.
         let [across, down] = spans.map(|span| [self.split(span.low).0, self.split(span.high).0 + 1]);
         let [width, height] = [across, down].map(|[first, last]| last - first + 1);
         if width * height > MOST {
@@ -103,7 +108,7 @@ impl PreparedWarp {
     }
 }
 
-/// Most pixels that are looked at where a place is not certain.
+/// Largest number of pixels examined for an uncertain lookup; beyond it, the bound is the largest possible error.
 const MOST: i64 = 4096;
 
 impl Prepared for PreparedWarp {
@@ -121,7 +126,7 @@ impl Prepared for PreparedWarp {
             |plane: Option<&[f32]>, index: usize| self.split(plane.map_or(0.0, |plane| f64::from(plane[index])));
         let column = |x: i64| (x.clamp(from.x0, from.x1 - 1) - from.x0) as usize;
         let row = |y: i64| (y.clamp(from.y0, from.y1 - 1) - from.y0) as usize * from.width();
-        // Where each sample that is moved looks, once for all channels.
+        // Lookups of all displaced samples, computed once for all channels.
         let places = (window.y0..window.y1).flat_map(|y| (window.x0..window.x1).map(move |x| (x, y)));
         let taps: Vec<(usize, [usize; 4], [f32; 4])> = places
             .enumerate()
@@ -137,7 +142,7 @@ impl Prepared for PreparedWarp {
             .collect();
         fill(self.kind, window.area(), outputs, |channel, out| {
             if let Some(Some(samples)) = image.planes.get(channel) {
-                // All others see what lies in their own place.
+                // First copy all samples without displacement, then overwrite the displaced ones.
                 for (y, out) in (window.y0..window.y1).zip(out.chunks_exact_mut(window.width().max(1))) {
                     let (first, end) = (window.x0.max(from.x0), window.x1.min(from.x1));
                     for (x, out) in (window.x0..window.x1).zip(out.iter_mut()) {
@@ -161,7 +166,7 @@ impl Prepared for PreparedWarp {
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
         let Warp { image, dx, dy, reach } = &self.node;
         let displaced =
-            |port, sample: usize| known(bounding, port, 0, sample).unwrap_or(Span::exactly(0.0)).within(-reach, *reach);
+            |port, sample: usize| bounding.known(port, 0, sample).unwrap_or(Span::exactly(0.0)).within(-reach, *reach);
         let pixels: Vec<[i64; 2]> = bounding.block.pixels().collect();
         for (image, filled, bounds) in Bounded::channels(bounding, image, self.kind, outputs) {
             for (sample, ((bound, filled), [x, y])) in bounds.iter_mut().zip(filled).zip(&pixels).enumerate() {

@@ -1,77 +1,83 @@
 //! BezierModel: a surface of Bézier patches.
 
-use super::{Stance, Standing, check_ending, memory, patch, read_model};
+use super::{Stance, Standing, check_ending, memory, read_model};
 use crate::view::named;
 use std::path::PathBuf;
 use trochoid_graph::*;
 use trochoid_scene::DVec3;
 use trochoid_scene::bezier::{MAX_PATCHES, MAX_SEGMENTS, Patch, PatchModel, Rails, Tessellation, continuity};
 
-/// A surface of bilinear and bicubic Bézier patches, from a model file, control points, or rails that it passes
-/// through.
+/// A surface of bilinear and bicubic Bézier patches, from a model file, from control points, or from rails that it
+/// passes through.
 ///
 /// # Formula
-/// P(u, v) = Σ Bᵢ(u)Bⱼ(v)Pᵢⱼ. N = ∂P/∂u × ∂P/∂v. Rails: Catmull-Rom through the points, as exact bicubic patches. World
-/// = translate + Rz·Ry·Rx·(scale · (x, stretch·y, z)).
+/// P(u, v) = Σ Bᵢ(u)Bⱼ(v)Pᵢⱼ. N = ∂P/∂u × ∂P/∂v. Rails: Catmull-Rom through the points, as exact bicubic patches.
+/// World = translate + Rz·Ry·Rx·(scale · (x, stretch·y, z)).
 ///
 /// # Edge cases
-/// Where tangents vanish the normal is its limit from inside the patch; a patch without area has (0, 1, 0). At the open
-/// end of a rail the tangent is that of the parabola through its last three points. Open surfaces are seen from both
-/// sides. Neighbors that share an edge's control points never crack: its pieces follow from the edge alone.
+/// Where tangents vanish, the normal is its limit from inside the patch; a patch without area has (0, 1, 0). At the
+/// open end of a rail, the tangent is that of the parabola through its last three points. Open surfaces are visible
+/// from both sides. Neighbors that share an edge's control points never crack, because the edge's subdivision depends
+/// only on the edge.
 ///
 /// # Source
 /// CSE 167, Toon Shading and Surface Patches; Farin, Curves and Surfaces for CAGD, 2002; Catmull and Rom, 1974.
 #[derive(Clone, Node)]
-#[node(end = Front, revision = 1, output(surface: Kind::Surface = "The surface."))]
+#[node(
+    end = Front,
+    revision = 1,
+    reads("a model of Bézier patches": "json"),
+    output(surface: Kind::Surface = "The surface.")
+)]
 pub(crate) struct BezierModel {
-    /// A model file: points, patches of 4 or 16 of them, sheets of rails.
+    /// Model file with points, patches of 4 or 16 points, and sheets of rails.
     #[knob(path)]
     model: Option<String>,
-    /// Patches by their control points.
+    /// Patches, given by their control points.
     #[list(0..=1024)]
     patches: Vec<PatchPoints>,
-    /// Rows of points that the surface passes through.
+    /// Rails: rows of points that the surface passes through.
     #[list(0..=256)]
     rails: Vec<RailPoints>,
-    /// Joins the last point of each rail to its first.
+    /// Connects the last point of each rail to its first.
     #[knob(default = false)]
     closed_u: bool,
-    /// Joins the last rail to the first.
+    /// Connects the last rail to the first.
     #[knob(default = false)]
     closed_v: bool,
-    /// Factor of the model's heights. The teapot as published stands squat by Blinn's 0.75: 1.3333 gives it Newell's
-    /// height back.
+    /// Factor of the model's heights. The published teapot is squashed by Blinn's 0.75; 1.3333 restores Newell's
+    /// height.
     #[knob(default = 1.0, range = 1e-3..=1e3)]
     stretch: f64,
     #[items]
     stance: Stance,
-    /// As fine as the picture needs, or alike everywhere.
+    /// Tessellation: "adaptive" is as fine as the picture needs, "uniform" is the same everywhere.
     tessellation: Pieces,
-    /// How far facets may stand off the surface; adaptive.
+    /// Maximum distance of facets from the surface, for "adaptive".
     #[knob(default = 0.1, range = 1e-3..=100.0, unit = "pixels")]
     tolerance: f64,
-    /// Pieces of each patch's edge; uniform.
+    /// Number of segments along each patch edge, for "uniform".
     #[knob(default = 16, range = 1..=MAX_SEGMENTS as i64)]
     segments: i64,
 }
 
 #[derive(Clone, Items)]
 struct PatchPoints {
-    /// 4 points (bilinear) or 16 (bicubic), row by row, u fastest.
+    /// Control points: 4 (bilinear) or 16 (bicubic), row by row, u varying fastest.
     #[list(4..=16)]
     points: Vec<Point>,
 }
 
 #[derive(Clone, Items)]
 struct RailPoints {
-    /// Points along the rail, as many on every rail.
+    /// Points along the rail; all rails have the same number.
     #[list(2..=1024)]
     points: Vec<Point>,
 }
 
 #[derive(Clone, Items)]
 struct Point {
-    /// The point; may be keyed.
+    /// Position of the point; can be keyed.
     #[knob(unit = "m", required)]
     at: [f64; 3],
 }
@@ -82,7 +88,7 @@ enum Pieces {
     Uniform,
 }
 
-/// Points that make no patches.
+/// Error for points that do not form patches.
 #[derive(Debug)]
 struct Misfit {
     item: ItemName,
@@ -95,16 +101,16 @@ fn places(points: &[Point]) -> Vec<DVec3> {
 }
 
 impl BezierModel {
-    /// The patches that the knobs describe, but for the model file.
+    /// Returns the patches that the knobs describe, without those of the model file.
     fn inline(&self) -> Result<Vec<Patch>, Misfit> {
         let mut patches = Vec::new();
         for (index, PatchPoints { points }) in self.patches.iter().enumerate() {
             let misfit = |found| Misfit {
                 item: Self::PATCHES,
                 found: format!("{found} points of patches[{index}]"),
-                expected: "4 points, or 16",
+                expected: "4 or 16 points",
             };
-            patches.push(patch(&places(points)).map_err(misfit)?);
+            patches.push(Patch::of(&places(points)).map_err(misfit)?);
         }
         let rails: Vec<_> = self.rails.iter().map(|rail| places(&rail.points)).collect();
         if !rails.is_empty() {
@@ -112,7 +118,7 @@ impl BezierModel {
             patches.extend(rails.patches().map_err(|error| Misfit {
                 item: Self::RAILS,
                 found: error.to_string(),
-                expected: "2 rails or more of equal length",
+                expected: "2 or more rails with the same number of points",
             })?);
         }
         Ok(patches)
@@ -122,7 +128,7 @@ impl BezierModel {
 impl Node for BezierModel {
     fn check(&self, check: &mut Check<'_>) {
         self.stance.check(check);
-        check_ending(self.model.as_deref().unwrap_or_default(), &["json"], Self::MODEL, check);
+        check_ending(self.model.as_deref().unwrap_or_default(), Self::DECLARATION, Self::MODEL, check);
         match self.inline() {
             Err(Misfit { item, found, expected }) => check.error(item, found, expected, "add or remove points"),
             Ok(patches) if patches.is_empty() && self.model.is_none() => {
@@ -138,7 +144,7 @@ impl Node for BezierModel {
     }
 
     fn notes(&self) -> Vec<String> {
-        // Model files are not opened to check a document.
+        // Checking a document does not open model files.
         match self.inline() {
             Ok(patches) if !patches.is_empty() => {
                 let shapes: Vec<_> = patches.iter().map(|patch| &patch.shape).collect();
@@ -153,7 +159,7 @@ impl Node for BezierModel {
     }
 }
 
-/// About how many bytes of a file say one vertex: patches are cut as finely as their pixels ask for.
+/// Approximate number of file bytes per vertex: patches are tessellated as finely as their pixels require.
 const BYTES_OF_VERTEX: u64 = 2;
 
 impl Stage for BezierModel {
@@ -167,7 +173,8 @@ impl Stage for BezierModel {
 
     fn examine(&self, frame: &FrameContext, _wanted: &[Vec<bool>]) -> Result<(), NodeError> {
         let Some(model) = &self.model else { return Ok(()) };
-        trochoid_io::open_file(named(frame, model)?).map(drop).map_err(NodeError::new)
+        trochoid_io::open_file(named(frame, model)?)?;
+        Ok(())
     }
 
     fn memory(&self, reckoning: &Reckoning<'_>) -> MemoryUse {
@@ -182,7 +189,7 @@ impl Stage for BezierModel {
     }
 
     fn prepare(&self, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
-        let misfit = |Misfit { found, expected, .. }| NodeError::new(format!("{found}: {expected}"));
+        let misfit = |Misfit { item, found, expected }| BadData::new(found, expected, "").of_item(item);
         let mut patches = self.inline().map_err(misfit)?;
         if let Some(model) = &self.model {
             patches.extend(read_model(&named(prepare.frame, model)?)?);

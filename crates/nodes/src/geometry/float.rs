@@ -1,4 +1,4 @@
-//! Float: bodies that ride on a sea.
+//! Float: bodies that float on a sea.
 
 use super::Standing;
 use crate::sea::check_sea;
@@ -6,54 +6,54 @@ use crate::view::SurfaceHandle;
 use trochoid_graph::*;
 use trochoid_scene::{Floating, Pose, RigidBodies};
 
-/// Makes a model ride on a sea, at one place or at many: it rises, pitches and rolls with the water under it.
+/// Floats a model on a sea, at one or more places: it rises, pitches and rolls with the water under it.
 ///
 /// # Formula
-/// The plane y = h + a·u + b·v through the water at 9 × 5 points under the hull, by least squares, u toward the bow, v
-/// to starboard. The model's up is the plane's normal, slopes times `tilt`; its origin stands `lift` along it above (x,
-/// h, z). The water at a place is that of the rest point which waves carry there.
+/// The plane y = h + a·u + b·v is fitted by least squares to the water at 9 × 5 points under the hull, u toward the
+/// bow, v to starboard. The model's up axis is the plane's normal, with slopes multiplied by `tilt`; its origin lies
+/// `lift` along this axis above (x, h, z). The water at a place is found from the rest point that waves carry there.
 ///
 /// # Edge cases
-/// Waves that are shorter than the hull hardly move it: those shorter than the points lie apart are smoothed away, the
-/// rest averages out. Where waves fold over, the body follows one of the sheets. Beside a finite sea the heights of its
-/// edge go on. Nothing depends on the frames before: no momentum, no drift; key `x`, `z` and `heading` to let it sail.
-/// The water takes no notice of the body.
+/// Waves shorter than the hull hardly move it: waves shorter than the distance between the points are filtered out,
+/// and the others average out. Where waves fold over, the body follows one of the sheets. Beyond the edge of a finite
+/// sea, the heights of its edge continue. Nothing depends on earlier frames: there is no momentum or drift. Key `x`,
+/// `z` and `heading` to make the body travel. The body does not affect the water.
 ///
 /// # Source
 /// Creation of a cartoon shader of water for the web, part 2 (buoyancy); linear least squares.
 #[derive(Clone, Node)]
 #[node(end = Front, revision = 1, output(surface: Kind::Surface = "The floating bodies, as one surface."))]
 pub(crate) struct Float {
-    /// What floats: bow along +x, y up, y = 0 its waterline.
+    /// Model to float: bow along +x, y up, waterline at y = 0.
     model: One<port::Surface>,
-    /// The water: GerstnerSea, RippleSea or ToonSea.
+    /// Sea to float on: a GerstnerSea, RippleSea or ToonSea.
     sea: One<port::Surface>,
-    /// Length of the hull under water.
+    /// Length of the hull below the waterline.
     #[knob(default = 4.0, range = 1e-3..=1e6, unit = "m")]
     length: f64,
-    /// Width of the hull under water.
+    /// Width of the hull below the waterline.
     #[knob(default = 2.0, range = 1e-3..=1e6, unit = "m")]
     width: f64,
-    /// Share of the water's slope that bodies take: 0 stays upright.
+    /// Share of the water's slope that bodies follow; 0 keeps them upright.
     #[knob(default = 1.0, range = 0.0..=10.0)]
     tilt: f64,
-    /// Where the model floats.
+    /// Places where the model floats.
     #[list(1..=64)]
     bodies: Vec<Afloat>,
 }
 
 #[derive(Clone, Items)]
 struct Afloat {
-    /// World x of its middle.
+    /// World x of the body's middle.
     #[knob(default = 0.0, range = -1e8..=1e8, unit = "m")]
     x: f64,
-    /// World z of its middle.
+    /// World z of the body's middle.
     #[knob(default = 0.0, range = -1e8..=1e8, unit = "m")]
     z: f64,
-    /// Where its bow points: 0 is +X, 90 is +Z.
+    /// Direction of the bow: 0 is +X, 90 is +Z.
     #[knob(default = 0.0, range = -36e5..=36e5, unit = "degrees")]
     heading: f64,
-    /// How far it floats above its waterline; negative sinks it.
+    /// Height above the normal waterline; negative values sink the body.
     #[knob(default = 0.0, range = -1e5..=1e5, unit = "m")]
     lift: f64,
 }
@@ -63,12 +63,12 @@ impl Node for Float {
         check_sea(&self.sea, check);
         let Some(model) = check.upstream(&self.model) else { return };
         if model.node.get::<Self>().is_some() {
-            let found = format!("\"{}\", which floats already: its places count as a part of the model", model.name);
-            let remedy = "connect its model here too, or list all places in its \"bodies\"";
-            check.warning(Self::MODEL, found, "a model that stands still", remedy);
+            let found = format!("\"{}\", which already floats: its places become part of the model", model.name);
+            let remedy = "connect its model here instead, or list all places in its \"bodies\"";
+            check.warning(Self::MODEL, found, "a model that does not float yet", remedy);
         }
         if model.offers(Offer::Rest) {
-            let found = format!("\"{}\", a {}, which is water itself", model.name, model.ty());
+            let found = format!("\"{}\", a {}, which is water", model.name, model.ty());
             check.error(Self::MODEL, found, "a model that floats", "connect a Mesh or a BezierModel");
         }
     }
@@ -104,9 +104,7 @@ impl Stage for Float {
         let poses: Option<Vec<Pose>> = self.bodies.iter().map(pose).collect();
         match poses {
             Some(poses) => Ok(Box::new(Standing::new(RigidBodies::new(model, poses)))),
-            None => Err(NodeError::new(
-                "\"sea\": found a model; expected water to float on: connect a GerstnerSea, RippleSea or ToonSea",
-            )),
+            None => Err(BadData::new("a model", "water to float on", "connect a sea").of_item(Self::SEA).into()),
         }
     }
 }

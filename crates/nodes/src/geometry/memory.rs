@@ -1,46 +1,48 @@
-//! About how much memory surfaces take, and views of them. Figures are of what the scenes under `graphs/` were found to hold.
+//! Memory estimates for surfaces and views of them, from measurements of the scenes under `graphs/`.
 
 use crate::view::Facets;
 use std::path::Path;
 use trochoid_graph::{Connected, MemoryUse, One, Reckoning, Source, port};
 use trochoid_scene::Visible;
 
-/// A vertex of a view's mesh: position, normal, rest point, slope, its place on the screen, and its share of the bins.
+/// Bytes per vertex of a view's mesh: position, normal, rest point, slope, screen position, and its share of the bins.
 const VERTEX: u64 = 64;
-/// The same of what rays meet: position, triangles and boxes.
+/// Bytes per vertex of the surfaces that rays hit: position, triangles and boxes.
 const OBSTACLE: u64 = 48;
-/// Most vertices that a view has of a surface.
+/// Maximum number of vertices of a surface in a view.
 const MOST: u64 = 8_000_000;
 
-const VIEW: &str = "lower the format's \"width\" and \"height\", or the \"fineness\" of what looks at it";
+const VIEW: &str = "lower the format's \"width\" and \"height\", or the \"fineness\" of the Render";
 
-/// A sea of waves, of which a view has about one vertex a pixel, or so many times more along each axis.
+/// Returns the memory of a sea of waves: a view has about one vertex per pixel, times `detail` along each axis.
 #[cfg(feature = "sea")]
 pub(crate) fn of_sea(detail: f64, reckoning: &Reckoning<'_>) -> MemoryUse {
     let vertices = reckoning.pixels() as f64 * (detail * detail);
     MemoryUse::default().seen((vertices as u64).min(MOST) * VERTEX)
 }
 
-/// A sea on a grid, so many bytes a cell. A view has some vertices a cell, but hardly more than one a pixel.
+/// Returns the memory of a sea on a grid with `held` bytes per cell. A view has several vertices per cell, but hardly
+/// more than one per pixel.
 #[cfg(feature = "sea")]
 pub(crate) fn of_grid(cells: u64, held: u64, reckoning: &Reckoning<'_>) -> MemoryUse {
     let remedy = "lower \"columns\" or \"rows\"";
     MemoryUse::held(cells * held, remedy).seen((4 * cells).max(cells + reckoning.pixels()).min(MOST + cells) * VERTEX)
 }
 
-/// A model from a file of so many bytes for a vertex, which is seen with all that it has.
+/// Returns the memory of a model from a file with a number of bytes per vertex; a view contains all of it.
 pub(crate) fn of_model(path: &Path, bytes_of_vertex: u64) -> MemoryUse {
     let vertices = std::fs::metadata(path).map_or(0, |file| file.len() / bytes_of_vertex);
     // Positions, normals and coordinates in f64, and triangles.
-    MemoryUse::held(vertices * 96, "take a smaller model").working(vertices * 96).seen(vertices * VERTEX)
+    MemoryUse::held(vertices * 96, "use a smaller model").working(vertices * 96).seen(vertices * VERTEX)
 }
 
-/// Patches of so many vertices along each side.
+/// Returns the memory of patches with a number of vertices along each side.
 pub(crate) fn of_patches(patches: u64, side: u64) -> MemoryUse {
     MemoryUse::default().seen((patches * side * side).min(MOST) * VERTEX)
 }
 
-/// What looks at the surfaces of a port with vertices so many times as close as pixels ask for.
+/// Returns the memory of a view of a port's surfaces, with `fineness` times the vertex density that pixels require
+/// along each axis.
 pub(crate) fn of_view(surfaces: &impl Connected, fineness: f64, reckoning: &Reckoning<'_>) -> MemoryUse {
     let seen = reckoning.all(surfaces).fold(0, |sum: u64, taken| sum.saturating_add(taken.seen));
     let held = seen as f64 * (fineness * fineness);
@@ -49,7 +51,7 @@ pub(crate) fn of_view(surfaces: &impl Connected, fineness: f64, reckoning: &Reck
     MemoryUse::held((held as u64).min(seen.max(MOST * VERTEX)), VIEW).seen(seen).thread(pixel, most)
 }
 
-/// What stands in the way of rays around a view.
+/// Returns the memory of the surroundings of a view that block rays.
 pub(crate) fn of_surroundings(view: &One<port::View>, facets: &Facets, reckoning: &Reckoning<'_>) -> MemoryUse {
     let seen = reckoning.all(view).fold(0, |sum: u64, taken| sum.saturating_add(taken.seen));
     let Facets { detail, beyond } = *facets;

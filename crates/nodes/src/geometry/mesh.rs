@@ -6,30 +6,36 @@ use std::path::PathBuf;
 use trochoid_graph::*;
 use trochoid_scene::{DVec3, MAX_TRIANGLES, TriangleModel, Triangles};
 
-/// A model of triangles from a file: Wavefront OBJ, or glTF 2.0.
+/// A model of triangles from a file: Wavefront OBJ or glTF 2.0.
 ///
 /// # Formula
 /// Weights w of a triangle's corners give position, normal and texture coordinates: Σ wᵢPᵢ, Σ wᵢNᵢ/|Σ wᵢNᵢ|, Σ wᵢUVᵢ.
-/// World = translate + Rz·Ry·Rx·(scale · P); normals go by the inverse transpose.
+/// World = translate + Rz·Ry·Rx·(scale · P); normals are transformed by the inverse transpose.
 ///
 /// # Edge cases
-/// Polygons are cut as fans, so they must be convex. Smooth normals are the mean of the triangles around a place,
-/// weighted by area; "file" has them where the file gives none. Seen from behind, a triangle shows its other side.
-/// Texture coordinates rise from the lower left; without any, they are the rest point's x and z. Materials, points,
-/// lines, skins and animations are left out. A glTF holds its buffers itself: .glb, or .gltf with embedded ones. What
-/// file it is follows from how it begins.
+/// Polygons are split into fans, so they must be convex. Smooth normals are the area-weighted mean of the triangles
+/// around a point; "file" uses them where the file has no normals. Triangles are visible from both sides; from behind,
+/// the normal is reversed. Texture coordinates rise from the lower left; if there are none, they are the rest point's
+/// x and z. Materials, points, lines, skins and animations are ignored. A glTF must contain its own buffers: .glb, or
+/// .gltf with embedded buffers. The file type is detected from the file's first bytes.
 ///
 /// # Source
 /// Wavefront, Advanced Visualizer, Appendix B1 (OBJ); Khronos, glTF 2.0 Specification.
 #[derive(Clone, Node)]
-#[node(end = Front, revision = 1, output(surface: Kind::Surface = "The surface."))]
+#[node(
+    end = Front,
+    revision = 1,
+    reads("a mesh of triangles": "obj", "glb", "gltf"),
+    output(surface: Kind::Surface = "The surface.")
+)]
+#[also_called("Model", "ReadGeo", "Geometry", "OBJ", "Object", "GLTF", "FBX")]
 pub(crate) struct Mesh {
-    /// The model: .obj, .glb or .gltf; #### or %04d stands for the frame, \# and \% for the signs.
+    /// Model file: .obj, .glb or .gltf. #### or %04d stands for the frame number; write \# and \% for literal signs.
     #[knob(path)]
     file: String,
-    /// The axis that points up in the file.
+    /// Axis that points up in the file.
     up: Up,
-    /// As the file has them, or of the triangles.
+    /// Normals: those of the "file", "smooth" across triangles, or "flat" for each triangle.
     normals: Normals,
     #[items]
     stance: Stance,
@@ -45,7 +51,7 @@ enum Normals {
 impl Node for Mesh {
     fn check(&self, check: &mut Check<'_>) {
         self.stance.check(check);
-        check_ending(&self.file, &["obj", "glb", "gltf"], Self::FILE, check);
+        check_ending(&self.file, Self::DECLARATION, Self::FILE, check);
     }
 
     fn body(&self) -> Body<'_> {
@@ -54,7 +60,7 @@ impl Node for Mesh {
 }
 
 impl Mesh {
-    /// The triangles of the file as the knobs have them, before they are placed.
+    /// Returns the file's triangles with the knobs applied, before placement.
     fn triangles(&self, frame: &FrameContext) -> Result<Triangles, NodeError> {
         let path = named(frame, &self.file)?;
         let mut mesh = read_mesh(&path, frame.memory_limit)?;
@@ -65,13 +71,9 @@ impl Mesh {
             Normals::File => {}
             Normals::Smooth => mesh.normals = Vec::new(),
             Normals::Flat if 3 * mesh.triangles.len() > MAX_TRIANGLES => {
-                return Err(NodeError::new(format!(
-                    "{}: found {} triangles; expected at most {} with flat normals: reduce the mesh, or take smooth \
-                     ones",
-                    path.display(),
-                    mesh.triangles.len(),
-                    MAX_TRIANGLES / 3
-                )));
+                let found = format_args!("{} triangles", mesh.triangles.len());
+                let expected = format!("at most {} with flat normals", MAX_TRIANGLES / 3);
+                return Err(BadData::new(found, expected, "reduce the mesh, or take smooth ones").in_file(path).into());
             }
             Normals::Flat => mesh = mesh.faceted(),
         }
@@ -79,7 +81,7 @@ impl Mesh {
     }
 }
 
-/// About how many bytes of a file say one vertex.
+/// Approximate number of file bytes per vertex.
 const BYTES_OF_VERTEX: u64 = 40;
 
 impl Stage for Mesh {
@@ -88,7 +90,8 @@ impl Stage for Mesh {
     }
 
     fn examine(&self, frame: &FrameContext, _wanted: &[Vec<bool>]) -> Result<(), NodeError> {
-        trochoid_io::open_file(named(frame, &self.file)?).map(drop).map_err(NodeError::new)
+        trochoid_io::open_file(named(frame, &self.file)?)?;
+        Ok(())
     }
 
     fn files(&self, frame: &FrameContext) -> Vec<PathBuf> {
@@ -101,7 +104,7 @@ impl Stage for Mesh {
 
     fn prepare(&self, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
         let mesh = self.triangles(prepare.frame)?;
-        let model = TriangleModel::new(mesh, self.stance.placement(), self.stance.flip).map_err(NodeError::new)?;
+        let model = TriangleModel::new(mesh, self.stance.placement(), self.stance.flip)?;
         Ok(Box::new(Standing::new(model)))
     }
 }
@@ -120,7 +123,7 @@ mod tests {
         )
     }
 
-    /// Two triangles that meet at an edge, with a seam of texture coordinates on it.
+    /// Two triangles that meet at an edge, with a seam of texture coordinates along it.
     const TENT: &str = "v -2 -2 0\nv 2 -2 0\nv 0 0 1\nv 0 3 0\nvt 0 0\nvt 1 0\nvt 0.5 1\nvt 0 1\n\
                         f 1/1 2/2 3/3\nf 3/4 2/2 4/1\nf 1/1 3/3 4/4\n";
 

@@ -1,15 +1,13 @@
-//! Surfaces of triangles and patches, and how they stand in the world.
+//! Surfaces of triangles and patches, and their placement in the world.
 
 mod bezier_model;
 mod float;
 pub(crate) mod memory;
 mod mesh;
-mod mesh_files;
-mod model;
+mod model_files;
 mod placement;
 
-use mesh_files::read_mesh;
-use model::{patch, read_model};
+use model_files::{read_mesh, read_model};
 use placement::{Stance, check_ending};
 pub(crate) use placement::{Standing, Up};
 

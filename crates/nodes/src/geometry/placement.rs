@@ -1,45 +1,47 @@
-//! Knobs of surfaces that stand in the world, and what they hand on.
+//! Placement knobs of surfaces, and the handle that they output.
 
 use crate::view::SurfaceHandle;
 use std::sync::Arc;
-use trochoid_graph::{Check, Choice, Handle, ItemName, Items, NodeError, Prepared, Reference, References};
+use trochoid_graph::{
+    Check, Choice, Declaration, Handle, ItemName, Items, NodeError, Prepared, Reference, References, one_of,
+};
 use trochoid_scene::bezier::Placement;
 use trochoid_scene::{DVec3, Surface};
 
-/// How a model stands in the world.
+/// Placement of a model in the world.
 #[derive(Clone, Items)]
 pub(crate) struct Stance {
-    /// Factors along the model's own axes; first of all.
+    /// Scale factors along the model's own axes, applied first.
     #[knob(default = [1.0; 3])]
     scale: [f64; 3],
-    /// Turns about x, then y, then z.
+    /// Rotations about x, then y, then z.
     #[knob(default = [0.0; 3], unit = "degrees")]
     rotate: [f64; 3],
-    /// Where the model's origin comes to stand.
+    /// World position of the model's origin.
     #[knob(default = [0.0; 3], unit = "m")]
     translate: [f64; 3],
-    /// Takes the other side for the outer one.
+    /// Turns the surface inside out.
     #[knob(default = false)]
     pub(crate) flip: bool,
 }
 
 impl Stance {
-    /// Reports a scale that leaves no surface.
+    /// Reports a scale that flattens the surface completely.
     pub(crate) fn check(&self, check: &mut Check<'_>) {
         if self.scale.contains(&0.0) {
             let found = format!("{:?}", self.scale);
-            check.error(Self::SCALE, found, "factors other than 0", "write a small factor to make a model flat");
+            check.error(Self::SCALE, found, "factors other than 0", "use a small factor to flatten a model");
         }
     }
 
-    /// What the knobs say.
+    /// Returns the placement that the knobs describe.
     pub(crate) fn placement(&self) -> Placement {
         let rotate = DVec3::from(self.rotate.map(f64::to_radians));
         Placement { scale: self.scale.into(), rotate, translate: self.translate.into() }
     }
 }
 
-/// The axis that points up in a file.
+/// Axis that points up in a file.
 #[derive(Clone, Copy, Debug, PartialEq, Choice)]
 pub(crate) enum Up {
     Y,
@@ -47,7 +49,7 @@ pub(crate) enum Up {
 }
 
 impl Up {
-    /// A vector of a world whose y points up as the file has it.
+    /// Converts a vector from a world with y up to the file's axes.
     #[cfg(feature = "sea")]
     pub(crate) fn of_y_up<T: std::ops::Neg<Output = T>>(self, [x, y, z]: [T; 3]) -> [T; 3] {
         match self {
@@ -56,7 +58,7 @@ impl Up {
         }
     }
 
-    /// A vector of the file in a world whose y points up.
+    /// Converts a vector from the file's axes to a world with y up.
     pub(crate) fn to_y_up<T: std::ops::Neg<Output = T>>(self, [x, y, z]: [T; 3]) -> [T; 3] {
         match self {
             Self::Y => [x, y, z],
@@ -65,21 +67,15 @@ impl Up {
     }
 }
 
-/// Refuses a file whose name says that another node reads it.
-pub(crate) fn check_ending(file: &str, endings: &[&str], item: ItemName, check: &mut Check<'_>) {
-    const READERS: [(&[&str], &str, &str); 3] = [
-        (&["obj", "glb", "gltf"], "a mesh of triangles", "Mesh"),
-        (&["json"], "a model of Bézier patches", "BezierModel"),
-        (&["exr", "png", "jpg", "jpeg", "tif", "tiff"], "a picture", "Texture"),
-    ];
-    let name = file.to_lowercase();
-    let is_one = |endings: &[&str]| endings.iter().any(|ending| name.ends_with(&format!(".{ending}")));
-    let reader = READERS.iter().find(|(known, ..)| is_one(known)).filter(|_| !is_one(endings));
-    if let Some((_, what, reader)) = reader {
-        let expected = format!("a file with the ending .{}", endings.join(", ."));
-        let remedy = format!("read it by the node {reader}, or choose another file");
-        check.error(item, format!("\"{file}\", {what}"), expected, remedy);
-    }
+/// Refuses a file whose extension belongs to another node than the one declared by `own`.
+pub(crate) fn check_ending(file: &str, own: &Declaration, item: ItemName, check: &mut Check<'_>) {
+    let Some(files) = own.reads.filter(|files| !files.include(file)) else { return };
+    let readers = check.types().filter(|ty| ty.reads.is_some_and(|files| files.include(file)));
+    let readers: Vec<&'static Declaration> = readers.collect();
+    let Some(known) = readers.first().and_then(|reader| reader.reads) else { return };
+    let expected = format!("a file with the ending .{}", files.endings.join(", ."));
+    let remedy = format!("read it with {}, or choose another file", one_of(readers.into_iter()));
+    check.error(item, format!("\"{file}\", {}", known.what), expected, remedy);
 }
 
 /// A surface at one frame.

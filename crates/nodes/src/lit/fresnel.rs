@@ -1,35 +1,36 @@
-//! Fresnel: how much of what reaches the eye is mirrored.
+//! Fresnel: how much of the light a surface reflects, by the angle at which it is seen.
 
 use super::{Combine, Facing, Shades, Toward, Vectors3};
-use crate::bounds::Span;
 use trochoid_graph::*;
 use trochoid_scene::DVec3;
 use trochoid_scene::shading::fresnel;
 
-/// A mask of the share of light that the surface mirrors, which grows toward grazing angles.
+/// Mask of the fraction of light that the surface reflects, which grows toward grazing angles.
 ///
 /// # Formula
-/// F₀ + (1 − F₀)(1 − cos θ)⁵, F₀ = ((η − 1)/(η + 1))²; cos θ = N · V, or H · V with `cosine` half
+/// F₀ + (1 − F₀)(1 − cos θ)⁵ with F₀ = ((η − 1)/(η + 1))²; cos θ = N · V, or H · V if `cosine` is half
 ///
 /// # Edge cases
-/// 0 where nothing is seen; 1 where the surface faces away from the eye. η = 1 mirrors at grazing angles only.
+/// 0 where no surface is seen. With `cosine` view, 1 where the surface faces away from the eye. η = 1 reflects at
+/// grazing angles only.
 ///
 /// # Source
 /// Thesis 3.2.3.3; Schlick, An Inexpensive BRDF Model for Physically-based Rendering, 1994.
 #[derive(Clone, Node)]
-#[node(end = Front, revision = 1, output(mask: Kind::MASK = "The mirrored share."))]
+#[node(end = Front, revision = 1, output(mask: Kind::MASK = "The reflected fraction."))]
 pub(crate) struct Fresnel {
-    /// What mirrors.
+    /// View of the reflecting surfaces.
     view: One<port::View>,
-    /// The lights of H; for `cosine` half only.
+    /// Lights that define the half vector H; used only if `cosine` is half.
     #[port(0..=64)]
     lights: Many<port::Light>,
-    /// How several lights become one mask.
+    /// How the masks of several lights are combined: screen, max or mean.
     combine: Combine,
-    /// Ratio of refractive indices; 1.333 is air to water.
+    /// Index of refraction of the surface relative to its surroundings; 1.333 is water in air.
     #[knob(default = 1.333, range = 1e-3..=1e3)]
     eta: f64,
-    /// N · V, or the thesis' H · V.
+    /// Cosine in the formula: view is N · V (normal and view direction); half is H · V (half vector and view
+    /// direction), as in the thesis.
     cosine: Cosine,
 }
 

@@ -1,38 +1,41 @@
-//! Light: directional, point, or spot.
+//! Light: a directional, point or spot light.
 
 use crate::view::Handed;
 use trochoid_graph::*;
 use trochoid_scene as scene;
 
-/// A light as far as geometry is concerned: its color is the back end's business.
+/// Defines a directional, point or spot light. Lights have no color: passes turn them into masks, and masks weight the
+/// colors.
 ///
 /// # Formula
-/// Directional: the unit vector along `direction`, which points toward the light. Point and spot: the unit vector from the
-/// shading point to `position`; a spot's edge falls by t²(3 − 2t) over `soft`.
+/// Direction to the light: the unit vector along `direction` (directional), or from the shaded point to `position`
+/// (point, spot). Intensity of a spot: t²(3 − 2t) with t = (`angle` − angle off the axis)/`soft`, limited to [0, 1].
 ///
 /// # Edge cases
-/// No falloff with distance. In the light's own place, and for a direction of length 0, light comes from straight above.
+/// Intensity does not fall off with distance. At the position of the light itself, and for a direction of length 0, the
+/// light comes from straight above.
 ///
 /// # Source
 /// Thesis 3.2.3.1 (spotlight) and 3.2.3.2 (light source P_L).
 #[derive(Clone, Node)]
 #[node(end = Front, revision = 1, role = Light, output(light: Kind::Light = "The light."))]
+#[also_called("DirectLight", "Sun", "PointLight", "SpotLight", "DistantLight")]
 pub(crate) struct Light {
-    /// What sort of light.
+    /// Type of light: directional (like the sun), point or spot.
     kind: Sort,
-    /// Toward the light, of any length; directional only.
+    /// Direction toward the light; its length does not matter. Directional lights only.
     #[knob(default = [0.3, 1.0, 0.5])]
     direction: [f64; 3],
-    /// Where it stands; point and spot.
+    /// Position of the light. Point and spot lights only.
     #[knob(default = [0.0, 10.0, 0.0], unit = "m")]
     position: [f64; 3],
-    /// What it is aimed at; spot.
+    /// Point at which the light is aimed. Spot lights only.
     #[knob(default = [0.0; 3], unit = "m")]
     target: [f64; 3],
-    /// Half angle of the cone; spot.
+    /// Half angle of the light's cone. Spot lights only.
     #[knob(default = 30.0, range = 0.0..=180.0, unit = "degrees")]
     angle: f64,
-    /// Width of the soft edge inside the cone; spot.
+    /// Width of the soft edge inside the cone; 0 gives a hard edge. Spot lights only.
     #[knob(default = 5.0, range = 0.0..=180.0, unit = "degrees")]
     soft: f64,
 }

@@ -1,65 +1,65 @@
-//! LightPool: sun that falls through gaps of the clouds.
+//! LightPool: pools of sunlight that falls through gaps in the clouds.
 
-use crate::bounds::{Span, bound_by, certain, known, where_covered};
 use crate::view::{POSITION, is_covered, nothing, ramp, uncover, view_planes, view_vector};
 use trochoid_graph::*;
 use trochoid_scene::{DVec3, Light};
 
-/// A mask of pools of light in the world, as sun makes that falls through gaps of the clouds.
+/// Mask of pools of light in world space, like sunlight that falls through gaps in the clouds.
 ///
 /// # Formula
-/// s = Σ strengthᵢ·exp(−(a/length)² − (b/width)²) + ragged·noise, a and b the horizontal distances from the pool's center
-/// along and across its direction; t = (s − from)/(to − from) limited to [0, 1]; t²(3 − 2t). With a `light` each point
-/// counts where its ray of light meets the height 0.
+/// t²(3 − 2t) with t = (s − from)/(to − from) limited to [0, 1]; s = Σ strengthᵢ·exp(−(a/length)² − (b/width)²) +
+/// ragged·noise, where a and b are the horizontal distances from the pool's center along and across its direction. With
+/// a `light`, each point is first projected along the light's rays to height 0.
 ///
 /// # Edge cases
-/// 0 where nothing is seen. Without pools the noise alone has gaps. A light that comes from the horizon or below, or has a
-/// place, moves nothing. `from` = `to` is a hard edge.
+/// 0 where no surface is seen. Without pools, the noise alone makes light and gaps. A light at or below the horizon,
+/// and a point or spot light, projects nothing. `from` = `to` gives a hard edge.
 ///
 /// # Source
-/// Gaussian spots, broken by noise: how marine painters lead the eye.
+/// Gaussian spots with edges broken by noise: how marine painters lead the eye.
 #[derive(Clone, Node)]
 #[node(end = Front, revision = 1, output(mask: Kind::MASK = "The light."))]
 pub(crate) struct LightPool {
-    /// What light falls on.
+    /// View of the surfaces that the light falls on.
     view: One<port::View>,
-    /// Breaks the edges: a Noise in world space, say.
+    /// Field that breaks up the edges of the pools, for example a Noise in world space.
     noise: Optional<port::Scalar>,
-    /// Whence it comes: crests then reach out of a pool, toward the light.
+    /// Directional light that makes the pools: crests outside a pool, on the side toward the light, then catch light
+    /// too.
     light: Optional<port::Light>,
-    /// The pools.
+    /// Pools of light.
     #[list(0..=64)]
     pools: Vec<Pool>,
-    /// How much of the noise is added.
+    /// Factor of the noise that is added to the light of the pools.
     #[knob(default = 0.2, range = -1e3..=1e3)]
     ragged: f64,
-    /// Light at which the mask begins.
+    /// Light at which the mask begins to rise from 0.
     #[knob(default = 0.05, range = -1e3..=1e3)]
     from: f64,
-    /// Light at which it is 1.
+    /// Light at which the mask reaches 1.
     #[knob(default = 0.7, range = -1e3..=1e3)]
     to: f64,
 }
 
-/// A pool.
+/// A pool of light.
 #[derive(Clone, Copy, Items)]
 struct Pool {
-    /// Where the center lies along x.
+    /// X coordinate of the pool's center.
     #[knob(default = 0.0, range = -1e7..=1e7, unit = "m")]
     x: f64,
-    /// Where the center lies along z.
+    /// Z coordinate of the pool's center.
     #[knob(default = 0.0, range = -1e7..=1e7, unit = "m")]
     z: f64,
-    /// Half its length, where e⁻¹ of the light is left.
+    /// Half the length of the pool: distance from its center at which 1/e of its light is left.
     #[knob(default = 10.0, range = 1e-3..=1e7, unit = "m")]
     length: f64,
-    /// Half its width.
+    /// Half the width of the pool: distance across it at which 1/e of its light is left.
     #[knob(default = 10.0, range = 1e-3..=1e7, unit = "m")]
     width: f64,
-    /// Where the length points: 0 is +X, 90 is +Z.
+    /// Direction of the pool's length: 0 is +X, 90 is +Z.
     #[knob(default = 0.0, range = -360.0..=360.0, unit = "degrees")]
     direction: f64,
-    /// How much light in its center.
+    /// Amount of light in the center of the pool.
     #[knob(default = 1.0, range = 0.0..=1e3)]
     strength: f64,
 }
@@ -67,17 +67,12 @@ struct Pool {
 impl Node for LightPool {
     fn check(&self, check: &mut Check<'_>) {
         if self.to < self.from {
-            let found = format!("{} below from, {}", self.to, self.from);
-            check.error(Self::TO, found, "at least as much", "swap them, and Invert the mask");
+            let found = format!("{} below from {}", self.to, self.from);
+            check.error(Self::TO, found, "to ≥ from", "swap them, and Invert the mask");
         }
         if self.pools.is_empty() && self.noise.is_none() {
             let found = "no pools and no noise: the light is the same everywhere";
-            check.warning(
-                Self::POOLS,
-                found,
-                "pools, or a noise that has gaps",
-                "give \"pools\", or connect \"noise\"",
-            );
+            check.warning(Self::POOLS, found, "pools, or a noise that has gaps", "add \"pools\", or connect \"noise\"");
         }
     }
 
@@ -116,10 +111,10 @@ impl Stage for LightPool {
     }
 }
 
-/// Light from lower than this, as a share of its length, comes from the horizon.
+/// Sine of the elevation at or below which a light counts as coming from the horizon.
 const LOWEST: f64 = 1e-3;
 
-/// How far light moves along x and z with each meter up.
+/// Returns how far a ray toward the light moves along x and z for each meter up.
 fn slant(light: &Light) -> [f64; 2] {
     let toward = light.illuminate(DVec3::ZERO).direction;
     match light {
@@ -128,10 +123,10 @@ fn slant(light: &Light) -> [f64; 2] {
     }
 }
 
-/// A pool as light falls.
+/// A pool, prepared for evaluation.
 struct Spot {
     center: [f64; 2],
-    /// Unit vector of its length.
+    /// Unit vector along its length.
     along: [f64; 2],
     size: [f64; 2],
     strength: f64,
@@ -145,7 +140,7 @@ impl Spot {
     }
 }
 
-/// All pools, and what becomes of their light.
+/// All pools, and how their light is mapped to the mask.
 struct Pools {
     spots: Vec<Spot>,
     slant: [f64; 2],
@@ -154,15 +149,15 @@ struct Pools {
     to: f64,
 }
 
-/// What rounding loses of a sum, for a unit of what is added.
+/// Bound of the rounding error of a sum, relative to its terms.
 const LOST: f64 = 1e-14;
 
-/// The largest of three numbers' sizes.
+/// Returns the largest magnitude of three numbers.
 fn size(numbers: [f64; 3]) -> f64 {
     numbers.into_iter().fold(0.0, |most, number| most.max(number.abs()))
 }
 
-/// Gaussians of more than this power are nothing.
+/// Negated exponent from which on a Gaussian counts as 0.
 const NOTHING: f64 = 40.0;
 
 impl Pools {
@@ -176,13 +171,13 @@ impl Pools {
         self.brightness(sum)
     }
 
-    /// The mask of a sum of light.
+    /// Returns the mask for a sum of light.
     fn brightness(&self, sum: f64) -> f64 {
         let t = ramp(sum, self.from, self.to - self.from);
         t * t * (3.0 - 2.0 * t)
     }
 
-    /// What the mask may be, where a point and the noise may lie anywhere in spans.
+    /// Returns the span of the mask over spans of the point and the noise.
     fn span(&self, point: [Span; 3], noise: Span) -> Span {
         let (middle, half) = (point.map(Span::middle), point.map(Span::half));
         let reach = |axis: usize, along: usize| {
@@ -206,7 +201,7 @@ impl Pools {
             low += light(power(|at, by| at + by));
             high += light(power(|at, by| at - by));
         }
-        // What is nothing of pools, and what sums lose.
+        // Account for Gaussians counted as 0, and for the rounding of sums.
         let strength = self.spots.iter().map(|pool| pool.strength).sum::<f64>();
         let sum = Span { low, high, clear: true }.wider(LOST * (strength + (self.ragged * noise.high).abs()));
         let ends = [sum.low, sum.high].map(|sum| self.brightness(sum));
@@ -215,7 +210,7 @@ impl Pools {
         mask.with(clear && (self.to > self.from || ends[0] == ends[1]))
     }
 
-    /// How far a point lies from a pool's center along and across it, in halves of its size.
+    /// Returns the distances of a point from a pool's center along and across it, as fractions of half its size.
     fn across(&self, pool: &Spot, point: DVec3) -> [f64; 2] {
         let place = [point.x - self.slant[0] * point.y, point.z - self.slant[1] * point.y];
         let [dx, dz] = [place[0] - pool.center[0], place[1] - pool.center[1]];
@@ -244,10 +239,10 @@ impl Prepared for PreparedPools {
     }
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
-        bound_by(bounding, outputs, (Only, 0), |sample| {
-            where_covered(bounding, &self.view, sample, || {
-                let point = POSITION.map(|channel| certain(bounding, &self.view, channel, sample));
-                self.pools.span(point, known(bounding, &self.noise, 0, sample).unwrap_or(Span::exactly(0.0)))
+        bounding.bound_by(outputs, (Only, 0), |sample| {
+            bounding.where_covered(&self.view, sample, || {
+                let point = POSITION.map(|channel| bounding.certain(&self.view, channel, sample));
+                self.pools.span(point, bounding.known(&self.noise, 0, sample).unwrap_or(Span::exactly(0.0)))
             })
         });
         Ok(())
@@ -291,7 +286,7 @@ mod tests {
     #[test]
     fn slanting_light_meets_crests_beside_the_pool() {
         let pool = falling([2.0, 0.0]);
-        // Two meters up, the light comes from four meters along x.
+        // A point two meters up is reached by the ray that would meet height 0 four meters away along x.
         assert_eq!(pool.mask(DVec3::new(14.0, 2.0, -5.0), 0.0), 1.0);
         assert_eq!(slant(&Light::Directional { direction: DVec3::new(1.0, 0.5, 0.0) })[0], 2.0);
         assert_eq!(slant(&Light::Directional { direction: DVec3::new(1.0, -0.5, 0.0) }), [0.0; 2]);

@@ -1,14 +1,14 @@
-//! Light directions over a block, and how several lights combine.
+//! Directions to lights and to the eye over a block of samples, and how the masks of several lights combine.
 
 use crate::view::{Looking, POSITION, view_planes};
-use trochoid_graph::{Choice, Connected, Inputs, Many, NodeError, One, Prepare, port};
+use trochoid_graph::{BadData, Choice, Connected, Inputs, Many, NodeError, One, Prepare, port};
 use trochoid_image::Format;
 use trochoid_scene::{Camera, DVec3, Illumination, Light, Projector};
 
-/// Three planes: the x, y and z of many vectors.
+/// X, y and z planes of many vectors.
 pub(crate) type Vectors3<'a> = [&'a [f32]; 3];
 
-/// How the masks of several lights become one.
+/// How the masks of several lights are combined into one.
 #[derive(Clone, Copy, Debug, PartialEq, Choice)]
 pub(crate) enum Combine {
     Screen,
@@ -17,7 +17,7 @@ pub(crate) enum Combine {
 }
 
 impl Combine {
-    /// One mask of several, in f64.
+    /// Combines several masks, in f64.
     pub(crate) fn reference(self, masks: &[f64]) -> f64 {
         match self {
             Self::Screen => 1.0 - masks.iter().map(|t| 1.0 - t).product::<f64>(),
@@ -26,21 +26,21 @@ impl Combine {
         }
     }
 
-    /// Takes the mask of light `index` of `count` into what the lights before it gave.
+    /// Combines the mask of light `index` of `count` with that of the lights before it.
     fn take(self, mask: &mut [f32], light: &[f32], index: usize, count: usize) {
         for (mask, light) in mask.iter_mut().zip(light) {
             *mask = match self {
                 _ if index == 0 && self != Self::Mean => *light,
                 Self::Screen => trochoid_weights::arithmetic::screen(*mask, *light),
                 Self::Max => mask.max(*light),
-                // A partial sum of n masks, each over n, is at most 1 up to rounding.
+                // A partial sum of n masks, each divided by n, can exceed 1 only by rounding.
                 Self::Mean => (*mask + *light / count as f32).min(1.0),
             };
         }
     }
 }
 
-/// The lights connected to a pass.
+/// Lights connected to a pass.
 pub(crate) struct Lights {
     lights: Vec<Light>,
     combine: Combine,
@@ -59,10 +59,11 @@ impl Lights {
         self.combine
     }
 
-    /// Fills `mask`: `shade` gives the mask of one light from unit vectors toward it; intensity then scales it.
+    /// Fills `mask` with the combined masks of all lights. `shade` gives the mask of one light from unit vectors toward
+    /// it, which is then scaled by the light's intensity.
     ///
     /// # Errors
-    /// A light has a place, and the view has no position pass to measure from.
+    /// A light has a position, but the view has no position pass.
     pub(crate) fn fill(
         &self,
         inputs: &Inputs<'_>,
@@ -84,10 +85,8 @@ impl Lights {
                 intensity.fill(1.0);
             } else {
                 if inputs.view_if_any(view, POSITION[0]).is_none() {
-                    return Err(NodeError::new(
-                        "the view has no position pass, which a point or spot light needs: add the pass, or use a \
-                         directional light",
-                    ));
+                    let expected = "one, which a point or spot light needs";
+                    return Err(without_position(expected, "add the pass, or use a directional light"));
                 }
                 let positions = view_planes(inputs, view, POSITION);
                 let [x, y, z] = &mut directions;
@@ -107,12 +106,13 @@ impl Lights {
         Ok(())
     }
 
-    /// The mask at one point in f64.
+    /// Returns the combined mask at one point, in f64.
     pub(crate) fn reference(&self, point: DVec3, shade: impl Fn(DVec3) -> f64) -> f64 {
         self.within_reach(point, |direction, _| shade(direction))
     }
 
-    /// The same where it counts how far away the light stands, in meters: infinitely far, if it has no place.
+    /// Like [`Self::reference`], but also gives `shade` the distance of the light in meters: infinite if it has no
+    /// position.
     pub(crate) fn within_reach(&self, point: DVec3, shade: impl Fn(DVec3, f64) -> f64) -> f64 {
         let masks: Vec<f64> = self
             .lights
@@ -130,31 +130,35 @@ impl Lights {
     }
 }
 
-/// The projector of the camera behind the connected view.
+/// Returns the projector of the connected view's camera.
 ///
 /// # Errors
 /// The view has no camera.
 pub(crate) fn eye(prepare: &Prepare<'_>, view: &impl Connected, format: Format) -> Result<Projector, NodeError> {
     let handle = prepare.handle_of(view);
-    // A Render hands on its surfaces too; a view of passes has its camera alone.
+    // The handle of a Render has its surfaces too; that of a view from passes has the camera alone.
     let camera = handle.as_deref().and_then(|handle| {
         handle.downcast_ref::<Camera>().or_else(|| handle.downcast_ref::<Looking>().map(|looking| &looking.camera))
     });
     match camera {
         Some(camera) => Ok(camera.projector(format)),
-        None => Err(NodeError::new("the view has no camera: connect one to it")),
+        None => Err(BadData::new("a view without a camera", "one with a camera", "connect one to it").into()),
     }
 }
 
-/// The vector from a point toward the eye, of any length, in f64.
+/// Returns a vector from a point toward the eye, of any length, in f64.
+fn without_position(expected: &str, remedy: &str) -> NodeError {
+    BadData::new("a view without a position pass", expected, remedy).into()
+}
+
 pub(crate) fn toward_eye(eye: &Projector, point: DVec3) -> DVec3 {
     if eye.orthographic { -eye.forward } else { eye.position - point }
 }
 
-/// Unit vectors from the points of a block toward the eye.
+/// Returns unit vectors from the points of a block toward the eye.
 ///
 /// # Errors
-/// The camera has a place, and the view has no position pass to measure from.
+/// The camera is a perspective one, but the view has no position pass.
 pub(crate) fn view_directions(
     inputs: &Inputs<'_>,
     view: &One<port::View>,
@@ -168,10 +172,8 @@ pub(crate) fn view_directions(
         // Parallel rays need no positions.
         None if eye.orthographic => [&[][..]; 3],
         None => {
-            return Err(NodeError::new(
-                "the view has no position pass, which a perspective camera needs: add the pass, or connect an \
-                 orthographic camera",
-            ));
+            let expected = "one, which a perspective camera needs";
+            return Err(without_position(expected, "add the pass, or connect an orthographic camera"));
         }
     };
     trochoid_scene::shading::view_directions(positions, eye, [x, y, z]);

@@ -1,4 +1,4 @@
-//! Lights, and passes of what they light.
+//! Lights, and nodes that shade surfaces by them.
 
 mod fresnel;
 mod light;

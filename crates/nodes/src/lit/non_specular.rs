@@ -1,32 +1,33 @@
-//! NonSpecular: how much light reaches a point, all but reflections.
+//! NonSpecular: diffuse shading, that is everything but reflections.
 
 use super::{Combine, Facing, Shades, Toward, Vectors3};
-use crate::bounds::Span;
 use trochoid_graph::*;
 use trochoid_scene::DVec3;
 use trochoid_scene::shading::lambert;
 
-/// A mask of the light that reaches the surface: Lambert's cosine, mapped to [0, 1].
+/// Mask of diffuse light on the surface: Lambert's cosine, mapped from [−1, 1] to [0, 1].
 ///
 /// # Formula
-/// Cᵖ with C = (N · L + 1)/2 and p = `power`, times the light's intensity there
+/// Cᵖ with C = (N · L + 1)/2 and p = `power`, times the intensity of the light at this point
 ///
 /// # Edge cases
-/// 0 where nothing is seen. A degenerate normal points up.
+/// 0 where no surface is seen. A degenerate normal counts as pointing up.
 ///
 /// # Source
-/// Thesis 3.2.3.2; power 2 is its C².
+/// Thesis 3.2.3.2; `power` 2 is its C².
 #[derive(Clone, Node)]
-#[node(end = Front, revision = 1, role = Clay, output(mask: Kind::MASK = "How much light arrives."))]
+#[node(end = Front, revision = 1, role = Clay, output(mask: Kind::MASK = "The diffuse light."))]
+#[also_called("Diffuse", "Lambert", "Shading")]
 pub(crate) struct NonSpecular {
-    /// What is lit.
+    /// View of the surfaces that are lit.
     view: One<port::View>,
-    /// By what.
+    /// Lights that shine on the surfaces.
     #[port(1..=64)]
     lights: Many<port::Light>,
-    /// How several lights become one mask.
+    /// How the masks of several lights are combined: screen, max or mean.
     combine: Combine,
-    /// Contrast: the mask is raised to this power.
+    /// Exponent applied to the mask; 1 leaves it unchanged, larger values darken its mid-tones, smaller ones brighten
+    /// them.
     #[knob(default = 1.0, range = 0.01..=100.0)]
     power: f64,
 }

@@ -1,55 +1,55 @@
-//! Passes of how lights shade what is seen, each sample by its normal.
+//! The common part of nodes that shade each sample by its normal: inputs, coverage, several lights, error bounds.
 
 use super::{Combine, Lights, Near, Toward, Vectors3, eye, toward_eye, view_directions};
-use crate::bounds::{Span, bound_by, certain, where_covered};
 use crate::view::{NORMAL, POSITION, is_bare, is_covered, nothing, uncover, view_planes, view_vector};
 use trochoid_graph::*;
 use trochoid_scene::{DVec3, Projector};
 
-/// A node whose one output is a mask of what lights do where something is seen, and 0 elsewhere.
+/// A node with one output: a mask of how lights shade the surfaces, 0 where none is seen.
 pub(crate) trait Shades: Declare {
-    /// Whether it matters where the eye is.
+    /// Whether the shading depends on the eye.
     const LOOKS: bool;
-    /// What counts beside the normal, where the view supplies it.
+    /// Channels used besides the normal, if the view supplies them.
     const PREFERS: ChannelSet = ChannelSet::of(&POSITION);
 
-    /// What is lit.
+    /// Returns the view to shade.
     fn view(&self) -> &One<port::View>;
 
-    /// Its lights, and how their masks become one.
+    /// Returns the lights, and how their masks are combined.
     fn lights(&self) -> (&Many<port::Light>, Combine);
 
-    /// Whether lights count.
+    /// Returns whether the shading depends on the lights.
     fn is_lit(&self) -> bool {
         true
     }
 
-    /// Reports what ranges of single knobs cannot express.
+    /// Reports errors that the ranges of single knobs cannot express.
     fn check(&self, check: &mut Check<'_>) {
         let _ = check;
     }
 
-    /// The masks of one light over a block, from unit vectors toward it; of none where lights do not count.
+    /// Fills the mask of one light over a block, from unit vectors toward it. The vectors are empty if the shading does
+    /// not depend on lights.
     fn fill(&self, seen: Facing<Vectors3<'_>, &[f32]>, light: Vectors3<'_>, mask: &mut [f32]);
 
-    /// The mask of one light at one point, in f64.
+    /// Returns the mask of one light at one point, in f64.
     fn reference(&self, seen: Facing<DVec3, f64>, light: DVec3) -> f64;
 
-    /// What that may be.
+    /// Returns the span of [`Self::reference`] over uncertain inputs.
     fn span(&self, seen: Facing<Toward, Span>, light: Toward) -> Span;
 }
 
-/// How what is seen stands to the eye: `V` holds vectors, `S` numbers.
+/// Orientation of the surface toward the eye. `V` holds vectors, `S` numbers.
 #[derive(Clone, Copy)]
 pub(crate) struct Facing<V, S> {
     pub(crate) normal: V,
-    /// Toward the eye; nothing of use where it does not matter.
+    /// Direction toward the eye; unspecified if the shading does not depend on it.
     pub(crate) eye: V,
-    /// Of the slopes that the footprint took away.
+    /// Variance of the slopes that the pixel footprint has filtered out.
     pub(crate) variance: S,
 }
 
-/// Such a node.
+/// The node type of a [`Shades`].
 #[derive(Clone)]
 pub(crate) struct LitPass<T>(T);
 
@@ -101,7 +101,7 @@ impl<T: Shades> Stage for LitPass<T> {
 struct PreparedPass<T> {
     node: T,
     lights: Lights,
-    /// Where it matters.
+    /// The eye, if the shading depends on it.
     eye: Option<Projector>,
 }
 
@@ -133,13 +133,13 @@ impl<T: Shades> Prepared for PreparedPass<T> {
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
         let view = self.node.view();
-        bound_by(bounding, outputs, (Only, 0), |sample| {
-            where_covered(bounding, view, sample, || {
+        bounding.bound_by(outputs, (Only, 0), |sample| {
+            bounding.where_covered(view, sample, || {
                 let (point, normal) = (Near::point(bounding, view, sample), Toward::normal(bounding, view, sample));
                 let seen = Facing {
                     normal,
                     eye: self.eye.as_ref().map_or(normal, |eye| Toward::eye(eye, point)),
-                    variance: certain(bounding, view, Channel::SlopeVariance, sample),
+                    variance: bounding.certain(view, Channel::SlopeVariance, sample),
                 };
                 if self.node.is_lit() {
                     self.lights.may_give(point, |light| self.node.span(seen, light))

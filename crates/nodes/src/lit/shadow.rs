@@ -1,4 +1,4 @@
-//! Shadow: what keeps the light away.
+//! Shadow: shadows cast by the surfaces of a view, found by rays toward the lights.
 
 use super::{Combine, Lights};
 use crate::view::{Facets, Quantity, Rays, Seen, Traces, landed};
@@ -8,40 +8,40 @@ use trochoid_image::Format;
 use trochoid_scene::Ray;
 use trochoid_scene::shading::unit_or_up;
 
-/// A mask of the shadows that the view's surfaces cast on each other and themselves.
+/// Mask of the shadows that the surfaces of a view cast on each other and on themselves.
 ///
 /// # Formula
-/// 1 − the share of `rays` that reach the light, combined over the lights, each times its intensity there. Ray i of n goes
-/// from P + bN toward L + tan(size/2)·r(u cos φ + v sin φ), r² = (i + ½)/n, φ = i·2π/Φ² + 2π·frac(0.7549x + 0.5698y), with
-/// x and y in pixels; b = `bias` facets; P on the surface as rays meet it.
+/// 1 − the fraction of `rays` that reach the light, times its intensity at this point, combined over the lights. Ray i
+/// of n goes from P + bN toward L + tan(size/2)·r(u cos φ + v sin φ) with r² = (i + ½)/n, φ = i·2π/Φ² + 2π·frac(0.7549x
+/// + 0.5698y), x and y in pixels; b = `bias` facets; P is the shaded point, moved onto the facets that rays meet.
 ///
 /// # Edge cases
-/// 0 where nothing is seen, 1 where a spot does not shine. A light below the horizon is kept away by the sea, and all light
-/// is from what is seen of it from below. Surfaces count as far as the picture, made wider by `beyond`, holds them.
+/// 0 where no surface is seen; 1 outside the cone of a spot light. A sea blocks a light below the horizon, and blocks
+/// all light from its underside. Only surfaces within the picture, extended by `beyond` on each side, cast shadows.
 ///
 /// # Source
 /// Whitted, An Improved Illumination Model for Shaded Display, 1980; Vogel, A Better Way to Construct the Sunflower Head,
 /// 1979; Roberts, The Unreasonable Effectiveness of Quasirandom Sequences, 2018.
 #[derive(Clone, Node)]
-#[node(end = Front, revision = 1, output(mask: Kind::MASK = "1 where no light arrives."))]
+#[node(end = Front, revision = 1, output(mask: Kind::MASK = "The shadow: 1 where no light arrives."))]
 pub(crate) struct Shadow {
-    /// What casts shadows and carries them, a Render.
+    /// View of the surfaces that cast and receive shadows, from a Render.
     view: One<port::View>,
-    /// What is kept away.
+    /// Lights that cast the shadows.
     #[port(1..=64)]
     lights: Many<port::Light>,
-    /// How the light of several lights becomes one mask.
+    /// How the light of several lights is combined into one mask: screen, max or mean.
     combine: Combine,
-    /// How large the light looks: the larger, the softer. The sun has 0.53.
+    /// Angular diameter of the light; larger lights cast softer shadows. The sun has 0.53; 0 gives hard shadows.
     #[knob(default = 0.0, range = 0.0..=90.0, unit = "degrees")]
     size: f64,
-    /// How many rays a sample sends to a light that has a size.
+    /// Number of rays from each sample to each light; lights of size 0 need only one.
     #[knob(default = 4, range = 1..=256)]
     rays: i64,
-    /// How far away what casts shadows may be.
+    /// Largest distance at which a surface casts shadows.
     #[knob(default = 500.0, range = 1e-3..=1e7, unit = "m")]
     distance: f64,
-    /// How far above the surface rays begin, in facets, so that they do not meet the facets on which they begin.
+    /// Height above the surface at which rays start, in facets, so that they do not hit the facet they start from.
     #[knob(default = 1.5, range = 0.0..=1e3)]
     bias: f64,
     #[items]
@@ -60,7 +60,7 @@ impl Traces for Shadow {
     }
 
     fn work(&self, format: Format) -> Option<Work> {
-        // A ray, and the one that lands on the surface that rays meet.
+        // Seconds for a ray, including the one that moves the point onto the facets.
         const RAY: f64 = 2.5e-7;
         let rays = if self.size > 0.0 { self.rays as f64 } else { 1.0 };
         let samples = format.window().area() as f64 * format.samples() as f64;
@@ -72,7 +72,7 @@ impl Traces for Shadow {
     fn quantity(&self, prepare: &Prepare<'_>) -> Result<Quantity, NodeError> {
         let lights = Lights::of(&self.lights, self.combine, prepare)?;
         let spread = libm::tan(0.5 * self.size.to_radians());
-        // A light without size is one point, whatever number of rays.
+        // A light of size 0 is a point: all its rays would be the same.
         let rays = if spread > 0.0 { self.rays as u32 } else { 1 };
         let shadow = PreparedShadow { node: self.clone(), lights, spread, rays };
         Ok(Box::new(move |seen: &Seen, rays: Rays<'_>| shadow.mask(seen, rays)))
@@ -82,7 +82,7 @@ impl Traces for Shadow {
 struct PreparedShadow {
     node: Shadow,
     lights: Lights,
-    /// Tangent of half the angle under which the light is seen.
+    /// Tangent of half the light's angular diameter.
     spread: f64,
     rays: u32,
 }
@@ -97,7 +97,7 @@ impl PreparedShadow {
     fn mask(&self, seen: &Seen, rays: Rays<'_>) -> f64 {
         let &Seen { at, point, normal, facet } = seen;
         let origin = landed(point, normal, facet, rays.first) + normal * (self.node.bias * facet);
-        // Neighbors turn their rays as differently as can be.
+        // Rotate the rays as differently as possible from those of neighboring pixels.
         let turn = PLASTIC[0] * at[0] + PLASTIC[1] * at[1];
         let turn = TAU * (turn - turn.floor());
         let lit = self.lights.within_reach(point, |light, reach| {

@@ -1,38 +1,39 @@
-//! Specular: where a light is mirrored toward the eye.
+//! Specular: highlights, where a surface mirrors lights toward the eye.
 
 use super::{Combine, Facing, Shades, Toward, Vectors3};
-use crate::bounds::Span;
 use crate::view::POSITION;
 use std::f64::consts::FRAC_PI_2;
 use trochoid_graph::*;
 use trochoid_scene::DVec3;
 use trochoid_scene::shading::blinn;
 
-/// A mask of the lights' mirror image in the surface.
+/// Mask of the specular highlights: the blurred mirror images of lights in the surface.
 ///
 /// # Formula
-/// half: exp(s · log1p(−½|N − H|²)), H halfway between light and eye, which is (N · H)ˢ; reflection: (R · V)ˢ. s =
-/// `shininess`, lowered where the footprint took waves away.
+/// half: (N · H)ˢ, computed as exp(s · log1p(−½|N − H|²)), with H halfway between light and eye. reflection: (R · V)ˢ.
+/// s = `shininess`, reduced where waves smaller than the pixel footprint were filtered out.
 ///
 /// # Edge cases
-/// 0 where nothing is seen, where the surface faces away from the light, and where light and eye are opposite.
+/// 0 where no surface is seen, where the surface faces away from the light, and where light and eye are in opposite
+/// directions.
 ///
 /// # Source
 /// Thesis 3.2.3.1, R = I − 2N(N · I); Blinn, Models of Light Reflection, 1977.
 #[derive(Clone, Node)]
-#[node(end = Front, revision = 1, output(mask: Kind::MASK = "How much of the lights is mirrored."))]
+#[node(end = Front, revision = 1, output(mask: Kind::MASK = "The highlights."))]
+#[also_called("Phong", "Highlight", "Glossy", "BlinnPhong")]
 pub(crate) struct Specular {
-    /// What mirrors.
+    /// View of the reflecting surfaces.
     view: One<port::View>,
-    /// What is mirrored.
+    /// Lights that are reflected.
     #[port(1..=64)]
     lights: Many<port::Light>,
-    /// How several lights become one mask.
+    /// How the masks of several lights are combined: screen, max or mean.
     combine: Combine,
-    /// Exponent: the higher, the sharper.
+    /// Exponent; larger values give smaller, sharper highlights.
     #[knob(default = 60.0, range = 0.0..=1e6)]
     shininess: f64,
-    /// Blinn's half vector, or the thesis' mirror form.
+    /// Reflection model: half uses Blinn's half vector; reflection uses the mirrored direction, as in the thesis.
     model: Model,
 }
 
@@ -80,7 +81,7 @@ impl Shades for Specular {
 }
 
 impl Specular {
-    /// What the lobe may be of one light, for exponents of a span.
+    /// Returns the span of one light's lobe over a span of exponents.
     fn lobe(&self, [normal, light, view]: [Toward; 3], exponents: Span) -> Span {
         let apart = match self.model {
             Model::Half => normal.angle(light.halfway(view)),
@@ -93,7 +94,7 @@ impl Specular {
         let jumps = exponents.low == 0.0 && apart.holds(FRAC_PI_2);
         let lobe = Span::of(&[of(apart.high, exponents.high), of(apart.low, exponents.low)]).within(0.0, 1.0);
         let lobe = lobe.with(apart.clear && exponents.clear && !jumps);
-        // Seen from behind the surface there is no light.
+        // A light behind the surface gives no highlight.
         let faces = normal.angle(light);
         if faces.low > FRAC_PI_2 {
             Span::exactly(0.0).with(faces.clear)

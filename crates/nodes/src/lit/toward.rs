@@ -1,14 +1,13 @@
-//! Points and directions that are certain up to a distance and an angle, and what light gives there.
+//! Points and directions with error bounds, and the span of the lights' masks there.
 
 use super::lights::{Combine, Lights};
-use crate::bounds::{Span, certain};
 use crate::view::{NORMAL, POSITION};
 use std::f64::consts::PI;
-use trochoid_graph::{Bounding, Channel, One, port};
+use trochoid_graph::{Bounding, Channel, One, Span, port};
 use trochoid_scene::shading::unit_or_up;
 use trochoid_scene::{DVec3, Light, Projector};
 
-/// A vector that is certain up to a distance.
+/// A vector with a bound of its error.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Near {
     pub(crate) vector: DVec3,
@@ -17,9 +16,9 @@ pub(crate) struct Near {
 }
 
 impl Near {
-    /// Three channels of the view.
+    /// Reads a vector from three channels of the view.
     pub(crate) fn of(bounding: &Bounding<'_>, view: &One<port::View>, channels: [Channel; 3], sample: usize) -> Self {
-        let spans = channels.map(|channel| certain(bounding, view, channel, sample));
+        let spans = channels.map(|channel| bounding.certain(view, channel, sample));
         Self {
             vector: DVec3::from(spans.map(Span::middle)),
             within: DVec3::from(spans.map(Span::half)).length(),
@@ -27,36 +26,36 @@ impl Near {
         }
     }
 
-    /// The point that is seen.
+    /// Reads the point that is seen.
     pub(crate) fn point(bounding: &Bounding<'_>, view: &One<port::View>, sample: usize) -> Self {
         Self::of(bounding, view, POSITION, sample)
     }
 }
 
-/// A direction that is certain up to an angle.
+/// A direction with a bound of its angular error.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Toward {
-    /// Of length 1.
+    /// Direction, of length 1.
     unit: DVec3,
-    /// How far it may turn, in radians.
+    /// Largest angle between this and the true direction, in radians.
     turn: f64,
     clear: bool,
 }
 
-/// Angles by which computing a unit vector may turn it.
+/// Largest angle, in radians, by which the rounding of a unit vector turns it.
 const ROUNDED: f64 = 4e-16;
 
-/// What products of unit vectors lose.
+/// Rounding error of a dot product of unit vectors.
 const LOST: f64 = 1e-15;
 
 impl Toward {
-    /// Along a vector; a degenerate one points up.
+    /// Creates the direction of a vector; a degenerate vector points up.
     pub(crate) fn along(Near { vector, within, clear }: Near) -> Self {
         let (unit, length) = (unit_or_up(vector), vector.length());
         if within == 0.0 {
             return Self { unit, turn: ROUNDED, clear };
         }
-        // Seen from its origin, what lies around a vector's end is a cone.
+        // Seen from the origin, the sphere around the vector's end fills a cone.
         let sine = within / length;
         if sine < 0.999_999 {
             Self { unit, turn: libm::asin(sine) + ROUNDED, clear }
@@ -65,51 +64,51 @@ impl Toward {
         }
     }
 
-    /// A vector that is certain.
+    /// Creates the direction of an exact vector.
     pub(crate) fn exactly(vector: DVec3) -> Self {
         Self::along(Near { vector, within: 0.0, clear: true })
     }
 
-    /// The normal that is seen.
+    /// Reads the surface normal that is seen.
     pub(crate) fn normal(bounding: &Bounding<'_>, view: &One<port::View>, sample: usize) -> Self {
         Self::along(Near::of(bounding, view, NORMAL, sample))
     }
 
-    /// From a point to the eye.
+    /// Returns the direction from a point to the eye.
     pub(crate) fn eye(eye: &Projector, point: Near) -> Self {
         if eye.orthographic { Self::exactly(-eye.forward) } else { Self::from(point, eye.position) }
     }
 
-    /// From a point to a place.
+    /// Returns the direction from an uncertain point to an exact one.
     pub(crate) fn from(point: Near, place: DVec3) -> Self {
         Self::along(Near { vector: place - point.vector, ..point })
     }
 
-    /// The angle between two directions, in radians.
+    /// Returns the angle between two directions, in radians.
     pub(crate) fn angle(self, other: Self) -> Span {
         let (a, b) = (self.unit, other.unit);
         let (angle, turn) = (libm::atan2(a.cross(b).length(), a.dot(b)), self.turn + other.turn);
         Span { low: (angle - turn).max(0.0), high: (angle + turn).min(PI), clear: self.clear && other.clear }
     }
 
-    /// The cosine of that angle.
+    /// Returns the cosine of the angle between two directions.
     pub(crate) fn cosine(self, other: Self) -> Span {
         self.angle(other).through(libm::cos).wider(LOST).within(-1.0, 1.0)
     }
 
-    /// The cosine of half that angle, under which the direction in the middle stands to both.
+    /// Returns the cosine of half the angle between two directions: that of the half vector to either.
     pub(crate) fn half_cosine(self, other: Self) -> Span {
         self.angle(other).through(|angle| libm::cos(angle / 2.0)).wider(LOST).within(0.0, 1.0)
     }
 
-    /// The direction in the middle between two.
+    /// Returns the direction halfway between two.
     pub(crate) fn halfway(self, other: Self) -> Self {
         let chord = |turn: f64| 2.0 * libm::sin(turn.min(PI) / 2.0);
         let within = chord(self.turn) + chord(other.turn);
         Self::along(Near { vector: self.unit + other.unit, within, clear: self.clear && other.clear })
     }
 
-    /// How high it stands over the horizon, in degrees.
+    /// Returns the elevation above the horizon, in degrees.
     pub(crate) fn elevation(self) -> Span {
         let DVec3 { x, y, z } = self.unit;
         let (angle, turn) = (libm::atan2(y, libm::sqrt(x * x + z * z)), self.turn + ROUNDED);
@@ -117,7 +116,7 @@ impl Toward {
         Span { low: ends[0], high: ends[1], clear: self.clear }
     }
 
-    /// Where a direction away from a surface is mirrored to by one of this normal.
+    /// Mirrors a direction that points away from a surface, with `self` as its normal.
     pub(crate) fn mirrored(self, direction: Self) -> Self {
         let vector = self.unit * (2.0 * self.unit.dot(direction.unit)) - direction.unit;
         let turn = (2.0 * self.turn + direction.turn).min(PI);
@@ -126,7 +125,8 @@ impl Toward {
 }
 
 impl Lights {
-    /// What the mask of all lights may be at a point, where `shade` gives that of one toward which a direction leads.
+    /// Returns the span of the combined mask of all lights at a point. `shade` gives the span for one light from the
+    /// direction toward it.
     pub(crate) fn may_give(&self, point: Near, shade: impl Fn(Toward) -> Span) -> Span {
         let (mut lows, mut highs, mut clear) = (Vec::new(), Vec::new(), true);
         for light in self.lights() {
@@ -136,13 +136,13 @@ impl Lights {
             highs.push(arrives.high * mask.high);
             clear &= arrives.clear && mask.clear;
         }
-        // However masks are combined, none takes from the result.
+        // Every way of combining masks is monotonic, so the ends of the span come from the ends of the masks.
         let combine: Combine = self.combine();
         Span::of(&[combine.reference(&lows), combine.reference(&highs)]).within(0.0, 1.0).with(clear)
     }
 }
 
-/// The direction to a light, and how much of it arrives.
+/// Returns the direction to a light, and its intensity at a point.
 fn illuminated(light: &Light, point: Near) -> (Toward, Span) {
     match *light {
         Light::Directional { direction } => (Toward::exactly(direction), Span::exactly(1.0)),

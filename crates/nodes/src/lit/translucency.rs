@@ -1,36 +1,37 @@
-//! Translucency: light that shines through thin water.
+//! Translucency: light that shines through thin water toward the eye.
 
 use super::{Combine, Lights, eye, toward_eye};
 use crate::view::{Facets, Quantity, Rays, Seen, Traces, Way};
 use trochoid_graph::*;
 use trochoid_scene::shading::unit_or_up;
 
-/// A mask of the light that shines through thin water toward the eye, such as crests against a low sun.
+/// Mask of the light that shines through thin water toward the eye, for example through crests in front of a low sun.
 ///
 /// # Formula
-/// exp(−t/a)·fᵖ, times the light's intensity there; t is the thickness toward the light as Thickness has it, a =
-/// `absorption`, f = (1 − V · L)/2, 1 where the eye looks into the light, p = `facing`.
+/// exp(−t/a)·fᵖ, times the intensity of the light at this point. t is the thickness of the water toward the light, as
+/// the node Thickness measures it; a = `absorption`; f = (1 − V · L)/2, which is 1 where the eye looks straight into
+/// the light; p = `facing`.
 ///
 /// # Edge cases
-/// 0 where nothing is seen, and where water lies all the way to a light below the horizon. Facing 0 takes light from
-/// anywhere.
+/// 0 where no surface is seen. Toward a light below the horizon the water has no end; then t = `distance`, which leaves
+/// almost no light. With `facing` 0, light counts from all directions alike.
 ///
 /// # Source
-/// Thesis 3.1.2: translucent crests; the law of Beer and Lambert.
+/// Thesis 3.1.2: translucent crests; the Beer–Lambert law.
 #[derive(Clone, Node)]
-#[node(end = Front, revision = 1, output(mask: Kind::MASK = "How much light shines through."))]
+#[node(end = Front, revision = 1, output(mask: Kind::MASK = "The light that shines through."))]
 pub(crate) struct Translucency {
-    /// What is seen, a Render.
+    /// View of the water, from a Render.
     view: One<port::View>,
-    /// What shines through.
+    /// Lights that shine through the water.
     #[port(1..=64)]
     lights: Many<port::Light>,
-    /// How several lights become one mask.
+    /// How the masks of several lights are combined: screen, max or mean.
     combine: Combine,
-    /// Thickness that leaves 1/e = 37 % of the light.
+    /// Thickness of water that lets 1/e = 37 % of the light through.
     #[knob(default = 2.5, range = 1e-6..=1e6, unit = "m")]
     absorption: f64,
-    /// How strictly the eye has to look toward the light.
+    /// Exponent; larger values show only light that comes straight toward the eye, 0 shows light from all directions.
     #[knob(default = 2.0, range = 0.0..=100.0)]
     facing: f64,
     #[items]

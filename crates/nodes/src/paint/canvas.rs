@@ -1,4 +1,5 @@
-//! What strokes see around them: of the planes of a block, and of the reference's values.
+//! Access to a stroke's surroundings (surfaces, flow, shares) in the planes of a block and in the reference's values,
+//! behind one trait, so that both place the same strokes.
 
 use super::{Around, Corner};
 use std::cell::RefCell;
@@ -6,25 +7,25 @@ use std::collections::HashMap;
 use trochoid_graph::*;
 use trochoid_image::Window;
 
-/// What strokes see beside the image.
+/// Inputs of strokes besides the image.
 #[derive(Clone, Items)]
 pub(crate) struct Sight {
-    /// The surfaces that strokes lie on; without it they lie on the picture.
+    /// View of the surfaces that strokes lie on; without it, they lie on the picture.
     pub(crate) view: Optional<port::View>,
-    /// Direction of the strokes, right and down: a FlowField, say; by default to the right.
+    /// Direction of the strokes (components right and down), for example from a FlowField; to the right by default.
     flow: Optional<port::Direction>,
-    /// Share of length, width and spacing at a place; 1/16 is the least.
+    /// Scale of the strokes' length, width and spacing at each place; values below 1/16 count as 1/16.
     size: Optional<port::Mask>,
-    /// Share of the strokes at a place.
+    /// Fraction of the strokes that are painted at each place.
     density: Optional<port::Mask>,
-    /// Where 1, the last layer alone paints.
+    /// Suppresses all layers except the last: where it is 1, only the last layer paints.
     detail: Optional<port::Mask>,
 }
 
-/// The point at rest, which seeds are fixed to.
+/// Channels of the surface point at rest, to which seeds are fixed.
 pub(crate) const RESTS: [Channel; 3] = [Channel::RestX, Channel::RestY, Channel::RestZ];
 
-/// Where a pixel stands in a window, or the nearest one that does.
+/// Returns the index of a pixel within a window, or that of the nearest pixel if it lies outside.
 #[inline(always)]
 pub(crate) fn index(window: Window, x: i64, y: i64) -> usize {
     let column = x.clamp(window.x0, window.x1 - 1) - window.x0;
@@ -32,7 +33,7 @@ pub(crate) fn index(window: Window, x: i64, y: i64) -> usize {
     row as usize * window.width() + column as usize
 }
 
-/// A sample of a connection.
+/// Returns a sample of a connection, as far as the connection has the channel.
 #[inline(always)]
 pub(crate) fn sample(connection: Option<&Connection<'_>>, channel: usize, x: i64, y: i64) -> Option<f64> {
     let connection = connection?;
@@ -40,30 +41,30 @@ pub(crate) fn sample(connection: Option<&Connection<'_>>, channel: usize, x: i64
     Some(f64::from(plane[index(connection.window, x, y)]))
 }
 
-/// The picture as strokes see it.
+/// Surroundings that also give the corners of patches.
 pub(crate) trait Canvas: Around {
-    /// What seeds are placed by, at the upper left of a pixel.
+    /// Returns the surface point, surface and depth that a pixel sees.
     fn corner(&self, x: i64, y: i64) -> Corner;
 }
 
-/// The planes of a block.
+/// Surroundings from the planes of a block.
 pub(crate) struct Planes<'a> {
     picture: Window,
-    /// How far samples lie from their pixels' upper left corners.
+    /// Offset of the samples from the upper left corners of their pixels.
     offset: [f64; 2],
     view: Window,
-    /// Over the view's window.
+    /// Index of the surface at each pixel of the view's window, −1 where none is seen.
     parts: Vec<f32>,
     depths: Option<&'a [f32]>,
-    /// Where seeds are fixed to surfaces.
+    /// Surface points at rest, if seeds are fixed to surfaces.
     rests: Option<[&'a [f32]; 3]>,
     flow: Option<&'a Connection<'a>>,
-    /// Size, density, detail.
+    /// Size, density and detail.
     shares: [Option<&'a Connection<'a>>; 3],
 }
 
 impl<'a> Planes<'a> {
-    /// Of a picture and a block of it; seeds are fixed to surfaces or to the picture.
+    /// Collects the planes for a block of a picture. `on_surfaces` fixes seeds to surfaces instead of the picture.
     pub(crate) fn new(
         sight: &Sight,
         picture: Window,
@@ -96,7 +97,7 @@ impl<'a> Planes<'a> {
         }
     }
 
-    /// Parts and depths of some pixels of a row within the window, as far as they are known.
+    /// Returns the surface indices and depths of a range of pixels in a row, as far as they are known.
     pub(crate) fn row(&self, x: [i64; 2], y: i64) -> [Option<&[f32]>; 2] {
         let start = index(self.view, x[0], y);
         let row = start..start + (x[1] - x[0]) as usize;
@@ -148,7 +149,7 @@ impl Canvas for Planes<'_> {
     }
 }
 
-/// What the reference sees around a pixel.
+/// Surroundings from the reference's values.
 pub(crate) struct Seen<'a> {
     sight: &'a Sight,
     picture: Window,
@@ -156,7 +157,7 @@ pub(crate) struct Seen<'a> {
     inputs: &'a References<'a>,
     pub(crate) pixel: [i64; 2],
     offset: [f64; 2],
-    /// What was asked for already.
+    /// Cache of the view's channels at pixels.
     views: RefCell<HashMap<(i64, i64), Vec<f64>>>,
 }
 
@@ -167,7 +168,7 @@ impl<'a> Seen<'a> {
         Self { sight, picture, on_surfaces, inputs, pixel, offset, views: RefCell::default() }
     }
 
-    /// What the sample of a pixel is given; beyond the picture that of the nearest pixel.
+    /// Returns the inputs at a pixel's sample; beyond the picture, those of the nearest pixel.
     fn there(&self, x: i64, y: i64) -> References<'a> {
         let picture = self.picture;
         let (x, y) = (x.clamp(picture.x0, picture.x1 - 1), y.clamp(picture.y0, picture.y1 - 1));

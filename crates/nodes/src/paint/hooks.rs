@@ -1,151 +1,154 @@
-//! Hooks: claws of foam that grow on a surface.
+//! Hooks: claws of foam rooted in a surface.
 
 use crate::lit::{eye, toward_eye};
-use crate::paint::{Claw, Drawn, Places, Ribbon, Shape, covered, draw, key};
 use crate::sea::{Roots, check_indices, check_roots, check_surfaces};
 use crate::view::Looking;
+use trochoid_field::random::{draw, key};
 use trochoid_graph::*;
 use trochoid_image::Format;
+use trochoid_scene::claws::{Claw, Drawn, Places, Ribbon, Shape, covered};
 use trochoid_scene::shading::unit_or_up;
 use trochoid_scene::{Anchor, DVec3, Projector};
 
-/// Draws ribbons on bending spines that are rooted in a surface, such as claws of foam, and hands over where in its ribbon each
-/// pixel lies.
+/// Draws curling ribbons rooted in a surface, such as claws of foam on a wave, and gives the position of each pixel
+/// within its ribbon.
 ///
 /// # Formula
-/// Direction of a spine after the share s of its way: θ₀ + curl·s^late; half its width: h = width/2·(1 − s)^taper·(1 + bulge·sin
-/// πs)·√min(1, s/0.14). θ₀ is `direction` between the pictures of ∂P/∂u and ∂P/∂v at the root, both taken as one long. A place
-/// belongs to the step of the spine whose middle is nearest in half widths, up to one: ends and bends are round. Of two ribbons
-/// the later in the list is on top; a ribbon and its thumbs are one, in that of which a place lies deepest. Sizes are those of the
-/// row times min(1, |n·v|/turned), so that ribbons come and go by growing. With the inset i in pixels: mask = min(1, i); ink =
-/// clamp(½ + line − i), which sets in at s from 0.06 to 0.3 outside, 0.35 to 0.65 inside the bend; shade = clamp(½ + h·(t − 1 +
-/// shade·(0.98 − 0.8·((s − 0.42)/0.4)²))), t = across·side.
+/// Along a spine, s runs from 0 at the root to 1 at the tip. Its direction is θ₀ + curl·s^late; half its width is h =
+/// width/2·(1 − s)^taper·(1 + bulge·sin πs)·√min(1, s/0.14). θ₀ is the angle `direction` from ∂P/∂u toward ∂P/∂v at the
+/// root, both projected into the picture and normalized. A point belongs to the segment of the spine with the smallest
+/// distance in half widths, if that is at most 1, so ends and bends are round. Ribbons later in the list are on top. A
+/// ribbon and its thumbs form one shape, and a point takes its values from the part it lies deepest in. Sizes are
+/// multiplied by min(1, |n·v|/turned), so ribbons grow and shrink instead of popping. With the inset i in pixels: mask
+/// = min(1, i); ink = clamp(½ + line − i), which fades in over s = 0.06 to 0.3 on the outside of the bend and 0.35 to
+/// 0.65 on the inside; shade = clamp(½ + h·(t − 1 + shade·(0.98 − 0.8·((s − 0.42)/0.4)²))) with t = across·side.
 ///
 /// # Edge cases
-/// Roots are where the surface itself has these u and v, seen or not; where several of its points have them, each has a ribbon.
-/// Ribbons reach out over what lies behind their root, not over what is nearer by more than `edge`. Where there is none, all
-/// outputs are 0. Needs a Render's view: passes know no surfaces. Each sample of a pixel is drawn apart.
+/// A ribbon grows from every point of the surface that has its u and v, visible or not. Ribbons cover what lies behind
+/// their root, but not what is nearer by more than `edge`. All outputs are 0 where there is no ribbon. Needs a view
+/// from a Render, because passes contain no surfaces. Each sample of a pixel is drawn separately.
 ///
 /// # Source
 /// The foam of Hokusai's Great Wave.
 #[derive(Clone, Node)]
 #[node(end = Front, revision = 2, outputs = Out)]
 pub(crate) struct Hooks {
-    /// The surface.
+    /// View of the surfaces, from a Render.
     view: One<port::View>,
-    /// Rows of ribbons, the lowest first.
+    /// Rows of ribbons, bottom row first.
     #[list(1..=256)]
     rows: Vec<Row>,
-    /// Index of the surface in the Render's list; by default all.
+    /// Index of the surface in the Render's list, counted from 0; all surfaces by default.
     #[knob(range = 0..=63)]
     surface: Option<i64>,
-    /// |n · v| below which ribbons shrink as their root turns away.
+    /// Value of |n · v| (surface normal and view direction) below which ribbons shrink as their root turns edge-on; 0
+    /// never shrinks them.
     #[knob(default = 0.3, range = 0.0..=1.0)]
     turned: f64,
-    /// The least jump of depth that hides, as a share of the depth.
+    /// Smallest jump in depth that hides a ribbon, as a fraction of the depth.
     #[knob(default = 0.05, range = 1e-4..=1e3)]
     edge: f64,
-    /// Which ribbons of all that have these figures.
+    /// Random seed.
     #[knob(default = 0, range = 0..=1_000_000_000)]
     seed: i64,
 }
 
-/// Ribbons side by side.
+/// A row of ribbons side by side.
 #[derive(Clone, Items)]
 pub(crate) struct Row {
-    /// Where the row begins on the surface: u, v.
+    /// Start of the row on the surface: u, v.
     #[knob(default = [0.0, 0.0])]
     pub(crate) from: [f64; 2],
-    /// Where it ends: u, v.
+    /// End of the row on the surface: u, v.
     #[knob(default = [1.0, 0.0])]
     pub(crate) to: [f64; 2],
-    /// How far roots stand off the row, to either side: u, v.
+    /// Largest random offset of the roots from the row, to either side: u, v.
     #[knob(default = [0.0, 0.0])]
     pub(crate) scatter: [f64; 2],
-    /// Index of the row's surface; by default that of the node.
+    /// Index of the row's surface; by default the node's `surface`.
     #[knob(range = 0..=63)]
     pub(crate) surface: Option<i64>,
-    /// Ribbons in the row.
+    /// Number of ribbons in the row.
     #[knob(default = 8, range = 1..=512)]
     count: i64,
-    /// Their length.
+    /// Length of the ribbons.
     #[knob(default = 1.0, range = 1e-6..=1e6, unit = "m")]
     pub(crate) length: f64,
-    /// Their width.
+    /// Width of the ribbons.
     #[knob(default = 0.3, range = 1e-6..=1e6, unit = "m")]
     width: f64,
-    /// Where they grow: 0 along u, 90 along v.
+    /// Direction in which the ribbons grow: 0 is along u, 90 along v.
     #[knob(default = 90.0, range = -360.0..=360.0, unit = "degrees")]
     direction: f64,
-    /// How far they bend to the tip: positive from u toward v.
+    /// Total bend from root to tip; positive values bend from u toward v.
     #[knob(default = 110.0, range = -720.0..=720.0, unit = "degrees")]
     curl: f64,
-    /// How late they bend: 1 evenly, 2.5 near the tip.
+    /// Where the ribbons bend: 1 bends them evenly, larger values (2.5) near the tip.
     #[knob(default = 1.5, range = 0.1..=16.0)]
     late: f64,
-    /// How they get thinner: small ones stay thick for long.
+    /// Exponent of the narrowing toward the tip; small values keep the ribbons thick for longer.
     #[knob(default = 0.62, range = 0.05..=8.0)]
     taper: f64,
-    /// How much thicker they are in the middle.
+    /// Extra width in the middle, as a fraction; 0 adds none.
     #[knob(default = 0.25, range = 0.0..=4.0)]
     bulge: f64,
-    /// Small ribbons on the inner side of the bend.
+    /// Number of thumbs: small ribbons on the inner side of the bend.
     #[knob(default = 0, range = 0..=4)]
     thumbs: i64,
-    /// Between which shares of the way thumbs grow.
+    /// Range along the ribbon where thumbs grow, from 0 (root) to 1 (tip).
     #[knob(default = [0.16, 0.4])]
     fork: [f64; 2],
-    /// How wide the ink is along the outer and the inner rim.
+    /// Widths of the ink along the outer and inner edges; 0 draws none.
     #[knob(default = [0.0, 0.0], unit = "m")]
     line: [f64; 2],
-    /// Size of the crescent of shade on the inner side.
+    /// Size of the shading crescent on the inner side; 0 draws none.
     #[knob(default = 0.0, range = 0.0..=2.0)]
     shade: f64,
-    /// How far directions differ, to either side.
+    /// Largest random change of the direction, to either side.
     #[knob(default = 18.0, range = 0.0..=180.0, unit = "degrees")]
     spread: f64,
-    /// How far places, lengths and bends differ, as a share.
+    /// Random variation of positions, lengths, widths and bends, as a fraction; 0 makes all ribbons alike.
     #[knob(default = 0.35, range = 0.0..=0.95)]
     vary: f64,
-    /// Handed on, to tell kinds of ribbons apart.
+    /// Number passed on to the output `tag`, to tell kinds of ribbons apart.
     #[knob(default = 0.0, range = -1e6..=1e6)]
     tag: f64,
 }
 
-/// What is known of each pixel.
+/// Outputs for each pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Outputs)]
 pub(crate) enum Out {
-    /// 1 within ribbons, soft by a pixel at their rims.
+    /// Mask of the ribbons, with edges one pixel soft.
     #[output(Kind::MASK)]
     Mask,
-    /// 0 at the root, 1 at the tip.
+    /// Position along the ribbon: 0 at the root, 1 at the tip.
     #[output(Kind::Field(1))]
     Along,
-    /// −1 to 1 from the left of the way to its right.
+    /// Position across the ribbon: −1 at its left edge, 1 at its right edge (seen from the root).
     #[output(Kind::Field(1))]
     Across,
-    /// Half the width there, in pixels.
+    /// Half the width of the ribbon at this point, in pixels.
     #[output(Kind::Field(1))]
     HalfWidth,
-    /// The side to which the ribbon bends: 1 right, −1 left.
+    /// Side to which the ribbon bends: 1 is right, −1 is left.
     #[output(Kind::Field(1))]
     Side,
-    /// A number of each ribbon, in [0, 1).
+    /// Random number of the ribbon, in [0, 1).
     #[output(Kind::Field(1))]
     Random,
-    /// Which row, the first is 1.
+    /// Number of the ribbon's row, counted from 1.
     #[output(Kind::Field(1))]
     Row,
-    /// Distance in pixels to the rim of a ribbon and its thumbs together.
+    /// Distance to the edge of the ribbon and its thumbs together, in pixels.
     #[output(Kind::Field(1))]
     Inset,
-    /// The row's tag.
+    /// Tag of the ribbon's row.
     #[output(Kind::Field(1))]
     Tag,
-    /// Lines along the rims that fade in from the root; within `mask`.
+    /// Mask of the ink lines along the edges, which fade in from the root. Apply it within `mask`.
     #[output(Kind::MASK)]
     Ink,
-    /// A crescent on the inner side; within `mask`.
+    /// Mask of the shading crescent on the inner side. Apply it within `mask`.
     #[output(Kind::MASK)]
     Shade,
 }
@@ -167,14 +170,16 @@ impl Node for Hooks {
     }
 
     fn work(&self, format: Format, _time: f64) -> Option<Work> {
-        // A ribbon at a sample, for each pixel of its length; and a thumb beside it, as a share of that.
+        // Seconds per sample and ribbon for each pixel of the ribbon's length; cost of a thumb as a fraction of that of
+        // its ribbon.
         const PIXEL: f64 = 1.5e-6;
         const THUMB: f64 = 0.25;
-        // How large ribbons are in the picture is known to the camera alone: taken is a claw of a large wave.
+        // The size of the ribbons in the picture depends on the camera, which is unknown here; assume claws on a large
+        // wave.
         let length = f64::from(format.height()) / 24.0;
         let row = |row: &Row| row.count as f64 * (1.0 + THUMB * row.thumbs as f64);
         let ribbons: f64 = self.rows.iter().map(row).sum();
-        let remedy = "lower the \"count\" or \"thumbs\" of rows, or have fewer samples or pixels";
+        let remedy = "lower the \"count\" or \"thumbs\" of rows, or use fewer samples or pixels";
         Some(Work { seconds: PIXEL * length * f64::from(format.samples()) * ribbons, item: Self::ROWS, remedy })
     }
 
@@ -200,7 +205,7 @@ impl Stage for Hooks {
         let eye = eye(prepare, &self.view, prepare.frame.format)?;
         let handle = prepare.handle_of(&self.view);
         let Some(looking) = handle.as_deref().and_then(|handle| handle.downcast_ref::<Looking>()) else {
-            return Err(NodeError::new("the view knows no surfaces: connect a Render"));
+            return Err(BadData::new("a view of passes", "one of surfaces", "connect a Render").into());
         };
         let mut claws: Vec<Claw> = Vec::new();
         for root in self.roots() {
@@ -212,29 +217,30 @@ impl Stage for Hooks {
                 break;
             }
         }
-        // The uppermost first.
+        // Top ribbon first.
         let claws = claws.into_iter().rev().map(|claw| (claw.bounds(), claw)).collect();
         Ok(Box::new(PreparedHooks { view: self.view.clone(), claws, step: 1.0 + self.edge }))
     }
 }
 
-/// One ribbon on a surface.
+/// A ribbon to grow on a surface.
 struct Root<'n> {
     row: &'n Row,
     uv: [f64; 2],
-    /// The only surface that it grows on.
+    /// Index of the only surface it grows on; all if none.
     surface: Option<i64>,
     shape: Shape,
-    /// In radians, between u and v.
+    /// Angle from u toward v, in radians.
     direction: f64,
-    /// Length and half width, in meters.
+    /// Length and half the width, in meters.
     size: [f64; 2],
-    /// Of its row, the first is 1.
+    /// Number of its row, counted from 1.
     number: f64,
     key: u64,
 }
 
-/// Which of a ribbon's random numbers means what. Those of thumb i begin at 10·(i + 1): turn, bend, length, its own.
+/// Indices of a ribbon's random numbers. Those of thumb i start at 10·(i + 1): direction, bend, length, and the random
+/// number of the thumb itself.
 const OFF_PLACE: u64 = 0;
 const OFF_SIZE: u64 = 1;
 const OFF_CURL: u64 = 2;
@@ -243,7 +249,7 @@ const OWN: u64 = 4;
 const OFF_SCATTER: u64 = 5;
 
 impl Hooks {
-    /// All roots, the lowest first.
+    /// Returns all roots, bottom row first.
     fn roots(&self) -> Vec<Root<'_>> {
         let mut roots = Vec::new();
         for (at, row) in self.rows.iter().enumerate() {
@@ -252,7 +258,8 @@ impl Hooks {
             for index in 0..count {
                 let key = key(key(key(0x686f_6f6b, self.seed), at as i64), index);
                 let off = |which: u64| 2.0 * draw(key, which) - 1.0;
-                // A share of the row, within its own part of it; widths differ half as much as lengths.
+                // Each ribbon varies its position only within its own part of the row; widths vary half as much as
+                // lengths.
                 let along = ((index as f64 + 0.5 + 0.5 * vary * off(OFF_PLACE)) / count as f64).clamp(0.0, 1.0);
                 let size = 1.0 + vary * off(OFF_SIZE);
                 let place = |axis: usize| {
@@ -279,8 +286,8 @@ impl Hooks {
     }
 }
 
-/// Thumbs against the ribbon that they grow on. They lean off it toward the inner side of its bend by 52° to 68°, bend by 0.75
-/// to 1.25 of its bend, late (s^2.2), and are 0.9 · (0.46 to 0.62) as long and 0.7 as wide.
+/// Thumbs relative to their ribbon. They lean toward the inner side of its bend by 52° to 68°, bend by 0.75 to 1.25 of
+/// its bend, late (s^2.2), and have 0.9 · (0.46 to 0.62) of its length and 0.7 of its width.
 const LEAN: [f64; 2] = [52.0, 16.0];
 const BEND: [f64; 2] = [0.75, 0.5];
 const THUMB_LATE: f64 = 2.2;
@@ -289,17 +296,17 @@ const SHORTER: f64 = 0.9;
 const THINNER: f64 = 0.7;
 
 impl Root<'_> {
-    /// The ribbon in the picture, where the eye sees its root's place and it has any size.
+    /// Returns the ribbon in the picture; none if its root does not project into it or its size is 0.
     fn grow(&self, anchor: &Anchor, eye: &Projector, turned: f64) -> Option<Claw> {
         let (place, depth) = eye.project(anchor.point)?;
-        // Pixels for a meter at the root, times min(1, |n·v|/turned).
+        // Pixels per meter at the root, times min(1, |n·v|/turned).
         let normal = unit_or_up(anchor.along_v.cross(anchor.along_u));
         let facing = normal.dot(unit_or_up(toward_eye(eye, anchor.point))).abs();
         let size = if turned > 0.0 { (facing / turned).min(1.0) } else { 1.0 };
         let scale = size * if eye.orthographic { eye.scale } else { eye.scale / depth };
         let [length, half_width] = self.size.map(|size| size * scale);
         let seen = place.iter().all(|at| at.abs() <= FARTHEST) && (0.0..=FARTHEST).contains(&(length + half_width));
-        // θ₀: the pictures of ∂P/∂u and ∂P/∂v, one long each, by cos and sin of `direction`.
+        // θ₀: the normalized projections of ∂P/∂u and ∂P/∂v, combined by the cosine and sine of `direction`.
         let (u, v) = (pictured(anchor, anchor.along_u, depth, eye)?, pictured(anchor, anchor.along_v, depth, eye)?);
         if !seen || length <= 0.0 || half_width <= 0.0 {
             return None;
@@ -307,7 +314,7 @@ impl Root<'_> {
         let (sin, cos) = libm::sincos(self.direction);
         let way = [0, 1].map(|axis: usize| cos * u[axis] + sin * v[axis]);
         let direction = libm::atan2(way[1], way[0]);
-        // Seen from behind, u and v change hands, and so does the bend.
+        // Seen from behind, the projected u and v are mirrored, and so is the bend.
         let hand = if u[0] * v[1] - u[1] * v[0] < 0.0 { -1.0 } else { 1.0 };
         let shape = Shape { curl: self.shape.curl * hand, ..self.shape };
         let side = if shape.curl < 0.0 { -1.0 } else { 1.0 };
@@ -323,7 +330,8 @@ impl Root<'_> {
         self.row.thumbs.clamp(0, 4) as usize
     }
 
-    /// A thumb of a ribbon so long and half so wide, from the tip's end of the fork on; with its random number.
+    /// Returns a thumb and its random number. `size` is the length and half width of the ribbon; thumb 0 is at the end
+    /// of the fork nearest to the tip.
     fn thumb(&self, thumb: usize, ribbon: &Ribbon, shape: &Shape, side: f64, size: [f64; 2]) -> (Ribbon, f64) {
         let [length, half_width] = size;
         let fork = self.row.fork.map(|share| share.clamp(0.0, 1.0));
@@ -338,9 +346,10 @@ impl Root<'_> {
     }
 }
 
-/// Where a direction in the world leads in the picture from a root at a depth, one long; y down.
+/// Projects a world direction at a root of the given depth into the picture, and normalizes it; y points down.
 ///
-/// The picture of a point P is (P·right, −P·up)/(P·forward), so that of a step d is its derivative along d, up to a factor.
+/// A point P projects to (P·right, −P·up)/(P·forward); the projection of a direction d is the derivative of this along
+/// d, up to a factor.
 fn pictured(anchor: &Anchor, direction: DVec3, depth: f64, eye: &Projector) -> Option<[f64; 2]> {
     let offset = anchor.point - eye.position;
     let away = if eye.orthographic { 0.0 } else { direction.dot(eye.forward) / depth };
@@ -350,18 +359,18 @@ fn pictured(anchor: &Anchor, direction: DVec3, depth: f64, eye: &Projector) -> O
     (long > 0.0 && long.is_finite()).then(|| [x / long, y / long])
 }
 
-/// Pixels beyond which no ribbon begins or reaches.
+/// Largest coordinate and size of a ribbon, in pixels; ribbons beyond it are not drawn.
 const FARTHEST: f64 = 1e5;
 
 struct PreparedHooks {
     view: One<port::View>,
-    /// The uppermost first, each with its bounds.
+    /// Claws with their bounding boxes, top claw first.
     claws: Vec<([[f64; 2]; 2], Claw)>,
     step: f64,
 }
 
 impl PreparedHooks {
-    /// Whether a ribbon is hidden by what stands at that depth.
+    /// Returns whether a surface at this depth hides a ribbon.
     fn is_hidden(&self, claw: &Claw, depth: f64) -> bool {
         depth * self.step < claw.depth
     }
@@ -373,7 +382,7 @@ impl Prepared for PreparedHooks {
         let depths = inputs.view(&self.view, Channel::Depth);
         let mut planes = Out::ALL.map(|output| (output, outputs.take(output, 0)));
         planes.iter_mut().for_each(|(_, plane)| plane.iter_mut().for_each(|plane| plane.fill(0.0)));
-        // What no ribbon covers yet.
+        // Fraction of each sample that no ribbon covers yet.
         let mut left = vec![1.0; window.area()];
         let mut places = Places::default();
         for (bounds, claw) in &self.claws {
@@ -397,7 +406,7 @@ impl Prepared for PreparedHooks {
                     if *output == Out::Mask {
                         plane[index] = (1.0 - left[index]) as f32;
                     } else if first {
-                        plane[index] = drawn.value(*output) as f32;
+                        plane[index] = output.of(&drawn) as f32;
                     }
                 }
             }
@@ -406,7 +415,9 @@ impl Prepared for PreparedHooks {
     }
 
     fn bound(&self, _bounding: &Bounding<'_>, _outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
-        Err(NoBound("a place belongs to the nearest step of a spine, and which is the nearest may change anywhere"))
+        Err(NoBound(
+            "a point belongs to the nearest segment of a spine, and which segment is nearest may change at any point",
+        ))
     }
 
     fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
@@ -423,9 +434,9 @@ impl Prepared for PreparedHooks {
             drawn.mask = 1.0 - left;
         }
         let value = |output: Out| match output {
-            Out::Mask | Out::Ink | Out::Shade => Reference::Mask(drawn.value(output)),
+            Out::Mask | Out::Ink | Out::Shade => Reference::Mask(output.of(&drawn)),
             Out::Along | Out::Across | Out::HalfWidth | Out::Side | Out::Random | Out::Row | Out::Inset | Out::Tag => {
-                Reference::Field(vec![drawn.value(output)])
+                Reference::Field(vec![output.of(&drawn)])
             }
         };
         Ok(Out::ALL.map(value).into())
@@ -436,20 +447,21 @@ impl Prepared for PreparedHooks {
     }
 }
 
-impl Drawn {
-    fn value(&self, output: Out) -> f64 {
-        match output {
-            Out::Mask => self.mask,
-            Out::Along => self.along,
-            Out::Across => self.across,
-            Out::HalfWidth => self.half_width,
-            Out::Side => self.side,
-            Out::Random => self.random,
-            Out::Row => self.row,
-            Out::Inset => self.inset,
-            Out::Tag => self.tag,
-            Out::Ink => self.ink,
-            Out::Shade => self.shade,
+impl Out {
+    /// What a place has of it.
+    fn of(self, drawn: &Drawn) -> f64 {
+        match self {
+            Self::Mask => drawn.mask,
+            Self::Along => drawn.along,
+            Self::Across => drawn.across,
+            Self::HalfWidth => drawn.half_width,
+            Self::Side => drawn.side,
+            Self::Random => drawn.random,
+            Self::Row => drawn.row,
+            Self::Inset => drawn.inset,
+            Self::Tag => drawn.tag,
+            Self::Ink => drawn.ink,
+            Self::Shade => drawn.shade,
         }
     }
 }

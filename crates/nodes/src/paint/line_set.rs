@@ -1,106 +1,109 @@
-//! LineSet: lines side by side, each with an end of its own, as a carver cuts them into a block of wood.
+//! LineSet: parallel tapering lines, like those a carver cuts into a wood block.
 
 use crate::filter::numbers;
-use crate::paint::{draw, key};
 use crate::view::grown;
+use trochoid_field::random::{draw, key};
 use trochoid_graph::*;
 use trochoid_image::{Format, Window};
 
-/// Masks of lines side by side that taper to ends of their own, such as the carved lines of a printed wave; one inside the other,
-/// where several widths are given.
+/// Masks of parallel lines that each taper to their own end, like the carved lines of a printed wave. Several widths
+/// give several masks, one inside the other.
 ///
 /// # Formula
-/// Line i stands at q = i + ½ + jitter·(h₁ − ½), (q, v) the `place`. Half its width: e = ½·width·thickness·(1 + vary·(h₂ −
-/// ½))·√clamp((v₁ − v)/(tail·(v₁ − v₀)))·√clamp((v − v₀)/head), from v₀ = mix(begin, h₃) to v₁ = mix(end, h₄); of width k, q −
-/// k·lean and v − k·lag take their places. A line d away is drawn at least a pixel wide: W = max(2e, c), c = |∇q|: (2e/W)·clamp(½
-/// + (W/2 − d)/c), of all lines the greatest, and fades away as c grows from ½/finest to 1/finest.
+/// `place` is (q, v). Line i lies at q = i + ½ + jitter·(h₁ − ½) and runs from v₀ = mix(begin, h₃) to v₁ = mix(end,
+/// h₄). Half its width is e = ½·width·thickness·(1 + vary·(h₂ − ½))·√clamp((v₁ − v)/(tail·(v₁ − v₀)))·√clamp((v −
+/// v₀)/head). Width number k, counted from 0, uses q − k·lean and v − k·lag instead of q and v. A line at distance d is
+/// drawn at least one pixel wide: (2e/W)·clamp(½ + (W/2 − d)/c) with c = |∇q| and W = max(2e, c). The mask is the
+/// maximum over all lines, and fades out as c grows from ½/finest to 1/finest.
 ///
 /// # Edge cases
-/// h₁ to h₄ are random numbers of line and seed: lines stay themselves where places move. ∇ takes the smaller of the differences
-/// to both sides, so that the borders of surfaces do no harm. 0 where the thickness is 0 or a place is no finite number. Outputs
-/// beyond the list of widths are 0. Head or tail 0 ends bluntly.
+/// h₁ to h₄ are random numbers that depend only on the line and the seed, so lines keep their shape when places move. ∇
+/// is the smaller of the differences to both sides, so borders of surfaces do not widen lines. The masks are 0 where
+/// the thickness is 0 or the place is not finite. Outputs beyond the list of widths are 0. `head` or `tail` 0 gives
+/// blunt ends.
 ///
 /// # Source
-/// The drift lines of Dadfar and Welling, 5.1, and those of Hokusai's Great Wave.
+/// The drift lines of Dadfar and Welling, section 5.1, and the lines of Hokusai's Great Wave.
 #[derive(Clone, Node)]
 #[node(end = Front, revision = 1, outputs = Out)]
 pub(crate) struct LineSet {
-    /// Across the lines, 1 from line to line, and along them: such as UV's.
+    /// Coordinates as a field of 2 components: across the lines (1 from line to line) and along them. For example from
+    /// UV.
     place: One<port::Field>,
-    /// Share of the widths at a place; by default 1.
+    /// Factor of the widths at each place; 1 by default.
     thickness: Optional<port::Mask>,
     #[items]
     lines: Lines,
-    /// Which lines of all that have these figures.
+    /// Random seed.
     #[knob(default = 0, range = 0..=1_000_000_000)]
     seed: i64,
 }
 
-/// Figures of all lines.
+/// Knobs that apply to all lines.
 #[derive(Clone, Items)]
 struct Lines {
-    /// Share of their distance that lines cover, for each output; 0 to 2.
+    /// Widths of the lines, one per output, as a fraction of the distance between lines; 0 to 2.
     #[knob(len = 1..=4)]
     widths: Vec<f64>,
-    /// Between which places lines begin.
+    /// Range in which lines begin, in units of `place` along the lines.
     #[knob(default = [0.0, 0.0])]
     begin: [f64; 2],
-    /// Between which places they end.
+    /// Range in which lines end, in units of `place` along the lines.
     #[knob(default = [1.0, 1.0])]
     end: [f64; 2],
-    /// How far behind their beginning lines have their full width.
+    /// Length over which lines widen from their beginning to full width; 0 begins bluntly.
     #[knob(default = 0.0, range = 0.0..=1e6)]
     head: f64,
-    /// Share of their length on which they taper toward the end.
+    /// Fraction of a line's length over which it tapers toward its end; 0 ends bluntly.
     #[knob(default = 1.0, range = 0.0..=1.0)]
     tail: f64,
-    /// How much widths differ, as a share.
+    /// Random variation of the widths, as a fraction; 0 makes all lines equally wide.
     #[knob(default = 0.6, range = 0.0..=1.9)]
     vary: f64,
-    /// How far lines stand off their places, in their distance.
+    /// Random variation of the lines' positions, as a fraction of the distance between lines.
     #[knob(default = 0.25, range = 0.0..=1.0)]
     jitter: f64,
-    /// How far to the side each next width lies, in their distance.
+    /// Sideways offset from each width to the next, as a fraction of the distance between lines.
     #[knob(default = 0.0, range = -1.0..=1.0)]
     lean: f64,
-    /// How much later along the lines each next width lies.
+    /// Offset along the lines from each width to the next.
     #[knob(default = 0.0, range = -1e6..=1e6)]
     lag: f64,
-    /// Distance of lines at which they are gone: full from twice that on.
+    /// Distance between lines below which they have faded out; they are at full strength from twice this distance on.
     #[knob(default = 3.0, range = 0.1..=1e3, drawn)]
     finest: f64,
 }
 
-/// One mask a width.
+/// Masks of the lines, one per width.
 #[derive(Clone, Copy, Debug, PartialEq, Outputs)]
 enum Out {
-    /// The lines, by the first width.
+    /// Mask of the lines with the first width.
     #[output(Kind::MASK)]
     Mask,
-    /// By the second.
+    /// Mask of the lines with the second width.
     #[output(Kind::MASK)]
     Second,
-    /// By the third.
+    /// Mask of the lines with the third width.
     #[output(Kind::MASK)]
     Third,
-    /// By the fourth.
+    /// Mask of the lines with the fourth width.
     #[output(Kind::MASK)]
     Fourth,
 }
 
-/// Widths at most.
+/// Largest number of widths.
 const MOST: usize = Out::ALL.len();
-/// The greatest of them.
+/// Largest width.
 const WIDEST: f64 = 2.0;
 
 impl Node for LineSet {
     fn check(&self, check: &mut Check<'_>) {
         if let Some(width) = self.lines.widths.iter().find(|width| !(0.0..=WIDEST).contains(*width)) {
-            let remedy = "make the distance of lines larger";
+            let remedy = "reduce the width, or increase the distance between lines";
             check.error(Lines::WIDTHS, width.to_string(), "shares from 0 to 2", remedy);
         }
         if let Some(kind) = check.kind(&self.place).filter(|kind| *kind != Kind::Field(2)) {
-            let remedy = "join two by a FieldMath: \"[a, b]\" with 2 components";
+            let remedy = "combine two fields in a FieldMath: \"[a, b]\" with 2 components";
             check.error(Self::PLACE, kind.to_string(), "a Field of 2 components, across and along", remedy);
         }
     }
@@ -138,26 +141,26 @@ struct PreparedLines {
     drawn: DrawnLines,
 }
 
-/// Lines of a seed.
+/// The lines of a seed, prepared for evaluation.
 struct DrawnLines {
     lines: Lines,
-    /// How far from its place a line may reach, in their distance, before it is blurred.
+    /// How far a line may reach from its position, before it is widened to a pixel, in distances between lines.
     farthest: f64,
     key: u64,
 }
 
-/// What a line is everywhere.
+/// Properties of a line that do not depend on the place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Line {
     index: i64,
     middle: f64,
     begin: f64,
     end: f64,
-    /// Factor of its widths.
+    /// Factor of all widths.
     width: f64,
 }
 
-/// The lines that were asked for last: neighbors mostly ask for the same.
+/// Cache of the lines used last: neighboring samples mostly need the same ones.
 #[derive(Default)]
 struct Recent([Option<Line>; 4]);
 
@@ -171,15 +174,15 @@ impl Recent {
     }
 }
 
-/// ∇ of a value, of those before and after it along both axes.
+/// Returns the length of the gradient of a value, from its neighbors along both axes.
 fn change(here: f64, across: [f64; 2], down: [f64; 2]) -> f64 {
     let [x, y] = [across, down].map(|[before, after]| (here - before).abs().min((after - here).abs()));
     (x * x + y * y).sqrt()
 }
 
-/// Least softness of an edge, for places where nothing changes.
+/// Smallest softness of an edge, for places that do not change from pixel to pixel.
 const LEAST_CHANGE: f64 = 1e-4;
-/// Beyond this, places in 32 bits are coarser than lines.
+/// Largest coordinate across the lines: beyond it, f32 is too coarse to tell lines apart.
 const FARTHEST: f64 = 1e6;
 
 impl DrawnLines {
@@ -203,7 +206,7 @@ impl DrawnLines {
         }
     }
 
-    /// How much of its width a line has at a place along it.
+    /// Returns the fraction of its width that a line has at a position along it.
     fn taper(&self, line: &Line, v: f64) -> f64 {
         if v < line.begin || v > line.end {
             return 0.0;
@@ -212,11 +215,11 @@ impl DrawnLines {
         share(line.end - v, self.lines.tail * (line.end - line.begin)) * share(v - line.begin, self.lines.head)
     }
 
-    /// The masks at a place where `q` changes by so much from pixel to pixel.
+    /// Returns the masks at a place; `change` is the change of `q` from pixel to pixel.
     fn masks(&self, [q, v]: [f64; 2], change: f64, thickness: f64, recent: &mut Recent) -> [f64; MOST] {
         let mut masks = [0.0; MOST];
         let sharp = (2.0 - change * self.lines.finest * 2.0).clamp(0.0, 1.0);
-        // Comparisons with NaN fail.
+        // Written so that NaN fails the test.
         if !(thickness > 0.0 && sharp > 0.0 && q.abs() <= FARTHEST && v.abs() < f64::INFINITY) {
             return masks;
         }
@@ -281,7 +284,9 @@ impl Prepared for PreparedLines {
     }
 
     fn bound(&self, _bounding: &Bounding<'_>, _outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
-        Err(NoBound("places beside each other say how wide an edge is, in a quotient without end"))
+        Err(NoBound(
+            "the width of an edge depends on the difference between neighboring places, which the mask is divided by",
+        ))
     }
 
     fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
@@ -336,7 +341,7 @@ mod tests {
             let place = [f64::from(step) * 0.0137 - 20.0, f64::from(step % 37) / 30.0];
             let masks = drawing.masks(place, 0.02, 1.0, &mut recent);
             assert_eq!(masks, drawing.masks(place, 0.02, 1.0, &mut Recent::default()));
-            // All lines far around, one by one.
+            // Compare with all lines in a wide neighborhood, one by one.
             for (k, width) in drawing.lines.widths.iter().enumerate() {
                 let all = (-40..60).map(|index| {
                     let line = drawing.line(index);

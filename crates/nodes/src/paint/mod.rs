@@ -1,28 +1,18 @@
-//! The painter's nodes, and what they share: random numbers of strokes, where strokes begin, what they see around them, and their
-//! shape.
+//! Nodes that paint and draw (strokes, hooks, line sets), and what they share: random numbers, the seeds and shapes of
+//! strokes, and access to their surroundings.
 
 mod canvas;
-#[cfg(feature = "scene")]
-mod claw;
 #[cfg(feature = "scene")]
 mod hooks;
 mod layer;
 #[cfg(feature = "scene")]
 mod line_set;
-mod random;
-#[cfg(feature = "scene")]
-mod ribbon;
 mod seeds;
 mod stroke;
 mod strokes;
 
 pub(crate) use canvas::{Canvas, Planes, RESTS, Seen, Sight, index, sample};
-#[cfg(feature = "scene")]
-pub(crate) use claw::{Claw, Drawn, Places, covered};
 pub(crate) use layer::{Layer, LayerKnobs, MARGIN, STRIDES, layers, reach};
-pub(crate) use random::{draw, key};
-#[cfg(feature = "scene")]
-pub(crate) use ribbon::{Ribbon, Shape};
 pub(crate) use seeds::{Cells, Corner, Seed, placed, seeds_of};
 pub(crate) use stroke::{Around, Manner, Stroke, pixels};
 

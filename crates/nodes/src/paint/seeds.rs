@@ -1,56 +1,57 @@
-//! Where strokes begin: points that are fixed on the surface, found again in each picture.
+//! Seeds of strokes: points fixed on the surface, found again in every frame.
 //!
-//! Each level of a hierarchy of square grids has one point a cell, drawn from the cell's number; the cells of level ℓ
-//! measure 2^ℓ. What is seen between four pixels is a patch of the surface: it holds the points that lie in it, of the
-//! two levels whose density in the picture is next to what is asked for, one fading out as the other fades in.
+//! There is a hierarchy of square grids on the surface; the cells of level ℓ have sides of 2^ℓ. Each cell has one point
+//! at a random position, which depends only on the cell. The part of the surface seen between four pixels is a patch,
+//! and its seeds are the grid points that lie in it, taken from the two levels whose density in the picture is nearest
+//! to the requested one; one level fades out as the other fades in.
 
-use super::{draw, key};
+use trochoid_field::random::{draw, key};
 
-/// What one pixel sees.
+/// Surface point that one pixel sees.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Corner {
-    /// The point of the surface at rest; where none is seen, that of the picture.
+    /// Point of the surface at rest; where no surface is seen, the point in the picture.
     pub(crate) rest: [f64; 3],
     /// Index of the surface; −1 where none is seen.
     pub(crate) part: f64,
-    /// +∞ where nothing is seen.
+    /// Depth; +∞ where no surface is seen.
     pub(crate) depth: f64,
 }
 
-/// A patch of the surface that four pixels see, flattened along the axis in which it faces most: fixed on the surface,
-/// whatever the view.
+/// A patch of the surface between four pixels, projected along the coordinate axis that it faces most. The axis depends
+/// on the surface at rest only, not on the camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Patch {
-    /// Upper left, upper right, lower left, lower right.
+    /// Upper left, upper right, lower left and lower right corner.
     corners: [[f64; 2]; 4],
-    /// Least and greatest of both coordinates.
+    /// Bounding box of the corners.
     low: [f64; 2],
     high: [f64; 2],
-    /// How many pixels its corners stand apart.
+    /// Distance between its corners, in pixels.
     side: f64,
-    /// Its area over that of its pixels.
+    /// Its area per pixel².
     pub(crate) area: f64,
     /// Index of the surface; −1 where none is seen.
     part: f64,
-    /// The axis, and whether a surface is seen.
+    /// Axis of the projection, and whether a surface is seen, in one number.
     tag: i64,
 }
 
-/// The point of a cell that lies in a patch.
+/// A grid point that lies in a patch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Seed {
-    /// What its random numbers are made of.
+    /// Key of its random numbers.
     pub(crate) key: u64,
-    /// Its place, in pixels from the center of the patch's upper left pixel.
+    /// Position, in pixels from the center of the patch's upper left pixel.
     pub(crate) at: [f64; 2],
-    /// How much of it is there, in [0, 1], by its level.
+    /// Strength by which its level is faded in, in [0, 1].
     pub(crate) share: f64,
-    /// Index of the surface that it lies on; −1 for none.
+    /// Index of the surface it lies on; −1 for none.
     pub(crate) part: f64,
 }
 
-/// The patch between four pixels (upper left, upper right, lower left, lower right) that stand `side` pixels apart,
-/// `None` where they see different things: two depths of a patch differ by no more than the factor `step`.
+/// Returns the patch between four pixels (upper left, upper right, lower left, lower right) that are `side` pixels
+/// apart. Returns `None` if they see different surfaces, or depths that differ by more than the factor `step`.
 #[inline(always)]
 pub(crate) fn placed(corners: [Corner; 4], side: f64, step: f64) -> Option<Patch> {
     let [a, b, c, d] = corners;
@@ -65,7 +66,7 @@ pub(crate) fn placed(corners: [Corner; 4], side: f64, step: f64) -> Option<Patch
     let less = |p: [f64; 3], q: [f64; 3]| [p[0] - q[0], p[1] - q[1], p[2] - q[2]];
     let (p, q) = (less(d.rest, a.rest), less(c.rest, b.rest));
     let areas = [p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]].map(f64::abs);
-    // Seas lie flat.
+    // Ties go to the vertical axis, because seas are flat.
     let axis = if areas[1] >= areas[0] && areas[1] >= areas[2] { 1 } else { usize::from(areas[2] > areas[0]) * 2 };
     let kept = [[1, 2], [0, 2], [0, 1]][axis];
     let flat = |corner: Corner| kept.map(|axis| corner.rest[axis]);
@@ -78,34 +79,35 @@ pub(crate) fn placed(corners: [Corner; 4], side: f64, step: f64) -> Option<Patch
     Some(Patch { corners: [a, b, c, d], low, high, side, area, part, tag })
 }
 
-/// The lower of the two levels for one point in so many pixels², by the area of a patch; `None` where it has none.
+/// Returns the lower of the two levels that give one point per `pixels` square pixels on a patch with the given area
+/// per pixel²; `None` if the area is degenerate.
 #[inline(always)]
 pub(crate) fn level_of(area: f64, pixels: f64) -> Option<i64> {
     let cell = area * pixels;
-    // The exponent of a number is the whole part of its logarithm.
+    // The exponent of a float is the integer part of its base-2 logarithm.
     (cell > 1e-30 && cell < 1e30).then(|| ((cell.to_bits() >> 52) as i64 - 1023).div_euclid(2))
 }
 
-/// 2^−level.
+/// Returns 2^−level.
 #[inline(always)]
 fn cells_per_unit(level: i64) -> f64 {
     f64::from_bits(((1023 - level) as u64) << 52)
 }
 
-/// The cell of a coordinate.
+/// Returns the cell that contains a coordinate.
 #[inline(always)]
 fn cell(coordinate: f64) -> i64 {
     let toward_zero = coordinate as i64;
     toward_zero.saturating_sub(i64::from(toward_zero as f64 > coordinate))
 }
 
-/// The most cells that a patch is looked for along an axis: those of patches seen at grazing angles are many.
+/// Largest number of cells searched along an axis; patches seen at grazing angles would span too many.
 const MOST: i64 = 15;
 
-/// A cell that was looked into.
+/// A cell in the cache.
 #[derive(Clone, Copy, Debug)]
 struct Known {
-    /// Level and tag in one number.
+    /// Level of the grid and tag of the patch, in one number.
     grid: i64,
     i: i64,
     j: i64,
@@ -113,21 +115,21 @@ struct Known {
     point: [f64; 2],
 }
 
-/// The cells of one layer that were looked into last: those of patches side by side are often the same.
+/// Cache of the cells of one layer that were used last: neighboring patches often share cells.
 #[derive(Clone, Debug)]
 pub(crate) struct Cells {
     layer: u64,
-    /// By the last bits of level and cell.
+    /// Indexed by the last bits of the level and the cell's coordinates.
     known: [Known; 8],
 }
 
 impl Cells {
-    /// Those of a layer of this key.
+    /// Creates the cache of the layer with this key.
     pub(crate) fn new(layer: u64) -> Self {
         Self { layer, known: [Known { grid: i64::MAX, i: 0, j: 0, key: 0, point: [0.0; 2] }; 8] }
     }
 
-    /// The key and the point of a cell of a level.
+    /// Returns the key and the point of a cell.
     #[inline(always)]
     fn get(&mut self, level: i64, tag: i64, i: i64, j: i64, scale: f64) -> (u64, [f64; 2]) {
         let known = &mut self.known[(4 * (level & 1) + 2 * (i & 1) + (j & 1)) as usize];
@@ -141,7 +143,7 @@ impl Cells {
     }
 }
 
-/// The seeds in a patch, one in so many pixels², for a layer.
+/// Calls `found` for the seeds in a patch, one per `pixels` square pixels on average.
 #[inline(always)]
 pub(crate) fn seeds_of(patch: &Patch, pixels: f64, cells: &mut Cells, mut found: impl FnMut(Seed)) {
     let Some(lower) = level_of(patch.area, pixels) else { return };
@@ -152,7 +154,7 @@ pub(crate) fn seeds_of(patch: &Patch, pixels: f64, cells: &mut Cells, mut found:
         return;
     }
     for up in 0..2 {
-        // A cell of the upper level is two by two of the lower.
+        // A cell of the upper level contains two by two cells of the lower one.
         let (level, scale) = (lower + up, if up == 0 { scale } else { 0.5 * scale });
         for i in first[0] >> up..(last[0] >> up).saturating_add(1) {
             for j in first[1] >> up..(last[1] >> up).saturating_add(1) {
@@ -172,12 +174,12 @@ pub(crate) fn seeds_of(patch: &Patch, pixels: f64, cells: &mut Cells, mut found:
     }
 }
 
-/// Where between four corners (upper left, upper right, lower left, lower right) a point lies, straight within each of
-/// their two triangles, as shares of the ways across and down.
+/// Returns the position of a point between four corners (upper left, upper right, lower left, lower right), as
+/// fractions across and down, linear within each of the two triangles; `None` if it lies outside.
 #[inline(always)]
 pub(crate) fn within(corners: &[[f64; 2]; 4], point: [f64; 2]) -> Option<[f64; 2]> {
     let [a, b, c, d] = *corners;
-    // Shares of the ways from a corner to two others.
+    // Barycentric coordinates along the edges from one corner to two others.
     let shares = |from: [f64; 2], to: [f64; 2], other: [f64; 2]| {
         let less = |p: [f64; 2]| [p[0] - from[0], p[1] - from[1]];
         let (u, v, p) = (less(to), less(other), less(point));
@@ -196,7 +198,7 @@ pub(crate) fn within(corners: &[[f64; 2]; 4], point: [f64; 2]) -> Option<[f64; 2
 mod tests {
     use super::*;
 
-    /// The patches of a plane at rest that is seen bent, sheared and so large.
+    /// The patches of a plane at rest that appears bent, sheared and scaled in the picture.
     fn patches(size: f64, moved: [f64; 2]) -> Vec<([i64; 2], Patch)> {
         let corner = |x: i64, y: i64| {
             let (x, y) = (x as f64 * 0.7 + moved[0], y as f64 + moved[1]);
@@ -228,7 +230,7 @@ mod tests {
 
     #[test]
     fn they_stay_where_they_are_on_the_surface() {
-        // The surface moves by a part of a pixel: so do its seeds, and none comes but at the borders.
+        // When the surface moves by a fraction of a pixel, so do its seeds, and new ones appear only at the borders.
         let find = |moved: [f64; 2]| {
             let (mut found, mut cells) = (std::collections::BTreeMap::new(), Cells::new(5));
             for ([x, y], patch) in patches(0.8, moved) {
@@ -258,7 +260,7 @@ mod tests {
 
     #[test]
     fn larger_patches_hold_the_seeds_of_those_in_them() {
-        // A plane whose rest points are straight in the picture: both tilings find each seed at the same place.
+        // The rest points of this plane are linear in the picture, so both tilings find each seed at the same position.
         let corner = |x: i64, y: i64| Corner { rest: [0.3 * x as f64, 0.0, 0.2 * y as f64], part: 2.0, depth: 1.0 };
         let find = |side: i64| {
             let (mut found, mut cells) = (std::collections::BTreeMap::new(), Cells::new(9));

@@ -1,36 +1,38 @@
-//! One stroke: where it lies, whence its color, and how much it covers.
+//! A stroke: its position and shape, the source of its color, and its coverage.
 
-use super::{Layer, MARGIN, Seed, draw};
+use super::{Layer, MARGIN, Seed};
 use std::f64::consts::TAU;
+use trochoid_field::random::draw;
 use trochoid_image::Window;
 
-/// What a stroke is told of the picture: at pixels, which are those nearest to what lies beyond.
+/// Surroundings of a stroke, by pixel. Beyond the picture, the values are those of the nearest pixel.
 pub(crate) trait Around {
-    /// Whether a pixel belongs to the picture.
+    /// Returns whether a pixel lies in the picture.
     fn inside(&self, x: i64, y: i64) -> bool;
-    /// Index of the surface; −1 where none is seen.
+    /// Returns the index of the surface; −1 where none is seen.
     fn part(&self, x: i64, y: i64) -> f64;
-    /// +∞ where nothing is seen.
+    /// Returns the depth; +∞ where no surface is seen.
     fn depth(&self, x: i64, y: i64) -> f64;
-    /// Direction of the strokes, of any length.
+    /// Returns the direction of the strokes, of any length.
     fn flow(&self, x: i64, y: i64) -> [f64; 2];
-    /// Shares of the size, of the strokes, and of what only the last layer paints.
+    /// Returns the inputs size, density and detail.
     fn shares(&self, x: i64, y: i64) -> [f64; 3];
 }
 
-/// What strokes of all layers have in common.
+/// Settings shared by the strokes of all layers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Manner {
-    /// The largest ratio of depths that is no edge.
+    /// Largest ratio of two depths that is not an edge.
     pub(crate) step: f64,
-    /// Share of strokes that pay edges no heed.
+    /// Fraction of strokes that ignore edges.
     lost: f64,
-    /// Unit vectors all around, in which a stroke looks for what hides it.
+    /// Unit vectors in all directions, in which a stroke looks for surfaces that hide it.
     looks: [[f64; 2]; LOOKS],
 }
 
 impl Manner {
-    /// Of the least jump of depth that is an edge, as a share of the depth, and the share of strokes that go over it.
+    /// Creates the settings from the smallest jump in depth that is an edge, as a fraction of the depth, and the
+    /// fraction of strokes that ignore edges.
     pub(crate) fn new(edge: f64, lost: f64) -> Self {
         let look = |index: usize| {
             let (sin, cos) = libm::sincos(TAU * index as f64 / LOOKS as f64);
@@ -43,47 +45,47 @@ impl Manner {
 /// A stroke.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Stroke {
-    /// Its middle, in pixels from the center of pixel (0, 0).
+    /// Center of the stroke, in pixels from the center of pixel (0, 0).
     pub(crate) at: [f64; 2],
-    /// Unit vector along it.
+    /// Unit vector along the stroke.
     along: [f64; 2],
-    /// Half its length and width, in pixels.
+    /// Half its length and half its width, in pixels.
     half: [f64; 2],
-    /// How far its ends bend to the side, in half widths.
+    /// Sideways displacement of its ends by the bend, in half widths.
     bend: f64,
     opacity: f64,
     bristle: f64,
-    /// Where its hairs stand.
+    /// Phases of its two patterns of bristles.
     hairs: [f64; 2],
-    /// Where edges cut it: the surface that it lies on, and its depth.
+    /// Surface it lies on and its depth, if edges cut the stroke.
     edge: Option<(f64, f64)>,
     step: f64,
-    /// The pixel whose color it takes.
+    /// Pixel whose color it takes.
     pub(crate) source: [i64; 2],
-    /// Its place in the order of painting within its layer.
+    /// Sort key of the painting order within its layer.
     pub(crate) order: u64,
 }
 
-/// The smallest share of the size, and half width in pixels: a thinner stroke is as wide and covers less.
+/// Smallest scale, and smallest half width in pixels. A thinner stroke is drawn with this width and less opacity.
 const LEAST_SIZE: f64 = 1.0 / 16.0;
 const LEAST_HALF_WIDTH: f64 = 0.5;
-/// How soft strokes come and go, of all that are there.
+/// Range of random thresholds over which strokes fade in and out.
 const SOFT: f64 = 0.25;
-/// The most that a stroke bends from its middle to its end, in radians.
+/// Largest bend from the middle of a stroke to its end, in radians.
 const MOST_BEND: f64 = 0.6;
-/// Directions in which a stroke looks for what hides it.
+/// Number of directions in which a stroke looks for surfaces that hide it.
 const LOOKS: usize = 16;
-/// Hairs across half a width, of two kinds.
+/// Frequencies of the two patterns of bristles: bristles across half a width.
 const HAIRS: [f64; 2] = [2.3, 3.9];
 
-/// Share of the size, and pixels² for one stroke, at a place of a size's share.
+/// Returns the area in the picture per stroke, in pixels², where the input `size` has the given value.
 #[inline(always)]
 pub(crate) fn pixels(layer: &Layer, size: f64) -> f64 {
     let side = (layer.spacing * size.clamp(LEAST_SIZE, 1.0)).max(1.5);
     side * side
 }
 
-/// The nearest whole number.
+/// Returns the nearest integer.
 #[inline(always)]
 fn rounded(x: f64) -> i64 {
     let up = x + 0.5;
@@ -91,20 +93,20 @@ fn rounded(x: f64) -> i64 {
     toward_zero - i64::from(toward_zero as f64 > up)
 }
 
-/// The greatest whole number that is not above one.
+/// Returns the largest integer that is ≤ `x`.
 #[inline(always)]
 fn floor(x: f64) -> i64 {
     let toward_zero = x as i64;
     toward_zero - i64::from(toward_zero as f64 > x)
 }
 
-/// The least whole number that is not below one.
+/// Returns the smallest integer that is ≥ `x`.
 #[inline(always)]
 fn ceiling(x: f64) -> i64 {
     -floor(-x)
 }
 
-/// A number of [0, 1] that rises and falls in turn.
+/// Returns a triangle wave with values in [0, 1].
 #[inline(always)]
 fn hair(x: f64) -> f64 {
     2.0 * (x - libm::floor(x + 0.5)).abs()
@@ -120,7 +122,7 @@ fn cross(a: [f64; 2], b: [f64; 2]) -> f64 {
 }
 
 impl Stroke {
-    /// The stroke of a seed in a patch whose upper left pixel is `pixel`; `None` where there is nothing of it.
+    /// Creates the stroke of a seed in the patch whose upper left pixel is `pixel`; `None` if it is invisible.
     pub(crate) fn new(
         layer: &Layer,
         manner: &Manner,
@@ -145,7 +147,7 @@ impl Stroke {
         half[1] = half[1].max(LEAST_HALF_WIDTH);
         let look = half[0].clamp(1.0, MARGIN as f64);
         let (part, depth) = (around.part(x, y), around.depth(x, y));
-        // Something thin may stand between the corners of its patch.
+        // A thin surface may be visible between the corners of the patch.
         if part != seed.part {
             return None;
         }
@@ -157,7 +159,7 @@ impl Stroke {
         let flow = unit(around.flow(x, y));
         let beside = |ahead: f64| {
             let there = [0, 1].map(|axis| rounded(at[axis] + ahead * flow[axis]));
-            // A line's direction is two.
+            // The flow is that of lines: opposite directions are the same.
             let other = unit(around.flow(there[0], there[1]));
             let turned = flow[0] * other[0] + flow[1] * other[1] < 0.0;
             if turned { -cross(flow, other) } else { cross(flow, other) }
@@ -191,12 +193,13 @@ impl Stroke {
         })
     }
 
-    /// The same from samples that stand so far from those it was found for.
+    /// Returns the stroke relative to samples that are shifted against those it was found for.
     pub(crate) fn seen_from(&self, shift: [f64; 2]) -> Self {
         Self { at: [self.at[0] - shift[0], self.at[1] - shift[1]], ..*self }
     }
 
-    /// How much of a stroke is there beside what hides its surroundings, so that none comes or goes at once.
+    /// Returns the visibility of a stroke next to nearer surfaces and the picture's border, so that strokes fade
+    /// instead of popping.
     fn open(manner: &Manner, [x, y]: [i64; 2], depth: f64, look: f64, around: &impl Around) -> f64 {
         let hides = |[right, down]: [f64; 2]| {
             let there = [x + rounded(look * right), y + rounded(look * down)];
@@ -207,7 +210,8 @@ impl Stroke {
         (1.0 - 2.0 * hidden as f64 / LOOKS as f64).max(0.0)
     }
 
-    /// How much it covers of a place so far from its middle that sees so much, in f64, straight from the formula.
+    /// Returns the coverage of a pixel, given its offset from the stroke's center, its surface and its depth, in f64
+    /// and straight from the formula.
     pub(crate) fn covers(&self, [dx, dy]: [f64; 2], part: f64, depth: f64) -> f64 {
         let [cos, sin] = self.along;
         let a = (dx * cos + dy * sin) / self.half[0];
@@ -223,14 +227,14 @@ impl Stroke {
         self.opacity * body * dry * end
     }
 
-    /// The pixels that it may cover.
+    /// Returns the pixels that it may cover.
     pub(crate) fn bounds(&self) -> Window {
         let ([cos, sin], [y0, y1]) = (self.along, self.rows());
         let reach = self.half[0] * cos.abs() + (1.0 + self.bend.abs()) * self.half[1] * sin.abs() + 1e-3;
         Window::new(ceiling(self.at[0] - reach), y0, floor(self.at[0] + reach) + 1, y1 + 1)
     }
 
-    /// The rows that it may cover.
+    /// Returns the rows that it may cover.
     pub(crate) fn rows(&self) -> [i64; 2] {
         let [cos, sin] = self.along;
         let aside = (1.0 + self.bend.abs()) * self.half[1];
@@ -238,7 +242,7 @@ impl Stroke {
         [ceiling(self.at[1] - reach), floor(self.at[1] + reach)]
     }
 
-    /// The columns that it may cover in a row: where two strips, along and across, cross it.
+    /// Returns the columns that it may cover in a row: the intersection of the row with two strips, along and across.
     pub(crate) fn columns(&self, y: i64) -> [i64; 2] {
         let [cos, sin] = self.along;
         let dy = y as f64 - self.at[1];
@@ -256,13 +260,14 @@ impl Stroke {
         [ceiling(self.at[0] + low - 1e-3), floor(self.at[0] + high + 1e-3)]
     }
 
-    /// The same as [`Self::covers`] in f32 for pixels of a row, after so many of those that begin so far from the
-    /// middle: counted from the same pixel whatever part of the row is filled, they have the same bits.
+    /// Fills the coverage of pixels in a row, in f32. The result is that of [`Self::covers`]. `[dx, dy]` is the offset
+    /// of the row's first covered pixel from the center, and `skipped` the number of pixels from there to the first of
+    /// `out`; counting from the same pixel gives the same bits for whatever part of the row is filled.
     #[inline(always)]
     pub(crate) fn cover_row(&self, [dx, dy]: [f64; 2], skipped: i64, parts: &[f32], depths: &[f32], out: &mut [f32]) {
         let [cos, sin] = self.along;
         let (half, bend) = (self.half, self.bend as f32);
-        // Along and across at the row's begin, and by pixel.
+        // Positions along and across at the beginning of the row, and their change per pixel.
         let (a0, a1) = (((dx * cos + dy * sin) / half[0]) as f32, (cos / half[0]) as f32);
         let (b0, b1) = (((dy * cos - dx * sin) / half[1]) as f32, (-sin / half[1]) as f32);
         let (own, far) = self.edge.unwrap_or((0.0, 1.0));
@@ -271,7 +276,7 @@ impl Stroke {
         let far_step = far * step;
         let [h0, h1] = self.hairs.map(|hair| hair as f32);
         let (bristle, opacity) = (self.bristle as f32, self.opacity as f32);
-        // What is added and taken away again leaves the nearest whole number.
+        // Adding and subtracting this rounds to the nearest integer.
         const WHOLE: f32 = 12_582_912.0;
         let hair = |x: f32| 2.0 * (x - ((x + WHOLE) - WHOLE)).abs();
         for (index, ((out, part), depth)) in out.iter_mut().zip(parts).zip(depths).enumerate() {
@@ -290,7 +295,7 @@ impl Stroke {
     }
 }
 
-/// Whether two depths are no edge.
+/// Returns whether two depths are too close to be an edge.
 #[inline(always)]
 fn near(a: f64, b: f64, step: f64) -> bool {
     a <= b * step && b <= a * step

@@ -1,4 +1,4 @@
-//! Strokes: a picture laid anew with a brush.
+//! Strokes: repaints an image with brush strokes.
 
 use crate::filter::{fill, kind, numbers, value};
 use crate::paint::{
@@ -10,21 +10,24 @@ use std::sync::Arc;
 use trochoid_graph::*;
 use trochoid_image::{Format, Window};
 
-/// Lays an image anew with strokes of a brush, each of which takes one color at its seed and follows a flow.
+/// Repaints an image with brush strokes; each takes one color of the image and follows a flow.
 ///
 /// # Formula
-/// Stroke over stroke, layer over layer, the first lowest: (1 − w)·below + w·c, c the image at the stroke's source. a along and b
-/// across the stroke, −1 to 1, b less a bend by a² as the flow turns: w = opacity · min(1, 2.2(1 − a²)(1 − b²)) · (1 −
-/// 0.55·bristle·(1 − hair)) · (1 − 0.8·bristle·max(a, 0)·hair), hair(b) in [0, 1]. Seeds: one point a cell of square grids of
-/// sides 2^ℓ on the surface at rest, of the two levels next to one point in `spacing`² pixels, which fade into each other.
+/// Strokes are painted one over another, layer by layer, the first layer at the bottom: (1 − w)·below + w·c, where c is
+/// the image's value at the stroke's source. With positions a along and b across the stroke from −1 to 1, and b shifted
+/// by bend·a² where the flow turns: w = opacity · min(1, 2.2(1 − a²)(1 − b²)) · (1 − 0.55·bristle·(1 − hair)) · (1 −
+/// 0.8·bristle·max(a, 0)·hair), hair(b) in [0, 1]. Seeds are the points of square grids on the surface at rest, one per
+/// cell of side 2^ℓ, taken from the two levels ℓ nearest to one point per `spacing`² pixels; the levels fade into each
+/// other.
 ///
 /// # Edge cases
-/// Seeds are fixed on the surface, so that strokes move with it and neither boil nor swim; where none is seen, on the picture.
-/// From a spacing of 5 pixels on they are sought between every second pixel. All but the share `lost` end where the surface does
-/// or depth jumps, and take their color from their own side. Strokes fade out beside what hides their seed, and at the picture's
-/// border. What no stroke covers is the image itself. Weights come of geometry alone and are those of every color: a picture of
-/// other colors has the same strokes, and no color is added to the palette. Each sample of a pixel is painted apart; shaded by the
-/// pixel, with the strokes of the first one.
+/// Seeds are fixed on the surface, so strokes move with it and neither boil nor swim; where no surface is seen, they
+/// are fixed on the picture. With a spacing of 5 pixels or more, only every second pixel is searched for seeds. Strokes
+/// end at edges of the surface and at jumps in depth, and take their color from their own side; only the fraction
+/// `lost` ignores edges. Strokes fade out next to surfaces that hide their seed, and at the picture's border. Where no
+/// stroke covers it, the image itself shows. Weights depend on geometry alone and are the same for all colors: a
+/// picture in other colors has the same strokes, and no color is added to the palette. Each sample of a pixel is
+/// painted separately; with `shading` pixel, all samples use the strokes found for the first.
 ///
 /// # Source
 /// Meier, Painterly Rendering for Animation, 1996; Litwinowicz, Processing Images and Video for an Impressionist Effect, 1997;
@@ -32,31 +35,31 @@ use trochoid_image::{Format, Window};
 #[derive(Clone, Node)]
 #[node(end = Back, revision = 2, output(image: Kind::ANY = "The painted image, of the same kind."))]
 pub(crate) struct Strokes {
-    /// What is painted.
+    /// Image to repaint.
     image: One<port::Image>,
     #[items]
     sight: Sight,
-    /// Layers, the coarsest first.
+    /// Layers of strokes, bottom layer first; usually the coarsest.
     #[list(1..=8)]
     layers: Vec<LayerKnobs>,
-    /// Of a picture of this height the layers' pixels are meant, whatever the format: a draft at half the size has the same
-    /// strokes. The picture's own pixels if unset.
+    /// Picture height for which the layers' sizes in pixels are chosen. Strokes scale with the actual height, so a
+    /// draft at half the size has the same strokes. By default, sizes are in pixels of the picture itself.
     #[knob(range = 1..=1 << 20, unit = "pixels")]
     height: Option<i64>,
-    /// What seeds are fixed to: the surface at rest, or the picture.
+    /// What strokes stick to: rest is the surface at rest, screen is the picture.
     anchor: Anchor,
-    /// The least jump of depth that is an edge, as a share of the depth.
+    /// Smallest jump in depth that counts as an edge, as a fraction of the depth.
     #[knob(default = 0.12, range = 1e-3..=1e3)]
     edge: f64,
-    /// Share of strokes that go on over edges.
+    /// Fraction of the strokes that ignore edges and continue over them.
     #[knob(default = 0.3, range = 0.0..=1.0)]
     lost: f64,
-    /// Which strokes of all that have these figures.
+    /// Random seed.
     #[knob(default = 0, range = 0..=1_000_000_000)]
     seed: i64,
 }
 
-/// What seeds are fixed to.
+/// What strokes stick to.
 #[derive(Clone, Copy, Debug, PartialEq, Choice)]
 enum Anchor {
     Rest,
@@ -64,12 +67,12 @@ enum Anchor {
 }
 
 impl Strokes {
-    /// Whether seeds are fixed to surfaces.
+    /// Returns whether seeds are fixed to surfaces.
     fn is_on_surfaces(&self) -> bool {
         self.sight.view.is_some() && self.anchor == Anchor::Rest
     }
 
-    /// The layers in pixels of a format, the lowest first.
+    /// Returns the layers in pixels of a format, bottom layer first.
     fn layers(&self, format: Format) -> Vec<Layer> {
         layers(&self.layers, self.height, self.seed, format)
     }
@@ -77,19 +80,19 @@ impl Strokes {
 
 impl Node for Strokes {
     fn work(&self, format: Format, _time: f64) -> Option<Work> {
-        // A sample, a stroke, and a sample that a stroke covers.
+        // Seconds for a sample, for a stroke, and for each sample that a stroke covers.
         const SAMPLE: f64 = 2.6e-7;
         const STROKE: f64 = 1.5e-6;
         const COVERED: f64 = 2.0e-9;
         let layer = |layer: &Layer| {
             let strokes = 1.0 / (layer.spacing * layer.spacing);
-            // Strokes are half as large at least.
+            // Lengths and widths are between half and all of the largest, hence 0.56 of its area on average.
             strokes * (STROKE + COVERED * 0.56 * 4.0 * layer.half[0] * layer.half[1])
         };
         let samples = format.window().area() as f64 * f64::from(format.samples());
         let seconds = samples * (SAMPLE + self.layers(format).iter().map(layer).sum::<f64>());
         let remedy = "raise \"spacing\", or lower \"length\" and \"width\": each place is painted \
-                      length · width / spacing² times; or have fewer samples or pixels";
+                      length · width / spacing² times; or use fewer samples or pixels";
         Some(Work { seconds, item: Self::LAYERS, remedy })
     }
 
@@ -130,7 +133,7 @@ impl Stage for Strokes {
     }
 }
 
-/// Width and height of the parts of a block that are painted one after the other.
+/// Width and height of the parts into which a block is split for painting.
 const PART: (usize, usize) = (128, 64);
 
 struct PreparedStrokes {
@@ -144,7 +147,7 @@ struct PreparedStrokes {
 }
 
 impl PreparedStrokes {
-    /// The upper left pixels of all patches so large whose strokes may reach so far into a window.
+    /// Returns the upper left pixels of all patches of side `stride` whose strokes may reach into a window.
     fn near(&self, window: Window, reach: i64, stride: i64) -> Window {
         let picture = self.picture;
         Window::new(
@@ -155,7 +158,7 @@ impl PreparedStrokes {
         )
     }
 
-    /// Every stroke that reaches a window, by layer.
+    /// Returns every stroke that may reach a window, with the index of its layer.
     fn strokes(
         &self,
         window: Window,
@@ -164,13 +167,13 @@ impl PreparedStrokes {
     ) -> Result<Vec<(usize, Stroke)>, NodeError> {
         let mut strokes = Vec::new();
         for stride in STRIDES {
-            // Fine layers reach less far.
+            // Strokes of fine layers reach less far, so each layer has its own window.
             let mut layers: Vec<(usize, &Layer, Window, Cells)> = Vec::new();
             for (index, layer) in self.layers.iter().enumerate().filter(|(_, layer)| layer.stride() == stride) {
                 layers.push((index, layer, self.near(window, reach(&[*layer]), stride), Cells::new(layer.key)));
             }
             let Some(all) = layers.iter().map(|(_, _, near, _)| *near).reduce(Window::union) else { continue };
-            // Patches stand at the same places whatever the window.
+            // Align the patches to the same grid for every window.
             let [x0, y0] = [all.x0, all.y0].map(|first| first + (-first).rem_euclid(stride));
             for y in (y0..all.y1).step_by(stride as usize) {
                 go_on()?;
@@ -197,15 +200,15 @@ impl PreparedStrokes {
     }
 }
 
-/// What is painted on: what each stroke adds, and what they leave to see of the image, from the uppermost down.
+/// Accumulated strokes from the top down, and the fraction of the image that is still visible.
 struct Sums {
-    /// By channel.
+    /// Weighted sums of the strokes' values, by channel.
     sums: Vec<Vec<f64>>,
     left: Vec<f64>,
 }
 
 impl Sums {
-    /// Adds a stroke that covers so much of some pixels of a row, of values by channel.
+    /// Adds a stroke to pixels of a row, given its coverage of each pixel and its value in each channel.
     #[inline(always)]
     fn add(&mut self, start: usize, covers: &[f32], values: &[f64], weights: &mut [f64]) {
         let left = &mut self.left[start..start + covers.len()];
@@ -221,7 +224,7 @@ impl Sums {
                 }
                 continue;
             }
-            // Nothing of infinity is nothing.
+            // 0 times infinity counts as 0.
             for (sum, weight) in sums.iter_mut().zip(&*weights).filter(|(_, weight)| **weight > 0.0) {
                 *sum += weight * value;
             }
@@ -229,21 +232,21 @@ impl Sums {
     }
 }
 
-/// Strokes from the uppermost down, and the image's values at their sources, channel by channel.
+/// Strokes from the top down, and the image's values at their sources, channel by channel.
 struct Laid {
     strokes: Vec<Stroke>,
     values: Vec<f64>,
-    /// Where the sample stands in its pixel that they were found for.
+    /// Offset within its pixel of the sample they were found for.
     offset: [f64; 2],
 }
 
 impl PreparedStrokes {
-    /// Finds the strokes of a block, for the sample whose inputs these are.
+    /// Finds the strokes of a block, for the sample that the inputs belong to.
     fn laid(&self, block: &Block<'_>, inputs: &Inputs<'_>) -> Result<Laid, NodeError> {
         let image = &inputs.all(&self.image)[0];
         let planes = Planes::new(&self.sight, self.picture, self.on_surfaces, block, inputs);
         let mut strokes = self.strokes(block.window, &planes, || inputs.go_on())?;
-        // Strokes of surfaces that stand at several places are told apart by where they are.
+        // A surface that is placed several times has equal keys at several positions; the position breaks the tie.
         strokes.sort_unstable_by(|(layer, a), (other, b)| {
             let at = |axis: usize| a.at[axis].total_cmp(&b.at[axis]);
             other.cmp(layer).then(b.order.cmp(&a.order)).then_with(|| at(1)).then_with(|| at(0))
@@ -286,7 +289,7 @@ impl Prepared for PreparedStrokes {
         let (flat, far) = (vec![-1.0f32; width], vec![f32::INFINITY; width]);
         let channels = self.kind.channels();
         let level = Level::new();
-        // Part by part, so that what is painted on stays near; no bit depends on where parts end.
+        // Paint part by part, so that the sums stay in the cache; results do not depend on where parts end.
         let parts: Vec<Window> = window.tiles(PART.0, PART.1).collect();
         let across = width.div_ceil(PART.0);
         let mut on: Vec<Vec<u32>> = vec![Vec::new(); parts.len()];
@@ -333,7 +336,7 @@ impl Prepared for PreparedStrokes {
                     let own = sample(Some(image), channel, x, y).unwrap_or(0.0);
                     let left = sums.left[pixel];
                     let sum = sums.sums[channel][pixel] + if left > 0.0 { left * own } else { 0.0 };
-                    // Between +∞ and −∞ there is no mean.
+                    // +∞ and −∞ have no mean: keep the image.
                     *out = if sum.is_nan() { own as f32 } else { sum as f32 };
                 }
             }
@@ -342,7 +345,9 @@ impl Prepared for PreparedStrokes {
     }
 
     fn bound(&self, _bounding: &Bounding<'_>, _outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
-        Err(NoBound("strokes begin, end and hide one another where the view says so, each from far away"))
+        Err(NoBound(
+            "where strokes begin, end and hide one another depends on the view in a wide neighborhood, with jumps",
+        ))
     }
 
     fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {

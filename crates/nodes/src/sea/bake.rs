@@ -1,4 +1,4 @@
-//! Bake: a sea as images, for other renderers.
+//! Bake: writes a sea to images for other renderers.
 
 use super::check_sea;
 use crate::geometry::Up;
@@ -10,26 +10,26 @@ use trochoid_image::Window;
 use trochoid_scene::Resting;
 use trochoid_sea::{Fields, Grid, Sample, Wanted};
 
-/// Evaluates a sea over a rectangle of the world, as images for other renderers.
+/// Evaluates a sea over a rectangle of the world and outputs images for other renderers.
 ///
 /// # Formula
-/// Pixel (i, j) of W × H is the rest point x₀ = `x` + (i + ½)·`width`/W, z₀ = `z` + (j + ½)·`depth`/H, as seen from
+/// Pixel (i, j) of W × H is the rest point x₀ = `x` + (i + ½)·`width`/W, z₀ = `z` + (j + ½)·`depth`/H, seen from
 /// above. displacement = P − P₀; height is its y; normal = N/|N|, N = ∂P/∂z₀ × ∂P/∂x₀; jacobian = det ∂(x, z)/∂(x₀,
 /// z₀). With `up` z, (x, y, z) is written as (x, −z, y).
 ///
 /// # Edge cases
-/// The images have the document's size: a bake that needs another is a document of its own. A pixel is one point,
-/// whatever `samples` says, and its waves fade as in any picture whose pixels are `footprint` wide. Where a sea ends it
-/// rests. Folded places have a jacobian below 0 and a normal that points down; one without direction points up. Outputs
-/// of three channels are written as R, G, B and those of one as Y, in 32-bit float, which Blender and Houdini read as
-/// they are: set their color space to raw.
+/// The images have the document's size; to bake another size, use a separate document. Each pixel is evaluated at one
+/// point, regardless of `samples`, and waves fade as in a picture whose pixels are `footprint` wide. Beyond the edge
+/// of a finite sea the water is at rest. Where the surface is folded, the jacobian is below 0 and the normal points
+/// down; a degenerate normal points up. Outputs with three channels are written as R, G, B, outputs with one channel
+/// as Y, in 32-bit float. Blender and Houdini read these files directly: set their color space to raw.
 ///
 /// # Source
 /// Cook, Shade Trees, 1984 (displacement); Tessendorf, Simulating Ocean Water, 2001 (Jacobian).
 #[derive(Clone, Node)]
 #[node(end = Front, revision = 1, outputs = Out)]
 pub(crate) struct Bake {
-    /// A sea: a surface that lies over a plane at rest.
+    /// The sea to bake: a surface with a plane at rest.
     sea: One<port::Surface>,
     /// World x of the left edge.
     #[knob(default = 0.0, range = -1e7..=1e7, unit = "m")]
@@ -40,37 +40,37 @@ pub(crate) struct Bake {
     /// World size along x.
     #[knob(default = 100.0, range = 1e-3..=1e7, unit = "m")]
     width: f64,
-    /// World size along z; downward in the images.
+    /// World size along z, which points down in the images.
     #[knob(default = 100.0, range = 1e-3..=1e7, unit = "m")]
     depth: f64,
-    /// The axis that points up in the images: y in Houdini and Maya, z in Blender.
+    /// Axis that points up in the images: y for Houdini and Maya, z for Blender.
     up: Up,
-    /// Waves that it cannot resolve fade; the greater distance of pixels if unset, 0 keeps all.
+    /// Footprint: waves too short for it fade. If unset, the larger pixel spacing is used; 0 keeps all waves.
     #[knob(range = 0.0..=1e7, unit = "m")]
     footprint: Option<f64>,
-    /// Largest error, over each quantity's root mean square; decides how waves are summed.
+    /// Error tolerance, relative to the root mean square of each quantity; determines how waves are summed.
     #[knob(default = 1e-4, range = 1e-7..=1.0)]
     tolerance: f64,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Outputs)]
 enum Out {
-    /// Height over the sea at rest, m.
+    /// Height above the sea at rest, in meters.
     #[output(Kind::Field(1))]
     Height,
     /// Unit normal.
     #[output(Kind::Field(3), stored = ["R", "G", "B"])]
     Normal,
-    /// Displacement from the rest point, m.
+    /// Displacement from the rest point, in meters.
     #[output(Kind::Field(3), stored = ["R", "G", "B"])]
     Displacement,
-    /// Area ratio of moved and resting surface: foam where it is small.
+    /// Ratio of the displaced area to the area at rest; foam forms where it is small.
     #[output(Kind::Field(1))]
     Jacobian,
 }
 
 impl Out {
-    /// Where its channels stand among the images.
+    /// Returns the indices of the output's channels among the images.
     fn channels(self) -> Range<usize> {
         match self {
             Self::Height => 0..1,
@@ -82,7 +82,7 @@ impl Out {
 }
 
 impl Bake {
-    /// The rest points of the pixels.
+    /// Returns the grid of the pixels' rest points.
     fn grid(&self, frame: &FrameContext) -> Grid {
         let sides = [frame.format.width(), frame.format.height()];
         let step = [self.width / f64::from(sides[0]), self.depth / f64::from(sides[1])];
@@ -96,10 +96,10 @@ impl Bake {
     }
 }
 
-/// All channels at one rest point.
+/// Returns all channels at one rest point.
 fn channels(sample: &Sample, up: Up) -> [f64; 8] {
     let normal = sample.normal();
-    // No square of a component that f64 holds may overflow, or vanish.
+    // Scale first, so that no squared component overflows or underflows.
     let largest = normal.iter().fold(0.0f64, |largest, n| largest.max(n.abs()));
     let normal = if largest > 0.0 && largest.is_finite() {
         let scaled = normal.map(|n| n / largest);
@@ -122,19 +122,19 @@ impl Node for Bake {
     }
 }
 
-/// Whether somebody wants an output.
+/// Whether any channel of an output is wanted.
 fn is_asked(wanted: &[Vec<bool>], output: Out) -> bool {
     wanted.get(usize::from(output)).is_some_and(|channels| channels.contains(&true))
 }
 
-/// The sums that the wanted images are worked out from.
+/// Returns the sums needed to compute the wanted images.
 fn sums(wanted: &[Vec<bool>]) -> Wanted {
     let any = |outputs: [Out; 2]| outputs.into_iter().any(|output| is_asked(wanted, output));
     let (displacement, derivatives) = (any([Out::Height, Out::Displacement]), any([Out::Normal, Out::Jacobian]));
     Wanted { displacement, derivatives, ..Wanted::default() }
 }
 
-/// Channels of the images that are wanted, and of the sums that they are worked out from.
+/// Counts the channels of the wanted images and of the sums needed for them.
 fn planes(wanted: &[Vec<bool>]) -> [usize; 2] {
     let images = Out::ALL.into_iter().filter(|output| is_asked(wanted, *output)).map(|output| output.channels().len());
     let Wanted { displacement, derivatives, .. } = sums(wanted);
@@ -151,10 +151,10 @@ impl Stage for Bake {
         let surface: SurfaceHandle = prepare.handles::<SurfaceHandle>(&self.sea)?.swap_remove(0);
         let (grid, up) = (self.grid(prepare.frame), self.up);
         let points = grid.columns * grid.rows;
-        let sea = resting(&surface)?;
+        let sea = resting(&surface, Self::SEA)?;
         let mut fields = Fields::default();
         let stop = prepare.cancellation();
-        sea.on_grid(grid, sums(prepare.wanted), self.tolerance, &mut fields, stop).map_err(NodeError::new)?;
+        sea.on_grid(grid, sums(prepare.wanted), self.tolerance, &mut fields, stop)?;
         prepare.go_on()?;
         let sample = |point: usize| {
             let value = |values: &Vec<f32>| values.get(point).map_or(0.0, |value| f64::from(*value));
@@ -182,13 +182,11 @@ impl Stage for Bake {
     }
 }
 
-/// The surface as one that lies over a plane.
-fn resting(surface: &SurfaceHandle) -> Result<&dyn Resting, NodeError> {
+/// Returns the surface as one with a plane at rest.
+fn resting(surface: &SurfaceHandle, sea: ItemName) -> Result<&dyn Resting, NodeError> {
     surface.resting().ok_or_else(|| {
-        NodeError::new(
-            "\"sea\": found a surface without a plane at rest, such as a model; expected a sea: connect a \
-             GerstnerSea or a ToonSea",
-        )
+        let found = "a surface without a plane at rest, such as a model";
+        BadData::new(found, "a sea", "connect one").of_item(sea).into()
     })
 }
 
@@ -196,7 +194,7 @@ struct Baked {
     surface: SurfaceHandle,
     grid: Grid,
     up: Up,
-    /// The channels of all outputs, row by row; empty where not wanted.
+    /// The channels of all outputs, row by row; empty if not wanted.
     images: [Vec<f32>; 8],
 }
 
@@ -222,7 +220,7 @@ impl Prepared for Baked {
     fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
         let Grid { origin, step, footprint, .. } = self.grid;
         let rest = [0, 1].map(|axis| origin[axis] + inputs.at[axis].floor() * step[axis]);
-        let values = channels(&resting(&self.surface)?.at(rest, footprint), self.up);
+        let values = channels(&resting(&self.surface, Bake::SEA)?.at(rest, footprint), self.up);
         Ok(Out::ALL.map(|output| Reference::Field(values[output.channels()].to_vec())).into())
     }
 
@@ -246,7 +244,7 @@ mod tests {
 
     const PICKED: &str = r#""out": { "type": "FieldMath", "expression": "a", "a": "b.height" }"#;
 
-    /// Numbers in 0…1 that follow from a seed.
+    /// Returns a generator of numbers from 0 to 1, determined by a seed.
     fn random(seed: u64) -> impl FnMut() -> f64 {
         let mut state = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1;
         move || {
@@ -257,7 +255,7 @@ mod tests {
         }
     }
 
-    /// Random waves: as JSON, and the sea that they are.
+    /// Returns random waves, as JSON and as a sea.
     fn waves(count: usize, shortest: f64, random: &mut impl FnMut() -> f64) -> (String, Sea) {
         let mut list = Vec::new();
         let mut sea = Vec::new();
@@ -283,7 +281,7 @@ mod tests {
         (format!(r#""sea": {{ "type": "GerstnerSea", "count": 0, "waves": [{}] }}"#, list.join(", ")), Sea::new(sea))
     }
 
-    /// Largest distance of all images from the f64 sum, each over what the quantity may be.
+    /// Returns the largest distance of each image from the f64 sum, relative to the given scale of its values.
     fn distances(frame: &Frame, scales: [f64; 4]) -> [f64; 4] {
         let id = frame.graph.find("b").unwrap();
         let (width, height) = (frame.context.format.width(), frame.context.format.height());
@@ -314,7 +312,7 @@ mod tests {
                     shortest * random()
                 );
                 let frame = baked(&bake, 37, 21).unwrap();
-                // Derivatives act on normal and Jacobian as slopes and strains, whose products grow with their size.
+                // Normals and Jacobians depend on slopes and strains, whose products grow with their size.
                 let steep = truth.derivative_rms(1, 0.0);
                 let strain: f64 = truth.waves().iter().map(|wave| wave.compression().powi(2) / 2.0).sum();
                 let bend = (1.0 + steep + strain.sqrt()).powi(2);
@@ -322,7 +320,7 @@ mod tests {
                 let worst = distances(&frame, [truth.height_rms().max(1e-3), bend, move_rms, bend]);
                 let exact = tolerance.max(2e-6) + 2e-7;
                 for (output, worst) in worst.into_iter().enumerate() {
-                    // A normal is a direction: near a fold it turns much for a little.
+                    // A normal is a direction: near a fold, a small error turns it far.
                     let limit = if output == 1 { 40.0 * exact } else { 4.0 * exact };
                     assert!(worst <= limit, "{count} waves, {tolerance}, {width} m, output {output}: {worst}");
                 }

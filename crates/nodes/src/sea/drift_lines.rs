@@ -1,57 +1,58 @@
-//! DriftLines: lines that bursts draw behind them.
+//! DriftLines: lines that trail behind bursts.
 
 use super::check_trails;
-use crate::bounds::{Span, bound_by, certain, where_covered};
 use crate::view::{Around, grown, is_covered, nothing};
 use trochoid_graph::*;
 use trochoid_image::{Format, Window};
 use trochoid_sea::toon::lines::{Lines, Place, density};
 use trochoid_sea::toon::{LineRow, NearPhase, NearPlace, density_span};
 
-/// A mask of lines along the motion of a toon sea's bursts, which taper with the height.
+/// A mask of lines along the motion of a toon sea's bursts, tapering with height.
 ///
 /// # Formula
-/// Each line covers `thickness` of the distance of lines, times √ of how far its end lies above, times how fresh the
-/// trail is, how well bursts agree, and how many pixels the distance spans; each factor falls to 0 without a jump, so
-/// that lines appear and vanish by tapering alone.
+/// Each line covers `thickness` of the line spacing, times four factors: √ of how far the line's end lies above, the
+/// freshness of the trail, the agreement of the bursts, and the number of pixels per line spacing. Each factor falls
+/// to 0 continuously, so lines appear and vanish only by tapering.
 ///
 /// # Edge cases
-/// 0 where nothing is seen and on other surfaces. Every second line ends halfway up, so that there are fewer where they
-/// are thin. Where a burst overtakes another's wake, lines taper away until it has renewed them. With `low` above
-/// `high` lines taper downward. Soft by a pixel at their edges.
+/// 0 where nothing is seen and on other surfaces. Every second line ends halfway up, so fewer lines remain where they
+/// are thin. Where a burst overtakes another burst's wake, lines taper away until the new burst has renewed them. With
+/// `low` above `high`, lines taper downward. Edges are softened over one pixel.
 ///
 /// # Source
-/// The drift lines that Dadfar and Welling, 5.1, could not keep whole in turns; phases and agreement: the manual of
-/// ToonSea.
+/// The drift lines that Dadfar and Welling, 5.1, could not keep whole in turns. Phases and agreement: see the manual
+/// of ToonSea.
 #[derive(Clone, Node)]
 #[node(end = Front, revision = 1, output(mask: Kind::MASK = "The lines."))]
 pub(crate) struct DriftLines {
-    /// A toon sea.
+    /// View of a toon sea.
     view: One<port::View>,
-    /// Lines side by side along the paths, or one behind the other, swept back across them.
+    /// Direction of the lines: "across" draws lines side by side along the paths; "along" draws them one behind
+    /// another, swept back across the paths.
     coordinate: Coordinate,
     /// Height up to which lines have their full thickness.
     #[knob(default = 0.0, range = -1e5..=1e5, unit = "m")]
     low: f64,
-    /// Height at which the longest lines have ended.
+    /// Height at which the longest lines end.
     #[knob(default = 2.0, range = -1e5..=1e5, unit = "m")]
     high: f64,
-    /// Share of the distance of lines that a line covers.
+    /// Share of the line spacing that a line covers.
     #[knob(default = 0.6, range = 0.0..=1.0)]
     thickness: f64,
-    /// Shifts all lines, in their distance.
+    /// Shift of all lines, in line spacings.
     #[knob(default = 0.0, range = -1e3..=1e3)]
     shift: f64,
-    /// Weight of the trail from which on lines are full: 1 is a burst's middle.
+    /// Trail weight at which lines reach full thickness; 1 is the middle of a burst.
     #[knob(default = 0.3, range = 1e-3..=10.0)]
     fresh: f64,
-    /// Disagreement of bursts, in lines, that lines bear: gone at twice that.
+    /// Disagreement between bursts, in line spacings, up to which lines keep their thickness; they vanish at twice
+    /// this value.
     #[knob(default = 0.5, range = 1e-3..=10.0)]
     spread: f64,
-    /// Distance of lines at which they are gone: full from twice that on.
+    /// Line spacing at which lines vanish; they have full thickness from twice this value up.
     #[knob(default = 3.0, range = 0.0..=1e3, drawn)]
     finest: f64,
-    /// Which of all such drawings.
+    /// Random seed.
     #[knob(default = 0, range = 0..=1_000_000_000)]
     seed: i64,
 }
@@ -63,7 +64,7 @@ enum Coordinate {
 }
 
 impl Coordinate {
-    /// Its cosine and sine.
+    /// Returns the channels that hold the cosine and sine of the coordinate's phase.
     fn phase(self) -> [Channel; 2] {
         match self {
             Self::Across => [Channel::AcrossCos, Channel::AcrossSin],
@@ -145,13 +146,13 @@ impl Prepared for PreparedLines {
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
         let (around, mut pixels) = (Around::of(bounding.inputs, &self.view), bounding.block.pixels());
-        bound_by(bounding, outputs, (Only, 0), |_| {
+        bounding.bound_by(outputs, (Only, 0), |_| {
             let [x, y] = pixels.next().unwrap_or_default();
             let here = around.index(x, y);
-            where_covered(bounding, &self.view, here, || {
+            bounding.where_covered(&self.view, here, || {
                 let mut clear = true;
                 let mut phase = |x: i64, y: i64| {
-                    let spans = self.phase.map(|channel| certain(bounding, &self.view, channel, around.index(x, y)));
+                    let spans = self.phase.map(|channel| bounding.certain(&self.view, channel, around.index(x, y)));
                     clear &= spans.iter().all(|span| span.clear);
                     let within = spans.map(Span::half);
                     NearPhase { phase: spans.map(Span::middle), within: libm::hypot(within[0], within[1]) }
@@ -160,7 +161,7 @@ impl Prepared for PreparedLines {
                 let beside = [[phase(x - 1, y), phase(x + 1, y)], [phase(x, y - 1), phase(x, y + 1)]];
                 let (density, told) = density_span(own, beside);
                 let [weight, height] =
-                    [Channel::DriftWeight, Channel::Height].map(|channel| certain(bounding, &self.view, channel, here));
+                    [Channel::DriftWeight, Channel::Height].map(|channel| bounding.certain(&self.view, channel, here));
                 let [weights, heights] = [weight, height].map(|span| [span.low, span.high]);
                 let ([low, high], smooth) =
                     self.lines.mask_span(&NearPlace { weight: weights, phase: own, height: heights, density });

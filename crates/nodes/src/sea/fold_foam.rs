@@ -1,30 +1,30 @@
-//! FoldFoam: foam where the water's surface is squeezed.
+//! FoldFoam: foam where waves squeeze the surface.
 
 use crate::view::{Masks, Ramp};
 use trochoid_graph::*;
 
-/// A mask of foam where waves squeeze the surface: it starts before crests fold over.
+/// A mask of foam where waves squeeze the surface; it starts before crests fold over.
 ///
 /// # Formula
-/// (threshold − det J)/width, limited to [0, 1]; det J is the area of the displaced surface over that at rest: 1 on
-/// calm water, 0 where it begins to fold, negative in folds.
+/// (threshold − det J)/width, limited to [0, 1]. det J is the ratio of the displaced area to the area at rest: 1 on
+/// calm water, 0 where the surface begins to fold, negative in folds.
 ///
 /// # Edge cases
 /// 0 where nothing is seen. Width 0 is a step: 1 below the threshold.
 ///
 /// # Source
-/// Tessendorf, Simulating Ocean Water, 2001 (the Jacobian of the choppy sea); the threshold after many seas that look
-/// broken long before they fold.
+/// Tessendorf, Simulating Ocean Water, 2001 (the Jacobian of the choppy sea). The threshold above 0 follows many seas
+/// that look broken long before they fold.
 #[derive(Clone, Node)]
 #[node(end = Front, revision = 1, output(mask: Kind::MASK = "The foam."))]
 pub(crate) struct FoldFoam {
-    /// The water.
+    /// View of the water.
     #[port(wants(Folds))]
     view: One<port::View>,
-    /// The Jacobian below which foam starts.
+    /// Jacobian below which foam starts.
     #[knob(default = 0.4, range = -100.0..=100.0)]
     threshold: f64,
-    /// How far below the threshold it covers everything.
+    /// Further decrease of the Jacobian over which foam reaches full strength.
     #[knob(default = 0.3, range = 0.0..=100.0)]
     width: f64,
 }

@@ -12,107 +12,112 @@ use trochoid_sea::{
     WaveError, WaveFigure, WaveGroup,
 };
 
-/// An endless sea: a sum of trochoidal waves with log-normal lengths, of waves and of crests set by hand.
+/// An endless sea: a sum of trochoidal waves with log-normally distributed wavelengths, plus waves and crests set by
+/// hand.
 ///
 /// # Formula
 /// θ = k(d · p₀) − ωt + φ;  x −= h·d·sin θ,  y += a·cos θ.  a ∝ L, scaled so that 4 × RMS of the sum is `height`; ω =
-/// √(gk). Waves that a pixel cannot resolve fade by exp(−(kσ)²/2), σ = footprint/2. A group's waves have k = d(2π/L +
-/// p/`along`) + e·q/`across`, |p|, |q| ≤ 1.8, a ∝ exp(−(p² + q²)/2), Σa = `height`, and crests that meet at its focus.
+/// √(gk). Waves too short for a pixel fade by exp(−(kσ)²/2), σ = footprint/2. A group's waves have k = d(2π/L +
+/// p/`along`) + e·q/`across`, |p|, |q| ≤ 1.8, a ∝ exp(−(p² + q²)/2), Σa = `height`, and their crests meet at its
+/// focus.
 ///
 /// # Edge cases
-/// `count` 0 without `waves` and `groups` is a flat sea. Sharpness 0 is a sum of sinusoids; beyond 1 crests fold over.
-/// With convention "thesis" the sum is flat for many waves, and sharpness scales the height too.
+/// `count` 0 without `waves` and `groups` is a flat sea. Sharpness 0 gives a sum of sinusoids; above 1, crests fold
+/// over. With convention "thesis", the sum is flat for many waves, and sharpness also scales the height.
 ///
 /// # Source
 /// Thesis 3.2.1; Hinsinger, Neyret and Cani, Interactive Animation of Ocean Waves, 2002.
 #[derive(Clone, Node)]
 #[node(end = Front, revision = 1, role = Sea, offers(Rest, Waves), output(surface: Kind::Surface = "The sea at the frame's time."))]
+#[also_called("Sea", "Ocean", "Water", "Waves", "Gerstner", "OceanModifier")]
 pub(crate) struct GerstnerSea {
     /// Number of random waves.
     #[knob(default = 1000, range = 0..=MAX_WAVES as i64, scales)]
     count: i64,
-    /// Mean wavelength.
+    /// Mean wavelength L.
     #[knob(default = 20.0, range = 1e-3..=1e5, unit = "m")]
     wavelength: f64,
     /// Standard deviation of ln L.
     #[knob(default = 0.5, range = 0.0..=3.0)]
     spread: f64,
-    /// Significant wave height, 4 × RMS.
+    /// Significant wave height: 4 times the root mean square of the height.
     #[knob(default = 1.0, range = 0.0..=1e4, unit = "m")]
     height: f64,
-    /// Where waves travel: 0 is +X, 90 is +Z.
+    /// Mean direction of travel: 0 is +X, 90 is +Z.
     #[knob(default = 0.0, range = -3600.0..=3600.0, unit = "degrees")]
     direction: f64,
-    /// Standard deviation of the direction.
+    /// Standard deviation of the direction of travel.
     #[knob(default = 30.0, range = 0.0..=360.0, unit = "degrees")]
     direction_spread: f64,
-    /// 0: sinusoids. 1: the sharpest crests reach the cusp.
+    /// Sharpness of the crests: 0 gives sinusoids; at 1 the sharpest crests reach a cusp.
     #[knob(default = 0.5, range = 0.0..=10.0)]
     sharpness: f64,
-    /// How frequency follows from length.
+    /// Relation of frequency to wavelength: that of "deep" water, one "speed" of all crests, or one "period" of all
+    /// waves.
     dispersion: Frequencies,
-    /// Speed of the crests, with dispersion "speed".
+    /// Speed of the crests, for dispersion "speed".
     #[knob(default = 5.0, range = 0.0..=1e4, unit = "m/s")]
     speed: f64,
-    /// Period of all waves, with dispersion "period".
+    /// Period of all waves, for dispersion "period".
     #[knob(default = 4.0, range = 1e-3..=1e6, unit = "s")]
     period: f64,
-    /// Signs and weights as settled, or as printed.
+    /// Signs and weights of the waves: "settled" as corrected here, "thesis" as printed in the thesis.
     convention: Signs,
-    /// Which sea of all that have these figures.
+    /// Random seed.
     #[knob(default = 0, range = 0..=1_000_000_000)]
     seed: i64,
     /// World y of the sea at rest.
     #[knob(default = 0.0, range = -1e5..=1e5, unit = "m")]
     pub(super) level: f64,
-    /// How fine waves are drawn: 1 as pixels resolve them; 0.5 as two pixels do, with a quarter of the vertices.
+    /// Fineness of the drawn waves: 1 resolves what a pixel resolves; 0.5 only what two pixels do, with a quarter of
+    /// the vertices.
     #[knob(default = 1.0, range = 0.05..=4.0)]
     detail: f64,
-    /// Waves set by hand, besides the random ones.
+    /// Waves set by hand, added to the random ones.
     #[list(0..=10_000)]
     waves: Vec<Handmade>,
-    /// Crests set by hand, each a packet of waves that meet at a place and time.
+    /// Crests set by hand; each is a group of waves that meet at a given place and time.
     #[list(0..=100)]
     groups: Vec<Group>,
 }
 
 #[derive(Clone, Items)]
 struct Handmade {
-    /// Crest to crest.
+    /// Wavelength: distance from crest to crest.
     #[knob(range = 1e-3..=1e6, unit = "m", required)]
     wavelength: f64,
     /// Vertical amplitude.
     #[knob(range = -1e4..=1e4, unit = "m", required)]
     amplitude: f64,
-    /// Where it travels: 0 is +X, 90 is +Z.
+    /// Direction of travel: 0 is +X, 90 is +Z.
     #[knob(default = 0.0, range = -3600.0..=3600.0, unit = "degrees")]
     direction: f64,
-    /// Its share of the cusp: 0 is a sinusoid, 1 a cusp.
+    /// Sharpness of the crests: 0 is a sinusoid, 1 a cusp.
     #[knob(default = 0.0, range = 0.0..=10.0)]
     sharpness: f64,
     /// Phase at the origin at time 0.
     #[knob(default = 0.0, range = -1e6..=1e6, unit = "degrees")]
     phase: f64,
-    /// Speed of the crests; deep water decides if unset.
+    /// Speed of the crests; if unset, that of deep water.
     #[knob(range = 0.0..=1e4, unit = "m/s")]
     speed: Option<f64>,
 }
 
 #[derive(Clone, Items)]
 struct Group {
-    /// Length of the middle wave.
+    /// Wavelength of the group's middle wave.
     #[knob(range = 1e-3..=1e6, unit = "m", required)]
     wavelength: f64,
-    /// Height of the crest over the sea at rest, at its focus.
+    /// Height of the crest above the sea at rest, at the focus.
     #[knob(range = -1e4..=1e4, unit = "m", required)]
     height: f64,
-    /// Where it travels: 0 is +X, 90 is +Z.
+    /// Direction of travel: 0 is +X, 90 is +Z.
     #[knob(default = 0.0, range = -3600.0..=3600.0, unit = "degrees")]
     direction: f64,
-    /// Standard deviation along its travel, ≥ 0.31 wavelengths; half of one if unset.
+    /// Standard deviation of the group along its travel, at least 0.31 wavelengths; if unset, half a wavelength.
     #[knob(range = 1e-3..=1e6, unit = "m")]
     along: Option<f64>,
-    /// Standard deviation across its travel; half a wavelength if unset.
+    /// Standard deviation of the group across its travel; if unset, half a wavelength.
     #[knob(range = 1e-3..=1e6, unit = "m")]
     across: Option<f64>,
     /// World x of the focus.
@@ -121,22 +126,23 @@ struct Group {
     /// World z of the focus.
     #[knob(default = 0.0, range = -1e8..=1e8, unit = "m")]
     z: f64,
-    /// When the crests meet at the focus.
+    /// Time at which the crests meet at the focus.
     #[knob(default = 0.0, range = -1e8..=1e8, unit = "s")]
     time: f64,
-    /// Share of the cusp that the crest takes at its focus.
+    /// Sharpness of the crest at the focus: 0 is sinusoidal, 1 a cusp.
     #[knob(default = 0.5, range = 0.0..=10.0)]
     sharpness: f64,
-    /// Pace at which it travels unchanged; in deep water, if unset, it comes and goes.
+    /// Speed at which the group travels unchanged; if unset, it disperses as in deep water, so that the crest rises
+    /// and subsides.
     #[knob(range = -1e4..=1e4, unit = "m/s")]
     speed: Option<f64>,
-    /// Waves along the travel; few let the crest return nearby.
+    /// Number of waves along the travel; with few, the crest recurs nearby.
     #[knob(default = 5, range = 1..=100)]
     waves_along: i64,
-    /// Waves across the travel.
+    /// Number of waves across the travel.
     #[knob(default = 5, range = 1..=100)]
     waves_across: i64,
-    /// Which group of all that have these figures.
+    /// Random seed.
     #[knob(default = 0, range = 0..=1_000_000_000)]
     seed: i64,
 }
@@ -154,7 +160,7 @@ enum Signs {
     Thesis,
 }
 
-/// Why there is no such sea.
+/// Reasons why the knobs do not describe a sea.
 #[derive(Debug, thiserror::Error)]
 enum Refused {
     #[error(transparent)]
@@ -167,7 +173,7 @@ enum Refused {
     Short { index: usize, along: f64, least: f64 },
 }
 
-/// What to do about a group that is too short.
+/// Remedy for a group that is too short.
 const SHORT: &str = "raise \"along\", or lower its \"wavelength\"";
 
 fn short(index: usize, along: f64) -> String {
@@ -176,11 +182,11 @@ fn short(index: usize, along: f64) -> String {
 
 fn long_enough(least: f64) -> String {
     let ratio = WaveGroup::LEAST_ALONG;
-    format!("at least {least:.3} m, {ratio} of its wavelength: a shorter one would need waves that run the other way")
+    format!("at least {least:.3} m, {ratio} of its wavelength: a shorter group would need waves that travel backward")
 }
 
 impl Refused {
-    /// Reports it.
+    /// Reports the refusal on the knob it comes from.
     fn report(&self, check: &mut Check<'_>) {
         const CHANGE: &str = "change it";
         match self {
@@ -240,14 +246,14 @@ impl Group {
         group.waves().map_err(|error| Refused::Group { index, error })
     }
 
-    /// How many they are.
+    /// Returns the number of waves in the group.
     fn count(&self) -> f64 {
         self.waves_along as f64 * self.waves_across as f64
     }
 }
 
 impl GerstnerSea {
-    /// The waves that the knobs describe.
+    /// Returns the waves that the knobs describe.
     fn waves(&self) -> Result<Vec<Wave>, Refused> {
         let spectrum = GerstnerSpectrum {
             count: self.count as usize,
@@ -278,7 +284,7 @@ impl GerstnerSea {
         Ok(waves)
     }
 
-    /// The knob that a figure of the spectrum comes from.
+    /// Returns the knob that a figure of the spectrum comes from.
     fn of_spectrum(figure: WaveFigure) -> ItemName {
         match figure {
             WaveFigure::Wavelength | WaveFigure::WavelengthInGroup => Self::WAVELENGTH,
@@ -290,7 +296,7 @@ impl GerstnerSea {
             WaveFigure::Speed => Self::SPEED,
             WaveFigure::Period | WaveFigure::Frequency => Self::PERIOD,
             WaveFigure::Waves => Self::COUNT,
-            // Of groups and ripples.
+            // These occur only in groups and ripples.
             WaveFigure::Phase | WaveFigure::Along | WaveFigure::Across | WaveFigure::Focus | WaveFigure::Time => {
                 Self::WAVES
             }
@@ -298,7 +304,8 @@ impl GerstnerSea {
     }
 }
 
-/// How far waves are from folding. The latest are remembered: a document is checked at every edit, and few touch its seas.
+/// Returns how far waves are from folding. The latest results are cached: every edit checks the document, and few
+/// edits change a sea.
 fn folding(waves: Vec<Wave>) -> Folding {
     static KNOWN: Mutex<VecDeque<(Vec<Wave>, Folding)>> = Mutex::new(VecDeque::new());
     let known = || KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
@@ -312,10 +319,10 @@ fn folding(waves: Vec<Wave>) -> Folding {
     found
 }
 
-/// Seas whose folding is remembered.
+/// Number of seas whose folding is cached.
 const REMEMBERED: usize = 16;
 
-/// Whether so many folds that they are seen.
+/// Whether the folded share is large enough to be visible.
 fn is_folded(folds: &Folding) -> bool {
     folds.folded_share > FoldOptions::default().tolerated_share
 }
@@ -326,7 +333,7 @@ impl Node for GerstnerSea {
             Ok(waves) => waves,
             Err(refused) => return refused.report(check),
         };
-        // What takes folds for breaking crests wants them.
+        // Nodes that take folds for breaking crests want them: no warning.
         if check.users().iter().any(|user| user.wants.contains(&Offer::Folds)) {
             return;
         }
@@ -335,22 +342,22 @@ impl Node for GerstnerSea {
             let found = format!("crests that fold over on {:.2} % of the sea", 100.0 * folds.folded_share);
             let sharpness = self.sharpness * folds.unfolded_scale;
             let remedy = if self.waves.is_empty() && self.groups.is_empty() {
-                format!("a sharpness of {sharpness:.3} would not fold")
+                format!("lower \"sharpness\" to {sharpness:.3}")
             } else {
-                format!("all sharpnesses times {:.3} would not fold", folds.unfolded_scale)
+                format!("multiply every \"sharpness\" by {:.3}", folds.unfolded_scale)
             };
             check.warning(Self::SHARPNESS, found, "crests that do not fold", remedy);
         }
     }
 
     fn work(&self, format: Format, _time: f64) -> Option<Work> {
-        // A wave at a vertex, of which a picture of a sea has 1.5 a pixel, within limits.
+        // Seconds per wave and vertex. A picture of a sea has 1.5 vertices per pixel, within limits.
         const WAVE: f64 = 4e-11;
         const VERTICES_PER_PIXEL: f64 = 1.5;
         let grouped: f64 = self.groups.iter().map(Group::count).sum();
         let waves = self.count as f64 + self.waves.len() as f64 + grouped;
         let vertices = (VERTICES_PER_PIXEL * format.window().area() as f64).clamp(1e6, 8e6);
-        let remedy = "lower \"count\", the waves of \"groups\", or the pixels";
+        let remedy = "lower \"count\", the number of waves in \"groups\", or the number of pixels";
         Some(Work { seconds: WAVE * waves * vertices, item: Self::COUNT, remedy })
     }
 
@@ -360,20 +367,23 @@ impl Node for GerstnerSea {
         let folds = folding(waves);
         let verdict = if is_folded(&folds) {
             format!(
-                "crests fold over on {:.2} % of the sea; with {:.3} times the sharpness they would not",
+                "crests fold over on {:.2} % of the sea; with {:.3} times the sharpness, they would not",
                 100.0 * folds.folded_share,
                 folds.unfolded_scale
             )
         } else if folds.unfolded_scale.is_finite() {
-            format!("crests do not fold over, nor would they up to {:.3} times the sharpness", folds.unfolded_scale)
+            format!(
+                "crests do not fold over; with up to {:.3} times the sharpness, they still would not",
+                folds.unfolded_scale
+            )
         } else {
-            "crests do not fold over, however sharp".into()
+            "crests do not fold over at any sharpness".into()
         };
         let points = FoldOptions::default().samples;
         let proof = if folds.proved() {
             "proved for every place and time".into()
         } else {
-            format!("estimated from {points} places")
+            format!("estimated from {points} points")
         };
         vec![format!(
             "{count} waves; {verdict} ({proof}). In figures: least det J {:.3} (1 at rest, negative where folded), λ1 {:.3} \
@@ -422,7 +432,7 @@ impl Stage for GerstnerSea {
     }
 
     fn prepare(&self, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
-        let sea = Sea::new(self.waves().map_err(NodeError::new)?);
+        let sea = Sea::new(self.waves()?);
         let surface = SeaSurface::new(&sea, prepare.frame.time, self.level);
         Ok(Box::new(Standing::new(surface.with_detail(self.detail))))
     }

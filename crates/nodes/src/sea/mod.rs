@@ -1,4 +1,4 @@
-//! Seas and other water, what they throw and carry, and the foam and lines on them.
+//! Seas and other water, their spray and floating lines, and the foam on them.
 
 #[cfg(feature = "sea")]
 mod bake;

@@ -1,4 +1,4 @@
-//! RippleSea: the crossed ripples of cartoon water.
+//! RippleSea: crossed ripples of cartoon water.
 
 use super::stability;
 use crate::geometry::{Standing, memory};
@@ -6,41 +6,41 @@ use trochoid_graph::*;
 use trochoid_scene::SeaSurface;
 use trochoid_sea::{Ripple, Sea, Wave, WaveError};
 
-/// An endless chessboard of bumps and hollows that travels: the water of a cartoon.
+/// An endless, traveling checkerboard of bumps and hollows: cartoon water.
 ///
 /// # Formula
-/// y = A·sin(k₁a − ωt + φ)·cos(k₂b) at places a along `direction` and b across it; A = `height`, k = 2π/length, ω =
+/// y = A·sin(k₁a − ωt + φ)·cos(k₂b) at distances a along `direction` and b across it; A = `height`, k = 2π/length, ω =
 /// √(g·√(k₁² + k₂²)). convention "literal": y = A·sin(k₁a + ωt + φ)·cos(k₂b + ωt), ω = 1. Both are the sum of two
-/// crossed waves of height A/2, which fade as those of a GerstnerSea.
+/// crossed waves of height A/2, which fade like those of a GerstnerSea.
 ///
 /// # Edge cases
-/// `height` 0 is a flat sea. As printed one of the two waves runs at 2ω and the other stands still. Several ripples of
-/// different lengths make a livelier water: set them in a GerstnerSea as `waves`.
+/// `height` 0 is a flat sea. With convention "literal", one of the two waves runs at 2ω and the other stands still.
+/// Several ripples of different lengths make livelier water: set them as `waves` of a GerstnerSea.
 ///
 /// # Source
 /// Creation of a cartoon shader of water for the web, part 2: pos.y += cos(pos.z·5 + t)·0.1·sin(pos.x·5 + t).
 #[derive(Clone, Node)]
 #[node(end = Front, revision = 1, role = Sea, offers(Rest), output(surface: Kind::Surface = "The sea at the frame's time."))]
 pub(crate) struct RippleSea {
-    /// Height of the bumps over the rest level.
+    /// Height of the bumps above the rest level.
     #[knob(default = 0.1, range = -1e4..=1e4, unit = "m")]
     height: f64,
-    /// Bump to bump along the direction.
+    /// Distance between bumps along the direction.
     #[knob(default = 1.2566, range = 1e-3..=1e6, unit = "m")]
     along: f64,
-    /// Bump to bump across it; large makes long crests.
+    /// Distance between bumps across the direction; large values make long crests.
     #[knob(default = 1.2566, range = 1e-3..=1e6, unit = "m")]
     across: f64,
-    /// Where they travel: 0 is +X, 90 is +Z.
+    /// Direction of travel: 0 is +X, 90 is +Z.
     #[knob(default = 0.0, range = -3600.0..=3600.0, unit = "degrees")]
     direction: f64,
-    /// Angular frequency ω; if unset deep water decides, or 1 as printed.
+    /// Angular frequency ω; if unset, that of deep water, or 1 with convention "literal".
     #[knob(range = -1e4..=1e4, unit = "rad/s")]
     frequency: Option<f64>,
     /// Phase φ.
     #[knob(default = 0.0, range = -1e6..=1e6, unit = "degrees")]
     phase: f64,
-    /// Phases so that all travels, or as printed.
+    /// Phases of the two waves: "settled" makes the whole pattern travel, "literal" follows the source as printed.
     convention: Phases,
     /// World y of the sea at rest.
     #[knob(default = 0.0, range = -1e5..=1e5, unit = "m")]
@@ -54,7 +54,7 @@ enum Phases {
 }
 
 impl RippleSea {
-    /// The waves that the knobs describe.
+    /// Returns the waves that the knobs describe.
     fn waves(&self) -> Result<Vec<Wave>, WaveError> {
         let ripple = Ripple {
             height: self.height,
@@ -101,7 +101,7 @@ impl Stage for RippleSea {
     }
 
     fn prepare(&self, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
-        let sea = Sea::new(self.waves().map_err(NodeError::new)?);
+        let sea = Sea::new(self.waves()?);
         Ok(Box::new(Standing::new(SeaSurface::new(&sea, prepare.frame.time, self.level))))
     }
 }

@@ -1,137 +1,137 @@
-//! Spray: drops that breaking crests and bursts throw into the air.
+//! Spray: drops thrown into the air by breaking crests and bursts.
 
 use super::waters::can_break;
-use crate::bounds::{Span, bound_by, certain};
 use crate::lit::eye;
 use crate::view::SurfaceHandle;
 use std::sync::{Arc, OnceLock};
 use trochoid_graph::*;
 use trochoid_scene::Projector;
-use trochoid_scene::spray::{Brush, Dabs, Planes, Sprayed, Stamp};
+use trochoid_scene::spray::{Brush, Dabs, Planes, Sprayed, Stamp, TooMuchSpray};
 use trochoid_sea::spray::{self as model, Burst, MAX_DROPS, SprayError, SprayFigure, SprayRun, reference};
 
-/// Drops that breaking crests and directed bursts throw into the air, as stamps of a brush.
+/// Drops thrown into the air by breaking crests and by bursts set by hand, drawn as brush stamps.
 ///
 /// # Formula
-/// Per m² and s `density`·clamp((threshold − det J)/width, 0, 1) drops are born, fewer between tufts. v' = −g·ŷ +
-/// drag·(radius/r)(wind − v). alpha = 1 − Π(1 − αᵢ), αᵢ = opacity·(1 − age)·stamp·seen, seen = clamp((d − dᵢ)/soft + ½,
-/// 0, 1), d, dᵢ: depths of view and drop.
+/// Drops are born at the rate `density`·clamp((threshold − det J)/width, 0, 1) per m² and s, fewer between tufts. v' =
+/// −g·ŷ + drag·(radius/r)(wind − v). alpha = 1 − Π(1 − αᵢ), αᵢ = opacity·(1 − age)·stamp·seen, seen = clamp((d −
+/// dᵢ)/soft + ½, 0, 1), with d, dᵢ the depths of view and drop.
 ///
 /// # Edge cases
-/// Cells and steps of births are fixed in world and time: drops do not depend on the picture's size, nor a frame on
-/// those before. Knobs, and the sea's own, hold for all drops that a frame shows. Only a GerstnerSea folds; over other
-/// surfaces, or none, bursts alone throw. Drops sink at the sea's level. Without drops: alpha 0, depth +∞, age 0.
+/// Cells and steps of births are fixed in world space and time: drops do not depend on the picture's size, nor a frame
+/// on earlier frames. The knobs at a frame, and the sea's, apply to all drops in it, whenever they were born. Only a
+/// GerstnerSea folds; with other surfaces, or none, only bursts throw drops. Drops vanish at the sea's level. Without
+/// drops: alpha 0, depth +∞, age 0.
 ///
 /// # Source
 /// Thesis 3.2.4.5: particles, each with one of several modelled strokes. Peachey, Modeling Waves and Surf, 1986.
 #[derive(Clone, Node)]
 #[node(end = Front, revision = 1, outputs = Out)]
 pub(crate) struct Spray {
-    /// What hides drops, and whose camera sees them.
+    /// View whose surfaces hide drops and whose camera sees them.
     view: One<port::View>,
     /// The GerstnerSea whose crests break.
     #[port(wants(Folds))]
     sea: Optional<port::Surface>,
-    /// Middle x, z of the region in which crests throw drops.
+    /// Center x, z of the region in which crests throw drops.
     #[knob(default = [0.0; 2], unit = "m")]
     center: [f64; 2],
-    /// The region's size along x and z.
+    /// Size of the region along x and z.
     #[knob(default = [60.0; 2], unit = "m")]
     size: [f64; 2],
-    /// Side of the world's cells; shorter crests throw nothing.
+    /// Side of the cells in which drops are born; shorter crests throw nothing.
     #[knob(default = 0.5, range = 1e-3..=1e5, unit = "m")]
     cell: f64,
-    /// Steps of births a second.
+    /// Number of birth steps per second.
     #[knob(default = 20.0, range = 1e-2..=1e4, unit = "1/s")]
     rate: f64,
-    /// det J below which drops are born.
+    /// Jacobian det J below which drops are born.
     #[knob(default = 0.4, range = -1e6..=1e6)]
     threshold: f64,
-    /// How far below det J must be for the full density.
+    /// Further decrease of det J over which `density` is reached.
     #[knob(default = 0.2, range = 0.0..=1e6)]
     width: f64,
-    /// Drops born a square meter and second.
+    /// Drops born per square meter and second where crests break fully.
     #[knob(default = 40.0, range = 0.0..=1e6)]
     density: f64,
-    /// Share of the water's velocity that drops take along.
+    /// Share of the water's velocity that drops inherit.
     #[knob(default = 0.8, range = -1e3..=1e3)]
     follow: f64,
-    /// Greatest speed of the throw.
+    /// Maximum speed at which crests throw drops, added to the inherited velocity.
     #[knob(default = 3.0, range = 0.0..=1e4, unit = "m/s")]
     speed: f64,
-    /// Angle from straight up within which is thrown.
+    /// Maximum angle between a throw and straight up.
     #[knob(default = 35.0, range = 0.0..=180.0, unit = "degrees")]
     spread: f64,
-    /// Velocity of the wind.
+    /// Wind velocity x, y, z.
     #[knob(default = [4.0, 0.0, 0.0], unit = "m/s")]
     wind: [f64; 3],
-    /// How fast the largest drops take the wind's velocity.
+    /// Rate at which the largest drops adopt the wind's velocity.
     #[knob(default = 0.6, range = 0.0..=1e4, unit = "1/s")]
     drag: f64,
-    /// Longest life of a drop.
+    /// Maximum lifetime of a drop.
     #[knob(default = 1.5, range = 0.0..=1e4, unit = "s")]
     lifetime: f64,
-    /// Radius of the largest drops.
+    /// Radius of the largest drops at birth.
     #[knob(default = 0.25, range = 0.0..=1e4, unit = "m")]
     radius: f64,
-    /// By how many times they grow until they are gone.
+    /// Growth of a drop's radius over its life: 0 keeps the radius, 1 doubles it.
     #[knob(default = 1.0, range = 0.0..=1e3)]
     growth: f64,
-    /// How much radii, lives and speeds differ.
+    /// Variation of radii, lifetimes and speeds: 0 is none, 1 is full.
     #[knob(default = 1.0, range = 0.0..=1.0)]
     vary: f64,
-    /// Size of the tufts in which drops gather.
+    /// Size of the tufts in which drops gather along a crest.
     #[knob(default = 3.0, range = 1e-3..=1e5, unit = "m")]
     tuft: f64,
-    /// How much tufts differ; 1 leaves gaps.
+    /// Contrast between tufts: 0 is even, 1 leaves gaps.
     #[knob(default = 0.8, range = 0.0..=1.0)]
     torn: f64,
-    /// Mixed: large ones ragged, small ones others.
+    /// Shape of the stamps; "mixed" draws large drops ragged, small ones as discs and streaks.
     stamp: Shape,
-    /// Alpha of a stamp's middle at birth.
+    /// Alpha at the center of a stamp at birth.
     #[knob(default = 0.9, range = 0.0..=1.0)]
     opacity: f64,
-    /// Motion by which streaks and ragged stamps are drawn out.
+    /// Exposure time over which motion draws out streaks and ragged stamps.
     #[knob(default = 0.04, range = 0.0..=10.0, unit = "s")]
     stretch: f64,
-    /// Least radius of a stamp; thinner drops fade.
+    /// Minimum radius of a stamp; drops that appear smaller fade instead.
     #[knob(default = 0.7, range = 0.1..=100.0, drawn)]
     least: f64,
-    /// Depth over which a surface swallows a drop.
+    /// Depth range over which a drop disappears behind a surface; 0 is a hard edge.
     #[knob(default = 0.3, range = 0.0..=1e6, unit = "m")]
     soft: f64,
-    /// Which spray of all that have these figures.
+    /// Random seed.
     #[knob(default = 0, range = 0..=1_000_000_000)]
     seed: i64,
-    /// Throws set by hand, such as where a wave meets a rock.
+    /// Throws set by hand, for example where a wave hits a rock.
     #[list(0..=1000)]
     bursts: Vec<Throw>,
 }
 
 #[derive(Clone, Items)]
 struct Throw {
-    /// Where it comes from.
+    /// Center of the throw.
     #[knob(default = [0.0; 3], unit = "m")]
     position: [f64; 3],
-    /// Radius around it in which drops are born.
+    /// Radius around the position in which drops are born.
     #[knob(default = 0.3, range = 0.0..=1e6, unit = "m")]
     extent: f64,
-    /// When it begins.
+    /// Start time.
     #[knob(default = 0.0, range = -1e8..=1e8, unit = "s")]
     time: f64,
-    /// How long it lasts.
+    /// Duration.
     #[knob(default = 0.2, range = 0.0..=1e6, unit = "s")]
     duration: f64,
-    /// Where it throws, any length; 0 is up.
+    /// Direction of the throw, of any length; 0, 0, 0 is up.
     #[knob(default = [0.0, 1.0, 0.0])]
     direction: [f64; 3],
-    /// Angle from there within which it throws.
+    /// Maximum angle between a drop's velocity and the direction.
     #[knob(default = 25.0, range = 0.0..=180.0, unit = "degrees")]
     spread: f64,
-    /// Greatest speed.
+    /// Maximum speed.
     #[knob(default = 8.0, range = 0.0..=1e4, unit = "m/s")]
     speed: f64,
-    /// Number of drops, in some √count jets.
+    /// Number of drops, thrown in about √count jets.
     #[knob(default = 200, range = 0..=MAX_DROPS as i64)]
     count: i64,
 }
@@ -146,13 +146,13 @@ enum Shape {
 
 #[derive(Clone, Copy, Debug, PartialEq, Outputs)]
 enum Out {
-    /// What the drops cover.
+    /// Coverage of the drops.
     #[output(Kind::MASK)]
     Alpha,
-    /// Planar depth of the nearest drop in m; +∞ where there is none.
+    /// Planar depth of the nearest drop, in meters; +∞ where there is none.
     #[output(Kind::Field(1))]
     Depth,
-    /// Mean share of their lives that is over; 0 where there are none.
+    /// Mean age of the drops, as a share of their lifetimes; 0 where there are none.
     #[output(Kind::MASK)]
     Age,
 }
@@ -165,7 +165,7 @@ impl Throw {
 }
 
 impl Spray {
-    /// The spray that the knobs describe.
+    /// Returns the spray that the knobs describe.
     fn spray(&self) -> Result<model::Spray, SprayError> {
         let spray = model::Spray {
             center: self.center,
@@ -192,7 +192,7 @@ impl Spray {
         spray.check().map(|()| spray)
     }
 
-    /// The knob or list that a figure comes from.
+    /// Returns the knob or list that a figure comes from.
     fn item_of(figure: SprayFigure) -> ItemName {
         match figure {
             SprayFigure::Center => Self::CENTER,
@@ -232,20 +232,21 @@ impl Node for Spray {
     fn check(&self, check: &mut Check<'_>) {
         if let Err(error) = self.spray() {
             let (item, expected) = (Self::item_of(error.figure()), "a spray within its limits");
-            return check.error(item, error, expected, "change the knobs named");
+            return check.error(item, error, expected, "change the named knobs");
         }
         if !self.bursts.is_empty() {
             return;
         }
         let [x, z] = self.size;
         if x == 0.0 || z == 0.0 {
-            let found = format!("a region of {x} × {z} m, in which nothing is thrown, and no bursts");
-            let remedy = "make \"size\" larger, or give \"bursts\"";
-            check.warning(Self::SIZE, found, "a region of some size, or bursts", remedy);
+            let found = format!("an empty region of {x} × {z} m and no bursts, so there are no drops");
+            let remedy = "increase \"size\", or add \"bursts\"";
+            check.warning(Self::SIZE, found, "a region with an area, or bursts", remedy);
         } else if !can_break(&self.sea, check) && (self.sea.is_none() || self.threshold <= 1.0) {
-            let found = "a spray without bursts, on nothing that breaks: it throws nothing";
-            let remedy = "connect a GerstnerSea to \"sea\", or give \"bursts\"";
-            check.warning(Self::SEA, found, "the waves of a GerstnerSea, or bursts", remedy);
+            let found = "no breaking waves and no bursts, so there are no drops";
+            let seas = check.offering(Offer::Waves);
+            let remedy = format!("connect {seas} to \"sea\", or add \"bursts\"");
+            check.warning(Self::SEA, found, format!("the waves of {seas}, or bursts"), remedy);
         }
     }
 
@@ -267,7 +268,7 @@ impl Stage for Spray {
     }
 
     fn rate(&self) -> Rate {
-        // Smaller stamps would slip between pixels, and an edge is one of each sample.
+        // Smaller stamps would slip between pixels, and a hard edge has to be resolved at each sample.
         if self.least >= 0.5 && self.soft > 0.0 { Rate::Surface } else { Rate::Sample }
     }
 
@@ -276,7 +277,7 @@ impl Stage for Spray {
     }
 
     fn memory(&self, reckoning: &Reckoning<'_>) -> MemoryUse {
-        // What is born, and the bins of stamps.
+        // The born drops, and the bins of stamps.
         const DROP: f64 = 64.0;
         let Ok(spray) = self.spray() else { return MemoryUse::default() };
         let drops = spray.most_drops() * DROP;
@@ -285,21 +286,20 @@ impl Stage for Spray {
 
     fn prepare(&self, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
         let seas: Vec<SurfaceHandle> = prepare.handles(&self.sea)?;
-        let spray = self.spray().map_err(NodeError::new)?;
+        let spray = self.spray()?;
         let sea = seas.first().and_then(|surface| surface.as_sea()).map(|sea| (sea.frame().sea(), sea.level()));
-        // Frames share the births that they have in common.
+        // Frames share the births they have in common.
         let run = prepare.shared(&(&spray, &sea), || {
             let spray = spray.clone();
-            match sea.clone() {
+            Ok(match sea.clone() {
                 Some((sea, level)) => SprayRun::new(spray, sea, level),
                 None => SprayRun::bursts(spray),
-            }
-            .map_err(NodeError::new)
+            }?)
         })?;
         let (time, brush) = (prepare.frame.time, self.brush());
         let projector = eye(prepare, &self.view, prepare.frame.format)?;
-        let drops = run.at_unless(time, prepare.cancellation()).map_err(NodeError::new)?;
-        let dabs = Dabs::new(&projector, &drops, &brush).map_err(NodeError::new)?;
+        let drops = run.at_unless(time, prepare.cancellation())?;
+        let dabs = Dabs::new(&projector, &drops, &brush)?;
         let (view, drops, reference) = (self.view.clone(), drops.len(), OnceLock::new());
         Ok(Box::new(PreparedSpray { view, run, time, projector, brush, drops, dabs, reference }))
     }
@@ -307,31 +307,31 @@ impl Stage for Spray {
 
 struct PreparedSpray {
     view: One<port::View>,
-    /// Held for the next frame too.
+    /// Kept for the next frame.
     run: Arc<SprayRun>,
     time: f64,
     projector: Projector,
     brush: Brush,
-    /// Number of drops in the air, of which the stamps are those in the picture.
+    /// Number of drops in the air; `dabs` holds only those in the picture.
     drops: usize,
     dabs: Dabs,
-    /// The stamps of the f64 births, made when a reference is first asked for.
-    reference: OnceLock<Option<Dabs>>,
+    /// Stamps of the f64 births, computed when a reference is first requested.
+    reference: OnceLock<Result<Dabs, TooMuchSpray>>,
 }
 
 impl PreparedSpray {
-    /// The stamps of the f64 births, where they are not too many.
-    fn truth(&self) -> Option<&Dabs> {
+    /// Returns the stamps of the f64 births, unless there are too many.
+    fn truth(&self) -> Result<&Dabs, TooMuchSpray> {
         let made = self.reference.get_or_init(|| {
             let run = &self.run;
             let drops = reference::drops(run.spray(), run.sea(), run.level(), self.time);
-            Dabs::new(&self.projector, &drops, &self.brush).ok()
+            Dabs::new(&self.projector, &drops, &self.brush)
         });
-        made.as_ref()
+        made.as_ref().map_err(|much| *much)
     }
 }
 
-/// Sets stamps over a block before surfaces at these depths.
+/// Paints stamps over a block in front of surfaces at the given depths.
 fn paint(dabs: &Dabs, block: &Block<'_>, surface: &[f32], planes: Planes<'_>, stop: &dyn Fn() -> bool) {
     match block.scattered {
         Some(pixels) => dabs.fill_pixels_unless(pixels, block.offset, surface, planes, stop),
@@ -339,7 +339,7 @@ fn paint(dabs: &Dabs, block: &Block<'_>, surface: &[f32], planes: Planes<'_>, st
     }
 }
 
-/// The nearest f32 that is not above a number.
+/// Returns the largest f32 not above a number.
 fn down(number: f64) -> f32 {
     let near = number as f32;
     if f64::from(near) > number { near.next_down() } else { near }
@@ -356,11 +356,11 @@ impl Prepared for PreparedSpray {
     }
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
-        // Whether a drop is born at all is drawn against waves, so that no drop's error follows from another figure's.
-        let Some(dabs) = self.truth() else { return Err(NoBound("the reference's drops cover too much")) };
+        // Whether a drop is born depends on a random draw against the waves, so that no drop's error follows from errors
+        // of other values.
+        let Ok(dabs) = self.truth() else { return Err(NoBound("the reference's drops cover too much")) };
         let count = bounding.block.window.area();
-        let depths: Vec<Span> =
-            (0..count).map(|sample| certain(bounding, &self.view, Channel::Depth, sample)).collect();
+        let depths: Vec<Span> = (0..count).map(|sample| bounding.certain(&self.view, Channel::Depth, sample)).collect();
         // The deeper the surface, the more is seen of each drop.
         let seen = |surface: Vec<f32>| {
             let mut planes = [(); 4].map(|()| vec![0.0; count]);
@@ -371,26 +371,27 @@ impl Prepared for PreparedSpray {
         let near = seen(depths.iter().map(|depth| down(depth.low)).collect());
         let far = seen(depths.iter().map(|depth| -down(-depth.high)).collect());
         let rounded = |low: f32, high: f32| {
-            // As planes hold what the reference gives.
+            // Allow for the rounding of the reference's values to f32.
             let slack = |end: f32| {
                 if end.is_finite() { f64::from(end.abs()) * LITERAL + f64::from(f32::from_bits(1)) } else { 0.0 }
             };
             Span { low: f64::from(low) - slack(low), high: f64::from(high) + slack(high), clear: true }
         };
-        bound_by(bounding, outputs, (Out::Alpha, 0), |sample| {
+        bounding.bound_by(outputs, (Out::Alpha, 0), |sample| {
             let alpha = rounded(near[0][sample], far[0][sample]).within(0.0, 1.0);
             alpha.with(depths[sample].clear && (self.brush.soft > 0.0 || near[0][sample] == far[0][sample]))
         });
-        bound_by(bounding, outputs, (Out::Depth, 0), |sample| {
+        bounding.bound_by(outputs, (Out::Depth, 0), |sample| {
             let [nearest, farthest] = [&far, &near].map(|planes| planes[1][sample]);
             rounded(nearest, farthest).with(nearest == farthest)
         });
-        bound_by(bounding, outputs, (Out::Age, 0), |sample| {
+        bounding.bound_by(outputs, (Out::Age, 0), |sample| {
             let is_bare = far[0][sample] == 0.0 && far[1][sample] == f32::INFINITY;
             if is_bare || depths[sample].low == depths[sample].high {
                 return rounded(near[2][sample], far[2][sample]).within(0.0, 1.0);
             }
-            // Before the nearer surface drops have a mean age; what is seen more of them before the farther one may be of any.
+            // In front of the nearer surface, drops have a known mean age; what the farther surface reveals in
+            // addition may have any age.
             let [least, most] = [&near, &far].map(|planes| f64::from(planes[3][sample]));
             if least > 0.0 && depths[sample].clear && self.brush.soft > 0.0 {
                 let more = (most - least) / most + 2.0 * LITERAL;
@@ -405,7 +406,7 @@ impl Prepared for PreparedSpray {
     }
 
     fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
-        let Some(dabs) = self.truth() else { return Err(NodeError::new("the reference's drops cover too much")) };
+        let dabs = self.truth()?;
         let Sprayed { alpha, depth, age, .. } = dabs.at(inputs.at, inputs.view(&self.view, Channel::Depth));
         let output = |output| match output {
             Out::Alpha => Reference::Mask(alpha),
@@ -417,7 +418,7 @@ impl Prepared for PreparedSpray {
 
     fn left_out(&self) -> Vec<Omission> {
         let (count, of) = ((self.drops - self.dabs.len()) as f64, self.drops as f64);
-        let why = "they lie beside the picture or behind the camera, or have faded";
+        let why = "they are outside the picture, behind the camera, or faded";
         if count > 0.0 { vec![Omission { port: None, what: "drops", count, of, why }] } else { Vec::new() }
     }
 

@@ -1,26 +1,26 @@
 //! SurfaceLines: the net of light lines that scrolls over cartoon water.
 
-use crate::field::{Axes, Noise, NoiseKind, edges_reference, noise_reference};
 use crate::lit::eye;
 use crate::view::{is_covered, view_planes, view_vector};
 use std::f64::consts::TAU;
+use trochoid_field::{Axes, Noise, NoiseKind};
 use trochoid_graph::*;
 use trochoid_scene::{DVec3, Projector, footprint_axes};
 
-/// A mask of lines on the water that scroll and sway, and coordinates by which a Texture lays a tiled picture there
-/// instead.
+/// A mask of lines that scroll and sway on the water, and coordinates with which a Texture places a tiled picture
+/// there instead.
 ///
 /// # Formula
-/// q = (p₀ − scroll·time)/scale + sway·n(q), p₀ the rest point, n gradient noise; the distance to a line is d =
-/// scale·(F₂ − F₁)/2 by the two nearest feature points. A line of width w is drawn at least one pixel wide, W = max(w,
-/// c), c = √((∇d·a)² + (∇d·b)²) the change of d over the sides a and b of the pixel's patch on the water, ∇Fᵢ the unit
-/// vector away from a point: (w/W)·(½ + (W/2 − d)/c), limited to [0, w/W]. It fades to the lines' share of the water by
-/// exp(−(2πf/scale)²/8), f the longer side of the pixel's patch on the water. u = (x₀ − scroll_x·time)/scale, v = −(z₀
-/// − scroll_z·time)/scale.
+/// q = (p₀ − scroll·time)/scale + sway·n(q), with p₀ the rest point and n gradient noise. The distance to a line is d
+/// = scale·(F₂ − F₁)/2, from the two nearest feature points. A line of width w is drawn at least one pixel wide: W =
+/// max(w, c), where c = √((∇d·a)² + (∇d·b)²) is the change of d over the sides a and b of the pixel's footprint on the
+/// water, and ∇Fᵢ is the unit vector away from feature point i. The mask is (w/W)·(½ + (W/2 − d)/c), limited to [0,
+/// w/W]. With distance it fades to the share of the water that lines cover, by exp(−(2πf/scale)²/8), f the longer side
+/// of the footprint. u = (x₀ − scroll_x·time)/scale, v = −(z₀ − scroll_z·time)/scale.
 ///
 /// # Edge cases
-/// 0 where nothing is seen. u and v grow toward +X and −Z, and leave out whole pairs of tiles that time scrolled by, so
-/// that they stay exact. The pixel's patch is that of the water at rest. Needs a view with a camera.
+/// 0 where nothing is seen. u and v grow toward +X and −Z; whole pairs of tiles scrolled by are left out, so that the
+/// coordinates stay exact. The footprint is that of the water at rest. Needs a view with a camera.
 ///
 /// # Source
 /// Creation of a cartoon shader of water for the web, part 2 (a tiled picture of lines, pos.y += time); Worley, A
@@ -28,29 +28,29 @@ use trochoid_scene::{DVec3, Projector, footprint_axes};
 #[derive(Clone, Node)]
 #[node(end = Front, revision = 2, outputs = Out)]
 pub(crate) struct SurfaceLines {
-    /// The water.
+    /// View of the water.
     view: One<port::View>,
-    /// Share of the width at a place, such as a Noise; by default 1.
+    /// Factor of the width at each place, for example from a Noise; 1 if not connected.
     thickness: Optional<port::Mask>,
-    /// Size of the meshes, and of a tile of u and v.
+    /// Size of the net's cells, and of one tile of u and v.
     #[knob(default = 3.0, range = 1e-3..=1e6, unit = "m")]
     scale: f64,
     /// Width of the lines.
     #[knob(default = 0.15, range = 0.0..=1e6, unit = "m")]
     width: f64,
-    /// How fast they move along x.
+    /// Scroll speed along x.
     #[knob(default = 0.0, range = -1e6..=1e6, unit = "m/s")]
     scroll_x: f64,
-    /// How fast they move along z.
+    /// Scroll speed along z.
     #[knob(default = 0.2, range = -1e6..=1e6, unit = "m/s")]
     scroll_z: f64,
-    /// How far the lines bend, in meshes; 0 draws them straight.
+    /// Amplitude of the lines' bends, relative to the cell size; 0 keeps them straight.
     #[knob(default = 0.25, range = 0.0..=10.0)]
     sway: f64,
-    /// How fast they sway: 1 bends them anew once a second.
+    /// Rate of the swaying: at 1, the bends change completely once a second.
     #[knob(default = 0.3, range = -1e3..=1e3, unit = "1/s")]
     liveliness: f64,
-    /// Which net of all that have these figures.
+    /// Random seed.
     #[knob(default = 0, range = 0..=1_000_000_000)]
     seed: i64,
 }
@@ -60,10 +60,10 @@ enum Out {
     /// The lines.
     #[output(Kind::MASK)]
     Mask,
-    /// Where across the tiles: 1 more with each tile.
+    /// Texture coordinate across the tiles; grows by 1 per tile.
     #[output(Kind::Field(1))]
     U,
-    /// Where along their height.
+    /// Texture coordinate along the height of the tiles; grows by 1 per tile.
     #[output(Kind::Field(1))]
     V,
 }
@@ -109,19 +109,20 @@ impl Stage for SurfaceLines {
     }
 }
 
-/// Size of the bends in meshes.
+/// Size of the bends, in cells of the net.
 const BEND: f64 = 1.7;
 
-/// Seeds of the bends, unlike each other and the net's.
+/// Returns the seed of a bend, different for each axis and from the net's.
 fn mixed(seed: u32, axis: u32) -> u32 {
     seed.wrapping_mul(3).wrapping_add(axis).wrapping_mul(0x9e37_79b9)
 }
 
-/// Places along each axis at which the net is sampled, and how many of them lie in a mesh.
+/// Number of sample points along each axis of the net, and their number per cell.
 const SAMPLES: usize = 64;
 const SAMPLES_PER_MESH: f64 = 3.7;
 
-/// Distances of places to the nearest line in meshes, in order: how much of the water is nearer than a distance.
+/// Returns sorted distances to the nearest line, in cells: their distribution gives the share of the water closer to a
+/// line than a given distance.
 fn shares(net: &Noise) -> Vec<f32> {
     let place = |index: usize| [index % SAMPLES, index / SAMPLES].map(|step| step as f64 / SAMPLES_PER_MESH);
     let mut distances = vec![0.0; SAMPLES * SAMPLES];
@@ -134,42 +135,42 @@ fn shares(net: &Noise) -> Vec<f32> {
 struct PreparedNet {
     node: SurfaceLines,
     projector: Projector,
-    /// How far the tiles have moved along x and z, in tiles.
+    /// Scroll of the tiles along x and z, in tiles.
     scrolled: [f64; 2],
     net: Noise,
     bends: [Noise; 2],
     shares: Vec<f32>,
 }
 
-/// The lines at one place, all but their distance.
+/// Everything about the lines at one place except their distance.
 #[derive(Clone, Copy, Default)]
 struct Place {
-    /// In meshes.
+    /// Position in cells.
     at: [f64; 2],
-    /// Steps to the next pixels, in meshes.
+    /// Steps to the neighboring pixels, in cells.
     steps: [[f64; 2]; 2],
-    /// Width of the line in meshes.
+    /// Width of the line in cells.
     width: f64,
 }
 
 impl Place {
-    /// The longer side of the pixel's patch.
+    /// Returns the longer side of the pixel's footprint.
     fn longest(&self) -> f64 {
         self.steps.map(|[x, z]| libm::hypot(x, z)).into_iter().fold(0.0, f64::max)
     }
 
-    /// The same, moved by so many meshes.
+    /// Returns the place displaced by an offset in cells.
     fn bent(&self, by: [f64; 2]) -> Self {
         Self { at: [self.at[0] + by[0], self.at[1] + by[1]], ..*self }
     }
 
-    /// Share of the lines that the pixel's size leaves; none below 1e-8.
+    /// Returns the share of the lines that remains at the pixel's size; 0 below 1e-8.
     fn sharp(&self) -> f64 {
         let turn = TAU * self.longest();
         if turn < 12.0 { libm::exp(-turn * turn / 8.0) } else { 0.0 }
     }
 
-    /// The mask, from F₂ − F₁ and how much it grows along both axes.
+    /// Returns the mask, given F₂ − F₁ and its gradient.
     fn mask(&self, edges: f64, slope: [f64; 2], share: f64) -> f64 {
         let d = edges / 2.0;
         let [across, along] = self.steps.map(|[x, z]| (slope[0] * x + slope[1] * z) / 2.0);
@@ -183,34 +184,35 @@ impl Place {
         self.faded(line, share)
     }
 
-    /// A line that the pixel's size fades to the lines' share of the water.
+    /// Fades a line to the share of the water that lines cover, by the pixel's size.
     fn faded(&self, line: f64, share: f64) -> f64 {
         (share + (line - share) * self.sharp()).clamp(0.0, 1.0)
     }
 }
 
-/// Least softness of an edge in meshes, for places where the distance does not change.
+/// Least softness of an edge in cells, where the distance does not change.
 const LEAST_CHANGE: f64 = 1e-3;
 
 impl PreparedNet {
-    /// A rest point in tiles.
+    /// Returns a rest point in tiles.
     fn tiles(&self, rest: DVec3) -> [f64; 2] {
         [rest.x / self.node.scale - self.scrolled[0], rest.z / self.node.scale - self.scrolled[1]]
     }
 
-    /// The place of a rest point, before it is bent.
+    /// Returns the place of a rest point, before it is bent.
     fn place(&self, rest: DVec3, thickness: f64) -> Place {
         let steps = footprint_axes(&self.projector, rest).map(|axis| axis.map(|along| along / self.node.scale));
         Place { at: self.tiles(rest), steps, width: self.node.width * thickness / self.node.scale }
     }
 
-    /// The lines' share of the water.
+    /// Returns the share of the water that lines cover.
     fn share(&self, place: &Place) -> f64 {
         let nearer = self.shares.partition_point(|distance| f64::from(*distance) < place.width / 2.0);
         nearer as f64 / self.shares.len() as f64
     }
 
-    /// Coordinates of a picture: whole pairs of tiles are no difference to it, mirrored or not.
+    /// Returns texture coordinates without whole pairs of tiles, which make no difference to a picture, mirrored or
+    /// not.
     fn coordinates(&self, rest: DVec3) -> [f64; 2] {
         let offset = self.scrolled.map(|tiles| tiles - 2.0 * libm::floor(tiles / 2.0));
         [rest.x / self.node.scale - offset[0], offset[1] - rest.z / self.node.scale]
@@ -246,7 +248,7 @@ impl PreparedNet {
     }
 }
 
-/// All outputs at one sample.
+/// Returns all outputs at one sample.
 fn references(mask: f64, [u, v]: [f64; 2]) -> Vec<Reference> {
     let output = |output| match output {
         Out::Mask => Reference::Mask(mask),
@@ -276,7 +278,7 @@ impl Prepared for PreparedNet {
     }
 
     fn bound(&self, _bounding: &Bounding<'_>, _outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
-        Err(NoBound("the slope of its net jumps wherever another cell is the nearest"))
+        Err(NoBound("the slope of the lines jumps where the nearest cell changes"))
     }
 
     fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
@@ -286,8 +288,8 @@ impl Prepared for PreparedNet {
         let rest = view_vector(inputs, &self.node.view, RESTS);
         let thickness = self.node.thickness.as_ref().map_or(1.0, |source| inputs.scalar(source));
         let place = self.place(rest, thickness);
-        let place = place.bent([0, 1].map(|axis| self.node.sway * noise_reference(&self.bends[axis], &place.at, 0.0)));
-        let (edges, slope) = edges_reference(&self.net, place.at);
+        let place = place.bent([0, 1].map(|axis| self.node.sway * self.bends[axis].reference(&place.at, 0.0)));
+        let (edges, slope) = self.net.edges_reference(place.at);
         let mask = place.mask(edges, slope, self.share(&place));
         Ok(references(mask, self.coordinates(rest)))
     }

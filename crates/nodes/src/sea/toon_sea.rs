@@ -1,4 +1,4 @@
-//! ToonSea: a height field that bursts raise as they travel.
+//! ToonSea: a height field raised by traveling bursts.
 
 use super::stability;
 use super::toon::{Afloat, Burst, Guide, Place, PreparedToon, Way};
@@ -10,34 +10,40 @@ use trochoid_sea::toon::{
     Shape, ToonError, ToonFigure,
 };
 
-/// A finite sea of bursts that travel along splines: their heights spread over a grid and die away, and foam and lines
-/// trail behind.
+/// A finite sea raised by bursts that travel along splines. Their heights spread over a grid and die away; foam and
+/// lines trail behind them.
 ///
 /// # Formula
-/// h' = c1·(2·mean of the 4 neighbors − h₋) + c2·h + bursts, 60 times a second; a burst is
-/// (p·H/2)·(cos(min(π·|(u−x)/r|/p, π)) + 1), scaled by 1 − c1 − c2. x is a cubic Bézier curve at (t mod d)/d. For Rift,
-/// r += k·max(d − m, 0), m the distance from a burst, and r ÷= 1 + ε at each step; for DriftLines, two coordinates in
-/// the frame of the last bursts that passed.
+/// h' = c1·(2·mean of the 4 neighbors − h₋) + c2·h + bursts, 60 times a second. A burst is
+/// (p·H/2)·(cos(min(π·|(u−x)/r|/p, π)) + 1), scaled by 1 − c1 − c2; x is a cubic Bézier curve at (t mod d)/d. For
+/// Rift, r += k·max(d − m, 0), with m the distance from a burst, and r ÷= 1 + ε at each step. For DriftLines, two
+/// coordinates in the frame of the last bursts that passed.
 ///
 /// # Edge cases
-/// Without bursts the sea is flat. Every frame is reached from the sea at rest, `preroll` steps before the first frame;
-/// one after the other costs only the steps between. Mode "resampled" needs 0 < c1 < 1 and equals "literal" at 60
-/// frames a second; "literal" moves unevenly at 24. Unstable coefficients are refused with the nearest that are not.
-/// What a keyed knob holds at a frame it holds for the whole run up to it, from the sea at rest: only `x`, `z` and
-/// `level` are cheap to key.
+/// Without bursts the sea is flat. Every frame is simulated from the sea at rest, `preroll` steps before the first
+/// frame; consecutive frames cost only the steps between them. Mode "resampled" needs 0 < c1 < 1 and equals "literal"
+/// at 60 frames per second; "literal" moves unevenly at 24. Unstable coefficients are refused, and the nearest stable
+/// ones are suggested. A keyed knob's value at a frame applies to the whole simulation up to that frame, so only `x`,
+/// `z` and `level` are cheap to key.
 ///
 /// # Source
 /// Dadfar and Welling, Japanese-Style Toon-Based Water Shader, 3.1 and 3.2; Jury's criterion for stability.
 #[derive(Clone, Node)]
-#[node(end = Front, revision = 1, role = Sea, offers(Rest, Trails), output(surface: Kind::Surface = "The sea at the frame's time."))]
+#[node(
+    end = Front,
+    revision = 1,
+    role = Sea,
+    offers(Rest, Trails, StabilityMap),
+    output(surface: Kind::Surface = "The sea at the frame's time.")
+)]
 pub(crate) struct ToonSea {
-    /// Cells along x.
+    /// Number of cells along x.
     #[knob(default = 256, range = 2..=2048, scales)]
     columns: i64,
-    /// Cells along z.
+    /// Number of cells along z.
     #[knob(default = 256, range = 2..=2048, scales)]
     rows: i64,
-    /// Distance of cells.
+    /// Distance between cells.
     #[knob(default = 0.15, range = 1e-4..=1e4, unit = "m")]
     spacing: f64,
     /// World x of the grid's first cell.
@@ -49,72 +55,74 @@ pub(crate) struct ToonSea {
     /// World y of the sea at rest.
     #[knob(default = 0.0, range = -1e5..=1e5, unit = "m")]
     pub(super) level: f64,
-    /// How heights move.
+    /// Method of the simulation: "resampled" and "literal" use c1 and c2; "physical" uses speed, damping and
+    /// frequency.
     mode: Mode,
-    /// What lies beyond the grid.
+    /// Behavior at the grid's edges: "replicate" repeats the edge cells, so that waves are reflected; "periodic" wraps
+    /// around to the opposite edge; "fixed" keeps the water beyond at rest, so that waves are reflected upside down.
     boundary: Beyond,
-    /// Weight of the neighbors and of the step before.
+    /// Weight of the neighbors and of the previous step.
     #[knob(default = 0.3, range = -1.0..=1.0)]
     c1: f64,
-    /// Weight of the height itself.
+    /// Weight of the cell's own height.
     #[knob(default = 0.65, range = -2.0..=2.0)]
     c2: f64,
-    /// Steps a second at which bursts act; "literal" has 60.
+    /// Number of steps per second at which bursts act; "literal" always takes 60.
     #[knob(default = 60.0, range = 1.0..=1000.0, unit = "Hz")]
     rate: f64,
-    /// Speed of waves, mode "physical".
+    /// Speed of waves, for mode "physical".
     #[knob(default = 6.0, range = 0.0..=1e6, unit = "m/s")]
     speed: f64,
-    /// Damping γ, mode "physical".
+    /// Damping γ, for mode "physical".
     #[knob(default = 16.0, range = 0.0..=1e6, unit = "1/s")]
     damping: f64,
-    /// Pull back to rest ω₀, mode "physical".
+    /// Angular frequency ω₀ of the pull back to rest, for mode "physical".
     #[knob(default = 16.0, range = 0.0..=1e6, unit = "rad/s")]
     frequency: f64,
-    /// Acceleration for each meter of a burst, mode "physical"; ω₀² if unset.
+    /// Acceleration per meter of a burst's height, for mode "physical"; if unset, ω₀².
     #[knob(range = -1e12..=1e12, unit = "1/s²")]
     push: Option<f64>,
-    /// Steps that the sea has run at the first frame.
+    /// Number of steps simulated before the first frame.
     #[knob(default = 120, range = 0..=100_000)]
     preroll: i64,
-    /// Profile as meant, or as printed: cos(min(p|u−x|/r, π) + 1).
+    /// Profile of bursts: "intended", or "literal", as printed: cos(min(p|u−x|/r, π) + 1).
     burst: Profile,
-    /// Share of a burst that a step adds; 1 − c1 − c2 if unset, 1 of "literal" bursts.
+    /// Share of a burst that a step adds; if unset, 1 − c1 − c2, or 1 for "literal" bursts.
     #[knob(range = -1e6..=1e6)]
     injection: Option<f64>,
-    /// Radii along and across the heading; otherwise along x and z.
+    /// Orients the radii along and across the heading; otherwise they lie along x and z.
     #[knob(default = true)]
     oriented: bool,
-    /// Distance d from a burst up to which it leaves foam.
+    /// Distance d from a burst within which it leaves foam.
     #[knob(default = 1.5, range = 1e-6..=1e6, unit = "m")]
     rift_distance: f64,
-    /// What a step adds to the rift for each meter nearer than d: k.
+    /// Gain k: amount that a step adds to the rift for each meter closer than d.
     #[knob(default = 0.02, range = 0.0..=1e6, unit = "1/m")]
     rift_gain: f64,
-    /// What a step takes from the rift: it is divided by 1 + ε.
+    /// Decay ε: each step divides the rift by 1 + ε.
     #[knob(default = 0.01, range = 0.0..=1e3)]
     rift_decay: f64,
-    /// Whether every burst adds to the rift, or the nearest alone.
+    /// Combination of bursts in the rift: "sum" adds all bursts, "nearest" only the nearest one.
     rift: Joined,
-    /// Distance of drift lines.
+    /// Distance between drift lines.
     #[knob(default = 0.8, range = 1e-6..=1e6, unit = "m")]
     line_distance: f64,
-    /// How far lines along the path fall back to the side.
+    /// Distance by which drift lines are swept back, per meter to the side of the path.
     #[knob(default = 0.35, range = -1e3..=1e3, unit = "m/m")]
     line_sweep: f64,
-    /// What a step takes from the weight of drift lines.
+    /// Decay of drift lines: each step divides their weight by 1 + this value.
     #[knob(default = 0.02, range = 0.0..=1e3)]
     line_decay: f64,
-    /// What a burst takes in a step from lines that it overtakes.
+    /// Replacement of older drift lines by a burst: at each step, its middle divides their weight by 1 + this value.
     #[knob(default = 0.5, range = 0.0..=1e3)]
     line_renewal: f64,
-    /// Bursts set one by one.
+    /// Individual bursts.
     #[list(0..=10_000)]
     bursts: Vec<Burst>,
-    /// Guides: each a burst and its noisy copies side by side.
+    /// Guides: each is a burst with randomized copies side by side.
     #[list(0..=100)]
     guides: Vec<Guide>,
-    /// What floats along: it presses the water down, heaps it up before its bow, and leaves a wake.
+    /// Floating bodies: each presses the water down, heaps it up in front of its bow, and leaves a wake.
     #[list(0..=1000)]
     bodies: Vec<Afloat>,
 }
@@ -146,7 +154,7 @@ enum Joined {
 }
 
 impl ToonSea {
-    /// Its least and greatest x, z.
+    /// Returns the least and greatest x, z of the grid.
     pub(super) fn extent(&self) -> [[f64; 2]; 2] {
         let side = |cells: i64| (cells as f64 - 1.0) * self.spacing;
         [[self.x, self.z], [self.x + side(self.columns), self.z + side(self.rows)]]
@@ -209,7 +217,7 @@ impl ToonSea {
         }
     }
 
-    /// The sea that the knobs describe.
+    /// Returns the sea that the knobs describe.
     fn sea(&self) -> Result<model::ToonSea, ToonError> {
         let mut bursts: Vec<model::Burst> = self.bursts.iter().map(Burst::burst).collect();
         bursts.extend(self.guides.iter().flat_map(Guide::bursts));
@@ -220,7 +228,7 @@ impl ToonSea {
         model::ToonSea::new(self.basin(), self.motion(), self.behavior(), bursts)
     }
 
-    /// The list that a burst comes from, by its place among all.
+    /// Returns the list that a burst comes from, given its index among all bursts.
     fn list_of(&self, burst: usize) -> ItemName {
         let guided = self.bursts.len() + self.guides.iter().map(Guide::count).sum::<usize>();
         match burst {
@@ -230,7 +238,7 @@ impl ToonSea {
         }
     }
 
-    /// The knob or list that a figure comes from.
+    /// Returns the knob or list that a figure comes from.
     fn item_of(&self, figure: ToonFigure, burst: Option<usize>) -> ItemName {
         match (figure, burst) {
             (_, Some(burst)) => self.list_of(burst),
@@ -250,7 +258,7 @@ impl ToonSea {
             (ToonFigure::DriftLag, None) => Self::LINE_SWEEP,
             (ToonFigure::DriftDecay, None) => Self::LINE_DECAY,
             (ToonFigure::DriftRenewal, None) => Self::LINE_RENEWAL,
-            // Guides alone make that many.
+            // Only guides can make that many.
             (ToonFigure::Bursts, None) => Self::GUIDES,
             (ToonFigure::BodyLength | ToonFigure::BodyBeam | ToonFigure::BodyDraught, None) => Self::BODIES,
             (
@@ -268,7 +276,7 @@ impl ToonSea {
         }
     }
 
-    /// Reports why there is no such sea.
+    /// Reports why the knobs do not describe a sea.
     fn report(&self, error: &ToonError, check: &mut Check<'_>) {
         let (item, remedy) = match error {
             ToonError::Range { figure, burst, .. } => (self.item_of(*figure, *burst), "change it".into()),
@@ -277,12 +285,13 @@ impl ToonSea {
         check.error(item, error.found(), error.expected(), remedy);
     }
 
-    /// What to do about coefficients that are refused: the nearest that are not, or the waves that cannot be unstable.
+    /// Returns the remedy for refused coefficients: the nearest stable ones, or mode "physical", which cannot be
+    /// unstable.
     fn coefficients(&self) -> String {
         let (mixing, basin) = (self.mixing(), self.basin());
         let (nearest, mut advice) = match Instability::check(mixing, &basin) {
             Err(Instability { nearest: [c1, c2], .. }) => {
-                (Mixing { c1, c2 }, format!("set \"c1\" {c1}, \"c2\" {c2}, the nearest that are stable"))
+                (Mixing { c1, c2 }, format!("set \"c1\" {c1}, \"c2\" {c2}, the nearest stable values"))
             }
             Ok(()) => (mixing, "keep them".into()),
         };
@@ -296,27 +305,27 @@ impl ToonSea {
         }
         let Physics { speed, damping, frequency, .. } = nearest.continuum(basin.spacing);
         format!(
-            "{advice}; or set \"mode\" \"physical\", which is stable whatever its numbers: the same waves are about \
-             \"speed\" {speed:.3}, \"damping\" {damping:.2}, \"frequency\" {frequency:.2}"
+            "{advice}; or set \"mode\" \"physical\", which is always stable; the same waves have about \"speed\" \
+             {speed:.3}, \"damping\" {damping:.2}, \"frequency\" {frequency:.2}"
         )
     }
 }
 
-/// Warns of a level sea that nothing holds and nothing brakes.
+/// Warns about a level sea with neither damping nor a restoring force.
 fn check_free(sea: &model::ToonSea, check: &mut Check<'_>) {
     if !Forecast::new(sea.motion(), sea.basin()).bounded {
-        let found = "damping 0 and frequency 0: a level sea goes on for ever as bursts push it";
+        let found = "damping 0 and frequency 0, so the sea's level drifts without limit once bursts push it";
         let remedy = "raise \"damping\" or \"frequency\"";
-        check.warning(ToonSea::DAMPING, found, "something that brakes it or pulls it back", remedy);
+        check.warning(ToonSea::DAMPING, found, "damping or a restoring force", remedy);
     }
 }
 
-/// Warns of a sea that lies still.
+/// Warns about a sea without waves.
 fn check_bursts(sea: &model::ToonSea, check: &mut Check<'_>) {
-    let remedy = "give \"guides\" or \"bursts\" with a \"path\" on the grid";
+    let remedy = "add \"guides\" or \"bursts\" with a \"path\" on the grid";
     if sea.bursts().is_empty() {
-        let found = "no bursts, guides or bodies: the sea lies still";
-        return check.warning(ToonSea::BURSTS, found, "something that raises waves", remedy);
+        let found = "no bursts, guides or bodies, so the sea is flat";
+        return check.warning(ToonSea::BURSTS, found, "at least one of them", remedy);
     }
     let basin = sea.basin();
     let sides = [basin.columns, basin.rows].map(|cells| (cells - 1) as f64 * basin.spacing);
@@ -330,7 +339,7 @@ fn check_bursts(sea: &model::ToonSea, check: &mut Check<'_>) {
     };
     if basin.boundary != Boundary::Periodic && sea.bursts().iter().all(misses) {
         let [x, z] = sides;
-        let found = format!("every path beside the grid of {x:.2} × {z:.2} m: the sea lies still");
+        let found = format!("every path outside the grid of {x:.2} × {z:.2} m, so the sea is flat");
         let item = if sea.bursts().len() > 1 { ToonSea::GUIDES } else { ToonSea::BURSTS };
         check.warning(item, found, "a path over the grid", remedy);
     }
@@ -348,14 +357,14 @@ impl Node for ToonSea {
     }
 
     fn work(&self, _format: Format, time: f64) -> Option<Work> {
-        // A step, a cell of it, and a burst in it.
+        // Seconds per step, per cell, and per burst.
         const STEP: f64 = 2e-5;
         const CELL: f64 = 6e-10;
         const BURST: f64 = 2e-7;
         let sea = self.sea().ok()?;
         let step = STEP + CELL * sea.basin().cells() as f64 + BURST * sea.bursts().len() as f64;
-        let remedy = "lower \"preroll\", \"columns\" or \"rows\", have fewer bursts or let them end sooner; or begin \
-                      at an earlier frame: the first one takes all steps up to it, each after that only its own";
+        let remedy = "lower \"preroll\", \"columns\" or \"rows\", or use fewer or shorter bursts; or start at an \
+                      earlier frame: the first frame simulates all steps up to it, later ones only their own";
         Some(Work { seconds: sea.steps_to(time) as f64 * step, item: Self::PREROLL, remedy })
     }
 
@@ -399,14 +408,14 @@ impl Stage for ToonSea {
     }
 
     fn memory(&self, reckoning: &Reckoning<'_>) -> MemoryUse {
-        // Heights and the simulation's fields, of trails as well where a view asks for them.
+        // Heights and the fields of the simulation, including trails in case a view requests them.
         const CELL: u64 = 64;
         let cells = (self.columns * self.rows).max(0) as u64;
         memory::of_grid(cells, CELL, reckoning)
     }
 
     fn prepare(&self, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
-        let sea = self.sea().map_err(NodeError::new)?;
+        let sea = self.sea()?;
         let place = Place {
             columns: sea.basin().columns,
             spacing: sea.basin().spacing,

@@ -1,38 +1,38 @@
-//! WaterlineFoam: foam where something pierces the water, or lies shallow under it.
+//! WaterlineFoam: foam where objects pierce the water or lie just below it.
 
 use super::check_same_camera;
-use crate::bounds::{Span, bound_by, known};
 use trochoid_graph::*;
 
-/// A mask of foam along the lines where things stand in the water: where what lies behind it is near.
+/// A mask of foam along waterlines: where an object is close behind or below the water's surface.
 ///
 /// # Formula
-/// t = (d' − d)/(distance·(1 + edge)), d and d' the depths of `view` and `behind`, or how far the water stands above
-/// what is behind it; the mask is 1 up to t = `solid` and falls to 0 at t = 1.
+/// t = (d' − d)/(distance·(1 + edge)), with d and d' the depths of `view` and `behind`; with `measure` height, d' − d
+/// is the height of the water above what is behind it. The mask is 1 up to t = `solid` and falls to 0 at t = 1.
 ///
 /// # Edge cases
-/// 0 where `view` sees no water, where the water is hidden by what `behind` sees, where nothing lies behind it, and
-/// where 1 + edge ≤ 0. `solid` 1 is a line with a hard edge: the source's line is distance 0.7, solid 1. A `view` that
-/// holds the things too sees foam all over them: view the water alone.
+/// 0 where `view` sees no water, where something in `behind` hides the water, where nothing lies behind it, and where
+/// 1 + edge ≤ 0. `solid` 1 gives a line with a hard edge; the source's line is distance 0.7, solid 1. If `view` also
+/// contains the objects, foam covers all of them: use a view of the water alone.
 ///
 /// # Source
 /// Creation of a cartoon shader of water for the web, part 2: foamLine = clamp(screenDepth − worldDepth, 0, 1).
 #[derive(Clone, Node)]
 #[node(end = Front, revision = 1, output(mask: Kind::MASK = "The foam."))]
 pub(crate) struct WaterlineFoam {
-    /// The water alone.
+    /// View of the water alone.
     view: One<port::View>,
-    /// The same without the water, by the same camera.
+    /// View of the other surfaces without the water, by the same camera.
     behind: One<port::View>,
-    /// How much wider the foam is, as a share: noise that evolves makes a ragged, lively edge. By default 0.
+    /// Relative widening of the foam; animated noise makes a ragged, lively edge. 0 if not connected.
     edge: Optional<port::Scalar>,
-    /// How far behind the water things still make foam.
+    /// Maximum distance behind the water at which objects make foam.
     #[knob(default = 1.0, range = 1e-9..=1e9, unit = "m")]
     distance: f64,
-    /// Share of the distance up to which foam covers everything.
+    /// Share of the distance up to which foam is solid.
     #[knob(default = 0.0, range = 0.0..=1.0)]
     solid: f64,
-    /// Of what the distance is: along the view, as in the source, or straight down, alike from every side.
+    /// Direction of the distance: "depth" measures along the view, as in the source; "height" measures straight down,
+    /// the same from every side.
     measure: Measure,
 }
 
@@ -43,7 +43,7 @@ enum Measure {
 }
 
 impl WaterlineFoam {
-    /// Of the water, and of what lies behind it.
+    /// Returns the views of the water and of the surfaces behind it.
     fn views(&self) -> [&One<port::View>; 2] {
         [&self.view, &self.behind]
     }
@@ -53,8 +53,8 @@ impl Node for WaterlineFoam {
     fn check(&self, check: &mut Check<'_>) {
         check_same_camera(self.views(), check);
         if *self.view == *self.behind {
-            let found = "the same view as \"view\": nothing lies behind itself, and all of it would be foam";
-            let remedy = "connect a Render of the same camera with all surfaces but the water";
+            let found = "the same view as \"view\", so foam would cover everything";
+            let remedy = "connect a Render with the same camera and all surfaces but the water";
             check.error(Self::BEHIND, found, "a view without the water", remedy);
         }
     }
@@ -93,7 +93,8 @@ struct Foam {
 }
 
 impl Foam {
-    /// The mask at one sample: depths of the water and of what lies behind it, how far apart they are, and the edge.
+    /// Returns the mask at one sample, given the depths of the water and of what lies behind it, their distance apart,
+    /// and the edge.
     fn mask(self, [water, behind]: [f64; 2], apart: f64, edge: f64) -> f64 {
         let reach = self.distance * (1.0 + edge).max(0.0);
         // Depth is +∞ where nothing is seen.
@@ -110,7 +111,7 @@ impl Foam {
         }
     }
 
-    /// What the mask may be, where all that it is made of may lie anywhere in spans.
+    /// Returns the range of the mask for inputs that lie anywhere in the given spans.
     fn span(self, [water, behind]: [Span; 2], apart: Span, edge: Span) -> Span {
         if water.low == f64::INFINITY || behind.low == f64::INFINITY || behind.high < water.low {
             return Span::exactly(0.0);
@@ -118,7 +119,7 @@ impl Foam {
         if apart.low.is_nan() || apart.high.is_nan() || edge.low.is_nan() || edge.high.is_nan() {
             return Span::unclear(0.0, 1.0);
         }
-        // Depths of which the water is the nearer one: foam rises with the edge and falls with what lies between.
+        // Depths with the water in front: foam rises with the edge and falls with the distance.
         let nearer = [0.0, 1.0];
         let lost = LOST * (apart.low.abs() + apart.high.abs()).min(f64::MAX);
         let [thin, thick] = [apart.high + lost, apart.low - lost];
@@ -133,7 +134,7 @@ impl Foam {
     }
 }
 
-/// What rounding loses of a share.
+/// Rounding error of a share.
 const LOST: f64 = 1e-15;
 
 struct PreparedFoam {
@@ -162,10 +163,10 @@ impl Prepared for PreparedFoam {
     }
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
-        bound_by(bounding, outputs, (Only, 0), |sample| {
+        bounding.bound_by(outputs, (Only, 0), |sample| {
             let of = |channel: Channel| {
                 let background = Span::exactly(f64::from(channel.background()));
-                let known = |view| known(bounding, view, channel as usize, sample).unwrap_or(background);
+                let known = |view| bounding.known(view, channel as usize, sample).unwrap_or(background);
                 self.node.views().map(known)
             };
             let depths = of(Channel::Depth);
@@ -176,7 +177,7 @@ impl Prepared for PreparedFoam {
                     above - below
                 }
             };
-            self.foam.span(depths, apart, known(bounding, &self.node.edge, 0, sample).unwrap_or(Span::exactly(0.0)))
+            self.foam.span(depths, apart, bounding.known(&self.node.edge, 0, sample).unwrap_or(Span::exactly(0.0)))
         });
         Ok(())
     }
@@ -215,7 +216,7 @@ mod tests {
             )
         };
         let faults = refused("weights", &nodes("41"));
-        assert!(faults.contains("views of two cameras") && faults.contains("connect the camera of"), "{faults}");
+        assert!(faults.contains("views by different cameras") && faults.contains("connect the camera of"), "{faults}");
         assert!(graph("weights", &nodes("40"), Path::new(".")).is_ok(), "two nodes that are the same camera");
     }
 
@@ -225,7 +226,7 @@ mod tests {
             "v": { "type": "Render", "camera": "c", "surfaces": ["s"] },
             "out": { "type": "WaterlineFoam", "view": "v", "behind": "v" }"#;
         let faults = refused("weights", nodes);
-        assert!(faults.contains("nothing lies behind itself") && faults.contains("but the water"), "{faults}");
+        assert!(faults.contains("foam would cover everything") && faults.contains("but the water"), "{faults}");
     }
 
     #[test]

@@ -1,15 +1,14 @@
-//! What filters of a view read: a pixel and those around it.
+//! Neighborhood access for filters of a view: a pixel and its neighbors.
 
-use crate::bounds::{Span, certain};
-use trochoid_graph::{Bounding, Channel, Connection, Inputs, One, References, port};
+use trochoid_graph::{Bounding, Channel, Connection, Inputs, One, References, Span, port};
 use trochoid_image::Window;
 
-/// A window that reaches so many pixels farther on each side.
+/// Returns a window grown by a number of pixels on each side.
 pub(crate) fn grown(window: Window, by: i64) -> Window {
     Window::new(window.x0 - by, window.y0 - by, window.x1 + by, window.y1 + by)
 }
 
-/// The planes of the view around a block; beyond the image the nearest pixel repeats.
+/// The planes of the view around a block; beyond the image, the nearest pixel repeats.
 pub(crate) struct Around<'a> {
     view: &'a Connection<'a>,
 }
@@ -19,7 +18,7 @@ impl<'a> Around<'a> {
         Self { view: &inputs.all(view)[0] }
     }
 
-    /// Where a pixel stands in the planes.
+    /// Returns the index of a pixel in the planes.
     pub(crate) fn index(&self, x: i64, y: i64) -> usize {
         let window = self.view.window;
         let column = x.clamp(window.x0, window.x1 - 1) - window.x0;
@@ -27,12 +26,12 @@ impl<'a> Around<'a> {
         row as usize * window.width() + column as usize
     }
 
-    /// A row of a plane, from one column up to another.
+    /// Copies a range of columns of one row of a plane.
     #[cfg(feature = "sea")]
     pub(crate) fn row(&self, plane: &[f32], y: i64, columns: std::ops::Range<i64>, row: &mut Vec<f32>) {
         row.clear();
         let Window { x0, x1, .. } = self.view.window;
-        // Columns within the plane lie side by side.
+        // Columns within the plane are contiguous.
         let (first, end) = (columns.start.max(x0), columns.end.min(x1));
         if first < end {
             row.extend((columns.start..first).map(|x| plane[self.index(x, y)]));
@@ -43,12 +42,12 @@ impl<'a> Around<'a> {
         }
     }
 
-    /// The number of samples in a plane.
+    /// Returns the number of samples in a plane.
     pub(crate) fn area(&self) -> usize {
         self.view.window.area()
     }
 
-    /// A channel that the node asks for.
+    /// Returns a channel that the node asks for.
     #[cfg(feature = "sea")]
     pub(crate) fn whole(&self, channel: Channel) -> &'a [f32] {
         self.plane(channel).unwrap_or_default()
@@ -58,7 +57,8 @@ impl<'a> Around<'a> {
         self.view.planes[channel as usize]
     }
 
-    /// The index of the surface seen by each sample, −1 where none is; one surface where the view tells them not apart.
+    /// Returns the index of the surface seen by each sample, −1 where none is seen. Views that do not distinguish
+    /// surfaces count as one surface.
     pub(crate) fn surfaces(&self) -> Vec<f32> {
         let coverage = self.plane(Channel::Coverage).unwrap_or_default();
         match self.plane(Channel::Surface) {
@@ -70,29 +70,29 @@ impl<'a> Around<'a> {
     }
 }
 
-/// The index of the surface that a sample sees, as [`Around::surfaces`].
+/// Returns the index of the surface that a sample sees, as in [`Around::surfaces`].
 pub(crate) fn surface_of(inputs: &References<'_>, view: &One<port::View>) -> f64 {
     let channel = |channel: Channel| inputs.view(view, channel);
-    // Views that do not tell surfaces apart hold the background's −1.
+    // Views that do not distinguish surfaces hold the background's −1.
     if channel(Channel::Coverage) > 0.0 { channel(Channel::Surface).max(0.0) } else { -1.0 }
 }
 
-/// The surface that a sample may see, as [`Around::surfaces`]; anything where that is not certain.
+/// Returns the span of the surface indices that a sample may see, as in [`Around::surfaces`]; any index if uncertain.
 pub(crate) fn may_see(bounding: &Bounding<'_>, view: &One<port::View>, sample: usize) -> Span {
     let [coverage, surface] =
-        [Channel::Coverage, Channel::Surface].map(|channel| certain(bounding, view, channel, sample));
+        [Channel::Coverage, Channel::Surface].map(|channel| bounding.certain(view, channel, sample));
     if coverage.high <= 0.0 {
         Span::exactly(-1.0)
     } else if coverage.low > 0.0 && surface.low == surface.high {
-        // Views that do not tell surfaces apart hold the background's −1.
+        // Views that do not distinguish surfaces hold the background's −1.
         Span::exactly(surface.low.max(0.0))
     } else {
         Span::unclear(-1.0, f64::INFINITY)
     }
 }
 
-/// The change of a value along an axis, of the values before, at and after a sample of those that belong to the same
-/// surface: half the way across, or from the middle to the one side that there is; `None` where there is none.
+/// Returns the change of a value along an axis, given the values before, at and after a sample, where they belong to
+/// the same surface: a central difference, or a one-sided one if only one neighbor exists; `None` without neighbors.
 pub(crate) fn change<T: Copy + std::ops::Sub<Output = T> + std::ops::Mul<f64, Output = T>>(
     before: Option<T>,
     here: T,

@@ -1,12 +1,12 @@
-//! Layers of clouds: where rays pass through them, and how dense they are.
+//! Cloud layers: their intersection with rays, and their density.
 
-use crate::field::{Noise, Octave};
 use crate::view::ramp;
+use trochoid_field::{Noise, Octave};
 use trochoid_scene::{DVec3, Ray};
 
-/// By how many times the parts of a slanting ray may be more than those of one straight up.
+/// Maximum number of parts of a slanting ray, relative to a vertical one.
 pub(crate) const MORE_STEPS: f64 = 6.0;
-/// How much a layer sinks below a level plane at a distance, in meters by meter squared: as on the Earth.
+/// Sinking of a layer below a level plane, in meters per squared meter of distance: that of the Earth.
 pub(crate) const BEND: f64 = 0.5 / 6_371_000.0;
 /// Standard deviation of one octave of gradient noise in space.
 const DEVIATION: f64 = 0.25;
@@ -15,29 +15,30 @@ const DEVIATION: f64 = 0.25;
 pub(crate) struct Layer {
     pub(crate) base: f64,
     pub(crate) thickness: f64,
-    /// Noise at which the middle of the layer begins to hold clouds.
+    /// Noise value above which the middle of the layer holds clouds.
     pub(crate) sparse: f64,
     pub(crate) softness: f64,
     pub(crate) rounding: f64,
     pub(crate) opacity: f64,
     pub(crate) noise: Noise,
-    /// Where the wind blows, x and z.
+    /// Direction of the wind, x and z.
     pub(crate) wind: [f64; 2],
     pub(crate) stretch: f64,
-    /// How far it has blown, in meters.
+    /// Distance that the wind has moved the clouds, in meters.
     pub(crate) moved: f64,
 }
 
 impl Layer {
-    /// The first stretch of a ray within the layer, at most `limit` away, where the layer sinks by `bend`·distance².
+    /// Returns the first segment of a ray within the layer, no farther than `limit`, for a layer that sinks by
+    /// `bend`·distance².
     ///
-    /// Over the layer's plane the ray's height is y + d·t + b·t², b the bend by its horizontal part: a parabola that
-    /// never sinks where d ≥ 0. One that sinks from below a layer meets the ground first, not the layer.
+    /// Above the layer's plane, the ray's height is y + d·t + b·t², with b the bend times the squared horizontal part:
+    /// a parabola that never sinks if d ≥ 0. A ray that sinks from below a layer meets the ground before the layer.
     pub(crate) fn span(&self, ray: &Ray, bend: f64, limit: f64) -> Option<[f64; 2]> {
         let d = ray.direction;
         let b = bend * (d.x * d.x + d.z * d.z);
         let (over, under) = (ray.origin.y - self.base, ray.origin.y - self.base - self.thickness);
-        // Where the height is 0 that begins at c: going up, and the first time and the last going down.
+        // Distances at which a height that starts at c reaches 0: going up, and the first and last time going down.
         let root = |c: f64| libm::sqrt(d.y * d.y - 4.0 * b * c);
         let up = |c: f64| if c >= 0.0 { 0.0 } else { -2.0 * c / (d.y + root(c)) };
         let down = |c: f64| if c <= 0.0 { 0.0 } else { 2.0 * c / (root(c) - d.y) };
@@ -47,28 +48,28 @@ impl Layer {
             return None;
         } else {
             let out = down(over);
-            // One that does not reach the base leaves by the top.
+            // A ray that does not reach the base leaves through the top.
             (down(under), if out.is_nan() { (root(under) - d.y) / (2.0 * b) } else { out })
         };
-        // A ray that stays in the layer, or passes over it, has no such place: a quotient by 0, or no number.
+        // For a ray that stays in the layer, or passes above it, this is a division by 0, or NaN.
         let far = if far.is_nan() { return None } else { far.min(limit) };
         (far > near).then_some([near, far])
     }
 
-    /// The place of a point in the noise, at a height over the bent plane.
+    /// Returns the position of a point in the noise, given its height above the bent plane.
     pub(crate) fn place(&self, point: DVec3, height: f64) -> [f64; 3] {
         let [x, z] = self.wind;
         [(point.x * x + point.z * z - self.moved) / self.stretch, height, point.z * x - point.x * z]
     }
 
-    /// A ray's stretch within the layer in parts.
+    /// Cuts a ray's segment within the layer into parts.
     pub(crate) fn cut(&self, [near, far]: [f64; 2], steps: usize) -> Cut {
         let count = steps as f64 * ((far - near) / self.thickness).clamp(1.0, MORE_STEPS);
         Cut { near, part: (far - near) / count, count }
     }
 
-    /// How far the noise may lie off what a footprint leaves of it, to either side, as if evenly spread: √3 times the
-    /// standard deviation of what is lost.
+    /// Returns the largest deviation of the noise from what remains of it at a footprint, as if evenly distributed: √3
+    /// times the standard deviation of the detail lost.
     pub(crate) fn spread(&self, footprint: f64) -> f64 {
         let lost = |octave: &Octave| {
             let t = (2.0 - 2.0 * footprint * octave.frequency).clamp(0.0, 1.0);
@@ -78,8 +79,8 @@ impl Layer {
         DEVIATION * libm::sqrt(3.0 * self.noise.octaves.iter().map(lost).sum::<f64>())
     }
 
-    /// The mean density where the noise at a height lies within `spread` of `noise`. Without it, what is too far to be
-    /// told apart would be no cloud at all, or nothing else.
+    /// Returns the mean density where the noise at a height lies within `spread` of `noise`. Without the spread,
+    /// unresolved distant clouds would vanish or fill the sky.
     pub(crate) fn density(&self, noise: f64, height: f64, spread: f64) -> f64 {
         let below = (height - self.base) / self.thickness;
         if !(0.0..=1.0).contains(&below) {
@@ -90,7 +91,7 @@ impl Layer {
         if spread < 1e-6 {
             return ramp(noise, from, self.softness);
         }
-        // The ramp's integral up to a place.
+        // The ramp's integral up to x.
         let integral = |x: f64| match x {
             x if x <= 0.0 => 0.0,
             x if x < self.softness => 0.5 * x * x / self.softness,
@@ -101,8 +102,8 @@ impl Layer {
     }
 }
 
-/// A stretch of a ray in parts: their number need not be whole, so that nothing jumps from ray to ray; the last one
-/// is the shorter.
+/// A segment of a ray, cut into parts. Their number need not be whole, so that it varies continuously from ray to ray;
+/// the last part is shorter.
 #[derive(Clone, Copy)]
 pub(crate) struct Cut {
     near: f64,
@@ -111,7 +112,7 @@ pub(crate) struct Cut {
 }
 
 impl Cut {
-    /// The middle of a part and its length, while there are any.
+    /// Returns the middle and the length of a part; `None` past the last one.
     pub(crate) fn at(self, step: usize) -> Option<(f64, f64)> {
         let step = step as f64;
         let share = (self.count - step).min(1.0);
@@ -122,9 +123,9 @@ impl Cut {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::field::{Axes, NoiseKind};
+    use trochoid_field::{Axes, NoiseKind};
 
-    /// A layer without noise.
+    /// Returns a layer without noise.
     fn layer(base: f64, thickness: f64) -> Layer {
         let axes = Axes { scale: 1e3, octaves: 1, lacunarity: 2.0, gain: 0.5, seed: 1 };
         Layer {
@@ -149,12 +150,12 @@ mod tests {
             direction: DVec3::new(0.0, up, -1.0).normalize(),
         };
         let span = |from: f64, up: f64| layer.span(&ray(from, up), BEND, 1e7);
-        // Straight up as over a plane, and at the horizon where the Earth hides what is higher.
+        // Straight up the ray meets the layer as over a plane; at the horizon, the Earth hides anything higher.
         let up = Ray { origin: DVec3::ZERO, direction: DVec3::Y };
         assert_eq!(layer.span(&up, BEND, 1e7), Some([900.0, 1300.0]));
         let [near, far] = span(0.0, 0.0).unwrap();
         assert!((near - (900.0 / BEND).sqrt()).abs() < 1e-6 && (far - (1300.0 / BEND).sqrt()).abs() < 1e-6);
-        // Nothing jumps on the way down to it, and below it there is nothing.
+        // The segment changes continuously down to the horizon; below it, there is none.
         let mut before = near;
         for step in 0..2000 {
             let [near, far] = span(0.0, f64::from(step) * 1e-5).unwrap();
@@ -162,7 +163,7 @@ mod tests {
             before = near;
         }
         assert_eq!(span(0.0, -1e-9), None);
-        // Within and above: down to the base, or out by the top where the ray does not get there.
+        // From within and above: down to the base, or out through the top if the ray does not reach the base.
         let [near, far] = span(1000.0, -0.1).unwrap();
         assert!(near == 0.0 && (far - 100.0 / 0.0995).abs() < 10.0, "{far}");
         let [near, far] = span(1000.0, -1e-4).unwrap();
@@ -170,7 +171,7 @@ mod tests {
         assert!(span(5000.0, -0.2).is_some_and(|[near, far]| near > 18_000.0 && far > near));
         assert_eq!(span(5000.0, -1e-4), None, "it passes over the layer");
         assert_eq!(span(5000.0, 0.1), None);
-        // Without a bend, as planes.
+        // Without a bend, layers are planes.
         assert_eq!(layer.span(&ray(1000.0, 0.0), 0.0, 500.0), Some([0.0, 500.0]));
         assert_eq!(layer.span(&ray(0.0, 0.0), 0.0, 500.0), None);
         assert_eq!(layer.span(&ray(0.0, -0.5), 0.0, 500.0), None);

@@ -1,114 +1,117 @@
 //! Clouds: layers of procedural density, lit by a light.
 
 use super::cloud_layers::{BEND, Cut, Layer, MORE_STEPS};
-use crate::field::{Axes, Noise, NoiseKind, noise_reference};
+use trochoid_field::{Axes, Noise, NoiseKind};
 use trochoid_graph::*;
 use trochoid_image::Format;
 use trochoid_scene::{Camera, DVec3, Light, Projector, Ray};
 
-/// Layers of clouds with volume, lit by a light: dark where they are thick, silver at edges near the light.
+/// Volumetric cloud layers lit by a light: dark where they are thick, with silver edges in front of the light.
 ///
 /// # Formula
-/// D = ramp((n − θ)/`softness`), θ = 1 − 2·`cover` + `rounding`·(2q − 1)², with gradient noise n and the share q of the
-/// layer's thickness H below, its mean where n is finer than is seen. A ray's way w in a layer has `steps`·min(max(w/H, 1),
-/// 6) parts; each, s long, covers a = 1 − exp(−`opacity`·D·s/H) of what lies behind. It shines with b = exp(−`shade`·D̄)(1
-/// − `sunward`(1 − f²)), D̄ the mean of D, without what is finer than H/3, at 1/6, 1/2 and 5/6 of H toward the light, f =
-/// (1 + d · L)/2. Over all: Σ T·a·b/Σ T·a, drawn to 1 by `silver`·f¹⁶(1 − density).
+/// D = ramp((n − θ)/`softness`), θ = 1 − 2·`cover` + `rounding`·(2q − 1)², with gradient noise n and the height q
+/// within the layer as a share of its thickness H; the mean of D is used where n is finer than the footprint. A
+/// segment of length w in a layer is cut into `steps`·min(max(w/H, 1), 6) parts. Each part, of length s, covers a = 1
+/// − exp(−`opacity`·D·s/H) of what lies behind and has the brightness b = exp(−`shade`·D̄)(1 − `sunward`(1 − f²)). D̄
+/// is the mean of D, without detail finer than H/3, at 1/6, 1/2 and 5/6 of H toward the light, and f = (1 + d · L)/2.
+/// The total is Σ T·a·b/Σ T·a, moved toward 1 by `silver`·f¹⁶(1 − density).
 ///
 /// # Edge cases
-/// Without clouds density and light are 0, the depth +∞. Layers bend with the Earth (6371 km) around a perspective camera,
-/// so that they come down to the horizon. Clouds fade over the last quarter of `distance`. Layers that overlap lie behind
-/// each other as their bases do. A ray ends in a layer that leaves less than 1/500 of what lies behind.
+/// Without clouds, density and light are 0 and depth is +∞. Layers curve with the Earth (6371 km) around a perspective
+/// camera, so that they descend to the horizon. Clouds fade out over the last quarter of `distance`. Layers that
+/// overlap are stacked in the order of their bases. A ray ends in a layer once less than 1/500 of what lies behind
+/// remains visible.
 ///
 /// # Source
-/// Kajiya and Von Herzen, Ray Tracing Volume Densities, 1984; Schneider, The Real-Time Volumetric Cloudscapes of Horizon
-/// Zero Dawn, 2015: density toward the light, silver lining.
+/// Kajiya and Von Herzen, Ray Tracing Volume Densities, 1984; Schneider, The Real-Time Volumetric Cloudscapes of
+/// Horizon Zero Dawn, 2015: density toward the light, silver lining.
 #[derive(Clone, Node)]
 #[node(end = Front, revision = 2, outputs = Out)]
 pub(crate) struct Clouds {
-    /// From where they are seen.
+    /// Camera that sees the clouds.
     camera: One<port::Camera>,
-    /// What lights them.
+    /// Light that illuminates the clouds.
     light: One<port::Light>,
-    /// The layers.
+    /// Cloud layers.
     #[list(1..=8)]
     layers: Vec<CloudLayer>,
-    /// Into how many parts a ray straight up is cut within a layer; a slanting one into up to six times as many.
+    /// Number of parts into which a vertical ray is cut within a layer; a slanting ray is cut into up to six times as
+    /// many.
     #[knob(default = 6, range = 1..=256)]
     steps: i64,
-    /// How dark clouds are that stand in their own light.
+    /// Strength of the clouds' self-shadowing.
     #[knob(default = 2.5, range = 0.0..=100.0)]
     shade: f64,
-    /// How much darker clouds are on the other side of the sky.
+    /// Darkening of clouds in the direction opposite the light.
     #[knob(default = 0.5, range = 0.0..=1.0)]
     sunward: f64,
-    /// How bright thin edges are in front of the light.
+    /// Brightness of thin cloud edges in front of the light.
     #[knob(default = 0.6, range = 0.0..=1.0)]
     silver: f64,
-    /// Azimuth to which clouds move and along which they are stretched: 0 is +x, 90 is +z.
+    /// Azimuth toward which clouds move and along which they are stretched: 0 is +X, 90 is +Z.
     #[knob(default = 0.0, range = -360.0..=360.0, unit = "degrees")]
     wind: f64,
-    /// How far one sees.
+    /// Maximum viewing distance.
     #[knob(default = 5e5, range = 1.0..=1e7, unit = "m")]
     distance: f64,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Outputs)]
 enum Out {
-    /// How much clouds cover.
+    /// Coverage of the clouds.
     #[output(Kind::MASK)]
     Density,
-    /// How brightly what is seen of them is lit.
+    /// Brightness of the visible clouds.
     #[output(Kind::MASK)]
     Light,
-    /// Mean depth of what is seen of them, m.
+    /// Mean depth of the visible clouds, in meters.
     #[output(Kind::Field(1))]
     Depth,
 }
 
-/// A layer.
+/// One cloud layer.
 #[derive(Clone, Copy, Items)]
 struct CloudLayer {
-    /// World y of the base.
+    /// World y of the layer's base.
     #[knob(default = 1500.0, range = -1e6..=1e6, unit = "m")]
     height: f64,
-    /// From base to top.
+    /// Distance from base to top.
     #[knob(default = 500.0, range = 1e-3..=1e6, unit = "m")]
     thickness: f64,
     /// Size of the largest clouds across the wind.
     #[knob(default = 2000.0, range = 1e-3..=1e7, unit = "m")]
     scale: f64,
-    /// By how much they are longer along the wind.
+    /// Factor by which clouds are longer along the wind.
     #[knob(default = 1.0, range = 1e-3..=1e3)]
     stretch: f64,
-    /// How much of the sky they cover: none at 0, all at 1.
+    /// Share of the sky that clouds cover: 0 is none, 1 is all.
     #[knob(default = 0.5, range = 0.0..=1.0)]
     cover: f64,
-    /// How gradually they begin.
+    /// Softness of the clouds' edges, as a range of noise values; 0 is a hard edge.
     #[knob(default = 0.3, range = 0.0..=2.0)]
     softness: f64,
-    /// By how much base and top hold less.
+    /// Thinning of the clouds toward the layer's base and top.
     #[knob(default = 0.5, range = 0.0..=2.0)]
     rounding: f64,
-    /// Optical depth of the layer where it is densest.
+    /// Optical depth of the layer at full density.
     #[knob(default = 6.0, range = 0.0..=1e3)]
     opacity: f64,
-    /// How many sizes of clouds.
+    /// Number of octaves of noise.
     #[knob(default = 5, range = 1..=16)]
     octaves: i64,
-    /// By what factor an octave is weaker.
+    /// Amplitude of each octave relative to the previous one.
     #[knob(default = 0.5, range = 0.0..=1.0)]
     gain: f64,
-    /// Speed of the wind.
+    /// Wind speed.
     #[knob(default = 10.0, range = -1e4..=1e4, unit = "m/s")]
     speed: f64,
-    /// Which clouds of all that have these figures.
+    /// Random seed.
     #[knob(default = 0, range = 0..=1_000_000_000)]
     seed: i64,
 }
 
 impl CloudLayer {
-    /// The layer at a time in seconds, where the wind blows along a unit vector.
+    /// Returns the layer at a time in seconds, with the wind along a unit vector.
     fn at(&self, time: f64, wind: [f64; 2]) -> Layer {
         let &Self { height, thickness, scale, stretch, cover, softness, rounding, opacity, octaves, gain, speed, seed } =
             self;
@@ -128,25 +131,25 @@ impl CloudLayer {
     }
 }
 
-/// Points toward the light at which density is looked up.
+/// Number of points toward the light at which density is sampled.
 const LIGHT_STEPS: usize = 3;
-/// What may be left of what lies behind where a ray ends.
+/// Visible remainder of the background at which a ray ends.
 const OPAQUE: f64 = 2e-3;
 /// Share of the distance over which clouds fade.
 const FADING: f64 = 0.25;
-/// Least slope of a ray that stretches what a pixel covers of a layer.
+/// Least slope of a ray for enlarging a pixel's footprint on a layer.
 const GRAZING: f64 = 0.02;
 
 impl Node for Clouds {
     fn work(&self, format: Format, _time: f64) -> Option<Work> {
-        // A lookup of a step, and what an octave adds, with those toward the light.
+        // Seconds per step, plus seconds per octave, including the samples toward the light.
         const STEP: f64 = 2e-8;
         const OCTAVE: f64 = 3e-9;
         let layer = |layer: &CloudLayer| STEP + OCTAVE * layer.octaves as f64;
         let samples = format.window().area() as f64 * f64::from(format.samples());
         let steps = 0.5 * MORE_STEPS * self.steps as f64;
         let seconds = samples * steps * self.layers.iter().map(layer).sum::<f64>();
-        let remedy = "lower \"steps\", or have fewer layers, octaves, samples or pixels";
+        let remedy = "lower \"steps\", or use fewer layers, octaves, samples or pixels";
         Some(Work { seconds, item: Self::STEPS, remedy })
     }
 
@@ -168,7 +171,7 @@ impl Stage for Clouds {
         let cameras: Vec<Camera> = prepare.handles(&self.camera)?;
         let lights: Vec<Light> = prepare.handles(&self.light)?;
         let (Some(camera), Some(light)) = (cameras.first(), lights.first()) else {
-            return Err(NodeError::new("found no camera or no light; expected one of each: connect them"));
+            return Err(BadData::new("no camera or no light", "one of each", "connect them").into());
         };
         let (sin, cos) = libm::sincos(self.wind.to_radians());
         let layer = |layer: &CloudLayer| layer.at(prepare.frame.time, [cos, sin]);
@@ -183,17 +186,17 @@ impl Stage for Clouds {
 struct PreparedClouds {
     node: Clouds,
     eye: Projector,
-    /// How much layers sink with distance, in 1/m.
+    /// Sinking of layers with distance, in 1/m.
     bend: f64,
     light: Light,
-    /// From the lowest base to the highest.
+    /// Layers in ascending order of their bases.
     layers: Vec<Layer>,
 }
 
-/// What a ray gathers in one layer or in all.
+/// Light and coverage that a ray accumulates in one layer or in all.
 #[derive(Clone, Copy)]
 struct Gathered {
-    /// What is left of what lies behind.
+    /// Transmittance T: the remaining share of what lies behind.
     left: f64,
     /// Σ T·a·b.
     light: f64,
@@ -221,57 +224,57 @@ impl Gathered {
 
 /// A point of a ray that lies in a cloud.
 struct Dense {
-    /// Index of the ray, and how far along it, and how long the part is.
+    /// Index of the ray, distance along it, and length of the part.
     ray: usize,
     at: f64,
     length: f64,
     point: DVec3,
-    /// Toward the light.
+    /// Direction toward the light.
     light: DVec3,
     density: f64,
-    /// Σ of the densities toward the light.
+    /// Sum of the densities toward the light.
     shaded: f64,
 }
 
 impl PreparedClouds {
-    /// What a sample stands for at a distance along a ray: what a pixel covers of a layer, and half of a part of the ray,
-    /// whose finer clouds would show as stripes along the horizon.
+    /// Returns the footprint of a sample at a distance along a ray: that of a pixel on the layer, but at least half of
+    /// the ray's part, because finer clouds would show as stripes along the horizon.
     fn footprint(&self, ray: &Ray, distance: f64, part: f64) -> f64 {
         let depth = distance * ray.direction.dot(self.eye.forward);
         let pixel = self.eye.pixel_size(depth) / ray.direction.y.abs().max(GRAZING).sqrt();
         pixel.max(0.5 * part)
     }
 
-    /// The share of a part of a ray, so far away, that clouds of a density cover.
+    /// Returns the share of a ray's part at a distance that clouds of a density cover.
     fn covers(&self, layer: &Layer, density: f64, part: f64, distance: f64) -> f64 {
         let left = ((self.node.distance - distance) / (FADING * self.node.distance)).clamp(0.0, 1.0);
         let fade = left * left * (3.0 - 2.0 * left);
         1.0 - libm::exp(-layer.opacity * density * fade * part / layer.thickness)
     }
 
-    /// The height of a point over a plane that sinks with the distance from the camera.
+    /// Returns the height of a point above a plane that sinks with the distance from the camera.
     fn height(&self, point: DVec3) -> f64 {
         let (x, z) = (point.x - self.eye.position.x, point.z - self.eye.position.z);
         point.y + self.bend * (x * x + z * z)
     }
 
-    /// How brightly a point shines whose mean density toward the light is `shaded`.
+    /// Returns the brightness of a point whose mean density toward the light is `shaded`.
     fn bright(&self, ray: &Ray, toward: DVec3, shaded: f64) -> f64 {
         let facing = 0.5 * (1.0 + ray.direction.dot(toward)).clamp(0.0, 2.0);
         libm::exp(-self.node.shade * shaded) * (1.0 - self.node.sunward * (1.0 - facing * facing))
     }
 
-    /// From one point toward the light to the next; nothing finer counts there.
+    /// Returns the distance between points toward the light; finer detail is left out there.
     fn light_step(layer: &Layer) -> f64 {
         layer.thickness / LIGHT_STEPS as f64
     }
 
-    /// The point so many steps toward the light.
+    /// Returns the point at a number of steps toward the light.
     fn toward(layer: &Layer, point: DVec3, light: DVec3, step: usize) -> DVec3 {
         point + light * (Self::light_step(layer) * (step as f64 + 0.5))
     }
 
-    /// Density, light and depth of what a ray gathers over all layers, the lowest first.
+    /// Returns density, light and depth accumulated by a ray over all layers, given from the lowest up.
     fn resolve(&self, ray: &Ray, by_layer: impl DoubleEndedIterator<Item = Gathered>) -> [f64; 3] {
         let join = |front: Gathered, layer: Gathered| layer.behind(front);
         let all = if ray.direction.y >= 0.0 {
@@ -290,7 +293,7 @@ impl PreparedClouds {
         [density, light + (1.0 - light) * silver, distance * ray.direction.dot(self.eye.forward)]
     }
 
-    /// What rays gather in one layer: all of them at once, step by step.
+    /// Returns what rays accumulate in one layer, advancing all rays together, step by step.
     fn gather(&self, layer: &Layer, rays: &[Ray], lit: bool, inputs: &Inputs<'_>) -> Result<Vec<Gathered>, NodeError> {
         let mut gathered = vec![Gathered::NOTHING; rays.len()];
         let mut cuts: Vec<(usize, Cut)> = (rays.iter().enumerate())
@@ -340,14 +343,14 @@ impl PreparedClouds {
         Ok(gathered)
     }
 
-    /// What a ray gathers in one layer, in f64.
+    /// Returns what a ray accumulates in one layer, in f64.
     fn gather_reference(&self, layer: &Layer, ray: &Ray) -> Gathered {
         let mut gathered = Gathered::NOTHING;
         let Some(span) = layer.span(ray, self.bend, self.node.distance) else { return gathered };
         let cut = layer.cut(span, self.node.steps as usize);
         let density = |point: DVec3, footprint: f64, spread: f64| {
             let height = self.height(point);
-            layer.density(noise_reference(&layer.noise, &layer.place(point, height), footprint), height, spread)
+            layer.density(layer.noise.reference(&layer.place(point, height), footprint), height, spread)
         };
         for (distance, length) in (0..).map_while(|step| cut.at(step)) {
             if gathered.left <= OPAQUE {
@@ -389,7 +392,7 @@ impl Prepared for PreparedClouds {
     }
 
     fn bound(&self, _bounding: &Bounding<'_>, _outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
-        Err(NoBound("its march ends, and meets layers, where what it has met says so"))
+        Err(NoBound("its rays end, and enter layers, depending on the density found so far"))
     }
 
     fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
@@ -410,7 +413,7 @@ mod tests {
     use crate::testing::frame;
     use trochoid_graph::Reference;
 
-    /// Clouds seen by a camera in the light from a direction.
+    /// Returns a document with clouds, seen by a camera and lit from a direction.
     fn clouds(camera: &str, direction: &str, layers: &str) -> String {
         format!(
             r#""camera": {{ "type": "Camera", {camera} }}, "sun": {{ "type": "Light", {direction} }},
@@ -451,7 +454,8 @@ mod tests {
                             off += usize::from(!(near || found == truth));
                         }
                     }
-                    // Hard edges may fall to either side, and a density near 0 divides rounding errors by itself.
+                    // Hard edges may fall to either side, and at densities near 0 rounding errors are divided by the
+                    // density.
                     assert!(off <= 3, "{off} of 120 differ: {nodes}");
                 }
             }

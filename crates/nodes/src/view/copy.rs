@@ -1,18 +1,18 @@
-//! Passes that hand on channels of a view as they are.
+//! Passes that copy channels of a view unchanged.
 
 use crate::sea::check_trails;
 use trochoid_graph::*;
 
-/// A node whose one output is some channels of its view.
+/// A node whose only output consists of channels of its view.
 pub(crate) trait Copies: Declare {
     /// The channels, in the order of the output's components.
     const CHANNELS: &'static [Channel];
 
-    /// Its view.
+    /// Returns the view.
     fn view(&self) -> &One<port::View>;
 }
 
-/// Such a node.
+/// Node that copies channels of a view.
 #[derive(Clone)]
 pub(crate) struct ViewCopy<T>(T);
 

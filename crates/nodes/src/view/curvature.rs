@@ -1,7 +1,6 @@
 //! Curvature: how sharply a surface bends.
 
 use super::{Around, NORMAL, POSITION, change, grown, may_see, surface_of, view_planes, view_vector};
-use crate::bounds::{Span, bound_by, certain};
 use trochoid_graph::*;
 use trochoid_image::{Format, Window};
 use trochoid_scene::DVec3;
@@ -9,23 +8,23 @@ use trochoid_scene::DVec3;
 /// The mean curvature of the surface: positive on crests, negative in troughs.
 ///
 /// # Formula
-/// H = (eG − 2fF + gE)/(2(EG − F²)), with E, F, G the products of the changes of position P from pixel to pixel, and e =
-/// Pₓ·Nₓ, g = P_y·N_y, 2f = Pₓ·N_y + P_y·Nₓ those with the changes of the normal N. A sphere of radius r seen from outside
-/// has 1/r.
+/// H = (eG − 2fF + gE)/(2(EG − F²)). E, F, G are the products of the changes of position P from pixel to pixel; e =
+/// Pₓ·Nₓ, g = P_y·N_y and 2f = Pₓ·N_y + P_y·Nₓ are those with the changes of the normal N. A sphere of radius r seen
+/// from outside has 1/r.
 ///
 /// # Edge cases
-/// 0 where nothing is seen, and where no pixel beside sees the same surface. The changes are those over `reach` pixels to
-/// both sides, so that the footprint grows with the distance, and finer bends are smoothed away; where one wave stands
-/// before another, the jump of position gives nearly 0.
+/// 0 where nothing is seen, and where no neighboring pixel sees the same surface. Changes are taken over `reach`
+/// pixels to both sides, so the footprint grows with distance, and finer bends are smoothed away. Where one wave
+/// stands in front of another, the jump in position gives nearly 0.
 ///
 /// # Source
 /// Weingarten's equations; do Carmo, Differential Geometry of Curves and Surfaces, 3-3.
 #[derive(Clone, Node)]
 #[node(end = Front, revision = 1, output(curvature: Kind::Field(1) = "Mean curvature, 1/m."))]
 pub(crate) struct Curvature {
-    /// The surface.
+    /// View of the surface.
     view: One<port::View>,
-    /// How far to each side the change is taken.
+    /// Distance to each side over which changes are taken.
     #[knob(default = 1, range = 1..=64, drawn)]
     reach: i64,
 }
@@ -61,10 +60,10 @@ impl Stage for Curvature {
 /// Position and normal of a sample.
 type Point = [DVec3; 2];
 
-/// Less area than this, as a share of the product of its sides, is none.
+/// Smallest area, as a share of the product of its sides, that does not count as degenerate.
 const FLAT: f64 = 1e-6;
 
-/// The mean curvature at a point, from the samples left and right, above and below that see the same surface.
+/// Returns the mean curvature at a point, given the samples left and right, above and below that see the same surface.
 fn curvature(here: Point, beside: [[Option<Point>; 2]; 2]) -> f64 {
     let along = |[before, after]: [Option<Point>; 2]| -> Option<Point> {
         let of = |index: usize| change(before.map(|p| p[index]), here[index], after.map(|p| p[index]));
@@ -75,14 +74,14 @@ fn curvature(here: Point, beside: [[Option<Point>; 2]; 2]) -> f64 {
     let area = e * g - f * f;
     let bend = px.dot(nx) * g - (px.dot(ny) + py.dot(nx)) * f + py.dot(ny) * e;
     let curvature = bend / (2.0 * area);
-    // Positions that rounding has drawn together span no area, and tell nothing.
+    // Positions collapsed by rounding span no area and carry no information.
     if area > FLAT * e * g && curvature.is_finite() { curvature } else { 0.0 }
 }
 
-/// Position and normal of a sample, each coordinate somewhere in a span.
+/// Position and normal of a sample, each coordinate known up to a span.
 type NearPoint = [[Span; 3]; 2];
 
-/// What [`curvature`] may be.
+/// Returns the span of [`curvature`] for points known up to spans.
 fn may_bend(here: NearPoint, beside: [[Option<NearPoint>; 2]; 2]) -> Span {
     let along = |[before, after]: [Option<NearPoint>; 2]| -> Option<NearPoint> {
         let of = |index: usize, axis: usize| {
@@ -135,10 +134,10 @@ impl Prepared for Curvature {
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
         let around = Around::of(bounding.inputs, &self.view);
         let point = |there: usize| {
-            [POSITION, NORMAL].map(|channels| channels.map(|channel| certain(bounding, &self.view, channel, there)))
+            [POSITION, NORMAL].map(|channels| channels.map(|channel| bounding.certain(&self.view, channel, there)))
         };
         let mut pixels = bounding.block.pixels();
-        bound_by(bounding, outputs, (Only, 0), |_| {
+        bounding.bound_by(outputs, (Only, 0), |_| {
             let [x, y] = pixels.next().unwrap_or_default();
             let here = around.index(x, y);
             let own = may_see(bounding, &self.view, here);

@@ -1,4 +1,4 @@
-//! Depth: how far away things are.
+//! Depth: distance from the camera.
 
 use super::Copies;
 use trochoid_graph::*;
@@ -9,14 +9,14 @@ use trochoid_graph::*;
 /// (P − P_C) · axis
 ///
 /// # Edge cases
-/// +∞ where nothing is seen; Clamp takes it to 1.
+/// +∞ where nothing is seen; Clamp maps it to 1.
 ///
 /// # Source
 /// Thesis 3.2.3.4, Z_s.
 #[derive(Clone, Node)]
 #[node(end = Front, revision = 1, output(depth: Kind::Field(1) = "Planar distance, m.", ["Z"]))]
 pub(crate) struct Depth {
-    /// What is seen.
+    /// View to take depth from.
     view: One<port::View>,
 }
 

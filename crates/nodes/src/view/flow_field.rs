@@ -1,63 +1,64 @@
-//! FlowField: the direction of brush strokes.
+//! FlowField: directions for brush strokes.
 
 use super::{NORMAL, POSITION, grown, ramp};
-use crate::field::{Axes, Noise, NoiseKind, Screen, noise_reference};
-use crate::filter::{Kernel, Shape, filter};
+use crate::field::Screen;
 use crate::lit::eye;
+use trochoid_field::{Axes, Noise, NoiseKind};
 use trochoid_graph::*;
 use trochoid_image::{Format, Window};
 use trochoid_scene::{DVec3, Projector};
+use trochoid_weights::kernel::{Kernel, Shape, filter};
 
-/// Makes directions in the picture: up the slope of a surface, along its crests, along or across what a Field shows, or by
-/// hand.
+/// Directions in the picture: up the slope of a surface, along its crests, along or across the gradient of a Field, or
+/// constant.
 ///
 /// # Formula
-/// slope: the projection of Y − n(n·Y), the steepest way up, n the normal; crest: of Y × n; gradient: (∂f/∂x, ∂f/∂y) by
-/// central differences; contour: at right angles to it; constant: (1, 0). Turned by `turn`; on surfaces drawn to the
-/// projection of `calm` as 1 − n·Y falls from steep to flat; turned by `waver` times noise. A direction is that of a line:
-/// v is taken as (cos 2φ, sin 2φ), those are smoothed by a Gaussian of `smooth` pixels, and half the angle is the result, x
-/// ≥ 0.
+/// slope: the projection of Y − n(n·Y), the steepest way up, with n the normal; crest: of Y × n; gradient: (∂f/∂x,
+/// ∂f/∂y) by central differences; contour: perpendicular to the gradient; constant: (1, 0). The direction is rotated
+/// by `turn`, then, on surfaces, moved toward the projection of `calm` as 1 − n·Y falls from `steep` to `flat`, then
+/// rotated by `waver` times noise. Directions are those of lines: v is represented by (cos 2φ, sin 2φ), smoothed by a
+/// Gaussian of `smooth` pixels, and converted back by halving the angle, with x ≥ 0.
 ///
 /// # Edge cases
-/// Where nothing is seen, `still`; the same where a direction vanishes. The length is 1 where all around agree, and 0 where
-/// lines of every direction meet: (0, 0). Noise lies on the picture.
+/// `still` where nothing is seen, and where a direction vanishes. The length is 1 where all directions around agree,
+/// and 0, with direction (0, 0), where lines of all directions meet. The noise is fixed to the picture.
 ///
 /// # Source
 /// Litwinowicz, 1997 (strokes across gradients); Kass and Witkin, Analyzing Oriented Patterns, 1987 (doubled angles).
 #[derive(Clone, Node)]
 #[node(end = Front, revision = 1, outputs = Out)]
 pub(crate) struct FlowField {
-    /// The surfaces; for slope and crest.
+    /// View of the surfaces, for slope and crest.
     view: Optional<port::View>,
-    /// What gradient and contour follow.
+    /// Field to follow, for gradient and contour.
     field: Optional<port::Scalar>,
-    /// Which way.
+    /// Direction to follow: "slope" and "crest" of a surface, "gradient" and "contour" of a field, or "constant".
     along: Along,
-    /// Turns directions, clockwise.
+    /// Clockwise rotation of all directions.
     #[knob(default = 0.0, range = -360.0..=360.0, unit = "degrees")]
     turn: f64,
-    /// Direction in the world where the surface lies flat.
+    /// World-space direction used where the surface is flat.
     #[knob(default = [1.0, 0.0, 0.0])]
     calm: [f64; 3],
-    /// 1 − n·Y up to which `calm` alone counts.
+    /// Value of 1 − n·Y below which only `calm` counts.
     #[knob(default = 0.0, range = 0.0..=2.0)]
     flat: f64,
-    /// 1 − n·Y from which the surface alone counts.
+    /// Value of 1 − n·Y above which only the surface counts.
     #[knob(default = 0.0, range = 0.0..=2.0)]
     steep: f64,
     /// Direction where nothing is seen, clockwise from the right.
     #[knob(default = 0.0, range = -360.0..=360.0, unit = "degrees")]
     still: f64,
-    /// How far noise turns directions, to either side.
+    /// Maximum rotation by noise, to either side.
     #[knob(default = 0.0, range = 0.0..=360.0, unit = "degrees")]
     waver: f64,
     /// Size of the noise.
     #[knob(default = 0.3, range = 1e-3..=1e3, unit = "picture heights")]
     waver_scale: f64,
-    /// Standard deviation of the smoothing.
+    /// Standard deviation of the smoothing; 0 is none.
     #[knob(default = 0.0, range = 0.0..=64.0, drawn)]
     smooth: f64,
-    /// Which noise of all that have these figures.
+    /// Random seed.
     #[knob(default = 0, range = 0..=1_000_000_000)]
     seed: i64,
 }
@@ -72,17 +73,17 @@ enum Along {
 }
 
 impl Along {
-    /// Whether directions come of the surface.
+    /// Whether directions come from the surface.
     fn is_of_surface(self) -> bool {
         matches!(self, Self::Slope | Self::Crest)
     }
 
-    /// Whether they come of a field.
+    /// Whether directions come from a field.
     fn is_of_field(self) -> bool {
         matches!(self, Self::Gradient | Self::Contour)
     }
 
-    /// Whether they stand at right angles to the way up.
+    /// Whether directions are perpendicular to the gradient.
     fn is_crosswise(self) -> bool {
         matches!(self, Self::Crest | Self::Contour)
     }
@@ -90,10 +91,10 @@ impl Along {
 
 #[derive(Clone, Copy, Debug, PartialEq, Outputs)]
 enum Out {
-    /// The direction: right and down, at most 1 long.
+    /// Direction of the flow: components to the right and down, of length at most 1.
     #[output(Kind::Field(2))]
     Flow,
-    /// Its length: how much directions agree.
+    /// Length of the direction: how well nearby directions agree.
     #[output(Kind::MASK)]
     Length,
 }
@@ -102,20 +103,20 @@ impl Node for FlowField {
     fn check(&self, check: &mut Check<'_>) {
         let along = self.along.word();
         if self.along.is_of_surface() && self.view.is_none() {
-            let remedy = "connect \"view\", or follow a field (gradient, contour)";
+            let remedy = "connect \"view\", or choose gradient or contour";
             check.error(Self::ALONG, format!("{along} without a view"), "surfaces to follow", remedy);
         }
         if self.along.is_of_field() && self.field.is_none() {
-            let remedy = "connect \"field\", or follow a surface (slope, crest)";
+            let remedy = "connect \"field\", or choose slope or crest";
             check.error(Self::ALONG, format!("{along} without a field"), "a field to follow", remedy);
         }
         if self.steep < self.flat {
-            let found = format!("{} below flat, {}", self.steep, self.flat);
-            check.error(Self::STEEP, found, "at least as much", "swap them");
+            let found = format!("{}, below \"flat\" {}", self.steep, self.flat);
+            check.error(Self::STEEP, found, "at least the value of \"flat\"", "swap them");
         }
         if self.along.is_of_surface() && self.steep > 0.0 && self.calm == [0.0; 3] {
             let remedy = "write for example [1, 0, 0], or \"steep\": 0 for no calm direction";
-            check.error(Self::CALM, "[0, 0, 0], which leads nowhere", "a direction in the world", remedy);
+            check.error(Self::CALM, "[0, 0, 0], which has no direction", "a direction in world space", remedy);
         }
     }
 
@@ -167,15 +168,15 @@ impl Stage for FlowField {
     }
 }
 
-/// What directions are smoothed by.
+/// Kernel that smooths directions.
 const SMOOTHING: Shape = Shape::Gaussian;
 
 struct PreparedFlow {
     node: FlowField,
     picture: Window,
-    /// Where directions come of the surface.
+    /// `Some` if directions come from the surface.
     eye: Option<Projector>,
-    /// Sines and cosines.
+    /// Sine and cosine.
     turn: (f64, f64),
     still: (f64, f64),
     calm: DVec3,
@@ -184,32 +185,32 @@ struct PreparedFlow {
     noise: Noise,
     screen: Screen,
     kernel: Kernel,
-    /// How far the kernel reaches at most, in pixels.
+    /// Maximum reach of the kernel, in pixels.
     radius: i64,
 }
 
-/// What is shorter vanishes.
+/// Length below which a direction vanishes.
 const SHORTEST: f64 = 1e-12;
-/// The same of directions whose angles were doubled and smoothed.
+/// Length below which a smoothed direction with doubled angle vanishes.
 const SHORTEST_DOUBLED: f64 = 1e-6;
 
-/// A unit vector; `None` for one that vanishes.
+/// Returns the unit vector of a direction; `None` if it vanishes.
 fn unit([x, y]: [f64; 2]) -> Option<[f64; 2]> {
     let length = (x * x + y * y).sqrt();
     (length > SHORTEST && length.is_finite()).then(|| [x / length, y / length])
 }
 
-/// A unit vector turned clockwise in a picture whose y points down.
+/// Returns a unit vector rotated clockwise, in a picture with y down.
 fn turned([x, y]: [f64; 2], (sin, cos): (f64, f64)) -> [f64; 2] {
     [x * cos - y * sin, x * sin + y * cos]
 }
 
-/// (cos 2φ, sin 2φ) of a unit vector: the same for both ways along a line.
+/// Returns (cos 2φ, sin 2φ) for a unit vector: the same for both directions along a line.
 fn doubled([x, y]: [f64; 2]) -> [f64; 2] {
     [x * x - y * y, 2.0 * x * y]
 }
 
-/// The way along a line of which [`doubled`] gave these, and how long they are; to the right, or down.
+/// Inverts [`doubled`]: returns the direction along the line, to the right or down, and the length of the components.
 fn halved([c, s]: [f64; 2]) -> ([f64; 2], f64) {
     let length = (c * c + s * s).sqrt().min(1.0);
     if length < SHORTEST_DOUBLED {
@@ -220,7 +221,7 @@ fn halved([c, s]: [f64; 2]) -> ([f64; 2], f64) {
     ([x * length, if s < 0.0 { -y * length } else { y * length }], length)
 }
 
-/// Where a direction at a point of the world leads in the picture.
+/// Returns the direction in the picture of a world-space direction at a point.
 fn projected(eye: &Projector, point: DVec3, direction: DVec3) -> Option<[f64; 2]> {
     let along = [direction.dot(eye.right), -direction.dot(eye.up)];
     if eye.orthographic {
@@ -228,13 +229,13 @@ fn projected(eye: &Projector, point: DVec3, direction: DVec3) -> Option<[f64; 2]
     }
     let offset = point - eye.position;
     let (depth, deeper) = (offset.dot(eye.forward), direction.dot(eye.forward));
-    // The slope of a quotient, times depth² > 0.
+    // Derivative of a quotient, times depth² > 0.
     let at = [offset.dot(eye.right), -offset.dot(eye.up)];
     unit([0, 1].map(|axis| along[axis] * depth - at[axis] * deeper))
 }
 
 impl PreparedFlow {
-    /// (cos 2φ, sin 2φ) on a surface.
+    /// Returns (cos 2φ, sin 2φ) on a surface.
     fn on_surface(&self, eye: &Projector, point: DVec3, normal: DVec3) -> [f64; 2] {
         let still = [self.still.1, self.still.0];
         let upward = DVec3::Y - normal * normal.y;
@@ -248,18 +249,18 @@ impl PreparedFlow {
         [0, 1].map(|axis| share * of_surface[axis] + (1.0 - share) * calm[axis])
     }
 
-    /// The same of a field's change to the right and down.
+    /// Returns (cos 2φ, sin 2φ) for the change of a field to the right and down.
     fn of_change(&self, change: [f64; 2]) -> [f64; 2] {
         let Some([x, y]) = unit(change) else { return doubled([self.still.1, self.still.0]) };
         doubled(turned(if self.node.along.is_crosswise() { [-y, x] } else { [x, y] }, self.turn))
     }
 
-    /// Turned by noise, which doubled angles do twice.
+    /// Rotates a doubled direction by noise; doubled angles rotate twice as far.
     fn wavering(&self, doubled: [f64; 2], noise: f64) -> [f64; 2] {
         if self.waver == 0.0 { doubled } else { turned(doubled, libm::sincos(2.0 * self.waver * noise)) }
     }
 
-    /// Doubled directions over a window, before they are smoothed.
+    /// Returns the doubled directions over a window, before smoothing.
     fn lines(&self, window: Window, block: &Block<'_>, inputs: &Inputs<'_>) -> Result<[Vec<f32>; 2], NodeError> {
         let mut lines = [vec![0.0f32; window.area()], vec![0.0f32; window.area()]];
         let pixels = || (window.y0..window.y1).flat_map(|y| (window.x0..window.x1).map(move |x| (x, y)));
@@ -303,9 +304,9 @@ impl PreparedFlow {
         self.eye.is_none() && !self.node.along.is_of_field()
     }
 
-    /// The doubled direction that the reference sees so many pixels away.
+    /// Returns the doubled direction of the reference at an offset in pixels.
     fn line(&self, inputs: &References<'_>, dx: i64, dy: i64) -> [f64; 2] {
-        // Beyond the picture its border repeats.
+        // Beyond the picture, its border repeats.
         let inside = |at: f64, by: i64, first: i64, end: i64| {
             ((at.floor() as i64 + by).clamp(first, end - 1) - at.floor() as i64) as f64
         };
@@ -327,11 +328,11 @@ impl PreparedFlow {
         } else {
             still
         };
-        self.wavering(line, noise_reference(&self.noise, &self.screen.at(there.at), 0.0))
+        self.wavering(line, self.noise.reference(&self.screen.at(there.at), 0.0))
     }
 }
 
-/// Where a pixel stands in a window, or the nearest one that does.
+/// Returns the index of a pixel in a window, or of the nearest one in it.
 fn nearest(window: Window, x: i64, y: i64) -> usize {
     let column = x.clamp(window.x0, window.x1 - 1) - window.x0;
     let row = y.clamp(window.y0, window.y1 - 1) - window.y0;
@@ -366,7 +367,7 @@ impl Prepared for PreparedFlow {
     }
 
     fn bound(&self, _bounding: &Bounding<'_>, _outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
-        Err(NoBound("where directions meet, none is near another"))
+        Err(NoBound("nearby directions differ without bound where lines meet"))
     }
 
     fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {

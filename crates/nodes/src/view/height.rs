@@ -1,4 +1,4 @@
-//! Height: how high the surface stands.
+//! Height: height of the surface above its rest level.
 
 use super::Copies;
 use trochoid_graph::*;
@@ -16,7 +16,7 @@ use trochoid_graph::*;
 #[derive(Clone, Node)]
 #[node(end = Front, revision = 1, output(height: Kind::Field(1) = "Height, m."))]
 pub(crate) struct Height {
-    /// What is seen.
+    /// View to take height from.
     view: One<port::View>,
 }
 

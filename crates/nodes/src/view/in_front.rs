@@ -1,27 +1,27 @@
 //! InFront: which of two views is nearer.
 
-use crate::bounds::{Span, bound_by, certain};
 use crate::sea::check_same_camera;
 use trochoid_graph::*;
 
-/// A mask of where a view's surface is nearer than that of another view.
+/// A mask of the places where one view's surface is nearer than another view's.
 ///
 /// # Formula
-/// 1 where d < d', with `soft` (d' − d)/soft + ½ clamped to [0, 1]; d, d': planar depths of `view` and `other`
+/// 1 where d < d'; with `soft`, (d' − d)/soft + ½ limited to [0, 1]. d, d' are the planar depths of `view` and
+/// `other`.
 ///
 /// # Edge cases
-/// 0 where `view` sees nothing; 1 where only `other` sees nothing. Equal depths: 0, with `soft` ½.
+/// 0 where `view` sees nothing; 1 where only `other` sees nothing. Equal depths: 0, or ½ with `soft`.
 ///
 /// # Source
 /// Z compositing: Duff, Compositing 3-D Rendered Images, 1985.
 #[derive(Clone, Node)]
 #[node(end = Front, revision = 1, output(mask: Kind::MASK = "1 where `view` is in front."))]
 pub(crate) struct InFront {
-    /// What may be in front.
+    /// View that may be in front.
     view: One<port::View>,
-    /// What it may be in front of.
+    /// View that may be behind.
     other: One<port::View>,
-    /// Depth over which one view gives way to the other.
+    /// Depth range over which one view blends into the other; 0 is a hard edge.
     #[knob(default = 0.0, range = 0.0..=1e6, unit = "m")]
     soft: f64,
 }
@@ -30,8 +30,8 @@ impl Node for InFront {
     fn check(&self, check: &mut Check<'_>) {
         check_same_camera([&self.view, &self.other], check);
         if *self.view == *self.other {
-            let found = "the view itself, of which nothing is in front of itself: the mask tells nothing";
-            check.warning(Self::OTHER, found, "another view", "connect a Render of what may be behind");
+            let found = "the same view as \"view\", so the mask is meaningless";
+            check.warning(Self::OTHER, found, "another view", "connect a Render of the surfaces behind");
         }
     }
 
@@ -50,7 +50,7 @@ impl Stage for InFront {
     }
 }
 
-/// The mask in f64; depths are exact in it.
+/// Returns the mask in f64, in which depths are exact.
 fn mask(depth: f64, other: f64, soft: f64) -> f64 {
     if depth == f64::INFINITY {
         0.0
@@ -61,7 +61,7 @@ fn mask(depth: f64, other: f64, soft: f64) -> f64 {
     }
 }
 
-/// What the difference of depths loses, relative to them.
+/// Relative rounding error of a difference of depths.
 const LOST: f64 = 1e-15;
 
 impl Prepared for InFront {
@@ -75,9 +75,9 @@ impl Prepared for InFront {
     }
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
-        bound_by(bounding, outputs, (Only, 0), |sample| {
-            let [depth, other] = [&self.view, &self.other].map(|view| certain(bounding, view, Channel::Depth, sample));
-            // The mask falls with the depth and rises with the other.
+        bounding.bound_by(outputs, (Only, 0), |sample| {
+            let [depth, other] = [&self.view, &self.other].map(|view| bounding.certain(view, Channel::Depth, sample));
+            // The mask falls with the view's depth and rises with the other's.
             let ends = [mask(depth.high, other.low, self.soft), mask(depth.low, other.high, self.soft)];
             if ends.iter().any(|end| end.is_nan()) {
                 return Span::unclear(0.0, 1.0);
@@ -112,7 +112,7 @@ mod tests {
             "w": { "type": "Render", "camera": "b", "surfaces": ["s"] },
             "out": { "type": "InFront", "view": "v", "other": "w" }"#;
         let faults = refused("weights", nodes);
-        assert!(faults.contains("views of two cameras") && faults.contains("connect the camera of"), "{faults}");
+        assert!(faults.contains("views by different cameras") && faults.contains("connect the camera of"), "{faults}");
     }
 
     #[test]

@@ -1,19 +1,18 @@
-//! Masks that follow from some channels of a view at each sample by itself.
+//! Masks computed from channels of a view, each sample by itself.
 
 use super::{is_covered, nothing};
-use crate::bounds::{Span, bound_by, certain, where_covered};
 use trochoid_graph::*;
 
-/// A node whose one output is the product of ramps over channels of its view, 0 where nothing is seen.
+/// A node whose only output is a product of ramps over channels of its view, and 0 where nothing is seen.
 pub(crate) trait Masks: Declare {
-    /// Its view.
+    /// Returns the view.
     fn view(&self) -> &One<port::View>;
 
-    /// The ramps, each over a channel.
+    /// Returns the ramps, each with its channel.
     fn ramps(&self) -> Vec<(Channel, Ramp)>;
 }
 
-/// Such a node.
+/// Node with such a mask.
 #[derive(Clone)]
 pub(crate) struct ViewMask<T>(T);
 
@@ -29,12 +28,12 @@ impl<T: Masks> Declare for ViewMask<T> {
     const DECLARATION: &'static Declaration = T::DECLARATION;
 }
 
-/// From 0 to 1 over the values of a channel.
+/// A ramp from 0 to 1 over the values of a channel.
 #[derive(Clone, Copy)]
 pub(crate) enum Ramp {
-    /// 0 up to `from`, 1 from `from + width` on; with width 0 a step that includes `from`.
+    /// 0 up to `from`, 1 from `from + width` on; with width 0, a step that includes `from`.
     Rising { from: f64, width: f64 },
-    /// 0 from `from` on, 1 down from `from − width`; with width 0 a step without `from`.
+    /// 0 from `from` on, 1 down from `from − width`; with width 0, a step that excludes `from`.
     Falling { from: f64, width: f64 },
 }
 
@@ -47,17 +46,17 @@ impl Ramp {
         }
     }
 
-    /// What it may give of what a channel may be.
+    /// Returns the span of the ramp over a span of the channel.
     fn span(self, channel: Span) -> Span {
         let (Self::Rising { width, .. } | Self::Falling { width, .. }) = self;
         let mask = channel.through(|x| self.at(x)).within(0.0, 1.0);
         let [low, high] = [channel.low, channel.high].map(|x| self.at(x));
-        // Where it is level on both sides no doubt about the channel matters.
+        // If the ramp is constant on both sides, uncertainty of the channel does not matter.
         if low == high && (low == 0.0 || low == 1.0) { Span::exactly(low) } else { mask.with(width > 0.0) }
     }
 }
 
-/// 0 up to `from`, 1 from `from + width` on, straight between; with width 0 a step that includes `from`.
+/// Returns 0 up to `from`, 1 from `from + width` on, linear between; with width 0, a step that includes `from`.
 pub(crate) fn ramp(x: f64, from: f64, width: f64) -> f64 {
     if width > 0.0 {
         ((x - from) / width).clamp(0.0, 1.0)
@@ -122,19 +121,21 @@ impl Prepared for PreparedMask {
     }
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
-        bound_by(bounding, outputs, (Only, 0), |sample| {
-            where_covered(bounding, &self.view, sample, || {
-                let ramps = self.ramps.iter();
-                let ramps: Vec<Span> =
-                    ramps.map(|(channel, ramp)| ramp.span(certain(bounding, &self.view, *channel, sample))).collect();
-                // A ramp that is 0 for certain hides what is not clear of the others.
-                if ramps.iter().any(|ramp| ramp.is_exact() && ramp.low == 0.0) {
-                    return Span::exactly(0.0);
-                }
-                let ends = [|ramp: &Span| ramp.low, |ramp: &Span| ramp.high];
-                Span::of(&ends.map(|end| ramps.iter().map(end).product())).with(ramps.iter().all(|ramp| ramp.clear))
-            })
-            .within(0.0, 1.0)
+        bounding.bound_by(outputs, (Only, 0), |sample| {
+            bounding
+                .where_covered(&self.view, sample, || {
+                    let ramps = self.ramps.iter();
+                    let ramps: Vec<Span> = ramps
+                        .map(|(channel, ramp)| ramp.span(bounding.certain(&self.view, *channel, sample)))
+                        .collect();
+                    // A ramp that is 0 for certain hides what is not clear of the others.
+                    if ramps.iter().any(|ramp| ramp.is_exact() && ramp.low == 0.0) {
+                        return Span::exactly(0.0);
+                    }
+                    let ends = [|ramp: &Span| ramp.low, |ramp: &Span| ramp.high];
+                    Span::of(&ends.map(|end| ramps.iter().map(end).product())).with(ramps.iter().all(|ramp| ramp.clear))
+                })
+                .within(0.0, 1.0)
         });
         Ok(())
     }

@@ -1,4 +1,4 @@
-//! Cameras, views of surfaces, and passes of what they see.
+//! Cameras, views of surfaces, and the passes taken from views.
 
 mod around;
 mod camera;
@@ -41,22 +41,22 @@ use crate::lit::Vectors3;
 use std::path::PathBuf;
 use std::sync::Arc;
 use trochoid_graph::{
-    Channel, FrameContext, Handle, Inputs, NodeError, NodeType, One, Prepared, Reference, References, escape_remedy,
-    port,
+    BadData, Channel, FrameContext, Handle, Inputs, NodeError, NodeType, One, Prepared, Reference, References,
+    escape_remedy, port,
 };
 use trochoid_scene::{DVec3, Surface};
 
-/// What nodes with a Surface as output hand on.
+/// Handle output by nodes with a surface.
 pub(crate) type SurfaceHandle = Arc<dyn Surface>;
 
-/// What a Render hands on beside its planes.
+/// Handle output by a Render, besides its planes.
 pub(crate) struct Looking {
     pub(crate) camera: trochoid_scene::Camera,
-    /// What is seen, in the order of [`Channel::Surface`].
+    /// The surfaces in view, in the order of [`Channel::Surface`].
     pub(crate) surfaces: Vec<SurfaceHandle>,
 }
 
-/// A stage that hands on a camera or a light.
+/// Stage that outputs a camera or a light.
 pub(crate) struct Handed<T>(pub(crate) T);
 
 impl<T: Copy + Send + Sync + 'static> Prepared for Handed<T> {
@@ -72,12 +72,12 @@ impl<T: Copy + Send + Sync + 'static> Prepared for Handed<T> {
 pub(crate) const POSITION: [Channel; 3] = [Channel::PositionX, Channel::PositionY, Channel::PositionZ];
 pub(crate) const NORMAL: [Channel; 3] = [Channel::NormalX, Channel::NormalY, Channel::NormalZ];
 
-/// Three channels of the view at one sample, in f64.
+/// Returns three channels of the view at one sample, in f64.
 pub(crate) fn view_vector(inputs: &References<'_>, view: &One<port::View>, channels: [Channel; 3]) -> DVec3 {
     DVec3::from(channels.map(|channel| inputs.view(view, channel)))
 }
 
-/// Three channels of the view over a block.
+/// Returns three channels of the view over a block.
 pub(crate) fn view_planes<'a>(inputs: &Inputs<'a>, view: &One<port::View>, channels: [Channel; 3]) -> Vectors3<'a> {
     channels.map(|channel| inputs.view(view, channel))
 }
@@ -87,7 +87,7 @@ pub(crate) fn is_covered(inputs: &References<'_>, view: &One<port::View>) -> boo
     inputs.view(view, Channel::Coverage) > 0.0
 }
 
-/// Whether no sample of a block is covered: there, a mask is 0 whatever it is made of.
+/// Whether no sample of a block is covered; masks are 0 there, whatever their inputs.
 pub(crate) fn is_bare(inputs: &Inputs<'_>, view: &One<port::View>) -> bool {
     inputs.view(view, Channel::Coverage).iter().all(|coverage| *coverage == 0.0)
 }
@@ -101,21 +101,21 @@ pub(crate) fn uncover(inputs: &Inputs<'_>, view: &One<port::View>, mask: &mut [f
     }
 }
 
-/// A mask of the reference at an uncovered sample.
+/// Returns a mask's reference at an uncovered sample.
 pub(crate) fn nothing() -> Vec<Reference> {
     vec![Reference::Mask(0.0)]
 }
 
-/// The file that a node names, at the frame.
+/// Returns the path of the file that a node names, at the frame.
 ///
 /// # Errors
-/// There is none, but one whose folders or name have a `#` or a `%` of their own.
+/// The file does not exist, and a file exists whose path contains a literal `#` or `%`.
 pub(crate) fn named(frame: &FrameContext, written: &str) -> Result<PathBuf, NodeError> {
     let path = frame.path(written);
     if !path.exists()
         && let Some(remedy) = escape_remedy(frame, written)
     {
-        return Err(NodeError::new(format!("{}: found no file of this name, expected one; {remedy}", path.display())));
+        return Err(BadData::new("no file of this name", "one", remedy).in_file(path).into());
     }
     Ok(path)
 }

@@ -1,9 +1,9 @@
-//! Normal: which way things face.
+//! Normal: orientation of the surface.
 
 use super::Copies;
 use trochoid_graph::*;
 
-/// The unit normal of the seen point.
+/// The unit normal at the seen point, in world space.
 ///
 /// # Formula
 /// N/|N|
@@ -12,11 +12,11 @@ use trochoid_graph::*;
 /// (0, 1, 0) where nothing is seen or the normal is degenerate.
 ///
 /// # Source
-/// The field's normal pass.
+/// The standard normal pass.
 #[derive(Clone, Node)]
-#[node(end = Front, revision = 1, output(normal: Kind::Field(3) = "Unit normal in the world."))]
+#[node(end = Front, revision = 1, output(normal: Kind::Field(3) = "World-space unit normal."))]
 pub(crate) struct Normal {
-    /// What is seen.
+    /// View to take normals from.
     view: One<port::View>,
 }
 

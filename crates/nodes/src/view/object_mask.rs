@@ -1,7 +1,6 @@
-//! ObjectMask: which object is seen.
+//! ObjectMask: where chosen surfaces are seen.
 
 use super::{Looking, Render, SurfaceHandle};
-use crate::bounds::{Span, bound_by, certain};
 use crate::sea::check_indices;
 use std::sync::Arc;
 use trochoid_graph::*;
@@ -9,22 +8,22 @@ use trochoid_graph::*;
 /// A mask of chosen surfaces: 1 where one of them is seen.
 ///
 /// # Formula
-/// 1 where the seen surface is one of `surfaces`, or stands at one of `indices` in the Render's list
+/// 1 where the seen surface is one of `surfaces`, or has one of `indices` in the Render's list
 ///
 /// # Edge cases
-/// 0 where nothing is seen, and everywhere for surfaces that the view does not hold.
+/// 0 where nothing is seen, and everywhere for surfaces not in the view.
 ///
 /// # Source
-/// The field's object identity pass (cryptomattes of one level).
+/// The standard object ID pass (cryptomattes of one level).
 #[derive(Clone, Node)]
 #[node(end = Front, revision = 1, output(mask: Kind::MASK = "1 where a chosen surface is seen."))]
 pub(crate) struct ObjectMask {
-    /// What is seen.
+    /// View of the surfaces.
     view: One<port::View>,
-    /// The chosen surfaces, by the names of their nodes.
+    /// Chosen surfaces, by the names of their nodes.
     #[port(0..=64)]
     surfaces: Many<port::Surface>,
-    /// Chosen surfaces by their place in the Render's list, from 0.
+    /// Chosen surfaces, by their indices in the Render's list, counted from 0.
     #[knob(len = 1..=64)]
     indices: Option<Vec<f64>>,
 }
@@ -36,7 +35,12 @@ impl Node for ObjectMask {
             check.error(Self::SURFACES, "no surface", "at least one", "name the surface's node, or set \"indices\"");
         }
         if let Some(index) = indices.iter().find(|index| index.fract() != 0.0 || !(0.0..64.0).contains(*index)) {
-            check.error(Self::INDICES, index.to_string(), "whole numbers from 0 to 63", "write the place in the list");
+            check.error(
+                Self::INDICES,
+                index.to_string(),
+                "whole numbers from 0 to 63",
+                "write the surface's index in the list",
+            );
         } else {
             check_indices(&self.view, Self::INDICES, indices.iter().copied(), check);
         }
@@ -46,8 +50,8 @@ impl Node for ObjectMask {
         let names: Vec<String> =
             strangers.filter_map(|source| Some(format!("\"{}\"", check.upstream(source)?.name))).collect();
         if !names.is_empty() {
-            let found = format!("{}, which \"{}\" does not show: nowhere is any of it", names.join(", "), view.name);
-            let remedy = format!("add it to the surfaces of \"{}\", or choose one of those", view.name);
+            let found = format!("{}, not among the surfaces of \"{}\"", names.join(", "), view.name);
+            let remedy = format!("add it to the surfaces of \"{}\", or choose one of them", view.name);
             check.warning(Self::SURFACES, found, "surfaces of the view", remedy);
         }
     }
@@ -72,7 +76,8 @@ impl Stage for ObjectMask {
         if !chosen.is_empty() {
             let handle = prepare.handle_of(&self.view);
             let Some(view) = handle.as_deref().and_then(|handle| handle.downcast_ref::<Looking>()) else {
-                return Err(NodeError::new("the view does not know its surfaces: use \"indices\", or view a Render"));
+                let remedy = "use \"indices\", or view a Render";
+                return Err(BadData::new("a view of passes", "one that knows its surfaces", remedy).into());
             };
             let held = view.surfaces.iter().enumerate();
             indices.extend(
@@ -105,14 +110,14 @@ impl Prepared for PreparedChoice {
     }
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
-        bound_by(bounding, outputs, (Only, 0), |sample| {
-            let surface = certain(bounding, &self.view, Channel::Surface, sample);
+        bounding.bound_by(outputs, (Only, 0), |sample| {
+            let surface = bounding.certain(&self.view, Channel::Surface, sample);
             if surface.low == surface.high {
                 Span::exactly(f64::from(self.mask(surface.low as f32)))
             } else if self.indices.iter().any(|index| surface.holds(f64::from(*index))) {
                 Span::unclear(0.0, 1.0)
             } else {
-                // Whichever is seen, it is none of those.
+                // The seen surface is certainly not a chosen one.
                 Span::exactly(0.0)
             }
         });

@@ -1,44 +1,44 @@
-//! Outline: lines where one thing ends before another.
+//! Outline: lines along edges of objects and jumps of depth.
 
 use super::{Around, grown, surface_of};
-use crate::bounds::{Span, bound_by, certain, known};
 use trochoid_graph::*;
 use trochoid_image::{Format, Window};
 
-/// A mask of lines along the edges of objects, and where depth jumps.
+/// A mask of lines along the edges of objects and along jumps in depth.
 ///
 /// # Formula
-/// Two pixels side by side are parted if they see different surfaces, or if w = 1/depth differs by more than depth_step · w
-/// and more than either side's slope explains. One of the two owns the edge. A line is width · thickness − r, limited to
-/// [0, 1], r pixels from the owner's center, on the owner's side.
+/// An edge separates two neighboring pixels if they see different surfaces, or if w = 1/depth differs by more than
+/// depth_step · w and by more than the slope on either side explains. One of the two pixels owns the edge. A line is
+/// width · thickness − r, limited to [0, 1], at r pixels from the owner's center, on the owner's side.
 ///
 /// # Edge cases
-/// 1/depth is straight on planes seen in perspective, so that no grazing plane has lines. The sky counts as a surface of
-/// its own, behind everything, and last. Beyond its border the image repeats. The owner's side is what sees its surface and
-/// is nearer to it than to the other side in 1/depth. Each sample of a pixel is drawn apart.
+/// 1/depth is linear on planes in perspective, so planes at grazing angles have no lines. The sky counts as a surface
+/// of its own, behind everything, and last in the list. Beyond its border, the image repeats. The owner's side
+/// consists of the pixels that see its surface and are closer to it than to the other side in 1/depth. Each sample of
+/// a pixel is drawn separately.
 ///
 /// # Source
 /// Saito and Takahashi, Comprehensible Rendering of 3-D Shapes, 1990.
 #[derive(Clone, Node)]
 #[node(end = Front, revision = 1, output(mask: Kind::MASK = "1 on the lines."))]
 pub(crate) struct Outline {
-    /// What is outlined.
+    /// View to outline.
     view: One<port::View>,
-    /// Share of the width at a place, such as a Noise; by default 1.
+    /// Factor of the width at each place, for example from a Noise; 1 if not connected.
     thickness: Optional<port::Mask>,
-    /// How far the line reaches into the owner's side.
+    /// Width of the line on the owner's side.
     #[knob(default = 1.5, range = 0.0..=64.0, drawn)]
     width: f64,
-    /// Who draws: the nearer side, the farther, both, or the surface that comes first or last in the Render's list; within
-    /// one surface first is near.
+    /// Side that owns the edge and carries the line: "near", "far", "both", or the "first" or "last" surface in the
+    /// Render's list; within one surface, the near side is the first.
     owner: Owner,
-    /// Lines between different surfaces, and before the sky.
+    /// Draws lines between different surfaces, and between surfaces and the sky.
     #[knob(default = true)]
     objects: bool,
-    /// Groups of surfaces that count as one: the first of each.
+    /// Groups of surfaces that count as one surface, the first of the group.
     #[list(0..=64)]
     together: Vec<Group>,
-    /// The smallest jump of depth that has a line, as a share of the depth.
+    /// Smallest jump in depth that has a line, as a share of the depth.
     #[knob(default = 0.1, range = 1e-6..=1e6)]
     depth_step: f64,
 }
@@ -55,7 +55,7 @@ enum Owner {
 /// Surfaces that count as one.
 #[derive(Clone, Items)]
 struct Group {
-    /// Their places in the Render's list, from 0.
+    /// Indices of the surfaces in the Render's list, counted from 0.
     #[knob(len = 1..=64)]
     surfaces: Vec<f64>,
 }
@@ -67,7 +67,7 @@ impl Node for Outline {
 }
 
 impl Outline {
-    /// As what each surface counts: those of a group as its first.
+    /// Returns the surface that each surface counts as: the first of its group.
     fn counts_as(&self) -> Vec<f64> {
         let mut counts_as: Vec<f64> = (0..64).map(f64::from).collect();
         for Group { surfaces } in &self.together {
@@ -80,7 +80,7 @@ impl Outline {
         counts_as
     }
 
-    /// How far owners stand from what they draw.
+    /// Returns the maximum distance of an owner from the pixels it draws on.
     fn reach(&self) -> i64 {
         self.width.ceil() as i64
     }
@@ -100,7 +100,7 @@ impl Stage for Outline {
     }
 
     fn regions_of_interest(&self, port: PortId, window: Window, _format: Format) -> Window {
-        // An owner's edge, and the slope beyond it.
+        // The edge of an owner, and the slope beyond it.
         if port == self.view.id() { grown(window, self.reach() + 2) } else { window }
     }
 
@@ -115,14 +115,14 @@ impl Stage for Outline {
 
 struct PreparedOutline {
     node: Outline,
-    /// As what each surface counts.
+    /// The surface that each surface counts as.
     counts_as: Vec<f64>,
 }
 
-/// Depth before which nothing has a place, in meters.
+/// Minimum depth, in meters.
 const NEAREST: f64 = 1e-6;
 
-/// What a sample sees: the surface's index, −1 for the sky, and 1/depth.
+/// Data seen by a sample: the surface's index, −1 for the sky, and 1/depth.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Seen {
     surface: f64,
@@ -131,24 +131,24 @@ struct Seen {
 
 impl Seen {
     fn new(surface: f64, depth: f64) -> Self {
-        // Planes behind an orthographic camera have no place in 1/depth.
+        // Planes behind an orthographic camera have no value of 1/depth.
         Self { surface, w: if surface < 0.0 { 0.0 } else { 1.0 / depth.max(NEAREST) } }
     }
 
-    /// The place in the Render's list; the sky comes last.
+    /// Returns the position in the Render's list; the sky comes last.
     fn rank(self) -> f64 {
         if self.surface < 0.0 { f64::INFINITY } else { self.surface }
     }
 }
 
 impl PreparedOutline {
-    /// What a sample sees, of a group its first surface.
+    /// Returns what a sample sees, with a group replaced by its first surface.
     fn seen(&self, surface: f64, depth: f64) -> Seen {
         let surface = if surface < 0.0 { surface } else { *self.counts_as.get(surface as usize).unwrap_or(&surface) };
         Seen::new(surface, depth)
     }
 
-    /// Whether an edge parts `a` from `b` beside it; `before` and `after` stand farther out in the same line.
+    /// Whether an edge separates `a` from its neighbor `b`; `before` and `after` are the next pixels on the same line.
     #[inline]
     fn parted(&self, before: Seen, a: Seen, b: Seen, after: Seen) -> bool {
         if self.node.objects && a.surface != b.surface {
@@ -156,7 +156,7 @@ impl PreparedOutline {
         }
         let step = self.node.depth_step * a.w.min(b.w);
         let jump = (a.w - b.w).abs();
-        // On planes either side foretells the other.
+        // On planes, each side predicts the other.
         jump > step && (b.w - (2.0 * a.w - before.w)).abs() > step && (a.w - (2.0 * b.w - after.w)).abs() > step
     }
 
@@ -173,17 +173,17 @@ impl PreparedOutline {
         }
     }
 
-    /// How much an owner draws on `sample`, `squared` pixels² away, where the line is so wide.
+    /// Returns how much an owner draws on `sample`, `squared` pixels² away, for a line width.
     fn drawn(width: f64, sample: Seen, owner: Seen, other: Seen, squared: f64) -> f64 {
         let own = sample.surface == owner.surface && (sample.w - owner.w).abs() <= (sample.w - other.w).abs();
         if own { (width - squared.sqrt()).clamp(0.0, 1.0) } else { 0.0 }
     }
 }
 
-/// What rounding loses of widths.
+/// Rounding error of widths.
 const LOST: f64 = 1e-15;
 
-/// Whether something holds: `None` where that is not certain.
+/// Truth of a statement; `None` if uncertain.
 type Holds = Option<bool>;
 const YES: Holds = Some(true);
 const NO: Holds = Some(false);
@@ -211,7 +211,7 @@ fn above(a: [f64; 2], b: [f64; 2]) -> Holds {
     }
 }
 
-/// The absolute difference a − b of numbers that lie between others.
+/// Returns the range of |a − b| for numbers in ranges.
 fn apart(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
     let (low, high) = (a[0] - b[1], a[1] - b[0]);
     let slack = LOST * (a[1].abs() + b[1].abs());
@@ -219,14 +219,14 @@ fn apart(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
     [(least - slack).max(0.0), low.abs().max(high.abs()) + slack]
 }
 
-/// What a sample may see: its surface where that is certain, and between which numbers 1/depth lies.
+/// Data that a sample may see: its surface if certain, and a range of 1/depth.
 struct NearSeen {
     surface: Option<f64>,
     w: [f64; 2],
 }
 
 impl NearSeen {
-    /// Whether it sees the same surface as another.
+    /// Whether it sees the same surface as another sample.
     fn is_like(&self, other: &Self) -> Holds {
         Some(self.surface? == other.surface?)
     }
@@ -238,10 +238,10 @@ impl NearSeen {
 }
 
 impl PreparedOutline {
-    /// What a sample may see.
+    /// Returns what a sample may see.
     fn near(&self, bounding: &Bounding<'_>, sample: usize) -> NearSeen {
         let [coverage, surface, depth] = [Channel::Coverage, Channel::Surface, Channel::Depth]
-            .map(|channel| certain(bounding, &self.node.view, channel, sample));
+            .map(|channel| bounding.certain(&self.node.view, channel, sample));
         if coverage.high <= 0.0 {
             return NearSeen { surface: Some(-1.0), w: [0.0; 2] };
         }
@@ -254,7 +254,7 @@ impl PreparedOutline {
         }
     }
 
-    /// Whether an edge parts `a` from `b`, as [`parted`](Self::parted) has it.
+    /// Whether an edge separates `a` from `b`, as in [`parted`](Self::parted).
     fn may_part(&self, before: &NearSeen, a: &NearSeen, b: &NearSeen, after: &NearSeen) -> Holds {
         let differs = if self.node.objects { not(a.is_like(b)) } else { NO };
         if differs == YES {
@@ -275,9 +275,9 @@ impl PreparedOutline {
         }
     }
 
-    /// Whether an edge's `owner` draws, where it stands before the `other` along the axis or after it.
+    /// Whether an edge's `owner` draws; `is_first` if it comes before the `other` along the axis.
     fn may_own(&self, owner: &NearSeen, other: &NearSeen, is_first: bool) -> Holds {
-        // Of equals the first one is the nearer.
+        // At equal depths, the first pixel counts as nearer.
         let nearer = if is_first { not(above(other.w, owner.w)) } else { above(owner.w, other.w) };
         let listed = match owner.is_like(other) {
             None => None,
@@ -297,7 +297,7 @@ impl PreparedOutline {
     }
 }
 
-/// Across and down.
+/// Steps to the right and down.
 const STEPS: [(i64, i64); 2] = [(1, 0), (0, 1)];
 
 impl Prepared for PreparedOutline {
@@ -328,7 +328,7 @@ impl Prepared for PreparedOutline {
                 }
             }
         };
-        // Every edge of which one side may own something within the window.
+        // Visit every edge with an owner that may draw within the window.
         for y in window.y0 - reach - 1..window.y1 + reach + 1 {
             for x in window.x0 - reach - 1..window.x1 + reach + 1 {
                 for (dx, dy) in STEPS {
@@ -354,7 +354,7 @@ impl Prepared for PreparedOutline {
         let seen: Vec<NearSeen> = (0..around.area()).map(|sample| self.near(bounding, sample)).collect();
         let at = |x: i64, y: i64| &seen[around.index(x, y)];
         let reach = self.node.reach();
-        // Every edge across and down of which one side may own something within the window.
+        // Visit every horizontal and vertical edge with an owner that may draw within the window.
         let edges = grown(bounding.block.window, reach + 1);
         let part = |x: i64, y: i64| {
             STEPS.map(|(dx, dy)| {
@@ -366,11 +366,11 @@ impl Prepared for PreparedOutline {
             .map(|(x, y)| part(x, y))
             .collect();
         let mut pixels = bounding.block.pixels();
-        bound_by(bounding, outputs, (Only, 0), |sample| {
+        bounding.bound_by(outputs, (Only, 0), |sample| {
             let [px, py] = pixels.next().unwrap_or_default();
-            let thickness = known(bounding, &self.node.thickness, 0, sample).unwrap_or(Span::exactly(1.0));
+            let thickness = bounding.known(&self.node.thickness, 0, sample).unwrap_or(Span::exactly(1.0));
             let width = thickness.through(|thickness| self.node.width * thickness);
-            // What is drawn for certain, and what may be.
+            // Coverage that is certain, and coverage that is possible.
             let (mut sure, mut most) = (0.0_f64, 0.0_f64);
             for (x, y) in (-reach..=reach).flat_map(|y| (-reach..=reach).map(move |x| (x, y))) {
                 let away = libm::sqrt((x * x + y * y) as f64);
@@ -393,7 +393,7 @@ impl Prepared for PreparedOutline {
                     most = if owns == NO { most } else { most.max(drawn[1]) };
                 }
             }
-            // What a width is off by is no jump.
+            // Uncertainty of the width alone is not a jump.
             let clear = thickness.clear && most - sure <= width.high - width.low + LOST;
             Span { low: sure, high: most, clear }.wider(LOST).within(0.0, 1.0)
         });
@@ -415,7 +415,7 @@ impl Prepared for PreparedOutline {
         let thickness = self.node.thickness.as_ref().map_or(1.0, |source| inputs.scalar(source));
         let mut mask: f64 = 0.0;
         for (x, y) in (-reach..=reach).flat_map(|y| (-reach..=reach).map(move |x| (x, y))) {
-            // The four pixels beside an owner.
+            // The four neighbors of an owner.
             for (dx, dy) in [(1, 0), (-1, 0), (0, 1), (0, -1)] {
                 let (owner, other) = (at(x, y), at(x + dx, y + dy));
                 let (before, after) = (at(x - dx, y - dy), at(x + 2 * dx, y + 2 * dy));

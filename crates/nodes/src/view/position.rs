@@ -1,9 +1,9 @@
-//! Position: where things are.
+//! Position: location of the seen point.
 
 use super::Copies;
 use trochoid_graph::*;
 
-/// The seen point in the world.
+/// The seen point in world space.
 ///
 /// # Formula
 /// P
@@ -12,11 +12,11 @@ use trochoid_graph::*;
 /// (0, 0, 0) where nothing is seen.
 ///
 /// # Source
-/// The field's position pass.
+/// The standard position pass.
 #[derive(Clone, Node)]
-#[node(end = Front, revision = 1, output(position: Kind::Field(3) = "World position, m."))]
+#[node(end = Front, revision = 1, output(position: Kind::Field(3) = "World-space position, m."))]
 pub(crate) struct Position {
-    /// What is seen.
+    /// View to take positions from.
     view: One<port::View>,
 }
 

@@ -1,61 +1,60 @@
-//! Passes of quantities that rays find, which go on from the points of a view.
+//! Passes of quantities found by rays that start at the points of a view.
 
 use super::{Facets, Rays, Seen, Surroundings, asked};
-use crate::bounds::{Span, bound_by, where_covered};
 use crate::geometry::memory;
 use crate::sea::check_surfaces;
 use std::sync::Arc;
 use trochoid_graph::*;
 use trochoid_image::Format;
 
-/// A node whose one output is what rays find around each seen point, and 0 where nothing is seen.
+/// A node whose only output is a quantity that rays find around each seen point, and 0 where nothing is seen.
 pub(crate) trait Traces: Declare {
-    /// Which samples of a pixel may share it.
+    /// Samples of a pixel that may share the quantity.
     const RATE: Rate;
 
-    /// What is seen, and stands in the way.
+    /// Returns the view whose surfaces are seen and block rays.
     fn view(&self) -> &One<port::View>;
 
-    /// How closely it does.
+    /// Returns the facets of the surfaces that block rays.
     fn facets(&self) -> &Facets;
 
-    /// The most that it may be.
+    /// Returns the maximum of the quantity.
     fn most(&self) -> f64 {
         1.0
     }
 
-    /// Certain bounds beyond those of its kind.
+    /// Returns certain bounds tighter than those of the output's kind.
     fn interval(&self) -> Option<(f64, f64)> {
         None
     }
 
-    /// Reports what ranges of single knobs cannot express.
+    /// Reports errors that ranges of single knobs cannot express.
     fn check(&self, check: &mut Check<'_>) {
         let _ = check;
     }
 
-    /// How long a frame of a format may take.
+    /// Returns the estimated work for a frame of a format.
     fn work(&self, format: Format) -> Option<Work> {
         let _ = format;
         None
     }
 
-    /// The quantity, at one frame.
+    /// Returns the quantity at one frame.
     ///
     /// # Errors
     /// The view has no camera.
     fn quantity(&self, prepare: &Prepare<'_>) -> Result<Quantity, NodeError>;
 
-    /// The output of a quantity.
+    /// Returns the output for a quantity.
     fn output(quantity: f64) -> Reference {
         Reference::Mask(quantity)
     }
 }
 
-/// What rays find around a seen point, in f64.
+/// Function that returns the quantity found by rays around a seen point, in f64.
 pub(crate) type Quantity = Box<dyn Fn(&Seen, Rays<'_>) -> f64 + Send + Sync>;
 
-/// Such a node.
+/// Node with such a quantity.
 #[derive(Clone)]
 pub(crate) struct RayPass<T>(T);
 
@@ -125,9 +124,9 @@ impl<T: Traces> Prepared for PreparedRays<T> {
     }
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
-        // The reference's rays meet the surfaces themselves: facets may let them pass, or stop them.
-        bound_by(bounding, outputs, (Only, 0), |sample| {
-            where_covered(bounding, self.node.view(), sample, || Span::unclear(0.0, self.node.most()))
+        // The reference's rays hit the surfaces themselves, so facets may pass or block rays differently.
+        bounding.bound_by(outputs, (Only, 0), |sample| {
+            bounding.where_covered(self.node.view(), sample, || Span::unclear(0.0, self.node.most()))
         });
         Ok(())
     }

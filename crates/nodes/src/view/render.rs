@@ -1,4 +1,4 @@
-//! Render: what a camera sees of surfaces.
+//! Render: surfaces as seen by a camera.
 
 use super::{Looking, SurfaceHandle};
 use crate::geometry::memory;
@@ -7,30 +7,32 @@ use trochoid_graph::*;
 use trochoid_image::Format;
 use trochoid_scene as scene;
 
-/// Makes a view: what a camera sees of surfaces, sample by sample, to the horizon.
+/// A view of surfaces from a camera, sample by sample, to the horizon.
 ///
 /// # Formula
-/// Each sample sees the nearest surface along its ray. Only the fields that passes ask for are computed.
+/// Each sample sees the nearest surface along its ray. Only the channels requested by passes are computed.
 ///
 /// # Edge cases
-/// Where nothing is seen, coverage is 0, depth +∞, the normal (0, 1, 0), the surface −1, all else 0.
+/// Where nothing is seen, coverage is 0, depth +∞, the normal (0, 1, 0), the surface −1, and everything else 0.
 ///
 /// # Source
-/// Tessellation adapted to the view after Hinsinger, Neyret and Cani, Interactive Animation of Ocean Waves, 2002; the
+/// View-dependent tessellation after Hinsinger, Neyret and Cani, Interactive Animation of Ocean Waves, 2002; the
 /// reference traces the continuous surfaces.
 #[derive(Clone, Node)]
 #[node(end = Front, revision = 2, role = Render, outputs = Out)]
+#[also_called("ScanlineRender", "Renderer", "Rasterize", "RenderLayers", "View")]
 pub(crate) struct Render {
-    /// The point of view.
+    /// Camera of the view.
     pub(crate) camera: One<port::Camera>,
-    /// What is to be seen.
+    /// Surfaces to render.
     #[port(1..=64)]
     pub(crate) surfaces: Many<port::Surface>,
-    /// How many times as close vertices of meshes stand as the picture's pixels ask for.
+    /// Density of mesh vertices, relative to what the picture's pixels require.
     #[knob(default = 1.0, range = 0.125..=8.0, accuracy)]
     fineness: f64,
-    /// What passes are told of: points of the mesh that stands for a surface; points of the surface itself next to those,
-    /// for a few times as long; or these to the digits of the reference, for many times as long.
+    /// Points that passes receive: "mesh" uses the mesh that approximates each surface; "surface" moves from there
+    /// to the surface itself, which takes a few times as long; "exact" does so to the precision of the reference,
+    /// which takes many times as long.
     #[knob(accuracy)]
     points: Points,
 }
@@ -43,7 +45,7 @@ enum Points {
 }
 
 impl Points {
-    /// How samples are followed to surfaces, where they are.
+    /// Returns the precision with which samples are moved to surfaces; `None` for the mesh.
     fn sums(self) -> Option<scene::Sums> {
         match self {
             Self::Mesh => None,
@@ -58,7 +60,7 @@ enum Out {
     /// The view, for passes.
     #[output(Kind::View)]
     View,
-    /// 1 where a surface is seen, else 0.
+    /// 1 where a surface is seen, otherwise 0.
     #[output(Kind::MASK)]
     Coverage,
 }
@@ -68,8 +70,8 @@ impl Node for Render {
         let surfaces = &self.surfaces;
         let again = surfaces.iter().enumerate().find(|(index, source)| surfaces[..*index].contains(source));
         if let Some(twice) = again.and_then(|(_, source)| check.upstream(source)) {
-            let found = format!("\"{}\" twice: the same surface at the same place", twice.name);
-            check.warning(Self::SURFACES, found, "each surface once", "name it once");
+            let found = format!("\"{}\" twice, at the same place", twice.name);
+            check.warning(Self::SURFACES, found, "each surface once", "list it once");
         }
     }
 
@@ -111,7 +113,7 @@ impl Stage for Render {
         let (mut visible, mut certain) = (None, None);
         if wanted != ChannelSet::EMPTY {
             let surfaces = borrowed(&surfaces);
-            // Surfaces are looked for from rest points on.
+            // Points of surfaces are searched for starting from rest points.
             let mut prepared = if follows.is_some() { wanted.union(ChannelSet::REST) } else { wanted };
             if prepare.bounded() {
                 prepared = prepared.union(SIGHT);
@@ -130,16 +132,16 @@ impl Stage for Render {
 }
 
 struct Prospect {
-    /// That of the surfaces.
+    /// Port of the surfaces.
     port: PortId,
     camera: scene::Camera,
     surfaces: Vec<SurfaceHandle>,
     format: Format,
-    /// Whether each sample is followed to the surface itself, and how.
+    /// Precision with which each sample is moved to the surface itself; `None` for the mesh.
     follows: Option<scene::Sums>,
-    /// `None` where no channel is wanted.
+    /// `None` if no channel is wanted.
     visible: Option<scene::Visible>,
-    /// Where it is certain what is seen, if someone will ask.
+    /// Certainty of what is seen; prepared only if bounds are requested.
     certain: Option<scene::Certain>,
 }
 
@@ -147,14 +149,14 @@ fn borrowed(surfaces: &[SurfaceHandle]) -> Vec<&dyn scene::Surface> {
     surfaces.iter().map(|surface| surface.as_ref()).collect()
 }
 
-/// What the reference itself may lose where it looks for the end of a ray: relative to its distance, and at a grazing
-/// angle as much more. Normals and what goes with them turn there by as many radians at most.
+/// Error of the reference's own search for the end of a ray, relative to the distance; at grazing angles, it grows
+/// accordingly. Normals and quantities derived from them rotate by at most as many radians.
 const REFERENCE_RAY: f64 = 1e-8;
 
-/// What tells which sheet of a surface a sample sees.
+/// Channels that tell which sheet of a surface a sample sees.
 const SIGHT: ChannelSet = ChannelSet::of(&[Channel::Depth, Channel::Surface]);
 
-/// How far apart in depth, as a share of it, a point of a sheet and that of its mesh may lie.
+/// Maximum difference in depth, as a share of it, between a point of a sheet and the matching point of its mesh.
 const SHEET: f64 = 0.02;
 
 thread_local! {
@@ -191,7 +193,7 @@ impl Prepared for Prospect {
         if let Some(sums) = self.follows.filter(|_| !planes.is_empty()) {
             let pixels: Vec<[i64; 2]> = block.pixels().collect();
             let points = visible.points(&borrowed(&self.surfaces), &pixels, block.offset, sums);
-            // What the mesh shows stands where no point of the surface is near it.
+            // Where no point of the surface is near, the mesh's point stays.
             let found = points.iter().enumerate().filter_map(|(index, point)| Some((index, point.as_ref()?)));
             for (index, point) in found {
                 for (channel, plane) in &mut planes {
@@ -202,11 +204,11 @@ impl Prepared for Prospect {
         Ok(())
     }
 
-    /// How far each channel lies from the point of the surface itself, wherever it is certain that this is what the sample
-    /// sees.
+    /// Computes the distance of each channel from the value at the surface's own point, where it is certain that the
+    /// sample sees it.
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
         let Some(certain) = &self.certain else {
-            return Err(NoBound("it was not prepared for any"));
+            return Err(NoBound("no bounds were requested"));
         };
         let pixels: Vec<[i64; 2]> = bounding.block.pixels().collect();
         let sights = certain.sights(&borrowed(&self.surfaces), &pixels, bounding.block.offset);
@@ -251,8 +253,8 @@ impl Prepared for Prospect {
             let waves = |what, count: f64, why| {
                 (count > 0.0).then_some(Omission { port: Some((self.port, index)), what, count, of, why })
             };
-            let everywhere = "no pixel resolves them: its footprint leaves less than 1e-6 of each";
-            let mean = "the pixels there do not resolve them, the farthest least";
+            let everywhere = "no pixel resolves them: less than 1e-6 of each remains at its footprint";
+            let mean = "distant pixels do not resolve them";
             [
                 waves("waves", of - resolved.most as f64, everywhere),
                 waves("waves at a vertex on average", of - resolved.mean, mean),
@@ -268,7 +270,7 @@ impl Prepared for Prospect {
 }
 
 impl Prospect {
-    /// Whether each sample's mesh shows the sheet of the surface that is there in truth.
+    /// Whether each sample's mesh shows the same sheet of the surface as the surface itself.
     fn sees(&self, block: &Block<'_>, sights: &[scene::Sight]) -> Vec<bool> {
         let Some(visible) = &self.visible else { return vec![true; sights.len()] };
         SAMPLES.with_borrow_mut(|samples| {

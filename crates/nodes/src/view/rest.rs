@@ -1,22 +1,22 @@
-//! Rest: where the seen point was before anything moved it.
+//! Rest: position of the seen point at rest.
 
 use super::Copies;
 use trochoid_graph::*;
 
-/// The rest point of what is seen: patterns over it move with the surface.
+/// The rest point of the seen point; patterns based on it move with the surface.
 ///
 /// # Formula
-/// P₀: of a sea the particle's place on the rest level, of a model the point in the model's own space
+/// P₀: for a sea, the particle's position on the rest level; for a model, the point in object space
 ///
 /// # Edge cases
 /// (0, 0, 0) where nothing is seen.
 ///
 /// # Source
-/// The field's rest (reference position) pass.
+/// The standard rest (reference position) pass.
 #[derive(Clone, Node)]
 #[node(end = Front, revision = 1, output(rest: Kind::Field(3) = "Rest point, m."))]
 pub(crate) struct Rest {
-    /// What is seen.
+    /// View to take rest points from.
     view: One<port::View>,
 }
 

@@ -1,4 +1,4 @@
-//! RestDistance: how far a particle has moved.
+//! RestDistance: displacement of the seen particle.
 
 use super::Copies;
 use trochoid_graph::*;
@@ -16,7 +16,7 @@ use trochoid_graph::*;
 #[derive(Clone, Node)]
 #[node(end = Front, revision = 1, output(distance: Kind::Field(1) = "Distance, m."))]
 pub(crate) struct RestDistance {
-    /// What is seen.
+    /// View to take distances from.
     view: One<port::View>,
 }
 

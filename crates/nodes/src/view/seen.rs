@@ -1,4 +1,4 @@
-//! Quantities of seen points from which rays go on: what they ask of a view, and how a block of them is filled.
+//! Quantities found by rays that start at seen points: the channels they need, and filling a block with them.
 
 use super::surroundings::{First, Surroundings};
 use super::{NORMAL, POSITION, is_covered, view_planes, view_vector};
@@ -6,28 +6,28 @@ use trochoid_graph::{Block, Channel, ChannelSet, Inputs, NodeError, One, Referen
 use trochoid_scene::shading::unit_or_up;
 use trochoid_scene::{DVec3, Ray};
 
-/// A point that is seen.
+/// A seen point.
 pub(crate) struct Seen {
-    /// Where in the picture, in pixels.
+    /// Position in the picture, in pixels.
     pub(crate) at: [f64; 2],
     pub(crate) point: DVec3,
-    /// Of length 1.
+    /// Unit normal.
     pub(crate) normal: DVec3,
-    /// Size of the facets there, in meters.
+    /// Size of the facets at the point, in meters.
     pub(crate) facet: f64,
 }
 
-/// What rays meet.
+/// Surroundings that rays may hit.
 #[derive(Clone, Copy)]
 pub(crate) struct Rays<'a> {
     pub(crate) first: First<'a>,
     pub(crate) blocks: &'a dyn Fn(&Ray, f64) -> bool,
 }
 
-/// Points from one question whether to stop to the next.
+/// Number of points between checks for cancellation.
 const ASKED: usize = 64;
 
-/// What the view must supply.
+/// Returns the channels that the view must supply.
 pub(crate) fn asked() -> ChannelSet {
     ChannelSet::of(&NORMAL).union(ChannelSet::of(&POSITION)).union(Channel::Coverage.into())
 }
@@ -37,10 +37,10 @@ impl Surroundings {
         Seen { at, point, normal: unit_or_up(normal), facet: self.facet(point) }
     }
 
-    /// Fills a block with a quantity of the points seen, by the tessellated surfaces; 0 where nothing is seen.
+    /// Fills a block with a quantity of the seen points, using tessellated surfaces; 0 where nothing is seen.
     ///
     /// # Errors
-    /// The user has asked to stop.
+    /// The user cancelled.
     pub(crate) fn fill(
         &self,
         block: &Block<'_>,
@@ -56,7 +56,7 @@ impl Surroundings {
         let blocks = |ray: &_, limit| self.blocks(ray, limit);
         let rays = Rays { first: &first, blocks: &blocks };
         for (index, (out, at)) in out.iter_mut().zip(block.places()).enumerate() {
-            // Rays may take long: a soft shadow's over a row more than anybody waits.
+            // Rays may be slow: a row of soft shadows can take longer than anyone wants to wait.
             if index % ASKED == 0 {
                 inputs.go_on()?;
             }
@@ -69,7 +69,7 @@ impl Surroundings {
         Ok(())
     }
 
-    /// The same of one sample, by the continuous surfaces, in f64.
+    /// Returns the quantity at one sample in f64, using continuous surfaces.
     pub(crate) fn quantity_reference(
         &self,
         inputs: &References<'_>,

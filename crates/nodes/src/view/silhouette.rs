@@ -1,7 +1,6 @@
-//! Silhouette: where a surface turns away from the eye.
+//! Silhouette: lines where a surface turns away from the eye.
 
 use super::{Around, NORMAL, POSITION, change, grown, is_covered, may_see, surface_of, view_planes, view_vector};
-use crate::bounds::{Span, bound_by, where_covered};
 use crate::lit::{Near, Toward, eye, toward_eye, view_directions};
 use trochoid_graph::*;
 use trochoid_image::{Format, Window};
@@ -11,29 +10,30 @@ use trochoid_scene::shading::unit_or_up;
 /// A mask of the lines where surfaces turn away from the eye.
 ///
 /// # Formula
-/// e = max(0, N · V). By cutoff: 1 where e < cutoff, falling straight to 0 at cutoff + ramp. By `width` in pixels: width +
-/// ½ − d, limited to [0, 1], with the distance d = e²/|∇e²| to the place where e reaches 0: toward a round edge e falls
-/// like the root of the distance.
+/// e = max(0, N · V). By cutoff: 1 where e < cutoff, falling linearly to 0 at cutoff + ramp. By `width` in pixels:
+/// width + ½ − d, limited to [0, 1], with d = e²/|∇e²| the distance to the place where e reaches 0, since toward a
+/// round edge e falls like the root of the distance.
 ///
 /// # Edge cases
-/// 0 where nothing is seen; e is 1 there. ∇ takes the pixels beside that see the same surface; where there are none, or e²
-/// does not change, no line is drawn but at e = 0. Ramp 0 is the hard cutoff. Toward the horizon all faces of a sea are
-/// seen from the edge, and the line thickens with them.
+/// Where nothing is seen, the mask is 0 and e is 1. ∇ uses the neighboring pixels that see the same surface; without
+/// any, or where e² does not change, a line is drawn only where e = 0. Ramp 0 is a hard cutoff. Toward the horizon,
+/// all faces of a sea are seen edge-on, and the line thickens accordingly.
 ///
 /// # Source
-/// Toon shading by thresholds: edge = max(0, n · v), black below 0.01, or by a one-dimensional ramp: give `edge` to a Ramp.
+/// Toon shading by thresholds: edge = max(0, n · v), black below 0.01, or by a one-dimensional ramp: connect `edge` to
+/// a Ramp.
 #[derive(Clone, Node)]
 #[node(end = Front, revision = 1, outputs = Out)]
 pub(crate) struct Silhouette {
-    /// What is drawn.
+    /// View of the surfaces.
     view: One<port::View>,
     /// N · V below which the line is drawn.
     #[knob(default = 0.2, range = 0.0..=1.0)]
     cutoff: f64,
-    /// How much more it takes until the line is gone.
+    /// Further increase of N · V over which the line fades out.
     #[knob(default = 0.05, range = 0.0..=1.0)]
     ramp: f64,
-    /// The line's width; if set, in place of the cutoff.
+    /// Width of the line; if set, it replaces the cutoff.
     #[knob(range = 0.0..=100.0, drawn)]
     width: Option<f64>,
 }
@@ -83,7 +83,7 @@ struct PreparedSilhouette {
 }
 
 impl PreparedSilhouette {
-    /// The mask by the cutoff.
+    /// Returns the mask by the cutoff.
     fn cut(&self, e: f64) -> f64 {
         if e < self.node.cutoff {
             1.0
@@ -94,7 +94,7 @@ impl PreparedSilhouette {
         }
     }
 
-    /// The mask by a width, of e² and its changes across and down.
+    /// Returns the mask by a width, given e² and its changes to the right and down.
     fn line(width: f64, squared: f64, changes: [Option<f64>; 2]) -> f64 {
         let [across, down] = changes.map(|change| change.unwrap_or(0.0));
         let slope = (across * across + down * down).sqrt();
@@ -107,7 +107,7 @@ impl PreparedSilhouette {
         }
     }
 
-    /// max(0, N · V) at a sample of the reference.
+    /// Returns max(0, N · V) at a sample of the reference.
     fn edge(&self, inputs: &References<'_>) -> f64 {
         let normal = unit_or_up(view_vector(inputs, &self.node.view, NORMAL));
         let view = unit_or_up(toward_eye(&self.eye, view_vector(inputs, &self.node.view, POSITION)));
@@ -115,7 +115,7 @@ impl PreparedSilhouette {
     }
 }
 
-/// What rounding loses of a mask.
+/// Rounding error of a mask.
 const LOST: f64 = 1e-12;
 
 impl Prepared for PreparedSilhouette {
@@ -168,9 +168,9 @@ impl Prepared for PreparedSilhouette {
             Toward::normal(bounding, view, there).cosine(toward).within(0.0, 1.0)
         };
         let pixels: Vec<usize> = bounding.block.pixels().map(|[x, y]| around.index(x, y)).collect();
-        bound_by(bounding, outputs, (Out::Edge, 0), |sample| {
-            // Where nothing is seen the mask is 1.
-            let faced = where_covered(bounding, view, pixels[sample], || edge(pixels[sample]).through(|e| 1.0 - e));
+        bounding.bound_by(outputs, (Out::Edge, 0), |sample| {
+            // Where nothing is seen, `edge` is 1.
+            let faced = bounding.where_covered(view, pixels[sample], || edge(pixels[sample]).through(|e| 1.0 - e));
             if faced.is_exact() {
                 Span::exactly(1.0 - faced.low)
             } else {
@@ -178,9 +178,9 @@ impl Prepared for PreparedSilhouette {
             }
         });
         let mut places = bounding.block.pixels();
-        bound_by(bounding, outputs, (Out::Mask, 0), |sample| {
+        bounding.bound_by(outputs, (Out::Mask, 0), |sample| {
             let [x, y] = places.next().unwrap_or_default();
-            where_covered(bounding, view, pixels[sample], || match self.node.width {
+            bounding.where_covered(view, pixels[sample], || match self.node.width {
                 None => {
                     let e = edge(pixels[sample]);
                     let ends = [self.cut(e.high), self.cut(e.low)];
@@ -216,7 +216,7 @@ impl Prepared for PreparedSilhouette {
                     let line = |squared: f64, slope: f64| Self::line(width, squared, [Some(slope), None]);
                     let span =
                         Span::of(&[line(own.high, flattest), line(own.low, steepest)]).wider(LOST).within(0.0, 1.0);
-                    // Where neither the square nor its slope is certain not to vanish there is no line or a whole one.
+                    // Where neither the square nor its slope is certainly nonzero, there may be no line or a full one.
                     span.with(flattest > 0.0 || (own.low > 0.0 && steepest == 0.0))
                 }
             })

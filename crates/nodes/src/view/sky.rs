@@ -1,43 +1,42 @@
-//! Sky: how high the eye looks, straight and by way of the surface.
+//! Sky: elevation of the view ray and of its reflection.
 
 use super::{NORMAL, is_covered, view_planes, view_vector};
-use crate::bounds::{bound_at, bound_by, where_covered};
 use crate::lit::{Toward, eye};
 use trochoid_graph::*;
 use trochoid_scene::shading::unit_or_up;
 use trochoid_scene::{DVec3, Projector};
 
-/// Two masks for a gradient of the sky: seen straight, and mirrored by the surface.
+/// Two masks for a gradient of the sky: one for the sky itself, one for its reflection in the surface.
 ///
 /// # Formula
-/// (ε − from)/(to − from), limited to [0, 1]; ε is the elevation above the horizon of the ray d through the sample, for
-/// `reflected` of r = d − 2(d · N)N.
+/// (ε − from)/(to − from), limited to [0, 1]. ε is the elevation above the horizon: for `sky`, of the ray d through
+/// the sample; for `reflected`, of r = d − 2(d · N)N.
 ///
 /// # Edge cases
-/// `sky` is everywhere, also behind surfaces; `reflected` is 0 where nothing is seen. A mirrored ray that points below the
-/// horizon has the elevation of the ground. A degenerate normal points up.
+/// `sky` is defined everywhere, also behind surfaces; `reflected` is 0 where nothing is seen. A reflected ray that
+/// points below the horizon has a negative elevation. A degenerate normal points up.
 ///
 /// # Source
 /// The law of reflection; thesis 3.2.3.3 mirrors an environment.
 #[derive(Clone, Node)]
 #[node(end = Front, revision = 1, outputs = Out)]
 pub(crate) struct Sky {
-    /// What the camera sees.
+    /// View whose rays are used.
     view: One<port::View>,
-    /// The elevation where the masks are 0; 0 is the horizon.
+    /// Elevation at which the masks are 0; 0 is the horizon.
     #[knob(default = 0.0, range = -90.0..=90.0, unit = "degrees")]
     from: f64,
-    /// The elevation where they are 1; 90 is the zenith.
+    /// Elevation at which the masks are 1; 90 is the zenith.
     #[knob(default = 90.0, range = -90.0..=90.0, unit = "degrees")]
     to: f64,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Outputs)]
 enum Out {
-    /// How high the sample's ray points.
+    /// Elevation of the sample's ray.
     #[output(Kind::MASK)]
     Sky,
-    /// How high it points after the surface has mirrored it.
+    /// Elevation of the ray reflected by the surface.
     #[output(Kind::MASK)]
     Reflected,
 }
@@ -62,7 +61,7 @@ impl Node for Sky {
 
 impl Stage for Sky {
     fn asks(&self, wanted: &[bool]) -> ChannelSet {
-        // The sky itself needs the camera alone.
+        // The sky itself needs only the camera.
         if wanted.get(usize::from(Out::Reflected)).is_some_and(|wanted| *wanted) {
             ChannelSet::of(&NORMAL).union(Channel::Coverage.into())
         } else {
@@ -90,22 +89,22 @@ struct PreparedSky {
 }
 
 impl PreparedSky {
-    /// The mask of a direction of any length.
+    /// Returns the mask of a direction of any length.
     fn mask(&self, direction: DVec3) -> f64 {
         let level = (direction.x * direction.x + direction.z * direction.z).sqrt();
         self.share(libm::atan2(direction.y, level).to_degrees())
     }
 
-    /// The mask of an elevation in degrees.
+    /// Returns the mask of an elevation in degrees.
     fn share(&self, elevation: f64) -> f64 {
         ((elevation - self.node.from) / (self.node.to - self.node.from)).clamp(0.0, 1.0)
     }
 }
 
-/// What rounding loses of a share.
+/// Rounding error of a share.
 const LOST: f64 = 1e-14;
 
-/// A direction as a plane of this normal mirrors it.
+/// Returns a direction reflected by a plane with this unit normal.
 fn mirrored(direction: DVec3, normal: DVec3) -> DVec3 {
     let normal = unit_or_up(normal);
     direction - normal * (2.0 * direction.dot(normal))
@@ -129,12 +128,13 @@ impl Prepared for PreparedSky {
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
         let ray = |[x, y]: [f64; 2]| self.eye.ray(x, y).direction;
-        bound_at(bounding, outputs, (Out::Sky, 0), |at| self.mask(ray(at)));
+        bounding.bound_at(outputs, (Out::Sky, 0), |at| self.mask(ray(at)));
         let mut places = bounding.block.places();
-        bound_by(bounding, outputs, (Out::Reflected, 0), |sample| {
+        bounding.bound_by(outputs, (Out::Reflected, 0), |sample| {
             let at = places.next().unwrap_or_default();
-            where_covered(bounding, &self.node.view, sample, || {
-                // What a normal turns by, its mirror image turns by twice, and its elevation by no more.
+            bounding.where_covered(&self.node.view, sample, || {
+                // When a normal rotates, its reflection rotates by twice the angle, and the elevation by no more than
+                // that.
                 let mirrored = Toward::normal(bounding, &self.node.view, sample).mirrored(Toward::exactly(-ray(at)));
                 mirrored.elevation().through(|degrees| self.share(degrees)).wider(LOST).within(0.0, 1.0)
             })

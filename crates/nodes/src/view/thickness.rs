@@ -1,4 +1,4 @@
-//! Thickness: how much water light has to pass.
+//! Thickness: how much water light has to pass through.
 
 use super::{Facets, Quantity, Rays, Seen, Traces, Way};
 use crate::lit::{eye, toward_eye};
@@ -6,30 +6,30 @@ use trochoid_graph::*;
 use trochoid_scene::shading::unit_or_up;
 use trochoid_scene::{DVec3, Light};
 
-/// How much water lies between the seen point and the air behind it, toward a light or along the eye's ray.
+/// The thickness of the water between the seen point and the air behind it, toward a light or along the eye's ray.
 ///
 /// # Formula
-/// The length of the straight way from P − δN to where it first passes through a surface, at most `distance`; δ = `inset`,
-/// but at most halfway to where −N does. The way leads toward the light, or, where `ray` is eye, along the eye's ray d as
-/// the water refracts it: r = d/η − (d · N/η + √(1 − (1 − (d · N)²)/η²))N.
+/// The length of the straight path from P − δN to where it first passes through a surface, at most `distance`; δ =
+/// `inset`, but at most half the distance to the first surface along −N. The path leads toward the light, or, if `ray`
+/// is eye, along the eye's ray d refracted by the water: r = d/η − (d · N/η + √(1 − (1 − (d · N)²)/η²))N.
 ///
 /// # Edge cases
-/// 0 where nothing is seen. `distance` where the way has no end: toward a light below the horizon, or out of what is seen
-/// from below. Surfaces count as far as the picture, made wider by `beyond`, holds them; ways begin at least 1/50 of a
-/// facet under them.
+/// 0 where nothing is seen. `distance` where the path never ends: toward a light below the horizon, or out of a
+/// surface seen from below. Surfaces count as far as the picture extended by `beyond` reaches; paths start at least
+/// 1/50 of a facet below them.
 ///
 /// # Source
 /// Thesis 3.1.2: thin crests against the light are translucent; Snell's law.
 #[derive(Clone, Node)]
-#[node(end = Front, revision = 1, output(thickness: Kind::Field(1) = "Length of the way, m."))]
+#[node(end = Front, revision = 1, output(thickness: Kind::Field(1) = "Length of the path, m."))]
 pub(crate) struct Thickness {
-    /// What is seen, a Render.
+    /// View of the surfaces; must be a Render.
     view: One<port::View>,
-    /// Where light comes from; for `ray` light.
+    /// Light toward which the path leads, for `ray` light.
     light: Optional<port::Light>,
-    /// Where the way leads.
+    /// Direction of the path: toward the "light", or along the refracted ray of the "eye".
     ray: Leads,
-    /// Index of refraction η; for `ray` eye.
+    /// Index of refraction η, for `ray` eye.
     #[knob(default = 1.333, range = 1.0..=10.0)]
     ior: f64,
     #[items]
@@ -60,14 +60,14 @@ impl Traces for Thickness {
     }
 
     fn interval(&self) -> Option<(f64, f64)> {
-        // The value is a rounded f32.
+        // The value is rounded to f32.
         Some((0.0, f64::from(self.way.most() as f32)))
     }
 
     fn check(&self, check: &mut Check<'_>) {
         if self.ray == Leads::Light && self.light.is_none() {
-            let found = "the ray light without a light";
-            check.error(Self::RAY, found, "a light that the way leads to", "connect \"light\", or use \"eye\"");
+            let found = "ray light without a light";
+            check.error(Self::RAY, found, "a light to trace toward", "connect \"light\", or use \"eye\"");
         }
     }
 
@@ -92,7 +92,7 @@ impl Traces for Thickness {
     }
 }
 
-/// A unit direction as a surface of this unit normal refracts it into what has index `ior`.
+/// Returns a unit direction refracted by a surface with this unit normal into a medium with index of refraction `ior`.
 fn refracted(direction: DVec3, normal: DVec3, ior: f64) -> DVec3 {
     let cosine = direction.dot(normal) / ior;
     let squared = 1.0 - (1.0 / (ior * ior) - cosine * cosine);

@@ -1,4 +1,4 @@
-//! UV: where on its texture the seen point lies.
+//! UV: texture coordinates of the seen point.
 
 use super::Copies;
 use trochoid_graph::*;
@@ -6,18 +6,18 @@ use trochoid_graph::*;
 /// The texture coordinates of the seen point.
 ///
 /// # Formula
-/// (u, v): of a patch its parameters, of rails 0 to 1 over the whole sheet, of a mesh those of its file
+/// (u, v): for a patch, its parameters; for rails, 0 to 1 over the whole sheet; for a mesh, those in its file
 ///
 /// # Edge cases
-/// (0, 0) where nothing is seen. Surfaces without texture coordinates, such as a sea, have the rest point's x and z
-/// instead, in meters. A FieldMath takes one of them: a.x is u, a.y is v.
+/// (0, 0) where nothing is seen. Surfaces without texture coordinates, such as a sea, use the rest point's x and z in
+/// meters instead. To take one coordinate, use a FieldMath: a.x is u, a.y is v.
 ///
 /// # Source
-/// The field's UV pass.
+/// The standard UV pass.
 #[derive(Clone, Node)]
 #[node(end = Front, revision = 1, output(uv: Kind::Field(2) = "Texture coordinates u, v."))]
 pub(crate) struct UV {
-    /// What is seen.
+    /// View to take texture coordinates from.
     view: One<port::View>,
 }
 

@@ -1,32 +1,33 @@
-//! How thick water is along rays that leave it.
+//! Thickness of water along rays that leave it.
 
 use super::seen::Seen;
 use super::surroundings::{First, UNDER, landed};
 use trochoid_graph::Items;
 use trochoid_scene::{DVec3, Ray};
 
-/// Figures of a way through water.
+/// Knobs of a path through water.
 #[derive(Clone, Copy, Items)]
 pub(crate) struct Way {
-    /// How far under the surface the way begins, so that ripples do not count: at most halfway through a thin crest.
+    /// Depth below the surface at which the path starts, so that ripples do not count; at most halfway through a thin
+    /// crest.
     #[knob(default = 0.5, range = 0.0..=1e3, unit = "m")]
     inset: f64,
-    /// The thickness of what is thicker, or has no end.
+    /// Maximum thickness, also used where the path never ends.
     #[knob(default = 50.0, range = 1e-3..=1e6, unit = "m")]
     distance: f64,
 }
 
 impl Way {
-    /// The longest length.
+    /// Returns the maximum length.
     pub(crate) fn most(self) -> f64 {
         self.distance
     }
 
-    /// Length of the way from under a seen point out of the water, along a unit vector.
+    /// Returns the length of the path from below a seen point out of the water, along a unit vector.
     pub(crate) fn length(self, seen: &Seen, along: DVec3, first: First<'_>) -> f64 {
         let &Seen { point, normal, facet, .. } = seen;
         let surface = landed(point, normal, facet, first);
-        // A little below it, so that the surface itself is not its other side.
+        // Start slightly below the surface, so that it is not taken for its own far side.
         let inward = Ray { origin: surface - normal * (UNDER * facet), direction: -normal };
         let halfway = first(&inward, 2.0 * self.inset).map_or(self.inset, |through| 0.5 * through);
         let start = Ray { origin: inward.at(halfway), direction: along };

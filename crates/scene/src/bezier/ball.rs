@@ -1,13 +1,13 @@
-//! Balls that hold patches, for rays that miss them.
+//! Bounding balls of patches, for rays that miss them.
 
 use crate::Ray;
 use glam::DVec3;
 
-/// Slack of the test whether a part of a patch may hold the ray, against the patch's distance and size: rounding must
-/// not open gaps between parts.
+/// Tolerance of the test whether a part of a patch may contain the ray, relative to the patch's distance and size:
+/// rounding must not open gaps between parts.
 pub(super) const SLACK: f64 = 1e-12;
 
-/// What holds a patch, or a model.
+/// Bounding ball of a patch or a model.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Ball {
     center: DVec3,
@@ -15,12 +15,12 @@ pub(super) struct Ball {
 }
 
 impl Ball {
-    /// Around a box.
+    /// Returns the ball around a box.
     pub(super) fn around((low, high): (DVec3, DVec3)) -> Self {
         Self { center: (low + high) / 2.0, radius: low.distance(high) / 2.0 }
     }
 
-    /// Whether a ray may meet it between two distances.
+    /// Returns whether a ray may meet the ball between two distances.
     pub(super) fn may_meet(&self, ray: &Ray, [from, to]: [f64; 2]) -> bool {
         let offset = self.center - ray.origin;
         let reach = self.radius + SLACK * (self.radius + offset.length());

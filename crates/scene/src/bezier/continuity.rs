@@ -1,30 +1,30 @@
-//! How smoothly patches join.
+//! Measures how smoothly patches join.
 
 use glam::DVec3;
 
 use super::normal::POINT_EDGE;
 use super::{Bicubic, curve};
 
-/// What is known about the joints of a piecewise surface.
+/// Report on the joints of a piecewise surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Continuity {
-    /// Patches.
+    /// Number of patches.
     pub patches: usize,
-    /// Edges that two patches share, gaps within the tolerance included.
+    /// Number of edges that two patches share, including those with gaps within the tolerance.
     pub joints: usize,
-    /// Joints whose curves are the same to the bit: C0 without a crack.
+    /// Number of joints whose curves are identical to the bit: C0 without a crack.
     pub exact: usize,
-    /// Widest gap of a joint in meters.
+    /// Widest gap of a joint, in meters.
     pub widest_gap: f64,
-    /// Joints whose normals differ by at most 0.1 degrees: G1.
+    /// Number of joints whose normals differ by at most 0.1 degrees: G1.
     pub smooth: usize,
-    /// Joints whose handles are equal and opposite, to 1e-9 of the patches' size: C1.
+    /// Number of joints whose handles are equal and opposite, to 1e-9 of the patches' size: C1.
     pub equal_handles: usize,
-    /// Greatest angle of normals across a joint in radians.
+    /// Largest angle between normals across a joint, in radians.
     pub greatest_angle: f64,
-    /// Edges of one patch alone.
+    /// Number of edges that belong to a single patch.
     pub open: usize,
-    /// Edges that are single points, or all but points, as for normals.
+    /// Number of edges that are single points, or so short that they count as points for normals.
     pub points: usize,
 }
 
@@ -32,7 +32,7 @@ impl std::fmt::Display for Continuity {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let count = |count: usize, one: &str, many: &str| format!("{count} {}", if count == 1 { one } else { many });
         f.write_str(&count(self.patches, "patch", "patches"))?;
-        // What is as one would wish takes a few words; only what is not is told in figures.
+        // A good result takes a few words; only defects are reported in numbers.
         if self.joints == 0 {
             f.write_str(" without joints")?;
         } else {
@@ -57,11 +57,11 @@ impl std::fmt::Display for Continuity {
     }
 }
 
-/// Places along a joint at which gap and angle are measured.
+/// Number of positions along a joint at which gap and angle are measured.
 const SAMPLES: usize = 17;
-/// Ends of edges that are nearer than this part of the model's size may be one joint.
+/// Distance, as a share of the model's size, below which ends of edges may form a joint.
 const NEAR: f64 = 1e-4;
-/// A direction that no model is aligned with: ends that are near are near along it.
+/// A direction with which no model is aligned; ends that are close are close along it.
 const ODD: DVec3 = DVec3::new(0.578_125, 0.619_140_625, 0.531_25);
 
 /// An edge of a patch, from one of its two ends.
@@ -73,7 +73,7 @@ struct End {
     curve: [DVec3; 4],
 }
 
-/// Measures every joint. Each edge is joined to at most one other, the first that runs between the same ends.
+/// Measures every joint. Each edge is joined to at most one other: the first that runs between the same ends.
 pub fn continuity<'a>(patches: impl IntoIterator<Item = &'a Bicubic>) -> Continuity {
     let patches: Vec<&Bicubic> = patches.into_iter().collect();
     let mut report = Continuity { patches: patches.len(), ..Continuity::default() };
@@ -133,7 +133,7 @@ fn measure(patches: &[&Bicubic], a: &End, b: &End, report: &mut Continuity) {
             let [u, v] = place(end, t);
             shape.normal(u, v).vector()
         });
-        // Of patches that run the same way along the joint, one stands on its head.
+        // If two patches run in the same direction along the joint, one of them is upside down.
         let facing = if a.reversed == b.reversed { -1.0 } else { 1.0 };
         let angle = libm::atan2(normals[0].cross(normals[1]).length(), facing * normals[0].dot(normals[1]));
         sharpest = sharpest.max(angle);
@@ -158,7 +158,7 @@ fn measure(patches: &[&Bicubic], a: &End, b: &End, report: &mut Continuity) {
     report.equal_handles += usize::from(opposite);
 }
 
-/// (u, v) at `t` along an edge.
+/// Returns (u, v) at `t` along an edge.
 fn place(end: &End, t: f64) -> [f64; 2] {
     let t = if end.reversed { 1.0 - t } else { t };
     [[t, 0.0], [1.0, t], [1.0 - t, 1.0], [0.0, 1.0 - t]][end.edge]

@@ -2,27 +2,27 @@
 
 use glam::DVec3;
 
-/// The point between two others; exactly `a` at 0.
+/// Returns the point between two others; exactly `a` at 0.
 #[inline]
 pub(super) fn lerp(a: DVec3, b: DVec3, t: f64) -> DVec3 {
     a + (b - a) * t
 }
 
-/// The point at `t`, by de Casteljau's algorithm.
+/// Returns the point at `t`, by de Casteljau's algorithm.
 #[inline]
 pub(super) fn point([a, b, c, d]: [DVec3; 4], t: f64) -> DVec3 {
     let (p, q, r) = (lerp(a, b, t), lerp(b, c, t), lerp(c, d, t));
     lerp(lerp(p, q, t), lerp(q, r, t), t)
 }
 
-/// The derivative at `t`: three times the last difference of de Casteljau's algorithm.
+/// Returns the derivative at `t`: three times the last difference of de Casteljau's algorithm.
 #[inline]
 pub(super) fn tangent([a, b, c, d]: [DVec3; 4], t: f64) -> DVec3 {
     let (p, q, r) = (lerp(a, b, t), lerp(b, c, t), lerp(c, d, t));
     3.0 * (lerp(q, r, t) - lerp(p, q, t))
 }
 
-/// The halves of a curve, each over [0, 1].
+/// Returns the halves of a curve, each over [0, 1].
 #[inline]
 pub(super) fn halves([a, b, c, d]: [DVec3; 4]) -> [[DVec3; 4]; 2] {
     let middle = |a: DVec3, b: DVec3| (a + b) * 0.5;
@@ -32,12 +32,12 @@ pub(super) fn halves([a, b, c, d]: [DVec3; 4]) -> [[DVec3; 4]; 2] {
     [[a, p, s, m], [m, t, r, d]]
 }
 
-/// Length of the control polygon.
+/// Returns the length of the control polygon.
 pub(super) fn polygon(points: &[DVec3; 4]) -> f64 {
     points.windows(2).map(|pair| pair[0].distance(pair[1])).sum()
 }
 
-/// Longest second difference of the control points: a sixth of the greatest second derivative.
+/// Returns the largest second difference of the control points: a sixth of the largest second derivative.
 pub(super) fn bend(points: &[DVec3; 4]) -> f64 {
     points.windows(3).map(|three| (three[0] - 2.0 * three[1] + three[2]).length()).fold(0.0, f64::max)
 }

@@ -1,4 +1,4 @@
-//! Edges that neighbors share: both must cut them alike, to the bit.
+//! Edges that neighbors share: both must cut them identically, to the bit.
 
 use std::cmp::Ordering;
 
@@ -7,17 +7,17 @@ use glam::DVec3;
 use super::{MAX_SEGMENTS, curve};
 use crate::Projector;
 
-/// Nearest depth that counts for the size of things on the picture, in meters.
+/// Nearest depth that counts for the size of things in the picture, in meters.
 const NEAR_M: f64 = 1e-3;
 
-/// A curve in the one direction that both of its patches agree on.
+/// A curve in the direction on which both of its patches agree.
 pub(super) struct Shared {
     points: [DVec3; 4],
     reversed: bool,
 }
 
 impl Shared {
-    /// An edge as one patch sees it.
+    /// Makes the shared curve of an edge as one patch sees it.
     pub(super) fn new(points: [DVec3; 4]) -> Self {
         let [a, b, c, d] = points;
         let turned = [d, c, b, a];
@@ -30,12 +30,12 @@ impl Shared {
         }
     }
 
-    /// Number of straight pieces, from the edge alone.
+    /// Returns the number of straight pieces, from the edge alone.
     pub(super) fn segments(&self, scale: &Scale<'_>) -> usize {
         scale.segments(6.0 * curve::bend(&self.points), &self.points)
     }
 
-    /// The point at `index` of `count` pieces from the patch's own first end.
+    /// Returns the point at `index` of `count` pieces from the patch's own first end.
     pub(super) fn point(&self, index: usize, count: usize) -> DVec3 {
         let index = if self.reversed { count - index } else { index };
         match index {
@@ -49,12 +49,12 @@ impl Shared {
 /// How finely to cut for one camera.
 pub(super) struct Scale<'a> {
     pub(super) projector: &'a Projector,
-    /// Greatest distance of facets from the surface, in pixels.
+    /// Largest distance of facets from the surface, in pixels.
     pub(super) tolerance: f64,
 }
 
 impl Scale<'_> {
-    /// Pixels for a meter at the nearest of some points.
+    /// Returns the pixels per meter at the nearest of some points.
     pub(super) fn pixels_per_meter(&self, points: &[DVec3]) -> f64 {
         let p = self.projector;
         if p.orthographic {
@@ -64,15 +64,15 @@ impl Scale<'_> {
         p.scale / depth.max(NEAR_M)
     }
 
-    /// Pieces of a curve with second derivatives up to `bend` near `points`: an arc over h stands off its chord by up
-    /// to bend·h²/8.
+    /// Returns the number of pieces of a curve with second derivatives up to `bend` near `points`: an arc over h
+    /// deviates from its chord by up to bend·h²/8.
     pub(super) fn segments(&self, bend: f64, points: &[DVec3]) -> usize {
         whole(libm::sqrt(bend * self.pixels_per_meter(points) / (8.0 * self.tolerance)))
     }
 }
 
-/// A number of pieces: whole, at least 1, at most [`MAX_SEGMENTS`].
+/// Rounds a number of pieces up to an integer from 1 to [`MAX_SEGMENTS`].
 pub(super) fn whole(count: f64) -> usize {
-    // NaN, of points that are not finite, becomes 1.
+    // NaN, from points that are not finite, becomes 1.
     count.ceil().max(1.0).min(MAX_SEGMENTS as f64) as usize
 }

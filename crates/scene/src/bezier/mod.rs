@@ -1,7 +1,7 @@
-//! Bilinear and bicubic Bézier patches, and the surfaces that are pieced together from them.
+//! Bilinear and bicubic Bézier patches, and the surfaces that are composed of them.
 //!
-//! Control points run row by row, u fastest: point `4·j + i` of a bicubic patch stands at column i (u) and row j (v).
-//! The normal is ∂P/∂u × ∂P/∂v, and the side that it stands on is the outer one.
+//! Control points run row by row, u fastest: point `4·j + i` of a bicubic patch is at column i (u) and row j (v). The
+//! normal is ∂P/∂u × ∂P/∂v, and points to the outer side.
 //!
 //! After CSE 167, *Toon Shading and Surface Patches*, and G. Farin, *Curves and Surfaces for CAGD*, 2002.
 

@@ -1,9 +1,9 @@
-//! Models of patches, placed in the world.
+//! Models made of patches, placed in the world.
 
 use glam::DVec3;
 
-use super::Bicubic;
 use super::ball::Ball;
+use super::{Bicubic, Bilinear};
 
 /// Most patches of one model.
 pub const MAX_PATCHES: usize = 1 << 16;
@@ -13,27 +13,39 @@ pub const MAX_SEGMENTS: usize = 256;
 /// A patch with its texture coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Patch {
-    /// Its control points.
+    /// Control points.
     pub shape: Bicubic,
     /// Texture coordinates at (u, v) = (0, 0) and (1, 1).
     pub uv: [[f64; 2]; 2],
 }
 
 impl Patch {
-    /// A patch whose texture coordinates are its u and v.
+    /// Makes a patch whose texture coordinates are its u and v.
     pub fn new(shape: Bicubic) -> Self {
         Self { shape, uv: [[0.0; 2], [1.0; 2]] }
     }
+
+    /// The patch of 4 control points, bilinear, or of 16.
+    ///
+    /// # Errors
+    /// There are so many instead.
+    pub fn of(points: &[DVec3]) -> Result<Self, usize> {
+        if let Ok(points) = points.try_into() {
+            return Ok(Self::new(Bilinear { points }.elevate()));
+        }
+        let points = points.try_into().map_err(|_| points.len())?;
+        Ok(Self::new(Bicubic { points }))
+    }
 }
 
-/// Where a model stands: scaled, then turned about x, then y, then z, then moved.
+/// Placement of a model: it is scaled, then rotated about x, then y, then z, then moved.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Placement {
-    /// Factors along the model's own axes.
+    /// Scale factors along the model's own axes.
     pub scale: DVec3,
-    /// Angles about x, y and z in radians, in this order.
+    /// Angles about x, y and z, in radians, applied in this order.
     pub rotate: DVec3,
-    /// Where the model's origin comes to stand, in meters.
+    /// Position of the model's origin, in meters.
     pub translate: DVec3,
 }
 
@@ -44,7 +56,7 @@ impl Default for Placement {
 }
 
 impl Placement {
-    /// A point of the model in the world.
+    /// Returns the world position of a point of the model.
     pub fn apply(&self, point: DVec3) -> DVec3 {
         let point = point * self.scale;
         let turn = |a: f64, b: f64, angle: f64| {
@@ -54,11 +66,11 @@ impl Placement {
         let (y, z) = turn(point.y, point.z, self.rotate.x);
         let (z, x) = turn(z, point.x, self.rotate.y);
         let (x, y) = turn(x, y, self.rotate.z);
-        // −0 and 0 are one place, so that edges which neighbors share have the same bits.
+        // −0 and 0 are the same position, so that edges which neighbors share have the same bits.
         DVec3::new(x, y, z) + self.translate + DVec3::ZERO
     }
 
-    /// Whether it turns shapes into their mirror images.
+    /// Returns whether it mirrors shapes.
     pub fn mirrors(&self) -> bool {
         self.scale.x * self.scale.y * self.scale.z < 0.0
     }
@@ -67,14 +79,14 @@ impl Placement {
 /// How patches become triangles.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Tessellation {
-    /// As many as the picture needs: facets stand off the surface by at most `tolerance` pixels, more than 0.
+    /// As many as the picture needs: facets are at most `tolerance` pixels off the surface; more than 0.
     Adaptive {
-        /// Greatest distance in pixels.
+        /// Largest distance, in pixels.
         tolerance: f64,
     },
-    /// As many on every edge, up to [`MAX_SEGMENTS`].
+    /// The same number on every edge, up to [`MAX_SEGMENTS`].
     Uniform {
-        /// Pieces of each edge.
+        /// Number of pieces of each edge.
         segments: u32,
     },
 }
@@ -83,7 +95,7 @@ pub enum Tessellation {
 #[derive(Clone, Debug)]
 pub(super) struct Placed {
     pub(super) shape: Bicubic,
-    /// What normals are taken from.
+    /// Patch from which normals are computed.
     pub(super) for_normals: Bicubic,
     /// The patch in the model's own space.
     pub(super) rest: Bicubic,
@@ -92,13 +104,13 @@ pub(super) struct Placed {
 }
 
 impl Placed {
-    /// Texture coordinates at (u, v).
+    /// Returns the texture coordinates at (u, v).
     pub(super) fn uv(&self, place: [f64; 2]) -> [f64; 2] {
         [0, 1].map(|axis| self.uv[0][axis] + (self.uv[1][axis] - self.uv[0][axis]) * place[axis])
     }
 
-    /// Where in the patch texture coordinates lie. Of patches side by side an edge belongs to that which begins there,
-    /// and the last edge, at 1, to that which ends there.
+    /// Returns (u, v) of the patch at texture coordinates, if it contains them. An edge between patches belongs to
+    /// the patch that begins there, and the last edge, at 1, to the patch that ends there.
     pub(super) fn place(&self, uv: [f64; 2]) -> Option<[f64; 2]> {
         let share = |axis: usize| {
             let [from, to] = [self.uv[0][axis], self.uv[1][axis]];
@@ -111,20 +123,20 @@ impl Placed {
 
 /// A surface of Bézier patches.
 ///
-/// Rest points are those of the model's own space, before it is placed, so that textures stay on it. Patches are seen
-/// from both sides; the outer side is that of ∂P/∂u × ∂P/∂v in the model, also where the placement mirrors it.
+/// Rest points are in the model's own space, before it is placed, so that textures stay on it. Patches are visible
+/// from both sides; the outer side is that of ∂P/∂u × ∂P/∂v in the model, even if the placement mirrors it.
 #[derive(Clone, Debug)]
 pub struct PatchModel {
     pub(super) placed: Vec<Placed>,
     pub(super) ball: Ball,
     pub(super) tessellation: Tessellation,
-    /// Whether the normal of the control points as placed stands on the inner side.
+    /// Whether the normal of the placed control points points to the inner side.
     pub(super) turned: bool,
     pub(super) level: f64,
 }
 
 impl PatchModel {
-    /// Places patches; with `flip` the other side is the outer one. Heights are measured from world y = 0.
+    /// Places patches; with `flip` the outer side is swapped. Heights are measured from world y = 0.
     pub fn new(patches: &[Patch], placement: Placement, flip: bool, tessellation: Tessellation) -> Self {
         let placed = patches
             .iter()
@@ -139,7 +151,7 @@ impl PatchModel {
         Self { placed, ball, tessellation, turned: placement.mirrors() != flip, level: 0.0 }
     }
 
-    /// The patches in the world.
+    /// Returns the patches in the world.
     pub fn shapes(&self) -> impl Iterator<Item = &Bicubic> {
         self.placed.iter().map(|placed| &placed.shape)
     }

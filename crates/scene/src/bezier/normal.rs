@@ -11,12 +11,12 @@ pub enum UnitNormal {
     Regular(DVec3),
     /// Tangents vanish or are parallel: the limit of the normal along a path into the patch.
     Limit(DVec3),
-    /// The patch has no normal there, such as a patch without area: (0, 1, 0).
+    /// There is no normal, as in a patch without area: (0, 1, 0).
     None,
 }
 
 impl UnitNormal {
-    /// The unit vector.
+    /// Returns the unit vector.
     pub fn vector(self) -> DVec3 {
         match self {
             Self::Regular(normal) | Self::Limit(normal) => normal,
@@ -25,27 +25,27 @@ impl UnitNormal {
     }
 }
 
-/// Sine of the least angle between tangents, and the least tangent against the patch's size, that count as regular.
+/// Least sine of the angle between tangents, and least tangent relative to the patch's size, that count as regular.
 const DEGENERATE: f64 = 1e-9;
-/// An edge whose control polygon is shorter than this part of the patch's extent counts as a point for normals.
+/// An edge whose control polygon is shorter than this share of the patch's extent counts as a point for normals.
 ///
-/// The published teapot's lid ends in loops 0.002 wide: seen closely its normals turn over there.
+/// The lid of the published teapot ends in loops 0.002 wide; seen closely, its normals turn over there.
 pub(super) const POINT_EDGE: f64 = 0.01;
 
 impl Bicubic {
-    /// Greatest extent of the control points along an axis.
+    /// Returns the largest extent of the control points along an axis.
     pub fn extent(&self) -> f64 {
         let (low, high) = self.bounds();
         (high - low).max_element()
     }
 
-    /// Least and greatest coordinates of the control points, which hold the whole patch.
+    /// Returns the least and greatest coordinates of the control points, which contain the whole patch.
     pub fn bounds(&self) -> (DVec3, DVec3) {
         let fold = |f: fn(DVec3, DVec3) -> DVec3| self.points[1..].iter().fold(self.points[0], |a, b| f(a, *b));
         (fold(DVec3::min), fold(DVec3::max))
     }
 
-    /// The patch from which normals are taken: edges that are all but points are made points.
+    /// Returns the patch from which normals are computed: very short edges are collapsed to points.
     pub fn for_normals(&self) -> Self {
         let extent = self.extent();
         let mut points = self.points;
@@ -59,10 +59,10 @@ impl Bicubic {
         Self { points }
     }
 
-    /// The unit normal at (u, v).
+    /// Returns the unit normal at (u, v).
     ///
-    /// Where ∂P/∂u × ∂P/∂v vanishes it is the limit along a path into the patch, found from higher derivatives: across
-    /// an edge that is a single point, else toward the middle of the patch.
+    /// Where ∂P/∂u × ∂P/∂v vanishes, it is the limit along a path into the patch, found from higher derivatives:
+    /// across an edge that is a single point, else toward the middle of the patch.
     pub fn normal(&self, u: f64, v: f64) -> UnitNormal {
         let size = self.extent();
         let [along_u, along_v] = self.tangents(u, v);
@@ -88,10 +88,10 @@ impl Bicubic {
         limit.map_or(UnitNormal::None, UnitNormal::Limit)
     }
 
-    /// Limit of the unit normal at (u, v) coming from (u, v) + s·`path`, s > 0.
+    /// Returns the limit of the unit normal at (u, v) coming from (u, v) + s·`path`, s > 0.
     ///
-    /// Along the path both tangents are polynomials of s, and so is their cross product: its first coefficient that is
-    /// not 0 gives the limit.
+    /// Along the path both tangents are polynomials of s, and so is their cross product: its first nonzero
+    /// coefficient gives the limit.
     fn limit(&self, u: f64, v: f64, path: [f64; 2], size: f64) -> Option<DVec3> {
         let taylor = self.taylor(u, v);
         let (mut along_u, mut along_v) = ([DVec3::ZERO; 6], [DVec3::ZERO; 6]);

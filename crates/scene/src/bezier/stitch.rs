@@ -1,39 +1,39 @@
-//! Triangles of one patch: a regular grid inside, joined to borders that are cut as their neighbors ask.
+//! Triangles of one patch: a regular grid inside, joined to edges that are cut to match their neighbors.
 
 /// How a patch is cut.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Cut {
     /// Pieces of each edge, in the order of [`Bicubic::edge`](super::Bicubic::edge).
     pub(super) edges: [usize; 4],
-    /// Cells of the inner grid along u and v, at least 2 each; its outermost cells are replaced by the join.
+    /// Cells of the inner grid along u and v, at least 2 each; the join replaces its outermost cells.
     pub(super) inner: [usize; 2],
 }
 
 impl Cut {
-    /// Number of vertices.
+    /// Returns the number of vertices.
     pub(super) fn vertices(&self) -> usize {
         self.edges.iter().sum::<usize>() + (self.inner[0] - 1) * (self.inner[1] - 1)
     }
 
-    /// Number of the border vertex `index` of an edge; the border runs counterclockwise from (0, 0).
+    /// Returns the number of the border vertex `index` of an edge; the border runs counterclockwise from (0, 0).
     fn border(&self, edge: usize, index: usize) -> u32 {
         let before: usize = self.edges[..edge].iter().sum();
         let all: usize = self.edges.iter().sum();
         ((before + index) % all) as u32
     }
 
-    /// Number of the inner vertex at column `i` and row `j`, each from 1.
+    /// Returns the number of the inner vertex at column `i` and row `j`, each from 1.
     fn inside(&self, i: usize, j: usize) -> u32 {
         (self.edges.iter().sum::<usize>() + (j - 1) * (self.inner[0] - 1) + (i - 1)) as u32
     }
 
-    /// (u, v) of every inner vertex, in order.
+    /// Returns (u, v) of every inner vertex, in order.
     pub(super) fn inner_points(&self) -> impl Iterator<Item = [f64; 2]> {
         let [columns, rows] = self.inner;
         (1..rows).flat_map(move |j| (1..columns).map(move |i| [i as f64 / columns as f64, j as f64 / rows as f64]))
     }
 
-    /// Triangles, counterclockwise seen from the outer side.
+    /// Returns the triangles, counterclockwise seen from the outer side.
     pub(super) fn triangles(&self) -> Vec<[u32; 3]> {
         let [columns, rows] = self.inner;
         let mut triangles = Vec::with_capacity(2 * columns * rows + self.edges.iter().sum::<usize>());
@@ -50,7 +50,7 @@ impl Cut {
         triangles
     }
 
-    /// Triangles between an edge and the inner vertices along it.
+    /// Adds the triangles between an edge and the inner vertices along it.
     fn join(&self, edge: usize, triangles: &mut Vec<[u32; 3]>) {
         let [columns, rows] = self.inner;
         let (outer, inner) = (self.edges[edge], if edge.is_multiple_of(2) { columns } else { rows });
@@ -60,7 +60,7 @@ impl Cut {
             2 => self.inside(columns - at, rows - 1),
             _ => self.inside(1, rows - at),
         };
-        // Places along the edge, 0 to 1: the next vertex of whichever side is behind comes first.
+        // Positions along the edge, 0 to 1: the next vertex of whichever side is behind comes first.
         let (mut a, mut b) = (0, 1);
         while a < outer || b < inner - 1 {
             let outer_first = b == inner - 1 || (a < outer && (a + 1) * inner <= (b + 1) * outer);

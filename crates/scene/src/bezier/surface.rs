@@ -1,4 +1,4 @@
-//! A model as a surface: its meshes, and where rays meet it.
+//! A model as a surface: its meshes, and its intersections with rays.
 
 use super::model::{PatchModel, Placed, Tessellation};
 use super::{tessellate, trace};
@@ -8,11 +8,11 @@ use crate::points::Near;
 use crate::surface::{Anchor, Hit, Mesh, Surface};
 use crate::{ChannelSet, Projector, Ray};
 
-/// Tolerances in pixels of fine meshes, the first of which that patches allow counts.
+/// Tolerances of fine meshes, in pixels; the first one that the patches can meet is used.
 const FINELY: [f64; 3] = [1.0 / 64.0, 1.0 / 16.0, 1.0 / 4.0];
 
 impl PatchModel {
-    /// Vertices without any normal, which point up, of the mesh for a camera.
+    /// Returns the number of vertices without a normal in the mesh for a camera; their normals point up.
     pub fn without_normal(&self, projector: &Projector) -> usize {
         tessellate::mesh(self, projector, self.tessellation, ChannelSet::NORMAL).1
     }
@@ -28,7 +28,7 @@ impl Surface for PatchModel {
         for tolerance in FINELY {
             let tessellation = Tessellation::Adaptive { tolerance };
             mesh = (!stop()).then(|| tessellate::mesh(self, projector, tessellation, FINE).0);
-            // Where patches are too large for so fine ones nothing is known of the mesh.
+            // Where patches are too large for such a fine mesh, its distance from the surface is unknown.
             if mesh.as_ref().is_none_or(|mesh| mesh.tolerance.is_some()) {
                 break;
             }
@@ -40,7 +40,7 @@ impl Surface for PatchModel {
         contours_of_facets(mesh, search, true)
     }
 
-    /// The point within the least distance to each side that holds one.
+    /// Returns the point in the smallest range of distances that contains one.
     fn meet_near(&self, projector: &Projector, ray: &Ray, near: &Near) -> Option<Hit> {
         let around = |share: f64| [(1.0 - share) * near.distance, (1.0 + share) * near.distance];
         [1e-4, 1e-3, 1e-2].into_iter().find_map(|share| trace::trace(self, projector, ray, around(share)))

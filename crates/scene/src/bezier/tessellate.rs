@@ -1,4 +1,4 @@
-//! Patches as triangles for one camera.
+//! Tessellates patches for one camera.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -11,19 +11,19 @@ use crate::channel::{NORMALS, RESTS};
 use crate::surface::{Mesh, Topology};
 use crate::{ChannelSet, Projector};
 
-/// Most vertices of one model; beyond it vertices move apart.
+/// Most vertices of one model; beyond this limit the spacing is increased.
 const MAX_VERTICES: f64 = 4e6;
 
-/// Greatest distance in pixels of triangles from the patches that are cut so: twice what they are cut by, for the strips
-/// along edges that are cut otherwise than what is within. `None` where they are cut as the document says, or some of them
-/// as finely as may be.
+/// Returns the largest distance of the triangles from the patches, in pixels: twice the tolerance, because of the
+/// strips along edges that are cut differently from the inside. `None` if the document chooses the cuts, or if a
+/// limit on vertices or segments was reached.
 fn kept(tessellation: Tessellation, cuts: &[Cut], limited: bool) -> Option<f64> {
     let Tessellation::Adaptive { tolerance } = tessellation else { return None };
     let most = |cut: &Cut| cut.edges.iter().chain(&cut.inner).any(|count| *count >= MAX_SEGMENTS);
     (!limited && !cuts.iter().any(most)).then_some(2.0 * tolerance)
 }
 
-/// The patches that a camera may see, and how to cut them.
+/// Returns the patches that a camera may see, and how to cut them.
 fn cuts<'a>(
     model: &'a PatchModel,
     projector: &Projector,
@@ -40,7 +40,7 @@ fn count(cuts: &[Cut]) -> f64 {
     cuts.iter().map(Cut::vertices).sum::<usize>() as f64
 }
 
-/// The mesh of a model, and how many of its vertices have no normal.
+/// Returns the mesh of a model, and the number of its vertices without a normal.
 pub(super) fn mesh(
     model: &PatchModel,
     projector: &Projector,
@@ -54,7 +54,7 @@ pub(super) fn mesh(
     let (seen, mut cuts) = self::cuts(model, projector, tessellation, tolerance);
     let limited = count(&cuts) > MAX_VERTICES;
     if let Tessellation::Adaptive { .. } = tessellation {
-        // Vertices are inverse to the tolerance, but for rounding up.
+        // The number of vertices is inverse to the tolerance, except for rounding up.
         let mut coarse = tolerance;
         while count(&cuts) > MAX_VERTICES && coarse < 1e6 {
             coarse *= (count(&cuts) / MAX_VERTICES).max(1.25);
@@ -84,14 +84,14 @@ pub(super) fn mesh(
     (mesh, without)
 }
 
-/// How to cut one patch.
+/// Returns how to cut one patch.
 fn plan(shape: &Bicubic, tessellation: Tessellation, scale: &Scale<'_>) -> Cut {
     if let Tessellation::Uniform { segments } = tessellation {
         let segments = whole(f64::from(segments));
         return Cut { edges: [segments; 4], inner: [segments.max(2); 2] };
     }
     let edges = std::array::from_fn(|edge| Shared::new(shape.edge(edge)).segments(scale));
-    // A triangle over steps h and k stands off by up to (h²·Puu + 2hk·Puv + k²·Pvv)/8; each term gets a third.
+    // A triangle over steps h and k is off by up to (h²·Puu + 2hk·Puv + k²·Pvv)/8; each term gets a third.
     let difference = |a: usize, b: usize| shape.points[b] - shape.points[a];
     let second = |stride: usize, starts: [usize; 8]| {
         let ends = starts.map(|s| (difference(s + stride, s + 2 * stride) - difference(s, s + stride)).length());
@@ -113,7 +113,7 @@ fn plan(shape: &Bicubic, tessellation: Tessellation, scale: &Scale<'_>) -> Cut {
     Cut { edges, inner: [whole(across).max(2), whole(along).max(2)] }
 }
 
-/// Whether all points lie beyond one side of the view.
+/// Returns whether all points lie beyond one side of the view.
 fn outside(projector: &Projector, points: &[DVec3]) -> bool {
     let half = projector.size.map(|size| 0.5 * size / projector.scale);
     let beyond = |side: &dyn Fn([f64; 3], f64) -> bool| {
@@ -137,7 +137,7 @@ struct Part {
     rests: Vec<[f32; 3]>,
     uvs: Vec<[f32; 2]>,
     triangles: Vec<[u32; 3]>,
-    /// Vertices without a normal.
+    /// Number of vertices without a normal.
     without: usize,
 }
 

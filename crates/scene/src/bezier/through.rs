@@ -9,12 +9,12 @@ pub const MAX_RAIL_POINTS: usize = 1 << 16;
 
 /// Rows of points that a surface passes through: u runs along a rail, v from rail to rail.
 ///
-/// Tangents are Catmull and Rom's, half the step between a point's neighbors; at open ends they are those of the
-/// parabola through the last three points, so that quadratic shapes are met exactly. Neighboring patches join C1.
-/// After Catmull and Rom, *A Class of Local Interpolating Splines*, 1974.
+/// Tangents follow Catmull and Rom: half the step between a point's neighbors. At open ends they are those of the
+/// parabola through the last three points, so that quadratic shapes are reproduced exactly. Neighboring patches join
+/// C1. After Catmull and Rom, *A Class of Local Interpolating Splines*, 1974.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rails {
-    /// Rails of equal length, at least two of at least two points.
+    /// Rails of equal length: at least two, with at least two points each.
     pub rails: Vec<Vec<DVec3>>,
     /// Whether the last point of each rail is followed by the first.
     pub closed_u: bool,
@@ -22,10 +22,10 @@ pub struct Rails {
     pub closed_v: bool,
 }
 
-/// Why rails make no surface.
+/// Why rails do not form a surface.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum RailsError {
-    /// So many rails; two are needed.
+    /// There are fewer than two rails; holds their number.
     Rails(usize),
     /// Rail `rail` has `found` points; all need as many as the first, and at least two.
     Points {
@@ -33,10 +33,10 @@ pub enum RailsError {
         rail: usize,
         /// Number of its points.
         found: usize,
-        /// Number expected.
+        /// Number of points expected.
         expected: usize,
     },
-    /// So many points in all, more than [`MAX_RAIL_POINTS`].
+    /// There are more points in all than [`MAX_RAIL_POINTS`]; holds their number.
     TooMany(usize),
 }
 
@@ -47,7 +47,7 @@ impl std::fmt::Display for RailsError {
             Self::Points { rail, found, expected } => {
                 write!(f, "rail {rail} has {found} points; every rail needs {expected}")
             }
-            Self::TooMany(found) => write!(f, "{found} points; at most {MAX_RAIL_POINTS} are taken"),
+            Self::TooMany(found) => write!(f, "{found} points; at most {MAX_RAIL_POINTS} are allowed"),
         }
     }
 }
@@ -55,7 +55,7 @@ impl std::fmt::Display for RailsError {
 impl std::error::Error for RailsError {}
 
 impl Rails {
-    /// The patches, rail by rail; their texture coordinates run over the whole surface.
+    /// Returns the patches, rail by rail; their texture coordinates run over the whole surface.
     ///
     /// # Errors
     /// Rails of unequal length, fewer than two of anything, or too many points.
@@ -71,7 +71,7 @@ impl Rails {
         if total > MAX_RAIL_POINTS {
             return Err(RailsError::TooMany(total));
         }
-        // Each rail's curves, then curves through their control points across the rails.
+        // First the curves along each rail, then curves through their control points across the rails.
         let along: Vec<Vec<[DVec3; 4]>> = self.rails.iter().map(|rail| segments(rail, self.closed_u)).collect();
         let (columns, rows) = (along[0].len(), self.rails.len() - usize::from(!self.closed_v));
         let mut patches = vec![Patch::new(Bicubic { points: [DVec3::ZERO; 16] }); columns * rows];
@@ -91,7 +91,7 @@ impl Rails {
     }
 }
 
-/// The cubic pieces of the spline through points, two or more.
+/// Returns the cubic pieces of the spline through two or more points.
 fn segments(points: &[DVec3], closed: bool) -> Vec<[DVec3; 4]> {
     let n = points.len();
     let tangent = |i: usize| {
@@ -113,7 +113,7 @@ fn segments(points: &[DVec3], closed: bool) -> Vec<[DVec3; 4]> {
         .collect()
 }
 
-/// Derivative at the first of three points of the parabola through them.
+/// Returns the derivative at the first of three points of the parabola through them.
 fn end(a: DVec3, b: DVec3, c: DVec3) -> DVec3 {
     (4.0 * b - 3.0 * a - c) * 0.5
 }

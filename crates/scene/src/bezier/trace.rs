@@ -1,4 +1,5 @@
-//! Rays against patches in f64: by subdivision until a part can meet the ray once only, then by Newton's steps.
+//! Intersects rays with patches in f64: by subdivision until a part can meet the ray only once, then by Newton's
+//! method.
 
 use glam::{DMat2, DVec2, DVec3};
 
@@ -7,27 +8,28 @@ use super::{Bicubic, PatchModel};
 use crate::surface::Hit;
 use crate::{Projector, Ray};
 
-/// Halvings of u and v where nothing else finds the point: they are known to 2⁻²⁶, and so is the point against the patch's size.
+/// Number of bisections of u and v if nothing else finds the point: they are then known to 2⁻²⁶, and so is the point
+/// relative to the patch's size.
 const HALVINGS: u32 = 26;
-/// A patch as the ray sees it: x and y across the ray, z along it.
+/// A patch in the ray's coordinates: x and y across the ray, z along it.
 struct Lined {
     shape: Bicubic,
     u: f64,
     v: f64,
-    /// Number of halvings made.
+    /// Number of bisections made.
     depth: u32,
 }
 
-/// Where a ray meets a patch first.
+/// First point where a ray meets a patch.
 struct Met {
     distance: f64,
     place: [f64; 2],
 }
 
-/// The first point of the patches along a ray, between two distances.
+/// Returns the first point of the patches along a ray, between two distances.
 ///
-/// A part of a patch lies in the hull of its control points: where that misses the ray, or lies behind what is
-/// already found, so does the part. All else is quartered.
+/// A part of a patch lies in the convex hull of its control points: if the hull misses the ray, or lies behind a
+/// point already found, so does the part. Every other part is divided into quarters.
 pub(super) fn trace(model: &PatchModel, projector: &Projector, ray: &Ray, [from, to]: [f64; 2]) -> Option<Hit> {
     if !model.ball.may_meet(ray, [from, to]) {
         return None;
@@ -51,7 +53,7 @@ pub(super) fn trace(model: &PatchModel, projector: &Projector, ray: &Ray, [from,
     let placed = &model.placed[index];
     let [u, v] = met.place;
     let position = placed.shape.evaluate(u, v);
-    // Open surfaces are seen from both sides: the normal of the side that is seen.
+    // Open surfaces are visible from both sides, so use the normal of the visible side.
     let normal = placed.for_normals.normal(u, v).vector();
     let [along_u, along_v] = placed.shape.tangents(u, v);
     let side = along_u.cross(along_v).dot(ray.direction);
@@ -74,7 +76,7 @@ pub(super) fn trace(model: &PatchModel, projector: &Projector, ray: &Ray, [from,
     })
 }
 
-/// The first point of one patch on the ray, from a distance on and nearer than `limit`.
+/// Returns the first point of one patch on the ray, from distance `from` on and nearer than `limit`.
 fn meet(shape: Bicubic, from: f64, limit: f64) -> Option<Met> {
     let (low, high) = shape.bounds();
     let slack = SLACK * (low.abs().max_element() + high.abs().max_element());
@@ -107,7 +109,7 @@ fn meet(shape: Bicubic, from: f64, limit: f64) -> Option<Met> {
         let quarters = part.shape.quarters();
         let near = quarters.each_ref().map(|shape| shape.bounds().0.z);
         let mut order = [0, 1, 2, 3];
-        // The nearest quarter is looked at first: it is popped last in, first out.
+        // The nearest quarter is visited first: it is pushed last, so it is popped first.
         order.sort_by(|a, b| near[*b].total_cmp(&near[*a]));
         open.extend(order.map(|quarter| {
             let place = |start: f64, half: usize| start + half as f64 * 0.5 * width;
@@ -118,15 +120,16 @@ fn meet(shape: Bicubic, from: f64, limit: f64) -> Option<Met> {
     found
 }
 
-/// How far beside a part its point may lie: rounding must not open gaps between parts.
+/// Distance by which a point may lie outside of its part: rounding must not open gaps between parts.
 const EDGE: f64 = 1e-9;
 
-/// Newton's steps to where a part crosses the ray, and the last of them.
+/// Most Newton steps to the point where a part crosses the ray, and the size of the last step.
 const STEPS: usize = 8;
 const LAST: f64 = 1e-14;
 
-/// Where a part crosses the ray, x = y = 0, if it is certain that it does so once: if its derivatives by u and v lie so close
-/// to their means, whose matrix is A, that |∂ − A| stays below the least singular value of A, it is one to one.
+/// Returns where a part crosses the ray, x = y = 0, if it certainly does so only once: if its derivatives by u and v
+/// are so close to their means, whose matrix is A, that |∂ − A| stays below the least singular value of A, the part
+/// is one-to-one.
 fn crossing(part: &Bicubic) -> Option<[f64; 2]> {
     let flat = part.points.map(|point| point.truncate());
     let along_u: [DVec2; 12] = std::array::from_fn(|i| 3.0 * (flat[i / 3 * 4 + i % 3 + 1] - flat[i / 3 * 4 + i % 3]));
@@ -135,7 +138,7 @@ fn crossing(part: &Bicubic) -> Option<[f64; 2]> {
     let (u, v) = (mean(&along_u), mean(&along_v));
     let most = |all: &[DVec2; 12], mean: DVec2| all.iter().map(|of| (of - mean).length_squared()).fold(0.0, f64::max);
     let off = most(&along_u, u) + most(&along_v, v);
-    // The squares of the singular values have the sum of the squares and the square of the determinant.
+    // The sum of the squared singular values is the sum of the squares, and their product is the determinant.
     let (sum, area) = (u.length_squared() + v.length_squared(), u.perp_dot(v));
     let greatest = (sum + libm::sqrt((sum * sum - 4.0 * area * area).max(0.0))) / 2.0;
     if off * greatest >= 0.8 * area * area {

@@ -1,4 +1,4 @@
-//! Contours of smooth surfaces over a resting plane, tessellated as grids.
+//! Contours of smooth surfaces over a resting plane that are tessellated as grids.
 
 use super::{Search, Turn};
 use crate::bezier::Bicubic;
@@ -16,32 +16,32 @@ pub(crate) struct Corner {
     pub(crate) second: [DVec3; 3],
 }
 
-/// What the sizes of derivatives in any direction cannot pass in a cell.
+/// Limits of the sizes of derivatives in any direction within a cell.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Most {
     pub(crate) fourth: f64,
     pub(crate) fifth: f64,
-    /// How far second derivatives may differ from those of corners.
+    /// Largest difference of second derivatives from those of corners.
     pub(crate) twist: f64,
 }
 
-/// A surface that is smooth by its rest point.
+/// A surface that is smooth in its rest point.
 pub(crate) trait Smooth: Sync {
     fn corner(&self, rest: [f64; 2]) -> Corner;
 
-    /// What holds between four rest points.
+    /// Returns the limits between four rest points.
     fn most(&self, corners: &[[f64; 2]; 4]) -> Most;
 }
 
-/// Sides in pixels to which patches are cut, and cuts at most.
+/// Size in pixels to which patches are cut, and most cuts.
 const FINE: f64 = 1.0 / 16.0;
 const CUTS: f64 = 8.0;
-/// Patches stand for the surface where it lies within so many pixels of them; where it may not, or is not known well
-/// enough to tell its sides, it is asked for at more points, so many times at most.
+/// Distance in pixels within which patches may replace the surface, and most refinements. Where the surface may lie
+/// further away, or is not known well enough to decide which side faces the camera, it is evaluated at more points.
 const NEAR: f64 = 1.0 / 32.0;
 const REFINED: u32 = 4;
 
-/// A cell of the mesh: its corners stand at (s, t) = (0, 0), (1, 0), (0, 1) and (1, 1).
+/// A cell of the mesh: its corners are at (s, t) = (0, 0), (1, 0), (0, 1) and (1, 1).
 struct Cell<'a, S> {
     smooth: &'a S,
     search: &'a Search<'a>,
@@ -51,7 +51,7 @@ struct Cell<'a, S> {
     /// Edges of its triangles along s and t.
     edges: [[DVec3; 2]; 2],
     most: Most,
-    /// What rounding may have moved vertices by, in meters.
+    /// Rounding error of the vertices, in meters.
     slack: f64,
 }
 
@@ -60,18 +60,18 @@ struct Cell<'a, S> {
 struct Known {
     corners: [Corner; 4],
     part: Part,
-    /// How far the surface may stand off the patch, and its derivatives by s and by t off those of the patch.
+    /// Largest distance of the surface from the patch, and largest differences of their derivatives by s and by t.
     off: f64,
     turned: [f64; 2],
 }
 
-/// Which sides of a part are turned to the camera.
+/// Which sides of a part face the camera.
 #[derive(Clone, Copy, PartialEq)]
 enum Facing {
     OneWay,
-    /// Perhaps both.
+    /// Both sides may face it.
     BothWays,
-    /// It is the surface that is not known well enough, not the part that is too large.
+    /// The surface is not known well enough; a smaller part would not help.
     Unknown,
 }
 
@@ -83,7 +83,7 @@ struct Part {
     t: [f64; 2],
 }
 
-/// Marks every contour of a surface and of the grid that stands for it, whose rest points are known.
+/// Marks every contour of a surface and of the grid that replaces it, given the rest points of the grid.
 pub(crate) fn contours_of_grid<S: Smooth>(smooth: &S, search: &Search<'_>, mesh: &Mesh) -> bool {
     let Topology::Grid { columns, rows } = mesh.topology else { return mesh.positions.is_empty() };
     let eye = search.projector.position;
@@ -137,7 +137,7 @@ impl<'a, S: Smooth> Cell<'a, S> {
         Self { smooth, search, rests, facet, edges, most: smooth.most(&rests), slack }
     }
 
-    /// Derivatives of the rest point by s at t, by t at s, and by both.
+    /// Returns the derivatives of the rest point by s at t, by t at s, and by both.
     fn ways(&self, s: f64, t: f64) -> [[f64; 2]; 3] {
         let [a, b, c, d] = self.rests;
         let along = [0, 1].map(|axis| (b[axis] - a[axis]) * (1.0 - t) + (d[axis] - c[axis]) * t);
@@ -145,11 +145,12 @@ impl<'a, S: Smooth> Cell<'a, S> {
         [along, across, [0, 1].map(|axis| d[axis] - c[axis] - b[axis] + a[axis])]
     }
 
-    /// Hermite's patch through four corners, in Bézier's form, and how far the surface may lie from it.
+    /// Returns the Hermite patch through four corners, in Bézier form, and how far the surface may lie from it.
     ///
-    /// Along one side of length h, cubic Hermite interpolation misses a function by h⁴/384 times its fourth derivative, and
-    /// its slope by √3·h³/216 times that. Across, the same of values and slopes is interpolated: values with weights that
-    /// sum to 1, slopes with h/4 at most, and slopes of that are 5/2 times the largest of those at most.
+    /// Along one side of length h, cubic Hermite interpolation misses a function by at most h⁴/384 times its fourth
+    /// derivative, and its slope by at most √3·h³/216 times that. Across, these errors of values and slopes are
+    /// interpolated in turn: values with weights that sum to 1, slopes with weights of at most h/4; the slopes of the
+    /// result are at most 5/2 times the largest of them.
     fn known(&self, corners: [Corner; 4], s: [f64; 2], t: [f64; 2]) -> Known {
         let (ds, dt) = (s[1] - s[0], t[1] - t[0]);
         let mut points = [DVec3::ZERO; 16];
@@ -165,7 +166,7 @@ impl<'a, S: Smooth> Cell<'a, S> {
             let bend = xx * (along[0] * across[0])
                 + xz * (along[0] * across[1] + along[1] * across[0])
                 + zz * (along[1] * across[1]);
-            // Toward the middle of the patch.
+            // Steps toward the middle of the patch.
             let (u, v) = (ds * (1.0 - 2.0 * i as f64) / 3.0, dt * (1.0 - 2.0 * j as f64) / 3.0);
             let (by_s, by_t, by_both) = (by(along) * u, by(across) * v, (bend + by(both)) * (u * v));
             let place = |k: usize, l: usize| if j == 0 { 4 * l } else { 4 * (3 - l) } + if i == 0 { k } else { 3 - k };
@@ -177,7 +178,7 @@ impl<'a, S: Smooth> Cell<'a, S> {
         let [a, b, skew] = [lengths[0] * ds, lengths[1] * dt, lengths[2] * ds * dt];
         let Most { fourth, fifth, twist } = self.most;
         let fourths = [fourth * a * a * a * a, fourth * b * b * b * b];
-        // Fourth derivatives along one side, by the other one.
+        // Fourth derivatives along one side, differentiated by the other one.
         let fifths = [
             fifth * a * a * a * a * b + 4.0 * fourth * a * a * a * skew,
             fifth * a * b * b * b * b + 4.0 * fourth * b * b * b * skew,
@@ -190,15 +191,15 @@ impl<'a, S: Smooth> Cell<'a, S> {
         Known { corners, part: Part { patch: Bicubic { points }, s, t }, off, turned }
     }
 
-    /// Marks all places that may have a contour: of a part whose corners are known.
+    /// Marks all positions that may have a contour in a part whose corners are known.
     fn refine(&self, known: &Known, times: u32) {
         let Some(turn) = self.around(known, &known.part) else { return };
-        // Orthographic cameras see no more of it than what lies before them.
+        // Orthographic cameras see only what lies in front of them.
         if self.search.projector.orthographic && turn.is_cut() {
             return self.search.mark(&turn);
         }
         let facing = self.facing(known, &known.part);
-        // Nobody can ask for what rounding has lost.
+        // Precision lost to rounding cannot be regained by refining.
         let coarse = known.off > 2.0 * self.slack
             && (facing == Facing::Unknown || turn.pixels(self.search.projector, known.off) > NEAR);
         match facing {
@@ -209,7 +210,7 @@ impl<'a, S: Smooth> Cell<'a, S> {
                 }
             }
             Facing::Unknown | Facing::BothWays => {
-                // What the patch itself covers shrinks by each cut; how far the mesh lies beside it does not.
+                // The size of the patch itself shrinks with each cut; its distance from the mesh does not.
                 let own = Turn::around(self.search.projector, &known.part.patch.points, 0.0, 0.0);
                 let cuts = own.map_or(0.0, |own| libm::log2(own.size() / FINE).ceil());
                 self.cut(known, &known.part, (facing, turn), cuts.clamp(0.0, CUTS) as u32);
@@ -217,7 +218,7 @@ impl<'a, S: Smooth> Cell<'a, S> {
         }
     }
 
-    /// The same of a part of the patch that may have one, by ever smaller parts.
+    /// Marks the contours of a part of the patch that may have one, by dividing it into smaller parts.
     fn cut(&self, known: &Known, part: &Part, (facing, turn): (Facing, Turn), cuts: u32) {
         if cuts == 0 || facing == Facing::Unknown {
             self.search.mark(&turn);
@@ -237,13 +238,13 @@ impl<'a, S: Smooth> Cell<'a, S> {
         }
     }
 
-    /// The box around a part of the surface, of the mesh and of all between them, unless nothing sees it.
+    /// Returns the box around a part of the surface, of the mesh and of everything between them, unless it is hidden.
     fn around(&self, known: &Known, part: &Part) -> Option<Turn> {
         let turn = Turn::around(self.search.projector, &self.points(part), known.off, self.search.step)?;
         (!self.search.hides(&turn)).then_some(turn)
     }
 
-    /// Points in whose hull the patch and the mesh lie.
+    /// Returns points whose convex hull contains the patch and the mesh.
     fn points(&self, part: &Part) -> [DVec3; 20] {
         let mut points = [DVec3::ZERO; 20];
         points[..16].copy_from_slice(&part.patch.points);
@@ -253,7 +254,7 @@ impl<'a, S: Smooth> Cell<'a, S> {
         points
     }
 
-    /// Marks an edge between two corners of the mesh, where the surface ends, as far as it is an edge of this part.
+    /// Marks an edge between two corners of the mesh, where the surface ends, if it is an edge of this part.
     fn end(&self, ends: [usize; 2], known: &Known, times: u32) {
         let edge = |i: usize| match ends {
             [0, 1] => i,
@@ -277,11 +278,12 @@ impl<'a, S: Smooth> Cell<'a, S> {
         }
     }
 
-    /// Which sides the surface, the mesh and all between them turn to the camera in a part.
+    /// Returns which sides the surface, the mesh and everything between them turn to the camera in a part.
     ///
-    /// ∂P/∂s and ∂P/∂t lie in the hulls of the differences of a patch's control points and of the edges of triangles, so
-    /// their cross product N in that of all products, and P in that of points. N·P is looked at as what it is in the
-    /// middle of both, and how far it is from that at most: of a nearly flat part N hardly turns, and P differs across it.
+    /// ∂P/∂s and ∂P/∂t lie in the convex hulls of the differences of a patch's control points and of the edges of
+    /// triangles, so their cross product N lies in the hull of all products, and P in that of points. N·P is bounded
+    /// by its value in the middle of both, and by the largest differences from it: in a nearly flat part N hardly
+    /// turns, while P differs across it.
     fn facing(&self, known: &Known, part: &Part) -> Facing {
         let (ds, dt) = (part.s[1] - part.s[0], part.t[1] - part.t[0]);
         let p = &part.patch.points;
@@ -307,7 +309,7 @@ impl<'a, S: Smooth> Cell<'a, S> {
         let [a, b, ray] = [middle(&along), middle(&across), middle(rays)];
         let normal = a.cross(b);
         let center = normal.dot(ray);
-        // What is not known.
+        // Bound on the unknown part of N·P.
         let longest = |vectors: &[DVec3], from: DVec3| {
             vectors.iter().map(|vector| (*vector - from).length_squared()).fold(0.0, f64::max).sqrt()
         };
@@ -316,7 +318,7 @@ impl<'a, S: Smooth> Cell<'a, S> {
         let unknown = (turned_a * (most_b + turned_b) + turned_b * most_a) * (most_ray + off)
             + most_a * most_b * off
             + 1e-13 * most_a * most_b * most_ray;
-        // Mostly it is enough to look at each of the three.
+        // In most cases it suffices to vary each of the three factors by itself.
         let away = |vectors: &[DVec3], from: DVec3, by: DVec3| {
             vectors.iter().map(|vector| (*vector - from).dot(by).abs()).fold(0.0, f64::max)
         };
@@ -326,12 +328,12 @@ impl<'a, S: Smooth> Cell<'a, S> {
         if center.abs() > one + several + unknown {
             return Facing::OneWay;
         }
-        // Small parts are flat enough for that.
+        // Small parts are flat enough for this bound.
         if part.s != known.part.s {
             return if unknown > one + several { Facing::Unknown } else { Facing::BothWays };
         }
         let unit = normal.normalize_or_zero();
-        // How far products and points are from the middle ones: along the middle normal, and across it.
+        // Differences of products and points from the middle ones: along the middle normal, and across it.
         let (mut by_normal, mut by_ray) = ([0.0_f64; 2], [0.0_f64; 2]);
         let (mut off_normal, mut off_ray) = ([0.0_f64; 2], [0.0_f64; 2]);
         let take = |vector: DVec3, by: DVec3, range: &mut [f64; 2], off: &mut [f64; 2]| {
@@ -364,7 +366,7 @@ impl<'a, S: Smooth> Cell<'a, S> {
         if s + t <= 1.0 { a + (b - a) * s + (c - a) * t } else { d + (c - d) * (1.0 - s) + (b - d) * (1.0 - t) }
     }
 
-    /// The quarters of a part, with the surface asked for at their corners.
+    /// Returns the quarters of a part, with the surface evaluated at their corners.
     fn refined(&self, known: &Known) -> [Known; 4] {
         let middle = |[from, to]: [f64; 2]| [from, 0.5 * (from + to), to];
         let (s, t) = (middle(known.part.s), middle(known.part.t));

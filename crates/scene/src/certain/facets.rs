@@ -1,4 +1,4 @@
-//! Contours of surfaces by their triangles.
+//! Contours of surfaces given by their triangles.
 
 use super::{Search, Turn};
 use crate::surface::{Mesh, Topology};
@@ -6,13 +6,13 @@ use glam::DVec3;
 use rayon::prelude::*;
 use std::collections::HashMap;
 
-/// Sides of boxes in pixels into which triangles are cut, and cuts at most.
+/// Size in pixels of the boxes into which triangles are cut, and most cuts.
 const FINE: f64 = 1.0 / 16.0;
 const CUTS: u32 = 24;
 
-/// Marks the contours of triangles that stand for a surface within their tolerance, whose normals are those of
-/// its vertices where it is `curved`: within a triangle they are taken to turn by twice as much as those of its corners
-/// differ from one another and from its own.
+/// Marks the contours of triangles that represent a surface within their tolerance. If the surface is `curved`, its
+/// normals are those of the vertices: within a triangle they are assumed to turn by at most twice the largest
+/// difference between a vertex normal and the triangle's own normal.
 pub(crate) fn contours_of_facets(mesh: &Mesh, search: &Search<'_>, curved: bool) -> bool {
     let Some(pixels) = mesh.tolerance else { return false };
     let projector = search.projector;
@@ -24,7 +24,7 @@ pub(crate) fn contours_of_facets(mesh: &Mesh, search: &Search<'_>, curved: bool)
         (q - p).cross(r - p).dot(ray(p)) < 0.0
     };
     let outer: Vec<bool> = triangles.par_iter().map(is_outer).collect();
-    // Vertices at one place are one.
+    // Vertices at one position count as one.
     let mut places = HashMap::with_capacity(mesh.positions.len());
     let same: Vec<u32> = (0..)
         .zip(&mesh.positions)
@@ -77,7 +77,7 @@ fn cut(corners: &[DVec3; 3], search: &Search<'_>, pixels: f64, cuts: u32) {
         search.mark(&turn);
         return;
     }
-    // The longest side in two.
+    // Bisects the longest side.
     let [p, q, r] = *corners;
     let long = [(p - q).length_squared(), (q - r).length_squared(), (r - p).length_squared()];
     let [p, q, r] = if long[0] >= long[1] && long[0] >= long[2] {

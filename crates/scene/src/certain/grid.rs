@@ -1,4 +1,4 @@
-//! Height fields on grids.
+//! Contours of height fields on grids.
 
 use super::{Corner, Most, Smooth};
 use crate::points::Near;
@@ -6,7 +6,7 @@ use crate::surface::Hit;
 use crate::{GridSurface, Projector, Ray};
 use glam::DVec3;
 
-/// Newton's steps to the point of a ray, and its error over 1 m + distance at which they end.
+/// Most Newton steps to the point on a ray, and the error relative to 1 m + distance at which they end.
 const STEPS: usize = 16;
 const CLOSE: f64 = 1e-13;
 
@@ -22,17 +22,18 @@ impl Smooth for SeenGrid<'_> {
         let ([height, by_x, by_z], twist) = self.grid.twisted(rest);
         let point = DVec3::new(rest[0], self.grid.level() + height, rest[1]) - self.eye;
         let by = [DVec3::new(1.0, by_x, 0.0), DVec3::new(0.0, by_z, 1.0)];
-        // Cells run along the axes, so that the other second derivatives do not count.
+        // Cells run along the axes, so the other second derivatives do not matter.
         Corner { rest, point, by, second: [DVec3::ZERO, DVec3::new(0.0, twist, 0.0), DVec3::ZERO] }
     }
 
-    /// Vertices stand so that every cell of the mesh lies in one of the grid, where the field is bicubic.
+    /// Vertices are placed so that every cell of the mesh lies in a single cell of the grid, where the field is
+    /// bicubic.
     fn most(&self, _corners: &[[f64; 2]; 4]) -> Most {
         Most::default()
     }
 }
 
-/// The point where a ray meets a height field next to a point of its mesh: Newton's steps along the ray.
+/// Returns the point where a ray meets a height field near a point of its mesh, by Newton's method along the ray.
 pub(crate) fn meet_grid(grid: &GridSurface, projector: &Projector, ray: &Ray, near: &Near) -> Option<Hit> {
     let mut distance = near.distance;
     for _ in 0..STEPS {
@@ -41,7 +42,7 @@ pub(crate) fn meet_grid(grid: &GridSurface, projector: &Projector, ray: &Ray, ne
         let [height, by_x, by_z] = grid.height(place[0], place[1])?;
         let gap = point.y - grid.level() - height;
         if gap.abs() <= CLOSE * (1.0 + distance.abs() + height.abs()) {
-            // A place beside the grid by more than rounding is none of its surface.
+            // A position outside of the grid by more than rounding is not on its surface.
             let beside = libm::hypot(point.x - place[0], point.z - place[1]);
             let is_on_grid = distance >= 0.0 && beside <= 1e-9 * (1.0 + distance);
             return is_on_grid.then(|| grid.hit(projector, ray, distance, place, near.inside));

@@ -1,11 +1,12 @@
-//! Where it is certain what a camera sees, and what it sees there.
+//! Determines where it is certain what a camera sees, and what it sees there.
 //!
-//! A mesh stands for a surface. Move each of its points to that of the surface for which it stands: what a sample sees
-//! remains on the same sheet all the way, unless a contour passes over the sample, where a sheet turns away from the
-//! camera or ends, or two sheets change places. So every place is covered with boxes where the mesh, the surface or
-//! anything between them may have a contour ([`Turn`]); a sample beside all boxes that are nearer than what it sees, and
-//! where the surfaces of the nearest sheets lie behind one another as the sheets do, sees the surface where its ray meets it next to where it meets the mesh.
-//! That point is found in f64.
+//! A mesh approximates a surface. If each of its points is moved to the corresponding point of the surface, a sample
+//! keeps seeing the same sheet all the way, unless a contour passes over the sample: a line where a sheet turns away
+//! from the camera or ends, or where two sheets change places. Therefore every position where the mesh, the surface
+//! or anything between them may have a contour is covered with boxes ([`Turn`]). Consider a sample that lies outside
+//! of all boxes that are nearer than the sheet it sees, and where the surfaces of the nearest sheets lie behind one
+//! another in the order of the sheets: its ray meets the visible surface near the point where it meets the mesh. That
+//! point is found in f64.
 
 mod cells;
 mod facets;
@@ -30,15 +31,15 @@ use turns::{Marks, Turn};
 /// What a sample of the continuous surfaces sees.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Sight {
-    /// That is not certain.
+    /// It is not certain.
     Unclear,
     /// No surface.
     Nothing,
-    /// This point of a surface.
+    /// A point of a surface.
     Point(Hit),
 }
 
-/// All that is known of the contours of a view.
+/// The contours of a view, and what its samples certainly see.
 ///
 /// ```
 /// use trochoid_image::Format;
@@ -62,14 +63,14 @@ pub enum Sight {
 /// ```
 #[derive(Debug)]
 pub struct Certain {
-    /// Finer meshes than those of a picture, which have normals and rest points.
+    /// Finer meshes than those of a picture, with normals and rest points.
     visible: Visible,
     marks: Marks,
 }
 
 impl Certain {
-    /// Looks for all contours of a view of these surfaces, which may take some times as long as the view itself; `None` soon
-    /// after `stop` has first said that nobody waits for it any longer.
+    /// Searches for all contours of a view of these surfaces, which may take several times as long as the view
+    /// itself; `None` soon after `stop` first says that the result is no longer needed.
     pub fn new(
         camera: &Camera,
         surfaces: &[&dyn Surface],
@@ -88,7 +89,7 @@ impl Certain {
         (!stop()).then_some(Self { visible, marks })
     }
 
-    /// What the sample of each of these pixels sees that stands at `offset` from its pixel's upper left corner.
+    /// Returns what a sample of each of these pixels sees, at `offset` from its pixel's upper left corner.
     pub fn sights(&self, surfaces: &[&dyn Surface], pixels: &[[i64; 2]], offset: [f64; 2]) -> Vec<Sight> {
         let visible = &self.visible;
         let sheets = visible.nearest_sheets(around(pixels), offset);
@@ -114,8 +115,8 @@ impl Certain {
         if off > (APART * first.abs()).min((hit.depth - second).abs()) || self.marks.cover(place, hit.depth) {
             return Sight::Unclear;
         }
-        // The surfaces of the sheets behind must lie behind too. One that is not found lies within its contours, which would
-        // be marked if they were near.
+        // The surfaces of the sheets behind must lie behind too. A surface that is not found is within its contours,
+        // which would be marked if they were near.
         let is_behind = |sheet: &Sheet| {
             let apart = sheet.depth(&visible.projector) - first > APART * first.abs();
             let met = visible.meet(surfaces, &ray, sheet);

@@ -1,4 +1,4 @@
-//! Seas of waves.
+//! Contours of seas of waves.
 
 use super::{Corner, Most, Smooth};
 use crate::carried::Carried;
@@ -8,7 +8,7 @@ use crate::surface::Hit;
 use crate::{Projector, Ray, SeaSurface};
 use glam::{DMat3, DVec3};
 
-/// Newton's steps to the point of a ray, and its error over 1 m + distance at which they end.
+/// Most Newton steps to the point on a ray, and the error relative to 1 m + distance at which they end.
 const STEPS: usize = 12;
 const CLOSE: f64 = 1e-12;
 
@@ -30,9 +30,9 @@ impl Smooth for SeenSea<'_> {
         Corner { rest, point: point - self.projector.position, by, second }
     }
 
-    /// The footprint f grows by f′ with each meter. What is left of a wave, exp(−k²f²/8), then changes by kf·f′/4 for
-    /// every radian of it: by f′/2 and less at each derivative where kf ≤ 2, and of a wave with larger kf the greatest
-    /// share that counts here, e^(−k²f²/8)·(1 + kf·f′/4)⁵, is below what (1 + 2f′)⁵ allows where f′ is below 1.
+    /// The footprint f grows by f′ per meter. The remainder of a wave, exp(−k²f²/8), then changes by kf·f′/4 per
+    /// radian: by f′/2 or less at each derivative if kf ≤ 2. For a wave with larger kf, the largest share that counts
+    /// here, e^(−k²f²/8)·(1 + kf·f′/4)⁵, is below what (1 + 2f′)⁵ allows if f′ is below 1.
     fn most(&self, corners: &[[f64; 2]; 4]) -> Most {
         let (eye, [x, z]) = (self.projector.position, self.projector.heading());
         let ahead = corners.map(|rest| (rest[0] - eye.x) * x + (rest[1] - eye.z) * z);
@@ -48,7 +48,8 @@ impl Smooth for SeenSea<'_> {
     }
 }
 
-/// The point where a ray meets a sea next to a point of its mesh: Newton's steps in the rest point and the distance.
+/// Returns the point where a ray meets a sea near a point of its mesh, by Newton's method in the rest point and the
+/// distance.
 pub(crate) fn meet_sea(sea: &SeaSurface, projector: &Projector, ray: &Ray, near: &Near) -> Option<Hit> {
     let (mut rest, mut distance) = ([near.rest.x, near.rest.z], near.distance);
     for _ in 0..STEPS {

@@ -1,4 +1,4 @@
-//! Places of a picture where something may have a contour.
+//! Positions in a picture where a contour may be.
 
 use crate::{Projector, Visible};
 use glam::DVec3;
@@ -10,22 +10,22 @@ use trochoid_image::Window;
 /// A box of the picture in which a contour may lie.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Turn {
-    /// Least x and y in pixels.
+    /// Least x and y, in pixels.
     low: [f32; 2],
-    /// Greatest x and y.
+    /// Greatest x and y, in pixels.
     high: [f32; 2],
-    /// Least planar depth of the contour in meters.
+    /// Least planar depth of the contour, in meters.
     near: f32,
 }
 
 impl Turn {
-    /// The whole picture, at any depth.
+    /// Returns the whole picture, at any depth.
     pub(crate) fn everywhere(projector: &Projector) -> Self {
         Self { low: [0.0; 2], high: projector.size.map(|side| side as f32), near: f32::NEG_INFINITY }
     }
 
-    /// The box around the hull of points relative to the camera, each of which may stand off by `slack` meters, and
-    /// `pixels` more in the picture. `None` where the picture does not hold it.
+    /// Returns the box around the convex hull of points relative to the camera, each of which may be off by `slack`
+    /// meters, and by another `pixels` in the picture. `None` if it is outside of the picture.
     pub(crate) fn around(projector: &Projector, points: &[DVec3], slack: f64, pixels: f64) -> Option<Self> {
         let depth = |point: &DVec3| point.dot(projector.forward);
         let near = points.iter().map(depth).fold(f64::INFINITY, f64::min) - slack;
@@ -46,7 +46,7 @@ impl Turn {
             for axis in 0..2 {
                 low[axis] = low[axis].min(place[axis]);
                 high[axis] = high[axis].max(place[axis]);
-                // x/z moves by dx/z + (x/z)·dz/z.
+                // x/z changes by dx/z + (x/z)·dz/z.
                 off = off.max(1.0 + place[axis].abs() / projector.scale);
             }
         }
@@ -57,23 +57,23 @@ impl Turn {
         Some(Self { low, high, near: rounded(near, -1.0) })
     }
 
-    /// How many pixels a length in meters covers at its depth.
+    /// Returns how many pixels a length in meters covers at its depth.
     pub(crate) fn pixels(&self, projector: &Projector, meters: f64) -> f64 {
         if projector.orthographic { meters * projector.scale } else { meters * projector.scale / f64::from(self.near) }
     }
 
-    /// The longer side in pixels.
+    /// Returns the longer side, in pixels.
     pub(crate) fn size(&self) -> f64 {
         f64::from((self.high[0] - self.low[0]).max(self.high[1] - self.low[1]))
     }
 
-    /// Whether the contour may lie on both sides of the camera's plane, where meshes end.
+    /// Returns whether the contour may lie on both sides of the camera's plane, where meshes end.
     pub(crate) fn is_cut(&self) -> bool {
         self.near <= 0.0
     }
 }
 
-/// Whether points lie wholly beyond one side of what the camera sees, or behind it.
+/// Returns whether all points lie beyond one side of what the camera sees, or behind it.
 fn is_beside(projector: &Projector, points: &[DVec3], slack: f64, pixels: f64) -> bool {
     let (forward, orthographic) = (projector.forward, projector.orthographic);
     let sides = [(0, projector.right), (0, -projector.right), (1, projector.up), (1, -projector.up)];
@@ -85,22 +85,23 @@ fn is_beside(projector: &Projector, points: &[DVec3], slack: f64, pixels: f64) -
     points.iter().all(|point| point.dot(forward) < -slack) || sides.into_iter().any(beyond)
 }
 
-/// Rows of pixels that are looked at together.
+/// Number of rows of pixels that are processed together.
 const BAND: usize = 32;
 
 /// A search for all contours of a view.
 pub struct Search<'a> {
     pub(crate) projector: &'a Projector,
-    /// How far the raster may have moved a place, in pixels.
+    /// Rounding error of positions in the raster, in pixels.
     pub(crate) step: f64,
-    /// By pixel: the greatest depth at which any of its samples may see something.
+    /// Greatest depth at which any sample of a pixel may see something, by pixel.
     farthest: Vec<f32>,
     marks: Marks,
     stop: &'a (dyn Fn() -> bool + Sync),
 }
 
 impl<'a> Search<'a> {
-    /// In all that a view sees, each place of which may lie so much further by its surface than by its mesh.
+    /// Starts a search in everything that a view sees. `further` is the share of the depth by which the surface may
+    /// lie behind its mesh.
     pub(super) fn new(visible: &'a Visible, further: f64, stop: &'a (dyn Fn() -> bool + Sync)) -> Self {
         let projector = &visible.projector;
         let [columns, rows] = projector.size.map(|side| side as usize);
@@ -125,19 +126,19 @@ impl<'a> Search<'a> {
         Self { projector, step: visible.raster.step(), farthest, marks, stop }
     }
 
-    /// Whether nobody waits any longer.
+    /// Returns whether the result is no longer needed.
     pub(crate) fn is_stopped(&self) -> bool {
         (self.stop)()
     }
 
-    /// Whether all samples of the pixels that a box meets see what is nearer.
+    /// Returns whether all samples of the pixels that a box touches see something nearer.
     pub(crate) fn hides(&self, turn: &Turn) -> bool {
         let mut hidden = true;
         self.marks.each_pixel(turn, |pixel, _| hidden &= self.farthest[pixel] < turn.near);
         hidden
     }
 
-    /// Notes that a contour may lie in a box.
+    /// Records that a contour may lie in a box.
     pub(crate) fn mark(&self, turn: &Turn) {
         self.marks.each_pixel(turn, |pixel, places| {
             self.marks.places[pixel].fetch_or(places, Ordering::Relaxed);
@@ -150,33 +151,33 @@ impl<'a> Search<'a> {
     }
 }
 
-/// To f32, away from what lies on the other side.
+/// Rounds to f32 in the direction of `sign`, by at least one step.
 fn rounded(value: f64, sign: f64) -> f32 {
     let near = value as f32;
     if sign < 0.0 { near.next_down() } else { near.next_up() }
 }
 
-/// Whole numbers in the order of floating-point numbers.
+/// Returns integers in the order of floating-point numbers.
 fn ordered(value: f32) -> i32 {
     let bits = value.to_bits() as i32;
     bits ^ ((bits >> 31) as u32 >> 1) as i32
 }
 
-/// Rows and columns into which a pixel is divided.
+/// Number of rows and of columns into which a pixel is divided.
 const DIVIDED: usize = 8;
 
-/// Where contours may lie.
+/// Positions where contours may lie.
 #[derive(Debug)]
 pub(super) struct Marks {
     columns: usize,
-    /// By pixel, a bit for each of its parts, row by row.
+    /// One bit for each part of a pixel, row by row; by pixel.
     places: Vec<AtomicU64>,
-    /// By pixel: the least depth of all its contours, [`ordered`].
+    /// Least depth of all its contours, [`ordered`]; by pixel.
     nearest: Vec<AtomicI32>,
 }
 
 impl Marks {
-    /// Whether a contour may lie at a place, as near as a depth.
+    /// Returns whether a contour may lie at a position, at most as far as a depth.
     pub(super) fn cover(&self, [x, y]: [f64; 2], depth: f64) -> bool {
         let (column, row) = (x.floor(), y.floor());
         if column < 0.0 || row < 0.0 || column >= self.columns as f64 || row >= self.rows() as f64 {
@@ -195,9 +196,9 @@ impl Marks {
         self.places.len() / self.columns
     }
 
-    /// Every pixel that a box meets, and the places in it.
+    /// Calls `take` for every pixel that a box touches, with the parts that it touches.
     fn each_pixel(&self, turn: &Turn, mut take: impl FnMut(usize, u64)) {
-        // Parts of pixels, as far as the picture reaches; NaN counts as everywhere.
+        // Parts of pixels, clamped to the picture; NaN counts as everywhere.
         let range = |axis: usize, count: usize| {
             let last = (count * DIVIDED) as f32;
             let [low, high] = [turn.low[axis], turn.high[axis]].map(|at| at * DIVIDED as f32);
@@ -209,7 +210,7 @@ impl Marks {
         if across.is_empty() || down.is_empty() {
             return;
         }
-        // The parts of one pixel among those along an axis.
+        // Parts of one pixel among those along an axis.
         let own = |parts: &Range<usize>, pixel: usize| {
             let of = |at: usize| at.saturating_sub(pixel * DIVIDED).min(DIVIDED);
             of(parts.start)..of(parts.end)

@@ -1,17 +1,18 @@
-//! Specular illumination: how near the mirror direction of a light is to the eye.
+//! Specular illumination: how close the mirror direction of a light is to the eye.
 //!
-//! - *half*: (N·H)^s, H the half vector (Blinn, *Models of Light Reflection for Computer Synthesized Pictures*, 1977).
-//! - *reflection*: (R·V)^s, R = 2N(N·L) − L, the thesis' mirror form (§3.2.3.1; Phong 1975).
+//! - *half*: (N·H)^s, with the half vector H (Blinn, *Models of Light Reflection for Computer Synthesized Pictures*,
+//!   1977).
+//! - *reflection*: (R·V)^s, R = 2N(N·L) − L, the mirror form of the thesis (§3.2.3.1; Phong 1975).
 //!
 //! # Precision
 //! For unit n and h, n·h = 1 − ½|n − h|². The power is therefore exp(s·log1p(−½|n − h|²)): the small difference is
-//! taken before anything is rounded against 1. Its error stays near 1e-7 for s up to 1e6, where a power of a
-//! rounded cosine is 16 % off.
+//! computed before anything is rounded against 1. Its error stays near 1e-7 for s up to 1e6, where a power of a
+//! rounded cosine is off by 16 %.
 //!
 //! # Roughness
-//! A lobe (N·H)^s is near exp(−s·θ²/2): a Gaussian of slope variance 1/s for each axis. Slopes that a pixel cannot
-//! resolve, of variance v in both directions together, widen it to 1/s + v/2 (Olano and Baker, *LEAN Mapping*,
-//! 2010), hence s' = s/(1 + s·v/2).
+//! A lobe (N·H)^s is close to exp(−s·θ²/2): a Gaussian of slope variance 1/s for each axis. Slopes that a pixel
+//! cannot resolve, with a variance of v over both directions together, widen it to 1/s + v/2 (Olano and Baker, *LEAN
+//! Mapping*, 2010), hence s' = s/(1 + s·v/2).
 
 use fearless_simd::{Level, Simd, dispatch};
 use glam::{DVec3, Vec3};
@@ -22,16 +23,17 @@ use super::{Vectors, cut, pick, unit_or_up, unit_or_up_f32};
 /// Which two directions are compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Model {
-    /// Normal and half vector.
+    /// Surface normal and half vector.
     #[default]
     Half,
-    /// Mirrored light and view.
+    /// Mirrored light and view direction.
     Reflection,
 }
 
-/// The exponent that a lost slope variance leaves of `exponent`.
+/// Returns the exponent that is left of `exponent` after widening by a lost slope variance.
 ///
-/// Half lobe only: mirrored directions turn twice as far as normals, so that the variance counts four times there.
+/// The half lobe follows the module's formula; mirrored directions turn twice as far as normals, so that the variance
+/// counts four times for them.
 #[inline]
 pub fn widened(exponent: f64, slope_variance: f64, model: Model) -> f64 {
     let factor = match model {
@@ -41,9 +43,9 @@ pub fn widened(exponent: f64, slope_variance: f64, model: Model) -> f64 {
     exponent / (1.0 + exponent * slope_variance.max(0.0) * factor)
 }
 
-/// The lobe in [0, 1] for unit L and V; `exponent` s ≥ 0, `slope_variance` ≥ 0 widens it.
+/// Returns the lobe in [0, 1] for unit L and V; `exponent` s ≥ 0, and `slope_variance` ≥ 0 widens it.
 ///
-/// 0 where the two directions stand at a right angle or more, where L + V = 0, and where the light is behind the
+/// It is 0 where the two directions are at a right angle or more, where L + V = 0, and where the light is behind the
 /// surface (N·L ≤ 0). A degenerate normal counts as (0, 1, 0).
 pub fn reference(normal: DVec3, light: DVec3, view: DVec3, exponent: f64, slope_variance: f64, model: Model) -> f64 {
     let (n, l, v) = (unit_or_up(normal), unit_or_up(light), unit_or_up(view));
@@ -64,7 +66,7 @@ pub fn reference(normal: DVec3, light: DVec3, view: DVec3, exponent: f64, slope_
     libm::exp(widened(exponent, slope_variance, model) * libm::log1p(away.max(-1.0)))
 }
 
-/// [`reference()`] at many points; `slope_variances` may be empty where there is none.
+/// Evaluates [`reference()`] at many points; `slope_variances` may be empty if there is none.
 ///
 /// # Panics
 /// The slices differ in length.
@@ -104,10 +106,10 @@ pub fn fill(
     }
 }
 
-/// Points that are looked at together.
+/// Number of points that are processed together.
 const BLOCK: usize = 128;
 
-/// −½|a − b|² of the two directions, which is −1 at right angles; −2 where nothing is mirrored.
+/// Returns −½|a − b|² of the two directions, which is −1 at right angles; −2 where nothing is mirrored.
 #[inline(always)]
 fn away(normal: Vec3, light: Vec3, view: Vec3, model: Model) -> f32 {
     const NOTHING: f32 = -2.0;

@@ -8,31 +8,31 @@ use glam::DVec3;
 
 use super::{Vectors, cut, pick, unit_or_up, unit_or_up_f32};
 
-/// Which cosine decides.
+/// Which cosine is used.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Cosine {
-    /// N·V: what the surface mirrors toward the eye.
+    /// N·V: the reflection of the surface toward the eye.
     #[default]
     View,
-    /// H·V, as printed in the thesis: what it mirrors of one light.
+    /// H·V, as printed in the thesis: the reflection of one light.
     Half,
 }
 
-/// F₀ of a ratio of refractive indices η > 0; 1.333 is air to water.
+/// Returns F₀ for a ratio of refractive indices η > 0; 1.333 is air to water.
 pub fn normal_reflectance(eta: f64) -> f64 {
     let ratio = (eta - 1.0) / (eta + 1.0);
     ratio * ratio
 }
 
-/// The reflectance at a cosine, which is clamped to [0, 1]; in [F₀, 1].
+/// Returns the reflectance at a cosine, which is clamped to [0, 1]; the result is in [F₀, 1].
 pub fn schlick(cosine: f64, eta: f64) -> f64 {
     let f0 = normal_reflectance(eta);
     let away = 1.0 - cosine.clamp(0.0, 1.0);
     f0 + (1.0 - f0) * (away * away * away * away * away)
 }
 
-/// The reflectance for unit V, and for [`Cosine::Half`] unit L, which is ignored otherwise. Where L + V = 0 the
-/// cosine is 0.
+/// Returns the reflectance for unit V, and for [`Cosine::Half`] unit L, which is ignored otherwise. Where L + V = 0
+/// the cosine is 0.
 ///
 /// A degenerate normal counts as (0, 1, 0).
 pub fn reference(normal: DVec3, light: DVec3, view: DVec3, eta: f64, cosine: Cosine) -> f64 {
@@ -44,7 +44,7 @@ pub fn reference(normal: DVec3, light: DVec3, view: DVec3, eta: f64, cosine: Cos
     schlick(cosine, eta)
 }
 
-/// [`reference()`] at many points; `lights` is read for [`Cosine::Half`] only and may be empty otherwise.
+/// Evaluates [`reference()`] at many points; `lights` is read only for [`Cosine::Half`] and may be empty otherwise.
 ///
 /// # Panics
 /// The slices that are read differ in length.
@@ -75,7 +75,7 @@ pub fn fill(normals: Vectors<'_>, lights: Vectors<'_>, views: Vectors<'_>, eta: 
     ));
 }
 
-/// f32 form of [`schlick`].
+/// Computes [`schlick`] in f32.
 #[inline(always)]
 fn mirrored(cosine: f32, f0: f32) -> f32 {
     let away = 1.0 - cosine.clamp(0.0, 1.0);

@@ -7,7 +7,7 @@ use glam::DVec3;
 
 use super::{Vectors, cut, pick, unit_or_up, unit_or_up_f32};
 
-/// ((N·L + 1)/2)^power for unit L, in [0, 1]. `power` > 0; 1 is the plain remap, the thesis also uses 2.
+/// Returns ((N·L + 1)/2)^power for unit L, in [0, 1]. `power` > 0; 1 is the plain remap, the thesis also uses 2.
 ///
 /// A degenerate normal counts as (0, 1, 0).
 pub fn reference(normal: DVec3, light: DVec3, power: f64) -> f64 {
@@ -15,7 +15,7 @@ pub fn reference(normal: DVec3, light: DVec3, power: f64) -> f64 {
     libm::pow((cosine + 1.0) / 2.0, power)
 }
 
-/// [`reference()`] at many points.
+/// Evaluates [`reference()`] at many points.
 ///
 /// # Panics
 /// The slices differ in length.

@@ -1,7 +1,7 @@
-//! Quantities that lights and view directions give at a shading point; colors are the back end's business.
+//! Quantities from lights and view directions at a shading point; colors are up to the back end.
 //!
-//! Each has a `reference` in f64, one point, straight from the formula, and a `fill` in f32 over slices. Vectors of
-//! `fill` are three slices, one for each axis, and all slices of a call are of one length.
+//! Each has a `reference` in f64 for one point, straight from the formula, and a `fill` in f32 over slices. Vectors
+//! for `fill` are three slices, one per axis, and all slices of a call have the same length.
 
 pub mod blinn;
 pub mod fresnel;
@@ -11,28 +11,28 @@ mod power;
 use fearless_simd::{Level, Simd, dispatch};
 use glam::DVec3;
 
-/// Three slices of one length: the x, y and z of many vectors.
+/// Three slices of equal length: the x, y and z of many vectors.
 pub type Vectors<'a> = [&'a [f32]; 3];
 
-/// The unit vector along `vector`; (0, 1, 0) where it is zero or not finite.
+/// Returns the unit vector along `vector`; (0, 1, 0) if it is zero or not finite.
 #[inline]
 pub fn unit_or_up(vector: DVec3) -> DVec3 {
     vector.try_normalize().unwrap_or(DVec3::Y)
 }
 
-/// One of many vectors in f32, as it is.
+/// Returns one of many vectors in f32, unchanged.
 #[inline]
 pub(crate) fn pick(vectors: Vectors<'_>, index: usize) -> glam::Vec3 {
     glam::Vec3::new(vectors[0][index], vectors[1][index], vectors[2][index])
 }
 
-/// f32 form of [`unit_or_up`].
+/// Does [`unit_or_up`] in f32.
 #[inline]
 pub(crate) fn unit_or_up_f32(vector: glam::Vec3) -> glam::Vec3 {
     vector.try_normalize().unwrap_or(glam::Vec3::Y)
 }
 
-/// Unit vectors from points to the camera at `eye`, or against `forward` where rays are parallel, written to `out`.
+/// Writes to `out` the unit vectors from points to the camera at `eye`, or against `forward` if rays are parallel.
 #[allow(clippy::needless_range_loop, reason = "a loop over several slices")]
 pub fn view_directions(positions: Vectors<'_>, projector: &crate::Projector, out: [&mut [f32]; 3]) {
     let [x, y, z] = out;
@@ -57,7 +57,7 @@ pub fn view_directions(positions: Vectors<'_>, projector: &crate::Projector, out
     ));
 }
 
-/// So many vectors from `start` on: loops that know their number become vector code.
+/// Returns `count` vectors from `start` on: loops with a known count are vectorized.
 #[inline(always)]
 fn cut([x, y, z]: Vectors<'_>, start: usize, count: usize) -> Vectors<'_> {
     [&x[start..][..count], &y[start..][..count], &z[start..][..count]]

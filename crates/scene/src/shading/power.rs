@@ -1,17 +1,18 @@
-//! exp(s · log1p(x)) for lobes, many side by side.
+//! exp(s · log1p(x)) for lobes, vectorized.
 //!
-//! These are the steps of `libm`'s `log1pf` and `expf` (FreeBSD's s_log1pf.c and e_expf.c) for the arguments that lobes
-//! have, with every branch computed and the right one chosen: loops over them become vector code, of the same bits.
+//! These are the steps of `libm`'s `log1pf` and `expf` (FreeBSD's s_log1pf.c and e_expf.c) for the arguments that
+//! lobes have, with every branch computed and the right one selected: loops over them are vectorized and give the
+//! same bits.
 
 const LN2_HI: f32 = f32::from_bits(0x3f31_7180);
 const LN2_LO: f32 = f32::from_bits(0x3717_f7d1);
 const LG: [f32; 4] = [0.666_666_6, 0.400_009_72, 0.284_987_87, 0.242_790_79];
 
-/// log(1 + x) for x in [−1, 0].
+/// Returns log(1 + x) for x in [−1, 0].
 #[inline(always)]
 pub(super) fn log1p(x: f32) -> f32 {
     let u = 1.0 + x;
-    // 1 + x is at least about √½: no power of two is taken out.
+    // 1 + x is at least about √½, so no power of two is factored out.
     let near = x.to_bits() <= 0xbe95_f619;
     let raised = u.to_bits().wrapping_add(0x3f80_0000 - 0x3f35_04f3);
     let k = if near { 0.0 } else { ((raised >> 23) as i32 - 0x7f) as f32 };
@@ -34,7 +35,7 @@ const EXP_LN2_LO: f32 = 1.428_606_8e-6;
 const INV_LN2: f32 = std::f32::consts::LOG2_E;
 const P: [f32; 2] = [1.666_662_5e-1, -2.766_733_3e-3];
 
-/// e to the power y ≤ 0, or NaN.
+/// Returns e to the power y ≤ 0, or NaN.
 #[inline(always)]
 pub(super) fn exp(y: f32) -> f32 {
     let size = y.to_bits() & 0x7fff_ffff;
@@ -46,7 +47,7 @@ pub(super) fn exp(y: f32) -> f32 {
     let xx = x * x;
     let c = x - xx * (P[0] + xx * P[1]);
     let value = 1.0 + (x * c / (2.0 - c) - lo + hi);
-    // In two steps, the first of them exact: a result without an exponent of its own is rounded once.
+    // In two steps, the first of them exact, so that a subnormal result is rounded once.
     let first = k.max(-102);
     let power = |k: i32| f32::from_bits(((k + 127) as u32) << 23);
     let value = value * power(first) * power(k - first);
@@ -76,7 +77,7 @@ mod tests {
             let (found, truth) = (exp(y), libm::expf(y));
             assert!(found.to_bits() == truth.to_bits(), "exp({y}): {found} and {truth}");
         }
-        // Where results have no exponents of their own.
+        // Where results are subnormal.
         for y in (0_u32..200_000).map(|step| -87.0 - step as f32 * 1e-4) {
             assert_eq!(exp(y).to_bits(), libm::expf(y).to_bits(), "exp({y})");
         }

@@ -2,7 +2,7 @@ use glam::{DVec3, Vec3};
 
 use super::{blinn, fresnel, lambert};
 
-/// Deterministic directions, some of them degenerate.
+/// Returns deterministic directions, some of them degenerate.
 fn directions(seed: u64, count: usize) -> Vec<DVec3> {
     let mut state = seed;
     let mut unit = move || {
@@ -71,7 +71,7 @@ fn blinn_fast_is_the_reference() {
             let exact = |index: usize| {
                 blinn::reference(n[index], l[index], v[index], exponent, f64::from(variances[index]), model)
             };
-            // At exponent 0 the lobe steps where a cosine changes its sign: random directions do not meet it.
+            // At exponent 0 the lobe jumps where a cosine changes its sign; random directions do not hit that.
             let worst = worst(&out, exact);
             assert!(worst < 1e-5, "{model:?} {exponent}: {worst:e}");
         }
@@ -87,7 +87,7 @@ fn sharp_highlights_keep_their_precision() {
     let (n, h) = (Columns::new(&[DVec3::Y]), Columns::new(&[half]));
     let mut out = [0.0];
     blinn::fill(n.all(), h.all(), h.all(), 1e6, &[], blinn::Model::Half, &mut out);
-    // f32 directions are themselves 6e-8 off, 6e-5 of this angle.
+    // f32 directions are themselves off by 6e-8, 6e-5 of this angle.
     assert!((f64::from(out[0]) - exact).abs() < 1e-4, "{}", out[0]);
 }
 
@@ -100,7 +100,7 @@ fn blinn_edges() {
     let mirrored = DVec3::new(0.6, 0.8, 0.0);
     let view = DVec3::new(-0.6, 0.8, 0.0);
     assert!((blinn::reference(DVec3::Y, mirrored, view, 1e4, 0.0, blinn::Model::Reflection) - 1.0).abs() < 1e-9);
-    // Variance widens: 1/s' = 1/s + v/2.
+    // Variance widens the lobe: 1/s' = 1/s + v/2.
     assert!((blinn::widened(100.0, 0.02, blinn::Model::Half) - 50.0).abs() < 1e-12);
 }
 
@@ -112,7 +112,7 @@ fn schlick_fast_is_the_reference() {
         let (n_columns, l_columns, v_columns) = (Columns::new(&n), Columns::new(&l), Columns::new(&v));
         fresnel::fill(n_columns.all(), l_columns.all(), v_columns.all(), 1.333, cosine, &mut out);
         let worst = worst(&out, |index| fresnel::reference(n[index], l[index], v[index], 1.333, cosine));
-        // Of nearly opposite directions the half vector keeps few digits.
+        // The half vector of nearly opposite directions has few significant digits.
         assert!(worst < 2e-5, "{cosine:?}: {worst:e}");
     }
     assert_eq!(fresnel::schlick(1.0, 1.5), fresnel::normal_reflectance(1.5));

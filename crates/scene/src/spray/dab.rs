@@ -1,26 +1,26 @@
-//! One drop in the picture.
+//! A drop as a stamp in the picture.
 
 use super::stamp::{Form, Print, Stamp};
 use crate::Projector;
 use glam::DVec3;
 use trochoid_sea::spray::Droplet;
 
-/// Distance in radii below which a perspective camera sees a drop whole, and below which it sees none of it: nothing
-/// that flies past the lens may fill the picture.
+/// Distances in radii below which a perspective camera begins to fade a drop out, and below which it does not see it
+/// at all: a drop that flies past the lens must not fill the picture.
 const NEAR: [f64; 2] = [12.0, 4.0];
 
 /// How drops are painted.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Brush {
-    /// Which stamps.
+    /// Kind of stamps.
     pub stamp: Stamp,
-    /// Alpha of a stamp's middle at birth, 0 to 1.
+    /// Alpha at the middle of a stamp at birth, 0 to 1.
     pub opacity: f64,
-    /// Seconds of motion that a stamp is drawn out by.
+    /// Seconds of motion by which a stamp is stretched.
     pub stretch: f64,
-    /// Least radius in pixels: what is thinner becomes fainter instead.
+    /// Least radius, in pixels: thinner drops become fainter instead.
     pub least: f64,
-    /// Depth in meters over which a surface swallows a drop: 0 for a hard edge.
+    /// Depth in meters over which a drop fades into a surface; 0 gives a hard edge.
     pub soft: f64,
 }
 
@@ -30,21 +30,21 @@ impl Default for Brush {
     }
 }
 
-/// What is seen of the spray at a sample.
+/// The spray that is visible at a sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sprayed {
-    /// What all stamps cover together, 1 − Π(1 − αᵢ).
+    /// Combined coverage of all stamps, 1 − Π(1 − αᵢ).
     pub alpha: f64,
-    /// Planar depth of the nearest drop in meters; +∞ where there is none.
+    /// Planar depth of the nearest drop, in meters; +∞ if there is none.
     pub depth: f64,
-    /// Mean age of the drops by their alphas, 0 to 1; 0 where there are none.
+    /// Mean age of the drops, weighted by their alphas, 0 to 1; 0 if there are none.
     pub age: f64,
-    /// What the drops weigh in that mean, Σ αᵢ.
+    /// Total weight of the drops in that mean, Σ αᵢ.
     pub weight: f64,
 }
 
 impl Sprayed {
-    /// No drop. Until [`done`](Self::done), `alpha` holds what is left uncovered, and `age` Σ αᵢ·ageᵢ.
+    /// No drop. Until [`done`](Self::done), `alpha` holds the share left uncovered, and `age` holds Σ αᵢ·ageᵢ.
     pub(super) const NONE: Self = Self { alpha: 1.0, depth: f64::INFINITY, age: 0.0, weight: 0.0 };
 
     #[inline(always)]
@@ -67,9 +67,9 @@ impl Sprayed {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Dab {
     center: [f64; 2],
-    /// Nothing of it lies beyond: left, top, right, bottom.
+    /// Bounds of the stamp: left, top, right, bottom.
     pub(super) bounds: [f64; 4],
-    /// A pixel's way along the stamp and across it, in halves of its length and width.
+    /// Vectors along the stamp and across it, per pixel, in halves of its length and width.
     along: [f64; 2],
     across: [f64; 2],
     print: Print,
@@ -80,7 +80,7 @@ pub(super) struct Dab {
 }
 
 impl Dab {
-    /// The stamp of a drop; `None` where the camera cannot see it, wherever the picture ends.
+    /// Makes the stamp of a drop; `None` if the camera cannot see it, even in a larger picture.
     pub(super) fn new(projector: &Projector, drop: &Droplet, brush: &Brush) -> Option<Self> {
         let position = DVec3::from(drop.position);
         let (center, depth) = projector.project(position)?;
@@ -104,7 +104,7 @@ impl Dab {
         };
         let width = size.max(brush.least);
         let length = width + drawn_out;
-        // Paint that is spread over more pixels than the drop has covers less of each.
+        // Paint that is spread over more pixels than the drop has covers each of them less.
         strength *= size * (size + drawn_out) / (width * length);
         let print = Print::new(form, drop, [length, width]);
         let [dx, dy] = axis;
@@ -113,13 +113,13 @@ impl Dab {
         Some(Self { center, bounds, along, across, print, strength, depth, age: drop.age })
     }
 
-    /// Whether a place lies within the stamp's bounds: elsewhere its alpha is 0.
+    /// Returns whether a position lies within the stamp's bounds; elsewhere its alpha is 0.
     pub(super) fn may_meet(&self, [x, y]: [f64; 2]) -> bool {
         let [left, top, right, bottom] = self.bounds;
         left <= x && x <= right && top <= y && y <= bottom
     }
 
-    /// What it covers at a place before a surface at a planar depth.
+    /// Returns its coverage at a position in front of a surface at a planar depth.
     #[inline(always)]
     pub(super) fn alpha(&self, place: [f64; 2], surface: f64, brush: &Brush) -> f64 {
         let [x, y] = [place[0] - self.center[0], place[1] - self.center[1]];
@@ -142,7 +142,7 @@ impl Dab {
     }
 }
 
-/// What a stamp of this half length and width along an axis stays within: left, top, right, bottom.
+/// Returns the bounds of a stamp of this half length and width along an axis: left, top, right, bottom.
 fn bounds([x, y]: [f64; 2], [dx, dy]: [f64; 2], half: [f64; 2]) -> [f64; 4] {
     let reach = |a: f64, b: f64| {
         let (a, b) = (a * half[0], b * half[1]);
@@ -152,7 +152,8 @@ fn bounds([x, y]: [f64; 2], [dx, dy]: [f64; 2], half: [f64; 2]) -> [f64; 4] {
     [x - across, y - down, x + across, y + down]
 }
 
-/// The direction in which a drop crosses the picture, and half the pixels that it crosses in `time`.
+/// Returns the direction in which a drop crosses the picture, and half the number of pixels that it crosses in
+/// `time`.
 fn motion(projector: &Projector, position: DVec3, drop: &Droplet, time: f64) -> ([f64; 2], f64) {
     let way = DVec3::from(drop.velocity) * (time / 2.0);
     let (Some((from, _)), Some((to, _))) = (projector.project(position - way), projector.project(position + way))
@@ -161,6 +162,6 @@ fn motion(projector: &Projector, position: DVec3, drop: &Droplet, time: f64) -> 
     };
     let [x, y] = [to[0] - from[0], to[1] - from[1]];
     let length = (x * x + y * y).sqrt();
-    // Shorter than this no direction is left in the difference of two positions.
+    // For shorter motion, the difference of two positions has no reliable direction.
     if length > 1e-6 && length < 1e9 { ([x / length, y / length], length / 2.0) } else { ([1.0, 0.0], 0.0) }
 }

@@ -1,4 +1,4 @@
-//! Drops as a painter sets them: each a stamp of a brush, hidden by what is nearer.
+//! Drops of spray, painted as brush stamps and hidden by nearer surfaces.
 //!
 //! ```
 //! use trochoid_image::Format;
@@ -18,7 +18,7 @@
 //! let brush = Brush { stamp: Stamp::Disc, ..Brush::default() };
 //! let dabs = Dabs::new(&camera.projector(format), &[drop], &brush)?;
 //! assert!(dabs.at([32.0, 18.0], f64::INFINITY).alpha > 0.2);
-//! assert_eq!(dabs.at([32.0, 18.0], 5.0).alpha, 0.0, "something stands before it");
+//! assert_eq!(dabs.at([32.0, 18.0], 5.0).alpha, 0.0, "something is in front of it");
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
@@ -36,10 +36,10 @@ use trochoid_image::Window;
 
 /// Side of a bin in pixels.
 const BIN: i64 = 32;
-/// Most entries of all bins: what they take is known before it is taken.
+/// Most entries of all bins, so that their memory is known before it is allocated.
 pub const MAX_ENTRIES: usize = 1 << 24;
 
-/// Stamps cover so much of the picture that their bins would pass [`MAX_ENTRIES`].
+/// Stamps cover so much of the picture that their bins would exceed [`MAX_ENTRIES`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TooMuchSpray(pub usize);
 
@@ -47,7 +47,7 @@ impl std::fmt::Display for TooMuchSpray {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(
             f,
-            "the stamps of all drops meet {} bins of {BIN} × {BIN} pixels: at most {MAX_ENTRIES}; make \"radius\", \
+            "the stamps of all drops touch {} bins of {BIN} × {BIN} pixels, more than {MAX_ENTRIES}: make \"radius\", \
              \"growth\", \"stretch\" or the number of drops smaller, or move the camera away",
             self.0
         )
@@ -63,30 +63,30 @@ pub struct Dabs {
     dabs: Vec<Dab>,
     /// Columns and rows of bins over the picture.
     bins: [i64; 2],
-    /// Where each bin's entries begin; one more than there are bins.
+    /// Start of each bin's entries; one more entry than there are bins.
     starts: Vec<u32>,
-    /// Indices of stamps bin by bin, each bin's in the order of the drops.
+    /// Indices of stamps bin by bin; within a bin in the order of the drops.
     entries: Vec<u32>,
 }
 
-/// The planes of a window, where wanted.
+/// Output planes of a window; `None` where not wanted.
 #[derive(Debug, Default)]
 pub struct Planes<'a> {
-    /// What is covered.
+    /// Coverage (alpha).
     pub alpha: Option<&'a mut [f32]>,
-    /// Planar depth of the nearest drop in meters.
+    /// Planar depth of the nearest drop, in meters.
     pub depth: Option<&'a mut [f32]>,
     /// Mean age of the drops.
     pub age: Option<&'a mut [f32]>,
-    /// What they weigh in that mean: the sum of their alphas.
+    /// Total weight of the drops in that mean: the sum of their alphas.
     pub weight: Option<&'a mut [f32]>,
 }
 
 impl Dabs {
-    /// The stamps of the drops that lie in the picture.
+    /// Makes the stamps of the drops that lie in the picture.
     ///
     /// # Errors
-    /// They cover too much.
+    /// The stamps cover too much.
     pub fn new(projector: &Projector, drops: &[Droplet], brush: &Brush) -> Result<Self, TooMuchSpray> {
         let bins = projector.size.map(|side| (side as i64).div_euclid(BIN) + 1);
         let dabs: Vec<Dab> = drops
@@ -118,22 +118,23 @@ impl Dabs {
         Ok(Self { brush: *brush, dabs, bins, starts, entries })
     }
 
-    /// Number of stamps in the picture.
+    /// Returns the number of stamps in the picture.
     pub fn len(&self) -> usize {
         self.dabs.len()
     }
 
-    /// Whether no drop is in the picture.
+    /// Returns whether no drop is in the picture.
     pub fn is_empty(&self) -> bool {
         self.dabs.is_empty()
     }
 
-    /// Bytes held.
+    /// Returns the number of bytes held.
     pub fn bytes(&self) -> usize {
         self.dabs.len() * size_of::<Dab>() + (self.starts.len() + self.entries.len()) * 4
     }
 
-    /// What a place in the picture shows before a surface at a planar depth, straight from the formula.
+    /// Returns what a position in the picture shows in front of a surface at a planar depth, straight from the
+    /// formula.
     pub fn at(&self, place: [f64; 2], surface: f64) -> Sprayed {
         let mut sum = Sprayed::NONE;
         for dab in &self.dabs {
@@ -142,13 +143,13 @@ impl Dabs {
         sum.done()
     }
 
-    /// The same at one sample of every pixel of a window, which stands at `offset` in its pixel, before the surfaces at
-    /// the depths of `surface`: the same bits.
+    /// Does the same, with the same bits, at one sample of every pixel of a window, at `offset` in its pixel and in
+    /// front of the surfaces at the depths of `surface`.
     pub fn fill(&self, window: Window, offset: [f64; 2], surface: &[f32], planes: Planes<'_>) {
         self.fill_unless(window, offset, surface, planes, &|| false);
     }
 
-    /// The same unless told to stop, which it asks at every stamp: then what is filled is of no use.
+    /// Does the same, but asks at every stamp whether to stop; if so, the planes hold no useful values.
     pub fn fill_unless(
         &self,
         window: Window,
@@ -163,7 +164,7 @@ impl Dabs {
             return;
         }
         let Planes { mut alpha, mut depth, mut age, mut weight } = planes;
-        // Bins at the picture's border stand for all that lies beyond it.
+        // Bins at the picture's border also cover everything beyond it.
         let edge = |index: i64, count: i64, low: i64, high: i64| {
             (if index == 0 { low } else { index * BIN }, if index == count - 1 { high } else { (index + 1) * BIN })
         };
@@ -201,7 +202,7 @@ impl Dabs {
         }
     }
 
-    /// The same at one sample of each of these pixels, in the order of the planes.
+    /// Does the same at one sample of each of these pixels, in the order of the planes.
     pub fn fill_pixels_unless(
         &self,
         pixels: &[[i64; 2]],
@@ -271,12 +272,13 @@ impl Dabs {
     }
 }
 
-/// The first and last column and row of bins that a stamp may touch; `None` where it lies beside the picture.
+/// Returns the first and last column and row of bins that a stamp may touch; `None` if it lies outside of the
+/// picture.
 fn reach(dab: &Dab, bins: [i64; 2]) -> Option<[[i64; 2]; 2]> {
     let [left, top, right, bottom] = dab.bounds;
     let along = |from: f64, to: f64, count: i64| {
         let end = (count * BIN) as f64;
-        // A pixel more on each side, since a sample may lie on its pixel's edge.
+        // One more pixel on each side, since a sample may lie on its pixel's edge.
         let (from, to) = (from - 1.0, to + 1.0);
         (from < end && to >= 0.0).then(|| {
             let [from, to] = [from.max(0.0), to.min(end - 1.0)].map(|edge| edge as i64 / BIN);
@@ -286,7 +288,7 @@ fn reach(dab: &Dab, bins: [i64; 2]) -> Option<[[i64; 2]; 2]> {
     Some([along(left, right, bins[0])?, along(top, bottom, bins[1])?])
 }
 
-/// The bins that a stamp may touch.
+/// Returns the bins that a stamp may touch.
 fn met(dab: &Dab, bins: [i64; 2]) -> impl Iterator<Item = usize> {
     let [[left, right], [top, bottom]] = reach(dab, bins).unwrap_or([[0, -1], [0, -1]]);
     (top..=bottom).flat_map(move |row| (left..=right).map(move |column| (row * bins[0] + column) as usize))

@@ -1,25 +1,25 @@
-//! Forms of a brush's stamp.
+//! Shapes of brush stamps.
 
 use trochoid_sea::spray::Droplet;
 
-/// From this share of the largest radius on, drops of mixed stamps are ragged.
+/// Share of the largest radius from which drops of mixed stamps are ragged.
 const LARGE: f64 = 0.4;
 
-/// Which stamps are set.
+/// Kind of stamps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Stamp {
-    /// Large drops ragged, small ones discs and streaks.
+    /// Ragged stamps for large drops, discs and streaks for small ones.
     #[default]
     Mixed,
     /// Discs.
     Disc,
-    /// Dabs along the motion.
+    /// Strokes along the motion.
     Streak,
-    /// Dabs along the motion that bristles have torn.
+    /// Strokes along the motion, torn by bristles.
     Ragged,
 }
 
-/// The form of one stamp.
+/// Shape of one stamp.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Form {
     Disc,
@@ -40,26 +40,26 @@ impl Stamp {
     }
 }
 
-/// What a stamp leaves where it is pressed.
+/// The print that a stamp leaves.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Print {
     form: Form,
     /// Cells of noise from the middle to the end, and from the middle to the side.
     cells: [f64; 2],
-    /// How much noise tears: 0 for stamps that are too small to show it.
+    /// Strength of tearing by noise: 0 for stamps that are too small to show it.
     torn: f64,
-    /// What age has taken of the paint.
+    /// Share of the paint that is lost with age.
     worn: f64,
     seed: u32,
 }
 
-/// Cells of noise across half a stamp: so many bristles.
+/// Cells of noise across half a stamp, which is the number of bristles.
 const BRISTLES: f64 = 2.6;
 /// Most cells along half a stamp.
 const MOST: f64 = 6.0;
 
 impl Print {
-    /// The print of a drop that is so many pixels long and wide, from its middle.
+    /// Makes the print of a drop with this half length and half width in pixels.
     pub(super) fn new(form: Form, drop: &Droplet, [length, width]: [f64; 2]) -> Self {
         Self {
             form,
@@ -70,7 +70,8 @@ impl Print {
         }
     }
 
-    /// Share of the paint at a place in the stamp, of which the distance from the middle is 1 − `inside` squared.
+    /// Returns the share of the paint at a position in the stamp whose squared distance from the middle is 1 −
+    /// `inside`.
     #[inline(always)]
     pub(super) fn cover(&self, along: f64, across: f64, inside: f64) -> f64 {
         match self.form {
@@ -78,7 +79,7 @@ impl Print {
             Form::Ragged => {
                 let [x, y] = [along * self.cells[0], across * self.cells[1]];
                 let rough = 0.65 * noise(self.seed, x, y) + 0.35 * noise(!self.seed, 2.1 * x, 2.1 * y);
-                // Paint is left where there was enough of it for the ground: less toward the edge, and with age.
+                // Paint remains where there was enough of it: less toward the edge, and with age.
                 let paint = inside * (1.0 - 0.6 * self.worn);
                 let t = ((1.1 * paint + self.torn * 1.6 * (rough - 0.55) - 0.05) / 0.6).clamp(0.0, 1.0);
                 t * t * (3.0 - 2.0 * t) * (paint / 0.3).min(1.0)
@@ -87,7 +88,7 @@ impl Print {
     }
 }
 
-/// Smooth noise in [0, 1], one random number a unit of each axis.
+/// Returns smooth noise in [0, 1], with one random number per unit of each axis.
 #[inline(always)]
 fn noise(seed: u32, x: f64, y: f64) -> f64 {
     let (column, row) = (x.floor(), y.floor());

@@ -1,4 +1,4 @@
-//! Points by their texture coordinates, against what rays meet that know nothing of them.
+//! Tests of points given by texture coordinates, against the points that rays meet.
 
 use std::sync::Arc;
 
@@ -20,8 +20,8 @@ fn projector() -> Projector {
     camera.projector(Format::new(4000, 4000, 1).expect("valid"))
 }
 
-/// Rays at random meet points that their texture coordinates lead back to, and neighbors of these lie where the
-/// tangents say.
+/// Checks that the texture coordinates of points on random rays lead back to those points, and that neighbors of
+/// these lie in the direction of the tangents.
 fn leads_back(what: &str, surface: &dyn Surface) {
     let (mut draw, mut met, projector) = (Draw(7), 0, projector());
     for _ in 0..300 {

@@ -1,4 +1,5 @@
-//! Bézier patches: evaluation in every order, normals, rails, joints, and crack-free tessellation against the f64 rays.
+//! Tests of Bézier patches: evaluation in every order, normals, rails, joints, and crack-free tessellation against
+//! f64 rays.
 
 use std::collections::HashMap;
 
@@ -74,7 +75,7 @@ fn tangents_are_derivatives() {
     }
 }
 
-/// A patch over [0, 1]² in x and z, of height `height`, with outer side up.
+/// Returns a patch over [0, 1]² in x and z with a given height function, with its outer side up.
 fn sheet(height: impl Fn(f64, f64) -> f64) -> Bicubic {
     Bicubic {
         points: std::array::from_fn(|index| {
@@ -100,17 +101,17 @@ fn normals_where_tangents_vanish_are_limits() {
         let normal = cap.normal(u, 0.0);
         assert!(matches!(normal, UnitNormal::Limit(_)), "{normal:?}");
         assert!((normal.vector().y.abs() - 1.0).abs() < 1e-12, "{normal:?}");
-        // It is the limit: a point nearby has nearly the same.
+        // It is the limit: the normal of a point nearby is nearly the same.
         assert!((cap.normal(u, 1e-6).vector() - normal.vector()).length() < 1e-4);
     }
-    // Both handles in a corner's own place: both tangents vanish there.
+    // If both handles of a corner coincide with it, both tangents vanish there.
     let mut corner = sheet(|x, z| x * z);
     (corner.points[1], corner.points[4]) = (corner.points[0], corner.points[0]);
     let normal = corner.normal(0.0, 0.0);
     assert!(matches!(normal, UnitNormal::Limit(_)), "{normal:?}");
     let near = corner.normal(1e-5, 1e-5).vector();
     assert!((near - normal.vector()).length() < 1e-3, "{near} {normal:?}");
-    // Parallel tangents along an edge that doubles back.
+    // Degenerate patches: a point, and a line.
     let point = Bicubic { points: [DVec3::new(1.0, 2.0, 3.0); 16] };
     assert_eq!(point.normal(0.5, 0.5), UnitNormal::None);
     let line = Bicubic { points: std::array::from_fn(|index| DVec3::X * (index % 4) as f64) };
@@ -122,7 +123,7 @@ fn rails(rails: Vec<Vec<DVec3>>, closed_u: bool, closed_v: bool) -> Vec<Patch> {
     Rails { rails, closed_u, closed_v }.patches().expect("rails that fit")
 }
 
-/// A torus with its outer side out: `around` places along the ring, `tube` around the tube.
+/// Returns a torus with its outer side outward: `around` points along the ring, `tube` points around the tube.
 fn torus(around: usize, tube: usize) -> Vec<Patch> {
     let angle = |index: usize, count: usize| std::f64::consts::TAU * index as f64 / count as f64;
     let rail = |i: usize| {
@@ -155,7 +156,7 @@ fn rails_are_met_and_join_smoothly() {
         assert_eq!((report.widest_gap, report.smooth), (0.0, joints), "{report}");
         assert_eq!(report.open, 2 * (rows + columns - 2), "{report}");
     }
-    // Parabolas come out exactly.
+    // Parabolas are reproduced exactly.
     let bowl = |x: f64, z: f64| DVec3::new(x, x * x - 0.5 * z * z + x * z, z);
     let points = (0..4).map(|z| (0..5).map(|x| bowl(f64::from(x), f64::from(z))).collect()).collect();
     for (index, patch) in rails(points, false, false).iter().enumerate() {
@@ -221,8 +222,8 @@ fn closed_models_have_no_crack() {
                 [Placement::default(), Placement { rotate, scale: DVec3::new(1.0, -1.0, 1.0), ..Placement::default() }]
             {
                 let model = PatchModel::new(&patches, placement, false, tessellation);
-                // All patches are in front of every camera: cut for its picture, but none is left out for lying beside
-                // it.
+                // All patches are in front of every camera. The mesh is cut for the camera's picture, but no patch is
+                // left out for lying beside it.
                 let mut projector = camera.projector(format());
                 projector.size = [1e9, 1e9];
                 let mesh = model.tessellate(&projector, ChannelSet::NORMAL);
@@ -243,7 +244,7 @@ fn closed_models_have_no_crack() {
     }
 }
 
-/// Share of samples at which view and rays agree.
+/// Returns the share of samples at which view and rays agree.
 fn agreement(camera: &Camera, surface: &dyn Surface, tolerance: f64) -> f64 {
     let format = Format::new(80, 60, 1).expect("valid");
     let visible = Visible::prepare(camera, &[surface], format, ChannelSet::ALL);
@@ -332,7 +333,7 @@ fn hostile_models_stay_within_limits() {
     let mut draw = Draw(6);
     let camera = look([0.0; 3], [0.0, 0.0, -1.0]);
     for size in [0.0, 1e-30, 1e-3, 1.0, 1e7, 1e30] {
-        // The camera stands within the model.
+        // The camera is inside of the model.
         let patches: Vec<Patch> = (0..12).map(|_| Patch::new(random_patch(&mut draw, size))).collect();
         for tessellation in [Tessellation::Adaptive { tolerance: 1e-3 }, Tessellation::Uniform { segments: u32::MAX }] {
             let model = PatchModel::new(&patches, Placement::default(), false, tessellation);

@@ -1,4 +1,4 @@
-//! What is certain of a view, against the f64 reference.
+//! Tests of what is certain in a view, against the f64 reference.
 
 use std::sync::Arc;
 
@@ -17,7 +17,8 @@ fn look(position: [f64; 3], target: [f64; 3], projection: Projection) -> Camera 
     Camera { position: DVec3::from(position), target: DVec3::from(target), roll: 0.1, projection }
 }
 
-/// The share of samples that are unclear, where all others see what the reference sees, looked at every so many pixels.
+/// Returns the share of unclear samples, and checks that all others agree with the reference; tests one pixel in
+/// `every`.
 fn unclear(camera: &Camera, surfaces: &[&dyn Surface], size: [u32; 2], every: usize) -> f64 {
     let format = Format::new(size[0], size[1], 4).expect("valid");
     let certain = Certain::new(camera, surfaces, format, &|| false).expect("nobody stops it");
@@ -105,7 +106,7 @@ fn height_fields() {
     }
 }
 
-/// An open box of triangles, in its own space.
+/// Returns an open box of triangles, in its own space.
 fn tent() -> TriangleModel {
     let mesh = Triangles {
         positions: vec![
@@ -156,7 +157,7 @@ fn random_views() {
 
 #[test]
 fn crests_that_rays_cut() {
-    // A wave near the camera and a fine picture: chords of its crest are shorter than the reference's steps.
+    // A wave near the camera in a fine picture: chords of its crest are shorter than the reference's steps.
     let wave =
         ExplicitWave { wavelength: 12.0, amplitude: 0.6, direction: 1.57, sharpness: 0.3, phase: 0.0, speed: None };
     let surface = SeaSurface::new(&Sea::new(vec![Wave::try_from(wave).expect("valid")]), 0.0, 0.0);

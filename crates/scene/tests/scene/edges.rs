@@ -1,4 +1,4 @@
-//! Cameras at the edges of what is sensible.
+//! Tests of cameras at the limits of what is sensible.
 
 use trochoid_image::{Format, Window};
 use trochoid_scene::{Camera, Channel, ChannelSet, DVec3, Projection, Samples, SeaSurface, Surface, Visible};
@@ -31,7 +31,7 @@ fn covered(samples: &Samples) -> usize {
 
 #[test]
 fn the_horizon_stands_at_its_exact_row() {
-    // Level camera: the horizon is the line between rows 49 and 50, and a flat sea reaches it.
+    // With a level camera, the horizon is the line between rows 49 and 50, and a flat sea reaches it.
     for height in [0.5, 6.0, 300.0] {
         let surface = SeaSurface::new(&Sea::default(), 0.0, 0.0);
         let samples = fill(&look([0.0, height, 0.0], [0.0, height, -1.0]), &[&surface], [160, 100]);
@@ -105,7 +105,7 @@ fn the_nearer_of_several_seas_is_seen() {
     let (low, high) = (SeaSurface::new(&sea(20), 0.0, -10.0), SeaSurface::new(&sea(20), 0.0, 0.0));
     let samples = fill(&look([0.0, 30.0, 0.0], [0.0, 0.0, -10.0]), &[&low, &high], [64, 36]);
     assert!(samples.channel(Channel::Surface).iter().all(|&index| index == 1.0));
-    // From between them both are seen, each on its side of the horizon.
+    // From between them both are visible, each on its side of the horizon.
     let samples = fill(&look([0.0, -5.0, 0.0], [0.0, -5.0, -10.0]), &[&low, &high], [64, 36]);
     let surfaces = samples.channel(Channel::Surface);
     assert_eq!((surfaces[32], surfaces[35 * 64 + 32]), (1.0, 0.0));
@@ -120,7 +120,7 @@ fn orthographic_cameras_look_any_way() {
     assert_eq!(covered(&fill(&camera([0.0, 50.0, 0.0], [0.0, 0.0, 0.0]), &[&surface], [64, 36])), 64 * 36);
     assert_eq!(covered(&fill(&camera([0.0, 50.0, 50.0], [0.0, 0.0, 0.0]), &[&surface], [64, 36])), 64 * 36);
     assert_eq!(covered(&fill(&camera([0.0, 50.0, 0.0], [0.0, 90.0, 0.0]), &[&surface], [64, 36])), 0);
-    // Level with the sea: its lower half, seen from the side, is under water; crests stand in the upper half.
+    // Level with the sea: its lower half, seen from the side, is under water; crests rise into the upper half.
     let side = fill(&camera([0.0, 0.0, 50.0], [0.0, 0.0, 0.0]), &[&surface], [64, 36]);
     assert!(covered(&side) > 0);
 }

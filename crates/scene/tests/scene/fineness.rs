@@ -1,4 +1,4 @@
-//! Finer meshes lie nearer to their surfaces, and what is followed to the surfaces lies on them.
+//! Tests that finer meshes lie nearer to their surfaces, and that points followed to the surfaces lie on them.
 
 use crate::random::Draw;
 use trochoid_image::Format;
@@ -10,7 +10,7 @@ use trochoid_sea::{GerstnerSpectrum, Sea};
 
 const SIZE: [u32; 2] = [160, 90];
 
-/// The median of how far depths of meshes lie from those of the surface next to them, where both are seen.
+/// Returns the median distance of mesh depths from those of the surface near them, where both are visible.
 fn off(surface: &dyn Surface, fineness: f64) -> f64 {
     let camera = Camera {
         position: DVec3::new(0.0, 14.0, 22.0),
@@ -46,7 +46,7 @@ fn off(surface: &dyn Surface, fineness: f64) -> f64 {
         if index % 97 == 0 {
             let truth = reference::trace(&camera, &[surface], format, *x as f64 + 0.5, *y as f64 + 0.5);
             let same = truth.is_some_and(|truth| (truth.position - point.position).length() < 1e-7);
-            // Where a crest hides another one by less than a mesh is off, the other one may be found.
+            // Where a crest hides another one by less than the error of the mesh, the other one may be found.
             assert!(same || errors[errors.len() - 1] > 1e-3, "({x}, {y}): {point:?} should be {truth:?}");
         }
     }
@@ -55,7 +55,7 @@ fn off(surface: &dyn Surface, fineness: f64) -> f64 {
     errors[errors.len() / 2]
 }
 
-/// Errors fall with the square of the distance of vertices.
+/// Checks that errors fall with the square of the spacing of vertices.
 fn falls(surface: &dyn Surface) {
     let [coarse, plain, fine] = [0.5, 1.0, 2.0].map(|fineness| off(surface, fineness));
     assert!(coarse > 2.5 * plain && plain > 2.5 * fine, "{coarse:e}, {plain:e}, {fine:e}");

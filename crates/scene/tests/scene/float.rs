@@ -1,5 +1,5 @@
-//! Bodies that ride on seas: heights against points that are known to lie there, planes against the general least
-//! squares, and floating models against their f64 rays.
+//! Tests of bodies that float on seas: heights against points that are known to lie there, planes against general
+//! least squares, and floating models against their f64 rays.
 
 use std::sync::Arc;
 
@@ -35,13 +35,13 @@ fn heights_are_those_of_the_points_that_waves_carry_there() {
         for _ in 0..20 {
             let rest = [far * (draw.next() - 0.5), far * (draw.next() - 0.5)];
             let (point, normal, _) = surface.point(rest, footprint);
-            // Near a fold steps are short.
+            // Near a fold, steps are limited.
             if normal.y < 0.15 {
                 continue;
             }
             looked += 1;
             let found = surface.height_at([point.x, point.z], footprint).expect("a sea");
-            // A place is known to 1e-12 of its distance; slopes are a few at most.
+            // A position is known to 1e-12 of its distance; slopes are at most a few units.
             let tolerance = 1e-9 * wavelength + 1e-11 * far;
             assert!((found - point.y).abs() <= tolerance, "{found} for {}, {wavelength} m at {far} m", point.y);
         }
@@ -64,7 +64,8 @@ fn folded_seas_and_empty_ones_have_heights() {
             assert!(now.height.abs() < bound && now.slopes.iter().all(|slope| slope.abs() < 20.0), "{now:?}");
             steps = steps.max((now.height - next.height).abs());
         }
-        // Crests of 0.8 m rise at less than 2 m/s: 8 mm in that time. A jump of the hull would be a crest's height.
+        // Crests of 0.8 m rise at less than 2 m/s: 8 mm in that time. A jump of the hull would be as large as a
+        // crest.
         assert!(steps < 0.1, "sharpness {sharpness}: a jump of {steps} m");
     }
     let flat = SeaSurface::new(&Sea::default(), 1.0, -2.5);
@@ -88,7 +89,7 @@ fn grids_go_on_beyond_their_edge() {
     }
 }
 
-/// The plane by the normal equations of any points, solved by Cramer's rule.
+/// Fits the plane by the normal equations of any points, solved by Cramer's rule.
 fn least_squares(points: &[[f64; 3]]) -> [f64; 3] {
     let (mut a, mut b) = ([[0.0; 3]; 3], [0.0; 3]);
     for [u, v, y] in points {
@@ -152,7 +153,7 @@ fn bodies_follow_long_waves_and_ignore_short_ones() {
     assert_eq!(floating.pose(&hull()), None, "a model is no sea");
 }
 
-/// A random, curved and open model.
+/// Returns a random, curved and open model.
 fn hull() -> PatchModel {
     let mut draw = Draw(6);
     let patches: Vec<Patch> = (0..4)

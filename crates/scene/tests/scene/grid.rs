@@ -1,4 +1,5 @@
-//! Finite height fields: the tessellated view against the f64 reference, and the interpolation against what it is.
+//! Tests of finite height fields: the tessellated view against the f64 reference, and the interpolation against its
+//! definition.
 
 use trochoid_image::Format;
 use trochoid_scene::{Camera, Channel, ChannelSet, DVec3, GridSurface, Projection, Samples, Visible, reference};
@@ -19,14 +20,14 @@ fn grid(columns: usize, rows: usize, spacing: f64, origin: [f64; 2], height: imp
         height(origin[0] + i as f64 * spacing, origin[1] + j as f64 * spacing) as f32
     };
     let heights: Vec<f32> = (0..columns * rows).map(at).collect();
-    // Each trail another multiple of the heights, one of them left out.
+    // Each trail is another multiple of the heights; one of them is left out.
     let trail = |index: usize| heights.iter().map(|height| 0.2 * index as f32 * height).collect();
     let drift = [1, 2, 3, 4, 5].map(|index| if index == 3 { Vec::new() } else { trail(index) });
     let rift = trail(0);
     GridSurface::new(heights, columns, spacing, origin, 2.0).with_trails(|| rift, || drift)
 }
 
-/// Shares of samples at which view and reference agree, and that see the surface at all.
+/// Returns the share of samples at which view and reference agree, and the share that sees the surface at all.
 fn agreement(camera: &Camera, surface: &GridSurface, depth: f64, angle: f64) -> (f64, f64) {
     let (width, height) = (160, 90);
     let format = Format::new(width, height, 1).expect("valid");
@@ -96,7 +97,7 @@ fn heights_and_slopes_are_those_of_the_field() {
         let (slope_x, slope_z) =
             ((bumps(x + 1e-5, z) - bumps(x - 1e-5, z)) / 2e-5, (bumps(x, z + 1e-5) - bumps(x, z - 1e-5)) / 2e-5);
         assert!((height - bumps(x, z)).abs() < 2e-4 && (dx - slope_x).abs() < 1e-2 && (dz - slope_z).abs() < 1e-2);
-        // What is differentiated is what is interpolated.
+        // The derivative belongs to the interpolated function.
         let at = |x: f64, z: f64| surface.height(x, z).expect("on the grid")[0];
         assert!((dx - (at(x + 1e-6, z) - at(x - 1e-6, z)) / 2e-6).abs() < 1e-5);
     }
@@ -104,7 +105,7 @@ fn heights_and_slopes_are_those_of_the_field() {
     assert_eq!(surface.height(3.0, 4.91), None);
 }
 
-/// However finely it must be cut, a grid keeps its corners, and no ray slips through.
+/// A grid keeps its corners however finely it is cut, and no ray slips through.
 #[test]
 fn near_cameras_cut_cells() {
     let surface = grid(12, 9, 2.0, [0.0, 0.0], bumps);

@@ -1,4 +1,4 @@
-//! The same bits for every cut of the picture, number of threads and choice of channels.
+//! Tests that every tile size, number of threads and choice of channels gives the same bits.
 
 use trochoid_image::{Format, Window};
 use trochoid_scene::{Camera, Channel, ChannelSet, DVec3, Projection, Samples, SeaSurface, Visible};
@@ -15,7 +15,7 @@ fn scene() -> (Sea, Camera, Format) {
     (Sea::new(spectrum.waves().expect("valid")), camera, Format::new(200, 120, 4).expect("valid"))
 }
 
-/// All channels over the picture, filled in windows of this size.
+/// Returns all channels over the picture, filled in windows of this size.
 fn picture(visible: &Visible, format: Format, tile: [usize; 2], sample: u32) -> Vec<Vec<u32>> {
     let width = format.width() as usize;
     let mut planes = vec![vec![0; format.window().area()]; Channel::ALL.len()];

@@ -1,4 +1,4 @@
-//! What cameras see, against the f64 references and against what is known of it.
+//! Tests of what cameras see, against the f64 references and against known properties.
 
 mod anchors;
 mod bezier;

@@ -1,4 +1,4 @@
-//! Numbers that are the same at every run.
+//! Pseudorandom numbers that are the same in every run.
 
 use trochoid_scene::DVec3;
 

@@ -1,4 +1,4 @@
-//! The tessellated view against the f64 reference, which knows no tessellation.
+//! Tests of the tessellated view against the f64 reference, which uses no tessellation.
 
 use trochoid_image::Format;
 use trochoid_scene::{Camera, Channel, ChannelSet, DVec3, Hit, Projection, Samples, SeaSurface, Visible, reference};
@@ -18,15 +18,15 @@ fn sea(count: usize) -> Sea {
     Sea::new(spectrum.waves().expect("valid"))
 }
 
-/// Share of about 200 samples at which depth and normal agree: depth to `depth` of itself, the normal to `angle`
-/// radians.
+/// Returns the share of about 200 samples at which depth and normal agree: the depth within a share `depth` of
+/// itself, the normal within `angle` radians.
 fn agreement(camera: &Camera, surface: &SeaSurface, size: [u32; 2], depth: f64, angle: f64) -> f64 {
     let format = Format::new(size[0], size[1], 1).expect("valid");
     let visible = Visible::prepare(camera, &[surface], format, ChannelSet::ALL);
     let mut samples = Samples::new();
     visible.fill(format.window(), [0.5, 0.5], ChannelSet::ALL, &mut samples);
     let pixels = (size[0] * size[1]) as usize;
-    // A step that shares no factor with the width visits all columns.
+    // A step without common factor with the width visits all columns.
     let step = (pixels / 200) | 1;
     let (mut good, mut all) = (0, 0);
     for index in (0..pixels).step_by(step) {
@@ -107,6 +107,6 @@ fn from_under_water() {
 fn a_flat_sea_is_a_plane() {
     let surface = SeaSurface::new(&Sea::default(), 0.0, -2.0);
     let camera = Camera { roll: 0.2, ..look([3.0, 1.0, 2.0], [9.0, 0.0, -14.0], WIDE) };
-    // A pixel below the horizon the f32 positions of the horizon's own vertices begin to show.
+    // One pixel below the horizon, the f32 positions of the horizon's own vertices begin to show.
     assert!(agreement(&camera, &surface, [320, 200], 1e-4, 1e-6) >= 0.99);
 }

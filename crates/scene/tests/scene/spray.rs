@@ -1,10 +1,10 @@
-//! Stamps of drops: bins against the plain loop, whatever the window, and the same paint at every size.
+//! Tests of drop stamps: bins against the plain loop, independence of windows, and the same paint at every size.
 
 use trochoid_image::{Format, Window};
 use trochoid_scene::spray::{Brush, Dabs, Droplet, Planes, Stamp};
 use trochoid_scene::{Camera, DVec3, Projection};
 
-/// Numbers that are the same at every run (Marsaglia's xorshift).
+/// Pseudorandom numbers that are the same in every run (Marsaglia's xorshift).
 struct Random(u64);
 
 impl Random {
@@ -26,7 +26,7 @@ fn camera(orthographic: bool) -> Camera {
     Camera { position: DVec3::new(0.0, 2.0, 20.0), target: DVec3::ZERO, roll: 0.2, projection }
 }
 
-/// Drops before, beside and behind the camera; every tenth with a figure that is hostile.
+/// Returns drops in front of, beside and behind the camera; every tenth one has a hostile number.
 fn drops(count: usize, seed: u64) -> Vec<Droplet> {
     let mut random = Random(seed);
     let mut drop = |index: usize| {
@@ -108,7 +108,7 @@ fn pixels(window: Window) -> impl Iterator<Item = (i64, i64)> {
 
 #[test]
 fn pictures_of_any_size_have_the_same_paint() {
-    // Drops from several pixels down to a hundredth of one, in front of nothing.
+    // Drops from several pixels down to a hundredth of one, in front of an empty background.
     let drops: Vec<Droplet> = drops(400, 9)
         .into_iter()
         .filter(|drop| drop.radius > 0.0 && drop.radius < 1.0 && drop.position[2] < 5.0 && drop.velocity[0] < 1e3)

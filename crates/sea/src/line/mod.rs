@@ -17,21 +17,21 @@ use spreader::{BEFORE, Spreader, WIDTH};
 /// Evenly spaced rest points on a straight line: a row of a grid that is projected onto the sea.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Line {
-    /// First rest point, x and z in meters.
+    /// First rest point, x and z, in meters.
     pub origin: [f64; 2],
-    /// From one point to the next, x and z in meters.
+    /// Step from one point to the next, x and z, in meters.
     pub step: [f64; 2],
     /// Footprint of all points in meters.
     pub footprint: f64,
 }
 
-/// A sea along lines of equally many points.
+/// A sea along lines with equal numbers of points.
 ///
-/// A line sees each wave as a sinusoid along it, so the sum over all waves is a Fourier sum with frequencies that lie
-/// anywhere: each is spread over eight neighbors of a fine regular grid of frequencies, which a fast transform takes to
-/// the points (non-uniform FFT of type 1, Dutt and Rokhlin 1993; kernel after Barnett, Magland and af Klinteberg 2019).
-/// A wave then costs the same however many points there are. Short lines and few waves are summed directly instead; the
-/// choice depends on both counts alone.
+/// On a line each wave is a sinusoid, so the sum over all waves is a Fourier sum with arbitrary frequencies: each is
+/// spread over eight neighbors of a fine regular grid of frequencies, which a fast transform converts to the points
+/// (non-uniform FFT of type 1, Dutt and Rokhlin 1993; kernel after Barnett, Magland and af Klinteberg 2019). A wave
+/// then costs the same for any number of points. Short lines and few waves are summed directly instead; the choice
+/// depends only on the two counts.
 ///
 /// Results agree with [`SeaFrame::evaluate`] to about 2e-6 of each quantity's root mean square.
 pub struct Lines<'s> {
@@ -40,14 +40,14 @@ pub struct Lines<'s> {
     transform: Arc<dyn Fft<lanes::Lanes<f32>>>,
     spreader: Spreader,
     /// By sum: a power of two near its root mean square. Two sums of one sequence share its rounding, so both must be
-    /// about 1.
+    /// scaled to about 1.
     scales: [f32; ROOM],
 }
 
-/// Buffers of one thread, reused from line to line.
+/// Scratch buffers of one thread, reused from line to line.
 #[derive(Default)]
 pub struct LineScratch {
-    /// Phases in turns at the line's middle, and what the footprint leaves.
+    /// Phases in turns at the line's middle, and the shares that the footprint leaves.
     phases: Vec<f32>,
     sines: Vec<f32>,
     cosines: Vec<f32>,
@@ -56,19 +56,19 @@ pub struct LineScratch {
     points: [Vec<f64>; 3],
 }
 
-/// Nanoseconds by which ways are compared, measured: a wave at a point of the direct sum, a wave spread, and a value of
-/// the transform and step of its logarithm.
+/// Measured times in nanoseconds by which the methods are compared: per wave and point of the direct sum, per wave
+/// that is spread, and per value and logarithmic step of the transform.
 const DIRECT: f64 = 0.8;
 const SPREAD: f64 = 60.0;
 const TRANSFORM: f64 = 1.6;
 
-/// Sums that are transformed at once: two in each of four complex sequences.
+/// Number of sums that are transformed at once: two in each of four complex sequences.
 const TOGETHER: usize = 2 * lanes::WIDTH;
-/// All sums, and what fills up the last group of them.
+/// Number of sums, padded to whole groups.
 const ROOM: usize = SUMS.next_multiple_of(TOGETHER);
 
 impl<'s> Lines<'s> {
-    /// Lines of `count` points.
+    /// Prepares lines of `count` points.
     pub fn new(frame: &'s SeaFrame, count: usize) -> Self {
         let spreader = Spreader::new(count);
         let transform = FftPlannerScalar::new().plan_fft_inverse(spreader.cells());
@@ -85,7 +85,7 @@ impl<'s> Lines<'s> {
         Self { frame, count, transform, spreader, scales }
     }
 
-    /// What is wanted at all points of a line.
+    /// Computes the wanted quantities at all points of a line.
     pub fn evaluate(&self, line: &Line, wanted: Wanted, scratch: &mut LineScratch, out: &mut Fields) {
         let waves = self.waves(line);
         let cells = self.spreader.cells() as f64;
@@ -97,7 +97,7 @@ impl<'s> Lines<'s> {
         }
     }
 
-    /// How many of the leading waves the footprint leaves.
+    /// Returns how many of the leading waves the footprint leaves.
     fn waves(&self, line: &Line) -> usize {
         self.frame.resolved(line.footprint)
     }
@@ -126,7 +126,7 @@ impl<'s> Lines<'s> {
         }
     }
 
-    /// Sines and cosines of all phases at the line's middle, times what the footprint leaves.
+    /// Computes sines and cosines of all phases at the line's middle, times the share that the footprint leaves.
     fn prepare(&self, line: &Line, waves: usize, scratch: &mut LineScratch) {
         let LineScratch { phases, sines, cosines, .. } = scratch;
         let padded = waves.next_multiple_of(LANES);
@@ -152,7 +152,7 @@ impl<'s> Lines<'s> {
         }));
     }
 
-    /// The sums from `first` on.
+    /// Computes the sums from `first` on.
     fn sums(&self, first: usize, line: &Line, waves: usize, scratch: &mut LineScratch, out: &mut Fields) {
         let LineScratch { sines, cosines, cells, work, .. } = scratch;
         let count = self.spreader.cells();
@@ -165,7 +165,7 @@ impl<'s> Lines<'s> {
                 let (place, weights) = self.spreader.place(x * line.step[0] + z * line.step[1]);
                 let term = &self.frame.terms[wave];
                 let [plus, minus] = amplitudes(term, first, &scales, sines[wave], cosines[wave]);
-                // The frequency's negative lies mirrored about cell 0, which stands `BEFORE` cells from the start.
+                // The negative frequency is mirrored about cell 0, which is `BEFORE` cells from the start.
                 let mirrored = count - place + 2 * BEFORE;
                 for (neighbor, weight) in weights.iter().enumerate() {
                     add(&mut cells[place + neighbor], &plus, *weight);
@@ -173,7 +173,7 @@ impl<'s> Lines<'s> {
                 }
             }
         }));
-        // The grid is a circle: what lies before its start or beyond its end belongs to the other end.
+        // The grid is circular: cells before its start or beyond its end belong to the other end.
         for cell in 0..WIDTH {
             let (from, to) = if cell < BEFORE { (cell, cell + count) } else { (cell + count, cell) };
             cells[to] = cells[to] + cells[from];
@@ -183,9 +183,9 @@ impl<'s> Lines<'s> {
         self.transform.process_with_scratch(circle, work);
         let middle = self.count / 2;
         let sums = out.sums_mut().into_iter().skip(first);
-        // Sums that nobody wants are empty.
+        // Sums that are not wanted are empty.
         for (index, sum) in sums.enumerate().take(TOGETHER) {
-            // Points before the middle stand at the end of the circle.
+            // Points before the middle are at the end of the circle.
             let points = circle[count - middle..].iter().chain(&circle[..self.count - middle]);
             let (lane, scale) = (index / 2, self.scales[first + index]);
             for ((sum, value), correction) in sum.iter_mut().zip(points).zip(self.spreader.corrections()) {
@@ -195,7 +195,7 @@ impl<'s> Lines<'s> {
         }
     }
 
-    /// ½(a·k)²(1 − share²) over all waves; what is cut counts as lost whole.
+    /// Returns ½(a·k)²(1 − share²) over all waves; waves that are cut count as lost completely.
     fn lost_variance(&self, line: &Line, waves: usize) -> f32 {
         let square = line.footprint.min(1e15) * line.footprint.min(1e15);
         let frame = self.frame;
@@ -208,7 +208,7 @@ impl<'s> Lines<'s> {
     }
 }
 
-/// What each sum takes of a wave's sine and cosine.
+/// Returns the factors of a wave's sine and cosine in each sum.
 #[inline(always)]
 fn factors(term: &Term) -> [[f32; 2]; ROOM] {
     let ([dx, dz, yx, yz, vy], [dy, xx, xz, zz, vx, vz]) = (term.sines, term.cosines);
@@ -233,8 +233,8 @@ fn factors(term: &Term) -> [[f32; 2]; ROOM] {
 /// Real and imaginary parts of four numbers.
 type Parts = [[f32; lanes::WIDTH]; 2];
 
-/// What a wave adds to the cells at its frequency, and at its negative: of two real sums Re(A·e^{iθ}) and Re(B·e^{iθ}) in
-/// one complex sequence these are ½(A + iB) and ½(Ā + iB̄).
+/// Returns what a wave adds to the cells at its frequency and at its negative: for two real sums Re(A·e^{iθ}) and
+/// Re(B·e^{iθ}) in one complex sequence, these are ½(A + iB) and ½(Ā + iB̄).
 #[inline(always)]
 fn amplitudes(term: &Term, first: usize, scales: &[f32; TOGETHER], sin: f32, cos: f32) -> [Parts; 2] {
     let factors = factors(term);
@@ -267,7 +267,7 @@ mod tests {
     use super::*;
     use crate::{GerstnerSpectrum, Sea};
 
-    /// The largest error of each sum relative to its root mean square, along a line.
+    /// Returns the largest error of each sum along a line, relative to its root mean square.
     fn error(sea: &Sea, time: f64, line: &Line, count: usize, wanted: Wanted) -> f64 {
         let frame = sea.at(time);
         let (mut out, mut scratch) = (Fields::default(), LineScratch::default());

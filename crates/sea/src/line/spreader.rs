@@ -1,33 +1,33 @@
-//! How a frequency is spread over a regular grid, and what undoes it.
+//! Spreads a frequency over a regular grid, and corrects for it.
 
 use std::f64::consts::TAU;
 
 use crate::spread::Kernel;
 
-/// Grid cells that a frequency is spread over.
+/// Number of grid cells over which a frequency is spread.
 pub(crate) const WIDTH: usize = 8;
 
-/// How many of them lie before the one that it falls into.
+/// Number of these cells before the one that contains the frequency.
 pub(crate) const BEFORE: usize = WIDTH / 2 - 1;
 
-/// Degree of the polynomials that stand for the kernel: within 1e-7 of it.
+/// Degree of the polynomials that approximate the kernel, to within 1e-7.
 const DEGREE: usize = 12;
 
 fn kernel() -> Kernel {
     Kernel::new(WIDTH, 2.0)
 }
 
-/// Spreads frequencies over a grid of at least twice as many cells as there are points.
+/// Spreads frequencies over a grid with at least twice as many cells as there are points.
 pub(crate) struct Spreader {
     cells: usize,
-    /// By power of the place within a cell, from 0 on: the coefficient of each neighbor's weight.
+    /// Coefficients of each neighbor's weight, by power of the position within a cell, from 0 on.
     weights: [[f32; WIDTH]; DEGREE + 1],
-    /// By point: what the transform of the spread values is multiplied with.
+    /// Factor by which the transform of the spread values is multiplied, by point.
     corrections: Vec<f32>,
 }
 
 impl Spreader {
-    /// For `count` points, of which the one at `count`/2 has the phase of the frequencies themselves.
+    /// Prepares for `count` points; the point at `count`/2 has the phase of the frequencies themselves.
     pub(crate) fn new(count: usize) -> Self {
         let cells = fast_length((2 * count).max(2 * WIDTH));
         let corrections: Vec<f64> = (0..=count / 2).map(|away| 1.0 / kernel().transform(away as f64, cells)).collect();
@@ -35,18 +35,18 @@ impl Spreader {
         Self { cells, weights: polynomials(), corrections }
     }
 
-    /// Number of cells of the grid.
+    /// Returns the number of cells of the grid.
     pub(crate) fn cells(&self) -> usize {
         self.cells
     }
 
-    /// What takes the transform at each point to the sum of waves.
+    /// Returns the factors that turn the transform at each point into the sum of waves.
     pub(crate) fn corrections(&self) -> &[f32] {
         &self.corrections
     }
 
-    /// The first of the cells that a frequency, in turns from point to point, is spread over, counted from
-    /// [`BEFORE`] cells before the grid on, and the weight of each.
+    /// Returns the first of the cells over which a frequency, in turns per point, is spread, counted from [`BEFORE`]
+    /// cells before the grid, and the weight of each cell.
     #[inline(always)]
     pub(crate) fn place(&self, turns: f64) -> (usize, [f32; WIDTH]) {
         let at = (turns - turns.floor()) * self.cells as f64;
@@ -63,13 +63,14 @@ impl Spreader {
     }
 }
 
-/// For every neighbor the polynomial in y, −1 to 1 from cell to cell, that meets the kernel at Chebyshev's points.
+/// Returns for every neighbor the polynomial in y, −1 to 1 from cell to cell, that interpolates the kernel at
+/// Chebyshev points.
 fn polynomials() -> [[f32; WIDTH]; DEGREE + 1] {
     const POINTS: usize = DEGREE + 1;
     let node = |index: usize| libm::cos(TAU / 4.0 * (2 * index + 1) as f64 / POINTS as f64);
     let mut found = [[0.0; WIDTH]; POINTS];
     for neighbor in 0..WIDTH {
-        // Neighbor n lies n − BEFORE cells beyond the one that the frequency falls into.
+        // Neighbor n is n − BEFORE cells after the cell that contains the frequency.
         let value = |y: f64| kernel().value(neighbor as f64 - BEFORE as f64 - (y + 1.0) / 2.0);
         let values: Vec<f64> = (0..POINTS).map(|index| value(node(index))).collect();
         // Chebyshev coefficients, then powers by the recurrence Tₙ₊₁ = 2y·Tₙ − Tₙ₋₁.
@@ -98,7 +99,7 @@ fn polynomials() -> [[f32; WIDTH]; DEGREE + 1] {
     found
 }
 
-/// The least length ≥ `length` of the form 2ⁿ or 3·2ⁿ, which transforms are fast for.
+/// Returns the least length ≥ `length` of the form 2ⁿ or 3·2ⁿ, for which transforms are fast.
 fn fast_length(length: usize) -> usize {
     let power = length.next_power_of_two();
     if power / 4 * 3 >= length { power / 4 * 3 } else { power }

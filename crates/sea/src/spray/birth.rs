@@ -1,53 +1,53 @@
-//! What a drop is born with, and what it has become at a time.
+//! Properties of a drop at birth, and its state at a later time.
 
 use super::draws::{Draws, noise};
 use super::flight::fly;
 use super::{Cells, Spray};
 
-/// Seconds for which a tuft holds.
+/// Lifetime of a tuft, in seconds.
 const TUFT_S: f64 = 0.6;
-/// Least radius of a drop, as a share of the largest where they differ fully.
+/// Least radius of a drop, as a share of the largest, if `vary` is 1.
 const LEAST: f64 = 0.12;
 
 /// A drop at its birth.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Birth {
-    /// When, in seconds.
+    /// Time of birth, in seconds.
     pub time: f64,
-    /// Where, in meters.
+    /// Position, in meters.
     pub position: [f64; 3],
     /// Velocity in m/s.
     pub velocity: [f64; 3],
     /// Factor of the wind.
     pub gust: f64,
-    /// Radius in meters.
+    /// Radius, in meters.
     pub radius: f64,
-    /// How long it lives, in seconds.
+    /// Lifetime, in seconds.
     pub lifetime: f64,
-    /// Random bits for whoever draws it.
+    /// Random bits for the renderer.
     pub shape: u64,
 }
 
 /// A drop at a time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Droplet {
-    /// Where, in meters.
+    /// Position, in meters.
     pub position: [f64; 3],
     /// Velocity in m/s.
     pub velocity: [f64; 3],
-    /// Radius in meters.
+    /// Radius, in meters.
     pub radius: f64,
-    /// Radius at birth as a share of the largest drops', 0 to 1.
+    /// Radius at birth as a share of that of the largest drops, 0 to 1.
     pub share: f64,
-    /// Share of its life that is over, 0 to 1.
+    /// Share of its lifetime that has passed, 0 to 1.
     pub age: f64,
-    /// What is left of it over the sea's level, 0 to 1.
+    /// Share of it that is above the sea's level, 0 to 1.
     pub strength: f64,
-    /// Random bits for whoever draws it.
+    /// Random bits for the renderer.
     pub shape: u64,
 }
 
-/// A place in the grid of cells and steps that may bear a drop.
+/// A possible drop in the grid of cells and steps.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Candidate {
     cell: [i64; 2],
@@ -57,28 +57,28 @@ pub(crate) struct Candidate {
     gust: f64,
 }
 
-/// What the sea has at a rest point.
+/// State of the sea at a rest point.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Water {
-    /// World point.
+    /// Position in the world.
     pub(crate) position: [f64; 3],
     /// Velocity.
     pub(crate) velocity: [f64; 3],
 }
 
 impl Spray {
-    /// Middle of a cell.
+    /// Returns the middle of a cell.
     pub(crate) fn middle(&self, [x, z]: [i64; 2]) -> [f64; 2] {
         [(x as f64 + 0.5) * self.cell, (z as f64 + 0.5) * self.cell]
     }
 
-    /// Time at which a step begins.
+    /// Returns the time at which a step begins.
     pub(crate) fn moment(&self, step: i64) -> f64 {
         step as f64 / self.rate
     }
 
-    /// Every candidate of a cell and step that enough folding would let be born, with the det J that it must fall
-    /// below.
+    /// Lists every candidate of a cell and step that could be born with enough folding, with the det J below which it
+    /// is born.
     pub(crate) fn candidates(&self, cell: [i64; 2], step: i64, mut found: impl FnMut(Candidate, f64)) {
         let crowd = self.expected().ceil();
         let chance = if crowd > 0.0 { self.expected() / crowd } else { return };
@@ -88,7 +88,7 @@ impl Spray {
         for index in 0..crowd as i64 {
             let mut draws = Draws::of([self.seed, cell[0], cell[1], step, index]);
             let unit = draws.unit();
-            // Without tufts already too much, and most candidates are: noise is not asked for.
+            // The limit is exceeded even without tufts, as for most candidates, so the noise is not computed.
             if unit >= chance {
                 continue;
             }
@@ -102,10 +102,10 @@ impl Spray {
         }
     }
 
-    /// The drop that a candidate is born as.
+    /// Returns the drop that a candidate becomes at birth.
     pub(crate) fn birth(&self, candidate: &Candidate, water: &Water) -> Birth {
         let mut draws = candidate.draws;
-        // The place was drawn before.
+        // Skip the position, which was drawn earlier.
         let _ = (draws.unit(), draws.unit());
         let later = draws.unit() / self.rate;
         let thrown =
@@ -117,7 +117,7 @@ impl Spray {
         self.born(self.moment(candidate.step) + later, position, velocity, gust, &mut draws)
     }
 
-    /// Draws what all drops have, however they are thrown.
+    /// Draws the properties that all drops have, however they are thrown.
     pub(crate) fn born(
         &self,
         time: f64,
@@ -133,7 +133,7 @@ impl Spray {
         Birth { time, position, velocity, gust, radius: self.radius * share, lifetime, shape: draws.bits() }
     }
 
-    /// What a drop has become, while it lives; the sea's level is where it sinks, if there is a sea.
+    /// Returns the state of a drop while it lives; it sinks at the sea's level, if there is a sea.
     pub(crate) fn droplet(&self, birth: &Birth, level: Option<f64>, time: f64) -> Option<Droplet> {
         let flown = time - birth.time;
         if !(flown >= 0.0 && flown < birth.lifetime) {
@@ -155,7 +155,7 @@ impl Spray {
 }
 
 impl Candidate {
-    /// The rest point within its cell.
+    /// Returns the rest point within its cell.
     pub(crate) fn rest(&self, spray: &Spray) -> [f64; 2] {
         let mut draws = self.draws;
         self.cell.map(|index| (index as f64 + draws.unit()) * spray.cell)
@@ -163,14 +163,14 @@ impl Candidate {
 }
 
 impl Cells {
-    /// Indices of all cells, row by row.
+    /// Returns the indices of all cells, row by row.
     pub(crate) fn iter(self) -> impl Iterator<Item = [i64; 2]> {
         let [x, z] = self.first;
         (0..self.rows as i64).flat_map(move |row| (0..self.columns as i64).map(move |column| [x + column, z + row]))
     }
 }
 
-/// A random unit vector no farther than an angle from an axis, which is a unit vector; evenly over the cap.
+/// Returns a random unit vector within an angle of an axis, which is a unit vector; uniform over the cap.
 pub(crate) fn within(axis: [f64; 3], angle: f64, draws: &mut Draws) -> [f64; 3] {
     let cos = 1.0 - draws.unit() * (1.0 - libm::cos(angle.min(std::f64::consts::PI)));
     let sin = libm::sqrt((1.0 - cos * cos).max(0.0));

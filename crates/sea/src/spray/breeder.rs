@@ -6,27 +6,27 @@ use crate::{Fields, Grid, GridPlan, Points, Sea, SeaFrame, Wanted};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Error of the sea on the grid that is good enough, since what it leaves in doubt is decided in f64.
+/// Sufficient accuracy of the sea on the grid; cases that it leaves in doubt are decided in f64.
 const TOLERANCE: f64 = 1e-5;
-/// By how many times a strain may miss its method's error before a decision could be wrong.
+/// Factor by which a strain may exceed its method's error before a decision could be wrong.
 const DOUBT: f64 = 4.0;
 
-/// Cells, and drops, that a thread takes at a time.
+/// Number of cells, and of drops, that a thread takes at a time.
 const CHUNK: usize = 512;
 
-/// What births of a sea need, kept from step to step.
+/// State for computing births over a sea, kept from step to step.
 pub(crate) struct Breeder<'a> {
     spray: &'a Spray,
     sea: &'a Sea,
     level: f64,
     plan: GridPlan,
     fields: Fields,
-    /// Largest error of a strain on the grid, beside its own rounding.
+    /// Largest error of a strain on the grid, without its own rounding.
     error: f64,
 }
 
 impl<'a> Breeder<'a> {
-    /// For a spray that was checked.
+    /// Prepares for a spray that has been checked.
     pub(crate) fn new(spray: &'a Spray, sea: &'a Sea, level: f64) -> Self {
         let cells = spray.cells();
         let grid = Grid {
@@ -47,12 +47,12 @@ impl<'a> Breeder<'a> {
         Self { spray, sea, level, plan, fields: Fields::default(), error }
     }
 
-    /// The drops born in a step, cell by cell.
+    /// Returns the drops born in a step, cell by cell.
     pub(crate) fn step(&mut self, step: i64, stop: &(dyn Fn() -> bool + Sync)) -> Result<Vec<Birth>, SprayError> {
         let spray = self.spray;
         let frame = self.sea.at(spray.moment(step));
         self.plan.evaluate_unless(&frame, &mut self.fields, stop);
-        // What is out is of no use then.
+        // After a stop the result is useless.
         if stop() {
             return Err(SprayError::Stopped);
         }
@@ -66,17 +66,17 @@ impl<'a> Breeder<'a> {
                     return Err(SprayError::Stopped);
                 }
                 let chosen = self.chosen(&frame, step, chunk * CHUNK, cells);
-                // Counted meanwhile, so that too many are never held.
+                // Counted on the way, so that too many drops are never held.
                 let before = total.fetch_add(chosen.len(), Ordering::Relaxed);
                 if before + chosen.len() > MAX_DROPS { Err(SprayError::Drops) } else { Ok(chosen) }
             })
             .collect();
         let chosen = chosen?.concat();
-        // Each drop is the same whoever else is in its chunk.
+        // Each drop is the same whichever other drops are in its chunk.
         Ok(chosen.par_chunks(CHUNK).flat_map_iter(|chosen| self.births(&frame, chosen)).collect())
     }
 
-    /// The candidates of some cells, the first of which has this index, that are born.
+    /// Returns the candidates that are born in some cells; `first` is the index of the first cell.
     fn chosen(&self, frame: &SeaFrame, step: i64, first: usize, cells: &[[i64; 2]]) -> Vec<Candidate> {
         let spray = self.spray;
         let mut chosen = Vec::new();
@@ -87,7 +87,7 @@ impl<'a> Breeder<'a> {
             }
             let mut exact = None;
             spray.candidates(*cell, step, |candidate, needed| {
-                // Anything that is not a number is in doubt too.
+                // A value that is not a number is in doubt too.
                 let certain = (jacobian - needed).abs() > doubt;
                 let born = if certain {
                     jacobian < needed
@@ -102,7 +102,7 @@ impl<'a> Breeder<'a> {
         chosen
     }
 
-    /// det J at a cell's middle, and how far off it may be.
+    /// Returns det J at a cell's middle, and a bound on its error.
     fn jacobian(&self, index: usize) -> (f64, f64) {
         let [xx, xz, zz] = [0, 1, 2].map(|sum| f64::from(self.fields.strain[sum][index]));
         let most = 1.0 + xx.abs().max(xz.abs()).max(zz.abs());

@@ -1,26 +1,26 @@
-//! Drops thrown at a place and time, such as where a sea meets a rock.
+//! Drops thrown at a position and time, such as where a sea hits a rock.
 
 use super::birth::{Birth, within};
 use super::draws::Draws;
 use super::{Spray, SprayError, SprayFigure};
 use trochoid_key::content_key;
 
-/// Drops that are thrown from a place in one direction.
+/// Drops thrown from one position in one direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Burst {
-    /// Where, in meters.
+    /// Position, in meters.
     pub position: [f64; 3],
-    /// Radius of the ball around it in which drops are born, in meters.
+    /// Radius of the ball around the position in which drops are born, in meters.
     pub extent: f64,
-    /// When it begins, in seconds.
+    /// Start time, in seconds.
     pub time: f64,
-    /// How long it lasts, in seconds.
+    /// Duration, in seconds.
     pub duration: f64,
-    /// Where it throws: any length; straight up where it is 0.
+    /// Direction, of any length; 0 means straight up.
     pub direction: [f64; 3],
-    /// Angle from there within which it throws, in radians.
+    /// Largest angle from the direction, in radians.
     pub spread: f64,
-    /// Greatest speed in m/s.
+    /// Largest speed, in m/s.
     pub speed: f64,
     /// Number of drops.
     pub count: usize,
@@ -39,9 +39,9 @@ impl Burst {
         }
     }
 
-    /// Unit vector of its direction.
+    /// Returns the unit vector of its direction.
     fn axis(&self) -> [f64; 3] {
-        // Divided by the largest part first, so that no square is too large or too small.
+        // Divided by the largest component first, so that no square is too large or too small.
         let most = self.direction.iter().fold(0.0, |most: f64, part| most.max(part.abs()));
         if most == 0.0 {
             return [0.0, 1.0, 0.0];
@@ -53,10 +53,10 @@ impl Burst {
 }
 
 impl Spray {
-    /// The drops of all bursts that may live at a time, in a fixed order.
+    /// Returns the drops of all bursts that may be alive at a time, in a fixed order.
     ///
-    /// A burst throws jets, some √count of them, each with a direction and a speed of its own: water that hits
-    /// something is torn, not strewn.
+    /// A burst throws about √count jets, each with its own direction and speed: water that hits something is torn
+    /// into strands, not scattered evenly.
     pub(crate) fn thrown(&self, time: f64) -> impl Iterator<Item = Birth> {
         let live = move |burst: &Burst| burst.time <= time && time - burst.time - burst.duration < self.lifetime;
         self.bursts.iter().enumerate().filter(move |(_, burst)| live(burst)).flat_map(move |(number, burst)| {

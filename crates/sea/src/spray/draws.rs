@@ -1,6 +1,6 @@
-//! Random numbers that belong to a place in the world, not to the order in which they are asked for.
+//! Random numbers that depend on a position in the world, not on the order in which they are drawn.
 
-/// 2⁶⁴ over the golden ratio.
+/// 2⁶⁴ divided by the golden ratio.
 const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
 
 /// Spreads the bits of a number over all of its bits: a bijection (Stafford, variant 13).
@@ -12,32 +12,32 @@ fn mix(mut x: u64) -> u64 {
 }
 
 /// A stream of random numbers for each key, the same on every machine: SplitMix64 (Steele, Lea and Flood, *Fast
-/// Splittable Pseudorandom Number Generators*, 2014), begun at a hash of the key.
+/// Splittable Pseudorandom Number Generators*, 2014), started from a hash of the key.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Draws(u64);
 
 impl Draws {
-    /// The stream of a key.
+    /// Returns the stream of a key.
     #[inline]
     pub(crate) fn of<const N: usize>(key: [i64; N]) -> Self {
         Self(key.into_iter().fold(0, |hash: u64, part| mix(hash.wrapping_add(GOLDEN) ^ part as u64)))
     }
 
-    /// The next number, 64 random bits.
+    /// Returns the next 64 random bits.
     #[inline]
     pub(crate) fn bits(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(GOLDEN);
         mix(self.0)
     }
 
-    /// The next number in (0, 1).
+    /// Returns the next number in (0, 1).
     #[inline]
     pub(crate) fn unit(&mut self) -> f64 {
         ((self.bits() >> 11) as f64 + 0.5) / (1_u64 << 53) as f64
     }
 }
 
-/// Smooth noise in [0, 1] over x, y and z, one random number a unit of each.
+/// Returns smooth noise in [0, 1] over x, y and z, with one random number per unit of each.
 pub(crate) fn noise(seed: i64, at: [f64; 3]) -> f64 {
     let cell = at.map(f64::floor);
     let part: [f64; 3] = std::array::from_fn(|axis| {

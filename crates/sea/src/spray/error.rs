@@ -1,7 +1,7 @@
 use super::{MAX_CELLS, MAX_CROWD, MAX_DROPS, MAX_STEPS, MAX_WORK};
 
 figures! {
-    /// A figure of a spray.
+    /// A parameter of a spray.
     SprayFigure {
         Center = "center",
         Size = "size",
@@ -25,27 +25,27 @@ figures! {
     }
 }
 
-/// Why a spray is refused.
+/// Why a spray is rejected.
 #[derive(Clone, Debug, PartialEq)]
 pub enum SprayError {
-    /// A figure is not finite, or outside what it can mean.
+    /// A number is not finite, or outside of its meaningful range.
     Figure(SprayFigure, f64),
-    /// More cells than [`MAX_CELLS`].
+    /// There are more cells than [`MAX_CELLS`].
     Cells(f64, f64),
-    /// More steps in a lifetime than [`MAX_STEPS`].
+    /// A lifetime has more steps than [`MAX_STEPS`].
     Steps(f64),
-    /// More cells times steps than [`MAX_WORK`].
+    /// Cells times steps exceed [`MAX_WORK`].
     Work(f64),
-    /// More drops a cell and step than [`MAX_CROWD`].
+    /// A cell has more drops per step than [`MAX_CROWD`].
     Crowd(f64),
-    /// More drops at a time than [`MAX_DROPS`].
+    /// There are more drops at a time than [`MAX_DROPS`].
     Drops,
-    /// Nothing is wrong: it was told to stop.
+    /// The evaluation was told to stop; nothing is wrong.
     Stopped,
 }
 
 impl SprayError {
-    /// The figure that is best changed.
+    /// Returns the parameter that is best changed.
     pub fn figure(&self) -> SprayFigure {
         match self {
             Self::Figure(figure, _) => *figure,
@@ -60,29 +60,27 @@ impl std::fmt::Display for SprayError {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::Figure(figure, found) => {
-                write!(f, "{figure} {found} is refused: use a finite number that is not negative")
+                write!(f, "{figure} {found}: use a finite number that is not negative")
             }
-            Self::Cells(columns, rows) => write!(
-                f,
-                "{columns} × {rows} cells are refused: at most {MAX_CELLS}; make \"size\" smaller or \"cell\" larger"
-            ),
-            Self::Steps(steps) => write!(
-                f,
-                "{steps} steps in a lifetime are refused: at most {MAX_STEPS}; make \"rate\" or \"lifetime\" smaller"
-            ),
+            Self::Cells(columns, rows) => {
+                write!(f, "{columns} × {rows} cells, more than {MAX_CELLS}: make \"size\" smaller or \"cell\" larger")
+            }
+            Self::Steps(steps) => {
+                write!(f, "{steps} steps in a lifetime, more than {MAX_STEPS}: make \"rate\" or \"lifetime\" smaller")
+            }
             Self::Work(work) => write!(
                 f,
-                "{work} cells over all steps of a lifetime are refused: at most {MAX_WORK}; make \"size\", \"rate\" or \
+                "{work} cells over all steps of a lifetime, more than {MAX_WORK}: make \"size\", \"rate\" or \
                  \"lifetime\" smaller, or \"cell\" larger"
             ),
             Self::Crowd(crowd) => write!(
                 f,
-                "{crowd} drops from a cell in a step are refused: at most {MAX_CROWD}; make \"density\" or \"cell\" \
+                "{crowd} drops from a cell in a step, more than {MAX_CROWD}: make \"density\" or \"cell\" \
                  smaller, or \"rate\" larger"
             ),
             Self::Drops => write!(
                 f,
-                "more than {MAX_DROPS} drops at a time are refused; make \"density\", \"size\", \"lifetime\" or the \
+                "more than {MAX_DROPS} drops at a time: make \"density\", \"size\", \"lifetime\" or the \
                  counts of \"bursts\" smaller"
             ),
             Self::Stopped => f.write_str("stopped"),

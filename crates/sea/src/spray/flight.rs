@@ -1,10 +1,10 @@
-//! Where a drop is at any time, in closed form.
+//! Flight of a drop at any time, in closed form.
 
 use crate::GRAVITY;
 
-/// (1 − e^−s)/s and (s − 1 + e^−s)/s² for s ≥ 0: 1 and ½ at 0.
+/// Returns (1 − e^−s)/s and (s − 1 + e^−s)/s² for s ≥ 0: 1 and ½ at 0.
 ///
-/// Below 0.1 by their power series, since the differences cancel there; ten terms leave less than 1e-16.
+/// Below 0.1 they use power series, since the differences cancel there; ten terms leave an error below 1e-16.
 fn decays(s: f64) -> (f64, f64) {
     if s < 0.1 {
         let (mut first, mut second, mut term) = (0.0, 0.0, 1.0);
@@ -22,7 +22,7 @@ fn decays(s: f64) -> (f64, f64) {
     }
 }
 
-/// Position and velocity after `time` seconds of flight under gravity, in a wind w with drag k in 1/s:
+/// Returns position and velocity after `time` seconds of flight under gravity, in a wind w with drag k in 1/s:
 /// v' = −g·ŷ + k(w − v).
 ///
 /// x = x₀ + v₀·t·φ₁ + (k·w − g·ŷ)·t²·φ₂ and v = v₀ + (k(w − v₀) − g·ŷ)·t·φ₁, with φ₁ and φ₂ of k·t.
@@ -62,7 +62,7 @@ mod tests {
 
     #[test]
     fn flight_solves_its_equation() {
-        // Against many small steps of the midpoint rule.
+        // Compared with many small steps of the midpoint rule.
         for drag in [0.0, 0.3, 4.0] {
             let (start, push, wind) = ([1.0, 2.0, -3.0], [4.0, 9.0, -2.0], [8.0, 0.5, 1.0]);
             let (mut x, mut v) = (start, push);

@@ -1,9 +1,10 @@
 //! Spray: drops that breaking crests and directed bursts throw into the air.
 //!
-//! A [`Spray`] is the description. The world is cut into cells of fixed places and time into steps of fixed moments;
-//! random numbers belong to a cell and a step. A drop is born where the sea's det J lies below a threshold, moves with
-//! the water, a throw and the wind, and is where closed formulas say. So the drops of a moment are a function of the
-//! description, the sea and the moment alone, whatever was evaluated before and however large a picture is:
+//! A [`Spray`] is the description. The world is divided into fixed cells and time into fixed steps; random numbers
+//! belong to a cell and a step. A drop is born where the sea's det J is below a threshold, is moved by the water, a
+//! throw and the wind, and its position is given by closed formulas. The drops of a moment are therefore a function
+//! of the description, the sea and the moment alone, whatever was evaluated before and whatever the size of the
+//! picture:
 //!
 //! ```
 //! use trochoid_sea::spray::{Spray, SprayRun};
@@ -18,13 +19,14 @@
 //! ```
 //!
 //! # The model
-//! With s = clamp((threshold − det J)/width, 0, 1) at a cell's middle, `density`·s·m drops are born a square meter
-//! and second, m being the share that smooth noise leaves to the tuft. A drop of radius r then flies by
+//! With s = clamp((threshold − det J)/width, 0, 1) at a cell's middle, `density`·s·m drops are born per square meter
+//! and second, where m is the share that smooth noise leaves to the tuft. A drop of radius r then flies by
 //! v' = −g·ŷ + (drag·radius/r)(wind·gust − v), so that small drops are carried to leeward and large ones fall.
 //!
 //! # Results
-//! Whether a drop is born does not depend on how the sea is evaluated: where f32 leaves a doubt, the f64 sum decides.
-//! Its place and velocity are those of the sea to f32. [`mod@reference`] is the same in f64 and plain loops.
+//! Whether a drop is born does not depend on how the sea is evaluated: if f32 leaves a doubt, the f64 sum decides.
+//! The drop's position and velocity are those of the sea in f32. [`mod@reference`] does the same in f64 and plain
+//! loops.
 
 use trochoid_key::content_key;
 
@@ -48,55 +50,55 @@ pub const MAX_CELLS: usize = 1 << 20;
 pub const MAX_STEPS: usize = 4096;
 /// Most cells times steps.
 pub const MAX_WORK: usize = 1 << 28;
-/// Most drops that a cell may give in a step.
+/// Most drops that a cell may produce in a step.
 pub const MAX_CROWD: usize = 256;
 /// Most drops at a time.
 pub const MAX_DROPS: usize = 500_000;
 
 /// Where and how drops are born and fly.
 ///
-/// Meters, seconds, radians. The cells' corners are multiples of `cell`, wherever the region lies.
+/// In meters, seconds and radians. The corners of the cells are multiples of `cell` for every region.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spray {
     /// Middle of the region in which crests throw drops, x and z of the resting sea.
     pub center: [f64; 2],
-    /// Its size along x and z.
+    /// Size of the region along x and z.
     pub size: [f64; 2],
-    /// Side of a cell, also the footprint under which the sea is judged: crests that are shorter throw nothing.
+    /// Side of a cell, and the footprint under which the sea is evaluated: shorter crests throw nothing.
     pub cell: f64,
-    /// Steps of births a second.
+    /// Steps of births per second.
     pub rate: f64,
-    /// det J below which drops are born.
+    /// Value of det J below which drops are born.
     pub threshold: f64,
-    /// By how much det J has to fall below the threshold for the full density.
+    /// Amount by which det J must fall below the threshold for the full density.
     pub width: f64,
-    /// Drops born a square meter and second where crests break fully.
+    /// Drops born per square meter and second where crests break fully.
     pub density: f64,
-    /// Share of the water's velocity that drops take along.
+    /// Share of the water's velocity that drops inherit.
     pub follow: f64,
-    /// Greatest speed at which they are thrown beside that.
+    /// Largest speed at which they are thrown, in addition to that.
     pub speed: f64,
-    /// Angle from straight up within which they are thrown.
+    /// Largest angle from straight up at which they are thrown.
     pub cone: f64,
     /// Velocity of the wind.
     pub wind: [f64; 3],
-    /// How fast a drop of the full radius takes the wind's velocity, in 1/s.
+    /// Rate at which a drop of the full radius adopts the wind's velocity, in 1/s.
     pub drag: f64,
-    /// Longest life of a drop.
+    /// Longest lifetime of a drop.
     pub lifetime: f64,
     /// Radius of the largest drops at birth.
     pub radius: f64,
-    /// By how many times the radius grows until the end of a life.
+    /// Factor by which the radius grows over a lifetime.
     pub growth: f64,
-    /// How much radii, lives and speeds differ, 0 to 1.
+    /// Variation of radii, lifetimes and speeds, 0 to 1.
     pub vary: f64,
     /// Size of the tufts in which drops gather along a crest.
     pub tuft: f64,
-    /// How much tufts differ, 0 to 1: 1 leaves gaps between them.
+    /// Variation between tufts, 0 to 1: 1 leaves gaps between them.
     pub torn: f64,
-    /// Which spray of all that have these figures.
+    /// Random seed.
     pub seed: i64,
-    /// Bursts, besides what crests throw.
+    /// Bursts, in addition to the drops that crests throw.
     pub bursts: Vec<Burst>,
 }
 
@@ -150,7 +152,7 @@ impl Default for Spray {
     }
 }
 
-/// The cells of a region: indices of the first, and how many.
+/// Cells of a region: indices of the first one, and their numbers.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Cells {
     pub(crate) first: [i64; 2],
@@ -159,7 +161,7 @@ pub(crate) struct Cells {
 }
 
 impl Spray {
-    /// The cells that the region touches, as numbers that may be too large.
+    /// Returns the cells that the region touches, as numbers that may be too large.
     fn span(&self) -> [[f64; 2]; 2] {
         [0, 1].map(|axis| {
             let (middle, half) = (self.center[axis], self.size[axis] / 2.0);
@@ -173,12 +175,12 @@ impl Spray {
         Cells { first: [x as i64, z as i64], columns: columns as usize, rows: rows as usize }
     }
 
-    /// Drops that a cell is to give in a step where crests break fully.
+    /// Returns the expected number of drops of a cell in a step where crests break fully.
     pub(crate) fn expected(&self) -> f64 {
         self.density * self.cell * self.cell / self.rate
     }
 
-    /// Most drops that may live at a time: no more than [`MAX_DROPS`].
+    /// Returns the most drops that may be alive at a time: at most [`MAX_DROPS`].
     pub fn most_drops(&self) -> f64 {
         let Cells { columns, rows, .. } = self.cells();
         let steps = self.lifetime * self.rate + 1.0;
@@ -186,15 +188,15 @@ impl Spray {
         (self.expected() * columns as f64 * rows as f64 * steps + bursts).min(MAX_DROPS as f64)
     }
 
-    /// Steps whose drops may live at a time.
+    /// Returns the steps whose drops may be alive at a time.
     pub(crate) fn steps(&self, time: f64) -> std::ops::RangeInclusive<i64> {
         ((time - self.lifetime) * self.rate).floor() as i64..=(time * self.rate).floor() as i64
     }
 
-    /// Checks every figure, and what they ask for together.
+    /// Checks every parameter, and the limits on their combination.
     ///
     /// # Errors
-    /// A figure that is not finite or cannot be negative and is, or too many cells, steps or drops.
+    /// A number is not finite, or is negative although it must not be, or there are too many cells, steps or drops.
     pub fn check(&self) -> Result<(), SprayError> {
         let any = self
             .center

@@ -1,10 +1,11 @@
-//! The same drops by plain loops in f64: every step of a lifetime, every cell, every candidate, the sum over all waves.
+//! The same drops by plain loops in f64: every step of a lifetime, every cell, every candidate, the sum over all
+//! waves.
 
 use super::Spray;
 use super::birth::{Birth, Droplet, Water};
 use crate::Sea;
 
-/// The births of every step that matters at a time, over a sea that rests at world y = `level`.
+/// Returns the births of every step that matters at a time, over a sea that rests at world y = `level`.
 ///
 /// Slow: cells × steps × waves.
 pub fn births(spray: &Spray, sea: &Sea, level: f64, time: f64) -> Vec<Birth> {
@@ -28,8 +29,8 @@ pub fn births(spray: &Spray, sea: &Sea, level: f64, time: f64) -> Vec<Birth> {
     births
 }
 
-/// The drops that live at a time, as [`SprayRun::at`](super::SprayRun::at) orders them; without a level, those of bursts
-/// alone.
+/// Returns the drops that are alive at a time, in the order of [`SprayRun::at`](super::SprayRun::at); without a
+/// level, only those of bursts.
 pub fn drops(spray: &Spray, sea: &Sea, level: Option<f64>, time: f64) -> Vec<Droplet> {
     let born = level.map(|level| births(spray, sea, level, time)).unwrap_or_default();
     let born = born.into_iter().chain(spray.thrown(time));

@@ -1,4 +1,4 @@
-//! The drops of moments, with the births that the next moment needs too.
+//! The drops at given times; births are kept, since the next time needs most of them again.
 
 use super::birth::{Birth, Droplet};
 use super::breeder::Breeder;
@@ -8,9 +8,10 @@ use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// A spray over a sea, asked for moments in any order.
+/// A spray over a sea, evaluated at times in any order.
 ///
-/// The births of the last moment are kept, so that the next one costs the steps between them. That changes no bit.
+/// The births of the last evaluation are kept, so that the next one only costs the steps between them. This changes
+/// no bit.
 #[derive(Debug)]
 pub struct SprayRun {
     spray: Spray,
@@ -20,51 +21,51 @@ pub struct SprayRun {
 }
 
 impl SprayRun {
-    /// The spray of a sea that rests at world y = `level`.
+    /// Makes the spray of a sea that rests at world y = `level`.
     ///
     /// # Errors
-    /// Those of [`Spray::check`].
+    /// Same as [`Spray::check`].
     pub fn new(spray: Spray, sea: Sea, level: f64) -> Result<Self, SprayError> {
         spray.check()?;
         Ok(Self { spray, sea, level: Some(level), kept: Mutex::default() })
     }
 
-    /// The bursts of a spray alone, over no sea into which drops could sink.
+    /// Makes only the bursts of a spray, without a sea into which drops could sink.
     ///
     /// # Errors
-    /// Those of [`Spray::check`].
+    /// Same as [`Spray::check`].
     pub fn bursts(spray: Spray) -> Result<Self, SprayError> {
         spray.check()?;
         Ok(Self { spray, sea: Sea::default(), level: None, kept: Mutex::default() })
     }
 
-    /// The description.
+    /// Returns the description.
     pub fn spray(&self) -> &Spray {
         &self.spray
     }
 
-    /// The sea.
+    /// Returns the sea.
     pub fn sea(&self) -> &Sea {
         &self.sea
     }
 
-    /// Where drops sink, if there is a sea.
+    /// Returns the level at which drops sink, if there is a sea.
     pub fn level(&self) -> Option<f64> {
         self.level
     }
 
-    /// The drops that live at a time in seconds, always in one order.
+    /// Returns the drops that are alive at a time in seconds, always in the same order.
     ///
     /// # Errors
-    /// More than [`MAX_DROPS`].
+    /// There are more than [`MAX_DROPS`].
     pub fn at(&self, time: f64) -> Result<Vec<Droplet>, SprayError> {
         self.at_unless(time, &|| false)
     }
 
-    /// The same unless told to stop, which it asks within every step.
+    /// Does the same, but asks within every step whether to stop.
     ///
     /// # Errors
-    /// More than [`MAX_DROPS`], or [`SprayError::Stopped`].
+    /// There are more than [`MAX_DROPS`], or [`SprayError::Stopped`].
     pub fn at_unless(&self, time: f64, stop: &(dyn Fn() -> bool + Sync)) -> Result<Vec<Droplet>, SprayError> {
         let steps = self.births(time, stop)?;
         let droplet = |birth: &Birth| self.spray.droplet(birth, self.level, time);
@@ -74,7 +75,7 @@ impl SprayRun {
         Ok(drops)
     }
 
-    /// The births of every step that matters at a time.
+    /// Returns the births of every step that matters at a time.
     fn births(&self, time: f64, stop: &(dyn Fn() -> bool + Sync)) -> Result<Vec<Arc<[Birth]>>, SprayError> {
         let Some(level) = self.level else { return Ok(Vec::new()) };
         // A sea without waves has det J = 1 everywhere.
@@ -82,7 +83,8 @@ impl SprayRun {
             return Ok(Vec::new());
         }
         let wanted = self.spray.steps(time);
-        // Nothing is computed under the lock: a thread that waits for its helpers may take up a task that wants it.
+        // Nothing is computed under the lock: a thread that waits for its helpers may pick up a task that needs the
+        // lock.
         let kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner).clone();
         let (mut steps, mut breeder, mut total) = (BTreeMap::new(), None, 0);
         for step in wanted {
@@ -104,7 +106,7 @@ impl SprayRun {
         Ok(births)
     }
 
-    /// Bytes held.
+    /// Returns the number of bytes held.
     pub fn bytes(&self) -> usize {
         let kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
         kept.values().map(|births| births.len() * size_of::<Birth>()).sum()

@@ -10,12 +10,12 @@ const MAX_CELLS: f64 = (1 << 26) as f64;
 /// What lies beyond the edge of a basin.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Boundary {
-    /// The cells of the edge again: waves come back.
+    /// The cells of the edge again: waves are reflected.
     #[default]
     Replicate,
     /// The opposite edge.
     Periodic,
-    /// Water at rest: waves come back upside down.
+    /// Water at rest: waves are reflected upside down.
     Fixed,
 }
 
@@ -30,20 +30,20 @@ content_key!(
 /// A grid of cells.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Basin {
-    /// Cells along x.
+    /// Number of cells along x.
     pub columns: usize,
-    /// Cells along z.
+    /// Number of cells along z.
     pub rows: usize,
-    /// Distance of neighboring cells in meters.
+    /// Distance between neighboring cells, in meters.
     pub spacing: f64,
-    /// What lies beyond.
+    /// What lies beyond the edge.
     pub boundary: Boundary,
 }
 
 content_key!(Basin { columns, rows, spacing, boundary });
 
 impl Basin {
-    /// Number of cells.
+    /// Returns the number of cells.
     pub fn cells(&self) -> usize {
         self.columns * self.rows
     }
@@ -56,8 +56,8 @@ impl Basin {
         within(ToonFigure::Spacing, self.spacing, (1e-6, 1e6), "1e-6 to 1e6 meters")
     }
 
-    /// Angle of the kth basis function along an axis of n cells: the mean of a cell's two neighbors multiplies it by
-    /// the angle's cosine.
+    /// Returns the angle of the kth basis function along an axis of n cells: the mean of a cell's two neighbors
+    /// multiplies the function by the cosine of the angle.
     pub(crate) fn angle(&self, k: usize, n: usize) -> f64 {
         match self.boundary {
             Boundary::Replicate => PI * k as f64 / n as f64,
@@ -67,7 +67,7 @@ impl Basin {
         }
     }
 
-    /// Least and greatest eigenvalue of Lm, as what they lack to 1: 1 − λ, without cancellation.
+    /// Returns 1 − λ for the least and greatest eigenvalue λ of Lm, without cancellation.
     pub(crate) fn gaps(&self) -> [f64; 2] {
         let axis = |n: usize| {
             let gaps = (0..n).map(|k| gap(self.angle(k, n)));
@@ -77,13 +77,13 @@ impl Basin {
         [(x[0] + z[0]) / 2.0, (x[1] + z[1]) / 2.0]
     }
 
-    /// 1 − λ of each basis function along an axis of n cells.
+    /// Returns 1 − λ of each basis function along an axis of n cells.
     pub(crate) fn axis_gaps(&self, n: usize) -> Vec<f64> {
         (0..n).map(|k| gap(self.angle(k, n))).collect()
     }
 }
 
-/// 1 − cos of an angle.
+/// Returns 1 − cos of an angle, without cancellation.
 fn gap(angle: f64) -> f64 {
     let sine = libm::sin(angle / 2.0);
     2.0 * sine * sine

@@ -1,30 +1,30 @@
 use super::spline::Spline;
 use super::{Burst, ToonError, ToonFigure};
 
-/// Share of its draught by which a body heaps the water up before its bow.
+/// Height of the water in front of the bow, as a share of the body's draft.
 const BOW: f64 = 0.8;
 
-/// Something afloat that travels along a cubic Bézier curve, over and over: it presses the water down where it lies, by
-/// its draught, and heaps it up before its bow. Both are bursts, so that waves run from them, and foam and lines
-/// trail behind.
+/// A floating body that travels along a cubic Bézier curve, over and over: it pushes the water down under itself by
+/// its draft, and piles it up in front of its bow. Both are bursts, so that waves spread from them, and foam and
+/// lines trail behind.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Body {
-    /// The way of its middle: control points, times and fade are those of a burst; height and radii do not matter.
+    /// Path of its middle: control points, times and fade are those of a burst; height and radii are ignored.
     pub way: Burst,
-    /// Length in meters.
+    /// Length, in meters.
     pub length: f64,
-    /// Width in meters.
+    /// Width, in meters.
     pub beam: f64,
-    /// How deep it lies in meters.
+    /// Draft, in meters.
     pub draught: f64,
 }
 
 impl Body {
-    /// The bursts by which it moves the water: the hull, and, if it moves, the bow. The bow runs ahead by the time that
-    /// half the length takes at mean speed.
+    /// Returns the bursts by which it moves the water: the hull and, if it moves, the bow. The bow is ahead by the
+    /// time in which the body travels half its length at mean speed.
     ///
     /// # Errors
-    /// A length is out of range, or the bursts would be.
+    /// A length is out of range, or a burst would be invalid.
     pub fn bursts(&self) -> Result<Vec<Burst>, ToonError> {
         let size = (1e-3, 1e5);
         super::error::within(ToonFigure::BodyLength, self.length, size, "0.001 to 1e5 meters")?;
@@ -35,7 +35,7 @@ impl Body {
             Burst { height: -self.draught, peak: 1.0, influence: [0.6 * self.length, 0.8 * self.beam], ..self.way };
         let way = Spline(self.way.path).lengths().last().copied().unwrap_or(0.0);
         let lead = self.length / 2.0 / way * self.way.duration;
-        // Who does not move, or turns around within its own length, has no bow.
+        // A body that does not move, or turns around within its own length, has no bow.
         if way < self.length {
             return Ok(vec![hull]);
         }

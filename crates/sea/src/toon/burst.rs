@@ -13,33 +13,33 @@ content_key!(
     }
 );
 
-/// A wave's center that travels along a cubic Bézier curve, over and over.
+/// The center of a wave that travels along a cubic Bézier curve, over and over.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Burst {
-    /// Control points x, z in meters.
+    /// Control points x, z, in meters.
     pub path: [[f64; 2]; 4],
     /// Seconds from one end of the path to the other.
     pub duration: f64,
     /// Seconds by which it is ahead at time 0.
     pub offset: f64,
-    /// Height H in meters.
+    /// Height H, in meters.
     pub height: f64,
     /// Peak p: scales height and radius.
     pub peak: f64,
-    /// Influence r in meters: radii along and across the heading, or along x and z.
+    /// Influence r, in meters: radii along and across the heading, or along x and z.
     pub influence: [f64; 2],
-    /// Share of the path over which it grows in at the start and dies out at the end; 0 as printed, at most ½.
+    /// Share of the path over which it grows at the start and fades out at the end; 0 as printed, at most ½.
     pub fade: f64,
-    /// Seconds from which on and up to which it is there.
+    /// Times in seconds from which and until which it is active.
     pub active: [f64; 2],
-    /// Offset in meters from the middle of its group, across: the origin of its drift lines.
+    /// Offset from the middle of its group, across, in meters: the origin of its drift lines.
     pub lane: f64,
 }
 
 content_key!(Burst { path, duration, offset, height, peak, influence, fade, active, lane });
 
 impl Burst {
-    /// A burst of 1 m and 2 m radius along a path, in 10 s.
+    /// Makes a burst of 1 m height and 2 m radius along a path, in 10 s.
     pub fn along(path: [[f64; 2]; 4]) -> Self {
         Self {
             path,
@@ -78,19 +78,19 @@ impl Burst {
         self.active[0] <= time && time < self.active[1]
     }
 
-    /// Laps done at a time, and the share of the present one: t̂ = (t mod d)/d.
+    /// Returns the number of completed laps at a time, and the share of the current lap: t̂ = (t mod d)/d.
     pub(crate) fn progress(&self, time: f64) -> (f64, f64) {
         let turns = (time + self.offset) / self.duration;
         let lap = turns.floor();
         (lap, turns - lap)
     }
 
-    /// What is left of the height at a share of the path.
+    /// Returns the share of the height that is left at a share of the path.
     pub(crate) fn left(&self, progress: f64) -> f64 {
         if self.fade > 0.0 { (progress.min(1.0 - progress) / self.fade).min(1.0) } else { 1.0 }
     }
 
-    /// The radii at which the profile ends, in meters, and its factor.
+    /// Returns the radii at which the profile ends, in meters, and its factor.
     pub(crate) fn profile(&self, shape: Shape) -> ([f64; 2], f64) {
         match shape {
             Shape::Intended => (self.influence.map(|radius| radius * self.peak), self.peak * self.height / 2.0),
@@ -98,8 +98,8 @@ impl Burst {
         }
     }
 
-    /// What this burst does to the cells of a basin at a time. `lengths` is its path's table of arc lengths, empty
-    /// where no drift is wanted.
+    /// Returns the effect of this burst on the cells of a basin at a time. `lengths` is its path's table of arc
+    /// lengths, empty if no drift is wanted.
     pub(crate) fn stamp(&self, time: f64, at: &Stamping<'_>, lengths: &[f64]) -> Stamp {
         let spline = Spline(self.path);
         let (lap, progress) = self.progress(time);
@@ -108,7 +108,7 @@ impl Burst {
         let spacing = at.basin.spacing;
         let (radii, factor) = self.profile(at.shape);
         let radii = radii.map(|radius| radius / spacing);
-        // A round burst has no need of its heading, unless drift lines do.
+        // A round burst does not need its heading, unless drift lines do.
         let turned = (at.oriented && radii[0] != radii[1]) || at.drift.is_some();
         let heading = if turned { spline.heading(progress) } else { [1.0, 0.0] };
         let axis = if at.oriented { heading } else { [1.0, 0.0] };
@@ -141,7 +141,7 @@ impl Burst {
     }
 }
 
-/// What all stamps of one step share.
+/// Parameters that all stamps of one step share.
 #[derive(Clone, Copy)]
 pub(crate) struct Stamping<'a> {
     pub(crate) basin: &'a Basin,
@@ -151,10 +151,10 @@ pub(crate) struct Stamping<'a> {
     pub(crate) drift: Option<Drift>,
 }
 
-/// Coefficients of x², 2xz, z² in |(u−x)/r|².
+/// Returns the coefficients of x², 2xz, z² in |(u−x)/r|².
 fn form([x, z]: [f64; 2], [along, across]: [f64; 2]) -> [f64; 3] {
     if along == across {
-        // Exactly round, whatever the heading.
+        // Exactly round for every heading.
         let inverse = 1.0 / (along * along);
         return [inverse, 0.0, inverse];
     }
@@ -162,7 +162,7 @@ fn form([x, z]: [f64; 2], [along, across]: [f64; 2]) -> [f64; 3] {
     [x * x * a + z * z * l, x * z * (a - l), z * z * a + x * x * l]
 }
 
-/// Half the sides of the box around the ellipse.
+/// Returns half the sides of the box around the ellipse.
 fn extents([x, z]: [f64; 2], [along, across]: [f64; 2]) -> [f64; 2] {
     if along == across {
         return [along; 2];

@@ -1,5 +1,5 @@
 figures! {
-    /// A figure of a toon sea.
+    /// A parameter of a toon sea.
     ToonFigure {
         Columns = "columns",
         Rows = "rows",
@@ -35,23 +35,23 @@ figures! {
     }
 }
 
-/// Why a toon sea is refused.
+/// Why a toon sea is rejected.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ToonError {
-    /// A number outside its range.
+    /// A number is outside of its range.
     Range {
-        /// What it is.
+        /// Name of the parameter.
         figure: ToonFigure,
-        /// Of a burst, its place among all bursts of the sea.
+        /// Index among all bursts of the sea, if it belongs to a burst.
         burst: Option<usize>,
         /// Its value.
         found: f64,
-        /// What is accepted instead.
+        /// Accepted values.
         expected: &'static str,
     },
     /// The height field would grow without bound.
     Unstable(Instability),
-    /// M^τ is not real: the motion cannot be resampled.
+    /// M^τ is not real, so the motion cannot be resampled.
     NotResampled {
         /// The coefficients.
         found: [f64; 2],
@@ -70,7 +70,7 @@ impl std::fmt::Display for ToonError {
 }
 
 impl ToonError {
-    /// What was found.
+    /// Returns what was found.
     pub fn found(&self) -> String {
         match self {
             Self::Range { figure, found, .. } => format!("{figure} {found}"),
@@ -82,7 +82,7 @@ impl ToonError {
         }
     }
 
-    /// What is accepted instead.
+    /// Returns what is accepted instead.
     pub fn expected(&self) -> &'static str {
         match self {
             Self::Range { expected, .. } => expected,
@@ -91,7 +91,7 @@ impl ToonError {
         }
     }
 
-    /// The same of a burst, by its place among all bursts.
+    /// Returns the same error for a burst, by its index among all bursts.
     pub fn of_burst(self, index: usize) -> Self {
         match self {
             Self::Range { figure, found, expected, .. } => Self::Range { figure, burst: Some(index), found, expected },
@@ -102,7 +102,7 @@ impl ToonError {
 
 impl std::error::Error for ToonError {}
 
-/// Finite values within closed bounds pass; anything else, NaN too, is refused by name.
+/// Accepts finite values within closed bounds; rejects anything else, including NaN, by name.
 pub(crate) fn within(
     figure: ToonFigure,
     found: f64,
@@ -121,17 +121,17 @@ pub(crate) fn within(
 pub struct Instability {
     /// The coefficients c₁, c₂.
     pub found: [f64; 2],
-    /// By how much the fastest mode grows in a step.
+    /// Factor by which the fastest mode grows per step.
     pub growth: f64,
-    /// The stable coefficients closest to them, to four decimals.
+    /// The nearest stable coefficients, to four decimals.
     pub nearest: [f64; 2],
 }
 
 impl Instability {
-    /// What is accepted instead.
+    /// Accepted coefficients.
     pub(crate) const EXPECTED: &str = "|c1| ≤ 1 and |2·c1·λ + c2| ≤ 1 + c1 for each mode λ of the grid";
 
-    /// What was found.
+    /// Returns what was found.
     pub(crate) fn found(&self) -> String {
         let [c1, c2] = self.found;
         format!("c1 {c1}, c2 {c2}, with which the sea grows by {:.4} a step", self.growth)

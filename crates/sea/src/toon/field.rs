@@ -4,10 +4,10 @@ use rayon::prelude::*;
 use super::splat::flushed;
 use super::{Basin, Boundary, Mixing};
 
-/// Rows that one task steps.
+/// Number of rows that one task steps.
 const ROWS: usize = 32;
 
-/// A height field and that of the step before.
+/// The height fields of a step and of the step before.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Field {
     /// h, row by row.
@@ -17,18 +17,18 @@ pub struct Field {
 }
 
 impl Field {
-    /// A field at rest.
+    /// Returns a field at rest.
     pub fn at_rest(basin: &Basin) -> Self {
         Self { height: vec![0.0; basin.cells()], before: vec![0.0; basin.cells()] }
     }
 
-    /// One literal step: h' = c₁(2·Lm(h) − h₋) + c₂·h.
+    /// Does one literal step: h' = c₁(2·Lm(h) − h₋) + c₂·h.
     ///
-    /// Worked out as h + (c₁·((h − h₋) + ½Σ(neighbor − h)) − (1 − c₁ − c₂)·h): the plain form loses or gains
+    /// It is computed as h + (c₁·((h − h₋) + ½Σ(neighbor − h)) − (1 − c₁ − c₂)·h): the plain form would lose or gain
     /// (fl c₁ + fl c₂ − 1)/(1 − c₁) of a level sea at each step.
     ///
     /// # Panics
-    /// The field is not of the basin's size.
+    /// The field does not have the basin's size.
     pub fn step(&mut self, mixing: Mixing, basin: &Basin) {
         let (columns, cells) = (basin.columns, basin.cells());
         assert!(self.height.len() == cells && self.before.len() == cells, "the field is of the basin's size");
@@ -60,7 +60,7 @@ impl Field {
     }
 }
 
-/// One row: `out` holds h₋ and gets h'.
+/// Steps one row: `out` holds h₋ and receives h'.
 #[inline(always)]
 fn step_row(mixing: Mixing, boundary: Boundary, row: &[f32], up: &[f32], down: &[f32], out: &mut [f32]) {
     let (c1, loss) = (mixing.c1 as f32, mixing.loss() as f32);

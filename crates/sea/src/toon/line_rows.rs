@@ -1,4 +1,4 @@
-//! Many places at once: the same mask in single precision and vectors.
+//! Line masks of many positions at once: the same mask in single precision, vectorized.
 
 use std::f64::consts::TAU;
 
@@ -9,41 +9,42 @@ use super::trail::Drift;
 
 const LANES: usize = 16;
 const COUNT: usize = Drift::LINES as usize;
-/// Lines a radian.
+/// Lines per radian.
 const PER_RADIAN: f32 = (Drift::LINES as f64 / TAU) as f32;
-/// atan(x)/2π = x·Σ aₙx²ⁿ on 0…1, interpolated at Chebyshev's points: to 2e-7 of a turn.
+/// atan(x)/2π = x·Σ aₙx²ⁿ on 0…1, interpolated at Chebyshev points: to 2e-7 of a turn.
 const ATAN: [f32; 7] =
     [0.159_154_82, -0.053_039_464, 0.031_627_335, -0.021_402_94, 0.013_229_986, -0.005_786_942_5, 0.001_217_273_3];
 
-/// A row of places side by side, one pixel apart. All slices but `phase` are as long as the result; each phase of the row
-/// itself has one more on either side.
+/// A row of adjacent positions, one pixel apart. All slices except `phase` are as long as the result; each phase of
+/// the row itself has one more value on either side.
 #[derive(Clone, Copy, Debug)]
 pub struct Row<'a> {
     /// Weights.
     pub weight: &'a [f32],
-    /// Heights in meters.
+    /// Heights, in meters.
     pub height: &'a [f32],
-    /// Weight × (cos, sin) of the angle, from the place left of the row on.
+    /// Weight × (cos, sin) of the angle, from the position to the left of the row on.
     pub phase: [&'a [f32]; 2],
-    /// The same one pixel above and one below.
+    /// The same, one pixel above and one pixel below.
     pub beside: [[&'a [f32]; 2]; 2],
 }
 
-/// What a line is like, for each of the lines of a turn.
+/// Parameters of each of the lines of a turn.
 struct Table {
-    /// Height at which it ends, and inverse of the way there.
+    /// Height at which it ends, and the inverse of the height difference to there.
     end: [f32; COUNT],
     inverse: [f32; COUNT],
-    /// Half its greatest width, and by how much it lies aside.
+    /// Half its largest width, and its displacement to the side.
     half: [f32; COUNT],
     aside: [f32; COUNT],
 }
 
 impl Lines {
-    /// The masks of a row of places: those of [`Lines::mask`] with the density [`density`](super::lines::density) tells.
+    /// Computes the masks of a row of positions: those of [`Lines::mask`] with the
+    /// [`density`](super::lines::density).
     ///
     /// # Panics
-    /// The slices are not of the lengths that [`Row`] asks for.
+    /// The slices do not have the lengths that [`Row`] requires.
     pub fn fill(&self, row: &Row<'_>, out: &mut [f32]) {
         let n = out.len();
         let flat = [row.weight, row.height].into_iter().chain(row.beside.into_iter().flatten());
@@ -78,7 +79,7 @@ impl Lines {
         let phase = |at: usize| row.phase.map(|plane| load(simd, plane, at));
         let [cos, sin] = phase(start + 1);
         let square = cos * cos + sin * sin;
-        // Square of the greater of two sines, of those that tell an angle.
+        // Square of the larger of the sines that determine an angle.
         let beside = row.beside.map(|[c, s]| [load(simd, c, start), load(simd, s, start)]);
         let here = [cos, sin];
         let density = axis(simd, here, [phase(start), phase(start + 2)]) + axis(simd, here, beside);
@@ -131,9 +132,10 @@ impl Lines {
     }
 }
 
-// Functions and not closures: those are compiled for the plainest processor, and every operation in them is a call.
+// Functions instead of closures, which would be compiled without the instruction set, with a call for every
+// operation.
 
-/// Values from a place on; 0 beyond the end.
+/// Loads values from an index on; 0 beyond the end.
 #[inline(always)]
 fn load<S: Simd>(simd: S, slice: &[f32], at: usize) -> f32x16<S> {
     let mut lanes = [0.0; LANES];
@@ -143,7 +145,7 @@ fn load<S: Simd>(simd: S, slice: &[f32], at: usize) -> f32x16<S> {
     f32x16::from_slice(simd, &lanes)
 }
 
-/// Square of the density along an axis: that of the greater of two sines, of those that tell an angle.
+/// Returns the square of the density along an axis: that of the larger of the sines that determine an angle.
 #[inline(always)]
 fn axis<S: Simd>(simd: S, [cos, sin]: [f32x16<S>; 2], sides: [[f32x16<S>; 2]; 2]) -> f32x16<S> {
     let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
@@ -161,14 +163,14 @@ fn axis<S: Simd>(simd: S, [cos, sin]: [f32x16<S>; 2], sides: [[f32x16<S>; 2]; 2]
     greatest.simd_lt(zero).select(too_many, greatest * (PER_RADIAN * PER_RADIAN))
 }
 
-/// 0 up to 0, 1 from 1 on, with level ends.
+/// Returns 0 up to 0 and 1 from 1 on, with level ends.
 #[inline(always)]
 fn smooth<S: Simd>(t: f32x16<S>) -> f32x16<S> {
     let t = t.max(f32x16::splat(t.simd, 0.0)).min(f32x16::splat(t.simd, 1.0));
     (t * t) * (t * -2.0 + 3.0)
 }
 
-/// What lines at some places have in common.
+/// Values that lines at some positions share.
 #[derive(Clone, Copy)]
 struct At<S: Simd> {
     height: f32x16<S>,
@@ -176,7 +178,7 @@ struct At<S: Simd> {
     density: f32x16<S>,
 }
 
-/// Shares of pixels that lines cover whose middles are about `f` line distances away.
+/// Returns the shares of pixels covered by lines whose middles are about `f` line distances away.
 #[inline(always)]
 fn covered<S: Simd>(table: &Table, lines: [usize; LANES], f: f32x16<S>, at: At<S>) -> f32x16<S> {
     let of = |values: &[f32; COUNT]| f32x16::from_slice(f.simd, &lines.map(|line| values[line]));

@@ -1,33 +1,33 @@
-//! What lines may give at a place of which only bounds are known.
+//! Bounds on the mask of lines at a position that is itself known only within bounds.
 
 use std::f64::consts::{PI, TAU};
 
 use super::lines::{LEAST_DENSITY, LEAST_NORM, Lines, STALE, TOO_MANY, covered, smooth};
 use super::trail::Drift;
 
-/// A phase that is certain up to a distance.
+/// A phase that is known up to a distance.
 #[derive(Clone, Copy, Debug)]
 pub struct NearPhase {
     /// Weight × (cos, sin).
     pub phase: [f64; 2],
-    /// How far it may lie from there.
+    /// Largest distance of the true phase from it.
     pub within: f64,
 }
 
-/// What is known of a place: each figure lies between two numbers.
+/// Known bounds at a position: each quantity lies between two numbers.
 #[derive(Clone, Copy, Debug)]
 pub struct NearPlace {
     /// Weight, 1 in the middle of bursts.
     pub weight: [f64; 2],
     /// The phase.
     pub phase: NearPhase,
-    /// Height in meters.
+    /// Height, in meters.
     pub height: [f64; 2],
-    /// Lines across a pixel: see [`density_span`].
+    /// Lines per pixel: see [`density_span`].
     pub density: [f64; 2],
 }
 
-/// What rounding may add to an angle or a share.
+/// Rounding error of an angle or a share.
 const LOST: f64 = 1e-15;
 
 impl NearPhase {
@@ -35,7 +35,7 @@ impl NearPhase {
         libm::hypot(self.phase[0], self.phase[1])
     }
 
-    /// The angle, and by how much it may turn: by π where it may be any.
+    /// Returns the angle, and the largest error of it: π if the angle may be any.
     fn angle(&self) -> (f64, f64) {
         let sine = self.within / self.length();
         let turn = if self.within == 0.0 {
@@ -48,14 +48,15 @@ impl NearPhase {
         (libm::atan2(self.phase[1], self.phase[0]), turn + LOST)
     }
 
-    /// Between which numbers its length lies.
+    /// Returns bounds on its length.
     fn lengths(&self) -> [f64; 2] {
         let length = self.length();
         [(length - self.within).max(0.0), length + self.within]
     }
 }
 
-/// Between which numbers [`density`](super::lines::density) lies, and whether it is certain which neighbors tell an angle.
+/// Returns bounds on [`density`](super::lines::density), and whether it is certain which neighbors determine an
+/// angle.
 ///
 /// ```
 /// use trochoid_sea::toon::{NearPhase, density_span, lines::density};
@@ -69,7 +70,7 @@ impl NearPhase {
 pub fn density_span(here: NearPhase, beside: [[NearPhase; 2]; 2]) -> ([f64; 2], bool) {
     let mut clear = true;
     let [x, z] = beside.map(|sides| {
-        // Of neighbors that tell for certain, and of those that may.
+        // Values from neighbors that certainly determine an angle, and from those that may.
         let (mut sure, mut low, mut high) = (None::<f64>, f64::INFINITY, 0.0_f64);
         for there in sides {
             let ((a, own), (b, other)) = (here.angle(), there.angle());
@@ -98,7 +99,7 @@ pub fn density_span(here: NearPhase, beside: [[NearPhase; 2]; 2]) -> ([f64; 2], 
 }
 
 impl Lines {
-    /// Between which numbers [`mask`](Self::mask) lies, and whether it jumps nowhere between them.
+    /// Returns bounds on [`mask`](Self::mask), and whether it is continuous between them.
     ///
     /// ```
     /// use trochoid_sea::toon::{NearPhase, NearPlace, lines::{Lines, Place}};
@@ -119,13 +120,13 @@ impl Lines {
         if most <= 0.0 {
             return ([0.0; 2], true);
         }
-        // Stale trails end in a step, if a tiny one.
+        // Stale trails end in a step, although a tiny one.
         let stale = STALE * self.fresh;
         let mut clear = place.weight[0] > stale || place.weight[1] <= stale;
         let count = f64::from(Drift::LINES);
         let (angle, turn) = place.phase.angle();
         let (at, by) = (angle / TAU * count + self.shift, turn / TAU * count + LOST * (count + self.shift.abs()));
-        // Within half a line the two lines that a pixel may lie on are the same.
+        // Within half a line distance, the two lines that may cover a pixel are the same.
         let halves = [at - by, at + by].map(|end| (2.0 * end).floor());
         if halves[1] - halves[0] > 1.0 || !by.is_finite() {
             return ([0.0, 1.0], false);
@@ -143,7 +144,7 @@ impl Lines {
             let other = self.covered_span(beside % Drift::LINES, f.map(|f| f + aside), place, [least, most]);
             low = low.min((own[0] + other[0]).min(1.0));
             high = high.max((own[1] + other[1]).min(1.0));
-            // From one half to the next another line comes in, which is nothing unless lines are crowded.
+            // At the next half, another line comes in, which contributes nothing unless lines are crowded.
             jump[usize::from(is_before)] = other[1];
         }
         if halves[0] != halves[1] && halves[1].rem_euclid(2.0) == 1.0 {
@@ -152,7 +153,7 @@ impl Lines {
         ([(low - LOST).max(0.0), (high + LOST).min(1.0)], clear)
     }
 
-    /// What may be left of all widths.
+    /// Returns bounds on the share of all widths that is left.
     fn shown_span(&self, place: &NearPlace) -> [f64; 2] {
         let lengths = place.phase.lengths();
         let spread = |weight: f64, length: f64, lost: f64| {
@@ -173,7 +174,7 @@ impl Lines {
         [shown(0) * (1.0 - 10.0 * LOST), shown(1) * (1.0 + 10.0 * LOST)]
     }
 
-    /// What a line may cover whose middle is so far away.
+    /// Returns bounds on the coverage of a line whose middle is at a distance within `f`.
     fn covered_span(&self, index: u32, f: [f64; 2], place: &NearPlace, shown: [f64; 2]) -> [f64; 2] {
         let [end, half, aside] = self.line(index);
         let lost = LOST * (end.abs() + self.low.abs() + place.height[0].abs() + place.height[1].abs());
@@ -189,8 +190,8 @@ impl Lines {
         let nearest = if from <= 0.0 && to >= 0.0 { 0.0 } else { from.abs().min(to.abs()) };
         let farthest = from.abs().max(to.abs());
         let [fine, coarse] = place.density;
-        // What a pixel sees of a line falls with the distance and grows with the width. As pixels grow it falls, but where
-        // it lies beside the line it rises before, until both edges are within.
+        // The coverage of a pixel falls with the distance from the line and grows with its width. With larger pixels
+        // it falls, but beside the line it first rises, until both edges are within the pixel.
         let best = if nearest < halves[1] { fine } else { (2.0 * (nearest + halves[1])).clamp(fine, coarse) };
         let of = |away: f64, half: f64, density: f64| covered(away, half, density);
         let least = of(farthest, halves[0], fine).min(of(farthest, halves[0], coarse));

@@ -4,29 +4,29 @@ use std::f64::consts::TAU;
 
 use super::trail::{Drift, spread};
 
-/// How lines are drawn at the phases of a [`Drift`].
+/// Drawing of lines at the phases of a [`Drift`].
 ///
-/// A line's width is `thickness` times its distance to the next one, half to each side, times factors that each fall to 0
-/// without a jump: √ of how far its end lies above, how fresh the trail is, how well bursts agree on it, and how many
-/// pixels its distance spans. So lines appear and vanish by tapering alone, wherever and for whatever reason.
+/// A line's width is `thickness` times the distance to the next line, half to each side, times factors that each fall
+/// to 0 continuously: √ of how far below its end the height is, how fresh the trail is, how well bursts agree on it,
+/// and how many pixels the distance spans. Lines therefore appear and vanish only by tapering, for whatever reason.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lines {
     /// Share of the distance between lines that a line covers at its thickest, 0 to 1.
     pub thickness: f64,
-    /// Height in meters at which lines are thickest; beyond, on the side away from `high`, they stay so.
+    /// Height in meters at which lines are thickest; they stay so beyond it, on the side away from `high`.
     pub low: f64,
-    /// Height about which the longest lines have ended: even ones at 0.75 to 1.1 of the way from `low`, odd ones at 0.35
-    /// to 0.65, so that their number falls with their width.
+    /// Height near which the longest lines end, in meters: even lines end at 0.75 to 1.1 of the way from `low`, odd
+    /// lines at 0.35 to 0.65, so that their number falls with their width.
     pub high: f64,
-    /// Distance in lines by which all are shifted.
+    /// Shift of all lines, in line distances.
     pub shift: f64,
-    /// Weight from which on lines have their full width; must be above 0.
+    /// Weight from which lines have their full width; must be above 0.
     pub fresh: f64,
-    /// Spread in lines up to which they have their full width; at twice that they are gone.
+    /// Spread in line distances up to which lines have their full width; at twice that they vanish.
     pub spread: f64,
-    /// Pixels from line to line below which they are gone; from twice that on they have their full width.
+    /// Pixels per line distance below which lines vanish; from twice that on they have their full width.
     pub finest: f64,
-    /// Which of all such drawings.
+    /// Random seed.
     pub seed: u32,
 }
 
@@ -36,36 +36,37 @@ impl Default for Lines {
     }
 }
 
-/// What a place of the surface knows of lines.
+/// Values at a position of the surface that determine its lines.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Place {
     /// Weight, 1 in the middle of bursts.
     pub weight: f64,
     /// Weight × (cos, sin) of the angle that counts lines.
     pub phase: [f64; 2],
-    /// Height in meters.
+    /// Height, in meters.
     pub height: f64,
-    /// Lines across a pixel: see [`density`].
+    /// Lines per pixel: see [`density`].
     pub density: f64,
 }
 
-/// Lines a quarter of a turn apart: beyond, no angle can be told between neighbors.
+/// Number of lines in a quarter of a turn: beyond it, no angle can be determined between neighbors.
 pub(crate) const TOO_MANY: f64 = Drift::LINES as f64 / 4.0;
-/// Least density: nothing lies nearer.
+/// Least density: everything is treated as at least this far away.
 pub(crate) const LEAST_DENSITY: f64 = 1e-4;
-/// Phases whose product is less tell no angle.
+/// Product of phases below which no angle can be determined.
 pub(crate) const LEAST_NORM: f64 = 1e-30;
-/// Weight, over that of a fresh trail, up to which nothing is drawn.
+/// Weight relative to that of a fresh trail up to which nothing is drawn.
 pub(crate) const STALE: f64 = 1e-3;
 
-/// Lines across a pixel, from the phases of the pixels left and right, then above and below: along each axis the greater
-/// of the two differences, of those that are told. Where a neighbor lies on another wave, often none is.
+/// Returns the lines per pixel, from the phases of the pixels left and right, then above and below: along each axis
+/// the larger of the two differences, of those that can be determined. If a neighbor is on another wave, often
+/// neither can.
 pub fn density(here: [f64; 2], beside: [[[f64; 2]; 2]; 2]) -> f64 {
     let across = |there: [f64; 2]| {
         let square = |[x, y]: [f64; 2]| x * x + y * y;
         let norm = square(here) * square(there);
         let cross = here[0] * there[1] - here[1] * there[0];
-        // The sine stands for the angle.
+        // The sine approximates the angle.
         let lines = f64::from(Drift::LINES) / TAU * libm::sqrt(cross * cross / norm);
         (norm > LEAST_NORM && here[0] * there[0] + here[1] * there[1] > 0.0).then_some(lines)
     };
@@ -74,7 +75,7 @@ pub fn density(here: [f64; 2], beside: [[[f64; 2]; 2]; 2]) -> f64 {
 }
 
 impl Lines {
-    /// Share of a pixel that lines cover.
+    /// Returns the share of a pixel that lines cover.
     pub fn mask(&self, place: &Place) -> f64 {
         let Place { weight, phase, height, density } = *place;
         let shown = self.shown(weight, phase, density);
@@ -86,14 +87,14 @@ impl Lines {
         let at = (turns * count + self.shift).rem_euclid(count);
         let index = (at as u32).min(Drift::LINES - 1);
         let f = at - f64::from(index) - 0.5;
-        // A pixel may lie on two lines: this one and the next on its side.
+        // A pixel may be on two lines: this one and the next on its side.
         let beside = if f < 0.0 { index + Drift::LINES - 1 } else { index + 1 } % Drift::LINES;
         let own = self.covered(index, f, height, shown, density);
         let other = self.covered(beside, if f < 0.0 { f + 1.0 } else { f - 1.0 }, height, shown, density);
         (own + other).min(1.0)
     }
 
-    /// What is left of all widths, whatever the line.
+    /// Returns the share that is left of the widths of all lines.
     fn shown(&self, weight: f64, phase: [f64; 2], density: f64) -> f64 {
         if weight <= STALE * self.fresh {
             return 0.0;
@@ -104,17 +105,18 @@ impl Lines {
         fresh * agreed * wide
     }
 
-    /// Share of a pixel that one line covers whose middle is about `f` line distances away.
+    /// Returns the share of a pixel covered by one line whose middle is about `f` line distances away.
     fn covered(&self, index: u32, f: f64, height: f64, shown: f64, density: f64) -> f64 {
         let density = density.max(LEAST_DENSITY);
         let [end, half, aside] = self.line(index);
-        // Left of the way from the thick end to the thin one.
+        // Remaining share of the way from the thick end to the thin end.
         let left = if end == self.low { 0.0 } else { ((end - height) / (end - self.low)).clamp(0.0, 1.0) };
         let half = half * libm::sqrt(left) * shown;
         covered(f - aside, half, density)
     }
 
-    /// The height at which a line ends, half its greatest width, and by how much it lies aside, in distances of lines.
+    /// Returns the height at which a line ends, half its largest width, and its displacement to the side, in line
+    /// distances.
     pub(crate) fn line(&self, index: u32) -> [f64; 3] {
         let [end, width, aside] = [0, 1, 2].map(|what| unit(self.seed, index * 3 + what));
         let end = if index % 2 == 1 { 0.35 + 0.3 * end } else { 0.75 + 0.35 * end };
@@ -123,19 +125,20 @@ impl Lines {
     }
 }
 
-/// Share of a pixel as wide as `density`, `away` from a line's middle, that the line covers to both sides by `half`.
+/// Returns the share of a pixel of width `density`, at a distance `away` from a line's middle, that the line covers
+/// with `half` its width to each side.
 pub(crate) fn covered(away: f64, half: f64, density: f64) -> f64 {
     let (low, high) = ((away - density / 2.0).max(-half), (away + density / 2.0).min(half));
     ((high - low) / density).clamp(0.0, 1.0)
 }
 
-/// 0 up to 0, 1 from 1 on, with level ends.
+/// Returns 0 up to 0 and 1 from 1 on, with level ends.
 pub(crate) fn smooth(t: f64) -> f64 {
     let t = t.clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)
 }
 
-/// A random number in 0…1 for an index: the finalizer of MurmurHash3.
+/// Returns a random number in 0…1 for an index: the finalizer of MurmurHash3.
 fn unit(seed: u32, index: u32) -> f64 {
     let mut h = seed.wrapping_mul(0x9e37_79b9) ^ index.wrapping_mul(0x85eb_ca6b);
     h = (h ^ (h >> 16)).wrapping_mul(0x85eb_ca6b);

@@ -1,7 +1,7 @@
 //! The toon sea: a height field after Dadfar and Welling, *Japanese-Style Toon-Based Water Shader*.
 //!
-//! Bursts travel along splines and raise a height field, which spreads and dies away; each burst leaves a rift, a trail
-//! that decays. A [`ToonSea`] is the description, a [`Simulation`] walks it through time:
+//! Bursts travel along splines and raise a height field, which spreads and decays; each burst leaves a rift, a trail
+//! that decays. A [`ToonSea`] is the description, a [`Simulation`] steps it through time:
 //!
 //! ```
 //! use trochoid_sea::toon::{Basin, Behavior, Boundary, Burst, Motion, ToonSea, Wanted};
@@ -18,17 +18,17 @@
 //! ```
 //!
 //! # The height field
-//! h' = c₁(2·Lm(h) − h₋) + c₂·h + bursts, Lm the mean of the four neighbors; [`Motion`] says how it is stepped. Every
-//! boundary has a basis of its own in which Lm is diagonal, so [`Motion::Resampled`] and [`Motion::Physical`] advance
-//! by any stretch of time in one exact step.
+//! h' = c₁(2·Lm(h) − h₋) + c₂·h + bursts, Lm the mean of the four neighbors; [`Motion`] selects how it is stepped.
+//! Every boundary has its own basis in which Lm is diagonal, so [`Motion::Resampled`] and [`Motion::Physical`]
+//! advance by any amount of time in one exact step.
 //!
 //! # Conventions
-//! Meters and seconds. Cell (i, j) stands at x = i·spacing, z = j·spacing; fields are row by row. A literal step lasts
-//! 1/60 s.
+//! Meters and seconds. Cell (i, j) is at x = i·spacing, z = j·spacing; fields are stored row by row. A literal step
+//! takes 1/60 s.
 //!
 //! # Results
-//! A frame is a function of the description and its time alone, however it was reached, bit for bit, on any number of
-//! threads. [`mod@reference`] is the same in f64 and plain loops.
+//! A frame depends only on the description and its time, however it was reached, bit for bit, on any number of
+//! threads. [`mod@reference`] does the same in f64 and plain loops.
 
 mod basin;
 mod body;

@@ -10,15 +10,15 @@ use rustdct::{Dct2, Dct3, Dst1, RequiredScratch};
 
 use super::{Basin, Boundary};
 
-/// Side of the square blocks in which a field is turned.
+/// Side of the square blocks in which a field is transposed.
 const BLOCK: usize = 16;
-/// Rows that one task transforms.
+/// Number of rows that one task transforms.
 const ROWS: usize = 16;
 
-/// Transforms of a basin's fields. Coefficients lie column by column: the field's rows are transformed, turned, and
-/// transformed again, and are not turned back.
+/// Transforms of a basin's fields. Coefficients are stored column by column: the field's rows are transformed,
+/// transposed, and transformed again, but not transposed back.
 ///
-/// Scalar transforms only: which vector instructions a processor has must not change a bit.
+/// Only scalar transforms are used: the processor's vector instructions must not change a bit.
 #[derive(Clone)]
 pub(crate) struct Modes {
     basin: Basin,
@@ -34,7 +34,7 @@ enum Axis {
     Hartley(Arc<dyn Fft<f32>>),
 }
 
-/// Buffers of one thread.
+/// Scratch buffers of one thread.
 #[derive(Default)]
 struct Scratch {
     real: Vec<f32>,
@@ -51,7 +51,7 @@ impl Axis {
         }
     }
 
-    /// Factor that makes `backward(forward(row))` the row.
+    /// Returns the factor that makes `backward(forward(row))` equal to the row.
     fn scale(&self, n: usize) -> f64 {
         match self {
             Self::Cosine(_) => 2.0 / n as f64,
@@ -103,14 +103,14 @@ impl Modes {
         }
     }
 
-    /// 1 − λ of every coefficient, as it lies.
+    /// Returns 1 − λ of every coefficient, in storage order.
     pub(crate) fn gap(&self) -> impl Fn(usize) -> f64 + Sync + use<> {
         let (x, z) = (self.basin.axis_gaps(self.basin.columns), self.basin.axis_gaps(self.basin.rows));
         let rows = self.basin.rows;
         move |index| (x[index / rows] + z[index % rows]) / 2.0
     }
 
-    /// Coefficients of a field; the field is used up.
+    /// Computes the coefficients of a field, which is overwritten.
     pub(crate) fn forward(&self, field: &mut [f32], coefficients: &mut Vec<f32>) {
         let Basin { columns, rows, .. } = self.basin;
         self.along_x.rows(field, columns, true);
@@ -121,7 +121,7 @@ impl Modes {
         coefficients.par_iter_mut().with_min_len(1 << 14).for_each(|value| *value *= scale);
     }
 
-    /// The field of coefficients, which are used up.
+    /// Computes the field of coefficients, which are overwritten.
     pub(crate) fn backward(&self, coefficients: &mut [f32], field: &mut Vec<f32>) {
         let Basin { columns, rows, .. } = self.basin;
         self.along_z.rows(coefficients, rows, false);
@@ -131,7 +131,7 @@ impl Modes {
     }
 }
 
-/// Rows to columns: `from` has `columns` values in each of its rows.
+/// Transposes rows to columns: `from` has `columns` values in each of its rows.
 fn turn(from: &[f32], to: &mut [f32], columns: usize, rows: usize) {
     to.par_chunks_mut(rows * BLOCK).enumerate().for_each(|(block, to)| {
         let first = block * BLOCK;

@@ -2,7 +2,7 @@ use super::error::within;
 use super::{Basin, Instability, ToonError, ToonFigure};
 use trochoid_key::{ContentKey, KeyHasher, content_key};
 
-/// Literal steps a second.
+/// Literal steps per second.
 pub const LITERAL_HZ: f64 = 60.0;
 
 /// The two coefficients of the recurrence h' = c₁(2·Lm(h) − h₋) + c₂·h.
@@ -11,7 +11,7 @@ pub const LITERAL_HZ: f64 = 60.0;
 /// (ω₀·dt)² = 2(1−c₁−c₂)/(1+c₁).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mixing {
-    /// Weight of what the neighbors say and the step before.
+    /// Weight of the neighbors and of the previous step.
     pub c1: f64,
     /// Weight of the height itself.
     pub c2: f64,
@@ -26,8 +26,8 @@ impl Default for Mixing {
 }
 
 impl Mixing {
-    /// 1 − c₁ − c₂: what a step takes from a level sea, and the scale of bursts that makes a burst that rests reach
-    /// its own height (in the mean over the basin).
+    /// Returns 1 − c₁ − c₂: the share that a step takes from a level sea, and the scale of bursts with which a
+    /// resting burst reaches its own height (in the mean over the basin).
     pub fn loss(&self) -> f64 {
         1.0 - self.c1 - self.c2
     }
@@ -36,14 +36,14 @@ impl Mixing {
 /// Waves in the continuum: h_tt + 2γ·h_t + ω₀²·h = c²∇²h + push·bursts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Physics {
-    /// Speed c of short waves in m/s.
+    /// Speed c of short waves, in m/s.
     pub speed: f64,
-    /// Damping γ in 1/s.
+    /// Damping γ, in 1/s.
     pub damping: f64,
-    /// Frequency ω₀ of a level sea in rad/s: what pulls it back to rest.
+    /// Frequency ω₀ of a level sea, in rad/s, which pulls it back to rest.
     pub frequency: f64,
-    /// Acceleration in 1/s² for each meter of a burst; ω₀² if unset, with which a burst that rests reaches its own
-    /// height in the mean.
+    /// Acceleration in 1/s² per meter of a burst; if `None`, ω₀², with which a resting burst reaches its own height in
+    /// the mean.
     pub push: Option<f64>,
 }
 
@@ -52,20 +52,21 @@ content_key!(Physics { speed, damping, frequency, push });
 /// How the height field moves.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Motion {
-    /// The printed recurrence, step ⌊60·t⌋: the picture of 30 frames a second moves by two steps, of 24 unevenly.
+    /// The printed recurrence, step ⌊60·t⌋: at 30 frames per second the picture moves by two steps per frame, at 24
+    /// unevenly.
     Literal(Mixing),
-    /// The recurrence raised to any power in its own basis: the literal look at any frame rate. Equals it at 60 Hz.
+    /// The recurrence raised to any power in its own basis: the literal look at any frame rate. Equal to it at 60 Hz.
     Resampled {
-        /// The coefficients of a literal step.
+        /// Coefficients of a literal step.
         mixing: Mixing,
-        /// Steps a second at which bursts act.
+        /// Steps per second at which bursts act.
         rate: f64,
     },
-    /// The exact solution of the wave equation on the grid, at any stiffness.
+    /// The exact solution of the wave equation on the grid, for any stiffness.
     Physical {
-        /// The waves.
+        /// Parameters of the waves.
         physics: Physics,
-        /// Steps a second at which bursts act.
+        /// Steps per second at which bursts act.
         rate: f64,
     },
 }
@@ -87,7 +88,7 @@ impl Default for Motion {
 }
 
 impl Motion {
-    /// Steps a second.
+    /// Returns the steps per second.
     pub fn rate(&self) -> f64 {
         match *self {
             Self::Literal(_) => LITERAL_HZ,
@@ -101,7 +102,8 @@ impl Motion {
             Self::Literal(mixing) => Instability::check(mixing, basin).map_err(ToonError::Unstable),
             Self::Resampled { mixing, .. } => {
                 Instability::check(mixing, basin).map_err(ToonError::Unstable)?;
-                // Both roots of g² − b·g + c₁ positive, or a pair of complex ones: b > −2√c₁, least at an end.
+                // The roots of g² − b·g + c₁ must be positive or complex: b > −2√c₁, where the least b is at an end
+                // of the spectrum.
                 let least = basin.gaps().map(|gap| 2.0 * mixing.c1 * (1.0 - gap) + mixing.c2);
                 let real = mixing.c1 > 0.0 && least.iter().all(|&b| b > -2.0 * libm::sqrt(mixing.c1));
                 if real { Ok(()) } else { Err(ToonError::NotResampled { found: [mixing.c1, mixing.c2] }) }

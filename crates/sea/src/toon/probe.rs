@@ -1,26 +1,27 @@
-//! What a motion does on a small grid, measured by powers of its own step. No formula of the spectrum is used, so that
-//! [`Forecast`](super::Forecast) can be held against it.
+//! Measures the behavior of a motion on a small grid by powers of its own step. No formula of the spectrum is used,
+//! so that [`Forecast`](super::Forecast) can be checked against it.
 
 use super::reference::Advance;
 use super::{Basin, Motion};
 
 /// The f64 step of a motion on a small grid as a matrix, made by stepping every unit state.
 ///
-/// A state is the heights, and the heights before or the velocities; one more number carries a constant level force.
+/// A state consists of the heights, and of the previous heights or the velocities; one more number carries a constant
+/// level force.
 #[derive(Clone, Debug)]
 pub struct Probe {
     basin: Basin,
     matrix: Matrix,
 }
 
-/// Cells along each side, at most.
+/// Most cells along each side.
 const SIDE: usize = 8;
-/// The power that gives the spectral radius is 2 to this. ‖Aⁿ‖ grows like ρⁿ, at worst like n·ρⁿ, so that what is left
-/// of the root's error is ln 2/n.
+/// The power that gives the spectral radius is 2 to this. ‖Aⁿ‖ grows like ρⁿ, at worst like n·ρⁿ, so that the
+/// remaining error of the root is ln 2/n.
 const SQUARINGS: u32 = 30;
 
 impl Probe {
-    /// A grid like this one, with at most 8 cells along each side; the parity of its sides, which decides about its
+    /// Returns a grid like this one, with at most 8 cells along each side; the parity of its sides, which affects its
     /// spectrum, is kept.
     pub fn basin_like(basin: &Basin) -> Basin {
         let side = |cells: usize| if cells > SIDE { SIDE - cells % 2 } else { cells };
@@ -34,15 +35,15 @@ impl Probe {
         Self::of(basin, |force, height, other| advance.step(force, height, other))
     }
 
-    /// The explicit scheme of second order for the wave equation of a physical motion: what an ordinary solver would do
-    /// with its stiffness. None of the others.
+    /// Makes the explicit second-order scheme for the wave equation of a physical motion, to show what an ordinary
+    /// solver does with its stiffness; `None` for other motions.
     pub fn explicit(motion: &Motion, basin: &Basin) -> Option<Self> {
         let Motion::Physical { physics, rate } = *motion else { return None };
         let (basin, dt) = (Self::basin_like(basin), 1.0 / rate);
         let square = |value: f64| value * value;
         let (drag, pull, courant) =
             (physics.damping * dt, square(physics.frequency * dt), square(physics.speed * dt / basin.spacing));
-        // The recurrence with c₁ = ½ and c₂ = 0 makes the mean of the neighbors where nothing was before.
+        // The recurrence with c₁ = ½ and c₂ = 0 computes the mean of the neighbors if the previous heights are 0.
         let mean = super::Mixing { c1: 0.5, c2: 0.0 };
         let means = Advance::new(&Motion::Literal(mean), &basin, dt);
         Some(Self::of(basin, |force, height, other| {
@@ -74,12 +75,12 @@ impl Probe {
         Self { basin, matrix }
     }
 
-    /// The grid that is stepped.
+    /// Returns the grid that is stepped.
     pub fn basin(&self) -> &Basin {
         &self.basin
     }
 
-    /// The spectral radius by Gelfand's formula, lim ‖Aⁿ‖^(1/n), from the norms of two powers. To about 1e-8.
+    /// Returns the spectral radius by Gelfand's formula, lim ‖Aⁿ‖^(1/n), from the norms of two powers, to about 1e-8.
     pub fn radius(&self) -> f64 {
         let mut power = self.matrix.without_last();
         // A^n is the power times e^scale.
@@ -97,11 +98,12 @@ impl Probe {
                 scale *= 2.0;
             }
         }
-        // ln‖A²ⁿ‖ − ln‖Aⁿ‖ over n.
+        // The difference ln‖A²ⁿ‖ − ln‖Aⁿ‖, divided by n.
         libm::exp((scale - before) / f64::from(1u32 << (SQUARINGS - 1)))
     }
 
-    /// ‖A^(2ᵏ)‖ for k = 0…`doublings`: bounded where the motion is, growing like 2ᵏ where a root of modulus 1 is double.
+    /// Returns ‖A^(2ᵏ)‖ for k = 0…`doublings`: bounded if the motion is, growing like 2ᵏ if a root of modulus 1 is
+    /// double.
     pub fn norms(&self, doublings: u32) -> Vec<f64> {
         let mut power = self.matrix.without_last();
         let mut norms = vec![power.norm()];
@@ -112,10 +114,11 @@ impl Probe {
         norms
     }
 
-    /// Heights after so many steps from heights and what goes with them, under a constant level force.
+    /// Returns the heights after `steps` steps from heights and the other half of the state, under a constant level
+    /// force.
     ///
     /// # Panics
-    /// The fields are not of the grid's size.
+    /// The fields do not have the grid's size.
     pub fn heights_after(&self, steps: u64, height: &[f64], other: &[f64], force: f64) -> Vec<f64> {
         let cells = self.basin.cells();
         assert!(height.len() == cells && other.len() == cells, "the fields are of the grid's size");
@@ -167,7 +170,7 @@ impl Matrix {
         self.values.chunks_exact(self.size).map(row).collect()
     }
 
-    /// √Σ a²; infinite where a power has overflowed.
+    /// Returns √Σ a²; infinite if a power has overflowed.
     fn norm(&self) -> f64 {
         if self.values.iter().any(|value| !value.is_finite()) {
             return f64::INFINITY;

@@ -1,4 +1,4 @@
-//! Exact steps of single modes over any stretch of time, in f64.
+//! Exact steps of single modes over any amount of time, in f64.
 
 use rayon::prelude::*;
 
@@ -6,13 +6,13 @@ use super::modes::Modes;
 use super::splat::flushed;
 use super::{Basin, LITERAL_HZ, Mixing, Motion, Physics};
 
-/// What one stretch of time does to the two numbers (a, b) of a mode under a constant force f:
+/// Effect of an amount of time on the two numbers (a, b) of a mode under a constant force f:
 /// a' = m₀a + m₁b + m₄f, b' = m₂a + m₃b + m₅f.
 pub(crate) type Transfer = [f64; 6];
 
-/// The transfer of the mode with this 1 − λ over `seconds`, for a motion with modes.
+/// Returns the transfer of the mode with this 1 − λ over `seconds`, for a motion with modes.
 ///
-/// The force is the burst as it is to be reached: literal bursts come scaled by 1 − c₁ − c₂ already.
+/// The force is the height that a burst reaches; literal bursts are already scaled by 1 − c₁ − c₂.
 pub(crate) fn transfer(motion: &Motion, spacing: f64, gap: f64, seconds: f64) -> Transfer {
     match motion {
         Motion::Literal(mixing) | Motion::Resampled { mixing, .. } => resampled(*mixing, gap, seconds * LITERAL_HZ),
@@ -20,7 +20,7 @@ pub(crate) fn transfer(motion: &Motion, spacing: f64, gap: f64, seconds: f64) ->
     }
 }
 
-/// M^τ, M = [[b, −c₁], [1, 0]], on (h, h₋), and the sum of Mʲ(1, 0) over the τ steps.
+/// Returns M^τ, M = [[b, −c₁], [1, 0]], on (h, h₋), and the sum of Mʲ(1, 0) over the τ steps.
 ///
 /// With the roots g₁, g₂ of g² − b·g + c₁ and Uₙ = (g₁ⁿ − g₂ⁿ)/(g₁ − g₂): M^τ = [[U_τ₊₁, −c₁U_τ], [U_τ, −c₁U_τ₋₁]].
 pub(crate) fn resampled(mixing: Mixing, gap: f64, steps: f64) -> Transfer {
@@ -45,7 +45,7 @@ pub(crate) fn resampled(mixing: Mixing, gap: f64, steps: f64) -> Transfer {
     };
     let (before, now, after) = (power(steps - 1.0), power(steps), power(steps + 1.0));
     let (first, second) = if discriminant > 0.0 && d < 1e-2 {
-        // Near g₁ = 1 the quotient by d cancels: Σ U_j root by root.
+        // Near g₁ = 1 the quotient by d cancels, so sum U_j root by root.
         let (large, small) = roots(b, c1, discriminant);
         let one = large - small;
         // 1 − g₁ = d/(1 − g₂).
@@ -58,18 +58,18 @@ pub(crate) fn resampled(mixing: Mixing, gap: f64, steps: f64) -> Transfer {
     [after, -c1 * now, now, -c1 * before, first, second]
 }
 
-/// Σ gʲ over j = 0…count−1 with g = 1 − lacking, for any real count.
+/// Returns Σ gʲ over j = 0…count−1 with g = 1 − lacking, for any real count.
 fn series(lacking: f64, count: f64) -> f64 {
     if lacking.abs() < 1e-300 { count } else { -libm::expm1(count * libm::log1p(-lacking)) / lacking }
 }
 
-/// The roots of g² − b·g + c₁, the larger first, without cancellation.
+/// Returns the roots of g² − b·g + c₁, the larger first, without cancellation.
 fn roots(b: f64, c1: f64, discriminant: f64) -> (f64, f64) {
     let large = (b + libm::sqrt(discriminant)) / 2.0;
     (large, c1 / large)
 }
 
-/// The exact solution of v' = −ω²h − 2γv + push·f, h' = v on (h, v), ω² = ω₀² + c²·4(1 − λ)/dx².
+/// Returns the exact solution of v' = −ω²h − 2γv + push·f, h' = v on (h, v), ω² = ω₀² + c²·4(1 − λ)/dx².
 pub(crate) fn physical(physics: Physics, spacing: f64, gap: f64, dt: f64) -> Transfer {
     let Physics { speed, damping, frequency, push } = physics;
     let stiffness = speed / spacing;
@@ -83,7 +83,7 @@ pub(crate) fn physical(physics: Physics, spacing: f64, gap: f64, dt: f64) -> Tra
         let sine = if omega * dt < 1e-8 { dt } else { libm::sin(omega * dt) / omega };
         (fall * libm::cos(omega * dt), fall * sine)
     } else {
-        // Overdamped: the exponents are combined, or e^(−γdt)·cosh(κdt) would be 0·∞. κ − γ = −ω²/(κ + γ).
+        // Overdamped: the exponents are combined, since e^(−γdt)·cosh(κdt) would be 0·∞. κ − γ = −ω²/(κ + γ).
         let kappa = libm::sqrt(-detuning);
         let slow = libm::exp(-square / (kappa + damping) * dt);
         let fast = libm::exp(-(kappa + damping) * dt);
@@ -94,7 +94,7 @@ pub(crate) fn physical(physics: Physics, spacing: f64, gap: f64, dt: f64) -> Tra
     [reached, sine, -square * sine, cosine - damping * sine, push * raised(square, damping, reached, dt), push * sine]
 }
 
-/// What a unit acceleration does to h over dt: (1 − reached)/ω², without cancellation.
+/// Returns the effect of a unit acceleration on h over dt: (1 − reached)/ω², without cancellation.
 fn raised(square: f64, damping: f64, reached: f64, dt: f64) -> f64 {
     let kappa = libm::sqrt((damping * damping - square).max(0.0));
     if kappa * dt > 0.1 {
@@ -104,7 +104,7 @@ fn raised(square: f64, damping: f64, reached: f64, dt: f64) -> f64 {
     } else if square * dt * dt > 1e-8 {
         (1.0 - reached) / square
     } else {
-        // A free body under drag; here γdt is small too.
+        // A free body under drag; γdt is small here too.
         let fall = 2.0 * damping * dt;
         dt * dt * (0.5 - fall / 6.0 + fall * fall / 24.0)
     }
@@ -131,7 +131,7 @@ impl Propagator {
         self.factors.iter().map(|factors| factors.capacity() * size_of::<f32>()).sum()
     }
 
-    /// Advances all modes, under a force or none.
+    /// Advances all modes, with or without a force.
     pub(crate) fn apply(&self, a: &mut [f32], b: &mut [f32], force: Option<&[f32]>) {
         const LENGTH: usize = 1 << 13;
         let chunks = a.par_chunks_mut(LENGTH).zip(b.par_chunks_mut(LENGTH));

@@ -9,17 +9,18 @@ use super::{Basin, Boundary, Burst, Combine, LITERAL_HZ, Mixing, Motion, Shape, 
 /// All fields of a sea at one time, row by row.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reference {
-    /// Heights in meters.
+    /// Heights, in meters.
     pub height: Vec<f64>,
     /// The rift.
     pub rift: Vec<f64>,
-    /// Weight of the drift coordinates, and its products with cosine and sine of the angle along and of that across.
+    /// Weight of the drift coordinates, and its products with cosine and sine of the angle along the path and of the
+    /// angle across.
     pub drift: [Vec<f64>; 5],
 }
 
-/// The fields at a time, from rest, without any jump; those that are not wanted are 0.
+/// Returns the fields at a time, from rest, without any jump; fields that are not wanted are 0.
 ///
-/// Costs cells × (columns + rows) + cells × bursts for each step: for small seas.
+/// Costs cells × (columns + rows) + cells × bursts for each step, so it suits only small seas.
 pub fn frame(sea: &ToonSea, time: f64, wanted: Wanted) -> Reference {
     let cells = sea.basin.cells();
     let zero = || vec![0.0; cells];
@@ -39,7 +40,7 @@ pub fn frame(sea: &ToonSea, time: f64, wanted: Wanted) -> Reference {
     state
 }
 
-/// A stretch of time, so many seconds long.
+/// An interval of time, in seconds.
 struct Stretch<'a> {
     sea: &'a ToonSea,
     seconds: f64,
@@ -53,16 +54,16 @@ struct Passing<'a> {
     center: [f64; 2],
     /// Cosine and sine of its heading.
     heading: [f64; 2],
-    /// What the fade leaves.
+    /// Share of the height that the fade leaves.
     left: f64,
     /// Turns of its drift lines.
     turns: f64,
-    /// How far from its center it does anything at all.
+    /// Distance from its center within which it has any effect.
     reach: f64,
 }
 
 impl<'a> Passing<'a> {
-    /// Those that are active.
+    /// Returns the bursts that are active.
     fn all(sea: &'a ToonSea, time: f64) -> Vec<Self> {
         let passing = |burst: &'a Burst| {
             let spline = Spline(burst.path);
@@ -81,14 +82,14 @@ impl<'a> Passing<'a> {
                 heading: spline.heading(progress),
                 left: burst.left(progress),
                 turns: drift.along(lap, progress, &spline.lengths()),
-                // Rounding must not cut what is all but 0.
+                // Rounding must not cut off values that are nearly 0.
                 reach: (1.0 + 1e-9) * raised.max(drawn).max(rift.distance),
             }
         };
         sea.bursts.iter().filter(|burst| burst.is_active(time)).map(passing).collect()
     }
 
-    /// Whether it may do anything at a place.
+    /// Returns whether it may have an effect at a position.
     fn reaches(&self, [x, z]: [f64; 2]) -> bool {
         let (dx, dz) = (x - self.center[0], z - self.center[1]);
         dx * dx + dz * dz <= self.reach * self.reach
@@ -96,7 +97,7 @@ impl<'a> Passing<'a> {
 }
 
 impl Stretch<'_> {
-    /// Lets it pass, under the bursts of its end.
+    /// Lets the interval pass, under the bursts at its end.
     fn pass(&self, time: f64, state: &mut Reference, other: &mut Vec<f64>) {
         let Self { sea, seconds, wanted, .. } = *self;
         let Basin { columns, rows, spacing, .. } = sea.basin;
@@ -121,7 +122,7 @@ impl Stretch<'_> {
     }
 }
 
-/// A stretch of time of a motion, whatever raises the sea: in cells where it is the literal step, else in modes.
+/// The change of heights over an interval, without bursts: in cells if it is the literal step, else in modes.
 pub(crate) struct Advance {
     basin: Basin,
     way: Way,
@@ -148,7 +149,7 @@ impl Advance {
         Self { basin: *basin, way }
     }
 
-    /// Takes heights, and h₋ or the velocity, over the stretch under a constant force.
+    /// Advances heights, and h₋ or the velocity, over the interval under a constant force.
     pub(crate) fn step(&self, force: &[f64], height: &mut Vec<f64>, other: &mut Vec<f64>) {
         match &self.way {
             Way::Cells(mixing) => {
@@ -176,7 +177,7 @@ impl Advance {
     }
 }
 
-/// Mean of the four neighbors.
+/// Returns the mean of the four neighbors.
 fn mean(basin: &Basin, h: &[f64], cell: usize) -> f64 {
     let (columns, rows) = (basin.columns as i64, basin.rows as i64);
     let (x, z) = (cell as i64 % columns, cell as i64 / columns);
@@ -189,7 +190,7 @@ fn mean(basin: &Basin, h: &[f64], cell: usize) -> f64 {
     (at(x - 1, z) + at(x + 1, z) + at(x, z - 1) + at(x, z + 1)) / 4.0
 }
 
-/// Where a place lies along a burst's way, if it is oriented, and across it.
+/// Returns a position relative to a burst, along its heading and across it if it is oriented.
 fn local(passing: &Passing<'_>, [x, z]: [f64; 2], oriented: bool) -> [f64; 2] {
     let [cos, sin] = if oriented { passing.heading } else { [1.0, 0.0] };
     let (dx, dz) = (x - passing.center[0], z - passing.center[1]);
@@ -246,7 +247,7 @@ fn trails(sea: &ToonSea, bursts: &[Passing<'_>], seconds: f64, place: [f64; 2], 
     }
 }
 
-/// The modes of a basin as matrices: `axes[i][k][x]` is the kth function of axis i at x, of unit norm.
+/// The modes of a basin as matrices: `axes[i][k][x]` is the kth function of axis i at x, with unit norm.
 struct Basis {
     size: [usize; 2],
     axes: [Vec<Vec<f64>>; 2],
@@ -289,7 +290,7 @@ impl Basis {
         self.apply(coefficients, &self.axes)
     }
 
-    /// Both axes' sums, each of whose terms stand in their order: `matrices` hold by axis and input what goes to each output.
+    /// Sums along both axes in a fixed order; `matrices` hold, by axis and input, the factors of each output.
     fn apply(&self, values: &[f64], matrices: &[Vec<Vec<f64>>; 2]) -> Vec<f64> {
         let [columns, rows] = self.size;
         let add = |to: &mut [f64], factors: &[f64], factor: f64| {

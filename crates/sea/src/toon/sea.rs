@@ -11,37 +11,38 @@ use super::{Basin, Burst, Drift, Field, LITERAL_HZ, Motion, Rift, Shape, ToonErr
 /// Most bursts of a sea.
 pub const MAX_BURSTS: usize = 1_000_000;
 
-/// What a sea is besides its grid, its motion and its bursts.
+/// Properties of a sea other than its grid, its motion and its bursts.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Behavior {
-    /// The profile of bursts.
+    /// Profile of bursts.
     pub shape: Shape,
-    /// Whether radii are along and across the heading, or along x and z.
+    /// Whether radii are along and across the heading, instead of along x and z.
     pub oriented: bool,
-    /// Share of a burst that a literal step adds; if unset, 1 − c₁ − c₂ of the intended profile, 1 of the literal.
+    /// Share of a burst that a literal step adds; if `None`, 1 − c₁ − c₂ for the intended profile, 1 for the literal
+    /// one.
     pub injection: Option<f64>,
-    /// Steps that the sea has run before time 0.
+    /// Number of steps that the sea has run before time 0.
     pub preroll: u32,
-    /// The trails of foam.
+    /// Trails of foam.
     pub rift: Rift,
-    /// The coordinates of drift lines.
+    /// Coordinates of drift lines.
     pub drift: Drift,
 }
 
 content_key!(Behavior { shape, oriented, injection, preroll, rift, drift });
 
-/// Fields besides the height that a simulation is to keep. What is not asked for is not simulated.
+/// Fields that a simulation keeps in addition to the height. Fields that are not requested are not simulated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Wanted {
-    /// The trails of foam.
+    /// Trails of foam.
     pub rift: bool,
-    /// The coordinates of drift lines.
+    /// Coordinates of drift lines.
     pub drift: bool,
 }
 
 content_key!(Wanted { rift, drift });
 
-/// A toon sea: what there is to know of it at all times.
+/// A toon sea: its complete description for all times.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ToonSea {
     pub(crate) basin: Basin,
@@ -54,7 +55,7 @@ pub struct ToonSea {
 
 content_key!(ToonSea { basin, motion, behavior, bursts, lengths });
 
-/// Buffers of a step, kept for their memory.
+/// Scratch buffers of a step, kept to reuse their memory.
 #[derive(Clone, Debug, Default)]
 pub struct Scratch {
     pub(crate) stamps: Vec<Stamp>,
@@ -68,10 +69,10 @@ impl Scratch {
 }
 
 impl ToonSea {
-    /// A sea that is stable and within bounds.
+    /// Makes a sea that is stable and within bounds.
     ///
     /// # Errors
-    /// A number is out of range, or the motion is unstable: then with the nearest one that is not.
+    /// A number is out of range, or the motion is unstable; the latter error includes the nearest stable motion.
     pub fn new(basin: Basin, motion: Motion, behavior: Behavior, bursts: Vec<Burst>) -> Result<Self, ToonError> {
         basin.validate()?;
         motion.validate(&basin)?;
@@ -85,22 +86,22 @@ impl ToonSea {
         Ok(Self { basin, motion, behavior, bursts, lengths: Vec::new() })
     }
 
-    /// The grid.
+    /// Returns the grid.
     pub fn basin(&self) -> &Basin {
         &self.basin
     }
 
-    /// How heights move.
+    /// Returns how heights move.
     pub fn motion(&self) -> &Motion {
         &self.motion
     }
 
-    /// What it is besides its grid, its motion and its bursts.
+    /// Returns its properties other than its grid, its motion and its bursts.
     pub fn behavior(&self) -> &Behavior {
         &self.behavior
     }
 
-    /// The bursts.
+    /// Returns the bursts.
     pub fn bursts(&self) -> &[Burst] {
         &self.bursts
     }
@@ -113,11 +114,11 @@ impl ToonSea {
         sea
     }
 
-    /// Adds the bursts of one time to a field as a literal step does, and, if `rift` is of the basin's size, lets them
-    /// leave their trails in it. With [`Field::step`], in either order, this is a literal step in parts.
+    /// Adds the bursts of one time to a field, as a literal step does, and lets them leave their trails in `rift` if
+    /// it has the basin's size. Together with [`Field::step`], in either order, this is a literal step in parts.
     ///
     /// # Panics
-    /// The field is not of the basin's size.
+    /// The field does not have the basin's size.
     pub fn inject(&self, time: f64, field: &mut Field, rift: &mut [f32], scratch: &mut Scratch) {
         assert_eq!(field.height.len(), self.basin.cells(), "the field is of the basin's size");
         let wanted = Wanted { rift: rift.len() == self.basin.cells(), drift: false };
@@ -132,7 +133,7 @@ impl ToonSea {
         );
     }
 
-    /// Share of a burst that goes into the force of a step.
+    /// Returns the share of a burst that goes into the force of a step.
     pub(crate) fn injection(&self) -> f64 {
         match (self.behavior.injection, self.motion, self.behavior.shape) {
             (Some(injection), ..) => injection,
@@ -190,14 +191,14 @@ impl ToonSea {
         scratch.splat.add(&scratch.stamps, shape, self.basin.columns, self.basin.rows, targets);
     }
 
-    /// Seconds at which step k stands.
+    /// Returns the time of step k, in seconds.
     pub(crate) fn time_of(&self, step: u64) -> f64 {
         (step as f64 - f64::from(self.behavior.preroll)) / self.motion.rate()
     }
 
-    /// The last step up to a time, and the seconds from there on; none before the sea began.
+    /// Returns the last step up to a time, and the seconds since then; step 0 before the sea began.
     pub(crate) fn step_at(&self, time: f64) -> (u64, f64) {
-        // A frame's time is a quotient: a millionth of a step is rounding.
+        // A frame's time is a quotient, so a millionth of a step is rounding.
         const ROUNDING: f64 = 1e-6;
         let exact = time * self.motion.rate() + f64::from(self.behavior.preroll);
         let step = (exact + ROUNDING).floor().max(0.0);
@@ -206,7 +207,7 @@ impl ToonSea {
         (step as u64, if part > ROUNDING && !literal { part / self.motion.rate() } else { 0.0 })
     }
 
-    /// The first step, not before step 1, that does not lie before a time.
+    /// Returns the first step, from step 1 on, that is not before a time.
     fn first_step(&self, time: f64) -> u64 {
         if time == f64::INFINITY {
             return u64::MAX;
@@ -222,14 +223,15 @@ impl ToonSea {
         }
     }
 
-    /// How many steps have bursts up to a time in seconds: between those, time passes at once.
+    /// Returns the number of steps with bursts up to a time in seconds; the time between them is covered by single
+    /// jumps.
     pub fn steps_to(&self, time: f64) -> u64 {
         let (last, _) = self.step_at(time);
         let within = |[start, end]: [u64; 2]| end.min(last.saturating_add(1)).saturating_sub(start);
         self.forced().into_iter().map(within).sum()
     }
 
-    /// Spans of steps at which some burst is there, in order and apart.
+    /// Returns the spans of steps at which some burst is active, in order and disjoint.
     pub(crate) fn forced(&self) -> Vec<[u64; 2]> {
         let mut spans: Vec<[u64; 2]> =
             self.bursts.iter().map(|burst| burst.active.map(|time| self.first_step(time))).collect();

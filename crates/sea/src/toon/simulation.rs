@@ -4,32 +4,32 @@ use super::splat::DRIFTS;
 use super::trail::decayed;
 use super::{Field, LITERAL_HZ, Mixing, Motion, Scratch, ToonSea, Wanted};
 
-/// Propagators kept, by the seconds that they span: that of a step, and those of the parts that frames end in.
+/// Number of propagators kept, by their seconds: that of a step, and those of the parts in which frames end.
 const PROPAGATORS: usize = 4;
 
-/// Steps without bursts from which on a jump costs less.
+/// Number of steps without bursts from which a jump costs less.
 const WORTH_A_JUMP: u64 = 64;
 
-/// A toon sea on its way through time.
+/// A toon sea that is stepped through time.
 ///
-/// It keeps the state at its last step, so that frame after frame costs only the steps between. A frame is reached from
-/// there by one part of a step, and a stretch without bursts by one jump from its beginning, of which nothing is kept:
-/// so a frame does not depend on those shown before it. Going back starts anew.
+/// It keeps the state at its last step, so that each new frame costs only the steps in between. A frame is reached
+/// from there by one partial step, and an interval without bursts by one jump from its start; neither result is kept.
+/// A frame therefore does not depend on the frames shown before it. Going back in time starts over.
 #[derive(Clone)]
 pub struct Simulation {
     sea: ToonSea,
     wanted: Wanted,
-    /// Whether heights are kept; trails need none.
+    /// Whether heights are kept; trails do not need them.
     heights: bool,
     /// Spans of steps with bursts.
     forced: Vec<[u64; 2]>,
-    /// The step at which `state` stands: one with bursts, or 0. Of a literal sea, any.
+    /// Step of `state`: one with bursts, or 0. For a literal sea, any step.
     step: u64,
     state: State,
     shown: State,
     modes: Option<Modes>,
-    /// Coefficients of the recurrence, where a step is a literal one: it costs a pass over the cells, a step in modes
-    /// three transforms.
+    /// Coefficients of the recurrence, if a step is a literal one: that costs one pass over the cells, while a step
+    /// in modes costs three transforms.
     recurrence: Option<Mixing>,
     propagators: Vec<(u64, Propagator)>,
     force: Vec<f32>,
@@ -38,10 +38,10 @@ pub struct Simulation {
     scratch: Scratch,
 }
 
-/// What a sea remembers.
+/// State of a sea.
 #[derive(Clone, Debug, Default)]
 struct State {
-    /// h and h₋ cell by cell where steps are the recurrence's own, or the two numbers of each mode.
+    /// h and h₋ by cell if steps use the recurrence itself, or the two numbers of each mode.
     a: Vec<f32>,
     b: Vec<f32>,
     rift: Vec<f32>,
@@ -57,18 +57,18 @@ impl State {
 /// Fields of a sea at one time, row by row.
 #[derive(Clone, Copy, Debug)]
 pub struct ToonFrame<'a> {
-    /// Heights in meters; empty of trails alone.
+    /// Heights, in meters; empty if only trails are simulated.
     pub height: &'a [f32],
-    /// The rift; empty where it is not wanted.
+    /// The rift; empty if not wanted.
     pub rift: &'a [f32],
-    /// Coordinates of drift lines; empty where they are not wanted.
+    /// Coordinates of drift lines; empty if not wanted.
     pub drift: Drifted<'a>,
 }
 
 /// Phases of drift lines: see [`Drift`](super::Drift). Each component is a sum with the weight.
 #[derive(Clone, Copy, Debug)]
 pub struct Drifted<'a> {
-    /// Weight w: how lately and how closely bursts have passed.
+    /// Weight w: how recently and how closely bursts have passed.
     pub weight: &'a [f32],
     /// w·(cos, sin) of the angle along the paths.
     pub along: [&'a [f32]; 2],
@@ -77,13 +77,13 @@ pub struct Drifted<'a> {
 }
 
 impl ToonSea {
-    /// The sea at rest, ready to be walked through time.
+    /// Returns the sea at rest, ready to be stepped through time.
     pub fn simulate(&self, wanted: Wanted) -> Simulation {
         Simulation::new(self.with_lengths(wanted), wanted, true)
     }
 
-    /// The same without heights: trails come from bursts alone, and are the same bits. So they can be left until
-    /// somebody asks for them.
+    /// Does the same without heights: trails depend only on bursts, and have the same bits. Trails can therefore be
+    /// computed only when needed.
     pub fn simulate_trails(&self, wanted: Wanted) -> Simulation {
         Simulation::new(self.with_lengths(wanted), wanted, false)
     }
@@ -120,12 +120,12 @@ impl Simulation {
         simulation
     }
 
-    /// The sea that is simulated.
+    /// Returns the sea that is simulated.
     pub fn sea(&self) -> &ToonSea {
         &self.sea
     }
 
-    /// Bytes held: fields, and what is kept for their next step.
+    /// Returns the number of bytes held: fields, and the data kept for their next step.
     pub fn bytes(&self) -> usize {
         let fields = [&self.force, &self.coefficients, &self.height];
         let fields: usize =
@@ -134,7 +134,7 @@ impl Simulation {
         fields * size_of::<f32>() + propagators + self.scratch.bytes()
     }
 
-    /// The fields at a time in seconds; the sea at rest before its preroll.
+    /// Returns the fields at a time in seconds; the sea is at rest before its preroll.
     pub fn at(&mut self, time: f64) -> ToonFrame<'_> {
         self.reach(time, &|| false);
         let (step, part) = self.sea.step_at(time);
@@ -171,8 +171,8 @@ impl Simulation {
         self.frame(true)
     }
 
-    /// Takes the steps to a time in seconds, unless told to stop between two of them: then it says false, and goes on from
-    /// there another time.
+    /// Takes the steps to a time in seconds, unless told to stop between two of them: then it returns false, and
+    /// continues from there at the next call.
     pub fn reach(&mut self, time: f64, stop: &dyn Fn() -> bool) -> bool {
         let (step, _) = self.sea.step_at(time);
         if step < self.step {
@@ -203,7 +203,7 @@ impl Simulation {
         self.state.drift.iter_mut().for_each(|values| field(self.wanted.drift, values));
     }
 
-    /// Takes every step with bursts up to `step`, and jumps between their spans. False if it was stopped.
+    /// Takes every step with bursts up to `step`, and jumps between their spans. Returns false if it was stopped.
     fn advance(&mut self, step: u64, stop: &dyn Fn() -> bool) -> bool {
         let rate = self.sea.motion.rate();
         while self.step < step {
@@ -242,7 +242,7 @@ impl Simulation {
         true
     }
 
-    /// From cells to modes, both fields of a state.
+    /// Transforms both fields of a state from cells to modes.
     fn to_modes(modes: Option<&Modes>, state: &mut State, coefficients: &mut Vec<f32>) {
         let Some(modes) = modes else { return };
         for field in [&mut state.a, &mut state.b] {
@@ -251,7 +251,7 @@ impl Simulation {
         }
     }
 
-    /// And back.
+    /// Transforms both fields of a state back to cells.
     fn to_cells(modes: Option<&Modes>, state: &mut State, field: &mut Vec<f32>) {
         let Some(modes) = modes else { return };
         for coefficients in [&mut state.a, &mut state.b] {
@@ -275,7 +275,7 @@ impl Simulation {
         (self.state.a, self.state.b) = (field.height, field.before);
     }
 
-    /// Advances state, or what is shown, over seconds that end at a time, under its bursts.
+    /// Advances the state, or the shown state, over seconds that end at a time, under its bursts.
     fn forced_step(&mut self, time: f64, seconds: f64, shown: bool) {
         self.propagator(seconds);
         let state = if shown { &mut self.shown } else { &mut self.state };
@@ -289,7 +289,7 @@ impl Simulation {
         }
     }
 
-    /// The same without bursts.
+    /// Does the same without bursts.
     fn jump(&mut self, seconds: f64, shown: bool) {
         self.propagator(seconds);
         let state = if shown { &mut self.shown } else { &mut self.state };
@@ -305,7 +305,7 @@ impl Simulation {
         state.drift.iter_mut().for_each(|values| fade(values, self.sea.behavior.drift.decay));
     }
 
-    /// Puts the propagator over these seconds first.
+    /// Moves the propagator over these seconds to the front.
     fn propagator(&mut self, seconds: f64) {
         let Some(modes) = &self.modes else { return };
         let key = seconds.to_bits();
@@ -317,7 +317,7 @@ impl Simulation {
         self.propagators[..=place].rotate_right(1);
     }
 
-    /// From coefficients to heights.
+    /// Transforms coefficients to heights.
     fn show(&mut self) {
         if let Some(modes) = &self.modes {
             modes.backward(&mut self.coefficients, &mut self.height);

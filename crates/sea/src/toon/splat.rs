@@ -1,4 +1,4 @@
-//! Adds bursts to fields, tile by tile: cost goes with the area that they cover.
+//! Adds bursts to fields, tile by tile: the cost is proportional to the area that they cover.
 
 use std::f32::consts::{PI, TAU};
 
@@ -9,18 +9,18 @@ use crate::kernel::sincos_turns;
 
 use super::{Combine, Shape};
 
-/// Cells of a tile: what a thread works on stays in the nearest cache.
+/// Size of a tile in cells: the data of a thread stay in the nearest cache.
 const TILE_COLUMNS: usize = 64;
 const TILE_ROWS: usize = 32;
 const TILE: usize = TILE_COLUMNS * TILE_ROWS;
 const LANES: usize = 16;
-/// Fields of drift: weight, cosine and sine along, cosine and sine across.
+/// Number of drift fields: weight, cosine and sine along, cosine and sine across.
 pub(crate) const DRIFTS: usize = 5;
-/// Turns beyond which an angle is none any more.
+/// Number of turns beyond which an angle has no precision left.
 const MOST_TURNS: f32 = 1_048_576.0;
 const LANE: [f32; LANES] = [0., 1., 2., 3., 4., 5., 6., 7., 8., 9., 10., 11., 12., 13., 14., 15.];
 
-/// Below this, values count as 0: what dies away would end in subnormal numbers, which are slow.
+/// Values below this count as 0; decaying values would otherwise become subnormal numbers, which are slow.
 pub(crate) const FLUSH: f32 = 1e-30;
 
 /// 1 + cos(π√(1−v)) = v²·q(v): the coefficients of q, minimax on 0…1, v²·q to 1.8e-8.
@@ -32,7 +32,7 @@ const SIN_1: f32 = 0.841_470_96;
 /// One burst at one time, in cells.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Stamp {
-    /// Where it stands.
+    /// Position.
     pub(crate) place: [f64; 2],
     /// Coefficients of x², 2xz, z² in the square of the distance, which is 1 where the profile ends.
     pub(crate) form: [f32; 3],
@@ -47,15 +47,15 @@ pub(crate) struct Stamp {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct DriftStamp {
     pub(crate) heading: [f32; 2],
-    /// Inverse radii along and across, 1/cells.
+    /// Inverse radii along and across, in 1/cells.
     pub(crate) inverse: [f32; 2],
-    /// Turns a cell.
+    /// Turns per cell.
     pub(crate) turns: f32,
-    /// How far the burst has come, its lane, in turns.
+    /// Distance that the burst has come, and its lane, in turns.
     pub(crate) along: f32,
     pub(crate) lane: f32,
     pub(crate) lag: f32,
-    /// Square of the cells over which the lag is rounded off.
+    /// Square of the distance in cells over which the lag is rounded off.
     pub(crate) soft: f32,
     pub(crate) weight: f32,
 }
@@ -64,16 +64,16 @@ pub(crate) struct DriftStamp {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct RiftStep {
     pub(crate) combine: Combine,
-    /// Cells.
+    /// Distance, in cells.
     pub(crate) distance: f32,
-    /// What is added for each cell of d − m.
+    /// Amount that is added for each cell of d − m.
     pub(crate) gain: f32,
-    /// What is left of the sum.
+    /// Share of the sum that is left.
     pub(crate) left: f32,
 }
 
-/// How a step adds to drift coordinates: what it adds, what is left of the sum before, and what each unit of weight
-/// renews.
+/// How a step adds to drift coordinates: the amount that it adds, the share of the previous sum that is left, and the
+/// share that each unit of weight renews.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct DriftStep {
     pub(crate) gain: f32,
@@ -81,7 +81,7 @@ pub(crate) struct DriftStep {
     pub(crate) renewal: f32,
 }
 
-/// Bins of bursts, kept from step to step for their memory.
+/// Bins of bursts, kept from step to step to reuse their memory.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Splat {
     starts: Vec<u32>,
@@ -96,7 +96,7 @@ impl Splat {
     }
 }
 
-/// The fields of a step: those without cells are not touched.
+/// Fields of a step; empty fields are not touched.
 pub(crate) struct Targets<'a> {
     /// Heights, and the factor of what is added to them.
     pub(crate) height: &'a mut [f32],
@@ -108,7 +108,7 @@ pub(crate) struct Targets<'a> {
     pub(crate) drift_step: Option<DriftStep>,
 }
 
-/// Buffers of one tile.
+/// Scratch buffers of one tile.
 struct Tile {
     height: [f32; TILE],
     /// The sum of d − m, or the least m².
@@ -116,7 +116,7 @@ struct Tile {
     drift: [[f32; TILE]; DRIFTS],
 }
 
-/// Where a tile lies.
+/// Position of a tile.
 #[derive(Clone, Copy)]
 struct TilePlace {
     column: usize,
@@ -125,11 +125,11 @@ struct TilePlace {
 }
 
 impl Splat {
-    /// Adds bursts to the fields of a grid, each cell in the order of the bursts.
+    /// Adds bursts to the fields of a grid, in each cell in the order of the bursts.
     pub(crate) fn add(&mut self, stamps: &[Stamp], shape: Shape, columns: usize, rows: usize, targets: Targets<'_>) {
         let across = columns.div_ceil(TILE_COLUMNS);
         self.bin(stamps, across, [columns, rows]);
-        // The printed profile is the same far away: a constant, and what differs from it within the radius.
+        // Far away the printed profile is constant; bursts add the difference from it within their radius.
         let far = match shape {
             Shape::Intended => 0.0,
             Shape::Literal => -f64::from(COS_1) * stamps.iter().map(|stamp| f64::from(stamp.factor)).sum::<f64>(),
@@ -174,7 +174,7 @@ impl Splat {
             let range = |axis: usize, cells: usize, tile: usize| {
                 let low = (stamp.place[axis] - stamp.reach[axis]).ceil().max(0.0);
                 let high = (stamp.place[axis] + stamp.reach[axis]).floor().min(cells as f64 - 1.0);
-                // An empty range where nothing is touched.
+                // An empty range if no tile is touched.
                 if low <= high { [low as u32 / tile as u32, high as u32 / tile as u32 + 1] } else { [0, 0] }
             };
             let ([x0, x1], [y0, y1]) = (range(0, columns, TILE_COLUMNS), range(1, rows, TILE_ROWS));
@@ -199,26 +199,26 @@ impl Splat {
                 }
             }
         }
-        // Each start has moved to its bin's end, which is the next one's start.
+        // Each start has moved to its bin's end, which is the next bin's start.
         self.starts.rotate_right(1);
         self.starts[0] = 0;
     }
 }
 
-/// The rows of a field that a row of tiles covers.
+/// Rows of a field that a row of tiles covers.
 struct Band<'a> {
     height: &'a mut [f32],
     rift: &'a mut [f32],
     drift: [&'a mut [f32]; DRIFTS],
 }
 
-/// What one tile is made from.
+/// Inputs of one tile.
 #[derive(Clone, Copy)]
 struct Step<'a> {
     stamps: &'a [Stamp],
     members: &'a [u32],
     shape: Shape,
-    /// What is added everywhere.
+    /// Amount that is added everywhere.
     base: f32,
     gain: f32,
     rift: Option<RiftStep>,
@@ -269,7 +269,7 @@ impl Step<'_> {
         self.store(place, columns, tile, band);
     }
 
-    /// Rows and vectors of the tile that a burst touches, and where it stands in the tile.
+    /// Returns the rows and vectors of the tile that a burst touches, and its position in the tile.
     #[inline(always)]
     fn window(stamp: &Stamp, place: TilePlace) -> ([usize; 2], [usize; 2], [f32; 2]) {
         let x = stamp.place[0] - place.column as f64;
@@ -336,7 +336,7 @@ impl Step<'_> {
     fn drifts<S: Simd>(&self, simd: S, place: TilePlace, tile: &mut Tile) {
         let lane = f32x16::from_slice(simd, &LANE);
         let zero = f32x16::splat(simd, 0.0);
-        // Not a closure: those are compiled for the plainest processor, and every operation in them is a call.
+        // Not a closure, which would be compiled without the instruction set, with a call for every operation.
         #[inline(always)]
         fn angle<S: Simd>(turns: f32x16<S>) -> (f32x16<S>, f32x16<S>) {
             sincos_turns(turns.max(f32x16::splat(turns.simd, -MOST_TURNS)).min(f32x16::splat(turns.simd, MOST_TURNS)))
@@ -379,7 +379,7 @@ impl Step<'_> {
             let at = row * columns + place.column;
             let sums = row * TILE_COLUMNS..row * TILE_COLUMNS + width;
             if band.height.is_empty() {
-                // Trails alone.
+                // Only trails are simulated.
             } else if touched {
                 for (height, &sum) in band.height[at..at + width].iter_mut().zip(&tile.height[sums.clone()]) {
                     *height += self.gain * sum;

@@ -1,4 +1,4 @@
-/// Pieces of the table of arc lengths; between its entries lengths are linear.
+/// Number of pieces in the table of arc lengths; lengths are linear between its entries.
 const PIECES: usize = 256;
 
 /// A cubic Bézier curve in the plane.
@@ -6,18 +6,19 @@ const PIECES: usize = 256;
 pub(crate) struct Spline(pub(crate) [[f64; 2]; 4]);
 
 impl Spline {
-    /// The point at t in 0…1: Σ Bᵢ(t)·Pᵢ.
+    /// Returns the point at t in 0…1: Σ Bᵢ(t)·Pᵢ.
     pub(crate) fn point(&self, t: f64) -> [f64; 2] {
         let s = 1.0 - t;
         let weights = [s * s * s, 3.0 * s * s * t, 3.0 * s * t * t, t * t * t];
         self.sum(weights)
     }
 
-    /// Unit direction of travel at t; +X where the curve stands still and has no direction at all.
+    /// Returns the unit direction of travel at t; +X if the curve is a single point without direction.
     pub(crate) fn heading(&self, t: f64) -> [f64; 2] {
         let s = 1.0 - t;
         let first = self.sum([-s * s, s * (s - 2.0 * t), t * (2.0 * s - t), t * t]);
-        // Where the first derivative vanishes, as with doubled end points, the curve leaves along the second one.
+        // Where the first derivative vanishes, as with doubled end points, the curve leaves along the second
+        // derivative.
         let second = self.sum([s, t - 2.0 * s, s - 2.0 * t, t]);
         let sign = if t > 0.5 { -1.0 } else { 1.0 };
         let size = self.0.iter().flatten().fold(0.0, |size: f64, value| size.max(value.abs()));
@@ -39,7 +40,7 @@ impl Spline {
         })
     }
 
-    /// Length of the curve from its start to t = i/256, for each i.
+    /// Returns the length of the curve from its start to t = i/256, for each i.
     pub(crate) fn lengths(&self) -> Vec<f64> {
         let mut lengths = Vec::with_capacity(PIECES + 1);
         let (mut sum, mut last) = (0.0, self.point(0.0));
@@ -54,7 +55,7 @@ impl Spline {
     }
 }
 
-/// Length up to t by a curve's table.
+/// Returns the length up to t from a curve's table.
 pub(crate) fn length_at(lengths: &[f64], t: f64) -> f64 {
     let place = t * PIECES as f64;
     let index = (place as usize).min(PIECES - 1);

@@ -1,29 +1,29 @@
-//! What theory says of a motion before anything is stepped: eigenvalues, growth, the region of the stable.
+//! Predicts a motion's behavior before anything is stepped: eigenvalues, growth, and the stable region.
 
 use std::f64::consts::LN_2;
 
 use super::{Basin, Instability, LITERAL_HZ, Mixing, Motion, Physics};
 
-/// What theory says of a motion on a grid.
+/// Theoretical behavior of a motion on a grid.
 ///
-/// Each mode of the recurrence obeys g² − b·g + c₁ = 0 with b = 2c₁λ + c₂, each of the wave equation
-/// s² + 2γs + ω² = 0, g = eˢᵈᵗ. [`Probe`](super::Probe) measures the same without these formulas.
+/// Each mode of the recurrence obeys g² − b·g + c₁ = 0 with b = 2c₁λ + c₂; each mode of the wave equation obeys s² +
+/// 2γs + ω² = 0, g = eˢᵈᵗ. [`Probe`](super::Probe) measures the same without these formulas.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Forecast {
     /// Least and greatest eigenvalue λ of the mean of four neighbors, exactly.
     pub eigenvalues: [f64; 2],
-    /// Greatest factor by which a mode grows in a step of the motion: the spectral radius. Below 1 everything dies away.
+    /// Largest factor by which a mode grows in a step of the motion: the spectral radius. Below 1 everything decays.
     pub radius: f64,
     /// Whether every mode stays bounded.
     pub bounded: bool,
-    /// Steps after which half of the slowest mode is left; infinite where it stays or grows.
+    /// Number of steps after which half of the slowest mode is left; infinite if it stays or grows.
     pub half_life: f64,
-    /// c·dt/dx, what waves cross in a step, in cells; none where c₁ < 0, which is no wave.
+    /// c·dt/dx, the number of cells that waves cross per step; `None` if c₁ < 0, which gives no waves.
     pub stiffness: Option<f64>,
 }
 
 impl Forecast {
-    /// The forecast of a motion, stable or not.
+    /// Returns the forecast of a motion, stable or not.
     pub fn new(motion: &Motion, basin: &Basin) -> Self {
         let gaps = basin.gaps();
         let seconds = 1.0 / motion.rate();
@@ -44,7 +44,7 @@ impl Forecast {
                     let slow = if detuning > 0.0 { -square / (damping + libm::sqrt(detuning)) } else { -damping };
                     libm::exp(slow * seconds)
                 };
-                // A mode without any force and without drag goes on for ever as it was pushed.
+                // A mode without any restoring force and without drag keeps moving as it was pushed.
                 let free = gaps[0] * speed == 0.0 && frequency == 0.0 && damping == 0.0;
                 (ends(&radius), !free, Some(speed * seconds / basin.spacing))
             }
@@ -55,8 +55,8 @@ impl Forecast {
 }
 
 impl Mixing {
-    /// Corners of the stable region of the plane (c₁, c₂) on a grid, one after the other around it. Its sides belong to
-    /// it but for c₁ = 1, where a mode may have a double root.
+    /// Returns the corners of the stable region of the plane (c₁, c₂) on a grid, in order around it. Its sides belong
+    /// to it except for c₁ = 1, where a mode may have a double root.
     pub fn stable_region(basin: &Basin) -> Vec<[f64; 2]> {
         let sides = sides(basin.gaps());
         let mut corners: Vec<[f64; 2]> = Vec::new();
@@ -69,19 +69,20 @@ impl Mixing {
                 }
             }
         }
-        // (0, 0) lies inside whatever the grid.
+        // (0, 0) is inside for every grid.
         corners.sort_by(|a, b| libm::atan2(a[1], a[0]).total_cmp(&libm::atan2(b[1], b[0])));
         corners
     }
 
-    /// Distance to the nearest side of the stable region in the plane (c₁, c₂): how much may change in the worst
-    /// direction; negative outside.
+    /// Returns the distance to the nearest side of the stable region in the plane (c₁, c₂): the allowed change in the
+    /// worst direction; negative outside.
     pub fn margin(self, basin: &Basin) -> f64 {
         let distance = |side: &HalfPlane| side.inside([self.c1, self.c2]) / libm::hypot(side.normal[0], side.normal[1]);
         sides(basin.gaps()).iter().map(distance).fold(f64::INFINITY, f64::min)
     }
 
-    /// How far each coefficient may go while the other stays: [c₁ from, to], [c₂ from, to]. Of a stable mixing.
+    /// Returns how far each coefficient of a stable mixing may change while the other stays: [c₁ from, to], [c₂ from,
+    /// to].
     pub fn limits(self, basin: &Basin) -> [[f64; 2]; 2] {
         let found = [self.c1, self.c2];
         std::array::from_fn(|axis| {
@@ -99,8 +100,8 @@ impl Mixing {
         })
     }
 
-    /// The wave equation of which a step of 1/60 s is this mixing in the continuum: γ·dt = (1−c₁)/(1+c₁),
-    /// c·dt/dx = √(c₁/(1+c₁)), (ω₀·dt)² = 2(1−c₁−c₂)/(1+c₁); nearest where c₁ < 0, which is no wave.
+    /// Returns the wave equation whose step of 1/60 s is this mixing in the continuum: γ·dt = (1−c₁)/(1+c₁),
+    /// c·dt/dx = √(c₁/(1+c₁)), (ω₀·dt)² = 2(1−c₁−c₂)/(1+c₁). c₁ is clamped to [0, 1], since c₁ < 0 gives no waves.
     pub fn continuum(self, spacing: f64) -> Physics {
         let c1 = self.c1.clamp(0.0, 1.0);
         let over = 1.0 + c1;
@@ -113,15 +114,15 @@ impl Mixing {
     }
 }
 
-/// Rounding of 1 − c₁ − c₂ where the decimals sum to 1: a mode this far beyond grows by 1e-15 a step.
+/// Rounding of 1 − c₁ − c₂ if the decimals sum to 1: a mode this far beyond grows by 1e-15 per step.
 const SLACK: f64 = 1e-15;
-/// How far inside the stable region the proposal lies, so that four decimals keep it there.
+/// Distance of the proposal from the edge of the stable region, so that rounding to four decimals keeps it inside.
 const INSIDE: f64 = 1e-4;
 
 impl Instability {
-    /// Whether every mode of the basin stays bounded: each obeys g² − b·g + c₁ = 0, b = 2c₁λ + c₂, so that
-    /// |c₁| ≤ 1 and |b| ≤ 1 + c₁ for its every λ, without a double root on |g| = 1 (Jury's criterion). b is linear in
-    /// λ: the two ends decide.
+    /// Checks that every mode of the basin stays bounded: each obeys g² − b·g + c₁ = 0, b = 2c₁λ + c₂, so that
+    /// |c₁| ≤ 1 and |b| ≤ 1 + c₁ must hold for each λ, without a double root on |g| = 1 (Jury's criterion). b is
+    /// linear in λ, so the two ends of the spectrum decide.
     ///
     /// # Errors
     /// The instability, with the nearest stable coefficients.
@@ -138,14 +139,14 @@ impl Instability {
     }
 }
 
-/// A line in the plane of the coefficients: `normal`·(c₁, c₂) ≤ `limit` holds inside.
+/// A half plane of the coefficients: `normal`·(c₁, c₂) ≤ `limit` holds inside.
 struct HalfPlane {
     normal: [f64; 2],
     limit: f64,
 }
 
 impl HalfPlane {
-    /// Where two lines cross, unless they are parallel.
+    /// Returns where two lines cross, unless they are parallel.
     fn meets(&self, other: &Self) -> Option<[f64; 2]> {
         let (a, b) = (self, other);
         let determinant = a.normal[0] * b.normal[1] - a.normal[1] * b.normal[0];
@@ -162,14 +163,14 @@ impl HalfPlane {
     }
 }
 
-/// b ≤ 1 + c₁ and −b ≤ 1 + c₁ at both ends of the spectrum.
+/// Returns b ≤ 1 + c₁ and −b ≤ 1 + c₁ at both ends of the spectrum.
 fn planes(gaps: [f64; 2]) -> [HalfPlane; 4] {
     let upper = |gap: f64| HalfPlane { normal: [1.0 - 2.0 * gap, 1.0], limit: 1.0 };
     let lower = |gap: f64| HalfPlane { normal: [2.0 * gap - 3.0, -1.0], limit: 1.0 };
     [upper(gaps[0]), upper(gaps[1]), lower(gaps[0]), lower(gaps[1])]
 }
 
-/// All sides of the stable region: those, and |c₁| ≤ 1.
+/// Returns all sides of the stable region: these, and |c₁| ≤ 1.
 fn sides(gaps: [f64; 2]) -> Vec<HalfPlane> {
     let mut sides: Vec<HalfPlane> = planes(gaps).into();
     sides.extend([1.0, -1.0].map(|sign| HalfPlane { normal: [sign, 0.0], limit: 1.0 }));
@@ -180,14 +181,14 @@ fn stable(found: [f64; 2], gaps: [f64; 2], margin: f64) -> bool {
     found[0].abs() <= 1.0 - margin.max(0.0) && planes(gaps).iter().all(|plane| plane.inside(found) >= margin)
 }
 
-/// Greatest |g| of the mode with this 1 − λ.
+/// Returns the largest |g| of the mode with this 1 − λ.
 fn radius([c1, c2]: [f64; 2], gap: f64) -> f64 {
     let half = c1 * (1.0 - gap) + c2 / 2.0;
     let discriminant = half * half - c1;
     if discriminant < 0.0 { libm::sqrt(c1) } else { half.abs() + libm::sqrt(discriminant) }
 }
 
-/// The nearest point of the stable region, which is convex: on one of its sides, or in one of its corners.
+/// Returns the nearest point of the stable region, which is convex: on one of its sides, or in one of its corners.
 fn nearest(found: [f64; 2], gaps: [f64; 2]) -> [f64; 2] {
     let found = found.map(|value| if value.is_finite() { value } else { 0.0 });
     let mut sides = sides(gaps);
@@ -206,6 +207,6 @@ fn nearest(found: [f64; 2], gaps: [f64; 2]) -> [f64; 2] {
         .into_iter()
         .filter(|&point| stable(point, gaps, 3.0 * INSIDE))
         .min_by(|a, b| distance(a).total_cmp(&distance(b)));
-    // The region holds (0, 0) whatever the basin.
+    // The region contains (0, 0) for every basin.
     best.unwrap_or([0.0; 2]).map(|value| (value * 1e4).round() / 1e4)
 }

@@ -5,31 +5,31 @@ use rand_pcg::rand_core::Rng;
 
 use super::Burst;
 
-/// A guide for many bursts: copies beside each other, with Gaussian noise on every parameter.
+/// A guide for many bursts: copies side by side, with Gaussian noise on every parameter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Guide {
-    /// The burst that is copied.
+    /// Burst that is copied.
     pub burst: Burst,
     /// Number of copies.
     pub count: usize,
-    /// Width in meters over which they stand side by side, across the line from the path's start to its end.
+    /// Width in meters over which they are placed side by side, across the line from the path's start to its end.
     pub width: f64,
-    /// Standard deviation of each coordinate of each control point in meters.
+    /// Standard deviation of each coordinate of each control point, in meters.
     pub jitter: f64,
-    /// Standard deviation of offsets in seconds. Small ones make crest lines, large ones single cones.
+    /// Standard deviation of offsets, in seconds. Small values make crest lines, large ones single cones.
     pub jitter_time: f64,
-    /// Standard deviation of durations, peaks and both radii, relative to them.
+    /// Relative standard deviation of durations, peaks and both radii.
     pub jitter_size: f64,
-    /// Which of all such systems.
+    /// Random seed.
     pub seed: u64,
 }
 
-/// Least factor that noise may make of a duration, a peak or a radius.
+/// Least factor by which noise may scale a duration, a peak or a radius.
 const LEAST: f64 = 0.1;
 
 impl Guide {
-    /// The copies, each from random numbers of its own: a larger count adds some and changes none but their places side
-    /// by side.
+    /// Returns the copies, each from its own random numbers: a larger count adds copies and changes only the lateral
+    /// positions of the others.
     pub fn bursts(&self) -> Vec<Burst> {
         let [start, .., end] = self.burst.path;
         let (dx, dz) = (end[0] - start[0], end[1] - start[1]);
@@ -59,7 +59,7 @@ impl Guide {
     }
 }
 
-/// Normal numbers of one index.
+/// Normally distributed numbers of one index.
 struct Noise(Pcg64);
 
 impl Noise {

@@ -3,13 +3,13 @@ use super::spline::length_at;
 use super::{ToonError, ToonFigure};
 use trochoid_key::content_key;
 
-/// How several bursts near a cell share in its rift.
+/// How several bursts near a cell contribute to its rift.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Combine {
     /// Every burst within the distance adds.
     #[default]
     Sum,
-    /// Only the nearest burst counts, as the printed formula has it.
+    /// Only the nearest burst counts, as in the printed formula.
     Nearest,
 }
 
@@ -20,17 +20,17 @@ content_key!(
     }
 );
 
-/// The trail of foam behind bursts: r += k·max(d − m, 0), m the distance from a burst, and r ÷= 1 + ε at every literal
-/// step.
+/// The trail of foam behind bursts: r += k·max(d − m, 0), m the distance from a burst, and r ÷= 1 + ε at every
+/// literal step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rift {
-    /// Distance d from a burst in meters up to which it leaves a trail.
+    /// Distance d from a burst, in meters, up to which it leaves a trail.
     pub distance: f64,
-    /// k: what a literal step adds for each meter.
+    /// k: amount that a literal step adds per meter.
     pub gain: f64,
-    /// ε: what a literal step takes.
+    /// ε: decay per literal step.
     pub decay: f64,
-    /// Several bursts.
+    /// How several bursts are combined.
     pub combine: Combine,
 }
 
@@ -43,12 +43,12 @@ impl Default for Rift {
 }
 
 impl Rift {
-    /// What the rift at a distance from a burst that rests comes to: k(d − m)/ε; infinite without decay.
+    /// Returns the final value of the rift at a distance from a resting burst: k(d − m)/ε; infinite without decay.
     pub fn plateau(&self, distance: f64) -> f64 {
         self.gain * (self.distance - distance).max(0.0) / self.decay
     }
 
-    /// Literal steps after which half is left: ln 2/ln(1 + ε); infinite without decay.
+    /// Returns the number of literal steps after which half is left: ln 2/ln(1 + ε); infinite without decay.
     pub fn half_life(&self) -> f64 {
         std::f64::consts::LN_2 / libm::log1p(self.decay)
     }
@@ -60,8 +60,8 @@ impl Rift {
     }
 }
 
-/// What is left after `steps` literal steps of r ÷= 1 + ε, and how often one step's addition is in it where every step
-/// adds the same: Σ (1+ε)⁻ʲ over j = 1…steps. Any real number of steps.
+/// Returns the share that is left after `steps` literal steps of r ÷= 1 + ε, and the sum of all steps' equal
+/// additions in units of one: Σ (1+ε)⁻ʲ over j = 1…steps. The number of steps may be any real number.
 pub(crate) fn decayed(decay: f64, steps: f64) -> (f64, f64) {
     let rate = libm::log1p(decay);
     let left = libm::exp(-rate * steps);
@@ -71,26 +71,26 @@ pub(crate) fn decayed(decay: f64, steps: f64) -> (f64, f64) {
 
 /// Coordinates for lines that bursts draw behind them.
 ///
-/// Beside the rift every cell keeps a weight and two phases of lines. A burst has two coordinates of the cell in its own
-/// frame: along its path, lagging behind by `lag` for every meter to the side, and across. Each is an angle, a full turn
-/// for every [`Drift::LINES`] lines, and what is kept is the sum of w·(cos, sin), w = (1 − q²)², q the distance from the
-/// burst in an ellipse a little larger than its own. So where bursts agree lines turn and fan out with them and are never
-/// cut; where a burst overtakes a wake of which it knows nothing, angles cancel, and [`spread`] says that no line
-/// can be drawn there.
+/// Besides the rift, every cell keeps a weight and two phases of lines. A burst assigns the cell two coordinates in
+/// its own frame: along its path, lagging behind by `lag` per meter to the side, and across. Each is an angle, with a
+/// full turn for every [`Drift::LINES`] lines; the cell keeps the sum of w·(cos, sin), w = (1 − q²)², q the distance
+/// from the burst in an ellipse slightly larger than its own. Where bursts agree, lines therefore turn and fan out
+/// with them and are never cut; where a burst overtakes the wake of an unrelated one, angles cancel, and [`spread`]
+/// tells that no line can be drawn there.
 ///
-/// A passing burst renews what it finds: X' = (X/(1 + ε) + Σ w·x)/(1 + ρ·Σ w) for each literal step, so that the wake
-/// behind it is its own however much was there before. Decay takes from all sums alike and moves no line.
+/// A passing burst renews existing values: X' = (X/(1 + ε) + Σ w·x)/(1 + ρ·Σ w) for each literal step, so that the
+/// wake behind it is its own, however large the sums were before. Decay reduces all sums equally and moves no line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Drift {
-    /// Radii along and across the heading, over those of the burst.
+    /// Radii along and across the heading, relative to those of the burst.
     pub reach: [f64; 2],
-    /// Meters that lines fall back for every meter across: how far they are swept back.
+    /// Meters by which lines lag behind per meter across: how far they are swept back.
     pub lag: f64,
-    /// ε: what a literal step takes, as that of a rift.
+    /// ε: decay per literal step, like that of a rift.
     pub decay: f64,
-    /// ρ: what the middle of a burst takes from what was there before, in a literal step.
+    /// ρ: share of the previous values that the middle of a burst replaces per literal step.
     pub renewal: f64,
-    /// Distance of lines in meters.
+    /// Distance between lines, in meters.
     pub period: f64,
 }
 
@@ -103,7 +103,7 @@ impl Default for Drift {
 }
 
 impl Drift {
-    /// Lines in a full turn: as many can be told apart.
+    /// Number of lines in a full turn, which is how many can be distinguished.
     pub const LINES: u32 = 16;
 
     pub(crate) fn validate(&self) -> Result<(), ToonError> {
@@ -116,17 +116,18 @@ impl Drift {
         within(ToonFigure::DriftPeriod, self.period, (1e-6, 1e6), "1e-6 to 1e6 meters")
     }
 
-    /// What makes weights and phases come to about 1 where bursts pass: their greatest sum is 1/(ε + ρ).
+    /// Returns the factor that scales weights and phases to about 1 where bursts pass: their largest sum is 1/(ε +
+    /// ρ).
     pub fn scale(&self) -> f64 {
         (self.decay + self.renewal).max(1e-6)
     }
 
-    /// Turns a meter.
+    /// Returns the turns per meter.
     pub(crate) fn frequency(&self) -> f64 {
         1.0 / (self.period * f64::from(Self::LINES))
     }
 
-    /// How far a burst has come, in turns, each path a whole number of lines.
+    /// Returns the distance that a burst has come, in turns; each lap counts as a whole number of lines.
     pub(crate) fn along(&self, lap: f64, progress: f64, lengths: &[f64]) -> f64 {
         let length = lengths.last().copied().unwrap_or(0.0);
         let lines = (length / self.period).ceil() * lap;
@@ -134,16 +135,17 @@ impl Drift {
         (length_at(lengths, progress) * self.frequency() + laps).rem_euclid(1.0)
     }
 
-    /// Square of the width in meters over which the lag's |l| is rounded off.
+    /// Returns the square of the width in meters over which the lag's |l| is rounded off.
     pub(crate) fn softness(&self, spacing: f64) -> f64 {
         2.25 * spacing * spacing
     }
 }
 
-/// Standard deviation of the coordinates behind a phase, in distances of lines: 0 where all bursts agree, at most 2.55.
+/// Returns the standard deviation of the coordinates behind a phase, in line distances: 0 if all bursts agree, at
+/// most 2.55.
 ///
-/// `phase` is the sum of w·(cos, sin) over the weight `w`. The circular deviation √(1 − R²)/2π of a full turn, R what is
-/// left of the phase's length.
+/// `phase` is the sum of w·(cos, sin) for the weight `w`. The result is the circular deviation √(1 − R²)/2π of a full
+/// turn, where R is the length of the phase relative to the weight.
 pub fn spread(weight: f64, phase: [f64; 2]) -> f64 {
     let square = phase[0] * phase[0] + phase[1] * phase[1];
     let lost = 1.0 - square / (weight * weight);

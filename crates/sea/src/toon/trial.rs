@@ -1,54 +1,55 @@
-//! What the f32 code that makes pictures does with a motion, measured by running it.
+//! Measures a motion by running the f32 code that makes pictures.
 
 use super::modes::Modes;
 use super::propagator::Propagator;
 use super::reference::Advance;
 use super::{Basin, Field, Forecast, Mixing, Motion, Physics, Probe};
 
-/// Cells along each side of a grid that is run, at most.
+/// Most cells along each side of a grid that is run.
 const SIDE: usize = 256;
-/// Steps of a run, at most.
+/// Most steps of a run.
 const STEPS: u64 = 4000;
-/// Shares of its start between which the half-life is taken: so late that other modes are gone, and that a double root,
-/// whose share of the steps adds to its decay, is told from a slower one.
+/// Shares of its initial size between which the half-life is measured: so late that other modes are gone, and that a
+/// double root, whose decay includes a factor of the number of steps, is distinguished from a slower one.
 const DECAY: [f64; 2] = [1e-8, 1e-26];
-/// Cells along each side of the grid on which a single cell is raised.
+/// Number of cells along each side of the grid on which a single cell is raised.
 const PEAK_SIDE: usize = 65;
 
-/// A sea that was left to itself: the level, the checkerboard and noise, in the f32 code that makes pictures.
+/// A sea that was left to itself, starting from a level, the checkerboard and noise, in the f32 code that makes
+/// pictures.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Trial {
-    /// The grid that was run: at most 256 cells along each side.
+    /// Grid that was run: at most 256 cells along each side.
     pub basin: Basin,
-    /// Steps after which half is left, from the late part of the run; infinite where it did not fall.
+    /// Number of steps after which half is left, from the late part of the run; infinite if it did not fall.
     pub half_life: f64,
-    /// Steps that were taken.
+    /// Number of steps that were taken.
     pub steps: u64,
-    /// Share of subnormal numbers among all that were stored.
+    /// Share of subnormal numbers among all numbers that were stored.
     pub subnormal_share: f64,
-    /// The same of the recurrence as printed, h' = c₁(2·Lm(h) − h₋) + c₂·h in f32 without flushing, over twice as many
-    /// steps; none of other motions.
+    /// The same for the recurrence as printed, h' = c₁(2·Lm(h) − h₋) + c₂·h in f32 without flushing, over twice as
+    /// many steps; `None` for other motions.
     pub printed_subnormal_share: Option<f64>,
 }
 
-/// A sea that a constant force holds level in the end, after many steps in f32.
+/// A sea that a constant force finally holds level, after many steps in f32.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Drifting {
-    /// Steps that were taken.
+    /// Number of steps that were taken.
     pub steps: u64,
-    /// Greatest difference from powers of the f64 step, relative to what they give.
+    /// Largest difference from powers of the f64 step, relative to their result.
     pub drift: f64,
 }
 
-/// Greatest height that a sea reaches which starts within ±1 m, over some steps: the norm of the step's powers. Heights
-/// before the start may be any within ±1 m too; velocities are 0.
+/// Largest height that a sea reaches over some steps if it starts within ±1 m: the norm of the step's powers. The
+/// heights before the start may also be anything within ±1 m; velocities are 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Transient {
-    /// Its factor.
+    /// Factor relative to the start.
     pub gain: f64,
-    /// The step at which it is reached.
+    /// Step at which it is reached.
     pub step: u64,
-    /// Steps that were looked at.
+    /// Number of steps that were examined.
     pub steps: u64,
 }
 
@@ -71,7 +72,7 @@ impl Stepper {
                     modes.forward(&mut field, &mut coefficients);
                     coefficients
                 });
-                // Twice the energy of a mode that swings is ω²h² + v².
+                // Twice the energy of an oscillating mode is ω²h² + v².
                 let gap = modes.gap();
                 let weight = |mode: usize| match motion {
                     Motion::Physical { physics: Physics { speed, frequency, .. }, .. } => {
@@ -105,7 +106,7 @@ impl Stepper {
         }
     }
 
-    /// What is left, as the root of a sum of squares.
+    /// Returns the size of the state, as the root of a sum of squares.
     fn size(&self) -> f64 {
         let [first, second] = self.numbers();
         let square = |value: f32| f64::from(value) * f64::from(value);
@@ -132,7 +133,7 @@ fn is_recurrence(motion: &Motion) -> bool {
     !matches!(motion, Motion::Physical { .. })
 }
 
-/// How the product steps a motion: the recurrence's own where it is a literal step.
+/// Returns the motion as the product steps it: by the recurrence itself if that is a literal step.
 fn stepped(motion: &Motion) -> Motion {
     match *motion {
         Motion::Resampled { mixing, rate } if rate == super::LITERAL_HZ => Motion::Literal(mixing),
@@ -175,7 +176,7 @@ impl Trial {
     }
 }
 
-/// The level, the checkerboard and a little noise, by a hash of the cell.
+/// Returns the level, the checkerboard and a little noise, by a hash of the cell.
 fn noisy(basin: &Basin, cell: usize) -> f32 {
     let (x, z) = (cell % basin.columns, cell / basin.columns);
     let mut hash = (cell as u32).wrapping_mul(0x9e37_79b9) ^ 0x85eb_ca6b;
@@ -189,12 +190,13 @@ fn count_subnormal(values: &[f32]) -> u64 {
     values.iter().filter(|value| value.is_subnormal()).count() as u64
 }
 
-/// ln 2 over the mean fall of the logarithm, where the run is late and still far from the smallest numbers.
+/// Returns ln 2 over the mean decrease of the logarithm, where the run is late and still far from the smallest
+/// numbers.
 fn half_life(sizes: &[f64]) -> f64 {
     let at = |share: f64| sizes.iter().position(|&size| size < share * sizes[0]);
     let (first, last) = match (at(DECAY[0]), at(DECAY[1])) {
         (Some(first), Some(last)) if last > first + 4 => (first, last),
-        // Too quick for a late part, or too slow to come there.
+        // The run was too short for a late part, or too slow to reach it.
         (_, Some(last)) => (0, last),
         _ => (sizes.len() / 2, sizes.len() - 1),
     };
@@ -215,7 +217,7 @@ struct Printed {
 
 impl Printed {
     fn new(mixing: Mixing, basin: &Basin, start: &[f32]) -> Self {
-        // Lm in f64 plain loops, everything of the recurrence rounded to f32 as it is printed.
+        // Lm in f64 plain loops, everything of the recurrence rounded to f32 as printed.
         let advance = Advance::new(&Motion::Literal(Mixing { c1: 0.5, c2: 0.0 }), basin, 1.0);
         let wide: Vec<f64> = start.iter().map(|&value| f64::from(value)).collect();
         Self { mixing, advance, height: wide.clone(), before: wide }
@@ -234,7 +236,7 @@ impl Printed {
 }
 
 fn printed_subnormals(mixing: Mixing, basin: &Basin, start: &[f32], steps: u64) -> f64 {
-    // A part of the grid is as good: decay does not depend on its size.
+    // A part of the grid is sufficient, since decay does not depend on its size.
     let part = Basin { columns: basin.columns.min(32), rows: basin.rows.min(32), ..*basin };
     let start: Vec<f32> = (0..part.cells()).map(|cell| start[cell % start.len()]).collect();
     let mut printed = Printed::new(mixing, &part, &start);
@@ -247,10 +249,10 @@ fn printed_subnormals(mixing: Mixing, basin: &Basin, start: &[f32], steps: u64) 
 }
 
 impl Drifting {
-    /// Holds a sea by a level force, or by none where nothing is lost, on the grid of a [`Probe`] of the same motion.
+    /// Holds a sea by a level force, or by none if nothing is lost, on the grid of a [`Probe`] of the same motion.
     pub fn new(motion: &Motion, probe: &Probe, steps: u64) -> Self {
         let (basin, motion) = (*probe.basin(), stepped(motion));
-        // No number of few digits: rounding to one is no step back.
+        // A level with few digits could hide rounding errors.
         const LEVEL: f64 = 0.7;
         let force = match motion {
             Motion::Literal(mixing) | Motion::Resampled { mixing, .. } => LEVEL * mixing.loss(),
@@ -268,14 +270,14 @@ impl Drifting {
             modes.forward(&mut forces, &mut coefficients);
             forces = coefficients;
         }
-        // Within a pool a step of few cells costs no hand-over.
+        // Within a pool, a step of few cells costs no hand-over.
         rayon::scope(|_| (0..steps).for_each(|_| stepper.step(&basin, Some(&forces))));
         let found: Vec<f64> = stepper.heights().into_iter().map(f64::from).collect();
         Self { steps, drift: off(&found, &exact) }
     }
 }
 
-/// Greatest difference, relative to the largest of what is expected.
+/// Returns the largest difference, relative to the largest expected value.
 fn off(found: &[f64], expected: &[f64]) -> f64 {
     let largest = expected.iter().fold(0.0, |largest: f64, value| largest.max(value.abs()));
     let difference = found.iter().zip(expected).fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()));
@@ -283,13 +285,13 @@ fn off(found: &[f64], expected: &[f64]) -> f64 {
 }
 
 impl Transient {
-    /// Raises one cell in the middle of a grid by 1 m and adds up what all cells have of it: by symmetry that is the most
-    /// that any start within ±1 m gives to this cell.
+    /// Raises one cell in the middle of a grid by 1 m and sums the responses of all cells: by symmetry this is the
+    /// most that any start within ±1 m gives to this cell.
     pub fn new(motion: &Motion, basin: &Basin) -> Self {
         let side = |cells: usize| if cells > PEAK_SIDE { PEAK_SIDE - 1 + cells % 2 } else { cells };
         let basin = Basin { columns: side(basin.columns), rows: side(basin.rows), ..*basin };
         let forecast = Forecast::new(motion, &basin);
-        // Until hardly anything is left; modes take a transform a step.
+        // Until hardly anything is left; modes take one transform per step.
         let most = if matches!(stepped(motion), Motion::Literal(_)) { 400.0 } else { 60.0 };
         let steps = if forecast.half_life < 1e6 { (12.0 * forecast.half_life).ceil().min(most) } else { most };
         let advance = Advance::new(&stepped(motion), &basin, 1.0 / motion.rate());

@@ -1,32 +1,32 @@
-//! Drift lines over time: they move, and never jump.
+//! Tests of drift lines over time: they move, but never jump.
 
 use crate::random::Random;
 use trochoid_sea::toon::lines::{Lines, Place, density};
 use trochoid_sea::toon::{Basin, Behavior, Boundary, Burst, Drift, LineRow, Motion, ToonFrame, ToonSea, Wanted};
 
 const BASIN: Basin = Basin { columns: 180, rows: 150, spacing: 0.2, boundary: Boundary::Replicate };
-/// Cells of a side of the tiles in which changes are told.
+/// Cells per side of the tiles in which changes are measured.
 const TILE: usize = 10;
-/// Frames of a second.
+/// Frames per second.
 const RATE: usize = 120;
 
 fn behavior() -> Behavior {
     Behavior { oriented: true, drift: Drift::default(), ..Behavior::default() }
 }
 
-/// A burst that turns by more than a right angle, twice.
+/// Returns a burst that turns by more than a right angle, twice.
 fn turning() -> Burst {
     let path = [[2.0, 4.0], [34.0, 2.0], [4.0, 28.0], [33.0, 26.0]];
     Burst { duration: 9.0, height: 2.6, influence: [2.0, 3.2], fade: 0.1, ..Burst::along(path) }
 }
 
-/// One that runs across the wake of the other, later and with lines of its own.
+/// Returns a burst that crosses the wake of the other one, later and with its own lines.
 fn crossing() -> Burst {
     let path = [[32.0, 9.0], [24.0, 13.0], [14.0, 11.0], [4.0, 15.0]];
     Burst { offset: -2.0, lane: 5.6, path, ..turning() }
 }
 
-/// The mask of every cell, its neighbors for the pixels beside it.
+/// Returns the mask of every cell, with its neighbors as the adjacent pixels.
 fn masks(lines: &Lines, frame: &ToonFrame<'_>, along: bool) -> Vec<f64> {
     let scale = Drift::default().scale();
     let planes = if along { frame.drift.along } else { frame.drift.across };
@@ -47,7 +47,7 @@ fn masks(lines: &Lines, frame: &ToonFrame<'_>, along: bool) -> Vec<f64> {
         .collect()
 }
 
-/// The greatest change of any tile between masks that are so many frames apart, in cells, of all pairs of a run.
+/// Returns the largest change of any tile between masks `apart` frames apart, in cells, over all pairs of a run.
 fn greatest(run: &[Vec<f64>], apart: usize) -> f64 {
     let across = BASIN.columns / TILE;
     let mut greatest: f64 = 0.0;
@@ -62,7 +62,7 @@ fn greatest(run: &[Vec<f64>], apart: usize) -> f64 {
     greatest
 }
 
-/// Greatest changes over 6 s at 1/120, 1/60 and 1/30 s.
+/// Returns the largest changes over 6 s at 1/120, 1/60 and 1/30 s.
 fn changes(bursts: Vec<Burst>, lines: &Lines, along: bool) -> [f64; 3] {
     let sea = ToonSea::new(BASIN, Motion::default(), behavior(), bursts).expect("valid");
     let mut simulation = sea.simulate(Wanted { rift: false, drift: true });
@@ -73,7 +73,7 @@ fn changes(bursts: Vec<Burst>, lines: &Lines, along: bool) -> [f64; 3] {
     [1, 2, 4].map(|apart| greatest(&run, apart))
 }
 
-/// Half the time, half the change, in every tile and at every moment: what changes does so by moving and tapering.
+/// Half the time means half the change, in every tile and at every moment: lines change only by moving and tapering.
 #[test]
 fn lines_move_and_never_jump() {
     let lines = Lines { finest: 1.0, ..Lines::default() };
@@ -89,7 +89,7 @@ fn lines_move_and_never_jump() {
     }
 }
 
-/// Rows in vectors against single places in f64, on random and hostile values.
+/// Compares rows in vectors with single positions in f64, on random and hostile values.
 #[test]
 fn rows_are_places() {
     let mut random = Random(77);
@@ -97,7 +97,7 @@ fn rows_are_places() {
         let n = 1 + round % 67;
         let rough = [0.01, 0.3, 6.0][round % 3];
         let mut angle = random.between(-9.0, 9.0);
-        // Neighbors of about the same angle; now and then none at all, or a weight that is all but gone.
+        // Neighbors of about the same angle; sometimes none at all, or a weight that is nearly 0.
         let mut phases = |len: usize| -> Vec<[f32; 3]> {
             (0..len)
                 .map(|_| {
@@ -137,7 +137,7 @@ fn rows_are_places() {
             let density = density(here, beside);
             let (weight, height) = (f64::from(weight[index]), f64::from(height[index]));
             let expected = lines.mask(&Place { weight, phase: here, height, density });
-            // An edge may lie a few millionths of a line aside, a root at its zero farther.
+            // An edge may be off by a few millionths of a line distance, a root near its zero by more.
             let tolerance = 1e-4 + (2e-5 / density).min(1.0);
             let off = (f64::from(found[index]) - expected).abs();
             assert!(off <= tolerance, "round {round}, {index}: {} for {expected}, density {density}", found[index]);

@@ -1,4 +1,4 @@
-//! The fast evaluations against the f64 reference, on ordinary and on extreme parameters.
+//! Tests of the fast evaluations against the f64 reference, on ordinary and on extreme parameters.
 
 use crate::random::Random;
 use trochoid_sea::{
@@ -22,7 +22,7 @@ fn fast(fields: &Fields, index: usize) -> [f64; 12] {
     [dx, dy, dz, yx, yz, xx, xz, zz, &fields.slope_variance, vx, vy, vz].map(|values| f64::from(values[index]))
 }
 
-/// Largest root-mean-square error of a quantity over the root mean square of that quantity.
+/// Returns the largest root-mean-square error of a quantity, relative to the root mean square of that quantity.
 fn error(frame: &SeaFrame, x: &[f64], z: &[f64], footprint: &[f64], fields: &Fields) -> f64 {
     let (mut errors, mut sizes) = ([0.0; 12], [0.0; 12]);
     for index in 0..x.len() {
@@ -36,7 +36,7 @@ fn error(frame: &SeaFrame, x: &[f64], z: &[f64], footprint: &[f64], fields: &Fie
     errors.into_iter().zip(sizes).map(ratio).fold(0.0, f64::max)
 }
 
-/// Error over points around `center` whose neighbors are `step` apart, with footprints up to `footprint`.
+/// Returns the error over points around `center` whose neighbors are `step` apart, with footprints up to `footprint`.
 fn around(sea: &Sea, time: f64, center: f64, step: f64, footprint: f64) -> f64 {
     let frame = sea.at(time);
     let mut random = Random(42);
@@ -74,7 +74,7 @@ fn direct_agrees_where_neighbors_lie_many_waves_apart() {
 fn direct_agrees_for_waves_of_any_length() {
     for (wavelength, tolerance) in [(1e-3, 2e-5), (1.0, 2e-6), (1e5, 2e-6)] {
         let sea = sea(GerstnerSpectrum { count: 100, wavelength, spread: 0.3, ..GerstnerSpectrum::default() });
-        // At 1e7 m a wave of 1 mm is 1e10 turns away, of which f64 leaves 2e-6 turns.
+        // At 1e7 m a wave of 1 mm is 1e10 turns away, which f64 resolves only to 2e-6 turns.
         let error = around(&sea, 1e3, 1e7, wavelength * 0.1, wavelength);
         assert!(error < tolerance, "wavelength {wavelength}: {error:e}");
     }
@@ -148,7 +148,8 @@ fn single(sharpness: f64) -> Sea {
 #[test]
 fn one_wave_is_a_trochoid() {
     let frame = single(0.8).at(0.0);
-    // Crest above the origin, trough half a wave on, both unmoved sideways; between them a quarter wave moves by h.
+    // A crest above the origin, a trough half a wave further, neither moved sideways; between them a quarter wave
+    // moves by h.
     assert_eq!(frame.evaluate([0.0, 0.0], 0.0).displacement[1], 1.0);
     assert!((frame.evaluate([5.0, 9.0], 0.0).displacement[1] + 1.0).abs() < 1e-12);
     let quarter = frame.evaluate([2.5, 0.0], 0.0).displacement;
@@ -177,7 +178,7 @@ fn waves_travel_along_their_direction() {
         phase: 0.0,
         speed: Some(3.0),
     };
-    // Azimuth ½π travels toward +Z: after one second the crest stands 3 m on.
+    // Azimuth ½π travels toward +Z: after one second the crest has moved by 3 m.
     let frame = Sea::new(vec![Wave::try_from(wave).expect("valid")]).at(1.0);
     assert!((frame.evaluate([0.0, 3.0], 0.0).displacement[1] - 1.0).abs() < 1e-12);
 }
@@ -234,7 +235,7 @@ fn the_precise_sum_is_the_reference_to_rounding() {
                 let rest = [far + 100.0 * random.unit(), -far + 100.0 * random.unit()];
                 let footprint = [0.0, 0.3, 5.0, 60.0, 1e4][(5.0 * random.unit()) as usize % 5] * random.unit();
                 let (fast, slow) = (precise.evaluate(rest, footprint), frame.evaluate(rest, footprint));
-                // What is left of the phase at 1e7 m, in f64.
+                // Precision of the phase at 1e7 m, in f64.
                 let allowed = sizes * (1e-14 + 1e-15 * far);
                 for (fast, slow) in values(&fast.sample).into_iter().zip(values(&slow)).take(9) {
                     assert!(
@@ -309,7 +310,7 @@ fn the_precise_sum_knows_its_slopes_and_their_bounds() {
             assert!((twist - bends.by_rest[1][other]).abs() < 1e-6);
         }
     }
-    // One wave alone is as bent as that at its crest.
+    // One wave alone reaches the bound at its crest.
     let wave =
         ExplicitWave { wavelength: 7.0, amplitude: 0.3, direction: 0.0, sharpness: 0.2, phase: 0.0, speed: None };
     let alone = PreciseSea::new(&Sea::new(vec![Wave::try_from(wave).expect("valid")]).at(0.0));

@@ -1,4 +1,4 @@
-//! Fold figures: eigenvalues, the exact infimum of det J, the predicted share.
+//! Tests of fold parameters: eigenvalues, the exact infimum of det J, the predicted share.
 
 use trochoid_sea::{ExplicitWave, FoldOptions, GerstnerSpectrum, Sea, Wave};
 

@@ -1,4 +1,4 @@
-//! Every method on grids against the f64 reference, on ordinary and on hostile parameters.
+//! Tests of every method on grids against the f64 reference, on ordinary and on hostile parameters.
 
 use crate::random::Random;
 use trochoid_sea::{
@@ -22,7 +22,8 @@ fn found(fields: &Fields, index: usize) -> [f64; 12] {
     [dx, dy, dz, yx, yz, xx, xz, zz, vx, vy, vz, &fields.slope_variance].map(|values| f64::from(values[index]))
 }
 
-/// Root mean squares over independent phases, of all that the sums hold; of the lost slope variance, itself.
+/// Returns root mean squares over independent phases of all quantities in the sums, and the lost slope variance
+/// itself.
 fn sizes(sea: &Sea, footprint: f64) -> [f64; 12] {
     let mut squares = [0.0; 12];
     for wave in sea.waves() {
@@ -53,7 +54,7 @@ fn sizes(sea: &Sea, footprint: f64) -> [f64; 12] {
     sizes
 }
 
-/// Largest error at corners, edges, the center and random points, over the size of the quantity.
+/// Returns the largest error at corners, edges, the center and random points, relative to the size of the quantity.
 fn error(sea: &Sea, frame: &SeaFrame, grid: Grid, fields: &Fields) -> f64 {
     let sizes = sizes(sea, grid.footprint);
     let (columns, rows) = (grid.columns, grid.rows);
@@ -77,7 +78,7 @@ fn error(sea: &Sea, frame: &SeaFrame, grid: Grid, fields: &Fields) -> f64 {
     worst
 }
 
-/// Holds every method against the reference; `slack` multiplies its error where f64 itself loses the phases.
+/// Checks every method against the reference; `slack` multiplies its error where f64 itself loses the phases.
 fn holds(what: &str, sea: &Sea, time: f64, grid: Grid, slack: f64) {
     let frame = sea.at(time);
     let mut fields = Fields::default();
@@ -122,12 +123,12 @@ fn methods_agree_for_waves_of_any_length() {
     for (wavelength, spread) in [(1e-3, 0.3), (0.1, 0.5), (1.0, 3.0), (20.0, 2.0), (1e5, 0.5)] {
         let sea = sea(GerstnerSpectrum { count: 150, wavelength, spread, ..GerstnerSpectrum::default() });
         for step in [wavelength * 0.05, wavelength, 1.0] {
-            // At step 1 m, waves of 1 mm lie a thousand turns apart from point to point.
+            // At a step of 1 m, waves of 1 mm are a thousand turns apart from point to point.
             holds(&format!("L {wavelength}, step {step}"), &sea, 50.0, grid(48, 40, step), 1.0);
         }
     }
     let fine = sea(GerstnerSpectrum { count: 50, wavelength: 1e-3, spread: 0.3, ..GerstnerSpectrum::default() });
-    // 1e7 m are 1e10 turns, of which f64 leaves 2e-6: 1e-5 rad in each phase.
+    // 1e7 m are 1e10 turns, which f64 resolves only to 2e-6: 1e-5 rad in each phase.
     let far = Grid { origin: [1e7, 1e7], step: [1e-4; 2], columns: 30, rows: 30, footprint: 0.0 };
     holds("L 1e-3 at 1e7", &fine, 1e3, far, 100.0);
 }
@@ -141,7 +142,7 @@ fn waves_below_two_steps_are_exact_at_every_point_or_attenuated() {
         let mut fields = Fields::default();
         for method in Method::ALL {
             GridPlan::by(method, grid, Wanted::ALL).expect("legal").evaluate(&frame, &mut fields);
-            // Against the whole waves: what is cut below 1e-6 of a wave is left out.
+            // Compared with the whole waves, since waves below 1e-6 of their size are left out.
             let whole = sizes(&sea, 0.0)[1];
             for index in [0, 500, 40 * 33 - 1] {
                 let rest = [5.0 + 5.0 * (index % 40) as f64, 6.0 + 4.0 * (index / 40) as f64];
@@ -159,7 +160,7 @@ fn methods_agree_for_extreme_sharpness_and_few_waves() {
         let sea = sea(GerstnerSpectrum { count, sharpness: 10.0, spread: 0.0, ..GerstnerSpectrum::default() });
         holds(&format!("{count} waves"), &sea, 1e7, grid(31, 64, 0.5), 1.0);
     }
-    // Along the axes and against them, at rest, and exactly at two steps a wave.
+    // Along the axes and against them, at rest, and at exactly two steps per wave.
     for degrees in [0.0, 90.0, 180.0, 270.0f64] {
         let wave = ExplicitWave {
             wavelength: 2.0,
@@ -213,7 +214,7 @@ fn no_waves_are_flat_and_no_points_are_no_values() {
             plan.evaluate(&sea.at(0.0), &mut fields);
             assert!(fields.displacement[0].is_empty());
         }
-        // A plan is none the worse for a sea that is gone again.
+        // A plan still works after a sea without waves.
         let mut plan = GridPlan::by(method, grid(8, 8, 1.0), Wanted::ALL).expect("legal");
         let mut first = Fields::default();
         plan.evaluate(&sea.at(2.0), &mut first);

@@ -1,4 +1,4 @@
-//! Wave groups: one crest at its focus, and how it travels.
+//! Tests of wave groups: one crest at its focus, and how it travels.
 
 use std::f64::consts::FRAC_PI_2;
 use trochoid_sea::{Sea, WaveError, WaveFigure, WaveGroup};
@@ -24,7 +24,7 @@ fn the_crest_stands_at_its_focus_at_its_time() {
 
 #[test]
 fn the_packet_is_a_wave_under_a_bell() {
-    // Dense and without bounds the sum is the bell; 1.8 standard deviations and 400 waves come close to it.
+    // With infinitely many waves the sum is the bell curve; 1.8 standard deviations and 1600 waves come close to it.
     let group = WaveGroup { waves: [40, 40], direction: 0.0, sharpness: 0.0, focus: [0.0; 2], time: 0.0, ..group() };
     let frame = sea(group).at(0.0);
     for (x, z) in [(0.0, 10.0), (0.0, -20.0), (15.0, 0.0), (30.0, 8.0), (-30.0, 5.0)] {
@@ -33,7 +33,7 @@ fn the_packet_is_a_wave_under_a_bell() {
         let found = frame.evaluate([x, z], 0.0).displacement[1];
         assert!((found - expected).abs() < 0.35, "({x}, {z}): {found} for {expected}");
     }
-    // Far off, hardly anything is left.
+    // Far away, hardly anything is left.
     for far in [[90.0, 0.0], [0.0, 90.0], [-70.0, 70.0]] {
         assert!(frame.evaluate(far, 0.0).displacement[1].abs() < 0.35, "{far:?}");
     }
@@ -95,7 +95,7 @@ fn what_cannot_be_is_refused_by_name() {
     assert_eq!(refused(WaveGroup { waves: [usize::MAX, 3], ..group() }).figure, WaveFigure::Waves);
     assert_eq!(refused(WaveGroup { waves: [200, 200], ..group() }).figure, WaveFigure::Waves);
     assert_eq!(refused(WaveGroup { time: f64::INFINITY, ..group() }).figure, WaveFigure::Time);
-    // The shortest packet that is accepted still has waves of one direction only.
+    // The shortest accepted packet still has waves of one direction only.
     for wave in (WaveGroup { along: 9.3, seed: 3, ..group() }).waves().expect("valid") {
         let [x, z] = wave.direction;
         assert!(x * group().direction.cos() + z * group().direction.sin() > 0.0);

@@ -3,7 +3,7 @@ use trochoid_key::{ContentKey, Key};
 use trochoid_sea::spray::{Burst, Spray};
 use trochoid_sea::toon::{Basin, Behavior, Boundary, Combine, Drift, Mixing, Motion, Physics, Rift, Shape, ToonSea};
 
-/// Whether every change of a value gives a key that neither the value nor any other change has.
+/// Returns whether every change of a value gives a key that differs from that of the value and of all other changes.
 fn every_change_counts<T: ContentKey + Clone>(value: &T, changes: &[fn(&mut T)]) -> bool {
     let changed = changes.iter().map(|change| {
         let mut changed = value.clone();

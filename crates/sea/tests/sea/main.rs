@@ -1,4 +1,4 @@
-//! The fast forms of seas against their f64 references, and against what is known of them.
+//! Tests of the fast forms of seas against their f64 references, and against known properties.
 
 mod drift;
 mod evaluation;

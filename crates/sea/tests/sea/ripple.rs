@@ -1,4 +1,4 @@
-//! Crossed ripples: the sum of two waves against the product that is printed.
+//! Tests of crossed ripples: the sum of two waves against the product that is printed.
 
 use crate::random::Random;
 use std::f64::consts::TAU;
@@ -8,7 +8,7 @@ fn height(ripple: &Ripple, time: f64, place: [f64; 2]) -> f64 {
     Sea::new(ripple.waves().expect("valid").to_vec()).at(time).evaluate(place, 0.0).displacement[1]
 }
 
-/// The product, straight from the text, with the place turned so that the ripples travel along x.
+/// Returns the product, straight from the text, with the position rotated so that the ripples travel along x.
 fn product(ripple: &Ripple, time: f64, [x, z]: [f64; 2]) -> f64 {
     let (sin, cos) = ripple.direction.sin_cos();
     let (along, across) = (x * cos + z * sin, z * cos - x * sin);
@@ -49,7 +49,7 @@ fn two_waves_make_the_product() {
         let far = 10f64.powf(between(-1.0, 7.0));
         let (time, place) = (far * between(-1.0, 1.0), [far * between(-1.0, 1.0), far * between(-1.0, 1.0)]);
         let (found, truth) = (height(&ripple, time, place), product(&ripple, time, place));
-        // Phases of u radians are known to u·2⁻⁵³, by either way.
+        // Phases of u radians are known to u·2⁻⁵³, by either method.
         let frequency = ripple.frequency.unwrap_or(300.0).abs();
         let phase = far * (2.0 * frequency + TAU / ripple.lengths[0] + TAU / ripple.lengths[1]) + 10.0;
         let error = 4e-16 * phase * ripple.height.abs() + 1e-12;

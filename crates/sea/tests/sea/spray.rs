@@ -1,4 +1,4 @@
-//! Spray: births by the grid against those by plain f64 sums, and drops that depend on their moment alone.
+//! Tests of spray: births by the grid against those by plain f64 sums, and drops that depend only on their time.
 
 use crate::random::Random;
 use trochoid_sea::spray::{Burst, Droplet, Spray, SprayError, SprayRun, reference};
@@ -27,12 +27,14 @@ fn burst() -> Burst {
     }
 }
 
-/// Drops by both ways, which must be the same ones in the same order, at the same places to `tolerance` meters.
+/// Computes drops by both methods and checks that they are the same, in the same order, at the same positions to
+/// `tolerance` meters.
 fn agree(spray: &Spray, sea: &Sea, time: f64, tolerance: f64, what: &str) -> Vec<Droplet> {
     let run = SprayRun::new(spray.clone(), sea.clone(), 1.5).expect("valid");
     let found = run.at(time).expect("few");
     let truth = reference::drops(spray, sea, Some(1.5), time);
-    // At the very edge of strength or life f32 may keep or lose a drop: bits of shape tell which ones are the same.
+    // At the very limit of strength or lifetime, f32 may keep or lose a drop; bits of shape tell which drops are the
+    // same.
     let shapes: std::collections::HashMap<u64, &Droplet> = truth.iter().map(|drop| (drop.shape, drop)).collect();
     let mut lost = 0;
     for drop in &found {
@@ -136,7 +138,8 @@ fn drops_are_born_where_the_sea_is_squeezed_only() {
     let births = reference::births(&spray, &sea, 0.0, 2.0);
     assert!(births.len() > 50, "{} drops", births.len());
     for birth in births {
-        // Crests stand a cell's height below 0.6, and drops of a step's middle have risen or sunk since it began.
+        // Drops are born slightly below the crests, which are at 0.6 m, and those born during a step have risen or
+        // sunk since it began.
         assert!(birth.position[1] > 0.25, "{birth:?}");
     }
 }
@@ -145,7 +148,7 @@ fn drops_are_born_where_the_sea_is_squeezed_only() {
 fn what_would_take_too_much_is_refused() {
     let refused = |spray: Spray| SprayRun::new(spray, Sea::default(), 0.0).expect_err("too much").to_string();
     for (spray, expected) in [
-        (Spray { size: [1e9, 1e9], ..small() }, "cells are refused"),
+        (Spray { size: [1e9, 1e9], ..small() }, "cells, more than"),
         (Spray { lifetime: 1e9, ..small() }, "steps in a lifetime"),
         (Spray { size: [1000.0, 1000.0], lifetime: 100.0, ..small() }, "over all steps"),
         (Spray { density: 1e9, ..small() }, "drops from a cell"),
@@ -158,7 +161,7 @@ fn what_would_take_too_much_is_refused() {
         let text = refused(spray.clone());
         assert!(text.contains(expected), "{spray:?}: {text}");
     }
-    // Too many only once the sea is known.
+    // There are too many only once the sea is known.
     let crowd = Spray { size: [200.0, 200.0], density: 500.0, threshold: 2.0, torn: 0.0, ..small() };
     let run = SprayRun::new(crowd, Sea::default(), 0.0).expect("its figures are fine");
     assert_eq!(run.at(1.0).expect_err("too many"), SprayError::Drops);

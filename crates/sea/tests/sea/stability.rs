@@ -1,4 +1,4 @@
-//! What is predicted of a toon sea's motion against what powers of its step and runs of its f32 code say.
+//! Tests of the predictions about a toon sea's motion against powers of its step and runs of its f32 code.
 
 use rayon::prelude::*;
 use trochoid_sea::toon::*;
@@ -9,8 +9,8 @@ fn basin(columns: usize, rows: usize, boundary: Boundary) -> Basin {
     Basin { columns, rows, spacing: 0.25, boundary }
 }
 
-/// The greatest difference of predicted and measured radius over a map of n × n mixings beyond the stable region, and
-/// every mixing of which the verdict is wrong.
+/// Returns the largest difference between predicted and measured radius over a map of n × n mixings that extends
+/// beyond the stable region, and every mixing with a wrong verdict.
 fn map(n: usize, basin: Basin) -> (f64, Vec<String>) {
     let at = |index: usize, reach: f64| reach * (2.0 * (index as f64 + 0.5) / n as f64 - 1.0);
     let compared = (0..n * n).into_par_iter().map(|cell| {
@@ -48,7 +48,8 @@ fn the_whole_map_200_by_200() {
     }
 }
 
-/// On the edge itself, where roots of modulus 1 may be double: what is called stable stays bounded over 2²⁰ steps.
+/// On the edge itself, where roots of modulus 1 may be double: motions that are called stable stay bounded over 2²⁰
+/// steps.
 #[test]
 fn nothing_that_grows_is_called_stable() {
     for boundary in BOUNDARIES {
@@ -56,7 +57,7 @@ fn nothing_that_grows_is_called_stable() {
             let basin = basin(sides[0], sides[1], boundary);
             let mut points = Mixing::stable_region(&basin);
             assert!(points.len() >= 4, "{points:?}");
-            // Corners, and points along the sides, a little inside and outside too.
+            // Corners, and points along the sides, also slightly inside and outside.
             let corners = points.clone();
             for (a, b) in corners.iter().zip(corners.iter().cycle().skip(1)) {
                 for t in [0.25, 0.5, 0.75] {
@@ -68,8 +69,8 @@ fn nothing_that_grows_is_called_stable() {
                     let mixing = Mixing { c1: scale * c1, c2: scale * c2 };
                     let motion = Motion::Literal(mixing);
                     let norms = Probe::new(&motion, &basin).norms(20);
-                    // What grows at all from 4096 to a million steps. 1e-12 from a double root a sea grows for longer, and
-                    // dies away after all.
+                    // Detects any growth from 4096 to a million steps. At 1e-12 from a double root, a sea grows for
+                    // longer but finally decays.
                     let grows = scale != 1.0 - 1e-12 && norms[20] > 8.0 * norms[12] || !norms[20].is_finite();
                     let bounded = Forecast::new(&motion, &basin).bounded;
                     assert!(!(bounded && grows), "{basin:?} {mixing:?}: {norms:?}");
@@ -111,7 +112,7 @@ fn margins_and_limits_reach_the_edge() {
     }
 }
 
-/// The other motions: their f64 steps are powers and exponentials, the forecast the roots.
+/// Tests the other motions: their f64 steps are powers and exponentials, the forecast uses the roots.
 #[test]
 fn resampled_and_physical_radii_are_measured() {
     let physics = |speed: f64, damping: f64, frequency: f64| Physics { speed, damping, frequency, push: None };
@@ -134,14 +135,14 @@ fn resampled_and_physical_radii_are_measured() {
             assert!((radius - forecast.radius).abs() < 1e-6, "{boundary:?} {motion:?}: {radius} for {forecast:?}");
             assert!(forecast.bounded && forecast.radius <= 1.0);
         }
-        // A level sea that nothing holds and nothing brakes goes on as it is pushed.
+        // A level sea without restoring force and drag keeps moving as it is pushed.
         let free = Motion::Physical { physics: physics(1.0, 0.0, 0.0), rate: 60.0 };
         let bounded = Forecast::new(&free, &basin(5, 6, boundary)).bounded;
         assert_eq!(bounded, boundary == Boundary::Fixed);
         let norms = Probe::new(&free, &basin(5, 6, boundary)).norms(20);
         assert_eq!(norms[20] < 8.0 * norms[12], bounded, "{norms:?}");
     }
-    // The usual explicit scheme breaks beyond 1/√2 of a cell a step; the exact one does not.
+    // The usual explicit scheme breaks beyond 1/√2 of a cell per step; the exact one does not.
     for (speed, grows) in [(10.0, false), (11.0, true), (60.0, true)] {
         let motion = Motion::Physical { physics: physics(speed, 0.0, 0.5), rate: 60.0 };
         let radius = Probe::explicit(&motion, &basin(6, 6, Boundary::Periodic)).expect("physical").radius();
@@ -167,7 +168,7 @@ fn runs_of_the_f32_code_show_the_half_life() {
             assert_eq!(trial.subnormal_share, 0.0, "{motion:?}");
         }
     }
-    // What the notes on numerics say of the printed form: it ends among subnormal numbers.
+    // The printed form ends in subnormal numbers, as the notes on numerics say.
     let trial = Trial::new(&Motion::default(), &basin(40, 32, Boundary::Replicate));
     assert!(trial.printed_subnormal_share.is_some_and(|share| share > 0.01), "{trial:?}");
 }
@@ -188,7 +189,7 @@ fn a_held_level_does_not_drift() {
     }
 }
 
-/// The gains that the notes on numerics tell.
+/// Tests the gains that the notes on numerics state.
 #[test]
 fn transient_gains_are_known() {
     for (c1, c2, expected) in [(0.3, 0.65, 1.64), (0.95, 0.0, 19.7)] {

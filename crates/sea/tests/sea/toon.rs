@@ -1,4 +1,4 @@
-//! The toon sea against its f64 reference and against what is known of it.
+//! Tests of the toon sea against its f64 reference and against known properties.
 
 use crate::random::Random;
 use trochoid_sea::toon::{
@@ -8,7 +8,7 @@ use trochoid_sea::toon::{
 
 const ALL: Wanted = Wanted { rift: true, drift: true };
 
-/// Bursts around a basin, some of them outside, some small, some as large as it.
+/// Returns bursts around a basin, some of them outside, some small, some as large as the basin.
 fn bursts(random: &mut Random, basin: &Basin, count: usize) -> Vec<Burst> {
     let size = basin.columns.max(basin.rows) as f64 * basin.spacing;
     (0..count)
@@ -43,7 +43,7 @@ fn motions() -> Vec<Motion> {
     ]
 }
 
-/// Largest error over the largest value.
+/// Returns the largest error, relative to the largest value.
 fn error(found: &[f32], expected: &[f64]) -> f64 {
     assert_eq!(found.len(), expected.len());
     let size = expected.iter().fold(0.0, |size: f64, value| size.max(value.abs()));
@@ -51,7 +51,7 @@ fn error(found: &[f32], expected: &[f64]) -> f64 {
     off.fold(0.0, |worst: f64, off| if off <= worst { worst } else { off }) / size.max(1e-12)
 }
 
-/// All fields of drift.
+/// Returns all fields of drift.
 fn drifts<'a>(frame: &ToonFrame<'a>) -> [&'a [f32]; 5] {
     let Drifted { weight, along: [ac, as_], across: [lc, ls] } = frame.drift;
     [weight, ac, as_, lc, ls]
@@ -102,7 +102,7 @@ fn resampled_equals_literal_at_60_hz() {
     }
 }
 
-/// A stretch without bursts is one jump, of which the reference knows nothing: after an impulse, and before one.
+/// An interval without bursts is one jump, unlike in the reference: after an impulse, and before one.
 #[test]
 fn a_free_sea_jumps_as_it_steps() {
     let basin = Basin { columns: 40, rows: 30, spacing: 0.25, boundary: Boundary::Replicate };
@@ -134,7 +134,7 @@ fn a_frame_alone_is_the_frame_of_a_run() {
     for motion in motions() {
         let basin = Basin { columns: 45, rows: 33, spacing: 0.3, boundary: Boundary::Replicate };
         let mut bursts = bursts(&mut random, &basin, 8);
-        // With stretches where there are none.
+        // Includes intervals without bursts.
         bursts.iter_mut().for_each(|burst| burst.active = if burst.fade < 0.15 { [0.2, 0.5] } else { [1.1, 1.3] });
         let behavior = Behavior { preroll: 3, ..Behavior::default() };
         let sea = ToonSea::new(basin, motion, behavior, bursts).expect("valid");
@@ -173,7 +173,7 @@ fn trails_alone_are_the_same_bits() {
     ] {
         for combine in [Combine::Sum, Combine::Nearest] {
             let mut bursts = bursts(&mut Random(9), &basin, 9);
-            // A stretch without bursts, long enough for a jump.
+            // An interval without bursts, long enough for a jump.
             bursts.iter_mut().for_each(|burst| burst.active = [-1.0, 0.2]);
             bursts[0].active = [2.0, 2.3];
             let rift = Rift { combine, ..Rift::default() };
@@ -239,7 +239,7 @@ fn stability_is_exact() {
         assert!(check(c1, c2, 64, Boundary::Replicate).is_ok(), "{c1} {c2} is proposed");
         assert!((c1 - found.found[0]).hypot(c2 - found.found[1]) < 0.61, "{found:?}");
     }
-    // What sums to more than 1 is stable where no mode is level.
+    // Coefficients that sum to more than 1 are stable if no mode is level.
     assert!(check(0.3, 0.701, 8, Boundary::Fixed).is_ok());
     assert!(check(0.3, 0.701, 8, Boundary::Replicate).is_err());
     assert!(check(f64::NAN, 0.5, 8, Boundary::Replicate).is_err());
@@ -250,7 +250,7 @@ fn stability_is_exact() {
     assert!(matches!(refused, Err(ToonError::NotResampled { .. })), "{refused:?}");
 }
 
-/// A level sea with c₁ + c₂ = 1 stays where it is, and what dies away ends at 0, not among subnormal numbers.
+/// A level sea with c₁ + c₂ = 1 stays where it is, and decaying values end at 0, not in subnormal numbers.
 #[test]
 fn neither_drift_nor_subnormals() {
     let basin = Basin { columns: 16, rows: 16, spacing: 1.0, boundary: Boundary::Replicate };
@@ -299,7 +299,7 @@ fn hostile_bursts_stay_finite() {
     }
 }
 
-/// Injection and step in parts are the simulation's own step.
+/// Injection and step in parts equal the simulation's own step.
 #[test]
 fn parts_of_a_step_are_the_step() {
     let basin = Basin { columns: 70, rows: 50, spacing: 0.3, boundary: Boundary::Replicate };
@@ -317,7 +317,8 @@ fn parts_of_a_step_are_the_step() {
     assert_eq!((frame.height, frame.rift), (field.height.as_slice(), rift.as_slice()));
 }
 
-/// A body heaps the water up before its bow, lies in a trough, and leaves foam behind and lines; far away nothing moves.
+/// A body piles the water up in front of its bow, lies in a trough, and leaves foam and lines behind; far away
+/// nothing moves.
 #[test]
 fn bodies_press_and_heap() {
     let basin = Basin { columns: 120, rows: 60, spacing: 0.2, boundary: Boundary::Replicate };
@@ -330,13 +331,13 @@ fn bodies_press_and_heap() {
     let mut simulation = sea.simulate(ALL);
     let frame = simulation.at(4.5);
     let at = |x: f64, z: f64| (z / 0.2).round() as usize * 120 + (x / 0.2).round() as usize;
-    // The middle stands at x = 11 m, the bow 1.5 m ahead.
+    // The middle is at x = 11 m, the bow 1.5 m ahead.
     assert!(frame.height[at(10.6, 6.0)] < -0.05, "{}", frame.height[at(10.6, 6.0)]);
     assert!(frame.height[at(12.4, 6.0)] > 0.05, "{}", frame.height[at(12.4, 6.0)]);
     assert!(frame.rift[at(7.0, 6.0)] > 0.05 && frame.rift[at(16.0, 6.0)] == 0.0);
     assert!(frame.drift.weight[at(7.0, 6.0)] > 0.0 && frame.drift.weight[at(16.0, 6.0)] == 0.0);
     assert!(frame.height[at(20.0, 10.0)].abs() < 1e-3);
-    // What stays where it is has no bow; what is out of range is named.
+    // A body that does not move has no bow; a parameter out of range is named.
     let still = Body { way: Burst::along([[5.0, 5.0]; 4]), ..body };
     assert_eq!(still.bursts().expect("valid").len(), 1);
     for wrong in [Body { length: 0.0, ..body }, Body { beam: f64::NAN, ..body }, Body { draught: 1e9, ..body }] {
@@ -349,8 +350,8 @@ fn bytes_are_those_of_what_is_kept() {
     let basin = Basin { columns: 70, rows: 40, spacing: 0.3, boundary: Boundary::Replicate };
     let bursts = bursts(&mut Random(5), &basin, 12);
     let physics = Physics { speed: 2.0, damping: 3.0, frequency: 5.0, push: None };
-    // Fields of a literal sea: two heights. Of modes: their two numbers, at the step and where a frame ends, force,
-    // coefficients, heights, and six factors for a step and for the part that a frame ends in.
+    // Number of fields. Literal sea: two heights. Modes: their two numbers, at the step and where a frame ends,
+    // force, coefficients, heights, and six factors for a step and for the part in which a frame ends.
     for (motion, fields) in
         [(Motion::Literal(Mixing::default()), 2), (Motion::Physical { physics, rate: 60.0 }, 4 + 3 + 12)]
     {

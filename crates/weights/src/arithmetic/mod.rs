@@ -1,11 +1,11 @@
 //! Scalar f32 definitions of the convex operations, written so that rounding cannot break them.
 //!
 //! Masks are values in [0, 1]; color channels are finite and ≥ 0. Every function is pure, allocates nothing and gives
-//! the same bits on every platform: only IEEE operations with one correct answer are used (+, −, ×, ÷, fused
-//! multiply–add, conversions, comparisons), besides `libm` (plain Rust) for fractional powers. All of them are
+//! the same bits on every platform: it uses only IEEE operations with one correct result (+, −, ×, ÷, fused
+//! multiply–add, conversions, comparisons), and `libm` (plain Rust) for fractional powers. All functions are
 //! branch-free after inlining, so that a loop over a row vectorizes.
 //!
-//! One fact carries most proofs: **rounding is monotone**. If x ≤ y then fl(x) ≤ fl(y), so whenever y is itself a
+//! Most proofs rest on one fact: **rounding is monotone**. If x ≤ y then fl(x) ≤ fl(y), so whenever y is itself a
 //! floating-point number, x ≤ y implies fl(x) ≤ y. u = 2⁻²⁴ is the unit roundoff of f32.
 
 mod partition;
@@ -17,10 +17,10 @@ pub use rows::{normalize_rows, power_row, round_partition_rows, stack_rows};
 /// Mixes two channel values: `a` at `t` = 0, `b` at `t` = 1.
 ///
 /// `a`, `b` finite with finite difference (always so for colors, which are ≥ 0), `t` in [0, 1]. The result lies in
-/// [min(a, b), max(a, b)], is exact at t = 0, at t = 1 and at a = b, and errs by at most 1.5 ulp.
+/// [min(a, b), max(a, b)], is exact at t = 0, at t = 1 and at a = b, and has an error of at most 1.5 ulp.
 ///
-/// The usual forms do not do: (1−t)·a + t·b misses a = b, and a + t·(b−a) misses b at t = 1. Starting from the nearer
-/// end repairs both.
+/// The usual forms are not sufficient: (1−t)·a + t·b is inexact at a = b, and a + t·(b−a) is inexact at t = 1.
+/// Starting from the nearer end corrects both.
 ///
 /// *Proof*, for a ≤ b (else mirror). Let d = fl(b − a) ≤ (b − a)(1 + u); d ≥ 0 because rounding is monotone.
 /// For t < ½, t ≤ ½ − u/2 and a ≤ a + t·d ≤ a + (½ − u/2)(1 + u)(b − a) ≤ b; the fused multiply–add rounds that sum
@@ -37,23 +37,22 @@ pub fn mix(a: f32, b: f32, t: f32) -> f32 {
     by.mul_add(b - a, from)
 }
 
-/// Bounds from which on [`clamp`] halves its values: 2¹²⁶.
+/// Absolute value from which on the bounds of [`clamp`] are halved: 2¹²⁶.
 pub const LARGE: f32 = 8.507_059e37;
 
-/// Maps a field value to a mask: 0 below `min`, 1 from `max` on, straight between.
+/// Maps a field value to a mask: 0 below `min`, 1 from `max` on, linear between.
 ///
 /// The cases are tried in this order: `x ≥ max` → 1; `x ≥ min` → (x − min)/(max − min); else 0. So `max = min` is a
-/// step at `max`, +∞ gives 1, −∞ gives 0, and NaN gives 0. Bounds are meant to be finite with min ≤ max; the result
-/// lies in [0, 1] whatever they are.
+/// step at `max`, +∞ gives 1, −∞ gives 0, and NaN gives 0. Bounds should be finite with min ≤ max; the result is in
+/// [0, 1] for any bounds.
 ///
 /// *Proof.* Between the bounds min ≤ x < max, hence 0 ≤ fl(x − min) ≤ fl(max − min) by monotone rounding, and the
 /// denominator is not 0, for a difference of unequal floating-point numbers never rounds to 0. A quotient of
 /// 0 ≤ n ≤ d is ≤ 1, and 1 is representable. Multiplying by a rounded reciprocal would exceed 1 for some x. For the
 /// same reason the result is monotone in x. ∎
 ///
-/// Where a bound reaches 2¹²⁶ the difference could overflow, so all three values are halved first. Halving is exact
-/// but for subnormals, and those are less than 2⁻²⁵⁰ of the width there: the quotient rounds to 0 with or without
-/// them.
+/// If a bound reaches 2¹²⁶, the difference could overflow, so all three values are halved first. Halving is exact
+/// except for subnormals, which are then less than 2⁻²⁵⁰ of the width: the quotient rounds to 0 with or without them.
 #[inline(always)]
 #[must_use]
 pub fn clamp(x: f32, min: f32, max: f32) -> f32 {
@@ -61,7 +60,7 @@ pub fn clamp(x: f32, min: f32, max: f32) -> f32 {
     let scale = if large { 0.5 } else { 1.0 };
     let origin = min * scale;
     let quotient = (x * scale - origin) / (max * scale - origin);
-    // Also turns the NaN of an infinite `min` into 0, and −0 into 0.
+    // Also replaces the NaN of an infinite `min`, and −0, with 0.
     let ramp = if quotient > 0.0 { quotient } else { 0.0 };
     let below_max = if x >= min { ramp } else { 0.0 };
     if x >= max { 1.0 } else { below_max }
@@ -75,7 +74,7 @@ pub fn clamp(x: f32, min: f32, max: f32) -> f32 {
 /// and rounding of a monotone function is monotone. Below 2⁻²⁸ the next t is at least 2⁻²⁴ larger in proportion, which
 /// the two errors of 2⁻⁵³ cannot undo. Rounding to f32 is monotone again. The values at 0, ½ and 1 need few bits, and
 /// monotone with f(0) = 0 and f(1) = 1 means within [0, 1]. In f32 alone, monotonicity is lost near 1, where the slope
-/// falls below the rounding. ∎
+/// falls below the rounding error. ∎
 #[inline(always)]
 #[must_use]
 pub fn smooth(t: f32) -> f32 {
@@ -83,7 +82,7 @@ pub fn smooth(t: f32) -> f32 {
     (t * t * (3.0 - 2.0 * t)) as f32
 }
 
-/// Raises a mask to the power `p` ≥ 1: contrast that keeps 0 and 1.
+/// Raises a mask to the power `p` ≥ 1, a change of contrast that keeps 0 and 1.
 ///
 /// `t` in [0, 1]. The result lies in [0, t], is exact at 0 and 1, and `p` = 1 is the identity. Integer powers up to 16
 /// are products; others go through `libm`. Both are computed in f64 and rounded to f32, error below 1 ulp.
@@ -91,7 +90,7 @@ pub fn smooth(t: f32) -> f32 {
 /// *Proof.* Products of factors in [0, 1] stay in [0, 1] since 0 and 1 are representable; the final `min` holds the
 /// bound t^p ≤ t for every p ≥ 1, independently of the quality of `libm`. ∎
 ///
-/// A row with one `p` is cheaper through [`power_row`], which decides once.
+/// For a row with one `p`, [`power_row`] is faster, since it chooses the method once.
 #[inline(always)]
 #[must_use]
 pub fn power(t: f32, p: f32) -> f32 {
@@ -104,7 +103,7 @@ pub fn power(t: f32, p: f32) -> f32 {
     }
 }
 
-/// `t` to an integer power n ≥ 1 by square and multiply in f64.
+/// Raises `t` to an integer power n ≥ 1, by square and multiply in f64.
 #[inline(always)]
 fn integer_power(t: f32, n: u32) -> f32 {
     let mut square = f64::from(t);
@@ -125,33 +124,33 @@ fn fractional_power(t: f32, p: f32) -> f32 {
     at_most(libm::pow(f64::from(t), f64::from(p)) as f32, t)
 }
 
-/// The smaller of `value` and `bound`; `bound` if `value` is NaN.
+/// Returns the smaller of `value` and `bound`; `bound` if `value` is NaN.
 #[inline(always)]
 fn at_most(value: f32, bound: f32) -> f32 {
     if value < bound { value } else { bound }
 }
 
-/// The hard mask: 1 where `x ≥ threshold`, else 0. NaN gives 0, +∞ gives 1.
+/// Makes a hard mask: 1 where `x ≥ threshold`, else 0. NaN gives 0, +∞ gives 1.
 #[inline(always)]
 #[must_use]
 pub fn step(x: f32, threshold: f32) -> f32 {
     if x >= threshold { 1.0 } else { 0.0 }
 }
 
-/// The other side of a mask: 1 − t.
+/// Inverts a mask: 1 − t.
 ///
-/// `t` in [0, 1]; the result lies in [0, 1] and falls monotonically. Exact for t ≥ ½ and for all multiples of 2⁻²⁴;
-/// smaller t lose what lies below 2⁻²⁵. A graph that only needs the mirrored mix swaps the operands instead, which
-/// loses nothing.
+/// `t` in [0, 1]; the result is in [0, 1] and decreases monotonically. Exact for t ≥ ½ and for all multiples of 2⁻²⁴;
+/// other t
+/// are rounded by at most 2⁻²⁵. If a graph only needs the reversed mix, swapping its operands is exact.
 #[inline(always)]
 #[must_use]
 pub fn complement(t: f32) -> f32 {
     1.0 - t
 }
 
-/// Both masks at once: a·b.
+/// Multiplies two masks: a·b.
 ///
-/// Operands in [0, 1]. The result lies in [0, min(a, b)], because a·b ≤ min(a, b) and rounding is monotone; exact where
+/// Operands in [0, 1]. The result lies in [0, min(a, b)], because a·b ≤ min(a, b) and rounding is monotone; exact if
 /// one operand is 0 or 1.
 #[inline(always)]
 #[must_use]
@@ -159,11 +158,11 @@ pub fn product(a: f32, b: f32) -> f32 {
     a * b
 }
 
-/// Either mask: 1 − (1 − a)(1 − b), which is a mix from the larger mask to 1 by the smaller one.
+/// Screens two masks: 1 − (1 − a)(1 − b), computed as a mix from the larger mask to 1 by the smaller one.
 ///
 /// Operands in [0, 1]. The result lies in [max(a, b), 1] by the proof of [`mix`], is exact where one operand is 0 or
-/// 1, and does not change when the operands are swapped. Several masks are folded from the left; the order then
-/// changes the last bits only.
+/// 1, and does not change when the operands are swapped. Several masks are folded from the left; their order
+/// changes only the last bits.
 #[inline(always)]
 #[must_use]
 pub fn screen(a: f32, b: f32) -> f32 {

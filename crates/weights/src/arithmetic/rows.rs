@@ -1,7 +1,7 @@
-//! The partition operations over rows held as planes: one slice per weight, one entry per pixel.
+//! The partition operations over rows stored as planes: one slice per weight, one entry per pixel.
 //!
-//! Each works through short blocks of pixels, so that its running sums stay in registers or L1 and the inner loops,
-//! which run over pixels, vectorize. Bit for bit the same as the one-pixel forms.
+//! Each operation processes short blocks of pixels, so that its running sums stay in registers or L1 and the inner
+//! loops, which run over pixels, vectorize. The results equal those of the one-pixel forms bit for bit.
 
 use super::partition::{divisor, round_f64, round_weight, share};
 use super::{fractional_power, integer_power};
@@ -9,7 +9,7 @@ use super::{fractional_power, integer_power};
 /// Pixels in a block: three running values of 8 bytes each make 1.5 KiB.
 const BLOCK: usize = 64;
 
-/// Raises a row of masks to one power; bit for bit [`power`](super::power), deciding the method once.
+/// Raises a row of masks to one power, bit for bit like [`power`](super::power); chooses the method once.
 pub fn power_row(row: &mut [f32], p: f32) {
     if p == 1.0 {
         return;
@@ -25,7 +25,7 @@ pub fn power_row(row: &mut [f32], p: f32) {
     }
 }
 
-/// What rounding a partition remembers per pixel: the largest raw weight, its plane, and the sum of the rounded ones.
+/// State of rounding a partition, per pixel: the largest raw weight, its plane, and the sum of the rounded weights.
 struct Residual {
     best: [f64; BLOCK],
     owner: [u32; BLOCK],
@@ -37,7 +37,7 @@ impl Residual {
         Self { best: [f64::NEG_INFINITY; BLOCK], owner: [0; BLOCK], sum: [0.0; BLOCK] }
     }
 
-    /// Takes the raw weight of one plane at pixel x, whose rounded value is `rounded`.
+    /// Updates the state with the raw weight of one plane at pixel x and its rounded value.
     #[inline(always)]
     fn take(&mut self, x: usize, plane: usize, raw: f64, rounded: f64) {
         let larger = raw > self.best[x];
@@ -46,7 +46,7 @@ impl Residual {
         self.sum[x] += rounded;
     }
 
-    /// Gives what is missing to the largest weight of each pixel.
+    /// Adds the residual to the largest weight of each pixel.
     fn settle(&self, planes: &mut [&mut [f32]], start: usize, count: usize) {
         for x in 0..count {
             if let Some(plane) = planes.get_mut(self.owner[x] as usize) {
@@ -56,7 +56,7 @@ impl Residual {
     }
 }
 
-/// [`round_partition`](super::round_partition) over planes: `planes[i][x]` is weight i at pixel x.
+/// Applies [`round_partition`](super::round_partition) to planes: `planes[i][x]` is weight i at pixel x.
 ///
 /// # Panics
 ///
@@ -75,7 +75,7 @@ pub fn round_partition_rows(planes: &mut [&mut [f32]]) {
     }
 }
 
-/// [`normalize`](super::normalize) over planes: n rows of values to n + 1 rows of weights.
+/// Applies [`normalize`](super::normalize) to planes: from n rows of values to n + 1 rows of weights.
 ///
 /// # Panics
 ///
@@ -110,7 +110,7 @@ pub fn normalize_rows(values: &[&[f32]], floor: f32, out: &mut [&mut [f32]]) {
     }
 }
 
-/// [`stack`](super::stack) over planes: n rows of masks, the first on top, to n + 1 rows of weights.
+/// Applies [`stack`](super::stack) to planes: from n rows of masks, the first on top, to n + 1 rows of weights.
 ///
 /// # Panics
 ///
@@ -139,7 +139,7 @@ pub fn stack_rows(masks: &[&[f32]], out: &mut [&mut [f32]]) {
     }
 }
 
-/// Start and length of each block of the rows, after a check that all rows agree in length.
+/// Returns start and length of each block, after a check that all rows have the same length.
 fn blocks(planes: &[&mut [f32]], inputs: &[&[f32]]) -> impl Iterator<Item = (usize, usize)> + use<> {
     let width = planes.first().map_or(0, |row| row.len());
     assert!(planes.iter().all(|row| row.len() == width), "rows of equal length");

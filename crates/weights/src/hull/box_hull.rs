@@ -1,10 +1,12 @@
+//! Bounding boxes of control colors.
+
 use fearless_simd::{Level, Simd, dispatch};
 use trochoid_image::Rgb;
 
-/// Pixels held against the box together.
+/// Number of pixels that are compared with the box together.
 const BLOCK: usize = 128;
 
-/// The smallest box around control colors: what per-channel operations cannot leave.
+/// Bounding box of control colors, which per-channel operations cannot leave.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BoxHull {
     min: Rgb,
@@ -19,7 +21,7 @@ impl Default for BoxHull {
 }
 
 impl BoxHull {
-    /// The box of a set of points. Points that are not finite are left out.
+    /// Makes the bounding box of a set of points, without those that are not finite.
     #[must_use]
     pub fn new(points: &[Rgb]) -> Self {
         let mut hull = Self::default();
@@ -27,7 +29,7 @@ impl BoxHull {
         hull
     }
 
-    /// Grows the box to hold more points; those that are not finite are left out.
+    /// Extends the box to more points, without those that are not finite.
     pub fn add(&mut self, points: &[Rgb]) {
         for point in points.iter().filter(|point| point.iter().all(|v| v.is_finite())) {
             self.min = std::array::from_fn(|i| self.min[i].min(point[i]));
@@ -35,28 +37,29 @@ impl BoxHull {
         }
     }
 
-    /// The box around two boxes.
+    /// Returns the bounding box of two boxes.
     #[must_use]
     pub fn union(self, other: Self) -> Self {
         let merge = |a: Rgb, b: Rgb, pick: fn(f32, f32) -> f32| std::array::from_fn(|i| pick(a[i], b[i]));
         Self { min: merge(self.min, other.min, f32::min), max: merge(self.max, other.max, f32::max) }
     }
 
-    /// The least value of each channel; +∞ if the box is empty.
+    /// Returns the smallest value of each channel; +∞ if the box is empty.
     #[must_use]
     pub fn min(&self) -> Rgb {
         self.min
     }
 
-    /// The largest value of each channel; −∞ if the box is empty.
+    /// Returns the largest value of each channel; −∞ if the box is empty.
     #[must_use]
     pub fn max(&self) -> Rgb {
         self.max
     }
 
-    /// How far the channel that is farthest out lies outside the box, if by more than the margin (≥ 0).
+    /// Returns the largest distance of any channel from the box, if it exceeds the margin (≥ 0).
     ///
-    /// Exact at margin 0. A pixel that is not finite is an exit at distance +∞; so is every pixel of the empty box.
+    /// Exact at margin 0. A pixel that is not finite is an exit at distance +∞, and so is every pixel if the box is
+    /// empty.
     #[must_use]
     pub fn exit(&self, pixel: &[f32; 3], margin: f64) -> Option<f64> {
         if !pixel.iter().all(|v| v.is_finite()) {
@@ -70,8 +73,8 @@ impl BoxHull {
         (distance > margin).then_some(distance)
     }
 
-    /// Counts the pixels of a row that are outside by more than the margin (≥ 0), and finds the largest distance among
-    /// them (0 if there is none).
+    /// Counts the pixels of a row that are outside by more than the margin (≥ 0), and returns the count and the largest
+    /// distance (0 if the count is 0).
     ///
     /// # Panics
     ///
@@ -96,7 +99,7 @@ impl BoxHull {
         (count, worst)
     }
 
-    /// Whether no pixel is outside by anything.
+    /// Whether all pixels are inside of the box.
     fn holds<S: Simd>(&self, simd: S, channels: [&[f32]; 3]) -> bool {
         simd.vectorize(
             #[inline(always)]

@@ -1,4 +1,4 @@
-//! Reducing millions of points to the few that can be vertices.
+//! Collects millions of points, and reduces them to the few that can be vertices.
 
 use trochoid_image::Rgb;
 
@@ -6,21 +6,22 @@ use super::shape::{Shape, sorted};
 use super::vector::{Point, dot, side};
 use super::{BoxHull, Facet, Hull};
 
-/// Points filtered together.
+/// Number of points that are filtered together.
 const BLOCK: usize = 128;
 
-/// Slots of the memory of recent points; a power of 2.
+/// Number of slots for recent points; a power of 2.
 const RECENT: usize = 4096;
 
-/// Points gathered before the first reduction, and the number up to which later ones may grow.
+/// Number of points that are collected before the first reduction.
 const FIRST_BATCH: usize = 1024;
+/// Number up to which later batches grow.
 const FULL_BATCH: usize = 32_768;
 
-/// Collects points, in any number of pieces, and makes their [`Hull`].
+/// Collects points, in any number of parts, and makes their [`Hull`].
 ///
-/// Memory stays near that of the hull itself: gathered points are reduced again and again to their exact extreme points,
-/// which is exact because the hull of a union is the hull of the vertices of its parts. Between reductions, points that
-/// are certainly interior, or were seen a moment ago, are dropped on arrival.
+/// The memory stays close to that of the hull itself: collected points are repeatedly reduced to their exact extreme
+/// points. The result is exact, because the hull of a union is the hull of the vertices of its parts. Between
+/// reductions, points that are certainly interior, or were added recently, are dropped.
 #[derive(Clone, Debug)]
 pub struct HullBuilder {
     points: Vec<Rgb>,
@@ -36,14 +37,14 @@ impl Default for HullBuilder {
 }
 
 impl HullBuilder {
-    /// A builder without points.
+    /// Makes a builder without points.
     #[must_use]
     pub fn new() -> Self {
-        // Bits of a NaN, which no point that gets here has.
+        // The bits of a NaN, which no finite point has.
         Self { points: Vec::new(), batch: FIRST_BATCH, filter: None, recent: vec![[u32::MAX; 3]; RECENT] }
     }
 
-    /// Adds points; those that are not finite are left out.
+    /// Adds points, without those that are not finite.
     pub fn add(&mut self, points: &[Rgb]) {
         let mut channels = [[0.0_f32; BLOCK]; 3];
         for block in points.chunks(BLOCK) {
@@ -56,7 +57,7 @@ impl HullBuilder {
         }
     }
 
-    /// Adds the pixels of a row given by channels; those that are not finite are left out.
+    /// Adds the pixels of a row, given by channels, without those that are not finite.
     ///
     /// # Panics
     ///
@@ -73,12 +74,12 @@ impl HullBuilder {
         }
     }
 
-    /// Adds all that another builder has gathered.
+    /// Adds all points that another builder has collected.
     pub fn merge(&mut self, other: &Self) {
         self.add(&other.points);
     }
 
-    /// The hull of all points added.
+    /// Returns the hull of all points.
     #[must_use]
     pub fn finish(mut self) -> Hull {
         self.reduce();
@@ -103,7 +104,7 @@ impl HullBuilder {
         }
     }
 
-    /// Reduces the gathered points to their extreme ones, sorted.
+    /// Reduces the collected points to their extreme points, sorted.
     fn reduce(&mut self) {
         sorted(&mut self.points);
         let exact: Vec<Point> = self.points.iter().map(|p| p.map(f64::from)).collect();
@@ -117,34 +118,34 @@ impl HullBuilder {
     }
 }
 
-/// Polytopes that are certainly inside the hull of what was gathered so far.
+/// Polytopes that are certainly inside of the hull of the points so far.
 #[derive(Clone, Debug)]
 struct Filter {
-    /// Planes of a polytope with few facets, in f32 and drawn in; of a planar hull, its sides.
+    /// Planes of a polytope with few facets, in f32 and moved inward; for a planar hull, its sides.
     planes: Vec<([f32; 3], f32)>,
-    /// Facets of a larger polytope, for the points that the first one does not catch.
+    /// Facets of a larger polytope, for points outside of the first one.
     fine: Vec<Facet>,
-    /// Three points of a planar hull's plane.
+    /// Three points in the plane of a planar hull.
     flat: Option<[Point; 3]>,
-    /// How far inside a point must be.
+    /// Minimum distance inward for interior points.
     clear: f64,
     min: Rgb,
     max: Rgb,
 }
 
 impl Filter {
-    /// The polytopes of the extremes of sorted points; `None` where they have no interior.
+    /// Makes the polytopes of the extremes of sorted points; `None` if they have no interior.
     fn new(points: &[Rgb]) -> Option<Self> {
         let inner = Hull::of_sorted(&extremes(points, 1));
-        // The extremes of a solid may happen to be coplanar: such a filter would still be right, for it asks every point
-        // whether it is in the plane.
+        // The extremes of a solid may be coplanar by chance. The filter is still correct then, since it checks
+        // whether each point is in the plane.
         let (flat, sides) = match (inner.dimension(), inner.vertices()) {
             (Some(3), _) => (None, inner.facets()),
             (Some(2), &[a, b, c, ..]) => (Some([a, b, c].map(|p| p.map(f64::from))), inner.facets().get(2..)?),
             _ => return None,
         };
-        // Within the box, rounding normal, offset and sums to f32 costs less than 16 u of the largest coordinate; not so
-        // where products overflow or become subnormal.
+        // Within the box, rounding normal, offset and sums to f32 causes an error below 16 u of the largest coordinate,
+        // unless products overflow or become subnormal.
         if !(1e-30..1e30).contains(&inner.largest) {
             return None;
         }
@@ -157,7 +158,7 @@ impl Filter {
         Some(Self { planes, fine, flat, clear, min: bounds.min(), max: bounds.max() })
     }
 
-    /// Which points of a block are certainly interior, hence no vertices. Never true for NaN.
+    /// Marks the points of a block that are certainly interior, hence not vertices. Never marks NaN.
     fn interior(&self, [r, g, b]: &[[f32; BLOCK]; 3]) -> [bool; BLOCK] {
         let mut largest = [f32::NEG_INFINITY; BLOCK];
         for (normal, offset) in &self.planes {
@@ -184,8 +185,8 @@ impl Filter {
     }
 }
 
-/// The extreme points of a set in directions spread over the sphere: those to the integer points on the surface of the
-/// cube [−n, n]³, 26 for n = 1 and 98 for n = 2. Distinct and sorted.
+/// Returns the extreme points of a set, distinct and sorted, in directions spread over the sphere: the directions to
+/// the integer points on the surface of the cube [−n, n]³, 26 for n = 1 and 98 for n = 2.
 pub(super) fn extremes(points: &[Rgb], n: i32) -> Vec<Rgb> {
     let mut found = Vec::new();
     let side = 2 * n + 1;

@@ -1,4 +1,4 @@
-//! Counting the pixels that left a hull.
+//! Counts the pixels outside of a hull.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch};
@@ -8,16 +8,16 @@ use super::screen::{BLOCK, Bounds, Groups, Pixels, TOGETHER, left};
 use super::vector::{Point, along, length, sub};
 use super::{EVALUATION, Facet, Hull};
 
-/// From so many pixels of a block on that are left for f64, they are judged there rather than gathered.
+/// Number of undecided pixels in a block from which on they are judged in f64 at once rather than collected.
 const MANY_LEFT: u32 = 24;
 
-/// Projections tried before the distance is computed in full.
+/// Number of projections that are tried before the exact distance is computed.
 const PROJECTIONS: usize = 8;
 
 impl Hull {
-    /// The distance of a pixel from the hull if it exceeds the margin (≥ 0), else `None`.
+    /// Returns the distance of a pixel from the hull if it exceeds the margin (≥ 0), else `None`.
     ///
-    /// A pixel that is not finite is an exit at distance +∞; so is every pixel of the empty hull.
+    /// A pixel that is not finite is an exit at distance +∞, and so is every pixel if the hull is empty.
     #[must_use]
     pub fn exit(&self, pixel: &[f32; 3], margin: f64) -> Option<f64> {
         let point = pixel.map(f64::from);
@@ -27,7 +27,7 @@ impl Hull {
         if excess <= 0.0 {
             return None;
         }
-        // The excess is the distance if the projection onto the worst plane hits the hull, else a lower bound of it.
+        // The excess is the distance if the projection onto the worst plane is in the hull, else a lower bound of it.
         if excess <= margin && self.reachable(point, projection, margin) {
             return None;
         }
@@ -37,8 +37,8 @@ impl Hull {
 
     /// Whether repeated projection onto the worst plane ends in the hull within the margin.
     ///
-    /// Any point of the hull that near proves that the distance is no larger, so this only saves the search for the
-    /// nearest one. It seldom takes more steps than planes meet at an edge.
+    /// Any point of the hull within the margin proves that the distance is no larger, so this only avoids the search
+    /// for the nearest point. It rarely takes more steps than there are planes at an edge.
     fn reachable(&self, point: Point, projection: Point, margin: f64) -> bool {
         let slack = EVALUATION * self.largest;
         let mut reached = projection;
@@ -54,8 +54,9 @@ impl Hull {
         false
     }
 
-    /// Counts the pixels of a row that are outside by more than the margin (≥ 0), and finds the largest distance among
-    /// them (0 if there is none). The same verdicts as [`exit`](Hull::exit), at a nanosecond or less for most pixels.
+    /// Counts the pixels of a row that are outside by more than the margin (≥ 0), and returns the count and the
+    /// largest distance (0 if the count is 0). The verdicts are those of [`exit`](Hull::exit), in a nanosecond or
+    /// less for most pixels.
     ///
     /// # Panics
     ///
@@ -73,15 +74,16 @@ impl Hull {
     }
 }
 
-/// Pixels pass through screens in blocks; what no screen passes is judged in f64, and what is then left one by one.
+/// Judges pixels in blocks: screens pass most of them, the rest is tested in f64, and pixels that remain are judged
+/// one by one.
 struct Sieve<'h> {
     hull: &'h Hull,
     margin: f64,
-    /// For each plane an excess up to which the distance is certainly within the margin; made when first needed, as are
-    /// the planes of each screen.
+    /// For each plane, an excess up to which the distance is certainly within the margin. Made on first use, like the
+    /// planes of each screen.
     near: Vec<f64>,
     groups: Vec<Groups>,
-    /// What waits to be judged in each stage: the screens, and f64 last.
+    /// Pixels that wait for each stage: the screens, and f64 last.
     waiting: Vec<([[f32; BLOCK]; 3], usize)>,
     planes: Vec<[f32; 4]>,
     count: u64,
@@ -95,11 +97,11 @@ impl<'h> Sieve<'h> {
         Self { hull, margin, near: Vec::new(), groups, waiting, planes: Vec::new(), count: 0, worst: 0.0 }
     }
 
-    /// Makes what a stage judges by.
+    /// Makes the planes or bounds of a stage.
     fn prepare(&mut self, stage: usize) {
         let Some(screen) = self.hull.screens.get(stage) else {
             if self.near.is_empty() {
-                // Where there is no screen, the bounds of rounding do not hold either.
+                // Without screens, the bounds on rounding do not hold either.
                 let known = !self.hull.screens.is_empty();
                 let near =
                     |nearness: &Nearness| if known { nearness.excess(self.margin, self.hull.largest) } else { 0.0 };
@@ -108,7 +110,7 @@ impl<'h> Sieve<'h> {
             return;
         };
         if self.groups[stage].is_empty() {
-            // No plane of a hull is farther from a pixel than the polytope inside it.
+            // No plane of the hull is farther from a pixel than the inner polytope is.
             let whole = self.hull.screens.last().filter(|_| stage + 1 < self.hull.screens.len());
             self.groups[stage] = screen.groups(whole.map_or(self.margin, |whole| whole.near(self.margin)));
         }
@@ -135,7 +137,7 @@ impl<'h> Sieve<'h> {
         }
     }
 
-    /// Judges the first `count` pixels of a block, which is filled up with one of them.
+    /// Judges the first `count` pixels of a block, which is padded with one of them.
     fn block<S: Simd>(&mut self, simd: S, stage: usize, block: Pixels<'_>, count: usize) {
         let hull = self.hull;
         self.prepare(stage);
@@ -145,7 +147,7 @@ impl<'h> Sieve<'h> {
         };
         let bounds = Bounds::of(simd, block);
         if !screen.covers_box(&bounds) {
-            // Such pixels are judged here, and leave their place to one that passes.
+            // Pixels that the screen does not cover are judged here, and replaced by a vertex, which passes.
             let mut covered = block.map(|channel| *channel);
             for x in 0..count {
                 let pixel = block.map(|channel| channel[x]);
@@ -196,7 +198,7 @@ impl<'h> Sieve<'h> {
         }
     }
 
-    /// Judges what waits for a stage.
+    /// Judges the pixels that wait for a stage.
     fn flush<S: Simd>(&mut self, simd: S, stage: usize) {
         let (waiting, filled) = &mut self.waiting[stage];
         let count = std::mem::take(filled);
@@ -214,7 +216,7 @@ impl<'h> Sieve<'h> {
     }
 }
 
-/// A block whose unused places repeat its first pixel, so that they do not widen its box.
+/// Pads a block with its first pixel, which does not enlarge its bounding box.
 fn filled(block: &mut [[f32; BLOCK]; 3], count: usize) -> Pixels<'_> {
     for channel in &mut *block {
         let first = channel[0];
@@ -223,9 +225,10 @@ fn filled(block: &mut [[f32; BLOCK]; 3], count: usize) -> Pixels<'_> {
     block.each_ref()
 }
 
-/// The pixels of a block that exceed no plane by more than `near`, as bits. Never one that is not finite.
+/// Returns the pixels of a block, as bits, that exceed no plane by more than `near`. Never includes pixels that are
+/// not finite.
 ///
-/// The excess is computed as [`Hull::exit`] does, so that 0 as `near` is exact.
+/// The excess is computed like in [`Hull::exit`], so that a `near` of 0 is exact.
 fn near<S: Simd>(simd: S, planes: &[Facet], near: &[f64], block: Pixels<'_>) -> u128 {
     simd.vectorize(
         #[inline(always)]
@@ -250,7 +253,7 @@ fn near<S: Simd>(simd: S, planes: &[Facet], near: &[f64], block: Pixels<'_>) -> 
                 let mut largest = [S::f64s::splat(simd, f64::NEG_INFINITY); TOGETHER];
                 for (&Facet { normal: [x, y, z], offset }, &near) in planes.iter().zip(near) {
                     for i in 0..TOGETHER {
-                        // The very operations of `Facet::excess`, in their order, if `near` is 0.
+                        // If `near` is 0, the same operations as in `Facet::excess`, in the same order.
                         let excess = red[i] * x + green[i] * y + blue[i] * z - (offset + near);
                         largest[i] = largest[i].max(excess);
                     }

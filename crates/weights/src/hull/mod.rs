@@ -1,4 +1,4 @@
-//! The convex hull of control colors, and the judgment of pixels against it.
+//! Convex hulls of control colors, against which pixels are judged.
 
 mod box_hull;
 mod builder;
@@ -23,7 +23,7 @@ use vector::{Point, along, area_vector, cross, dot, length, sub, unit};
 /// A half-space {p : normal·p ≤ offset}, with a normal of length 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Facet {
-    /// Points out of the hull.
+    /// Outward normal.
     pub normal: [f64; 3],
     /// The largest normal·v over the vertices.
     pub offset: f64,
@@ -37,55 +37,56 @@ impl Facet {
     }
 }
 
-/// Why a point is outside: a plane that has the whole hull on its inner side.
+/// Proof that a point is outside of a hull: a plane between them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Witness {
     /// Unit normal, from the nearest point of the hull toward the point.
     pub normal: [f64; 3],
-    /// normal·v ≤ offset for every vertex v.
+    /// Offset of the plane: normal·v ≤ offset for every vertex v.
     pub offset: f64,
-    /// The distance of the point from the hull.
+    /// Distance of the point from the hull.
     pub distance: f64,
 }
 
 /// The convex hull of control colors.
 ///
 /// The combinatorics (dimension, vertices, which points share a facet) are exact for all finite f32 input, however
-/// degenerate: every decision is the exact sign of a determinant. Planes and distances are f64 numbers, good to about
-/// 10⁻¹² of the largest coordinate, 10⁻⁷ in the worst case of a hull that is nearly flat but not quite.
+/// degenerate: every decision is the exact sign of a determinant. Planes and distances are f64 numbers, accurate to
+/// about 10⁻¹² of the largest coordinate, 10⁻⁷ in the worst case of a hull that is nearly, but not exactly, flat.
 ///
-/// A hull without volume is handled as what it is: a point, a segment or a planar polygon. In every dimension
+/// A hull without volume is a point, a segment or a planar polygon. In every dimension
 /// [`facets`](Hull::facets) are half-spaces whose intersection is the hull.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Hull {
     dimension: Option<u8>,
     vertices: Vec<Rgb>,
-    /// The facets, and after them the further planes that judge a thin hull.
+    /// The facets, followed by the additional planes for thin hulls.
     planes: Vec<Facet>,
     facets: usize,
-    /// Where the nearest point lies if it lies inside no facet.
+    /// Edges, which contain the nearest point of the hull if no facet does.
     edges: Vec<[Point; 2]>,
-    /// How the distance follows from the excess, by plane.
+    /// Bounds of the distance by the excess, by plane.
     nearness: Vec<Nearness>,
-    /// What passes most pixels quickly: of a hull with many facets inner polytopes with few, and last the hull itself.
+    /// Fast tests that pass most pixels: for a hull with many facets, inner polytopes with few, and last the hull
+    /// itself.
     screens: Vec<Screen>,
     largest: f64,
 }
 
-/// Above this many facets a hull is screened by an inner polytope; above four times as many, by a larger one too.
+/// Number of facets above which a hull has an inner polytope as a screen; above four times as many, also a larger one.
 const MANY_FACETS: usize = 96;
 
-/// Up to this many pairs of facet and vertex, every facet is held against every vertex.
+/// Number of pairs of facet and vertex up to which every facet is compared with every vertex.
 const MANY_PRODUCTS: usize = 1 << 25;
 
-/// Computing normal·p − offset errs by less than this, relative to the largest coordinate: three products, three sums,
-/// and a normal whose length is off by two roundings.
+/// Error bound of normal·p − offset, relative to the largest coordinate: three products, three sums, and the two
+/// roundings in the length of the normal.
 const EVALUATION: f64 = 16.0 * f64::EPSILON;
 
 impl Hull {
-    /// The hull of a set of points. Points that are not finite are left out.
+    /// Makes the hull of a set of points, without those that are not finite.
     ///
-    /// Duplicates and interior points cost little; see [`HullBuilder`] for points that come in pieces.
+    /// Duplicates and interior points take little time; use [`HullBuilder`] for points that come in several parts.
     #[must_use]
     pub fn new(points: &[Rgb]) -> Self {
         let mut builder = HullBuilder::new();
@@ -93,7 +94,7 @@ impl Hull {
         builder.finish()
     }
 
-    /// From points as [`shape::sorted`] leaves them.
+    /// Makes the hull of points that [`shape::sorted`] has sorted.
     fn of_sorted(points: &[Rgb]) -> Self {
         let exact: Vec<Point> = points.iter().map(|p| p.map(f64::from)).collect();
         let shape = Shape::of(&exact);
@@ -121,7 +122,7 @@ impl Hull {
         let mut planes = facets;
         planes.extend(dimension.map_or(Vec::new(), |dimension| thin::guards(dimension, &planes, &corners)));
         let nearness = match &shape {
-            // A guard may be the worst plane, and it is no facet.
+            // The worst plane may be a guard, which is not a facet.
             _ if planes.len() > count => vec![Nearness::NONE; planes.len()],
             Shape::Empty => Vec::new(),
             Shape::Point | Shape::Segment(_) => Nearness::of_box(&planes, &corners, largest),
@@ -137,50 +138,53 @@ impl Hull {
         Self { dimension, vertices, planes, facets: count, edges, nearness, screens, largest }
     }
 
-    /// The extreme points, each once. A control color that is a mix of others is not among them.
+    /// Returns the extreme points, each once. Control colors that are mixes of others are not among them.
     #[must_use]
     pub fn vertices(&self) -> &[Rgb] {
         &self.vertices
     }
 
-    /// Half-spaces whose intersection is the hull; a planar hull has its plane from both sides and its sides.
+    /// Returns half-spaces whose intersection is the hull; a planar hull has two for its plane, and one for each side.
     #[must_use]
     pub fn facets(&self) -> &[Facet] {
         &self.planes[..self.facets]
     }
 
-    /// The edges, each once, from end to end; of a single point, one from it to itself.
+    /// Returns the edges, each once, by their ends; a single point has one edge from it to itself.
     #[must_use]
     pub fn edges(&self) -> &[[[f64; 3]; 2]] {
-        // The ring through two corners comes back along the same edge.
+        // The ring through two corners contains their edge twice.
         if self.dimension == Some(1) { &self.edges[..1] } else { &self.edges }
     }
 
-    /// 0 a point, 1 a segment, 2 a planar polygon, 3 a solid; `None` the empty hull.
+    /// Returns the dimension: 0 for a point, 1 for a segment, 2 for a planar polygon, 3 for a solid; `None` for the
+    /// empty hull.
     #[must_use]
     pub fn dimension(&self) -> Option<u8> {
         self.dimension
     }
 
-    /// How far rounding may carry a pixel out of the hull: the margin for a chain of `mix_levels` nested Mix nodes.
+    /// Returns the margin for a chain of `mix_levels` nested Mix nodes: how far rounding may move a pixel out of the
+    /// hull.
     ///
-    /// Each channel of a Mix is off the exact mix of its rounded operands by at most 1.5 ulp, each channel on its own,
-    /// so the color by at most √3 times as much; mixing does not amplify what its operands bring along, so levels add
-    /// up. A Blend rounds once and counts as one level. The ulp is that of the largest coordinate of the hull. Added to
-    /// it is the error of the test itself (10⁻¹⁵ of that coordinate), which is all that is left for 0 levels.
+    /// Each channel of a Mix differs from the exact mix of its rounded operands by at most 1.5 ulp, so the color
+    /// differs by at most √3 times as much. Mixing does not amplify the errors of its operands, so the levels add up.
+    /// A Blend rounds once and counts as one level. The ulp is that of the largest coordinate of the hull. The margin
+    /// also includes the error of the test itself (10⁻¹⁵ of that coordinate), which is the whole margin for 0 levels.
     #[must_use]
     pub fn margin(&self, mix_levels: usize) -> f64 {
         let largest = self.largest as f32;
-        // From below: the spacing above f32::MAX would be infinite.
+        // The spacing below the number, since the one above f32::MAX would be infinite.
         let ulp = f64::from(largest) - f64::from(largest.next_down().max(0.0));
         let ulp = if largest.to_bits() & 0x007f_ffff == 0 { 2.0 * ulp } else { ulp };
         1.5 * 3.0_f64.sqrt() * ulp * mix_levels as f64 + EVALUATION * self.largest
     }
 
-    /// The distance of a point from the hull: negative inside a solid hull, where it is the distance to the surface.
+    /// Returns the signed distance of a point from the hull.
     ///
-    /// Outside it is the Euclidean distance to the nearest point of the hull, in every dimension; on a hull without
-    /// volume it is 0 up to rounding. +∞ for the empty hull and for a point that is not finite.
+    /// Outside it is the Euclidean distance to the nearest point of the hull, in every dimension. Inside of a solid
+    /// hull it is the negative distance to the surface; on a hull without volume it is 0 up to rounding. It is +∞ for
+    /// the empty hull and for a point that is not finite.
     #[must_use]
     pub fn signed_distance(&self, point: [f64; 3]) -> f64 {
         let Some((_, excess, projection)) = self.project(point) else {
@@ -192,8 +196,8 @@ impl Hull {
         length(sub(point, self.nearest_on_edges(point)))
     }
 
-    /// A plane between a point and the hull, as far from the hull as the point is; `None` if the point is inside, not
-    /// finite, or the hull empty.
+    /// Returns a plane between a point and the hull that touches the hull; `None` if the point is inside or not
+    /// finite, or the hull is empty.
     #[must_use]
     pub fn witness(&self, point: [f64; 3]) -> Option<Witness> {
         let (facet, excess, projection) = self.project(point)?;
@@ -201,7 +205,7 @@ impl Hull {
             return None;
         }
         if self.holds(projection) {
-            // The facet's own normal: that of a difference is the less exact the nearer the point is.
+            // The normal of the facet: a normal from the difference would be less accurate for nearer points.
             let normal = facet.normal;
             return Some(Witness { normal, offset: dot(normal, projection), distance: excess });
         }
@@ -211,7 +215,7 @@ impl Hull {
         (distance > 0.0).then(|| Witness { normal, offset: dot(normal, nearest), distance })
     }
 
-    /// The facet that a point exceeds most, by how much, and the point projected onto its plane.
+    /// Returns the plane that a point exceeds most, the excess, and the projection of the point onto that plane.
     fn project(&self, point: Point) -> Option<(&Facet, f64, Point)> {
         if !point.iter().all(|v| v.is_finite()) {
             return None;
@@ -232,13 +236,13 @@ impl Hull {
         Some(worst)
     }
 
-    /// Whether a point is inside up to the error of the evaluation.
+    /// Whether a point is inside, up to the error of the evaluation.
     fn holds(&self, point: Point) -> bool {
         let slack = EVALUATION * self.largest;
         self.planes.iter().all(|facet| facet.excess(point) <= slack)
     }
 
-    /// The nearest point on the edges: it is the nearest of the hull, where no facet holds that.
+    /// Returns the nearest point on the edges. It is the nearest point of the hull if no facet contains that one.
     fn nearest_on_edges(&self, point: Point) -> Point {
         let mut best = ([f64::INFINITY; 3], f64::INFINITY);
         for &[a, b] in &self.edges {
@@ -252,14 +256,14 @@ impl Hull {
     }
 }
 
-/// The half-spaces with these normals that just hold all corners: the maximum is taken of the very expression that
-/// judges pixels, so a corner is never outside.
+/// Returns the smallest half-spaces with given normals that contain all corners. The maximum is taken over the same
+/// expression that judges pixels, so a corner is never outside.
 fn supporting(normals: Vec<Point>, corners: &[Point]) -> Vec<Facet> {
     let reach = |normal| corners.iter().fold(f64::NEG_INFINITY, |reach: f64, &corner| reach.max(dot(normal, corner)));
     normals.into_iter().map(|normal| Facet { normal, offset: reach(normal) }).collect()
 }
 
-/// Facets of a solid: the normal is that of all triangles of the facet together.
+/// Returns the facets of a solid, each with the normal of all of its triangles together.
 fn solid_facets(mesh: &Mesh, points: &[Point], corners: &[Point]) -> Vec<Facet> {
     let mut areas = vec![[0.0; 3]; mesh.facets];
     let triangle = |vertices: &[u32; 3]| vertices.map(|v| points[v as usize]);
@@ -271,7 +275,7 @@ fn solid_facets(mesh: &Mesh, points: &[Point], corners: &[Point]) -> Vec<Facet> 
     if mesh.facets.saturating_mul(corners.len()) <= MANY_PRODUCTS {
         return supporting(normals, corners);
     }
-    // The other corners are on the inner side of a facet up to the error of the evaluation.
+    // All other corners are inside, up to the error of the evaluation.
     let open = |&normal: &Point| Facet { normal, offset: f64::NEG_INFINITY };
     let mut facets: Vec<Facet> = normals.iter().map(open).collect();
     for (vertices, facet) in &mesh.triangles {
@@ -281,12 +285,12 @@ fn solid_facets(mesh: &Mesh, points: &[Point], corners: &[Point]) -> Vec<Facet> 
     facets
 }
 
-/// Each normal and its opposite.
+/// Returns each normal and its opposite.
 fn opposite(normals: &[Point; 3]) -> Vec<Point> {
     normals.iter().flat_map(|&n| [n, n.map(|v| -v)]).collect()
 }
 
-/// An orthonormal frame whose first axis is along a direction.
+/// Returns an orthonormal frame with its first axis along a direction.
 fn frame(direction: Point) -> [Point; 3] {
     let u = unit(direction);
     let smallest = (1..3).fold(0, |best, axis| if u[axis].abs() < u[best].abs() { axis } else { best });
@@ -296,7 +300,7 @@ fn frame(direction: Point) -> [Point; 3] {
     [u, v, cross(u, v)]
 }
 
-/// Normals of a planar polygon: of its plane, both ways, and of its sides within the plane.
+/// Returns the normals of a planar polygon: both normals of its plane, and those of its sides within the plane.
 fn polygon_normals(corners: &[Point]) -> Vec<Point> {
     let fan = corners.windows(2).skip(1).map(|pair| area_vector(corners[0], pair[0], pair[1]));
     let plane = unit(fan.fold([0.0; 3], |sum, area| along(sum, 1.0, area)));
@@ -304,7 +308,7 @@ fn polygon_normals(corners: &[Point]) -> Vec<Point> {
     [plane, plane.map(|v| -v)].into_iter().chain(sides).collect()
 }
 
-/// The closed ring of edges through all corners; of one corner, the edge from it to itself.
+/// Returns the closed ring of edges through all corners; for a single corner, the edge from it to itself.
 fn ring(corners: &[Point]) -> Vec<[Point; 2]> {
     let next = corners.iter().cycle().skip(1);
     corners.iter().zip(next).map(|(&a, &b)| [a, b]).collect()

@@ -1,29 +1,29 @@
-//! How far from the hull a point can be that violates no plane by more than a little.
+//! Bounds the distance from the hull of points that exceed no plane by much.
 //!
-//! Along a face the distance is the excess, beyond a sharp edge or corner it is larger: there every plane may be
-//! violated by next to nothing. [`Nearness`] bounds it for each plane by a factor, so that nearly all pixels that
-//! rounding has carried across a plane are judged without a search for the nearest point.
+//! Near a face the distance is the excess. Beyond a sharp edge or corner it is larger: there a point may exceed every
+//! plane by almost nothing. [`Nearness`] bounds the distance for each plane by a factor, so that nearly all pixels
+//! that rounding has moved across a plane are judged without a search for the nearest point.
 //!
-//! *Proof* that the distance, as [`Hull::exit`](super::Hull::exit) finds it, is at most `factor`·e + `error`, where e > 0
-//! is the largest excess and both numbers are those of its plane. Let w be that plane, and q the projection of the point
-//! p onto it. If q is held by all planes, the distance found is e. Otherwise q is outside the hull, hence outside the
+//! *Proof* that the distance, as [`Hull::exit`](super::Hull::exit) finds it, is at most `factor`·e + `error` for a
+//! largest excess e > 0, with both numbers of its plane. Let w be that plane, and q the projection of the point p
+//! onto it. If q is inside of all planes, the distance found is e. Otherwise q is outside the hull, hence outside the
 //! polygon of facet w, and its nearest point c on that polygon lies on one of the edges that the search goes through;
 //! so the distance found is at most √(e² + t²), t = |q − c|. Let g be the other facet at that edge, with unit normals
-//! n_w and n_g. p violates g by at most e, so q violates it by at most e·(1 − n_g·n_w). From c, which lies in plane g, to
-//! q that excess grows by t·(n_g·u), where u is the direction from c to q, a unit vector in plane w:
+//! n_w and n_g. p violates g by at most e, so q violates it by at most e·(1 − n_g·n_w). From c, which lies in plane
+//! g, to q that excess grows by t·(n_g·u), where u is the direction from c to q, a unit vector in plane w:
 //! - If c lies inside an edge, u is the edge's normal m within plane w, and n_g·u = n_g·m.
 //! - If c is a corner, u lies between the normals m of the two edges there, no further from one of them than half
-//!   their angle φ. With n_g = (n_g·m)·m + r + (a multiple of n_w), n_g·u ≥ (n_g·m)·cos(φ/2) − |r| for the edge with that
-//!   normal. (In exact arithmetic r = 0.)
+//!   their angle φ. With n_g = (n_g·m)·m + r + (a multiple of n_w), n_g·u ≥ (n_g·m)·cos(φ/2) − |r| for the edge with
+//!   that normal. (In exact arithmetic r = 0.)
 //!
-//! The second bound is the smaller one, so t ≤ R·e with R the maximum, over both edges at each corner of the facet, of
-//! (1 − n_g·n_w) / ((n_g·m)·cos(φ/2) − |r|), and the factor is √(1 + R²). Neither depends on anything beyond the edge at
-//! hand, so no error is extrapolated along an edge. Rounding leaves the corners of a facet off its plane, q off plane w,
-//! and each excess wrong, by a few [`EVALUATION`] of the largest coordinate, which is checked here for the corners;
-//! divided by the same denominator that is the error. ∎
+//! The second bound is the smaller one, so t ≤ R·e with R the maximum, over both edges at each corner of the facet,
+//! of (1 − n_g·n_w) / ((n_g·m)·cos(φ/2) − |r|), and the factor is √(1 + R²). Both depend only on the edge, so no
+//! error is extrapolated along it. Rounding moves the corners of a facet off its plane and q off plane w, and changes
+//! each excess, by a few [`EVALUATION`] of the largest coordinate, which is checked here for the corners. Divided by
+//! the same denominator, this is the error. ∎
 //!
-//! A polygon is a solid with two faces and no height. Its sides stand at right angles to the plane, so that on the plane
-//! R = 1/cos(φ/2); beyond a side, q may be off the plane by e and beyond the end of the side by e·tan(φ/2), which makes
+//! A polygon is a solid with two faces and no height. Its sides are perpendicular to the plane, so that on the plane
+//! R = 1/cos(φ/2); beyond a side, q may be off the plane by e and beyond the end of the side by e·tan(φ/2), which gives
 //! the same factor √(2 + tan²(φ/2)). Segments and points are boxes without width: √3.
 
 use std::collections::HashMap;
@@ -32,7 +32,7 @@ use super::solid::Mesh;
 use super::vector::{Point, along, cross, dot, length, sub, unit};
 use super::{EVALUATION, Facet};
 
-/// A bound of the distance of points for which this plane of a hull is the one with the largest excess.
+/// Bound of the distance of points for which a plane of a hull has the largest excess.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Nearness {
     factor: f64,
@@ -43,15 +43,16 @@ impl Nearness {
     /// No bound.
     pub(super) const NONE: Self = Self { factor: f64::INFINITY, error: 0.0 };
 
-    /// Points and segments.
+    /// Makes the bounds for points and segments.
     pub(super) fn of_box(planes: &[Facet], corners: &[Point], largest: f64) -> Vec<Self> {
-        // The pairs of planes that have no width, which all corners lie in.
+        // The planes across directions without width, which contain all corners.
         let across = &planes[if corners.len() == 1 { 0 } else { 2 }..];
         let sound = across.iter().all(|plane| corners.iter().all(|&c| lies_in(plane, c, largest)));
         vec![Self::bounded(3.0, 1.0, sound, largest); planes.len()]
     }
 
-    /// Polygons, given by the half-spaces of the plane, those of the sides, and the corners in order.
+    /// Makes the bounds for polygons, given by the half-spaces of the plane, those of the sides, and the corners in
+    /// order.
     pub(super) fn of_polygon(planes: &[Facet], corners: &[Point], largest: f64) -> Vec<Self> {
         let (faces, sides) = planes.split_at(2);
         let count = corners.len();
@@ -65,14 +66,14 @@ impl Nearness {
         vec![Self::bounded(1.0 + 1.0 / (least * least), least, flat && sides.len() == count, largest); planes.len()]
     }
 
-    /// Solids.
+    /// Makes the bounds for solids.
     pub(super) fn of_solid(mesh: &Mesh, planes: &[Facet], points: &[Point], largest: f64) -> Vec<Self> {
         let none = || vec![Self::NONE; planes.len()];
         let sides =
             |&(corners, facet): &([u32; 3], u32)| (0..3).map(move |i| (corners[i], corners[(i + 1) % 3], facet));
         let owner: HashMap<(u32, u32), u32> =
             mesh.triangles.iter().flat_map(sides).map(|(from, to, facet)| ((from, to), facet)).collect();
-        // The boundary of each facet: where it goes on from a corner, and the facet across.
+        // The boundary of each facet: the next corner after a corner, and the facet across that edge.
         let mut onward: HashMap<(u32, u32), (u32, u32)> = HashMap::with_capacity(2 * mesh.edges.len());
         for (from, to, facet) in mesh.triangles.iter().flat_map(sides) {
             match owner.get(&(to, from)) {
@@ -81,7 +82,7 @@ impl Nearness {
                 None => return none(),
             }
         }
-        // The largest ratio, the least slope, and whether the facet is as the proof wants it.
+        // The largest ratio, the smallest slope, and whether the facet satisfies the assumptions of the proof.
         let mut found = vec![(0.0_f64, 1.0_f64, true); planes.len()];
         for (&(facet, from), &(at, before)) in &onward {
             let Some(&(to, after)) = onward.get(&(facet, at)) else {
@@ -111,9 +112,9 @@ impl Nearness {
     }
 
     fn bounded(square: f64, slope: f64, sound: bool, largest: f64) -> Self {
-        // Six errors of up to one evaluation each bear upon t.
+        // Six errors of up to one evaluation each affect t.
         let error = 16.0 * EVALUATION * largest / slope;
-        // Beyond that, rounding of the factor itself is what `excess` allows for.
+        // `excess` allows for the rounding of the factor itself.
         if sound && square.is_finite() && error.is_finite() {
             Self { factor: square.sqrt(), error }
         } else {
@@ -121,23 +122,23 @@ impl Nearness {
         }
     }
 
-    /// A bound for all planes.
+    /// Returns a bound that holds for all planes.
     pub(super) fn of_worst(of_planes: &[Self]) -> Self {
         let worse = |a: Self, b: &Self| Self { factor: a.factor.max(b.factor), error: a.error.max(b.error) };
         of_planes.iter().fold(Self { factor: 1.0, error: 0.0 }, worse)
     }
 
-    /// An excess, 0 if in doubt, up to which the distance is within the margin.
+    /// Returns an excess up to which the distance is certainly within the margin; 0 if none is known.
     pub(super) fn excess(&self, margin: f64, largest: f64) -> f64 {
-        // The search for the nearest point on an edge errs by less than a hundred roundings.
+        // The error of the search for the nearest point on an edge is less than a hundred roundings.
         let left = margin - self.error - 16.0 * EVALUATION * largest;
-        // `max` turns the NaN of an infinite margin without a bound into 0.
+        // `max` replaces the NaN of an infinite margin without a bound with 0.
         (left / self.factor * (1.0 - 1e-6)).max(0.0)
     }
 }
 
-/// Whether a corner lies in a plane: at 6 roundings of the largest coordinate, a projection that is in doubt for the
-/// 16 of [`EVALUATION`] is still outside the polygon.
+/// Whether a corner is in a plane, within 6 roundings of the largest coordinate. A projection that is rejected by the
+/// 16 of [`EVALUATION`] is then still outside of the polygon.
 fn lies_in(plane: &Facet, corner: Point, largest: f64) -> bool {
     plane.excess(corner) >= -6.0 * f64::EPSILON * largest
 }

@@ -1,49 +1,51 @@
-//! Half-spaces in f32, drawn in by more than f32 rounds, that pass most pixels of a picture quickly.
+//! Fast tests that pass most pixels: half-spaces in f32, moved inward by more than the rounding error of f32.
 
 use fearless_simd::prelude::*;
 
 use super::nearness::Nearness;
 use super::{BoxHull, EVALUATION, Facet};
 
-/// Pixels judged together.
+/// Number of pixels judged together.
 pub(super) const BLOCK: usize = 128;
 
 /// The pixels of a block by channels.
 pub(super) type Pixels<'a> = [&'a [f32; BLOCK]; 3];
 
-/// Planes held against a box together.
+/// Number of planes compared with a box together.
 const LANES: usize = 16;
 
-/// Vectors of pixels held against a plane together: their coordinates and maxima stay in registers.
+/// Number of vectors of pixels compared with a plane together: their coordinates and maxima stay in registers.
 pub(super) const TOGETHER: usize = 4;
 
 /// Unit roundoff of f32.
 const U: f64 = 0.5 * f32::EPSILON as f64;
 
-/// Planes by component; the last group is filled up with planes that nothing violates.
+/// Planes by component; the last group is padded with planes that no pixel violates.
 pub(super) type Groups = Vec<[[f32; LANES]; 4]>;
 
 /// A polytope inside a hull, or the hull itself, as a conservative test in f32.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Screen {
-    /// The rounded normal and the offset, drawn in.
+    /// Rounded normals, and offsets moved inward.
     planes: Vec<([f32; 3], f64)>,
-    /// How the distance follows from the excess, by plane, and for all of them.
+    /// Bounds of the distance by the excess, by plane.
     nearness: Vec<Nearness>,
+    /// Bound for all planes.
     worst: Nearness,
-    /// Where pixels may lie: the box of the hull and a little more.
+    /// Region of pixels for which the test holds: the bounding box of the hull, slightly enlarged.
     min: [f32; 3],
     max: [f32; 3],
     largest: f64,
 }
 
 impl Screen {
-    /// From planes that hold a polytope inside a hull with this box; `None` where f32 overflows or underflows.
+    /// Makes the screen of a polytope, given by its planes, inside of a hull with a bounding box; `None` if f32
+    /// overflows or underflows.
     pub(super) fn new(planes: &[Facet], nearness: &[Nearness], bounds: &BoxHull, largest: f64) -> Option<Self> {
         if planes.is_empty() || !(1e-30..1e30).contains(&largest) {
             return None;
         }
-        // So much more that a pixel off by some roundings is still within.
+        // Enough that a pixel that is off by some roundings is still inside.
         let more = largest / 65_536.0;
         let min = bounds.min().map(|v| (f64::from(v) - more) as f32);
         let max = bounds.max().map(|v| (f64::from(v) + more) as f32);
@@ -52,22 +54,22 @@ impl Screen {
         Some(Self { planes, nearness: nearness.to_vec(), worst, min, max, largest })
     }
 
-    /// An excess over any plane, or distance, that certainly stays within the margin.
+    /// Returns an excess over any plane, or a distance, up to which pixels are certainly within the margin.
     pub(super) fn near(&self, margin: f64) -> f64 {
         self.worst.excess(margin, self.largest)
     }
 
-    /// The test for a margin.
+    /// Makes the test for a margin.
     ///
     /// A pixel in the box passes if x·n₀ + (y·n₁ + (z·n₂ + n₃)), in f32, is at most 0 for every plane. Then no plane is
     /// violated by more than the excess t ≥ 0 up to which its distance is within the margin.
     ///
-    /// *Proof.* For each plane let n be the normal, d the offset and n̂ the rounded normal. For pixels in the box, the
-    /// three products and the two inner sums err by at most u of the largest values that interval arithmetic gives them;
-    /// call the sum E. (With a fused multiply–add products do not err at all.) An inner sum may be larger by t than
-    /// there, which costs 2 u of t. The outermost sum has the sign of what it is rounded from. n̂·p exceeds n·p by at
-    /// least D, the minimum of (n̂ − n)·p over the box. So with −n₃ ≤ d + D − E + t(1 − 2u), a pixel that passes has
-    /// n·p − d ≤ t. ∎
+    /// *Proof.* For each plane let n be the normal, d the offset and n̂ the rounded normal. For pixels in the box,
+    /// the three products and the two inner sums have errors of at most u of their largest values by interval
+    /// arithmetic; let E be the sum of these errors. (With fused multiply–add, products have no error.) An inner sum
+    /// may be larger by t than its interval, which adds an error of 2 u of t. The outermost sum has the same sign
+    /// before and after rounding. n̂·p exceeds n·p by at least D, the minimum of (n̂ − n)·p over the box. So with −n₃
+    /// ≤ d + D − E + t(1 − 2u), a pixel that passes has n·p − d ≤ t. ∎
     pub(super) fn groups(&self, margin: f64) -> Groups {
         let mut groups = Vec::with_capacity(self.planes.len().div_ceil(LANES));
         for (planes, nearness) in self.planes.chunks(LANES).zip(self.nearness.chunks(LANES)) {
@@ -85,20 +87,20 @@ impl Screen {
         groups
     }
 
-    /// Whether a pixel is where this screen may be asked; false for NaN.
+    /// Whether the test holds for a pixel; false for NaN.
     pub(super) fn covers(&self, pixel: &[f32; 3]) -> bool {
         (0..3).all(|i| pixel[i] >= self.min[i] && pixel[i] <= self.max[i])
     }
 
-    /// Whether all pixels of a box may be asked for.
+    /// Whether the test holds for all pixels of a box.
     pub(super) fn covers_box(&self, bounds: &Bounds) -> bool {
         bounds.finite && self.covers(&bounds.min) && self.covers(&bounds.max)
     }
 }
 
-/// The pixels of a block that do not pass, as bits. `planes` is scratch space.
+/// Returns the pixels of a block that do not pass, as bits. `planes` is scratch space.
 ///
-/// `bounds` is the box of the block, and covered by the screen.
+/// `bounds` is the bounding box of the block, which the screen must cover.
 pub(super) fn left<S: Simd>(
     simd: S,
     groups: &[[[f32; LANES]; 4]],
@@ -117,8 +119,8 @@ pub(super) fn left<S: Simd>(
 
 /// Collects the planes that some point of a box may violate.
 ///
-/// Rounded sums and products are monotone in each coordinate, so the value at a corner of the box is an upper bound of
-/// those that are computed for its points.
+/// Rounded sums and products are monotone in each coordinate, so the value at one corner of the box is an upper bound
+/// of the values computed for its points.
 #[inline(always)]
 fn crossing<S: Simd>(simd: S, groups: &[[[f32; LANES]; 4]], bounds: &Bounds, crossing: &mut Vec<[f32; 4]>) {
     crossing.clear();
@@ -146,11 +148,11 @@ fn crossing<S: Simd>(simd: S, groups: &[[[f32; LANES]; 4]], bounds: &Bounds, cro
     }
 }
 
-/// The smallest box around the pixels of a block.
+/// Bounding box of the pixels of a block.
 pub(super) struct Bounds {
     min: [f32; 3],
     max: [f32; 3],
-    /// False if a coordinate is not finite: the box is meaningless then.
+    /// Whether all coordinates are finite; otherwise the box is meaningless.
     finite: bool,
 }
 
@@ -164,10 +166,11 @@ impl Bounds {
 
     #[inline(always)]
     fn inlined<S: Simd>(simd: S, block: Pixels<'_>) -> Self {
-        // 0 times a coordinate that is not finite is NaN, and stays.
+        // 0 times a coordinate that is not finite is NaN, which propagates.
         let mut zero = S::f32s::splat(simd, 0.0);
         let (mut least, mut most) = ([0.0; 3], [0.0; 3]);
-        // Plain loops here and below: what `map` is given would be compiled without the instructions that simd stands for.
+        // Plain loops here and below: a closure for `map` would be compiled without the instructions that `simd`
+        // enables.
         for c in 0..3 {
             let channel = block[c];
             let mut min = S::f32s::splat(simd, f32::INFINITY);
@@ -185,7 +188,7 @@ impl Bounds {
     }
 }
 
-/// The pixels of a block that violate one of these planes, as bits.
+/// Returns the pixels of a block that violate one of the planes, as bits.
 #[inline(always)]
 fn violators<S: Simd>(simd: S, planes: &[[f32; 4]], block: Pixels<'_>) -> u128 {
     let [r, g, b] = block;
@@ -216,7 +219,7 @@ fn violators<S: Simd>(simd: S, planes: &[[f32; 4]], block: Pixels<'_>) -> u128 {
     violators
 }
 
-/// The rounded normal of a plane, and d + D − E.
+/// Returns the rounded normal of a plane, and d + D − E.
 fn narrow(plane: &Facet, min: &[f32; 3], max: &[f32; 3], largest: f64) -> ([f32; 3], f64) {
     let normal = plane.normal.map(|v| v as f32);
     // From the innermost sum outward.
@@ -234,8 +237,8 @@ fn narrow(plane: &Facet, min: &[f32; 3], max: &[f32; 3], largest: f64) -> ([f32;
         let off = wide - plane.normal[i];
         drift += (off * min).min(off * max);
     }
-    // A thousandth more pays for terms of second order and for the offset being another here than in the proof; the
-    // last term for the rounding of f64, here and where a pixel is judged in the end.
+    // The factor and the second term cover terms of second order and the different offset here and in the proof; the
+    // last term covers the rounding of f64, here and in the final judgment of a pixel.
     let slack = 1.001 * error + 1e-3 * U * largest + 4.0 * EVALUATION * largest;
     (normal, plane.offset + drift - slack)
 }

@@ -1,11 +1,11 @@
-//! What a set of points spans, decided exactly: nothing, a point, a segment, a polygon or a solid.
+//! Shapes of hulls, decided exactly: empty, a point, a segment, a polygon or a solid.
 
 use trochoid_image::Rgb;
 
 use super::solid::{Mesh, hull};
 use super::vector::{Point, dot, length, side, sub, turn};
 
-/// The exact hull of a set of distinct points, by indices into it.
+/// Exact hull of a set of distinct points, by indices into the set.
 pub(super) enum Shape {
     Empty,
     Point,
@@ -17,7 +17,7 @@ pub(super) enum Shape {
 }
 
 impl Shape {
-    /// Analyzes points as [`sorted`] leaves them.
+    /// Analyzes points that [`sorted`] has sorted.
     pub(super) fn of(points: &[Point]) -> Self {
         let last = match points.len() {
             0 => return Self::Empty,
@@ -35,7 +35,7 @@ impl Shape {
         }
     }
 
-    /// Indices of the extreme points.
+    /// Returns the indices of the extreme points.
     pub(super) fn vertices(&self) -> Vec<u32> {
         match self {
             Self::Empty => Vec::new(),
@@ -47,9 +47,9 @@ impl Shape {
     }
 }
 
-/// Distinct finite points in lexicographic order; −0 counts as 0.
+/// Sorts points lexicographically, without duplicates and points that are not finite; −0 counts as 0.
 pub(super) fn sorted(points: &mut Vec<Rgb>) {
-    // The bits of an f32, turned so that they order like the number, and three of them in one key: sorting integers is
+    // Each key has the bits of three f32, changed so that they are in the order of the numbers: sorting integers is
     // several times faster than comparing colors.
     let key = |v: f32| {
         let bits = (v + 0.0).to_bits();
@@ -65,19 +65,20 @@ pub(super) fn sorted(points: &mut Vec<Rgb>) {
     points.extend(keys.iter().map(|&k| [value((k >> 64) as u32), value((k >> 32) as u32), value(k as u32)]));
 }
 
-/// A point that is exactly not collinear with a and b, the farthest up to rounding.
+/// Returns a point that is not collinear with a and b, decided exactly: the farthest one up to rounding.
 fn off_line(points: &[Point], a: Point, b: Point) -> Option<usize> {
     let apart = |p: Point| (0..3).any(|drop| turn(a, b, p, drop) != 0.0);
     let size = |p: Point| (0..3).map(|drop| turn(a, b, p, drop).abs()).fold(0.0, f64::max);
     farthest(points, size).filter(|&best| apart(points[best]))
 }
 
-/// A point that is exactly not coplanar with the base, the farthest up to rounding.
+/// Returns a point that is not coplanar with the base, decided exactly: the farthest one up to rounding.
 fn off_plane(points: &[Point], [a, b, c]: [Point; 3]) -> Option<usize> {
     farthest(points, |p| side(a, b, c, p).abs()).filter(|&best| side(a, b, c, points[best]) != 0.0)
 }
 
-/// The index of the largest value. The exact predicates return 0 only for 0, so a maximum of 0 means that all are.
+/// Returns the index of the largest value. The exact predicates return 0 only for an exact 0, so if the maximum is 0,
+/// all are.
 fn farthest(points: &[Point], value: impl Fn(Point) -> f64) -> Option<usize> {
     let mut best: Option<(usize, f64)> = None;
     for (index, &point) in points.iter().enumerate() {
@@ -89,16 +90,16 @@ fn farthest(points: &[Point], value: impl Fn(Point) -> f64) -> Option<usize> {
     best.map(|(index, _)| index)
 }
 
-/// The corners of exactly coplanar points, by Andrew's monotone chain in an exact projection.
+/// Returns the corners of exactly coplanar points, by Andrew's monotone chain in an exact projection.
 ///
-/// Dropping a coordinate maps the plane one to one if the base keeps its area.
+/// The projection drops a coordinate. It is one-to-one on the plane if the area of the base does not become 0.
 fn polygon(points: &[Point], [a, b, c]: [Point; 3]) -> Vec<u32> {
     let area = |drop: usize| turn(a, b, c, drop).abs();
     let drop = (1..3).fold(0, |best, drop| if area(drop) > area(best) { drop } else { best });
     convex_chain(points, drop)
 }
 
-/// The corners of the hull of points with coordinate `drop` ignored, counterclockwise.
+/// Returns the corners of the hull of points without coordinate `drop`, counterclockwise.
 pub(super) fn convex_chain(points: &[Point], drop: usize) -> Vec<u32> {
     let (u, v) = ((drop + 1) % 3, (drop + 2) % 3);
     let mut order: Vec<u32> = (0..points.len() as u32).collect();
@@ -108,7 +109,7 @@ pub(super) fn convex_chain(points: &[Point], drop: usize) -> Vec<u32> {
     });
     let mut chain = half_chain(points, drop, order.iter().copied());
     let mut upper = half_chain(points, drop, order.iter().rev().copied());
-    // Each half ends where the other begins.
+    // Each half ends with the first point of the other.
     chain.pop();
     upper.pop();
     chain.append(&mut upper);
@@ -129,12 +130,12 @@ fn half_chain(points: &[Point], drop: usize, order: impl Iterator<Item = u32>) -
     chain
 }
 
-/// The point of segment ab nearest to p.
+/// Returns the point of segment ab nearest to p.
 pub(super) fn nearest_on_segment(p: Point, a: Point, b: Point) -> Point {
     let along = sub(b, a);
     let square = dot(along, along);
     let t = if square > 0.0 { (dot(sub(p, a), along) / square).clamp(0.0, 1.0) } else { 0.0 };
     let nearest = super::vector::along(a, t, along);
-    // The far end itself, where rounding of a + t·(b − a) would miss it.
+    // b itself, if a + t·(b − a) is less exact because of rounding.
     if t == 1.0 || length(sub(p, b)) < length(sub(p, nearest)) { b } else { nearest }
 }

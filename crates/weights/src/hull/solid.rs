@@ -1,32 +1,32 @@
-//! The hull of points that span space: quickhull with exact orientation tests.
+//! Hulls of points that span space: quickhull with exact orientation tests.
 //!
 //! Barber, Dobkin, Huhdanpaa, *The Quickhull Algorithm for Convex Hulls*, 1996, with one change: a face is visible from
-//! a point only if the point lies *strictly* above it, and that sign is computed exactly. Nothing then needs a
-//! tolerance, whatever the input:
+//! a point only if the point lies *strictly* above it, and that sign is computed exactly. Therefore no input needs a
+//! tolerance:
 //!
-//! - Coplanar triangles are all visible or all not, so the visible part is a union of true facets. It is connected
-//!   through edges, and its boundary, the horizon, is a simple cycle, as in general position.
-//! - A new triangle joins the point p to a horizon edge. Were p collinear with it, p would lie in the plane of the
-//!   visible face at that edge, hence not strictly above it: no triangle is degenerate.
+//! - Coplanar triangles are either all visible or all invisible, so the visible part is a union of true facets. It is
+//!   connected through edges, and its boundary, the horizon, is a simple cycle, as in general position.
+//! - A new triangle joins the point p to a horizon edge. If p were collinear with it, p would lie in the plane of the
+//!   visible face at that edge, hence not strictly above it. So no triangle is degenerate.
 //! - A point above a removed face but above no new face is inside. (The faces that it sees are connected; if they
 //!   reach beyond the horizon, they cross it at an edge whose two faces it sees, and the normal of the new face there
 //!   is a positive combination of their two normals.)
 //!
-//! Which point of an outside set goes first is decided in plain f64: that choice affects only the cost.
+//! The next point of an outside set is chosen in plain f64, since the choice affects only the time.
 
 use super::vector::{Point, area_vector, dot, side};
 
-/// A triangle of the hull, counterclockwise from outside.
+/// A triangle of the hull, counterclockwise as seen from outside.
 struct Face {
     vertices: [u32; 3],
-    /// The face across the edge from `vertices[i]` to `vertices[i + 1]`.
+    /// Faces across the edges from `vertices[i]` to `vertices[i + 1]`.
     neighbors: [u32; 3],
-    /// Points strictly above this face, each in the set of only one face.
+    /// Points strictly above this face. Each point is in the set of only one face.
     outside: Vec<u32>,
     alive: bool,
 }
 
-/// The surface of a solid hull: coplanar triangles are told by a common facet number.
+/// Surface of a solid hull; coplanar triangles have the same facet number.
 pub(super) struct Mesh {
     /// Corner indices and facet number of each triangle.
     pub(super) triangles: Vec<([u32; 3], u32)>,
@@ -34,18 +34,18 @@ pub(super) struct Mesh {
     pub(super) edges: Vec<[u32; 2]>,
     /// Number of facets.
     pub(super) facets: usize,
-    /// The extreme points: those where at least three facets meet, ascending.
+    /// Extreme points, at which at least three facets meet, in ascending order.
     pub(super) vertices: Vec<u32>,
 }
 
 struct Quickhull<'a> {
     points: &'a [Point],
     faces: Vec<Face>,
-    /// By point: the new face whose horizon edge starts there. Only entries of the current horizon are valid.
+    /// For each point, the new face whose horizon edge starts there. Only entries of the current horizon are valid.
     starting: Vec<u32>,
 }
 
-/// The hull of distinct points; `simplex` are four of them that are exactly not coplanar.
+/// Returns the hull of distinct points; `simplex` are four of them that are not coplanar.
 pub(super) fn hull(points: &[Point], simplex: [u32; 4]) -> Mesh {
     let mut work = Quickhull { points, faces: Vec::new(), starting: vec![0; points.len()] };
     work.start(simplex);
@@ -75,7 +75,7 @@ impl Quickhull<'_> {
         self.assign(all.filter(|p| ![a, b, c, d].contains(p)).collect(), 0..4);
     }
 
-    /// Puts each point into the outside set of the first of the faces that it is above, or drops it.
+    /// Adds each point to the outside set of the first face that it is above, or drops it if there is none.
     fn assign(&mut self, points: Vec<u32>, faces: std::ops::Range<u32>) {
         for point in points {
             if let Some(face) = faces.clone().find(|&face| self.above(face, point)) {
@@ -97,7 +97,7 @@ impl Quickhull<'_> {
         }
     }
 
-    /// The point of a non-empty outside set that is farthest from the face, up to rounding.
+    /// Returns the point of a nonempty outside set that is farthest from the face, up to rounding.
     fn farthest(&self, face: u32) -> u32 {
         let face = &self.faces[face as usize];
         let [a, b, c] = self.corners(face.vertices);
@@ -146,7 +146,7 @@ impl Quickhull<'_> {
                     across.neighbors[edge] = new;
                 }
             }
-            // The last neighbor is set below, once every new face is known.
+            // The other neighbors are set below, when every new face is known.
             let neighbors = [neighbor, 0, 0];
             self.faces.push(Face { vertices: [from, to, apex], neighbors, outside: Vec::new(), alive: true });
         }

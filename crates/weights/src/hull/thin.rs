@@ -1,20 +1,20 @@
-//! Further supporting planes for hulls that are nearly flat or nearly a needle.
+//! Additional supporting planes for hulls that are nearly flat or nearly a needle.
 //!
-//! The facets of such a hull meet at almost opposite normals. A point far beyond the rim then violates every plane by
-//! next to nothing, less than rounding can tell. Planes across the rim make up for it: of a hull of width w in
+//! The facets of such a hull meet with almost opposite normals. A point far beyond the rim may then exceed every
+//! plane by less than the rounding error. Planes across the rim compensate for this: for a hull of width w in
 //! direction n, the sides of its projection along n. A point that is within these sides and between the two planes of
-//! the width shares its projection with a point of the hull, so it is within w of the hull whatever the facets say.
-//! Together with the facets, whose rounding error ε is magnified by at most 1/w, the verdict is good to
-//! min(w, ε/w) ≤ √ε, some 10⁻⁷ of the largest coordinate in the worst case; and to ε/10⁻³ where the hull is not thin.
+//! the width has the same projection as some point of the hull, so it is within w of the hull, independently of the
+//! facets. Together with the facets, whose rounding error ε is amplified by at most 1/w, the verdict is accurate to
+//! min(w, ε/w) ≤ √ε, about 10⁻⁷ of the largest coordinate in the worst case; and to ε/10⁻³ if the hull is not thin.
 
 use super::shape::convex_chain;
 use super::vector::{Point, along, cross, dot, length, sub, unit};
 use super::{Facet, MANY_PRODUCTS, supporting};
 
-/// A hull is thin if its width is less than this part of its length.
+/// Ratio of width to length below which a hull is thin.
 const THIN: f64 = 1e-3;
 
-/// Redundant half-spaces that hold a thin hull across its rim; none for any other hull, or one of no area.
+/// Returns redundant half-spaces across the rim of a thin hull; none for other hulls, or for hulls without area.
 pub(super) fn guards(dimension: u8, facets: &[Facet], corners: &[Point]) -> Vec<Facet> {
     let (Some(&start), 2 | 3) = (corners.first(), dimension) else {
         return Vec::new();

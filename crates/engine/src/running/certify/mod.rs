@@ -1,8 +1,8 @@
-//! How far a picture may lie from what the f64 references give: bounds on the errors of all passes, carried through the
-//! back end by the rule of each operation.
+//! Certifies how far a picture may lie from the f64 references: bounds on the errors of all passes are carried
+//! through the back end by a rule for each operation.
 //!
-//! A certifying plan has two channels for each: the values, and behind them their bounds. Stages bound their own results;
-//! the program runs with bounds beside its values. Nothing of the picture is computed differently.
+//! In a certifying plan, every channel of values has a channel of bounds behind it. Stages bound their own results;
+//! the program computes bounds beside its values. The values of the picture are computed as always.
 
 mod stage;
 mod tally;
@@ -26,10 +26,10 @@ use std::sync::{Mutex, PoisonError};
 use trochoid_graph::{CheckedGraph, Kind, NodeId};
 use trochoid_image::{Rgb, Window};
 
-/// Tiles that are certified one by one.
+/// Size of the tiles that are certified one by one.
 const TILE: (usize, usize) = (128, 32);
 
-/// Makes certificates of some outputs at a frame.
+/// Certifies some outputs at a frame.
 ///
 /// ```
 /// # use trochoid_engine::{Buffers, Cache, Certifier, Settings, Silent};
@@ -46,10 +46,10 @@ pub struct Certifier<'g> {
 }
 
 impl<'g> Certifier<'g> {
-    /// As [`Plan::new`].
+    /// Plans some outputs, with the arguments of [`Plan::new`].
     ///
     /// # Errors
-    /// As [`Plan::new`].
+    /// Same as [`Plan::new`].
     pub fn new(
         graph: &'g CheckedGraph,
         outputs: &[&str],
@@ -57,7 +57,7 @@ impl<'g> Certifier<'g> {
         bound: &[&str],
         settings: &Settings,
     ) -> Result<Self, PlanError> {
-        // What optimizations fold has been rounded on the way: here every operation counts.
+        // Folded constants have already been rounded; here the error of every operation counts.
         let switches = Switches { demand: true, ..Switches::NONE };
         let settings = Settings { switches, bounds: true, tile: None, ..settings.clone() };
         Ok(Self { plan: Plan::new(graph, outputs, frame, bound, &settings)? })
@@ -66,7 +66,7 @@ impl<'g> Certifier<'g> {
     /// Bounds the error of every sample of every output, on all threads.
     ///
     /// # Errors
-    /// As [`Plan::evaluate`].
+    /// Same as [`Plan::evaluate`].
     pub fn certify(
         &self,
         buffers: &Buffers<'_>,
@@ -110,10 +110,11 @@ impl<'g> Certifier<'g> {
         })
     }
 
-    /// Which stage makes most of the bound at a pixel: the one without whose own errors it is least.
+    /// Returns the stage that contributes most to the bound at a pixel: the one without whose own errors the bound is
+    /// smallest.
     ///
     /// # Errors
-    /// As [`Plan::evaluate`].
+    /// Same as [`Plan::evaluate`].
     pub fn limiting(
         &self,
         output: usize,
@@ -128,12 +129,14 @@ impl<'g> Certifier<'g> {
         Ok(Limiting { stage: stage.filter(|_| without < MATTERS * bound), bound, without })
     }
 
-    /// The bound of an output at a pixel, and what it were if one stage had no errors of its own: of each stage on the way.
+    /// Returns the bound of an output at a pixel, and for each stage the bound as it would be without that stage's
+    /// own errors.
     ///
-    /// The largest channel's, averaged over the pixel's samples. What the cache holds of a certification is used again.
+    /// The bounds are those of the largest channel, averaged over the pixel's samples. Stages that the cache holds
+    /// from a certification are used again.
     ///
     /// # Errors
-    /// As [`Plan::evaluate`].
+    /// Same as [`Plan::evaluate`].
     pub fn by_stage(
         &self,
         output: usize,
@@ -193,7 +196,7 @@ impl<'g> Certifier<'g> {
                     fills.fill(tile, (sample, *offset), &mut seconds)?;
                     run.note(fills);
                     let planes = fills.planes(&pass.program);
-                    // By root, by channel: values, then bounds.
+                    // Rows by root and channel: values, then bounds.
                     let mut rows = vec![Vec::new(); pass.roots.len() * 2 * BOUNDS];
                     trace.tile(&planes, tile.width(), tile.height(), &mut |root, channel, _, row| {
                         rows[root * 2 * BOUNDS + channel].extend_from_slice(row);
@@ -225,18 +228,18 @@ impl<'g> Certifier<'g> {
 /// What limits the accuracy of an output.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limiting {
-    /// The stage; `None` where no single one does, but the rounding of f32 all over the graph.
+    /// Stage that limits it; `None` if no single stage does, only f32 rounding throughout the graph.
     pub stage: Option<NodeId>,
-    /// The bound with its errors, in the output's own unit.
+    /// Bound on the error, in the output's own unit.
     pub bound: f64,
-    /// The bound as if it had none.
+    /// Bound as it would be if the stage had no errors.
     pub without: f64,
 }
 
-/// A stage limits where less than this share of the bound is left without its errors.
+/// A stage is limiting if less than this share of the bound is left without its errors.
 const MATTERS: f64 = 0.75;
 
-/// The greatest difference of two colors in any channel.
+/// Returns the largest difference between two colors of a palette in any channel.
 fn breadth(palette: &[Rgb]) -> f64 {
     let span = |channel: usize| {
         let values = || palette.iter().map(|color| f64::from(color[channel]));
@@ -245,18 +248,18 @@ fn breadth(palette: &[Rgb]) -> f64 {
     (0..3).map(span).fold(0.0, f64::max)
 }
 
-/// What the threads of one certification share.
+/// State that the threads of one certification share.
 struct Run<'m> {
-    /// Tiles in all, and those that are done.
+    /// Number of all tiles.
     total: usize,
     done: AtomicUsize,
-    /// Stages that told of no bound, and why.
+    /// Stages that know no bound, and why.
     unbounded: Mutex<BTreeMap<NodeId, &'static str>>,
     monitor: &'m dyn Monitor,
 }
 
 impl Run<'_> {
-    /// Takes down what stages have told.
+    /// Records which stages know no bound.
     fn note(&self, fills: &Fills<'_>) {
         for (id, why) in fills.unbounded() {
             self.unbounded.lock().unwrap_or_else(PoisonError::into_inner).insert(id, why.0);

@@ -1,14 +1,15 @@
-//! A stage's planes with their bounds.
+//! Fills a stage's planes together with their bounds.
 
 use trochoid_graph::{Block, Bound, Bounding, Connection, Inputs, NoBound, NodeError, Outputs, Prepared};
 
-/// What a stage is given, by port.
+/// Inputs of a stage, by port.
 pub(crate) type Ports<'a> = Vec<Vec<Connection<'a>>>;
-/// What it is to fill, by output.
+/// Planes for a stage to fill, by output.
 pub(crate) type Planes<'a> = Vec<Vec<Option<&'a mut [f32]>>>;
 
-/// Fills a stage's planes: of each connection and output, the second half of the channels holds the bounds of the first.
-/// Tells why where the stage knows none. One that counts as exact has no errors of its own.
+/// Fills a stage's planes. In each connection and output, the second half of the channels holds the bounds of the
+/// first half. Returns the reason if the stage knows no bound. A stage with `exact` set counts as having no errors of
+/// its own.
 pub(crate) fn fill_with_bounds(
     (prepared, exact): (&dyn Prepared, bool),
     block: &Block<'_>,
@@ -41,7 +42,7 @@ pub(crate) fn fill_with_bounds(
     Ok(none)
 }
 
-/// The values of all connections, or their bounds.
+/// Returns the values of all connections, or their bounds.
 fn half<'a>(ports: &Ports<'a>, second: bool) -> Ports<'a> {
     let mut half = ports.clone();
     for connection in half.iter_mut().flatten() {

@@ -1,32 +1,33 @@
-//! What is known of the errors of a picture.
+//! Collects what is known about the errors of a picture.
 
 use trochoid_graph::{Bound, Kind, NodeId, REFERENCE};
 use trochoid_image::{Rgb, Window};
 
-/// How many samples have bounds of which size.
+/// Histogram of error bounds over samples.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Distribution {
-    /// By size: see [`bucket`].
+    /// Number of samples by size of their bound; see [`bucket`].
     counts: Vec<u64>,
     total: u64,
     max: f64,
-    /// What no error can pass, whatever its bound.
+    /// Limit that no error can exceed, whatever its bound.
     limit: f64,
 }
 
-/// A number's leading bits, which order as it does: its exponent and four bits more, so 16 to the octave.
+/// Shift that keeps a number's leading bits, which sort like the number: the exponent and four more bits, so 16
+/// buckets per octave.
 const SHIFT: u32 = 48;
-/// Of the least and of the greatest number told apart, 2⁻⁶⁰ and 2⁶⁰.
+/// Leading bits of the smallest and largest numbers that are distinguished, 2⁻⁶⁰ and 2⁶⁰.
 const LEAST: u64 = (1023 - 60) << 4;
 const GREATEST: u64 = (1023 + 60) << 4;
-/// Bucket 0 holds 0.
+/// Number of buckets; bucket 0 holds 0.
 const BUCKETS: usize = (GREATEST - LEAST) as usize + 2;
 
 fn bucket(size: f64) -> usize {
     if size <= 0.0 { 0 } else { ((size.to_bits() >> SHIFT).clamp(LEAST, GREATEST) - LEAST) as usize + 1 }
 }
 
-/// What no number in a bucket reaches beyond.
+/// Returns the upper limit of the numbers in a bucket.
 fn top(bucket: usize) -> f64 {
     if bucket == 0 { 0.0 } else { f64::from_bits((bucket as u64 + LEAST) << SHIFT) }
 }
@@ -50,17 +51,17 @@ impl Distribution {
         self.max = self.max.max(other.max);
     }
 
-    /// Number of samples.
+    /// Returns the number of samples.
     pub fn total(&self) -> u64 {
         self.total
     }
 
-    /// The largest bound.
+    /// Returns the largest bound.
     pub fn max(&self) -> f64 {
         self.max.min(self.limit)
     }
 
-    /// What this share of the bounds does not pass, at most a sixteenth of an octave too large.
+    /// Returns the size that this share of the bounds does not exceed, too large by at most a sixteenth of an octave.
     pub fn quantile(&self, share: f64) -> f64 {
         let mut left = (share.clamp(0.0, 1.0) * self.total as f64).ceil() as u64;
         for (bucket, count) in self.counts.iter().enumerate() {
@@ -72,34 +73,36 @@ impl Distribution {
         self.max()
     }
 
-    /// How many bounds pass a size: at most those within a sixteenth of an octave of it too many.
+    /// Returns the number of bounds above a size; it may include bounds up to a sixteenth of an octave below it.
     pub fn above(&self, size: f64) -> u64 {
         if self.max() <= size { 0 } else { self.counts[bucket(size)..].iter().sum() }
     }
 }
 
-/// What is certain of the errors of one output: of each sample, the largest of its channels.
+/// Certified errors of one output; the error of a sample is that of its largest channel.
 #[derive(Clone, Debug)]
 pub struct Certified {
     /// The output's index in the graph.
     pub output: usize,
-    /// Its kind.
+    /// The output's kind.
     pub kind: Kind,
-    /// The pixels.
+    /// Pixels that are certified.
     pub window: Window,
-    /// The bounds of samples in no doubt.
+    /// Bounds of samples that are not in doubt.
     pub clear: Distribution,
-    /// Those of samples where a side of a threshold, or what is seen, is not certain. They hold as well.
+    /// Bounds of samples where the side of a threshold, or the visible surface, is not certain. These bounds hold as
+    /// well.
     pub unclear: Distribution,
-    /// The pixel of the sample with the largest bound of those in no doubt; `None` where all are 0.
+    /// Pixel of the sample that has the largest bound of those not in doubt; `None` if all are 0.
     pub worst: Option<[i64; 2]>,
-    /// By channel, a bound on the error of each pixel, row by row.
+    /// Bound on the error of each pixel, by channel and row by row.
     pub errors: Vec<Vec<f32>>,
-    /// The share of each pixel's samples that is not clear.
+    /// Share of each pixel's samples that is in doubt.
     pub doubt: Vec<f32>,
-    /// Of a color, the corners of the hull of all control colors that it may be mixed from; no branch counts as left out.
+    /// Vertices of the hull of all control colors that a color output may be mixed from; no branch counts as left
+    /// out.
     pub palette: Vec<Rgb>,
-    /// The stages on the way to it that know no bound everywhere, and why.
+    /// Stages upstream that do not know a bound everywhere, and why.
     pub unbounded: Vec<(NodeId, &'static str)>,
 }
 
@@ -119,12 +122,12 @@ impl Certified {
         }
     }
 
-    /// The share of samples in doubt whose bound passes a tolerance.
+    /// Returns the share of samples that are in doubt and whose bound exceeds a tolerance.
     pub fn in_doubt(&self, tolerance: f64) -> f64 {
         self.unclear.above(tolerance) as f64 / (self.clear.total + self.unclear.total).max(1) as f64
     }
 
-    /// Adds what averaging the samples of pixels has rounded, which by channel are these.
+    /// Adds the rounding errors of averaging the samples of pixels; `means` are the averages by channel.
     pub(super) fn average(&mut self, means: &[Vec<f64>]) {
         for (means, errors) in means.iter().zip(&mut self.errors) {
             for (mean, error) in means.iter().zip(errors) {
@@ -134,7 +137,7 @@ impl Certified {
         }
     }
 
-    /// Takes one sample of every pixel, which has this share of them: its bounds by channel, encoded.
+    /// Adds one sample of every pixel, given its encoded bounds by channel and its share of the pixel.
     pub(super) fn sample(&mut self, channels: &[Vec<f32>], share: f64) {
         for pixel in 0..self.window.area() {
             let mut sample = Bound::EXACT;
@@ -156,7 +159,7 @@ impl Certified {
         }
     }
 
-    /// Takes what no error can pass: picture and reference lie within it.
+    /// Sets the limit that no error can exceed, because picture and reference both lie within it.
     pub(super) fn cap(&mut self, limit: f64) {
         self.clear.limit = limit;
         self.unclear.limit = limit;
@@ -164,7 +167,7 @@ impl Certified {
         self.errors.iter_mut().flatten().for_each(|error| *error = error.min(most));
     }
 
-    /// Takes a tile of the picture.
+    /// Adds a tile of the picture.
     pub(super) fn add(&mut self, part: &Self) {
         if part.clear.max > self.clear.max {
             self.worst = part.worst;

@@ -1,4 +1,4 @@
-//! Runs a program with bounds on the errors of all that it computes: operation by operation, in rows.
+//! Runs a program with bounds on the errors of everything that it computes: operation by operation, in rows.
 
 use crate::kernel::{CHUNK, Compiled, Origin, Plane, TakeRow};
 use crate::planning::bounds::BOUNDS;
@@ -11,9 +11,9 @@ use trochoid_weights::arithmetic as a;
 #[derive(Debug)]
 pub(crate) struct Trace<'p> {
     origin: &'p Origin,
-    /// Which plane holds what is loaded, or its bounds.
+    /// Index of the plane that holds the values of a slot.
     planes: HashMap<Slot, usize>,
-    /// By operation: the first of its rows.
+    /// Index of each operation's first row.
     first: Vec<usize>,
     rows: Rows,
 }
@@ -25,7 +25,7 @@ struct Rows {
     bounds: Vec<[f32; CHUNK]>,
 }
 
-/// All that was computed at one sample.
+/// Everything that was computed at one sample.
 struct At<'a> {
     rows: &'a Rows,
     first: &'a [usize],
@@ -50,7 +50,7 @@ impl At<'_> {
         self.rows.values[self.first[position as usize] + row][self.x]
     }
 
-    /// An operation by the f32 definition, which all kernels keep to.
+    /// Computes an operation by its f32 definition, which all kernels match.
     fn compute(&self, op: &Op, out: &mut [f32]) {
         let scalar = |s: Scalar| self.float(s.0, 0);
         match op {
@@ -90,7 +90,7 @@ impl At<'_> {
     }
 }
 
-/// Rows that an operation makes.
+/// Returns the number of rows that an operation makes.
 fn rows(op: &Op) -> usize {
     match op.ty() {
         Type::Scalar => 1,
@@ -100,7 +100,7 @@ fn rows(op: &Op) -> usize {
 }
 
 impl<'p> Trace<'p> {
-    /// Takes planes in the order of `compiled`, whose second half holds the bounds of the first.
+    /// Takes planes in the order of `compiled`, whose second half holds the bounds of the first half.
     pub(crate) fn new(compiled: &'p Compiled) -> Self {
         let origin = &compiled.origin;
         let mut first = Vec::new();
@@ -115,8 +115,8 @@ impl<'p> Trace<'p> {
         Self { origin, planes, first, rows }
     }
 
-    /// Hands over every root's rows as (root, channel, y, samples): those of its values, and [`BOUNDS`] behind, those of its
-    /// bounds.
+    /// Hands over the rows of every root as (root, channel, y, samples): those of its values, and those of its bounds
+    /// [`BOUNDS`] channels behind.
     pub(crate) fn tile(&mut self, planes: &[Plane<'_>], width: usize, height: usize, take: TakeRow<'_>) {
         for y in 0..height {
             for x in (0..width).step_by(CHUNK) {

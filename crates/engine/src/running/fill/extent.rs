@@ -1,4 +1,4 @@
-//! How far images reach, and what is asked of them beyond.
+//! How far images extend, and which windows are requested beyond them.
 
 use crate::Plan;
 use crate::planning::plan::{Feed, Fill};
@@ -7,7 +7,7 @@ use std::collections::HashMap;
 use trochoid_graph::{NodeId, PortId};
 use trochoid_image::Window;
 
-/// A window that lies within another: of what lies outside, the nearest pixels, which repeat there.
+/// Clamps a window to lie within another: outside of `within`, the nearest pixels repeat.
 pub(super) fn clamped(window: Window, within: Window) -> Window {
     let axis = |low: i64, high: i64, first: i64, end: i64| {
         let low = low.clamp(first, (end - 1).max(first));
@@ -18,10 +18,10 @@ pub(super) fn clamped(window: Window, within: Window) -> Window {
     Window { x0, y0, x1, y1 }
 }
 
-/// What a literal reaches over: more than any picture, but small enough to compute with.
+/// Extent of a literal: more than any picture, but small enough to compute with.
 const EVERYWHERE: Window = Window::new(-(1 << 40), -(1 << 40), 1 << 40, 1 << 40);
 
-/// How far the image of every stage reaches: the picture, and what has pixels of its own beyond it.
+/// Returns how far the image of every stage extends: the picture, and the pixels that the stage has beyond it.
 pub(crate) fn extents(plan: &Plan<'_>, ready: &HashMap<NodeId, Ready>, fills: &[Fill]) -> HashMap<NodeId, Window> {
     let picture = plan.graph.format().window();
     let mut extents = HashMap::new();

@@ -1,8 +1,8 @@
-//! The stages of one pass, filled over one tile after the other.
+//! Fills the stages of one pass, tile by tile.
 //!
-//! A stage is filled over a window of its own: all that its readers need of it. The program needs the tile; a filter
-//! needs its region of interest, clamped to the extent of the image that it reads, so that no stage is ever asked for
-//! pixels where its image does not lie.
+//! A stage is filled over its own window, which covers what its readers need from it. The program needs the tile; a
+//! filter needs its region of interest, clamped to the extent of the image that it reads, so that no stage is ever
+//! asked for pixels outside of its image.
 
 mod extent;
 mod runner;
@@ -33,45 +33,45 @@ pub(crate) struct Fills<'p> {
     buffers: &'p Buffers<'p>,
     monitor: &'p dyn Monitor,
     fills: Vec<FillState<'p>>,
-    /// Which fill holds a plane.
+    /// Index of the fill that holds a plane.
     by_slot: HashMap<Slot, usize>,
-    /// What tells whether samples share.
+    /// Views that decide whether samples share.
     views: Vec<View>,
-    /// Where the current sample does not share.
+    /// Pixels at which the current sample does not share.
     apart: Vec<Apart>,
     /// The current tile.
     tile: Window,
     /// Whether samples of a pixel share.
     sharing: bool,
-    /// A row of bounds of what the caller gave: there is no truth but that.
+    /// A row of bounds for the caller's buffers, which are exact by definition.
     exact: Vec<f32>,
-    /// What was filled before, and what is to be kept of this.
+    /// Planes that are known from an earlier evaluation, and planes to keep from this one.
     keeping: Option<&'p Keeping>,
 }
 
 struct FillState<'p> {
     fill: &'p Fill,
-    /// `None` where a buffer of the caller stands in.
+    /// `None` where a buffer of the caller replaces the stage.
     stage: Option<&'p dyn Stage>,
     taps: Option<Runner<'p>>,
-    /// By output, by channel; empty where not wanted.
+    /// Planes by output and channel; empty where not wanted.
     planes: Vec<Vec<Vec<f32>>>,
     one_row: bool,
-    /// The columns and the offset for which a single row was filled last.
+    /// Columns and offset for which a single row was filled last.
     columns: Option<(i64, i64, [f64; 2])>,
-    /// By port, by connection: how far the image reaches, and what is needed of it for the current tile.
+    /// By port and connection: how far the image extends, and the region of it that the current tile needs.
     images: Vec<Vec<Image>>,
-    /// The pixels that the planes hold; of planes of one row, its columns.
+    /// Pixels that the planes hold; planes of a single row hold only its columns.
     window: Window,
-    /// The pixels that the program before the stage runs over.
+    /// Pixels that the program before the stage runs over.
     tap_window: Window,
-    /// What the planes hold of the first sample, where another does not share it now.
+    /// Results of the first sample at the pixels where the current sample does not share them.
     kept: Kept,
-    /// What the stage found for all samples at the first one.
+    /// What the stage found at the first sample, for use at all samples.
     found: Option<Found>,
-    /// What is needed for the current sample: all of what the planes hold, but for what was shared.
+    /// Window needed for the current sample: everything that the planes hold, except for what was shared.
     need: Window,
-    /// Why the stage knows no bound, if it was asked for one and said so.
+    /// Why the stage knows no bound, if it was asked for one and has none.
     unbounded: Cell<Option<NoBound>>,
 }
 
@@ -82,7 +82,7 @@ struct Image {
 }
 
 impl FillState<'_> {
-    /// The pixels that the stage itself fills: of what does not vary along an axis, one.
+    /// Returns the pixels that the stage itself fills: a single row or column if it does not vary along that axis.
     fn own_window(&self, window: Window) -> Window {
         match self.fill.variance {
             Variance::Constant | Variance::Column => Window { y1: window.y0 + 1, ..window },
@@ -110,7 +110,7 @@ impl<'p> Fills<'p> {
             let extent = match feeds.iter().find(|feed| **feed != Feed::Nothing) {
                 Some(Feed::Slot(slot)) => extents.get(&slot.node),
                 Some(Feed::Tap(..)) => None,
-                // A literal lies wherever the stage does.
+                // A literal extends as far as the stage does.
                 _ => extents.get(&fill.node),
             };
             Image { extent: extent.copied().unwrap_or(picture), region: Window::default() }
@@ -153,18 +153,19 @@ impl<'p> Fills<'p> {
         }
     }
 
-    /// Takes from what was filled before, and keeps what is not known yet.
+    /// Uses planes that were filled before, and keeps planes that are not known yet.
     pub(crate) fn keeping(self, keeping: &'p Keeping) -> Self {
         Self { keeping: Some(keeping), ..self }
     }
 
-    /// What an earlier evaluation filled.
+    /// Returns the planes that an earlier evaluation filled.
     fn known(&self, node: NodeId) -> Option<&'p Filled> {
         self.keeping?.known.get(&node).map(|filled| &**filled)
     }
 
-    /// Fills every stage over what a tile needs of it, for a sample of the pixels by its number and offset; adds the time
-    /// that each took to `seconds`. The first sample of a tile comes first: the others may share its results.
+    /// Fills every stage over the window that a tile needs, for a sample given by its index and offset, and adds the
+    /// time of each stage to `seconds`. The first sample of a tile must come first, since the others may share its
+    /// results.
     pub(crate) fn fill(
         &mut self,
         tile: Window,
@@ -194,23 +195,23 @@ impl<'p> Fills<'p> {
         Ok(())
     }
 
-    /// The planes that a program reads over the current tile, in its order.
+    /// Returns the planes that a program reads over the current tile, in its order.
     pub(crate) fn planes(&self, program: &Compiled) -> Vec<Plane<'_>> {
         program.planes.iter().map(|slot| self.plane(slot, self.tile, &self.fills)).collect()
     }
 
-    /// The stages that know no bound on what they filled last, and why.
+    /// Lists the stages that know no bound on the planes that they filled last, with the reason.
     pub(crate) fn unbounded(&self) -> impl Iterator<Item = (NodeId, NoBound)> {
         self.fills.iter().filter_map(|state| Some((state.fill.node, state.unbounded.get()?)))
     }
 
-    /// The extremes of weights over everything that ran before stages.
+    /// Returns the extremes of weights over all programs that ran before stages.
     pub(crate) fn audit(&self) -> WeightAudit {
         let machines = self.fills.iter().filter_map(|fill| fill.taps.as_ref());
         machines.map(Runner::audit).fold(WeightAudit::default(), WeightAudit::merge)
     }
 
-    /// Decides every stage's window, from the program backwards: for a later sample, what it cannot share.
+    /// Decides every stage's window, from the program backwards; for a later sample, only what it cannot share.
     fn place(&mut self, tile: Window, sample: usize) {
         let format = self.plan.graph.format();
         self.tile = tile;
@@ -224,7 +225,7 @@ impl<'p> Fills<'p> {
             let Some(state) = rest.first_mut() else { continue };
             let is_shared = sample > 0 && state.fill.shared.is_some();
             if state.need.is_empty() && sample == 0 {
-                // Filled although nobody reads it, where demand is switched off.
+                // Filled although nothing reads it, where demand is switched off.
                 state.need = tile;
             }
             if !is_shared {
@@ -272,7 +273,7 @@ impl<'p> Fills<'p> {
         self.plan.bound[node.0]
     }
 
-    /// A slot over a window: a buffer of the caller is read in place.
+    /// Returns the plane of a slot over a window; a buffer of the caller is read in place.
     fn plane<'a>(&'a self, slot: &Slot, over: Window, fills: &'a [FillState<'_>]) -> Plane<'a> {
         let start =
             |within: Window, stride: usize| (over.y0 - within.y0) as usize * stride + (over.x0 - within.x0) as usize;
@@ -309,7 +310,7 @@ impl<'p> Fills<'p> {
             return Ok(());
         }
         self.fills[index].kept.indices.clear();
-        // What does not vary from row to row is there already where the tile before had the same columns.
+        // A plane that does not vary from row to row is reused if the previous tile had the same columns.
         let state = &mut self.fills[index];
         let columns = Some((state.window.x0, state.window.x1, offset));
         if state.one_row && std::mem::replace(&mut state.columns, columns) == columns {
@@ -334,7 +335,7 @@ impl<'p> Fills<'p> {
         Ok(())
     }
 
-    /// The same into planes; gives what was found for all samples.
+    /// Fills one stage's planes into `planes`, and returns what it found for all samples.
     fn fill_into(
         &self,
         index: usize,
@@ -347,7 +348,7 @@ impl<'p> Fills<'p> {
         let window = state.own_window(state.window);
         for (plane, wanted) in planes.iter_mut().flatten().zip(state.fill.wanted.iter().flatten()) {
             let samples = if *wanted { window.area() } else { 0 };
-            // Tiles differ by a little in size: room for twice as much would stay empty.
+            // Tiles differ a little in size; room for twice as much would stay unused.
             plane.reserve_exact(samples.saturating_sub(plane.len()));
             plane.resize(samples, 0.0);
         }
@@ -411,7 +412,7 @@ impl<'p> Fills<'p> {
         Ok(found)
     }
 
-    /// The samples of one channel over a region, row by row: in place where they lie so already.
+    /// Returns the samples of one channel over a region, row by row; borrowed if they are already contiguous.
     fn samples<'a>(
         &'a self,
         feed: &Feed,
@@ -443,7 +444,7 @@ impl<'p> Fills<'p> {
         })
     }
 
-    /// Runs the pointwise program before a stage; gives its roots' planes.
+    /// Runs the pointwise program before a stage, and returns the planes of its roots.
     fn run_taps(&self, state: &FillState<'_>, before: &[FillState<'_>], machine: Option<&mut Runner<'p>>) -> Taps {
         let mut taps = Taps::new();
         if let (Some(machine), Some(compiled)) = (machine, &state.fill.taps) {
@@ -458,10 +459,10 @@ impl<'p> Fills<'p> {
     }
 }
 
-/// The channels of one connection, each where asked for.
+/// Channels of one connection; `None` where not requested.
 type Held<'a> = Vec<Option<Cow<'a, [f32]>>>;
 
-/// The planes of a program's roots by root and channel.
+/// Planes of a program's roots, by root and channel.
 type Taps = HashMap<(usize, usize), Vec<f32>>;
 
 fn by_slot(fills: &[Fill]) -> HashMap<Slot, usize> {

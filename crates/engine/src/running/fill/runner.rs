@@ -1,9 +1,9 @@
-//! What runs the pointwise program before a stage.
+//! Runs the pointwise program before a stage.
 
 use crate::kernel::{Chunk, Compiled, Machine, Plane, TakeRow, WeightAudit};
 use crate::running::certify::Trace;
 
-/// The program alone, or with bounds on its errors.
+/// Runs the program alone, or with bounds on its errors.
 #[derive(Debug)]
 pub(super) enum Runner<'p> {
     Machine(Box<Machine<'p>>),
@@ -26,7 +26,7 @@ impl<'p> Runner<'p> {
         }
     }
 
-    /// The extremes of weights over everything that ran.
+    /// Returns the extremes of weights over everything that ran.
     pub(super) fn audit(&self) -> WeightAudit {
         match self {
             Self::Machine(machine) => machine.audit(),

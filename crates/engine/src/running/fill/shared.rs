@@ -1,4 +1,4 @@
-//! Stages whose results the samples of a pixel share: of all but the first sample, only what differs is filled.
+//! Stages whose results the samples of a pixel share: after the first sample, only the pixels that differ are filled.
 
 use super::runner::Runner;
 use super::{FillState, Fills, Held, Taps};
@@ -11,49 +11,49 @@ use std::collections::HashMap;
 use trochoid_graph::{Block, Bound, Channel, Connection, Inputs, NodeError, NodeId, Outputs, Slot};
 use trochoid_image::{Shading, Window};
 
-/// What a view tells of the samples of the current tile.
+/// What a view sees at the samples of the current tile.
 pub(super) struct View {
     node: NodeId,
-    /// The fill that holds what it tells.
+    /// Index of the fill that holds the view's surface and depth.
     fill: usize,
-    /// Surface and depth that the first sample sees, and at which pixels.
+    /// Surface and depth that the first sample sees, over the window `all`.
     first: [Vec<f32>; 2],
     all: Window,
-    /// Whether the current sample sees something else, and at which pixels that is known.
+    /// Whether the current sample sees something else, over `window`.
     differs: Vec<bool>,
     window: Window,
-    /// Bounds of what the first sample sees, if they are asked for, and whether the reference may see it differ where this
-    /// one does not, or the other way.
+    /// Bounds on what the first sample sees, if bounds are requested, and whether the reference may decide
+    /// differently about sharing.
     first_bounds: [Vec<f32>; 2],
     doubtful: Vec<bool>,
 }
 
-/// The pixels of a window at which the current sample does not share, by the views that say so.
+/// Pixels of a window at which the current sample does not share, according to some views.
 pub(super) struct Apart {
     views: Vec<NodeId>,
     window: Window,
-    /// As indices into planes over the window.
+    /// Indices into planes over the window.
     indices: Vec<usize>,
     pixels: Vec<[i64; 2]>,
-    /// The pixels at which the reference may say otherwise.
+    /// Pixels at which the reference may decide differently.
     doubtful: Vec<[i64; 2]>,
 }
 
-/// Results of the first sample, by plane, at the pixels where those of another stand in their place.
+/// Results of the first sample, by plane, at the pixels where the results of another sample replace them.
 #[derive(Default)]
 pub(super) struct Kept {
-    /// As indices into the planes.
+    /// Indices into the planes.
     pub(super) indices: Vec<usize>,
     values: Vec<Vec<f32>>,
 }
 
-/// The plane in which a view tells something.
+/// Returns the slot of a channel by which a view decides sharing.
 pub(super) fn telling(node: NodeId, channel: Channel) -> Slot {
     Slot { node, output: 0, channel: channel as usize }
 }
 
 impl View {
-    /// The views by which stages share.
+    /// Returns the views by which stages share.
     pub(super) fn of(fills: &[Fill], by_slot: &HashMap<Slot, usize>) -> Vec<Self> {
         let mut nodes: Vec<NodeId> = fills.iter().flat_map(|fill| fill.shared.iter().flatten().copied()).collect();
         nodes.sort_unstable();
@@ -75,12 +75,12 @@ impl View {
         nodes.into_iter().filter_map(view).collect()
     }
 
-    /// Whether the sample differs, over a row of a window within its own.
+    /// Returns, for a row of a window within the view's own, where the sample differs.
     fn row(&self, window: Window, y: i64) -> &[bool] {
         &self.differs[self.place([window.x0, y])..][..window.width()]
     }
 
-    /// Whether the reference may say otherwise at a pixel.
+    /// Returns whether the reference may decide differently at a pixel.
     fn is_doubtful(&self, pixel: [i64; 2]) -> bool {
         self.doubtful.get(self.place(pixel)).is_some_and(|doubtful| *doubtful)
     }
@@ -89,7 +89,7 @@ impl View {
         (y - self.window.y0) as usize * self.window.width() + (x - self.window.x0) as usize
     }
 
-    /// Compares what a sample sees with what the first one saw, which was asked at as many pixels or more.
+    /// Compares what a sample sees with what the first sample saw, which covers at least the same pixels.
     fn compare(&mut self, sample: usize, window: Window, [surfaces, depths]: [&[f32]; 2]) {
         if sample == 0 {
             self.all = window;
@@ -110,7 +110,7 @@ impl View {
         }
     }
 
-    /// After [`compare`](Self::compare), the same with the bounds of what is compared.
+    /// Finds the pixels in doubt, after [`compare`](Self::compare), from the bounds on what is compared.
     fn doubt(&mut self, sample: usize, [surfaces, depths]: [&[f32]; 2], bounds: [&[f32]; 2]) {
         if sample == 0 {
             self.first_bounds = bounds.map(<[f32]>::to_vec);
@@ -128,7 +128,7 @@ impl View {
     }
 }
 
-/// Whether samples that see this surface and depth, each within bounds, may share or not.
+/// Returns whether it is in doubt that samples share which see these surfaces and depths, each within bounds.
 fn is_doubtful([first, first_bounds]: [[f32; 2]; 2], [here, bounds]: [[f32; 2]; 2]) -> bool {
     let [first_bounds, bounds] = [first_bounds, bounds].map(|bounds| bounds.map(Bound::decode));
     let is_certain = |[surface, depth]: [Bound; 2]| surface.clear && depth.clear && surface.size == 0.0;
@@ -140,7 +140,7 @@ fn is_doubtful([first, first_bounds]: [[f32; 2]; 2], [here, bounds]: [[f32; 2]; 
     if surface != other || (first == depth && off == 0.0) {
         return false;
     }
-    // NaN of infinite depths is in doubt.
+    // For infinite depths this is NaN, which counts as in doubt.
     let apart = (depth - first).abs();
     let limit = |first: f64| Shading::SAME_DEPTH * first.max(0.0);
     let is_shared = apart + off <= limit(first.abs() - off_first);
@@ -149,7 +149,7 @@ fn is_doubtful([first, first_bounds]: [[f32; 2]; 2], [here, bounds]: [[f32; 2]; 
 }
 
 impl<'p> Fills<'p> {
-    /// Looks at what a stage has told, if it is a view that is asked.
+    /// Compares what a stage has seen, if it is a view that decides sharing.
     pub(super) fn look(&mut self, index: usize, sample: usize) {
         for view in self.views.iter_mut().filter(|view| view.fill == index) {
             let state = &self.fills[index];
@@ -163,7 +163,7 @@ impl<'p> Fills<'p> {
         }
     }
 
-    /// Fills a stage where the current sample does not share with the first one, and leaves the first one's results
+    /// Fills a stage where the current sample does not share with the first one, and keeps the first sample's results
     /// elsewhere.
     pub(super) fn stage_apart(&mut self, index: usize, views: &[NodeId], offset: [f64; 2]) -> Result<(), NodeError> {
         let (window, held) = (self.fills[index].need, self.fills[index].window);
@@ -187,7 +187,7 @@ impl<'p> Fills<'p> {
         } else {
             kept.indices.extend(apart.pixels.iter().map(place));
         }
-        // Behind those for which there will be other results.
+        // After the pixels that will get new results.
         let doubtful: Vec<usize> = apart.doubtful.iter().map(place).collect();
         kept.indices.extend_from_slice(&doubtful);
         kept.values.resize_with(planes.len(), Vec::new);
@@ -215,7 +215,7 @@ impl<'p> Fills<'p> {
         filled
     }
 
-    /// The pixels of a window at which some view sees something else than at the first sample.
+    /// Finds the pixels of a window at which some view sees something else than at the first sample.
     fn differing(&self, views: &[NodeId], window: Window) -> Apart {
         let asked: Vec<&View> = self.views.iter().filter(|view| views.contains(&view.node)).collect();
         let (mut indices, mut pixels, mut doubtful) = (Vec::new(), Vec::new(), Vec::new());
@@ -233,7 +233,7 @@ impl<'p> Fills<'p> {
         Apart { views: views.to_vec(), window, indices, pixels, doubtful }
     }
 
-    /// The stage's planes at single pixels of its window.
+    /// Computes the stage's planes at single pixels of its window.
     fn fill_pixels(
         &self,
         index: usize,
@@ -295,7 +295,7 @@ impl<'p> Fills<'p> {
         Ok(found)
     }
 
-    /// A plane at single pixels.
+    /// Reads a plane at single pixels.
     fn gather(&self, slot: &Slot, apart: &Apart, before: &[FillState<'_>]) -> Vec<f32> {
         let (plane, window) = (self.plane(slot, apart.window, before), apart.window);
         if plane.stride == window.width() {

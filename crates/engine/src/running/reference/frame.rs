@@ -1,4 +1,4 @@
-//! Whole frames by the references.
+//! Evaluates whole frames by the references.
 
 use super::{ReferenceError, ReferenceFrame};
 use crate::judge::nan_count;
@@ -14,13 +14,14 @@ use trochoid_image::Window;
 use trochoid_weights::Audit;
 
 impl Plan<'_> {
-    /// Evaluates the outputs of the plan by the f64 references of the nodes, pixel by pixel, and rounds the averages of their
-    /// samples to f32: thousands of times as slow as [`Plan::evaluate`], or as [`Plan::evaluate_to`] with a sink.
+    /// Evaluates the outputs of the plan by the f64 references of the nodes, pixel by pixel, and rounds the averages
+    /// of their samples to f32. This is thousands of times slower than [`Plan::evaluate`], or than
+    /// [`Plan::evaluate_to`] if a sink is given.
     ///
-    /// Nothing of the plan is used but what it is to evaluate; what it reports of nodes is its own.
+    /// From the plan it only takes what to evaluate; its reports on nodes are its own.
     ///
     /// # Errors
-    /// As [`Plan::evaluate`]; or nothing left out takes too much memory.
+    /// Same as [`Plan::evaluate`]; or a plan without anything left out takes too much memory.
     pub fn evaluate_by_reference(
         &self,
         sink: Option<&dyn Sink>,
@@ -93,7 +94,7 @@ impl Plan<'_> {
     }
 }
 
-/// A row by channel.
+/// Returns a row by channel.
 fn row(
     reference: &ReferenceFrame<'_>,
     window: Window,
@@ -113,12 +114,12 @@ fn row(
 }
 
 impl Tally {
-    /// Takes a row of weights, by weight.
+    /// Audits a row of weights, given by weight.
     fn weigh(&mut self, row: &[Vec<f32>]) {
         for x in 0..row.first().map_or(0, Vec::len) {
             let weights = row.iter().map(|row| row[x]);
             self.weights.min = weights.clone().fold(self.weights.min, f32::min);
-            // A mask is one weight of two.
+            // A mask stores only one of its two weights.
             if row.len() > 1 {
                 let off = (weights.map(f64::from).sum::<f64>() - 1.0).abs();
                 self.weights.max_deviation = self.weights.max_deviation.max(off);

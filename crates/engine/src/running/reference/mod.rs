@@ -1,4 +1,4 @@
-//! The slow f64 evaluator: the references of the nodes, sample by sample. The oracle of everything fast.
+//! The slow f64 evaluator, which runs the nodes' references sample by sample. It is the oracle of everything fast.
 
 mod frame;
 mod pixels;
@@ -20,13 +20,13 @@ use trochoid_image::{Shading, Window};
 pub struct ReferenceFrame<'g> {
     plan: Plan<'g>,
     ready: HashMap<NodeId, Ready>,
-    /// How far the images of stages reach.
+    /// How far the images of stages extend.
     extents: HashMap<NodeId, Window>,
-    /// What each node that was asked for depends on, itself last.
+    /// Each requested node's dependencies, with the node itself last.
     orders: Mutex<HashMap<NodeId, Arc<[NodeId]>>>,
 }
 
-/// Why a reference cannot be had.
+/// Why a reference frame or pixel cannot be computed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ReferenceError {
     /// The plan cannot be made.
@@ -41,15 +41,15 @@ impl<'g> ReferenceFrame<'g> {
     /// Prepares every node that an output needs at a frame.
     ///
     /// # Errors
-    /// As planning and evaluation.
+    /// Same as planning and evaluation.
     pub fn new(graph: &'g CheckedGraph, output: &str, frame: i64) -> Result<Self, ReferenceError> {
         Self::prepared(graph, output, frame, &mut Cache::new(), &Silent)
     }
 
-    /// The same with what a cache holds, such as of another output of the frame.
+    /// Does the same with what a cache holds, such as stages of another output of the frame.
     ///
     /// # Errors
-    /// As [`ReferenceFrame::new`]; or the monitor asked to stop.
+    /// Same as [`ReferenceFrame::new`]; or the monitor asked to stop.
     pub fn prepared(
         graph: &'g CheckedGraph,
         output: &str,
@@ -60,7 +60,7 @@ impl<'g> ReferenceFrame<'g> {
         Self::bounded(graph, output, frame, Settings::default().memory_limit, cache, monitor)
     }
 
-    /// The same within a limit of memory, bytes.
+    /// Does the same within a memory limit, in bytes.
     pub(crate) fn bounded(
         graph: &'g CheckedGraph,
         output: &str,
@@ -76,17 +76,17 @@ impl<'g> ReferenceFrame<'g> {
         Ok(Self { plan, ready, extents, orders: Mutex::default() })
     }
 
-    /// The output at a place in the picture, in pixels: pixel x has its center at x + ½.
+    /// Returns the output at a point in the picture, in pixels: pixel x has its center at x + ½.
     ///
     /// # Errors
-    /// A node's input data are illegal there.
+    /// A node's input data are illegal at that point.
     pub fn sample(&self, x: f64, y: f64) -> Result<Vec<f64>, EvalError> {
         let spec = &self.plan.graph.outputs()[self.plan.outputs[0].index];
         let evaluation = Evaluation { frame: self, known: RefCell::default() };
         Ok(numbers(evaluation.output(spec.node, spec.output, [x, y])?))
     }
 
-    /// A place within the extent of a node's image: of the nearest pixel the same place in it.
+    /// Clamps a point to the extent of a node's image: beyond it, to the same point within the nearest pixel.
     fn within(&self, node: NodeId, at: [f64; 2]) -> [f64; 2] {
         let extent = self.extents.get(&self.handed_on(node)).copied().unwrap_or(self.plan.graph.format().window());
         let axis = |at: f64, first: i64, end: i64| {
@@ -97,7 +97,7 @@ impl<'g> ReferenceFrame<'g> {
         [axis(at[0], extent.x0, extent.x1), axis(at[1], extent.y0, extent.y1)]
     }
 
-    /// A node and what it depends on, inputs first.
+    /// Returns a node and its dependencies, inputs first.
     fn order(&self, id: NodeId) -> Arc<[NodeId]> {
         let upstream = || {
             let needed = self.plan.graph.reached([id], self.plan.context.frame);
@@ -107,7 +107,7 @@ impl<'g> ReferenceFrame<'g> {
         orders.entry(id).or_insert_with(upstream).clone()
     }
 
-    /// The node that a chain of nodes which only hand an input on comes to.
+    /// Follows nodes that only hand an input on, and returns the node behind them.
     fn handed_on(&self, mut node: NodeId) -> NodeId {
         while let Some(settled) = &self.plan.settled[node.0]
             && let Some(Source::Output { node: chosen, .. }) = settled.node().identity()
@@ -117,10 +117,10 @@ impl<'g> ReferenceFrame<'g> {
         node
     }
 
-    /// The output at a pixel, averaged over the samples that the fast path averages.
+    /// Returns the output at a pixel, averaged over the samples that the fast path averages.
     ///
     /// # Errors
-    /// As [`ReferenceFrame::sample`].
+    /// Same as [`ReferenceFrame::sample`].
     pub fn pixel(&self, x: i64, y: i64) -> Result<Vec<f64>, EvalError> {
         let offsets = &self.plan.passes[0].offsets;
         let mut sum: Vec<f64> = Vec::new();
@@ -133,18 +133,19 @@ impl<'g> ReferenceFrame<'g> {
     }
 }
 
-/// The outputs of nodes at places.
+/// Outputs of nodes at points.
 type Known = HashMap<(NodeId, [u64; 2]), Vec<Reference>>;
 
-/// One sample in the making: filters ask for their inputs at other places, and several for the same.
+/// Evaluation of one sample: filters read their inputs at other points, several of them often at the same.
 struct Evaluation<'e, 'g> {
     frame: &'e ReferenceFrame<'g>,
-    /// The outputs of nodes, by the bits of the place.
+    /// Outputs of nodes, by the bits of the point.
     known: RefCell<Known>,
 }
 
 impl Evaluation<'_, '_> {
-    /// An output of a node at a place. Only filters go deeper: what a node reads where it stands is evaluated before.
+    /// Returns an output of a node at a point. Only filters recurse: whatever a node reads at its own point is
+    /// evaluated before it.
     fn output(&self, id: NodeId, output: usize, at: [f64; 2]) -> Result<Reference, EvalError> {
         let key = at.map(f64::to_bits);
         let known = || self.known.borrow().get(&(id, key)).map(|outputs| outputs[output].clone());
@@ -163,7 +164,7 @@ impl Evaluation<'_, '_> {
         }
     }
 
-    /// The first sample of the pixel in which a sample stands, where the document shades by the pixel.
+    /// Returns the first sample of the pixel that contains a sample, if the document shades per pixel.
     fn first(&self, at: [f64; 2]) -> Option<[f64; 2]> {
         let format = self.frame.plan.graph.format();
         let pixel = at.map(f64::floor);
@@ -171,12 +172,12 @@ impl Evaluation<'_, '_> {
             let offset = format.sample_offset(sample);
             [pixel[0] + offset[0], pixel[1] + offset[1]]
         };
-        // Of fields only the center is asked, which is no sample.
+        // Fields are evaluated only at the center, which is not a sample.
         let is_sample = format.samples() > 1 && (0..format.samples()).any(|sample| place(sample) == at);
         (is_sample && format.shading() == Shading::Pixel).then(|| place(0))
     }
 
-    /// The first sample of the pixel, where the one at a place takes a stage's results from there.
+    /// Returns the first sample of the pixel, if the sample at `at` reuses a stage's results from it.
     fn shares(&self, id: NodeId, at: [f64; 2]) -> Result<Option<[f64; 2]>, EvalError> {
         let Some(views) = &self.frame.plan.shared[id.0] else { return Ok(None) };
         let Some(first) = self.first(at).filter(|first| *first != at) else { return Ok(None) };
@@ -204,7 +205,7 @@ impl Evaluation<'_, '_> {
             return (0..node.kinds.len()).map(|output| self.output(id, output, first)).collect();
         }
         let Some(settled) = &plan.settled[id.0] else { return Ok(Vec::new()) };
-        // Inputs cannot refuse where they are asked, so their error is kept, and told in place of the node's result.
+        // The input callback cannot fail, so its error is kept and returned instead of the node's result.
         let failed = RefCell::new(None);
         let inputs = |source: &Source<Vec<f64>>, place: [f64; 2]| match source {
             Source::Output { node, output } => {
@@ -231,7 +232,7 @@ impl Evaluation<'_, '_> {
     }
 }
 
-/// A value, channel by channel.
+/// Returns a value's channels.
 fn numbers(value: Reference) -> Vec<f64> {
     match value {
         Reference::Color(color) => color.to_vec(),
@@ -241,7 +242,7 @@ fn numbers(value: Reference) -> Vec<f64> {
     }
 }
 
-/// A value of a kind, where there is none.
+/// Returns a placeholder value of a kind.
 fn nothing(kind: Kind) -> Reference {
     match kind {
         Kind::Color => Reference::Color([0.0; 3]),

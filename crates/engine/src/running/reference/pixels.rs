@@ -1,5 +1,5 @@
-//! What a check of finished pictures asks of the references: many pixels, the weights on the way to them, and the control
-//! colors. Nothing here looks at a program, a tile or a plane.
+//! Evaluates what a check of finished pictures needs from the references: many pixels, the weights on the way to
+//! them, and the control colors. Nothing here looks at a program, a tile or a plane.
 
 use super::{Evaluation, ReferenceFrame};
 use crate::{EvalError, Monitor};
@@ -9,25 +9,25 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use trochoid_graph::{Body, Kind, Reference, References, Source};
 use trochoid_image::Rgb;
 
-/// Pixels that a thread takes at once.
+/// Number of pixels that a thread takes at once.
 const PIECE: usize = 16;
 
-/// A pixel by the references.
+/// A pixel computed by the references.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ReferencePixel {
-    /// By channel, the mean over the samples that the fast path averages.
+    /// Mean over the samples that the fast path averages, by channel.
     pub value: Vec<f64>,
-    /// The smallest weight that any node gave at any of the samples; +∞ where none gave weights.
+    /// Smallest weight that any node returned at any of the samples; +∞ if no node returned weights.
     pub weight_min: f64,
-    /// The largest |Σω − 1| of them.
+    /// Largest |Σω − 1| of those weights.
     pub weight_sum_max_deviation: f64,
 }
 
 impl ReferencePixel {
-    /// Takes the weights that a node gave.
+    /// Records the weights that a node returned.
     fn see(&mut self, given: &Reference) {
         match given {
-            // Of two weights 1 − t and t the sum is 1 by definition.
+            // The two weights 1 − t and t sum to 1 by definition.
             Reference::Mask(t) => self.weight_min = self.weight_min.min(t.min(1.0 - t)),
             Reference::Weights(weights) => {
                 self.weight_min = weights.iter().copied().fold(self.weight_min, f64::min);
@@ -40,10 +40,11 @@ impl ReferencePixel {
 }
 
 impl ReferenceFrame<'_> {
-    /// The output at some pixels, as [`ReferenceFrame::pixel`], with what is seen of weights on the way; on all threads.
+    /// Evaluates the output at some pixels, like [`ReferenceFrame::pixel`], and records the weights on the way; on
+    /// all threads.
     ///
     /// # Errors
-    /// As [`ReferenceFrame::sample`]; or the monitor asked to stop.
+    /// Same as [`ReferenceFrame::sample`]; or the monitor asked to stop.
     pub fn pixels(&self, places: &[[i64; 2]], monitor: &dyn Monitor) -> Result<Vec<ReferencePixel>, EvalError> {
         let done = AtomicUsize::new(0);
         let pieces: Result<Vec<Vec<ReferencePixel>>, EvalError> = places
@@ -77,8 +78,8 @@ impl ReferenceFrame<'_> {
         Ok(pixel)
     }
 
-    /// Every color that the output is mixed from, found by following its Color connections: literals, what nodes make of
-    /// themselves, and what stages say that they add.
+    /// Returns every color that the output is mixed from, found by following its Color connections: literals, colors
+    /// that nodes make themselves, and colors that stages declare as controls.
     pub fn controls(&self) -> Vec<Rgb> {
         let graph = self.plan.graph;
         let spec = &graph.outputs()[self.plan.outputs[0].index];
@@ -107,7 +108,7 @@ impl ReferenceFrame<'_> {
             }
             takes_color |= open.len() > before;
             match settled.node().body() {
-                // What takes no color makes one of its own, everywhere the same.
+                // A node without color inputs makes its own color, the same everywhere.
                 Body::Pointwise(pointwise) if !takes_color => {
                     let nothing = |source: &Source<Vec<f64>>, _: [f64; 2]| self.nothing(source);
                     let inputs = References::new(&self.plan.context, [0.5; 2], &nothing);

@@ -1,4 +1,4 @@
-//! How the numbers of seas behave in the long run: theory beside measurements.
+//! Long-term numerical behavior of seas: predictions compared with measurements.
 
 mod toon;
 mod waves;
@@ -8,12 +8,12 @@ pub(crate) use waves::waves;
 
 use trochoid_graph::{Figure, Relation};
 
-/// A figure that nobody has measured or predicted yet.
+/// Returns a figure with neither a prediction nor a measurement yet.
 fn figure(key: &'static str, name: &'static str, unit: &'static str) -> Figure {
     Figure { key, name, unit, predicted: None, measured: None, relation: Relation::Unrelated, note: String::new() }
 }
 
-/// A number of seconds in the unit that a person would choose.
+/// Formats a number of seconds in a readable unit.
 fn duration(seconds: f64) -> String {
     match seconds {
         s if s < 1.0 => format!("{s:.3} s"),
@@ -22,6 +22,6 @@ fn duration(seconds: f64) -> String {
         s if s < 1.7e5 => format!("{:.0} hours", s / 3600.0),
         s if s < 6e7 => format!("{:.0} days", s / 86_400.0),
         s if s < 1e13 => format!("{:.0} years", s / 3.156e7),
-        _ => "longer than a picture lasts".into(),
+        _ => "longer than any animation".into(),
     }
 }

@@ -1,4 +1,4 @@
-//! The height field: its modes as predicted, powers of its step, and runs of the code that makes pictures.
+//! Stability of the height field: predicted modes, powers of its step, and runs of the production code.
 
 use super::{duration, figure};
 use trochoid_graph::{Figure, Relation, Stability, StabilityMap, Verdict};
@@ -6,17 +6,18 @@ use trochoid_sea::toon::{
     Basin, Boundary, Drifting, Forecast, LITERAL_HZ, Mixing, Motion, Physics, Probe, ToonSea, Transient, Trial,
 };
 
-/// Steps over which a level sea is held.
+/// Number of steps for which a level sea is held.
 const DRIFT_STEPS: u64 = 1_000_000;
-/// Points of the map along each axis.
+/// Number of points of the map along each axis.
 const MAP: usize = 280;
-/// What the map spans of c₁ and c₂: the whole region of every grid, and something of what lies beyond.
+/// Ranges of c₁ and c₂ on the map: the whole stable region of every grid, with a margin.
 const RANGES: [[f64; 2]; 2] = [[-1.2, 1.2], [-1.4, 1.4]];
-/// Measured points of the map along each axis, and the cells along each side of the grid that they are measured on.
+/// Number of measured points of the map along each axis, and of cells along each side of the grid they are measured
+/// on.
 const MEASURED: usize = 11;
 const MEASURED_SIDE: usize = 6;
 
-/// Everything there is to say of a sea that is accepted: it is stable, or at least bounded.
+/// Returns the stability report of an accepted sea, which is stable or at least bounded.
 pub(crate) fn toon(sea: &ToonSea) -> Stability {
     let (motion, basin) = (sea.motion(), sea.basin());
     let forecast = Forecast::new(motion, basin);
@@ -47,17 +48,17 @@ fn says(sea: &ToonSea, forecast: &Forecast, verdict: Verdict) -> Vec<String> {
             duration(forecast.half_life / rate),
             forecast.half_life * libm::log2(1000.0),
         ),
-        Verdict::Bounded => "Nothing grows, but some wave never dies away: what bursts add to it stays.".into(),
+        Verdict::Bounded => "No wave grows, but at least one never dies away, so what bursts add to it stays.".into(),
         Verdict::Unstable | Verdict::ClosedForm => {
-            "A level sea that is pushed goes on for ever: give it damping or a frequency above 0.".into()
+            "Once bursts push the level of the sea, it drifts without limit: set damping or frequency above 0.".into()
         }
     }];
     match motion {
         Motion::Literal(mixing) | Motion::Resampled { mixing, .. } => {
             let [[low1, high1], [low2, high2]] = mixing.limits(basin);
             says.push(format!(
-                "What would break it: c1 outside {low1:.4} to {high1:.4} with c2 {}, or c2 outside {low2:.4} to {high2:.4} \
-                 with c1 {}; in the worst direction a change of {:.4}.",
+                "It becomes unstable with c1 outside {low1:.4} to {high1:.4} at c2 {}, with c2 outside {low2:.4} to \
+                 {high2:.4} at c1 {}, or with a change of {:.4} in the worst direction.",
                 mixing.c2,
                 mixing.c1,
                 mixing.margin(basin),
@@ -65,14 +66,14 @@ fn says(sea: &ToonSea, forecast: &Forecast, verdict: Verdict) -> Vec<String> {
             if mixing.c1 > 0.0 {
                 let Physics { speed, damping, frequency, .. } = mixing.continuum(basin.spacing);
                 says.push(format!(
-                    "As waves: {speed:.3} m/s, damping {damping:.2} /s, pulled back at {frequency:.2} rad/s; mode \
-                     \"physical\" with these has no limit of stability."
+                    "As waves: speed {speed:.3} m/s, damping {damping:.2} /s, frequency {frequency:.2} rad/s; mode \
+                     \"physical\" with these values is always stable."
                 ));
             }
         }
         Motion::Physical { .. } => says.push(
-            "Nothing breaks it: a step is the exact solution on the grid, at any speed, damping and number of steps a \
-             second."
+            "It is always stable: a step is the exact solution on the grid, at any speed, damping and number of steps \
+             per second."
                 .into(),
         ),
     }
@@ -125,20 +126,20 @@ fn figures(sea: &ToonSea, forecast: &Forecast) -> Vec<Figure> {
         },
         Figure {
             predicted: forecast.stiffness,
-            note: "cells a step; explicit waves: ≤ 0.7071".into(),
+            note: "cells/step; explicit waves: ≤ 0.7071".into(),
             ..figure("stiffness", "stiffness c·dt/dx", "")
         },
     ];
     if let Some(explicit) = Probe::explicit(motion, basin) {
         figures.push(Figure {
             measured: Some(explicit.radius()),
-            note: "a step by an ordinary explicit solver".into(),
-            ..figure("explicit_radius", "  growth were it explicit", "")
+            note: "one step of an explicit solver".into(),
+            ..figure("explicit_radius", "  growth if explicit", "")
         });
     }
     figures.extend([
         Figure {
-            // Each step rounds by 2⁻²⁴, as often as a step is remembered.
+            // Each step rounds by 2⁻²⁴, and errors accumulate for as long as a step is remembered.
             predicted: (forecast.radius < 1.0 - 1e-6)
                 .then(|| transient.gain.max(1.0) * 4.0 / f64::from(1u32 << 24) / (1.0 - forecast.radius)),
             measured: Some(drifting.drift),
@@ -173,13 +174,13 @@ fn figures(sea: &ToonSea, forecast: &Forecast) -> Vec<Figure> {
     figures
 }
 
-/// The most that a single wave grows for a while, whatever came before.
+/// Returns the greatest transient growth of a single wave from any initial state.
 fn modal_gain(motion: &Motion, basin: &Basin) -> f64 {
     let (Motion::Literal(mixing) | Motion::Resampled { mixing, .. }) = *motion else { return 1.0 };
     let [low, high] = Forecast::new(motion, basin).eigenvalues;
     let gain = |mode: usize| {
         let lambda = low + (high - low) * mode as f64 / 64.0;
-        // From 1 after 0, and from 0 after 1: together the most of any two within ±1.
+        // Start from 1 after 0 and from 0 after 1: the sum of both is the most for any two heights within ±1.
         let (mut first, mut second, mut most) = ([1.0f64, 0.0], [0.0f64, 1.0], 1.0f64);
         let step = |[now, before]: [f64; 2]| [(2.0 * mixing.c1 * lambda + mixing.c2) * now - mixing.c1 * before, now];
         for _ in 0..400 {
@@ -198,8 +199,8 @@ fn map(mixing: Mixing, basin: &Basin) -> StabilityMap {
         low + (high - low) * (index as f64 + 0.5) / size as f64
     };
     let mixing_at = |cell: usize, size: usize| Mixing { c1: at(cell % size, size, 0), c2: at(cell / size, size, 1) };
-    // Measured where waves on a small grid grow as on the sea's own: on one of the same boundary, else on a periodic one,
-    // whose spectrum reaches from −1 to 1 as that of large grids nearly does.
+    // Measure on a small grid where waves grow as on the sea's own grid: one with the same boundary if possible,
+    // otherwise a periodic one, whose spectrum reaches from −1 to 1, as the spectrum of a large grid nearly does.
     let side = |cells: usize| if cells > MEASURED_SIDE { MEASURED_SIDE - cells % 2 } else { cells };
     let small = Basin { columns: side(basin.columns), rows: side(basin.rows), ..*basin };
     let periodic = Basin { boundary: Boundary::Periodic, columns: MEASURED_SIDE, rows: MEASURED_SIDE, ..*basin };

@@ -1,26 +1,26 @@
-//! Sums of waves: closed forms, of which phases and folds are what can go wrong.
+//! Stability of sums of waves: they are closed forms, so only phases and folds can fail.
 
 use super::{duration, figure};
 use trochoid_graph::{Figure, Relation, Stability, Verdict};
 use trochoid_sea::{Fields, FoldOptions, Points, Sea, Wanted, Wave};
 
-/// Place and time, in meters and seconds, at which phases are measured.
+/// Distance in meters, and time in seconds, at which phases are measured.
 const FAR: f64 = 1e7;
-/// Turns by which a phase may be wrong before somebody could see it.
+/// Phase error, in turns, at which an error could become visible.
 const VISIBLE: f64 = 1e-3;
-/// Points at which heights in f32 are held against the f64 sum.
+/// Number of points at which f32 heights are compared with the f64 sum.
 const POINTS: usize = 64;
-/// Waves and points that the f64 sum is made for, at most.
+/// Maximum number of terms (waves times points) in the f64 sum.
 const TERMS: usize = 4_000_000;
-/// Times at which folds are looked for.
+/// Times at which folds are looked for, in seconds.
 const TIMES: [f64; 4] = [0.0, 1.0, 10.0, 1000.0];
 
-/// Everything there is to say of a sum of waves.
+/// Returns the stability report of a sum of waves.
 pub(crate) fn waves(waves: Vec<Wave>) -> Stability {
     let sea = Sea::new(waves);
     let (mut says, mut figures) = (Vec::new(), Vec::new());
     says.push(
-        "Every frame is worked out from its own time: nothing is carried from frame to frame, so no error grows."
+        "Every frame is computed from its own time: nothing carries over from frame to frame, so no error grows."
             .into(),
     );
     if !sea.waves().is_empty() {
@@ -30,7 +30,7 @@ pub(crate) fn waves(waves: Vec<Wave>) -> Stability {
     if sea.waves().iter().any(|wave| wave.horizontal != 0.0) {
         folds(&sea, &mut says, &mut figures);
     } else {
-        says.push("Nothing folds: waves move up and down alone.".into());
+        says.push("Nothing folds: waves only move up and down.".into());
     }
     Stability { verdict: Verdict::ClosedForm, says, figures, map: None }
 }
@@ -43,8 +43,8 @@ fn phases(sea: &Sea, says: &mut Vec<String>, figures: &mut Vec<Figure>) {
     let rate = worst(&|wave| wave.phase_error_bound([0.0; 2], FAR)) / FAR;
     let reach = worst(&|wave| wave.phase_error_bound([FAR, FAR], 0.0)) / FAR;
     says.push(format!(
-        "What would break it: times beyond {}, or places beyond {:.0e} m, where the quickest or shortest wave is a \
-         thousandth of a turn off.",
+        "Phases are accurate to a thousandth of a turn for {}, and up to {:.0e} m from the origin; beyond, the \
+         fastest or the shortest wave is less accurate.",
         duration(VISIBLE / rate),
         VISIBLE / reach,
     ));
@@ -62,7 +62,7 @@ fn phases(sea: &Sea, says: &mut Vec<String>, figures: &mut Vec<Figure>) {
     });
 }
 
-/// The f32 sum against that in f64, far away and late.
+/// Compares the f32 sum with the f64 sum, far away and late.
 fn heights(sea: &Sea, figures: &mut Vec<Figure>) {
     let points = (TERMS / sea.waves().len()).clamp(4, POINTS);
     let longest = sea.waves().iter().map(|wave| wave.wavelength).fold(0.0, f64::max);
@@ -85,7 +85,7 @@ fn heights(sea: &Sea, figures: &mut Vec<Figure>) {
         predicted: Some(2e-5),
         measured: Some(if rms > 0.0 { worst / rms } else { worst }),
         relation: Relation::AtMost,
-        note: format!("f32 at {points} places, over the RMS"),
+        note: format!("f32 at {points} points, over the RMS"),
         ..figure("height_error", "greatest error of a height", "")
     });
 }
@@ -96,20 +96,20 @@ fn folds(sea: &Sea, says: &mut Vec<String>, figures: &mut Vec<Figure>) {
     let share = folds.iter().map(|fold| fold.folded_share).fold(0.0, f64::max);
     let scale = folds.iter().map(|fold| fold.unfolded_scale).fold(f64::INFINITY, f64::min);
     let (fold, samples) = (folds[0], FoldOptions::default().samples);
-    // The bound holds for waves of the settled signs.
+    // The bound holds only for waves with the settled signs.
     let proved = fold.proved() && sea.waves().iter().all(|wave| wave.horizontal >= 0.0);
     says.push(match (proved, scale.is_finite()) {
         (true, _) => format!(
-            "Nothing folds anywhere at any time: λ1 is {:.3}, less than 1. Every sharpness times {:.3} would be the limit of \
-             that proof.",
+            "Nothing folds anywhere at any time: λ1 is {:.3}, less than 1. The proof holds until every sharpness is \
+             multiplied by {:.3}.",
             fold.lambda[0],
             1.0 / fold.lambda[0],
         ),
         (false, true) => format!(
-            "Crests fold over on {:.2} % of the sea; with every sharpness times {scale:.3} on a thousandth of it.",
+            "Crests fold over on {:.2} % of the sea; with every sharpness times {scale:.3}, on a thousandth of it.",
             100.0 * share
         ),
-        (false, false) => "Crests are flat and troughs sharp, as the thesis prints it; none folds over.".into(),
+        (false, false) => "Crests are flat and troughs sharp, as printed in the thesis; no crest folds over.".into(),
     });
     figures.extend([
         Figure {
@@ -119,22 +119,22 @@ fn folds(sea: &Sea, says: &mut Vec<String>, figures: &mut Vec<Figure>) {
         },
         Figure {
             predicted: Some(fold.q_sum),
-            note: "at most 1 is enough, and too strict".into(),
+            note: "at most 1 suffices, but is too strict".into(),
             ..figure("fold_sum", "Σq", "")
         },
         Figure {
             predicted: proved.then(|| fold.jacobian_infimum()),
             measured: Some(least),
-            // Strains are f32.
+            // The slack covers strains, which are f32.
             relation: if proved { Relation::AtLeast } else { Relation::Unrelated },
-            note: format!("{samples} places at {} times{}", TIMES.len(), if proved { "; a bound" } else { "" }),
+            note: format!("{samples} points at {} times{}", TIMES.len(), if proved { "; a bound" } else { "" }),
             ..figure("jacobian", "least det J", "")
         },
         Figure {
             predicted: proved.then_some(0.0),
             measured: Some(share),
             relation: Relation::Equal(0.0),
-            note: "of those places".into(),
+            note: "of those points".into(),
             ..figure("folded_share", "folded share", "")
         },
     ]);

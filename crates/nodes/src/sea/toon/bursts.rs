@@ -1,54 +1,54 @@
-//! What raises the water of a toon sea: bursts, guides with their copies, and bodies that float along.
+//! Items that raise the water of a toon sea: bursts, guides with their copies, and floating bodies.
 
 use trochoid_graph::Items;
 use trochoid_sea::toon::{self as model, ToonError};
 
-/// Where something travels.
+/// A path and its timing.
 #[derive(Clone, Items)]
 pub(crate) struct Way {
-    /// Control points x, z, x, z, … of a cubic Bézier curve, from the first cell on.
+    /// Control points x, z, x, z, … of a cubic Bézier curve, relative to the grid's first cell.
     #[knob(len = 8..=8, unit = "m", required)]
     path: Vec<f64>,
-    /// Time from end to end.
+    /// Time to travel the path from end to end.
     #[knob(default = 10.0, range = 1e-3..=1e9, unit = "s")]
     duration: f64,
-    /// Time by which it is ahead.
+    /// Time by which it is ahead on its path.
     #[knob(default = 0.0, range = -1e9..=1e9, unit = "s")]
     offset: f64,
 }
 
-/// What a burst raises.
+/// The shape that a burst raises.
 #[derive(Clone, Items)]
 struct Heap {
-    /// Height H.
+    /// Height H of the burst.
     #[knob(default = 1.0, range = -1e6..=1e6, unit = "m")]
     height: f64,
-    /// Peak p: scales height and radius.
+    /// Peak p: factor of height and radii.
     #[knob(default = 1.0, range = 1e-3..=1e3)]
     peak: f64,
-    /// Radius r along the heading, or x.
+    /// Radius r along the heading, or along x if not `oriented`.
     #[knob(default = 2.0, range = 1e-3..=1e6, unit = "m")]
     along: f64,
-    /// Radius r across the heading, or along z.
+    /// Radius r across the heading, or along z if not `oriented`.
     #[knob(default = 2.0, range = 1e-3..=1e6, unit = "m")]
     across: f64,
 }
 
-/// When it acts.
+/// The time during which it acts.
 #[derive(Clone, Items)]
 struct Span {
-    /// Share of the path to grow in and to die out.
+    /// Share of the path over which it fades in at the start and out at the end.
     #[knob(default = 0.0, range = 0.0..=0.5)]
     fade: f64,
-    /// First moment; from the preroll on if unset.
+    /// Start time; if unset, it acts from the preroll on.
     #[knob(range = -1e9..=1e9, unit = "s")]
     start: Option<f64>,
-    /// Last moment; never if unset.
+    /// End time; if unset, it never ends.
     #[knob(range = -1e9..=1e9, unit = "s")]
     end: Option<f64>,
 }
 
-/// A burst set by itself, or the one that a guide copies.
+/// A single burst, or the one copied by a guide.
 #[derive(Clone, Items)]
 pub(crate) struct Burst {
     #[items]
@@ -59,51 +59,51 @@ pub(crate) struct Burst {
     span: Span,
 }
 
-/// A burst and its noisy copies.
+/// A burst and its randomized copies.
 #[derive(Clone, Items)]
 pub(crate) struct Guide {
     #[items]
     burst: Burst,
-    /// Copies.
+    /// Number of copies.
     #[knob(default = 8, range = 1..=100_000)]
     count: i64,
-    /// Width over which copies stand side by side.
+    /// Width over which the copies are laid out side by side.
     #[knob(default = 10.0, range = 0.0..=1e6, unit = "m")]
     width: f64,
-    /// Standard deviation of control points.
+    /// Standard deviation of the control points' positions.
     #[knob(default = 0.5, range = 0.0..=1e6, unit = "m")]
     jitter: f64,
-    /// Standard deviation of offsets: small makes crests, large cones.
+    /// Standard deviation of the time offsets: small values make crests, large ones separate cones.
     #[knob(default = 0.25, range = 0.0..=1e6, unit = "s")]
     jitter_time: f64,
     /// Relative standard deviation of duration, peak and radii.
     #[knob(default = 0.15, range = 0.0..=10.0)]
     jitter_size: f64,
-    /// Which of all such systems.
+    /// Random seed.
     #[knob(default = 0, range = 0..=1_000_000_000)]
     seed: i64,
 }
 
-/// What floats along.
+/// A floating body that travels along a path.
 #[derive(Clone, Items)]
 pub(crate) struct Afloat {
     #[items]
     way: Way,
     #[items]
     span: Span,
-    /// Length.
+    /// Length of the hull.
     #[knob(default = 4.0, range = 1e-3..=1e5, unit = "m")]
     length: f64,
-    /// Width.
+    /// Width of the hull.
     #[knob(default = 1.2, range = 1e-3..=1e5, unit = "m")]
     beam: f64,
-    /// How deep it lies in the water.
+    /// Depth of the hull below the waterline.
     #[knob(default = 0.5, range = -1e5..=1e5, unit = "m")]
     draught: f64,
 }
 
 impl Way {
-    /// A burst that travels there at that time.
+    /// Returns a burst that travels the path during the span.
     fn burst(&self, span: &Span) -> model::Burst {
         let part = |index: usize| self.path.get(index).copied().unwrap_or_default();
         model::Burst {
@@ -137,17 +137,17 @@ impl Guide {
         guide.bursts()
     }
 
-    /// How many they are.
+    /// Returns the number of copies.
     pub(crate) fn count(&self) -> usize {
         self.count as usize
     }
 }
 
 impl Afloat {
-    /// The bursts by which it moves the water.
+    /// Returns the bursts with which the body moves the water.
     ///
     /// # Errors
-    /// A figure is out of range.
+    /// A value is out of range.
     pub(crate) fn bursts(&self) -> Result<Vec<model::Burst>, ToonError> {
         let Self { length, beam, draught, .. } = *self;
         model::Body { way: self.way.burst(&self.span), length, beam, draught }.bursts()

@@ -1,4 +1,4 @@
-//! What a toon sea is made of, and what is prepared of it.
+//! The items of a toon sea and its prepared form.
 
 mod bursts;
 mod prepared;

@@ -1,4 +1,4 @@
-//! A toon sea at a frame, and the simulations that frames share.
+//! A toon sea at a frame, and the simulations shared by frames.
 
 use crate::view::SurfaceHandle;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
@@ -8,15 +8,15 @@ use trochoid_sea::toon::{Drifted, Simulation, ToonFrame, ToonSea, Wanted, refere
 
 const RIFT: Wanted = Wanted { rift: true, drift: false };
 const DRIFT: Wanted = Wanted { rift: false, drift: true };
-/// Everything that a view may ask of the sea.
+/// Everything a view can request from the sea.
 const ALL: Wanted = Wanted { rift: true, drift: true };
 
-/// The trails at a time, when they are asked for.
+/// Trails at a given time, computed on request.
 struct Trails {
     sea: ToonSea,
     wanted: Wanted,
     time: f64,
-    /// The simulation that all frames share, once one of them was asked.
+    /// The simulation shared by all frames, once any frame has requested it.
     shared: Arc<Mutex<Option<Simulation>>>,
 }
 
@@ -25,7 +25,7 @@ impl Trails {
         let begin = || self.sea.simulate_trails(self.wanted);
         match self.shared.lock() {
             Ok(mut simulation) => take(&simulation.get_or_insert_with(begin).at(self.time)),
-            // Whatever stopped it may have done so within a step.
+            // A panic may have interrupted a step: start again.
             Err(_) => take(&begin().at(self.time)),
         }
     }
@@ -44,7 +44,7 @@ impl Trails {
     }
 }
 
-/// Where the grid lies.
+/// Position of the grid.
 pub(crate) struct Place {
     pub(crate) columns: usize,
     pub(crate) spacing: f64,
@@ -65,15 +65,15 @@ impl Place {
     }
 }
 
-/// The simulations that all frames share, held for the next one.
+/// The simulations shared by all frames, kept for the next frame.
 struct Simulations {
     heights: Arc<Mutex<Simulation>>,
-    /// Of the rift and of the drift, which begin when they are first asked for.
+    /// Simulations of the rift and of the drift, begun when first requested.
     trails: [Arc<Mutex<Option<Simulation>>>; 2],
 }
 
 impl Simulations {
-    /// Of each simulation the share of one of those that hold it, and the fields that were taken from it.
+    /// Counts an equal share of each simulation for each of its holders, plus the fields taken from it.
     fn bytes(&self) -> usize {
         fn share<T>(held: &Arc<Mutex<T>>, bytes: impl FnOnce(&T) -> usize) -> usize {
             bytes(&held.lock().unwrap_or_else(PoisonError::into_inner)).div_ceil(Arc::strong_count(held))
@@ -95,18 +95,18 @@ pub(crate) struct PreparedToon {
     time: f64,
     place: Place,
     simulations: Simulations,
-    /// The same surface from the f64 simulation, made when a reference is first asked for.
+    /// The same surface from the f64 simulation, computed when a reference is first requested.
     reference: OnceLock<SurfaceHandle>,
 }
 
 impl PreparedToon {
-    /// The sea at the frame's time.
+    /// Prepares the sea at the frame's time.
     ///
     /// # Errors
-    /// The user has asked to stop.
+    /// The user cancelled.
     pub(crate) fn new(sea: ToonSea, place: Place, prepare: &Prepare<'_>) -> Result<Self, NodeError> {
-        // Frames of one sea share its simulations, so that each takes only the steps since the one before. Trails have
-        // simulations of their own, which are not begun before a view asks for them.
+        // Frames of one sea share its simulations, so that each takes only the steps since the previous frame. Trails
+        // have separate simulations, which begin only when a view requests them.
         let simulation = prepare.shared(&sea, || Ok(Mutex::new(sea.simulate(Wanted::default()))))?;
         let time = prepare.frame.time;
         let trails = |wanted: Wanted| {
@@ -121,7 +121,7 @@ impl PreparedToon {
                 }
                 simulation.at(time).height.to_vec()
             }
-            // Whatever stopped it may have done so within a step.
+            // A panic may have interrupted a step: start again.
             Err(_) => sea.simulate(Wanted::default()).at(time).height.to_vec(),
         };
         let simulations = Simulations { heights: simulation, trails: [rift.shared.clone(), drift.shared.clone()] };

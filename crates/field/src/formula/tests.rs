@@ -1,0 +1,150 @@
+//! Valid and invalid formulas.
+
+use super::{MAX_LENGTH, Program, parse};
+
+const INPUTS: [Vec<f64>; 4] = [Vec::new(), Vec::new(), Vec::new(), Vec::new()];
+
+/// Returns the value by recursion and by the program.
+fn values(text: &str, inputs: [Vec<f64>; 4]) -> Vec<f64> {
+    let widths = inputs.each_ref().map(|input| (!input.is_empty()).then_some(input.len()));
+    let expression = parse(text, widths).unwrap_or_else(|fault| panic!("{text}: {fault:?}"));
+    let value = expression.value(&inputs);
+    assert_eq!(value.len(), expression.width, "{text}");
+    let mut found = vec![Vec::new(); value.len()];
+    let load = |_: usize, input: usize, component: usize, out: &mut [f64]| out.fill(inputs[input][component]);
+    Program::new(&expression).run(70, load, |first, component, values| {
+        assert_eq!(found[component].len(), first);
+        found[component].extend_from_slice(values);
+    });
+    for (found, value) in found.iter().zip(&value) {
+        assert_eq!(found.len(), 70);
+        for found in found {
+            assert!(found == value || (found.is_nan() && value.is_nan()), "{text}: {found}, expected {value}");
+        }
+    }
+    value
+}
+
+fn number(text: &str) -> f64 {
+    values(text, INPUTS)[0]
+}
+
+#[test]
+fn operators_bind_as_in_mathematics() {
+    for (text, value) in [
+        ("1 + 2*3", 7.0),
+        ("(1 + 2)*3", 9.0),
+        ("8/4/2", 1.0),
+        ("1 - 2 - 3", -4.0),
+        ("2^3^2", 512.0),
+        ("-2^2", -4.0),
+        ("2^-1", 0.5),
+        ("--3", 3.0),
+        ("2*-3", -6.0),
+        ("1.5e1", 15.0),
+        (".5", 0.5),
+        ("1 < 2", 1.0),
+        ("1 + 1 >= 3", 0.0),
+        ("2 == 2", 1.0),
+        ("2 != 2", 0.0),
+        ("min(3, 2) + max(3, 2)", 5.0),
+        ("clamp(7, 0, 1)", 1.0),
+        ("abs(-3) + floor(-1.5) + ceil(1.2) + sign(-9)", 2.0),
+        ("fract(-0.25)", 0.75),
+        ("mod(-1, 3)", 2.0),
+        ("sqrt(16) + exp(0) + log(1)", 5.0),
+        ("sin(0) + cos(0) + atan2(0, 1)", 1.0),
+        ("smoothstep(0, 2, 1)", 0.5),
+        ("mix(10, 20, 0.25)", 12.5),
+        ("if(2 > 1, 5, 6)", 5.0),
+        ("dot([1, 2, 3], [4, 5, 6])", 32.0),
+        ("length([3, 4])", 5.0),
+        ("[1, 2, 3].zx.y", 1.0),
+    ] {
+        assert_eq!(number(text), value, "{text}");
+    }
+    assert!(number("0/0").is_nan() && number("sqrt(-1)").is_nan() && number("min(0/0, 1)").is_nan());
+    assert_eq!(number("1/0"), f64::INFINITY);
+}
+
+#[test]
+fn numbers_go_with_each_component() {
+    let inputs = [vec![1.0, 2.0, 3.0], vec![10.0], vec![0.5, 0.25], vec![7.0]];
+    assert_eq!(values("a*b + 1", inputs.clone()), [11.0, 21.0, 31.0]);
+    assert_eq!(values("[c, a.z, dot(a, a)]", inputs.clone()), [0.5, 0.25, 3.0, 14.0]);
+    assert_eq!(values("mix(a.xy, c, 0.5)", inputs.clone()), [0.75, 1.125]);
+    assert_eq!(values("a > 1.5", inputs), [0.0, 1.0, 1.0]);
+}
+
+#[test]
+fn faults_tell_their_place() {
+    let widths = [Some(3), Some(2), Some(1), None];
+    for (text, column, words) in [
+        ("", 1, "found the end"),
+        ("1 +", 4, "found the end"),
+        ("1 + * 2", 5, "found '*'"),
+        ("(1 + 2", 7, "')'"),
+        ("1 2", 3, "an operator or the end"),
+        ("c < 1 < 2", 7, "an operator or the end"),
+        ("foo(1)", 1, "\"foo\""),
+        ("sine", 1, "\"sine\""),
+        ("sin + 1", 5, "'(' after sin"),
+        ("min(1)", 1, "1 arguments of min"),
+        ("clamp(1, 2)", 1, "2 arguments of clamp"),
+        ("a + b", 3, "3 components beside 2 components"),
+        ("dot(a, b)", 1, "3 components beside 2 components"),
+        ("c + d", 5, "input d, to which nothing"),
+        ("b.z", 3, "letters xy"),
+        ("b.", 3, "\".\""),
+        ("[a, b]", 1, "5 components"),
+        ("1e999", 1, "a finite number"),
+        ("2 + é", 5, "found 'é'"),
+        ("1.2.3", 5, "letters x"),
+    ] {
+        let fault = match parse(text, widths) {
+            Err(fault) => fault,
+            Ok(expression) => panic!("{text} was read as {expression:?}"),
+        };
+        let told = format!("found {}; expected {}", fault.found, fault.expected);
+        assert!(told.contains(words), "{text}: {told}");
+        assert_eq!(fault.column, column, "{text}: {told}");
+    }
+}
+
+#[test]
+fn depth_and_length_are_bounded() {
+    let deep = format!("{}1{}", "(".repeat(200), ")".repeat(200));
+    assert!(parse(&deep, [None; 4]).is_err());
+    assert!(parse(&"-".repeat(900), [None; 4]).is_err());
+    assert!(parse(&"1+".repeat(MAX_LENGTH), [None; 4]).is_err());
+    assert_eq!(number(&format!("0{}", "+1".repeat(499))), 499.0);
+}
+
+#[test]
+fn no_text_brings_the_parser_down() {
+    let pieces = ["a", "b", ".x", "(", ")", "[", "]", ",", "+", "-", "*", "^", "<", "min", "dot", "1", "e", ".", " "];
+    let mut state = 1u32;
+    let mut read = 0;
+    for _ in 0..20_000 {
+        let mut text = String::new();
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        for _ in 0..1 + (state >> 16) % 7 {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            text.push_str(pieces[(state >> 16) as usize % pieces.len()]);
+        }
+        let _ = parse(&text, [Some(1), Some(24), None, None]);
+        if parse(&text, [Some(3), Some(1), None, None]).is_ok() {
+            values(&text, [vec![0.5, -2.0, f64::INFINITY], vec![3.0], Vec::new(), Vec::new()]);
+            read += 1;
+        }
+    }
+    assert!(read > 200, "{read} texts were expressions");
+}
+
+#[test]
+fn weights_of_many_classes_have_four_letters() {
+    let widths = [Some(24), None, None, None];
+    assert_eq!(parse("a.wx", widths).map(|read| read.width), Ok(2));
+    let fault = parse("a.b", widths).expect_err("no such letter");
+    assert!(fault.expected.to_string().contains("letters xyzw"), "{}", fault.expected);
+}

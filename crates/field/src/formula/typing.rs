@@ -1,0 +1,104 @@
+//! Names in formulas, and checks of the numbers of components that are combined.
+
+use super::grammar::{Parsed, Parser, fault_at};
+use super::{Expected, Expression, Fault, Found, Function, Remedy, Tree};
+use trochoid_graph::nearest;
+
+/// Maximum number of components of a value.
+pub const MAX_WIDTH: usize = 4;
+
+const INPUTS: [&str; 4] = ["a", "b", "c", "d"];
+
+impl Fault {
+    fn with_remedy(self, remedy: Remedy) -> Self {
+        Self { remedy: Some(remedy), ..self }
+    }
+}
+
+impl Parser {
+    /// Resolves a name without arguments: a constant or an input.
+    pub(super) fn name(&mut self, at: usize, name: &str) -> Parsed {
+        if name == "pi" {
+            return Ok(Expression { tree: Tree::Number(std::f64::consts::PI), width: 1 });
+        }
+        match INPUTS.iter().position(|input| *input == name) {
+            Some(index) => match self.inputs[index] {
+                Some(width) => Ok(Expression { tree: Tree::Input(index), width }),
+                None => {
+                    let fault = fault_at(at, Found::Unconnected(INPUTS[index]), Expected::ConnectedInput);
+                    Err(fault.with_remedy(Remedy::Connect(INPUTS[index])))
+                }
+            },
+            None if Function::named(name).is_some() || matches!(name, "dot" | "length") => {
+                self.at = at + name.len();
+                Err(self.fault(Expected::ArgumentsOf(name.into())))
+            }
+            None => {
+                let fault = fault_at(at, Found::Name(name.into()), Expected::KnownName);
+                Err(fault.with_remedy(Remedy::NameInput))
+            }
+        }
+    }
+
+    /// Resolves a name with arguments.
+    pub(super) fn call(&mut self, at: usize, name: &str) -> Parsed {
+        let arguments = self.list(")")?;
+        let function = Function::named(name);
+        let count = match (name, function) {
+            ("dot", _) => 2,
+            ("length", _) => 1,
+            (_, Some(function)) => function.arguments(),
+            _ => {
+                let fault = fault_at(at, Found::Name(name.into()), Expected::FunctionName);
+                let names = Function::names().into_iter().chain(["dot", "length"]);
+                return Err(match nearest(name, names) {
+                    Some(near) => fault.with_remedy(Remedy::Nearest(near)),
+                    None => fault,
+                });
+            }
+        };
+        if count != arguments.len() {
+            let found = Found::Arguments(arguments.len(), name.into());
+            return Err(fault_at(at, found, Expected::Arguments(count)));
+        }
+        match function {
+            Some(function) => each(at, function, arguments),
+            None if name == "dot" => {
+                let mut arguments = arguments.into_iter();
+                match (arguments.next(), arguments.next()) {
+                    (Some(a), Some(b)) if a.width == b.width => {
+                        Ok(Expression { tree: Tree::Dot(Box::new(a), Box::new(b)), width: 1 })
+                    }
+                    (Some(a), Some(b)) => Err(unlike(at, a.width, b.width)),
+                    _ => unreachable!("two arguments were counted"),
+                }
+            }
+            None => {
+                let argument = arguments.into_iter().next();
+                Ok(Expression { tree: argument.map_or(Tree::Number(0.0), |a| Tree::Length(Box::new(a))), width: 1 })
+            }
+        }
+    }
+}
+
+/// Joins several values into one.
+pub(super) fn join(at: usize, values: Vec<Expression>) -> Parsed {
+    let width = values.iter().map(|value| value.width).sum();
+    if width > MAX_WIDTH {
+        return Err(fault_at(at, Found::Width(width), Expected::Width));
+    }
+    Ok(Expression { tree: Tree::Join(values), width })
+}
+
+/// Applies a function component by component.
+pub(super) fn each(at: usize, function: Function, arguments: Vec<Expression>) -> Parsed {
+    let width = arguments.iter().map(|argument| argument.width).max().unwrap_or(1);
+    match arguments.iter().find(|argument| argument.width != 1 && argument.width != width) {
+        Some(other) => Err(unlike(at, width, other.width)),
+        None => Ok(Expression { tree: Tree::Each(function, arguments), width }),
+    }
+}
+
+fn unlike(at: usize, a: usize, b: usize) -> Fault {
+    fault_at(at, Found::Widths(a, b), Expected::EqualWidths)
+}

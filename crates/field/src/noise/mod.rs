@@ -1,0 +1,465 @@
+//! Procedural noise on lattices of two to four dimensions: gradient noise and feature points.
+//!
+//! All random numbers are computed from integers, so they are the same on every machine. Coordinates are split in f64
+//! into a cell and a fraction, and only the fraction is rounded to f32. Noise is therefore as precise far from the
+//! origin as near it.
+
+mod features;
+mod gradients;
+mod reference;
+mod span;
+
+use fearless_simd::{Level, Simd, dispatch};
+use features::{feature, nearest};
+use gradients::{AMPLITUDE, gradient, gradient_noises};
+use trochoid_graph::Choice;
+
+/// Type of noise in the octaves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Choice)]
+pub enum NoiseKind {
+    /// Gradient noise, in [−1, 1].
+    Fbm,
+    /// Sharp ridges where gradient noise passes zero, in [0, 1].
+    Ridged,
+    /// Distance to the nearest feature point in cells, at most 1.
+    Cellular,
+    /// Distance to the second nearest feature point minus that to the nearest, in [0, 1]: 0 on the borders between
+    /// cells.
+    Edges,
+}
+
+impl NoiseKind {
+    /// Returns the range of the noise.
+    pub fn range(self) -> (f64, f64) {
+        if self == Self::Fbm { (-1.0, 1.0) } else { (0.0, 1.0) }
+    }
+
+    /// Returns the measured mean on lattices with this number of axes.
+    pub fn mean(self, axes: usize) -> f64 {
+        let by_axes = match self {
+            Self::Fbm => [0.0; 3],
+            Self::Ridged => [0.65, 0.58, 0.51],
+            Self::Cellular => [0.43, 0.52, 0.59],
+            Self::Edges => [0.27, 0.2, 0.16],
+        };
+        by_axes[axes - 2]
+    }
+}
+
+/// One octave.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Octave {
+    /// Cells per unit of the coordinates.
+    pub frequency: f64,
+    /// Weight in the sum; the weights of all octaves sum to 1.
+    pub weight: f64,
+    /// Seed of its random numbers.
+    pub seed: u32,
+    /// Offset of its lattice, so that the cells of different octaves do not coincide at the origin.
+    pub shift: [f64; 4],
+}
+
+/// Largest number of axes.
+const MOST: usize = 4;
+
+/// A sum of octaves.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Noise {
+    /// Type of noise in the octaves.
+    pub kind: NoiseKind,
+    /// Octaves, largest cells first.
+    pub octaves: Vec<Octave>,
+    /// Coordinate along an additional last axis, in cells, the same in every octave; `None` if there is no such axis.
+    pub evolution: Option<f64>,
+}
+
+/// Parameters of the octaves.
+#[derive(Clone, Copy, Debug)]
+pub struct Axes {
+    /// Size of a cell of the first octave, in the unit of the coordinates.
+    pub scale: f64,
+    /// Number of octaves.
+    pub octaves: usize,
+    /// Factor by which the cells of each octave are smaller than those of the one before.
+    pub lacunarity: f64,
+    /// Factor of each octave's weight relative to the one before.
+    pub gain: f64,
+    /// Random seed.
+    pub seed: u32,
+}
+
+/// Mixes the bits of a number: a bijection (Wellons, hash-prospector, "lowbias32").
+#[inline(always)]
+pub(crate) fn mix(mut x: u32) -> u32 {
+    x ^= x >> 16;
+    x = x.wrapping_mul(0x7feb_352d);
+    x ^= x >> 15;
+    x = x.wrapping_mul(0x846c_a68b);
+    x ^ (x >> 16)
+}
+
+/// Adds a number to a hash.
+#[inline]
+pub(crate) fn extend(hash: u32, cell: i64) -> u32 {
+    mix((hash ^ key(cell)).wrapping_add(GOLDEN))
+}
+
+/// 2³² divided by the golden ratio.
+const GOLDEN: u32 = 0x9e37_79b9;
+
+impl Noise {
+    /// Makes the octaves for these parameters. Their weights sum to 1.
+    pub fn new(kind: NoiseKind, axes: Axes, evolution: Option<f64>) -> Self {
+        let mut octaves = Vec::with_capacity(axes.octaves);
+        let (mut frequency, mut weight) = (1.0 / axes.scale, 1.0);
+        for index in 0..axes.octaves {
+            let seed = extend(extend(0, i64::from(axes.seed)), index as i64);
+            let shift = [1, 2, 3, 4].map(|axis| f64::from(mix(seed.wrapping_add(axis))) / 4_294_967_296.0);
+            octaves.push(Octave { frequency, weight, seed, shift });
+            frequency *= axes.lacunarity;
+            weight *= axes.gain;
+        }
+        let total: f64 = octaves.iter().map(|octave| octave.weight).sum();
+        octaves.iter_mut().for_each(|octave| octave.weight /= total);
+        Self { kind, octaves, evolution }
+    }
+
+    /// Fills `out` with the noise at points of `S` axes, 2 or 3. Octaves whose cells are smaller than a point's
+    /// footprint (in the unit of the coordinates) are replaced by their mean there. No footprints mean footprints of 0.
+    pub fn fill<const S: usize>(&self, points: impl Iterator<Item = [f64; S]>, footprints: &[f32], out: &mut [f32]) {
+        match (S, self.evolution) {
+            (2, None) => self.sum::<S, 2>(points, footprints, out),
+            (2, Some(_)) | (3, None) => self.sum::<S, 3>(points, footprints, out),
+            _ => self.sum::<S, 4>(points, footprints, out),
+        }
+    }
+
+    fn sum<const S: usize, const D: usize>(
+        &self,
+        mut points: impl Iterator<Item = [f64; S]>,
+        footprints: &[f32],
+        out: &mut [f32],
+    ) {
+        let level = Level::new();
+        for (block, out) in out.chunks_mut(LANES).enumerate() {
+            let mut places = [[self.evolution.unwrap_or(0.0); LANES]; D];
+            for (lane, point) in points.by_ref().take(out.len()).enumerate() {
+                places.iter_mut().zip(point).for_each(|(along, coordinate)| along[lane] = coordinate);
+            }
+            let mut prints = [0.0; LANES];
+            if let Some(found) = footprints.get(block * LANES..) {
+                prints.iter_mut().zip(found).for_each(|(print, found)| *print = *found);
+            }
+            let sums = dispatch!(level, simd => simd.vectorize(#[inline(always)] || {
+                self.block::<S, D>(&places, &prints)
+            }));
+            out.copy_from_slice(&sums[..out.len()]);
+        }
+    }
+
+    /// Returns the noise at a block of points. Every lane performs the same operations in the same order on every
+    /// processor.
+    #[inline(always)]
+    fn block<const S: usize, const D: usize>(&self, places: &[[f64; LANES]; D], prints: &Lanes) -> Lanes {
+        let mut sums = [0.0; LANES];
+        let mean = self.kind.mean(D) as f32;
+        for octave in &self.octaves {
+            let weight = octave.weight as f32;
+            let kept = prints.map(|print| kept(print * octave.frequency as f32));
+            if kept == [0.0; LANES] {
+                sums.iter_mut().for_each(|sum| *sum += weight * mean);
+                continue;
+            }
+            let (cells, fractions) = octave.cells::<S, D>(places);
+            let values = self.octave(octave.seed, &cells, &fractions);
+            for lane in 0..LANES {
+                sums[lane] += weight * (kept[lane] * values[lane] + (1.0 - kept[lane]) * mean);
+            }
+        }
+        let (low, high) = self.kind.range();
+        sums.map(|sum| sum.clamp(low as f32, high as f32))
+    }
+
+    #[inline(always)]
+    fn octave<const D: usize>(&self, seed: u32, cells: &[[i64; LANES]; D], fractions: &[Lanes; D]) -> Lanes {
+        match self.kind {
+            NoiseKind::Fbm => gradient_noises(seed, cells, fractions),
+            NoiseKind::Ridged => gradient_noises(seed, cells, fractions).map(|noise| {
+                let valley = 1.0 - noise.abs();
+                valley * valley
+            }),
+            NoiseKind::Cellular => nearest::<D, false, false>(seed, cells, fractions).distances[0],
+            NoiseKind::Edges => nearest::<D, true, false>(seed, cells, fractions).edges(),
+        }
+    }
+
+    /// Fills `out` with noise of kind [`NoiseKind::Edges`] at points of the plane, without footprints and without
+    /// evolution, and `slopes` with its derivatives along both axes, per unit of the coordinates.
+    pub fn fill_edges(&self, points: &[[f64; 2]], out: &mut [f32], slopes: &mut [[f32; 2]]) {
+        debug_assert!(self.kind == NoiseKind::Edges && self.evolution.is_none());
+        let level = Level::new();
+        let blocks = points.chunks(LANES).zip(out.chunks_mut(LANES)).zip(slopes.chunks_mut(LANES));
+        for ((points, out), slopes) in blocks {
+            let mut places = [[0.0; LANES]; 2];
+            for (lane, point) in points.iter().enumerate() {
+                places.iter_mut().zip(point).for_each(|(along, coordinate)| along[lane] = *coordinate);
+            }
+            let [sums, across, along] = dispatch!(level, simd => simd.vectorize(#[inline(always)] || {
+                self.edges(&places)
+            }));
+            out.copy_from_slice(&sums[..out.len()]);
+            slopes.iter_mut().zip(across).zip(along).for_each(|((slope, x), y)| *slope = [x, y]);
+        }
+    }
+
+    #[inline(always)]
+    fn edges(&self, places: &[[f64; LANES]; 2]) -> [Lanes; 3] {
+        let mut sums = [[0.0; LANES]; 3];
+        for octave in &self.octaves {
+            let (cells, fractions) = octave.cells::<2, 2>(places);
+            let (weight, steepness) = (octave.weight as f32, (octave.weight * octave.frequency) as f32);
+            let found = nearest::<2, true, true>(octave.seed, &cells, &fractions);
+            let [values, across, along] = [found.edges(), found.slopes(0), found.slopes(1)];
+            for lane in 0..LANES {
+                sums[0][lane] += weight * values[lane];
+                sums[1][lane] += steepness * across[lane];
+                sums[2][lane] += steepness * along[lane];
+            }
+        }
+        sums[0] = sums[0].map(|sum| sum.clamp(0.0, 1.0));
+        sums
+    }
+}
+
+impl Octave {
+    /// Splits positions, whose first `S` axes are those of space, into cells and fractions within them.
+    #[inline(always)]
+    fn cells<const S: usize, const D: usize>(&self, places: &[[f64; LANES]; D]) -> ([[i64; LANES]; D], [Lanes; D]) {
+        let (mut cells, mut fractions) = ([[0; LANES]; D], [[0.0; LANES]; D]);
+        for axis in 0..D {
+            let frequency = if axis < S { self.frequency } else { 1.0 };
+            for lane in 0..LANES {
+                let along = places[axis][lane] * frequency + self.shift[axis];
+                (cells[axis][lane], fractions[axis][lane]) = split(along);
+            }
+        }
+        (cells, fractions)
+    }
+}
+
+/// Number of points computed at once, and a value for each of them.
+const LANES: usize = 16;
+type Lanes = [f32; LANES];
+
+/// Returns the fraction of an octave that a footprint of `cells` cells leaves: 1 up to half a cell, 0 from one cell on.
+#[inline(always)]
+fn kept(cells: f32) -> f32 {
+    let t = (2.0 - 2.0 * cells).clamp(0.0, 1.0);
+    t * t * (3.0 - 2.0 * t)
+}
+
+/// Splits a coordinate into its cell and the fraction within it, in [0, 1]. A coordinate that is not finite counts as
+/// 0.
+#[inline(always)]
+fn split(coordinate: f64) -> (i64, f32) {
+    if coordinate.abs() < 4e18 {
+        let toward_zero = coordinate as i64;
+        let cell = toward_zero - i64::from(toward_zero as f64 > coordinate);
+        (cell, (coordinate - cell as f64) as f32)
+    } else {
+        // Numbers of this size have no fraction.
+        (if coordinate.is_finite() { coordinate as i64 } else { 0 }, 0.0)
+    }
+}
+
+/// Returns the cell's number folded into 32 bits, for a hash.
+#[inline(always)]
+fn key(cell: i64) -> u32 {
+    cell as u32 ^ ((cell as u64 >> 32) as u32).wrapping_mul(GOLDEN)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const KINDS: [NoiseKind; 4] = [NoiseKind::Fbm, NoiseKind::Ridged, NoiseKind::Cellular, NoiseKind::Edges];
+
+    fn axes(seed: u32) -> Axes {
+        Axes { scale: 0.7, octaves: 5, lacunarity: 2.17, gain: 0.6, seed }
+    }
+
+    /// Points that are small, huge, on the lattice, negative, or not finite.
+    pub(super) fn points() -> Vec<[f64; 3]> {
+        let mut points = vec![[0.0; 3], [f64::INFINITY, 1.0, -2.5], [1e300, -1e300, 3.0], [-0.7, 1.4, 0.7]];
+        for index in 0..400u32 {
+            let random = |axis: u32| f64::from(mix(index * 3 + axis + 1)) / 4_294_967_296.0 - 0.5;
+            let size = [3.0, 1e3, 1e7, 1e9][index as usize % 4];
+            points.push([0, 1, 2].map(|axis| size * random(axis)));
+        }
+        points
+    }
+
+    /// Passes points to `check` in blocks of `LANES`, as vector code.
+    pub(super) fn in_lanes<const D: usize>(points: &[[f64; D]], check: impl Fn(&[[i64; LANES]; D], &[Lanes; D])) {
+        for lanes in points.chunks_exact(LANES) {
+            let (mut cells, mut fractions) = ([[0; LANES]; D], [[0.0; LANES]; D]);
+            for (lane, point) in lanes.iter().enumerate() {
+                for axis in 0..D {
+                    (cells[axis][lane], fractions[axis][lane]) = split(point[axis]);
+                }
+            }
+            dispatch!(Level::new(), simd => simd.vectorize(#[inline(always)] || check(&cells, &fractions)));
+        }
+    }
+
+    #[test]
+    fn edges_come_with_their_slopes() {
+        let points: Vec<[f64; 2]> = points().into_iter().map(|[x, y, _]| [x, y]).collect();
+        for figures in [axes(7), Axes { octaves: 1, scale: 1.0, ..axes(3) }] {
+            let noise = Noise::new(NoiseKind::Edges, figures, None);
+            let (mut plain, mut out) = (vec![f32::NAN; points.len()], vec![f32::NAN; points.len()]);
+            let mut slopes = vec![[f32::NAN; 2]; points.len()];
+            noise.fill(points.iter().copied(), &[], &mut plain);
+            noise.fill_edges(&points, &mut out, &mut slopes);
+            assert!(plain.iter().zip(&out).all(|(plain, out)| plain.to_bits() == out.to_bits()));
+            let (mut smooth, mut off) = (0, 0);
+            for (point, slope) in points.iter().zip(&slopes) {
+                let (value, truth) = noise.edges_reference(*point);
+                assert_eq!(value, noise.reference(point, 0.0));
+                // Of two points at nearly the same distance, rounding may pick the other one.
+                let distance = (0..2).map(|axis| (f64::from(slope[axis]) - truth[axis]).abs()).fold(0.0, f64::max);
+                off += usize::from(distance > 1e-3);
+                // Where the differences to both sides agree, they equal the slope.
+                for axis in 0..2 {
+                    let beside = |step: f64| {
+                        let mut beside = *point;
+                        beside[axis] += step;
+                        (noise.reference(&beside, 0.0) - value) / step
+                    };
+                    let (before, after) = (beside(-1e-6), beside(1e-6));
+                    if point[axis].abs() < 10.0 && (before - after).abs() < 1e-3 {
+                        assert!((before - truth[axis]).abs() < 2e-3, "{point:?}: {before}, found {}", truth[axis]);
+                        smooth += 1;
+                    }
+                }
+            }
+            assert!(off <= 3, "{off} slopes differ from the reference");
+            assert!(smooth > 150, "only {smooth} smooth places");
+        }
+    }
+
+    #[test]
+    fn agrees_with_the_reference_far_from_the_origin_too() {
+        for kind in KINDS {
+            for (seed, evolution) in [(0, None), (7, Some(0.0)), (1_000_000_000, Some(-123.456))] {
+                let noise = Noise::new(kind, axes(seed), evolution);
+                let mut out = vec![f32::NAN; points().len()];
+                noise.fill(points().into_iter(), &[], &mut out);
+                let mut flat = out.clone();
+                noise.fill(points().into_iter().map(|[x, y, _]| [x, y]), &[], &mut flat);
+                for ([x, y, z], (in_space, in_plane)) in points().into_iter().zip(out.into_iter().zip(flat)) {
+                    for (found, truth) in
+                        [(in_space, noise.reference(&[x, y, z], 0.0)), (in_plane, noise.reference(&[x, y], 0.0))]
+                    {
+                        let error = (f64::from(found) - truth).abs();
+                        assert!(error < 3e-6, "{kind:?} at {x}, {y}, {z}: {found}, expected {truth}");
+                        let (low, high) = kind.range();
+                        assert!((low..=high).contains(&truth));
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn is_continuous_and_uses_its_range() {
+        for kind in KINDS {
+            for dimensions in [2, 3] {
+                let noise = Noise::new(kind, Axes { octaves: 1, scale: 1.0, ..axes(3) }, None);
+                let (mut low, mut high, mut last) = (f64::INFINITY, f64::NEG_INFINITY, None::<f64>);
+                for step in 0..20_000 {
+                    let t = f64::from(step) * 0.003;
+                    let point = [t, 0.37 * t - 20.0, -0.21 * t];
+                    let value = noise.reference(&point[..dimensions], 0.0);
+                    if let Some(last) = last {
+                        assert!((value - last).abs() < 0.02, "{kind:?}: a step of {} at {t}", (value - last).abs());
+                    }
+                    (low, high, last) = (low.min(value), high.max(value), Some(value));
+                }
+                let (least, most) = kind.range();
+                assert!(high - low > 0.55 * (most - least), "{kind:?} spans {low} to {high}");
+            }
+        }
+    }
+
+    #[test]
+    fn seeds_and_octaves_are_unlike() {
+        let points: Vec<[f64; 2]> = (0..200).map(|i| [f64::from(i) * 0.31, f64::from(i) * 0.17]).collect();
+        let of = |seed: u32| {
+            let mut out = vec![0.0; points.len()];
+            Noise::new(NoiseKind::Fbm, Axes { octaves: 1, ..axes(seed) }, None).fill(
+                points.iter().copied(),
+                &[],
+                &mut out,
+            );
+            out
+        };
+        let (a, b) = (of(1), of(2));
+        let product: f32 = a.iter().zip(&b).map(|(a, b)| a * b).sum();
+        let (aa, bb): (f32, f32) = (a.iter().map(|a| a * a).sum(), b.iter().map(|b| b * b).sum());
+        assert!(product.abs() < 0.3 * (aa * bb).sqrt(), "correlation {}", product / (aa * bb).sqrt());
+    }
+
+    #[test]
+    fn footprints_take_what_is_finer_and_leave_the_mean() {
+        for kind in KINDS {
+            for evolution in [None, Some(0.3)] {
+                let noise = Noise::new(kind, axes(3), evolution);
+                let points: Vec<[f64; 3]> = points();
+                let prints: Vec<f32> = (0..points.len()).map(|i| [0.0, 0.01, 0.2, 0.5, 9.0, 1e30][i % 6]).collect();
+                let mut out = vec![f32::NAN; points.len()];
+                noise.fill(points.iter().copied(), &prints, &mut out);
+                let mut flat = out.clone();
+                noise.fill(points.iter().map(|[x, y, _]| [*x, *y]), &prints, &mut flat);
+                for ((point, print), (found, flat)) in points.iter().zip(&prints).zip(out.iter().zip(&flat)) {
+                    for (found, truth) in [
+                        (found, noise.reference(point, f64::from(*print))),
+                        (flat, noise.reference(&point[..2], f64::from(*print))),
+                    ] {
+                        assert!(
+                            (f64::from(*found) - truth).abs() < 3e-6,
+                            "{kind:?}, {point:?}, {print}: {found}, {truth}"
+                        );
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn means_are_those_of_the_noise() {
+        for kind in KINDS {
+            for axes in 2..=4 {
+                let figures = Axes { octaves: 1, scale: 1.0, ..self::axes(5) };
+                // Slices through the last axis differ, so average over several of them.
+                let (slices, count) = (8, 5_000);
+                let mut sum = 0.0;
+                for slice in 0..slices {
+                    let evolution = (axes == 4).then(|| f64::from(slice) * 3.625);
+                    let noise = Noise::new(kind, figures, evolution);
+                    let points = (0..count).map(|i| f64::from(i + slice * count));
+                    let points = points.map(|i| [i * 0.7548, i * 0.5698, i * 0.3313]);
+                    let mut out = vec![0.0; count as usize];
+                    if axes == 2 {
+                        noise.fill(points.map(|[x, y, _]| [x, y]), &[], &mut out);
+                    } else {
+                        noise.fill(points, &[], &mut out);
+                    }
+                    sum += out.iter().map(|value| f64::from(*value)).sum::<f64>();
+                }
+                let mean = sum / f64::from(slices * count);
+                assert!((mean - kind.mean(axes)).abs() < 0.02, "{kind:?} of {axes} axes: {mean}");
+            }
+        }
+    }
+}

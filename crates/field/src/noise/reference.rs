@@ -1,0 +1,121 @@
+//! Noise at one point in f64, straight from the definition: corner by corner and cell by cell.
+
+use super::{AMPLITUDE, Noise, NoiseKind, Octave, extend, feature, gradient};
+
+impl Noise {
+    /// Returns the noise at a point of two or three coordinates, for a footprint in the unit of the coordinates.
+    pub fn reference(&self, point: &[f64], footprint: f64) -> f64 {
+        let axes = point.len() + usize::from(self.evolution.is_some());
+        let mean = self.kind.mean(axes);
+        let value = |octave: &Octave| {
+            let kept = kept(octave, footprint);
+            let place = place(self, octave, point.iter().copied());
+            let value = match self.kind {
+                NoiseKind::Fbm => gradient_noise(octave.seed, &place).0,
+                NoiseKind::Ridged => {
+                    let valley = 1.0 - gradient_noise(octave.seed, &place).0.abs();
+                    valley * valley
+                }
+                NoiseKind::Cellular => distances(octave.seed, &place)[0],
+                NoiseKind::Edges => {
+                    let distances = distances(octave.seed, &place);
+                    distances[1] - distances[0]
+                }
+            };
+            octave.weight * (kept * value + (1.0 - kept) * mean)
+        };
+        let (low, high) = self.kind.range();
+        self.octaves.iter().map(value).sum::<f64>().clamp(low, high)
+    }
+
+    /// Returns noise of kind [`NoiseKind::Edges`] at a point of the plane, and its slope along each axis, per unit of the
+    /// coordinates: the difference of the unit vectors away from the two nearest feature points.
+    pub fn edges_reference(&self, point: [f64; 2]) -> (f64, [f64; 2]) {
+        let mut slope = [0.0; 2];
+        for octave in &self.octaves {
+            let along = |axis: usize| point[axis] * octave.frequency + octave.shift[axis];
+            let place = [0, 1].map(along).map(|along| if along.is_finite() { along } else { 0.0 });
+            let [first, second] = nearest(octave.seed, &place);
+            for axis in 0..2 {
+                let away =
+                    |(distance, way): &(f64, Vec<f64>)| if *distance > 0.0 { -way[axis] / distance } else { 0.0 };
+                slope[axis] += octave.weight * octave.frequency * (away(&second) - away(&first));
+            }
+        }
+        (self.reference(&point, 0.0), slope)
+    }
+}
+
+/// Returns the fraction of an octave that a footprint leaves.
+pub(super) fn kept(octave: &Octave, footprint: f64) -> f64 {
+    let t = (2.0 - 2.0 * footprint * octave.frequency).clamp(0.0, 1.0);
+    t * t * (3.0 - 2.0 * t)
+}
+
+/// Converts a point to cells of an octave.
+pub(super) fn place(noise: &Noise, octave: &Octave, point: impl Iterator<Item = f64>) -> Vec<f64> {
+    let along = point.map(|coordinate| coordinate * octave.frequency).chain(noise.evolution);
+    let shifted = along.zip(octave.shift).map(|(along, shift)| along + shift);
+    shifted.map(|along| if along.is_finite() { along } else { 0.0 }).collect()
+}
+
+/// Returns the hash of a cell.
+fn hash(seed: u32, cell: &[i64]) -> u32 {
+    cell.iter().fold(seed, |hash, along| extend(hash, *along))
+}
+
+/// Returns Σ over the corners of Π fade · gradient · offset, in [−1, 1], and its slope along each axis before clamping.
+pub(super) fn gradient_noise(seed: u32, place: &[f64]) -> (f64, Vec<f64>) {
+    let axes = place.len();
+    let fractions: Vec<f64> = place.iter().map(|along| along - along.floor()).collect();
+    let fades: Vec<f64> = fractions.iter().map(|t| t * t * t * (t * (t * 6.0 - 15.0) + 10.0)).collect();
+    let (mut sum, mut slopes) = (0.0, vec![0.0; axes]);
+    for corner in 0..1usize << axes {
+        let upper = |axis: usize| (corner >> axis) & 1;
+        let cell: Vec<i64> =
+            (0..axes).map(|axis| (place[axis].floor() as i64).wrapping_add(upper(axis) as i64)).collect();
+        let hash = hash(seed, &cell);
+        let share = |axis: usize| if upper(axis) == 1 { fades[axis] } else { 1.0 - fades[axis] };
+        let (mut weight, mut dot) = (1.0, 0.0);
+        for (axis, t) in fractions.iter().enumerate() {
+            weight *= share(axis);
+            dot += f64::from(gradient(hash, axis)) * (t - upper(axis) as f64);
+        }
+        sum += weight * dot;
+        for (axis, (slope, t)) in slopes.iter_mut().zip(&fractions).enumerate() {
+            let others: f64 = (0..axes).filter(|other| *other != axis).map(share).product();
+            let fading = 30.0 * t * t * (t - 1.0) * (t - 1.0) * if upper(axis) == 1 { 1.0 } else { -1.0 };
+            *slope += weight * f64::from(gradient(hash, axis)) + others * fading * dot;
+        }
+    }
+    let amplitude = f64::from(AMPLITUDE[axes]);
+    slopes.iter_mut().for_each(|slope| *slope *= amplitude);
+    ((amplitude * sum).clamp(-1.0, 1.0), slopes)
+}
+
+/// Returns the distances to the two nearest feature points, nearest first, each at most 1.
+pub(super) fn distances(seed: u32, place: &[f64]) -> [f64; 2] {
+    nearest(seed, place).map(|(distance, _)| distance)
+}
+
+/// Returns the distances to the two nearest feature points, nearest first, each at most 1, and the vectors to them: 0
+/// if none is nearer than 1.
+fn nearest(seed: u32, place: &[f64]) -> [(f64, Vec<f64>); 2] {
+    let axes = place.len();
+    let mut found = Vec::new();
+    for index in 0..3usize.pow(axes as u32) {
+        let step = |axis: usize| (index / 3usize.pow(axis as u32) % 3) as i64 - 1;
+        let cell: Vec<i64> = (0..axes).map(|axis| (place[axis].floor() as i64).wrapping_add(step(axis))).collect();
+        let hash = hash(seed, &cell);
+        let way: Vec<f64> = (0..axes)
+            .map(|axis| step(axis) as f64 + f64::from(feature(hash, axis)) - (place[axis] - place[axis].floor()))
+            .collect();
+        let distance = way.iter().map(|along| along * along).sum::<f64>().sqrt();
+        if distance < 1.0 {
+            found.push((distance, way));
+        }
+    }
+    found.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut found = found.into_iter();
+    [(); 2].map(|()| found.next().unwrap_or((1.0, vec![0.0; axes])))
+}

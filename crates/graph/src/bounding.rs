@@ -1,0 +1,101 @@
+//! What is certain of a stage's inputs at a sample, and bounds by what follows for its outputs.
+
+use crate::{Block, Bound, Channel, Connected, Inputs, LITERAL, Outputs, REFERENCE, Span};
+
+/// What a stage is given to bound the errors of what it filled.
+pub struct Bounding<'a> {
+    /// The samples.
+    pub block: &'a Block<'a>,
+    /// What it was given to fill them.
+    pub inputs: &'a Inputs<'a>,
+    /// For every plane of that, its bounds ([`Bound`], encoded).
+    pub bounds: &'a Inputs<'a>,
+    /// By output, by channel: what it filled, where wanted.
+    pub filled: &'a [Vec<Option<&'a [f32]>>],
+}
+
+impl Bounding<'_> {
+    /// The bounds of a stage without inputs that computes in f64 as its reference does, and rounds once.
+    pub fn rounded_once(&self, outputs: &mut Outputs<'_>) {
+        for (output, channels) in self.filled.iter().enumerate() {
+            for (channel, filled) in channels.iter().enumerate() {
+                let (Some(filled), Some(bounds)) = (filled, outputs.take(output, channel)) else { continue };
+                for (bound, value) in bounds.iter_mut().zip(*filled) {
+                    *bound = Bound::of(f64::from(value.abs()) * LITERAL + f64::from(f32::from_bits(1))).encode();
+                }
+            }
+        }
+    }
+
+    /// What a channel of the first connection of a port may be in the reference, by its bound; `None` where there is none.
+    pub fn known(&self, port: &impl Connected, channel: usize, sample: usize) -> Option<Span> {
+        let of = |inputs: &Inputs<'_>| Some(inputs.all(port).first()?.planes.get(channel).copied()??[sample]);
+        let (value, bound) = (of(self.inputs)?, of(self.bounds)?);
+        let Span { low, high, clear } = Span::around(f64::from(value), Bound::decode(bound));
+        // ∞ − ∞ leaves everything open.
+        let end = |end: f64, open: f64| if end.is_nan() && !value.is_nan() { open } else { end };
+        Some(Span { low: end(low, f64::NEG_INFINITY), high: end(high, f64::INFINITY), clear })
+    }
+
+    /// What a channel of the view may be at a sample; its background where the view does not supply it.
+    pub fn certain(&self, view: &impl Connected, channel: Channel, sample: usize) -> Span {
+        self.known(view, channel as usize, sample).unwrap_or(Span::exactly(f64::from(channel.background())))
+    }
+
+    /// What a mask may be that is 0 where nothing is seen, and this elsewhere.
+    pub fn where_covered(&self, view: &impl Connected, sample: usize, mask: impl FnOnce() -> Span) -> Span {
+        let coverage = self.certain(view, Channel::Coverage, sample);
+        if coverage.high <= 0.0 {
+            Span::exactly(0.0)
+        } else if coverage.low > 0.0 {
+            mask()
+        } else {
+            mask().or(Span::exactly(0.0)).with(false)
+        }
+    }
+
+    /// Bounds a channel of an output by what the reference may give at each sample.
+    pub fn bound_by(
+        &self,
+        outputs: &mut Outputs<'_>,
+        (output, channel): (impl Into<usize>, usize),
+        mut may_give: impl FnMut(usize) -> Span,
+    ) {
+        let output = output.into();
+        let (Some(filled), Some(bounds)) = (self.filled[output][channel], outputs.take(output, channel)) else {
+            return;
+        };
+        for (sample, (bound, filled)) in bounds.iter_mut().zip(filled).enumerate() {
+            *bound = may_give(sample).bound(f64::from(*filled)).encode();
+        }
+    }
+
+    /// Bounds a channel that depends on nothing but the sample's place, where the reference gives `truth`.
+    pub fn bound_at(
+        &self,
+        outputs: &mut Outputs<'_>,
+        (output, channel): (impl Into<usize>, usize),
+        mut truth: impl FnMut([f64; 2]) -> f64,
+    ) {
+        let output = output.into();
+        let (Some(filled), Some(bounds)) = (self.filled[output][channel], outputs.take(output, channel)) else {
+            return;
+        };
+        for ((bound, filled), at) in bounds.iter_mut().zip(filled).zip(self.block.places()) {
+            let (filled, truth) = (f64::from(*filled), truth(at));
+            let size = if filled == truth { 0.0 } else { (filled - truth).abs() + truth.abs() * REFERENCE };
+            *bound = Bound::of(size).encode();
+        }
+    }
+
+    /// Bounds every output of a stage that hands on what its reference does, bit for bit.
+    pub fn exact(&self, outputs: &mut Outputs<'_>) {
+        for (output, channels) in self.filled.iter().enumerate() {
+            for channel in 0..channels.len() {
+                if let Some(bounds) = outputs.take(output, channel) {
+                    bounds.fill(Bound::EXACT.encode());
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,74 @@
+//! Files of surfaces, read within limits; what is wrong with them is told with their paths.
+
+use std::error::Error;
+use std::fmt::{Debug, Display};
+use std::path::{Path, PathBuf};
+use thiserror::Error;
+use trochoid_graph::NodeError;
+use trochoid_scene::Triangles;
+use trochoid_scene::bezier::Patch;
+use trochoid_scene::files;
+
+/// What a decoded mesh takes at most of each byte of its file: an index of two digits becomes three of 8 bytes, and a
+/// corner of a triangle.
+const BYTES_PER_BYTE: u64 = 32;
+/// Most bytes of a model file.
+const MAX_FILE_BYTES: u64 = 8 << 20;
+
+/// The mesh of a file, in the file's own space. What the file is follows from how it begins.
+///
+/// # Errors
+/// The file cannot be read, is too large for `memory` bytes, or is no mesh: with the line, node or array at fault.
+pub(crate) fn read_mesh(path: &Path, memory: u64) -> Result<Triangles, NodeError> {
+    read(path, memory / BYTES_PER_BYTE, files::mesh)
+}
+
+/// The patches of a model file.
+///
+/// # Errors
+/// The file cannot be read, is too large, or is no model: with line and column, or the patch and number at fault.
+pub(crate) fn read_model(path: &Path) -> Result<Vec<Patch>, NodeError> {
+    read(path, MAX_FILE_BYTES, files::patches)
+}
+
+/// What is wrong with a file.
+#[derive(Debug, Error)]
+#[error("{}: {fault}", path.display())]
+struct OfFile<E: Debug + Display> {
+    path: PathBuf,
+    fault: E,
+}
+
+fn read<T, E: Error + Send + Sync + 'static>(
+    path: &Path,
+    most: u64,
+    decode: fn(&[u8]) -> Result<T, E>,
+) -> Result<T, NodeError> {
+    let bytes = trochoid_io::read_bytes(path, most)?;
+    Ok(decode(&bytes).map_err(|fault| OfFile { path: path.into(), fault })?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn meshes_beyond_the_limit_are_not_taken() {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../samples/buoy.obj");
+        let length = std::fs::metadata(&path).unwrap().len();
+        assert!(read_mesh(&path, 32 * length).is_ok());
+        let error = read_mesh(&path, 32 * length - 1).unwrap_err().to_string();
+        assert!(error.contains("buoy.obj") && error.contains("at most"), "{error}");
+    }
+
+    #[test]
+    fn models_beyond_the_limit_are_not_taken() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("large.json");
+        std::fs::File::create(&path).unwrap().set_len(MAX_FILE_BYTES + 1).unwrap();
+        let message = read_model(&path).unwrap_err().to_string();
+        assert!(message.contains("large.json") && message.contains("at most 8388608"), "{message}");
+        assert!(read_model(&folder.path().join("missing.json")).unwrap_err().to_string().contains("missing.json"));
+        assert!(read_model(folder.path()).unwrap_err().to_string().contains("found a folder"));
+    }
+}

@@ -1,0 +1,219 @@
+//! Claws: ribbons with thumbs in the picture, such as foam rooted in a surface; finds the pixels inside them and computes
+//! what is drawn there.
+
+mod ribbon;
+
+pub use ribbon::{Ribbon, Shape, Within};
+
+use ribbon::STEPS;
+use trochoid_image::Window;
+
+/// A ribbon with its thumbs.
+pub struct Claw {
+    /// Ribbons, each with its random number. Where a point lies equally deep in two, the later one wins.
+    pub parts: Vec<(Ribbon, f64)>,
+    /// Depth of the root.
+    pub depth: f64,
+    /// Side to which the ribbon bends: 1 is right, −1 is left.
+    pub side: f64,
+    /// Number of its row, counted from 1.
+    pub row: f64,
+    /// Value passed on to the outputs.
+    pub tag: f64,
+    /// Widths of the ink along the outer and inner edges, in pixels.
+    pub line: [f64; 2],
+    /// Size of the shading crescent.
+    pub shade: f64,
+}
+
+/// Values of all outputs at a point in a claw.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Drawn {
+    /// Fraction of the pixel that the claw covers.
+    pub mask: f64,
+    /// Position along the ribbon: 0 at the root, 1 at the tip.
+    pub along: f64,
+    /// Position across the ribbon: −1 at the left edge, 1 at the right edge, seen from the root.
+    pub across: f64,
+    /// Half the width of the ribbon, in pixels.
+    pub half_width: f64,
+    /// Side to which the claw bends.
+    pub side: f64,
+    /// Random number of the ribbon.
+    pub random: f64,
+    /// Row of the claw.
+    pub row: f64,
+    /// Distance to the edge, in pixels.
+    pub inset: f64,
+    /// Tag of the claw.
+    pub tag: f64,
+    /// Strength of the ink along the edges, in [0, 1].
+    pub ink: f64,
+    /// Strength of the shading on the inner side, in [0, 1].
+    pub shade: f64,
+}
+
+/// Ranges along the ribbon over which the ink fades in, on the outer and inner edges.
+const OUTER_INK: [f64; 2] = [0.06, 0.3];
+const INNER_INK: [f64; 2] = [0.35, 0.65];
+/// Largest width of the ink, as a fraction of half the ribbon's width.
+const MOST_INK: f64 = 0.62;
+/// The shading crescent: where along the ribbon it is widest, how far it reaches to either side, its width there (in
+/// half widths, for a `shade` of 1), and the loss of width at its ends.
+const CRESCENT_MIDDLE: f64 = 0.42;
+const CRESCENT_REACH: f64 = 0.4;
+const CRESCENT_WIDTH: f64 = 0.98;
+const CRESCENT_LOSS: f64 = 0.8;
+
+impl Claw {
+    /// Returns the bounding box: minimum and maximum of x, then of y.
+    pub fn bounds(&self) -> [[f64; 2]; 2] {
+        [0, 1].map(|axis: usize| {
+            let ends = self.parts.iter().map(|(ribbon, _)| ribbon.bounds()[axis]);
+            ends.fold([f64::INFINITY, f64::NEG_INFINITY], |all, [low, high]| [all[0].min(low), all[1].max(high)])
+        })
+    }
+
+    /// Returns the position of a point within the claw, and the random number of the ribbon it lies in.
+    pub fn at(&self, place: [f64; 2]) -> Option<(Within, f64)> {
+        let parts = self.parts.iter().map(|(ribbon, random)| ribbon.at(place).map(|within| (within, *random)));
+        parts.fold(None, united)
+    }
+
+    /// Returns the outputs at a position within a ribbon of this claw that has the given random number.
+    pub fn drawn(&self, within: Within, random: f64) -> Drawn {
+        let Within { along, across, half_width } = within;
+        // t = across·side: 1 at the inner edge, −1 at the outer one.
+        let (inner, inset) = (across * self.side, within.inset());
+        let eased = |[from, to]: [f64; 2]| {
+            let t = ((along - from) / (to - from)).clamp(0.0, 1.0);
+            t * t * (3.0 - 2.0 * t)
+        };
+        // ink = clamp(½ + line − i) with the inset i.
+        let line = if inner < 0.0 { self.line[0] * eased(OUTER_INK) } else { self.line[1] * eased(INNER_INK) };
+        let line = line.min(MOST_INK * half_width);
+        let ink = if line > 0.0 { (0.5 + line - inset).clamp(0.0, 1.0) } else { 0.0 };
+        // shade = clamp(½ + h·(t − 1 + shade·(0.98 − 0.8·((s − 0.42)/0.4)²))) with half the width h, and s from 0 at
+        // the root to 1 at the tip.
+        let middle = (along - CRESCENT_MIDDLE) / CRESCENT_REACH;
+        let crescent = inner - 1.0 + self.shade * (CRESCENT_WIDTH - CRESCENT_LOSS * middle * middle);
+        let shade = if self.shade > 0.0 { (0.5 + half_width * crescent).clamp(0.0, 1.0) } else { 0.0 };
+        let (mask, &Self { side, row, tag, .. }) = (inset.min(1.0), self);
+        Drawn { mask, along, across, half_width, side, random, row, inset, tag, ink, shade }
+    }
+}
+
+/// Returns whichever of two ribbons a point lies deeper in; the latter if both are equal.
+fn united(all: Option<(Within, f64)>, part: Option<(Within, f64)>) -> Option<(Within, f64)> {
+    match (all, part) {
+        (Some((first, _)), Some((second, _))) if second.inset() < first.inset() => all,
+        (_, None) => all,
+        _ => part,
+    }
+}
+
+/// Positions of samples within a claw, each with the random number of its ribbon. Kept between calls to reuse the
+/// memory.
+#[derive(Default)]
+pub struct Places {
+    all: Vec<Option<(Within, f64)>>,
+    part: Vec<Option<Within>>,
+}
+
+impl Places {
+    /// Finds the samples of a window, at an offset within their pixels, row by row. The results are those of
+    /// [`Claw::at`], but faster: each step of a spine visits only the pixels of its bounding box.
+    pub fn find(&mut self, claw: &Claw, window: Window, offset: [f64; 2]) -> &[Option<(Within, f64)>] {
+        self.all.clear();
+        self.all.resize(window.area(), None);
+        for (ribbon, random) in &claw.parts {
+            let around = covered(ribbon.bounds(), window);
+            let row = around.width();
+            self.part.clear();
+            self.part.resize(around.area(), None);
+            for step in 0..STEPS {
+                let covered = covered(ribbon.step_bounds(step), around);
+                for y in covered.y0..covered.y1 {
+                    for x in covered.x0..covered.x1 {
+                        let part = &mut self.part[(y - around.y0) as usize * row + (x - around.x0) as usize];
+                        let found = ribbon.at_step(step, [x as f64 + offset[0], y as f64 + offset[1]]);
+                        *part = Within::deeper(*part, found);
+                    }
+                }
+            }
+            for (y, part) in (around.y0..).zip(self.part.chunks_exact(row.max(1))) {
+                let first = (y - window.y0) as usize * window.width() + (around.x0 - window.x0) as usize;
+                for (all, part) in self.all[first..].iter_mut().zip(part) {
+                    *all = united(*all, part.map(|within| (within, *random)));
+                }
+            }
+        }
+        &self.all
+    }
+}
+
+/// Returns the pixels of a window whose samples may lie within a bounding box.
+pub fn covered([[x0, x1], [y0, y1]]: [[f64; 2]; 2], window: Window) -> Window {
+    let [x0, y0] = [x0, y0].map(|low| low.floor() as i64);
+    let [x1, y1] = [x1, y1].map(|high| high.floor() as i64 + 1);
+    Window::new(x0, y0, x1.max(x0), y1.max(y0)).intersect(window)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_fast_way_finds_what_every_place_finds_itself() {
+        let shape = Shape { curl: 1.9, late: 2.0, taper: 0.6, bulge: 0.2 };
+        let thumb = Shape { curl: 1.5, late: 2.2, taper: 0.6, bulge: 0.0 };
+        let parts = vec![
+            (Ribbon::new(&thumb, [20.0, 9.0], 1.2, 14.0, 3.0), 0.25),
+            (Ribbon::new(&shape, [8.3, 8.1], 0.1, 30.0, 6.0), 0.75),
+        ];
+        let claw = Claw { parts, depth: 1.0, side: 1.0, row: 2.0, tag: 5.0, line: [1.2, 0.8], shade: 0.9 };
+        let (window, offset) = (Window::new(-3, -2, 45, 40), [0.25, 0.75]);
+        let mut places = Places::default();
+        let within = covered(claw.bounds(), window);
+        let found = places.find(&claw, within, offset);
+        let mut parts_seen = [0, 0];
+        for (index, y) in (within.y0..within.y1).enumerate() {
+            for (column, x) in (within.x0..within.x1).enumerate() {
+                let at = claw.at([x as f64 + offset[0], y as f64 + offset[1]]);
+                assert_eq!(found[index * within.width() + column], at, "{x}, {y}");
+                if let Some((within, random)) = at {
+                    parts_seen[usize::from(random > 0.5)] += 1;
+                    let drawn = claw.drawn(within, random);
+                    let masks = [drawn.mask, drawn.ink, drawn.shade];
+                    assert!(masks.iter().all(|mask| (0.0..=1.0).contains(mask)), "{drawn:?}");
+                    assert_eq!((drawn.row, drawn.tag), (2.0, 5.0));
+                }
+            }
+        }
+        assert!(parts_seen.iter().all(|count| *count > 20), "{parts_seen:?}");
+        // Nothing is found outside.
+        for place in (0..2000).map(|i| [f64::from(i % 50) - 4.0, f64::from(i / 50) - 3.0]) {
+            let [[x0, x1], [y0, y1]] = claw.bounds();
+            let inside = (x0..=x1).contains(&place[0]) && (y0..=y1).contains(&place[1]);
+            assert!(inside || claw.at(place).is_none());
+        }
+    }
+
+    #[test]
+    fn ink_lies_on_rims_and_shade_on_the_inner_side() {
+        let shape = Shape { curl: 0.0, late: 1.0, taper: 0.05, bulge: 0.0 };
+        let parts = vec![(Ribbon::new(&shape, [0.0, 0.0], 0.0, 100.0, 10.0), 0.0)];
+        let claw = Claw { parts, depth: 1.0, side: 1.0, row: 1.0, tag: 0.0, line: [2.0, 1.0], shade: 1.0 };
+        let drawn = |x: f64, y: f64| {
+            let (within, random) = claw.at([x, y]).unwrap();
+            claw.drawn(within, random)
+        };
+        // The inner side is the right of the ribbon, which is at the bottom of the picture.
+        assert_eq!(drawn(50.0, -9.3).ink, 1.0, "outer rim");
+        assert_eq!(drawn(50.0, 0.0).ink, 0.0, "middle");
+        assert_eq!(drawn(3.0, -5.0).ink, 0.0, "no ink at the root");
+        assert_eq!(drawn(42.0, 6.0).shade, 1.0, "shade");
+        assert_eq!(drawn(42.0, -6.0).shade, 0.0);
+        assert_eq!(drawn(95.0, 6.0).shade, 0.0, "the crescent has ended");
+    }
+}

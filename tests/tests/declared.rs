@@ -1,0 +1,119 @@
+//! Nodes are known by their declarations: no other code asks for one by its name, and no node for an item by its key.
+
+use crate::architecture::sources;
+use crate::support::root;
+use std::collections::BTreeSet;
+use std::sync::LazyLock;
+
+static NAMES: LazyLock<BTreeSet<&str>> = LazyLock::new(|| trochoid::registry().names().collect());
+
+/// Words that are names of nodes and of something else too: kinds of value, operations of other programs, a label.
+const HOMONYMS: &[(&str, &[&str])] = &[
+    ("crates/graph/src/kind.rs", &["Camera", "Light"]),
+    ("crates/graph/src/refusal.rs", &["Multiply", "Screen"]),
+    ("crates/editor/src/properties/mod.rs", &["Height"]),
+];
+
+/// How values are looked up by their keys. Nodes have fields instead.
+const LOOK_UPS: &[&str] =
+    &["source(\"", "sources(\"", "number(\"", "numbers(\"", "choice(\"", "text(\"", "flag(\"", "color(\"", "is_set(\""];
+
+/// The string literals of a line of code; none of a comment.
+fn literals(line: &str) -> Vec<&str> {
+    if line.trim_start().starts_with("//") {
+        return Vec::new();
+    }
+    let mut found = Vec::new();
+    let mut rest = line;
+    while let Some((_, behind)) = rest.split_once('"') {
+        let mut escaped = false;
+        let end = behind.find(|c| {
+            let ends = c == '"' && !escaped;
+            escaped = c == '\\' && !escaped;
+            ends
+        });
+        let Some(end) = end else { break };
+        found.push(&behind[..end]);
+        rest = &behind[end + 1..];
+    }
+    found
+}
+
+/// Whether a line asks for a node by its name, rather than writing one into a document.
+fn names_a_node(line: &str) -> Option<&str> {
+    let asked = |literal: &&str| NAMES.contains(*literal) && !line.contains(&format!("\"type\": \"{literal}\""));
+    literals(line).into_iter().find(asked)
+}
+
+/// The words of a text that are written like names of nodes of two words.
+fn compounds(text: &str) -> impl Iterator<Item = &str> {
+    let words = text.split(|c: char| !c.is_ascii_alphanumeric());
+    words.filter(|word| {
+        let humps = word.chars().filter(char::is_ascii_uppercase).count();
+        let single = word.as_bytes().windows(2).all(|pair| !pair.iter().all(u8::is_ascii_uppercase));
+        word.starts_with(|c: char| c.is_ascii_uppercase()) && humps >= 2 && single && word.len() > 3
+    })
+}
+
+fn all_sources() -> Vec<(String, String)> {
+    let mut files = Vec::new();
+    for entry in std::fs::read_dir(root().join("crates")).unwrap() {
+        sources(&entry.unwrap().path().join("src"), &mut files);
+    }
+    assert!(files.len() > 500, "only {} sources", files.len());
+    files
+}
+
+#[test]
+fn no_code_asks_for_a_node_by_its_name() {
+    let mut faults = Vec::new();
+    for (place, text) in all_sources() {
+        let other = HOMONYMS.iter().find(|(file, _)| *file == place).map_or(&[][..], |(_, words)| words);
+        for (index, line) in text.lines().enumerate() {
+            let name = names_a_node(line).filter(|name| !other.contains(name));
+            faults.extend(name.map(|name| format!("{place}:{}: \"{name}\"", index + 1)));
+        }
+    }
+    assert!(faults.is_empty(), "declare a role or an offer instead:\n{}", faults.join("\n"));
+}
+
+#[test]
+fn no_node_looks_an_item_up_by_its_key() {
+    let mut faults = Vec::new();
+    for (place, text) in all_sources().into_iter().filter(|(place, _)| place.starts_with("crates/nodes/")) {
+        for (index, line) in text.lines().enumerate() {
+            let called = |look_up: &&&str| line.contains(&format!(".{look_up}"));
+            faults.extend(LOOK_UPS.iter().find(called).map(|found| format!("{place}:{}: {found}…", index + 1)));
+        }
+    }
+    assert!(faults.is_empty(), "name the field of the node's struct:\n{}", faults.join("\n"));
+}
+
+#[test]
+fn messages_name_nodes_that_exist() {
+    let mut faults = Vec::new();
+    for (place, text) in all_sources().into_iter().filter(|(place, _)| place.starts_with("crates/nodes/")) {
+        // Words of other programs stand in attributes.
+        let mut in_aliases = false;
+        for (index, line) in text.lines().enumerate() {
+            in_aliases |= line.starts_with("#[also_called");
+            if !in_aliases {
+                let unknown = literals(line).into_iter().flat_map(compounds).find(|word| !NAMES.contains(word));
+                faults.extend(unknown.map(|word| format!("{place}:{}: {word}", index + 1)));
+            }
+            in_aliases &= !line.ends_with(")]");
+        }
+    }
+    assert!(faults.is_empty(), "no nodes of these names:\n{}", faults.join("\n"));
+}
+
+#[test]
+fn what_is_sought_is_found() {
+    assert_eq!(names_a_node(r#"if node.ty == "Mix" {"#), Some("Mix"));
+    assert_eq!(names_a_node(r#"write("say \"a\"", "Mix")"#), Some("Mix"));
+    for line in [r#"// "Mix""#, r#"{ "type": "Mix" }"#, r#""Mix of both""#] {
+        assert_eq!(names_a_node(line), None, "{line}");
+    }
+    let words: Vec<&str> = compounds("connect a GerstnerSea or a ToonSee, by OBJ, Render or NaN").collect();
+    assert_eq!(words, ["GerstnerSea", "ToonSee"]);
+}
