@@ -1,55 +1,56 @@
-//! A file of pictures that is to be written, and why it cannot be.
+//! Output files, and the reasons that they cannot be written.
 
 use std::fmt;
 use std::path::PathBuf;
 use trochoid_graph::{OutputSpec, Refused};
 
-/// A file to be written for one frame, and the outputs that go into it.
+/// File to write for one frame, with its outputs.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct OutputFile {
-    /// Where.
+    /// Path of the file.
     pub path: PathBuf,
-    /// Indices of outputs of the graph, each a layer of the file.
+    /// Indices of the outputs in the graph, each a layer of the file.
     pub outputs: Vec<usize>,
 }
 
-/// Why files cannot be named or written.
+/// Reason that files cannot be named or written.
 #[derive(Debug, thiserror::Error)]
 pub enum OutputError {
-    /// Files cannot be named so: everything that is wrong, such as one name for several pictures.
+    /// The names of files have faults, such as one name for several pictures; lists all of them.
     #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))]
     Pattern(Vec<NameFault>),
     /// The file cannot be written.
     #[error(transparent)]
     Io(#[from] trochoid_io::Error),
-    /// The document wants it where it may not write.
+    /// The document may not write to the path that it names.
     #[error("{}", .0.diagnostic())]
     Refused(Box<Refused>),
-    /// Trochoid did not write the file that is there, or as another kind of file, or so little is left that nobody can tell.
+    /// The existing file was not written by Trochoid, is of another kind, or is truncated so that it cannot be
+    /// identified.
     #[error(
-        "{}: is there already, and does not bear Trochoid's mark of such a file: not written by it, of another kind, or cut off\n  \
-         remedy: give another name, or replace it with --overwrite",
+        "{}: exists already and does not bear Trochoid's mark: it is a file of another program, of another kind, or cut \
+         off\n  remedy: give another name, or replace it with --overwrite",
         path.display()
     )]
     Foreign {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
     },
-    /// No file can be written there.
+    /// A file cannot be written to this path.
     #[error("{}: {reason}", path.display())]
     Destination {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// Why.
+        /// Reason for the failure.
         #[source]
         reason: NoDestination,
     },
     /// The folder cannot be made.
     #[error("{}: the folder cannot be made: {source}", path.display())]
     Folder {
-        /// The folder.
+        /// Path of the folder.
         path: PathBuf,
-        /// Why.
+        /// Reason for the failure.
         source: std::io::Error,
     },
 }
@@ -82,14 +83,14 @@ pub enum NoDestination {
     Write(#[source] std::io::Error),
 }
 
-/// Why files cannot be named so.
+/// Fault in the name of a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct NameFault {
-    /// Where: an output of the document, or an option.
+    /// Place of the fault: an output of the document, or an option.
     pub place: String,
-    /// What is wrong.
+    /// Description of the fault.
     pub found: String,
-    /// What to do.
+    /// Suggested remedy.
     pub remedy: String,
 }
 
@@ -99,7 +100,8 @@ impl fmt::Display for NameFault {
     }
 }
 
-/// The layer of an output: its own name for one, else the output's name where several share the file.
+/// Returns the layer of an output: the one that the document names, else the name of the output if several outputs
+/// share the file, else none.
 pub(crate) fn layer<'s>(spec: &'s OutputSpec, file: &OutputFile) -> &'s str {
     match &spec.layer {
         Some(layer) => layer,
