@@ -19,7 +19,7 @@ use serde_json::{Map, Value, json};
 use std::fmt::Write as _;
 use trochoid::{
     Account, Cache, CheckedGraph, Cost, Costs, Evidence, Fate, Interval, LeftOut, Monitor, NodeId, Omission, Plan,
-    Proved, Settings, measure,
+    ProofStep, Settings, measure,
 };
 
 /// The longer side of the picture that is evaluated to measure.
@@ -68,7 +68,7 @@ pub(crate) fn explain(
 /// Nodes that are left out for one and the same reason.
 struct Group<'e> {
     why: String,
-    proof: &'e [Proved],
+    proof: &'e [ProofStep],
     by_weight: bool,
     nodes: Vec<NodeId>,
 }
@@ -269,7 +269,7 @@ impl Explained<'_> {
                     "fate": match account.fate {
                         Fate::Evaluated => "evaluated",
                         Fate::Folded => "folded",
-                        Fate::HandsOn(_) => "hands_on",
+                        Fate::PassesThrough(_) => "hands_on",
                         Fate::Merged(_) => "merged",
                         Fate::LeftOut(_) => "left_out",
                     },
@@ -320,14 +320,14 @@ fn why(fate: &Fate) -> Option<String> {
     Some(match fate {
         Fate::Evaluated => return None,
         Fate::Folded => "Folded: it depends on constants alone, and is one itself".into(),
-        Fate::HandsOn(from) => format!("Nothing to compute: it hands on \"{from}\""),
+        Fate::PassesThrough(from) => format!("Nothing to compute: it hands on \"{from}\""),
         Fate::Merged(with) => format!("Computed with \"{with}\": the operations are the same"),
         Fate::LeftOut(why) => format!("Left out: {why}"),
     })
 }
 
 /// What is certain of a node, and how that is known.
-fn sentence(bound: &Proved) -> String {
+fn sentence(bound: &ProofStep) -> String {
     let lies = match bound.interval.constant() {
         Some(value) => format!("is {value}"),
         None => format!("lies in {}", interval(bound.interval)),
@@ -335,7 +335,7 @@ fn sentence(bound: &Proved) -> String {
     format!("\"{}\" {lies}: {}", bound.node, evidence(bound))
 }
 
-fn evidence(bound: &Proved) -> String {
+fn evidence(bound: &ProofStep) -> String {
     match &bound.evidence {
         Evidence::Written { keyed: false } => "as written in the document".into(),
         Evidence::Written { keyed: true } => "as keyed at this frame".into(),
