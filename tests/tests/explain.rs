@@ -35,7 +35,7 @@ fn of<'a>(graph: &CheckedGraph, accounts: &'a [Account], node: &str) -> &'a Acco
 
 /// Node, ends of the interval, and evidence of each step of a proof.
 fn steps(account: &Account) -> Vec<(&str, [f64; 2], &Evidence)> {
-    let step = |bound: &trochoid::Proved| [bound.interval.low, bound.interval.high];
+    let step = |bound: &trochoid::ProofStep| [bound.interval.low, bound.interval.high];
     account.proof.iter().map(|bound| (bound.node.as_str(), step(bound), &bound.evidence)).collect()
 }
 
@@ -62,7 +62,7 @@ fn a_proof_goes_back_to_what_is_known() {
         ];
         assert_eq!(steps(account), expected, "{node}");
     }
-    assert_eq!(of(&graph, &accounts, "out").fate, Fate::HandsOn("sky".into()));
+    assert_eq!(of(&graph, &accounts, "out").fate, Fate::PassesThrough("sky".into()));
     assert_eq!(of(&graph, &accounts, "deep").fate, Fate::Folded);
     for node in ["across", "sky"] {
         let account = of(&graph, &accounts, node);
@@ -125,7 +125,7 @@ fn what_is_folded_merged_or_handed_on_says_so() {
         ("r", Fate::Evaluated),
         ("off", Fate::LeftOut(LeftOut::Disabled)),
         ("lost", Fate::LeftOut(LeftOut::Unreachable)),
-        ("out", Fate::HandsOn("r".into())),
+        ("out", Fate::PassesThrough("r".into())),
     ] {
         assert_eq!(of(&graph, &accounts, node).fate, fate, "{node}");
     }

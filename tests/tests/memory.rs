@@ -1,7 +1,7 @@
 //! Memory of frames: estimates agree with measurements, and frames that need too much are refused.
 
 use crate::support::{graph, root, settings};
-use trochoid::{Buffers, Cache, EvalError, Format, Pictures, Plan, Settings, Silent, Taker};
+use trochoid::{Buffers, Cache, EvalError, Format, MemoryConsumer, Pictures, Plan, Settings, Silent};
 
 /// Maximum ratio between estimated and measured memory, in either direction.
 const NEAR: f64 = 6.0;
@@ -16,7 +16,7 @@ fn what_scenes_hold_is_reckoned_by_its_order() {
         let graph = graph.with_format(Format::new(640, 360, samples).unwrap());
         let plan = Plan::new(&graph, &[], graph.frames().0, &[], &Settings::default()).unwrap();
         let account = plan.memory(Pictures::Whole);
-        let nodes = account.takers.iter().filter(|(taker, ..)| matches!(taker, Taker::Node(_)));
+        let nodes = account.consumers.iter().filter(|(consumer, ..)| matches!(consumer, MemoryConsumer::Node(_)));
         let reckoned: u64 = nodes.map(|(_, bytes, _)| bytes).sum();
         let frame = plan.evaluate(&Buffers::new(), &mut Cache::new(), &Silent).unwrap();
         let found: u64 = frame.nodes.iter().map(|node| node.bytes as u64).sum();
@@ -84,7 +84,7 @@ fn where_memory_is_short_fewer_threads_make_the_same_picture() {
     };
     let (all, whole) = evaluate(1 << 30);
     assert_eq!(all.workers(), 8);
-    let tiles = all.takers.iter().find(|(taker, ..)| *taker == Taker::Tiles).unwrap().1;
+    let tiles = all.consumers.iter().find(|(consumer, ..)| *consumer == MemoryConsumer::Tiles).unwrap().1;
     let (few, short) = evaluate(all.total() - tiles + tiles / 2);
     assert_eq!((few.workers(), few.total()), (4, all.total() - tiles / 2));
     assert_eq!(short.unwrap().planes, whole.unwrap().planes);

@@ -143,7 +143,7 @@ fn a_planted_import_is_found() {
         "use crate::running::run::programs;",
         "use crate::{\n    Plan,\n    EvalError,\n};",
         "use crate::{planning::{plan::Plan, lower::lower}, running::*};",
-        "use super::super::running::memory::Taker;",
+        "use super::super::running::memory::MemoryConsumer;",
         "fn f(error: &crate::running::frame::EvalError) {}",
         "const _: &str = \"\\\"\"; use crate::Frame as Picture;",
         "use crate::elsewhere::Thing;",

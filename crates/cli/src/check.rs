@@ -9,8 +9,8 @@ use serde_json::{Map, Value, json};
 use std::fmt::Write as _;
 use std::path::PathBuf;
 use trochoid::{
-    Access, CheckedGraph, Diagnostic, Guarantee, LeftOut, LoadError, Loaded, MemoryAccount, NodeId, OutputError,
-    Pictures, Plan, Settings, Severity, Taker, guarantee, in_bytes,
+    Access, CheckedGraph, Diagnostic, Guarantee, LeftOut, LoadError, Loaded, MemoryAccount, MemoryConsumer, NodeId,
+    OutputError, Pictures, Plan, Settings, Severity, guarantee, in_bytes,
 };
 
 /// Options of `trochoid check`.
@@ -294,13 +294,13 @@ fn named<'a>(graph: &'a CheckedGraph, left_out: &'a [Option<LeftOut>]) -> impl I
 }
 
 fn memory_to_json(graph: &CheckedGraph, account: &MemoryAccount) -> Value {
-    let takers = account.takers.iter().map(|(taker, bytes, _)| {
+    let takers = account.consumers.iter().map(|(taker, bytes, _)| {
         let (what, node) = match taker {
-            Taker::Node(id) => ("node", Some(id)),
-            Taker::Preparing(id) => ("preparing", Some(id)),
-            Taker::Pictures => ("pictures", None),
-            Taker::Writing => ("writing pictures", None),
-            Taker::Tiles => ("tiles", None),
+            MemoryConsumer::Node(id) => ("node", Some(id)),
+            MemoryConsumer::Preparing(id) => ("preparing", Some(id)),
+            MemoryConsumer::Pictures => ("pictures", None),
+            MemoryConsumer::Writing => ("writing pictures", None),
+            MemoryConsumer::Tiles => ("tiles", None),
         };
         json!({ "what": what, "node": node.map(|id| &graph.node(*id).name), "bytes": bytes })
     });

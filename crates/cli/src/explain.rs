@@ -21,7 +21,7 @@ use serde_json::{Map, Value, json};
 use std::fmt::Write as _;
 use trochoid::{
     Account, Cache, CheckedGraph, Cost, Costs, EvalError, Evidence, Fate, Interval, LeftOut, MeasureError, Monitor,
-    NodeId, Omission, Plan, Proved, Settings, measure,
+    NodeId, Omission, Plan, ProofStep, Settings, measure,
 };
 
 /// Maximum width and height of the picture that is evaluated for measuring, in pixels.
@@ -69,7 +69,7 @@ pub(crate) fn explain(
 /// Nodes that are not evaluated for the same reason.
 struct Group<'e> {
     why: String,
-    proof: &'e [Proved],
+    proof: &'e [ProofStep],
     by_weight: bool,
     nodes: Vec<NodeId>,
 }
@@ -270,7 +270,7 @@ impl Explained<'_> {
                     "fate": match account.fate {
                         Fate::Evaluated => "evaluated",
                         Fate::Folded => "folded",
-                        Fate::HandsOn(_) => "hands_on",
+                        Fate::PassesThrough(_) => "hands_on",
                         Fate::Merged(_) => "merged",
                         Fate::LeftOut(_) => "left_out",
                     },
@@ -321,14 +321,14 @@ fn why(fate: &Fate) -> Option<String> {
     Some(match fate {
         Fate::Evaluated => return None,
         Fate::Folded => "Folded: it depends on constants alone, and is one itself".into(),
-        Fate::HandsOn(from) => format!("Nothing to compute: it passes \"{from}\" through unchanged"),
+        Fate::PassesThrough(from) => format!("Nothing to compute: it passes \"{from}\" through unchanged"),
         Fate::Merged(with) => format!("Computed with \"{with}\": the operations are the same"),
         Fate::LeftOut(why) => format!("Left out: {why}"),
     })
 }
 
 /// Returns a sentence with the proved interval of a node and its evidence.
-fn sentence(bound: &Proved) -> String {
+fn sentence(bound: &ProofStep) -> String {
     let lies = match bound.interval.constant() {
         Some(value) => format!("is {value}"),
         None => format!("lies in {}", interval(bound.interval)),
@@ -336,7 +336,7 @@ fn sentence(bound: &Proved) -> String {
     format!("\"{}\" {lies}: {}", bound.node, evidence(bound))
 }
 
-fn evidence(bound: &Proved) -> String {
+fn evidence(bound: &ProofStep) -> String {
     match &bound.evidence {
         Evidence::Written { keyed: false } => "as written in the document".into(),
         Evidence::Written { keyed: true } => "as keyed at this frame".into(),

@@ -19,16 +19,16 @@ mod settings;
 #[cfg(test)]
 mod tests;
 
-pub use planning::explain::{Account, Channels, Evidence, Fate, Proved};
+pub use planning::explain::{Account, Channels, Evidence, Fate, ProofStep};
 pub use planning::left_out::LeftOut;
 pub use planning::plan::{BindingFault, Plan, PlanError};
 pub use rules::interval::Interval;
 pub use running::buffers::{BufferFault, Buffers};
-pub use running::certify::{Certified, Certifier, Distribution, Limiting};
+pub use running::certify::{AccuracyLimit, Certified, Certifier, Distribution};
 pub use running::foreign::ForeignError;
 pub use running::frame::{EvalError, Frame, Monitor, NodeReport, Phases, Picture, Silent, State};
-pub use running::inspect::{Blame, Inspected, Inspection};
-pub use running::memory::{MemoryAccount, Pictures, Taker};
+pub use running::inspect::{Blame, InspectedPixel, Inspection};
+pub use running::memory::{MemoryAccount, MemoryConsumer, Pictures};
 pub use running::points::ShadingPlan;
 pub use running::prepare::Cache;
 pub use running::reference::{ReferenceError, ReferenceFrame, ReferencePixel};

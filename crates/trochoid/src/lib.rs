@@ -104,10 +104,10 @@ pub use stability::{stability, stability_of};
 #[cfg(feature = "io")]
 pub use stream::FileSink;
 pub use trochoid_engine::{
-    Account, Audit, BindingFault, Blame, BufferFault, Buffers, Cache, Certified, Certifier, Channels, Distribution,
-    EvalError, Evidence, Fate, ForeignError, Frame, Hull, Inspected, Instructions, Interval, Judging, LeftOut,
-    Limiting, MemoryAccount, Monitor, NodeReport, Phases, Picture, Pictures, Plan, PlanError, Proved, ReferenceError,
-    ReferenceFrame, ReferencePixel, Settings, ShadingPlan, Silent, Sink, State, Switches, Taker,
+    Account, AccuracyLimit, Audit, BindingFault, Blame, BufferFault, Buffers, Cache, Certified, Certifier, Channels,
+    Distribution, EvalError, Evidence, Fate, ForeignError, Frame, Hull, InspectedPixel, Instructions, Interval,
+    Judging, LeftOut, MemoryAccount, MemoryConsumer, Monitor, NodeReport, Phases, Picture, Pictures, Plan, PlanError,
+    ProofStep, ReferenceError, ReferenceFrame, ReferencePixel, Settings, ShadingPlan, Silent, Sink, State, Switches,
 };
 pub use trochoid_graph::{
     Accepts, Access, Alias, Animated, Arity, BadData, Channel, CheckedGraph, CheckedNode, DataPlace, Declaration,

@@ -24,7 +24,7 @@ pub(super) const ONE: u32 = 0x3f80_0000;
 
 /// Rule for the samples of a plane, as a bound on their bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Legal {
+pub(crate) enum ValueRule {
     /// In [0, 1].
     Mask,
     /// Finite and ≥ 0.
@@ -33,7 +33,7 @@ pub(crate) enum Legal {
     Field,
 }
 
-impl Legal {
+impl ValueRule {
     /// Returns whether samples with these largest bits (shifted for a field) are all legal, and none is −0.
     pub(super) fn allows(self, largest: u32) -> bool {
         largest
@@ -48,18 +48,18 @@ impl Legal {
 
 /// Least and largest bits seen, by lane.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Bits {
+pub(super) struct BitRange {
     pub(super) least: [u32; 16],
     pub(super) largest: [u32; 16],
 }
 
-impl Default for Bits {
+impl Default for BitRange {
     fn default() -> Self {
         Self { least: [u32::MAX; 16], largest: [0; 16] }
     }
 }
 
-impl Bits {
+impl BitRange {
     /// Returns both over all lanes; `None` if nothing was seen.
     pub(super) fn range(&self) -> Option<(u32, u32)> {
         let least = self.least.iter().copied().min()?;
@@ -93,8 +93,8 @@ impl Bits {
 mod tests {
     use super::*;
 
-    fn seen(values: &[f32]) -> Bits {
-        let mut bits = Bits::default();
+    fn seen(values: &[f32]) -> BitRange {
+        let mut bits = BitRange::default();
         for (i, v) in values.iter().enumerate() {
             bits.least[i % 16] = bits.least[i % 16].min(v.to_bits());
             bits.largest[i % 16] = bits.largest[i % 16].max(v.to_bits());
@@ -124,15 +124,15 @@ mod tests {
     #[test]
     fn every_illegal_value_is_above_the_bound() {
         type IsLegal = fn(f32) -> bool;
-        let rules: [(Legal, IsLegal); 3] = [
-            (Legal::Mask, |v| (0.0..=1.0).contains(&v) && v.is_sign_positive()),
-            (Legal::Color, |v| v.is_finite() && v.is_sign_positive()),
-            (Legal::Field, |v| !v.is_nan()),
+        let rules: [(ValueRule, IsLegal); 3] = [
+            (ValueRule::Mask, |v| (0.0..=1.0).contains(&v) && v.is_sign_positive()),
+            (ValueRule::Color, |v| v.is_finite() && v.is_sign_positive()),
+            (ValueRule::Field, |v| !v.is_nan()),
         ];
         let edges = [0.0, 1.0, 1.000_000_1, f32::MIN_POSITIVE, 1e-45, f32::MAX, f32::INFINITY, f32::NAN];
         for v in edges.into_iter().flat_map(|v| [v, -v]) {
             for (rule, legal) in rules {
-                let bits = if rule == Legal::Field { v.to_bits() << 1 } else { v.to_bits() };
+                let bits = if rule == ValueRule::Field { v.to_bits() << 1 } else { v.to_bits() };
                 assert_eq!(rule.allows(bits), legal(v), "{rule:?} {v}");
             }
         }

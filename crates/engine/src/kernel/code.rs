@@ -1,6 +1,6 @@
 //! Instructions to which programs are compiled.
 
-use super::audit::Legal;
+use super::audit::ValueRule;
 use super::native::Native;
 use trochoid_graph::{NodeId, Program, Slot};
 use trochoid_memory::Instructions;
@@ -32,7 +32,7 @@ pub(crate) enum Row {
 
 /// Source of a color.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Source {
+pub(crate) enum ColorOperand {
     /// The accumulator.
     Last,
     Rows([Row; 3]),
@@ -47,7 +47,7 @@ pub(crate) enum Source {
 
 /// One instruction. Instructions that make a color leave it in the accumulator.
 #[derive(Clone, Debug)]
-pub(crate) enum Work {
+pub(crate) enum Instruction {
     Clamp {
         x: Row,
         min: f32,
@@ -87,10 +87,10 @@ pub(crate) enum Work {
         floor: f32,
         to: Vec<u32>,
     },
-    Load(Source),
+    Load(ColorOperand),
     Mix {
-        a: Source,
-        b: Source,
+        a: ColorOperand,
+        b: ColorOperand,
         t: Row,
         /// Root that this color belongs to, if the color has no other use; it is written straight to its destination.
         out: Option<u32>,
@@ -102,7 +102,7 @@ pub(crate) enum Work {
         y: Row,
     },
     Blend {
-        colors: Vec<Source>,
+        colors: Vec<ColorOperand>,
         weights: Vec<Row>,
     },
     /// Saves the accumulator, which nothing reads after that.
@@ -120,7 +120,7 @@ pub(crate) enum Work {
     Gate {
         t: Row,
         closed: f32,
-        otherwise: Source,
+        otherwise: ColorOperand,
         skip: usize,
     },
     /// Writes a color root from the accumulator.
@@ -135,7 +135,7 @@ pub(crate) enum Work {
 /// Straight-line code over chunks.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Code {
-    pub(crate) list: Vec<Work>,
+    pub(crate) list: Vec<Instruction>,
     /// Number of its own chunks.
     pub(crate) own: usize,
     /// Its own chunks that hold a constant throughout.
@@ -145,7 +145,7 @@ pub(crate) struct Code {
     /// Whether a root is a color, by root.
     pub(crate) colors: Vec<bool>,
     /// Planes that are checked against the rule of their kind: the plane and the rule, by index.
-    pub(crate) checks: Vec<(u32, Legal)>,
+    pub(crate) checks: Vec<(u32, ValueRule)>,
 }
 
 impl Code {
@@ -175,7 +175,7 @@ pub(crate) struct Origin {
 
 /// A compiled program.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Compiled {
+pub(crate) struct CompiledProgram {
     /// Planes read, in the order in which the machine expects them.
     pub(crate) planes: Vec<Slot>,
     /// Runs once per tile, over its columns.
@@ -199,7 +199,7 @@ pub(crate) struct Compiled {
     pub(crate) fault: Fault,
 }
 
-impl Compiled {
+impl CompiledProgram {
     /// Returns the number of chunks that a machine needs to run it.
     pub(crate) fn chunks(&self) -> usize {
         [&self.column, &self.row, &self.main].map(Code::chunks).into_iter().sum()

@@ -1,6 +1,6 @@
 //! Mixes colors over a chunk; each source of a color is compiled into the loop.
 
-use super::audit::Bits;
+use super::audit::BitRange;
 use super::code::{CHUNK, Chunk};
 use fearless_simd::{Bytes, Simd, SimdBase, f32x16, mask32x16, u32x16};
 use trochoid_memory::{Stream, Target};
@@ -37,32 +37,38 @@ pub(super) fn splat<S: Simd>(simd: S, color: &[f32; 3]) -> [Lanes<S>; 3] {
 
 /// A mask prepared for mixing: which end of the mix is nearer, and the distance from it.
 #[derive(Clone, Copy)]
-pub(super) struct By<S: Simd> {
+pub(super) struct PreparedMask<S: Simd> {
     near_a: mask32x16<S>,
     by: Lanes<S>,
 }
 
 #[inline(always)]
-pub(super) fn by<S: Simd>(simd: S, t: Lanes<S>) -> By<S> {
+pub(super) fn prepare_mask<S: Simd>(simd: S, t: Lanes<S>) -> PreparedMask<S> {
     let near_a = simd.simd_lt_f32x16(t, simd.splat_f32x16(0.5));
     let by = simd.select_f32x16(near_a, t, simd.sub_f32x16(t, simd.splat_f32x16(1.0)));
-    By { near_a, by }
+    PreparedMask { near_a, by }
 }
 
 /// Does [`mix`](trochoid_weights::arithmetic::mix) lane by lane: the same operations in the same order.
 #[inline(always)]
-pub(super) fn mix<S: Simd>(simd: S, a: Lanes<S>, b: Lanes<S>, t: By<S>) -> Lanes<S> {
-    mix_by(simd, a, b, simd.sub_f32x16(b, a), t)
+pub(super) fn mix<S: Simd>(simd: S, a: Lanes<S>, b: Lanes<S>, t: PreparedMask<S>) -> Lanes<S> {
+    mix_with_difference(simd, a, b, simd.sub_f32x16(b, a), t)
 }
 
 /// Does the same with the difference known.
 #[inline(always)]
-pub(super) fn mix_by<S: Simd>(simd: S, a: Lanes<S>, b: Lanes<S>, difference: Lanes<S>, t: By<S>) -> Lanes<S> {
+pub(super) fn mix_with_difference<S: Simd>(
+    simd: S,
+    a: Lanes<S>,
+    b: Lanes<S>,
+    difference: Lanes<S>,
+    t: PreparedMask<S>,
+) -> Lanes<S> {
     simd.mul_add_precise_f32x16(t.by, difference, simd.select_f32x16(t.near_a, a, b))
 }
 
 /// Source of a color in a mix.
-pub(super) trait Operand<S: Simd>: Copy {
+pub(super) trait MixOperand<S: Simd>: Copy {
     /// Values that all three channels share.
     type Shared: Copy;
     /// Whether it reads the accumulator.
@@ -97,7 +103,7 @@ impl<'a, S: Simd> FromPair<'a, S> {
     }
 }
 
-impl<S: Simd> Operand<S> for FromLast {
+impl<S: Simd> MixOperand<S> for FromLast {
     type Shared = ();
     const READS_LAST: bool = true;
 
@@ -110,7 +116,7 @@ impl<S: Simd> Operand<S> for FromLast {
     }
 }
 
-impl<S: Simd> Operand<S> for FromRows<'_> {
+impl<S: Simd> MixOperand<S> for FromRows<'_> {
     type Shared = ();
 
     #[inline(always)]
@@ -122,7 +128,7 @@ impl<S: Simd> Operand<S> for FromRows<'_> {
     }
 }
 
-impl<S: Simd> Operand<S> for FromConstant<S> {
+impl<S: Simd> MixOperand<S> for FromConstant<S> {
     type Shared = ();
 
     #[inline(always)]
@@ -134,17 +140,17 @@ impl<S: Simd> Operand<S> for FromConstant<S> {
     }
 }
 
-impl<S: Simd> Operand<S> for FromPair<'_, S> {
-    type Shared = By<S>;
+impl<S: Simd> MixOperand<S> for FromPair<'_, S> {
+    type Shared = PreparedMask<S>;
 
     #[inline(always)]
-    fn share(&self, simd: S, i: usize) -> By<S> {
-        by(simd, load(simd, self.by, i))
+    fn share(&self, simd: S, i: usize) -> PreparedMask<S> {
+        prepare_mask(simd, load(simd, self.by, i))
     }
 
     #[inline(always)]
-    fn get(&self, simd: S, c: usize, _i: usize, _last: Lanes<S>, shared: By<S>) -> Lanes<S> {
-        mix_by(simd, self.from[c], self.to[c], self.difference[c], shared)
+    fn get(&self, simd: S, c: usize, _i: usize, _last: Lanes<S>, shared: PreparedMask<S>) -> Lanes<S> {
+        mix_with_difference(simd, self.from[c], self.to[c], self.difference[c], shared)
     }
 }
 
@@ -153,8 +159,8 @@ impl<S: Simd> Operand<S> for FromPair<'_, S> {
 pub(super) fn mix_rows<S: Simd>(
     simd: S,
     last: &mut [&mut Chunk; 3],
-    a: impl Operand<S>,
-    b: impl Operand<S>,
+    a: impl MixOperand<S>,
+    b: impl MixOperand<S>,
     t: &[f32; CHUNK],
 ) {
     let [r, g, blue] = last;
@@ -174,12 +180,12 @@ pub(super) fn mix_rows<S: Simd>(
 pub(super) fn mix_out<S: Stream>(
     simd: S,
     last: &[&mut Chunk; 3],
-    a: impl Operand<S>,
-    b: impl Operand<S>,
+    a: impl MixOperand<S>,
+    b: impl MixOperand<S>,
     t: &[f32; CHUNK],
     out: &mut [Target<'_>; 3],
     start: usize,
-    bits: &mut [Bits; 3],
+    bits: &mut [BitRange; 3],
 ) {
     put(
         simd,
@@ -200,10 +206,10 @@ fn put<S: Stream>(
     simd: S,
     out: &mut [Target<'_>; 3],
     start: usize,
-    bits: &mut [Bits; 3],
+    bits: &mut [BitRange; 3],
     color: impl Fn(usize) -> [Lanes<S>; 3],
 ) {
-    let mut seen = Seen::resume(simd, bits);
+    let mut seen = ColorBitRange::load(simd, bits);
     let [red, green, blue] = out;
     let mut parts = [red.part(start, CHUNK), green.part(start, CHUNK), blue.part(start, CHUNK)];
     let [red, green, blue] = &mut parts;
@@ -224,11 +230,11 @@ fn put<S: Stream>(
             blue.store(LANES * i, b);
         }
     }
-    seen.rest(bits);
+    seen.store(bits);
 }
 
 #[inline(always)]
-fn mix_vector<S: Simd, A: Operand<S>, B: Operand<S>>(
+fn mix_vector<S: Simd, A: MixOperand<S>, B: MixOperand<S>>(
     simd: S,
     i: usize,
     old: [Lanes<S>; 3],
@@ -236,7 +242,7 @@ fn mix_vector<S: Simd, A: Operand<S>, B: Operand<S>>(
     b: B,
     t: &[f32; CHUNK],
 ) -> [Lanes<S>; 3] {
-    let t = by(simd, load(simd, t, i));
+    let t = prepare_mask(simd, load(simd, t, i));
     let (shared_a, shared_b) = (a.share(simd, i), b.share(simd, i));
     rgb!(c => {
         let last = if A::READS_LAST || B::READS_LAST { old[c] } else { simd.splat_f32x16(0.0) };
@@ -261,10 +267,10 @@ pub(super) fn patch_rows<S: Simd>(
     let [r, g, b] = last;
     let last = [&mut r.0, &mut g.0, &mut b.0];
     for i in 0..VECTORS {
-        let (x, y) = (by(simd, load(simd, x, i)), by(simd, load(simd, y, i)));
+        let (x, y) = (prepare_mask(simd, load(simd, x, i)), prepare_mask(simd, load(simd, y, i)));
         for c in 0..3 {
-            let a = mix_by(simd, from[c], to[c], difference[c], x);
-            let b = mix_by(simd, from_2[c], to_2[c], difference_2[c], x);
+            let a = mix_with_difference(simd, from[c], to[c], difference[c], x);
+            let b = mix_with_difference(simd, from_2[c], to_2[c], difference_2[c], x);
             mix(simd, a, b, y).store_slice(&mut last[c][LANES * i..LANES * (i + 1)]);
         }
     }
@@ -277,7 +283,7 @@ pub(super) fn write_out<S: Stream>(
     last: &[&mut Chunk; 3],
     out: &mut [Target<'_>; 3],
     start: usize,
-    bits: &mut [Bits; 3],
+    bits: &mut [BitRange; 3],
 ) {
     put(
         simd,
@@ -290,14 +296,14 @@ pub(super) fn write_out<S: Stream>(
 }
 
 /// Extremes of the bits of three channels, in registers.
-struct Seen<S: Simd> {
+struct ColorBitRange<S: Simd> {
     least: [u32x16<S>; 3],
     largest: [u32x16<S>; 3],
 }
 
-impl<S: Simd> Seen<S> {
+impl<S: Simd> ColorBitRange<S> {
     #[inline(always)]
-    fn resume(simd: S, bits: &[Bits; 3]) -> Self {
+    fn load(simd: S, bits: &[BitRange; 3]) -> Self {
         Self {
             least: rgb!(c => u32x16::from_slice(simd, &bits[c].least)),
             largest: rgb!(c => u32x16::from_slice(simd, &bits[c].largest)),
@@ -314,7 +320,7 @@ impl<S: Simd> Seen<S> {
     }
 
     #[inline(always)]
-    fn rest(self, bits: &mut [Bits; 3]) {
+    fn store(self, bits: &mut [BitRange; 3]) {
         for ((bits, least), largest) in bits.iter_mut().zip(self.least).zip(self.largest) {
             least.store_slice(&mut bits.least);
             largest.store_slice(&mut bits.largest);
@@ -324,7 +330,7 @@ impl<S: Simd> Seen<S> {
 
 /// Records the extremes of the bits of a row of weights or of a channel.
 #[inline(always)]
-pub(super) fn see_row<S: Simd>(simd: S, row: &[f32; CHUNK], bits: &mut Bits) {
+pub(super) fn see_row<S: Simd>(simd: S, row: &[f32; CHUNK], bits: &mut BitRange) {
     let mut least = u32x16::from_slice(simd, &bits.least);
     let mut largest = u32x16::from_slice(simd, &bits.largest);
     for i in 0..VECTORS {
@@ -338,7 +344,7 @@ pub(super) fn see_row<S: Simd>(simd: S, row: &[f32; CHUNK], bits: &mut Bits) {
 
 /// Records the largest bits of a row of any numbers, with the sign shifted out.
 #[inline(always)]
-pub(super) fn see_field<S: Simd>(simd: S, row: &[f32; CHUNK], bits: &mut Bits) {
+pub(super) fn see_field<S: Simd>(simd: S, row: &[f32; CHUNK], bits: &mut BitRange) {
     let mut largest = u32x16::from_slice(simd, &bits.largest);
     for i in 0..VECTORS {
         let value: u32x16<S> = load(simd, row, i).bitcast();

@@ -1,8 +1,8 @@
 //! Compiles a program to code that runs once per tile, once per row, and for every pixel.
 
-use super::audit::Legal;
-use super::code::{Compiled, Row, Source};
-use super::generate::{Input, Value, generate};
+use super::audit::ValueRule;
+use super::code::{ColorOperand, CompiledProgram, Row};
+use super::generate::{GeneratorInput, Location, generate};
 use super::native::Native;
 use super::order::cost;
 use crate::rules::variance::variance;
@@ -24,12 +24,12 @@ pub(crate) struct Options<'a> {
     pub(crate) native: bool,
     pub(crate) variance: &'a dyn Fn(&Slot) -> Variance,
     /// Planes of the caller, and the values that are legal in them.
-    pub(crate) legal: &'a dyn Fn(&Slot) -> Option<Legal>,
+    pub(crate) rule: &'a dyn Fn(&Slot) -> Option<ValueRule>,
 }
 
 /// How often an operation runs.
 #[derive(Clone, Copy, PartialEq)]
-enum Rate {
+enum Frequency {
     /// It is a plane or a constant.
     Never,
     Tile,
@@ -38,33 +38,34 @@ enum Rate {
 }
 
 /// Compiles what `roots` need.
-pub(crate) fn compile(program: &Program, roots: &[u32], options: &Options<'_>) -> Compiled {
+pub(crate) fn compile(program: &Program, roots: &[u32], options: &Options<'_>) -> CompiledProgram {
     let ops = program.ops();
-    let mut out = Compiled { instructions: options.instructions, ..Compiled::default() };
-    let mut planes = Planes { slots: Vec::new(), known: HashMap::new() };
+    let mut out = CompiledProgram { instructions: options.instructions, ..CompiledProgram::default() };
+    let mut planes = PlaneList { slots: Vec::new(), known: HashMap::new() };
     let mut given = HashMap::new();
     let needed = if options.everything { vec![true; ops.len()] } else { needed(ops, roots) };
     for (at, (op, _)) in ops.iter().enumerate().filter(|(at, _)| needed[*at]) {
         match op {
             Op::Load(slot) => {
-                given.insert(at as u32, Value::Scalar(planes.row(*slot)));
+                given.insert(at as u32, Location::Scalar(planes.row(*slot)));
             }
             Op::LoadColor(slot) => {
                 let rows = [0, 1, 2].map(|channel| planes.row(Slot { channel, ..*slot }));
-                given.insert(at as u32, Value::Color(Source::Rows(rows)));
+                given.insert(at as u32, Location::Color(ColorOperand::Rows(rows)));
             }
             _ => {}
         }
     }
     out.planes = planes.slots;
     let rates = rates(ops, roots, &needed, options);
-    let hoists = [(Rate::Tile, &mut out.column, Row::Column as fn(u32) -> Row), (Rate::Row, &mut out.row, Row::Line)];
+    let hoists =
+        [(Frequency::Tile, &mut out.column, Row::Column as fn(u32) -> Row), (Frequency::Row, &mut out.row, Row::Line)];
     for (rate, code, place) in hoists {
         let hoisted = hoisted(ops, roots, &needed, &rates, rate);
         if hoisted.is_empty() {
             continue;
         }
-        *code = generate(Input {
+        *code = generate(GeneratorInput {
             ops,
             roots: &hoisted,
             given: given.clone(),
@@ -75,16 +76,17 @@ pub(crate) fn compile(program: &Program, roots: &[u32], options: &Options<'_>) -
         for (&at, &(first, count)) in hoisted.iter().zip(&code.roots) {
             let row = |channel: usize| place((first + channel) as u32);
             let value = match ops[at as usize].0.ty() {
-                Type::Scalar => Value::Scalar(row(0)),
-                Type::Color => Value::Color(Source::Rows([row(0), row(1), row(2)])),
-                Type::Partition(_) => Value::Partition((0..count).map(row).collect()),
+                Type::Scalar => Location::Scalar(row(0)),
+                Type::Color => Location::Color(ColorOperand::Rows([row(0), row(1), row(2)])),
+                Type::Partition(_) => Location::Partition((0..count).map(row).collect()),
             };
             given.insert(at, value);
         }
     }
-    let legal = out.planes.iter().enumerate().filter_map(|(at, slot)| Some((at as u32, (options.legal)(slot)?)));
-    let checks = legal.collect();
-    out.main = generate(Input { ops, roots, given, fuse: options.fuse, everything: options.everything, checks });
+    let checks =
+        out.planes.iter().enumerate().filter_map(|(at, slot)| Some((at as u32, (options.rule)(slot)?))).collect();
+    out.main =
+        generate(GeneratorInput { ops, roots, given, fuse: options.fuse, everything: options.everything, checks });
     if options.native {
         let (planes, columns, lines) = (out.planes.len(), out.column.channels(), out.row.channels());
         out.native = Native::new(&out.main, planes, columns, lines, options.instructions.level());
@@ -112,22 +114,22 @@ fn needed(ops: &[(Op, NodeId)], roots: &[u32]) -> Vec<bool> {
 }
 
 /// Returns how often every operation has to run.
-fn rates(ops: &[(Op, NodeId)], roots: &[u32], needed: &[bool], options: &Options<'_>) -> Vec<Rate> {
+fn rates(ops: &[(Op, NodeId)], roots: &[u32], needed: &[bool], options: &Options<'_>) -> Vec<Frequency> {
     let mut variances = Vec::with_capacity(ops.len());
     for (op, _) in ops {
         variances.push(variance(op, &|operand| variances[operand as usize], options.variance));
     }
     let is_plane = |op: &Op| matches!(op, Op::Load(_) | Op::LoadColor(_) | Op::Constant(_) | Op::ConstantColor(_));
-    let mut rates: Vec<Rate> = ops
+    let mut rates: Vec<Frequency> = ops
         .iter()
         .zip(&variances)
         .map(|((op, _), variance)| match variance {
-            _ if is_plane(op) => Rate::Never,
+            _ if is_plane(op) => Frequency::Never,
             // Only another name for a row of its partition.
-            _ if matches!(op, Op::Weight(..)) => Rate::Pixel,
-            Variance::Constant | Variance::Column if options.hoist => Rate::Tile,
-            Variance::Row if options.hoist => Rate::Row,
-            _ => Rate::Pixel,
+            _ if matches!(op, Op::Weight(..)) => Frequency::Pixel,
+            Variance::Constant | Variance::Column if options.hoist => Frequency::Tile,
+            Variance::Row if options.hoist => Frequency::Row,
+            _ => Frequency::Pixel,
         })
         .collect();
     // A mix of constants costs as much per channel as reading a row, and can be folded, so it runs where it is read.
@@ -141,9 +143,9 @@ fn rates(ops: &[(Op, NodeId)], roots: &[u32], needed: &[bool], options: &Options
             && is_constant(a.0)
             && is_constant(b.0)
         {
-            rates[at] = Rate::Pixel;
+            rates[at] = Frequency::Pixel;
         }
-        if rates[at] == Rate::Pixel {
+        if rates[at] == Frequency::Pixel {
             ops[at].0.operands(|operand| read_by_pixels[operand as usize] = true);
         }
     }
@@ -151,7 +153,7 @@ fn rates(ops: &[(Op, NodeId)], roots: &[u32], needed: &[bool], options: &Options
 }
 
 /// Returns the operations of a rate that other operations, or the roots, read.
-fn hoisted(ops: &[(Op, NodeId)], roots: &[u32], needed: &[bool], rates: &[Rate], rate: Rate) -> Vec<u32> {
+fn hoisted(ops: &[(Op, NodeId)], roots: &[u32], needed: &[bool], rates: &[Frequency], rate: Frequency) -> Vec<u32> {
     let mut read = vec![false; ops.len()];
     roots.iter().for_each(|&root| read[root as usize] = true);
     for at in (0..ops.len()).filter(|&at| needed[at] && rates[at] != rate) {
@@ -161,12 +163,12 @@ fn hoisted(ops: &[(Op, NodeId)], roots: &[u32], needed: &[bool], rates: &[Rate],
 }
 
 /// Planes that a program reads, each once.
-struct Planes {
+struct PlaneList {
     slots: Vec<Slot>,
     known: HashMap<Slot, u32>,
 }
 
-impl Planes {
+impl PlaneList {
     fn row(&mut self, slot: Slot) -> Row {
         Row::Plane(*self.known.entry(slot).or_insert_with(|| {
             self.slots.push(slot);

@@ -1,36 +1,36 @@
 //! Generates instructions from steps: assigns chunks, chains colors through the accumulator, and folds mixes of
 //! constants into the instructions that read them.
 
-use super::audit::Legal;
-use super::code::{Code, Row, Source, Work};
+use super::audit::ValueRule;
+use super::code::{Code, ColorOperand, Instruction, Row};
 use super::order::{Order, Step};
 use std::collections::{BTreeMap, HashMap, HashSet};
 use trochoid_graph::{NodeId, Op, Type};
 
 /// Location of an operation's result.
 #[derive(Clone, Debug)]
-pub(super) enum Value {
+pub(super) enum Location {
     Scalar(Row),
-    Color(Source),
+    Color(ColorOperand),
     Partition(Vec<Row>),
 }
 
 /// Input of code generation.
-pub(super) struct Input<'a> {
+pub(super) struct GeneratorInput<'a> {
     pub(super) ops: &'a [(Op, NodeId)],
     pub(super) roots: &'a [u32],
     /// Values that are already computed: planes, and results of earlier code.
-    pub(super) given: HashMap<u32, Value>,
+    pub(super) given: HashMap<u32, Location>,
     /// Whether to fold operations into each other; otherwise each one is an instruction.
     pub(super) fuse: bool,
     /// Whether to run also what no root needs.
     pub(super) everything: bool,
     /// Planes to check against the rules of their kinds.
-    pub(super) checks: Vec<(u32, Legal)>,
+    pub(super) checks: Vec<(u32, ValueRule)>,
 }
 
 /// Generates code.
-pub(super) fn generate(input: Input<'_>) -> Code {
+pub(super) fn generate(input: GeneratorInput<'_>) -> Code {
     let is_constant = |at: u32| matches!(input.ops[at as usize].0, Op::Constant(_) | Op::ConstantColor(_));
     let given = |at: u32| input.given.contains_key(&at) || is_constant(at);
     let mut wanted = input.roots.to_vec();
@@ -108,11 +108,11 @@ fn note_partition(ops: &[(Op, NodeId)], at: u32, index: usize, last: &mut [usize
 }
 
 struct Generator<'a> {
-    input: &'a Input<'a>,
+    input: &'a GeneratorInput<'a>,
     order: &'a Order<'a>,
     steps: &'a [Step],
     code: Code,
-    values: HashMap<u32, Value>,
+    values: HashMap<u32, Location>,
     roots_of: HashMap<u32, Vec<u32>>,
     free: Vec<u32>,
     /// Own rows that hold a constant, by its bits.
@@ -160,9 +160,9 @@ impl Generator<'_> {
             return;
         }
         let rows = match self.values.get(&at) {
-            Some(Value::Scalar(row)) => vec![*row],
-            Some(Value::Color(Source::Rows(rows))) => rows.to_vec(),
-            Some(Value::Partition(rows)) => rows.clone(),
+            Some(Location::Scalar(row)) => vec![*row],
+            Some(Location::Color(ColorOperand::Rows(rows))) => rows.to_vec(),
+            Some(Location::Partition(rows)) => rows.clone(),
             _ => return,
         };
         self.free.extend(rows.into_iter().filter_map(|row| if let Row::Own(row) = row { Some(row) } else { None }));
@@ -170,7 +170,7 @@ impl Generator<'_> {
 
     /// Returns the row of a scalar; a constant gets its own row permanently.
     fn scalar(&mut self, at: u32) -> Row {
-        if let Some(&Value::Scalar(row)) = self.values.get(&at) {
+        if let Some(&Location::Scalar(row)) = self.values.get(&at) {
             self.check(row);
             return row;
         }
@@ -195,14 +195,14 @@ impl Generator<'_> {
         if let Row::Plane(plane) = row
             && let Some(index) = self.unchecked.remove(&plane)
         {
-            self.code.list.push(Work::Check { plane, index });
+            self.code.list.push(Instruction::Check { plane, index });
         }
     }
 
     /// Checks all planes that are not yet checked.
     fn check_rest(&mut self) {
         let rest = std::mem::take(&mut self.unchecked);
-        self.code.list.extend(rest.into_iter().map(|(plane, index)| Work::Check { plane, index }));
+        self.code.list.extend(rest.into_iter().map(|(plane, index)| Instruction::Check { plane, index }));
     }
 
     fn scalars(&mut self, of: &[trochoid_graph::Scalar]) -> Vec<Row> {
@@ -211,27 +211,27 @@ impl Generator<'_> {
 
     fn partition(&self, at: u32) -> Vec<Row> {
         match self.values.get(&at) {
-            Some(Value::Partition(rows)) => rows.clone(),
+            Some(Location::Partition(rows)) => rows.clone(),
             _ => unreachable!("operands run before their readers"),
         }
     }
 
-    fn color(&mut self, at: u32) -> Source {
+    fn color(&mut self, at: u32) -> ColorOperand {
         if self.accumulated == Some(at) {
-            return Source::Last;
+            return ColorOperand::Last;
         }
-        if let Some(&Value::Color(source)) = self.values.get(&at) {
-            if let Source::Rows(rows) = source {
+        if let Some(&Location::Color(source)) = self.values.get(&at) {
+            if let ColorOperand::Rows(rows) = source {
                 rows.into_iter().for_each(|row| self.check(row));
             }
             return source;
         }
         match *self.op(at) {
-            Op::ConstantColor(color) => Source::Constant(color),
+            Op::ConstantColor(color) => ColorOperand::Constant(color),
             Op::Mix { a, b, t } if self.order.inline[at as usize] => match (self.op(a.0), self.op(b.0)) {
                 (Op::ConstantColor(from), Op::ConstantColor(to)) => {
                     let (from, to) = (*from, *to);
-                    Source::Pair { from, to, by: self.scalar(t.0) }
+                    ColorOperand::Pair { from, to, by: self.scalar(t.0) }
                 }
                 _ => unreachable!("only mixes of constants are folded"),
             },
@@ -249,7 +249,7 @@ impl Generator<'_> {
         let t = self.scalar(t.0);
         self.audited.push(HashSet::new());
         self.gates.push((mix, self.code.list.len()));
-        self.code.list.push(Work::Gate { t, closed, otherwise, skip: 0 });
+        self.code.list.push(Instruction::Gate { t, closed, otherwise, skip: 0 });
     }
 
     /// Returns whether a mask or a partition still has to be audited here; afterwards it counts as audited.
@@ -267,9 +267,10 @@ impl Generator<'_> {
             return;
         }
         let row = self.scalar(at);
-        let checked = self.input.checks.iter().any(|(plane, legal)| row == Row::Plane(*plane) && *legal == Legal::Mask);
+        let checked =
+            self.input.checks.iter().any(|(plane, rule)| row == Row::Plane(*plane) && *rule == ValueRule::Mask);
         if !checked {
-            self.code.list.push(Work::AuditMask(row));
+            self.code.list.push(Instruction::AuditMask(row));
         }
     }
 
@@ -278,36 +279,36 @@ impl Generator<'_> {
         match self.op(at).clone() {
             Op::Weight(partition, i) => {
                 let row = self.partition(partition.0)[i];
-                self.values.insert(at, Value::Scalar(row));
+                self.values.insert(at, Location::Scalar(row));
             }
             Op::Mix { a, b, t } => self.mix(index, at, a.0, b.0, t.0),
             Op::Blend { colors, weights } => {
                 let rows = self.partition(weights.0);
                 if self.is_unaudited(weights.0) {
-                    self.code.list.push(Work::AuditPartition(rows.clone()));
+                    self.code.list.push(Instruction::AuditPartition(rows.clone()));
                 }
                 let colors = colors.iter().map(|color| self.color(color.0)).collect();
-                self.code.list.push(Work::Blend { colors, weights: rows });
+                self.code.list.push(Instruction::Blend { colors, weights: rows });
                 self.after_color(index, at);
             }
             op => {
-                let work = self.scalar_work(&op);
-                self.code.list.push(work);
+                let instruction = self.scalar_instruction(&op);
+                self.code.list.push(instruction);
                 match self.code.list.last() {
-                    Some(Work::Partition { to, .. } | Work::Normalize { to, .. }) => {
+                    Some(Instruction::Partition { to, .. } | Instruction::Normalize { to, .. }) => {
                         let rows = to.iter().map(|&row| Row::Own(row)).collect();
-                        self.values.insert(at, Value::Partition(rows));
+                        self.values.insert(at, Location::Partition(rows));
                     }
                     Some(
-                        Work::Clamp { to, .. }
-                        | Work::Smooth { to, .. }
-                        | Work::Power { to, .. }
-                        | Work::Step { to, .. }
-                        | Work::Complement { to, .. }
-                        | Work::Product { to, .. },
+                        Instruction::Clamp { to, .. }
+                        | Instruction::Smooth { to, .. }
+                        | Instruction::Power { to, .. }
+                        | Instruction::Step { to, .. }
+                        | Instruction::Complement { to, .. }
+                        | Instruction::Product { to, .. },
                     ) => {
                         let row = Row::Own(*to);
-                        self.values.insert(at, Value::Scalar(row));
+                        self.values.insert(at, Location::Scalar(row));
                     }
                     _ => unreachable!("colors have been dealt with"),
                 }
@@ -320,29 +321,31 @@ impl Generator<'_> {
         }
     }
 
-    fn scalar_work(&mut self, op: &Op) -> Work {
+    fn scalar_instruction(&mut self, op: &Op) -> Instruction {
         match op {
             Op::Clamp { x, min, max } => {
                 let x = self.scalar(x.0);
-                Work::Clamp { x, min: *min, max: *max, to: self.allocate() }
+                Instruction::Clamp { x, min: *min, max: *max, to: self.allocate() }
             }
-            Op::Smooth(t) => Work::Smooth { t: self.scalar(t.0), to: self.allocate() },
-            Op::Power { t, p } => Work::Power { t: self.scalar(t.0), p: *p, to: self.allocate() },
-            Op::Step { x, threshold } => Work::Step { x: self.scalar(x.0), threshold: *threshold, to: self.allocate() },
-            Op::Complement(t) => Work::Complement { t: self.scalar(t.0), to: self.allocate() },
+            Op::Smooth(t) => Instruction::Smooth { t: self.scalar(t.0), to: self.allocate() },
+            Op::Power { t, p } => Instruction::Power { t: self.scalar(t.0), p: *p, to: self.allocate() },
+            Op::Step { x, threshold } => {
+                Instruction::Step { x: self.scalar(x.0), threshold: *threshold, to: self.allocate() }
+            }
+            Op::Complement(t) => Instruction::Complement { t: self.scalar(t.0), to: self.allocate() },
             Op::Product(t, u) => {
                 let (t, u) = (self.scalar(t.0), self.scalar(u.0));
-                Work::Product { t, u, to: self.allocate() }
+                Instruction::Product { t, u, to: self.allocate() }
             }
             Op::Partition(weights) => {
                 let weights = self.scalars(weights);
                 let to = weights.iter().map(|_| self.allocate()).collect();
-                Work::Partition { weights, to }
+                Instruction::Partition { weights, to }
             }
             Op::Normalize { values, floor } => {
                 let values = self.scalars(values);
                 let to = (0..=values.len()).map(|_| self.allocate()).collect();
-                Work::Normalize { values, floor: *floor, to }
+                Instruction::Normalize { values, floor: *floor, to }
             }
             _ => unreachable!("colors, constants and planes are no scalar work"),
         }
@@ -355,20 +358,20 @@ impl Generator<'_> {
         let gated = self.gates.last().is_some_and(|(mix, _)| *mix == at);
         let own_root = self.roots_of.get(&at).filter(|roots| roots.len() == 1).map(|roots| roots[0]);
         let fused = self.input.fuse && !gated && self.order.uses[at as usize] == 0;
-        let work = match (a, b) {
-            (Source::Pair { from, to, by }, Source::Pair { from: from_2, to: to_2, by: by_2 })
+        let instruction = match (a, b) {
+            (ColorOperand::Pair { from, to, by }, ColorOperand::Pair { from: from_2, to: to_2, by: by_2 })
                 if by == by_2 && self.input.fuse =>
             {
-                Work::Patch { corners: [from, to, from_2, to_2], x: by, y: t }
+                Instruction::Patch { corners: [from, to, from_2, to_2], x: by, y: t }
             }
-            _ => Work::Mix { a, b, t, out: own_root.filter(|_| fused) },
+            _ => Instruction::Mix { a, b, t, out: own_root.filter(|_| fused) },
         };
-        let is_out = matches!(work, Work::Mix { out: Some(_), .. });
-        self.code.list.push(work);
+        let is_out = matches!(instruction, Instruction::Mix { out: Some(_), .. });
+        self.code.list.push(instruction);
         if gated && let Some((_, gate)) = self.gates.pop() {
             self.audited.pop();
             let end = self.code.list.len();
-            if let Work::Gate { skip, .. } = &mut self.code.list[gate] {
+            if let Instruction::Gate { skip, .. } = &mut self.code.list[gate] {
                 *skip = end - gate - 1;
             }
         }
@@ -384,7 +387,7 @@ impl Generator<'_> {
     /// reader is the next color.
     fn after_color(&mut self, index: usize, at: u32) {
         for root in self.roots_of.remove(&at).unwrap_or_default() {
-            self.code.list.push(Work::OutColor(root));
+            self.code.list.push(Instruction::OutColor(root));
         }
         self.accumulated = None;
         if self.order.uses[at as usize] == 0 {
@@ -395,8 +398,8 @@ impl Generator<'_> {
             return;
         }
         let to = [0; 3].map(|_| self.allocate());
-        self.values.insert(at, Value::Color(Source::Rows(to.map(Row::Own))));
-        self.code.list.push(Work::Keep(to));
+        self.values.insert(at, Location::Color(ColorOperand::Rows(to.map(Row::Own))));
+        self.code.list.push(Instruction::Keep(to));
     }
 
     /// Returns whether the next color to be made is a mix of this one.
@@ -420,7 +423,7 @@ impl Generator<'_> {
         for (root, at) in open {
             if self.op(at).ty() == Type::Color {
                 let source = self.color(at);
-                self.code.list.extend([Work::Load(source), Work::OutColor(root)]);
+                self.code.list.extend([Instruction::Load(source), Instruction::OutColor(root)]);
             } else {
                 self.out_rows(root, at);
             }
@@ -429,9 +432,9 @@ impl Generator<'_> {
 
     fn out_rows(&mut self, root: u32, at: u32) {
         let rows = match self.values.get(&at) {
-            Some(Value::Partition(rows)) => rows.clone(),
+            Some(Location::Partition(rows)) => rows.clone(),
             _ => vec![self.scalar(at)],
         };
-        self.code.list.push(Work::OutRows { root, rows });
+        self.code.list.push(Instruction::OutRows { root, rows });
     }
 }

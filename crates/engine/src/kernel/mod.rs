@@ -28,9 +28,9 @@ mod partition;
 mod run;
 mod sweep;
 
-pub(crate) use audit::{Legal, WeightAudit};
+pub(crate) use audit::{ValueRule, WeightAudit};
 #[cfg(test)]
 pub(crate) use code::Fault;
-pub(crate) use code::{CHUNK, Chunk, Compiled, Origin, Plane};
+pub(crate) use code::{CHUNK, Chunk, CompiledProgram, Origin, Plane};
 pub(crate) use compile::{Options, compile};
 pub(crate) use run::{Chunks, Look, Machine, Range, TakeRow};

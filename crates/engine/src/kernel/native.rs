@@ -1,8 +1,8 @@
 //! Runs code as machine code: each instruction is translated once, so that no dispatch is needed over rows.
 
-use super::audit::{Bits, Legal};
-use super::code::{Chunk, Code, Row, Source, Work};
-use super::run::{Frame, Given, Look, filled};
+use super::audit::{BitRange, ValueRule};
+use super::code::{Chunk, Code, ColorOperand, Instruction, Row};
+use super::run::{CodeFrame, KernelInputs, Look, RowEnd, filled};
 use super::sweep::is_simple;
 use fearless_simd::Level;
 use std::sync::{Arc, OnceLock};
@@ -32,12 +32,11 @@ pub(crate) struct Native {
 
 /// Scratch space that a machine needs to run it.
 #[derive(Debug, Default)]
-pub(super) struct Space {
+pub(super) struct Scratch {
     state: Vec<Lanes>,
     slots: Vec<Lanes>,
-    /// The end of rows, padded to whole steps, and its results.
-    padded: Vec<Chunk>,
-    rest: Vec<Chunk>,
+    /// Padded to whole steps.
+    end: RowEnd,
     /// Results that are shown before they go to their destination.
     block: Vec<Vec<f32>>,
 }
@@ -74,62 +73,62 @@ impl Native {
     #[allow(clippy::too_many_arguments, reason = "the machine's parts, borrowed one by one")]
     pub(super) fn row(
         &self,
-        frame: &mut Frame<'_>,
-        given: Given<'_>,
+        frame: &mut CodeFrame<'_>,
+        inputs: KernelInputs<'_>,
         width: usize,
         out: &mut [Target<'_>],
         start: usize,
         look: Option<Look<'_>>,
-        space: &mut Space,
+        scratch: &mut Scratch,
     ) -> bool {
         let whole = width / STEP * STEP;
         let around = look.is_none() && whole > 0 && out.iter().all(|target| target.is_lines(start, whole));
         let stores = if around { Stores::Around } else { Stores::Cached };
         let (Some(code), Some(cached)) = (self.code(stores), self.code(Stores::Cached)) else { return false };
-        resume(frame, &mut space.state, self.program.state());
-        let lines: Vec<&[f32]> = given.lines.iter().map(|chunk| &chunk.0[..1]).collect();
+        load_bits(frame, &mut scratch.state, self.program.state());
+        let lines: Vec<&[f32]> = inputs.lines.iter().map(|chunk| &chunk.0[..1]).collect();
         let rows = |from: usize, to: usize| -> Vec<&[f32]> {
-            let planes = given.planes.iter().map(|view| {
-                let at = view.at.wrapping_add(from);
-                &view.plane.samples[at..at + (to - from)]
+            let planes = inputs.planes.iter().map(|row| {
+                let at = row.at.wrapping_add(from);
+                &row.plane.samples[at..at + (to - from)]
             });
-            planes.chain(given.columns[..self.columns].iter().map(|column| &column[from..to])).collect()
+            planes.chain(inputs.columns[..self.columns].iter().map(|column| &column[from..to])).collect()
         };
-        let (state, slots) = (&mut space.state, &mut space.slots);
+        let (state, slots) = (&mut scratch.state, &mut scratch.slots);
         match look {
             None => {
                 let run = Run { inputs: &rows(0, whole), lines: &lines, start, count: whole };
                 code.run(&run, out, state, slots);
                 if whole < width {
-                    self.tail(cached, given, &lines, whole..width, state, slots, (&mut space.padded, &mut space.rest));
-                    for (out, rest) in out.iter_mut().zip(&space.rest) {
+                    self.tail(cached, inputs, &lines, whole..width, state, slots, &mut scratch.end);
+                    for (out, rest) in out.iter_mut().zip(&scratch.end.results) {
                         out.copy(start + whole, &rest.0[..width - whole]);
                     }
                 }
             }
             Some(look) => {
-                space.block.resize_with(out.len(), || vec![0.0; BLOCK]);
+                scratch.block.resize_with(out.len(), || vec![0.0; BLOCK]);
                 for from in (0..whole).step_by(BLOCK) {
                     let count = BLOCK.min(whole - from);
-                    let mut targets: Vec<Target<'_>> = space.block.iter_mut().map(|row| Target::new(row)).collect();
+                    let mut targets: Vec<Target<'_>> = scratch.block.iter_mut().map(|row| Target::new(row)).collect();
                     let run = Run { inputs: &rows(from, from + count), lines: &lines, start: 0, count };
                     cached.run(&run, &mut targets, state, slots);
                     drop(targets);
-                    show(frame.code, look, |channel| &space.block[channel][..count]);
-                    for (out, block) in out.iter_mut().zip(&space.block) {
+                    show(frame.code, look, |channel| &scratch.block[channel][..count]);
+                    for (out, block) in out.iter_mut().zip(&scratch.block) {
                         out.copy(start + from, &block[..count]);
                     }
                 }
                 if whole < width {
-                    self.tail(cached, given, &lines, whole..width, state, slots, (&mut space.padded, &mut space.rest));
-                    show(frame.code, look, |channel| &space.rest[channel].0[..width - whole]);
-                    for (out, rest) in out.iter_mut().zip(&space.rest) {
+                    self.tail(cached, inputs, &lines, whole..width, state, slots, &mut scratch.end);
+                    show(frame.code, look, |channel| &scratch.end.results[channel].0[..width - whole]);
+                    for (out, rest) in out.iter_mut().zip(&scratch.end.results) {
                         out.copy(start + whole, &rest.0[..width - whole]);
                     }
                 }
             }
         }
-        rest(frame, &mut space.state);
+        store_bits(frame, &mut scratch.state);
         true
     }
 
@@ -138,23 +137,23 @@ impl Native {
     fn tail(
         &self,
         code: &trochoid_jit::Code,
-        given: Given<'_>,
+        inputs: KernelInputs<'_>,
         lines: &[&[f32]],
         range: std::ops::Range<usize>,
         state: &mut [Lanes],
         slots: &mut Vec<Lanes>,
-        (padded, rest): (&mut Vec<Chunk>, &mut Vec<Chunk>),
+        end: &mut RowEnd,
     ) {
-        padded.clear();
-        padded.extend(given.planes.iter().map(|view| {
-            let at = view.at.wrapping_add(range.start);
-            filled(&view.plane.samples[at..at + range.len()])
+        end.padded.clear();
+        end.padded.extend(inputs.planes.iter().map(|row| {
+            let at = row.at.wrapping_add(range.start);
+            filled(&row.plane.samples[at..at + range.len()])
         }));
-        let columns = given.columns[..self.columns].iter().map(|column| &column[range.start..range.start + STEP]);
-        let inputs: Vec<&[f32]> = padded.iter().map(|chunk| &chunk.0[..STEP]).chain(columns).collect();
-        rest.resize(self.program.outputs(), Chunk::ZERO);
-        let mut targets: Vec<Target<'_>> = rest.iter_mut().map(|chunk| Target::new(&mut chunk.0)).collect();
-        code.run(&Run { inputs: &inputs, lines, start: 0, count: STEP }, &mut targets, state, slots);
+        let columns = inputs.columns[..self.columns].iter().map(|column| &column[range.start..range.start + STEP]);
+        let rows: Vec<&[f32]> = end.padded.iter().map(|chunk| &chunk.0[..STEP]).chain(columns).collect();
+        end.results.resize(self.program.outputs(), Chunk::ZERO);
+        let mut targets: Vec<Target<'_>> = end.results.iter_mut().map(|chunk| Target::new(&mut chunk.0)).collect();
+        code.run(&Run { inputs: &rows, lines, start: 0, count: STEP }, &mut targets, state, slots);
     }
 }
 
@@ -167,17 +166,17 @@ fn show<'r>(code: &Code, look: Look<'_>, row: impl Fn(usize) -> &'r [f32]) {
 
 /// Returns the first check of a rule. Checks are only ever evaluated together, so the first one records for all of
 /// them.
-fn check(code: &Code, legal: Legal) -> Option<usize> {
-    code.checks.iter().position(|(_, kind)| *kind == legal)
+fn check(code: &Code, rule: ValueRule) -> Option<usize> {
+    code.checks.iter().position(|(_, kind)| *kind == rule)
 }
 
 /// Calls `f` with the first state vector of every record, whether a least value precedes the largest, and the bits to
 /// which it belongs.
-fn each(frame: &mut Frame<'_>, mut f: impl FnMut(usize, bool, &mut Bits)) {
+fn each(frame: &mut CodeFrame<'_>, mut f: impl FnMut(usize, bool, &mut BitRange)) {
     let code = frame.code;
-    for (legal, state) in [(Legal::Field, FIELDS), (Legal::Mask, MASKS), (Legal::Color, COLORS)] {
-        if let Some(index) = check(code, legal) {
-            f(state, legal == Legal::Mask, &mut frame.checks[index]);
+    for (rule, state) in [(ValueRule::Field, FIELDS), (ValueRule::Mask, MASKS), (ValueRule::Color, COLORS)] {
+        if let Some(index) = check(code, rule) {
+            f(state, rule == ValueRule::Mask, &mut frame.checks[index]);
         }
     }
     f(WEIGHTS, true, &mut frame.weights);
@@ -196,7 +195,7 @@ fn each(frame: &mut Frame<'_>, mut f: impl FnMut(usize, bool, &mut Bits)) {
 }
 
 /// Loads what was recorded before.
-fn resume(frame: &mut Frame<'_>, state: &mut Vec<Lanes>, count: usize) {
+fn load_bits(frame: &mut CodeFrame<'_>, state: &mut Vec<Lanes>, count: usize) {
     state.clear();
     state.resize(count, Lanes([0; 16]));
     each(frame, |at, has_least, bits| {
@@ -210,7 +209,7 @@ fn resume(frame: &mut Frame<'_>, state: &mut Vec<Lanes>, count: usize) {
 }
 
 /// Stores what was recorded.
-fn rest(frame: &mut Frame<'_>, state: &mut [Lanes]) {
+fn store_bits(frame: &mut CodeFrame<'_>, state: &mut [Lanes]) {
     each(frame, |at, has_least, bits| {
         if has_least {
             bits.least = state[at].0;
@@ -263,8 +262,8 @@ impl<'c> Translation<'c> {
 
     fn whole(mut self) -> Option<Program> {
         let code = self.code;
-        for (at, work) in code.list.iter().enumerate() {
-            self.work(at, work)?;
+        for (at, instruction) in code.list.iter().enumerate() {
+            self.instruction(at, instruction)?;
             while let Some(&(_, otherwise)) = self.gates.last().filter(|(end, _)| *end == at + 1) {
                 self.gates.pop();
                 let inside = self.last?;
@@ -295,12 +294,12 @@ impl<'c> Translation<'c> {
         [0, 1, 2].map(|c| self.program.compute(Op::Mix { a: a[c], b: b[c], t }))
     }
 
-    fn source(&mut self, source: &Source) -> Option<[Value; 3]> {
-        Some(match source {
-            Source::Last => self.last?,
-            Source::Rows([r, g, b]) => [self.row(*r)?, self.row(*g)?, self.row(*b)?],
-            Source::Constant(color) => self.constant(color),
-            Source::Pair { from, to, by } => {
+    fn operand(&mut self, operand: &ColorOperand) -> Option<[Value; 3]> {
+        Some(match operand {
+            ColorOperand::Last => self.last?,
+            ColorOperand::Rows([r, g, b]) => [self.row(*r)?, self.row(*g)?, self.row(*b)?],
+            ColorOperand::Constant(color) => self.constant(color),
+            ColorOperand::Pair { from, to, by } => {
                 let t = self.row(*by)?;
                 let (a, b) = (self.constant(from), self.constant(to));
                 self.mixed(a, b, t)
@@ -324,18 +323,18 @@ impl<'c> Translation<'c> {
         Some(())
     }
 
-    fn work(&mut self, at: usize, work: &Work) -> Option<()> {
-        match work {
-            Work::Check { plane, index } => {
+    fn instruction(&mut self, at: usize, instruction: &Instruction) -> Option<()> {
+        match instruction {
+            Instruction::Check { plane, index } => {
                 self.program.fetch(*plane);
                 let value = self.planes[*plane as usize];
                 match self.code.checks[*index as usize].1 {
-                    Legal::Field => self.program.see(value, None, FIELDS as u32, true),
-                    Legal::Mask => self.program.see(value, Some(MASKS as u32), MASKS as u32 + 1, false),
-                    Legal::Color => self.program.see(value, None, COLORS as u32, false),
+                    ValueRule::Field => self.program.see(value, None, FIELDS as u32, true),
+                    ValueRule::Mask => self.program.see(value, Some(MASKS as u32), MASKS as u32 + 1, false),
+                    ValueRule::Color => self.program.see(value, None, COLORS as u32, false),
                 }
             }
-            Work::Clamp { x, min, max, to } => {
+            Instruction::Clamp { x, min, max, to } => {
                 let x = self.row(*x)?;
                 let op = if is_simple(*min, *max) {
                     Op::Clamp { x, min: *min, width: *max - *min }
@@ -346,11 +345,11 @@ impl<'c> Translation<'c> {
                 };
                 self.set(*to, op);
             }
-            Work::Smooth { t, to } => {
+            Instruction::Smooth { t, to } => {
                 let t = self.row(*t)?;
                 self.set(*to, Op::Smooth(t));
             }
-            Work::Power { t, p, to } => {
+            Instruction::Power { t, p, to } => {
                 let t = self.row(*t)?;
                 if *p == 1.0 {
                     self.own[*to as usize] = Some(t);
@@ -360,30 +359,30 @@ impl<'c> Translation<'c> {
                     return None;
                 }
             }
-            Work::Step { x, threshold, to } => {
+            Instruction::Step { x, threshold, to } => {
                 let x = self.row(*x)?;
                 self.set(*to, Op::Step { x, threshold: *threshold });
             }
-            Work::Complement { t, to } => {
+            Instruction::Complement { t, to } => {
                 let t = self.row(*t)?;
                 self.set(*to, Op::Complement(t));
             }
-            Work::Product { t, u, to } => {
+            Instruction::Product { t, u, to } => {
                 let (t, u) = (self.row(*t)?, self.row(*u)?);
                 self.set(*to, Op::Product(t, u));
             }
-            Work::Partition { weights, to } => {
+            Instruction::Partition { weights, to } => {
                 let weights = self.rows(weights)?;
                 let rounded = self.program.partition(weights);
                 to.iter().zip(rounded).for_each(|(to, value)| self.own[*to as usize] = Some(value));
             }
             // Its divisions in f64 gain nothing from machine code.
-            Work::Normalize { .. } => return None,
-            Work::AuditMask(row) => {
+            Instruction::Normalize { .. } => return None,
+            Instruction::AuditMask(row) => {
                 let value = self.row(*row)?;
                 self.program.see(value, Some(WEIGHTS as u32), WEIGHTS as u32 + 1, false);
             }
-            Work::AuditPartition(rows) => {
+            Instruction::AuditPartition(rows) => {
                 let values = self.rows(rows)?;
                 for value in &values {
                     // 1 − w is no less than any other weight, so recording it as well changes nothing.
@@ -391,37 +390,37 @@ impl<'c> Translation<'c> {
                 }
                 self.program.see_sum(values, SUMS as u32);
             }
-            Work::Patch { corners, x, y } => {
+            Instruction::Patch { corners, x, y } => {
                 let (x, y) = (self.row(*x)?, self.row(*y)?);
                 let [a, b, c, d] = [0, 1, 2, 3].map(|i| self.constant(&corners[i]));
                 let (top, bottom) = (self.mixed(a, b, x), self.mixed(c, d, x));
                 self.last = Some(self.mixed(top, bottom, y));
             }
-            Work::Mix { a, b, t, out } => {
-                let (a, b, t) = (self.source(a)?, self.source(b)?, self.row(*t)?);
+            Instruction::Mix { a, b, t, out } => {
+                let (a, b, t) = (self.operand(a)?, self.operand(b)?, self.row(*t)?);
                 self.last = Some(self.mixed(a, b, t));
                 if let Some(root) = out {
                     self.out_color(*root)?;
                 }
             }
-            Work::Blend { colors, weights } => {
-                let colors = colors.iter().map(|color| self.source(color)).collect::<Option<Vec<_>>>()?;
+            Instruction::Blend { colors, weights } => {
+                let colors = colors.iter().map(|color| self.operand(color)).collect::<Option<Vec<_>>>()?;
                 let weights = self.rows(weights)?;
                 self.last = Some(self.program.blend(colors, weights));
             }
-            Work::Load(source) => self.last = Some(self.source(source)?),
-            Work::Keep(to) => {
+            Instruction::Load(operand) => self.last = Some(self.operand(operand)?),
+            Instruction::Keep(to) => {
                 for (to, value) in to.iter().zip(self.last?) {
                     self.own[*to as usize] = Some(value);
                 }
             }
-            Work::Gate { t, closed, otherwise, skip } => {
-                let (otherwise, t) = (self.source(otherwise)?, self.row(*t)?);
+            Instruction::Gate { t, closed, otherwise, skip } => {
+                let (otherwise, t) = (self.operand(otherwise)?, self.row(*t)?);
                 self.program.gate(t, *closed);
                 self.gates.push((at + 1 + skip, otherwise));
             }
-            Work::OutColor(root) => self.out_color(*root)?,
-            Work::OutRows { root, rows } => {
+            Instruction::OutColor(root) => self.out_color(*root)?,
+            Instruction::OutRows { root, rows } => {
                 let (first, _) = self.code.roots[*root as usize];
                 for (channel, value) in self.rows(rows)?.into_iter().enumerate() {
                     self.program.see(value, None, self.states[*root as usize], true);

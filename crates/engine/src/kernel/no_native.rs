@@ -1,7 +1,7 @@
 //! Stands in for `native.rs` if machine code is not compiled in.
 
 use super::code::Code;
-use super::run::{Frame, Given, Look};
+use super::run::{CodeFrame, KernelInputs, Look};
 use fearless_simd::Level;
 use trochoid_memory::Target;
 
@@ -10,7 +10,7 @@ use trochoid_memory::Target;
 pub(crate) enum Native {}
 
 #[derive(Debug, Default)]
-pub(super) struct Space {}
+pub(super) struct Scratch {}
 
 impl Native {
     pub(super) fn new(_code: &Code, _planes: usize, _columns: usize, _lines: usize, _level: Level) -> Option<Self> {
@@ -20,13 +20,13 @@ impl Native {
     #[allow(clippy::too_many_arguments, reason = "as the other")]
     pub(super) fn row(
         &self,
-        _frame: &mut Frame<'_>,
-        _given: Given<'_>,
+        _frame: &mut CodeFrame<'_>,
+        _inputs: KernelInputs<'_>,
         _width: usize,
         _out: &mut [Target<'_>],
         _start: usize,
         _look: Option<Look<'_>>,
-        _space: &mut Space,
+        _scratch: &mut Scratch,
     ) -> bool {
         match *self {}
     }

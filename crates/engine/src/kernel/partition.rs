@@ -6,23 +6,23 @@ use trochoid_weights::arithmetic as a;
 
 /// One channel of one color, as a Blend reads it.
 #[derive(Clone, Copy)]
-pub(super) enum Channel<'a> {
+pub(super) enum ChannelOperand<'a> {
     Row(&'a [f32; CHUNK]),
     Constant(f32),
 }
 
 /// Computes Σ wᵢ·cᵢ of one channel, in f64, rounded once.
 #[inline(always)]
-pub(super) fn blend<'a>(to: &mut [f32; CHUNK], terms: impl Iterator<Item = (&'a [f32; CHUNK], Channel<'a>)>) {
+pub(super) fn blend<'a>(to: &mut [f32; CHUNK], terms: impl Iterator<Item = (&'a [f32; CHUNK], ChannelOperand<'a>)>) {
     let mut sums = [0.0f64; CHUNK];
     for (weights, channel) in terms {
         match channel {
-            Channel::Row(row) => {
+            ChannelOperand::Row(row) => {
                 for ((sum, weight), value) in sums.iter_mut().zip(weights).zip(row) {
                     *sum = a::accumulate(*sum, *weight, *value);
                 }
             }
-            Channel::Constant(value) => {
+            ChannelOperand::Constant(value) => {
                 for (sum, weight) in sums.iter_mut().zip(weights) {
                     *sum = a::accumulate(*sum, *weight, value);
                 }

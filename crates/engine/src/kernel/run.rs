@@ -1,8 +1,8 @@
 //! Runs compiled programs.
 
-use super::audit::{Bits, Legal, WeightAudit};
-use super::code::{CHUNK, Chunk, Code, Compiled, Plane};
-use super::native::Space;
+use super::audit::{BitRange, ValueRule, WeightAudit};
+use super::code::{CHUNK, Chunk, Code, CompiledProgram, Plane};
+use super::native::Scratch;
 use super::sweep::{is_faulty, sweep};
 use fearless_simd::Level;
 use trochoid_memory::Target;
@@ -26,8 +26,8 @@ pub(crate) struct Chunks(Vec<Chunk>);
 
 impl Chunks {
     /// Allocates as many chunks as the programs need.
-    pub(crate) fn of<'c>(programs: impl IntoIterator<Item = &'c Compiled>) -> Self {
-        Self(vec![Chunk::ZERO; programs.into_iter().map(Compiled::chunks).sum()])
+    pub(crate) fn of<'c>(programs: impl IntoIterator<Item = &'c CompiledProgram>) -> Self {
+        Self(vec![Chunk::ZERO; programs.into_iter().map(CompiledProgram::chunks).sum()])
     }
 
     /// Returns all chunks, to be handed out to machines.
@@ -39,56 +39,62 @@ impl Chunks {
 /// A program and its chunks, for one thread.
 #[derive(Debug)]
 pub(crate) struct Machine<'p> {
-    compiled: &'p Compiled,
+    compiled: &'p CompiledProgram,
     level: Level,
-    column: Frame<'p>,
-    row: Frame<'p>,
-    main: Frame<'p>,
+    column: CodeFrame<'p>,
+    row: CodeFrame<'p>,
+    main: CodeFrame<'p>,
     /// Values that vary only along x: rows as wide as the tile, rounded up to whole chunks.
     columns: Vec<Vec<f32>>,
     /// Values that vary only along y.
     lines: Vec<Chunk>,
-    /// Last chunk of planes whose end is not a whole chunk, padded.
-    padded: Vec<Chunk>,
-    /// Results of such a chunk.
-    rest: Vec<Chunk>,
+    end: RowEnd,
     /// Scratch space for machine code.
-    space: Space,
+    scratch: Scratch,
+}
+
+/// The end of a row, where it is not as long as a whole chunk, and its results.
+#[derive(Debug, Default)]
+pub(super) struct RowEnd {
+    /// Inputs by plane, padded.
+    pub(super) padded: Vec<Chunk>,
+    /// Results by channel.
+    pub(super) results: Vec<Chunk>,
 }
 
 /// State of some code.
 #[derive(Debug)]
-pub(super) struct Frame<'p> {
+pub(super) struct CodeFrame<'p> {
     pub(super) code: &'p Code,
     /// Own chunks; each is `None` only while it is being written.
     pub(super) own: Vec<Option<&'p mut Chunk>>,
     pub(super) last: [&'p mut Chunk; 3],
-    pub(super) weights: Bits,
+    pub(super) weights: BitRange,
     pub(super) partitions: WeightAudit,
-    pub(super) checks: Vec<Bits>,
+    pub(super) checks: Vec<BitRange>,
     /// Bits of colors, by root.
-    pub(super) colors: Vec<[Bits; 3]>,
+    pub(super) colors: Vec<[BitRange; 3]>,
     /// Bits of scalars, by root, with the sign shifted out.
-    pub(super) scalars: Vec<Bits>,
+    pub(super) scalars: Vec<BitRange>,
     #[cfg(test)]
     pub(super) fault: super::code::Fault,
 }
 
 /// Planes of a tile, with the start of the current row in each.
 #[derive(Debug)]
-pub(crate) struct Views<'a> {
-    pub(super) planes: Vec<View<'a>>,
+pub(crate) struct TilePlanes<'a> {
+    pub(super) planes: Vec<PlaneRow<'a>>,
     width: usize,
 }
 
 #[derive(Clone, Copy, Debug)]
-pub(super) struct View<'a> {
+pub(super) struct PlaneRow<'a> {
     pub(super) plane: Plane<'a>,
     /// Index of the current row's first sample.
     pub(super) at: usize,
 }
 
-impl<'a> View<'a> {
+impl<'a> PlaneRow<'a> {
     /// Returns a view of a chunk as the samples from column `x` on.
     pub(super) fn padded(chunk: &'a Chunk, x: usize) -> Self {
         // Column x is sample 0: at + x wraps around to it.
@@ -96,41 +102,40 @@ impl<'a> View<'a> {
     }
 }
 
-impl<'a> Views<'a> {
+impl<'a> TilePlanes<'a> {
     fn new(planes: &[Plane<'a>], width: usize) -> Self {
-        Self { planes: planes.iter().map(|plane| View { plane: *plane, at: plane.start }).collect(), width }
+        Self { planes: planes.iter().map(|plane| PlaneRow { plane: *plane, at: plane.start }).collect(), width }
     }
 }
 
 /// Inputs that code reads.
 #[derive(Clone, Copy)]
-pub(super) struct Given<'a> {
-    pub(super) planes: &'a [View<'a>],
+pub(super) struct KernelInputs<'a> {
+    pub(super) planes: &'a [PlaneRow<'a>],
     pub(super) columns: &'a [Vec<f32>],
     pub(super) lines: &'a [Chunk],
 }
 
 impl<'p> Machine<'p> {
     /// Makes a machine; takes the chunks that it needs from `chunks`.
-    pub(crate) fn new(compiled: &'p Compiled, chunks: &mut &'p mut [Chunk]) -> Self {
+    pub(crate) fn new(compiled: &'p CompiledProgram, chunks: &mut &'p mut [Chunk]) -> Self {
         Self {
             compiled,
             level: compiled.instructions.level(),
-            column: Frame::new(&compiled.column, compiled, chunks),
-            row: Frame::new(&compiled.row, compiled, chunks),
-            main: Frame::new(&compiled.main, compiled, chunks),
+            column: CodeFrame::new(&compiled.column, compiled, chunks),
+            row: CodeFrame::new(&compiled.row, compiled, chunks),
+            main: CodeFrame::new(&compiled.main, compiled, chunks),
             columns: vec![Vec::new(); compiled.column.channels()],
             lines: vec![Chunk::ZERO; compiled.row.channels()],
-            padded: Vec::new(),
-            rest: vec![Chunk::ZERO; compiled.main.channels()],
-            space: Space::default(),
+            end: RowEnd::default(),
+            scratch: Scratch::default(),
         }
     }
 
     /// Returns the extremes of weights over everything that ran.
     pub(crate) fn audit(&self) -> WeightAudit {
         let planes = self.main.code.checks.iter().zip(&self.main.checks);
-        let masks = planes.filter(|((_, legal), _)| *legal == Legal::Mask).map(|(_, bits)| bits.least_weight());
+        let masks = planes.filter(|((_, rule), _)| *rule == ValueRule::Mask).map(|(_, bits)| bits.least_weight());
         [&self.column, &self.row, &self.main].into_iter().fold(
             WeightAudit { min: masks.fold(f32::INFINITY, f32::min), max_deviation: 0.0 },
             |all, frame| {
@@ -141,15 +146,15 @@ impl<'p> Machine<'p> {
     }
 
     /// Returns whether a plane of the caller held an illegal value, or −0.
-    pub(crate) fn is_suspect(&self) -> bool {
+    pub(crate) fn has_illegal_input(&self) -> bool {
         let mut checks = self.main.code.checks.iter().zip(&self.main.checks);
-        checks.any(|((_, legal), bits)| !legal.allows(bits.largest()))
+        checks.any(|((_, rule), bits)| !rule.allows(bits.largest()))
     }
 
     /// Resets the checks of planes, after the suspicious values were dealt with.
-    pub(crate) fn acquit(&mut self) {
+    pub(crate) fn reset_checks(&mut self) {
         self.main.partitions = self.audit();
-        self.main.checks.fill(Bits::default());
+        self.main.checks.fill(BitRange::default());
     }
 
     /// Returns the range of a color root since the last call; `None` if a sample was negative (including −0),
@@ -170,71 +175,71 @@ impl<'p> Machine<'p> {
     /// Returns whether a root of scalars held a NaN since the last call.
     pub(crate) fn saw_nan(&mut self, root: usize) -> bool {
         let bits = std::mem::take(&mut self.main.scalars[root]);
-        !Legal::Field.allows(bits.largest())
+        !ValueRule::Field.allows(bits.largest())
     }
 
     /// Begins a tile of `width` pixels: computes the values that do not vary from row to row.
-    pub(crate) fn begin<'a>(&mut self, planes: &[Plane<'a>], width: usize) -> Views<'a> {
-        let views = Views::new(planes, width);
+    pub(crate) fn begin<'a>(&mut self, planes: &[Plane<'a>], width: usize) -> TilePlanes<'a> {
+        let tile = TilePlanes::new(planes, width);
         if !self.compiled.column.list.is_empty() {
             self.columns.iter_mut().for_each(|row| row.resize(width.next_multiple_of(CHUNK), 0.0));
-            let given = Given { planes: &views.planes, columns: &[], lines: &[] };
+            let inputs = KernelInputs { planes: &tile.planes, columns: &[], lines: &[] };
             let mut out: Vec<Target<'_>> = self.columns.iter_mut().map(|row| Target::new(row)).collect();
-            sweep(self.level, &mut self.column, given, width, &mut out, 0, (&mut self.padded, &mut Vec::new()), None);
+            sweep(self.level, &mut self.column, inputs, width, &mut out, 0, &mut self.end, None);
             // Padded like the end of planes.
             for row in &mut self.columns {
                 let last = row[width - 1];
                 row[width..].fill(last);
             }
         }
-        views
+        tile
     }
 
     /// Runs over row y of the tile and writes every channel of every root to its target, from sample `start` on.
     /// `look` sees every chunk of every color root.
     pub(crate) fn row(
         &mut self,
-        views: &mut Views<'_>,
+        tile: &mut TilePlanes<'_>,
         y: usize,
         out: &mut [Target<'_>],
         start: usize,
         mut look: Option<Look<'_>>,
     ) {
-        for view in &mut views.planes {
-            view.at = view.plane.start + y * view.plane.stride;
+        for plane in &mut tile.planes {
+            plane.at = plane.plane.start + y * plane.plane.stride;
         }
-        let width = views.width;
+        let width = tile.width;
         if !self.compiled.row.list.is_empty() {
-            let given = Given { planes: &views.planes, columns: &self.columns, lines: &[] };
+            let inputs = KernelInputs { planes: &tile.planes, columns: &self.columns, lines: &[] };
             let mut out: Vec<Target<'_>> = self.lines.iter_mut().map(|chunk| Target::new(&mut chunk.0)).collect();
             let count = width.min(CHUNK);
-            sweep(self.level, &mut self.row, given, count, &mut out, 0, (&mut self.padded, &mut self.rest), None);
+            sweep(self.level, &mut self.row, inputs, count, &mut out, 0, &mut self.end, None);
             for chunk in &mut self.lines {
                 // A single value throughout.
                 let value = chunk.0[0];
                 chunk.0[count..].fill(value);
             }
         }
-        let given = Given { planes: &views.planes, columns: &self.columns, lines: &self.lines };
+        let inputs = KernelInputs { planes: &tile.planes, columns: &self.columns, lines: &self.lines };
         if let Some(native) = &self.compiled.native
             && !is_faulty(&self.main)
         {
             let look = look.as_mut().map(|look| &mut **look as Look<'_>);
-            if native.row(&mut self.main, given, width, out, start, look, &mut self.space) {
+            if native.row(&mut self.main, inputs, width, out, start, look, &mut self.scratch) {
                 return;
             }
         }
-        sweep(self.level, &mut self.main, given, width, out, start, (&mut self.padded, &mut self.rest), look);
+        sweep(self.level, &mut self.main, inputs, width, out, start, &mut self.end, look);
     }
 
     /// Runs over a tile and hands every row of every root to `take` as (root, channel, y, samples).
     pub(crate) fn tile(&mut self, planes: &[Plane<'_>], width: usize, height: usize, take: TakeRow<'_>) {
         let compiled = self.compiled;
         let mut rows = vec![vec![0.0; width]; compiled.main.channels()];
-        let mut views = self.begin(planes, width);
+        let mut tile = self.begin(planes, width);
         for y in 0..height {
             let mut out: Vec<Target<'_>> = rows.iter_mut().map(|row| Target::new(row)).collect();
-            self.row(&mut views, y, &mut out, 0, None);
+            self.row(&mut tile, y, &mut out, 0, None);
             for (root, &(first, count)) in compiled.main.roots.iter().enumerate() {
                 for channel in 0..count {
                     take(root, channel, y, &rows[first + channel]);
@@ -244,8 +249,8 @@ impl<'p> Machine<'p> {
     }
 }
 
-impl<'p> Frame<'p> {
-    fn new(code: &'p Code, compiled: &'p Compiled, chunks: &mut &'p mut [Chunk]) -> Self {
+impl<'p> CodeFrame<'p> {
+    fn new(code: &'p Code, compiled: &'p CompiledProgram, chunks: &mut &'p mut [Chunk]) -> Self {
         let mine = chunks.split_off_mut(..code.chunks()).unwrap_or_default();
         let [r, g, b, own @ ..] = mine else { unreachable!("as many chunks were made as programs need") };
         for (row, value) in &code.constants {
@@ -257,11 +262,11 @@ impl<'p> Frame<'p> {
             code,
             own: own.iter_mut().map(Some).collect(),
             last: [r, g, b],
-            weights: Bits::default(),
+            weights: BitRange::default(),
             partitions: WeightAudit::default(),
-            checks: vec![Bits::default(); code.checks.len()],
-            colors: vec![[Bits::default(); 3]; code.roots.len()],
-            scalars: vec![Bits::default(); code.roots.len()],
+            checks: vec![BitRange::default(); code.checks.len()],
+            colors: vec![[BitRange::default(); 3]; code.roots.len()],
+            scalars: vec![BitRange::default(); code.roots.len()],
             #[cfg(test)]
             fault: compiled.fault,
         }

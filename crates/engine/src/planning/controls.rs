@@ -1,7 +1,7 @@
 //! Finds the controls against which an output's colors are judged, and the number of roundings between the controls
 //! and the output.
 
-use super::lower::Lowered;
+use super::lower::LoweredGraph;
 use super::optimize::cone;
 use super::plan::PlannedOutput;
 use super::planner::Planner;
@@ -12,7 +12,7 @@ use trochoid_graph::{Kind, NodeId, Op, Program, Source};
 /// Finds the controls of outputs, through the program and through the inputs of filters.
 pub(crate) struct Controls<'p> {
     pub(crate) planner: &'p Planner<'p, 'p>,
-    pub(crate) lowered: &'p Lowered,
+    pub(crate) lowered: &'p LoweredGraph,
     pub(crate) program: &'p Program,
     pub(crate) taps: &'p HashMap<(NodeId, usize), Vec<u32>>,
 }
@@ -30,7 +30,7 @@ impl Controls<'_> {
             judge: OnceLock::new(),
         };
         if kind == Kind::Color {
-            let mut walk = Walk {
+            let mut walk = ControlsWalk {
                 of: self,
                 counted: vec![false; self.program.ops().len()],
                 levels: HashMap::new(),
@@ -45,7 +45,7 @@ impl Controls<'_> {
     }
 }
 
-struct Walk<'w, 'p> {
+struct ControlsWalk<'w, 'p> {
     of: &'w Controls<'p>,
     /// Operations whose constant color is listed already.
     counted: Vec<bool>,
@@ -54,7 +54,7 @@ struct Walk<'w, 'p> {
     output: &'w mut PlannedOutput,
 }
 
-impl Walk<'_, '_> {
+impl ControlsWalk<'_, '_> {
     /// Lists the controls of some roots, and returns the largest number of mixing operations on a path from a control
     /// to a root.
     fn program(&mut self, roots: &[u32]) -> usize {

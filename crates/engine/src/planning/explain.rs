@@ -15,7 +15,7 @@ pub struct Account {
     pub fate: Fate,
     /// Why a weight or a value is certain, if that is why the node is left out: from the deciding value back to known
     /// facts.
-    pub proof: Vec<Proved>,
+    pub proof: Vec<ProofStep>,
     /// Channels requested from the node, by output, if it is a stage that is prepared.
     pub channels: Vec<Channels>,
 }
@@ -29,7 +29,7 @@ pub enum Fate {
     Folded,
     /// It hands on the value of the node of this name unchanged. The name is the node's own if the value is a literal
     /// at one of its ports.
-    HandsOn(String),
+    PassesThrough(String),
     /// The node of this name has the same operations, and computes the result for both.
     Merged(String),
     /// The node is left out.
@@ -38,7 +38,7 @@ pub enum Fate {
 
 /// An interval that certainly contains a node's value.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Proved {
+pub struct ProofStep {
     /// The node's name.
     pub node: String,
     /// The node's type.
@@ -49,7 +49,7 @@ pub struct Proved {
     pub evidence: Evidence,
 }
 
-/// How the interval of a [`Proved`] is known.
+/// How the interval of a [`ProofStep`] is known.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Evidence {
     /// Its numbers are in the document; keyframed numbers hold only at this frame.
@@ -115,8 +115,8 @@ impl Explainer<'_, '_> {
         let lowered = self.reasons.lowered;
         let handed_on = lowered.settled[id.0].as_ref().and_then(|settled| settled.node().identity());
         if let Some(source) = handed_on.filter(|_| !self.reasons.planner.bound[id.0]) {
-            let Source::Output { node, .. } = source else { return Fate::HandsOn(self.name(id)) };
-            return Fate::HandsOn(self.name(*node));
+            let Source::Output { node, .. } = source else { return Fate::PassesThrough(self.name(id)) };
+            return Fate::PassesThrough(self.name(*node));
         }
         let is_constant = |op: &Op| matches!(op, Op::Constant(_) | Op::ConstantColor(_));
         let (ops, optimized) = (lowered.program.ops(), self.reasons.optimized);
@@ -137,7 +137,7 @@ impl Explainer<'_, '_> {
         });
         match (went(last), passed) {
             ((op, _), _) if is_constant(op) => Fate::Folded,
-            (_, Some(from)) if from != id => Fate::HandsOn(self.name(from)),
+            (_, Some(from)) if from != id => Fate::PassesThrough(self.name(from)),
             ((_, origin), _) if *origin != id => Fate::Merged(self.name(*origin)),
             _ => Fate::Evaluated,
         }
@@ -167,7 +167,7 @@ impl Explainer<'_, '_> {
     }
 
     /// Proves a cut: from the value that decides it back to known facts.
-    fn proof(&self, cut: &Cut) -> Vec<Proved> {
+    fn proof(&self, cut: &Cut) -> Vec<ProofStep> {
         let mut bounds = Vec::new();
         self.prove(cut.proof.0, cut.proof.1, &mut bounds);
         bounds
@@ -180,7 +180,7 @@ impl Explainer<'_, '_> {
     }
 
     /// Adds the interval of the node at a position, and those of the nodes from which it is computed.
-    fn prove(&self, position: u32, row: usize, bounds: &mut Vec<Proved>) {
+    fn prove(&self, position: u32, row: usize, bounds: &mut Vec<ProofStep>) {
         let planner = self.reasons.planner;
         let ops = self.reasons.lowered.program.ops();
         let id = ops[position as usize].1;
@@ -222,7 +222,7 @@ impl Explainer<'_, '_> {
             }
         };
         let ty = node.ty.declaration().name;
-        bounds.push(Proved { node: node.name.clone(), ty, interval: self.interval(position, row), evidence });
+        bounds.push(ProofStep { node: node.name.clone(), ty, interval: self.interval(position, row), evidence });
         for (input, row) in inputs {
             self.prove(input, row, bounds);
         }

@@ -1,7 +1,7 @@
 //! Why nodes are left out of a plan.
 
-use super::lower::Lowered;
-use super::optimize::{Cut, Optimized};
+use super::lower::LoweredGraph;
+use super::optimize::{Cut, OptimizedProgram};
 use super::planner::Planner;
 use std::collections::HashSet;
 use trochoid_graph::{NodeId, Op};
@@ -48,8 +48,8 @@ pub(crate) struct Reasons<'p> {
     /// Nodes that the outputs depend on, up to bound nodes.
     pub(crate) needed: &'p [bool],
     pub(crate) roots: &'p [NodeId],
-    pub(crate) lowered: &'p Lowered,
-    pub(crate) optimized: &'p Optimized,
+    pub(crate) lowered: &'p LoweredGraph,
+    pub(crate) optimized: &'p OptimizedProgram,
     /// Operations of the optimized program that something reads.
     pub(crate) alive: &'p [bool],
     /// Nodes that are evaluated.

@@ -3,7 +3,7 @@
 use trochoid_graph::{Builder, CheckedGraph, Key, Lowering, NodeId, Program, Settled, Source, Value, load};
 
 /// All pointwise nodes as one program, with the value of every node output.
-pub(crate) struct Lowered {
+pub(crate) struct LoweredGraph {
     pub(crate) program: Program,
     /// Values by node and output; `None` for handles, views, and nodes that are not needed.
     pub(crate) values: Vec<Vec<Option<Value>>>,
@@ -17,9 +17,14 @@ pub(crate) struct Lowered {
 ///
 /// `keys` are content keys: nodes with equal keys are computed once; an empty slice computes every node. Content keys
 /// do not include what is bound, so nodes that depend on a bound node are never merged.
-pub(crate) fn lower(graph: &CheckedGraph, mut settled: Vec<Option<Settled>>, bound: &[bool], keys: &[Key]) -> Lowered {
+pub(crate) fn lower(
+    graph: &CheckedGraph,
+    mut settled: Vec<Option<Settled>>,
+    bound: &[bool],
+    keys: &[Key],
+) -> LoweredGraph {
     let count = graph.nodes().len();
-    let mut lowered = Lowered {
+    let mut lowered = LoweredGraph {
         program: Program::default(),
         values: vec![Vec::new(); count],
         settled: Vec::new(),
@@ -61,7 +66,7 @@ pub(crate) fn lower(graph: &CheckedGraph, mut settled: Vec<Option<Settled>>, bou
         };
         lowered.values[id.0] = values;
     }
-    Lowered { settled, ..lowered }
+    LoweredGraph { settled, ..lowered }
 }
 
 /// Returns the program positions that hold a value's channels, in the order of its kind's planes. Appends the

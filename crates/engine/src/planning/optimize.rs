@@ -8,7 +8,7 @@ use trochoid_weights::arithmetic as a;
 
 /// A rewritten program.
 #[derive(Debug, Default)]
-pub(crate) struct Optimized {
+pub(crate) struct OptimizedProgram {
     pub(crate) program: Program,
     /// New position of each operation of the original program.
     pub(crate) map: Vec<u32>,
@@ -37,8 +37,12 @@ pub(crate) struct Cut {
 ///
 /// Every rewrite keeps the bits: folding calls the functions that kernels inline; Mix is exact at t = 0, at t = 1 and
 /// for equal operands; a zero weight adds nothing to a Blend; products with 0 and 1 are exact.
-pub(crate) fn optimize(source: &Program, switches: Switches, slot: &dyn Fn(&Slot, usize) -> Interval) -> Optimized {
-    let mut walk = Walk { out: Optimized::default(), seen: HashMap::default(), switches, slot };
+pub(crate) fn optimize(
+    source: &Program,
+    switches: Switches,
+    slot: &dyn Fn(&Slot, usize) -> Interval,
+) -> OptimizedProgram {
+    let mut walk = Optimizer { out: OptimizedProgram::default(), seen: HashMap::default(), switches, slot };
     for (op, origin) in source.ops() {
         let renumbered = op.renumbered(|operand| walk.out.map[operand as usize]);
         let position = walk.rewrite(renumbered, op, *origin);
@@ -47,14 +51,14 @@ pub(crate) fn optimize(source: &Program, switches: Switches, slot: &dyn Fn(&Slot
     walk.out
 }
 
-struct Walk<'a> {
-    out: Optimized,
+struct Optimizer<'a> {
+    out: OptimizedProgram,
     seen: HashMap<Vec<u32>, u32>,
     switches: Switches,
     slot: &'a dyn Fn(&Slot, usize) -> Interval,
 }
 
-impl Walk<'_> {
+impl Optimizer<'_> {
     fn op(&self, position: u32) -> &Op {
         &self.out.program.ops()[position as usize].0
     }
@@ -63,8 +67,8 @@ impl Walk<'_> {
     /// the operands of the original program.
     fn rewrite(&mut self, op: Op, original: &Op, origin: NodeId) -> u32 {
         let op = match self.shorter(&op, original, origin) {
-            Some(Shorter::Existing(position)) => return position,
-            Some(Shorter::New(op)) => op,
+            Some(Rewrite::Existing(position)) => return position,
+            Some(Rewrite::New(op)) => op,
             None => op,
         };
         if self.switches.merge {
@@ -85,11 +89,11 @@ impl Walk<'_> {
         self.out.program.push(op, origin)
     }
 
-    fn shorter(&mut self, op: &Op, original: &Op, origin: NodeId) -> Option<Shorter> {
+    fn shorter(&mut self, op: &Op, original: &Op, origin: NodeId) -> Option<Rewrite> {
         if self.switches.fold
             && let Some(folded) = self.folded(op)
         {
-            return Some(Shorter::New(folded));
+            return Some(Rewrite::New(folded));
         }
         if !self.switches.prune {
             return None;
@@ -97,7 +101,7 @@ impl Walk<'_> {
         let constant = |s: Scalar| self.out.bounds[s.0 as usize][0].constant();
         let here = self.out.map.len() as u32;
         match (op, original) {
-            (Op::Mix { a, b, .. }, _) if a == b => Some(Shorter::Existing(a.0)),
+            (Op::Mix { a, b, .. }, _) if a == b => Some(Rewrite::Existing(a.0)),
             (Op::Mix { a, b, t }, Op::Mix { a: from, b: to, t: by }) => {
                 let weight = constant(*t)?;
                 let (kept, lost) = if weight == 0.0 {
@@ -108,7 +112,7 @@ impl Walk<'_> {
                     return None;
                 };
                 self.out.cuts.push(Cut { op: here, operand: lost.0, at: origin, proof: (by.0, 0), by_weight: true });
-                Some(Shorter::Existing(kept.0))
+                Some(Rewrite::Existing(kept.0))
             }
             (Op::Product(t, u), Op::Product(first, second)) => {
                 let mut zero = |kept: &Scalar, proof: &Scalar, lost: &Scalar| {
@@ -119,13 +123,13 @@ impl Walk<'_> {
                         proof: (proof.0, 0),
                         by_weight: false,
                     });
-                    Some(Shorter::Existing(kept.0))
+                    Some(Rewrite::Existing(kept.0))
                 };
                 match (constant(*t), constant(*u)) {
                     (Some(0.0), _) => zero(t, first, second),
                     (_, Some(0.0)) => zero(u, second, first),
-                    (_, Some(1.0)) => Some(Shorter::Existing(t.0)),
-                    (Some(1.0), _) => Some(Shorter::Existing(u.0)),
+                    (_, Some(1.0)) => Some(Rewrite::Existing(t.0)),
+                    (Some(1.0), _) => Some(Rewrite::Existing(u.0)),
                     _ => None,
                 }
             }
@@ -149,7 +153,7 @@ impl Walk<'_> {
                 if replaced == *colors {
                     return None;
                 }
-                Some(Shorter::New(Op::Blend { colors: replaced, weights: *weights }))
+                Some(Rewrite::New(Op::Blend { colors: replaced, weights: *weights }))
             }
             // Operations that are proved constant by interval although they are computed from fields.
             (Op::Clamp { .. } | Op::Step { .. } | Op::Weight(..), _) => {
@@ -158,7 +162,7 @@ impl Walk<'_> {
                 if let Op::Clamp { x, .. } | Op::Step { x, .. } = original {
                     self.out.cuts.push(Cut { op: here, operand: x.0, at: origin, proof: (x.0, 0), by_weight: false });
                 }
-                Some(Shorter::New(Op::Constant(value as f32)))
+                Some(Rewrite::New(Op::Constant(value as f32)))
             }
             _ => None,
         }
@@ -214,7 +218,7 @@ impl Walk<'_> {
     }
 }
 
-enum Shorter {
+enum Rewrite {
     Existing(u32),
     New(Op),
 }

@@ -1,9 +1,9 @@
 //! The plan: what some outputs need at one frame, in which order, and why the rest is left out.
 
 use super::planner::Planner;
-use super::shading::Shared;
+use super::shading::ViewsByNode;
 use crate::judge::Judge;
-use crate::kernel::Compiled;
+use crate::kernel::CompiledProgram;
 use crate::{Account, LeftOut, Settings};
 use std::sync::{Arc, OnceLock};
 use trochoid_graph::{CheckedGraph, FrameContext, Key, Kind, NodeId, PortId, Program, Settled, Slot, Variance};
@@ -67,7 +67,7 @@ pub(crate) struct Fill {
     /// Inputs: the port, and for each connection the sources of its channels.
     pub(crate) inputs: Vec<(PortId, Vec<Vec<Feed>>)>,
     /// Program of the pointwise values that the stage takes, run before it.
-    pub(crate) taps: Option<Compiled>,
+    pub(crate) taps: Option<CompiledProgram>,
     /// Whether the pass's own program reads the stage, so that it is needed over the whole tile.
     pub(crate) read: bool,
     /// Views that must see the same surface for a sample to reuse the result of the pixel's first sample; `None` if
@@ -106,9 +106,24 @@ pub(crate) struct Pass {
     pub(crate) halo: (usize, usize),
     /// Whether samples of a pixel share results.
     pub(crate) sharing: bool,
-    pub(crate) program: Compiled,
+    pub(crate) program: CompiledProgram,
     /// Owners of the program's roots: index of the plan's output, and channel.
     pub(crate) roots: Vec<(usize, usize)>,
+}
+
+impl Pass {
+    /// Returns all samples of a pixel.
+    pub(crate) fn samples(&self) -> impl Iterator<Item = Sample> {
+        self.offsets.iter().enumerate().map(|(index, offset)| Sample { index, offset: *offset })
+    }
+}
+
+/// One of a pixel's samples.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Sample {
+    pub(crate) index: usize,
+    /// Position within the pixel.
+    pub(crate) offset: [f64; 2],
 }
 
 /// An output within a plan.
@@ -146,7 +161,7 @@ pub struct Plan<'g> {
     /// Thread pool, made when first needed.
     pub(crate) pool: OnceLock<Result<rayon::ThreadPool, Arc<rayon::ThreadPoolBuildError>>>,
     /// Stages whose results samples share.
-    pub(crate) shared: Shared,
+    pub(crate) shared: ViewsByNode,
     /// Reason that each node is left out; `None` if it is evaluated.
     pub(crate) left_out: Vec<Option<LeftOut>>,
 }

@@ -4,7 +4,7 @@ use super::bounds::with_bounds;
 use super::controls::Controls;
 use super::explain::{Account, Explainer};
 use super::left_out::Reasons;
-use super::lower::{Lowered, lower, positions};
+use super::lower::{LoweredGraph, lower, positions};
 use super::optimize::{cone, optimize};
 use super::plan::Pass;
 use super::schedule::Scheduler;
@@ -149,19 +149,19 @@ impl<'g> Planner<'g, '_> {
     }
 
     /// Returns a node's stage, if it is needed and not filled from outside.
-    pub(crate) fn stage<'l>(&self, lowered: &'l Lowered, id: NodeId) -> Option<&'l dyn Stage> {
+    pub(crate) fn stage<'l>(&self, lowered: &'l LoweredGraph, id: NodeId) -> Option<&'l dyn Stage> {
         lowered.settled[id.0].as_ref().filter(|_| !self.bound[id.0])?.stage()
     }
 
-    pub(crate) fn is_pointwise(&self, lowered: &Lowered, id: NodeId) -> bool {
+    pub(crate) fn is_pointwise(&self, lowered: &LoweredGraph, id: NodeId) -> bool {
         !self.bound[id.0] && lowered.settled[id.0].as_ref().is_some_and(|settled| settled.pointwise().is_some())
     }
 
-    fn is_stage(&self, id: NodeId, lowered: &Lowered) -> bool {
+    fn is_stage(&self, id: NodeId, lowered: &LoweredGraph) -> bool {
         lowered.stands_in[id.0] == id && self.stage(lowered, id).is_some()
     }
 
-    fn slot_interval(&self, lowered: &Lowered, slot: &Slot, channel: usize) -> Interval {
+    fn slot_interval(&self, lowered: &LoweredGraph, slot: &Slot, channel: usize) -> Interval {
         let by_kind = match self.graph.node(slot.node).kinds[slot.output] {
             Kind::Color => Interval::COLOR,
             Kind::Weights(_) => Interval::MASK,
@@ -171,7 +171,7 @@ impl<'g> Planner<'g, '_> {
         stage.interval(slot.output, channel).map_or(by_kind, |(low, high)| Interval { low, high })
     }
 
-    pub(crate) fn variance(&self, lowered: &Lowered, slot: &Slot) -> Variance {
+    pub(crate) fn variance(&self, lowered: &LoweredGraph, slot: &Slot) -> Variance {
         self.stage(lowered, slot.node).map_or(Variance::Pixel, |stage| stage.variance(slot.output))
     }
 

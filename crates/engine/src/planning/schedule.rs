@@ -1,12 +1,12 @@
 //! Decides which stages fill which channels, walking upstream from the outputs.
 
-use super::lower::Lowered;
+use super::lower::LoweredGraph;
 use super::optimize::{cone, extract};
 use super::plan::{Feed, Fill, Pass};
 use super::planner::Planner;
-use super::shading::{Shared, TELLING};
+use super::shading::{SHARING_CHANNELS, ViewsByNode};
 use crate::Switches;
-use crate::kernel::{Compiled, Legal, Options, Origin, compile};
+use crate::kernel::{CompiledProgram, Options, Origin, ValueRule, compile};
 use std::collections::{HashMap, HashSet};
 use trochoid_graph::{
     Channel, ChannelSet, Kind, NodeId, Op, PortId, Program, Rate, Settled, Slot, Source, Stage, Variance,
@@ -15,20 +15,20 @@ use trochoid_image::Shading;
 
 /// Channels that stages have to fill.
 #[derive(Default)]
-struct Wanted {
+struct Demand {
     /// Channels by node, output and channel.
     channels: HashMap<NodeId, Vec<Vec<bool>>>,
     /// Slots that are read at every sample, not only at samples that share no result.
-    apart: HashSet<Slot>,
+    per_sample: HashSet<Slot>,
 }
 
 /// Turns an optimized program and the stages around it into passes.
 pub(crate) struct Scheduler<'p, 'g, 's> {
     pub(crate) planner: &'p Planner<'g, 's>,
-    pub(crate) lowered: &'p Lowered,
+    pub(crate) lowered: &'p LoweredGraph,
     pub(crate) program: &'p Program,
     pub(crate) taps: &'p HashMap<(NodeId, usize), Vec<u32>>,
-    pub(crate) shared: &'p Shared,
+    pub(crate) shared: &'p ViewsByNode,
 }
 
 impl Scheduler<'_, '_, '_> {
@@ -44,7 +44,7 @@ impl Scheduler<'_, '_, '_> {
         if !self.switches().demand {
             needed.fill(true);
         }
-        let mut wanted = Wanted::default();
+        let mut wanted = Demand::default();
         self.want_loads(&needed, true, &mut wanted);
         if !self.switches().demand {
             // Everything reachable, every channel.
@@ -70,9 +70,9 @@ impl Scheduler<'_, '_, '_> {
             };
             let Some(own) = wanted.channels.get(&id).cloned() else { continue };
             let shared = self.shared[id.0].clone().filter(|_| sharing);
-            let mut fill = self.fill(id, stage, settled, (own, shared), &mut wanted);
+            let mut fill = self.fill(id, stage, settled, own, shared, &mut wanted);
             if sharing && stage.rate() == Rate::Surface && graph.node(id).kinds.contains(&Kind::View) {
-                fills.extend(split(&mut fill, &wanted.apart));
+                fills.extend(split(&mut fill, &wanted.per_sample));
             }
             // Cameras, lights and surfaces are only prepared.
             if fill.wanted.iter().any(|channels| channels.iter().any(|&channel| channel)) {
@@ -95,21 +95,23 @@ impl Scheduler<'_, '_, '_> {
     }
 
     /// Marks the slots that the `needed` operations load.
-    fn want_loads(&self, needed: &[bool], apart: bool, wanted: &mut Wanted) {
+    fn want_loads(&self, needed: &[bool], per_sample: bool, wanted: &mut Demand) {
         for (op, _) in self.program.ops().iter().zip(needed).filter(|(_, needed)| **needed).map(|(op, _)| op) {
             match op {
-                Op::Load(slot) => self.want(wanted, *slot, apart),
-                Op::LoadColor(slot) => (0..3).for_each(|channel| self.want(wanted, Slot { channel, ..*slot }, apart)),
+                Op::Load(slot) => self.want(wanted, *slot, per_sample),
+                Op::LoadColor(slot) => {
+                    (0..3).for_each(|channel| self.want(wanted, Slot { channel, ..*slot }, per_sample))
+                }
                 _ => {}
             }
         }
     }
 
-    fn want(&self, wanted: &mut Wanted, slot: Slot, apart: bool) {
+    fn want(&self, wanted: &mut Demand, slot: Slot, per_sample: bool) {
         let own = wanted.channels.entry(slot.node).or_insert_with(|| self.channels(slot.node, false));
         own[slot.output][slot.channel] = true;
-        if apart {
-            wanted.apart.insert(slot);
+        if per_sample {
+            wanted.per_sample.insert(slot);
         }
     }
 
@@ -136,12 +138,13 @@ impl Scheduler<'_, '_, '_> {
         id: NodeId,
         stage: &dyn Stage,
         settled: &Settled,
-        (own, shared): (Vec<Vec<bool>>, Option<Vec<NodeId>>),
-        wanted: &mut Wanted,
+        own: Vec<Vec<bool>>,
+        shared: Option<Vec<NodeId>>,
+        wanted: &mut Demand,
     ) -> Fill {
-        let apart = shared.is_none();
+        let per_sample = shared.is_none();
         for view in shared.iter().flatten() {
-            for channel in TELLING {
+            for channel in SHARING_CHANNELS {
                 self.want(wanted, Slot { node: *view, output: 0, channel: channel as usize }, true);
             }
         }
@@ -153,13 +156,13 @@ impl Scheduler<'_, '_, '_> {
         for (index, (name, sources)) in settled.ports().enumerate() {
             let feeds = sources
                 .iter()
-                .map(|source| self.feed(source, (asks, prefers), apart, &mut tap_roots, wanted))
+                .map(|source| self.feed(source, asks, prefers, per_sample, &mut tap_roots, wanted))
                 .collect();
             inputs.push((PortId::new(index, name), feeds));
         }
         let taps = (!tap_roots.is_empty()).then(|| {
-            self.want_loads(&cone(self.program, tap_roots.iter().copied()), apart, wanted);
-            self.compile(&tap_roots, false, self.switches().hoist && apart)
+            self.want_loads(&cone(self.program, tap_roots.iter().copied()), per_sample, wanted);
+            self.compile(&tap_roots, false, self.switches().hoist && per_sample)
         });
         let variance = if self.switches().hoist {
             (0..own.len()).map(|output| stage.variance(output)).max().unwrap_or(Variance::Pixel)
@@ -172,10 +175,11 @@ impl Scheduler<'_, '_, '_> {
     fn feed(
         &self,
         source: &Source<Vec<f64>>,
-        (asks, prefers): (ChannelSet, ChannelSet),
-        apart: bool,
+        asks: ChannelSet,
+        prefers: ChannelSet,
+        per_sample: bool,
         tap_roots: &mut Vec<u32>,
-        wanted: &mut Wanted,
+        wanted: &mut Demand,
     ) -> Vec<Feed> {
         match self.handed_on(source) {
             Source::Number(values) | Source::Color(values) => {
@@ -202,7 +206,7 @@ impl Scheduler<'_, '_, '_> {
                             return Feed::Nothing;
                         }
                         let slot = Slot { node: *node, output: *output, channel };
-                        self.want(wanted, slot, apart);
+                        self.want(wanted, slot, per_sample);
                         Feed::Slot(slot)
                     })
                     .collect()
@@ -268,7 +272,7 @@ impl Scheduler<'_, '_, '_> {
     /// Compiles what `roots` need, or everything. A program that runs before a stage must not be compiled with
     /// everything, since that would read the stage itself. Without `hoist`, the program may run over single pixels
     /// instead of rows.
-    fn compile(&self, roots: &[u32], everything: bool, hoist: bool) -> Compiled {
+    fn compile(&self, roots: &[u32], everything: bool, hoist: bool) -> CompiledProgram {
         let mut kept = cone(self.program, roots.iter().copied());
         if everything {
             kept.fill(true);
@@ -278,12 +282,12 @@ impl Scheduler<'_, '_, '_> {
         let switches = self.switches();
         let format = self.planner.graph.format();
         let samples = format.window().area().saturating_mul(format.samples() as usize);
-        let legal = |slot: &Slot| {
+        let rule = |slot: &Slot| {
             let kind = self.planner.graph.node(slot.node).kinds[slot.output];
             self.planner.bound[slot.node.0].then_some(match kind {
-                Kind::Color => Legal::Color,
-                Kind::Weights(_) => Legal::Mask,
-                _ => Legal::Field,
+                Kind::Color => ValueRule::Color,
+                Kind::Weights(_) => ValueRule::Mask,
+                _ => ValueRule::Field,
             })
         };
         let options = Options {
@@ -293,7 +297,7 @@ impl Scheduler<'_, '_, '_> {
             instructions: self.planner.settings.instructions,
             native: switches.compile && samples >= self.planner.settings.compile_from,
             variance: &|slot| self.planner.variance(self.lowered, slot),
-            legal: &legal,
+            rule: &rule,
         };
         let mut compiled = compile(&program, &roots, &options);
         if self.planner.settings.bounds {
@@ -331,13 +335,13 @@ impl Scheduler<'_, '_, '_> {
 
 /// Keeps in `view` the channels that every sample needs, and returns a fill of the others, which samples that see the
 /// same surface share.
-fn split(view: &mut Fill, apart: &HashSet<Slot>) -> Option<Fill> {
+fn split(view: &mut Fill, per_sample: &HashSet<Slot>) -> Option<Fill> {
     let mut rest = view.clone();
-    let tells = TELLING.map(|channel| Slot { node: view.node, output: 0, channel: channel as usize });
+    let sharing_slots = SHARING_CHANNELS.map(|channel| Slot { node: view.node, output: 0, channel: channel as usize });
     for (output, channels) in view.wanted.iter_mut().enumerate() {
         for (channel, wanted) in channels.iter_mut().enumerate() {
             let slot = Slot { node: view.node, output, channel };
-            let is_rest = *wanted && !apart.contains(&slot) && !tells.contains(&slot);
+            let is_rest = *wanted && !per_sample.contains(&slot) && !sharing_slots.contains(&slot);
             rest.wanted[output][channel] = is_rest;
             *wanted &= !is_rest;
         }
@@ -346,7 +350,7 @@ fn split(view: &mut Fill, apart: &HashSet<Slot>) -> Option<Fill> {
         return None;
     }
     // Whether samples share is decided by channels that every sample has.
-    tells.iter().for_each(|slot| view.wanted[slot.output][slot.channel] = true);
+    sharing_slots.iter().for_each(|slot| view.wanted[slot.output][slot.channel] = true);
     rest.shared = Some(vec![view.node]);
     Some(rest)
 }

@@ -1,29 +1,29 @@
 //! Decides which stages are evaluated once for several samples of a pixel.
 
-use super::lower::Lowered;
+use super::lower::LoweredGraph;
 use super::planner::Planner;
 use trochoid_graph::{Channel, Kind, NodeId, Rate, Source, Variance};
 use trochoid_image::Shading;
 
 /// Channels that a view must supply for [`Shading::is_shared`] to decide whether samples share.
-pub(crate) const TELLING: [Channel; 2] = [Channel::Surface, Channel::Depth];
+pub(crate) const SHARING_CHANNELS: [Channel; 2] = [Channel::Surface, Channel::Depth];
 
 /// By node: the views that must see the same surface at a sample as at the pixel's first sample for the node's result
 /// to be reused; `None` if every sample has its own result.
 ///
 /// It follows from the graph alone, never from switches or from the other requested outputs.
-pub(crate) type Shared = Vec<Option<Vec<NodeId>>>;
+pub(crate) type ViewsByNode = Vec<Option<Vec<NodeId>>>;
 
 impl Planner<'_, '_> {
-    pub(crate) fn shared(&self, lowered: &Lowered) -> Shared {
+    pub(crate) fn shared(&self, lowered: &LoweredGraph) -> ViewsByNode {
         let nodes = self.graph.nodes().len();
-        let mut shared: Shared = vec![None; nodes];
+        let mut shared: ViewsByNode = vec![None; nodes];
         let format = self.graph.format();
         if format.shading() == Shading::Sample || format.samples() == 1 {
             return shared;
         }
         // By node: the views over whose surfaces it varies smoothly; `None` where it may change within a pixel.
-        let mut smooth: Shared = vec![None; nodes];
+        let mut smooth: ViewsByNode = vec![None; nodes];
         for &id in self.graph.order() {
             (smooth[id.0], shared[id.0]) = self.rate(id, lowered, &smooth);
         }
@@ -32,7 +32,12 @@ impl Planner<'_, '_> {
 
     /// Returns the views over whose surfaces a node varies smoothly, and the views on which sharing its result
     /// depends.
-    fn rate(&self, id: NodeId, lowered: &Lowered, smooth: &Shared) -> (Option<Vec<NodeId>>, Option<Vec<NodeId>>) {
+    fn rate(
+        &self,
+        id: NodeId,
+        lowered: &LoweredGraph,
+        smooth: &ViewsByNode,
+    ) -> (Option<Vec<NodeId>>, Option<Vec<NodeId>>) {
         const EVERYWHERE: Option<Vec<NodeId>> = Some(Vec::new());
         if self.bound[id.0] {
             return (EVERYWHERE, None);
@@ -54,8 +59,8 @@ impl Planner<'_, '_> {
         let Some(stage) = settled.stage() else { return (inputs(), None) };
         if node.kinds.contains(&Kind::View) {
             let supplied = stage.supplies();
-            let tells = TELLING.iter().all(|channel| supplied.contains(*channel));
-            return (tells.then(|| vec![lowered.stands_in[id.0]]), None);
+            let decides = SHARING_CHANNELS.iter().all(|channel| supplied.contains(*channel));
+            return (decides.then(|| vec![lowered.stands_in[id.0]]), None);
         }
         let mut outputs = (0..node.kinds.len()).filter(|output| node.kinds[*output].channels() > 0).peekable();
         if outputs.peek().is_none() {

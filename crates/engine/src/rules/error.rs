@@ -29,11 +29,12 @@ pub(crate) fn error(op: &Op, of: &impl Operands, computed: &[f64], out: &mut [Bo
         }
         Op::Clamp { x, min, max } => {
             let (x, dx) = scalar(*x);
-            out[0] = clamp((x, dx), f64::from(*min), f64::from(*max), computed[0]);
+            out[0] = clamp(x, dx, f64::from(*min), f64::from(*max), computed[0]);
         }
         Op::Step { x, threshold } => {
             let at = f64::from(*threshold);
-            out[0] = clamp(scalar(*x), at, at, computed[0]);
+            let (x, dx) = scalar(*x);
+            out[0] = clamp(x, dx, at, at, computed[0]);
         }
         Op::Smooth(t) => {
             let (t, dt) = scalar(*t);
@@ -126,7 +127,7 @@ fn color(size: f64, rounded: f64, clear: bool) -> Bound {
 }
 
 /// Bounds the error of a clamp, or of a step if `max` is `min`.
-fn clamp((x, dx): (f64, Bound), min: f64, max: f64, computed: f64) -> Bound {
+fn clamp(x: f64, dx: Bound, min: f64, max: f64, computed: f64) -> Bound {
     let [slack_min, slack_max] = [min, max].map(|bound| bound.abs() * LITERAL);
     // Saturated for every value within the error, so no error passes. (∞ ± ∞ is never certain.)
     if x - dx.size >= max + slack_max || x + dx.size < min - slack_min {

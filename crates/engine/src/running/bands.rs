@@ -13,10 +13,10 @@ pub(crate) type Rows<'a> = Vec<Vec<&'a mut [f32]>>;
 pub(crate) struct Bands<'a> {
     windows: Vec<Window>,
     next: AtomicUsize,
-    place: Place<'a>,
+    destination: Destination<'a>,
 }
 
-enum Place<'a> {
+enum Destination<'a> {
     /// Each band's rows, until a worker takes them.
     Planes(Vec<Mutex<Option<Rows<'a>>>>),
     Sink {
@@ -41,15 +41,15 @@ impl<'a> Bands<'a> {
                 }
             }
         }
-        let place = Place::Planes(bands.into_iter().map(|band| Mutex::new(Some(band))).collect());
-        Self { windows, next: AtomicUsize::new(0), place }
+        let destination = Destination::Planes(bands.into_iter().map(|band| Mutex::new(Some(band))).collect());
+        Self { windows, next: AtomicUsize::new(0), destination }
     }
 
     /// Makes bands for a sink, `height` rows each.
     pub(crate) fn of_sink(sink: &'a dyn Sink, channels: Vec<usize>, window: Window, height: usize) -> Self {
         let windows = window.tiles(window.width(), height).collect();
-        let place = Place::Sink { sink, channels, spare: Mutex::new(Vec::new()) };
-        Self { windows, next: AtomicUsize::new(0), place }
+        let destination = Destination::Sink { sink, channels, spare: Mutex::new(Vec::new()) };
+        Self { windows, next: AtomicUsize::new(0), destination }
     }
 
     pub(crate) fn count(&self) -> usize {
@@ -63,14 +63,14 @@ impl<'a> Bands<'a> {
     ) -> Result<bool, EvalError> {
         let index = self.next.fetch_add(1, Ordering::Relaxed);
         let Some(&window) = self.windows.get(index) else { return Ok(false) };
-        match &self.place {
-            Place::Planes(bands) => {
+        match &self.destination {
+            Destination::Planes(bands) => {
                 let taken = bands[index].lock().unwrap_or_else(PoisonError::into_inner).take();
                 if let Some(mut rows) = taken {
                     work(window, &mut rows)?;
                 }
             }
-            Place::Sink { sink, channels, spare } => {
+            Destination::Sink { sink, channels, spare } => {
                 let spare = || spare.lock().unwrap_or_else(PoisonError::into_inner);
                 let found = spare().pop();
                 let mut buffers =

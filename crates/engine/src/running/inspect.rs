@@ -15,7 +15,7 @@ use trochoid_image::Window;
 
 /// A pixel and the controls that it is mixed from.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Inspected {
+pub struct InspectedPixel {
     /// Value by channel, averaged like the picture's; colors are in the working space. It is computed in f64, so it
     /// may differ from the picture's value in the last digits.
     pub value: Vec<f64>,
@@ -65,7 +65,7 @@ impl Plan<'_> {
         buffers: &Buffers<'_>,
         cache: &mut Cache,
         monitor: &dyn Monitor,
-    ) -> Result<Option<Inspected>, EvalError> {
+    ) -> Result<Option<InspectedPixel>, EvalError> {
         let graph = self.graph;
         let window = Window::new(x, y, x.saturating_add(1), y.saturating_add(1));
         let own = self.outputs.iter().position(|own| own.index == output);
@@ -100,19 +100,19 @@ impl Plan<'_> {
         buffers: &Buffers<'_>,
         cache: &mut Cache,
         monitor: &dyn Monitor,
-    ) -> Result<Inspected, EvalError> {
+    ) -> Result<InspectedPixel, EvalError> {
         self.validate(buffers)?;
         let (ready, _) = prepare(self, cache, monitor, Pictures::Rows)?;
         let (program, roots) = (&self.source.0, &self.source.1[output]);
         let mut chunks = Chunks::of(self.passes.iter().flat_map(programs));
         let mut chunks = chunks.all();
         let mut seconds = vec![0.0; self.graph.nodes().len()];
-        let mut found = Inspected::default();
+        let mut found = InspectedPixel::default();
         let passes = self.passes.iter().filter(|pass| pass.roots.iter().any(|(owner, _)| *owner == output));
         for pass in passes {
-            let mut fills = Fills::new(self, &ready, buffers, (&pass.fills, pass.sharing), monitor, &mut chunks);
+            let mut fills = Fills::new(self, &ready, buffers, pass, monitor, &mut chunks);
             let share = 1.0 / pass.offsets.len() as f64;
-            for sample in pass.offsets.iter().copied().enumerate() {
+            for sample in pass.samples() {
                 fills.fill(self.window, sample, &mut seconds)?;
                 let planes = fills.planes(&pass.program);
                 buffers.normalized(self, &pass.program.planes, &planes, self.window)?;
@@ -131,7 +131,7 @@ impl Plan<'_> {
     }
 }
 
-impl Inspected {
+impl InspectedPixel {
     /// Adds the share of one sample.
     fn add(&mut self, inspection: &Inspection, roots: &[u32], share: f64) {
         let values: Vec<f64> = roots.iter().flat_map(|root| inspection.value(*root).iter().copied()).collect();
@@ -156,12 +156,12 @@ pub struct Inspection {
 }
 
 /// Results computed so far.
-struct Known<'a> {
+struct SampleResults<'a> {
     values: &'a [Values],
     bounds: &'a [Vec<Bound>],
 }
 
-impl Operands for Known<'_> {
+impl Operands for SampleResults<'_> {
     fn value(&self, position: u32, row: usize) -> f64 {
         self.values[position as usize][row]
     }
@@ -183,7 +183,7 @@ impl Inspection {
             match op {
                 Op::Load(slot) => own[0] = channel(slot, slot.channel).1,
                 Op::LoadColor(slot) => own.iter_mut().enumerate().for_each(|(c, own)| *own = channel(slot, c).1),
-                _ => error(op, &Known { values: &values, bounds: &bounds }, &value, &mut own),
+                _ => error(op, &SampleResults { values: &values, bounds: &bounds }, &value, &mut own),
             }
             values.push(value);
             bounds.push(own);

@@ -1,6 +1,6 @@
 //! Planes that stages filled, kept for the next evaluation: an edit refills only what depends on it.
 
-use super::prepare::{Cache, Ready, key_of_filled};
+use super::prepare::{Cache, PreparedStage, key_of_planes};
 use crate::Plan;
 use crate::planning::plan::{Fill, Pass};
 use std::collections::HashMap;
@@ -10,11 +10,11 @@ use trochoid_image::Window;
 
 /// A stage's planes over the whole picture, by output and channel; empty where not wanted.
 #[derive(Debug)]
-pub(crate) struct Filled {
+pub(crate) struct StagePlanes {
     pub(crate) planes: Vec<Vec<Vec<f32>>>,
 }
 
-impl Filled {
+impl StagePlanes {
     pub(crate) fn bytes(&self) -> usize {
         self.planes.iter().flatten().map(|plane| 4 * plane.len()).sum()
     }
@@ -22,18 +22,18 @@ impl Filled {
 
 /// Stages of a plan whose planes are known, and stages whose planes will be kept.
 #[derive(Debug, Default)]
-pub(crate) struct Keeping {
+pub(crate) struct PlaneKeeper {
     /// Planes of earlier evaluations.
-    pub(crate) known: HashMap<NodeId, Arc<Filled>>,
+    pub(crate) known: HashMap<NodeId, Arc<StagePlanes>>,
     /// Planes that are being filled now, tile by tile, with their keys.
-    new: HashMap<NodeId, (Key, Mutex<Filled>)>,
+    new: HashMap<NodeId, (Key, Mutex<StagePlanes>)>,
 }
 
-impl Keeping {
+impl PlaneKeeper {
     /// Looks up the planes that a plan's stages filled before.
-    pub(crate) fn new(plan: &Plan<'_>, ready: &HashMap<NodeId, Ready>, cache: &mut Cache) -> Self {
-        let mut keeping = Self::default();
-        let Some(pass) = plan.kept_pass() else { return keeping };
+    pub(crate) fn new(plan: &Plan<'_>, ready: &HashMap<NodeId, PreparedStage>, cache: &mut Cache) -> Self {
+        let mut keeper = Self::default();
+        let Some(pass) = plan.kept_pass() else { return keeper };
         let picture = plan.graph.format().window();
         let extents = super::fill::extents(plan, ready, &pass.fills);
         // Planes kept hold no pixels beyond the picture, and what varies along one axis costs almost nothing to
@@ -41,9 +41,9 @@ impl Keeping {
         let is_kept = |fill: &&Fill| fill.variance == Variance::Pixel && extents.get(&fill.node) == Some(&picture);
         let mut room = cache.limit();
         for fill in pass.fills.iter().filter(is_kept) {
-            let Some(key) = ready.get(&fill.node).map(|ready| key_of_filled(plan, fill, ready)) else { continue };
-            if let Some(filled) = cache.filled(&key) {
-                keeping.known.insert(fill.node, filled);
+            let Some(key) = ready.get(&fill.node).map(|ready| key_of_planes(plan, fill, ready)) else { continue };
+            if let Some(filled) = cache.planes(&key) {
+                keeper.known.insert(fill.node, filled);
                 continue;
             }
             let wanted = fill.wanted.iter().flatten().filter(|wanted| **wanted);
@@ -51,9 +51,9 @@ impl Keeping {
             room = left;
             let plane = |wanted: &bool| vec![0.0; if *wanted { picture.area() } else { 0 }];
             let planes = fill.wanted.iter().map(|channels| channels.iter().map(plane).collect()).collect();
-            keeping.new.insert(fill.node, (key, Mutex::new(Filled { planes })));
+            keeper.new.insert(fill.node, (key, Mutex::new(StagePlanes { planes })));
         }
-        keeping
+        keeper
     }
 
     /// Returns whether a stage's planes are being kept.
@@ -62,7 +62,7 @@ impl Keeping {
     }
 
     /// Copies a tile from planes that cover a window around it.
-    pub(crate) fn take(&self, node: NodeId, (tile, window): (Window, Window), picture: Window, from: &[Vec<Vec<f32>>]) {
+    pub(crate) fn take(&self, node: NodeId, tile: Window, window: Window, picture: Window, from: &[Vec<Vec<f32>>]) {
         let Some((_, filled)) = self.new.get(&node) else { return };
         let mut filled = filled.lock().unwrap_or_else(PoisonError::into_inner);
         let start = |within: Window, y: i64| (y - within.y0) as usize * within.width() + (tile.x0 - within.x0) as usize;
@@ -81,7 +81,7 @@ impl Keeping {
     pub(crate) fn finish(self, cache: &mut Cache) {
         for (key, filled) in self.new.into_values() {
             let filled = filled.into_inner().unwrap_or_else(PoisonError::into_inner);
-            cache.keep_filled(key, Arc::new(filled));
+            cache.keep_planes(key, Arc::new(filled));
         }
     }
 }

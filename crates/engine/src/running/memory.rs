@@ -8,12 +8,12 @@ use std::fmt::Write as _;
 use trochoid_graph::{MemoryUse, NodeId, Reckoning, Stage, Variance, in_bytes};
 use trochoid_image::Window;
 
-/// Most takers that a message names.
+/// Most consumers that a message names.
 const NAMED: usize = 4;
 
 /// Something that takes memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Taker {
+pub enum MemoryConsumer {
     /// Data that a node prepared.
     Node(NodeId),
     /// Pictures of the outputs, if they are not handed on row by row.
@@ -47,8 +47,8 @@ const ROWS: usize = 32;
 /// Estimate of the memory that a plan takes at its frame.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct MemoryAccount {
-    /// Everything that takes memory, the largest first: the taker, its bytes, and what to do if that is too much.
-    pub takers: Vec<(Taker, u64, &'static str)>,
+    /// Everything that takes memory, the largest first: the consumer, its bytes, and what to do if that is too much.
+    pub consumers: Vec<(MemoryConsumer, u64, &'static str)>,
     /// Nodes whose memory is shared, and counted by another node.
     shared: Vec<NodeId>,
     /// Number of threads that work on tiles at once.
@@ -56,9 +56,9 @@ pub struct MemoryAccount {
 }
 
 impl MemoryAccount {
-    /// Returns the sum of all takers, in bytes.
+    /// Returns the sum of all consumers, in bytes.
     pub fn total(&self) -> u64 {
-        self.takers.iter().fold(0, |sum, (_, bytes, _)| sum.saturating_add(*bytes))
+        self.consumers.iter().fold(0, |sum, (_, bytes, _)| sum.saturating_add(*bytes))
     }
 
     /// Returns the number of threads that work on tiles at once: the number in the settings, or fewer if memory is
@@ -69,18 +69,20 @@ impl MemoryAccount {
 
     /// Returns the bytes that nodes hold.
     pub(crate) fn held(&self) -> u64 {
-        let nodes = self.takers.iter().filter(|(taker, ..)| matches!(taker, Taker::Node(_)));
+        let nodes = self.consumers.iter().filter(|(consumer, ..)| matches!(consumer, MemoryConsumer::Node(_)));
         nodes.fold(0, |sum, (_, bytes, _)| sum.saturating_add(*bytes))
     }
 
     /// Raises a node's share to the bytes that it really holds, if that is more.
-    pub(crate) fn found(&mut self, id: NodeId, bytes: u64) {
+    pub(crate) fn raise_to(&mut self, id: NodeId, bytes: u64) {
         if self.shared.contains(&id) {
             return;
         }
-        match self.takers.iter_mut().find(|(taker, ..)| *taker == Taker::Node(id)) {
+        match self.consumers.iter_mut().find(|(consumer, ..)| *consumer == MemoryConsumer::Node(id)) {
             Some((_, held, _)) => *held = bytes.max(*held),
-            None => self.takers.push((Taker::Node(id), bytes, "lower the format's \"width\" and \"height\"")),
+            None => {
+                self.consumers.push((MemoryConsumer::Node(id), bytes, "lower the format's \"width\" and \"height\""))
+            }
         }
     }
 
@@ -88,14 +90,15 @@ impl MemoryAccount {
     /// change the picture.
     pub(crate) fn shrink_to(&mut self, limit: u64) {
         let total = self.total();
-        if let Some((_, tiles, _)) = self.takers.iter_mut().find(|(taker, ..)| *taker == Taker::Tiles) {
+        if let Some((_, tiles, _)) = self.consumers.iter_mut().find(|(consumer, ..)| *consumer == MemoryConsumer::Tiles)
+        {
             let room = limit.saturating_sub(total - *tiles);
             let each = *tiles / self.workers as u64;
             self.workers = usize::try_from(room / each.max(1)).unwrap_or(usize::MAX).clamp(1, self.workers);
             *tiles = each * self.workers as u64;
         }
-        self.takers.retain(|(_, bytes, _)| *bytes > 0);
-        self.takers.sort_by_key(|(_, bytes, _)| std::cmp::Reverse(*bytes));
+        self.consumers.retain(|(_, bytes, _)| *bytes > 0);
+        self.consumers.sort_by_key(|(_, bytes, _)| std::cmp::Reverse(*bytes));
     }
 }
 
@@ -109,8 +112,8 @@ impl Plan<'_> {
     /// Does the same as [`Plan::memory`], given the bytes of nodes that are already prepared.
     pub(crate) fn account(&self, pictures: Pictures, known: &HashMap<NodeId, u64>) -> MemoryAccount {
         let mut uses: HashMap<NodeId, MemoryUse> = HashMap::new();
-        let mut account = MemoryAccount { takers: Vec::new(), shared: Vec::new(), workers: 1 };
-        let takers = &mut account.takers;
+        let mut account = MemoryAccount { consumers: Vec::new(), shared: Vec::new(), workers: 1 };
+        let consumers = &mut account.consumers;
         let mut preparing = None;
         let mut shared = HashSet::new();
         for (id, wanted) in &self.prepares {
@@ -124,26 +127,26 @@ impl Plan<'_> {
                 taken.remedy = "lower the format's \"width\" and \"height\"";
             }
             if taken.shared.is_none_or(|key| shared.insert(key)) {
-                takers.push((Taker::Node(*id), taken.held, taken.remedy));
+                consumers.push((MemoryConsumer::Node(*id), taken.held, taken.remedy));
             } else {
                 account.shared.push(*id);
             }
             if preparing.is_none_or(|(_, bytes, _)| taken.working > bytes) {
-                preparing = Some((Taker::Preparing(*id), taken.working, taken.remedy));
+                preparing = Some((MemoryConsumer::Preparing(*id), taken.working, taken.remedy));
             }
             uses.insert(*id, taken);
         }
-        takers.extend(preparing);
+        consumers.extend(preparing);
         let channels = || self.outputs.iter().map(|output| output.kind.channels());
         if pictures != Pictures::Rows {
             let size = [self.window.width(), self.window.height()];
             let bytes = samples(channels().sum(), size).saturating_mul(size_of::<f32>() as u64);
             let remedy = "write only EXR, whose rows are not kept in memory, lower the format's \"width\" and \
                           \"height\", or render fewer outputs at once";
-            takers.push((Taker::Pictures, bytes, remedy));
+            consumers.push((MemoryConsumer::Pictures, bytes, remedy));
             if pictures == Pictures::Files {
                 let bytes = samples(channels().max().unwrap_or(0), size).saturating_mul(ENCODED);
-                takers.push((Taker::Writing, bytes, remedy));
+                consumers.push((MemoryConsumer::Writing, bytes, remedy));
             }
         }
         let tiles = self.passes.iter().map(|pass| self.scratch(pass, &uses)).fold(0, u64::saturating_add);
@@ -159,7 +162,7 @@ impl Plan<'_> {
         let tiles = tiles.saturating_add(band.saturating_mul(size_of::<f32>() as u64 + ENCODED_ROWS));
         let remedy = "lower the format's \"width\", or reduce the reach of filters";
         account.workers = self.threads();
-        account.takers.push((Taker::Tiles, tiles.saturating_mul(account.workers as u64), remedy));
+        account.consumers.push((MemoryConsumer::Tiles, tiles.saturating_mul(account.workers as u64), remedy));
         account.shrink_to(self.settings.memory_limit);
         account
     }
@@ -168,44 +171,44 @@ impl Plan<'_> {
     /// anything.
     ///
     /// # Errors
-    /// [`EvalError::TooMuchMemory`], with the largest takers.
+    /// [`EvalError::TooMuchMemory`], with the largest consumers.
     pub fn check_memory(&self, account: &MemoryAccount) -> Result<(), EvalError> {
         let limit = self.settings.memory_limit;
         if account.total() <= limit {
             return Ok(());
         }
         Err(EvalError::TooMuchMemory {
-            place: match account.takers.first() {
-                Some((Taker::Node(id) | Taker::Preparing(id), ..)) => self.graph.place_of(*id, None),
+            place: match account.consumers.first() {
+                Some((MemoryConsumer::Node(id) | MemoryConsumer::Preparing(id), ..)) => self.graph.place_of(*id, None),
                 _ => self.graph.place_of_format(),
             },
             found: self.named(account),
             total: account.total(),
             limit,
-            remedy: account.takers.first().map_or("", |(_, _, remedy)| remedy),
+            remedy: account.consumers.first().map_or("", |(_, _, remedy)| remedy),
         })
     }
 
-    /// Names the largest takers, for a message.
+    /// Names the largest consumers, for a message.
     fn named(&self, account: &MemoryAccount) -> String {
         let mut text = String::new();
-        for (taker, bytes, _) in account.takers.iter().take(NAMED) {
+        for (consumer, bytes, _) in account.consumers.iter().take(NAMED) {
             let name = |id: &NodeId| {
                 let node = self.graph.node(*id);
                 format!("\"{}\" ({})", node.name, node.ty.declaration().name)
             };
-            let what = match taker {
-                Taker::Node(id) => name(id),
-                Taker::Pictures => "pictures".into(),
-                Taker::Writing => "writing pictures".into(),
-                Taker::Tiles if account.workers == 1 => "tiles of one thread".into(),
-                Taker::Tiles => format!("tiles of {} threads", account.workers),
-                Taker::Preparing(id) => format!("preparing {}", name(id)),
+            let what = match consumer {
+                MemoryConsumer::Node(id) => name(id),
+                MemoryConsumer::Pictures => "pictures".into(),
+                MemoryConsumer::Writing => "writing pictures".into(),
+                MemoryConsumer::Tiles if account.workers == 1 => "tiles of one thread".into(),
+                MemoryConsumer::Tiles => format!("tiles of {} threads", account.workers),
+                MemoryConsumer::Preparing(id) => format!("preparing {}", name(id)),
             };
             let comma = if text.is_empty() { "" } else { ", " };
             let _ = write!(text, "{comma}{what} {}", in_bytes(*bytes));
         }
-        let rest = account.takers.iter().skip(NAMED);
+        let rest = account.consumers.iter().skip(NAMED);
         let (count, bytes) = rest.fold((0, 0), |(count, sum), (_, bytes, _)| (count + 1, sum + bytes));
         if count > 0 {
             let _ = write!(text, ", {count} more {}", in_bytes(bytes));

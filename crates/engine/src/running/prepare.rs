@@ -1,6 +1,6 @@
 //! Prepares stages once per frame, and keeps what the next frame can use.
 
-use super::keep::Filled;
+use super::keep::StagePlanes;
 use super::memory::{MemoryAccount, Pictures};
 use crate::planning::plan::Fill;
 use crate::{EvalError, Monitor, Plan};
@@ -19,7 +19,7 @@ use trochoid_memory::Heap;
 /// not used for the longest time, both when an evaluation prepares and when it is done, since files keep blocks
 /// decoded in the meantime. Whatever a running evaluation uses stays alive until then, even if the cache drops it.
 pub struct Cache {
-    kept: HashMap<Key, Entry>,
+    kept: HashMap<Key, CacheEntry>,
     limit: usize,
     /// Share of the limit that the current frame leaves free.
     room: usize,
@@ -29,22 +29,22 @@ pub struct Cache {
     pool: Pool,
 }
 
-struct Entry {
-    held: Held,
+struct CacheEntry {
+    data: CachedData,
     used: u64,
 }
 
 #[derive(Clone)]
-enum Held {
+enum CachedData {
     Prepared(Arc<dyn Prepared>),
-    Filled(Arc<Filled>),
+    Planes(Arc<StagePlanes>),
 }
 
-impl Held {
+impl CachedData {
     fn bytes(&self) -> usize {
         match self {
             Self::Prepared(prepared) => prepared.bytes(),
-            Self::Filled(filled) => filled.bytes(),
+            Self::Planes(planes) => planes.bytes(),
         }
     }
 }
@@ -74,7 +74,7 @@ impl Cache {
 
     /// Returns the memory held, in bytes.
     pub fn bytes(&self) -> usize {
-        self.kept.values().map(|entry| entry.held.bytes()).sum()
+        self.kept.values().map(|entry| entry.data.bytes()).sum()
     }
 
     /// Drops everything that was not used since the last call: between the frames of a sequence, whatever only the
@@ -94,50 +94,50 @@ impl Cache {
     }
 
     /// Returns the entry of a key, which then counts as used.
-    fn touch(&mut self, key: &Key) -> Option<Held> {
+    fn touch(&mut self, key: &Key) -> Option<CachedData> {
         self.clock += 1;
         let entry = self.kept.get_mut(key)?;
         entry.used = self.clock;
-        Some(entry.held.clone())
+        Some(entry.data.clone())
     }
 
     fn prepared(&mut self, key: &Key) -> Option<Arc<dyn Prepared>> {
         match self.touch(key)? {
-            Held::Prepared(prepared) => Some(prepared),
-            Held::Filled(_) => None,
+            CachedData::Prepared(prepared) => Some(prepared),
+            CachedData::Planes(_) => None,
         }
     }
 
-    pub(crate) fn filled(&mut self, key: &Key) -> Option<Arc<Filled>> {
+    pub(crate) fn planes(&mut self, key: &Key) -> Option<Arc<StagePlanes>> {
         match self.touch(key)? {
-            Held::Filled(filled) => Some(filled),
-            Held::Prepared(_) => None,
+            CachedData::Planes(planes) => Some(planes),
+            CachedData::Prepared(_) => None,
         }
     }
 
     fn keep(&mut self, key: Key, prepared: Arc<dyn Prepared>) {
-        self.insert(key, Held::Prepared(prepared));
+        self.insert(key, CachedData::Prepared(prepared));
         self.trim();
     }
 
     /// Keeps the planes that a stage filled; call [`trim`](Self::trim) after the last one.
-    pub(crate) fn keep_filled(&mut self, key: Key, filled: Arc<Filled>) {
-        self.insert(key, Held::Filled(filled));
+    pub(crate) fn keep_planes(&mut self, key: Key, planes: Arc<StagePlanes>) {
+        self.insert(key, CachedData::Planes(planes));
     }
 
-    fn insert(&mut self, key: Key, held: Held) {
+    fn insert(&mut self, key: Key, data: CachedData) {
         self.clock += 1;
-        self.kept.insert(key, Entry { held, used: self.clock });
+        self.kept.insert(key, CacheEntry { data, used: self.clock });
     }
 
     /// Drops entries that are too large by themselves, then the oldest entries until the rest is within the limits.
     pub(crate) fn trim(&mut self) {
         let limit = self.room;
-        self.kept.retain(|_, entry| entry.held.bytes() <= limit);
+        self.kept.retain(|_, entry| entry.data.bytes() <= limit);
         let mut ages: Vec<(u64, usize, bool, Key)> = self
             .kept
             .iter()
-            .map(|(key, entry)| (entry.used, entry.held.bytes(), matches!(entry.held, Held::Prepared(_)), *key))
+            .map(|(key, entry)| (entry.used, entry.data.bytes(), matches!(entry.data, CachedData::Prepared(_)), *key))
             .collect();
         ages.sort_by_key(|age| std::cmp::Reverse(age.0));
         let (mut held, mut stages) = (0_usize, 0);
@@ -158,7 +158,7 @@ impl std::fmt::Debug for Cache {
 }
 
 /// A prepared stage, with the time that it took.
-pub(crate) struct Ready {
+pub(crate) struct PreparedStage {
     pub(crate) prepared: Arc<dyn Prepared>,
     pub(crate) seconds: f64,
     pub(crate) cached: bool,
@@ -173,8 +173,8 @@ pub(crate) fn prepare(
     cache: &mut Cache,
     monitor: &dyn Monitor,
     pictures: Pictures,
-) -> Result<(HashMap<NodeId, Ready>, MemoryAccount), EvalError> {
-    let mut ready: HashMap<NodeId, Ready> = HashMap::new();
+) -> Result<(HashMap<NodeId, PreparedStage>, MemoryAccount), EvalError> {
+    let mut ready: HashMap<NodeId, PreparedStage> = HashMap::new();
     let keys = keys(plan);
     // Look up everything that this frame uses before anything is dropped.
     let mut known: Vec<Option<Arc<dyn Prepared>>> = keys.iter().map(|(key, _)| cache.prepared(key)).collect();
@@ -197,7 +197,7 @@ pub(crate) fn prepare(
         let node = plan.graph.node(*id);
         let Some(stage) = plan.settled[id.0].as_ref().and_then(Settled::stage) else { continue };
         let entry = match known.take() {
-            Some(prepared) => Ready { prepared, seconds: 0.0, cached: true, files },
+            Some(prepared) => PreparedStage { prepared, seconds: 0.0, cached: true, files },
             None => {
                 monitor.preparing(&node.name);
                 let started = Instant::now();
@@ -208,11 +208,11 @@ pub(crate) fn prepare(
                 let prepared = stage.prepare(&prepare).map_err(|error| node_error(plan, *id, error, monitor))?;
                 let prepared: Arc<dyn Prepared> = prepared.into();
                 // If the estimate was too low, count the real size.
-                account.found(*id, prepared.bytes() as u64);
+                account.raise_to(*id, prepared.bytes() as u64);
                 account.shrink_to(plan.settings.memory_limit);
                 plan.check_memory(&account)?;
                 cache.keep(key, prepared.clone());
-                Ready { prepared, seconds: started.elapsed().as_secs_f64(), cached: false, files }
+                PreparedStage { prepared, seconds: started.elapsed().as_secs_f64(), cached: false, files }
             }
         };
         ready.insert(*id, entry);
@@ -222,7 +222,7 @@ pub(crate) fn prepare(
 
 /// Returns the key of the planes that a stage fills over the picture: its content key, its channels, and the
 /// picture's format.
-pub(crate) fn key_of_filled(plan: &Plan<'_>, fill: &Fill, ready: &Ready) -> Key {
+pub(crate) fn key_of_planes(plan: &Plan<'_>, fill: &Fill, ready: &PreparedStage) -> Key {
     ("filled", plan.keys[fill.node.0], &fill.wanted, plan.context.format, (plan.settings.bounds, ready.files)).key()
 }
 

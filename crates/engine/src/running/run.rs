@@ -2,12 +2,12 @@
 
 use super::bands::{Bands, Rows};
 use super::frame::{Frame, NodeReport, Phases, Picture, State};
-use super::keep::Keeping;
+use super::keep::PlaneKeeper;
 use super::memory::Pictures;
-use super::prepare::{Ready, prepare};
-use super::tile::Worker;
+use super::prepare::{PreparedStage, prepare};
+use super::tile::{Evaluation, Worker};
 use crate::judge::Judge;
-use crate::kernel::{Chunks, Compiled, WeightAudit};
+use crate::kernel::{Chunks, CompiledProgram, WeightAudit};
 use crate::planning::plan::{Feed, Pass, PlannedOutput};
 use crate::{Buffers, Cache, EvalError, Monitor, Plan};
 use std::collections::HashMap;
@@ -38,14 +38,14 @@ const TILE: (usize, usize) = (256, 16);
 
 /// What the workers report when they are done.
 #[derive(Default)]
-pub(crate) struct Tally {
+pub(crate) struct WorkerTotals {
     pub(crate) fill_seconds: Vec<f64>,
     pub(crate) program_seconds: f64,
     pub(crate) weights: WeightAudit,
     pub(crate) audits: Vec<Audit>,
 }
 
-impl Tally {
+impl WorkerTotals {
     fn add(&mut self, worker: &Worker<'_>) {
         self.fill_seconds.resize(worker.fill_seconds.len(), 0.0);
         for (all, own) in self.fill_seconds.iter_mut().zip(&worker.fill_seconds) {
@@ -159,7 +159,7 @@ impl Plan<'_> {
         cache: &mut Cache,
         monitor: &dyn Monitor,
         pictures: Pictures,
-        bands: impl FnOnce(&HashMap<NodeId, Ready>) -> Result<Bands<'s>, EvalError> + Send,
+        bands: impl FnOnce(&HashMap<NodeId, PreparedStage>) -> Result<Bands<'s>, EvalError> + Send,
     ) -> Result<Frame, EvalError> {
         self.in_pool(|| {
             self.validate(buffers)?;
@@ -171,20 +171,22 @@ impl Plan<'_> {
                 self.outputs.iter().map(|output| self.judge(output, &ready, buffers)).collect();
             let judged = started.elapsed().as_secs_f64();
             let started = Instant::now();
-            let keeping = Keeping::new(self, &ready, cache);
+            let keeper = PlaneKeeper::new(self, &ready, cache);
             let bands = bands(&ready)?;
             // No more workers than bands.
             let workers = account.workers().min(bands.count()).max(1);
-            let tally = self.tiles((&bands, workers), &ready, buffers, (&judges, &keeping), monitor);
-            let known: Vec<NodeId> = keeping.known.keys().copied().collect();
-            if tally.is_ok() {
-                keeping.finish(cache);
+            let evaluation =
+                Evaluation { plan: self, ready: &ready, buffers, judges: &judges, keeper: &keeper, monitor };
+            let totals = self.tiles(evaluation, &bands, workers);
+            let known: Vec<NodeId> = keeper.known.keys().copied().collect();
+            if totals.is_ok() {
+                keeper.finish(cache);
             }
             // Data decoded on demand counts too.
             cache.trim();
-            let tally = tally?;
+            let totals = totals?;
             let seconds = Phases { prepare: prepared, hull: judged, tiles: started.elapsed().as_secs_f64() };
-            Ok(self.assemble(judges, &tally, (&ready, &known), seconds))
+            Ok(self.assemble(judges, &totals, &ready, &known, seconds))
         })
     }
 
@@ -231,7 +233,7 @@ impl Plan<'_> {
     }
 
     /// Returns the width and height of tiles.
-    fn tile(&self, ready: &HashMap<NodeId, Ready>) -> (usize, usize) {
+    fn tile(&self, ready: &HashMap<NodeId, PreparedStage>) -> (usize, usize) {
         let fills = self.passes.iter().flat_map(|pass| &pass.fills);
         self.tile_for(fills.filter_map(|fill| ready.get(&fill.node)?.prepared.rows_per_band()).max())
     }
@@ -267,7 +269,7 @@ impl Plan<'_> {
     pub(crate) fn judge(
         &self,
         output: &PlannedOutput,
-        ready: &HashMap<NodeId, Ready>,
+        ready: &HashMap<NodeId, PreparedStage>,
         buffers: &Buffers<'_>,
     ) -> Option<Arc<Judge>> {
         let judge = || Arc::new(self.palette(output, ready, buffers));
@@ -283,7 +285,7 @@ impl Plan<'_> {
     pub(crate) fn palette(
         &self,
         output: &PlannedOutput,
-        ready: &HashMap<NodeId, Ready>,
+        ready: &HashMap<NodeId, PreparedStage>,
         buffers: &Buffers<'_>,
     ) -> Judge {
         let mut builder = HullBuilder::new();
@@ -333,23 +335,17 @@ impl Plan<'_> {
     }
 
     /// Evaluates every band, on `workers` threads.
-    fn tiles(
-        &self,
-        (bands, workers): (&Bands<'_>, usize),
-        ready: &HashMap<NodeId, Ready>,
-        buffers: &Buffers<'_>,
-        (judges, keeping): (&[Option<Arc<Judge>>], &Keeping),
-        monitor: &dyn Monitor,
-    ) -> Result<Tally, EvalError> {
-        let (width, _) = self.tile(ready);
+    fn tiles(&self, evaluation: Evaluation<'_>, bands: &Bands<'_>, workers: usize) -> Result<WorkerTotals, EvalError> {
+        let monitor = evaluation.monitor;
+        let (width, _) = self.tile(evaluation.ready);
         let total = bands.count() * self.window.width().div_ceil(width);
         let done = AtomicUsize::new(0);
-        let tally = Mutex::new(Tally::default());
+        let totals = Mutex::new(WorkerTotals::default());
         let failed: Mutex<Option<EvalError>> = Mutex::new(None);
         let stop = AtomicBool::new(false);
         let work = || {
             let mut chunks = Chunks::of(self.passes.iter().flat_map(programs));
-            let mut worker = Worker::new(self, ready, buffers, (judges, keeping), monitor, chunks.all());
+            let mut worker = Worker::new(evaluation, chunks.all());
             let mut band = |window: Window, rows: &mut Rows<'_>| {
                 for tile in window.tiles(width, window.height()) {
                     if monitor.cancelled() {
@@ -370,7 +366,7 @@ impl Plan<'_> {
                     }
                 }
             }
-            tally.lock().unwrap_or_else(PoisonError::into_inner).add(&worker);
+            totals.lock().unwrap_or_else(PoisonError::into_inner).add(&worker);
         };
         rayon::scope(|scope| {
             for _ in 1..workers {
@@ -380,15 +376,16 @@ impl Plan<'_> {
         });
         match failed.into_inner().unwrap_or_else(PoisonError::into_inner) {
             Some(error) => Err(error),
-            None => Ok(tally.into_inner().unwrap_or_else(PoisonError::into_inner)),
+            None => Ok(totals.into_inner().unwrap_or_else(PoisonError::into_inner)),
         }
     }
 
     pub(crate) fn assemble(
         &self,
         judges: Vec<Option<Arc<Judge>>>,
-        tally: &Tally,
-        ready: (&HashMap<NodeId, Ready>, &[NodeId]),
+        totals: &WorkerTotals,
+        ready: &HashMap<NodeId, PreparedStage>,
+        known: &[NodeId],
         seconds: Phases,
     ) -> Frame {
         let pictures = self
@@ -397,9 +394,9 @@ impl Plan<'_> {
             .zip(judges)
             .enumerate()
             .map(|(index, (output, judge))| {
-                let mut audit = tally.audits.get(index).copied().unwrap_or_default();
-                audit.weight_min = f64::from(tally.weights.min);
-                audit.weight_sum_max_deviation = tally.weights.max_deviation;
+                let mut audit = totals.audits.get(index).copied().unwrap_or_default();
+                audit.weight_min = f64::from(totals.weights.min);
+                audit.weight_sum_max_deviation = totals.weights.max_deviation;
                 let hull = judge.as_ref().map(|judge| judge.hull.clone());
                 let (margin, count, colors) =
                     judge.map_or((0.0, 0, Vec::new()), |j| (j.margin, j.count, j.colors.clone()));
@@ -421,14 +418,19 @@ impl Plan<'_> {
             number: self.context.frame,
             window: self.window,
             pictures,
-            nodes: self.node_reports(tally, ready),
+            nodes: self.node_reports(totals, ready, known),
             seconds,
             threads: rayon::current_num_threads(),
         }
     }
 
     /// Reports on all nodes. Nodes in `known` used planes from an earlier evaluation.
-    fn node_reports(&self, tally: &Tally, (ready, known): (&HashMap<NodeId, Ready>, &[NodeId])) -> Vec<NodeReport> {
+    fn node_reports(
+        &self,
+        totals: &WorkerTotals,
+        ready: &HashMap<NodeId, PreparedStage>,
+        known: &[NodeId],
+    ) -> Vec<NodeReport> {
         // The programs' time is divided by the cost of each node's operations.
         let mut costs = vec![0.0; self.graph.nodes().len()];
         let mut samples = vec![0u64; costs.len()];
@@ -449,8 +451,8 @@ impl Plan<'_> {
         nodes
             .map(|(index, node)| {
                 let ready = ready.get(&NodeId(index));
-                let fill = tally.fill_seconds.get(index).copied().unwrap_or(0.0);
-                let share = if total > 0.0 { costs[index] / total * tally.program_seconds } else { 0.0 };
+                let fill = totals.fill_seconds.get(index).copied().unwrap_or(0.0);
+                let share = if total > 0.0 { costs[index] / total * totals.program_seconds } else { 0.0 };
                 let state = match &self.left_out[index] {
                     Some(why) => State::LeftOut(why.clone()),
                     None if ready.is_some_and(|ready| ready.cached) => State::Cached,
@@ -472,6 +474,6 @@ impl Plan<'_> {
 }
 
 /// Lists every program that a pass runs.
-pub(crate) fn programs(pass: &Pass) -> impl Iterator<Item = &Compiled> {
+pub(crate) fn programs(pass: &Pass) -> impl Iterator<Item = &CompiledProgram> {
     pass.fills.iter().filter_map(|fill| fill.taps.as_ref()).chain([&pass.program])
 }

@@ -2,11 +2,11 @@
 
 use super::bands::Rows;
 use super::fill::Fills;
-use super::keep::Keeping;
-use super::prepare::Ready;
+use super::keep::PlaneKeeper;
+use super::prepare::PreparedStage;
 use crate::judge::{Judge, is_judged, nan_count};
 use crate::kernel::{Chunk, Look, Machine, Plane, WeightAudit};
-use crate::planning::plan::Pass;
+use crate::planning::plan::{Pass, Sample};
 use crate::{Buffers, EvalError, Monitor, Plan};
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -19,6 +19,18 @@ use trochoid_weights::Audit;
 /// If a frame moves more bytes than this, the size of the cache of large processors, results are written around the
 /// cache. They would be evicted before anything reads them, and would evict data that is still to be read.
 const CACHE: usize = 32 << 20;
+
+/// Everything that the threads of an evaluation read.
+#[derive(Clone, Copy)]
+pub(crate) struct Evaluation<'p> {
+    pub(crate) plan: &'p Plan<'p>,
+    pub(crate) ready: &'p HashMap<NodeId, PreparedStage>,
+    pub(crate) buffers: &'p Buffers<'p>,
+    /// By output.
+    pub(crate) judges: &'p [Option<Arc<Judge>>],
+    pub(crate) keeper: &'p PlaneKeeper,
+    pub(crate) monitor: &'p dyn Monitor,
+}
 
 /// State that a thread needs to evaluate tiles, reused from one tile to the next.
 pub(crate) struct Worker<'p> {
@@ -44,7 +56,7 @@ struct PassState<'p> {
 
 /// A tile within a band of full rows.
 #[derive(Clone, Copy)]
-struct Place {
+struct BandTile {
     tile: Window,
     /// Columns of the band before the tile, and width of the band.
     x: usize,
@@ -53,22 +65,15 @@ struct Place {
 
 impl<'p> Worker<'p> {
     /// Makes a worker; its machines take the chunks that they need from `chunks`.
-    pub(crate) fn new(
-        plan: &'p Plan<'p>,
-        ready: &'p HashMap<NodeId, Ready>,
-        buffers: &'p Buffers<'p>,
-        (judges, keeping): (&'p [Option<Arc<Judge>>], &'p Keeping),
-        monitor: &'p dyn Monitor,
-        mut chunks: &'p mut [Chunk],
-    ) -> Self {
+    pub(crate) fn new(evaluation: Evaluation<'p>, mut chunks: &'p mut [Chunk]) -> Self {
+        let Evaluation { plan, ready, buffers, judges, keeper, monitor } = evaluation;
         let passes = plan
             .passes
             .iter()
             .map(|pass| PassState {
                 pass,
                 machine: Machine::new(&pass.program, &mut chunks),
-                fills: Fills::new(plan, ready, buffers, (&pass.fills, pass.sharing), monitor, &mut chunks)
-                    .keeping(keeping),
+                fills: Fills::new(plan, ready, buffers, pass, monitor, &mut chunks).with_keeper(keeper),
                 sums: vec![Vec::new(); channel_count(pass)],
                 rows: vec![Vec::new(); channel_count(pass)],
             })
@@ -87,7 +92,7 @@ impl<'p> Worker<'p> {
 
     /// Evaluates a tile of a band into the band's rows.
     pub(crate) fn tile(&mut self, tile: Window, band: Window, rows: &mut Rows<'_>) -> Result<(), EvalError> {
-        let place = Place { tile, x: (tile.x0 - band.x0) as usize, stride: band.width() };
+        let place = BandTile { tile, x: (tile.x0 - band.x0) as usize, stride: band.width() };
         for index in 0..self.passes.len() {
             let mut seen = if self.passes[index].pass.offsets.len() == 1 {
                 self.single(index, place, rows)?
@@ -105,20 +110,20 @@ impl<'p> Worker<'p> {
     }
 
     /// Evaluates one sample per pixel: the program writes straight into the band.
-    fn single(&mut self, index: usize, place: Place, rows: &mut Rows<'_>) -> Result<Vec<Audit>, EvalError> {
+    fn single(&mut self, index: usize, place: BandTile, rows: &mut Rows<'_>) -> Result<Vec<Audit>, EvalError> {
         let (plan, judges) = (self.plan, self.judges);
         let state = &mut self.passes[index];
         let pass = state.pass;
-        state.fills.fill(place.tile, (0, pass.offsets[0]), &mut self.fill_seconds)?;
+        state.fills.fill(place.tile, Sample { index: 0, offset: pass.offsets[0] }, &mut self.fill_seconds)?;
         let started = Instant::now();
         let width = place.tile.width();
         let planes = state.fills.planes(&pass.program);
         let machine = &mut state.machine;
         let mut seen = run_rows(plan, pass, judges, machine, &planes, place, rows);
-        if machine.is_suspect() {
+        if machine.has_illegal_input() {
             // The caller's planes hold an illegal value or −0. −0 must be treated like 0, so that no bit depends on
             // pruning.
-            machine.acquit();
+            machine.reset_checks();
             let normalized = self.buffers.normalized(plan, &pass.program.planes, &planes, place.tile)?;
             let planes = with_normalized(&planes, &normalized, width);
             seen = run_rows(plan, pass, judges, machine, &planes, place, rows);
@@ -138,7 +143,7 @@ impl<'p> Worker<'p> {
     }
 
     /// Averages several samples per pixel, with equal weights.
-    fn averaged(&mut self, index: usize, place: Place, rows: &mut Rows<'_>) -> Result<Vec<Audit>, EvalError> {
+    fn averaged(&mut self, index: usize, place: BandTile, rows: &mut Rows<'_>) -> Result<Vec<Audit>, EvalError> {
         let plan = self.plan;
         let state = &mut self.passes[index];
         let pass = state.pass;
@@ -149,7 +154,7 @@ impl<'p> Worker<'p> {
         }
         state.rows.iter_mut().for_each(|row| row.resize(width, 0.0));
         let mut normalized = None;
-        for sample in pass.offsets.iter().copied().enumerate() {
+        for sample in pass.samples() {
             state.fills.fill(place.tile, sample, &mut self.fill_seconds)?;
             let started = Instant::now();
             let planes = state.fills.planes(&pass.program);
@@ -204,7 +209,7 @@ fn run_rows(
     judges: &[Option<Arc<Judge>>],
     machine: &mut Machine<'_>,
     planes: &[Plane<'_>],
-    place: Place,
+    place: BandTile,
     rows: &mut Rows<'_>,
 ) -> Vec<Audit> {
     let width = place.tile.width();
@@ -255,7 +260,7 @@ fn slices<'r>(pass: &Pass, rows: &'r mut Rows<'_>) -> Vec<&'r mut [f32]> {
 }
 
 /// Audits every pixel of a tile of a finished band.
-fn audit_tile(judge: Option<&Judge>, channels: &[&mut [f32]], place: Place) -> Audit {
+fn audit_tile(judge: Option<&Judge>, channels: &[&mut [f32]], place: BandTile) -> Audit {
     let mut audit = Audit::default();
     for y in 0..place.tile.height() {
         let start = y * place.stride + place.x;

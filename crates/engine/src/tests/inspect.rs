@@ -1,7 +1,7 @@
 //! Tests of a pixel's blame: shares sum to 1 and mix to the color that the picture shows.
 
 use super::{filters, nodes as types};
-use crate::{Blame, Buffers, Cache, Inspected, Monitor, Plan, Settings, Silent};
+use crate::{Blame, Buffers, Cache, InspectedPixel, Monitor, Plan, Settings, Silent};
 use proptest::prelude::*;
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -47,7 +47,7 @@ fn nodes(dice: &[(u8, usize, usize)]) -> Vec<(String, String)> {
     nodes
 }
 
-fn inspect(plan: &Plan<'_>, output: usize, pixel: [i64; 2]) -> Inspected {
+fn inspect(plan: &Plan<'_>, output: usize, pixel: [i64; 2]) -> InspectedPixel {
     plan.inspect(output, pixel, &Buffers::new(), &mut Cache::new(), &Silent).unwrap().unwrap()
 }
 

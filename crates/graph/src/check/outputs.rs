@@ -186,7 +186,12 @@ impl<'a> Checker<'a> {
             && !matches!(spec.kind, Kind::Color | Kind::Weights(2))
         {
             let found = format!("\"{}\", a PNG, for a {}", shorten(path), spec.kind);
-            self.error(file, found, "an EXR: PNG holds one color or one mask", "change the extension of the path to .exr");
+            self.error(
+                file,
+                found,
+                "an EXR: PNG holds one color or one mask",
+                "change the extension of the path to .exr",
+            );
         }
         if let (Kind::Field(_), Some(Precision::Half)) = (spec.kind, spec.precision) {
             self.report(

@@ -19,7 +19,7 @@ pub use ladder::{Attempt, Errors, Ladder, LadderRequest, Limit, PassError, Rung,
 pub use pilot::predict;
 
 use crate::{LoadError, Loaded};
-use trochoid_engine::{Buffers, Cache, Certified, Certifier, Limiting, Monitor, PlanError, Settings};
+use trochoid_engine::{AccuracyLimit, Buffers, Cache, Certified, Certifier, Monitor, PlanError, Settings};
 use trochoid_graph::{CheckedGraph, Kind, NodeId, Tolerance};
 use trochoid_image::{Window, WorkingSpace};
 
@@ -237,7 +237,7 @@ impl Trial<'_> {
         let limiting =
             self.certifier(None)?.limiting(certified.output, pixel, &Buffers::new(), &mut cache, self.monitor);
         self.cache = cache;
-        let Limiting { stage, .. } = limiting?;
+        let AccuracyLimit { stage, .. } = limiting?;
         let pass = stage.map(|id| {
             let node = self.graph.node(id);
             (node.name.clone(), node.ty.declaration().name)

@@ -6,7 +6,7 @@
 //! more.
 
 use std::collections::BTreeMap;
-use trochoid::{Buffers, Cache, Heap, Pictures, Plan, Settings, Silent, Taker, in_bytes};
+use trochoid::{Buffers, Cache, Heap, MemoryConsumer, Pictures, Plan, Settings, Silent, in_bytes};
 
 #[global_allocator]
 static HEAP: Heap = Heap;
@@ -22,10 +22,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let peak = Heap::peak().saturating_sub(before);
         println!("{path}: reckoned {}, at most taken {}", in_bytes(account.total()), in_bytes(peak as u64));
         let mut nodes: BTreeMap<String, [u64; 2]> = BTreeMap::new();
-        for (taker, bytes, _) in &account.takers {
-            match taker {
-                Taker::Node(id) => nodes.entry(graph.node(*id).name.clone()).or_default()[0] = *bytes,
-                Taker::Preparing(id) => println!("  preparing {} {}", graph.node(*id).name, in_bytes(*bytes)),
+        for (consumer, bytes, _) in &account.consumers {
+            match consumer {
+                MemoryConsumer::Node(id) => nodes.entry(graph.node(*id).name.clone()).or_default()[0] = *bytes,
+                MemoryConsumer::Preparing(id) => println!("  preparing {} {}", graph.node(*id).name, in_bytes(*bytes)),
                 other => println!("  {other:?} {}", in_bytes(*bytes)),
             }
         }

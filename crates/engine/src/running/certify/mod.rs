@@ -17,7 +17,7 @@ use crate::planning::bounds::BOUNDS;
 use crate::planning::plan::{Pass, PlannedOutput};
 use crate::running::fill::Fills;
 use crate::running::memory::Pictures;
-use crate::running::prepare::{Ready, prepare};
+use crate::running::prepare::{PreparedStage, prepare};
 use crate::{Buffers, Cache, EvalError, Monitor, Plan, PlanError, Settings, Switches};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, HashMap};
@@ -82,7 +82,8 @@ impl<'g> Certifier<'g> {
             let tiles: Vec<Window> = plan.window.tiles(width.max(4 * across), height.max(4 * down)).collect();
             let mut all: Vec<Certified> =
                 plan.outputs.iter().map(|output| Certified::new(output.index, output.kind, plan.window)).collect();
-            let run = Run { total: tiles.len(), done: AtomicUsize::new(0), unbounded: Mutex::default(), monitor };
+            let run =
+                Certification { total: tiles.len(), done: AtomicUsize::new(0), unbounded: Mutex::default(), monitor };
             let parts: Result<Vec<Vec<Certified>>, EvalError> = tiles
                 .par_chunks(tiles.len().div_ceil(8 * rayon::current_num_threads()).max(1))
                 .map(|tiles| self.tiles(tiles, &ready, buffers, &run))
@@ -122,11 +123,11 @@ impl<'g> Certifier<'g> {
         buffers: &Buffers<'_>,
         cache: &mut Cache,
         monitor: &dyn Monitor,
-    ) -> Result<Limiting, EvalError> {
+    ) -> Result<AccuracyLimit, EvalError> {
         let (bound, by_stage) = self.by_stage(output, pixel, buffers, cache, monitor)?;
         let least = by_stage.into_iter().min_by(|a, b| a.1.total_cmp(&b.1));
         let (stage, without) = least.map_or((None, bound), |(stage, without)| (Some(stage), without));
-        Ok(Limiting { stage: stage.filter(|_| without < MATTERS * bound), bound, without })
+        Ok(AccuracyLimit { stage: stage.filter(|_| without < MATTERS * bound), bound, without })
     }
 
     /// Returns the bound of an output at a pixel, and for each stage the bound as it would be without that stage's
@@ -166,9 +167,9 @@ impl<'g> Certifier<'g> {
     fn tiles(
         &self,
         tiles: &[Window],
-        ready: &HashMap<NodeId, Ready>,
+        ready: &HashMap<NodeId, PreparedStage>,
         buffers: &Buffers<'_>,
-        run: &Run<'_>,
+        run: &Certification<'_>,
     ) -> Result<Vec<Certified>, EvalError> {
         let plan = &self.plan;
         let mut chunks = Chunks::of([]);
@@ -178,7 +179,7 @@ impl<'g> Certifier<'g> {
             .passes
             .iter()
             .map(|pass| {
-                let fills = Fills::new(plan, ready, buffers, (&pass.fills, pass.sharing), run.monitor, &mut chunks);
+                let fills = Fills::new(plan, ready, buffers, pass, run.monitor, &mut chunks);
                 (pass, fills, Trace::new(&pass.program))
             })
             .collect();
@@ -192,8 +193,8 @@ impl<'g> Certifier<'g> {
             for (pass, fills, trace) in &mut passes {
                 let share = 1.0 / pass.offsets.len() as f64;
                 let mut means: Vec<Vec<Vec<f64>>> = own.iter().map(|_| Vec::new()).collect();
-                for (sample, offset) in pass.offsets.iter().enumerate() {
-                    fills.fill(tile, (sample, *offset), &mut seconds)?;
+                for sample in pass.samples() {
+                    fills.fill(tile, sample, &mut seconds)?;
                     run.note(fills);
                     let planes = fills.planes(&pass.program);
                     // Rows by root and channel: values, then bounds.
@@ -227,7 +228,7 @@ impl<'g> Certifier<'g> {
 
 /// What limits the accuracy of an output.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Limiting {
+pub struct AccuracyLimit {
     /// Stage that limits it; `None` if no single stage does, only f32 rounding throughout the graph.
     pub stage: Option<NodeId>,
     /// Bound on the error, in the output's own unit.
@@ -249,7 +250,7 @@ fn breadth(palette: &[Rgb]) -> f64 {
 }
 
 /// State that the threads of one certification share.
-struct Run<'m> {
+struct Certification<'m> {
     /// Number of all tiles.
     total: usize,
     done: AtomicUsize,
@@ -258,7 +259,7 @@ struct Run<'m> {
     monitor: &'m dyn Monitor,
 }
 
-impl Run<'_> {
+impl Certification<'_> {
     /// Records which stages know no bound.
     fn note(&self, fills: &Fills<'_>) {
         for (id, why) in fills.unbounded() {

@@ -11,7 +11,8 @@ pub(crate) type Planes<'a> = Vec<Vec<Option<&'a mut [f32]>>>;
 /// first half. Returns the reason if the stage knows no bound. A stage with `exact` set counts as having no errors of
 /// its own.
 pub(crate) fn fill_with_bounds(
-    (prepared, exact): (&dyn Prepared, bool),
+    prepared: &dyn Prepared,
+    exact: bool,
     block: &Block<'_>,
     ports: &Ports<'_>,
     cancelled: &(dyn Fn() -> bool + Sync),

@@ -1,6 +1,6 @@
 //! Runs a program with bounds on the errors of everything that it computes: operation by operation, in rows.
 
-use crate::kernel::{CHUNK, Compiled, Origin, Plane, TakeRow};
+use crate::kernel::{CHUNK, CompiledProgram, Origin, Plane, TakeRow};
 use crate::planning::bounds::BOUNDS;
 use crate::rules::error::{Operands, error};
 use std::collections::HashMap;
@@ -15,24 +15,24 @@ pub(crate) struct Trace<'p> {
     planes: HashMap<Slot, usize>,
     /// Index of each operation's first row.
     first: Vec<usize>,
-    rows: Rows,
+    rows: TraceRows,
 }
 
 /// Values and encoded bounds over a chunk.
 #[derive(Debug)]
-struct Rows {
+struct TraceRows {
     values: Vec<[f32; CHUNK]>,
     bounds: Vec<[f32; CHUNK]>,
 }
 
 /// Everything that was computed at one sample.
-struct At<'a> {
-    rows: &'a Rows,
+struct SampleOperands<'a> {
+    rows: &'a TraceRows,
     first: &'a [usize],
     x: usize,
 }
 
-impl Operands for At<'_> {
+impl Operands for SampleOperands<'_> {
     #[inline]
     fn value(&self, position: u32, row: usize) -> f64 {
         f64::from(self.float(position, row))
@@ -44,7 +44,7 @@ impl Operands for At<'_> {
     }
 }
 
-impl At<'_> {
+impl SampleOperands<'_> {
     #[inline]
     fn float(&self, position: u32, row: usize) -> f32 {
         self.rows.values[self.first[position as usize] + row][self.x]
@@ -101,7 +101,7 @@ fn rows(op: &Op) -> usize {
 
 impl<'p> Trace<'p> {
     /// Takes planes in the order of `compiled`, whose second half holds the bounds of the first half.
-    pub(crate) fn new(compiled: &'p Compiled) -> Self {
+    pub(crate) fn new(compiled: &'p CompiledProgram) -> Self {
         let origin = &compiled.origin;
         let mut first = Vec::new();
         let mut count = 0;
@@ -109,7 +109,7 @@ impl<'p> Trace<'p> {
             first.push(count);
             count += rows(op);
         }
-        let rows = Rows { values: vec![[0.0; CHUNK]; count], bounds: vec![[0.0; CHUNK]; count] };
+        let rows = TraceRows { values: vec![[0.0; CHUNK]; count], bounds: vec![[0.0; CHUNK]; count] };
         let planes = &compiled.planes[..compiled.planes.len() / 2];
         let planes = planes.iter().enumerate().map(|(index, slot)| (*slot, index)).collect();
         Self { origin, planes, first, rows }
@@ -121,7 +121,7 @@ impl<'p> Trace<'p> {
         for y in 0..height {
             for x in (0..width).step_by(CHUNK) {
                 let count = CHUNK.min(width - x);
-                self.chunk(planes, (x, y), count);
+                self.chunk(planes, x, y, count);
                 for (index, &root) in self.origin.roots.iter().enumerate() {
                     let own = self.first[root as usize];
                     for channel in 0..rows(&self.origin.program.ops()[root as usize].0) {
@@ -133,7 +133,7 @@ impl<'p> Trace<'p> {
         }
     }
 
-    fn chunk(&mut self, planes: &[Plane<'_>], (x, y): (usize, usize), count: usize) {
+    fn chunk(&mut self, planes: &[Plane<'_>], x: usize, y: usize, count: usize) {
         for (position, (op, _)) in self.origin.program.ops().iter().enumerate() {
             let (own, channels) = (self.first[position], rows(op));
             if let Op::Load(slot) | Op::LoadColor(slot) = op {
@@ -151,7 +151,7 @@ impl<'p> Trace<'p> {
             let mut exact = vec![0.0_f64; channels];
             let mut bounds = vec![Bound::EXACT; channels];
             for x in 0..count {
-                let at = At { rows: &self.rows, first: &self.first, x };
+                let at = SampleOperands { rows: &self.rows, first: &self.first, x };
                 at.compute(op, &mut computed);
                 exact.iter_mut().zip(&computed).for_each(|(to, from)| *to = f64::from(*from));
                 error(op, &at, &exact, &mut bounds);

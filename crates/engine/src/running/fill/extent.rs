@@ -2,7 +2,7 @@
 
 use crate::Plan;
 use crate::planning::plan::{Feed, Fill};
-use crate::running::prepare::Ready;
+use crate::running::prepare::PreparedStage;
 use std::collections::HashMap;
 use trochoid_graph::{NodeId, PortId};
 use trochoid_image::Window;
@@ -22,7 +22,11 @@ pub(super) fn clamped(window: Window, within: Window) -> Window {
 const EVERYWHERE: Window = Window::new(-(1 << 40), -(1 << 40), 1 << 40, 1 << 40);
 
 /// Returns how far the image of every stage extends: the picture, and the pixels that the stage has beyond it.
-pub(crate) fn extents(plan: &Plan<'_>, ready: &HashMap<NodeId, Ready>, fills: &[Fill]) -> HashMap<NodeId, Window> {
+pub(crate) fn extents(
+    plan: &Plan<'_>,
+    ready: &HashMap<NodeId, PreparedStage>,
+    fills: &[Fill],
+) -> HashMap<NodeId, Window> {
     let picture = plan.graph.format().window();
     let mut extents = HashMap::new();
     for fill in fills.iter().filter(|fill| !plan.bound[fill.node.0]) {

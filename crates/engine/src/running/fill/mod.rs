@@ -8,17 +8,17 @@ mod extent;
 mod runner;
 mod shared;
 
-use crate::kernel::{Chunk, Compiled, Plane, WeightAudit};
-use crate::planning::plan::{Feed, Fill};
-use crate::planning::shading::TELLING;
+use crate::kernel::{Chunk, CompiledProgram, Plane, WeightAudit};
+use crate::planning::plan::{Feed, Fill, Pass, Sample};
+use crate::planning::shading::SHARING_CHANNELS;
 use crate::running::certify::fill_with_bounds;
-use crate::running::keep::{Filled, Keeping};
-use crate::running::prepare::{Ready, node_error};
+use crate::running::keep::{PlaneKeeper, StagePlanes};
+use crate::running::prepare::{PreparedStage, node_error};
 use crate::{Buffers, EvalError, Monitor, Plan};
 use extent::clamped;
 pub(crate) use extent::extents;
 use runner::Runner;
-use shared::{Apart, Kept, View, telling};
+use shared::{ReplacedValues, SharingView, UnsharedPixels, sharing_slot};
 use std::borrow::Cow;
 use std::cell::Cell;
 use std::collections::HashMap;
@@ -29,16 +29,16 @@ use trochoid_image::Window;
 /// All stages of a pass, with their planes over the current tile.
 pub(crate) struct Fills<'p> {
     plan: &'p Plan<'p>,
-    ready: &'p HashMap<NodeId, Ready>,
+    ready: &'p HashMap<NodeId, PreparedStage>,
     buffers: &'p Buffers<'p>,
     monitor: &'p dyn Monitor,
     fills: Vec<FillState<'p>>,
     /// Index of the fill that holds a plane.
     by_slot: HashMap<Slot, usize>,
     /// Views that decide whether samples share.
-    views: Vec<View>,
+    views: Vec<SharingView>,
     /// Pixels at which the current sample does not share.
-    apart: Vec<Apart>,
+    unshared: Vec<UnsharedPixels>,
     /// The current tile.
     tile: Window,
     /// Whether samples of a pixel share.
@@ -46,7 +46,7 @@ pub(crate) struct Fills<'p> {
     /// A row of bounds for the caller's buffers, which are exact by definition.
     exact: Vec<f32>,
     /// Planes that are known from an earlier evaluation, and planes to keep from this one.
-    keeping: Option<&'p Keeping>,
+    keeper: Option<&'p PlaneKeeper>,
 }
 
 struct FillState<'p> {
@@ -66,7 +66,7 @@ struct FillState<'p> {
     /// Pixels that the program before the stage runs over.
     tap_window: Window,
     /// Results of the first sample at the pixels where the current sample does not share them.
-    kept: Kept,
+    replaced: ReplacedValues,
     /// What the stage found at the first sample, for use at all samples.
     found: Option<Found>,
     /// Window needed for the current sample: everything that the planes hold, except for what was shared.
@@ -95,14 +95,15 @@ impl FillState<'_> {
 impl<'p> Fills<'p> {
     pub(crate) fn new(
         plan: &'p Plan<'p>,
-        ready: &'p HashMap<NodeId, Ready>,
+        ready: &'p HashMap<NodeId, PreparedStage>,
         buffers: &'p Buffers<'p>,
-        (fills, sharing): (&'p [Fill], bool),
+        pass: &'p Pass,
         monitor: &'p dyn Monitor,
         chunks: &mut &'p mut [Chunk],
     ) -> Self {
+        let fills = &pass.fills[..];
         let by_slot = by_slot(fills);
-        let views = View::of(fills, &by_slot);
+        let views = SharingView::of(fills, &by_slot);
         let extents = extents(plan, ready, fills);
         let picture = plan.graph.format().window();
         let bounding = plan.settings.bounds;
@@ -131,7 +132,7 @@ impl<'p> Fills<'p> {
                     .collect(),
                 window: Window::default(),
                 tap_window: Window::default(),
-                kept: Kept::default(),
+                replaced: ReplacedValues::default(),
                 found: None,
                 need: Window::default(),
                 unbounded: Cell::new(None),
@@ -145,37 +146,32 @@ impl<'p> Fills<'p> {
             fills,
             by_slot,
             views,
-            apart: Vec::new(),
+            unshared: Vec::new(),
             tile: Window::default(),
-            sharing,
+            sharing: pass.sharing,
             exact: if bounding { vec![0.0; picture.width()] } else { Vec::new() },
-            keeping: None,
+            keeper: None,
         }
     }
 
     /// Uses planes that were filled before, and keeps planes that are not known yet.
-    pub(crate) fn keeping(self, keeping: &'p Keeping) -> Self {
-        Self { keeping: Some(keeping), ..self }
+    pub(crate) fn with_keeper(self, keeper: &'p PlaneKeeper) -> Self {
+        Self { keeper: Some(keeper), ..self }
     }
 
     /// Returns the planes that an earlier evaluation filled.
-    fn known(&self, node: NodeId) -> Option<&'p Filled> {
-        self.keeping?.known.get(&node).map(|filled| &**filled)
+    fn known(&self, node: NodeId) -> Option<&'p StagePlanes> {
+        self.keeper?.known.get(&node).map(|filled| &**filled)
     }
 
-    /// Fills every stage over the window that a tile needs, for a sample given by its index and offset, and adds the
+    /// Fills every stage over the window that a tile needs, for a sample, and adds the
     /// time of each stage to `seconds`. The first sample of a tile must come first, since the others may share its
     /// results.
-    pub(crate) fn fill(
-        &mut self,
-        tile: Window,
-        (sample, offset): (usize, [f64; 2]),
-        seconds: &mut [f64],
-    ) -> Result<(), EvalError> {
-        if sample == 0 || self.sharing {
-            self.place(tile, sample);
+    pub(crate) fn fill(&mut self, tile: Window, sample: Sample, seconds: &mut [f64]) -> Result<(), EvalError> {
+        if sample.index == 0 || self.sharing {
+            self.place_windows(tile, sample.index);
         }
-        self.apart.clear();
+        self.unshared.clear();
         for index in 0..self.fills.len() {
             if self.fills[index].need.is_empty() {
                 continue;
@@ -186,8 +182,8 @@ impl<'p> Fills<'p> {
             let started = Instant::now();
             let id = self.fills[index].fill.node;
             let filled = match &self.fills[index].fill.shared {
-                Some(views) if sample > 0 => self.stage_apart(index, views, offset),
-                _ => self.stage(index, (sample, offset)).map(|()| self.look(index, sample)),
+                Some(views) if sample.index > 0 => self.fill_unshared(index, views, sample.offset),
+                _ => self.fill_stage(index, sample).map(|()| self.compare_sample(index, sample.index)),
             };
             filled.map_err(|error| node_error(self.plan, id, error, self.monitor))?;
             seconds[id.0] += started.elapsed().as_secs_f64();
@@ -196,7 +192,7 @@ impl<'p> Fills<'p> {
     }
 
     /// Returns the planes that a program reads over the current tile, in its order.
-    pub(crate) fn planes(&self, program: &Compiled) -> Vec<Plane<'_>> {
+    pub(crate) fn planes(&self, program: &CompiledProgram) -> Vec<Plane<'_>> {
         program.planes.iter().map(|slot| self.plane(slot, self.tile, &self.fills)).collect()
     }
 
@@ -212,11 +208,11 @@ impl<'p> Fills<'p> {
     }
 
     /// Decides every stage's window, from the program backwards; for a later sample, only what it cannot share.
-    fn place(&mut self, tile: Window, sample: usize) {
+    fn place_windows(&mut self, tile: Window, sample: usize) {
         let format = self.plan.graph.format();
         self.tile = tile;
         for state in &mut self.fills {
-            let is_kept = self.keeping.is_some_and(|keeping| keeping.wants(state.fill.node));
+            let is_kept = self.keeper.is_some_and(|keeper| keeper.wants(state.fill.node));
             state.need = if state.fill.read || is_kept { tile } else { Window::default() };
             state.tap_window = Window::default();
         }
@@ -232,7 +228,7 @@ impl<'p> Fills<'p> {
                 state.window = state.need;
             }
             let is_everywhere = state.fill.shared.as_ref().is_some_and(Vec::is_empty);
-            let is_known = self.keeping.is_some_and(|keeping| keeping.known.contains_key(&state.fill.node));
+            let is_known = self.keeper.is_some_and(|keeper| keeper.known.contains_key(&state.fill.node));
             if state.need.is_empty() || is_known || (is_shared && is_everywhere) {
                 continue;
             }
@@ -244,7 +240,7 @@ impl<'p> Fills<'p> {
                 }
             };
             for view in state.fill.shared.iter().flatten() {
-                TELLING.iter().for_each(|channel| need(&telling(*view, *channel), state.need));
+                SHARING_CHANNELS.iter().for_each(|channel| need(&sharing_slot(*view, *channel), state.need));
             }
             for ((port, connections), images) in state.fill.inputs.iter().zip(&mut state.images) {
                 let asked = if sample == 0 {
@@ -304,15 +300,15 @@ impl<'p> Fills<'p> {
     }
 
     /// Fills one stage's planes.
-    fn stage(&mut self, index: usize, (sample, offset): (usize, [f64; 2])) -> Result<(), NodeError> {
+    fn fill_stage(&mut self, index: usize, sample: Sample) -> Result<(), NodeError> {
         let node = self.fills[index].fill.node;
         if self.is_bound(node) || self.known(node).is_some() {
             return Ok(());
         }
-        self.fills[index].kept.indices.clear();
+        self.fills[index].replaced.indices.clear();
         // A plane that does not vary from row to row is reused if the previous tile had the same columns.
         let state = &mut self.fills[index];
-        let columns = Some((state.window.x0, state.window.x1, offset));
+        let columns = Some((state.window.x0, state.window.x1, sample.offset));
         if state.one_row && std::mem::replace(&mut state.columns, columns) == columns {
             return Ok(());
         }
@@ -321,16 +317,16 @@ impl<'p> Fills<'p> {
             let state = &mut self.fills[index];
             (std::mem::take(&mut state.planes), state.taps.take())
         };
-        let filled = self.fill_into(index, (sample, offset), &mut planes, machine.as_mut());
+        let filled = self.fill_into(index, sample, &mut planes, machine.as_mut());
         let state = &mut self.fills[index];
         if filled.is_err() {
             state.columns = None;
         }
         (state.planes, state.taps) = (planes, machine);
         state.found = filled?;
-        if let Some(keeping) = self.keeping {
+        if let Some(keeper) = self.keeper {
             let state = &self.fills[index];
-            keeping.take(node, (self.tile, state.window), self.plan.graph.format().window(), &state.planes);
+            keeper.take(node, self.tile, state.window, self.plan.graph.format().window(), &state.planes);
         }
         Ok(())
     }
@@ -339,7 +335,7 @@ impl<'p> Fills<'p> {
     fn fill_into(
         &self,
         index: usize,
-        (sample, offset): (usize, [f64; 2]),
+        sample: Sample,
         planes: &mut [Vec<Vec<f32>>],
         machine: Option<&mut Runner<'p>>,
     ) -> Result<Option<Found>, NodeError> {
@@ -353,7 +349,7 @@ impl<'p> Fills<'p> {
             plane.resize(samples, 0.0);
         }
         let taps = self.run_taps(state, before, machine);
-        let held: Vec<Vec<Held<'_>>> = state
+        let held: Vec<Vec<ConnectionPlanes<'_>>> = state
             .fill
             .inputs
             .iter()
@@ -389,15 +385,15 @@ impl<'p> Fills<'p> {
             .collect();
         let Some(ready) = self.ready.get(&state.fill.node) else { return Ok(None) };
         let cancelled = || self.monitor.cancelled();
-        let block = Block::of(window, offset);
+        let block = Block::of(window, sample.offset);
         if self.plan.settings.bounds {
             let exact = self.plan.settings.exact == Some(state.fill.node);
-            let filled = fill_with_bounds((&*ready.prepared, exact), &block, &ports, &cancelled, outputs)?;
+            let filled = fill_with_bounds(&*ready.prepared, exact, &block, &ports, &cancelled, outputs)?;
             state.unbounded.set(filled);
             return Ok(None);
         }
         let inputs = Inputs::new(&ports).with_cancellation(&cancelled);
-        let found = match sample {
+        let found = match sample.index {
             0 if self.sharing => ready.prepared.find(&block, &inputs)?,
             _ => state.found.clone(),
         };
@@ -460,7 +456,7 @@ impl<'p> Fills<'p> {
 }
 
 /// Channels of one connection; `None` where not requested.
-type Held<'a> = Vec<Option<Cow<'a, [f32]>>>;
+type ConnectionPlanes<'a> = Vec<Option<Cow<'a, [f32]>>>;
 
 /// Planes of a program's roots, by root and channel.
 type Taps = HashMap<(usize, usize), Vec<f32>>;

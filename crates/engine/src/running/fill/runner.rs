@@ -1,6 +1,6 @@
 //! Runs the pointwise program before a stage.
 
-use crate::kernel::{Chunk, Compiled, Machine, Plane, TakeRow, WeightAudit};
+use crate::kernel::{Chunk, CompiledProgram, Machine, Plane, TakeRow, WeightAudit};
 use crate::running::certify::Trace;
 
 /// Runs the program alone, or with bounds on its errors.
@@ -11,7 +11,7 @@ pub(super) enum Runner<'p> {
 }
 
 impl<'p> Runner<'p> {
-    pub(super) fn new(compiled: &'p Compiled, bounding: bool, chunks: &mut &'p mut [Chunk]) -> Self {
+    pub(super) fn new(compiled: &'p CompiledProgram, bounding: bool, chunks: &mut &'p mut [Chunk]) -> Self {
         if bounding {
             Self::Trace(Trace::new(compiled))
         } else {

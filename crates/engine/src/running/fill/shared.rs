@@ -1,10 +1,10 @@
 //! Stages whose results the samples of a pixel share: after the first sample, only the pixels that differ are filled.
 
 use super::runner::Runner;
-use super::{FillState, Fills, Held, Taps};
+use super::{ConnectionPlanes, FillState, Fills, Taps};
 use crate::kernel::Plane;
 use crate::planning::plan::{Feed, Fill};
-use crate::planning::shading::TELLING;
+use crate::planning::shading::SHARING_CHANNELS;
 use crate::running::certify::fill_with_bounds;
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -12,7 +12,7 @@ use trochoid_graph::{Block, Bound, Channel, Connection, Inputs, NodeError, NodeI
 use trochoid_image::{Shading, Window};
 
 /// What a view sees at the samples of the current tile.
-pub(super) struct View {
+pub(super) struct SharingView {
     node: NodeId,
     /// Index of the fill that holds the view's surface and depth.
     fill: usize,
@@ -29,7 +29,7 @@ pub(super) struct View {
 }
 
 /// Pixels of a window at which the current sample does not share, according to some views.
-pub(super) struct Apart {
+pub(super) struct UnsharedPixels {
     views: Vec<NodeId>,
     window: Window,
     /// Indices into planes over the window.
@@ -41,25 +41,25 @@ pub(super) struct Apart {
 
 /// Results of the first sample, by plane, at the pixels where the results of another sample replace them.
 #[derive(Default)]
-pub(super) struct Kept {
+pub(super) struct ReplacedValues {
     /// Indices into the planes.
     pub(super) indices: Vec<usize>,
     values: Vec<Vec<f32>>,
 }
 
 /// Returns the slot of a channel by which a view decides sharing.
-pub(super) fn telling(node: NodeId, channel: Channel) -> Slot {
+pub(super) fn sharing_slot(node: NodeId, channel: Channel) -> Slot {
     Slot { node, output: 0, channel: channel as usize }
 }
 
-impl View {
+impl SharingView {
     /// Returns the views by which stages share.
     pub(super) fn of(fills: &[Fill], by_slot: &HashMap<Slot, usize>) -> Vec<Self> {
         let mut nodes: Vec<NodeId> = fills.iter().flat_map(|fill| fill.shared.iter().flatten().copied()).collect();
         nodes.sort_unstable();
         nodes.dedup();
         let view = |node: NodeId| {
-            let fill = *by_slot.get(&telling(node, TELLING[0]))?;
+            let fill = *by_slot.get(&sharing_slot(node, SHARING_CHANNELS[0]))?;
             let (all, window) = (Window::default(), Window::default());
             Some(Self {
                 node,
@@ -77,15 +77,15 @@ impl View {
 
     /// Returns, for a row of a window within the view's own, where the sample differs.
     fn row(&self, window: Window, y: i64) -> &[bool] {
-        &self.differs[self.place([window.x0, y])..][..window.width()]
+        &self.differs[self.index([window.x0, y])..][..window.width()]
     }
 
     /// Returns whether the reference may decide differently at a pixel.
     fn is_doubtful(&self, pixel: [i64; 2]) -> bool {
-        self.doubtful.get(self.place(pixel)).is_some_and(|doubtful| *doubtful)
+        self.doubtful.get(self.index(pixel)).is_some_and(|doubtful| *doubtful)
     }
 
-    fn place(&self, [x, y]: [i64; 2]) -> usize {
+    fn index(&self, [x, y]: [i64; 2]) -> usize {
         (y - self.window.y0) as usize * self.window.width() + (x - self.window.x0) as usize
     }
 
@@ -150,14 +150,14 @@ fn is_doubtful([first, first_bounds]: [[f32; 2]; 2], [here, bounds]: [[f32; 2]; 
 
 impl<'p> Fills<'p> {
     /// Compares what a stage has seen, if it is a view that decides sharing.
-    pub(super) fn look(&mut self, index: usize, sample: usize) {
+    pub(super) fn compare_sample(&mut self, index: usize, sample: usize) {
         for view in self.views.iter_mut().filter(|view| view.fill == index) {
             let state = &self.fills[index];
-            let planes = TELLING.map(|channel| &state.planes[0][channel as usize][..]);
+            let planes = SHARING_CHANNELS.map(|channel| &state.planes[0][channel as usize][..]);
             view.compare(sample, state.window, planes);
             if self.plan.settings.bounds {
                 let behind = state.planes[0].len() / 2;
-                let bounds = TELLING.map(|channel| &state.planes[0][behind + channel as usize][..]);
+                let bounds = SHARING_CHANNELS.map(|channel| &state.planes[0][behind + channel as usize][..]);
                 view.doubt(sample, planes, bounds);
             }
         }
@@ -165,41 +165,41 @@ impl<'p> Fills<'p> {
 
     /// Fills a stage where the current sample does not share with the first one, and keeps the first sample's results
     /// elsewhere.
-    pub(super) fn stage_apart(&mut self, index: usize, views: &[NodeId], offset: [f64; 2]) -> Result<(), NodeError> {
+    pub(super) fn fill_unshared(&mut self, index: usize, views: &[NodeId], offset: [f64; 2]) -> Result<(), NodeError> {
         let (window, held) = (self.fills[index].need, self.fills[index].window);
-        let known = self.apart.iter().position(|apart| apart.window == window && apart.views == views);
-        let apart = match known {
-            Some(known) => self.apart.swap_remove(known),
-            None => self.differing(views, window),
+        let known = self.unshared.iter().position(|unshared| unshared.window == window && unshared.views == views);
+        let unshared = match known {
+            Some(known) => self.unshared.swap_remove(known),
+            None => self.unshared_pixels(views, window),
         };
         let state = &mut self.fills[index];
-        let mut kept = std::mem::take(&mut state.kept);
+        let mut replaced = std::mem::take(&mut state.replaced);
         let mut own = std::mem::take(&mut state.planes);
         let mut machine = state.taps.take();
         let mut planes: Vec<&mut Vec<f32>> = own.iter_mut().flatten().filter(|plane| !plane.is_empty()).collect();
-        for (plane, values) in planes.iter_mut().zip(&kept.values) {
-            kept.indices.iter().zip(values).for_each(|(index, value)| plane[*index] = *value);
+        for (plane, values) in planes.iter_mut().zip(&replaced.values) {
+            replaced.indices.iter().zip(values).for_each(|(index, value)| plane[*index] = *value);
         }
-        kept.indices.clear();
+        replaced.indices.clear();
         let place = |[x, y]: &[i64; 2]| (y - held.y0) as usize * held.width() + (x - held.x0) as usize;
         if window == held {
-            kept.indices.extend_from_slice(&apart.indices);
+            replaced.indices.extend_from_slice(&unshared.indices);
         } else {
-            kept.indices.extend(apart.pixels.iter().map(place));
+            replaced.indices.extend(unshared.pixels.iter().map(place));
         }
         // After the pixels that will get new results.
-        let doubtful: Vec<usize> = apart.doubtful.iter().map(place).collect();
-        kept.indices.extend_from_slice(&doubtful);
-        kept.values.resize_with(planes.len(), Vec::new);
-        for (plane, values) in planes.iter().zip(&mut kept.values) {
+        let doubtful: Vec<usize> = unshared.doubtful.iter().map(place).collect();
+        replaced.indices.extend_from_slice(&doubtful);
+        replaced.values.resize_with(planes.len(), Vec::new);
+        for (plane, values) in planes.iter().zip(&mut replaced.values) {
             values.clear();
-            values.extend(kept.indices.iter().map(|index| plane[*index]));
+            values.extend(replaced.indices.iter().map(|index| plane[*index]));
         }
         let mut filled = Ok(());
-        if !apart.indices.is_empty() {
-            filled = self.fill_pixels(index, &apart, offset, machine.as_mut()).map(|found| {
+        if !unshared.indices.is_empty() {
+            filled = self.fill_pixels(index, &unshared, offset, machine.as_mut()).map(|found| {
                 for (plane, values) in planes.iter_mut().zip(found) {
-                    kept.indices.iter().zip(values).for_each(|(index, value)| plane[*index] = value);
+                    replaced.indices.iter().zip(values).for_each(|(index, value)| plane[*index] = value);
                 }
             });
         }
@@ -210,14 +210,14 @@ impl<'p> Fills<'p> {
             }
         }
         let state = &mut self.fills[index];
-        (state.planes, state.kept, state.taps) = (own, kept, machine);
-        self.apart.push(apart);
+        (state.planes, state.replaced, state.taps) = (own, replaced, machine);
+        self.unshared.push(unshared);
         filled
     }
 
     /// Finds the pixels of a window at which some view sees something else than at the first sample.
-    fn differing(&self, views: &[NodeId], window: Window) -> Apart {
-        let asked: Vec<&View> = self.views.iter().filter(|view| views.contains(&view.node)).collect();
+    fn unshared_pixels(&self, views: &[NodeId], window: Window) -> UnsharedPixels {
+        let asked: Vec<&SharingView> = self.views.iter().filter(|view| views.contains(&view.node)).collect();
         let (mut indices, mut pixels, mut doubtful) = (Vec::new(), Vec::new(), Vec::new());
         for (y, first) in (window.y0..window.y1).zip((0..).step_by(window.width())) {
             let rows: Vec<&[bool]> = asked.iter().map(|view| view.row(window, y)).collect();
@@ -230,31 +230,31 @@ impl<'p> Fills<'p> {
                 doubtful.extend(pixels.filter(|pixel| asked.iter().any(|view| view.is_doubtful(*pixel))));
             }
         }
-        Apart { views: views.to_vec(), window, indices, pixels, doubtful }
+        UnsharedPixels { views: views.to_vec(), window, indices, pixels, doubtful }
     }
 
     /// Computes the stage's planes at single pixels of its window.
     fn fill_pixels(
         &self,
         index: usize,
-        apart: &Apart,
+        unshared: &UnsharedPixels,
         offset: [f64; 2],
         machine: Option<&mut Runner<'p>>,
     ) -> Result<Vec<Vec<f32>>, NodeError> {
         let (state, before) = (&self.fills[index], &self.fills[..index]);
         let Some(ready) = self.ready.get(&state.fill.node) else { return Ok(Vec::new()) };
-        let taps = self.tap_pixels(state, apart, before, machine);
-        let count = apart.indices.len();
+        let taps = self.tap_pixels(state, unshared, before, machine);
+        let count = unshared.indices.len();
         let gather = |feed: &Feed| -> Option<Cow<'_, [f32]>> {
             Some(match feed {
                 Feed::Nothing => return None,
                 Feed::Constant(value) => vec![*value; count].into(),
                 Feed::Tap(root, channel) => taps.get(&(*root, *channel))?.into(),
-                Feed::Slot(slot) => self.gather(slot, apart, before).into(),
+                Feed::Slot(slot) => self.gather(slot, unshared, before).into(),
             })
         };
-        let block = Block::scattered(&apart.pixels, offset);
-        let held: Vec<Vec<Held<'_>>> = state
+        let block = Block::scattered(&unshared.pixels, offset);
+        let held: Vec<Vec<ConnectionPlanes<'_>>> = state
             .fill
             .inputs
             .iter()
@@ -286,7 +286,7 @@ impl<'p> Fills<'p> {
         let cancelled = || self.monitor.cancelled();
         if self.plan.settings.bounds {
             let exact = self.plan.settings.exact == Some(state.fill.node);
-            let filled = fill_with_bounds((&*ready.prepared, exact), &block, &ports, &cancelled, outputs)?;
+            let filled = fill_with_bounds(&*ready.prepared, exact, &block, &ports, &cancelled, outputs)?;
             state.unbounded.set(filled);
             return Ok(found);
         }
@@ -296,28 +296,29 @@ impl<'p> Fills<'p> {
     }
 
     /// Reads a plane at single pixels.
-    fn gather(&self, slot: &Slot, apart: &Apart, before: &[FillState<'_>]) -> Vec<f32> {
-        let (plane, window) = (self.plane(slot, apart.window, before), apart.window);
+    fn gather(&self, slot: &Slot, unshared: &UnsharedPixels, before: &[FillState<'_>]) -> Vec<f32> {
+        let (plane, window) = (self.plane(slot, unshared.window, before), unshared.window);
         if plane.stride == window.width() {
             let samples = &plane.samples[plane.start..];
-            return apart.indices.iter().map(|index| samples[*index]).collect();
+            return unshared.indices.iter().map(|index| samples[*index]).collect();
         }
         let at = |[x, y]: &[i64; 2]| plane.start + (y - window.y0) as usize * plane.stride + (x - window.x0) as usize;
-        apart.pixels.iter().map(|pixel| plane.samples[at(pixel)]).collect()
+        unshared.pixels.iter().map(|pixel| plane.samples[at(pixel)]).collect()
     }
 
     /// Runs the pointwise program before a stage at single pixels of its window.
     fn tap_pixels(
         &self,
         state: &FillState<'_>,
-        apart: &Apart,
+        unshared: &UnsharedPixels,
         before: &[FillState<'_>],
         machine: Option<&mut Runner<'p>>,
     ) -> Taps {
         let mut taps = Taps::new();
         if let (Some(machine), Some(compiled)) = (machine, &state.fill.taps) {
-            let planes: Vec<Vec<f32>> = compiled.planes.iter().map(|slot| self.gather(slot, apart, before)).collect();
-            let stride = apart.indices.len();
+            let planes: Vec<Vec<f32>> =
+                compiled.planes.iter().map(|slot| self.gather(slot, unshared, before)).collect();
+            let stride = unshared.indices.len();
             let planes: Vec<Plane<'_>> = planes.iter().map(|samples| Plane { samples, start: 0, stride }).collect();
             machine.tile(&planes, stride, 1, &mut |root, channel, _, row| {
                 taps.entry((root, channel)).or_default().extend_from_slice(row);

@@ -4,7 +4,7 @@ use super::{ReferenceError, ReferenceFrame};
 use crate::judge::nan_count;
 use crate::running::memory::Pictures;
 use crate::running::prepare::prepare;
-use crate::running::run::Tally;
+use crate::running::run::WorkerTotals;
 use crate::{Buffers, Cache, EvalError, Frame, Monitor, Phases, Plan, Sink};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -46,8 +46,8 @@ impl Plan<'_> {
         let prepare = started.elapsed().as_secs_f64();
         let started = Instant::now();
         let mut pictures = self.allocate(Vec::new())?;
-        let mut tally = Tally::default();
-        tally.audits.resize(self.outputs.len(), Audit::default());
+        let mut totals = WorkerTotals::default();
+        totals.audits.resize(self.outputs.len(), Audit::default());
         let window = self.window;
         let (done, total) = (AtomicUsize::new(0), references.len() * window.height());
         for (index, reference) in references.iter().enumerate() {
@@ -67,9 +67,9 @@ impl Plan<'_> {
                     _ => audit.nan_count = nan_count(&row.iter().map(Vec::as_slice).collect::<Vec<_>>()),
                 }
                 if let Kind::Weights(_) = kind {
-                    tally.weigh(row);
+                    totals.weigh(row);
                 }
-                tally.audits[index] = tally.audits[index].merge(audit);
+                totals.audits[index] = totals.audits[index].merge(audit);
                 for (plane, row) in pictures[index].iter_mut().zip(row) {
                     plane.samples_mut()[y * row.len()..][..row.len()].copy_from_slice(row);
                 }
@@ -86,7 +86,7 @@ impl Plan<'_> {
             pictures.iter_mut().for_each(Vec::clear);
         }
         let seconds = Phases { prepare, hull: 0.0, tiles: started.elapsed().as_secs_f64() };
-        let mut frame = self.assemble(judges, &tally, (&ready, &[]), seconds);
+        let mut frame = self.assemble(judges, &totals, &ready, &[], seconds);
         for (picture, planes) in frame.pictures.iter_mut().zip(pictures) {
             picture.planes = planes;
         }
@@ -113,7 +113,7 @@ fn row(
     Ok(row)
 }
 
-impl Tally {
+impl WorkerTotals {
     /// Audits a row of weights, given by weight.
     fn weigh(&mut self, row: &[Vec<f32>]) {
         for x in 0..row.first().map_or(0, Vec::len) {

@@ -5,10 +5,10 @@ mod pixels;
 
 pub use pixels::ReferencePixel;
 
-use crate::planning::shading::TELLING;
+use crate::planning::shading::SHARING_CHANNELS;
 use crate::running::fill::extents;
 use crate::running::memory::Pictures;
-use crate::running::prepare::{Ready, prepare};
+use crate::running::prepare::{PreparedStage, prepare};
 use crate::{Cache, EvalError, Monitor, Plan, PlanError, Settings, Silent, Switches};
 use std::cell::RefCell;
 use std::collections::HashMap;
@@ -19,7 +19,7 @@ use trochoid_image::{Shading, Window};
 /// A frame that can be evaluated in f64 at any pixel.
 pub struct ReferenceFrame<'g> {
     plan: Plan<'g>,
-    ready: HashMap<NodeId, Ready>,
+    ready: HashMap<NodeId, PreparedStage>,
     /// How far the images of stages extend.
     extents: HashMap<NodeId, Window>,
     /// Each requested node's dependencies, with the node itself last.
@@ -82,7 +82,7 @@ impl<'g> ReferenceFrame<'g> {
     /// A node's input data are illegal at that point.
     pub fn sample(&self, x: f64, y: f64) -> Result<Vec<f64>, EvalError> {
         let spec = &self.plan.graph.outputs()[self.plan.outputs[0].index];
-        let evaluation = Evaluation { frame: self, known: RefCell::default() };
+        let evaluation = SampleEvaluation { frame: self, known: RefCell::default() };
         Ok(numbers(evaluation.output(spec.node, spec.output, [x, y])?))
     }
 
@@ -134,16 +134,16 @@ impl<'g> ReferenceFrame<'g> {
 }
 
 /// Outputs of nodes at points.
-type Known = HashMap<(NodeId, [u64; 2]), Vec<Reference>>;
+type PointOutputs = HashMap<(NodeId, [u64; 2]), Vec<Reference>>;
 
 /// Evaluation of one sample: filters read their inputs at other points, several of them often at the same.
-struct Evaluation<'e, 'g> {
+struct SampleEvaluation<'e, 'g> {
     frame: &'e ReferenceFrame<'g>,
     /// Outputs of nodes, by the bits of the point.
-    known: RefCell<Known>,
+    known: RefCell<PointOutputs>,
 }
 
-impl Evaluation<'_, '_> {
+impl SampleEvaluation<'_, '_> {
     /// Returns an output of a node at a point. Only filters recurse: whatever a node reads at its own point is
     /// evaluated before it.
     fn output(&self, id: NodeId, output: usize, at: [f64; 2]) -> Result<Reference, EvalError> {
@@ -185,7 +185,7 @@ impl Evaluation<'_, '_> {
             let told = |at: [f64; 2]| {
                 self.output(*view, 0, at).map(|told| match told {
                     Reference::View(channels) => {
-                        let [surface, depth] = TELLING.map(|channel| channels[channel as usize]);
+                        let [surface, depth] = SHARING_CHANNELS.map(|channel| channels[channel as usize]);
                         (surface, depth)
                     }
                     _ => unreachable!("stages share by views"),

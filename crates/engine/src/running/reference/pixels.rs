@@ -1,7 +1,7 @@
 //! Evaluates what a check of finished pictures needs from the references: many pixels, the weights on the way to
 //! them, and the control colors. Nothing here looks at a program, a tile or a plane.
 
-use super::{Evaluation, ReferenceFrame};
+use super::{ReferenceFrame, SampleEvaluation};
 use crate::{EvalError, Monitor};
 use rayon::prelude::*;
 use std::cell::RefCell;
@@ -67,7 +67,7 @@ impl ReferenceFrame<'_> {
         let offsets = &self.plan.passes[0].offsets;
         let mut pixel = ReferencePixel { value: Vec::new(), weight_min: f64::INFINITY, weight_sum_max_deviation: 0.0 };
         for offset in offsets {
-            let evaluation = Evaluation { frame: self, known: RefCell::default() };
+            let evaluation = SampleEvaluation { frame: self, known: RefCell::default() };
             let value = evaluation.output(spec.node, spec.output, [x as f64 + offset[0], y as f64 + offset[1]])?;
             let value = super::numbers(value);
             pixel.value.resize(value.len(), 0.0);

@@ -3,7 +3,7 @@
 use super::{Request, TargetError};
 use crate::accuracy::unbounded;
 use std::fmt;
-use trochoid_engine::{Buffers, Cache, Certifier, Limiting, Monitor};
+use trochoid_engine::{AccuracyLimit, Buffers, Cache, Certifier, Monitor};
 use trochoid_graph::CheckedGraph;
 use trochoid_image::Window;
 
@@ -76,7 +76,7 @@ pub(super) fn limit(
         }));
     };
     let certifier = Certifier::new(graph, request.outputs, request.frame, &[], request.settings)?;
-    let Limiting { stage, .. } = certifier.limiting(output, pixel, &Buffers::new(), &mut cache, monitor)?;
+    let AccuracyLimit { stage, .. } = certifier.limiting(output, pixel, &Buffers::new(), &mut cache, monitor)?;
     Ok(stage.map_or(Limit::Rounding, |id| {
         let (node, ty) = named(id);
         Limit::Pass { node, ty }
