@@ -8,8 +8,8 @@ use crate::{frames, interrupt, outputs, webp};
 use std::path::PathBuf;
 use trochoid::io::{PngImage, Samples, write_png8};
 use trochoid::{
-    Buffers, Cache, CheckedGraph, Diagnostic, EvalError, Form, Kind, Picture, Pictures, Plan, Settings, Taker, marks,
-    quoted_path,
+    Buffers, Cache, CheckedGraph, Diagnostic, EvalError, Form, Kind, MemoryConsumer, Picture, Pictures, Plan, Settings,
+    marks, quoted_path,
 };
 use webp_animation::{ColorMode, Encoder, EncoderOptions, EncodingConfig};
 
@@ -175,7 +175,7 @@ fn render(
     let account = plan.memory(Pictures::Files);
     plan.check_memory(&account).map_err(|mut error| {
         if let EvalError::TooMuchMemory { remedy, .. } = &mut error
-            && let Some((Taker::Pictures | Taker::Writing, ..)) = account.takers.first()
+            && let Some((MemoryConsumer::Pictures | MemoryConsumer::Writing, ..)) = account.consumers.first()
         {
             // The remedy of writing EXR does not apply to previews.
             *remedy = "lower the format's \"width\" and \"height\"";

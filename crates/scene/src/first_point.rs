@@ -4,7 +4,7 @@
 //! prove either that no point of a rectangle lies on the ray, or that at most one does, which Newton's method then
 //! finds or not.
 
-use crate::carried::Carried;
+use crate::sea_point::Carried;
 use crate::{Projector, Ray, SeaSurface};
 use glam::DVec3;
 use std::cmp::Ordering;

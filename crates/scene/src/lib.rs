@@ -18,7 +18,6 @@
 
 pub mod bezier;
 mod camera;
-mod carried;
 mod certain;
 mod channel;
 pub mod claws;
@@ -40,6 +39,7 @@ pub mod reference;
 mod resolve;
 mod resting;
 mod rigid;
+mod sea_point;
 mod sea_surface;
 pub mod shading;
 mod sheets;

@@ -3,12 +3,12 @@ use std::sync::{Arc, OnceLock};
 use glam::DVec3;
 use trochoid_sea::{PreciseSea, Sea, SeaFrame};
 
-use crate::carried::Limits;
 use crate::certain::{Search, SeenSea, contours_of_grid, meet_sea};
 use crate::extent::{Bounds, Sector, Strip};
 use crate::followed::follow_sea;
 use crate::footprint::least_footprint;
 use crate::points::Near;
+use crate::sea_point::Limits;
 use crate::spacing::Spacing;
 use crate::surface::{Anchor, Hit, Mesh, Surface};
 use crate::{ChannelSet, Projector, Ray, Resting, reference, tessellate};

@@ -9,24 +9,24 @@
 //! point is found in f64.
 
 mod cells;
+mod contours;
 mod facets;
 mod grid;
 mod sea;
-mod turns;
 
 pub(crate) use cells::{Corner, Most, Smooth, contours_of_grid};
+pub use contours::Search;
 pub(crate) use facets::contours_of_facets;
 pub(crate) use grid::{SeenGrid, meet_grid};
 pub(crate) use sea::{SeenSea, meet_sea};
-pub use turns::Search;
 
 use crate::channel::FINE;
 use crate::points::{APART, around};
 use crate::sheets::{Sheet, Sheets};
 use crate::surface::{Hit, Surface};
 use crate::{Camera, Projector, Visible};
+use contours::{Marks, Turn};
 use trochoid_image::Format;
-use turns::{Marks, Turn};
 
 /// What a sample of the continuous surfaces sees.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,9 +1,9 @@
 //! Contours of seas of waves.
 
 use super::{Corner, Most, Smooth};
-use crate::carried::Carried;
 use crate::points::Near;
 use crate::reference::hit_of_sea;
+use crate::sea_point::Carried;
 use crate::surface::Hit;
 use crate::{Projector, Ray, SeaSurface};
 use glam::{DMat3, DVec3};
