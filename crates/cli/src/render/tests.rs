@@ -120,7 +120,7 @@ fn long_work_at_a_late_frame_is_told_by_its_place() {
     };
     assert_eq!(warnings(1), [""; 0]);
     let [late] = &warnings(1_000_000)[..] else { panic!("{:?}", warnings(1_000_000)) };
-    let words = format!("warning: {}:3:1: frame 1000000: node \"sea\", preroll: found work for", args.graph.display());
+    let words = format!("warning: {}:3:1: frame 1000000: node \"sea\", preroll: found about", args.graph.display());
     assert!(late.starts_with(&words), "{late}");
 }
 

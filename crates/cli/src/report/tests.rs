@@ -174,5 +174,5 @@ fn faults_are_told_before_anything_is_measured() {
     };
     fails(Args { output: Some("beuaty".into()), ..arguments(folder.path()) }, &["beuaty", "beauty"]);
     let occupied = Args { out: folder.path().join("sea, \"calm\".json"), ..arguments(folder.path()) };
-    fails(occupied, &["error: "]);
+    fails(occupied, &["is not a folder"]);
 }
