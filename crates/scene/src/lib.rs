@@ -13,7 +13,6 @@
 
 pub mod bezier;
 mod camera;
-mod carried;
 mod certain;
 mod channel;
 pub mod claws;
@@ -35,6 +34,7 @@ pub mod reference;
 mod resolve;
 mod resting;
 mod rigid;
+mod sea_point;
 mod sea_surface;
 pub mod shading;
 mod sheets;
@@ -54,7 +54,7 @@ pub use glam::DVec3;
 pub use grid_surface::GridSurface;
 pub use light::{Illumination, Light};
 pub use obstacles::{Obstacles, first_reference, surroundings};
-pub use points::{Near, Sums};
+pub use points::{MeshHit, Sums};
 pub use resting::Resting;
 pub use rigid::{Pose, RigidBodies};
 pub use sea_surface::{Resolved, SeaSurface};

@@ -13,10 +13,10 @@ mod curve;
 mod edge;
 mod model;
 mod normal;
+mod rails;
 mod stitch;
 mod surface;
 mod tessellate;
-mod through;
 mod trace;
 
 pub use bicubic::Bicubic;
@@ -24,4 +24,4 @@ pub use bilinear::Bilinear;
 pub use continuity::{Continuity, continuity};
 pub use model::{MAX_PATCHES, MAX_SEGMENTS, Patch, PatchModel, Placement, Tessellation};
 pub use normal::UnitNormal;
-pub use through::{MAX_RAIL_POINTS, Rails, RailsError};
+pub use rails::{MAX_RAIL_POINTS, Rails, RailsError};

@@ -3,30 +3,30 @@
 //! A mesh approximates a surface. If each of its points is moved to the corresponding point of the surface, a sample
 //! keeps seeing the same sheet all the way, unless a contour passes over the sample: a line where a sheet turns away
 //! from the camera or ends, or where two sheets change places. Therefore every position where the mesh, the surface
-//! or anything between them may have a contour is covered with boxes ([`Turn`]). Consider a sample that lies outside
-//! of all boxes that are nearer than the sheet it sees, and where the surfaces of the nearest sheets lie behind one
-//! another in the order of the sheets: its ray meets the visible surface near the point where it meets the mesh. That
-//! point is found in f64.
+//! or anything between them may have a contour is covered with boxes ([`ContourBox`]). Consider a sample that lies
+//! outside of all boxes that are nearer than the sheet it sees, and where the surfaces of the nearest sheets lie behind
+//! one another in the order of the sheets: its ray meets the visible surface near the point where it meets the mesh.
+//! That point is found in f64.
 
 mod cells;
+mod contours;
 mod facets;
 mod grid;
 mod sea;
-mod turns;
 
-pub(crate) use cells::{Corner, Most, Smooth, contours_of_grid};
+pub(crate) use cells::{DerivativeLimits, SmoothSurface, SurfaceCorner, contours_of_grid};
+pub use contours::Search;
 pub(crate) use facets::contours_of_facets;
 pub(crate) use grid::{SeenGrid, meet_grid};
 pub(crate) use sea::{SeenSea, meet_sea};
-pub use turns::Search;
 
 use crate::channel::FINE;
 use crate::points::{APART, around};
 use crate::sheets::{Sheet, Sheets};
 use crate::surface::{Hit, Surface};
 use crate::{Camera, Projector, Visible};
+use contours::{ContourBox, Marks};
 use trochoid_image::Format;
-use turns::{Marks, Turn};
 
 /// What a sample of the continuous surfaces sees.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -82,7 +82,7 @@ impl Certain {
         let search = Search::new(&visible, APART, stop);
         for (surface, layer) in surfaces.iter().zip(&visible.layers) {
             if !surface.contours(&search, &layer.mesh) {
-                search.mark(&Turn::everywhere(&visible.projector));
+                search.mark(&ContourBox::everywhere(&visible.projector));
             }
         }
         let marks = search.marks();
