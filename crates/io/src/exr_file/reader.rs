@@ -13,7 +13,7 @@ use super::failure::Failure;
 use super::header::Header;
 use super::parallel::in_order;
 use crate::limits::{grow, zeroed};
-use crate::source::{self, ReadAt, Shareable, Source};
+use crate::source::{self, ReadAt, Shareable, SourceFile};
 use crate::{Error, FileKind, Limits, PartInfo, Picture, PictureInfo, Selection, Storage};
 
 /// What to do about a file that is valid but not read.
@@ -85,7 +85,7 @@ impl ExrReader {
     }
 
     pub(crate) fn of<R: Shareable>(
-        mut source: Source<R>,
+        mut source: SourceFile<R>,
         selection: &Selection,
         limits: &Limits,
     ) -> Result<Self, Error> {
@@ -324,7 +324,7 @@ impl std::fmt::Debug for ExrReader {
 }
 
 /// The codec of a part, or why it is not read.
-fn supported<R: BufRead + Seek>(source: &Source<R>, header: &Header, part: usize) -> Result<Codec, Error> {
+fn supported<R: BufRead + Seek>(source: &SourceFile<R>, header: &Header, part: usize) -> Result<Codec, Error> {
     let info = &header.parts[part];
     let refuse =
         |place: String, found: String| Error::Unsupported { path: source.path.clone(), place, found, remedy: REMEDY };
